@@ -1,0 +1,110 @@
+//! What reaches the core from outside: a robot's reports, sensors' readings, the store's word that something is kept.
+//! What the core sends out stands in `effect`.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::units::{Celsius, OrderId, Seq};
+
+/// Which robot is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum RobotId {
+    /// The robot that searches.
+    Discovery,
+}
+
+/// Something that happened outside the core.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// A robot reports.
+    Robot(RobotId, RobotEvent),
+    /// A configured sensor has given no believable reading for too long.
+    SensorSilent(Arc<str>),
+    /// A configured sensor reads, in °C.
+    Sensor(Arc<str>, Celsius),
+    /// Everything up to this entry is kept for good.
+    Recorded(Seq),
+    /// The store cannot write.
+    StoreFailed(String),
+    /// The store can write again.
+    StoreRestored,
+}
+
+/// What a robot says. It answers every order with exactly one of `Done`, `Blocked`, `Halted`, `Photo`, `PhotoFailed` or
+/// `Failed`; the others come when they come.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RobotEvent {
+    /// The link stands (again); what this robot can do.
+    LinkUp(Capabilities),
+    /// The link is lost; the robot halts by itself. No open order will be answered.
+    LinkLost(String),
+    /// A step, turn or recentring is complete.
+    Done(OrderId),
+    /// A step met an obstacle: the robot stands against it, away from the centre of the cell it left, until recentred.
+    Blocked(OrderId, Obstacle),
+    /// The order was cut short by a halt, or came after one and was not begun. `off_centre` says whether the robot now stands
+    /// away from a cell centre or between two headings, to be recentred before anything else.
+    Halted(OrderId, OffCentre),
+    /// The photo that was ordered.
+    Photo(OrderId, Photo),
+    /// The photo could not be taken; why.
+    PhotoFailed(OrderId, String),
+    /// The robot cannot do what was ordered; why.
+    Failed(OrderId, String),
+    /// The front sonar: centimetres to what is ahead, `None` beyond its range.
+    Sonar(Option<u16>),
+    /// The robot's own thermometer.
+    Temperature(Celsius),
+}
+
+/// Whether a halted robot stands away from where its last completed order left it.
+pub type OffCentre = bool;
+
+/// What a robot can do and how long it takes; it says so when the link comes up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Capabilities {
+    /// One cell forward or backward.
+    pub step: Duration,
+    /// A turn of 90°.
+    pub turn: Duration,
+    /// One photo, transfer included.
+    pub photo: Duration,
+    /// Whether it has the small corrective turns.
+    pub nudges: bool,
+}
+
+/// What the robot takes an obstacle for (mission §3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Obstacle {
+    /// A wall of the hall. The camera sees how many more cells the same straight wall goes on to the robot's left and right
+    /// of the cell that was met; zero when it cannot tell.
+    Wall {
+        /// Further cells of this wall to the left of the cell met.
+        left: u16,
+        /// Further cells to its right.
+        right: u16,
+    },
+    /// Luggage, and which piece: the same piece has the same number from whichever side it is met.
+    Luggage(Piece),
+    /// It cannot tell.
+    Unknown,
+}
+
+/// The number by which the camera knows a piece of luggage again. It says nothing about records.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Piece(pub u32);
+
+/// A photo as the camera gave it.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Photo {
+    /// The encoded picture.
+    pub bytes: Arc<[u8]>,
+    /// Its media type, as `image/png`.
+    pub media_type: &'static str,
+}
+
+impl std::fmt::Debug for Photo {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Photo({}, {} bytes)", self.media_type, self.bytes.len())
+    }
+}

@@ -1,0 +1,150 @@
+//! What holds the robot: a set beside the phase. While it is not empty nothing moves (mission §4).
+
+use std::collections::BTreeSet;
+
+/// One reason for which the robot must not move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Hold {
+    /// STOP was pressed.
+    Operator,
+    /// The operator's button TOO HIGH.
+    TooHigh,
+    /// A reading is above the threshold.
+    Temperature,
+    /// A configured sensor is silent.
+    TemperatureStale,
+    /// The robot cannot be reached.
+    RobotLink,
+    /// Nothing can be put on record.
+    Store,
+    /// The program was started again.
+    Restart,
+    /// An alarm must be acknowledged first.
+    Alarm,
+    /// The cause of a hold may be gone, but nobody has said START since.
+    AwaitingStart,
+}
+
+impl Hold {
+    /// Every hold, in the order in which they are listed.
+    pub const ALL: [Hold; 9] = [
+        Hold::Operator,
+        Hold::TooHigh,
+        Hold::Temperature,
+        Hold::TemperatureStale,
+        Hold::RobotLink,
+        Hold::Store,
+        Hold::Restart,
+        Hold::Alarm,
+        Hold::AwaitingStart,
+    ];
+
+    /// The word of the doors.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Hold::Operator => "operator",
+            Hold::TooHigh => "tooHigh",
+            Hold::Temperature => "temperature",
+            Hold::TemperatureStale => "temperatureStale",
+            Hold::RobotLink => "robotLink",
+            Hold::Store => "store",
+            Hold::Restart => "restart",
+            Hold::Alarm => "alarm",
+            Hold::AwaitingStart => "awaitingStart",
+        }
+    }
+
+    /// What an operator reads, and what to do about it.
+    #[must_use]
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Hold::Operator => "stopped by the operator",
+            Hold::TooHigh => "temperature too high (button): press OK first",
+            Hold::Temperature => "temperature above the threshold: wait until it has fallen",
+            Hold::TemperatureStale => "the temperature sensor is silent: mend it first",
+            Hold::RobotLink => "the robot cannot be reached: mend the link first",
+            Hold::Store => "nothing can be recorded: mend the store first",
+            Hold::Restart => "the program was restarted",
+            Hold::Alarm => "an alarm must be acknowledged first",
+            Hold::AwaitingStart => "waiting for START",
+        }
+    }
+
+    /// Whether an accepted movement command clears it; the others must end by themselves.
+    #[must_use]
+    pub const fn cleared_by_start(self) -> bool {
+        matches!(self, Hold::Operator | Hold::Restart | Hold::AwaitingStart)
+    }
+}
+
+/// The holds that stand.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Holds(BTreeSet<Hold>);
+
+impl Holds {
+    /// Whether nothing holds the robot.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Whether this hold stands.
+    #[must_use]
+    pub fn contains(&self, hold: Hold) -> bool {
+        self.0.contains(&hold)
+    }
+
+    /// Raises a hold; true when it did not stand before.
+    pub fn raise(&mut self, hold: Hold) -> bool {
+        self.0.insert(hold)
+    }
+
+    /// Clears a hold, and no other; true when it stood.
+    pub fn clear(&mut self, hold: Hold) -> bool {
+        self.0.remove(&hold)
+    }
+
+    /// Clears what a movement command clears; true when any of it stood.
+    pub fn release(&mut self) -> bool {
+        let before = self.0.len();
+        self.0.retain(|hold| !hold.cleared_by_start());
+        self.0.len() != before
+    }
+
+    /// Those that a movement command does not clear.
+    #[must_use]
+    pub fn standing_against_start(&self) -> Vec<Hold> {
+        self.0.iter().copied().filter(|hold| !hold.cleared_by_start()).collect()
+    }
+
+    /// All of them, in order.
+    #[must_use]
+    pub fn to_vec(&self) -> Vec<Hold> {
+        self.0.iter().copied().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clearing_one_hold_clears_no_other() {
+        let mut holds = Holds::default();
+        for hold in Hold::ALL {
+            assert!(holds.raise(hold));
+        }
+        assert!(holds.clear(Hold::TooHigh));
+        assert_eq!(holds.to_vec().len(), Hold::ALL.len() - 1);
+    }
+
+    #[test]
+    fn a_start_clears_only_what_it_may() {
+        let mut holds = Holds::default();
+        Hold::ALL.map(|hold| holds.raise(hold));
+        assert!(holds.release());
+        assert_eq!(holds.to_vec(), holds.standing_against_start());
+        assert!(holds.contains(Hold::Temperature) && !holds.contains(Hold::Operator));
+    }
+}

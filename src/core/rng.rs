@@ -1,0 +1,68 @@
+//! Randomness that comes back: one seed, and for each purpose a stream of its own by name, so that drawing more of one
+//! changes nothing of another.
+
+use rand_chacha::ChaCha8Rng;
+use rand_core::{Rng, SeedableRng};
+
+/// A stream of random numbers for one purpose.
+#[derive(Clone, Debug)]
+pub struct Stream(ChaCha8Rng);
+
+impl Stream {
+    /// The stream of `purpose` under `seed`.
+    #[must_use]
+    pub fn new(seed: u64, purpose: &str) -> Stream {
+        Stream(ChaCha8Rng::seed_from_u64(seed ^ fnv1a(purpose)))
+    }
+
+    /// A whole number, each as likely.
+    pub fn number(&mut self) -> u64 {
+        self.0.next_u64()
+    }
+
+    /// A number in `0.0..1.0`.
+    #[expect(clippy::cast_precision_loss, reason = "53 bits fit a double exactly")]
+    pub fn fraction(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Whether something of this probability happens.
+    pub fn happens(&mut self, probability: f64) -> bool {
+        self.fraction() < probability
+    }
+
+    /// A whole number below `bound`, which must not be zero.
+    pub fn below(&mut self, bound: u64) -> u64 {
+        self.0.next_u64() % bound.max(1)
+    }
+
+    /// About normally distributed with mean 0 and the given deviation: the sum of twelve uniform draws.
+    pub fn normal(&mut self, deviation: f64) -> f64 {
+        let sum: f64 = (0..12).map(|_| self.fraction()).sum();
+        (sum - 6.0) * deviation
+    }
+}
+
+/// FNV-1a over the purpose's bytes: enough to set the streams apart.
+fn fnv1a(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_seed_and_purpose_draw_the_same_numbers() {
+        let draw = |seed, purpose| Stream::new(seed, purpose).number();
+        assert_eq!(draw(7, "sonar"), draw(7, "sonar"));
+        assert_ne!(draw(7, "sonar"), draw(7, "camera"));
+        assert_ne!(draw(7, "sonar"), draw(8, "sonar"));
+    }
+
+    #[test]
+    fn a_fraction_stays_below_one() {
+        let mut stream = Stream::new(1, "test");
+        assert!((0..10_000).all(|_| (0.0..1.0).contains(&stream.fraction())));
+    }
+}

@@ -1,0 +1,245 @@
+//! The quantities of the field: cells, headings, poses, temperatures, time and the numbers things are known by.
+//! Nothing here reads a clock or knows how a value is written on a wire.
+
+use std::fmt;
+use std::time::Duration;
+
+/// A square of the floor; its side is the robot's size. `x` grows to the east, `y` to the south (mission §3).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Cell {
+    /// Column, growing to the east.
+    pub x: i32,
+    /// Row, growing to the south.
+    pub y: i32,
+}
+
+impl Cell {
+    /// Where the robot starts and comes home to.
+    pub const HOME: Cell = Cell { x: 0, y: 0 };
+
+    /// The cell at column `x`, row `y`.
+    #[must_use]
+    pub const fn new(x: i32, y: i32) -> Cell {
+        Cell { x, y }
+    }
+
+    /// The next cell in the direction `heading`.
+    #[must_use]
+    pub const fn ahead(self, heading: Heading) -> Cell {
+        let (dx, dy) = heading.vector();
+        Cell { x: self.x + dx, y: self.y + dy }
+    }
+
+    /// The four cells that share a side with this one, clockwise from the north.
+    #[must_use]
+    pub fn neighbours(self) -> [Cell; 4] {
+        Heading::ALL.map(|heading| self.ahead(heading))
+    }
+}
+
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "({}, {})", self.x, self.y)
+    }
+}
+
+/// One of the four directions a robot can face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Heading {
+    /// Towards lesser `y`.
+    North,
+    /// Towards greater `x`.
+    East,
+    /// Towards greater `y`; every robot starts so.
+    South,
+    /// Towards lesser `x`.
+    West,
+}
+
+impl Heading {
+    /// All four, clockwise from the north.
+    pub const ALL: [Heading; 4] = [Heading::North, Heading::East, Heading::South, Heading::West];
+
+    /// The step `(dx, dy)` this heading makes.
+    #[must_use]
+    pub const fn vector(self) -> (i32, i32) {
+        match self {
+            Heading::North => (0, -1),
+            Heading::East => (1, 0),
+            Heading::South => (0, 1),
+            Heading::West => (-1, 0),
+        }
+    }
+
+    /// After a turn of 90° to the left.
+    #[must_use]
+    pub const fn left(self) -> Heading {
+        match self {
+            Heading::North => Heading::West,
+            Heading::East => Heading::North,
+            Heading::South => Heading::East,
+            Heading::West => Heading::South,
+        }
+    }
+
+    /// After a turn of 90° to the right.
+    #[must_use]
+    pub const fn right(self) -> Heading {
+        self.left().opposite()
+    }
+
+    /// Facing the other way.
+    #[must_use]
+    pub const fn opposite(self) -> Heading {
+        self.left().left()
+    }
+
+    /// The word of the doors: `north`, `east`, `south`, `west`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Heading::North => "north",
+            Heading::East => "east",
+            Heading::South => "south",
+            Heading::West => "west",
+        }
+    }
+}
+
+/// Where a robot stands and which way it faces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Pose {
+    /// The cell it stands in.
+    pub cell: Cell,
+    /// The way it faces.
+    pub heading: Heading,
+}
+
+impl Pose {
+    /// The pose of a robot that has just been put down at home.
+    pub const START: Pose = Pose { cell: Cell::HOME, heading: Heading::South };
+
+    /// The cell in front of the robot.
+    #[must_use]
+    pub const fn ahead(self) -> Cell {
+        self.cell.ahead(self.heading)
+    }
+}
+
+/// A temperature in °C that a thermometer in a hall could show.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Celsius(f64);
+
+impl Celsius {
+    /// The coldest reading believed, in °C.
+    pub const LEAST: f64 = -60.0;
+    /// The hottest reading believed, in °C.
+    pub const MOST: f64 = 1000.0;
+
+    /// `degrees` °C, or `None` when it is not a number or outside `LEAST..=MOST`.
+    #[must_use]
+    pub fn new(degrees: f64) -> Option<Celsius> {
+        (Celsius::LEAST..=Celsius::MOST).contains(&degrees).then_some(Celsius(degrees))
+    }
+
+    /// The number of degrees.
+    #[must_use]
+    pub const fn degrees(self) -> f64 {
+        self.0
+    }
+}
+
+impl fmt::Display for Celsius {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.1} °C", self.0)
+    }
+}
+
+/// A moment of the wall clock, for display and records only; order is kept by sequence numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Wall {
+    /// Milliseconds since 1970-01-01T00:00:00Z.
+    pub unix_ms: i64,
+    /// Seconds east of UTC of the zone in which the moment is shown.
+    pub offset_s: i32,
+}
+
+/// The time as the core is told it: it never asks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Now {
+    /// Since the program (or the simulated run) began; never goes back.
+    pub since_start: Duration,
+    /// The wall clock at that moment.
+    pub wall: Wall,
+}
+
+/// Declares the numbers by which things are known, so that none is taken for another.
+macro_rules! numbers {
+    ($($(#[$doc:meta])* $name:ident;)*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub struct $name(pub u64);
+
+        impl $name {
+            /// The one after this.
+            #[must_use]
+            pub const fn next(self) -> $name {
+                $name(self.0 + 1)
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "{}", self.0)
+            }
+        }
+    )*};
+}
+
+numbers! {
+    /// A luggage record; counted from 1 over the whole store, never used twice.
+    LuggageId;
+    /// A mission; counted from 1 over the whole store.
+    MissionId;
+    /// An alarm on the console; counted from 1.
+    AlarmId;
+    /// An order to a robot; counted from 1.
+    OrderId;
+    /// How often the state has changed; each resource remembers the revision of its last change.
+    Revision;
+    /// Raised by every stop, so that a movement command sent before it can be told from one sent after.
+    Epoch;
+    /// The place of an entry in the journal; counted from 1.
+    Seq;
+    /// An accepted command that still waits for its answer.
+    Ticket;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turning_four_times_comes_back() {
+        for heading in Heading::ALL {
+            assert_eq!(heading.left().left().left().left(), heading);
+            assert_eq!(heading.left().right(), heading);
+            assert_eq!(heading.opposite().opposite(), heading);
+        }
+    }
+
+    #[test]
+    fn south_is_down_and_east_is_right() {
+        assert_eq!(Cell::HOME.ahead(Heading::South), Cell::new(0, 1));
+        assert_eq!(Cell::HOME.ahead(Heading::East), Cell::new(1, 0));
+        assert_eq!(Heading::South.left(), Heading::East);
+    }
+
+    #[test]
+    fn a_temperature_must_be_a_number_a_hall_can_have() {
+        assert_eq!(Celsius::new(21.5).map(Celsius::degrees), Some(21.5));
+        assert_eq!(Celsius::new(f64::NAN), None);
+        assert_eq!(Celsius::new(f64::INFINITY), None);
+        assert_eq!(Celsius::new(-61.0), None);
+    }
+}

@@ -1,0 +1,10 @@
+//! The resource model: robot, hall map, luggage, temperature, alarms, log, and the snapshot of it all that the doors show.
+
+pub mod alarm;
+pub mod hall_map;
+pub mod log;
+pub mod luggage;
+pub mod resource;
+pub mod robot;
+pub mod snapshot;
+pub mod temperature;

@@ -1,0 +1,64 @@
+//! The one table of what can be looked at. Doors, discovery and documentation are walks over it.
+
+/// Something with a revision of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Resource {
+    /// Phase, holds, goal, strategy, epoch, progress.
+    Mission,
+    /// State, heading, position, sonar, LED of the robot.
+    Robot,
+    /// The hall map.
+    Map,
+    /// The luggage records.
+    Luggage,
+    /// Temperature and threshold.
+    Temperature,
+    /// The alarms.
+    Alarms,
+    /// The latest log lines.
+    Log,
+}
+
+impl Resource {
+    /// How many there are.
+    pub const COUNT: usize = 7;
+
+    /// All of them.
+    pub const ALL: [Resource; Resource::COUNT] = [
+        Resource::Mission,
+        Resource::Robot,
+        Resource::Map,
+        Resource::Luggage,
+        Resource::Temperature,
+        Resource::Alarms,
+        Resource::Log,
+    ];
+
+    /// The word of the doors.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Resource::Mission => "mission",
+            Resource::Robot => "robot",
+            Resource::Map => "map",
+            Resource::Luggage => "luggage",
+            Resource::Temperature => "temperature",
+            Resource::Alarms => "alarms",
+            Resource::Log => "log",
+        }
+    }
+
+    /// What it is, in a line.
+    #[must_use]
+    pub const fn title(self) -> &'static str {
+        match self {
+            Resource::Mission => "Phase, holds, goal, strategy, epoch and progress of the mission",
+            Resource::Robot => "State, heading, position, sonar and LED of the robot",
+            Resource::Map => "The hall as far as it is known",
+            Resource::Luggage => "Every piece of luggage met, with its verdict",
+            Resource::Temperature => "The temperature of the hall and its threshold",
+            Resource::Alarms => "What the operator must be told",
+            Resource::Log => "The latest lines of what happened",
+        }
+    }
+}

@@ -1,0 +1,3 @@
+//! The program: arguments → settings → app → exit code.
+
+fn main() {}

@@ -1,0 +1,34 @@
+//! The only place where the real clock is read.
+#![expect(clippy::disallowed_methods, reason = "somebody has to look at the clock, and it is done here")]
+
+use std::time::{Duration, Instant};
+
+use crate::core::units::{Now, Wall};
+
+/// The real clock, counted from when it was made.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock {
+    start: Instant,
+}
+
+impl Default for Clock {
+    fn default() -> Clock {
+        Clock { start: Instant::now() }
+    }
+}
+
+impl Clock {
+    /// The time now, as the core wants it.
+    #[must_use]
+    pub fn now(&self) -> Now {
+        let zoned = jiff::Zoned::now();
+        let wall = Wall { unix_ms: zoned.timestamp().as_millisecond(), offset_s: zoned.offset().seconds() };
+        Now { since_start: self.start.elapsed(), wall }
+    }
+
+    /// The instant at which `since_start` is reached, for timers.
+    #[must_use]
+    pub fn instant(&self, since_start: Duration) -> tokio::time::Instant {
+        tokio::time::Instant::from_std(self.start + since_start)
+    }
+}

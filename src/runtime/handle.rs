@@ -1,0 +1,76 @@
+//! The driving port: how every door gives commands and sees the state. Cheap to clone; hides all channels.
+
+use std::sync::Arc;
+
+use tokio::sync::{mpsc, oneshot, watch};
+
+use super::halt::Halter;
+use crate::core::command::{Accepted, Command, Refused, Request};
+use crate::core::world::snapshot::Snapshot;
+
+/// Commands that wait for the loop: enough for every operator of a site to press at once.
+pub const COMMANDS: usize = 256;
+
+/// A command on its way, and where its answer goes.
+#[derive(Debug)]
+pub struct Envelope {
+    /// The command.
+    pub request: Request,
+    /// Where the answer goes.
+    pub answer: oneshot::Sender<Result<Accepted, Refused>>,
+}
+
+/// The doors' end: commands in, snapshots out.
+#[derive(Clone, Debug)]
+pub struct Handle {
+    commands: mpsc::Sender<Envelope>,
+    snapshots: watch::Receiver<Arc<Snapshot>>,
+    halter: Halter,
+}
+
+/// The loop has ended; the program is shutting down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("hallsweep is shutting down")]
+pub struct Gone;
+
+impl Handle {
+    /// A handle over the loop's channels.
+    #[must_use]
+    pub const fn new(commands: mpsc::Sender<Envelope>, snapshots: watch::Receiver<Arc<Snapshot>>, halter: Halter) -> Handle {
+        Handle { commands, snapshots, halter }
+    }
+
+    /// Gives a command and waits for its answer. A stop halts the robots before it queues for its record.
+    ///
+    /// # Errors
+    /// `Gone` when the program is shutting down; the inner result is the core's answer.
+    pub async fn give(&self, request: Request) -> Result<Result<Accepted, Refused>, Gone> {
+        let request = self.stamp(request);
+        let (answer, answered) = oneshot::channel();
+        self.commands.send(Envelope { request, answer }).await.map_err(|_| Gone)?;
+        answered.await.map_err(|_| Gone)
+    }
+
+    /// The newest state.
+    #[must_use]
+    pub fn snapshot(&self) -> Arc<Snapshot> {
+        Arc::clone(&self.snapshots.borrow())
+    }
+
+    /// A watch on the state: always the newest, whatever was missed.
+    #[must_use]
+    pub fn watch(&self) -> watch::Receiver<Arc<Snapshot>> {
+        self.snapshots.clone()
+    }
+
+    /// A stop carries the epoch it has raised; a movement command without an epoch is stamped with the one that holds now, so
+    /// that a stop overtaking it in the queue outdates it.
+    fn stamp(&self, mut request: Request) -> Request {
+        if request.command == Command::Stop {
+            request.epoch = Some(self.halter.halt());
+        } else if request.epoch.is_none() {
+            request.epoch = Some(self.halter.watch().epoch());
+        }
+        request
+    }
+}

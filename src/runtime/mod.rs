@@ -1,0 +1,9 @@
+//! The runtime: the one loop that joins core, robots, store and doors, and the handle by which doors reach it.
+
+pub mod archive;
+pub mod clock;
+pub mod halt;
+pub mod handle;
+pub mod link;
+pub mod store;
+pub mod task;
