@@ -10,5 +10,9 @@
 //! `core`; doors (`inbound`, through `wire`) and adapters (`outbound`) know `runtime` and `core`, never one another; only `app`
 //! and the command line know them all. Read `docs/architecture.md` next, then `core::mission::table`.
 
+pub mod cli;
+pub mod config;
 pub mod core;
+pub mod outbound;
 pub mod runtime;
+pub mod telemetry;
