@@ -1,3 +1,4 @@
-//! What the runtime's ports lead to: robots and the store. Doors are in `crate::inbound`, and neither knows the other.
+//! What hallsweep reaches out to: robots and the store. The doors through which others reach in are not here but in `inbound`.
 
+pub mod robot;
 pub mod store;
