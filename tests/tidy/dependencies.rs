@@ -23,7 +23,20 @@ const RULES: [Rule; 11] = [
     Rule {
         module: "inbound",
         modules: &["runtime", "wire", "core"],
-        crates: &["askama", "axum", "futures_util", "jiff", "serde", "serde_json", "thiserror", "tokio", "tower_http", "tracing"],
+        crates: &[
+            "askama",
+            "axum",
+            "futures_util",
+            "hyper",
+            "hyper_util",
+            "jiff",
+            "serde",
+            "serde_json",
+            "thiserror",
+            "tokio",
+            "tower_http",
+            "tracing",
+        ],
     },
     Rule {
         module: "outbound",
