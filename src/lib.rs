@@ -11,10 +11,7 @@
 //! and the command line know them all. Read `docs/architecture.md` next, then `core::mission::table`.
 
 pub mod cli;
-pub mod cli;
 pub mod config;
-pub mod config;
-pub mod core;
 pub mod core;
 pub mod inbound;
 pub mod outbound;
