@@ -11,4 +11,5 @@
 //! and the command line know them all. Read `docs/architecture.md` next, then `core::mission::table`.
 
 pub mod core;
+pub mod outbound;
 pub mod runtime;
