@@ -1,14 +1,18 @@
 //! The command line: what can be typed after `hallsweep`, and the settings that follow from it.
 //! What the commands do stands in `crate::app` and in the files beside this one; only the command line writes to standard output.
 
+use std::io::Write;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
 use crate::config::{Flag, Sources, sources};
 
+pub mod explore;
 mod failure;
 pub mod healthcheck;
+pub mod serve;
+pub mod table;
 
 pub use failure::Failure;
 
@@ -29,8 +33,12 @@ pub struct Cli {
 pub enum Task {
     /// Run the robot, the console and the API until SIGINT or SIGTERM (the default).
     Serve(Serve),
+    /// Run one mission without doors at full speed, and print the map and what it came to.
+    Explore(explore::Explore),
     /// Ask a running hallsweep whether it is well: exit code 0 if so, 1 if not.
     Healthcheck(Healthcheck),
+    /// Print the table of the mission, phase by phase, as markdown.
+    Table,
 }
 
 /// The flags of `serve`; each wins over the environment and the settings file.
@@ -97,6 +105,13 @@ impl Serve {
     }
 }
 
+/// Prints a text and a line break: the one place that writes to standard output.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    let printed = writeln!(out, "{text}").and_then(|()| out.flush());
+    printed.map_err(|error| Failure::Run(format!("standard output cannot be written: {error}")))
+}
+
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;
@@ -107,7 +122,7 @@ mod tests {
         let cli = Cli::try_parse_from(arguments.split_whitespace()).expect("these arguments are good");
         match cli.task() {
             Task::Serve(serve) => serve.flags().into_iter().map(|flag| (flag.key, flag.value)).collect(),
-            other @ Task::Healthcheck(_) => panic!("{other:?} is not serve"),
+            other @ (Task::Explore(_) | Task::Healthcheck(_) | Task::Table) => panic!("{other:?} is not serve"),
         }
     }
 

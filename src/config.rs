@@ -60,7 +60,7 @@ pub enum Speed {
 
 impl Speed {
     /// Slower than this a person would think that the robot hangs.
-    pub const SLOWEST: f64 = 0.01;
+    pub const SLOWEST: f64 = 0.1;
     /// Faster than this a factor means nothing: timers are good to about a millisecond. `max` is for those in a hurry.
     pub const FASTEST: f64 = 1000.0;
 }

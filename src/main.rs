@@ -1,10 +1,9 @@
-//! The program: arguments → settings → telemetry → app → exit code.
+//! The program: arguments → task → exit code. What a task needs of settings, log and app it fetches itself.
 
 use std::process::ExitCode;
 
 use clap::Parser;
-use hallsweep::cli::{Cli, Failure, Task, healthcheck};
-use hallsweep::{config, telemetry};
+use hallsweep::cli::{Cli, Failure, Task, explore, healthcheck, serve, table};
 
 fn main() -> ExitCode {
     match run(Cli::parse().task()) {
@@ -18,11 +17,9 @@ fn main() -> ExitCode {
 
 fn run(task: Task) -> Result<(), Failure> {
     match task {
-        Task::Serve(serve) => {
-            let settings = config::load(&serve.sources())?;
-            telemetry::start(&settings.log);
-            Ok(())
-        }
-        Task::Healthcheck(check) => healthcheck::run(check.http),
+        Task::Serve(flags) => serve::run(&flags),
+        Task::Explore(flags) => explore::run(&flags),
+        Task::Healthcheck(flags) => healthcheck::run(flags.http),
+        Task::Table => table::run(),
     }
 }

@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use crate::app::AppError;
 use crate::config::SettingsError;
 
 /// Why the program ends. `Display` is the line for whoever started it.
@@ -10,6 +11,9 @@ pub enum Failure {
     /// It was started with settings that cannot be used: exit code 2, as for a mistyped flag.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// It could not begin, or not go on: exit code 2 when the hall is to blame, else 1.
+    #[error(transparent)]
+    App(#[from] AppError),
     /// It could not do what it was asked: exit code 1.
     #[error("{0}")]
     Run(String),
@@ -20,8 +24,8 @@ impl Failure {
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            Failure::Settings(_) => ExitCode::from(2),
-            Failure::Run(_) => ExitCode::from(1),
+            Failure::Settings(_) | Failure::App(AppError::Hall(_)) => ExitCode::from(2),
+            Failure::App(_) | Failure::Run(_) => ExitCode::from(1),
         }
     }
 }

@@ -16,7 +16,7 @@ pub const KEYS: [Key; 14] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file"),
     text("http.bind", "write ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080"),
     value("http.insecure", "write true or false"),
-    value("robot.speed", "write a factor from 0.01 to 1000 (1 = as a person would watch it), or max for no waiting"),
+    value("robot.speed", "write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting"),
     value("robot.seed", "write a whole number from 0 to 9223372036854775807"),
     value("robot.unknown_rate", "write a rate from 0 (never) to 1 (always)"),
     value("robot.photo_failure_rate", "write a rate from 0 (never) to 1 (always)"),

@@ -18,7 +18,7 @@ fn a_wrong_setting_stops_the_start_with_key_value_origin_and_what_to_do() {
     assert_eq!(
         said,
         "hallsweep: setting robot.speed = \"fast\" (from flag --speed): this word is no speed; \
-         write a factor from 0.01 to 1000 (1 = as a person would watch it), or max for no waiting\n"
+         write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting\n"
     );
     let output = hallsweep(&[]).env("HALLSWEEP__ROBOT__SPED", "1").output().expect("the program starts");
     assert_eq!(output.status.code(), Some(2));
