@@ -11,5 +11,6 @@
 //! and the command line know them all. Read `docs/architecture.md` next, then `core::mission::table`.
 
 pub mod core;
+pub mod headless;
 pub mod outbound;
 pub mod runtime;
