@@ -89,6 +89,10 @@ impl Chassis {
 
 /// An angle in `-π..=π`.
 pub(super) fn normal(angle: f64) -> f64 {
+    // An angle that is within already stays as it is, to the last bit: a body that has not moved is still centred.
+    if angle.abs() <= PI {
+        return angle;
+    }
     let turned = angle.rem_euclid(TAU);
     if turned > PI { turned - TAU } else { turned }
 }
