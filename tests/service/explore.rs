@@ -44,8 +44,13 @@ fn the_verdicts_come_from_the_hall_file_unless_all_are_safe() {
     assert!(hall["bomb_found_at_moves"].as_u64().is_some_and(|moves| moves > 0), "{hall}");
     assert_eq!((&hall["home"], &hall["complete"]), (&true.into(), &false.into()));
     let safe = explore(&["--hall", "airport", "--seed", "1", "--verdicts", "all-safe"]);
-    assert_eq!((&safe["home"], &safe["complete"], &safe["bomb_found_at_moves"]), (&true.into(), &true.into(), &Value::Null));
-    assert!(safe["luggage"].as_array().expect("a list").len() >= 6);
+    assert_eq!((&safe["home"], &safe["complete"]), (&true.into(), &true.into()));
+    assert_eq!(safe["bomb_found_at_moves"], hall["bomb_found_at_moves"], "it was met all the same, and let pass");
+    let verdicts = |run: &Value| -> Vec<String> {
+        run["luggage"].as_array().expect("a list").iter().map(|piece| piece["verdict"].to_string()).collect()
+    };
+    assert_eq!(verdicts(&hall).iter().filter(|verdict| *verdict == "\"danger\"").count(), 1);
+    assert!(verdicts(&safe).len() >= 6 && verdicts(&safe).iter().all(|verdict| verdict == "\"safe\""));
 }
 
 #[test]

@@ -1,5 +1,8 @@
 //! What is malformed, unknown or from elsewhere is refused in words, and harms nothing.
 
+use std::io::Write;
+use std::net::TcpStream;
+
 use crate::program::Program;
 
 #[test]
@@ -37,9 +40,22 @@ fn bodies_that_are_no_command_are_refused_in_words() {
 fn a_body_of_another_type_or_of_any_size_is_refused() {
     let program = Program::serve("empty-8x8", "max");
     program.send("POST", "/api/v1/commands/move", "text/plain", "{\"move\":\"w\"}").problem(415);
-    let huge = format!("{{\"move\":\"{}\"}}", "w".repeat(1 << 20));
-    let answer = program.send("POST", "/api/v1/commands/move", "application/json", &huge);
-    assert_eq!(answer.status, 413, "{}", answer.text());
+    let large = format!("{{\"move\":\"{}\"}}", "w".repeat(20_000));
+    program.send("POST", "/api/v1/commands/move", "application/json", &large).problem(413);
+    assert_eq!(program.json("state")["mission"]["phase"], "idle");
+}
+
+#[test]
+fn a_body_without_end_harms_nobody() {
+    let program = Program::serve("empty-8x8", "max");
+    let mut stream = TcpStream::connect(program.address()).expect("the program listens");
+    let head =
+        "POST /api/v1/commands/move HTTP/1.1\r\nHost: h\r\nContent-Type: application/json\r\nContent-Length: 9000000000\r\n\r\n";
+    stream.write_all(head.as_bytes()).expect("the program listens");
+    // It hangs up in the middle, as it should.
+    let refused = (0..1000).any(|_| stream.write_all(&[b'w'; 100_000]).is_err());
+    assert!(refused, "a hundred megabytes were taken for a command");
+    assert_eq!(program.read("/healthz", &[]).status, 200);
 }
 
 #[test]
