@@ -145,12 +145,12 @@ const fn speed(speed: config::Speed) -> sim::Speed {
 }
 
 fn what_to_do(error: &std::io::Error) -> &'static str {
-    match error.kind() {
-        std::io::ErrorKind::AddrInUse => {
-            "another program has this port: end it, or choose another with --http, as --http 127.0.0.1:0 for a free one"
-        }
-        std::io::ErrorKind::PermissionDenied => "ports below 1024 are for privileged programs: choose a higher one with --http",
-        _ => "choose an address of this machine with --http, as 127.0.0.1:8080",
+    if error.kind() == std::io::ErrorKind::AddrInUse {
+        "another program has this port: end it, or choose another with --http, as --http 127.0.0.1:0 for a free one"
+    } else if error.kind() == std::io::ErrorKind::PermissionDenied {
+        "ports below 1024 are for privileged programs: choose a higher one with --http"
+    } else {
+        "choose an address of this machine with --http, as 127.0.0.1:8080"
     }
 }
 

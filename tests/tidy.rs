@@ -73,7 +73,9 @@ fn no_path_of_a_machine_is_written_anywhere() {
 
 #[test]
 fn everything_the_container_copies_is_there() {
-    let findings = whole::container_paths(&whole::text("Dockerfile"));
+    let recipe = whole::text("Dockerfile");
+    let mut findings = whole::container_paths(&recipe);
+    findings.extend(whole::container_targets(&whole::text("Cargo.toml"), &recipe));
     assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
 }
 

@@ -37,6 +37,14 @@ pub(crate) fn container_paths(recipe: &str) -> Vec<String> {
     paths.filter(|path| !root().join(path).exists()).map(|path| format!("Dockerfile copies {path}, which is not there")).collect()
 }
 
+/// Folders whose programs the manifest names and the container's recipe does not copy: cargo would not build without them.
+pub(crate) fn container_targets(manifest: &str, recipe: &str) -> Vec<String> {
+    let targets = [("[[bench]]", "benches"), ("[[test]]", "tests"), ("[[example]]", "examples")];
+    let copied = |folder: &str| recipe.lines().any(|line| line.starts_with("COPY ") && line.contains(folder));
+    let missing = targets.into_iter().filter(|(target, folder)| manifest.contains(target) && !copied(folder));
+    missing.map(|(target, folder)| format!("Cargo.toml has {target}, so the Dockerfile must copy {folder}")).collect()
+}
+
 /// Lines of a lock file that say where something was once downloaded from.
 pub(crate) fn download_addresses(lock: &str) -> Vec<String> {
     let lines = lock.lines().enumerate().filter(|(_, line)| line.contains("\"resolved\"") || line.contains("http://"));
@@ -57,6 +65,12 @@ mod tests {
     fn a_container_that_copies_what_is_not_there_is_found() {
         let recipe = "COPY Cargo.toml no-such-folder ./\nCOPY --from=build /app /app\n";
         assert_eq!(container_paths(recipe), ["Dockerfile copies no-such-folder, which is not there"]);
+    }
+
+    #[test]
+    fn a_container_without_a_folder_that_cargo_wants_is_found() {
+        assert_eq!(container_targets("[[bench]]\nname = \"a\"", "COPY src ./src").len(), 1);
+        assert_eq!(container_targets("[[bench]]\nname = \"a\"", "COPY benches ./benches").len(), 0);
     }
 
     #[test]
