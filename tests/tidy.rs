@@ -80,6 +80,12 @@ fn everything_the_container_copies_is_there() {
 }
 
 #[test]
+fn every_link_in_the_documents_leads_somewhere() {
+    let findings = whole::dead_links();
+    assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
+}
+
+#[test]
 fn no_lock_file_names_a_download_address() {
     assert_eq!(whole::download_addresses(&whole::text("tests/browser/package-lock.json")), Vec::<String>::new());
 }

@@ -37,6 +37,24 @@ pub(crate) fn container_paths(recipe: &str) -> Vec<String> {
     paths.filter(|path| !root().join(path).exists()).map(|path| format!("Dockerfile copies {path}, which is not there")).collect()
 }
 
+/// Links in our documents that lead to a file which is not there.
+pub(crate) fn dead_links() -> Vec<String> {
+    let mut documents: Vec<_> = files(&root().join("docs")).into_iter().filter(|path| name(path).ends_with(".md")).collect();
+    documents.extend(["README.md", "CHANGELOG.md"].map(|file| root().join(file)));
+    let texts = documents.iter().map(|path| (name(path), std::fs::read_to_string(path).expect("a document is UTF-8")));
+    texts.flat_map(|(name, text)| dead_links_in(&name, &text)).collect()
+}
+
+fn dead_links_in(document: &str, text: &str) -> Vec<String> {
+    let folder = root().join(document).parent().expect("a file is in a folder").to_owned();
+    let targets = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#', ' ']).next());
+    let local = targets.filter(|target| !target.is_empty() && !target.contains("://"));
+    local
+        .filter(|target| !folder.join(target).exists())
+        .map(|target| format!("{document} links to {target}, which is not there"))
+        .collect()
+}
+
 /// Folders whose programs the manifest names and the container's recipe does not copy: cargo would not build without them.
 pub(crate) fn container_targets(manifest: &str, recipe: &str) -> Vec<String> {
     let targets = [("[[bench]]", "benches"), ("[[test]]", "tests"), ("[[example]]", "examples")];
@@ -65,6 +83,12 @@ mod tests {
     fn a_container_that_copies_what_is_not_there_is_found() {
         let recipe = "COPY Cargo.toml no-such-folder ./\nCOPY --from=build /app /app\n";
         assert_eq!(container_paths(recipe), ["Dockerfile copies no-such-folder, which is not there"]);
+    }
+
+    #[test]
+    fn a_dead_link_is_found() {
+        let text = "[a](docs/no-such.md) [b](https://example.org/c) [d](Cargo.toml#e) ![f](no.png)";
+        assert_eq!(dead_links_in("README.md", text).len(), 2);
     }
 
     #[test]
