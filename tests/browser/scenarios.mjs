@@ -1,8 +1,11 @@
 // What people do at the console, and what they must see. Written against roles and visible names, as a person finds things.
 
 const button = (page, name) => page.getByRole('button', { name, exact: typeof name === 'string' });
+// START is called CONTINUE while there is something to go on with.
+const start = (page) => button(page, /^(START|CONTINUE)/).first();
 const safe = (page) => button(page, /^SAFE #\d+$/).first();
-const danger = (page) => button(page, /^DANGER #\d+/).first();
+const dangerOf = (page, number) => button(page, number).or(page.getByRole('link', { name: number })).first();
+const danger = (page) => dangerOf(page, /^DANGER #\d+/);
 
 /** Fails with these words unless it is so. */
 function must(isSo, words) {
@@ -68,7 +71,7 @@ async function mission({ page, url, picture, patience }, { reload = false, touch
   await phase(page, /idle/i, waiting);
   await fits(page);
   await picture('idle');
-  await button(page, 'START').click();
+  await start(page).click();
 
   await appears(page, safe(page), waiting);
   const first = await numberOf(safe(page));
@@ -76,14 +79,14 @@ async function mission({ page, url, picture, patience }, { reload = false, touch
   await fits(page);
   await picture('asked');
   if (touch) {
-    for (const one of [safe(page), danger(page), button(page, 'START'), button(page, 'BACK HOME')]) {
+    for (const one of [safe(page), danger(page), start(page), button(page, 'BACK HOME')]) {
       const box = await one.boundingBox();
       must(box.height >= 44, `${await one.innerText()} is ${box.height} pixels high`);
     }
   }
   await button(page, `SAFE #${first}`).click();
 
-  const next = button(page, new RegExp(`^DANGER #(?!${first}\\b)\\d+`)).first();
+  const next = dangerOf(page, new RegExp(`^DANGER #(?!${first}\\b)\\d+`));
   await appears(page, next, waiting);
   const second = await numberOf(next);
   must(second > first, `luggage #${second} came after #${first}`);
@@ -125,7 +128,7 @@ export const stop = {
   async play({ page, url, picture, patience }) {
     const state = async () => (await fetch(`${url}/api/v1/state`)).json();
     await page.goto(url);
-    await button(page, 'START').click();
+    await start(page).click();
     await phase(page, /exploring/i, { patience });
     await button(page, 'STOP').click();
     await page.getByText(/stopped by the operator/i).first().waitFor();
@@ -134,7 +137,7 @@ export const stop = {
     must(held.mission.holds.includes('operator'), `after STOP the holds are ${held.mission.holds}`);
     must((await page.getByRole('dialog').count()) === 0, 'STOP asks no questions');
     await picture('stopped');
-    await button(page, 'START').click();
+    await start(page).click();
     await page.getByText(/stopped by the operator/i).first().waitFor({ state: 'hidden' });
     must((await state()).mission.holds.length === 0, 'START did not release the robot');
 
@@ -142,7 +145,7 @@ export const stop = {
     const headers = { 'content-type': 'application/json' };
     await fetch(`${url}/api/v1/temperature`, { method: 'PUT', headers, body: '{"status":"tooHigh"}' });
     await page.waitForFunction(() => [...document.querySelectorAll('button')]
-      .some((one) => one.innerText.trim() === 'START' && one.disabled && /temperature/i.test(one.title)));
+      .some((one) => /^(START|CONTINUE)/.test(one.innerText.trim()) && one.disabled && /temperature/i.test(one.title)));
     await picture('too-hot');
     must(await button(page, 'STOP').isEnabled(), 'STOP is always there');
   },
@@ -159,7 +162,7 @@ export const lost = {
     await banner.waitFor({ state: 'visible', timeout: 15_000 });
     await picture('lost');
     must(await button(page, 'STOP').isEnabled(), 'STOP stays when the connection is lost');
-    must(await button(page, 'START').isDisabled(), 'START would act blindly');
+    must(await start(page).isDisabled(), 'START would act blindly');
     await please('start');
     await banner.waitFor({ state: 'hidden', timeout: 30_000 });
     await fetch(`${url}/api/v1/commands/start`, { method: 'POST' });
