@@ -1,11 +1,15 @@
 // What people do at the console, and what they must see. Written against roles and visible names, as a person finds things.
 
-const button = (page, name) => page.getByRole('button', { name, exact: typeof name === 'string' });
+const button = (page, name) => page.getByRole('button', { name });
+const stop = (page) => button(page, /^STOP/);
 // START is called CONTINUE while there is something to go on with.
-const start = (page) => button(page, /^(START|CONTINUE)/).first();
-const safe = (page) => button(page, /^SAFE #\d+$/).first();
-const dangerOf = (page, number) => button(page, number).or(page.getByRole('link', { name: number })).first();
-const danger = (page) => dangerOf(page, /^DANGER #\d+/);
+const start = (page) => button(page, /\b(START|CONTINUE)\b/).first();
+const home = (page) => button(page, /BACK HOME/);
+const safe = (page) => button(page, /SAFE #\d+/).first();
+const danger = (page) => button(page, /DANGER #\d+/).first();
+
+/** A person looks before pressing; the page counts on it, and ignores what comes sooner after another piece has come up. */
+const look = (page) => page.waitForTimeout(700);
 
 /** Fails with these words unless it is so. */
 function must(isSo, words) {
@@ -14,7 +18,7 @@ function must(isSo, words) {
 
 /** Waits until the phase reads like this; pages without scripts are loaded again and again, as a person would. */
 async function phase(page, pattern, { patience, reload = false }) {
-  const shown = page.locator('#phase').filter({ hasText: pattern });
+  const shown = page.locator('#phase, .phase').filter({ hasText: pattern });
   for (const end = Date.now() + patience; ; ) {
     try {
       await shown.first().waitFor({ timeout: reload ? 250 : patience });
@@ -58,7 +62,7 @@ async function fits(page) {
   const { wide, high, need } = await page.evaluate(() => (
     { wide: innerWidth, high: innerHeight, need: document.documentElement.scrollWidth }));
   must(need <= wide, `the page is ${need} pixels wide, the screen ${wide}`);
-  const box = await button(page, 'STOP').boundingBox();
+  const box = await stop(page).boundingBox();
   must(box && box.x >= 0 && box.y >= 0 && box.x + box.width <= wide + 1 && box.y + box.height <= high + 1,
     `STOP is not on the screen: ${JSON.stringify(box)}`);
   must(box.height >= 44 && box.width >= 44, `STOP is too small: ${JSON.stringify(box)}`);
@@ -79,17 +83,19 @@ async function mission({ page, url, picture, patience }, { reload = false, touch
   await fits(page);
   await picture('asked');
   if (touch) {
-    for (const one of [safe(page), danger(page), start(page), button(page, 'BACK HOME')]) {
+    for (const one of [safe(page), danger(page), start(page), home(page)]) {
       const box = await one.boundingBox();
       must(box.height >= 44, `${await one.innerText()} is ${box.height} pixels high`);
     }
   }
-  await button(page, `SAFE #${first}`).click();
+  await look(page);
+  await safe(page).click();
 
-  const next = dangerOf(page, new RegExp(`^DANGER #(?!${first}\\b)\\d+`));
+  const next = button(page, new RegExp(`DANGER #(?!${first}\\b)\\d+`)).first();
   await appears(page, next, waiting);
   const second = await numberOf(next);
   must(second > first, `luggage #${second} came after #${first}`);
+  await look(page);
   await next.click();
   await picture('sure');
   await confirmDanger(page, url, second);
@@ -124,13 +130,13 @@ export const plain = {
   play: (person) => mission(person, { reload: true }),
 };
 
-export const stop = {
+const stopping = {
   async play({ page, url, picture, patience }) {
     const state = async () => (await fetch(`${url}/api/v1/state`)).json();
     await page.goto(url);
     await start(page).click();
     await phase(page, /exploring/i, { patience });
-    await button(page, 'STOP').click();
+    await stop(page).click();
     await page.getByText(/stopped by the operator/i).first().waitFor();
     const held = await state();
     must(held.robot.state === 'stopped', `after STOP the robot is ${held.robot.state}`);
@@ -145,11 +151,13 @@ export const stop = {
     const headers = { 'content-type': 'application/json' };
     await fetch(`${url}/api/v1/temperature`, { method: 'PUT', headers, body: '{"status":"tooHigh"}' });
     await page.waitForFunction(() => [...document.querySelectorAll('button')]
-      .some((one) => /^(START|CONTINUE)/.test(one.innerText.trim()) && one.disabled && /temperature/i.test(one.title)));
+      .some((one) => /START|CONTINUE/.test(one.innerText) && one.disabled && /temperature/i.test(one.title)));
     await picture('too-hot');
-    must(await button(page, 'STOP').isEnabled(), 'STOP is always there');
+    must(await stop(page).isEnabled(), 'STOP is always there');
   },
 };
+
+export { stopping as stop };
 
 export const lost = {
   tolerated: ['ERR_CONNECTION_REFUSED', 'ERR_INCOMPLETE_CHUNKED_ENCODING', 'ERR_CONNECTION_RESET', 'ERR_EMPTY_RESPONSE'],
@@ -161,7 +169,7 @@ export const lost = {
     await please('kill');
     await banner.waitFor({ state: 'visible', timeout: 15_000 });
     await picture('lost');
-    must(await button(page, 'STOP').isEnabled(), 'STOP stays when the connection is lost');
+    must(await stop(page).isEnabled(), 'STOP stays when the connection is lost');
     must(await start(page).isDisabled(), 'START would act blindly');
     await please('start');
     await banner.waitFor({ state: 'hidden', timeout: 30_000 });
