@@ -137,14 +137,15 @@ const stopping = {
     await start(page).click();
     await phase(page, /exploring/i, { patience });
     await stop(page).click();
-    await page.getByText(/stopped by the operator/i).first().waitFor();
+    const banner = page.getByText(/^Held: stopped by the operator/);
+    await banner.waitFor();
     const held = await state();
     must(held.robot.state === 'stopped', `after STOP the robot is ${held.robot.state}`);
     must(held.mission.holds.includes('operator'), `after STOP the holds are ${held.mission.holds}`);
     must((await page.getByRole('dialog').count()) === 0, 'STOP asks no questions');
     await picture('stopped');
     await start(page).click();
-    await page.getByText(/stopped by the operator/i).first().waitFor({ state: 'hidden' });
+    await banner.waitFor({ state: 'hidden' });
     must((await state()).mission.holds.length === 0, 'START did not release the robot');
 
     // What another client does is seen without a reload, and START then says why it would be refused.
