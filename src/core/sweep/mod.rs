@@ -17,6 +17,9 @@ mod records;
 mod reports;
 mod view;
 
+#[cfg(test)]
+mod tests;
+
 use std::sync::Arc;
 use std::time::Duration;
 
