@@ -120,6 +120,12 @@ impl TemperatureBody {
 }
 
 impl StrategyBody {
+    /// What a form's field says.
+    #[must_use]
+    pub fn named(name: &str) -> StrategyBody {
+        StrategyBody { name: name.to_owned() }
+    }
+
     /// The strategy.
     ///
     /// # Errors
