@@ -11,6 +11,8 @@
 //! and the command line know them all. Read `docs/architecture.md` next, then `core::mission::table`.
 
 pub mod core;
+pub mod headless;
 pub mod inbound;
+pub mod outbound;
 pub mod runtime;
 pub mod wire;

@@ -1,0 +1,108 @@
+//! What can be wrong with a hall file, said so that its author can mend it: file, line, reason, what to do.
+//! Finding the faults is the business of the readers, `hall_toml` and `hall_movingai`.
+
+use std::fmt;
+
+/// A fault in a hall file and where it is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HallError {
+    /// The file, or the name of the hall when it is not from a file.
+    pub file: String,
+    /// The line, counted from 1, if the fault has one.
+    pub line: Option<usize>,
+    /// What is wrong; boxed, because an error should not weigh more than what it stands in for.
+    pub fault: Box<HallFault>,
+}
+
+impl fmt::Display for HallError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "{}:{line}: {}", self.file, self.fault),
+            None => write!(f, "{}: {}", self.file, self.fault),
+        }
+    }
+}
+
+impl std::error::Error for HallError {}
+
+/// What is wrong with a hall file, with the offending value and what to do.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say it")]
+pub enum HallFault {
+    #[error("cannot read this file ({0}): give the path of a .toml or .map file, or one of the built-in halls {1}")]
+    Unreadable(String, String),
+    #[error("this file is larger than {0} bytes: a hall has at most 2048 × 2048 cells")]
+    FileTooLarge(u64),
+    #[error("this file is not UTF-8 text: save it as UTF-8")]
+    NotText,
+    #[error("{0}")]
+    Syntax(String),
+    #[error("{0} is missing: {1}")]
+    Missing(&'static str, &'static str),
+    #[error("`drawing` and `width`/`height` are both given: keep the drawing, or the size of an empty hall")]
+    DrawingAndSize,
+    #[error("a hall of {0} × {1} cells has no floor: give at least one column and one row")]
+    Empty(u64, u64),
+    #[error("a hall of {0} × {1} cells is too large: at most {2} × {2} cells are kept")]
+    TooLarge(u64, u64, usize),
+    #[error("row {row} has {columns} columns, row 1 has {first}: make all rows equally long")]
+    Ragged { row: usize, columns: usize, first: usize },
+    #[error("row {row} has {mark:?} in column {column}: use `.` (free), `#` (wall), `S` (start) or a letter a–z (luggage)")]
+    UnknownSquare { row: usize, column: usize, mark: char },
+    #[error("no start: put one `S` into the drawing where the robot starts")]
+    NoStart,
+    #[error("a second start `S` in row {row}, column {column}: keep one")]
+    SecondStart { row: usize, column: usize },
+    #[error("luggage `{0}` is drawn in places that do not touch: give each piece a letter of its own")]
+    Scattered(char),
+    #[error("luggage `{0}` is in the drawing but not described: add a [[luggage]] with mark = \"{0}\"")]
+    Undescribed(char),
+    #[error("luggage {0:?} is described but not in the drawing: draw it, or remove this [[luggage]]")]
+    Undrawn(String),
+    #[error("the mark {0:?} is not one letter a–z: use the letter that stands in the drawing")]
+    NotAMark(String),
+    #[error("luggage `{0}` is described twice: keep one")]
+    DescribedTwice(char),
+    #[error("{0:?} is no kind of luggage: use suitcase, backpack, trolley, duffel, box or handbag")]
+    UnknownKind(String),
+    #[error("{0:?} is no colour: use #rrggbb or one of {1}")]
+    UnknownColour(String, String),
+    #[error("`{key}` is {value}: give a number from {least} to {most}")]
+    OutOfRange { key: &'static str, value: String, least: String, most: String },
+    #[error("`name` has {0} characters: give 1 to 64")]
+    NameLength(usize),
+    #[error("`description` has {0} characters: at most 1000 are kept")]
+    DescriptionLength(usize),
+    #[error("more than {0} pieces of luggage: remove some")]
+    TooManyPieces(usize),
+    #[error("more than {0} temperatures: remove some")]
+    TooManyTemperatures(usize),
+    #[error("the temperature at {at} s comes after the one at {before} s: put them in order of time, each time once")]
+    TemperatureOrder { at: String, before: String },
+    #[error("not a MovingAI map: line {0} should read `{1}`")]
+    Header(usize, &'static str),
+    #[error("the header says {said} rows, but there are {found}: correct `height` or the rows")]
+    RowCount { said: usize, found: usize },
+    #[error("row {row} has {found} columns, the header says {said}: correct `width` or the row")]
+    ColumnCount { row: usize, said: usize, found: usize },
+    #[error(
+        "row {row} has {mark:?} in column {column}: a MovingAI map has only `.` `G` `S` (free), `T` (luggage), `@` `O` `W` (wall)"
+    )]
+    UnknownTerrain { row: usize, column: usize, mark: char },
+    #[error("no free cell: the robot has nowhere to stand")]
+    NoFreeCell,
+}
+
+impl HallFault {
+    /// This fault at a line (counted from 1) of a file.
+    #[must_use]
+    pub fn at(self, file: &str, line: usize) -> HallError {
+        HallError { file: file.to_owned(), line: Some(line), fault: Box::new(self) }
+    }
+
+    /// This fault of a file as a whole.
+    #[must_use]
+    pub fn of(self, file: &str) -> HallError {
+        HallError { file: file.to_owned(), line: None, fault: Box::new(self) }
+    }
+}

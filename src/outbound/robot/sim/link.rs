@@ -1,0 +1,282 @@
+//! Joins the simulated robot to the loop: channels, timers, the speed of time, and the thread on which photos are drawn.
+//! What the robot does is decided by `simulator`; this is the only file of the simulator that waits.
+
+use std::time::Duration;
+
+use tokio::sync::mpsc;
+use tokio::task::JoinHandle;
+use tokio::time::Instant;
+
+use super::simulator::Sim;
+use super::speed::{Speed, times};
+use crate::core::effect::Order;
+use crate::core::event::{Capabilities, Photo, RobotEvent};
+use crate::core::units::{Epoch, Now, OrderId};
+use crate::runtime::clock::Clock;
+use crate::runtime::link::{RobotSide, ToRobot};
+
+/// What drawing a photo may take of real time, whatever the speed; the core is told so.
+const DEVELOPING: Duration = Duration::from_millis(50);
+
+/// Timers are not set further ahead than this; then it is looked again.
+const LONGEST_WAIT: Duration = Duration::from_secs(3600);
+
+/// Runs a simulated robot until the loop's end of its channels is gone.
+pub async fn run(sim: Sim, side: RobotSide, clock: Clock, speed: Speed) {
+    let began = clock.now().since_start;
+    Link { sim, side, clock, speed, began, skipped: Duration::ZERO, report: None, developing: None, obeyed: Epoch(0) }
+        .run()
+        .await;
+}
+
+struct Link {
+    sim: Sim,
+    side: RobotSide,
+    clock: Clock,
+    speed: Speed,
+    /// When simulated time began, by the real clock.
+    began: Duration,
+    /// The simulated time that was jumped over.
+    skipped: Duration,
+    /// A report on its way. Until it is taken nothing but a halt is listened to, so that reports cannot pile up.
+    report: Option<RobotEvent>,
+    /// The photo being drawn, and for which order.
+    developing: Option<(OrderId, JoinHandle<Photo>)>,
+    /// The epoch of the last order that was begun.
+    obeyed: Epoch,
+}
+
+impl Link {
+    async fn run(mut self) {
+        loop {
+            self.next_report();
+            let free = self.report.is_none();
+            let jumps = free && self.speed == Speed::Max && self.sim.is_busy() && !self.sim.is_developing();
+            let wake = self.wake();
+            tokio::select! {
+                biased;
+                epoch = self.side.halts.raised() => self.halt(epoch),
+                sent = hand_over(&self.side.reports, &mut self.report), if !free => if !sent { return },
+                given = self.side.orders.recv(), if free => match given {
+                    Some(ToRobot::Order(order)) => self.order(order),
+                    Some(ToRobot::Halt) => self.sim.handle_halt(self.now()),
+                    Some(ToRobot::Led(blinking)) => self.sim.handle_led(blinking),
+                    None => return,
+                },
+                photo = developed(&mut self.developing), if free => self.deliver(photo),
+                () = std::future::ready(()), if jumps => self.jump(),
+                () = tokio::time::sleep_until(wake), if free => self.sim.handle_timeout(self.now()),
+            }
+        }
+    }
+
+    /// The time in the simulation.
+    fn now(&self) -> Now {
+        let Now { since_start, wall } = self.clock.now();
+        let passed = times(since_start.saturating_sub(self.began), self.speed.pace());
+        Now { since_start: passed.saturating_add(self.skipped), wall }
+    }
+
+    /// When the simulation has to be looked at again, by the real clock.
+    fn wake(&self) -> Instant {
+        let wait = self.sim.poll_timeout().map(|at| at.saturating_sub(self.now().since_start));
+        let wait = wait.map_or(LONGEST_WAIT, |wait| times(wait, 1.0 / self.speed.pace()).min(LONGEST_WAIT));
+        self.clock.instant(self.clock.now().since_start + wait)
+    }
+
+    fn next_report(&mut self) {
+        if self.report.is_some() {
+            return;
+        }
+        self.report = self.sim.poll_event();
+        if let Some(RobotEvent::LinkUp(capabilities)) = self.report {
+            self.report = Some(RobotEvent::LinkUp(self.in_real_time(capabilities)));
+        }
+    }
+
+    fn in_real_time(&self, simulated: Capabilities) -> Capabilities {
+        let Capabilities { step, turn, photo, nudges } = simulated;
+        let photo = self.speed.to_real(photo) + DEVELOPING;
+        Capabilities { step: self.speed.to_real(step), turn: self.speed.to_real(turn), photo, nudges }
+    }
+
+    /// A halt concerns what was begun before it was raised: an order may have overtaken the news of a halt that it knows of.
+    fn halt(&mut self, epoch: Epoch) {
+        if self.obeyed < epoch {
+            self.sim.handle_halt(self.now());
+        }
+    }
+
+    fn order(&mut self, order: Order) {
+        if order.epoch < self.side.halts.epoch() {
+            self.report = Some(RobotEvent::Halted(order.id, self.sim.is_off_centre()));
+            return;
+        }
+        self.obeyed = order.epoch;
+        let deadline = self.speed.to_simulated(order.deadline);
+        self.sim.handle_order(Order { deadline, ..order }, self.now());
+        if let Some((id, exposure)) = self.sim.take_exposure() {
+            self.developing = Some((id, tokio::task::spawn_blocking(move || exposure.develop())));
+        }
+    }
+
+    /// Brings a drawn photo to the simulation. One that could not be drawn is missed by its order's deadline.
+    fn deliver(&mut self, (order, photo): (OrderId, Option<Photo>)) {
+        if let Some(photo) = photo {
+            self.sim.handle_photo(order, photo, self.now());
+        }
+    }
+
+    /// Jumps to whatever comes next.
+    fn jump(&mut self) {
+        if let Some(at) = self.sim.poll_timeout() {
+            self.skipped += at.saturating_sub(self.now().since_start);
+        }
+        self.sim.handle_timeout(self.now());
+    }
+}
+
+/// Sends the report as soon as there is room for it; false when nobody receives any more.
+async fn hand_over(reports: &mpsc::Sender<RobotEvent>, report: &mut Option<RobotEvent>) -> bool {
+    let Ok(room) = reports.reserve().await else { return false };
+    if let Some(report) = report.take() {
+        room.send(report);
+    }
+    true
+}
+
+/// Waits for the photo being drawn; for ever when there is none.
+async fn developed(developing: &mut Option<(OrderId, JoinHandle<Photo>)>) -> (OrderId, Option<Photo>) {
+    let Some((order, drawing)) = developing else { return std::future::pending().await };
+    let drawn = (*order, drawing.await.ok());
+    *developing = None;
+    drawn
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::super::{Camera, Hall, SimSettings};
+    use super::*;
+    use crate::core::command::Move;
+    use crate::core::effect::{Action, Stamp};
+    use crate::core::units::{Pose, Wall};
+    use crate::runtime::halt::Halter;
+    use crate::runtime::link::{RobotLink, link};
+
+    struct Test {
+        link: RobotLink,
+        halter: Halter,
+        task: JoinHandle<()>,
+        capabilities: Capabilities,
+    }
+
+    impl Test {
+        async fn begin(rows: &[&str], speed: Speed) -> Test {
+            let halter = Halter::new(Epoch(0));
+            let (mut link, side) = link(halter.watch());
+            let settings = SimSettings { sonar_noise_cm: 0.0, ..SimSettings::new(1, Camera::Rendered) };
+            let sim = Sim::new(Arc::new(Hall::from_rows("test", rows).unwrap()), settings);
+            let task = tokio::spawn(run(sim, side, Clock::default(), speed));
+            let Some(RobotEvent::LinkUp(capabilities)) = link.reports.recv().await else { panic!("first the link comes up") };
+            Test { link, halter, task, capabilities }
+        }
+
+        async fn give(&mut self, id: u64, action: Action, epoch: u64) {
+            let order = Order { id: OrderId(id), action, epoch: Epoch(epoch), deadline: Duration::from_secs(5) };
+            self.link.orders.send(ToRobot::Order(order)).await.unwrap();
+        }
+
+        /// The answer to the order under way, past what the sonar says.
+        async fn answer(&mut self) -> RobotEvent {
+            loop {
+                let event = self.link.reports.recv().await.expect("the robot is running");
+                if !matches!(event, RobotEvent::Sonar(_)) {
+                    return event;
+                }
+            }
+        }
+    }
+
+    const FORWARD: Action = Action::Move(Move::Forward);
+
+    fn photograph() -> Action {
+        Action::Photograph(Stamp { pose: Pose::START, wall: Wall::default() })
+    }
+
+    #[tokio::test]
+    async fn at_full_speed_a_thousand_steps_take_no_time() {
+        let mut test = Test::begin(&["S", "."], Speed::Max).await;
+        let clock = Clock::default();
+        for id in 0..1000 {
+            test.give(id, Action::Move(if id % 2 == 0 { Move::Forward } else { Move::Backward }), 0).await;
+            assert_eq!(test.answer().await, RobotEvent::Done(OrderId(id)));
+        }
+        assert!(clock.now().since_start < Duration::from_secs(20), "330 simulated seconds have passed");
+    }
+
+    #[tokio::test]
+    async fn durations_are_told_and_kept_in_real_time() {
+        let mut test = Test::begin(&["S", "."], Speed::Times(10.0)).await;
+        assert_eq!(test.capabilities.step, Duration::from_millis(33));
+        let clock = Clock::default();
+        test.give(1, FORWARD, 0).await;
+        assert_eq!(test.answer().await, RobotEvent::Done(OrderId(1)));
+        assert!(clock.now().since_start >= Duration::from_millis(32));
+    }
+
+    #[tokio::test]
+    async fn a_halt_stops_the_order_under_way_at_once() {
+        let mut test = Test::begin(&["S", "."], Speed::Times(0.1)).await;
+        test.give(1, FORWARD, 0).await;
+        tokio::time::sleep(Duration::from_millis(50)).await;
+        test.halter.halt();
+        assert_eq!(test.answer().await, RobotEvent::Halted(OrderId(1), true));
+        test.give(2, Action::Recentre, 1).await;
+        assert_eq!(test.answer().await, RobotEvent::Done(OrderId(2)));
+    }
+
+    #[tokio::test]
+    async fn an_order_from_before_a_halt_is_not_begun_and_one_from_after_it_is() {
+        let mut test = Test::begin(&["S", "."], Speed::Max).await;
+        test.halter.halt();
+        test.give(1, FORWARD, 0).await;
+        assert_eq!(test.answer().await, RobotEvent::Halted(OrderId(1), false));
+        test.halter.halt();
+        test.give(2, FORWARD, 2).await;
+        assert_eq!(test.answer().await, RobotEvent::Done(OrderId(2)));
+    }
+
+    #[tokio::test]
+    async fn a_halt_gets_through_while_nobody_takes_the_reports() {
+        let mut test = Test::begin(&["S", "."], Speed::Times(0.1)).await;
+        for id in 1..=40 {
+            test.give(id, FORWARD, 0).await;
+        }
+        tokio::time::sleep(Duration::from_millis(20)).await;
+        test.halter.halt();
+        let mut halted = false;
+        for _ in 1..=40 {
+            halted |= test.answer().await == RobotEvent::Halted(OrderId(1), true);
+        }
+        assert!(halted);
+    }
+
+    #[tokio::test]
+    async fn a_photo_is_drawn_beside_the_loop_and_no_halt_cuts_it_short() {
+        let mut test = Test::begin(&["S", "a"], Speed::Times(2.0)).await;
+        test.give(1, photograph(), 0).await;
+        tokio::time::sleep(Duration::from_millis(50)).await;
+        test.halter.halt();
+        let RobotEvent::Photo(OrderId(1), photo) = test.answer().await else { panic!("a photo was ordered") };
+        assert_eq!(photo.media_type, "image/png");
+    }
+
+    #[tokio::test]
+    async fn it_ends_when_the_loop_is_gone() {
+        let Test { link, task, .. } = Test::begin(&["S"], Speed::Times(1.0)).await;
+        drop(link);
+        tokio::time::timeout(Duration::from_secs(5), task).await.expect("it ends by itself").unwrap();
+    }
+}
