@@ -183,6 +183,6 @@ mod tests {
         }
         assert_eq!(house.get("/api/v1/events").await.status(), 503);
         streams.pop();
-        open(&house, None).await;
+        streams.push(open(&house, None).await);
     }
 }

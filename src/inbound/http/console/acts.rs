@@ -48,7 +48,9 @@ impl Fields {
             "retrieve" => Command::Retrieve,
             "reset" => Command::Reset,
             "move" => command::move_word(needed("move", self.word.as_deref())?)?,
-            "goto" => command::goto(number("x", needed("x", self.x.as_deref())?)?, number("y", needed("y", self.y.as_deref())?)?)?,
+            "goto" => {
+                command::goto(number("x", needed("x", self.x.as_deref())?)?, number("y", needed("y", self.y.as_deref())?)?)?
+            }
             "safe" => self.verdict(Verdict::Safe)?,
             "danger" => self.verdict(Verdict::Danger)?,
             "retake" => Command::RetakePhoto(LuggageId(self.id()?)),

@@ -154,7 +154,7 @@ mod tests {
         touch(&mut snapshot, 21, &[Resource::Map, Resource::Robot]);
         let message = shown.update(Arc::new(snapshot), "airport");
         let ids: Vec<&str> = message.parts.keys().map(String::as_str).collect();
-        assert_eq!(ids, ["bar", "hall-layer", "hall-robot", "robot", "tile_0_0"]);
+        assert_eq!(ids, ["hall-layer", "hall-robot", "robot", "tile_0_0"]);
         assert!(serde_json::to_string(&message).unwrap().len() < 8_000);
     }
 

@@ -33,12 +33,17 @@ pub(super) fn routes() -> Router<Door> {
         .route("/console/live", get(live::live))
         .route("/console/confirm/danger/{id}", get(confirm_danger))
         .route("/console/confirm/reset", get(confirm_reset));
-    ACTS.into_iter().fold(pages, |router, act| {
-        let route = move |State(door): State<Door>, headers: HeaderMap, form: Form<Fields>| post_act(door, headers, act, form);
-        router.route(&format!("/console/{act}"), post(route))
-    })
-    // STOP reads nothing of what was sent: nothing that is wrong with it may keep it from halting the robot.
-    .route("/console/stop", post(|State(door): State<Door>, headers: HeaderMap| post_act(door, headers, "stop", Form(Fields::default()))))
+    ACTS.into_iter()
+        .fold(pages, |router, act| {
+            let route =
+                move |State(door): State<Door>, headers: HeaderMap, form: Form<Fields>| post_act(door, headers, act, form);
+            router.route(&format!("/console/{act}"), post(route))
+        })
+        // STOP reads nothing of what was sent: nothing that is wrong with it may keep it from halting the robot.
+        .route(
+            "/console/stop",
+            post(|State(door): State<Door>, headers: HeaderMap| post_act(door, headers, "stop", Form(Fields::default()))),
+        )
 }
 
 /// The page again, with the reason in words beside the button that was pressed.
@@ -71,7 +76,9 @@ async fn confirm_danger(State(door): State<Door>, Number(id): Number) -> Respons
     let snapshot = door.handle.snapshot();
     match snapshot.luggage(LuggageId(id)) {
         Some(luggage) => html(&parts::Confirm::danger(luggage)).into_response(),
-        None => (StatusCode::NOT_FOUND, whole(&door, Some(Why::new("page", &format!("there is no luggage #{id}"))))).into_response(),
+        None => {
+            (StatusCode::NOT_FOUND, whole(&door, Some(Why::new("page", &format!("there is no luggage #{id}"))))).into_response()
+        }
     }
 }
 

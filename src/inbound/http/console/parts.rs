@@ -29,10 +29,18 @@ pub(super) struct Part {
 /// All of them, in the page's order.
 pub(super) const PARTS: [Part; 14] = [
     Part { id: "announce", shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms], render: |v| html(&Announce { v }) },
-    Part { id: "bar", shows: &[Resource::Mission, Resource::Robot, Resource::Temperature, Resource::Luggage], render: |v| html(&Bar { v }) },
+    Part {
+        id: "bar",
+        shows: &[Resource::Mission, Resource::Robot, Resource::Temperature, Resource::Luggage],
+        render: |v| html(&Bar { v }),
+    },
     Part { id: "holds", shows: &[Resource::Mission], render: |v| html(&Holds { v }) },
     Part { id: "hall-labels", shows: &[Resource::Map], render: |v| hall::labels(&v.snapshot.map) },
-    Part { id: "hall-layer", shows: &[Resource::Mission, Resource::Robot, Resource::Luggage, Resource::Map], render: |v| hall::layer(v.snapshot) },
+    Part {
+        id: "hall-layer",
+        shows: &[Resource::Mission, Resource::Robot, Resource::Luggage, Resource::Map],
+        render: |v| hall::layer(v.snapshot),
+    },
     Part { id: "hall-robot", shows: &[Resource::Robot], render: |v| hall::robot(v.snapshot) },
     Part { id: "progress", shows: &[Resource::Mission], render: |v| html(&Progress { v }) },
     Part { id: "alarms", shows: &[Resource::Alarms], render: |v| html(&Alarms { v }) },
@@ -152,7 +160,11 @@ impl Inspect<'_> {
 
     fn where_and_when(&self, luggage: &Luggage) -> String {
         let (cell, from) = (place(luggage.cell), place(luggage.pose.cell));
-        format!("The bag is at {cell}; seen from {from}, facing {}; {}", luggage.pose.heading.name(), date_and_time(luggage.taken))
+        format!(
+            "The bag is at {cell}; seen from {from}, facing {}; {}",
+            luggage.pose.heading.name(),
+            date_and_time(luggage.taken)
+        )
     }
 
     const fn danger(&self) -> &'static str {

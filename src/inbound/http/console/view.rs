@@ -136,7 +136,13 @@ impl View<'_> {
             | PhaseName::ReturningHome
             | PhaseName::ReturningWithAlarm
             | PhaseName::BombLocated
-            | PhaseName::Retrieving => if mission.holds.is_empty() { "START" } else { "CONTINUE" },
+            | PhaseName::Retrieving => {
+                if mission.holds.is_empty() {
+                    "START"
+                } else {
+                    "CONTINUE"
+                }
+            }
         }
     }
 
