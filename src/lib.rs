@@ -12,5 +12,7 @@
 
 pub mod core;
 pub mod headless;
+pub mod inbound;
 pub mod outbound;
 pub mod runtime;
+pub mod wire;
