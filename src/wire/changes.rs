@@ -67,3 +67,39 @@ impl ChangesJson {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::world::log::Tone;
+    use crate::wire::fixture::{searching, touch, write};
+
+    #[test]
+    fn only_what_changed_is_sent() {
+        let older = searching();
+        let mut newer = older.clone();
+        touch(&mut newer, 21, &[Resource::Temperature]);
+        let json = serde_json::to_value(ChangesJson::between(&older, &newer)).unwrap();
+        let mut fields: Vec<&String> = json.as_object().unwrap().keys().collect();
+        fields.sort();
+        assert_eq!(fields, ["revision", "temperature"]);
+    }
+
+    #[test]
+    fn only_new_log_lines_are_sent() {
+        let older = searching();
+        let mut newer = older.clone();
+        write(&mut newer, Tone::Info, "one more");
+        touch(&mut newer, 21, &[Resource::Log]);
+        let lines = ChangesJson::between(&older, &newer).log.unwrap();
+        assert_eq!(lines.iter().map(|line| line.number).collect::<Vec<_>>(), [4]);
+        assert_eq!(ChangesJson::since(&newer, older.revision).log.unwrap().len(), 4);
+    }
+
+    #[test]
+    fn a_reader_who_has_everything_lacks_nothing() {
+        let snapshot = searching();
+        let json = serde_json::to_value(ChangesJson::since(&snapshot, snapshot.revision)).unwrap();
+        assert_eq!(json, serde_json::json!({"revision": 20}));
+    }
+}

@@ -120,6 +120,12 @@ impl TemperatureBody {
 }
 
 impl StrategyBody {
+    /// What a form's field says.
+    #[must_use]
+    pub fn named(name: &str) -> StrategyBody {
+        StrategyBody { name: name.to_owned() }
+    }
+
     /// The strategy.
     ///
     /// # Errors
@@ -171,4 +177,48 @@ pub fn reading(degrees: f64) -> Result<TemperatureReport, Unusable> {
     Celsius::new(degrees)
         .map(TemperatureReport::Reading)
         .ok_or_else(|| Unusable(format!("{degrees} °C cannot be: celsius lies between {least} and {most}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn old_and_new_words_for_moves_mean_the_same() {
+        assert_eq!(move_word("l"), move_word("a"));
+        assert_eq!(move_word("r"), move_word("d"));
+        assert_eq!(move_word("h"), Ok(Command::Stop));
+        assert!(move_word("W").is_err() && move_word("").is_err());
+    }
+
+    #[test]
+    fn a_cell_must_be_within_reach() {
+        assert_eq!(goto(-8192, 8192), Ok(Command::Goto(Cell::new(-8192, 8192))));
+        for (x, y) in [(8193, 0), (0, -8193), (i64::MIN, 0), (0, i64::MAX), (i64::from(i32::MIN), 0)] {
+            assert!(goto(x, y).is_err(), "({x}, {y})");
+        }
+    }
+
+    #[test]
+    fn a_temperature_is_a_reading_or_a_word_and_never_both() {
+        let report = |json: &str| serde_json::from_str::<TemperatureBody>(json).unwrap().report();
+        assert_eq!(report(r#"{"status":"tooHigh"}"#), Ok(TemperatureReport::TooHigh));
+        assert!(matches!(report(r#"{"celsius":21.5}"#), Ok(TemperatureReport::Reading(_))));
+        for wrong in [r#"{}"#, r#"{"celsius":1,"status":"ok"}"#, r#"{"celsius":1e9}"#, r#"{"status":"warm"}"#] {
+            assert!(report(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn an_unknown_strategy_is_told_which_there_are() {
+        let body: StrategyBody = serde_json::from_str(r#"{"name":"worm"}"#).unwrap();
+        let sentence = body.strategy().unwrap_err().to_string();
+        assert!(sentence.contains("\"worm\"") && sentence.contains("snail"), "{sentence}");
+    }
+
+    #[test]
+    fn an_unknown_field_is_named() {
+        let error = serde_json::from_str::<EpochBody>(r#"{"epoc":1}"#).unwrap_err().to_string();
+        assert!(error.contains("`epoc`"), "{error}");
+    }
 }

@@ -139,3 +139,70 @@ pub fn mark_char(snapshot: &Snapshot, cell: Cell) -> char {
 fn row(snapshot: &Snapshot, bounds: Bounds, y: i32) -> String {
     (bounds.least.x..=bounds.most.x).map(|x| mark_char(snapshot, Cell::new(x, y))).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire::fixture::{drawn, idle, searching, touch};
+
+    fn cells(change: Option<MapChange>) -> Vec<(i32, i32, char)> {
+        match change {
+            Some(MapChange::Cells(map)) => map.cells.iter().map(|cell| (cell.x, cell.y, cell.mark)).collect(),
+            Some(MapChange::Whole(map)) => panic!("only cells were expected, not {map:?}"),
+            None => Vec::new(),
+        }
+    }
+
+    #[test]
+    fn every_known_cell_is_there_and_the_robot_in_its_own() {
+        let map = MapJson::from(&searching());
+        assert_eq!((map.origin, map.width, map.height), (Place { x: 0, y: 0 }, 6, 5));
+        assert_eq!(map.rows, ["111X1X", "11110X", "1XrX0X", "11110X", "XXXXX0"]);
+    }
+
+    #[test]
+    fn rows_and_columns_may_lie_north_and_west_of_home() {
+        let mut snapshot = idle();
+        snapshot.map.mark(Cell::new(-1, -1), Mark::Wall, Revision(2));
+        let map = MapJson::from(&snapshot);
+        assert_eq!((map.origin, map.rows), (Place { x: -1, y: -1 }, vec!["X0".to_owned(), "0r".to_owned()]));
+    }
+
+    #[test]
+    fn a_step_sends_the_cell_left_and_the_cell_entered() {
+        let older = idle();
+        let mut newer = older.clone();
+        newer.map.mark(Cell::new(0, 1), Mark::Visited, Revision(2));
+        newer.robot.pose.cell = Cell::new(0, 1);
+        touch(&mut newer, 2, &[Resource::Map, Resource::Robot]);
+        assert_eq!(cells(MapChange::between(&older, &newer)), [(0, 0, '1'), (0, 1, 'r')]);
+        assert_eq!(MapChange::between(&newer, &newer.clone()), None);
+    }
+
+    #[test]
+    fn an_emptied_map_takes_back_what_was_known() {
+        let (older, newer) = (searching(), idle());
+        let changes = cells(MapChange::between(&older, &newer));
+        assert!(changes.contains(&(5, 0, '0')) && changes.contains(&(0, 0, 'r')), "{changes:?}");
+    }
+
+    #[test]
+    fn a_returning_reader_gets_the_tiles_that_changed_since() {
+        let mut snapshot = idle();
+        snapshot.map = drawn(&["11"], 2);
+        snapshot.map.mark(Cell::new(40, 0), Mark::Wall, Revision(9));
+        touch(&mut snapshot, 9, &[Resource::Map]);
+        let changes = cells(MapChange::since(&snapshot, Revision(5)));
+        assert!(changes.contains(&(40, 0, 'X')) && changes.contains(&(0, 0, 'r')), "{changes:?}");
+        assert!(!changes.contains(&(1, 0, '1')), "the first tile has not changed since");
+        assert_eq!(MapChange::since(&snapshot, Revision(9)), None);
+    }
+
+    #[test]
+    fn a_returning_reader_whose_every_tile_is_older_gets_the_whole_map() {
+        let mut snapshot = idle();
+        touch(&mut snapshot, 9, &[Resource::Map]);
+        snapshot.map = drawn(&["1"], 9);
+        assert!(matches!(MapChange::since(&snapshot, Revision(5)), Some(MapChange::Whole(_))));
+    }
+}

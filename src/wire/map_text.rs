@@ -51,3 +51,55 @@ fn text_char(snapshot: &Snapshot, cell: Cell) -> char {
     let wall = |x, y| snapshot.map.at(Cell::new(x, y)) == Mark::Wall;
     if is_corner && wall(cell.x - 1, cell.y) && wall(cell.x, cell.y - 1) { 'X' } else { mark_char(snapshot, cell) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::units::{Heading, Pose};
+    use crate::wire::fixture::{drawn, idle};
+
+    fn hall(rows: &[&str], robot: Cell) -> Snapshot {
+        let mut snapshot = idle();
+        snapshot.map = drawn(rows, 2);
+        snapshot.robot.pose = Pose { cell: robot, heading: Heading::South };
+        snapshot
+    }
+
+    #[test]
+    fn an_empty_hall_of_eight_by_eight_has_its_known_text() {
+        let mut rows = vec!["11111111W"; 8];
+        rows.push("WWWWWWWW?");
+        let text = lines(&hall(&rows, Cell::HOME));
+        let first = "|r, 1, 1, 1, 1, 1, 1, 1, X, \n";
+        let others = "|1, 1, 1, 1, 1, 1, 1, 1, X, \n".repeat(7);
+        let border = "|X, X, X, X, X, X, X, X, X, \n";
+        assert_eq!(text, format!("{first}{others}{border}"));
+    }
+
+    #[test]
+    fn the_one_line_form_ends_every_row_with_an_at() {
+        assert_eq!(one_line(&hall(&["11W", "11W"], Cell::HOME)), "'r 1 X @1 1 X @'");
+    }
+
+    #[test]
+    fn a_border_of_which_nothing_is_known_is_not_shown() {
+        assert_eq!(one_line(&hall(&["111", "111"], Cell::new(1, 1))), "'1 1 1 @1 r 1 @'");
+        assert_eq!(one_line(&hall(&["11", "WW"], Cell::HOME)), "'r 1 @X X @'");
+    }
+
+    #[test]
+    fn the_corner_is_a_wall_only_between_two_walls() {
+        assert_eq!(one_line(&hall(&["1W", "W?"], Cell::HOME)), "'r X @X X @'");
+        assert_eq!(one_line(&hall(&["1L", "W?"], Cell::HOME)), "'r X @X 0 @'");
+        assert_eq!(one_line(&hall(&["11W", "W??"], Cell::HOME)), "'r 1 X @X 0 0 @'");
+    }
+
+    #[test]
+    fn the_text_begins_at_the_least_visited_row_and_column() {
+        let mut snapshot = hall(&["1"], Cell::HOME);
+        for (cell, mark) in [(Cell::new(-1, -2), Mark::Visited), (Cell::new(-2, -2), Mark::Wall)] {
+            snapshot.map.mark(cell, mark, crate::core::units::Revision(3));
+        }
+        assert_eq!(one_line(&snapshot), "'1 0 @0 0 @0 r @'");
+    }
+}

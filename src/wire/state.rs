@@ -86,3 +86,41 @@ pub fn alarms(snapshot: &Snapshot) -> Vec<AlarmJson> {
 pub fn log_after(snapshot: &Snapshot, number: u64) -> Vec<LogLineJson> {
     snapshot.log.iter().filter(|line| line.number > number).map(|line| LogLineJson::from(&**line)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire::fixture::{idle, searching};
+
+    #[test]
+    fn the_state_has_the_shape_the_clients_know() {
+        let json = serde_json::to_value(StateJson::from(&searching())).unwrap();
+        assert_eq!(json["mission"]["phase"], "inspecting");
+        assert_eq!(json["mission"]["goal"], serde_json::json!({"x": 4, "y": 4}));
+        assert_eq!(json["mission"]["progress"], serde_json::json!({"visited": 15, "unknown": 4, "percent": 78}));
+        assert_eq!(json["mission"]["refusals"]["backHome"], "not possible while idle");
+        assert_eq!(
+            json["robot"],
+            serde_json::json!({"revision": 20, "state": "stopped", "heading": "east", "position": {"x": 2, "y": 2},
+                "offCentre": false, "sonar": 42, "led": "blinking"})
+        );
+        assert_eq!(json["temperature"], serde_json::json!({"revision": 20, "celsius": 21.4, "status": "ok", "threshold": 25.0}));
+        assert_eq!(
+            json["luggage"][2],
+            serde_json::json!({"id": 3, "verdict": "pending", "cell": {"x": 3, "y": 2}, "position": {"x": 2, "y": 2},
+                "heading": "east", "taken": "2026-02-03T10:00:00.000+01:00", "decided": null,
+                "photo": {"state": "taken", "url": "/api/v1/luggage/3/photo?take=1", "bytes": 4, "take": 1, "reason": null}})
+        );
+        assert_eq!(json["luggage"][0]["decided"]["by"], "operator");
+        assert_eq!(json["alarms"][0]["acknowledged"], serde_json::Value::Null);
+        assert_eq!(json["log"][0]["number"], 1);
+    }
+
+    #[test]
+    fn what_is_not_there_is_null_and_not_absent() {
+        let json = serde_json::to_value(StateJson::from(&idle())).unwrap();
+        for pointer in ["/mission/goal", "/mission/interrupted", "/mission/fault", "/robot/sonar", "/temperature/celsius"] {
+            assert_eq!(json.pointer(pointer), Some(&serde_json::Value::Null), "{pointer}");
+        }
+    }
+}

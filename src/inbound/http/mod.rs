@@ -2,7 +2,9 @@
 //! commands and snapshots into answers; it decides nothing about the mission.
 
 mod accept;
+mod assets;
 mod commands;
+mod console;
 mod etag;
 mod events;
 mod give;
@@ -60,6 +62,8 @@ pub fn router(door: Door) -> Router {
     let routes = Router::new()
         .nest("/api/v1", api())
         .merge(old::routes())
+        .merge(console::routes())
+        .merge(assets::routes())
         .route("/healthz", get(reads::health))
         .fallback(problem::no_such_path)
         .method_not_allowed_fallback(problem::no_such_method)

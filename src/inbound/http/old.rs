@@ -9,7 +9,7 @@ use axum::routing::post;
 
 use super::accept::preferred;
 use super::problem::Problem;
-use super::{Door, commands};
+use super::{Door, commands, console};
 use crate::core::command::{Command, LuggageRef, TemperatureReport, Verdict};
 use crate::wire::command::move_word;
 
@@ -47,6 +47,7 @@ async fn give(State(door): State<Door>, uri: Uri, headers: HeaderMap) -> Respons
     let wants_page = preferred(&headers, &["application/json", "text/html"]) == Some("text/html");
     match given {
         Ok(_) if wants_page => Redirect::to("/").into_response(),
+        Err(problem) if wants_page => console::refused_page(&door, "old", &problem),
         Ok(answer) => answer,
         Err(problem) => problem.into_response(),
     }

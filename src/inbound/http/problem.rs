@@ -124,3 +124,60 @@ pub(super) async fn no_such_method(method: Method, uri: Uri) -> Problem {
     let detail = format!("{} does not answer {method}: see the header Allow", uri.path());
     Problem::new(StatusCode::METHOD_NOT_ALLOWED, "methodNotAllowed", detail)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::command::Verdict;
+    use crate::core::mission::{Hold, PhaseName};
+    use crate::core::units::{AlarmId, Cell, Epoch, LuggageId};
+
+    /// One of each variant, in their order, and how the walk goes on; a new variant does not compile until it is added here.
+    fn next(refused: Option<&Refused>) -> Option<Refused> {
+        let id = LuggageId(3);
+        Some(match refused {
+            None => Refused::Held(vec![Hold::TooHigh]),
+            Some(Refused::Held(_)) => Refused::Outdated { sent: Epoch(1), now: Epoch(2) },
+            Some(Refused::Outdated { .. }) => Refused::NotInPhase(PhaseName::Idle),
+            Some(Refused::NotInPhase(_)) => Refused::VerdictPending(id),
+            Some(Refused::VerdictPending(_)) => Refused::Driving,
+            Some(Refused::Driving) => Refused::NotStopped,
+            Some(Refused::NotStopped) => Refused::IntoObstacle(Cell::HOME),
+            Some(Refused::IntoObstacle(_)) => Refused::NotCapable,
+            Some(Refused::NotCapable) => Refused::Moving,
+            Some(Refused::Moving) => Refused::Unrecorded,
+            Some(Refused::Unrecorded) => Refused::BombUnfetched(id),
+            Some(Refused::BombUnfetched(_)) => Refused::UnknownLuggage(id),
+            Some(Refused::UnknownLuggage(_)) => Refused::NothingPending,
+            Some(Refused::NothingPending) => Refused::Decided { luggage: id, verdict: Verdict::Safe },
+            Some(Refused::Decided { .. }) => Refused::NoPhoto(id),
+            Some(Refused::NoPhoto(_)) => Refused::NotInspected(id),
+            Some(Refused::NotInspected(_)) => Refused::PhotoUnderWay,
+            Some(Refused::PhotoUnderWay) => Refused::UnknownAlarm(AlarmId(1)),
+            Some(Refused::UnknownAlarm(_)) => Refused::NoRetrievalRobot,
+            Some(Refused::NoRetrievalRobot) => Refused::FaultStands("stuck".to_owned()),
+            Some(Refused::FaultStands(_)) => Refused::StoreDown,
+            Some(Refused::StoreDown) => return None,
+        })
+    }
+
+    #[test]
+    fn every_refusal_has_a_status_a_code_of_its_own_and_a_sentence() {
+        let all: Vec<Refused> = std::iter::successors(next(None), |refused| next(Some(refused))).collect();
+        let mut codes = std::collections::BTreeSet::new();
+        for refused in &all {
+            let problem = Problem::refused(refused, None);
+            let expected = match refused {
+                Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_) => 404,
+                Refused::StoreDown => 503,
+                _ => 409,
+            };
+            assert_eq!(problem.status.as_u16(), expected, "{refused}");
+            assert_eq!(problem.body.status, expected);
+            assert!(problem.detail().len() > 15, "a person is to understand {refused:?}");
+            assert_eq!(problem.body.kind, format!("urn:hallsweep:problem:{}", refused.code()));
+            assert!(codes.insert(refused.code()), "{} is used twice", refused.code());
+        }
+        assert_eq!(all.len(), 21);
+    }
+}
