@@ -95,6 +95,6 @@ const fn point(cell: Cell) -> super::space::Vector {
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "halls are a few thousand cells wide, and a cast saturates")]
-const fn whole(place: f32) -> i32 {
+fn whole(place: f32) -> i32 {
     place.round() as i32
 }

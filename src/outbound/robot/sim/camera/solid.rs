@@ -154,8 +154,12 @@ fn hit_block(eye: Vector, direction: Vector, half: Vector, radius: f32) -> Optio
     if beyond.x.max(beyond.y).min(beyond.y.max(beyond.z)).min(beyond.z.max(beyond.x)) < 0.0 {
         return Some(enters);
     }
-    let mirrored = |v: Vector| vector(v.x * met.x.signum(), v.y * met.y.signum(), v.z * met.z.signum());
-    hit_rounding(mirrored(eye), mirrored(direction), core, radius)
+    // A flat body's rounding may be met below its middle by a ray that enters above it, so both halves are looked at.
+    let half_body = |up: f32| {
+        let mirrored = |v: Vector| vector(v.x * met.x.signum(), v.y * met.y.signum(), v.z * up);
+        hit_rounding(mirrored(eye), mirrored(direction), core, radius)
+    };
+    [half_body(met.z.signum()), half_body(-met.z.signum())].into_iter().flatten().min_by(f32::total_cmp)
 }
 
 /// Meets the three rounded edges and the corner of the first octant.

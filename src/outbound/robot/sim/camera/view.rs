@@ -74,7 +74,7 @@ impl View {
         let depth = self.depth(point);
         let scale = FOCAL / depth;
         let column = as_float(WIDTH) / 2.0 + (point - self.eye).dot(self.right) * scale;
-        (depth > 0.05).then(|| (column, HORIZON + (self.eye.z - point.z) * scale))
+        (depth > 0.05).then_some((column, HORIZON + (self.eye.z - point.z) * scale))
     }
 }
 
