@@ -33,6 +33,8 @@ const LAMP: Paint = Paint(255.0, 254.0, 246.0);
 struct Face {
     /// How far ahead, in cells.
     depth: f32,
+    /// How much of it is lost in the haze, 0–1.
+    haze: f32,
     /// Where along the wall, in cells.
     along: f32,
     /// Whether it runs from north to south: such walls are a little darker.
@@ -41,22 +43,22 @@ struct Face {
     outer: bool,
 }
 
-/// Draws floor, walls and ceiling over the whole canvas.
+/// Draws floor, walls and ceiling over the whole canvas, row by row because that is how pixels lie in memory.
 pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, view: &View) {
-    for column in 0..WIDTH {
-        let direction = view.column(column);
-        let face = walk(hall, view.eye, direction);
-        for row in 0..HEIGHT {
-            let fall = View::fall(row);
+    let directions: Vec<Vector> = (0..WIDTH).map(|column| view.column(column)).collect();
+    let faces: Vec<Face> = directions.iter().map(|direction| walk(hall, view.eye, *direction)).collect();
+    for row in 0..HEIGHT {
+        let fall = View::fall(row);
+        let ground = Ground::at(EYE / fall);
+        let roof = (EYE - CEILING) / fall;
+        for (column, (face, direction)) in faces.iter().zip(&directions).enumerate() {
             let height = EYE - fall * face.depth;
             if height < 0.0 {
-                let depth = EYE / fall;
-                canvas.set(column, row, depth, floor(view.eye + direction * depth, depth, face.depth));
+                canvas.set(column, row, ground.depth, ground.paint(view.eye + *direction * ground.depth, face.depth));
             } else if height > CEILING {
-                let depth = (EYE - CEILING) / fall;
-                canvas.set(column, row, depth, hazed(ceiling(view.eye + direction * depth), depth));
+                canvas.set(column, row, roof, ceiling(view.eye + *direction * roof).mixed(HAZE, haze(roof)));
             } else {
-                canvas.set(column, row, face.depth, hazed(wall(&face, height), face.depth));
+                canvas.set(column, row, face.depth, wall(face, height).mixed(HAZE, face.haze));
             }
         }
     }
@@ -87,18 +89,36 @@ fn walk(hall: &Hall, eye: Vector, direction: Vector) -> Face {
     } else {
         (x + direction.x * depth) * -direction.y.signum()
     };
-    Face { depth, along, meridian, outer: !hall.bounds().contains(cell) }
+    Face { depth, haze: haze(depth), along, meridian, outer: !hall.bounds().contains(cell) }
 }
 
-/// Two tiles to a cell with grout between; the pattern melts away with distance before it can flicker.
-fn floor(at: Vector, depth: f32, wall_depth: f32) -> Paint {
-    let (u, v) = (wrapped(at.x, 0.5), wrapped(at.y, 0.5));
-    let edge = u.min(v).min(0.5 - u).min(0.5 - v);
-    let width = 0.006 + depth * 0.0025;
-    let grout = if edge < width { (1.0 - smooth(0.0, width, edge)) * (1.0 - smooth(3.0, 9.0, depth)) } else { 0.0 };
-    let tone = 1.0 + (tile_tone(at) - 0.5) * 0.10 * (1.0 - smooth(4.0, 14.0, depth));
-    let corner = 0.72 + 0.28 * smooth(0.0, 0.5, wall_depth - depth);
-    hazed(FLOOR.lit(tone).mixed(GROUT, grout).lit(corner), depth)
+/// The floor along one row of the picture, all of it equally far ahead: two tiles to a cell with grout between. The pattern
+/// melts away with distance before it can flicker.
+struct Ground {
+    depth: f32,
+    haze: f32,
+    /// How wide grout is drawn, in cells, and how plainly.
+    grout: (f32, f32),
+    /// How much the tiles differ.
+    tones: f32,
+}
+
+impl Ground {
+    fn at(depth: f32) -> Ground {
+        let grout = (0.006 + depth * 0.0025, 1.0 - smooth(3.0, 9.0, depth));
+        Ground { depth, haze: haze(depth), grout, tones: 0.10 * (1.0 - smooth(4.0, 14.0, depth)) }
+    }
+
+    fn paint(&self, at: Vector, wall_depth: f32) -> Paint {
+        let (u, v) = (wrapped(at.x, 0.5), wrapped(at.y, 0.5));
+        let edge = u.min(v).min(0.5 - u).min(0.5 - v);
+        let tile = FLOOR.lit(1.0 + (tile_tone(at) - 0.5) * self.tones);
+        let (width, plainness) = self.grout;
+        let tile = if edge < width { tile.mixed(GROUT, (1.0 - edge / width) * plainness) } else { tile };
+        let from_wall = wall_depth - self.depth;
+        let tile = if from_wall < 0.5 { tile.lit(0.72 + 0.28 * smooth(0.0, 0.5, from_wall)) } else { tile };
+        tile.mixed(HAZE, self.haze)
+    }
 }
 
 /// A tone from 0 to 1 that is each tile's own.
@@ -168,8 +188,9 @@ fn ceiling(at: Vector) -> Paint {
     if (1.6..2.4).contains(&strip) && wrapped(at.y, 6.0) < 5.2 { LAMP } else { CEILING_PAINT }
 }
 
-fn hazed(paint: Paint, depth: f32) -> Paint {
-    paint.mixed(HAZE, smooth(2.0, 40.0, depth) * 0.85)
+/// How much of what is so far ahead is lost in the haze, 0–1.
+fn haze(depth: f32) -> f32 {
+    smooth(2.0, 40.0, depth) * 0.85
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "halls are a few thousand cells wide, and a cast saturates")]

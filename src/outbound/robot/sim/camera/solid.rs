@@ -154,12 +154,17 @@ fn hit_block(eye: Vector, direction: Vector, half: Vector, radius: f32) -> Optio
     if beyond.x.max(beyond.y).min(beyond.y.max(beyond.z)).min(beyond.z.max(beyond.x)) < 0.0 {
         return Some(enters);
     }
-    // A flat body's rounding may be met below its middle by a ray that enters above it, so both halves are looked at.
     let half_body = |up: f32| {
         let mirrored = |v: Vector| vector(v.x * met.x.signum(), v.y * met.y.signum(), v.z * up);
         hit_rounding(mirrored(eye), mirrored(direction), core, radius)
     };
-    [half_body(met.z.signum()), half_body(-met.z.signum())].into_iter().flatten().min_by(f32::total_cmp)
+    let up = met.z.signum();
+    let near = half_body(up);
+    // A flat body's rounding may be met below its middle by a ray that enters above it: then the other half is looked at.
+    if near.is_some_and(|way| (eye.z + direction.z * way) * up > -core.z) {
+        return near;
+    }
+    [near, half_body(-up)].into_iter().flatten().min_by(f32::total_cmp)
 }
 
 /// Meets the three rounded edges and the corner of the first octant.
