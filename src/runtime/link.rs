@@ -17,6 +17,8 @@ pub const REPORTS: usize = 64;
 pub enum ToRobot {
     /// Do this, unless a halt has been raised since it was given.
     Order(Order),
+    /// Halt where it is: something else than a stop holds the robot.
+    Halt,
     /// Let the LED blink, or not.
     Led(bool),
 }

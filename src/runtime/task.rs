@@ -1,1 +1,263 @@
-//! stub
+//! The only loop: takes halts, reports, commands and time to the core, and its effects to robots, store, doors.
+//! It decides nothing.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use tokio::sync::{mpsc, oneshot, watch};
+
+use super::clock::Clock;
+use super::halt::{HaltWatch, Halter};
+use super::handle::{COMMANDS, Envelope, Handle};
+use super::link::{RobotLink, ToRobot};
+use super::store::Store;
+use crate::core::command::{Accepted, Refused};
+use crate::core::effect::Effect;
+use crate::core::event::{Event, RobotEvent, RobotId};
+use crate::core::sweep::Sweep;
+use crate::core::units::Ticket;
+use crate::core::world::snapshot::Snapshot;
+
+/// The loop, not yet running.
+pub struct Task {
+    sweep: Sweep,
+    link: RobotLink,
+    store: Box<dyn Store>,
+    clock: Clock,
+    halts: HaltWatch,
+    commands: mpsc::Receiver<Envelope>,
+    snapshots: watch::Sender<Arc<Snapshot>>,
+    answers: BTreeMap<Ticket, oneshot::Sender<Answer>>,
+    /// Whether the store's last word was that it cannot write.
+    store_failed: bool,
+    /// Whether the robot's end of the link is gone for good.
+    link_gone: bool,
+}
+
+type Answer = Result<Accepted, Refused>;
+
+impl Task {
+    /// A loop round a sweep, and the handle by which doors reach it.
+    #[must_use]
+    pub fn new(mut sweep: Sweep, link: RobotLink, store: Box<dyn Store>, clock: Clock, halter: Halter) -> (Handle, Task) {
+        let (commands_out, commands) = mpsc::channel(COMMANDS);
+        let snapshots = watch::Sender::new(sweep.snapshot());
+        let halts = halter.watch();
+        let handle = Handle::new(commands_out, snapshots.subscribe(), halter);
+        let answers = BTreeMap::new();
+        let task = Task { sweep, link, store, clock, halts, commands, snapshots, answers, store_failed: false, link_gone: false };
+        (handle, task)
+    }
+
+    /// Runs until `closing` says so or every handle is gone.
+    pub async fn run(mut self, mut closing: watch::Receiver<bool>) {
+        self.settle();
+        loop {
+            let due = self.sweep.poll_timeout().map(|at| self.clock.instant(at));
+            tokio::select! {
+                biased;
+                _ = closing.wait_for(|closing| *closing) => break,
+                epoch = self.halts.raised() => self.sweep.handle_halt(epoch, self.clock.now()),
+                report = self.link.reports.recv(), if !self.link_gone => self.take_report(report),
+                envelope = self.commands.recv() => match envelope {
+                    Some(envelope) => self.take_command(envelope),
+                    None => break,
+                },
+                () = sleep_until(due) => self.sweep.handle_timeout(self.clock.now()),
+            }
+            self.settle();
+        }
+    }
+
+    fn take_report(&mut self, report: Option<RobotEvent>) {
+        let report = report.unwrap_or_else(|| {
+            self.link_gone = true;
+            RobotEvent::LinkLost("the robot's adapter has ended".to_owned())
+        });
+        self.sweep.handle_event(Event::Robot(RobotId::Discovery, report), self.clock.now());
+    }
+
+    fn take_command(&mut self, envelope: Envelope) {
+        match self.sweep.handle_command(envelope.request, self.clock.now()) {
+            Ok(ticket) => {
+                self.answers.insert(ticket, envelope.answer);
+            }
+            Err(refused) => {
+                self.publish();
+                let _ = envelope.answer.send(Err(refused));
+            }
+        }
+    }
+
+    /// Performs every effect; publishes the state before it answers, so that whoever was answered sees what was done.
+    fn settle(&mut self) {
+        let mut answers = Vec::new();
+        loop {
+            while let Some(effect) = self.sweep.poll_effect() {
+                match effect {
+                    Effect::Order(RobotId::Discovery, order) => self.send(ToRobot::Order(order)),
+                    Effect::Halt(RobotId::Discovery) => self.send(ToRobot::Halt),
+                    Effect::Led(RobotId::Discovery, blinks) => self.send(ToRobot::Led(blinks)),
+                    Effect::Record(seq, entry) => {
+                        self.store.record(seq, &entry);
+                        self.ask_store();
+                    }
+                    Effect::Answer(ticket, answer) => answers.push((ticket, answer)),
+                }
+            }
+            if answers.is_empty() {
+                break self.publish();
+            }
+            self.publish();
+            self.deliver(&mut answers);
+        }
+    }
+
+    fn deliver(&mut self, answers: &mut Vec<(Ticket, Answer)>) {
+        for (ticket, answer) in answers.drain(..) {
+            if let Some(waiting) = self.answers.remove(&ticket) {
+                // Whoever asked may have gone away; the command was carried out all the same.
+                let _ = waiting.send(answer);
+            }
+        }
+    }
+
+    fn ask_store(&mut self) {
+        let now = self.clock.now();
+        match self.store.kept() {
+            Ok(seq) => {
+                if std::mem::take(&mut self.store_failed) {
+                    self.sweep.handle_event(Event::StoreRestored, now);
+                }
+                self.sweep.handle_event(Event::Recorded(seq), now);
+            }
+            Err(words) if !self.store_failed => {
+                self.store_failed = true;
+                self.sweep.handle_event(Event::StoreFailed(words), now);
+            }
+            Err(_) => {}
+        }
+    }
+
+    /// One order is open at a time, so the channel is full only when the adapter hangs; then the order's deadline speaks.
+    fn send(&self, message: ToRobot) {
+        if let Err(error) = self.link.orders.try_send(message) {
+            tracing::warn!(%error, "the robot's adapter does not take its orders");
+        }
+    }
+
+    fn publish(&mut self) {
+        let snapshot = self.sweep.snapshot();
+        self.snapshots.send_if_modified(|current| {
+            let newer = current.revision != snapshot.revision;
+            if newer {
+                *current = Arc::clone(&snapshot);
+            }
+            newer
+        });
+    }
+}
+
+async fn sleep_until(due: Option<tokio::time::Instant>) {
+    match due {
+        Some(due) => tokio::time::sleep_until(due).await,
+        None => std::future::pending().await,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::core::command::{Command, Door, Issuer, Request};
+    use crate::core::effect::Entry;
+    use crate::core::event::Capabilities;
+    use crate::core::mission::{Hold, PhaseName};
+    use crate::core::settings::Settings;
+    use crate::core::units::{Epoch, Seq};
+    use crate::runtime::link::{RobotSide, link};
+
+    /// Keeps nothing, but says so at once.
+    struct Forgetful(Seq);
+
+    impl Store for Forgetful {
+        fn record(&mut self, seq: Seq, _entry: &Entry) {
+            self.0 = seq;
+        }
+
+        fn kept(&mut self) -> Result<Seq, String> {
+            Ok(self.0)
+        }
+    }
+
+    fn request(command: Command) -> Request {
+        Request { command, epoch: None, issuer: Issuer::operator(Door::Local) }
+    }
+
+    fn house() -> (Handle, Task, RobotSide) {
+        let halter = Halter::new(Epoch(0));
+        let (loop_side, robot_side) = link(halter.watch());
+        let sweep = Sweep::new(Settings::default(), Default::default(), "test".into());
+        let (handle, task) = Task::new(sweep, loop_side, Box::new(Forgetful(Seq(0))), Clock::default(), halter);
+        (handle, task, robot_side)
+    }
+
+    async fn running() -> (Handle, RobotSide, watch::Sender<bool>) {
+        let (handle, task, robot) = house();
+        let (close, closing) = watch::channel(false);
+        tokio::spawn(task.run(closing));
+        let second = Duration::from_secs(1);
+        let can = Capabilities { step: second, turn: second, photo: second, nudges: false };
+        robot.reports.send(RobotEvent::LinkUp(can)).await.unwrap();
+        (handle, robot, close)
+    }
+
+    #[tokio::test]
+    async fn whoever_was_answered_sees_what_was_done() {
+        let (handle, _robot, _close) = running().await;
+        let accepted = handle.give(request(Command::Start)).await.unwrap().unwrap();
+        let state = handle.snapshot();
+        assert!(state.revision >= accepted.revision);
+        assert_eq!(state.mission.phase, PhaseName::Exploring);
+    }
+
+    /// Safety S1: it works while the loop does not come round to its commands.
+    #[tokio::test]
+    async fn a_stop_reaches_the_robot_although_the_loop_hangs_and_its_queue_is_full() {
+        let (handle, _hanging, mut robot) = house();
+        for _ in 0..=COMMANDS {
+            let handle = handle.clone();
+            tokio::spawn(async move { handle.give(request(Command::Start)).await });
+        }
+        tokio::task::yield_now().await;
+        let stopping = handle.clone();
+        tokio::spawn(async move { stopping.give(request(Command::Stop)).await });
+        assert_eq!(robot.halts.raised().await, Epoch(1));
+    }
+
+    /// Safety S6: no step begins after the stop was answered.
+    #[tokio::test]
+    async fn no_order_is_given_after_a_stop_was_answered() {
+        let (handle, mut robot, _close) = running().await;
+        for n in 1..=200 {
+            handle.give(request(Command::Start)).await.unwrap().unwrap();
+            handle.give(request(Command::Stop)).await.unwrap().unwrap();
+            assert_eq!(robot.halts.epoch(), Epoch(n));
+            assert!(handle.snapshot().mission.holds.contains(&Hold::Operator));
+            while let Ok(message) = robot.orders.try_recv() {
+                let ToRobot::Order(order) = message else { continue };
+                assert!(order.epoch < robot.halts.epoch(), "stop {n}: {order:?} was given after it");
+                robot.reports.send(RobotEvent::Halted(order.id, false)).await.unwrap();
+            }
+        }
+    }
+
+    #[tokio::test]
+    async fn a_robot_whose_adapter_ends_is_a_lost_link() {
+        let (handle, robot, _close) = running().await;
+        drop(robot);
+        let mut states = handle.watch();
+        states.wait_for(|state| state.mission.holds.contains(&Hold::RobotLink)).await.unwrap();
+    }
+}

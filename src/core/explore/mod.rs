@@ -1,6 +1,14 @@
 //! The order in which a hall is searched: one file a strategy, behind one enum, and the planner under them.
 //! A strategy looks at a view and returns a decision; it performs nothing.
 
+pub mod plan;
+mod snail;
+
+use self::plan::Planner;
+use self::snail::Snail;
+use super::units::{Cell, Pose};
+use super::world::hall_map::HallMap;
+
 /// The ways to search a hall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Strategy {
@@ -25,5 +33,49 @@ impl Strategy {
     #[must_use]
     pub fn named(name: &str) -> Option<Strategy> {
         Strategy::ALL.into_iter().find(|strategy| strategy.name() == name)
+    }
+
+    /// A search that has not begun yet.
+    #[must_use]
+    pub fn begin(self) -> Search {
+        match self {
+            Strategy::Snail => Search::Snail(Snail::default()),
+        }
+    }
+}
+
+/// What a strategy sees.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// The hall as far as it is known.
+    pub map: &'a HallMap,
+    /// Where the robot stands.
+    pub pose: Pose,
+}
+
+/// What a strategy wants next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decision {
+    /// Go to this cell, or find out what stands there.
+    Visit(Cell),
+    /// Go home, and ask again there.
+    GoHome,
+    /// Everything that can be reached is known, and the robot was sent home.
+    Finished,
+}
+
+/// A search under way.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Search {
+    /// A snail's.
+    Snail(Snail),
+}
+
+impl Search {
+    /// What to do now that the last goal is reached, has turned out to be an obstacle, or cannot be reached.
+    pub fn next(&mut self, view: &View<'_>, planner: &mut Planner) -> Decision {
+        match self {
+            Search::Snail(snail) => snail.next(view, planner),
+        }
     }
 }

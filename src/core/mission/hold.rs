@@ -142,7 +142,9 @@ mod tests {
     #[test]
     fn a_start_clears_only_what_it_may() {
         let mut holds = Holds::default();
-        Hold::ALL.map(|hold| holds.raise(hold));
+        for hold in Hold::ALL {
+            holds.raise(hold);
+        }
         assert!(holds.release());
         assert_eq!(holds.to_vec(), holds.standing_against_start());
         assert!(holds.contains(Hold::Temperature) && !holds.contains(Hold::Operator));

@@ -2,6 +2,16 @@
 //! The table and its words are here; `crate::core::sweep` carries its acts out.
 
 mod hold;
+mod input;
 mod phase;
+mod print;
+mod rule;
+mod state;
+mod table;
 pub use hold::{Hold, Holds};
+pub use input::{Input, Matter};
 pub use phase::{FaultCause, Inspection, Phase, PhaseName, Stage};
+pub use print::table_markdown;
+pub use rule::{Act, Bar, Case, Rule, To};
+pub use state::{Deciding, Goal, Mission};
+pub use table::rules;

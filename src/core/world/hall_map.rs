@@ -112,6 +112,7 @@ pub struct HallMap {
     rows: i32,
     tiles: Vec<Option<Arc<Tile>>>,
     visited: usize,
+    uninspected: usize,
     visited_bounds: Bounds,
     known_bounds: Bounds,
     frontier: Arc<BTreeSet<Cell>>,
@@ -127,6 +128,7 @@ impl HallMap {
             rows: 1,
             tiles: vec![None],
             visited: 0,
+            uninspected: 0,
             visited_bounds: Bounds::of(home),
             known_bounds: Bounds::of(home),
             frontier: Arc::default(),
@@ -157,6 +159,8 @@ impl HallMap {
         } else if before == Mark::Visited {
             self.visited -= 1;
         }
+        self.uninspected += usize::from(mark == Mark::NotInspected);
+        self.uninspected -= usize::from(before == Mark::NotInspected);
         self.move_frontier(cell, mark);
         true
     }
@@ -171,6 +175,12 @@ impl HallMap {
     #[must_use]
     pub const fn visited(&self) -> usize {
         self.visited
+    }
+
+    /// How many obstacles are still to be inspected.
+    #[must_use]
+    pub const fn uninspected(&self) -> usize {
+        self.uninspected
     }
 
     /// The least rectangle that holds every visited cell.

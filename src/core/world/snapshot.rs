@@ -95,7 +95,7 @@ pub struct MissionView {
 pub struct Progress {
     /// Cells visited.
     pub visited: usize,
-    /// Cells inside the rectangle seen so far of which nothing is known yet.
+    /// Unknown cells next to visited ones: what is to be looked at next.
     pub unknown: usize,
     /// Visited in percent of both, and 100 only when the hall is explored.
     pub percent: u8,

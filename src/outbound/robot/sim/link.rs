@@ -59,6 +59,7 @@ impl Link {
                 sent = hand_over(&self.side.reports, &mut self.report), if !free => if !sent { return },
                 given = self.side.orders.recv(), if free => match given {
                     Some(ToRobot::Order(order)) => self.order(order),
+                    Some(ToRobot::Halt) => self.sim.handle_halt(self.now()),
                     Some(ToRobot::Led(blinking)) => self.sim.handle_led(blinking),
                     None => return,
                 },

@@ -1,0 +1,61 @@
+//! The transition table: for every phase and every input the rules that decide, read from the top; the first that applies wins
+//! (mission §4). Total and without a wildcard: a new phase or input does not compile until each of its cells is written.
+//! `docs/mission-table.md` prints it, and a test holds the two together.
+
+mod alarm;
+mod search;
+mod shared;
+
+use super::rule::Rule;
+use super::{Input, PhaseName};
+
+/// The rules for `input` in `phase`; never empty, and the last always applies.
+#[must_use]
+pub const fn rules(phase: PhaseName, input: Input) -> &'static [Rule] {
+    match phase {
+        PhaseName::Idle => search::idle(input),
+        PhaseName::Exploring => search::exploring(input),
+        PhaseName::Inspecting => search::inspecting(input),
+        PhaseName::Driving => search::driving(input),
+        PhaseName::ReturningHome => search::returning_home(input),
+        PhaseName::AtHome => search::at_home(input),
+        PhaseName::ReturningWithAlarm => alarm::returning_with_alarm(input),
+        PhaseName::BombLocated => alarm::bomb_located(input),
+        PhaseName::Retrieving => alarm::retrieving(input),
+        PhaseName::BagSecured => alarm::bag_secured(input),
+        PhaseName::Explored => search::explored(input),
+        PhaseName::Fault => alarm::fault(input),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_cell_ends_with_a_rule_that_always_applies() {
+        for phase in PhaseName::ALL {
+            for input in Input::COMMANDS.into_iter().chain(Input::EVENTS) {
+                let last = rules(phase, input).last().expect("a cell is never empty");
+                assert!(matches!(last, Rule::Go(..) | Rule::Never(_) | Rule::AsInterrupted), "{phase:?} × {input:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn events_are_never_refused() {
+        for phase in PhaseName::ALL {
+            for input in Input::EVENTS {
+                let refuses = |rule: &Rule| matches!(rule, Rule::RefuseIf(_) | Rule::RefuseIfThen(..) | Rule::Never(_));
+                assert!(!rules(phase, input).iter().any(refuses), "{phase:?} × {input:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn stop_is_accepted_in_every_phase() {
+        for phase in PhaseName::ALL {
+            assert!(matches!(rules(phase, Input::Stop), [Rule::Go(..)]), "{phase:?}");
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Luggage and verdicts on their way through the store: nothing is shown, answered or acted on before it is kept (safety V3).
+
+use std::sync::Arc;
+
+use super::Sweep;
+use crate::core::command::{Accepted, Refused, Verdict};
+use crate::core::effect::{Effect, Fact};
+use crate::core::event::Photo;
+use crate::core::mission::{Deciding, Input, Inspection, Matter, Phase, Stage};
+use crate::core::units::{LuggageId, Seq};
+use crate::core::world::hall_map::Mark;
+use crate::core::world::log::Tone;
+use crate::core::world::luggage::{Decision, Luggage, PhotoState};
+use crate::core::world::resource::Resource;
+
+impl Sweep {
+    pub(super) fn retake(&mut self, matter: &Matter) {
+        if let Some(id) = matter.luggage {
+            self.set_stage(Stage::RetakingPhoto(id));
+        }
+    }
+
+    /// The first record of the piece in front of the robot.
+    pub(super) fn record_piece(&mut self, matter: &Matter) {
+        let Phase::Inspecting(Inspection { cell, piece, pose, .. }) = *self.mission.phase.underlying() else { return };
+        let id = self.mission.last_luggage.next();
+        self.mission.last_luggage = id;
+        let photo = photo_state(matter, 1);
+        let luggage = Luggage { id, cell, pose, taken: self.now.wall, photo, verdict: None, piece };
+        self.send_record(luggage, matter);
+        self.set_stage(Stage::Recording(id));
+    }
+
+    /// A new photo of a recorded piece; when it failed, an older one stays good.
+    pub(super) fn record_retake(&mut self, matter: &Matter) {
+        let Some(Stage::RetakingPhoto(id)) = self.stage() else { return };
+        self.set_stage(Stage::AwaitingVerdict(id));
+        let Some(known) = self.world.luggage.get(&id) else { return };
+        let take = match known.photo {
+            PhotoState::Taken { take, .. } => take + 1,
+            PhotoState::Failed(_) => 1,
+        };
+        if matter.photo.is_none() && known.has_photo() {
+            let text = format!("photo of luggage #{id} could not be taken again; the first one stays");
+            self.world.write(self.now.wall, Tone::Warning, text);
+            return;
+        }
+        let luggage = Luggage { taken: self.now.wall, photo: photo_state(matter, take), ..Luggage::clone(known) };
+        self.send_record(luggage, matter);
+    }
+
+    fn send_record(&mut self, luggage: Luggage, matter: &Matter) {
+        let photo = matter.photo.clone().ok_or_else(|| matter.words.clone().unwrap_or_default());
+        let fact = Fact::Luggage { id: luggage.id, cell: luggage.cell, pose: luggage.pose, photo };
+        let seq = self.outbox.record(self.now.wall, fact);
+        self.mission.recording.push((seq, luggage));
+    }
+
+    /// The record of a piece is kept: show it and wait for the operator.
+    pub(super) fn ask_operator(&mut self, matter: &Matter) {
+        let Some(luggage) = matter.luggage.and_then(|id| self.world.luggage.get(&id)).map(Arc::clone) else { return };
+        self.mark(luggage.cell, Mark::Luggage);
+        self.set_stage(Stage::AwaitingVerdict(luggage.id));
+    }
+
+    /// Puts a verdict on its way; a danger takes the place of a safe that is not kept yet (safety V1).
+    pub(super) fn record_verdict(&mut self, matter: &Matter) {
+        let (Some(luggage), Some(verdict), Some(issuer)) = (matter.luggage, matter.verdict, &matter.issuer) else { return };
+        let who = Arc::clone(&issuer.who);
+        let seq = self.outbox.record(self.now.wall, Fact::Verdict { luggage, verdict, who: Arc::clone(&who) });
+        self.mission.deciding.retain(|deciding| deciding.luggage != luggage);
+        self.outbox.defer(luggage, seq);
+        let decision = Decision { verdict, who, wall: self.now.wall };
+        self.mission.deciding.push(Deciding { seq, luggage, decision });
+    }
+
+    /// Everything up to `seq` is kept: what waited for it happens now, in order.
+    pub(super) fn kept(&mut self, seq: Seq) {
+        self.outbox.keep(seq);
+        let (kept, waiting) = std::mem::take(&mut self.mission.recording).into_iter().partition(|(at, _)| *at <= seq);
+        self.mission.recording = waiting;
+        for (_, luggage) in kept {
+            self.show_record(luggage);
+        }
+        let (kept, waiting) = std::mem::take(&mut self.mission.deciding).into_iter().partition(|deciding| deciding.seq <= seq);
+        self.mission.deciding = waiting;
+        for deciding in kept {
+            self.decide_piece(deciding);
+        }
+        self.answer_due();
+    }
+
+    fn show_record(&mut self, luggage: Luggage) {
+        let (id, cell) = (luggage.id, luggage.cell);
+        let what = if luggage.has_photo() { "" } else { ", but its photo failed: take it again, or answer danger" };
+        let known = self.world.luggage.get(&id).map(Arc::clone);
+        let verdict = known.as_ref().and_then(|known| known.verdict.clone());
+        self.world.luggage.insert(id, Arc::new(Luggage { verdict, ..luggage }));
+        self.world.touch(Resource::Luggage);
+        let text = if known.is_some() {
+            format!("luggage #{id} photographed again")
+        } else {
+            format!("luggage #{id} found at {cell}{what}")
+        };
+        self.world.write(self.now.wall, Tone::Info, text);
+        if known.is_none() {
+            self.feed(Input::LuggageRecorded, &Matter { luggage: Some(id), ..Matter::default() });
+        }
+    }
+
+    fn decide_piece(&mut self, deciding: Deciding) {
+        let Some(luggage) = self.world.luggage.get_mut(&deciding.luggage) else { return };
+        let verdict = deciding.decision.verdict;
+        *luggage = Arc::new(Luggage { verdict: Some(deciding.decision), ..Luggage::clone(luggage) });
+        self.world.touch(Resource::Luggage);
+        let input = match verdict {
+            Verdict::Safe => Input::SafeRecorded,
+            Verdict::Danger => Input::DangerRecorded,
+        };
+        self.feed(input, &Matter { luggage: Some(deciding.luggage), verdict: Some(verdict), ..Matter::default() });
+    }
+
+    /// Answers what waited for a record that is kept now.
+    fn answer_due(&mut self) {
+        for waiting in self.outbox.due() {
+            let stands = waiting.luggage.and_then(|id| self.verdict_kept(id));
+            let answer = match (waiting.luggage, waiting.verdict, stands) {
+                (Some(luggage), Some(given), Some(verdict)) if given != verdict => Err(Refused::Decided { luggage, verdict }),
+                _ => Ok(Accepted { revision: self.world.revision(), luggage: waiting.luggage }),
+            };
+            self.outbox.send(Effect::Answer(waiting.ticket, answer));
+        }
+    }
+
+    /// The store has failed: whoever waits for a record is told so.
+    pub(super) fn answer_store_down(&mut self) {
+        for waiting in self.outbox.give_up() {
+            self.outbox.send(Effect::Answer(waiting.ticket, Err(Refused::StoreDown)));
+        }
+    }
+
+    fn verdict_kept(&self, id: LuggageId) -> Option<Verdict> {
+        self.world.luggage.get(&id)?.verdict.as_ref().map(|decision| decision.verdict)
+    }
+}
+
+fn photo_state(matter: &Matter, take: u32) -> PhotoState {
+    let failed = || PhotoState::Failed(matter.words.clone().unwrap_or_else(|| "no photo came".to_owned()));
+    matter.photo.as_ref().map_or_else(failed, |Photo { bytes, .. }| PhotoState::Taken { bytes: bytes.len(), take })
+}

@@ -1,0 +1,114 @@
+//! The snapshot: the state as the doors show it.
+
+use std::sync::Arc;
+
+use super::Sweep;
+use crate::core::explore::plan::cells_along;
+use crate::core::mission::{Goal, Hold, Input, Matter, Phase, PhaseName, Stage};
+use crate::core::units::Cell;
+use crate::core::world::robot::{RobotState, RobotView};
+use crate::core::world::snapshot::{MissionView, Progress, Refusals, Snapshot};
+use crate::core::world::temperature::{TemperatureStatus, TemperatureView};
+
+impl Sweep {
+    pub(super) fn view(&self) -> Snapshot {
+        Snapshot {
+            run: Arc::clone(&self.world.run),
+            revision: self.world.revision(),
+            revisions: self.world.revisions(),
+            mission: self.mission_view(),
+            robot: RobotView { state: self.robot_state(), ..self.world.robot },
+            map: self.world.map.clone(),
+            luggage: self.world.luggage.values().map(Arc::clone).collect(),
+            temperature: self.temperature_view(),
+            alarms: self.world.alarms.clone(),
+            log: self.world.log.lines(),
+        }
+    }
+
+    fn mission_view(&self) -> MissionView {
+        let phase = &self.mission.phase;
+        let (interrupted, fault) = match phase {
+            Phase::Driving { interrupted, .. } => (Some(interrupted.name()), None),
+            Phase::Fault { interrupted, cause } => (Some(interrupted.name()), Some(cause.to_string())),
+            Phase::Idle
+            | Phase::Exploring
+            | Phase::Inspecting(_)
+            | Phase::ReturningHome
+            | Phase::AtHome
+            | Phase::ReturningWithAlarm
+            | Phase::BombLocated
+            | Phase::Retrieving
+            | Phase::BagSecured
+            | Phase::Explored => (None, None),
+        };
+        MissionView {
+            id: self.mission.id,
+            phase: phase.name(),
+            interrupted,
+            fault,
+            holds: self.mission.holds.to_vec(),
+            goal: self.goal(),
+            route: cells_along(self.world.robot.pose, self.mission.route.iter().copied()).into(),
+            trail: self.mission.trail.iter().copied().collect(),
+            inspected: self.inspected().filter(|id| self.world.luggage.contains_key(id)),
+            strategy: self.mission.strategy,
+            epoch: self.mission.epoch,
+            progress: self.progress(),
+            refusals: self.refusals(),
+        }
+    }
+
+    /// The cell the robot is after: home on the ways home, the cell of a goto, else the goal of the search.
+    fn goal(&self) -> Option<Cell> {
+        match &self.mission.phase {
+            Phase::ReturningHome | Phase::ReturningWithAlarm => Some(Cell::HOME),
+            Phase::Driving { goal, .. } => *goal,
+            Phase::Exploring | Phase::Inspecting(_) | Phase::AtHome | Phase::Fault { .. } => self.mission.goal.map(Goal::cell),
+            Phase::Idle | Phase::BombLocated | Phase::Retrieving | Phase::BagSecured | Phase::Explored => None,
+        }
+    }
+
+    fn robot_state(&self) -> RobotState {
+        match (self.helm.state(), self.stage()) {
+            (RobotState::Stopped, Some(Stage::Recording(_))) => RobotState::SendingPhoto,
+            (state, _) => state,
+        }
+    }
+
+    fn temperature_view(&self) -> TemperatureView {
+        let holds = &self.mission.holds;
+        let status = if holds.contains(Hold::TooHigh) || holds.contains(Hold::Temperature) {
+            TemperatureStatus::TooHigh
+        } else if holds.contains(Hold::TemperatureStale) {
+            TemperatureStatus::Stale
+        } else {
+            TemperatureStatus::Ok
+        };
+        TemperatureView { celsius: self.world.thermometer.last(), status, threshold: self.world.thermometer.threshold() }
+    }
+
+    fn progress(&self) -> Progress {
+        let visited = self.world.map.visited();
+        let unknown = self.world.map.frontier().len() + self.world.map.uninspected();
+        let explored = self.phase_name() == PhaseName::Explored;
+        let share = (visited * 100 / (visited + unknown).max(1)).min(99);
+        let percent = if explored { 100 } else { u8::try_from(share).unwrap_or(99) };
+        Progress { visited, unknown, percent }
+    }
+
+    fn refusals(&self) -> Refusals {
+        let plain = Matter::default();
+        let turn = Matter { step: Some(crate::core::command::Move::TurnLeft), ..Matter::default() };
+        let piece = Matter { luggage: self.inspected(), ..Matter::default() };
+        Refusals {
+            start: self.would_refuse(Input::Start, &plain),
+            back_home: self.would_refuse(Input::BackHome, &plain),
+            retrieve: self.would_refuse(Input::Retrieve, &plain),
+            reset: self.would_refuse(Input::Reset, &plain),
+            drive: self.would_refuse(Input::Move, &turn),
+            strategy: self.would_refuse(Input::Strategy, &plain),
+            retake: self.would_refuse(Input::RetakePhoto, &piece),
+        }
+    }
+}

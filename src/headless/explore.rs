@@ -1,0 +1,144 @@
+//! A whole mission in simulated time, with an operator who answers from the hall file, and the figures it comes to.
+//! How the figures are printed is the command line's business.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::{Moves, Run};
+use crate::core::command::{Command, LuggageRef, Verdict};
+use crate::core::effect::{Entry, Fact};
+use crate::core::explore::Strategy;
+use crate::core::mission::PhaseName;
+use crate::core::settings::Settings;
+use crate::core::units::Cell;
+use crate::core::world::hall_map::Mark;
+use crate::core::world::luggage::Luggage;
+use crate::core::world::snapshot::Snapshot;
+use crate::outbound::robot::sim::{Hall, SimSettings, Truth};
+
+/// How the operator of such a run answers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Verdicts {
+    /// Danger for what the hall file says is dangerous, safe for the rest.
+    #[default]
+    Hall,
+    /// Safe for everything.
+    AllSafe,
+}
+
+/// What a run came to.
+#[derive(Clone, Debug)]
+pub struct Figures {
+    /// The name of the hall.
+    pub hall: String,
+    /// The order of the search.
+    pub strategy: Strategy,
+    /// The seed of everything.
+    pub seed: u64,
+    /// Reachable cells of the hall, home included.
+    pub cells: usize,
+    /// What the robot did.
+    pub moves: Moves,
+    /// Whether every reachable cell was visited, nothing reachable is unknown and every piece that can be touched is on record.
+    pub complete: bool,
+    /// Whether the robot ended at home.
+    pub home: bool,
+    /// The luggage on record.
+    pub luggage: Vec<Arc<Luggage>>,
+    /// How many moves had been made when a dangerous piece was first met.
+    pub bomb_found_at: Option<u64>,
+    /// The last state.
+    pub state: Arc<Snapshot>,
+    /// Everything that was put on record.
+    pub journal: Vec<Entry>,
+    /// Why the run ended without coming home, if it did.
+    pub stuck: Option<String>,
+}
+
+/// Runs a mission from START to its end. `watch` sees the state after everything that happens.
+pub fn explore(
+    hall: &Arc<Hall>,
+    sim: SimSettings,
+    settings: Settings,
+    strategy: Strategy,
+    verdicts: Verdicts,
+    mut watch: impl FnMut(&Snapshot),
+) -> Figures {
+    let mut run = Run::new(Arc::clone(hall), sim, settings, strategy);
+    let mut bomb_found_at = None;
+    let mut stuck = run.give(Command::Start).err().map(|refused| refused.to_string());
+    while stuck.is_none() && !has_ended(&mut run) {
+        let state = run.state();
+        watch(&state);
+        if bomb_found_at.is_none() && meets_bomb(&state, hall) {
+            bomb_found_at = Some(run.moves.total());
+        }
+        stuck = match answer(&state, hall, verdicts) {
+            Some(command) => run.give(command).err().map(|refused| refused.to_string()),
+            None if !goes_on(&state) => Some(why_not(&state)),
+            None => (!run.advance()).then(|| "nothing more happens".to_owned()),
+        };
+    }
+    figures(run, hall, sim.seed, bomb_found_at, stuck)
+}
+
+fn has_ended(run: &mut Run) -> bool {
+    matches!(run.phase(), PhaseName::Explored | PhaseName::BombLocated | PhaseName::BagSecured)
+}
+
+/// Whether the mission goes on by itself: nothing holds the robot that nobody here would clear.
+fn goes_on(state: &Snapshot) -> bool {
+    state.mission.holds.is_empty() && state.mission.phase != PhaseName::Fault
+}
+
+fn why_not(state: &Snapshot) -> String {
+    let holds: Vec<&str> = state.mission.holds.iter().map(|hold| hold.in_words()).collect();
+    state.mission.fault.clone().unwrap_or_else(|| holds.join("; "))
+}
+
+/// What the operator does now: answer the piece in front of the robot, or have its photo taken again.
+fn answer(state: &Snapshot, hall: &Hall, verdicts: Verdicts) -> Option<Command> {
+    let piece = state.mission.inspected.and_then(|id| state.luggage(id)).filter(|luggage| luggage.is_pending())?;
+    let verdict = if verdicts == Verdicts::Hall && is_bomb(piece, hall) { Verdict::Danger } else { Verdict::Safe };
+    if verdict == Verdict::Safe && !piece.has_photo() {
+        return state.mission.refusals.retake.is_none().then_some(Command::RetakePhoto(piece.id));
+    }
+    Some(Command::Verdict { luggage: LuggageRef::Id(piece.id), verdict })
+}
+
+fn is_bomb(luggage: &Luggage, hall: &Hall) -> bool {
+    matches!(hall.truth(luggage.cell), Truth::Luggage(piece) if hall.is_dangerous(piece))
+}
+
+fn meets_bomb(state: &Snapshot, hall: &Hall) -> bool {
+    state.mission.inspected.and_then(|id| state.luggage(id)).is_some_and(|luggage| is_bomb(luggage, hall))
+}
+
+fn figures(mut run: Run, hall: &Arc<Hall>, seed: u64, bomb_found_at: Option<u64>, stuck: Option<String>) -> Figures {
+    let state = run.state();
+    let reachable = hall.reachable();
+    Figures {
+        hall: hall.name().to_owned(),
+        strategy: state.mission.strategy,
+        seed,
+        cells: reachable.len(),
+        moves: run.moves,
+        complete: is_complete(&state, hall, &reachable, &run.journal),
+        home: state.robot.pose.cell == Cell::HOME && !state.robot.off_centre,
+        luggage: state.luggage.clone(),
+        bomb_found_at,
+        state,
+        journal: run.journal,
+        stuck,
+    }
+}
+
+fn is_complete(state: &Snapshot, hall: &Hall, reachable: &BTreeSet<Cell>, journal: &[Entry]) -> bool {
+    let visited = reachable.iter().all(|cell| state.map.at(*cell) == Mark::Visited);
+    let inspected = |cell: Cell| {
+        journal.iter().any(|entry| matches!(entry.fact, Fact::Luggage { cell: at, .. } if hall.truth(at) == hall.truth(cell)))
+    };
+    let neighbours: BTreeSet<Cell> = reachable.iter().flat_map(|cell| cell.neighbours()).collect();
+    let luggage = neighbours.into_iter().filter(|cell| matches!(hall.truth(*cell), Truth::Luggage(_))).all(inspected);
+    visited && luggage && state.map.frontier().is_empty() && state.map.uninspected() == 0
+}

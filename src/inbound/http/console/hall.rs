@@ -1,0 +1,270 @@
+//! The hall as a picture, in pieces that can be sent one by one: a group per map tile, the labels, and the small layer of
+//! everything that moves. One cell is `CELL` units; runs of equal cells are one stroke of one path, so that a large hall stays
+//! light. Frames, legend and colours stand in template and style sheet.
+
+use std::fmt::Write;
+
+use crate::core::units::{Cell, Heading};
+use crate::core::world::hall_map::{Bounds, HallMap, Mark, TILE};
+use crate::core::world::snapshot::Snapshot;
+
+/// The side of a cell in the picture's units.
+const CELL: i32 = 10;
+
+/// The picture grows by this many cells at a time, so that it does not jump with every step.
+const GROWTH: i32 = 4;
+
+/// The picture is never smaller than this, in cells.
+const LEAST: (i32, i32) = (16, 10);
+
+/// As much of the way behind is shown, in cells.
+const TRAIL: usize = 48;
+
+/// The trail fades in this many parts.
+const FADES: usize = 4;
+
+/// Labels stand at every cell while they fit, then at every fifth, tenth and so on.
+const LABELS: i32 = 24;
+
+/// As far ahead as the sonar's ray is drawn, in cells.
+const RAY: i32 = 8;
+
+/// The part of the hall that is shown, in cells: what is known, rounded outwards.
+pub(super) fn shown(map: &HallMap) -> Bounds {
+    let known = map.known_bounds();
+    let least = Cell::new(round_down(known.least.x.min(-1)), round_down(known.least.y.min(-1)));
+    let far = |least: i32, most: i32, size: i32| (least + size - 1).max(least + round_up(most - least + 2));
+    Bounds { least, most: Cell::new(far(least.x, known.most.x, LEAST.0), far(least.y, known.most.y, LEAST.1)) }
+}
+
+/// The `viewBox`, with a margin for the labels.
+pub(super) fn view_box(map: &HallMap) -> String {
+    let shown = shown(map);
+    let (left, top) = (shown.least.x * CELL - CELL, shown.least.y * CELL - CELL);
+    format!("{left} {top} {} {}", (shown.width() + 1) * CELL, (shown.height() + 1) * CELL)
+}
+
+/// The name of a tile's group.
+pub(super) fn tile_id(corner: Cell) -> String {
+    format!("tile_{}_{}", corner.x / TILE, corner.y / TILE)
+}
+
+/// A tile's group: one path for each kind of mark there is in it.
+pub(super) fn tile(map: &HallMap, corner: Cell) -> String {
+    let mut group = format!("<g id=\"{}\">", tile_id(corner));
+    for (class, wanted) in
+        [("visited", Mark::Visited), ("wall", Mark::Wall), ("bag", Mark::Luggage), ("todo", Mark::NotInspected)]
+    {
+        let path = runs(map, corner, wanted);
+        if !path.is_empty() {
+            write(&mut group, format_args!("<path class=\"{class}\" d=\"{path}\"/>"));
+        }
+    }
+    group.push_str("</g>");
+    group
+}
+
+/// Row and column numbers along the upper and left edges, and the lines between the cells.
+pub(super) fn labels(map: &HallMap) -> String {
+    let shown = shown(map);
+    let mut group = String::from("<g id=\"hall-labels\">");
+    let step = |count: i32| [1, 5, 10, 50, 100, 500].into_iter().find(|step| count / step <= LABELS).unwrap_or(1000);
+    let (every_x, every_y) = (step(shown.width()), step(shown.height()));
+    let (left, top) = (shown.least.x * CELL - CELL / 2, shown.least.y * CELL - CELL / 2);
+    for x in (shown.least.x..=shown.most.x).filter(|x| x % every_x == 0) {
+        write(&mut group, format_args!("<text x=\"{}\" y=\"{}\">{x}</text>", x * CELL + CELL / 2, top + 2));
+    }
+    for y in (shown.least.y..=shown.most.y).filter(|y| y % every_y == 0) {
+        write(&mut group, format_args!("<text x=\"{left}\" y=\"{}\">{y}</text>", y * CELL + CELL / 2 + 2));
+    }
+    group.push_str("</g>");
+    group
+}
+
+/// Everything that moves or is decided: trail, route, goal, home, luggage.
+pub(super) fn layer(snapshot: &Snapshot) -> String {
+    let mut group = String::from("<g id=\"hall-layer\">");
+    trail(&mut group, &snapshot.mission.trail);
+    home(&mut group);
+    luggage(&mut group, snapshot);
+    route(&mut group, snapshot);
+    ray(&mut group, snapshot);
+    group.push_str("</g>");
+    group
+}
+
+/// The robot, in a group of its own that glides from cell to cell.
+pub(super) fn robot(snapshot: &Snapshot) -> String {
+    let (x, y) = middle(snapshot.robot.pose.cell);
+    let turn = match snapshot.robot.pose.heading {
+        Heading::North => 0,
+        Heading::East => 90,
+        Heading::South => 180,
+        Heading::West => 270,
+    };
+    let led = if snapshot.robot.led_blinking { "led blinking" } else { "led" };
+    let off_centre = if snapshot.robot.off_centre { " off-centre" } else { "" };
+    format!(
+        "<g id=\"hall-robot\" class=\"robot{off_centre}\" transform=\"translate({x} {y})\"><g transform=\"rotate({turn})\">\
+         <circle class=\"body\" r=\"4\"/><path class=\"nose\" d=\"M0 -3.4L2.4 1.2H-2.4Z\"/>\
+         <circle class=\"{led}\" cy=\"2.3\" r=\"0.9\"/></g></g>"
+    )
+}
+
+fn runs(map: &HallMap, corner: Cell, wanted: Mark) -> String {
+    let mut path = String::new();
+    for y in corner.y..corner.y + TILE {
+        let mut x = corner.x;
+        while x < corner.x + TILE {
+            let length = (x..corner.x + TILE).take_while(|x| map.at(Cell::new(*x, y)) == wanted).count();
+            let length = i32::try_from(length).expect("a run is not longer than a tile");
+            if length > 0 {
+                write(&mut path, format_args!("M{} {}h{}v{CELL}h-{}z", x * CELL, y * CELL, length * CELL, length * CELL));
+            }
+            x += length.max(1);
+        }
+    }
+    path
+}
+
+fn trail(group: &mut String, trail: &[Cell]) {
+    let latest = &trail[trail.len().saturating_sub(TRAIL)..];
+    let part = latest.len().div_ceil(FADES).max(1);
+    for (fade, cells) in latest.rchunks(part).enumerate() {
+        // Each part begins where the one before it ended, so that the line has no gaps.
+        let from = latest.len() - (fade * part + cells.len());
+        let to = (from + cells.len() + 1).min(latest.len());
+        if to - from > 1 {
+            let points = points(latest[from..to].iter().copied());
+            write(group, format_args!("<polyline class=\"trail fade-{fade}\" points=\"{points}\"/>"));
+        }
+    }
+}
+
+fn home(group: &mut String) {
+    let (x, y) = middle(Cell::HOME);
+    write(group, format_args!("<path class=\"home\" d=\"M{} {}l4 -3.4l4 3.4v4.4h-8z\"><title>home</title></path>", x - 4, y));
+}
+
+fn luggage(group: &mut String, snapshot: &Snapshot) {
+    for luggage in &snapshot.luggage {
+        let (x, y) = middle(luggage.cell);
+        let verdict = luggage.verdict_name();
+        let (shape, letter) = match verdict {
+            "safe" => ("<circle r=\"4.2\"/>", "S"),
+            "danger" => ("<path d=\"M0 -5L5 4H-5Z\"/>", "D"),
+            _ => ("<rect x=\"-4.2\" y=\"-4.2\" width=\"8.4\" height=\"8.4\"/>", "?"),
+        };
+        write(
+            group,
+            format_args!(
+                "<g class=\"piece {verdict}\" transform=\"translate({x} {y})\">{shape}<text y=\"2\">{letter}</text>\
+                 <text class=\"number\" y=\"7.4\">#{id}</text><title>luggage #{id}: {verdict}</title></g>",
+                id = luggage.id
+            ),
+        );
+    }
+}
+
+fn route(group: &mut String, snapshot: &Snapshot) {
+    let route = &snapshot.mission.route;
+    if !route.is_empty() {
+        let points = points(std::iter::once(snapshot.robot.pose.cell).chain(route.iter().copied()));
+        write(group, format_args!("<polyline class=\"route\" points=\"{points}\"/>"));
+    }
+    if let Some(goal) = snapshot.mission.goal {
+        let (x, y) = middle(goal);
+        let (left, top) = (x - 3, y - 3);
+        write(group, format_args!("<path class=\"goal\" d=\"M{left} {top}l6 6m0 -6l-6 6\"><title>goal {goal}</title></path>"));
+    }
+}
+
+/// From the robot's front over the cells known to be free ahead; how far it really is stands beside the picture.
+fn ray(group: &mut String, snapshot: &Snapshot) {
+    let pose = snapshot.robot.pose;
+    let (dx, dy) = pose.heading.vector();
+    let ahead = |n: i32| Cell::new(pose.cell.x + dx * n, pose.cell.y + dy * n);
+    let free = (1..=RAY).take_while(|n| snapshot.map.at(ahead(*n)) == Mark::Visited).count();
+    let length = i32::try_from(free).unwrap_or(RAY) * CELL + CELL / 2;
+    let class = if snapshot.robot.sonar_cm.is_some() { "ray" } else { "ray nothing" };
+    let (x, y) = middle(pose.cell);
+    write(group, format_args!("<path class=\"{class}\" d=\"M{x} {y}l{} {}\"/>", dx * length, dy * length));
+}
+
+fn points(cells: impl Iterator<Item = Cell>) -> String {
+    let mut points = String::new();
+    for (x, y) in cells.map(middle) {
+        write(&mut points, format_args!("{x},{y} "));
+    }
+    points
+}
+
+const fn middle(cell: Cell) -> (i32, i32) {
+    (cell.x * CELL + CELL / 2, cell.y * CELL + CELL / 2)
+}
+
+const fn round_down(cells: i32) -> i32 {
+    if cells >= -1 { -1 } else { cells.div_euclid(GROWTH) * GROWTH - 1 }
+}
+
+const fn round_up(cells: i32) -> i32 {
+    (cells + GROWTH - 1).div_euclid(GROWTH) * GROWTH
+}
+
+fn write(text: &mut String, words: std::fmt::Arguments<'_>) {
+    text.write_fmt(words).expect("writing into a string does not fail");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::units::Revision;
+    use crate::wire::fixture::{drawn, idle, searching};
+
+    #[test]
+    fn equal_neighbours_are_one_stroke() {
+        let map = drawn(&["111", "WW"], 1);
+        let tile = tile(&map, Cell::HOME);
+        assert_eq!(
+            tile,
+            "<g id=\"tile_0_0\"><path class=\"visited\" d=\"M0 0h30v10h-30z\"/><path class=\"wall\" d=\"M0 10h20v10h-20z\"/></g>"
+        );
+    }
+
+    #[test]
+    fn the_picture_holds_everything_known_and_keeps_still_meanwhile() {
+        let mut map = HallMap::new(Cell::HOME, Revision(1));
+        let first = view_box(&map);
+        for cell in [Cell::new(3, 3), Cell::new(9, 6)] {
+            map.mark(cell, Mark::Visited, Revision(2));
+            assert_eq!(view_box(&map), first);
+        }
+        for cell in [Cell::new(40, 7), Cell::new(-9, -30), Cell::new(3, 90)] {
+            map.mark(cell, Mark::Wall, Revision(3));
+            assert!(shown(&map).contains(cell), "{cell}");
+        }
+    }
+
+    #[test]
+    fn the_layer_shows_goal_route_trail_and_every_piece() {
+        let layer = layer(&searching());
+        for part in ["class=\"goal\"", "class=\"route\"", "trail fade-0", "piece safe", "piece danger", "piece pending", "#3"] {
+            assert!(layer.contains(part), "{part} in {layer}");
+        }
+    }
+
+    #[test]
+    fn a_trail_of_any_length_is_drawn_without_gaps() {
+        let mut snapshot = idle();
+        for length in 0..60 {
+            snapshot.mission.trail = (0..length).map(|x| Cell::new(x, 0)).collect();
+            let drawn = layer(&snapshot).matches("<polyline class=\"trail").count();
+            assert!(drawn <= FADES && (drawn > 0) == (length > 1), "{length} cells in {drawn} parts");
+        }
+    }
+
+    #[test]
+    fn tiles_west_and_north_of_home_have_names_of_their_own() {
+        assert_eq!(tile_id(Cell::new(-32, 32)), "tile_-1_1");
+    }
+}

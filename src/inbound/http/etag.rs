@@ -1,0 +1,53 @@
+//! Answers that need not be sent twice: weak tags `W/"run-revision-format"` and 304.
+//! Weak, because the same state may travel compressed or not.
+
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+
+/// The tag of a resource at a revision of this run, in this format.
+pub(super) fn tag(run: &str, revision: impl std::fmt::Display, format: &str) -> String {
+    format!("W/\"{run}-{revision}-{format}\"")
+}
+
+/// 304 when the client has this already, else what `body` makes; both carry the tag, and are asked for again each time.
+pub(super) fn conditional(request: &HeaderMap, tag: &str, body: impl FnOnce() -> Response) -> Response {
+    let mut response = if is_known(request, tag) { StatusCode::NOT_MODIFIED.into_response() } else { body() };
+    let tag = HeaderValue::from_str(tag).expect("a tag is a run id, a number and a format, all printable");
+    response.headers_mut().insert(header::ETAG, tag);
+    response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
+    response
+}
+
+/// Whether `If-None-Match` names the tag, weakly compared (RFC 9110, section 13.1.2).
+fn is_known(request: &HeaderMap, tag: &str) -> bool {
+    let opaque = |text: &str| text.trim().trim_start_matches("W/").to_owned();
+    let values = request.get_all(header::IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());
+    values.flat_map(|value| value.split(',')).any(|known| known.trim() == "*" || opaque(known) == opaque(tag))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn known(if_none_match: &str) -> bool {
+        let mut headers = HeaderMap::new();
+        headers.insert(header::IF_NONE_MATCH, if_none_match.parse().unwrap());
+        is_known(&headers, &tag("k3", 12, "json"))
+    }
+
+    #[test]
+    fn a_tag_is_known_weakly_or_strongly_alone_or_in_a_list_or_by_a_star() {
+        assert!(known("W/\"k3-12-json\""));
+        assert!(known("\"k3-12-json\""));
+        assert!(known("\"other\", W/\"k3-12-json\""));
+        assert!(known("*"));
+    }
+
+    #[test]
+    fn another_revision_run_or_format_is_not_known() {
+        assert!(!known("W/\"k3-11-json\""));
+        assert!(!known("W/\"k4-12-json\""));
+        assert!(!known("W/\"k3-12-text\""));
+        assert!(!is_known(&HeaderMap::new(), &tag("k3", 12, "json")));
+    }
+}

@@ -1,0 +1,81 @@
+//! The old console's routes (mission §8): bare POSTs whose path is the whole command; what their body holds is not read.
+//! A browser that posted a form is sent back to the page, a program gets the answer of the interface.
+
+use axum::Router;
+use axum::extract::State;
+use axum::http::{HeaderMap, Uri};
+use axum::response::{IntoResponse, Redirect, Response};
+use axum::routing::post;
+
+use super::accept::preferred;
+use super::problem::Problem;
+use super::{Door, commands, console};
+use crate::core::command::{Command, LuggageRef, TemperatureReport, Verdict};
+use crate::wire::command::move_word;
+
+/// Every old path.
+const PATHS: [&str; 16] = [
+    "/w",
+    "/s",
+    "/a",
+    "/l",
+    "/d",
+    "/r",
+    "/h",
+    "/z",
+    "/x",
+    "/safe",
+    "/danger",
+    "/startappl",
+    "/stopappl",
+    "/backhomeappl",
+    "/temperatureOk",
+    "/temperatureTooHigh",
+];
+
+/// Their routes.
+pub(super) fn routes() -> Router<Door> {
+    PATHS.into_iter().fold(Router::new(), |router, path| router.route(path, post(give)))
+}
+
+async fn give(State(door): State<Door>, uri: Uri, headers: HeaderMap) -> Response {
+    let command = command(uri.path().trim_start_matches('/'));
+    let given = match command {
+        Ok(command) => commands::give(&door, command, None).await,
+        Err(problem) => Err(problem),
+    };
+    let wants_page = preferred(&headers, &["application/json", "text/html"]) == Some("text/html");
+    match given {
+        Ok(_) if wants_page => Redirect::to("/").into_response(),
+        Err(problem) if wants_page => console::refused_page(&door, "old", &problem),
+        Ok(answer) => answer,
+        Err(problem) => problem.into_response(),
+    }
+}
+
+fn command(word: &str) -> Result<Command, Problem> {
+    let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Pending, verdict };
+    Ok(match word {
+        "safe" => verdict(Verdict::Safe),
+        "danger" => verdict(Verdict::Danger),
+        "startappl" => Command::Start,
+        "stopappl" => Command::Stop,
+        "backhomeappl" => Command::BackHome,
+        "temperatureOk" => Command::Temperature(TemperatureReport::Ok),
+        "temperatureTooHigh" => Command::Temperature(TemperatureReport::TooHigh),
+        letter => move_word(letter)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_old_path_is_a_command() {
+        for path in PATHS {
+            assert!(command(path.trim_start_matches('/')).is_ok(), "{path}");
+        }
+        assert_eq!(command("h").unwrap(), Command::Stop);
+    }
+}

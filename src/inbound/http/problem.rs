@@ -1,0 +1,183 @@
+//! Every refusal and error of this door as `application/problem+json`, and the one table from refusals to status codes.
+//! Start at `Problem::refused` for the core's refusals; the other constructors are for requests that never reached it.
+
+use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
+use axum::response::{IntoResponse, Response};
+
+use crate::core::command::{RefusalKind, Refused};
+use crate::wire::luggage::LuggageJson;
+use crate::wire::problem::ProblemJson;
+
+/// A request that was not carried out, and why.
+#[derive(Clone, Debug)]
+pub(super) struct Problem {
+    status: StatusCode,
+    body: Box<ProblemJson>,
+}
+
+/// The table: which status each family of refusals gets.
+pub(super) const fn status_of(kind: RefusalKind) -> StatusCode {
+    match kind {
+        RefusalKind::Conflict => StatusCode::CONFLICT,
+        RefusalKind::Unknown => StatusCode::NOT_FOUND,
+        RefusalKind::Unavailable => StatusCode::SERVICE_UNAVAILABLE,
+    }
+}
+
+impl Problem {
+    /// The core refused; `luggage` is the record the refused command was about.
+    pub(super) fn refused(refused: &Refused, luggage: Option<LuggageJson>) -> Problem {
+        let mut problem = Problem::new(status_of(refused.kind()), refused.code(), refused.to_string());
+        problem.body.luggage = luggage;
+        problem
+    }
+
+    /// 400: what was sent cannot be read.
+    pub(super) fn malformed(detail: String) -> Problem {
+        Problem::new(StatusCode::BAD_REQUEST, "malformed", detail)
+    }
+
+    /// 403: a page of another origin sent it.
+    pub(super) fn foreign(detail: String) -> Problem {
+        Problem::new(StatusCode::FORBIDDEN, "foreignOrigin", detail)
+    }
+
+    /// 404: there is no such thing.
+    pub(super) fn not_found(detail: String) -> Problem {
+        Problem::new(StatusCode::NOT_FOUND, "notFound", detail)
+    }
+
+    /// 406: none of the formats there are is wanted.
+    pub(super) fn not_acceptable(detail: String) -> Problem {
+        Problem::new(StatusCode::NOT_ACCEPTABLE, "notAcceptable", detail)
+    }
+
+    /// 408: the body came too slowly.
+    pub(super) fn too_slow(detail: String) -> Problem {
+        Problem::new(StatusCode::REQUEST_TIMEOUT, "tooSlow", detail)
+    }
+
+    /// 413: the body is larger than any command.
+    pub(super) fn too_large(detail: String) -> Problem {
+        Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "tooLarge", detail)
+    }
+
+    /// 415: the body is of a type this route does not read.
+    pub(super) fn wrong_type(detail: String) -> Problem {
+        Problem::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "unsupportedMediaType", detail)
+    }
+
+    /// 422: it can be read, and asks for something that does not exist.
+    pub(super) fn unusable(detail: String) -> Problem {
+        Problem::new(StatusCode::UNPROCESSABLE_ENTITY, "unusable", detail)
+    }
+
+    /// 503: the program is ending.
+    pub(super) fn closing() -> Problem {
+        let detail = "hallsweep is shutting down: the robot has been halted; try again when it is back".to_owned();
+        Problem::new(StatusCode::SERVICE_UNAVAILABLE, "shuttingDown", detail)
+    }
+
+    /// 503: as many streams are open as there may be.
+    pub(super) fn too_many_streams(most: usize) -> Problem {
+        let detail = format!("{most} event streams are open, and more are not served: close one, or read /api/v1/state");
+        Problem::new(StatusCode::SERVICE_UNAVAILABLE, "tooManyStreams", detail)
+    }
+
+    /// 500: a mistake in the program ended this request, and this request only.
+    pub(super) fn internal() -> Problem {
+        let detail = "a mistake in hallsweep ended this request; its log says more".to_owned();
+        Problem::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", detail)
+    }
+
+    /// The sentence a person reads.
+    pub(super) fn detail(&self) -> &str {
+        &self.body.detail
+    }
+
+    /// The status.
+    pub(super) const fn status(&self) -> StatusCode {
+        self.status
+    }
+
+    fn new(status: StatusCode, code: &'static str, detail: String) -> Problem {
+        let title = status.canonical_reason().unwrap_or("Problem");
+        Problem { status, body: Box::new(ProblemJson::new(status.as_u16(), title, code, detail)) }
+    }
+}
+
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        let body = serde_json::to_vec(&self.body).expect("a problem is strings and numbers, which JSON can hold");
+        let media_type = HeaderValue::from_static("application/problem+json");
+        (self.status, [(header::CONTENT_TYPE, media_type)], body).into_response()
+    }
+}
+
+/// The answer where no route is.
+pub(super) async fn no_such_path(uri: Uri) -> Problem {
+    Problem::not_found(format!("there is nothing at {}: the routes are listed in docs/http.md", uri.path()))
+}
+
+/// The answer where the route is but not for this method; the header `Allow` lists those it has.
+pub(super) async fn no_such_method(method: Method, uri: Uri) -> Problem {
+    let detail = format!("{} does not answer {method}: see the header Allow", uri.path());
+    Problem::new(StatusCode::METHOD_NOT_ALLOWED, "methodNotAllowed", detail)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::command::Verdict;
+    use crate::core::mission::{Hold, PhaseName};
+    use crate::core::units::{AlarmId, Cell, Epoch, LuggageId};
+
+    /// One of each variant, in their order, and how the walk goes on; a new variant does not compile until it is added here.
+    fn next(refused: Option<&Refused>) -> Option<Refused> {
+        let id = LuggageId(3);
+        Some(match refused {
+            None => Refused::Held(vec![Hold::TooHigh]),
+            Some(Refused::Held(_)) => Refused::Outdated { sent: Epoch(1), now: Epoch(2) },
+            Some(Refused::Outdated { .. }) => Refused::NotInPhase(PhaseName::Idle),
+            Some(Refused::NotInPhase(_)) => Refused::VerdictPending(id),
+            Some(Refused::VerdictPending(_)) => Refused::Driving,
+            Some(Refused::Driving) => Refused::NotStopped,
+            Some(Refused::NotStopped) => Refused::IntoObstacle(Cell::HOME),
+            Some(Refused::IntoObstacle(_)) => Refused::NotCapable,
+            Some(Refused::NotCapable) => Refused::Moving,
+            Some(Refused::Moving) => Refused::Unrecorded,
+            Some(Refused::Unrecorded) => Refused::BombUnfetched(id),
+            Some(Refused::BombUnfetched(_)) => Refused::UnknownLuggage(id),
+            Some(Refused::UnknownLuggage(_)) => Refused::NothingPending,
+            Some(Refused::NothingPending) => Refused::Decided { luggage: id, verdict: Verdict::Safe },
+            Some(Refused::Decided { .. }) => Refused::NoPhoto(id),
+            Some(Refused::NoPhoto(_)) => Refused::NotInspected(id),
+            Some(Refused::NotInspected(_)) => Refused::PhotoUnderWay,
+            Some(Refused::PhotoUnderWay) => Refused::UnknownAlarm(AlarmId(1)),
+            Some(Refused::UnknownAlarm(_)) => Refused::NoRetrievalRobot,
+            Some(Refused::NoRetrievalRobot) => Refused::FaultStands("stuck".to_owned()),
+            Some(Refused::FaultStands(_)) => Refused::StoreDown,
+            Some(Refused::StoreDown) => return None,
+        })
+    }
+
+    #[test]
+    fn every_refusal_has_a_status_a_code_of_its_own_and_a_sentence() {
+        let all: Vec<Refused> = std::iter::successors(next(None), |refused| next(Some(refused))).collect();
+        let mut codes = std::collections::BTreeSet::new();
+        for refused in &all {
+            let problem = Problem::refused(refused, None);
+            let expected = match refused {
+                Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_) => 404,
+                Refused::StoreDown => 503,
+                _ => 409,
+            };
+            assert_eq!(problem.status.as_u16(), expected, "{refused}");
+            assert_eq!(problem.body.status, expected);
+            assert!(problem.detail().len() > 15, "a person is to understand {refused:?}");
+            assert_eq!(problem.body.kind, format!("urn:hallsweep:problem:{}", refused.code()));
+            assert!(codes.insert(refused.code()), "{} is used twice", refused.code());
+        }
+        assert_eq!(all.len(), 21);
+    }
+}

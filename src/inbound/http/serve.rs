@@ -1,0 +1,89 @@
+//! The accept loop: bounded connections, bounded header time, bounded write time, and an end within two seconds.
+//! The listener is bound, and the end decided, by whoever calls.
+
+use std::future::Future;
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Router;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{Semaphore, watch};
+use tokio::task::JoinSet;
+
+use super::patience::Patient;
+use super::watcher::closed;
+use super::{Door, router};
+
+/// Connections open at once: every stream there may be, and as many again for requests beside each.
+const CONNECTIONS: usize = 1024;
+
+/// How long a client may take over a request's headers, and how long it may be silent between two requests.
+const HEADER_TIME: Duration = Duration::from_secs(20);
+
+/// How long open requests are waited for at the end: with what closing a stream takes, within two seconds.
+const GRACE: Duration = Duration::from_millis(1500);
+
+/// After an accept has failed (as with too many open files) the next is tried this much later.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
+
+/// Serves until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do.
+pub async fn serve(listener: TcpListener, door: Door, shutdown: impl Future<Output = ()>) {
+    let router = router(door.clone());
+    let places = Arc::new(Semaphore::new(CONNECTIONS));
+    let mut connections = JoinSet::new();
+    tokio::pin!(shutdown);
+    loop {
+        let accepted = async {
+            let place = Arc::clone(&places).acquire_owned().await;
+            (listener.accept().await, place)
+        };
+        tokio::select! {
+            biased;
+            () = &mut shutdown => break,
+            Some(_) = connections.join_next() => {}
+            (accepted, place) = accepted => match accepted {
+                Ok((stream, _)) => {
+                    let connection = converse(stream, router.clone(), door.closing.subscribe());
+                    connections.spawn(async move {
+                        connection.await;
+                        drop(place);
+                    });
+                }
+                Err(error) => {
+                    tracing::warn!(%error, "a connection could not be accepted");
+                    tokio::time::sleep(ACCEPT_PAUSE).await;
+                }
+            },
+        }
+    }
+    door.close();
+    drop(listener);
+    let drained = tokio::time::timeout(GRACE, async { while connections.join_next().await.is_some() {} }).await;
+    if drained.is_err() {
+        tracing::info!(open = connections.len(), "connections that would not end were cut");
+    }
+}
+
+/// One connection, to its end. What a client does wrong with it is the client's business.
+async fn converse(stream: TcpStream, router: Router, mut closing: watch::Receiver<bool>) {
+    if let Err(error) = stream.set_nodelay(true) {
+        tracing::debug!(%error, "small packets of a connection will be held back");
+    }
+    let mut http = http1::Builder::new();
+    http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIME);
+    let connection = http.serve_connection(TokioIo::new(Patient::new(stream)), TowerToHyperService::new(router));
+    tokio::pin!(connection);
+    let ended = tokio::select! {
+        ended = connection.as_mut() => ended,
+        () = closed(&mut closing) => {
+            connection.as_mut().graceful_shutdown();
+            connection.await
+        }
+    };
+    if let Err(error) = ended {
+        tracing::debug!(%error, "a connection broke");
+    }
+}

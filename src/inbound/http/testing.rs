@@ -1,0 +1,131 @@
+//! For the tests of this door: a loop that answers commands from a script and publishes the snapshots it is handed, and a
+//! client that speaks to the router without a socket. It knows no mission.
+
+use std::sync::{Arc, Mutex};
+
+use axum::Router;
+use axum::body::{Body, to_bytes};
+use axum::http::{Request, Response, StatusCode};
+use serde_json::Value;
+use tokio::sync::{mpsc, watch};
+use tower_service::Service;
+
+use super::{Door, router};
+use crate::core::command::{self, Accepted, Command, LuggageRef, Refused};
+use crate::core::event::Photo;
+use crate::core::units::{Epoch, LuggageId};
+use crate::core::world::snapshot::Snapshot;
+use crate::runtime::archive::Archive;
+use crate::runtime::halt::Halter;
+use crate::runtime::handle::{COMMANDS, Envelope, Handle};
+
+/// A door before a loop that does as it is told.
+pub(super) struct House {
+    pub(super) door: Door,
+    pub(super) publish: watch::Sender<Arc<Snapshot>>,
+    pub(super) refuse: Arc<Mutex<Option<Refused>>>,
+    pub(super) given: Arc<Mutex<Vec<command::Request>>>,
+}
+
+/// One picture for every piece.
+struct Pictures;
+
+impl Archive for Pictures {
+    fn photo(&self, _: LuggageId) -> Option<Photo> {
+        Some(Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" })
+    }
+}
+
+/// A house in this state, whose loop accepts everything until told to refuse. Must be called inside a runtime.
+pub(super) fn house(snapshot: Snapshot) -> House {
+    let (commands, envelopes) = mpsc::channel(COMMANDS);
+    let publish = watch::Sender::new(Arc::new(snapshot));
+    let handle = Handle::new(commands, publish.subscribe(), Halter::new(Epoch(1)));
+    let (refuse, given) = (Arc::default(), Arc::default());
+    tokio::spawn(answer(envelopes, publish.subscribe(), Arc::clone(&refuse), Arc::clone(&given)));
+    House { door: Door::new(handle, Arc::new(Pictures), "airport"), publish, refuse, given }
+}
+
+async fn answer(
+    mut envelopes: mpsc::Receiver<Envelope>,
+    snapshots: watch::Receiver<Arc<Snapshot>>,
+    refuse: Arc<Mutex<Option<Refused>>>,
+    given: Arc<Mutex<Vec<command::Request>>>,
+) {
+    while let Some(Envelope { request, answer }) = envelopes.recv().await {
+        let luggage = about(&request.command, &snapshots.borrow());
+        given.lock().unwrap().push(request);
+        let refused = refuse.lock().unwrap().clone();
+        let accepted = Accepted { revision: snapshots.borrow().revision, luggage };
+        let _ = answer.send(refused.map_or(Ok(accepted), Err));
+    }
+}
+
+fn about(command: &Command, snapshot: &Snapshot) -> Option<LuggageId> {
+    match command {
+        Command::Verdict { luggage: LuggageRef::Id(id), .. } | Command::RetakePhoto(id) => Some(*id),
+        Command::Verdict { luggage: LuggageRef::Pending, .. } => snapshot.pending().map(|luggage| luggage.id),
+        Command::Start
+        | Command::Stop
+        | Command::BackHome
+        | Command::Retrieve
+        | Command::Reset
+        | Command::Move(_)
+        | Command::Goto(_)
+        | Command::Acknowledge(_)
+        | Command::ChooseStrategy(_)
+        | Command::Temperature(_) => None,
+    }
+}
+
+impl House {
+    /// Sends a request with these headers.
+    pub(super) async fn send(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &str) -> Response<Body> {
+        let mut request = Request::builder().method(method).uri(path);
+        for (name, value) in headers {
+            request = request.header(*name, *value);
+        }
+        let request = request.body(Body::from(body.to_owned())).unwrap();
+        let mut router: Router = router(self.door.clone());
+        router.call(request).await.unwrap()
+    }
+
+    /// `GET`.
+    pub(super) async fn get(&self, path: &str) -> Response<Body> {
+        self.send("GET", path, &[], "").await
+    }
+
+    /// Sends JSON.
+    pub(super) async fn json(&self, method: &str, path: &str, body: &str) -> (StatusCode, Value) {
+        let headers: &[(&str, &str)] = if body.is_empty() { &[] } else { &[("content-type", "application/json")] };
+        read(self.send(method, path, headers, body).await).await
+    }
+
+    /// Posts a form.
+    pub(super) async fn form(&self, path: &str, body: &str) -> Response<Body> {
+        self.send("POST", path, &[("content-type", "application/x-www-form-urlencoded")], body).await
+    }
+
+    /// What the loop was asked last.
+    pub(super) fn last(&self) -> command::Request {
+        self.given.lock().unwrap().last().cloned().expect("a command was given")
+    }
+
+    /// From now on everything is refused so.
+    pub(super) fn refuse(&self, refused: Refused) {
+        *self.refuse.lock().unwrap() = Some(refused);
+    }
+}
+
+/// The status and the JSON of an answer.
+pub(super) async fn read(response: Response<Body>) -> (StatusCode, Value) {
+    let status = response.status();
+    let text = text(response).await;
+    (status, serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error} in {text:?}")))
+}
+
+/// The text of an answer.
+pub(super) async fn text(response: Response<Body>) -> String {
+    let bytes = to_bytes(response.into_body(), usize::MAX).await.unwrap();
+    String::from_utf8(bytes.to_vec()).unwrap()
+}

@@ -1,0 +1,62 @@
+//! One open stream's view of the state: the newest snapshot, never a queue. A slow reader skips what it missed; the end of the
+//! program ends every stream at once. What is sent stands in `events` and in the console's `live`.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::sync::{OwnedSemaphorePermit, watch};
+
+use super::problem::Problem;
+use super::{Door, STREAMS};
+use crate::core::world::snapshot::Snapshot;
+
+/// An open stream; its place is free again when it is dropped.
+pub(super) struct Watcher {
+    snapshots: watch::Receiver<Arc<Snapshot>>,
+    closing: watch::Receiver<bool>,
+    _place: OwnedSemaphorePermit,
+}
+
+/// What a stream wakes up for.
+pub(super) enum Wake {
+    /// There is a newer state.
+    Changed(Arc<Snapshot>),
+    /// Nothing has changed for the time that was asked for.
+    Quiet,
+    /// The program is ending.
+    Closed,
+}
+
+impl Watcher {
+    /// Opens a stream and takes the state it begins with.
+    pub(super) fn open(door: &Door) -> Result<(Watcher, Arc<Snapshot>), Problem> {
+        let place = Arc::clone(&door.streams).try_acquire_owned().map_err(|_| Problem::too_many_streams(STREAMS))?;
+        let mut snapshots = door.handle.watch();
+        let first = Arc::clone(&snapshots.borrow_and_update());
+        Ok((Watcher { snapshots, closing: door.closing.subscribe(), _place: place }, first))
+    }
+
+    /// Waits for the next newer state, but at least `pause`, so that a hasty robot does not flood its reader, and for `quiet` at
+    /// most.
+    pub(super) async fn next(&mut self, pause: Duration, quiet: Duration) -> Wake {
+        let Watcher { snapshots, closing, .. } = self;
+        let newer = async {
+            tokio::time::sleep(pause).await;
+            snapshots.changed().await.map(|()| Arc::clone(&snapshots.borrow_and_update()))
+        };
+        tokio::select! {
+            biased;
+            () = closed(closing) => Wake::Closed,
+            newer = tokio::time::timeout(quiet, newer) => match newer {
+                Ok(Ok(snapshot)) => Wake::Changed(snapshot),
+                Ok(Err(_)) => Wake::Closed,
+                Err(_) => Wake::Quiet,
+            },
+        }
+    }
+}
+
+/// Waits for the end of the program.
+pub(super) async fn closed(closing: &mut watch::Receiver<bool>) {
+    drop(closing.wait_for(|closing| *closing).await);
+}

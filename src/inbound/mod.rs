@@ -1,0 +1,3 @@
+//! The doors: how operators and programs reach hallsweep. No door knows another, and none knows an adapter.
+
+pub mod http;

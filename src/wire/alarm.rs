@@ -1,0 +1,43 @@
+//! Alarms in JSON. Raising and acknowledging them is the core's business.
+
+use serde::Serialize;
+
+use super::time::rfc3339;
+use crate::core::world::alarm::Alarm;
+
+/// One alarm.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AlarmJson {
+    /// Its number.
+    pub id: u64,
+    /// When it was raised, RFC 3339.
+    pub raised: String,
+    /// What it says to an operator.
+    pub text: String,
+    /// The number of the piece it is about, or null.
+    pub luggage: Option<u64>,
+    /// Who has seen it and when, or null.
+    pub acknowledged: Option<Acknowledgement>,
+}
+
+/// That somebody has seen an alarm.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Acknowledgement {
+    /// Who.
+    pub by: String,
+    /// When, RFC 3339.
+    pub at: String,
+}
+
+impl From<&Alarm> for AlarmJson {
+    fn from(alarm: &Alarm) -> AlarmJson {
+        let acknowledged = alarm.acknowledged.as_ref();
+        AlarmJson {
+            id: alarm.id.0,
+            raised: rfc3339(alarm.raised),
+            text: alarm.text.clone(),
+            luggage: alarm.luggage.map(|id| id.0),
+            acknowledged: acknowledged.map(|(who, wall)| Acknowledgement { by: who.to_string(), at: rfc3339(*wall) }),
+        }
+    }
+}

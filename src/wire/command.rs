@@ -1,0 +1,224 @@
+//! The bodies of commands in JSON, and how they become the core's commands. Every field is checked here; none is guessed.
+
+use serde::Deserialize;
+
+use crate::core::command::{Command, Move, TemperatureReport, Verdict};
+use crate::core::explore::Strategy;
+use crate::core::units::{Cell, Celsius, Epoch};
+use crate::core::world::hall_map::REACH;
+
+/// The body of a command without arguments; it may be absent.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EpochBody {
+    epoch: Option<u64>,
+}
+
+/// `{"move":"w"}`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MoveBody {
+    #[serde(rename = "move")]
+    word: String,
+    epoch: Option<u64>,
+}
+
+/// `{"x":1,"y":1}`.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GotoBody {
+    x: i64,
+    y: i64,
+    epoch: Option<u64>,
+}
+
+/// `{"verdict":"safe"}`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VerdictBody {
+    verdict: String,
+}
+
+/// `{"celsius":21.5}` or `{"status":"ok"}`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TemperatureBody {
+    celsius: Option<f64>,
+    status: Option<String>,
+}
+
+/// `{"name":"snail"}`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StrategyBody {
+    name: String,
+}
+
+/// A well-formed body that asks for something that does not exist; the sentence says what does.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Unusable(String);
+
+impl EpochBody {
+    /// The epoch its sender saw.
+    #[must_use]
+    pub fn epoch(self) -> Option<Epoch> {
+        self.epoch.map(Epoch)
+    }
+}
+
+impl MoveBody {
+    /// The command and the epoch its sender saw.
+    ///
+    /// # Errors
+    /// When there is no such move.
+    pub fn command(&self) -> Result<(Command, Option<Epoch>), Unusable> {
+        Ok((move_word(&self.word)?, self.epoch.map(Epoch)))
+    }
+}
+
+impl GotoBody {
+    /// The command and the epoch its sender saw.
+    ///
+    /// # Errors
+    /// When the cell is further from home than any map reaches.
+    pub fn command(self) -> Result<(Command, Option<Epoch>), Unusable> {
+        Ok((goto(self.x, self.y)?, self.epoch.map(Epoch)))
+    }
+}
+
+impl VerdictBody {
+    /// The verdict.
+    ///
+    /// # Errors
+    /// When it is neither `safe` nor `danger`.
+    pub fn verdict(&self) -> Result<Verdict, Unusable> {
+        match self.verdict.as_str() {
+            "safe" => Ok(Verdict::Safe),
+            "danger" => Ok(Verdict::Danger),
+            other => Err(Unusable(format!("{other:?} is no verdict: verdict is \"safe\" or \"danger\""))),
+        }
+    }
+}
+
+impl TemperatureBody {
+    /// What is reported.
+    ///
+    /// # Errors
+    /// When both fields are there or none, or the value is not one a hall can have.
+    pub fn report(&self) -> Result<TemperatureReport, Unusable> {
+        match (self.celsius, self.status.as_deref()) {
+            (Some(degrees), None) => reading(degrees),
+            (None, Some("ok")) => Ok(TemperatureReport::Ok),
+            (None, Some("tooHigh")) => Ok(TemperatureReport::TooHigh),
+            (None, Some(other)) => Err(Unusable(format!("{other:?} is no status: status is \"ok\" or \"tooHigh\""))),
+            (Some(_), Some(_)) | (None, None) => {
+                Err(Unusable("give either celsius, as {\"celsius\":21.5}, or status, as {\"status\":\"ok\"}".to_owned()))
+            }
+        }
+    }
+}
+
+impl StrategyBody {
+    /// What a form's field says.
+    #[must_use]
+    pub fn named(name: &str) -> StrategyBody {
+        StrategyBody { name: name.to_owned() }
+    }
+
+    /// The strategy.
+    ///
+    /// # Errors
+    /// When none has this name; the sentence lists those there are.
+    pub fn strategy(&self) -> Result<Strategy, Unusable> {
+        let known: Vec<&str> = Strategy::ALL.iter().map(|strategy| strategy.name()).collect();
+        Strategy::named(&self.name)
+            .ok_or_else(|| Unusable(format!("there is no strategy {:?}: there are {}", self.name, known.join(", "))))
+    }
+}
+
+/// The command behind the one-letter words of old clients and of `move`; `h` is STOP.
+///
+/// # Errors
+/// When there is no such word.
+pub fn move_word(word: &str) -> Result<Command, Unusable> {
+    match word {
+        "w" => Ok(Command::Move(Move::Forward)),
+        "s" => Ok(Command::Move(Move::Backward)),
+        "a" | "l" => Ok(Command::Move(Move::TurnLeft)),
+        "d" | "r" => Ok(Command::Move(Move::TurnRight)),
+        "z" => Ok(Command::Move(Move::NudgeLeft)),
+        "x" => Ok(Command::Move(Move::NudgeRight)),
+        "h" => Ok(Command::Stop),
+        other => Err(Unusable(format!(
+            "{other:?} is no move: w forward, s backward, a or l left, d or r right, z and x small turns, h stop"
+        ))),
+    }
+}
+
+/// Driving to a cell.
+///
+/// # Errors
+/// When the cell is further from home than any map reaches.
+pub fn goto(x: i64, y: i64) -> Result<Command, Unusable> {
+    let within = |value: i64| i32::try_from(value).ok().filter(|value| (-REACH..=REACH).contains(value));
+    match (within(x), within(y)) {
+        (Some(x), Some(y)) => Ok(Command::Goto(Cell::new(x, y))),
+        _ => Err(Unusable(format!("({x}, {y}) is out of reach: x and y lie between -{REACH} and {REACH}"))),
+    }
+}
+
+/// A reading in °C.
+///
+/// # Errors
+/// When no hall can be so cold or so hot.
+pub fn reading(degrees: f64) -> Result<TemperatureReport, Unusable> {
+    let (least, most) = (Celsius::LEAST, Celsius::MOST);
+    Celsius::new(degrees)
+        .map(TemperatureReport::Reading)
+        .ok_or_else(|| Unusable(format!("{degrees} °C cannot be: celsius lies between {least} and {most}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn old_and_new_words_for_moves_mean_the_same() {
+        assert_eq!(move_word("l"), move_word("a"));
+        assert_eq!(move_word("r"), move_word("d"));
+        assert_eq!(move_word("h"), Ok(Command::Stop));
+        assert!(move_word("W").is_err() && move_word("").is_err());
+    }
+
+    #[test]
+    fn a_cell_must_be_within_reach() {
+        assert_eq!(goto(-8192, 8192), Ok(Command::Goto(Cell::new(-8192, 8192))));
+        for (x, y) in [(8193, 0), (0, -8193), (i64::MIN, 0), (0, i64::MAX), (i64::from(i32::MIN), 0)] {
+            assert!(goto(x, y).is_err(), "({x}, {y})");
+        }
+    }
+
+    #[test]
+    fn a_temperature_is_a_reading_or_a_word_and_never_both() {
+        let report = |json: &str| serde_json::from_str::<TemperatureBody>(json).unwrap().report();
+        assert_eq!(report(r#"{"status":"tooHigh"}"#), Ok(TemperatureReport::TooHigh));
+        assert!(matches!(report(r#"{"celsius":21.5}"#), Ok(TemperatureReport::Reading(_))));
+        for wrong in [r#"{}"#, r#"{"celsius":1,"status":"ok"}"#, r#"{"celsius":1e9}"#, r#"{"status":"warm"}"#] {
+            assert!(report(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn an_unknown_strategy_is_told_which_there_are() {
+        let body: StrategyBody = serde_json::from_str(r#"{"name":"worm"}"#).unwrap();
+        let sentence = body.strategy().unwrap_err().to_string();
+        assert!(sentence.contains("\"worm\"") && sentence.contains("snail"), "{sentence}");
+    }
+
+    #[test]
+    fn an_unknown_field_is_named() {
+        let error = serde_json::from_str::<EpochBody>(r#"{"epoc":1}"#).unwrap_err().to_string();
+        assert!(error.contains("`epoc`"), "{error}");
+    }
+}

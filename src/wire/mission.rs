@@ -1,0 +1,95 @@
+//! The mission in JSON: phase, holds, goal, progress, and what each button would be refused with.
+
+use serde::Serialize;
+
+use super::robot::Place;
+use crate::core::units::Revision;
+use crate::core::world::snapshot::{MissionView, Progress, Refusals};
+
+/// Where the mission stands.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MissionJson {
+    /// When it last changed.
+    pub revision: u64,
+    /// Its number; 0 before the first.
+    pub id: u64,
+    /// The phase, by its name in the protocol.
+    pub phase: &'static str,
+    /// The phase that is interrupted while driving by hand or in fault, or null.
+    pub interrupted: Option<&'static str>,
+    /// Why it is in fault, or null.
+    pub fault: Option<String>,
+    /// What holds the robot.
+    pub holds: Vec<&'static str>,
+    /// The cell it is on its way to, or null.
+    pub goal: Option<Place>,
+    /// The cells it means to pass, the next one first.
+    pub route: Vec<Place>,
+    /// The order of the search.
+    pub strategy: &'static str,
+    /// Raised by every stop.
+    pub epoch: u64,
+    /// How far the search has come.
+    pub progress: ProgressJson,
+    /// For each button the sentence it would be refused with just now, or null.
+    pub refusals: RefusalsJson,
+}
+
+/// How far the search has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct ProgressJson {
+    /// Cells visited.
+    pub visited: usize,
+    /// Cells inside the rectangle seen so far of which nothing is known yet.
+    pub unknown: usize,
+    /// 100 only when the hall is explored.
+    pub percent: u8,
+}
+
+/// What each button would be refused with; null where it would not be.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[expect(missing_docs, reason = "the fields are documented at `Refusals`")]
+pub struct RefusalsJson {
+    pub start: Option<String>,
+    pub back_home: Option<String>,
+    pub retrieve: Option<String>,
+    pub reset: Option<String>,
+    pub drive: Option<String>,
+    pub strategy: Option<String>,
+    pub retake: Option<String>,
+}
+
+impl MissionJson {
+    /// The mission as it is at `revision`.
+    #[must_use]
+    pub fn new(mission: &MissionView, revision: Revision) -> MissionJson {
+        MissionJson {
+            revision: revision.0,
+            id: mission.id.0,
+            phase: mission.phase.name(),
+            interrupted: mission.interrupted.map(|phase| phase.name()),
+            fault: mission.fault.clone(),
+            holds: mission.holds.iter().map(|hold| hold.name()).collect(),
+            goal: mission.goal.map(Place::from),
+            route: mission.route.iter().copied().map(Place::from).collect(),
+            strategy: mission.strategy.name(),
+            epoch: mission.epoch.0,
+            progress: mission.progress.into(),
+            refusals: (&mission.refusals).into(),
+        }
+    }
+}
+
+impl From<Progress> for ProgressJson {
+    fn from(progress: Progress) -> ProgressJson {
+        ProgressJson { visited: progress.visited, unknown: progress.unknown, percent: progress.percent }
+    }
+}
+
+impl From<&Refusals> for RefusalsJson {
+    fn from(refusals: &Refusals) -> RefusalsJson {
+        let Refusals { start, back_home, retrieve, reset, drive, strategy, retake } = refusals.clone();
+        RefusalsJson { start, back_home, retrieve, reset, drive, strategy, retake }
+    }
+}

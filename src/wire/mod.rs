@@ -1,0 +1,19 @@
+//! The shapes of resources, commands and refusals on the wire, shared by the doors: serde lives here and nowhere further in.
+//! Status codes, content types and routes are each door's own business.
+
+pub mod alarm;
+pub mod answer;
+pub mod changes;
+pub mod command;
+#[cfg(test)]
+pub(crate) mod fixture;
+pub mod log;
+pub mod luggage;
+pub mod map;
+pub mod map_text;
+pub mod mission;
+pub mod problem;
+pub mod robot;
+pub mod state;
+pub mod temperature;
+pub mod time;

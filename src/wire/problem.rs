@@ -1,0 +1,34 @@
+//! What a refusal or an error looks like: RFC 9457 problem details with a fixed code beside the sentence.
+//! Which status a refusal gets is each door's own table.
+
+use serde::Serialize;
+
+use super::luggage::LuggageJson;
+
+/// One problem.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ProblemJson {
+    /// A URI that names the kind of problem and never changes: `urn:hallsweep:problem:` and the code.
+    #[serde(rename = "type")]
+    pub kind: String,
+    /// The status in words.
+    pub title: String,
+    /// The status.
+    pub status: u16,
+    /// What was wrong, with what value, and what to do.
+    pub detail: String,
+    /// A short fixed word for programs.
+    pub code: &'static str,
+    /// The record a refused verdict was about.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub luggage: Option<LuggageJson>,
+}
+
+impl ProblemJson {
+    /// A problem of this status and code.
+    #[must_use]
+    pub fn new(status: u16, title: &str, code: &'static str, detail: String) -> ProblemJson {
+        let kind = format!("urn:hallsweep:problem:{code}");
+        ProblemJson { kind, title: title.to_owned(), status, detail, code, luggage: None }
+    }
+}

@@ -1,0 +1,32 @@
+//! The temperature in JSON.
+
+use serde::Serialize;
+
+use crate::core::units::Revision;
+use crate::core::world::temperature::TemperatureView;
+
+/// The temperature and what it means.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TemperatureJson {
+    /// When it last changed.
+    pub revision: u64,
+    /// The latest reading in °C, or null before the first.
+    pub celsius: Option<f64>,
+    /// `ok`, `tooHigh` or `stale`.
+    pub status: &'static str,
+    /// In °C; above it nothing moves.
+    pub threshold: f64,
+}
+
+impl TemperatureJson {
+    /// The temperature as it is at `revision`.
+    #[must_use]
+    pub fn new(view: &TemperatureView, revision: Revision) -> TemperatureJson {
+        TemperatureJson {
+            revision: revision.0,
+            celsius: view.celsius.map(|celsius| celsius.degrees()),
+            status: view.status.name(),
+            threshold: view.threshold.degrees(),
+        }
+    }
+}

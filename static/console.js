@@ -1,0 +1,213 @@
+// The console's script: it keeps the page fresh from one event stream and sends its forms without reloading.
+// Everything it does also works without it; it knows no rule of the mission, and what it shows comes rendered from the server.
+"use strict";
+
+const SILENCE_MS = 3000; // the server speaks every second: after three the page is not to be believed
+const RETRY_MS = 1500;
+const SETTLE_MS = 500; // verdict buttons are dead this long when the piece under them changes
+const WHY_MS = 20000; // a reason of a refusal is old after this
+
+const at = (id) => document.getElementById(id);
+const root = document.documentElement;
+
+// ---- keeping fresh -------------------------------------------------------------------------------------------------------
+
+let stream = null;
+let heard = performance.now();
+let heardAt = new Date();
+let settledAt = 0;
+
+/** Opens the stream anew; its first message holds everything, so whatever was missed is caught up with. */
+function listen() {
+  stream?.close();
+  stream = new EventSource("/console/live");
+  stream.addEventListener("page", (event) => {
+    show(JSON.parse(event.data));
+    alive();
+  });
+  stream.addEventListener("tick", alive);
+}
+
+function alive() {
+  heard = performance.now();
+  heardAt = new Date();
+  if (root.dataset.live !== "on") {
+    root.dataset.live = "on";
+    at("lost").hidden = true;
+  }
+}
+
+/** Nothing was heard for too long: say so, and let nobody act blindly. STOP stays, it is an ordinary request. */
+function lost() {
+  if (root.dataset.live !== "lost") {
+    root.dataset.live = "lost";
+    at("lost-since").textContent = heardAt.toLocaleTimeString();
+    at("lost").hidden = false;
+    at("confirm").close();
+  }
+  // The next whole message renders every button as it then is.
+  document.querySelectorAll("button:not([data-always]), select").forEach((control) => (control.disabled = true));
+}
+
+let retried = 0;
+setInterval(() => {
+  const now = performance.now();
+  if (document.hidden || now - heard < SILENCE_MS) return;
+  lost();
+  if (now - retried > RETRY_MS) {
+    retried = now;
+    listen();
+  }
+}, 250);
+
+// A browser opens only six connections to one place for all its tabs. Pages nobody looks at give theirs back, so that a STOP
+// always finds a free one.
+document.addEventListener("visibilitychange", () => {
+  if (document.hidden) {
+    stream?.close();
+  } else {
+    heard = performance.now();
+    listen();
+  }
+});
+
+/** Shows what changed. */
+function show(message) {
+  at("hall").setAttribute("viewBox", message.view);
+  const piece = at("inspect").dataset.luggage;
+  for (const [id, markup] of Object.entries(message.parts)) {
+    if (id.startsWith("hall-") || id.startsWith("tile_")) draw(id, markup);
+    else morph(id, markup);
+  }
+  if (message.whole) {
+    for (const tile of [...at("tiles").children]) if (!(tile.id in message.parts)) tile.remove();
+    at("confirm-yes").disabled = at("confirm-no").disabled = false;
+  }
+  if (document.title !== message.title) document.title = message.title;
+  at("revision").textContent = message.revision;
+  if (at("inspect").dataset.luggage !== piece) otherPiece();
+}
+
+/** Another piece is under the verdict buttons: a click already on its way must not hit it. */
+function otherPiece() {
+  settledAt = performance.now() + SETTLE_MS;
+  at("inspect").classList.add("settling");
+  setTimeout(() => at("inspect").classList.remove("settling"), SETTLE_MS);
+  if (at("confirm").dataset.id) at("confirm").close();
+}
+
+/** Replaces a piece of the picture; the robot keeps its element, so that it glides instead of jumping. */
+function draw(id, markup) {
+  const old = at(id);
+  if (!markup) return old?.remove();
+  const parsed = new DOMParser().parseFromString(`<svg xmlns="http://www.w3.org/2000/svg">${markup}</svg>`, "image/svg+xml");
+  const fresh = document.importNode(parsed.documentElement.firstElementChild, true);
+  if (!old) at("tiles").append(fresh);
+  else if (id === "hall-robot") {
+    for (const { name, value } of fresh.attributes) old.setAttribute(name, value);
+    old.replaceChildren(...fresh.childNodes);
+    glide(old);
+  } else old.replaceWith(fresh);
+}
+
+/** The same as the attribute says, as a style, because only styles glide. */
+function glide(robot) {
+  const [x, y] = robot.getAttribute("transform").match(/-?\d+/g);
+  robot.style.transform = `translate(${x}px, ${y}px)`;
+}
+
+/** Changes a part into its newer self, but not what a person types, has opened, or is being told. */
+function morph(id, markup) {
+  const old = at(id);
+  if (!old) return;
+  Idiomorph.morph(old, markup, {
+    morphStyle: "outerHTML",
+    ignoreActiveValue: true,
+    callbacks: {
+      beforeNodeMorphed: (node) => !(node.classList?.contains("why") || (node.tagName === "INPUT" && node.type !== "hidden")),
+      beforeAttributeUpdated: (name, node) => !(name === "open" && node.tagName === "DETAILS") && node !== document.activeElement?.closest("select"),
+    },
+  });
+}
+
+// ---- acting --------------------------------------------------------------------------------------------------------------
+
+document.addEventListener("submit", (event) => {
+  const form = event.target;
+  if (!form.action.includes("/console/")) return;
+  event.preventDefault();
+  if (form.closest("#inspect") && performance.now() < settledAt) return;
+  if (form.dataset.confirm) return ask(form);
+  if (form.closest("#confirm")) at("confirm").close();
+  send(form, new URLSearchParams(new FormData(form, event.submitter)), event.submitter);
+});
+
+const sending = new WeakSet();
+
+/** Sends a form; a refusal is written beside the button that was pressed. A STOP is never held back by another one. */
+async function send(form, fields, button) {
+  const isStop = form.id === "stop";
+  if (sending.has(form) && !isStop) return;
+  sending.add(form);
+  button?.setAttribute("aria-busy", "true");
+  tell(form.dataset.why, "");
+  try {
+    const answer = await fetch(form.action, { method: "POST", body: fields, headers: { accept: "application/json" } });
+    const said = await answer.json();
+    if (!answer.ok) tell(form.dataset.why, said.detail ?? `It was refused (${answer.status}).`);
+    else if (form.querySelector("input:not([type=hidden])")) form.reset();
+  } catch {
+    const what = isStop ? "STOP did not reach the robot: use its own switch, or another way in." : "It did not get through; nothing was done.";
+    tell(form.dataset.why, `No connection. ${what}`);
+  } finally {
+    sending.delete(form);
+    button?.removeAttribute("aria-busy");
+  }
+}
+
+const fading = new Map();
+
+/** Writes a reason beside a button, for a while. */
+function tell(button, words) {
+  const place = at(`why-${button}`) ?? at("why-page");
+  place.textContent = words;
+  clearTimeout(fading.get(place.id));
+  if (words) fading.set(place.id, setTimeout(() => tell(button, ""), WHY_MS));
+}
+
+/** Asks before the act, not after it. */
+function ask(form) {
+  const dialog = at("confirm");
+  const inner = dialog.querySelector("form");
+  inner.action = form.dataset.confirm;
+  inner.dataset.why = form.dataset.why;
+  inner.elements.id.value = form.dataset.id ?? "";
+  inner.elements.id.disabled = !form.dataset.id;
+  dialog.dataset.id = form.dataset.id ?? "";
+  at("confirm-question").textContent = form.dataset.question;
+  at("confirm-consequence").textContent = form.dataset.consequence;
+  at("confirm-yes").textContent = form.dataset.yes;
+  dialog.showModal();
+  at("confirm-no").focus();
+}
+
+at("confirm-no").addEventListener("click", () => at("confirm").close());
+
+// Escape is STOP, unless it closes the question that is open.
+document.addEventListener("keydown", (event) => {
+  if (event.key === "Escape" && !event.repeat && !at("confirm").open) at("stop").requestSubmit();
+});
+
+// ---- reading the picture -------------------------------------------------------------------------------------------------
+
+at("hall").addEventListener("pointermove", (event) => {
+  const matrix = at("hall").getScreenCTM();
+  if (!matrix) return;
+  const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix.inverse());
+  at("pointer").textContent = `column ${Math.floor(point.x / 10)}, row ${Math.floor(point.y / 10)}`;
+});
+at("hall").addEventListener("pointerleave", () => (at("pointer").textContent = ""));
+
+root.dataset.live = "opening";
+glide(at("hall-robot"));
+listen();

@@ -1,0 +1,15 @@
+//! Whole missions in simulated time: seeded, without doors and without waiting. A failure prints its seed and hall.
+
+mod halls;
+mod operator;
+mod random_commands;
+mod random_halls;
+mod replay;
+mod rules_driving;
+mod rules_holds;
+mod rules_luggage;
+mod rules_phases;
+mod seeds_early;
+mod seeds_luggage;
+mod seeds_suspensions;
+mod table;

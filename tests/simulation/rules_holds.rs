@@ -1,0 +1,135 @@
+//! Mission §4 on holds: what raises them, what clears them, and that nothing moves while one stands.
+
+use hallsweep::core::command::{Command, Refused, TemperatureReport, Verdict};
+use hallsweep::core::event::{Event, RobotEvent, RobotId};
+use hallsweep::core::mission::{Hold, PhaseName};
+use hallsweep::core::units::Celsius;
+use hallsweep::core::world::temperature::TemperatureStatus;
+use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings};
+
+use crate::operator::{Operator, in_drawn, in_hall, run_in};
+
+/// Rule 5.
+#[test]
+fn the_buttons_concern_their_own_hold_alone() {
+    let mut run = in_hall("empty-8x8");
+    run.reading(30.0).unwrap();
+    run.temperature(TemperatureReport::TooHigh).unwrap();
+    run.temperature(TemperatureReport::Ok).unwrap();
+    assert_eq!(run.holds(), [Hold::Temperature], "OK does not argue with a reading");
+    assert_eq!(run.state().temperature.status, TemperatureStatus::TooHigh);
+    run.reading(24.5).unwrap();
+    assert_eq!(run.holds(), [Hold::Temperature], "within the hysteresis");
+    run.reading(24.0).unwrap();
+    assert!(run.holds().is_empty());
+}
+
+/// Rule 5.
+#[test]
+fn the_hold_ends_only_when_the_last_reading_of_every_source_permits() {
+    let mut run = in_hall("empty-8x8");
+    run.reading(30.0).unwrap();
+    let robot = |degrees| RobotEvent::Temperature(Celsius::new(degrees).unwrap());
+    let now = run.now();
+    run.sweep.handle_event(Event::Robot(RobotId::Discovery, robot(20.0)), now);
+    assert_eq!(run.holds(), [Hold::Temperature]);
+    run.reading(20.0).unwrap();
+    assert!(run.holds().is_empty());
+}
+
+/// R-tempOk.
+#[test]
+fn a_start_before_the_ok_is_refused_with_the_reason_and_not_remembered() {
+    let mut run = in_hall("empty-8x8");
+    run.temperature(TemperatureReport::TooHigh).unwrap();
+    assert_eq!(run.give(Command::Start), Err(Refused::Held(vec![Hold::TooHigh])));
+    run.temperature(TemperatureReport::Ok).unwrap();
+    run.stands_still();
+    assert_eq!(run.phase(), PhaseName::Idle);
+}
+
+#[test]
+fn heat_during_a_drive_home_waits_for_cool_and_start() {
+    let mut run = in_hall("empty-8x8");
+    run.give(Command::Start).unwrap();
+    run.until("some cells", |state| state.map.visited() > 12);
+    run.give(Command::BackHome).unwrap();
+    run.reading(40.0).unwrap();
+    run.stands_still();
+    run.reading(20.0).unwrap();
+    run.stands_still();
+    run.give(Command::Start).unwrap();
+    run.until_phase(PhaseName::AtHome);
+}
+
+#[test]
+fn the_end_of_a_cause_alone_never_sets_anything_moving() {
+    let mut run = in_hall("empty-8x8");
+    run.give(Command::Start).unwrap();
+    run.wait(1.0);
+    let now = run.now();
+    for (lost, back) in [
+        (Event::SensorSilent("roof".into()), Event::Sensor("roof".into(), Celsius::new(20.0).unwrap())),
+        (Event::StoreFailed("disk full".to_owned()), Event::StoreRestored),
+    ] {
+        run.sweep.handle_event(lost, now);
+        run.wait(1.0);
+        assert_eq!(run.holds().len(), 2);
+        let held = run.give(Command::Start);
+        assert!(matches!(held, Err(Refused::Held(_))), "{held:?}");
+        run.sweep.handle_event(back, now);
+        run.stands_still();
+        assert_eq!(run.holds(), [Hold::AwaitingStart]);
+        run.give(Command::Start).unwrap();
+        run.wait(0.1);
+    }
+    run.until_explored();
+}
+
+#[test]
+fn the_halls_own_heat_holds_the_robot_while_it_lasts() {
+    let text = "name = \"hot\"\nwidth = 8\nheight = 8\n\
+                [[temperature]]\nat_s = 0\ncelsius = 20.0\n[[temperature]]\nat_s = 20\ncelsius = 30.0\n\
+                [[temperature]]\nat_s = 60\ncelsius = 20.0\n";
+    let mut run = run_in(Hall::parse("hot.toml", text).unwrap(), SimSettings::new(1, Camera::Stub));
+    run.give(Command::Start).unwrap();
+    run.until("too hot", |state| state.mission.holds.contains(&Hold::Temperature));
+    let before = run.state().robot.pose;
+    run.until("cool again", |state| !state.mission.holds.contains(&Hold::Temperature));
+    assert_eq!((run.state().robot.pose, run.holds()), (before, vec![Hold::AwaitingStart]));
+    run.give(Command::Start).unwrap();
+    run.until_explored();
+}
+
+#[test]
+fn photo_and_record_proceed_under_holds_and_verdicts_then_move_nothing() {
+    let mut run = in_drawn(&["S...", ".a..", "....", "...."]);
+    run.give(Command::Start).unwrap();
+    run.until_pending();
+    run.temperature(TemperatureReport::TooHigh).unwrap();
+    run.give(Command::RetakePhoto(hallsweep::core::units::LuggageId(1))).unwrap();
+    run.wait(2.0);
+    run.verdict(1, Verdict::Safe).unwrap();
+    assert_eq!(run.phase(), PhaseName::Exploring);
+    run.stands_still();
+    run.temperature(TemperatureReport::Ok).unwrap();
+    run.give(Command::Start).unwrap();
+    run.until_explored();
+}
+
+#[test]
+fn a_lost_link_holds_and_the_robot_is_recentred_before_it_goes_on() {
+    let mut run = in_hall("empty-8x8");
+    run.give(Command::Start).unwrap();
+    run.wait(1.1);
+    let now = run.now();
+    let can = run.sim.capabilities();
+    run.sim.handle_halt(now);
+    run.sweep.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::LinkLost("cable".to_owned())), now);
+    assert_eq!(run.holds(), [Hold::RobotLink, Hold::AwaitingStart]);
+    assert!(matches!(run.give(Command::Start), Err(Refused::Held(_))));
+    run.sweep.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::LinkUp(can)), now);
+    run.stands_still();
+    run.give(Command::Start).unwrap();
+    run.until_explored();
+}

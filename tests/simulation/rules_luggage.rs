@@ -1,0 +1,160 @@
+//! Mission §4 rule 4 and §7: verdicts, photos that fail, pieces of several cells, obstacles that cannot be told.
+
+use hallsweep::core::command::{Command, LuggageRef, Refused, Verdict};
+use hallsweep::core::mission::PhaseName;
+use hallsweep::core::settings::Settings;
+use hallsweep::core::units::{Cell, LuggageId};
+use hallsweep::core::world::hall_map::Mark;
+use hallsweep::core::world::luggage::PhotoState;
+use hallsweep::headless::{Run, Verdicts, explore};
+use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings};
+
+use crate::operator::{Operator, drawn_with, in_drawn};
+
+fn at_the_bag() -> Run {
+    let mut run = in_drawn(&["S...", ".a..", "....", "...."]);
+    run.give(Command::Start).unwrap();
+    run.until_pending();
+    run
+}
+
+#[test]
+fn an_equal_repeat_is_answered_and_another_verdict_is_refused() {
+    let mut run = at_the_bag();
+    run.verdict(1, Verdict::Safe).unwrap();
+    assert_eq!(run.verdict(1, Verdict::Safe).map(|accepted| accepted.luggage), Ok(Some(LuggageId(1))));
+    let refused = Refused::Decided { luggage: LuggageId(1), verdict: Verdict::Safe };
+    assert_eq!(run.verdict(1, Verdict::Danger), Err(refused));
+    assert_eq!(run.verdict(7, Verdict::Safe), Err(Refused::UnknownLuggage(LuggageId(7))));
+    assert_eq!(run.phase(), PhaseName::Exploring);
+}
+
+#[test]
+fn a_bare_word_means_the_one_pending_piece_and_is_refused_when_there_is_none() {
+    let mut run = at_the_bag();
+    let safe = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe };
+    run.give(safe.clone()).unwrap();
+    assert_eq!(run.give(safe), Err(Refused::NothingPending));
+}
+
+#[test]
+fn under_a_failed_store_a_verdict_is_refused_but_danger_still_alarms() {
+    use hallsweep::core::event::Event;
+    let mut run = at_the_bag();
+    let now = run.now();
+    run.sweep.handle_event(Event::StoreFailed("disk full".to_owned()), now);
+    assert_eq!(run.verdict(1, Verdict::Safe), Err(Refused::StoreDown));
+    assert!(run.state().alarms.is_empty());
+    assert_eq!(run.verdict(1, Verdict::Danger), Err(Refused::StoreDown));
+    assert_eq!(run.state().alarms.len(), 1);
+    assert!(run.state().luggage[0].is_pending());
+}
+
+/// V2.
+#[test]
+fn without_a_photo_there_is_no_safe_and_it_can_be_taken_again() {
+    let settings = SimSettings { photo_failure_rate: 0.5, ..SimSettings::new(3, Camera::Stub) };
+    let (mut failed, mut took) = (0, 0);
+    for seed in 0..16 {
+        let mut run = drawn_with(&["S...", ".a..", "....", "...."], SimSettings { seed, ..settings });
+        run.give(Command::Start).unwrap();
+        run.until_pending();
+        while !run.state().luggage[0].has_photo() {
+            failed += 1;
+            assert_eq!(run.verdict(1, Verdict::Safe), Err(Refused::NoPhoto(LuggageId(1))));
+            run.give(Command::RetakePhoto(LuggageId(1))).unwrap();
+            assert_eq!(run.give(Command::RetakePhoto(LuggageId(1))), Err(Refused::PhotoUnderWay));
+            run.wait(1.0);
+        }
+        took += 1;
+        run.verdict(1, Verdict::Safe).unwrap();
+    }
+    assert!(failed > 0 && took == 16, "the seeds must show both");
+}
+
+/// Rule 10: what was left behind without a photo is driven back to.
+#[test]
+fn a_piece_left_without_a_photo_is_photographed_again_after_the_next_start() {
+    let settings = SimSettings { photo_failure_rate: 0.5, ..SimSettings::new(0, Camera::Stub) };
+    let seed =
+        (0..64).find(|seed| first_photo_fails(SimSettings { seed: *seed, ..settings })).expect("one of 64 first photos fails");
+    let mut run = drawn_with(&["S...", ".a..", "....", "...."], SimSettings { seed, ..settings });
+    run.give(Command::Start).unwrap();
+    run.until_pending();
+    let pose = run.state().luggage[0].pose;
+    run.give(Command::BackHome).unwrap();
+    run.until_phase(PhaseName::AtHome);
+    run.give(Command::Start).unwrap();
+    run.until("back at the piece", |state| state.mission.inspected == Some(LuggageId(1)));
+    assert_eq!(run.state().robot.pose, pose);
+    run.until("its photo, or another failure", |state| state.robot.state == hallsweep::core::world::robot::RobotState::Stopped);
+    assert_eq!(run.state().luggage.len(), 1, "it stays one record");
+}
+
+fn first_photo_fails(settings: SimSettings) -> bool {
+    let mut run = drawn_with(&["S...", ".a..", "....", "...."], settings);
+    run.give(Command::Start).unwrap();
+    run.until_pending();
+    matches!(run.state().luggage[0].photo, PhotoState::Failed(_))
+}
+
+#[test]
+fn a_retaken_photo_replaces_the_first_and_stays_one_record() {
+    let mut run = at_the_bag();
+    run.give(Command::RetakePhoto(LuggageId(1))).unwrap();
+    run.wait(2.0);
+    assert!(matches!(run.state().luggage[0].photo, PhotoState::Taken { take: 2, .. }));
+    assert_eq!(run.state().luggage.len(), 1);
+    assert_eq!(run.give(Command::RetakePhoto(LuggageId(2))), Err(Refused::UnknownLuggage(LuggageId(2))));
+}
+
+/// §7: a piece may cover several cells.
+#[test]
+fn a_piece_of_several_cells_is_asked_about_once() {
+    let mut run = in_drawn(&["S....", ".aaa.", ".....", "....."]);
+    run.give(Command::Start).unwrap();
+    run.until_explored();
+    let state = run.state();
+    assert_eq!(state.luggage.len(), 1);
+    assert!((1..=3).all(|x| state.map.at(Cell::new(x, 1)) == Mark::Luggage));
+}
+
+/// Rule 3 of the mission's backHome: before the record exists the piece stays a target.
+#[test]
+fn back_home_before_the_record_exists_leaves_the_piece_to_be_inspected_later() {
+    let mut run = in_drawn(&["S...", ".a..", "....", "...."]);
+    run.give(Command::Start).unwrap();
+    run.until("backing up", |state| state.mission.phase == PhaseName::Inspecting);
+    run.give(Command::BackHome).unwrap();
+    assert_eq!(run.state().map.at(Cell::new(1, 1)), Mark::NotInspected);
+    run.until_phase(PhaseName::AtHome);
+    run.give(Command::Start).unwrap();
+    run.until_explored();
+    assert_eq!(run.state().luggage.len(), 1);
+}
+
+#[test]
+fn stopped_while_backing_up_the_inspection_goes_on_after_start() {
+    let mut run = in_drawn(&["S...", ".a..", "....", "...."]);
+    run.give(Command::Start).unwrap();
+    run.until("backing up", |state| state.mission.phase == PhaseName::Inspecting);
+    run.give(Command::Stop).unwrap();
+    run.stands_still();
+    run.give(Command::Start).unwrap();
+    run.until_pending();
+    run.verdict(1, Verdict::Safe).unwrap();
+    run.until_explored();
+}
+
+/// §3: a camera that cannot tell, and the original's behaviour.
+#[test]
+fn what_cannot_be_told_is_inspected_and_so_is_everything_when_asked_for() {
+    let hall = std::sync::Arc::new(Hall::from_rows("small", &["S...", ".a..", "...."]).unwrap());
+    let run = |sim, settings| explore(&hall, sim, settings, Default::default(), Verdicts::AllSafe, |_| {});
+    let usual = run(SimSettings::new(1, Camera::Stub), Settings::default());
+    assert_eq!(usual.luggage.len(), 1);
+    let blind = run(SimSettings { unknown_rate: 1.0, ..SimSettings::new(1, Camera::Stub) }, Settings::default());
+    let original = run(SimSettings::new(1, Camera::Stub), Settings { inspect_everything: true, ..Settings::default() });
+    assert!(blind.complete && blind.luggage.len() == 15, "{} pieces", blind.luggage.len());
+    assert!(original.complete && original.luggage.len() == 15, "{} pieces", original.luggage.len());
+}
