@@ -127,13 +127,15 @@ fn module_path(source: &Source) -> Vec<String> {
 /// Every path of the crate that the code names, from the top of the crate, two names deep, with its line.
 fn named_paths(source: &Source) -> Vec<(usize, Vec<String>)> {
     let mut paths = Vec::new();
-    let own = module_path(source);
+    let file = module_path(source);
+    let unit_tests = [file.as_slice(), &["tests".to_owned()]].concat();
     for (number, line) in joined_uses(&source.code) {
         for (start, _) in line.match_indices("crate::").chain(line.match_indices("hallsweep::")) {
             let begins = line[..start].chars().next_back().is_none_or(|letter| !is_word(letter));
             let after = line[start..].split_once("::").map_or("", |(_, after)| after);
             paths.extend(heads(after).into_iter().filter(|_| begins).map(|path| (number, path)));
         }
+        let own = if number > source.lines_without_tests { &unit_tests } else { &file };
         for (start, _) in line.match_indices("super::").filter(|(start, _)| !line[..*start].ends_with("super::")) {
             let supers = line[start..].split("super::").skip(1).take_while(|part| part.is_empty()).count() + 1;
             let after = line[start..].trim_start_matches("super::");
@@ -246,6 +248,13 @@ mod tests {
         assert_eq!(found("src/inbound/coap/a.rs", "use super::super::http::errors;"), 1);
         assert_eq!(found("src/inbound/http/a.rs", "use super::super::http::errors;\nuse super::pages;"), 0);
         assert_eq!(found("src/outbound/a.rs", "use crate::wire::map;"), 1);
+    }
+
+    #[test]
+    fn unit_tests_are_a_module_deeper() {
+        let tests = "//! A.\n#[cfg(test)]\nmod tests {\n    use super::super::testing::house;\n}";
+        assert_eq!(found("src/inbound/http/a.rs", tests), 0);
+        assert_eq!(found("src/inbound/http/a.rs", "use super::super::testing::house;"), 1);
     }
 
     #[test]

@@ -19,8 +19,10 @@ impl Source {
     /// A source with this text, on disk or made up.
     pub(crate) fn new(path: &str, text: &str) -> Source {
         let code = code_of(text);
-        let lines_without_tests = code.lines().position(|line| line.trim() == "#[cfg(test)]");
-        let lines_without_tests = lines_without_tests.unwrap_or_else(|| code.lines().count());
+        let lines: Vec<&str> = code.lines().map(str::trim).collect();
+        let tests =
+            lines.windows(2).position(|pair| pair[0] == "#[cfg(test)]" && pair[1].starts_with("mod ") && pair[1].contains('{'));
+        let lines_without_tests = tests.unwrap_or(lines.len());
         Source { path: path.to_owned(), text: text.to_owned(), code, lines_without_tests }
     }
 
@@ -142,4 +144,6 @@ fn comments_and_literals_are_no_code() {
 fn unit_tests_do_not_count() {
     let source = Source::new("src/a.rs", "//! A.\nfn a() {}\n#[cfg(test)]\nmod tests {}\n");
     assert_eq!((source.lines_without_tests, source.code_without_tests().contains("mod tests")), (2, false));
+    let source = Source::new("src/a.rs", "//! A.\n#[cfg(test)]\nmod testing;\nfn a() {}\n");
+    assert_eq!(source.lines_without_tests, 4, "a module of its own for tests does not end the code");
 }
