@@ -71,7 +71,7 @@ fn play(scenario: &str, arguments: &[&str]) {
             KILL => program = None,
             START => program = Some(start(&address)),
             other => {
-                println!("{other}");
+                eprintln!("{other}");
                 continue;
             }
         }
