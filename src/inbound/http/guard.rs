@@ -61,7 +61,9 @@ fn is_foreign(headers: &HeaderMap) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::testing::house;
     use super::*;
+    use crate::wire::fixture::searching;
 
     fn foreign(headers: &[(&'static str, &'static str)]) -> bool {
         let pairs = headers.iter().map(|(name, value)| (HeaderName::from_static(name), HeaderValue::from_static(value)));
@@ -74,6 +76,61 @@ mod tests {
         assert!(!foreign(&[("host", "127.0.0.1:8080")]));
         assert!(!foreign(&[("host", "127.0.0.1:8080"), ("origin", "http://127.0.0.1:8080")]));
         assert!(!foreign(&[("sec-fetch-site", "same-origin"), ("origin", "https://behind-a-proxy.example")]));
+    }
+
+    #[tokio::test]
+    async fn every_answer_of_every_kind_carries_the_security_headers() {
+        let house = house(searching());
+        let walk = [
+            ("GET", "/"),
+            ("GET", "/healthz"),
+            ("GET", "/api/v1/state"),
+            ("GET", "/api/v1/map"),
+            ("GET", "/api/v1/luggage"),
+            ("GET", "/api/v1/luggage/3"),
+            ("GET", "/api/v1/luggage/3/photo"),
+            ("GET", "/api/v1/events"),
+            ("GET", "/console/live"),
+            ("GET", "/console/confirm/reset"),
+            ("GET", "/console/confirm/danger/3"),
+            ("GET", "/static/console.css"),
+            ("GET", "/static/console.js"),
+            ("GET", "/static/vendor/idiomorph.js"),
+            ("GET", "/static/icon.svg"),
+            ("GET", "/favicon.ico"),
+            ("GET", "/nowhere"),
+            ("GET", "/api/v1/luggage/99"),
+            ("DELETE", "/"),
+            ("POST", "/api/v1/commands/start"),
+            ("POST", "/api/v1/commands/move"),
+            ("POST", "/console/start"),
+            ("POST", "/console/stop"),
+            ("POST", "/h"),
+            ("PUT", "/api/v1/temperature"),
+        ];
+        for (method, path) in walk {
+            let response = house.send(method, path, &[], "").await;
+            for (name, value) in SECURITY {
+                assert_eq!(
+                    response.headers().get(&name).map(|is| is.as_bytes()),
+                    Some(value.as_bytes()),
+                    "{method} {path} {name}"
+                );
+            }
+            assert_eq!(response.headers().get_all("cache-control").iter().count(), 1, "{method} {path}");
+        }
+    }
+
+    #[tokio::test]
+    async fn event_streams_are_not_compressed_and_a_vary_says_what_is() {
+        let house = house(searching());
+        for path in ["/api/v1/events", "/console/live"] {
+            let response = house.send("GET", path, &[("accept-encoding", "gzip")], "").await;
+            assert!(response.headers().get("content-encoding").is_none(), "{path}");
+        }
+        let response = house.send("GET", "/", &[("accept-encoding", "gzip")], "").await;
+        assert_eq!(response.headers()["content-encoding"], "gzip");
+        assert!(response.headers().get_all("vary").iter().any(|vary| vary == "accept-encoding"));
     }
 
     #[test]

@@ -87,3 +87,41 @@ async fn converse(stream: TcpStream, router: Router, mut closing: watch::Receive
         tracing::debug!(%error, "a connection broke");
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::house;
+    use super::*;
+    use crate::wire::fixture::searching;
+    use std::io::{Read, Write};
+    use std::net::{SocketAddr, TcpStream as Client};
+    use tokio::sync::oneshot;
+    use tokio::time::timeout;
+
+    fn client(address: SocketAddr, begins: &str) -> Client {
+        let mut client = Client::connect(address).unwrap();
+        client.set_read_timeout(Some(Duration::from_secs(5))).unwrap();
+        client.write_all(begins.as_bytes()).unwrap();
+        client
+    }
+
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn the_end_comes_within_two_seconds_whatever_clients_do() {
+        let house = house(searching());
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let address = listener.local_addr().unwrap();
+        let (end, ended) = oneshot::channel::<()>();
+        let serving = tokio::spawn(serve(listener, house.door.clone(), async { drop(ended.await) }));
+
+        let _slow = client(address, "GET /api/v1/state HTTP/1.1\r\nHost: x\r\nX-Slow: ");
+        let _half = client(address, "POST /api/v1/commands/move HTTP/1.1\r\nHost: x\r\nContent-Length: 100\r\n\r\n{");
+        let mut watching = client(address, "GET /api/v1/events HTTP/1.1\r\nHost: x\r\n\r\n");
+        let mut first = [0; 12];
+        watching.read_exact(&mut first).unwrap();
+        assert_eq!(&first, b"HTTP/1.1 200");
+
+        end.send(()).unwrap();
+        timeout(Duration::from_secs(2), serving).await.expect("it ends within two seconds").unwrap();
+        watching.read_to_end(&mut Vec::new()).expect("the stream was closed, and in order");
+    }
+}

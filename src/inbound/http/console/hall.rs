@@ -15,7 +15,7 @@ const CELL: i32 = 10;
 const GROWTH: i32 = 4;
 
 /// The picture is never smaller than this, in cells.
-const LEAST: (i32, i32) = (16, 10);
+const LEAST: (i32, i32) = (16, 12);
 
 /// As much of the way behind is shown, in cells.
 const TRAIL: usize = 48;
@@ -33,7 +33,7 @@ const RAY: i32 = 8;
 pub(super) fn shown(map: &HallMap) -> Bounds {
     let known = map.known_bounds();
     let least = Cell::new(round_down(known.least.x.min(-1)), round_down(known.least.y.min(-1)));
-    let far = |least: i32, most: i32, size: i32| (least + size - 1).max(least + round_up(most - least + 2));
+    let far = |least: i32, most: i32, size: i32| least + size.max(round_up(most - least + 2)) - 1;
     Bounds { least, most: Cell::new(far(least.x, known.most.x, LEAST.0), far(least.y, known.most.y, LEAST.1)) }
 }
 

@@ -98,3 +98,141 @@ fn html(template: &impl Template) -> Html<String> {
 
 /// Proxies are not to hold a stream back.
 const UNBUFFERED: (HeaderName, &str) = (HeaderName::from_static("x-accel-buffering"), "no");
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{House, house, read, text};
+    use crate::core::command::{Command, LuggageRef, Move, Refused, Verdict};
+    use crate::core::units::{Cell, Epoch, LuggageId};
+    use crate::wire::fixture::{idle, searching};
+
+    const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
+
+    async fn page(house: &House) -> String {
+        text(house.get("/").await).await
+    }
+
+    #[tokio::test]
+    async fn the_page_is_complete_without_a_script() {
+        let house = house(searching());
+        let page = page(&house).await;
+        for wanted in [
+            "waits for your verdict",
+            "STOP",
+            "SAFE #3",
+            "DANGER #3",
+            "/api/v1/luggage/3/photo?take=1",
+            "action=\"/console/acknowledge\"",
+            "name=\"epoch\" value=\"1\"",
+            "<svg id=\"hall\"",
+            "78 %",
+            "title=\"luggage #3 waits for its verdict: answer safe or danger first\"",
+        ] {
+            assert!(page.contains(wanted), "{wanted}");
+        }
+    }
+
+    #[tokio::test]
+    async fn nothing_on_the_page_is_inline_or_of_another_origin() {
+        for snapshot in [idle(), searching()] {
+            let house = house(snapshot);
+            for page in [page(&house).await, text(house.get("/console/confirm/reset").await).await] {
+                assert!(!page.contains("style=") && !page.contains("<style") && !page.contains("onclick"));
+                assert!(!page.contains("http://") && !page.contains("https://"), "everything comes from here");
+                for script in page.split("<script").skip(1) {
+                    assert!(script.starts_with(" src=\"/static/"), "{}", &script[..40]);
+                }
+            }
+        }
+    }
+
+    #[tokio::test]
+    async fn a_form_that_was_accepted_leads_back_to_the_page() {
+        let house = house(searching());
+        let cases = [
+            ("/console/start", "epoch=7", Command::Start),
+            ("/console/move", "epoch=7&move=w", Command::Move(Move::Forward)),
+            ("/console/goto", "epoch=7&x=1&y=2", Command::Goto(Cell::new(1, 2))),
+        ];
+        for (path, body, command) in cases {
+            let response = house.form(path, body).await;
+            assert_eq!((response.status().as_u16(), &response.headers()["location"]), (303, &"/".parse().unwrap()), "{path}");
+            assert_eq!((house.last().command, house.last().epoch), (command, Some(Epoch(7))));
+        }
+    }
+
+    #[tokio::test]
+    async fn a_refused_form_shows_the_page_with_the_reason_beside_its_button() {
+        let house = house(searching());
+        house.refuse(Refused::Moving);
+        let response = house.form("/console/reset", "").await;
+        assert_eq!(response.status(), 409);
+        let page = text(response).await;
+        assert!(page.contains("id=\"why-reset\" role=\"alert\">the robot is moving: press STOP first</p>"));
+        assert!(page.contains("id=\"why-start\" role=\"alert\"></p>"));
+    }
+
+    #[tokio::test]
+    async fn a_form_filled_in_wrongly_says_what_is_missing() {
+        let house = house(searching());
+        let response = house.form("/console/goto", "x=&y=2").await;
+        assert_eq!(response.status(), 422);
+        assert!(text(response).await.contains("x is missing: fill it in"));
+        assert!(house.given.lock().unwrap().is_empty());
+    }
+
+    #[tokio::test]
+    async fn danger_asks_once_more_before_anything_is_sent() {
+        let house = house(searching());
+        let asked = house.get("/console/confirm/danger/3?").await;
+        assert_eq!(asked.status(), 200);
+        let page = text(asked).await;
+        assert!(page.contains("Is luggage #3 dangerous?") && page.contains("action=\"/console/danger\""));
+        assert!(page.contains("STOP"), "STOP is on this page too");
+        assert!(house.given.lock().unwrap().is_empty(), "asking changes nothing");
+        assert_eq!(house.get("/console/confirm/danger/9").await.status(), 404);
+        assert_eq!(house.form("/console/danger", "id=3").await.status(), 303);
+        let luggage = LuggageRef::Id(LuggageId(3));
+        assert_eq!(house.last().command, Command::Verdict { luggage, verdict: Verdict::Danger });
+    }
+
+    #[tokio::test]
+    async fn the_script_gets_json_from_the_same_forms() {
+        let house = house(searching());
+        let headers = [FORM, ("accept", "application/json")];
+        let (status, json) = read(house.send("POST", "/console/backHome", &headers, "epoch=1").await).await;
+        assert_eq!((status.as_u16(), &json["accepted"]), (200, &true.into()));
+        house.refuse(Refused::Driving);
+        let (status, json) = read(house.send("POST", "/console/start", &headers, "epoch=1").await).await;
+        assert_eq!((status.as_u16(), &json["code"]), (409, &"driving".into()));
+    }
+
+    #[tokio::test]
+    async fn stop_reads_nothing_of_what_was_sent() {
+        let house = house(searching());
+        let response = house.send("POST", "/console/stop", &[("content-type", "image/png")], "garbage").await;
+        assert_eq!((response.status().as_u16(), house.last().command), (303, Command::Stop));
+    }
+
+    #[tokio::test]
+    async fn the_old_routes_answer_programs_in_json_and_browsers_with_the_page() {
+        let house = house(searching());
+        let (status, json) = read(house.send("POST", "/w", &[], "").await).await;
+        assert_eq!((status.as_u16(), &json["accepted"]), (200, &true.into()));
+        let browser = [FORM, ("accept", "text/html,*/*;q=0.8")];
+        assert_eq!(house.send("POST", "/startappl", &browser, "x=1").await.status(), 303);
+        house.refuse(Refused::NothingPending);
+        let response = house.send("POST", "/safe", &browser, "").await;
+        assert_eq!(response.status(), 409);
+        assert!(text(response).await.contains("no luggage waits for a verdict"));
+        assert_eq!(house.get("/w").await.status(), 405, "nothing changes state on GET");
+    }
+
+    #[tokio::test]
+    async fn a_page_of_another_origin_may_not_press_buttons() {
+        let house = house(searching());
+        let foreign = [FORM, ("origin", "http://elsewhere.example"), ("host", "127.0.0.1:8080")];
+        assert_eq!(house.send("POST", "/console/danger", &foreign, "id=3").await.status(), 403);
+        assert!(house.given.lock().unwrap().is_empty());
+    }
+}

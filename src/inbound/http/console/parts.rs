@@ -176,15 +176,13 @@ impl Inspect<'_> {
     }
 }
 
-impl Actions<'_> {
-    const fn reset(&self) -> &'static str {
-        RESET
-    }
-}
-
 impl Robot<'_> {
     fn sonar(&self) -> String {
         self.v.snapshot.robot.sonar_cm.map_or_else(|| "nothing near".to_owned(), |cm| format!("{cm} cm"))
+    }
+
+    const fn reset(&self) -> &'static str {
+        RESET
     }
 
     const fn strategies(&self) -> [Strategy; Strategy::ALL.len()] {

@@ -73,6 +73,21 @@ impl View<'_> {
         }
     }
 
+    /// Whether the mission would go on, were it not held.
+    pub(super) fn is_halted(&self) -> bool {
+        !self.snapshot.mission.holds.is_empty() && self.mood() != Mood::Calm && self.waiting().is_none()
+    }
+
+    /// Whether the robot stands.
+    pub(super) fn is_still(&self) -> bool {
+        self.snapshot.robot.state == RobotState::Stopped
+    }
+
+    /// Whether anything has been searched yet.
+    pub(super) fn is_begun(&self) -> bool {
+        self.snapshot.mission.phase != PhaseName::Idle || self.snapshot.mission.progress.visited > 1
+    }
+
     /// What holds the robot, in words, each with what to do about it.
     pub(super) fn holds(&self) -> Vec<&'static str> {
         self.snapshot.mission.holds.iter().map(|hold| hold.in_words()).collect()
@@ -171,8 +186,13 @@ impl View<'_> {
 
     /// What the temperature means, in words.
     pub(super) fn temperature_words(&self) -> &'static str {
-        match self.snapshot.temperature.status {
+        let view = &self.snapshot.temperature;
+        match view.status {
             TemperatureStatus::Ok => "ok",
+            TemperatureStatus::TooHigh if self.declared_too_high() => "too high by an operator's word: press OK to take it back",
+            TemperatureStatus::TooHigh if view.celsius.is_some_and(|celsius| celsius <= view.threshold) => {
+                "too high: not every reading has fallen far enough"
+            }
             TemperatureStatus::TooHigh => "too high: nothing moves",
             TemperatureStatus::Stale => "sensor silent: nothing moves",
         }
