@@ -7,6 +7,7 @@
 FROM rust:1-slim-bookworm AS build
 WORKDIR /build
 COPY Cargo.toml Cargo.lock ./
+COPY benches ./benches
 COPY config ./config
 COPY templates ./templates
 COPY static ./static
