@@ -12,6 +12,7 @@ use super::Failure;
 use crate::app::{self, AppError};
 use crate::config::{self, Flag, Sources};
 use crate::core::effect::Entry;
+use crate::core::world::snapshot::Snapshot;
 use crate::headless::{self, Figures, Verdicts};
 use crate::outbound::robot::sim::Camera;
 use crate::telemetry;
@@ -65,7 +66,7 @@ pub fn run(flags: &Explore) -> Result<(), Failure> {
     telemetry::start(&settings.log);
     let (hall, sim) = app::simulation(&settings, Camera::Stub).map_err(AppError::from)?;
     let bar = progress_bar(hall.reachable().len());
-    let watch = |state: &crate::core::world::snapshot::Snapshot| bar.set_position(state.mission.progress.visited as u64);
+    let watch = |state: &Snapshot| bar.set_position(state.mission.progress.visited as u64);
     let figures = headless::explore(&hall, sim, settings.core, settings.strategy, flags.verdicts.into(), watch);
     bar.finish_and_clear();
     if let Some(path) = &flags.log {

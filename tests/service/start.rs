@@ -66,6 +66,15 @@ fn the_health_check_knows_whether_somebody_is_there() {
 }
 
 #[test]
+fn the_mission_table_of_the_documents_is_the_one_in_the_program() {
+    let printed = run(&["table"]);
+    assert!(printed.status.success());
+    let document = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/mission-table.md");
+    let document = std::fs::read_to_string(document).expect("the table is in the documents");
+    assert_eq!(String::from_utf8_lossy(&printed.stdout).trim_end(), document.trim_end());
+}
+
+#[test]
 fn version_and_help_are_there() {
     let version = run(&["--version"]);
     assert_eq!(String::from_utf8_lossy(&version.stdout), format!("hallsweep {}\n", env!("CARGO_PKG_VERSION")));
