@@ -10,6 +10,7 @@ COPY Cargo.toml Cargo.lock ./
 COPY config ./config
 COPY templates ./templates
 COPY static ./static
+COPY benches ./benches
 COPY src ./src
 RUN cargo build --release --locked --bin hallsweep
 
