@@ -10,9 +10,13 @@
 //! `core`; doors (`inbound`, through `wire`) and adapters (`outbound`) know `runtime` and `core`, never one another; only `app`
 //! and the command line know them all. Read `docs/architecture.md` next, then `core::mission::table`.
 
+pub mod app;
+pub mod cli;
+pub mod config;
 pub mod core;
 pub mod headless;
 pub mod inbound;
 pub mod outbound;
 pub mod runtime;
+pub mod telemetry;
 pub mod wire;

@@ -1,3 +1,25 @@
-//! The program: arguments → settings → app → exit code.
+//! The program: arguments → task → exit code. What a task needs of settings, log and app it fetches itself.
 
-fn main() {}
+use std::process::ExitCode;
+
+use clap::Parser;
+use hallsweep::cli::{Cli, Failure, Task, explore, healthcheck, serve, table};
+
+fn main() -> ExitCode {
+    match run(Cli::parse().task()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("hallsweep: {failure}");
+            failure.exit_code()
+        }
+    }
+}
+
+fn run(task: Task) -> Result<(), Failure> {
+    match task {
+        Task::Serve(flags) => serve::run(&flags),
+        Task::Explore(flags) => explore::run(&flags),
+        Task::Healthcheck(flags) => healthcheck::run(flags.http),
+        Task::Table => table::run(),
+    }
+}

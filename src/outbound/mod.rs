@@ -1,3 +1,4 @@
-//! What hallsweep reaches out to: robots today. The doors through which others reach in are not here but in `inbound`.
+//! What hallsweep reaches out to: robots and the store. The doors through which others reach in are not here but in `inbound`.
 
 pub mod robot;
+pub mod store;

@@ -164,3 +164,100 @@ async fn sleep_until(due: Option<tokio::time::Instant>) {
         None => std::future::pending().await,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::core::command::{Command, Door, Issuer, Request};
+    use crate::core::effect::Entry;
+    use crate::core::event::Capabilities;
+    use crate::core::mission::{Hold, PhaseName};
+    use crate::core::settings::Settings;
+    use crate::core::units::{Epoch, Seq};
+    use crate::runtime::link::{RobotSide, link};
+
+    /// Keeps nothing, but says so at once.
+    struct Forgetful(Seq);
+
+    impl Store for Forgetful {
+        fn record(&mut self, seq: Seq, _entry: &Entry) {
+            self.0 = seq;
+        }
+
+        fn kept(&mut self) -> Result<Seq, String> {
+            Ok(self.0)
+        }
+    }
+
+    fn request(command: Command) -> Request {
+        Request { command, epoch: None, issuer: Issuer::operator(Door::Local) }
+    }
+
+    fn house() -> (Handle, Task, RobotSide) {
+        let halter = Halter::new(Epoch(0));
+        let (loop_side, robot_side) = link(halter.watch());
+        let sweep = Sweep::new(Settings::default(), Default::default(), "test".into());
+        let (handle, task) = Task::new(sweep, loop_side, Box::new(Forgetful(Seq(0))), Clock::default(), halter);
+        (handle, task, robot_side)
+    }
+
+    async fn running() -> (Handle, RobotSide, watch::Sender<bool>) {
+        let (handle, task, robot) = house();
+        let (close, closing) = watch::channel(false);
+        tokio::spawn(task.run(closing));
+        let second = Duration::from_secs(1);
+        let can = Capabilities { step: second, turn: second, photo: second, nudges: false };
+        robot.reports.send(RobotEvent::LinkUp(can)).await.unwrap();
+        (handle, robot, close)
+    }
+
+    #[tokio::test]
+    async fn whoever_was_answered_sees_what_was_done() {
+        let (handle, _robot, _close) = running().await;
+        let accepted = handle.give(request(Command::Start)).await.unwrap().unwrap();
+        let state = handle.snapshot();
+        assert!(state.revision >= accepted.revision);
+        assert_eq!(state.mission.phase, PhaseName::Exploring);
+    }
+
+    /// Safety S1: it works while the loop does not come round to its commands.
+    #[tokio::test]
+    async fn a_stop_reaches_the_robot_although_the_loop_hangs_and_its_queue_is_full() {
+        let (handle, _hanging, mut robot) = house();
+        for _ in 0..=COMMANDS {
+            let handle = handle.clone();
+            tokio::spawn(async move { handle.give(request(Command::Start)).await });
+        }
+        tokio::task::yield_now().await;
+        let stopping = handle.clone();
+        tokio::spawn(async move { stopping.give(request(Command::Stop)).await });
+        assert_eq!(robot.halts.raised().await, Epoch(1));
+    }
+
+    /// Safety S6: no step begins after the stop was answered.
+    #[tokio::test]
+    async fn no_order_is_given_after_a_stop_was_answered() {
+        let (handle, mut robot, _close) = running().await;
+        for n in 1..=200 {
+            handle.give(request(Command::Start)).await.unwrap().unwrap();
+            handle.give(request(Command::Stop)).await.unwrap().unwrap();
+            assert_eq!(robot.halts.epoch(), Epoch(n));
+            assert!(handle.snapshot().mission.holds.contains(&Hold::Operator));
+            while let Ok(message) = robot.orders.try_recv() {
+                let ToRobot::Order(order) = message else { continue };
+                assert!(order.epoch < robot.halts.epoch(), "stop {n}: {order:?} was given after it");
+                robot.reports.send(RobotEvent::Halted(order.id, false)).await.unwrap();
+            }
+        }
+    }
+
+    #[tokio::test]
+    async fn a_robot_whose_adapter_ends_is_a_lost_link() {
+        let (handle, robot, _close) = running().await;
+        drop(robot);
+        let mut states = handle.watch();
+        states.wait_for(|state| state.mission.holds.contains(&Hold::RobotLink)).await.unwrap();
+    }
+}

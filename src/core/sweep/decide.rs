@@ -197,7 +197,7 @@ impl Sweep {
         let stands = match cause {
             FaultCause::NoWayHome => {
                 let way = Planner::default().to_cell(&self.world.map, self.world.robot.pose, Cell::HOME, Through::Known);
-                self.mission.blocked.is_empty() && way.is_none()
+                self.mission.blocked.is_empty() && (way.is_none() || self.world.map.at(Cell::HOME).is_obstacle())
             }
             FaultCause::Unanswered | FaultCause::Robot(_) => self.helm.capabilities.is_none(),
         };

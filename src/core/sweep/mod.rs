@@ -17,9 +17,13 @@ mod records;
 mod reports;
 mod view;
 
+#[cfg(test)]
+mod tests;
+
 use std::sync::Arc;
 use std::time::Duration;
 
+use self::decide::Step;
 use self::helm::Helm;
 use self::outbox::{Outbox, Waiting};
 use super::command::{Accepted, Refused, Request};
@@ -72,10 +76,20 @@ impl Sweep {
         self.begin(now);
         let (input, mut matter) = Matter::of(&request.command, &request.issuer, self.pending());
         matter.epoch = request.epoch;
-        let outcome = self.refuse_outdated(input, request.epoch).and_then(|()| self.take(input, &matter));
-        self.write_command(input, &matter, outcome.as_ref().err());
+        let outcome = match self.refuse_outdated(input, request.epoch) {
+            Ok(()) => self.decide(input, &matter),
+            Err(outdated) => Err((outdated, &[][..])),
+        };
+        self.write_command(input, &matter, outcome.as_ref().err().map(|(refused, _)| refused));
+        let answer = match outcome {
+            Ok(step) => Ok(self.carry_out(input, step, &matter)),
+            Err((refused, acts)) => {
+                self.perform_all(acts, &matter);
+                Err(refused)
+            }
+        };
         self.pump();
-        outcome
+        answer
     }
 
     /// A halt was raised outside the queue of commands (safety S1): hold at once; the command with its sender's name follows.
@@ -144,13 +158,9 @@ impl Sweep {
         self.world.turn_page();
     }
 
-    /// Decides and carries out; answers at once, or once what this input put on record is kept. A stop never waits.
-    fn take(&mut self, input: Input, matter: &Matter) -> Result<Ticket, Refused> {
+    /// Carries out an accepted command; answers at once, or once what it put on record is kept. A stop never waits.
+    fn carry_out(&mut self, input: Input, step: Step, matter: &Matter) -> Ticket {
         let barrier = self.outbox.barrier();
-        let step = self.decide(input, matter).map_err(|(refused, acts)| {
-            self.perform_all(acts, matter);
-            refused
-        })?;
         self.apply(step, matter);
         let ticket = self.outbox.next_ticket();
         let recorded = Some(self.outbox.barrier()).filter(|seq| *seq > barrier && input != Input::Stop);
@@ -159,12 +169,11 @@ impl Sweep {
             Some(seq) => self.outbox.wait(Waiting { ticket, seq, luggage: matter.luggage, verdict: matter.verdict }),
             None => self.answer(ticket, matter.luggage),
         }
-        Ok(ticket)
+        ticket
     }
 
     fn answer(&mut self, ticket: Ticket, luggage: Option<LuggageId>) {
-        // The log line of the command is written right after; it belongs to the same revision, which must exist by then.
-        let revision = self.world.touch(super::world::resource::Resource::Log);
+        let revision = self.world.revision();
         self.outbox.send(Effect::Answer(ticket, Ok(Accepted { revision, luggage })));
     }
 

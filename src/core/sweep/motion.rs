@@ -179,10 +179,7 @@ impl Sweep {
         let (map, pose) = (&self.world.map, self.world.robot.pose);
         let way = match goal {
             Goal::Visit(cell) => self.planner.to_cell(map, pose, cell, Through::Unknown),
-            Goal::Home => {
-                let known = self.planner.to_cell(map, pose, Cell::HOME, Through::Known);
-                known.or_else(|| self.planner.to_cell(map, pose, Cell::HOME, Through::Unknown))
-            }
+            Goal::Home => self.way_home(Through::Known).or_else(|| self.way_home(Through::Unknown)),
         };
         self.mission.route = way.unwrap_or_default().into();
         self.world.touch(Resource::Mission);
@@ -214,8 +211,7 @@ impl Sweep {
     /// Home through visited cells only: on the way back nothing unknown is visited.
     fn go_home(&mut self) -> Turn {
         if self.mission.route.is_empty() {
-            let way = self.planner.to_cell(&self.world.map, self.world.robot.pose, Cell::HOME, Through::Known);
-            self.mission.route = way.unwrap_or_default().into();
+            self.mission.route = self.way_home(Through::Known).unwrap_or_default().into();
             self.world.touch(Resource::Mission);
         }
         if !self.follow_route() {
@@ -223,6 +219,12 @@ impl Sweep {
             return Turn::Again;
         }
         Turn::Rest
+    }
+
+    /// The way home; none leads there while something stands in the home cell itself.
+    fn way_home(&mut self, through: Through) -> Option<Vec<Move>> {
+        let free = !self.world.map.at(Cell::HOME).is_obstacle();
+        free.then(|| self.planner.to_cell(&self.world.map, self.world.robot.pose, Cell::HOME, through))?
     }
 
     /// The next move of a drive by hand, or its end.

@@ -85,7 +85,7 @@ pub struct Colour {
 
 impl Colour {
     /// The colours that have a name in hall files.
-    pub const NAMED: [(&'static str, Colour); 12] = [
+    pub const NAMED: [(&'static str, Colour); 13] = [
         ("red", Colour::new(0xb8, 0x22, 0x2a)),
         ("orange", Colour::new(0xd9, 0x74, 0x1c)),
         ("yellow", Colour::new(0xd8, 0xb4, 0x2a)),
@@ -96,6 +96,7 @@ impl Colour {
         ("purple", Colour::new(0x6a, 0x3a, 0x8c)),
         ("pink", Colour::new(0xcc, 0x5c, 0x8c)),
         ("brown", Colour::new(0x7a, 0x4e, 0x2c)),
+        ("tan", Colour::new(0xb0, 0x82, 0x4a)),
         ("grey", Colour::new(0x78, 0x7c, 0x82)),
         ("black", Colour::new(0x26, 0x27, 0x2b)),
     ];

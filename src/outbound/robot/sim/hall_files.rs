@@ -117,6 +117,15 @@ mod tests {
         assert!(error.ends_with("built-in halls airport, empty-8x8, seed-9x8, seed"), "{error}");
     }
 
+    #[test]
+    fn the_example_in_the_documentation_is_a_sound_hall() {
+        let page = include_str!("../../../../docs/halls.md");
+        let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+        let hall = Hall::parse("docs/halls.md", example).unwrap();
+        assert_eq!((hall.name(), hall.pieces().len()), ("arrivals", 2));
+        assert!(crate::outbound::robot::sim::Colour::NAMED.iter().all(|(name, _)| page.contains(name)), "every colour is told");
+    }
+
     proptest! {
         #[test]
         fn no_text_makes_the_reader_panic(text in "\\PC{0,200}") {

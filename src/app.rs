@@ -1,0 +1,172 @@
+//! The only file that names every adapter: opens the hall, binds the port, joins core, robot, store and door, and ends them
+//! in order. What each of them does is not here.
+//!
+//! ```text
+//!   signal ─► halt ─► the door drains its requests ─► the loop ends ─► the robot's task ends with its channel
+//! ```
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::net::TcpListener;
+use tokio::sync::watch;
+use tokio::task::JoinHandle;
+
+use crate::config::{self, Settings};
+use crate::core::sweep::Sweep;
+use crate::core::units::Epoch;
+use crate::inbound::http::{self, Door};
+use crate::outbound::robot::sim::{self, Camera, Hall, HallError, Sim, SimSettings};
+use crate::outbound::store::memory::Memory;
+use crate::runtime::clock::Clock;
+use crate::runtime::halt::Halter;
+use crate::runtime::handle::Handle;
+use crate::runtime::link::link;
+use crate::runtime::task::Task;
+
+mod signals;
+
+/// What is still busy this long after everything has ended (a photo being drawn) is left behind.
+const LEFT_BEHIND: Duration = Duration::from_millis(200);
+
+/// Why the program cannot begin, or not go on. `Display` is the line for whoever started it.
+#[derive(Debug, thiserror::Error)]
+pub enum AppError {
+    /// The hall cannot be read.
+    #[error("{0}")]
+    Hall(#[from] HallError),
+    /// The port cannot be had.
+    #[error("cannot listen on {address}: {error}; {}", what_to_do(.error))]
+    Bind {
+        /// Where it was to listen.
+        address: SocketAddr,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// The system gives no threads, timers or signals.
+    #[error("the system does not let the program start: {0}")]
+    System(std::io::Error),
+    /// The loop that joins everything is gone: a mistake in the program.
+    #[error("hallsweep ended by a mistake of its own: start it again and look at the log above")]
+    LoopEnded,
+}
+
+/// Serves until SIGINT or SIGTERM. `announce` is told where, with the real port, as soon as requests are answered.
+///
+/// # Errors
+/// A hall that cannot be read, a port that cannot be had, a system that refuses, or a loop that ended by itself.
+pub fn serve(settings: &Settings, announce: impl FnOnce(SocketAddr)) -> Result<(), AppError> {
+    let simulation = simulation(settings, Camera::Rendered)?;
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(AppError::System)?;
+    let served = runtime.block_on(serve_hall(settings, simulation, announce));
+    runtime.shutdown_timeout(LEFT_BEHIND);
+    served
+}
+
+/// The hall of the settings and the robot that lives in it.
+///
+/// # Errors
+/// The file and line of what is wrong with the hall.
+pub fn simulation(settings: &Settings, camera: Camera) -> Result<(Arc<Hall>, SimSettings), HallError> {
+    let hall = Hall::named_or_file(&settings.hall)?;
+    let robot = &settings.robot;
+    let sim = SimSettings {
+        unknown_rate: robot.unknown_rate,
+        photo_failure_rate: robot.photo_failure_rate,
+        sonar_noise_cm: robot.sonar_noise_cm,
+        ..SimSettings::new(robot.seed, camera)
+    };
+    Ok((Arc::new(hall), sim))
+}
+
+async fn serve_hall(
+    settings: &Settings,
+    (hall, sim): (Arc<Hall>, SimSettings),
+    announce: impl FnOnce(SocketAddr),
+) -> Result<(), AppError> {
+    let bind = |error| AppError::Bind { address: settings.http, error };
+    let listener = TcpListener::bind(settings.http).await.map_err(bind)?;
+    let address = listener.local_addr().map_err(bind)?;
+    let signalled = signals::listen().map_err(AppError::System)?;
+
+    let halter = Halter::new(Epoch::default());
+    let memory = Memory::new();
+    let (closing, closed) = watch::channel(false);
+    let (handle, mut task) = start(settings, (Arc::clone(&hall), sim), &memory, &halter, closed);
+    let door = Door::new(handle, Arc::new(memory), hall.name());
+    announce(address);
+    tracing::info!(%address, hall = hall.name(), "serving");
+
+    let mut ended = None;
+    let shutdown = async {
+        tokio::select! {
+            signal = signalled => tracing::info!(signal, "ending"),
+            end = &mut task => ended = Some(end),
+        }
+        halter.halt();
+    };
+    http::serve(listener, door, shutdown).await;
+    let by_itself = ended.is_some();
+    closing.send_replace(true);
+    let end = match ended {
+        Some(end) => end,
+        None => task.await,
+    };
+    if by_itself || end.is_err() { Err(AppError::LoopEnded) } else { Ok(()) }
+}
+
+/// Starts the robot and the loop.
+fn start(
+    settings: &Settings,
+    (hall, sim): (Arc<Hall>, SimSettings),
+    memory: &Memory,
+    halter: &Halter,
+    closed: watch::Receiver<bool>,
+) -> (Handle, JoinHandle<()>) {
+    let clock = Clock::default();
+    let sweep = Sweep::new(settings.core, settings.strategy, run_id(&clock));
+    let (link, side) = link(halter.watch());
+    tokio::spawn(sim::run(Sim::new(hall, sim), side, clock, speed(settings.robot.speed)));
+    let (handle, task) = Task::new(sweep, link, Box::new(memory.clone()), clock, halter.clone());
+    (handle, tokio::spawn(task.run(closed)))
+}
+
+/// Tells this run's revisions from those of any other: the millisecond in which it began.
+fn run_id(clock: &Clock) -> Arc<str> {
+    format!("{:x}", clock.now().wall.unix_ms).into()
+}
+
+const fn speed(speed: config::Speed) -> sim::Speed {
+    match speed {
+        config::Speed::Times(factor) => sim::Speed::Times(factor),
+        config::Speed::Max => sim::Speed::Max,
+    }
+}
+
+fn what_to_do(error: &std::io::Error) -> &'static str {
+    if error.kind() == std::io::ErrorKind::AddrInUse {
+        "another program has this port: end it, or choose another with --http, as --http 127.0.0.1:0 for a free one"
+    } else if error.kind() == std::io::ErrorKind::PermissionDenied {
+        "ports below 1024 are for privileged programs: choose a higher one with --http"
+    } else {
+        "choose an address of this machine with --http, as 127.0.0.1:8080"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_speed_that_can_be_set_is_one_the_simulator_knows() {
+        assert_eq!((config::Speed::SLOWEST, config::Speed::FASTEST), (sim::Speed::SLOWEST, sim::Speed::FASTEST));
+    }
+
+    #[test]
+    fn a_port_that_is_taken_is_said_with_what_to_do() {
+        let address = "127.0.0.1:8080".parse().expect("an address");
+        let said = AppError::Bind { address, error: std::io::ErrorKind::AddrInUse.into() }.to_string();
+        assert!(said.contains("127.0.0.1:8080") && said.contains("--http 127.0.0.1:0"), "{said}");
+    }
+}

@@ -1,0 +1,148 @@
+//! The command line: what can be typed after `hallsweep`, and the settings that follow from it.
+//! What the commands do stands in `crate::app` and in the files beside this one; only the command line writes to standard output.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::config::{Flag, Sources, sources};
+
+pub mod explore;
+mod failure;
+pub mod healthcheck;
+pub mod serve;
+pub mod table;
+
+pub use failure::Failure;
+
+/// Search an evacuated hall for dangerous luggage: a robot drives, an operator decides.
+#[derive(Debug, Parser)]
+#[command(name = "hallsweep", version, args_conflicts_with_subcommands = true)]
+#[command(after_help = "Without a command it serves: open the address it prints.\n\
+    Every setting, with its default, stands in config/default.toml; docs/settings.md says how to change it.")]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Option<Task>,
+    #[command(flatten)]
+    serve: Serve,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Task {
+    /// Run the robot, the console and the API until SIGINT or SIGTERM (the default).
+    Serve(Serve),
+    /// Run one mission without doors at full speed, and print the map and what it came to.
+    Explore(explore::Explore),
+    /// Ask a running hallsweep whether it is well: exit code 0 if so, 1 if not.
+    Healthcheck(Healthcheck),
+    /// Print the table of the mission, phase by phase, as markdown.
+    Table,
+}
+
+/// The flags of `serve`; each wins over the environment and the settings file.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Serve {
+    /// The hall: the name of a built-in one, a hall file (.toml) or a MovingAI grid (.map).
+    #[arg(long, value_name = "HALL")]
+    hall: Option<String>,
+    /// Where the console and the API listen; port 0 takes a free one.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    http: Option<String>,
+    /// How fast the simulated robot lives: 1 = as a person would watch it, "max" = without waiting.
+    #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
+    speed: Option<String>,
+    /// Where all chance in the simulation comes from.
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
+    seed: Option<String>,
+    /// The order of the search: snail.
+    #[arg(long, value_name = "NAME")]
+    strategy: Option<String>,
+    /// A settings file, laid over the defaults.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Listen beyond loopback although there is no access control yet: whoever reaches the port can command the robot.
+    #[arg(long)]
+    insecure: bool,
+}
+
+/// The flags of `healthcheck`.
+#[derive(Args, Clone, Debug)]
+pub struct Healthcheck {
+    /// Where the program to be asked listens.
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8080")]
+    pub http: std::net::SocketAddr,
+}
+
+impl Cli {
+    /// What was asked for: to serve, when nothing was said.
+    #[must_use]
+    pub fn task(self) -> Task {
+        self.command.unwrap_or(Task::Serve(self.serve))
+    }
+}
+
+impl Serve {
+    /// Where the settings of this start are to be read.
+    #[must_use]
+    pub fn sources(&self) -> Sources {
+        sources(self.config.clone(), self.flags())
+    }
+
+    fn flags(&self) -> Vec<Flag> {
+        let insecure = self.insecure.then(|| "true".to_owned());
+        let given = [
+            ("--hall", "hall.file", &self.hall),
+            ("--http", "http.bind", &self.http),
+            ("--speed", "robot.speed", &self.speed),
+            ("--seed", "robot.seed", &self.seed),
+            ("--strategy", "mission.strategy", &self.strategy),
+            ("--insecure", "http.insecure", &insecure),
+        ];
+        let flags = given.into_iter().filter_map(|(flag, key, value)| Some(Flag { flag, key, value: value.clone()? }));
+        flags.collect()
+    }
+}
+
+/// Prints a text and a line break: the one place that writes to standard output.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    let printed = writeln!(out, "{text}").and_then(|()| out.flush());
+    printed.map_err(|error| Failure::Run(format!("standard output cannot be written: {error}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    fn flags(arguments: &str) -> Vec<(&'static str, String)> {
+        let cli = Cli::try_parse_from(arguments.split_whitespace()).expect("these arguments are good");
+        match cli.task() {
+            Task::Serve(serve) => serve.flags().into_iter().map(|flag| (flag.key, flag.value)).collect(),
+            other @ (Task::Explore(_) | Task::Healthcheck(_) | Task::Table) => panic!("{other:?} is not serve"),
+        }
+    }
+
+    #[test]
+    fn the_definition_holds_together() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn nothing_said_means_serve() {
+        assert_eq!(flags("hallsweep"), []);
+        assert_eq!(flags("hallsweep --speed max"), flags("hallsweep serve --speed max"));
+    }
+
+    #[test]
+    fn every_flag_is_a_setting() {
+        let given = flags("hallsweep --hall h --http a --speed -1 --seed -2 --strategy s --insecure");
+        assert_eq!(given.len(), 6);
+        for (key, _) in given {
+            assert!(crate::config::Key::named(key).is_some(), "{key} is no setting");
+        }
+    }
+}

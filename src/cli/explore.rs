@@ -1,0 +1,118 @@
+//! `hallsweep explore`: one mission without doors, at full speed, and what it came to.
+//! The mission itself runs in `crate::headless`; here its progress is shown and its result printed.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::Failure;
+use crate::app::{self, AppError};
+use crate::config::{self, Flag, Sources};
+use crate::core::effect::Entry;
+use crate::headless::{self, Figures, Verdicts};
+use crate::outbound::robot::sim::Camera;
+use crate::telemetry;
+use crate::wire::map_text;
+
+mod figures;
+mod journal;
+
+/// The flags of `explore`; each wins over the environment and the settings file.
+#[derive(Args, Clone, Debug)]
+pub struct Explore {
+    /// The hall: the name of a built-in one, a hall file (.toml) or a MovingAI grid (.map).
+    #[arg(long, value_name = "HALL")]
+    hall: Option<String>,
+    /// The order of the search: snail.
+    #[arg(long, value_name = "NAME")]
+    strategy: Option<String>,
+    /// Where all chance comes from: the same number gives the same run.
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
+    seed: Option<String>,
+    /// A settings file, laid over the defaults.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Who answers at the luggage.
+    #[arg(long, value_enum, default_value_t)]
+    verdicts: Answers,
+    /// Print one JSON object instead of the map and the figures.
+    #[arg(long)]
+    json: bool,
+    /// Write everything that was put on record to this file, a line each.
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
+}
+
+/// How the luggage is answered for.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Answers {
+    /// Danger for what the hall file says is dangerous, safe for the rest.
+    #[default]
+    Hall,
+    /// Safe for every piece.
+    AllSafe,
+}
+
+/// Runs the mission and prints what it came to.
+///
+/// # Errors
+/// Wrong settings, a bad hall file, a log that cannot be written, or a mission that could not end.
+pub fn run(flags: &Explore) -> Result<(), Failure> {
+    let settings = config::load(&flags.sources())?;
+    telemetry::start(&settings.log);
+    let (hall, sim) = app::simulation(&settings, Camera::Stub).map_err(AppError::from)?;
+    let bar = progress_bar(hall.reachable().len());
+    let watch = |state: &crate::core::world::snapshot::Snapshot| bar.set_position(state.mission.progress.visited as u64);
+    let figures = headless::explore(&hall, sim, settings.core, settings.strategy, flags.verdicts.into(), watch);
+    bar.finish_and_clear();
+    if let Some(path) = &flags.log {
+        write_log(path, &figures.journal)
+            .map_err(|error| Failure::Run(format!("the log {} cannot be written: {error}", path.display())))?;
+    }
+    let text = if flags.json { figures::json(&figures) } else { for_people(&figures) };
+    super::print(&text)?;
+    figures.stuck.map_or(Ok(()), |why| Err(Failure::Run(format!("the mission could not end: {why}"))))
+}
+
+impl Explore {
+    fn sources(&self) -> Sources {
+        let given = [
+            ("--hall", "hall.file", &self.hall),
+            ("--seed", "robot.seed", &self.seed),
+            ("--strategy", "mission.strategy", &self.strategy),
+        ];
+        let flags = given.into_iter().filter_map(|(flag, key, value)| Some(Flag { flag, key, value: value.clone()? }));
+        config::sources(self.config.clone(), flags.collect())
+    }
+}
+
+impl From<Answers> for Verdicts {
+    fn from(answers: Answers) -> Verdicts {
+        match answers {
+            Answers::Hall => Verdicts::Hall,
+            Answers::AllSafe => Verdicts::AllSafe,
+        }
+    }
+}
+
+/// A bar on standard error, shown only where that is a terminal.
+fn progress_bar(cells: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("exploring {wide_bar} {pos} of {len} cells");
+    let bar = ProgressBar::new(cells as u64);
+    bar.with_style(style.expect("the template is a constant and names only fields that there are"))
+}
+
+fn for_people(figures: &Figures) -> String {
+    format!("{}\n{}", map_text::lines(&figures.state), figures::table(figures))
+}
+
+fn write_log(path: &Path, journal: &[Entry]) -> std::io::Result<()> {
+    let mut file = BufWriter::new(File::create(path)?);
+    for entry in journal {
+        writeln!(file, "{}", journal::line(entry))?;
+    }
+    file.flush()
+}

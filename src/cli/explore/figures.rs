@@ -1,0 +1,106 @@
+//! What a mission came to, as JSON for programs and as a table for people.
+
+use serde::Serialize;
+
+use crate::core::world::luggage::Luggage;
+use crate::headless::Figures;
+use crate::wire::robot::Place;
+use crate::wire::time::rfc3339;
+
+/// The figures by the names under which programs read them.
+#[derive(Serialize)]
+struct FiguresJson<'a> {
+    hall: &'a str,
+    strategy: &'static str,
+    seed: u64,
+    /// Reachable cells, home included.
+    cells: usize,
+    steps: u64,
+    turns: u64,
+    bumps: u64,
+    moves_per_cell: f64,
+    /// Whether every reachable cell was visited and every reachable piece inspected.
+    complete: bool,
+    home: bool,
+    luggage: Vec<PieceJson>,
+    /// After how many moves a dangerous piece was met; null when none was.
+    bomb_found_at_moves: Option<u64>,
+}
+
+/// A piece of luggage without its photo, which a run without doors does not render.
+#[derive(Serialize)]
+struct PieceJson {
+    id: u64,
+    verdict: &'static str,
+    cell: Place,
+    position: Place,
+    heading: &'static str,
+    taken: String,
+}
+
+/// One JSON object on one line.
+pub(super) fn json(figures: &Figures) -> String {
+    let shape = FiguresJson::from(figures);
+    serde_json::to_string(&shape).expect("figures are numbers and strings, which JSON can hold")
+}
+
+/// A line for each figure.
+pub(super) fn table(figures: &Figures) -> String {
+    let Figures { hall, strategy, seed, cells, moves, complete, home, luggage, bomb_found_at, .. } = figures;
+    let yes = |is_so: &bool| if *is_so { "yes" } else { "no" };
+    let dangerous: Vec<String> =
+        luggage.iter().filter(|piece| piece.is_dangerous()).map(|piece| format!("#{} at {}", piece.id, piece.cell)).collect();
+    let rows = [
+        ("hall", hall.clone()),
+        ("strategy", strategy.name().to_owned()),
+        ("seed", seed.to_string()),
+        ("cells", cells.to_string()),
+        ("steps", moves.steps.to_string()),
+        ("turns", moves.turns.to_string()),
+        ("bumps", moves.bumps.to_string()),
+        ("moves per cell", format!("{:.2}", moves_per_cell(figures))),
+        ("luggage", luggage.len().to_string()),
+        ("dangerous", if dangerous.is_empty() { "none".to_owned() } else { dangerous.join(", ") }),
+        ("found after", bomb_found_at.map_or_else(|| "-".to_owned(), |moves| format!("{moves} moves"))),
+        ("complete", yes(complete).to_owned()),
+        ("home", yes(home).to_owned()),
+    ];
+    rows.map(|(name, value)| format!("{name:<16}{value}")).join("\n")
+}
+
+#[expect(clippy::cast_precision_loss, reason = "no mission makes 2^53 moves")]
+fn moves_per_cell(figures: &Figures) -> f64 {
+    figures.moves.total() as f64 / figures.cells.max(1) as f64
+}
+
+impl<'a> From<&'a Figures> for FiguresJson<'a> {
+    fn from(figures: &'a Figures) -> FiguresJson<'a> {
+        FiguresJson {
+            hall: &figures.hall,
+            strategy: figures.strategy.name(),
+            seed: figures.seed,
+            cells: figures.cells,
+            steps: figures.moves.steps,
+            turns: figures.moves.turns,
+            bumps: figures.moves.bumps,
+            moves_per_cell: moves_per_cell(figures),
+            complete: figures.complete,
+            home: figures.home,
+            luggage: figures.luggage.iter().map(|piece| PieceJson::from(&**piece)).collect(),
+            bomb_found_at_moves: figures.bomb_found_at,
+        }
+    }
+}
+
+impl From<&Luggage> for PieceJson {
+    fn from(piece: &Luggage) -> PieceJson {
+        PieceJson {
+            id: piece.id.0,
+            verdict: piece.verdict_name(),
+            cell: piece.cell.into(),
+            position: piece.pose.cell.into(),
+            heading: piece.pose.heading.name(),
+            taken: rfc3339(piece.taken),
+        }
+    }
+}

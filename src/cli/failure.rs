@@ -1,0 +1,31 @@
+//! How the program ends when it does not end well, and with which exit code.
+
+use std::process::ExitCode;
+
+use crate::app::AppError;
+use crate::config::SettingsError;
+
+/// Why the program ends. `Display` is the line for whoever started it.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// It was started with settings that cannot be used: exit code 2, as for a mistyped flag.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// It could not begin, or not go on: exit code 2 when the hall is to blame, else 1.
+    #[error(transparent)]
+    App(#[from] AppError),
+    /// It could not do what it was asked: exit code 1.
+    #[error("{0}")]
+    Run(String),
+}
+
+impl Failure {
+    /// 2 for a wrong start, 1 for a failed run.
+    #[must_use]
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Failure::Settings(_) | Failure::App(AppError::Hall(_)) => ExitCode::from(2),
+            Failure::App(_) | Failure::Run(_) => ExitCode::from(1),
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! The settings of the program, complete and checked before anything starts: defaults ← file ← environment ← flags.
+//! What a setting does is decided where it is used; here it is only read, and refused when it is wrong.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use crate::core::explore::Strategy;
+use crate::core::settings::Settings as CoreSettings;
+
+mod check;
+mod error;
+mod key;
+mod layers;
+mod raw;
+
+pub use error::SettingsError;
+pub use key::{KEYS, Key};
+pub use layers::{DEFAULTS, Flag, Sources};
+
+/// Everything that can be set, with every value known to be usable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The name of a built-in hall, or the path of a hall file.
+    pub hall: String,
+    /// Where the console and the API listen: loopback, unless the operator of the machine insisted on another address.
+    pub http: SocketAddr,
+    /// The simulated robot.
+    pub robot: RobotSettings,
+    /// The order of the search.
+    pub strategy: Strategy,
+    /// What the core wants to know.
+    pub core: CoreSettings,
+    /// Which log lines are written, in the notation of `tracing_subscriber::EnvFilter`.
+    pub log: String,
+}
+
+/// How the simulated robot behaves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RobotSettings {
+    /// How fast it lives.
+    pub speed: Speed,
+    /// Where all its chance comes from.
+    pub seed: u64,
+    /// How often the camera cannot tell what an obstacle is, `0.0..=1.0`.
+    pub unknown_rate: f64,
+    /// How often a photo fails, `0.0..=1.0`.
+    pub photo_failure_rate: f64,
+    /// The standard deviation of the front sonar, in centimetres.
+    pub sonar_noise_cm: f64,
+}
+
+/// How fast simulated time passes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Speed {
+    /// So many times as fast as the wall clock, within `SLOWEST..=FASTEST`.
+    Times(f64),
+    /// Without any waiting.
+    Max,
+}
+
+impl Speed {
+    /// Slower than this a person would think that the robot hangs.
+    pub const SLOWEST: f64 = 0.1;
+    /// Faster than this a factor means nothing: timers are good to about a millisecond. `max` is for those in a hurry.
+    pub const FASTEST: f64 = 1000.0;
+}
+
+/// Reads and checks all settings.
+///
+/// # Errors
+/// The first setting that is unknown or wrong, with its value, where it came from and what to do about it.
+pub fn load(sources: &Sources) -> Result<Settings, SettingsError> {
+    let layers = layers::Layers::gather(sources)?;
+    check::checked(&layers)
+}
+
+/// Where settings come from in a real start: an optional file, the environment of this process, and flags.
+#[must_use]
+pub fn sources(file: Option<PathBuf>, flags: Vec<Flag>) -> Sources {
+    let environment = std::env::vars_os().filter_map(|(name, value)| {
+        let name = name.into_string().ok()?;
+        name.starts_with(layers::PREFIX).then(|| (name, value.to_string_lossy().into_owned()))
+    });
+    Sources { file, environment: environment.collect(), flags }
+}

@@ -1,0 +1,106 @@
+//! Turns written settings into usable ones, or says which is wrong. Whether a hall file can be opened shows when it is opened.
+
+use std::net::SocketAddr;
+use std::ops::RangeInclusive;
+
+use tracing_subscriber::EnvFilter;
+
+use super::error::SettingsError;
+use super::layers::Layers;
+use super::raw::{self, Raw};
+use super::{RobotSettings, Settings, Speed};
+use crate::core::explore::Strategy;
+use crate::core::settings::Settings as CoreSettings;
+use crate::core::units::Celsius;
+
+/// Rates are probabilities.
+const RATE: RangeInclusive<f64> = 0.0..=1.0;
+
+/// A sonar that errs by more than a metre is no sonar.
+const SONAR_NOISE_CM: RangeInclusive<f64> = 0.0..=100.0;
+
+/// A wider gap than this would keep a hall hot that is as cold as winter.
+const HYSTERESIS: RangeInclusive<f64> = 0.0..=50.0;
+
+/// Checks every setting.
+pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
+    let raw: Raw = layers.figment().extract().map_err(|error| wrong_type(layers, &error))?;
+    Ok(Settings {
+        hall: hall(layers, &raw.hall)?,
+        http: http(layers, &raw.http)?,
+        robot: robot(layers, &raw.robot)?,
+        strategy: strategy(layers, &raw.mission)?,
+        core: core(layers, &raw)?,
+        log: log(layers, &raw.log)?,
+    })
+}
+
+/// The words of a value of the wrong type.
+fn wrong_type(layers: &Layers, error: &figment::Error) -> SettingsError {
+    layers.wrong(&error.path.join("."), error.kind.to_string())
+}
+
+fn hall(layers: &Layers, raw: &raw::Hall) -> Result<String, SettingsError> {
+    if raw.file.trim().is_empty() {
+        return Err(layers.wrong("hall.file", "it names no hall"));
+    }
+    Ok(raw.file.clone())
+}
+
+fn http(layers: &Layers, raw: &raw::Http) -> Result<SocketAddr, SettingsError> {
+    let address: SocketAddr = raw.bind.parse().map_err(|_| layers.wrong("http.bind", "it is not an address with a port"))?;
+    if !address.ip().is_loopback() && !raw.insecure {
+        let problem =
+            "other machines could reach it and command the robot, and until access control is there nobody is asked who they are";
+        let advice = "bind to 127.0.0.1, or accept that with --insecure (http.insecure = true)";
+        return Err(layers.wrong_with_advice("http.bind", problem, advice));
+    }
+    Ok(address)
+}
+
+fn robot(layers: &Layers, raw: &raw::Robot) -> Result<RobotSettings, SettingsError> {
+    Ok(RobotSettings {
+        speed: speed(layers, &raw.speed)?,
+        seed: raw.seed,
+        unknown_rate: within(layers, "robot.unknown_rate", raw.unknown_rate, &RATE)?,
+        photo_failure_rate: within(layers, "robot.photo_failure_rate", raw.photo_failure_rate, &RATE)?,
+        sonar_noise_cm: within(layers, "robot.sonar_noise_cm", raw.sonar_noise_cm, &SONAR_NOISE_CM)?,
+    })
+}
+
+fn speed(layers: &Layers, raw: &raw::Speed) -> Result<Speed, SettingsError> {
+    match raw {
+        raw::Speed::Factor(factor) => {
+            within(layers, "robot.speed", *factor, &(Speed::SLOWEST..=Speed::FASTEST)).map(Speed::Times)
+        }
+        raw::Speed::Word(word) if word == "max" => Ok(Speed::Max),
+        raw::Speed::Word(_) => Err(layers.wrong("robot.speed", "this word is no speed")),
+    }
+}
+
+fn strategy(layers: &Layers, raw: &raw::Mission) -> Result<Strategy, SettingsError> {
+    Strategy::named(&raw.strategy).ok_or_else(|| layers.wrong("mission.strategy", "there is no such strategy"))
+}
+
+fn core(layers: &Layers, raw: &Raw) -> Result<CoreSettings, SettingsError> {
+    let threshold = Celsius::new(raw.temperature.threshold_celsius)
+        .ok_or_else(|| layers.wrong("temperature.threshold_celsius", "no hall has this temperature"))?;
+    let hysteresis = within(layers, "temperature.hysteresis_celsius", raw.temperature.hysteresis_celsius, &HYSTERESIS)?;
+    let (inspect_everything, wall_lines) = (raw.mission.inspect_everything, raw.mission.wall_lines);
+    Ok(CoreSettings { threshold, hysteresis, inspect_everything, wall_lines })
+}
+
+fn log(layers: &Layers, raw: &raw::Log) -> Result<String, SettingsError> {
+    match EnvFilter::builder().parse(&raw.filter) {
+        Ok(_) => Ok(raw.filter.clone()),
+        Err(error) => Err(layers.wrong("log.filter", error.to_string())),
+    }
+}
+
+fn within(layers: &Layers, key: &str, value: f64, range: &RangeInclusive<f64>) -> Result<f64, SettingsError> {
+    if range.contains(&value) { Ok(value) } else { Err(layers.wrong(key, "it is out of range")) }
+}
+
+#[cfg(test)]
+#[path = "check_tests.rs"]
+mod tests;

@@ -1,0 +1,159 @@
+//! What the layers make of good and bad settings. Kept apart from `check` because there are many.
+
+use std::path::PathBuf;
+
+use super::*;
+use crate::config::{Flag, KEYS, Sources, load};
+
+fn environment(name: &str, value: &str) -> Sources {
+    Sources { environment: vec![(name.to_owned(), value.to_owned())], ..Sources::default() }
+}
+
+fn flag(flag: &'static str, key: &'static str, value: &str) -> Sources {
+    Sources { flags: vec![Flag { flag, key, value: value.to_owned() }], ..Sources::default() }
+}
+
+fn message(sources: &Sources) -> String {
+    load(sources).expect_err("this setting is wrong").to_string()
+}
+
+/// A settings file that is gone when the test ends.
+struct File(PathBuf);
+
+impl File {
+    fn new(name: &str, text: &str) -> File {
+        let path = std::env::temp_dir().join(format!("hallsweep-{}-{name}.toml", std::process::id()));
+        std::fs::write(&path, text).expect("the temporary directory can be written");
+        File(path)
+    }
+
+    fn sources(&self) -> Sources {
+        Sources { file: Some(self.0.clone()), ..Sources::default() }
+    }
+}
+
+impl Drop for File {
+    fn drop(&mut self) {
+        // Left behind it harms nobody.
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
+
+#[test]
+fn the_defaults_are_complete_and_are_what_the_core_would_choose() {
+    let settings = load(&Sources::default()).expect("the defaults are good");
+    assert_eq!(settings.core, CoreSettings::default());
+    assert_eq!(settings.strategy, Strategy::default());
+    assert_eq!(settings.http, "127.0.0.1:8080".parse().expect("an address"));
+    assert_eq!(settings.robot.speed, Speed::Times(1.0));
+}
+
+#[test]
+fn the_list_of_settings_and_the_default_file_name_the_same_keys_in_the_same_order() {
+    let mut section = String::new();
+    let mut names = Vec::new();
+    for line in crate::config::DEFAULTS.lines().filter(|line| !line.starts_with('#')) {
+        if let Some(name) = line.strip_prefix('[') {
+            name.trim_end_matches(']').clone_into(&mut section);
+        } else if let Some((key, _)) = line.split_once(" = ") {
+            names.push(format!("{section}.{key}"));
+        }
+    }
+    assert_eq!(names, KEYS.map(|key| key.name.to_owned()));
+}
+
+#[test]
+fn every_default_has_a_comment_above_it() {
+    let lines: Vec<&str> = crate::config::DEFAULTS.lines().collect();
+    for pair in lines.windows(2).filter(|pair| pair[1].contains(" = ") && !pair[1].starts_with('#')) {
+        assert!(pair[0].starts_with('#'), "`{}` has no comment", pair[1]);
+    }
+}
+
+#[test]
+fn a_flag_wins_over_the_environment_and_that_over_a_file() {
+    let file = File::new("order", "[robot]\nseed = 2\nspeed = 3\n[mission]\nwall_lines = false\n");
+    let mut sources = file.sources();
+    sources.environment = vec![("HALLSWEEP__ROBOT__SEED".into(), "4".into()), ("HALLSWEEP__ROBOT__SPEED".into(), "max".into())];
+    sources.flags = vec![Flag { flag: "--seed", key: "robot.seed", value: "5".into() }];
+    let settings = load(&sources).expect("all of these are good");
+    assert_eq!((settings.robot.seed, settings.robot.speed), (5, Speed::Max));
+    assert!(!settings.core.wall_lines, "what only the file says stands");
+}
+
+#[test]
+fn other_environment_variables_are_none_of_our_business() {
+    assert!(load(&environment("HALLSWEEP_REQUIRE_CLIENTS", "1")).is_ok());
+    assert!(load(&environment("PATH", "/bin")).is_ok());
+}
+
+#[test]
+fn a_mistyped_key_is_refused_with_the_names_there_are() {
+    let said = message(&environment("HALLSWEEP__HTTP__BNID", "127.0.0.1:1"));
+    assert_eq!(
+        said,
+        "there is no setting `http.bnid` (from environment variable HALLSWEEP__HTTP__BNID): \
+         in [http] there are http.bind, http.insecure"
+    );
+    let file = File::new("mistyped", "[robott]\nseed = 2\n");
+    assert!(message(&file.sources()).starts_with("there is no setting `robott` (from file "));
+}
+
+#[test]
+fn a_wrong_value_is_named_with_its_origin_and_what_to_do() {
+    let said = message(&flag("--http", "http.bind", "8080"));
+    assert_eq!(
+        said,
+        "setting http.bind = \"8080\" (from flag --http): it is not an address with a port; \
+         write ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080"
+    );
+}
+
+#[test]
+fn every_kind_of_wrong_value_is_refused() {
+    let wrong = [
+        ("HALL__FILE", " "),
+        ("HTTP__BIND", "localhost"),
+        ("HTTP__INSECURE", "perhaps"),
+        ("ROBOT__SPEED", "0"),
+        ("ROBOT__SPEED", "-1"),
+        ("ROBOT__SPEED", "fast"),
+        ("ROBOT__SPEED", "[1]"),
+        ("ROBOT__SEED", "-1"),
+        ("ROBOT__SEED", "1.5"),
+        ("ROBOT__UNKNOWN_RATE", "1.1"),
+        ("ROBOT__PHOTO_FAILURE_RATE", "-0.1"),
+        ("ROBOT__PHOTO_FAILURE_RATE", "often"),
+        ("ROBOT__SONAR_NOISE_CM", "1000"),
+        ("MISSION__STRATEGY", "zigzag"),
+        ("MISSION__WALL_LINES", "7"),
+        ("TEMPERATURE__THRESHOLD_CELSIUS", "-300"),
+        ("TEMPERATURE__HYSTERESIS_CELSIUS", "-1"),
+        ("LOG__FILTER", "hallsweep=loud"),
+    ];
+    for (name, value) in wrong {
+        let variable = format!("HALLSWEEP__{name}");
+        let said = message(&environment(&variable, value));
+        let key = name.to_lowercase().replace("__", ".");
+        assert!(said.starts_with(&format!("setting {key} = ")), "{said}");
+        assert!(said.contains(&format!("(from environment variable {variable})")), "{said}");
+        assert!(said.ends_with(crate::config::Key::named(&key).expect("a setting").advice), "{said}");
+    }
+}
+
+#[test]
+fn beyond_loopback_it_listens_only_when_told_that_this_is_insecure() {
+    let mut sources = flag("--http", "http.bind", "0.0.0.0:8080");
+    assert!(message(&sources).contains("--insecure"));
+    sources.flags.push(Flag { flag: "--insecure", key: "http.insecure", value: "true".into() });
+    assert_eq!(load(&sources).expect("told so").http.port(), 8080);
+    assert!(load(&flag("--http", "http.bind", "[::1]:0")).is_ok());
+}
+
+#[test]
+fn a_file_that_is_missing_or_no_toml_is_named() {
+    let missing = Sources { file: Some(PathBuf::from("no-such-settings.toml")), ..Sources::default() };
+    assert!(message(&missing).starts_with("settings file no-such-settings.toml (from --config): "));
+    let file = File::new("broken", "[http\nbind = 1\n");
+    assert!(message(&file.sources()).contains("line 1"), "{}", message(&file.sources()));
+}

@@ -1,0 +1,88 @@
+//! The one list of settings: their names and what an operator is told to write. `config/default.toml` holds the defaults.
+
+/// One setting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Key {
+    /// Its section and name, as `http.bind`.
+    pub name: &'static str,
+    /// Whether a value from the environment or a flag is taken letter by letter; otherwise `true` and `1` mean what they say.
+    pub text: bool,
+    /// What to write.
+    pub advice: &'static str,
+}
+
+/// Every setting, in the order of `config/default.toml`.
+pub const KEYS: [Key; 14] = [
+    text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file"),
+    text("http.bind", "write ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080"),
+    value("http.insecure", "write true or false"),
+    value("robot.speed", "write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting"),
+    value("robot.seed", "write a whole number from 0 to 9223372036854775807"),
+    value("robot.unknown_rate", "write a rate from 0 (never) to 1 (always)"),
+    value("robot.photo_failure_rate", "write a rate from 0 (never) to 1 (always)"),
+    value("robot.sonar_noise_cm", "write a number of centimetres from 0 to 100"),
+    text("mission.strategy", "write one of: snail"),
+    value("mission.inspect_everything", "write true or false"),
+    value("mission.wall_lines", "write true or false"),
+    value("temperature.threshold_celsius", "write degrees Celsius from -60 to 1000, as 25.0"),
+    value("temperature.hysteresis_celsius", "write a number of degrees from 0 to 50, as 1.0"),
+    text(
+        "log.filter",
+        "write a level (error, warn, info, debug, trace) or targets with levels, as info,hallsweep::inbound=debug",
+    ),
+];
+
+impl Key {
+    /// The setting of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<&'static Key> {
+        KEYS.iter().find(|key| key.name == name)
+    }
+
+    /// The sections, each once.
+    #[must_use]
+    pub fn sections() -> Vec<&'static str> {
+        let mut sections: Vec<&str> = KEYS.iter().filter_map(|key| key.name.split('.').next()).collect();
+        sections.dedup();
+        sections
+    }
+
+    /// What to do about a name that is no setting: the names that there are in its section, or the sections.
+    #[must_use]
+    pub fn advice_for_unknown(name: &str) -> String {
+        let section = name.split('.').next().unwrap_or_default();
+        let siblings: Vec<&str> = KEYS.iter().map(|key| key.name).filter(|key| key.split('.').next() == Some(section)).collect();
+        if siblings.is_empty() {
+            format!("the sections are {}", Key::sections().join(", "))
+        } else {
+            format!("in [{section}] there are {}", siblings.join(", "))
+        }
+    }
+}
+
+const fn text(name: &'static str, advice: &'static str) -> Key {
+    Key { name, text: true, advice }
+}
+
+const fn value(name: &'static str, advice: &'static str) -> Key {
+    Key { name, text: false, advice }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::explore::Strategy;
+
+    #[test]
+    fn the_advice_lists_every_strategy() {
+        let names: Vec<&str> = Strategy::ALL.iter().map(|strategy| strategy.name()).collect();
+        let advice = Key::named("mission.strategy").expect("it is a setting").advice;
+        assert_eq!(advice, format!("write one of: {}", names.join(", ")));
+    }
+
+    #[test]
+    fn an_unknown_name_is_answered_with_those_that_are_near() {
+        assert_eq!(Key::advice_for_unknown("http.bnid"), "in [http] there are http.bind, http.insecure");
+        assert!(Key::advice_for_unknown("htpp.bind").starts_with("the sections are hall, http, robot"));
+    }
+}

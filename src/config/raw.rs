@@ -1,0 +1,59 @@
+//! The settings as they are written, before they are checked: the sections and keys of `config/default.toml`.
+
+use serde::Deserialize;
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Raw {
+    pub(super) hall: Hall,
+    pub(super) http: Http,
+    pub(super) robot: Robot,
+    pub(super) mission: Mission,
+    pub(super) temperature: Temperature,
+    pub(super) log: Log,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Hall {
+    pub(super) file: String,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Http {
+    pub(super) bind: String,
+    pub(super) insecure: bool,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Robot {
+    pub(super) speed: Speed,
+    pub(super) seed: u64,
+    pub(super) unknown_rate: f64,
+    pub(super) photo_failure_rate: f64,
+    pub(super) sonar_noise_cm: f64,
+}
+
+/// A factor, or a word.
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "it is neither a number nor a word")]
+pub(super) enum Speed {
+    Factor(f64),
+    Word(String),
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Mission {
+    pub(super) strategy: String,
+    pub(super) inspect_everything: bool,
+    pub(super) wall_lines: bool,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Temperature {
+    pub(super) threshold_celsius: f64,
+    pub(super) hysteresis_celsius: f64,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Log {
+    pub(super) filter: String,
+}

@@ -1,0 +1,99 @@
+//! The pixels of a picture, how far away each shows something, and which solid it shows. What is drawn is not known here.
+
+use super::space::Paint;
+use super::view::{HEIGHT, View, WIDTH};
+
+/// A picture being drawn.
+#[derive(Debug)]
+pub(super) struct Canvas {
+    pixels: Vec<[u8; 3]>,
+    depths: Vec<f32>,
+    solids: Vec<u16>,
+}
+
+/// A rectangle of pixels: from the first to before the second of each pair.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    pub(super) columns: (usize, usize),
+    pub(super) rows: (usize, usize),
+}
+
+impl Canvas {
+    pub(super) fn new() -> Canvas {
+        let count = WIDTH * HEIGHT;
+        Canvas { pixels: vec![[0; 3]; count], depths: vec![f32::INFINITY; count], solids: vec![0; count] }
+    }
+
+    pub(super) fn set(&mut self, column: usize, row: usize, depth: f32, paint: Paint) {
+        let place = row * WIDTH + column;
+        self.pixels[place] = paint.bytes();
+        self.depths[place] = depth;
+    }
+
+    /// Draws part of a solid, which has a number of its own.
+    pub(super) fn set_solid(&mut self, column: usize, row: usize, depth: f32, paint: Paint, solid: u16) {
+        self.set(column, row, depth, paint);
+        self.solids[row * WIDTH + column] = solid;
+    }
+
+    pub(super) fn depth(&self, column: usize, row: usize) -> f32 {
+        self.depths[row * WIDTH + column]
+    }
+
+    /// Darkens (below 1) or lightens a pixel.
+    pub(super) fn light(&mut self, column: usize, row: usize, factor: f32) {
+        let pixel = &mut self.pixels[row * WIDTH + column];
+        *pixel = Paint::from_bytes(*pixel).lit(factor).bytes();
+    }
+
+    pub(super) fn paint(&mut self, column: usize, row: usize, paint: Paint) {
+        self.pixels[row * WIDTH + column] = paint.bytes();
+    }
+
+    /// Softens the steps along the outlines of solids.
+    pub(super) fn soften_outlines(&mut self) {
+        let sharp = self.pixels.clone();
+        for row in 1..HEIGHT - 1 {
+            for place in row * WIDTH + 1..(row + 1) * WIDTH - 1 {
+                let around = [place - 1, place + 1, place - WIDTH, place + WIDTH];
+                if around.iter().any(|other| self.solids[*other] != self.solids[place]) {
+                    let sum = |part: usize| around.iter().map(|other| u16::from(sharp[*other][part])).sum::<u16>();
+                    self.pixels[place] = [0, 1, 2].map(|part| mean(u16::from(sharp[place][part]) * 4 + sum(part)));
+                }
+            }
+        }
+    }
+
+    /// All pixels, row by row, three bytes each.
+    pub(super) fn into_bytes(self) -> Vec<u8> {
+        self.pixels.into_flattened()
+    }
+}
+
+/// An eighth, which is a byte when the sum is of eight bytes.
+const fn mean(sum_of_eight: u16) -> u8 {
+    (sum_of_eight / 8).to_le_bytes()[0]
+}
+
+impl Frame {
+    /// The least frame on the picture that holds these points; the whole picture when one of them is not ahead.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the picture before")]
+    pub(super) fn around(view: &View, points: impl IntoIterator<Item = super::space::Vector>) -> Frame {
+        let (mut least, mut most) = ((f32::INFINITY, f32::INFINITY), (f32::NEG_INFINITY, f32::NEG_INFINITY));
+        for point in points {
+            let Some((column, row)) = view.project(point) else {
+                return Frame { columns: (0, WIDTH), rows: (0, HEIGHT) };
+            };
+            least = (least.0.min(column), least.1.min(row));
+            most = (most.0.max(column), most.1.max(row));
+        }
+        let within = |place: f32, end: usize| place.clamp(0.0, super::view::as_float(end)) as usize;
+        let columns = (within(least.0.floor(), WIDTH), within(most.0.ceil(), WIDTH));
+        Frame { columns, rows: (within(least.1.floor(), HEIGHT), within(most.1.ceil(), HEIGHT)) }
+    }
+
+    /// Every column and row in it.
+    pub(super) fn pixels(self) -> impl Iterator<Item = (usize, usize)> {
+        (self.rows.0..self.rows.1).flat_map(move |row| (self.columns.0..self.columns.1).map(move |column| (column, row)))
+    }
+}

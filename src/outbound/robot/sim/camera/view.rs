@@ -1,0 +1,85 @@
+//! Where the camera is, which way a pixel looks, and on which pixel a point falls.
+//!
+//! The lens is shifted rather than the camera tilted: the horizon lies above the middle of the picture while everything
+//! upright stays upright, which is also what lets the room be drawn a column at a time.
+
+use super::super::drive::BodyPose;
+use super::space::{Vector, vector};
+
+/// The picture's size in pixels.
+pub(super) const WIDTH: usize = 640;
+pub(super) const HEIGHT: usize = 480;
+
+/// The row of the horizon, and the focal length, in pixels: a wide angle, as robots have.
+pub(super) const HORIZON: f32 = 188.0;
+const FOCAL: f32 = 310.0;
+
+/// How high the camera is, in cells: 0.4 m in a hall of half-metre cells.
+pub(super) const EYE: f32 = 0.8;
+
+/// How far behind the robot's middle it stands on its mast, in cells: at the rear edge.
+const BEHIND: f32 = 0.40;
+
+/// A camera in the hall. All lengths are in cells.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct View {
+    pub(super) eye: Vector,
+    forward: Vector,
+    right: Vector,
+}
+
+impl View {
+    /// The view of a robot whose body is here, in a hall with cells of this size.
+    #[expect(clippy::cast_possible_truncation, reason = "a picture is drawn in single precision")]
+    pub(super) fn of(body: BodyPose, cell_m: f64) -> View {
+        let (dx, dy) = body.ahead();
+        let forward = vector(dx as f32, dy as f32, 0.0);
+        let middle = vector((body.x_m / cell_m) as f32, (body.y_m / cell_m) as f32, EYE);
+        View { eye: middle - forward * BEHIND, forward, right: vector(-forward.y, forward.x, 0.0) }
+    }
+
+    /// The horizontal direction of a column; its length is such that it goes one cell forward.
+    pub(super) fn column(&self, column: usize) -> Vector {
+        self.forward + self.right * ((as_float(column) + 0.5 - as_float(WIDTH) / 2.0) / FOCAL)
+    }
+
+    /// By how much the direction changes from one column to the next.
+    pub(super) fn column_step(&self) -> Vector {
+        self.right * (1.0 / FOCAL)
+    }
+
+    /// How much a row looks down for every cell forward.
+    pub(super) fn fall(row: usize) -> f32 {
+        (as_float(row) + 0.5 - HORIZON) / FOCAL
+    }
+
+    /// The direction of a pixel; it goes one cell forward.
+    pub(super) fn pixel(&self, column: usize, row: usize) -> Vector {
+        let level = self.column(column);
+        vector(level.x, level.y, -View::fall(row))
+    }
+
+    /// Where the light on luggage comes from: above the robot's left shoulder.
+    pub(super) fn lamp(&self) -> Vector {
+        (vector(0.0, 0.0, 0.85) - self.forward * 0.62 - self.right * 0.5).unit()
+    }
+
+    /// How far ahead a point is.
+    pub(super) fn depth(&self, point: Vector) -> f32 {
+        (point - self.eye).dot(self.forward)
+    }
+
+    /// On which column and row a point falls, fractions included; `None` when it is not ahead.
+    pub(super) fn project(&self, point: Vector) -> Option<(f32, f32)> {
+        let depth = self.depth(point);
+        let scale = FOCAL / depth;
+        let column = as_float(WIDTH) / 2.0 + (point - self.eye).dot(self.right) * scale;
+        (depth > 0.05).then_some((column, HORIZON + (self.eye.z - point.z) * scale))
+    }
+}
+
+/// A pixel's number as a coordinate.
+#[expect(clippy::cast_precision_loss, reason = "pictures are a few hundred pixels wide")]
+pub(super) const fn as_float(pixel: usize) -> f32 {
+    pixel as f32
+}

@@ -1,0 +1,103 @@
+//! The operator's console in a real browser: headless Chromium presses the buttons of the real program.
+//! What a person sees is checked by the scripts in `browser/`; this file starts the program, and stops it when a script asks.
+//!
+//! Where Chromium, node or playwright-core is absent the tests say so and pass; with `HALLSWEEP_REQUIRE_CLIENTS=1` they fail.
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::{Mutex, PoisonError};
+
+#[path = "service/program.rs"]
+#[expect(dead_code, reason = "the service tests ask the program more than a browser test does")]
+mod program;
+
+use program::Program;
+
+/// One browser at a time: two would make each other slow, and the machine may be small.
+static BROWSER: Mutex<()> = Mutex::new(());
+
+/// Where Debian puts it.
+const CHROMIUM: &str = "/usr/bin/chromium";
+
+/// What a script says when it wants the program gone, and when it wants it back.
+const KILL: &str = "please kill the program";
+const START: &str = "please start the program";
+
+#[test]
+fn a_person_searches_the_airport() {
+    play("mission", &["--hall", "airport", "--speed", "max"]);
+}
+
+#[test]
+fn a_person_searches_the_airport_on_a_phone() {
+    play("phone", &["--hall", "airport", "--speed", "max"]);
+}
+
+#[test]
+fn a_person_searches_the_airport_without_scripts() {
+    play("plain", &["--hall", "airport", "--speed", "max"]);
+}
+
+#[test]
+fn stop_halts_the_robot_at_once_and_start_goes_on() {
+    play("stop", &["--hall", "empty-8x8", "--speed", "4"]);
+}
+
+#[test]
+fn a_lost_connection_is_said_and_the_page_catches_up() {
+    play("lost", &["--hall", "empty-8x8", "--speed", "1"]);
+}
+
+/// Plays a scenario of `browser/` against a program with these arguments.
+fn play(scenario: &str, arguments: &[&str]) {
+    let Some(scripts) = clients() else { return };
+    let _alone = BROWSER.lock().unwrap_or_else(PoisonError::into_inner);
+    let start = |http: &str| Program::with(&[&["serve", "--http", http, "--seed", "1"], arguments].concat());
+    let mut program = Some(start("127.0.0.1:0"));
+    let address = program.as_ref().map(Program::address).expect("it was just started").to_string();
+    let mut script = Command::new("node")
+        .arg(scripts.join("play.mjs"))
+        .args([scenario, &format!("http://{address}"), CHROMIUM])
+        .arg(Path::new(env!("CARGO_TARGET_TMPDIR")).join("browser"))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("node starts");
+    let mut told = script.stdin.take().expect("standard input is a pipe");
+    let said = BufReader::new(script.stdout.take().expect("standard output is a pipe"));
+    for line in said.lines().map_while(Result::ok) {
+        match line.as_str() {
+            KILL => program = None,
+            START => program = Some(start(&address)),
+            other => {
+                eprintln!("{other}");
+                continue;
+            }
+        }
+        writeln!(told, "done").expect("the script listens");
+    }
+    let status = script.wait().expect("the script is ours");
+    assert!(status.success(), "the scenario `{scenario}` failed; screenshots are in target/tmp/browser");
+    assert!(program.is_some(), "the program was there to the end");
+}
+
+/// The folder of scripts, when everything they need is there; a word when it is not.
+fn clients() -> Option<PathBuf> {
+    let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser");
+    let node = Command::new("node").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    let missing = if !Path::new(CHROMIUM).exists() {
+        "Chromium (apt-get install chromium)"
+    } else if !node.is_ok_and(|status| status.success()) {
+        "node (apt-get install nodejs npm)"
+    } else if !scripts.join("node_modules/playwright-core").exists() {
+        "playwright-core (npm --prefix tests/browser ci)"
+    } else {
+        return Some(scripts);
+    };
+    let required = std::env::var("HALLSWEEP_REQUIRE_CLIENTS").is_ok_and(|value| value == "1");
+    assert!(!required, "the browser tests need {missing}");
+    // Written past the test harness, which would keep it to itself.
+    writeln!(std::io::stderr(), "the browser test is left out: it needs {missing}").expect("standard error is open");
+    None
+}

@@ -1,0 +1,62 @@
+// Plays one scenario: `node play.mjs SCENARIO URL CHROMIUM SHOTS`. Exit code 0 when a person would have been content.
+// The scenarios are in scenarios.mjs; here a browser is opened, watched for what no page may do, and closed.
+
+import { mkdirSync } from 'node:fs';
+import { createInterface } from 'node:readline';
+import { chromium } from 'playwright-core';
+import * as scenarios from './scenarios.mjs';
+
+const [name, url, executablePath, shots] = process.argv.slice(2);
+const scenario = scenarios[name];
+const patience = 60_000;
+
+const lines = createInterface({ input: process.stdin })[Symbol.asyncIterator]();
+
+/** Asks the test that started us for something and waits until it is done. */
+async function please(what) {
+  console.log(`please ${what} the program`);
+  await lines.next();
+}
+
+/** Notes everything a page of ours must never do. */
+function watch(page, faults, tolerated) {
+  page.on('pageerror', (error) => faults.push(`an error in the page: ${error}`));
+  page.on('console', (message) => {
+    const text = message.text();
+    if (message.type() === 'error' && !tolerated.some((words) => text.includes(words))) faults.push(`console: ${text}`);
+  });
+  page.on('request', (request) => {
+    const { protocol, origin } = new URL(request.url());
+    if (protocol !== 'data:' && origin !== url) faults.push(`a request to another origin: ${request.url()}`);
+  });
+}
+
+mkdirSync(shots, { recursive: true });
+const browser = await chromium.launch({
+  executablePath,
+  args: ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
+    '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage'],
+});
+const faults = [];
+let page;
+let shot = 0;
+try {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...scenario.browser });
+  context.setDefaultTimeout(patience);
+  page = await context.newPage();
+  await page.exposeFunction('hallsweepViolation', (what) => faults.push(`against the content policy: ${what}`));
+  await page.addInitScript(() => document.addEventListener('securitypolicyviolation',
+    (event) => globalThis.hallsweepViolation(`${event.violatedDirective} ${event.blockedURI}`)));
+  watch(page, faults, scenario.tolerated ?? []);
+  const picture = async (what) => page.screenshot({ path: `${shots}/${name}-${++shot}-${what}.png` });
+  await scenario.play({ page, url, please, picture, patience });
+} catch (error) {
+  faults.push(String(error));
+  await page?.screenshot({ path: `${shots}/${name}-failed.png` }).catch(() => {});
+} finally {
+  await browser.close();
+  process.stdin.destroy();
+}
+faults.forEach((fault) => console.log(`${name}: ${fault}`));
+console.log(faults.length === 0 ? `${name}: a person would be content` : `${name}: ${faults.length} faults`);
+process.exitCode = faults.length === 0 ? 0 : 1;

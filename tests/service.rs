@@ -1,0 +1,23 @@
+//! The whole program through its public doors only: the real binary, on a free port, asked over HTTP and the command line.
+//! What the core decides is tested beside it and in `simulation`; here it matters that it arrives.
+
+#[path = "service/commands.rs"]
+mod commands;
+#[path = "service/explore.rs"]
+mod explore;
+#[path = "service/formats.rs"]
+mod formats;
+#[path = "service/malformed.rs"]
+mod malformed;
+#[path = "service/old_console.rs"]
+mod old_console;
+#[path = "service/program.rs"]
+mod program;
+#[path = "service/shutdown.rs"]
+mod shutdown;
+#[path = "service/start.rs"]
+mod start;
+#[path = "service/stream.rs"]
+mod stream;
+#[path = "service/verdicts.rs"]
+mod verdicts;

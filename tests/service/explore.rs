@@ -1,0 +1,89 @@
+//! Missions on the command line: the figures, and that the same seed is the same run.
+
+use serde_json::Value;
+
+use crate::program::run;
+
+fn explore(arguments: &[&str]) -> Value {
+    let arguments = [&["explore", "--json"], arguments].concat();
+    let output = run(&arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("exactly one JSON object")
+}
+
+#[test]
+fn the_figures_are_one_json_object_of_this_shape() {
+    let figures = explore(&["--hall", "empty-8x8", "--strategy", "snail", "--seed", "3"]);
+    let mut keys: Vec<&str> = figures.as_object().expect("an object").keys().map(String::as_str).collect();
+    keys.sort_unstable();
+    let mut expected = [
+        "hall",
+        "strategy",
+        "seed",
+        "cells",
+        "steps",
+        "turns",
+        "bumps",
+        "moves_per_cell",
+        "complete",
+        "home",
+        "luggage",
+        "bomb_found_at_moves",
+    ];
+    expected.sort_unstable();
+    assert_eq!(keys, expected);
+    assert_eq!((&figures["hall"], &figures["strategy"], &figures["seed"]), (&"empty-8x8".into(), &"snail".into(), &3.into()));
+    assert_eq!((&figures["cells"], &figures["complete"], &figures["home"]), (&64.into(), &true.into(), &true.into()));
+    assert_eq!((&figures["luggage"], &figures["bomb_found_at_moves"]), (&serde_json::json!([]), &Value::Null));
+    assert!(figures["steps"].as_u64() >= Some(63) && figures["moves_per_cell"].as_f64() >= Some(1.0), "{figures}");
+}
+
+#[test]
+fn the_verdicts_come_from_the_hall_file_unless_all_are_safe() {
+    let hall = explore(&["--hall", "airport", "--seed", "1"]);
+    assert!(hall["bomb_found_at_moves"].as_u64().is_some_and(|moves| moves > 0), "{hall}");
+    assert_eq!((&hall["home"], &hall["complete"]), (&true.into(), &false.into()));
+    let safe = explore(&["--hall", "airport", "--seed", "1", "--verdicts", "all-safe"]);
+    assert_eq!((&safe["home"], &safe["complete"]), (&true.into(), &true.into()));
+    assert_eq!(safe["bomb_found_at_moves"], hall["bomb_found_at_moves"], "it was met all the same, and let pass");
+    let verdicts = |run: &Value| -> Vec<String> {
+        run["luggage"].as_array().expect("a list").iter().map(|piece| piece["verdict"].to_string()).collect()
+    };
+    assert_eq!(verdicts(&hall).iter().filter(|verdict| *verdict == "\"danger\"").count(), 1);
+    assert!(verdicts(&safe).len() >= 6 && verdicts(&safe).iter().all(|verdict| verdict == "\"safe\""));
+}
+
+#[test]
+fn the_same_seed_is_the_same_run_byte_for_byte() {
+    let log = |name: &str, seed: &str| {
+        let path = std::env::temp_dir().join(format!("hallsweep-{}-{name}.log", std::process::id()));
+        explore(&["--hall", "airport", "--seed", seed, "--log", path.to_str().expect("a printable path")]);
+        let bytes = std::fs::read(&path).expect("the log was written");
+        std::fs::remove_file(&path).expect("the log is ours");
+        bytes
+    };
+    let first = log("first", "7");
+    assert!(first.iter().filter(|byte| **byte == b'\n').count() > 100, "a whole mission has many lines");
+    assert!(first == log("second", "7"), "the same seed gave another run");
+    assert!(first != log("third", "8"), "another seed gave the same run");
+}
+
+#[test]
+fn for_people_it_prints_the_map_and_the_figures() {
+    let output = run(&["explore", "--hall", "empty-8x8"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success() && text.contains("|r, 1, 1, 1, 1, 1, 1, 1, X, \n"), "{text}");
+    assert!(text.contains("64"), "{text}");
+}
+
+#[test]
+fn a_hall_that_cannot_be_read_is_refused_with_its_line() {
+    let path = std::env::temp_dir().join(format!("hallsweep-{}-broken.toml", std::process::id()));
+    std::fs::write(&path, "drawing = \"\"\"\nS..\n.?.\n\"\"\"\n").expect("the temporary directory can be written");
+    let output = run(&["explore", "--hall", path.to_str().expect("a printable path")]);
+    std::fs::remove_file(&path).expect("the file is ours");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains(":3:") && said.contains('?'), "{said}");
+    assert_eq!(run(&["explore", "--strategy", "zigzag"]).status.code(), Some(2));
+}

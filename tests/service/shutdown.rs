@@ -1,0 +1,41 @@
+//! Ending: within two seconds, with a good exit code, whoever still listens.
+
+use std::time::Duration;
+
+use crate::program::Program;
+use crate::stream::Events;
+
+/// The end is promised within this time.
+const PROMISED: Duration = Duration::from_secs(2);
+
+fn ends(signal: &str) {
+    let mut program = Program::serve("airport", "1");
+    let mut streams: Vec<Events> = (0..4).map(|_| Events::open(&program, None)).collect();
+    streams.iter_mut().for_each(|events| assert_eq!(events.next().name, "snapshot"));
+    program.command("start").accepted();
+    program.signal(signal);
+    let status = program.ended_within(PROMISED).unwrap_or_else(|| panic!("it still runs {PROMISED:?} after SIG{signal}"));
+    assert_eq!(status.code(), Some(0), "it ended by itself");
+    assert!(streams.iter_mut().all(Events::has_ended));
+}
+
+#[test]
+fn a_term_signal_ends_it_in_time_with_open_streams() {
+    ends("TERM");
+}
+
+#[test]
+fn an_interrupt_ends_it_in_time_with_open_streams() {
+    ends("INT");
+}
+
+#[test]
+fn a_client_that_never_finishes_its_request_does_not_keep_it() {
+    use std::io::Write;
+    let mut program = Program::serve("empty-8x8", "1");
+    let mut stuck = std::net::TcpStream::connect(program.address()).expect("the program listens");
+    stuck.write_all(b"POST /api/v1/commands/move HTTP/1.1\r\nHost: h\r\nContent-Length: 10\r\n\r\n{").expect("half a request");
+    assert_eq!(program.read("/healthz", &[]).status, 200, "the half request is with the program by now");
+    program.signal("TERM");
+    assert!(program.ended_within(PROMISED).is_some_and(|status| status.success()), "it waits for a client that never ends");
+}

@@ -1,0 +1,91 @@
+//! The rules of the house as a test: who may name whom, headers, sizes, the one clock. It reads the sources and names file and
+//! line of everything that breaks a rule. Each rule is in a file of its own, with a test that it finds what it should.
+
+#[path = "tidy/dependencies.rs"]
+mod dependencies;
+#[path = "tidy/reading.rs"]
+mod reading;
+#[path = "tidy/sizes.rs"]
+mod sizes;
+#[path = "tidy/whole.rs"]
+mod whole;
+#[path = "tidy/words.rs"]
+mod words;
+
+use reading::{Source, sources};
+
+/// Fails with every finding of a rule over all sources.
+fn check(rule: impl Fn(&Source) -> Vec<String>) {
+    let sources = sources("src");
+    assert!(sources.len() > 30, "only {} sources were found: the test looks in the wrong place", sources.len());
+    let findings: Vec<String> = sources.iter().flat_map(rule).collect();
+    assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
+}
+
+#[test]
+fn nobody_names_a_module_that_is_not_his_to_name() {
+    check(dependencies::modules);
+}
+
+#[test]
+fn the_core_uses_only_pure_crates_and_everybody_only_what_is_his() {
+    check(dependencies::crates);
+}
+
+#[test]
+fn every_file_says_what_it_is_for() {
+    check(words::header);
+}
+
+#[test]
+fn the_clock_is_read_in_one_place() {
+    check(words::clock);
+}
+
+#[test]
+fn nothing_is_left_undone() {
+    check(words::undone);
+    sources("tests").iter().for_each(|source| assert_eq!(words::undone(source), Vec::<String>::new()));
+}
+
+#[test]
+fn no_file_is_too_long() {
+    check(sizes::file);
+}
+
+#[test]
+fn no_function_is_too_long() {
+    check(sizes::functions);
+}
+
+#[test]
+fn files_and_functions_are_as_small_as_the_style_asks() {
+    let sources = sources("src");
+    let findings = sizes::spread(&sources);
+    assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
+}
+
+#[test]
+fn no_path_of_a_machine_is_written_anywhere() {
+    let findings = whole::machine_paths();
+    assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
+}
+
+#[test]
+fn everything_the_container_copies_is_there() {
+    let recipe = whole::text("Dockerfile");
+    let mut findings = whole::container_paths(&recipe);
+    findings.extend(whole::container_targets(&whole::text("Cargo.toml"), &recipe));
+    assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
+}
+
+#[test]
+fn every_link_in_the_documents_leads_somewhere() {
+    let findings = whole::dead_links();
+    assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
+}
+
+#[test]
+fn no_lock_file_names_a_download_address() {
+    assert_eq!(whole::download_addresses(&whole::text("tests/browser/package-lock.json")), Vec::<String>::new());
+}

@@ -1,0 +1,124 @@
+//! Rules about size: how long a file and a function may be, tests aside, and how long they are in the median.
+//! A file may be longer with a reason in its header that says `long because`.
+
+use super::reading::Source;
+
+/// No file has more lines than this.
+const FILE: usize = 400;
+
+/// No function has more lines than this, from `fn` to its closing brace.
+const FUNCTION: usize = 70;
+
+/// Half of all files have at most this many lines, and nine in ten `FILE`.
+const FILE_MEDIAN: usize = 130;
+
+/// Half of all functions have at most this many lines,
+const FUNCTION_MEDIAN: usize = 12;
+
+/// and nine in ten at most this many.
+const FUNCTION_NINE_IN_TEN: usize = 45;
+
+/// A file that is too long.
+pub(crate) fn file(source: &Source) -> Vec<String> {
+    let lines = source.lines_without_tests;
+    let header: String = source.text.lines().take_while(|line| line.starts_with("//!")).collect();
+    if lines <= FILE || source.is_all_tests() || header.contains("long because") {
+        return Vec::new();
+    }
+    vec![
+        source
+            .at(1, &format!("{lines} lines without tests, {FILE} are allowed: divide it, or say in its header `long because …`")),
+    ]
+}
+
+/// Functions that are too long.
+pub(crate) fn functions(source: &Source) -> Vec<String> {
+    let long = lengths(source).into_iter().filter(|(_, length)| *length > FUNCTION);
+    long.map(|(line, length)| source.at(line, &format!("a function of {length} lines, {FUNCTION} are allowed"))).collect()
+}
+
+/// What is wrong with the sizes on the whole.
+pub(crate) fn spread(sources: &[Source]) -> Vec<String> {
+    let files = sources.iter().filter(|source| !source.is_all_tests()).map(|source| source.lines_without_tests).collect();
+    let functions: Vec<usize> = sources.iter().flat_map(lengths).map(|(_, length)| length).collect();
+    let bounds = [
+        ("half of the files", at(files, 0.5), FILE_MEDIAN),
+        ("half of the functions", at(functions.clone(), 0.5), FUNCTION_MEDIAN),
+        ("nine in ten functions", at(functions, 0.9), FUNCTION_NINE_IN_TEN),
+    ];
+    let broken = bounds.into_iter().filter(|(_, length, bound)| length > bound);
+    broken.map(|(which, length, bound)| format!("{which} have up to {length} lines, the style asks for {bound}")).collect()
+}
+
+/// The value below which this share of all values lies.
+fn at(mut values: Vec<usize>, share: f64) -> usize {
+    values.sort_unstable();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "small counts")]
+    let place = ((values.len() as f64 - 1.0).max(0.0) * share).round() as usize;
+    values.get(place).copied().unwrap_or(0)
+}
+
+/// The first line and the number of lines of every function with a body, tests aside.
+fn lengths(source: &Source) -> Vec<(usize, usize)> {
+    let code = source.code_without_tests();
+    let starts = code.match_indices("fn ").filter(|(start, _)| {
+        let alone = code[..*start].chars().next_back().is_none_or(char::is_whitespace);
+        alone && code[start + 3..].chars().next().is_some_and(|letter| letter.is_alphabetic() || letter == '_')
+    });
+    let lines = |text: &str| text.matches('\n').count();
+    starts.filter_map(|(start, _)| Some((lines(&code[..start]) + 1, lines(body(&code[start..])?) + 1))).collect()
+}
+
+/// From `fn` to the brace that closes the body; `None` when there is only a signature.
+fn body(code: &str) -> Option<&str> {
+    let (mut depth, mut groups) = (0_usize, 0_i32);
+    for (place, letter) in code.char_indices() {
+        match letter {
+            '(' | '[' => groups += 1,
+            ')' | ']' => groups -= 1,
+            ';' if depth == 0 && groups == 0 => return None,
+            '{' => depth += 1,
+            '}' if depth == 1 => return Some(&code[..=place]),
+            '}' => depth = depth.checked_sub(1)?,
+            _ => {}
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(text: &str) -> Source {
+        Source::new("src/a.rs", text)
+    }
+
+    #[test]
+    fn a_long_file_is_found_unless_it_says_why() {
+        let lines = "const A: u8 = 1;\n".repeat(FILE);
+        assert_eq!(file(&of(&format!("//! A.\n{lines}"))).len(), 1);
+        assert_eq!(file(&of(&format!("//! A; long because it is one table.\n{lines}"))).len(), 0);
+        assert_eq!(file(&of(&format!("//! A.\n#[cfg(test)]\nmod tests {{\n{lines}}}"))).len(), 0);
+    }
+
+    #[test]
+    fn a_long_function_is_found_with_its_line() {
+        let long = format!("//! A.\nfn short() {{}}\nfn long() {{\n{}}}\n", "    a();\n".repeat(FUNCTION));
+        assert_eq!(functions(&of(&long)), ["src/a.rs:3: a function of 72 lines, 70 are allowed"]);
+    }
+
+    #[test]
+    fn a_function_is_measured_to_its_closing_brace() {
+        let text = "fn a(x: [u8; 2]) -> u8 {\n    if x { 1 } else { 2 }\n}\ntrait T {\n    fn b(&self);\n    fn c() {}\n}\nlet f: fn (u8);\n";
+        assert_eq!(lengths(&of(text)), [(1, 3), (6, 1)]);
+    }
+
+    #[test]
+    fn a_house_of_long_rooms_is_found() {
+        let long = format!("//! A.\nfn long() {{\n{}}}\n", "    a();\n".repeat(60));
+        let sources: Vec<Source> = (0..3).map(|_| of(&long.repeat(3))).collect();
+        assert_eq!(spread(&sources).len(), 3);
+        assert_eq!(spread(&[of("//! A.\nfn a() {}\n")]).len(), 0);
+    }
+}

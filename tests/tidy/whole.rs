@@ -1,0 +1,105 @@
+//! Rules about the project as a whole: no path of one machine, no download address, a container that copies what is there.
+
+use super::reading::{files, name, root};
+
+/// Where people read: the places of the project that hold text of ours.
+const PLACES: [&str; 8] = ["src", "tests", "config", "templates", "static", "docs", ".ci", "benches"];
+
+/// Directories of a builder's own machine. Each is put together so that this file does not find itself.
+const MACHINE: [&str; 4] = [concat!("/wo", "rk/"), concat!("/ro", "ot/"), concat!("/ho", "me/"), concat!("/Us", "ers/")];
+
+/// The text of a file of the project.
+pub(crate) fn text(path: &str) -> String {
+    std::fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// Lines that name a path of somebody's machine.
+pub(crate) fn machine_paths() -> Vec<String> {
+    let mut paths: Vec<_> = PLACES.iter().flat_map(|place| files(&root().join(place))).collect();
+    paths.extend(["README.md", "CHANGELOG.md", "Cargo.toml", "Dockerfile"].map(|file| root().join(file)));
+    let texts = paths.iter().filter_map(|path| Some((name(path), std::fs::read_to_string(path).ok()?)));
+    texts.flat_map(|(name, text)| machine_paths_in(&name, &text)).collect()
+}
+
+fn machine_paths_in(name: &str, text: &str) -> Vec<String> {
+    let lines = text.lines().enumerate();
+    let hits = lines.filter(|(_, line)| MACHINE.iter().any(|path| line.contains(path)));
+    hits.map(|(number, _)| format!("{name}:{}: a path of one machine", number + 1)).collect()
+}
+
+/// Paths that the container's recipe copies from the project and that are not there.
+pub(crate) fn container_paths(recipe: &str) -> Vec<String> {
+    let copies = recipe.lines().filter(|line| line.starts_with("COPY ") && !line.contains("--from="));
+    let paths = copies.flat_map(|line| {
+        let words: Vec<&str> = line.split_whitespace().skip(1).filter(|word| !word.starts_with("--")).collect();
+        words[..words.len().saturating_sub(1)].to_vec()
+    });
+    paths.filter(|path| !root().join(path).exists()).map(|path| format!("Dockerfile copies {path}, which is not there")).collect()
+}
+
+/// Links in our documents that lead to a file which is not there.
+pub(crate) fn dead_links() -> Vec<String> {
+    let mut documents: Vec<_> = files(&root().join("docs")).into_iter().filter(|path| name(path).ends_with(".md")).collect();
+    documents.extend(["README.md", "CHANGELOG.md"].map(|file| root().join(file)));
+    let texts = documents.iter().map(|path| (name(path), std::fs::read_to_string(path).expect("a document is UTF-8")));
+    texts.flat_map(|(name, text)| dead_links_in(&name, &text)).collect()
+}
+
+fn dead_links_in(document: &str, text: &str) -> Vec<String> {
+    let folder = root().join(document).parent().expect("a file is in a folder").to_owned();
+    let targets = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#', ' ']).next());
+    let local = targets.filter(|target| !target.is_empty() && !target.contains("://"));
+    local
+        .filter(|target| !folder.join(target).exists())
+        .map(|target| format!("{document} links to {target}, which is not there"))
+        .collect()
+}
+
+/// Folders whose programs the manifest names and the container's recipe does not copy: cargo would not build without them.
+pub(crate) fn container_targets(manifest: &str, recipe: &str) -> Vec<String> {
+    let targets = [("[[bench]]", "benches"), ("[[test]]", "tests"), ("[[example]]", "examples")];
+    let copied = |folder: &str| recipe.lines().any(|line| line.starts_with("COPY ") && line.contains(folder));
+    let missing = targets.into_iter().filter(|(target, folder)| manifest.contains(target) && !copied(folder));
+    missing.map(|(target, folder)| format!("Cargo.toml has {target}, so the Dockerfile must copy {folder}")).collect()
+}
+
+/// Lines of a lock file that say where something was once downloaded from.
+pub(crate) fn download_addresses(lock: &str) -> Vec<String> {
+    let lines = lock.lines().enumerate().filter(|(_, line)| line.contains("\"resolved\"") || line.contains("http://"));
+    lines.map(|(number, line)| format!("{}: {}", number + 1, line.trim())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_of_a_machine_is_found_with_its_line() {
+        let text = format!("fine\nlet a = \"{}me/b\";", MACHINE[0]);
+        assert_eq!(machine_paths_in("src/a.rs", &text), ["src/a.rs:2: a path of one machine"]);
+    }
+
+    #[test]
+    fn a_container_that_copies_what_is_not_there_is_found() {
+        let recipe = "COPY Cargo.toml no-such-folder ./\nCOPY --from=build /app /app\n";
+        assert_eq!(container_paths(recipe), ["Dockerfile copies no-such-folder, which is not there"]);
+    }
+
+    #[test]
+    fn a_dead_link_is_found() {
+        let text = "[a](docs/no-such.md) [b](https://example.org/c) [d](Cargo.toml#e) ![f](no.png)";
+        assert_eq!(dead_links_in("README.md", text).len(), 2);
+    }
+
+    #[test]
+    fn a_container_without_a_folder_that_cargo_wants_is_found() {
+        assert_eq!(container_targets("[[bench]]\nname = \"a\"", "COPY src ./src").len(), 1);
+        assert_eq!(container_targets("[[bench]]\nname = \"a\"", "COPY benches ./benches").len(), 0);
+    }
+
+    #[test]
+    fn a_download_address_is_found() {
+        assert_eq!(download_addresses("{\n\"resolved\": \"https://a/b.tgz\",\n}").len(), 1);
+        assert_eq!(download_addresses("\"integrity\": \"sha512-\"").len(), 0);
+    }
+}

@@ -1,0 +1,73 @@
+//! Rules about words: the header of every file, the one clock, nothing left undone.
+
+use super::reading::Source;
+
+/// Every file opens with what it is for.
+pub(crate) fn header(source: &Source) -> Vec<String> {
+    let first = source.text.lines().next().unwrap_or_default();
+    if first.starts_with("//! ") && first.len() > 20 {
+        return Vec::new();
+    }
+    vec![source.at(1, "it must open with `//!`: a sentence on its job, then what is deliberately not here")]
+}
+
+/// Only `runtime/clock.rs` looks at the clock; everybody else is told the time.
+pub(crate) fn clock(source: &Source) -> Vec<String> {
+    if source.path == "src/runtime/clock.rs" {
+        return Vec::new();
+    }
+    let clocks = ["Instant::now", "SystemTime::now", "Zoned::now", "Timestamp::now"];
+    lines_with(source, &clocks, "take the time as an argument; only runtime::clock reads the clock")
+}
+
+/// No work left for later, no test that does not run.
+pub(crate) fn undone(source: &Source) -> Vec<String> {
+    let mut findings = lines_with(source, &["todo!", "unimplemented!", "#[ignore"], "nothing is left undone here");
+    for (number, line) in source.text.lines().enumerate() {
+        let comment = line.split_once("//").map_or("", |(_, comment)| comment);
+        if [concat!("TO", "DO"), concat!("FIX", "ME"), concat!("XX", "X")].iter().any(|word| comment.contains(word)) {
+            findings.push(source.at(number + 1, "a note for later: do it, or write an issue"));
+        }
+    }
+    findings
+}
+
+fn lines_with(source: &Source, needles: &[&str], what: &str) -> Vec<String> {
+    let lines = source.code.lines().enumerate();
+    let hits = lines.filter(|(_, line)| needles.iter().any(|needle| line.contains(needle)));
+    hits.map(|(number, _)| source.at(number + 1, what)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(text: &str) -> Source {
+        Source::new("src/a.rs", text)
+    }
+
+    #[test]
+    fn a_missing_header_is_found() {
+        assert_eq!(header(&of("use std::fmt;\n")).len(), 1);
+        assert_eq!(header(&of("//! A.\n")).len(), 1, "that says nothing");
+        assert_eq!(header(&of("//! The words that a door says to a robot.\n")).len(), 0);
+    }
+
+    #[test]
+    fn a_second_clock_is_found_with_its_line() {
+        assert_eq!(
+            clock(&of("//! A.\nlet t = std::time::Instant::now();")),
+            ["src/a.rs:2: take the time as an argument; only runtime::clock reads the clock"]
+        );
+        assert_eq!(clock(&of("let t = jiff::Timestamp::now();")).len(), 1);
+        assert_eq!(clock(&of("// Instant::now is not for us\n")).len(), 0);
+    }
+
+    #[test]
+    fn work_left_for_later_is_found() {
+        assert_eq!(undone(&of("fn a() { todo!() }")).len(), 1);
+        assert_eq!(undone(&of("#[ignore = \"slow\"]\nfn a() {}")).len(), 1);
+        assert_eq!(undone(&of(concat!("// TO", "DO: later"))).len(), 1);
+        assert_eq!(undone(&of("let a = \"todo!\";")).len(), 0);
+    }
+}
