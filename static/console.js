@@ -5,7 +5,7 @@
 const SILENCE_MS = 3000; // the server speaks every second: after three the page is not to be believed
 const RETRY_MS = 1500;
 const SETTLE_MS = 500; // verdict buttons are dead this long when the piece under them changes
-const WHY_MS = 20000; // a reason of a refusal is old after this
+const WHY_MS = 15000; // a reason of a refusal is old after this
 
 const at = (id) => document.getElementById(id);
 const root = document.documentElement;
@@ -41,12 +41,12 @@ function alive() {
 function lost() {
   if (root.dataset.live !== "lost") {
     root.dataset.live = "lost";
-    at("lost-since").textContent = heardAt.toLocaleTimeString();
+    at("lost-since").textContent = heardAt.toLocaleTimeString("en-GB");
     at("lost").hidden = false;
     at("confirm").close();
   }
   // The next whole message renders every button as it then is.
-  document.querySelectorAll("button:not([data-always]), select").forEach((control) => (control.disabled = true));
+  document.querySelectorAll("button:not([data-always])").forEach((control) => (control.disabled = true));
 }
 
 let retried = 0;
@@ -124,11 +124,21 @@ function morph(id, markup) {
     morphStyle: "outerHTML",
     ignoreActiveValue: true,
     callbacks: {
-      beforeNodeMorphed: (node) => !(node.classList?.contains("why") || (node.tagName === "INPUT" && node.type !== "hidden")),
-      beforeAttributeUpdated: (name, node) => !(name === "open" && node.tagName === "DETAILS") && node !== document.activeElement?.closest("select"),
+      beforeNodeMorphed: (node) => !isPersons(node),
+      beforeAttributeUpdated: (name, node) => !(name === "open" && node.tagName === "DETAILS"),
     },
   });
 }
+
+/** Whether this is the person's and not the server's: a reason being shown, something typed, a choice not yet sent. */
+function isPersons(node) {
+  if (node.tagName === "INPUT") return node.type !== "hidden";
+  return node.classList?.contains("why") || node.dataset?.touched === "yes";
+}
+
+document.addEventListener("change", (event) => {
+  if (event.target.tagName === "SELECT") event.target.dataset.touched = "yes";
+});
 
 // ---- acting --------------------------------------------------------------------------------------------------------------
 
@@ -155,7 +165,7 @@ async function send(form, fields, button) {
     const answer = await fetch(form.action, { method: "POST", body: fields, headers: { accept: "application/json" } });
     const said = await answer.json();
     if (!answer.ok) tell(form.dataset.why, said.detail ?? `It was refused (${answer.status}).`);
-    else if (form.querySelector("input:not([type=hidden])")) form.reset();
+    else accepted(form);
   } catch {
     const what = isStop ? "STOP did not reach the robot: use its own switch, or another way in." : "It did not get through; nothing was done.";
     tell(form.dataset.why, `No connection. ${what}`);
@@ -163,6 +173,13 @@ async function send(form, fields, button) {
     sending.delete(form);
     button?.removeAttribute("aria-busy");
   }
+}
+
+/** What was refused before is history, and what was typed has been sent. */
+function accepted(form) {
+  for (const place of document.querySelectorAll(".why:not(:empty)")) place.textContent = "";
+  for (const select of form.querySelectorAll("select")) delete select.dataset.touched;
+  if (form.querySelector("input:not([type=hidden])")) form.reset();
 }
 
 const fading = new Map();

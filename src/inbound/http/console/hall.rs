@@ -84,7 +84,7 @@ pub(super) fn labels(map: &HallMap) -> String {
 /// Everything that moves or is decided: trail, route, goal, home, luggage.
 pub(super) fn layer(snapshot: &Snapshot) -> String {
     let mut group = String::from("<g id=\"hall-layer\">");
-    trail(&mut group, &snapshot.mission.trail);
+    trail(&mut group, snapshot);
     home(&mut group);
     luggage(&mut group, snapshot);
     route(&mut group, snapshot);
@@ -127,7 +127,11 @@ fn runs(map: &HallMap, corner: Cell, wanted: Mark) -> String {
     path
 }
 
-fn trail(group: &mut String, trail: &[Cell]) {
+fn trail(group: &mut String, snapshot: &Snapshot) {
+    let mut trail = snapshot.mission.trail.to_vec();
+    if trail.last().is_some_and(|last| last.neighbours().contains(&snapshot.robot.pose.cell)) {
+        trail.push(snapshot.robot.pose.cell);
+    }
     let latest = &trail[trail.len().saturating_sub(TRAIL)..];
     let part = latest.len().div_ceil(FADES).max(1);
     for (fade, cells) in latest.rchunks(part).enumerate() {
