@@ -11,7 +11,6 @@ COPY benches ./benches
 COPY config ./config
 COPY templates ./templates
 COPY static ./static
-COPY benches ./benches
 COPY src ./src
 RUN cargo build --release --locked --bin hallsweep
 

@@ -30,7 +30,8 @@ fn ask(address: SocketAddr) -> std::io::Result<String> {
     let mut stream = TcpStream::connect_timeout(&address, TIMEOUT)?;
     stream.set_read_timeout(Some(TIMEOUT))?;
     stream.set_write_timeout(Some(TIMEOUT))?;
-    write!(stream, "GET /healthz HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n")?;
+    // Whole and at once: an answer to the first piece of a question could cut off the rest of it.
+    stream.write_all(format!("GET /healthz HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").as_bytes())?;
     let mut answer = Vec::new();
     stream.take(STATUS_LINE as u64).read_to_end(&mut answer)?;
     Ok(String::from_utf8_lossy(&answer).into_owned())
@@ -47,9 +48,13 @@ mod tests {
         let address = listener.local_addr().expect("a bound port");
         let server = std::thread::spawn(move || {
             let (mut stream, _) = listener.accept().expect("the question");
-            let mut question = [0; 256];
-            let read = stream.read(&mut question).expect("the question");
-            assert!(question[..read].starts_with(b"GET /healthz HTTP/1.1\r\n"));
+            let mut question = Vec::new();
+            while !question.ends_with(b"\r\n\r\n") {
+                let mut letter = [0];
+                stream.read_exact(&mut letter).expect("the whole question");
+                question.extend(letter);
+            }
+            assert!(question.starts_with(b"GET /healthz HTTP/1.1\r\n"));
             stream.write_all(answer.as_bytes()).expect("the answer");
         });
         let said = run(address);
