@@ -46,10 +46,8 @@ fn room(dice: &mut Stream, rows: &mut [Vec<char>]) {
         (left + 2 + dice.below(6) as usize).min(width as usize - 1),
         (top + 2 + dice.below(6) as usize).min(height as usize - 1),
     );
-    for x in left..=right {
-        rows[top][x] = '@';
-        rows[bottom][x] = '@';
-    }
+    rows[top][left..=right].fill('@');
+    rows[bottom][left..=right].fill('@');
     for row in rows.iter_mut().take(bottom + 1).skip(top) {
         row[left] = '@';
         row[right] = '@';

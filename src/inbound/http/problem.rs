@@ -167,10 +167,14 @@ mod tests {
         let mut codes = std::collections::BTreeSet::new();
         for refused in &all {
             let problem = Problem::refused(refused, None);
-            let expected = match refused {
-                Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_) => 404,
-                Refused::StoreDown => 503,
-                _ => 409,
+            let is_unknown = matches!(refused, Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_));
+            let is_store = *refused == Refused::StoreDown;
+            let expected = if is_unknown {
+                404
+            } else if is_store {
+                503
+            } else {
+                409
             };
             assert_eq!(problem.status.as_u16(), expected, "{refused}");
             assert_eq!(problem.body.status, expected);
