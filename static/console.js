@@ -3,7 +3,9 @@
 "use strict";
 
 const SILENCE_MS = 3000; // the server speaks every second: after three the page is not to be believed
-const RETRY_MS = 1500;
+const RETRY_MS = 1000;
+const LOOK_MS = 900; // a page without a stream of its own looks this often
+const STREAMS = 3; // pages of one browser that keep a stream
 const SETTLE_MS = 500; // verdict buttons are dead this long when the piece under them changes
 const WHY_MS = 15000; // a reason of a refusal is old after this
 
@@ -24,6 +26,7 @@ function listen() {
   stream.addEventListener("page", (event) => {
     show(JSON.parse(event.data));
     alive();
+    if (openedSince >= STREAMS) stream.close();
   });
   stream.addEventListener("tick", alive);
 }
@@ -52,24 +55,33 @@ function lost() {
 let retried = 0;
 setInterval(() => {
   const now = performance.now();
-  if (document.hidden || now - heard < SILENCE_MS) return;
-  lost();
-  if (now - retried > RETRY_MS) {
+  const silence = document.hidden ? 0 : now - heard;
+  if (silence > SILENCE_MS) lost();
+  if ((silence > SILENCE_MS || (openedSince >= STREAMS && silence > LOOK_MS)) && now - retried > RETRY_MS) {
     retried = now;
     listen();
   }
 }, 250);
 
-// A browser opens only six connections to one place for all its tabs. Pages nobody looks at give theirs back, so that a STOP
-// always finds a free one.
-document.addEventListener("visibilitychange", () => {
-  if (document.hidden) {
-    stream?.close();
-  } else {
-    heard = performance.now();
-    listen();
-  }
-});
+// A browser opens only six connections to one place for all its pages together, and a STOP must find a free one. So pages
+// nobody looks at give their stream back, and of those in sight only the latest few keep one; the others look by the second.
+const pages = new BroadcastChannel("hallsweep-console");
+let openedSince = 0;
+pages.onmessage = () => {
+  openedSince += 1;
+  if (openedSince >= STREAMS) stream?.close();
+};
+
+/** Opens a stream to keep. */
+function join() {
+  openedSince = 0;
+  heard = performance.now();
+  pages.postMessage("opened");
+  listen();
+}
+
+document.addEventListener("visibilitychange", () => (document.hidden ? stream?.close() : join()));
+addEventListener("focus", () => openedSince >= STREAMS && join());
 
 /** Shows what changed. */
 function show(message) {
@@ -227,4 +239,4 @@ at("hall").addEventListener("pointerleave", () => (at("pointer").textContent = "
 
 root.dataset.live = "opening";
 glide(at("hall-robot"));
-listen();
+join();

@@ -176,7 +176,9 @@ fn route(group: &mut String, snapshot: &Snapshot) {
         let points = points(std::iter::once(snapshot.robot.pose.cell).chain(route.iter().copied()));
         write(group, format_args!("<polyline class=\"route\" points=\"{points}\"/>"));
     }
-    if let Some(goal) = snapshot.mission.goal {
+    // A piece in the goal's cell says more than the goal's cross over it would.
+    let goal = snapshot.mission.goal.filter(|goal| snapshot.luggage.iter().all(|luggage| luggage.cell != *goal));
+    if let Some(goal) = goal {
         let (x, y) = middle(goal);
         let (left, top) = (x - 3, y - 3);
         write(group, format_args!("<path class=\"goal\" d=\"M{left} {top}l6 6m0 -6l-6 6\"><title>goal {goal}</title></path>"));

@@ -14,7 +14,7 @@ use crate::wire::luggage::photo_url;
 use crate::wire::time::{clock_time, date_and_time, rfc3339};
 
 /// Lines of the log on the page; the interface has more.
-const LINES: usize = 60;
+const LINES: usize = 40;
 
 /// Pieces in the gallery: the latest; the interface has all.
 const PIECES: usize = 120;
@@ -27,7 +27,7 @@ pub(super) struct Part {
 }
 
 /// All of them, in the page's order.
-pub(super) const PARTS: [Part; 14] = [
+pub(super) const PARTS: [Part; 15] = [
     Part { id: "announce", shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms], render: |v| html(&Announce { v }) },
     Part {
         id: "bar",
@@ -47,7 +47,8 @@ pub(super) const PARTS: [Part; 14] = [
     Part { id: "inspect", shows: &[Resource::Mission, Resource::Luggage], render: |v| html(&Inspect { v }) },
     Part { id: "actions", shows: &[Resource::Mission], render: |v| html(&Actions { v }) },
     Part { id: "temperature", shows: &[Resource::Temperature, Resource::Mission], render: |v| html(&Temperature { v }) },
-    Part { id: "robot", shows: &[Resource::Robot, Resource::Mission], render: |v| html(&Robot { v }) },
+    Part { id: "robot", shows: &[Resource::Robot], render: |v| html(&Robot { v }) },
+    Part { id: "more", shows: &[Resource::Mission], render: |v| html(&More { v }) },
     Part { id: "gallery", shows: &[Resource::Luggage], render: |v| html(&Gallery { v }) },
     Part { id: "log", shows: &[Resource::Log], render: |v| html(&Log { v }) },
 ];
@@ -142,6 +143,7 @@ parts! {
     Actions "console/actions.html"
     Temperature "console/temperature.html"
     Robot "console/robot.html"
+    More "console/more.html"
     Gallery "console/gallery.html"
     Log "console/log.html"
 }
@@ -180,7 +182,9 @@ impl Robot<'_> {
     fn sonar(&self) -> String {
         self.v.snapshot.robot.sonar_cm.map_or_else(|| "nothing near".to_owned(), |cm| format!("{cm} cm"))
     }
+}
 
+impl More<'_> {
     const fn reset(&self) -> &'static str {
         RESET
     }
