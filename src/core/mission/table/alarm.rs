@@ -2,8 +2,8 @@
 
 use super::shared::{
     ACKNOWLEDGE, ANOTHER_DANGER, BUTTON_OK, BUTTON_TOO_HIGH, CHOOSE, COOL, DANGER, DRIVE_IF_STOPPED, EXPLORE_AGAIN, HEAT,
-    INTO_FAULT, LINK_LOST, LINK_UP, NOT_HERE, NOTHING, READING, RECORDED, RESET, RESUME, SAFE, SENSOR_BACK, SENSOR_SILENT, STOP,
-    STORE_FAILED, STORE_RESTORED,
+    INTO_FAULT, LINK_LOST, LINK_UP, NOT_HERE, NOTHING, READING, RECORDED, RESET, RESUME, RETAKE_ELSEWHERE, SAFE, SENSOR_BACK,
+    SENSOR_SILENT, STOP, STORE_FAILED, STORE_RESTORED,
 };
 use crate::core::mission::rule::Act::{Release, RetryBlocked};
 use crate::core::mission::rule::Rule::{AsInterrupted, Go, Never, RefuseIf};
@@ -16,7 +16,8 @@ pub(super) const fn returning_with_alarm(input: Input) -> &'static [Rule] {
     match input {
         Input::Start => RESUME,
         Input::Stop => STOP,
-        Input::BackHome | Input::Retrieve | Input::RetakePhoto | Input::Strategy => NOT_HERE,
+        Input::BackHome | Input::Retrieve | Input::Strategy => NOT_HERE,
+        Input::RetakePhoto => RETAKE_ELSEWHERE,
         Input::Safe => SAFE,
         Input::Danger => DANGER,
         Input::TemperatureOk => BUTTON_OK,
@@ -51,7 +52,8 @@ pub(super) const fn returning_with_alarm(input: Input) -> &'static [Rule] {
 /// Home, and a bomb is in the hall.
 pub(super) const fn bomb_located(input: Input) -> &'static [Rule] {
     match input {
-        Input::Start | Input::BackHome | Input::Move | Input::Goto | Input::RetakePhoto | Input::Strategy => NOT_HERE,
+        Input::Start | Input::BackHome | Input::Move | Input::Goto | Input::Strategy => NOT_HERE,
+        Input::RetakePhoto => RETAKE_ELSEWHERE,
         Input::Stop => STOP,
         Input::Safe => SAFE,
         Input::Danger => DANGER,
@@ -90,7 +92,8 @@ pub(super) const fn retrieving(input: Input) -> &'static [Rule] {
     match input {
         Input::Start => RESUME,
         Input::Stop => STOP,
-        Input::BackHome | Input::Retrieve | Input::Move | Input::Goto | Input::RetakePhoto | Input::Strategy => NOT_HERE,
+        Input::BackHome | Input::Retrieve | Input::Move | Input::Goto | Input::Strategy => NOT_HERE,
+        Input::RetakePhoto => RETAKE_ELSEWHERE,
         Input::Safe => SAFE,
         Input::Danger => DANGER,
         Input::TemperatureOk => BUTTON_OK,
@@ -127,7 +130,8 @@ pub(super) const fn bag_secured(input: Input) -> &'static [Rule] {
     match input {
         Input::Start => EXPLORE_AGAIN,
         Input::Stop => STOP,
-        Input::BackHome | Input::Retrieve | Input::Move | Input::Goto | Input::RetakePhoto => NOT_HERE,
+        Input::BackHome | Input::Retrieve | Input::Move | Input::Goto => NOT_HERE,
+        Input::RetakePhoto => RETAKE_ELSEWHERE,
         Input::Safe => SAFE,
         Input::Danger => DANGER,
         Input::TemperatureOk => BUTTON_OK,
@@ -165,7 +169,8 @@ pub(super) const fn fault(input: Input) -> &'static [Rule] {
     match input {
         Input::Start => &[RefuseIf(Bar::Held), RefuseIf(Bar::FaultStands), Go(Interrupted, &[Release, RetryBlocked])],
         Input::Stop => STOP,
-        Input::BackHome | Input::Retrieve | Input::Move | Input::Goto | Input::RetakePhoto | Input::Strategy => NOT_HERE,
+        Input::BackHome | Input::Retrieve | Input::Move | Input::Goto | Input::Strategy => NOT_HERE,
+        Input::RetakePhoto => RETAKE_ELSEWHERE,
         Input::Safe => SAFE,
         Input::Danger => DANGER,
         Input::TemperatureOk => BUTTON_OK,

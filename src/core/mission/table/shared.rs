@@ -11,6 +11,8 @@ use crate::core::mission::{Hold, PhaseName};
 
 pub(super) const NOTHING: &[Rule] = &[Go(Stay, &[])];
 pub(super) const NOT_HERE: &[Rule] = &[Never(Bar::NotInPhase)];
+/// A piece that does not exist is unknown everywhere.
+pub(super) const RETAKE_ELSEWHERE: &[Rule] = &[RefuseIf(Bar::UnknownLuggage), Never(Bar::NotInPhase)];
 pub(super) const STOP: &[Rule] = &[Go(Stay, &[Stop])];
 pub(super) const RESUME: &[Rule] = &[RefuseIf(Bar::Held), Go(Stay, &[Release])];
 pub(super) const EXPLORE_ON: &[Rule] = &[RefuseIf(Bar::Held), RefuseIf(Bar::VerdictAwaited), Go(Stay, &[Release])];
