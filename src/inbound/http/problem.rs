@@ -167,10 +167,14 @@ mod tests {
         let mut codes = std::collections::BTreeSet::new();
         for refused in &all {
             let problem = Problem::refused(refused, None);
-            let expected = match refused {
-                Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_) => 404,
-                Refused::StoreDown => 503,
-                _ => 409,
+            let unknown = matches!(refused, Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_));
+            let unavailable = matches!(refused, Refused::StoreDown);
+            let expected = if unknown {
+                404
+            } else if unavailable {
+                503
+            } else {
+                409
             };
             assert_eq!(problem.status.as_u16(), expected, "{refused}");
             assert_eq!(problem.body.status, expected);
