@@ -167,11 +167,11 @@ mod tests {
         let mut codes = std::collections::BTreeSet::new();
         for refused in &all {
             let problem = Problem::refused(refused, None);
-            let is_unknown = matches!(refused, Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_));
-            let is_store = *refused == Refused::StoreDown;
-            let expected = if is_unknown {
+            let unknown = matches!(refused, Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_));
+            let unavailable = matches!(refused, Refused::StoreDown);
+            let expected = if unknown {
                 404
-            } else if is_store {
+            } else if unavailable {
                 503
             } else {
                 409
