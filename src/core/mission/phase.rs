@@ -66,28 +66,43 @@ impl Phase {
         }
     }
 
-    /// The phase that goes on when this one's interruption ends: itself, unless it is an interruption.
+    /// The phase this one interrupts, if it is an interruption.
+    #[must_use]
+    pub fn interrupted(&self) -> Option<&Phase> {
+        if let Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. } = self { Some(interrupted) } else { None }
+    }
+
+    /// The phase that goes on when every interruption ends: itself, unless it is one.
     #[must_use]
     pub fn underlying(&self) -> &Phase {
-        match self {
-            Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. } => interrupted.underlying(),
-            Phase::Idle
-            | Phase::Exploring
-            | Phase::Inspecting(_)
-            | Phase::ReturningHome
-            | Phase::AtHome
-            | Phase::ReturningWithAlarm
-            | Phase::BombLocated
-            | Phase::Retrieving
-            | Phase::BagSecured
-            | Phase::Explored => self,
+        self.interrupted().map_or(self, Phase::underlying)
+    }
+
+    /// As `underlying`, to be changed.
+    pub fn underlying_mut(&mut self) -> &mut Phase {
+        if self.interrupted().is_none() {
+            return self;
         }
+        let (Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. }) = self else { return self };
+        interrupted.underlying_mut()
+    }
+
+    /// The inspection under way, interrupted or not.
+    #[must_use]
+    pub fn inspection(&self) -> Option<&Inspection> {
+        if let Phase::Inspecting(inspection) = self.underlying() { Some(inspection) } else { None }
+    }
+
+    /// Why it is in fault, if it is.
+    #[must_use]
+    pub const fn fault(&self) -> Option<&FaultCause> {
+        if let Phase::Fault { cause, .. } = self { Some(cause) } else { None }
     }
 
     /// Whether a mission is under way: raising a hold then also raises `awaitingStart`.
     #[must_use]
     pub fn is_mission(&self) -> bool {
-        !matches!(self.underlying(), Phase::Idle | Phase::Explored | Phase::BagSecured) || matches!(self, Phase::Fault { .. })
+        !matches!(self.underlying(), Phase::Idle | Phase::Explored | Phase::BagSecured) || self.fault().is_some()
     }
 }
 

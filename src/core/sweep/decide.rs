@@ -38,21 +38,8 @@ impl Sweep {
                     Rule::Go(to, acts) => return Ok(Step { to, acts, depth }),
                 }
             }
-            match phase {
-                Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. } => {
-                    (phase, depth) = (interrupted, depth + 1)
-                }
-                Phase::Idle
-                | Phase::Exploring
-                | Phase::Inspecting(_)
-                | Phase::ReturningHome
-                | Phase::AtHome
-                | Phase::ReturningWithAlarm
-                | Phase::BombLocated
-                | Phase::Retrieving
-                | Phase::BagSecured
-                | Phase::Explored => return Ok(Step { to: To::Stay, acts: &[], depth }),
-            }
+            let Some(interrupted) = phase.interrupted() else { return Ok(Step { to: To::Stay, acts: &[], depth }) };
+            (phase, depth) = (interrupted, depth + 1);
         }
     }
 
@@ -193,7 +180,7 @@ impl Sweep {
 
     /// The cause of the fault, if START would not get past it. A cell that was free once may be tried again.
     fn fault_stands<'a>(&self, phase: &'a Phase) -> Option<&'a FaultCause> {
-        let Phase::Fault { cause, .. } = phase else { return None };
+        let cause = phase.fault()?;
         let stands = match cause {
             FaultCause::NoWayHome => {
                 let way = Planner::default().to_cell(&self.world.map, self.world.robot.pose, Cell::HOME, Through::Known);

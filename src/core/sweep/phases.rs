@@ -114,29 +114,12 @@ impl Sweep {
 
     /// How far the inspection has come, interrupted or not.
     pub(super) fn stage(&self) -> Option<Stage> {
-        match self.mission.phase.underlying() {
-            Phase::Inspecting(inspection) => Some(inspection.stage),
-            Phase::Idle
-            | Phase::Exploring
-            | Phase::Driving { .. }
-            | Phase::ReturningHome
-            | Phase::AtHome
-            | Phase::ReturningWithAlarm
-            | Phase::BombLocated
-            | Phase::Retrieving
-            | Phase::BagSecured
-            | Phase::Explored
-            | Phase::Fault { .. } => None,
-        }
+        self.mission.phase.inspection().map(|inspection| inspection.stage)
     }
 
     /// Lets the inspection come to a stage, if there is one.
     pub(super) fn set_stage(&mut self, stage: Stage) {
-        let mut phase = &mut self.mission.phase;
-        while let Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. } = phase {
-            phase = interrupted;
-        }
-        if let Phase::Inspecting(inspection) = phase {
+        if let Phase::Inspecting(inspection) = self.mission.phase.underlying_mut() {
             inspection.stage = stage;
             self.world.touch(Resource::Mission);
             self.world.touch(Resource::Robot);
@@ -145,20 +128,7 @@ impl Sweep {
 
     /// The record of the piece in front of the robot.
     pub(super) fn inspected(&self) -> Option<LuggageId> {
-        match self.mission.phase.underlying() {
-            Phase::Inspecting(inspection) => inspection.luggage(),
-            Phase::Idle
-            | Phase::Exploring
-            | Phase::Driving { .. }
-            | Phase::ReturningHome
-            | Phase::AtHome
-            | Phase::ReturningWithAlarm
-            | Phase::BombLocated
-            | Phase::Retrieving
-            | Phase::BagSecured
-            | Phase::Explored
-            | Phase::Fault { .. } => None,
-        }
+        self.mission.phase.inspection().and_then(Inspection::luggage)
     }
 
     /// Writes a mark on the map; a cell that was free once and is blocked now may be tried again after a fault.

@@ -28,25 +28,11 @@ impl Sweep {
 
     fn mission_view(&self) -> MissionView {
         let phase = &self.mission.phase;
-        let (interrupted, fault) = match phase {
-            Phase::Driving { interrupted, .. } => (Some(interrupted.name()), None),
-            Phase::Fault { interrupted, cause } => (Some(interrupted.name()), Some(cause.to_string())),
-            Phase::Idle
-            | Phase::Exploring
-            | Phase::Inspecting(_)
-            | Phase::ReturningHome
-            | Phase::AtHome
-            | Phase::ReturningWithAlarm
-            | Phase::BombLocated
-            | Phase::Retrieving
-            | Phase::BagSecured
-            | Phase::Explored => (None, None),
-        };
         MissionView {
             id: self.mission.id,
             phase: phase.name(),
-            interrupted,
-            fault,
+            interrupted: phase.interrupted().map(Phase::name),
+            fault: phase.fault().map(ToString::to_string),
             holds: self.mission.holds.to_vec(),
             goal: self.goal(),
             route: cells_along(self.world.robot.pose, self.mission.route.iter().copied()).into(),
