@@ -236,6 +236,9 @@ pub enum Refused {
     /// Nothing can be put on record.
     #[error("the record cannot be written, so nothing was decided: try again when the store is back")]
     StoreDown,
+    /// It was carried out, but the store failed before it was on record.
+    #[error("it could not be put on record, because the store has failed: look at the state before you repeat it")]
+    NotKept,
 }
 
 impl Refused {
@@ -244,7 +247,7 @@ impl Refused {
     pub const fn kind(&self) -> RefusalKind {
         match self {
             Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_) => RefusalKind::Unknown,
-            Refused::StoreDown => RefusalKind::Unavailable,
+            Refused::StoreDown | Refused::NotKept => RefusalKind::Unavailable,
             Refused::Held(_)
             | Refused::Outdated { .. }
             | Refused::NotInPhase(_)
@@ -291,6 +294,7 @@ impl Refused {
             Refused::NoRetrievalRobot => "noRetrievalRobot",
             Refused::FaultStands(_) => "faultStands",
             Refused::StoreDown => "storeDown",
+            Refused::NotKept => "notKept",
         }
     }
 }

@@ -93,8 +93,8 @@ pub enum Fact {
     MissionBegan(MissionId, Strategy),
     /// A mission was put away; the bombs that were left in place.
     MissionArchived(MissionId, Vec<LuggageId>),
-    /// The phase changed.
-    Phase(PhaseName),
+    /// The phase changed; the one it interrupts, if it is an interruption.
+    Phase(PhaseName, Option<PhaseName>),
     /// The set of holds changed.
     Holds(Vec<Hold>),
     /// The goal changed.

@@ -10,7 +10,7 @@ use super::clock::Clock;
 use super::halt::{HaltWatch, Halter};
 use super::handle::{COMMANDS, Envelope, Handle};
 use super::link::{RobotLink, ToRobot};
-use super::store::Store;
+use super::store::{Store, StoreWord};
 use crate::core::command::{Accepted, Refused};
 use crate::core::effect::Effect;
 use crate::core::event::{Event, RobotEvent, RobotId};
@@ -23,6 +23,8 @@ pub struct Task {
     sweep: Sweep,
     link: RobotLink,
     store: Box<dyn Store>,
+    /// What the store says of the entries it was given.
+    word: watch::Receiver<StoreWord>,
     clock: Clock,
     halts: HaltWatch,
     commands: mpsc::Receiver<Envelope>,
@@ -45,7 +47,9 @@ impl Task {
         let halts = halter.watch();
         let handle = Handle::new(commands_out, snapshots.subscribe(), halter);
         let answers = BTreeMap::new();
-        let task = Task { sweep, link, store, clock, halts, commands, snapshots, answers, store_failed: false, link_gone: false };
+        let word = store.word();
+        let task =
+            Task { sweep, link, store, word, clock, halts, commands, snapshots, answers, store_failed: false, link_gone: false };
         (handle, task)
     }
 
@@ -58,6 +62,7 @@ impl Task {
                 biased;
                 _ = closing.wait_for(|closing| *closing) => break,
                 epoch = self.halts.raised() => self.sweep.handle_halt(epoch, self.clock.now()),
+                Ok(()) = self.word.changed() => self.hear_store(),
                 report = self.link.reports.recv(), if !self.link_gone => self.take_report(report),
                 envelope = self.commands.recv() => match envelope {
                     Some(envelope) => self.take_command(envelope),
@@ -100,7 +105,7 @@ impl Task {
                     Effect::Led(RobotId::Discovery, blinks) => self.send(ToRobot::Led(blinks)),
                     Effect::Record(seq, entry) => {
                         self.store.record(seq, &entry);
-                        self.ask_store();
+                        self.hear_store_at_once();
                     }
                     Effect::Answer(ticket, answer) => answers.push((ticket, answer)),
                 }
@@ -122,9 +127,17 @@ impl Task {
         }
     }
 
-    fn ask_store(&mut self) {
+    /// A store that has said its word already need not wait for the next round.
+    fn hear_store_at_once(&mut self) {
+        if self.word.has_changed().unwrap_or(false) {
+            self.hear_store();
+        }
+    }
+
+    fn hear_store(&mut self) {
         let now = self.clock.now();
-        match self.store.kept() {
+        let word = self.word.borrow_and_update().clone();
+        match word {
             Ok(seq) => {
                 if std::mem::take(&mut self.store_failed) {
                     self.sweep.handle_event(Event::StoreRestored, now);
@@ -178,16 +191,21 @@ mod tests {
     use crate::core::units::{Epoch, Seq};
     use crate::runtime::link::{RobotSide, link};
 
-    /// Keeps nothing, but says so at once.
-    struct Forgetful(Seq);
+    /// Keeps nothing, but says that it did: at once, or when the test lets it.
+    struct Forgetful {
+        word: watch::Sender<StoreWord>,
+        at_once: bool,
+    }
 
     impl Store for Forgetful {
         fn record(&mut self, seq: Seq, _entry: &Entry) {
-            self.0 = seq;
+            if self.at_once {
+                drop(self.word.send_replace(Ok(seq)));
+            }
         }
 
-        fn kept(&mut self) -> Result<Seq, String> {
-            Ok(self.0)
+        fn word(&self) -> watch::Receiver<StoreWord> {
+            self.word.subscribe()
         }
     }
 
@@ -196,15 +214,25 @@ mod tests {
     }
 
     fn house() -> (Handle, Task, RobotSide) {
+        let (handle, task, robot, _) = house_with(true);
+        (handle, task, robot)
+    }
+
+    fn house_with(at_once: bool) -> (Handle, Task, RobotSide, watch::Sender<StoreWord>) {
+        let word = watch::Sender::new(Ok(Seq(0)));
+        let store = Forgetful { word: word.clone(), at_once };
         let halter = Halter::new(Epoch(0));
         let (loop_side, robot_side) = link(halter.watch());
         let sweep = Sweep::new(Settings::default(), Default::default(), "test".into());
-        let (handle, task) = Task::new(sweep, loop_side, Box::new(Forgetful(Seq(0))), Clock::default(), halter);
-        (handle, task, robot_side)
+        let (handle, task) = Task::new(sweep, loop_side, Box::new(store), Clock::default(), halter);
+        (handle, task, robot_side, word)
     }
 
     async fn running() -> (Handle, RobotSide, watch::Sender<bool>) {
-        let (handle, task, robot) = house();
+        start(house()).await
+    }
+
+    async fn start((handle, task, robot): (Handle, Task, RobotSide)) -> (Handle, RobotSide, watch::Sender<bool>) {
         let (close, closing) = watch::channel(false);
         tokio::spawn(task.run(closing));
         let second = Duration::from_secs(1);
@@ -251,6 +279,24 @@ mod tests {
                 robot.reports.send(RobotEvent::Halted(order.id, false)).await.unwrap();
             }
         }
+    }
+
+    /// Safety S2 and V3: the answer waits for the record, however late it comes, and so does the robot.
+    #[tokio::test]
+    async fn a_store_that_answers_late_delays_start_but_not_stop() {
+        let (handle, task, robot, word) = house_with(false);
+        let (handle, mut robot, _close) = start((handle, task, robot)).await;
+        let starting = tokio::spawn({
+            let handle = handle.clone();
+            async move { handle.give(request(Command::Start)).await }
+        });
+        handle.watch().wait_for(|state| state.mission.phase == PhaseName::Exploring).await.unwrap();
+        handle.give(request(Command::Stop)).await.unwrap().unwrap();
+        assert!(!starting.is_finished());
+        drop(word.send_replace(Ok(Seq(1000))));
+        starting.await.unwrap().unwrap().unwrap();
+        let began = std::iter::from_fn(|| robot.orders.try_recv().ok()).any(|message| matches!(message, ToRobot::Order(_)));
+        assert!(!began, "the stop came before the record of the start");
     }
 
     #[tokio::test]

@@ -104,7 +104,10 @@ mod tests {
             serde_json::json!({"revision": 20, "state": "stopped", "heading": "east", "position": {"x": 2, "y": 2},
                 "offCentre": false, "sonar": 42, "led": "blinking"})
         );
-        assert_eq!(json["temperature"], serde_json::json!({"revision": 20, "celsius": 21.4, "status": "ok", "threshold": 25.0}));
+        assert_eq!(
+            json["temperature"],
+            serde_json::json!({"revision": 20, "celsius": 21.4, "status": "ok", "threshold": 25.0, "hot": []})
+        );
         assert_eq!(
             json["luggage"][2],
             serde_json::json!({"id": 3, "verdict": "pending", "cell": {"x": 3, "y": 2}, "position": {"x": 2, "y": 2},

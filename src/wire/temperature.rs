@@ -16,6 +16,17 @@ pub struct TemperatureJson {
     pub status: &'static str,
     /// In °C; above it nothing moves.
     pub threshold: f64,
+    /// The sources that keep the hall too hot, each with its last reading; empty when no reading does.
+    pub hot: Vec<HotJson>,
+}
+
+/// A source that is too hot.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HotJson {
+    /// `operator`, `robot`, or the name of a sensor.
+    pub source: String,
+    /// Its last reading in °C.
+    pub celsius: f64,
 }
 
 impl TemperatureJson {
@@ -27,6 +38,11 @@ impl TemperatureJson {
             celsius: view.celsius.map(|celsius| celsius.degrees()),
             status: view.status.name(),
             threshold: view.threshold.degrees(),
+            hot: view
+                .hot
+                .iter()
+                .map(|(source, celsius)| HotJson { source: source.to_string(), celsius: celsius.degrees() })
+                .collect(),
         }
     }
 }

@@ -17,7 +17,8 @@ fn words(fact: &Fact) -> String {
         }
         Fact::MissionBegan(mission, strategy) => format!("mission {mission} began ({})", strategy.name()),
         Fact::MissionArchived(mission, left) => format!("mission {mission} archived, bombs left: {}", list(left)),
-        Fact::Phase(phase) => format!("phase {}", phase.name()),
+        Fact::Phase(phase, None) => format!("phase {}", phase.name()),
+        Fact::Phase(phase, Some(within)) => format!("phase {} (interrupting {})", phase.name(), within.name()),
         Fact::Holds(holds) => format!("holds {}", list(holds.iter().map(|hold| hold.name()))),
         Fact::Goal(goal) => goal.map_or_else(|| "goal none".to_owned(), |cell| format!("goal {cell}")),
         Fact::Pose(pose) => format!("pose {} {}", pose.cell, pose.heading.name()),

@@ -64,7 +64,7 @@ impl Planner {
 
     /// Towards a goal outside `area`: to the edge from which the rest, taken as free, is shortest.
     fn towards(&mut self, map: &HallMap, start: Pose, goal: Cell, area: Bounds) -> Option<Vec<Move>> {
-        let mut best: Option<(u32, Pose)> = None;
+        let mut best: Option<(u64, Pose)> = None;
         let on_edge = |cell: Cell| {
             !Bounds { least: Cell::new(area.least.x + 1, area.least.y + 1), most: Cell::new(area.most.x - 1, area.most.y - 1) }
                 .contains(cell)
@@ -75,7 +75,8 @@ impl Planner {
             start,
             |_, mark| may_enter(mark, Through::Unknown),
             |pose, depth| {
-                let whole = depth + pose.cell.x.abs_diff(goal.x) + pose.cell.y.abs_diff(goal.y);
+                let rest = u64::from(pose.cell.x.abs_diff(goal.x)) + u64::from(pose.cell.y.abs_diff(goal.y));
+                let whole = u64::from(depth) + rest;
                 if on_edge(pose.cell) && best.is_none_or(|(least, _)| whole < least) {
                     best = Some((whole, pose));
                 }

@@ -13,5 +13,5 @@ pub use input::{Input, Matter};
 pub use phase::{FaultCause, Inspection, Phase, PhaseName, Stage};
 pub use print::table_markdown;
 pub use rule::{Act, Bar, Case, Rule, To};
-pub use state::{Deciding, Goal, Mission};
+pub use state::{Deciding, Goal, Mission, Recording};
 pub use table::rules;

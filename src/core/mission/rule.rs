@@ -66,7 +66,7 @@ impl Bar {
         match self {
             Bar::Held => "a hold stands that it does not clear",
             Bar::NotInPhase => "not in this phase",
-            Bar::VerdictAwaited => "a piece with a usable photo waits for its verdict",
+            Bar::VerdictAwaited => "it would explore while a piece with a usable photo waits for its verdict",
             Bar::VerdictPending => "a verdict is pending",
             Bar::OperatorAsked => "the piece in front of the robot waits for its verdict",
             Bar::Driving => "the robot is driven by hand",
@@ -114,7 +114,7 @@ impl Case {
             Case::ThisPiece => "it is the piece in front of the robot",
             Case::SameVerdict => "the same verdict stands already",
             Case::FromIdle => "idle was interrupted",
-            Case::RobotAtHome => "the robot is at home",
+            Case::RobotAtHome => "the robot stands at home",
         }
     }
 }

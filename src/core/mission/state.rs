@@ -2,8 +2,9 @@
 
 use std::collections::{BTreeSet, VecDeque};
 
-use super::{Holds, Phase};
+use super::{Hold, Holds, Phase};
 use crate::core::command::{Move, Verdict};
+use crate::core::effect::Fact;
 use crate::core::explore::{Search, Strategy};
 use crate::core::units::{Cell, Epoch, LuggageId, MissionId, Seq};
 use crate::core::world::luggage::{Decision, Luggage};
@@ -39,7 +40,7 @@ pub struct Mission {
     /// The number of the last piece of luggage of all missions.
     pub last_luggage: LuggageId,
     /// Records on their way to the store.
-    pub recording: Vec<(Seq, Luggage)>,
+    pub recording: Vec<Recording>,
     /// Verdicts on their way to the store; at most one a piece.
     pub deciding: Vec<Deciding>,
 }
@@ -64,6 +65,17 @@ impl Goal {
     }
 }
 
+/// A piece that is not yet on record.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// Its place in the journal.
+    pub seq: Seq,
+    /// What will be shown once it is on record.
+    pub luggage: Luggage,
+    /// What is being recorded, in case the store loses it.
+    pub fact: Fact,
+}
+
 /// A verdict that is not yet on record.
 #[derive(Clone, Debug)]
 pub struct Deciding {
@@ -76,14 +88,16 @@ pub struct Deciding {
 }
 
 impl Mission {
-    /// Before the first mission.
+    /// Before the first mission. No robot is linked yet, so nothing moves.
     #[must_use]
     pub fn new(strategy: Strategy) -> Mission {
+        let mut holds = Holds::default();
+        holds.raise(Hold::RobotLink);
         Mission {
             id: MissionId(0),
             under_way: false,
             phase: Phase::Idle,
-            holds: Holds::default(),
+            holds,
             epoch: Epoch(0),
             strategy,
             search: strategy.begin(),
@@ -103,7 +117,6 @@ impl Mission {
         self.goal = None;
         self.route.clear();
         self.trail.clear();
-        self.blocked.clear();
     }
 
     /// Notes that the robot has left a cell.

@@ -30,7 +30,7 @@ impl Sweep {
             Act::Clear(hold) => self.clear(hold),
             Act::LedOff => self.led(false),
             Act::AlarmDanger => self.alarm_about(matter.luggage, "dangerous"),
-            Act::AlarmUnrecorded => self.alarm_about(matter.luggage, "said to be dangerous, but that could not be recorded"),
+            Act::AlarmUnrecorded => matter.luggage.map_or((), |id| self.alarm_unrecorded(id)),
             Act::FacePiece => self.set_stage(Stage::TakingPhoto),
             Act::Retake => self.retake(matter),
             Act::RecordPiece => self.record_piece(matter),
@@ -63,6 +63,8 @@ impl Sweep {
     fn empty_map(&mut self) {
         let revision = self.world.touch(Resource::Map);
         self.world.map = HallMap::new(Cell::HOME, revision);
+        self.world.pieces.clear();
+        self.mission.blocked.clear();
         self.mission.restart_search();
         self.outbox.note(self.now.wall, Fact::MapEmptied(self.world.robot.pose.heading));
     }
@@ -71,7 +73,7 @@ impl Sweep {
     fn stop(&mut self, matter: &Matter) {
         let next = self.mission.epoch.next();
         self.mission.epoch = matter.epoch.map_or(next, |raised| raised.max(self.mission.epoch));
-        self.outbox.send(Effect::Halt(RobotId::Discovery));
+        self.send_halt();
         self.world.touch(Resource::Mission);
         self.raise(Hold::Operator, None);
     }
@@ -105,7 +107,16 @@ impl Sweep {
     /// Halts the robot if it is moving.
     pub(super) fn halt_robot(&mut self) {
         if self.helm.is_moving() {
-            self.outbox.send(Effect::Halt(RobotId::Discovery));
+            self.send_halt();
+        }
+    }
+
+    /// A halt goes ahead of everything that is still to be done outside (safety S2), and an order that has not gone out never
+    /// will.
+    pub(super) fn send_halt(&mut self) {
+        if let Some(order) = self.outbox.halt(RobotId::Discovery) {
+            self.helm.close(order.id);
+            self.world.touch(Resource::Robot);
         }
     }
 
@@ -124,6 +135,11 @@ impl Sweep {
             self.world.write(self.now.wall, Tone::Alarm, text.clone());
             self.outbox.note(self.now.wall, Fact::AlarmRaised(id, text));
         }
+    }
+
+    /// A danger was said that could not be recorded: it alarms all the same.
+    pub(super) fn alarm_unrecorded(&mut self, luggage: LuggageId) {
+        self.alarm_about(Some(luggage), "said to be dangerous, but that could not be recorded");
     }
 
     fn acknowledge(&mut self, matter: &Matter) {

@@ -59,7 +59,7 @@ impl Sweep {
         match bar {
             Bar::Held => Some(self.mission.holds.standing_against_start()).filter(|holds| !holds.is_empty()).map(Refused::Held),
             Bar::NotInPhase => Some(Refused::NotInPhase(phase.name())),
-            Bar::VerdictAwaited => self.first_pending(true).map(Refused::VerdictPending),
+            Bar::VerdictAwaited => self.first_pending(true).filter(|_| explores(phase)).map(Refused::VerdictPending),
             Bar::VerdictPending => self.first_pending(false).map(Refused::VerdictPending),
             Bar::OperatorAsked => self.asked().map(Refused::VerdictPending),
             Bar::Driving => Some(Refused::Driving),
@@ -107,7 +107,7 @@ impl Sweep {
             Case::ThisPiece => matches!(phase, Phase::Inspecting(inspection) if inspection.luggage() == matter.luggage),
             Case::SameVerdict => matter.verdict.is_some() && self.verdict_of(matter.luggage) == matter.verdict,
             Case::FromIdle => matches!(phase.underlying(), Phase::Idle),
-            Case::RobotAtHome => self.world.is_home(),
+            Case::RobotAtHome => self.rests_at_home(),
         }
     }
 
@@ -200,4 +200,9 @@ impl Sweep {
     pub(super) fn phase_name(&self) -> PhaseName {
         self.mission.phase.name()
     }
+}
+
+/// Whether START in this phase sets out to explore.
+fn explores(phase: &Phase) -> bool {
+    matches!(phase.underlying(), Phase::Exploring | Phase::AtHome)
 }

@@ -17,6 +17,8 @@ pub(super) struct Helm {
     /// What the robot can do; nothing is known before its link is up.
     pub(super) capabilities: Option<Capabilities>,
     open: Option<Open>,
+    /// An order that was given up: its answer may still come.
+    overdue: Option<Order>,
     last: OrderId,
     /// What the robot will be seen doing when it recentres: the opposite of what took it off centre.
     way_back: Option<RobotState>,
@@ -47,19 +49,28 @@ impl Helm {
         order
     }
 
-    /// Closes the open order if it is this one; an answer to any other is out of date.
+    /// Closes the open order, or the one that was given up, if it is this one; an answer to any other is out of date.
     pub(super) fn close(&mut self, id: OrderId) -> Option<Order> {
-        let open = self.open.filter(|open| open.order.id == id)?;
-        self.open = None;
+        if let Some(overdue) = self.overdue.take_if(|order| order.id == id) {
+            return Some(overdue);
+        }
+        let open = self.open.take_if(|open| open.order.id == id)?;
+        self.overdue = None;
         if let Action::Move(step) = open.order.action {
             self.way_back = Some(undoing(step));
         }
         Some(open.order)
     }
 
-    /// Closes the open order without an answer.
+    /// Closes the open order without an answer: none will come.
     pub(super) fn drop_open(&mut self) -> Option<Order> {
         self.open.and_then(|open| self.close(open.order.id))
+    }
+
+    /// Gives the open order up; its answer may still come late.
+    pub(super) fn give_up(&mut self) -> Option<Order> {
+        self.overdue = self.drop_open();
+        self.overdue
     }
 
     /// When the open order counts as unanswered.

@@ -36,6 +36,7 @@ use super::settings::Settings;
 use super::units::{Epoch, LuggageId, Now, Ticket};
 use super::world::log::Tone;
 use super::world::model::World;
+use super::world::resource::Resource;
 use super::world::snapshot::Snapshot;
 
 /// The whole core.
@@ -106,18 +107,24 @@ impl Sweep {
         match event {
             Event::Robot(RobotId::Discovery, report) => self.report(report),
             Event::Sensor(source, celsius) => {
-                self.feed(Input::SensorBack, &Matter::default());
+                if self.world.thermometer.hear(&source) {
+                    self.feed(Input::SensorBack, &Matter::default());
+                }
                 self.read_temperature(&source, celsius);
             }
             Event::SensorSilent(source) => {
+                self.world.thermometer.miss(&source);
                 self.feed(Input::SensorSilent, &Matter { words: Some(source.to_string()), ..Matter::default() });
             }
             Event::Recorded(seq) => self.kept(seq),
             Event::StoreFailed(words) => {
                 self.feed(Input::StoreFailed, &Matter { words: Some(words), ..Matter::default() });
-                self.answer_store_down();
+                self.withdraw_unkept();
             }
-            Event::StoreRestored => self.feed(Input::StoreRestored, &Matter::default()),
+            Event::StoreRestored => {
+                self.feed(Input::StoreRestored, &Matter::default());
+                self.record_anew();
+            }
         }
         self.pump();
     }
@@ -148,9 +155,25 @@ impl Sweep {
         if let Some(taken) = current {
             return Arc::clone(taken);
         }
+        self.touch_derived();
         let snapshot = Arc::new(self.view());
         self.taken = Some(Arc::clone(&snapshot));
         snapshot
+    }
+
+    /// What is shown of a resource may follow from another (a refusal from an alarm, the progress from the map): then it has
+    /// changed as well.
+    fn touch_derived(&mut self) {
+        let (Some(before), after) = (self.taken.clone(), self.view()) else { return };
+        for (resource, differs) in [
+            (Resource::Mission, before.mission != after.mission),
+            (Resource::Robot, before.robot != after.robot),
+            (Resource::Temperature, before.temperature != after.temperature),
+        ] {
+            if differs && before.revision_of(resource) == after.revision_of(resource) {
+                self.world.touch(resource);
+            }
+        }
     }
 
     fn begin(&mut self, now: Now) {

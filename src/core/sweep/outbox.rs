@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-use crate::core::effect::{Effect, Entry, Fact};
+use crate::core::effect::{Effect, Entry, Fact, Order};
+use crate::core::event::RobotId;
 use crate::core::units::{LuggageId, Seq, Ticket, Wall};
 
 /// The outgoing side of a sweep.
@@ -31,6 +32,22 @@ pub(super) struct Waiting {
 impl Outbox {
     pub(super) fn send(&mut self, effect: Effect) {
         self.effects.push_back(effect);
+    }
+
+    /// Puts a halt ahead of everything else; a motion that has not gone out is taken back, and returned.
+    pub(super) fn halt(&mut self, robot: RobotId) -> Option<Order> {
+        let place = self
+            .effects
+            .iter()
+            .position(|effect| matches!(effect, Effect::Order(to, order) if *to == robot && order.action.is_motion()));
+        let order = place.and_then(|place| self.effects.remove(place));
+        if self.effects.front() != Some(&Effect::Halt(robot)) {
+            self.effects.push_front(Effect::Halt(robot));
+        }
+        match order {
+            Some(Effect::Order(_, order)) => Some(order),
+            _ => None,
+        }
     }
 
     pub(super) fn poll(&mut self) -> Option<Effect> {

@@ -54,10 +54,15 @@ impl Sweep {
         phase
     }
 
-    /// The phase that was interrupted. Waiting at home is over once the robot has been driven away.
+    /// Whether the robot stands in the middle of its home cell and is not about to leave it.
+    pub(super) fn rests_at_home(&self) -> bool {
+        self.world.is_home() && !self.helm.is_moving()
+    }
+
+    /// The phase that was interrupted. Waiting at home is over once the robot has been driven away, or is just being.
     fn resumed(&self, phase: Phase) -> Phase {
         let (Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. }) = phase else { return phase };
-        if *interrupted == Phase::AtHome && !self.world.is_home() { Phase::Exploring } else { *interrupted }
+        if *interrupted == Phase::AtHome && !self.rests_at_home() { Phase::Exploring } else { *interrupted }
     }
 
     fn entered(&mut self, name: PhaseName, old: Phase, input: Option<Input>, matter: &Matter) -> Phase {
@@ -106,10 +111,16 @@ impl Sweep {
         let after = self.phase_name();
         self.world.touch(Resource::Mission);
         self.world.touch(Resource::Robot);
-        self.outbox.record(self.now.wall, Fact::Phase(after));
+        self.outbox.record(self.now.wall, self.phase_fact());
         if after != before {
             self.world.write(self.now.wall, Tone::Info, format!("{} → {}", before.in_words(), after.in_words()));
         }
+    }
+
+    /// The phase as it is put on record.
+    pub(super) fn phase_fact(&self) -> Fact {
+        let phase = &self.mission.phase;
+        Fact::Phase(phase.name(), phase.interrupted().map(|interrupted| interrupted.underlying().name()))
     }
 
     /// How far the inspection has come, interrupted or not.

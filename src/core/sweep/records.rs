@@ -6,7 +6,7 @@ use super::Sweep;
 use crate::core::command::{Accepted, Refused, Verdict};
 use crate::core::effect::{Effect, Fact};
 use crate::core::event::Photo;
-use crate::core::mission::{Deciding, Input, Inspection, Matter, Phase, Stage};
+use crate::core::mission::{Deciding, Input, Inspection, Matter, Phase, Recording, Stage};
 use crate::core::units::{LuggageId, Seq};
 use crate::core::world::hall_map::Mark;
 use crate::core::world::log::Tone;
@@ -52,8 +52,9 @@ impl Sweep {
     fn send_record(&mut self, luggage: Luggage, matter: &Matter) {
         let photo = matter.photo.clone().ok_or_else(|| matter.words.clone().unwrap_or_default());
         let fact = Fact::Luggage { id: luggage.id, cell: luggage.cell, pose: luggage.pose, photo };
-        let seq = self.outbox.record(self.now.wall, fact);
-        self.mission.recording.push((seq, luggage));
+        self.world.pieces.extend(luggage.piece);
+        let seq = self.outbox.record(self.now.wall, fact.clone());
+        self.mission.recording.push(Recording { seq, luggage, fact });
     }
 
     /// The record of a piece is kept: show it and wait for the operator.
@@ -77,10 +78,11 @@ impl Sweep {
     /// Everything up to `seq` is kept: what waited for it happens now, in order.
     pub(super) fn kept(&mut self, seq: Seq) {
         self.outbox.keep(seq);
-        let (kept, waiting) = std::mem::take(&mut self.mission.recording).into_iter().partition(|(at, _)| *at <= seq);
+        let (kept, waiting): (Vec<Recording>, _) =
+            std::mem::take(&mut self.mission.recording).into_iter().partition(|recording| recording.seq <= seq);
         self.mission.recording = waiting;
-        for (_, luggage) in kept {
-            self.show_record(luggage);
+        for recording in kept {
+            self.show_record(recording.luggage);
         }
         let (kept, waiting) = std::mem::take(&mut self.mission.deciding).into_iter().partition(|deciding| deciding.seq <= seq);
         self.mission.deciding = waiting;
@@ -132,10 +134,28 @@ impl Sweep {
         }
     }
 
-    /// The store has failed: whoever waits for a record is told so.
-    pub(super) fn answer_store_down(&mut self) {
+    /// The store has failed: verdicts on their way are withdrawn, a danger among them alarms all the same, and whoever waits
+    /// for a record is told so.
+    pub(super) fn withdraw_unkept(&mut self) {
+        for deciding in std::mem::take(&mut self.mission.deciding) {
+            if deciding.decision.verdict == Verdict::Danger {
+                self.alarm_unrecorded(deciding.luggage);
+            }
+        }
         for waiting in self.outbox.give_up() {
-            self.outbox.send(Effect::Answer(waiting.ticket, Err(Refused::StoreDown)));
+            let refused = if waiting.verdict.is_some() { Refused::StoreDown } else { Refused::NotKept };
+            self.outbox.send(Effect::Answer(waiting.ticket, Err(refused)));
+        }
+    }
+
+    /// The store writes again: what it may have lost is put on record once more, a withdrawn verdict never.
+    pub(super) fn record_anew(&mut self) {
+        let wall = self.now.wall;
+        self.outbox.record(wall, self.phase_fact());
+        self.outbox.note(wall, Fact::Holds(self.mission.holds.to_vec()));
+        for mut recording in std::mem::take(&mut self.mission.recording) {
+            recording.seq = self.outbox.record(wall, recording.fact.clone());
+            self.mission.recording.push(recording);
         }
     }
 

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::Sweep;
 use crate::core::command::Move;
-use crate::core::effect::{Action, Effect, Fact, Order};
-use crate::core::event::{Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent, RobotId};
+use crate::core::effect::{Action, Fact, Order};
+use crate::core::event::{Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent};
 use crate::core::explore::plan::after;
 use crate::core::mission::{Input, Matter};
 use crate::core::units::{Cell, Heading, OrderId};
@@ -59,7 +59,9 @@ impl Sweep {
         self.feed(Input::Done, &Matter::default());
     }
 
+    /// The robot stands where the move led; after a late answer too, so it is not off centre any more.
     fn moved(&mut self, step: Move) {
+        self.world.robot.off_centre = false;
         let before = self.world.robot.pose;
         let pose = after(before, step);
         self.world.robot.pose = pose;
@@ -83,10 +85,11 @@ impl Sweep {
         let Some(order) = self.close(id) else { return };
         self.world.robot.off_centre = true;
         self.mission.route.clear();
-        let Action::Move(step) = order.action else {
-            let words = "something is in the way back to the centre of its cell".to_owned();
+        let Action::Move(step @ (Move::Forward | Move::Backward)) = order.action else {
+            let words = "something is in the way of a turn, or of the way back to the centre of its cell".to_owned();
             return self.feed(Input::RobotFailed, &Matter { words: Some(words), ..Matter::default() });
         };
+        let obstacle = if self.settings.inspect_everything { Obstacle::Unknown } else { obstacle };
         let cell = after(self.world.robot.pose, step).cell;
         self.meet(cell, obstacle);
         self.feed(Input::Blocked, &Matter { cell: Some(cell), obstacle: Some(obstacle), ..Matter::default() });
@@ -95,9 +98,9 @@ impl Sweep {
     /// Marks the obstacle by what it was taken for (mission §3).
     fn meet(&mut self, cell: Cell, obstacle: Obstacle) {
         let mark = match obstacle {
-            Obstacle::Wall { .. } if !self.settings.inspect_everything => Mark::Wall,
-            Obstacle::Luggage(piece) if self.knows(piece) => Mark::Luggage,
-            Obstacle::Wall { .. } | Obstacle::Luggage(_) | Obstacle::Unknown => Mark::NotInspected,
+            Obstacle::Wall { .. } => Mark::Wall,
+            Obstacle::Luggage(piece) if self.world.pieces.contains(&piece) => Mark::Luggage,
+            Obstacle::Luggage(_) | Obstacle::Unknown => Mark::NotInspected,
         };
         // A mark that was settled stays: an inspected bag is not asked about again because the camera could not tell this time.
         if !matches!(self.world.map.at(cell), Mark::Wall | Mark::Luggage) {
@@ -125,12 +128,6 @@ impl Sweep {
                 self.mark(cell, Mark::Wall);
             }
         }
-    }
-
-    /// Whether this piece is on record in this mission, or about to be.
-    fn knows(&self, piece: Piece) -> bool {
-        let recorded = self.world.luggage.values().any(|luggage| luggage.piece == Some(piece));
-        recorded || self.mission.recording.iter().any(|(_, luggage)| luggage.piece == Some(piece))
     }
 
     fn halted(&mut self, id: OrderId, off_centre: OffCentre) {
@@ -164,11 +161,11 @@ impl Sweep {
 
     /// The deadline of the open order and its grace have passed without an answer.
     pub(super) fn order_unanswered(&mut self) {
-        let Some(order) = self.helm.drop_open() else { return };
+        let Some(order) = self.helm.give_up() else { return };
         self.world.touch(Resource::Robot);
         if order.action.is_motion() {
             self.world.robot.off_centre = true;
-            self.outbox.send(Effect::Halt(RobotId::Discovery));
+            self.send_halt();
             self.feed(Input::Unanswered, &Matter::default());
         } else {
             let words = "the camera did not answer in time".to_owned();

@@ -238,6 +238,7 @@ fn an_order_that_is_not_answered_in_time_is_a_fault_and_start_recentres_first() 
     let mut sweep = sweep_in(PhaseName::Exploring, &[]);
     sweep.pump();
     assert!(matches!(settle(&mut sweep)[..], [Action::Move(_)]));
+    sweep.world.luggage.clear();
     let due = sweep.poll_timeout().expect("an open order has a deadline");
     sweep.handle_timeout(Now { since_start: due, wall: Wall::default() });
     assert_eq!(sweep.phase_name(), PhaseName::Fault);

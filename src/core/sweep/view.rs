@@ -71,7 +71,12 @@ impl Sweep {
         } else {
             TemperatureStatus::Ok
         };
-        TemperatureView { celsius: self.world.thermometer.last(), status, threshold: self.world.thermometer.threshold() }
+        TemperatureView {
+            celsius: self.world.thermometer.last(),
+            status,
+            threshold: self.world.thermometer.threshold(),
+            hot: self.world.thermometer.hot(),
+        }
     }
 
     fn progress(&self) -> Progress {

@@ -1,7 +1,7 @@
 //! The resource model itself: everything that is shown, with a revision for each part.
 //! What may change it, and when, is the mission's business; here changes are only made and counted.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::alarm::Alarm;
@@ -11,6 +11,7 @@ use super::luggage::Luggage;
 use super::resource::Resource;
 use super::robot::{RobotState, RobotView};
 use super::temperature::Thermometer;
+use crate::core::event::Piece;
 use crate::core::settings::Settings;
 use crate::core::units::{AlarmId, Cell, LuggageId, Pose, Revision, Wall};
 
@@ -25,6 +26,8 @@ pub struct World {
     pub map: HallMap,
     /// The luggage of this mission.
     pub luggage: BTreeMap<LuggageId, Arc<Luggage>>,
+    /// The pieces the camera would know again: those on record of whatever stands on the map.
+    pub pieces: BTreeSet<Piece>,
     /// The temperature.
     pub thermometer: Thermometer,
     /// The alarms, oldest first.
@@ -49,6 +52,7 @@ impl World {
             robot,
             map: HallMap::new(Cell::HOME, Revision(1)),
             luggage: BTreeMap::new(),
+            pieces: BTreeSet::new(),
             thermometer: Thermometer::new(settings.threshold, settings.hysteresis),
             alarms: Vec::new(),
             log: Log::default(),

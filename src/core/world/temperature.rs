@@ -1,7 +1,7 @@
 //! The temperature of the hall: the last reading of every source, compared with the threshold.
 //! Which hold follows from it is the mission's business.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::core::units::Celsius;
@@ -16,19 +16,21 @@ pub struct Thermometer {
     threshold: Celsius,
     hysteresis: f64,
     sources: BTreeMap<Arc<str>, Source>,
+    silent: BTreeSet<Arc<str>>,
     last: Option<Celsius>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Source {
     hot: bool,
+    reading: Celsius,
 }
 
 impl Thermometer {
     /// Without any reading: it counts as ok.
     #[must_use]
     pub const fn new(threshold: Celsius, hysteresis: f64) -> Thermometer {
-        Thermometer { threshold, hysteresis, sources: BTreeMap::new(), last: None }
+        Thermometer { threshold, hysteresis, sources: BTreeMap::new(), silent: BTreeSet::new(), last: None }
     }
 
     /// Takes a reading; true when something a door shows has changed. Readings of more sources than can be listened to are
@@ -39,21 +41,41 @@ impl Thermometer {
         } else {
             Arc::from("others")
         };
-        let before = (self.is_hot(), self.last);
-        let entry = self.sources.entry(source).or_insert(Source { hot: false });
+        let before = (self.hot(), self.last);
+        let entry = self.sources.entry(source).or_insert(Source { hot: false, reading });
+        entry.reading = reading;
         if reading > self.threshold {
             entry.hot = true;
         } else if reading.degrees() <= self.threshold.degrees() - self.hysteresis {
             entry.hot = false;
         }
         self.last = Some(reading);
-        before != (self.is_hot(), self.last)
+        before != (self.hot(), self.last)
+    }
+
+    /// Notes that a configured sensor has fallen silent.
+    pub fn miss(&mut self, source: &Arc<str>) {
+        if self.silent.len() < SOURCES {
+            self.silent.insert(Arc::clone(source));
+        }
+    }
+
+    /// Notes that a sensor reads again; true when none is silent any more.
+    pub fn hear(&mut self, source: &Arc<str>) -> bool {
+        self.silent.remove(source);
+        self.silent.is_empty()
     }
 
     /// Whether any source's last word is that it is too hot.
     #[must_use]
     pub fn is_hot(&self) -> bool {
         self.sources.values().any(|source| source.hot)
+    }
+
+    /// The sources that are too hot, each with its last reading.
+    #[must_use]
+    pub fn hot(&self) -> Vec<(Arc<str>, Celsius)> {
+        self.sources.iter().filter(|(_, source)| source.hot).map(|(name, source)| (Arc::clone(name), source.reading)).collect()
     }
 
     /// The latest reading of all.
@@ -70,7 +92,7 @@ impl Thermometer {
 }
 
 /// What is shown of the temperature.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TemperatureView {
     /// The latest reading, if there was one.
     pub celsius: Option<Celsius>,
@@ -78,6 +100,8 @@ pub struct TemperatureView {
     pub status: TemperatureStatus,
     /// Above this nothing moves.
     pub threshold: Celsius,
+    /// The sources that keep the hall too hot, each with its last reading.
+    pub hot: Vec<(Arc<str>, Celsius)>,
 }
 
 /// What the temperature means for the robot.

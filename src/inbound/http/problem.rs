@@ -157,7 +157,8 @@ mod tests {
             Some(Refused::UnknownAlarm(_)) => Refused::NoRetrievalRobot,
             Some(Refused::NoRetrievalRobot) => Refused::FaultStands("stuck".to_owned()),
             Some(Refused::FaultStands(_)) => Refused::StoreDown,
-            Some(Refused::StoreDown) => return None,
+            Some(Refused::StoreDown) => Refused::NotKept,
+            Some(Refused::NotKept) => return None,
         })
     }
 
@@ -168,7 +169,7 @@ mod tests {
         for refused in &all {
             let problem = Problem::refused(refused, None);
             let unknown = matches!(refused, Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_));
-            let unavailable = matches!(refused, Refused::StoreDown);
+            let unavailable = matches!(refused, Refused::StoreDown | Refused::NotKept);
             let expected = if unknown {
                 404
             } else if unavailable {
@@ -182,6 +183,6 @@ mod tests {
             assert_eq!(problem.body.kind, format!("urn:hallsweep:problem:{}", refused.code()));
             assert!(codes.insert(refused.code()), "{} is used twice", refused.code());
         }
-        assert_eq!(all.len(), 21);
+        assert_eq!(all.len(), 22);
     }
 }

@@ -4,11 +4,13 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard};
 
+use tokio::sync::watch;
+
 use crate::core::effect::{Entry, Fact};
 use crate::core::event::Photo;
 use crate::core::units::{LuggageId, Seq};
 use crate::runtime::archive::Archive;
-use crate::runtime::store::Store;
+use crate::runtime::store::{Store, StoreWord};
 
 /// How many entries are kept: some missions of a large hall, at about 100 bytes each.
 pub const ENTRIES: usize = 16_384;
@@ -17,12 +19,14 @@ pub const ENTRIES: usize = 16_384;
 pub const PHOTOS: usize = 256;
 
 /// Journal and photos, shared by everyone who holds a clone.
-#[derive(Clone, Debug, Default)]
-pub struct Memory(Arc<Mutex<Kept>>);
+#[derive(Clone, Debug)]
+pub struct Memory {
+    kept: Arc<Mutex<Kept>>,
+    word: watch::Sender<StoreWord>,
+}
 
 #[derive(Debug, Default)]
 struct Kept {
-    last: Seq,
     entries: VecDeque<(Seq, Entry)>,
     photos: BTreeMap<LuggageId, Photo>,
 }
@@ -31,7 +35,7 @@ impl Memory {
     /// An empty store.
     #[must_use]
     pub fn new() -> Memory {
-        Memory::default()
+        Memory { kept: Arc::default(), word: watch::Sender::new(Ok(Seq(0))) }
     }
 
     /// The newest entries with their numbers, oldest first, at most `ENTRIES`. Photos are not in them: ask for those by number.
@@ -42,7 +46,7 @@ impl Memory {
 
     fn lock(&self) -> MutexGuard<'_, Kept> {
         // Whoever panicked while holding the lock left whole values behind: every change below is a single insert or remove.
-        self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+        self.kept.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 }
 
@@ -58,7 +62,6 @@ impl Kept {
             self.entries.pop_front();
         }
         self.entries.push_back((seq, entry));
-        self.last = seq;
     }
 
     /// Keeps a photo; that of the oldest piece gives way when there are too many.
@@ -73,10 +76,12 @@ impl Kept {
 impl Store for Memory {
     fn record(&mut self, seq: Seq, entry: &Entry) {
         self.lock().keep(seq, entry);
+        // Only the newest word counts; whoever listens has its own receiver.
+        drop(self.word.send_replace(Ok(seq)));
     }
 
-    fn kept(&mut self) -> Result<Seq, String> {
-        Ok(self.lock().last)
+    fn word(&self) -> watch::Receiver<StoreWord> {
+        self.word.subscribe()
     }
 }
 
@@ -93,7 +98,7 @@ mod tests {
     use crate::core::units::{Cell, Pose, Wall};
 
     fn phase() -> Entry {
-        Entry { wall: Wall::default(), fact: Fact::Phase(PhaseName::Exploring) }
+        Entry { wall: Wall::default(), fact: Fact::Phase(PhaseName::Exploring, None) }
     }
 
     fn luggage(id: u64, photo: Result<&str, &str>) -> Entry {
@@ -102,9 +107,13 @@ mod tests {
         Entry { wall: Wall::default(), fact }
     }
 
+    fn kept(memory: &Memory) -> Seq {
+        memory.word().borrow().clone().expect("memory always keeps")
+    }
+
     fn record(memory: &mut Memory, entries: impl IntoIterator<Item = Entry>) {
         for entry in entries {
-            let next = Store::kept(memory).expect("memory always keeps").next();
+            let next = kept(memory).next();
             memory.record(next, &entry);
         }
     }
@@ -112,9 +121,9 @@ mod tests {
     #[test]
     fn what_is_recorded_is_kept_at_once() {
         let mut memory = Memory::new();
-        assert_eq!(Store::kept(&mut memory), Ok(Seq(0)));
+        assert_eq!(kept(&memory), Seq(0));
         record(&mut memory, [phase(), phase()]);
-        assert_eq!(Store::kept(&mut memory), Ok(Seq(2)));
+        assert_eq!(kept(&memory), Seq(2));
         assert_eq!(memory.entries(), [(Seq(1), phase()), (Seq(2), phase())]);
     }
 

@@ -1,9 +1,9 @@
 //! The table's cells once danger was given, and in fault. The search itself stands in `search`.
 
 use super::shared::{
-    ACKNOWLEDGE, ANOTHER_DANGER, BUTTON_OK, BUTTON_TOO_HIGH, CHOOSE, COOL, DANGER, DRIVE_IF_STOPPED, EXPLORE_AGAIN, HEAT,
-    INTO_FAULT, LINK_LOST, LINK_UP, NOT_HERE, NOTHING, READING, RECORDED, RESET, RESUME, RETAKE_ELSEWHERE, SAFE, SENSOR_BACK,
-    SENSOR_SILENT, STOP, STORE_FAILED, STORE_RESTORED,
+    ACKNOWLEDGE, ANOTHER_DANGER, BUTTON_OK, BUTTON_TOO_HIGH, CHOOSE, COOL, DANGER, DANGER_AT_HOME, DRIVE_IF_STOPPED,
+    EXPLORE_AGAIN, HEAT, INTO_FAULT, LINK_LOST, LINK_UP, NOT_HERE, NOTHING, READING, RECORDED, RESET, RESUME, RETAKE_ELSEWHERE,
+    SAFE, SENSOR_BACK, SENSOR_SILENT, STOP, STORE_FAILED, STORE_RESTORED,
 };
 use crate::core::mission::rule::Act::{Release, RetryBlocked};
 use crate::core::mission::rule::Rule::{AsInterrupted, Go, Never, RefuseIf};
@@ -151,7 +151,7 @@ pub(super) const fn bag_secured(input: Input) -> &'static [Rule] {
         | Input::DriveEnded
         | Input::NoWayHome => NOTHING,
         Input::LuggageRecorded => RECORDED,
-        Input::DangerRecorded => ANOTHER_DANGER,
+        Input::DangerRecorded => DANGER_AT_HOME,
         Input::Unanswered | Input::RobotFailed => INTO_FAULT,
         Input::LinkLost => LINK_LOST,
         Input::LinkUp => LINK_UP,
@@ -167,7 +167,12 @@ pub(super) const fn bag_secured(input: Input) -> &'static [Rule] {
 /// Something went wrong.
 pub(super) const fn fault(input: Input) -> &'static [Rule] {
     match input {
-        Input::Start => &[RefuseIf(Bar::Held), RefuseIf(Bar::FaultStands), Go(Interrupted, &[Release, RetryBlocked])],
+        Input::Start => &[
+            RefuseIf(Bar::Held),
+            RefuseIf(Bar::FaultStands),
+            RefuseIf(Bar::VerdictAwaited),
+            Go(Interrupted, &[Release, RetryBlocked]),
+        ],
         Input::Stop => STOP,
         Input::BackHome | Input::Retrieve | Input::Move | Input::Goto | Input::Strategy => NOT_HERE,
         Input::RetakePhoto => RETAKE_ELSEWHERE,

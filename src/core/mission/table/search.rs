@@ -2,13 +2,11 @@
 //! Danger and fault stand in `alarm`.
 
 use super::shared::{
-    ACKNOWLEDGE, ANOTHER_DANGER, BUTTON_OK, BUTTON_TOO_HIGH, CHOOSE, COOL, DANGER, DANGER_ON_THE_WAY, DRIVE, DRIVE_IF_STOPPED,
-    EXPLORE_AGAIN, EXPLORE_ON, GO_HOME, HEAT, INTO_FAULT, LINK_LOST, LINK_UP, NOT_HERE, NOTHING, READING, RECORDED, RESET,
-    RESUME, RETAKE_ELSEWHERE, SAFE, SENSOR_BACK, SENSOR_SILENT, STOP, STORE_FAILED, STORE_RESTORED,
+    ACKNOWLEDGE, ANOTHER_DANGER, BUTTON_OK, BUTTON_TOO_HIGH, CHOOSE, COOL, DANGER, DANGER_AT_HOME, DANGER_ON_THE_WAY, DRIVE,
+    DRIVE_IF_STOPPED, EXPLORE_AGAIN, EXPLORE_ON, GO_HOME, HEAT, INTO_FAULT, LINK_LOST, LINK_UP, NOT_HERE, NOTHING, READING,
+    RECORDED, RESET, RESUME, RETAKE_ELSEWHERE, SAFE, SENSOR_BACK, SENSOR_SILENT, STOP, STORE_FAILED, STORE_RESTORED,
 };
-use crate::core::mission::rule::Act::{
-    AlarmDanger, Begin, FacePiece, LedOff, Raise, RecordPiece, RecordRetake, Release, Retake, Stop,
-};
+use crate::core::mission::rule::Act::{Begin, FacePiece, LedOff, Raise, RecordPiece, RecordRetake, Release, Retake, Stop};
 use crate::core::mission::rule::Rule::{AsInterrupted, Go, Never, RefuseIf, When};
 use crate::core::mission::rule::To::{Interrupted, Phase, Stay};
 use crate::core::mission::rule::{Bar, Case, Rule};
@@ -133,7 +131,10 @@ pub(super) const fn driving(input: Input) -> &'static [Rule] {
         Input::Safe => SAFE,
         Input::Danger => DANGER,
         Input::TemperatureOk => BUTTON_OK,
-        Input::TemperatureTooHigh => &[Go(Interrupted, &[Raise(Hold::TooHigh)])],
+        Input::TemperatureTooHigh => &[
+            When(Case::FromIdle, Interrupted, &[Raise(Hold::TooHigh)]),
+            Go(Interrupted, &[Raise(Hold::Operator), Raise(Hold::TooHigh)]),
+        ],
         Input::Reading => READING,
         Input::Retrieve | Input::Strategy => NOT_HERE,
         Input::RetakePhoto => RETAKE_ELSEWHERE,
@@ -145,13 +146,25 @@ pub(super) const fn driving(input: Input) -> &'static [Rule] {
         }
         Input::DriveEnded => &[When(Case::FromIdle, Interrupted, &[]), Go(Interrupted, &[Raise(Hold::Operator)])],
         Input::Unanswered | Input::RobotFailed => INTO_FAULT,
-        Input::LinkLost => &[Go(Interrupted, &[Raise(Hold::RobotLink)])],
+        Input::LinkLost => &[
+            When(Case::FromIdle, Interrupted, &[Raise(Hold::RobotLink)]),
+            Go(Interrupted, &[Raise(Hold::Operator), Raise(Hold::RobotLink)]),
+        ],
         Input::LinkUp => LINK_UP,
-        Input::Heat => &[Go(Interrupted, &[Raise(Hold::Temperature)])],
+        Input::Heat => &[
+            When(Case::FromIdle, Interrupted, &[Raise(Hold::Temperature)]),
+            Go(Interrupted, &[Raise(Hold::Operator), Raise(Hold::Temperature)]),
+        ],
         Input::Cool => COOL,
-        Input::SensorSilent => &[Go(Interrupted, &[Raise(Hold::TemperatureStale)])],
+        Input::SensorSilent => &[
+            When(Case::FromIdle, Interrupted, &[Raise(Hold::TemperatureStale)]),
+            Go(Interrupted, &[Raise(Hold::Operator), Raise(Hold::TemperatureStale)]),
+        ],
         Input::SensorBack => SENSOR_BACK,
-        Input::StoreFailed => &[Go(Interrupted, &[Raise(Hold::Store)])],
+        Input::StoreFailed => &[
+            When(Case::FromIdle, Interrupted, &[Raise(Hold::Store)]),
+            Go(Interrupted, &[Raise(Hold::Operator), Raise(Hold::Store)]),
+        ],
         Input::StoreRestored => STORE_RESTORED,
     }
 }
@@ -221,7 +234,7 @@ pub(super) const fn at_home(input: Input) -> &'static [Rule] {
         | Input::DriveEnded
         | Input::NoWayHome => NOTHING,
         Input::LuggageRecorded => RECORDED,
-        Input::DangerRecorded => &[Go(Phase(PhaseName::BombLocated), &[LedOff, AlarmDanger])],
+        Input::DangerRecorded => DANGER_AT_HOME,
         Input::Unanswered | Input::RobotFailed => INTO_FAULT,
         Input::LinkLost => LINK_LOST,
         Input::LinkUp => LINK_UP,
@@ -260,7 +273,7 @@ pub(super) const fn explored(input: Input) -> &'static [Rule] {
         | Input::DriveEnded
         | Input::NoWayHome => NOTHING,
         Input::LuggageRecorded => RECORDED,
-        Input::DangerRecorded => ANOTHER_DANGER,
+        Input::DangerRecorded => DANGER_AT_HOME,
         Input::Unanswered | Input::RobotFailed => INTO_FAULT,
         Input::LinkLost => LINK_LOST,
         Input::LinkUp => LINK_UP,

@@ -16,8 +16,12 @@ pub(super) const RETAKE_ELSEWHERE: &[Rule] = &[RefuseIf(Bar::UnknownLuggage), Ne
 pub(super) const STOP: &[Rule] = &[Go(Stay, &[Stop])];
 pub(super) const RESUME: &[Rule] = &[RefuseIf(Bar::Held), Go(Stay, &[Release])];
 pub(super) const EXPLORE_ON: &[Rule] = &[RefuseIf(Bar::Held), RefuseIf(Bar::VerdictAwaited), Go(Stay, &[Release])];
-pub(super) const EXPLORE_AGAIN: &[Rule] =
-    &[RefuseIf(Bar::Held), Go(Phase(PhaseName::Exploring), &[Archive, Release, EmptyMap, Begin])];
+pub(super) const EXPLORE_AGAIN: &[Rule] = &[
+    RefuseIf(Bar::Held),
+    RefuseIf(Bar::VerdictPending),
+    RefuseIf(Bar::BombUnfetched),
+    Go(Phase(PhaseName::Exploring), &[Archive, Release, EmptyMap, Begin]),
+];
 pub(super) const GO_HOME: &[Rule] = &[RefuseIf(Bar::Held), Go(Phase(PhaseName::ReturningHome), &[Release])];
 pub(super) const SAFE: &[Rule] = &[
     RefuseIf(Bar::UnknownLuggage),
@@ -42,6 +46,7 @@ pub(super) const RESET: &[Rule] = &[
     RefuseIf(Bar::Unrecorded),
     RefuseIf(Bar::VerdictPending),
     RefuseIf(Bar::BombUnfetched),
+    RefuseIf(Bar::StoreDown),
     When(Case::RobotAtHome, Phase(PhaseName::Idle), &[Archive, LedOff, Release, EmptyMap]),
     Go(Phase(PhaseName::Idle), &[Archive, LedOff, Release]),
 ];
@@ -59,6 +64,11 @@ pub(super) const CHOOSE: &[Rule] = &[Go(Stay, &[ChooseStrategy])];
 pub(super) const RECORDED: &[Rule] = &[Go(Stay, &[AskOperator])];
 pub(super) const ANOTHER_DANGER: &[Rule] = &[Go(Stay, &[LedOff, AlarmDanger])];
 pub(super) const DANGER_ON_THE_WAY: &[Rule] = &[Go(Phase(PhaseName::ReturningWithAlarm), &[LedOff, AlarmDanger])];
+/// Home already: the bomb is located. Not quite home, or not at rest there: on the way home with an alarm.
+pub(super) const DANGER_AT_HOME: &[Rule] = &[
+    When(Case::RobotAtHome, Phase(PhaseName::BombLocated), &[LedOff, AlarmDanger]),
+    Go(Phase(PhaseName::ReturningWithAlarm), &[LedOff, AlarmDanger]),
+];
 pub(super) const INTO_FAULT: &[Rule] = &[Go(Phase(PhaseName::Fault), &[])];
 pub(super) const LINK_LOST: &[Rule] = &[Go(Stay, &[Raise(Hold::RobotLink)])];
 pub(super) const LINK_UP: &[Rule] = &[Go(Stay, &[Clear(Hold::RobotLink)])];
