@@ -223,11 +223,11 @@ impl Matter {
         (input, matter)
     }
 
-    /// What the command is about, for the log: `#3 `, `to (1, 2) `, or nothing.
+    /// What the command is about, for the log: ` #3`, ` (1, 2)`, or nothing.
     #[must_use]
     pub fn in_words(&self) -> String {
         let luggage = self.luggage.map(|id| format!(" #{id}"));
-        let cell = self.cell.map(|cell| format!(" to {cell}"));
+        let cell = self.cell.map(|cell| format!(" {cell}"));
         let step = self.step.map(|step| format!(" {}", step_in_words(step)));
         let alarm = self.alarm.map(|id| format!(" {id}"));
         let strategy = self.strategy.map(|strategy| format!(" {}", strategy.name()));
