@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::FaultCause;
 use crate::core::command::{Command, Issuer, LuggageRef, Move, TemperatureReport, Verdict};
 use crate::core::event::{Obstacle, Photo};
 use crate::core::explore::Strategy;
@@ -167,6 +168,8 @@ pub struct Matter {
     pub strategy: Option<Strategy>,
     /// The source of a reading, and the reading.
     pub reading: Option<(Arc<str>, Celsius)>,
+    /// Why the mission is in fault.
+    pub fault: Option<FaultCause>,
     /// What somebody else said about it, in words.
     pub words: Option<String>,
 }
