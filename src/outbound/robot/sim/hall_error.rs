@@ -47,7 +47,7 @@ pub enum HallFault {
     TooLarge(u64, u64, usize),
     #[error("row {row} has {columns} columns, row 1 has {first}: make all rows equally long")]
     Ragged { row: usize, columns: usize, first: usize },
-    #[error("row {row} has {mark:?} in column {column}: use `.` (free), `#` (wall), `S` (start) or a letter a–z (luggage)")]
+    #[error("row {row} has {mark:?} in column {column}: use `.` (free), `#` (wall), `S` (start), a letter a–z or `T` (luggage)")]
     UnknownSquare { row: usize, column: usize, mark: char },
     #[error("no start: put one `S` into the drawing where the robot starts")]
     NoStart,
@@ -59,7 +59,7 @@ pub enum HallFault {
     Undescribed(char),
     #[error("luggage {0:?} is described but not in the drawing: draw it, or remove this [[luggage]]")]
     Undrawn(String),
-    #[error("the mark {0:?} is not one letter a–z: use the letter that stands in the drawing")]
+    #[error("the mark {0:?} is not one letter a–z: use the letter that stands in the drawing (a `T` takes no description)")]
     NotAMark(String),
     #[error("luggage `{0}` is described twice: keep one")]
     DescribedTwice(char),

@@ -138,7 +138,7 @@ mod tests {
         }
 
         #[test]
-        fn no_drawing_makes_the_reader_panic(body in "[.#Sab\n é]{0,60}", tail in "[a-z_= \"\\[\\]\n0-9.]{0,80}") {
+        fn no_drawing_makes_the_reader_panic(body in "[.#SabT\n é]{0,60}", tail in "[a-z_= \"\\[\\]\n0-9.]{0,80}") {
             let _ = Hall::parse("x.toml", &format!("drawing = \"\"\"\n{body}\"\"\"\n{tail}"));
         }
 

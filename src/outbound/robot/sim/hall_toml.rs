@@ -262,6 +262,16 @@ celsius = 21.5
     }
 
     #[test]
+    fn a_t_needs_no_description_and_can_have_none() {
+        let hall = read("halls/x.toml", "x", &HALL.replace("S.a", "STa")).unwrap();
+        let [t, a, b] = hall.pieces() else { panic!("three pieces are drawn") };
+        assert_eq!((t.piece, t.cells.len(), t.dangerous), (Piece(1), 1, false));
+        assert_eq!((&*a.name, &*b.name), ("red trolley", "brown box"));
+        let described = HALL.replace("S.a", "STa").replace("mark = \"b\"", "mark = \"T\"");
+        check(&described, "halls/x.toml:13: the mark \"T\" is not one letter a–z");
+    }
+
+    #[test]
     fn an_empty_hall_needs_only_its_size() {
         let hall = read("e.toml", "e", "width = 3\nheight = 2\n").unwrap();
         assert_eq!((hall.name(), hall.reachable().len()), ("e", 6));
