@@ -36,11 +36,17 @@ struct Kept {
     records: BTreeMap<LuggageId, Luggage>,
 }
 
+impl Default for Memory {
+    fn default() -> Memory {
+        Memory { kept: Arc::default(), word: watch::Sender::new(Ok(Seq(0))) }
+    }
+}
+
 impl Memory {
     /// An empty store.
     #[must_use]
     pub fn new() -> Memory {
-        Memory { kept: Arc::default(), word: watch::Sender::new(Ok(Seq(0))) }
+        Memory::default()
     }
 
     /// The newest entries with their numbers, oldest first, at most `ENTRIES`. Photos are not in them: ask for those by number.
@@ -72,26 +78,17 @@ impl Kept {
 
     /// Keeps what an entry says of a piece; the oldest gives way when there are too many.
     fn keep_record(&mut self, entry: &Entry) {
-        match &entry.fact {
-            Fact::Luggage { id, cell, pose, photo } => {
-                let before = self.records.remove(id);
-                let record = Luggage {
-                    id: *id,
-                    cell: *cell,
-                    pose: *pose,
-                    taken: entry.wall,
-                    photo: PhotoState::after(before.as_ref().map(|record| &record.photo), photo),
-                    verdict: before.as_ref().and_then(|record| record.verdict.clone()),
-                    piece: None,
-                };
-                self.records.insert(*id, record);
-            }
-            Fact::Verdict { luggage, verdict, who } => {
-                if let Some(record) = self.records.get_mut(luggage) {
-                    record.verdict = Some(Decision { verdict: *verdict, who: Arc::clone(who), wall: entry.wall });
-                }
-            }
-            _ => {}
+        if let Fact::Luggage { id, cell, pose, photo } = &entry.fact {
+            let before = self.records.remove(id);
+            let photo = PhotoState::after(before.as_ref().map(|record| &record.photo), photo);
+            let verdict = before.and_then(|record| record.verdict);
+            let record = Luggage { id: *id, cell: *cell, pose: *pose, taken: entry.wall, photo, verdict, piece: None };
+            self.records.insert(*id, record);
+        }
+        if let Fact::Verdict { luggage, verdict, who } = &entry.fact
+            && let Some(record) = self.records.get_mut(luggage)
+        {
+            record.verdict = Some(Decision { verdict: *verdict, who: Arc::clone(who), wall: entry.wall });
         }
         if self.records.len() > RECORDS {
             self.records.pop_first();
