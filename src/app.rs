@@ -112,7 +112,7 @@ async fn serve_hall(
             signal = signalled => tracing::info!(signal, "ending"),
             end = &mut task => ended = Some(end),
         }
-        halter.halt();
+        halter.stop();
     };
     http::serve(listener, door, shutdown).await;
     let by_itself = ended.is_some();
