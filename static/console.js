@@ -8,6 +8,9 @@ const LOOK_MS = 900; // a page without a stream of its own looks this often
 const STREAMS = 3; // pages of one browser that keep a stream
 const SETTLE_MS = 500; // verdict buttons are dead this long when the piece under them changes
 const WHY_MS = 15000; // a reason of a refusal is old after this
+const STOP_MS = 2000; // a STOP that is not confirmed by then is said to be unconfirmed
+const SEND_MS = 8000; // anything else may wait for the store
+const GLANCE_MS = 5000; // a page nobody looks at keeps its title true by looking this often
 
 const at = (id) => document.getElementById(id);
 const root = document.documentElement;
@@ -26,7 +29,7 @@ function listen() {
   stream.addEventListener("page", (event) => {
     show(JSON.parse(event.data));
     alive();
-    if (openedSince >= STREAMS) stream.close();
+    if (openedSince >= STREAMS || document.hidden) stream.close();
   });
   stream.addEventListener("tick", alive);
 }
@@ -46,7 +49,7 @@ function lost() {
     root.dataset.live = "lost";
     at("lost-since").textContent = heardAt.toLocaleTimeString("en-GB");
     at("lost").hidden = false;
-    at("confirm").close();
+    unask();
   }
   // The next whole message renders every button as it then is.
   document.querySelectorAll("button:not([data-always])").forEach((control) => (control.disabled = true));
@@ -55,13 +58,27 @@ function lost() {
 let retried = 0;
 setInterval(() => {
   const now = performance.now();
-  const silence = document.hidden ? 0 : now - heard;
-  if (silence > SILENCE_MS) lost();
-  if ((silence > SILENCE_MS || (openedSince >= STREAMS && silence > LOOK_MS)) && now - retried > RETRY_MS) {
+  const silence = now - heard;
+  const patience = document.hidden ? 2 * GLANCE_MS : SILENCE_MS;
+  const due = document.hidden ? GLANCE_MS : openedSince >= STREAMS ? LOOK_MS : SILENCE_MS;
+  if (silence > patience) lost();
+  if (silence > due && now - retried > RETRY_MS) {
     retried = now;
     listen();
   }
+  waits();
 }, 250);
+
+let ahead = 0; // the server's clock before this one's, in milliseconds
+
+/** How long each piece has waited by now. */
+function waits() {
+  for (const place of document.querySelectorAll("[data-since]")) {
+    if (!(root.dataset.live === "on")) continue;
+    const seconds = Math.max(0, Math.floor((Date.now() + ahead - Number(place.dataset.since)) / 1000));
+    place.textContent = `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}`;
+  }
+}
 
 // A browser opens only six connections to one place for all its pages together, and a STOP must find a free one. So pages
 // nobody looks at give their stream back, and of those in sight only the latest few keep one; the others look by the second.
@@ -75,16 +92,20 @@ pages.onmessage = () => {
 /** Opens a stream to keep. */
 function join() {
   openedSince = 0;
+  // What is shown may be old; until the first message has come it is not called live.
+  if (root.dataset.live === "on") root.dataset.live = "opening";
   heard = performance.now();
   pages.postMessage("opened");
   listen();
 }
 
 document.addEventListener("visibilitychange", () => (document.hidden ? stream?.close() : join()));
+addEventListener("pageshow", (event) => event.persisted && join());
 addEventListener("focus", () => openedSince >= STREAMS && join());
 
 /** Shows what changed. */
 function show(message) {
+  ahead = message.now - Date.now();
   at("hall").setAttribute("viewBox", message.view);
   const piece = at("inspect").dataset.luggage;
   for (const [id, markup] of Object.entries(message.parts)) {
@@ -105,7 +126,7 @@ function otherPiece() {
   settledAt = performance.now() + SETTLE_MS;
   at("inspect").classList.add("settling");
   setTimeout(() => at("inspect").classList.remove("settling"), SETTLE_MS);
-  if (at("confirm").dataset.id) at("confirm").close();
+  if (at("confirm").dataset.id) unask();
 }
 
 /** Replaces a piece of the picture; the robot keeps its element, so that it glides instead of jumping. */
@@ -160,31 +181,43 @@ document.addEventListener("submit", (event) => {
   event.preventDefault();
   if (form.closest("#inspect") && performance.now() < settledAt) return;
   if (form.dataset.confirm) return ask(form);
-  if (form.closest("#confirm")) at("confirm").close();
+  if (form.closest("#confirm")) unask();
   send(form, new URLSearchParams(new FormData(form, event.submitter)), event.submitter);
 });
 
-const sending = new WeakSet();
+const sending = new Set();
 
 /** Sends a form; a refusal is written beside the button that was pressed. A STOP is never held back by another one. */
 async function send(form, fields, button) {
   const isStop = form.id === "stop";
-  if (sending.has(form) && !isStop) return;
-  sending.add(form);
-  button?.setAttribute("aria-busy", "true");
-  tell(form.dataset.why, "");
+  const { action, dataset: { why } } = form;
+  const what = `${action} ${fields.get("id") ?? ""}`;
+  if (sending.has(what) && !isStop) return;
+  sending.add(what);
+  if (!isStop) button?.setAttribute("aria-busy", "true");
+  tell(why, "");
+  const slow = isStop && setTimeout(() => tell(why, "STOP is on its way…"), 400);
   try {
-    const answer = await fetch(form.action, { method: "POST", body: fields, headers: { accept: "application/json" } });
+    const signal = AbortSignal.timeout(isStop ? STOP_MS : SEND_MS);
+    const answer = await fetch(action, { method: "POST", body: fields, headers: { accept: "application/json" }, signal });
     const said = await answer.json();
-    if (!answer.ok) tell(form.dataset.why, said.detail ?? `It was refused (${answer.status}).`);
+    clearTimeout(slow);
+    if (!answer.ok) tell(why, said.detail ?? `It was refused (${answer.status}).`);
     else accepted(form);
-  } catch {
-    const what = isStop ? "STOP did not reach the robot: use its own switch, or another way in." : "It did not get through; nothing was done.";
-    tell(form.dataset.why, `No connection. ${what}`);
+  } catch (error) {
+    clearTimeout(slow);
+    tell(why, unheard(isStop, error.name === "TimeoutError"));
   } finally {
-    sending.delete(form);
+    sending.delete(what);
     button?.removeAttribute("aria-busy");
   }
+}
+
+/** What to do when no answer came: a robot of which nobody knows is treated as one that moves. */
+function unheard(isStop, isLate) {
+  if (isStop) return `STOP is not confirmed: ${isLate ? "no answer came" : "there is no connection"}. Use the robot's own switch, and press STOP again.`;
+  if (isLate) return "No answer came. It may still be carried out: look at the robot before you try again.";
+  return "No connection: it did not get through.";
 }
 
 /** What was refused before is history, and what was typed has been sent. */
@@ -201,7 +234,7 @@ function tell(button, words) {
   const place = at(`why-${button}`) ?? at("why-page");
   place.textContent = words;
   clearTimeout(fading.get(place.id));
-  if (words) fading.set(place.id, setTimeout(() => tell(button, ""), WHY_MS));
+  if (words && !words.endsWith("…")) fading.set(place.id, setTimeout(() => tell(button, ""), WHY_MS));
 }
 
 /** Asks before the act, not after it. */
@@ -216,16 +249,33 @@ function ask(form) {
   at("confirm-question").textContent = form.dataset.question;
   at("confirm-consequence").textContent = form.dataset.consequence;
   at("confirm-yes").textContent = form.dataset.yes;
-  dialog.showModal();
+  // The question is not modal, since STOP must stay in reach; everything else is out of it until there is an answer.
+  rest().forEach((part) => (part.inert = true));
+  asked = document.activeElement;
+  dialog.show();
   at("confirm-no").focus();
 }
 
-at("confirm-no").addEventListener("click", () => at("confirm").close());
+let asked = null;
+const rest = () => document.querySelectorAll(".skip, .ask, .field, .controls, .below");
 
-// Escape is STOP, unless it closes the question that is open.
+/** Takes the question back. */
+function unask() {
+  if (!at("confirm").open) return;
+  at("confirm").close();
+  rest().forEach((part) => (part.inert = false));
+  if (asked?.isConnected) asked.focus();
+}
+
+at("confirm-no").addEventListener("click", unask);
+
+// Escape is STOP, whatever is open or typed; a question that is open is thereby taken back.
 document.addEventListener("keydown", (event) => {
-  if (event.key === "Escape" && !event.repeat && !at("confirm").open) at("stop").requestSubmit();
-});
+  if (event.key !== "Escape" || event.repeat) return;
+  event.preventDefault();
+  unask();
+  at("stop").requestSubmit();
+}, { capture: true });
 
 // ---- reading the picture -------------------------------------------------------------------------------------------------
 

@@ -20,9 +20,11 @@ static BROWSER: Mutex<()> = Mutex::new(());
 /// Where Debian puts it.
 const CHROMIUM: &str = "/usr/bin/chromium";
 
-/// What a script says when it wants the program gone, and when it wants it back.
+/// What a script says when it wants the program gone, and when it wants it back or hung.
 const KILL: &str = "please kill the program";
 const START: &str = "please start the program";
+const FREEZE: &str = "please freeze the program";
+const THAW: &str = "please thaw the program";
 
 #[test]
 fn a_person_searches_the_airport() {
@@ -49,6 +51,26 @@ fn a_lost_connection_is_said_and_the_page_catches_up() {
     play("lost", &["--hall", "empty-8x8", "--speed", "1"]);
 }
 
+#[test]
+fn the_controls_stay_where_they_are_whatever_arrives() {
+    play("steady", &["--hall", "airport", "--speed", "max"]);
+}
+
+#[test]
+fn stop_is_one_press_away_while_a_question_is_open() {
+    play("question", &["--hall", "airport", "--speed", "3"]);
+}
+
+#[test]
+fn stop_is_one_press_away_while_a_question_is_open_on_a_phone() {
+    play("questionOnPhone", &["--hall", "airport", "--speed", "3"]);
+}
+
+#[test]
+fn a_stop_that_is_not_confirmed_is_said_to_be_so() {
+    play("hung", &["--hall", "empty-8x8", "--speed", "1"]);
+}
+
 /// Plays a scenario of `browser/` against a program with these arguments.
 fn play(scenario: &str, arguments: &[&str]) {
     let Some(scripts) = clients() else { return };
@@ -70,6 +92,8 @@ fn play(scenario: &str, arguments: &[&str]) {
         match line.as_str() {
             KILL => program = None,
             START => program = Some(start(&address)),
+            FREEZE => program.iter().for_each(|program| program.signal("STOP")),
+            THAW => program.iter().for_each(|program| program.signal("CONT")),
             other => {
                 eprintln!("{other}");
                 continue;

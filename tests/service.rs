@@ -13,6 +13,8 @@ mod malformed;
 mod old_console;
 #[path = "service/program.rs"]
 mod program;
+#[path = "service/replica.rs"]
+mod replica;
 #[path = "service/shutdown.rs"]
 mod shutdown;
 #[path = "service/start.rs"]

@@ -35,7 +35,13 @@ pub(crate) fn idle() -> Snapshot {
         },
         map: HallMap::new(Cell::HOME, Revision(1)),
         luggage: Vec::new(),
-        temperature: TemperatureView { celsius: None, status: TemperatureStatus::Ok, threshold: degrees(25.0), hot: Vec::new() },
+        temperature: TemperatureView {
+            celsius: None,
+            status: TemperatureStatus::Ok,
+            threshold: degrees(25.0),
+            cool: degrees(24.0),
+            hot: Vec::new(),
+        },
         alarms: Vec::new(),
         log: Vec::new(),
     }

@@ -74,7 +74,8 @@ impl From<&Snapshot> for MapJson {
 }
 
 impl MapChange {
-    /// From what a reader has, an earlier snapshot, to this one; `None` when nothing is different.
+    /// From what a reader has, an earlier snapshot, to this one; `None` when it has this one's map. A robot that turned in its
+    /// place has changed no cell, but the map is of a newer revision all the same.
     #[must_use]
     pub fn between(older: &Snapshot, snapshot: &Snapshot) -> Option<MapChange> {
         let mut changed: Vec<Cell> = snapshot.map.changes_since(&older.map).into_iter().map(|(cell, _)| cell).collect();
@@ -82,7 +83,7 @@ impl MapChange {
         changed.retain(|cell| mark_char(older, *cell) != mark_char(snapshot, *cell));
         changed.sort_unstable();
         changed.dedup();
-        (!changed.is_empty()).then(|| MapChange::cells(snapshot, changed))
+        (!changed.is_empty() || map_revision(snapshot) > map_revision(older)).then(|| MapChange::cells(snapshot, changed))
     }
 
     /// For a reader of whom only the revision is known: the tiles that changed since. When all of them did, the map may have

@@ -5,6 +5,7 @@ pub mod alarm;
 pub mod answer;
 pub mod changes;
 pub mod command;
+pub mod fields;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod log;

@@ -106,7 +106,7 @@ mod tests {
         );
         assert_eq!(
             json["temperature"],
-            serde_json::json!({"revision": 20, "celsius": 21.4, "status": "ok", "threshold": 25.0, "hot": []})
+            serde_json::json!({"revision": 20, "celsius": 21.4, "status": "ok", "threshold": 25.0, "cool": 24.0, "hot": []})
         );
         assert_eq!(
             json["luggage"][2],

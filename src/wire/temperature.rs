@@ -16,6 +16,8 @@ pub struct TemperatureJson {
     pub status: &'static str,
     /// In °C; above it nothing moves.
     pub threshold: f64,
+    /// In °C; a source that was too hot is cool again at this reading or below.
+    pub cool: f64,
     /// The sources that keep the hall too hot, each with its last reading; empty when no reading does.
     pub hot: Vec<HotJson>,
 }
@@ -38,6 +40,7 @@ impl TemperatureJson {
             celsius: view.celsius.map(|celsius| celsius.degrees()),
             status: view.status.name(),
             threshold: view.threshold.degrees(),
+            cool: view.cool.degrees(),
             hot: view
                 .hot
                 .iter()

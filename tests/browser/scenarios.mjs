@@ -2,8 +2,7 @@
 
 const button = (page, name) => page.getByRole('button', { name });
 const stop = (page) => button(page, /^STOP/);
-// START is called CONTINUE while there is something to go on with.
-const start = (page) => button(page, /\b(START|CONTINUE)\b/).first();
+const start = (page) => button(page, /\bSTART\b/).first();
 const home = (page) => button(page, /BACK HOME/);
 const safe = (page) => button(page, /SAFE #\d+/).first();
 const danger = (page) => button(page, /DANGER #\d+/).first();
@@ -68,6 +67,17 @@ async function fits(page) {
   must(box.height >= 44 && box.width >= 44, `STOP is too small: ${JSON.stringify(box)}`);
 }
 
+/** A button can be pressed as the page stands, without scrolling, and STOP does not lie over it. */
+async function inReach(page, locator) {
+  await page.evaluate(() => scrollTo(0, 0));
+  const box = await locator.boundingBox();
+  const { bottom, high } = await page.evaluate(() => {
+    const { top } = document.getElementById('stop').getBoundingClientRect();
+    return { bottom: top > innerHeight / 2 ? top : innerHeight, high: innerHeight };
+  });
+  must(box && box.y >= 0 && box.y + box.height <= bottom, `not in reach on ${high} pixels: ${JSON.stringify(box)}`);
+}
+
 /** A whole mission: one piece safe, the next dangerous, the robot home with the bomb located. */
 async function mission({ page, url, picture, patience }, { reload = false, touch = false } = {}) {
   const waiting = { patience, reload };
@@ -82,6 +92,8 @@ async function mission({ page, url, picture, patience }, { reload = false, touch
   await photoIsShown(page, first);
   await fits(page);
   await picture('asked');
+  await inReach(page, safe(page));
+  await inReach(page, danger(page));
   if (touch) {
     for (const one of [safe(page), danger(page), start(page), home(page)]) {
       const box = await one.boundingBox();
@@ -152,7 +164,7 @@ const stopping = {
     const headers = { 'content-type': 'application/json' };
     await fetch(`${url}/api/v1/temperature`, { method: 'PUT', headers, body: '{"status":"tooHigh"}' });
     await page.waitForFunction(() => [...document.querySelectorAll('button')]
-      .some((one) => /START|CONTINUE/.test(one.innerText) && one.disabled && /temperature/i.test(one.title)));
+      .some((one) => /START/.test(one.innerText) && one.disabled && /temperature/i.test(one.title)));
     await picture('too-hot');
     must(await stop(page).isEnabled(), 'STOP is always there');
   },
@@ -177,5 +189,112 @@ export const lost = {
     await fetch(`${url}/api/v1/commands/start`, { method: 'POST' });
     await phase(page, /exploring/i, { patience });
     await picture('back');
+  },
+};
+
+/** Where the things an operator presses stand; they must not move by themselves. */
+const places = (page) => page.evaluate(() => Object.fromEntries(['stop-button', 'actions', 'temperature', 'celsius'].map((id) => {
+  const { x, y, width } = document.getElementById(id).getBoundingClientRect();
+  return [id, `${Math.round(x)},${Math.round(y)},${Math.round(width)}`];
+})));
+
+export const steady = {
+  async play({ page, url, picture, patience }) {
+    const stays = async (before, when) => {
+      const after = JSON.stringify(await places(page));
+      must(after === JSON.stringify(before), `${when} the controls moved from ${JSON.stringify(before)} to ${after}`);
+    };
+    await page.goto(url);
+    await phase(page, /idle/i, { patience });
+    const before = await places(page);
+    await start(page).click();
+    await phase(page, /exploring/i, { patience });
+    await stays(before, 'when the search began');
+    await appears(page, safe(page), { patience });
+    await picture('arrived');
+    await stays(before, 'when a piece arrived');
+    const waits = page.locator('[data-since]');
+    const first = await waits.innerText();
+    await page.waitForTimeout(1500);
+    must(await waits.innerText() !== first, `the time a piece waits stands still at ${first}`);
+    await stop(page).click();
+    await page.getByText(/^Held: stopped by the operator/).waitFor();
+    await stays(before, 'after STOP');
+
+    // What is typed and chosen survives what other clients do, and a reading that is too high says what ends it.
+    const headers = { 'content-type': 'application/json' };
+    await fetch(`${url}/api/v1/temperature`, { method: 'PUT', headers, body: '{"celsius":31.5}' });
+    await page.getByText('An operator reported 31.5 °C').waitFor();
+    must((await page.locator('#temperature .reading').innerText()) === '31.5 °C', 'the headline is not the reading that is too high');
+    await picture('too-hot');
+  },
+};
+
+/** The robot moves home by itself while a question is open: STOP is one press away, and Escape is STOP. */
+const question = {
+  async play({ page, url, picture, patience }) {
+    const state = async () => (await fetch(`${url}/api/v1/state`)).json();
+    const moves = async (what) => {
+      for (const end = Date.now() + patience; ; await page.waitForTimeout(20)) {
+        const { mission: { phase: now, holds }, robot } = await state();
+        if (now === 'returningHome' && holds.length === 0 && robot.state !== 'stopped') return;
+        must(Date.now() < end, `the robot does not move home ${what}`);
+      }
+    };
+    const stopped = async (what) => {
+      for (const end = Date.now() + 5000; ; await page.waitForTimeout(20)) {
+        const { mission, robot } = await state();
+        if (mission.holds.includes('operator') && robot.state === 'stopped') return;
+        must(Date.now() < end, `${what} did not stop the robot`);
+      }
+    };
+    const dialog = page.getByRole('dialog');
+    await page.goto(url);
+    await start(page).click();
+    await appears(page, danger(page), { patience });
+    await look(page);
+    await home(page).click();
+    await moves('at first');
+
+    await danger(page).click();
+    await dialog.waitFor();
+    await fits(page);
+    await picture('asked');
+    await stop(page).click({ timeout: 2000 });
+    await stopped('one click on STOP');
+    await dialog.getByRole('button', { name: /No/ }).click();
+
+    await home(page).click();
+    await moves('again');
+    await danger(page).click();
+    await dialog.waitFor();
+    await page.keyboard.press('Escape');
+    await stopped('one Escape');
+    must(await dialog.isHidden(), 'the question is still open');
+    must((await state()).luggage[0].verdict === 'pending', 'a question that was taken back decided something');
+  },
+};
+export { question };
+export const questionOnPhone = { ...question, browser: phone.browser };
+
+export const hung = {
+  async play({ page, url, please, picture, patience }) {
+    await page.goto(url);
+    await phase(page, /idle/i, { patience });
+    const before = await places(page);
+    await please('freeze');
+    await stop(page).click();
+    const why = page.locator('#why-stop').filter({ hasText: /not confirmed.*own switch/ });
+    await why.waitFor({ timeout: 4000 });
+    must(await stop(page).isEnabled(), 'STOP is disabled');
+    const opacity = await stop(page).evaluate((one) => getComputedStyle(one).opacity);
+    must(opacity === '1', 'STOP looks disabled');
+    await page.getByText(/connection lost/i).waitFor();
+    await picture('hung');
+    must(JSON.stringify(await places(page)) === JSON.stringify(before), 'the controls moved when the connection was lost');
+    await please('thaw');
+    await page.getByText(/connection lost/i).waitFor({ state: 'hidden' });
+    await stop(page).click();
+    await why.waitFor({ state: 'hidden' });
   },
 };

@@ -1,7 +1,8 @@
 //! What is malformed, unknown or from elsewhere is refused in words, and harms nothing.
 
-use std::io::Write;
+use std::io::{Read, Write};
 use std::net::TcpStream;
+use std::time::Duration;
 
 use crate::program::Program;
 
@@ -20,10 +21,13 @@ fn bodies_that_are_no_command_are_refused_in_words() {
         ("POST", "commands/goto", "{\"x\":99999999999,\"y\":0}", 422),
         ("POST", "commands/start", "{\"epoch\":-1}", 422),
         ("POST", "commands/start", "[", 400),
+        ("POST", "commands/move", "[\"w\"]", 422),
+        ("POST", "luggage/1/verdict", "[\"safe\"]", 422),
         ("POST", "luggage/1/verdict", "{\"verdict\":\"perhaps\"}", 422),
         ("PUT", "temperature", "{}", 422),
         ("PUT", "temperature", "{\"celsius\":\"hot\"}", 422),
         ("PUT", "temperature", "{\"celsius\":1e9}", 422),
+        ("PUT", "temperature", "{\"celsius\":1e300}", 422),
         ("PUT", "temperature", "{\"status\":\"warm\"}", 422),
         ("PUT", "temperature", "{\"celsius\":20,\"status\":\"ok\"}", 422),
         ("PUT", "strategy", "{\"name\":\"zigzag\"}", 422),
@@ -31,7 +35,9 @@ fn bodies_that_are_no_command_are_refused_in_words() {
     for (method, path, body, status) in cases {
         let answer = program.send(method, &format!("/api/v1/{path}"), "application/json", body);
         assert_eq!(answer.status, status, "{method} {path} {body}: {}", answer.text());
-        answer.problem(status);
+        let detail = answer.problem(status);
+        let jargon = ["struct", "i64", "f64", "u64", "expected", "invalid type"];
+        assert!(jargon.iter().all(|word| !detail.contains(word)) && detail.len() < 200, "{body}: {detail}");
     }
     assert_eq!(program.json("state")["mission"]["phase"], "idle", "none of it did anything");
 }
@@ -50,9 +56,14 @@ fn a_body_without_end_harms_nobody() {
     let program = Program::serve("empty-8x8", "max");
     let mut stream = TcpStream::connect(program.address()).expect("the program listens");
     let head =
-        "POST /api/v1/commands/move HTTP/1.1\r\nHost: h\r\nContent-Type: application/json\r\nContent-Length: 9000000000\r\n\r\n";
+        "POST /api/v1/commands/move HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 9000000000\r\n\r\n";
     stream.write_all(head.as_bytes()).expect("the program listens");
-    // It hangs up in the middle, as it should.
+    // The length alone is enough to refuse it, before anything of it has come.
+    stream.set_read_timeout(Some(Duration::from_secs(5))).expect("a time-out can be set");
+    let mut answer = [0; 12];
+    stream.read_exact(&mut answer).expect("an answer at once");
+    assert_eq!(&answer, b"HTTP/1.1 413");
+    // And it hangs up in the middle, as it should.
     let refused = (0..1000).any(|_| stream.write_all(&[b'w'; 100_000]).is_err());
     assert!(refused, "a hundred megabytes were taken for a command");
     assert_eq!(program.read("/healthz", &[]).status, 200);
@@ -87,4 +98,45 @@ fn a_page_of_another_origin_presses_no_buttons() {
     let answer = agent.post(&url).header("origin", "http://elsewhere.example").send_empty().expect("an answer");
     assert_eq!(answer.status(), 403);
     assert_eq!(program.json("state")["mission"]["phase"], "idle");
+}
+
+/// The status line's code of an answer to these bytes.
+fn status(program: &Program, request: &str) -> String {
+    let mut stream = TcpStream::connect(program.address()).expect("the program listens");
+    stream.set_read_timeout(Some(Duration::from_secs(5))).expect("a time-out can be set");
+    stream.write_all(request.as_bytes()).expect("the program listens");
+    let mut answer = [0; 12];
+    stream.read_exact(&mut answer).expect("an answer");
+    String::from_utf8_lossy(&answer[9..]).into_owned()
+}
+
+#[test]
+fn a_page_that_made_its_own_name_point_here_is_refused() {
+    let program = Program::serve("empty-8x8", "max");
+    let asked = |host: &str| status(&program, &format!("GET /api/v1/state HTTP/1.1\r\nHost: {host}\r\n\r\n"));
+    for own in ["localhost", "127.0.0.1:8080", "[::1]:80", "127.0.0.1"] {
+        assert_eq!(asked(own), "200", "{own}");
+    }
+    for foreign in ["rebound.example", "rebound.example:8080", "192.168.0.1", "localhost.example"] {
+        assert_eq!(asked(foreign), "421", "{foreign}");
+    }
+    let stop = "POST /api/v1/commands/start HTTP/1.1\r\nHost: rebound.example\r\nContent-Length: 0\r\n\r\n";
+    assert_eq!(status(&program, stop), "421");
+    assert_eq!(program.json("state")["mission"]["phase"], "idle");
+}
+
+#[test]
+fn enormous_headers_are_refused_and_harm_nobody() {
+    let program = Program::serve("empty-8x8", "max");
+    let many: String = (0..200).map(|n| format!("X-{n}: y\r\n")).collect();
+    assert_eq!(status(&program, &format!("GET / HTTP/1.1\r\nHost: localhost\r\n{many}\r\n")), "431");
+    assert_eq!(program.read("/healthz", &[]).status, 200);
+}
+
+#[test]
+fn a_browser_that_went_astray_sees_a_page() {
+    let program = Program::serve("empty-8x8", "max");
+    let answer = program.read("/no/such/page", &[("accept", "text/html,*/*;q=0.8")]);
+    assert_eq!((answer.status, answer.header("content-type")), (404, "text/html; charset=utf-8"));
+    assert!(answer.text().contains("To the console"));
 }

@@ -75,6 +75,7 @@ impl Sweep {
             celsius: self.world.thermometer.last(),
             status,
             threshold: self.world.thermometer.threshold(),
+            cool: self.world.thermometer.cool(),
             hot: self.world.thermometer.hot(),
         }
     }

@@ -84,6 +84,12 @@ impl Thermometer {
         self.last
     }
 
+    /// A hot source is cool again at this reading or below.
+    #[must_use]
+    pub fn cool(&self) -> Celsius {
+        Celsius::new(self.threshold.degrees() - self.hysteresis).unwrap_or(self.threshold)
+    }
+
     /// The threshold.
     #[must_use]
     pub const fn threshold(&self) -> Celsius {
@@ -100,6 +106,8 @@ pub struct TemperatureView {
     pub status: TemperatureStatus,
     /// Above this nothing moves.
     pub threshold: Celsius,
+    /// A source that was above it is cool again at this reading or below.
+    pub cool: Celsius,
     /// The sources that keep the hall too hot, each with its last reading.
     pub hot: Vec<(Arc<str>, Celsius)>,
 }

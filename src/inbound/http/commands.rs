@@ -156,6 +156,9 @@ mod tests {
             ("POST", "/commands/start", r#"{"epoc":1}"#, 422),
             ("POST", "/commands/start", r#"{"epoch":-1}"#, 422),
             ("POST", "/commands/start", "[]", 422),
+            ("POST", "/commands/move", r#"["w"]"#, 422),
+            ("POST", "/luggage/3/verdict", r#"["danger"]"#, 422),
+            ("POST", "/luggage/3/verdict", r#"{"verdict":"safe","verdict":"danger"}"#, 422),
             ("POST", "/commands/move", "", 400),
             ("POST", "/commands/move", "{}", 422),
             ("POST", "/commands/move", r#"{"move":"q"}"#, 422),
@@ -190,6 +193,11 @@ mod tests {
         assert_eq!(status, 415);
         let (status, _) = read(house.send("POST", "/api/v1/commands/move", &[], r#"{"move":"w"}"#).await).await;
         assert_eq!(status, 415);
+        for (charset, expect) in [("utf-8", 200), ("\"UTF-8\"", 200), ("utf-16", 415), ("latin1", 415)] {
+            let media = format!("application/json; charset={charset}");
+            let sent = house.send("POST", "/api/v1/commands/move", &[("content-type", &media)], r#"{"move":"w"}"#).await;
+            assert_eq!(sent.status(), expect, "{charset}");
+        }
         let large = format!("{{\"move\":\"{}\"}}", "w".repeat(20_000));
         assert_eq!(house.json("POST", "/api/v1/commands/move", &large).await.0, 413);
         let response = house.send("DELETE", "/api/v1/luggage/3/photo", &[], "").await;

@@ -1,16 +1,22 @@
-//! What stands in front of every route: security headers, refusal of other origins' posts, compression, and the catching of
-//! panics. It knows no route.
+//! What stands in front of every route: security headers, refusal of other hosts' names and other origins' posts, pages for
+//! people in place of problems, compression, and the catching of panics. It knows no route.
 
+use std::net::IpAddr;
+
+use askama::Template;
 use axum::Router;
-use axum::extract::Request;
+use axum::extract::{Request, State};
+use axum::http::uri::Authority;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, header};
-use axum::middleware::{Next, from_fn};
+use axum::middleware::{Next, from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::set_header::SetResponseHeaderLayer;
 
-use super::problem::Problem;
+use super::accept::preferred;
+use super::problem::{Problem, Said};
+use crate::wire::fields::in_short;
 
 /// Nothing but this origin's own files, no inline script or style, no frame, no form to anywhere else.
 const CONTENT_SECURITY_POLICY: &str = "default-src 'self'; object-src 'none'; frame-ancestors 'none'; form-action 'self'; \
@@ -26,16 +32,77 @@ const SECURITY: [(HeaderName, &str); 6] = [
     (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
 ];
 
+/// By which names this program may be called.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hosts {
+    /// By any: other machines reach it, and nobody knows all its names.
+    Any,
+    /// By the names and addresses of this machine alone, so that no page of the world can reach it by a name of its own that
+    /// was made to point here (DNS rebinding).
+    Loopback,
+}
+
 /// The routes behind their guard. Compression leaves event streams and pictures alone.
-pub(super) fn guarded(routes: Router) -> Router {
+pub(super) fn guarded(routes: Router, hosts: Hosts) -> Router {
     let guarded = routes
         .layer(from_fn(same_origin))
+        .layer(from_fn_with_state(hosts, own_name))
+        .layer(from_fn(for_people))
         .layer(CatchPanicLayer::custom(|_: Box<dyn std::any::Any + Send>| Problem::internal().into_response()))
         .layer(CompressionLayer::new())
         .layer(SetResponseHeaderLayer::if_not_present(header::CACHE_CONTROL, HeaderValue::from_static("no-cache")));
     SECURITY.into_iter().fold(guarded, |router, (name, value)| {
         router.layer(SetResponseHeaderLayer::overriding(name, HeaderValue::from_static(value)))
     })
+}
+
+/// Whoever asks for this machine by a name that is not its own was led here by somebody else.
+async fn own_name(State(hosts): State<Hosts>, request: Request, next: Next) -> Response {
+    let named = request.uri().authority().map(|authority| authority.as_str().to_owned());
+    let headers = request.headers().get_all(header::HOST).iter();
+    let mut names = named.into_iter().chain(headers.map(|name| String::from_utf8_lossy(name.as_bytes()).into_owned()));
+    match names.find(|name| hosts == Hosts::Loopback && !is_loopback(name)) {
+        None => next.run(request).await,
+        Some(name) => {
+            let name = in_short(&name);
+            let detail = format!("this is not {name:?}: while hallsweep listens on this machine alone, call it localhost or by 127.0.0.1");
+            Problem::misdirected(detail).into_response()
+        }
+    }
+}
+
+/// Whether a host, with or without a port, is this machine for itself.
+fn is_loopback(host: &str) -> bool {
+    let Ok(authority) = host.parse::<Authority>() else { return false };
+    let name = authority.host().trim_end_matches('.').to_ascii_lowercase();
+    let address = name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
+    address.map_or_else(|_| name == "localhost" || name.ends_with(".localhost"), |address| address.is_loopback())
+}
+
+/// A browser that went astray is shown a page; programs get the problem itself, and under `/api` everybody does.
+async fn for_people(request: Request, next: Next) -> Response {
+    let is_program = request.uri().path().starts_with("/api/")
+        || preferred(request.headers(), &["application/json", "text/html"]) != Some("text/html");
+    let mut response = next.run(request).await;
+    let Some(Said(detail)) = response.extensions_mut().remove::<Said>() else { return response };
+    response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
+    if is_program {
+        return response;
+    }
+    let (mut parts, _) = response.into_parts();
+    parts.headers.remove(header::CONTENT_LENGTH);
+    parts.headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8"));
+    let page = Astray { title: parts.status.canonical_reason().unwrap_or("Problem"), detail };
+    let page = page.render().expect("the template only writes strings, which does not fail");
+    Response::from_parts(parts, page.into())
+}
+
+/// The page of somebody who went astray.
+#[derive(Template)]
+#[template(path = "astray.html")]
+struct Astray {
+    title: &'static str,
+    detail: String,
 }
 
 /// A page of another origin may not press buttons here. Programs send neither header and pass.
@@ -61,7 +128,7 @@ fn is_foreign(headers: &HeaderMap) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::house;
+    use super::super::testing::{house, text};
     use super::*;
     use crate::wire::fixture::searching;
 
@@ -131,6 +198,33 @@ mod tests {
         let response = house.send("GET", "/", &[("accept-encoding", "gzip")], "").await;
         assert_eq!(response.headers()["content-encoding"], "gzip");
         assert!(response.headers().get_all("vary").iter().any(|vary| vary == "accept-encoding"));
+    }
+
+    #[test]
+    fn a_loopback_host_is_known_by_its_names_and_addresses() {
+        for own in ["localhost", "LOCALHOST:8080", "localhost.:80", "a.localhost", "127.0.0.1:8080", "127.9.9.9", "[::1]:1", "[::1]"] {
+            assert!(is_loopback(own), "{own}");
+        }
+        for foreign in ["rebound.example:8080", "127.0.0.1.example", "localhost.example", "192.168.0.7", "", "a b", "[::2]"] {
+            assert!(!is_loopback(foreign), "{foreign}");
+        }
+    }
+
+    #[tokio::test]
+    async fn a_browser_gone_astray_sees_a_page_and_a_program_a_problem() {
+        let house = house(searching());
+        let browser = [("accept", "text/html,application/xhtml+xml,*/*;q=0.8")];
+        for (method, path, status) in [("GET", "/nowhere", 404), ("GET", "/console/start", 405), ("GET", "/console/confirm/danger/x", 404)] {
+            let response = house.send(method, path, &browser, "").await;
+            assert_eq!(response.status(), status, "{path}");
+            assert_eq!(response.headers()["content-type"], "text/html; charset=utf-8", "{path}");
+            let page = text(response).await;
+            assert!(page.contains("href=\"/\"") && page.contains("<h1>"), "{page}");
+            let program = house.send(method, path, &[], "").await;
+            assert_eq!(program.headers()["content-type"], "application/problem+json", "{path}");
+        }
+        let response = house.send("GET", "/api/v1/nothing", &browser, "").await;
+        assert_eq!(response.headers()["content-type"], "application/problem+json");
     }
 
     #[test]

@@ -25,9 +25,11 @@ use axum::Router;
 use axum::routing::{get, post, put};
 use tokio::sync::{Semaphore, watch};
 
+pub use guard::Hosts;
 pub use serve::serve;
 
 use crate::runtime::archive::Archive;
+use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;
 
 /// Streams open at once, the console's and the interface's together: every screen of a site, and a bound on what strangers cost.
@@ -41,6 +43,7 @@ pub struct Door {
     hall: Arc<str>,
     streams: Arc<Semaphore>,
     closing: watch::Sender<bool>,
+    clock: Clock,
 }
 
 impl Door {
@@ -48,7 +51,7 @@ impl Door {
     #[must_use]
     pub fn new(handle: Handle, archive: Arc<dyn Archive>, hall: &str) -> Door {
         let streams = Arc::new(Semaphore::new(STREAMS));
-        Door { handle, archive, hall: Arc::from(hall), streams, closing: watch::Sender::new(false) }
+        Door { handle, archive, hall: Arc::from(hall), streams, closing: watch::Sender::new(false), clock: Clock::default() }
     }
 
     /// Ends every open stream at once, and every one opened from now on.
@@ -58,7 +61,7 @@ impl Door {
 }
 
 /// Every route, with what stands in front of all of them.
-pub fn router(door: Door) -> Router {
+pub fn router(door: Door, hosts: Hosts) -> Router {
     let routes = Router::new()
         .nest("/api/v1", api())
         .merge(old::routes())
@@ -68,7 +71,7 @@ pub fn router(door: Door) -> Router {
         .fallback(problem::no_such_path)
         .method_not_allowed_fallback(problem::no_such_method)
         .with_state(door);
-    guard::guarded(routes)
+    guard::guarded(routes, hosts)
 }
 
 fn api() -> Router<Door> {

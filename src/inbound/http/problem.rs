@@ -1,10 +1,12 @@
 //! Every refusal and error of this door as `application/problem+json`, and the one table from refusals to status codes.
 //! Start at `Problem::refused` for the core's refusals; the other constructors are for requests that never reached it.
 
+use axum::Extension;
 use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 
 use crate::core::command::{RefusalKind, Refused};
+use crate::wire::fields::in_short;
 use crate::wire::luggage::LuggageJson;
 use crate::wire::problem::ProblemJson;
 
@@ -14,6 +16,10 @@ pub(super) struct Problem {
     status: StatusCode,
     body: Box<ProblemJson>,
 }
+
+/// Goes with a problem's answer, so that a person's browser can be shown a page instead of JSON.
+#[derive(Clone, Debug)]
+pub(super) struct Said(pub(super) String);
 
 /// The table: which status each family of refusals gets.
 pub(super) const fn status_of(kind: RefusalKind) -> StatusCode {
@@ -67,6 +73,11 @@ impl Problem {
         Problem::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "unsupportedMediaType", detail)
     }
 
+    /// 421: it was sent to another name than this program's.
+    pub(super) fn misdirected(detail: String) -> Problem {
+        Problem::new(StatusCode::MISDIRECTED_REQUEST, "foreignHost", detail)
+    }
+
     /// 422: it can be read, and asks for something that does not exist.
     pub(super) fn unusable(detail: String) -> Problem {
         Problem::new(StatusCode::UNPROCESSABLE_ENTITY, "unusable", detail)
@@ -110,18 +121,19 @@ impl IntoResponse for Problem {
     fn into_response(self) -> Response {
         let body = serde_json::to_vec(&self.body).expect("a problem is strings and numbers, which JSON can hold");
         let media_type = HeaderValue::from_static("application/problem+json");
-        (self.status, [(header::CONTENT_TYPE, media_type)], body).into_response()
+        let said = Said(self.body.detail.clone());
+        (self.status, Extension(said), [(header::CONTENT_TYPE, media_type)], body).into_response()
     }
 }
 
 /// The answer where no route is.
 pub(super) async fn no_such_path(uri: Uri) -> Problem {
-    Problem::not_found(format!("there is nothing at {}: the routes are listed in docs/http.md", uri.path()))
+    Problem::not_found(format!("there is nothing at {}: the routes are listed in docs/http.md", in_short(uri.path())))
 }
 
 /// The answer where the route is but not for this method; the header `Allow` lists those it has.
 pub(super) async fn no_such_method(method: Method, uri: Uri) -> Problem {
-    let detail = format!("{} does not answer {method}: see the header Allow", uri.path());
+    let detail = format!("{} does not answer {}: see the header Allow", in_short(uri.path()), in_short(method.as_str()));
     Problem::new(StatusCode::METHOD_NOT_ALLOWED, "methodNotAllowed", detail)
 }
 

@@ -15,13 +15,16 @@ use tokio::task::JoinSet;
 
 use super::patience::Patient;
 use super::watcher::closed;
-use super::{Door, router};
+use super::{Door, Hosts, router};
 
 /// Connections open at once: every stream there may be, and as many again for requests beside each.
 const CONNECTIONS: usize = 1024;
 
 /// How long a client may take over a request's headers, and how long it may be silent between two requests.
 const HEADER_TIME: Duration = Duration::from_secs(20);
+
+/// How long a request's line and headers may be together; longer ones are answered with 431.
+const HEADER_BYTES: usize = 64 * 1024;
 
 /// How long open requests are waited for at the end: with what closing a stream takes, within two seconds.
 const GRACE: Duration = Duration::from_millis(1500);
@@ -31,7 +34,8 @@ const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
 /// Serves until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do.
 pub async fn serve(listener: TcpListener, door: Door, shutdown: impl Future<Output = ()>) {
-    let router = router(door.clone());
+    let is_local = listener.local_addr().is_ok_and(|address| address.ip().is_loopback());
+    let router = router(door.clone(), if is_local { Hosts::Loopback } else { Hosts::Any });
     let places = Arc::new(Semaphore::new(CONNECTIONS));
     let mut connections = JoinSet::new();
     tokio::pin!(shutdown);
@@ -73,7 +77,7 @@ async fn converse(stream: TcpStream, router: Router, mut closing: watch::Receive
         tracing::debug!(%error, "small packets of a connection will be held back");
     }
     let mut http = http1::Builder::new();
-    http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIME);
+    http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIME).max_buf_size(HEADER_BYTES);
     let connection = http.serve_connection(TokioIo::new(Patient::new(stream)), TowerToHyperService::new(router));
     tokio::pin!(connection);
     let ended = tokio::select! {
@@ -113,9 +117,9 @@ mod tests {
         let (end, ended) = oneshot::channel::<()>();
         let serving = tokio::spawn(serve(listener, house.door.clone(), async { drop(ended.await) }));
 
-        let _slow = client(address, "GET /api/v1/state HTTP/1.1\r\nHost: x\r\nX-Slow: ");
-        let _half = client(address, "POST /api/v1/commands/move HTTP/1.1\r\nHost: x\r\nContent-Length: 100\r\n\r\n{");
-        let mut watching = client(address, "GET /api/v1/events HTTP/1.1\r\nHost: x\r\n\r\n");
+        let _slow = client(address, "GET /api/v1/state HTTP/1.1\r\nHost: localhost\r\nX-Slow: ");
+        let _half = client(address, "POST /api/v1/commands/move HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{");
+        let mut watching = client(address, "GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n");
         let mut first = [0; 12];
         watching.read_exact(&mut first).unwrap();
         assert_eq!(&first, b"HTTP/1.1 200");

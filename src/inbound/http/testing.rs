@@ -10,7 +10,7 @@ use serde_json::Value;
 use tokio::sync::{mpsc, watch};
 use tower_service::Service;
 
-use super::{Door, router};
+use super::{Door, Hosts, router};
 use crate::core::command::{self, Accepted, Command, LuggageRef, Refused};
 use crate::core::event::Photo;
 use crate::core::units::{Epoch, LuggageId};
@@ -91,7 +91,7 @@ impl House {
             request = request.header(*name, *value);
         }
         let request = request.body(Body::from(body.to_owned())).unwrap();
-        let mut router: Router = router(self.door.clone());
+        let mut router: Router = router(self.door.clone(), Hosts::Any);
         router.call(request).await.unwrap()
     }
 

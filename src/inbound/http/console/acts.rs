@@ -6,6 +6,7 @@ use super::super::problem::Problem;
 use crate::core::command::{Command, LuggageRef, TemperatureReport, Verdict};
 use crate::core::units::{AlarmId, Epoch, LuggageId};
 use crate::wire::command::{self, StrategyBody};
+use crate::wire::fields::in_short;
 
 /// Every form but STOP's: `/console/` and this word.
 pub(super) const ACTS: [&str; 12] = [
@@ -57,7 +58,7 @@ impl Fields {
             "acknowledge" => Command::Acknowledge(AlarmId(self.id()?)),
             "strategy" => Command::ChooseStrategy(self.strategy()?),
             "temperature" => Command::Temperature(self.temperature()?),
-            other => return Err(Problem::not_found(format!("the console has no button {other:?}"))),
+            other => return Err(Problem::not_found(format!("the console has no button {:?}", in_short(other)))),
         };
         Ok((command, epoch))
     }
@@ -89,7 +90,7 @@ impl Fields {
         match (self.status.as_deref(), self.celsius.as_deref()) {
             (Some("ok"), _) => Ok(TemperatureReport::Ok),
             (Some("tooHigh"), _) => Ok(TemperatureReport::TooHigh),
-            (Some(other), _) => Err(Problem::unusable(format!("{other:?} is no status: it is ok or tooHigh"))),
+            (Some(other), _) => Err(Problem::unusable(format!("{:?} is no status: it is ok or tooHigh", in_short(other)))),
             (None, degrees) => Ok(command::reading(number("celsius", &needed("celsius", degrees)?.replace(',', "."))?)?),
         }
     }
@@ -101,7 +102,7 @@ fn needed<'a>(name: &str, value: Option<&'a str>) -> Result<&'a str, Problem> {
 }
 
 fn number<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, Problem> {
-    text.trim().parse().map_err(|_| Problem::unusable(format!("{name} is {text:?}: a number belongs there")))
+    text.trim().parse().map_err(|_| Problem::unusable(format!("{name} is {:?}: a number belongs there", in_short(text))))
 }
 
 #[cfg(test)]

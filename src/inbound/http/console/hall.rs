@@ -29,6 +29,12 @@ const LABELS: i32 = 24;
 /// As far ahead as the sonar's ray is drawn, in cells.
 const RAY: i32 = 8;
 
+/// A picture of up to this many cells is drawn as it is; in a wider one what must be seen is drawn larger than its cell.
+const READABLE: i32 = 32;
+
+/// More frontier than this is not drawn: it would be most of what is sent with every step.
+const FRONTIER: usize = 2000;
+
 /// The part of the hall that is shown, in cells: what is known, rounded outwards.
 pub(super) fn shown(map: &HallMap) -> Bounds {
     let known = map.known_bounds();
@@ -39,9 +45,16 @@ pub(super) fn shown(map: &HallMap) -> Bounds {
 
 /// The `viewBox`, with a margin for the labels.
 pub(super) fn view_box(map: &HallMap) -> String {
+    let (shown, margin) = (shown(map), CELL * larger(map));
+    let (left, top) = (shown.least.x * CELL - margin, shown.least.y * CELL - margin);
+    format!("{left} {top} {} {}", shown.width() * CELL + margin, shown.height() * CELL + margin)
+}
+
+/// How many times its size the robot and its like are drawn in, so that they can be seen in a large hall too.
+fn larger(map: &HallMap) -> i32 {
     let shown = shown(map);
-    let (left, top) = (shown.least.x * CELL - CELL, shown.least.y * CELL - CELL);
-    format!("{left} {top} {} {}", (shown.width() + 1) * CELL, (shown.height() + 1) * CELL)
+    let widest = shown.width().max(shown.height() * LEAST.0 / LEAST.1);
+    (widest + READABLE - 1) / READABLE
 }
 
 /// The name of a tile's group.
@@ -70,12 +83,32 @@ pub(super) fn labels(map: &HallMap) -> String {
     let mut group = String::from("<g id=\"hall-labels\">");
     let step = |count: i32| [1, 5, 10, 50, 100, 500].into_iter().find(|step| count / step <= LABELS).unwrap_or(1000);
     let (every_x, every_y) = (step(shown.width()), step(shown.height()));
-    let (left, top) = (shown.least.x * CELL - CELL / 2, shown.least.y * CELL - CELL / 2);
+    let size = larger(map);
+    let (left, top) = (shown.least.x * CELL - CELL * size / 2, shown.least.y * CELL - CELL * size / 2);
     for x in (shown.least.x..=shown.most.x).filter(|x| x % every_x == 0) {
-        write(&mut group, format_args!("<text x=\"{}\" y=\"{}\">{x}</text>", x * CELL + CELL / 2, top + 2));
+        label(&mut group, (x * CELL + CELL / 2, top), size, x);
     }
     for y in (shown.least.y..=shown.most.y).filter(|y| y % every_y == 0) {
-        write(&mut group, format_args!("<text x=\"{left}\" y=\"{}\">{y}</text>", y * CELL + CELL / 2 + 2));
+        label(&mut group, (left, y * CELL + CELL / 2), size, y);
+    }
+    group.push_str("</g>");
+    group
+}
+
+fn label(group: &mut String, (x, y): (i32, i32), size: i32, number: i32) {
+    write(group, format_args!("<text transform=\"translate({x} {y}) scale({size})\" y=\"2\">{number}</text>"));
+}
+
+/// Unknown cells beside visited ones: where the search goes on.
+pub(super) fn frontier(map: &HallMap) -> String {
+    let mut group = String::from("<g id=\"hall-frontier\">");
+    let cells = map.frontier();
+    if !cells.is_empty() && cells.len() <= FRONTIER {
+        let mut path = String::new();
+        for cell in cells {
+            write(&mut path, format_args!("M{} {}h{CELL}v{CELL}h-{CELL}z", cell.x * CELL, cell.y * CELL));
+        }
+        write(&mut group, format_args!("<path class=\"frontier\" d=\"{path}\"/>"));
     }
     group.push_str("</g>");
     group
@@ -83,11 +116,12 @@ pub(super) fn labels(map: &HallMap) -> String {
 
 /// Everything that moves or is decided: trail, route, goal, home, luggage.
 pub(super) fn layer(snapshot: &Snapshot) -> String {
-    let mut group = String::from("<g id=\"hall-layer\">");
+    let size = larger(&snapshot.map);
+    let mut group = format!("<g id=\"hall-layer\"{}>", if size > 1 { " class=\"far\"" } else { "" });
     trail(&mut group, snapshot);
-    home(&mut group);
-    luggage(&mut group, snapshot);
-    route(&mut group, snapshot);
+    home(&mut group, size);
+    luggage(&mut group, snapshot, size);
+    route(&mut group, snapshot, size);
     ray(&mut group, snapshot);
     group.push_str("</g>");
     group
@@ -102,10 +136,11 @@ pub(super) fn robot(snapshot: &Snapshot) -> String {
         Heading::South => 180,
         Heading::West => 270,
     };
+    let size = larger(&snapshot.map);
     let led = if snapshot.robot.led_blinking { "led blinking" } else { "led" };
     let off_centre = if snapshot.robot.off_centre { " off-centre" } else { "" };
     format!(
-        "<g id=\"hall-robot\" class=\"robot{off_centre}\" transform=\"translate({x} {y})\"><g transform=\"rotate({turn})\">\
+        "<g id=\"hall-robot\" class=\"robot{off_centre}\" transform=\"translate({x} {y})\"><g transform=\"rotate({turn}) scale({size})\">\
          <circle class=\"body\" r=\"4\"/><path class=\"nose\" d=\"M0 -3.4L2.4 1.2H-2.4Z\"/>\
          <circle class=\"{led}\" cy=\"2.3\" r=\"0.9\"/></g></g>"
     )
@@ -145,12 +180,17 @@ fn trail(group: &mut String, snapshot: &Snapshot) {
     }
 }
 
-fn home(group: &mut String) {
+fn home(group: &mut String, size: i32) {
     let (x, y) = middle(Cell::HOME);
-    write(group, format_args!("<path class=\"home\" d=\"M{} {}l4 -3.4l4 3.4v4.4h-8z\"><title>home</title></path>", x - 4, y));
+    write(
+        group,
+        format_args!(
+            "<path class=\"home\" transform=\"translate({x} {y}) scale({size})\" d=\"M-4 0l4 -3.4l4 3.4v4.4h-8z\"><title>home</title></path>"
+        ),
+    );
 }
 
-fn luggage(group: &mut String, snapshot: &Snapshot) {
+fn luggage(group: &mut String, snapshot: &Snapshot, size: i32) {
     for luggage in &snapshot.luggage {
         let (x, y) = middle(luggage.cell);
         let verdict = luggage.verdict_name();
@@ -159,18 +199,20 @@ fn luggage(group: &mut String, snapshot: &Snapshot) {
             "danger" => ("<path d=\"M0 -5L5 4H-5Z\"/>", "D"),
             _ => ("<rect x=\"-4.2\" y=\"-4.2\" width=\"8.4\" height=\"8.4\"/>", "?"),
         };
+        let id = luggage.id;
+        // Where cells are tiny the numbers would cover each other; the title still says which piece it is.
+        let number = if size == 1 { format!("<text class=\"number\" y=\"7.4\">#{id}</text>") } else { String::new() };
         write(
             group,
             format_args!(
-                "<g class=\"piece {verdict}\" transform=\"translate({x} {y})\">{shape}<text y=\"2\">{letter}</text>\
-                 <text class=\"number\" y=\"7.4\">#{id}</text><title>luggage #{id}: {verdict}</title></g>",
-                id = luggage.id
+                "<g class=\"piece {verdict}\" transform=\"translate({x} {y}) scale({size})\">{shape}<text y=\"2\">{letter}</text>\
+                 {number}<title>luggage #{id}: {verdict}</title></g>"
             ),
         );
     }
 }
 
-fn route(group: &mut String, snapshot: &Snapshot) {
+fn route(group: &mut String, snapshot: &Snapshot, size: i32) {
     let route = &snapshot.mission.route;
     if !route.is_empty() {
         let points = points(std::iter::once(snapshot.robot.pose.cell).chain(route.iter().copied()));
@@ -180,8 +222,12 @@ fn route(group: &mut String, snapshot: &Snapshot) {
     let goal = snapshot.mission.goal.filter(|goal| snapshot.luggage.iter().all(|luggage| luggage.cell != *goal));
     if let Some(goal) = goal {
         let (x, y) = middle(goal);
-        let (left, top) = (x - 3, y - 3);
-        write(group, format_args!("<path class=\"goal\" d=\"M{left} {top}l6 6m0 -6l-6 6\"><title>goal {goal}</title></path>"));
+        write(
+            group,
+            format_args!(
+                "<path class=\"goal\" transform=\"translate({x} {y}) scale({size})\" d=\"M-3 -3l6 6m0 -6l-6 6\"><title>goal {goal}</title></path>"
+            ),
+        );
     }
 }
 
@@ -257,6 +303,25 @@ mod tests {
         for part in ["class=\"goal\"", "class=\"route\"", "trail fade-0", "piece safe", "piece danger", "piece pending", "#3"] {
             assert!(layer.contains(part), "{part} in {layer}");
         }
+    }
+
+    #[test]
+    fn in_a_large_hall_what_matters_is_drawn_larger_and_the_numbers_are_left_out() {
+        let mut snapshot = searching();
+        assert!(robot(&snapshot).contains("scale(1)") && layer(&snapshot).contains(">#3<"));
+        snapshot.map.mark(Cell::new(199, 90), Mark::Visited, Revision(21));
+        assert!(robot(&snapshot).contains("scale(7)"), "{}", robot(&snapshot));
+        assert!(!layer(&snapshot).contains(">#3<") && layer(&snapshot).contains("luggage #3"));
+    }
+
+    #[test]
+    fn the_frontier_is_drawn_unless_it_is_endless() {
+        let mut map = drawn(&["11"], 1);
+        assert!(frontier(&map).contains("M20 0h10v10h-10z"), "{}", frontier(&map));
+        for x in 0..2000 {
+            map.mark(Cell::new(x, 0), Mark::Visited, Revision(2));
+        }
+        assert_eq!(frontier(&map), "<g id=\"hall-frontier\"></g>");
     }
 
     #[test]

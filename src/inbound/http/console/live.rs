@@ -21,6 +21,7 @@ use super::super::watcher::{Wake, Watcher};
 use super::parts::PARTS;
 use super::view::View;
 use super::{UNBUFFERED, hall};
+use crate::core::units::Wall;
 use crate::core::world::snapshot::Snapshot;
 
 /// The least time between two messages: ten a second are as many as an eye can use.
@@ -31,6 +32,8 @@ const PAUSE: Duration = Duration::from_millis(100);
 struct Message {
     run: String,
     revision: u64,
+    /// The time here, in milliseconds since 1970: the page's own clock may be wrong.
+    now: i64,
     title: String,
     /// All parts are here: what is not can go.
     whole: bool,
@@ -51,7 +54,7 @@ struct Shown {
 /// `GET console/live`
 pub(super) async fn live(State(door): State<Door>) -> Result<Response, Problem> {
     let (watcher, snapshot) = Watcher::open(&door)?;
-    let hall = Arc::clone(&door.hall);
+    let (hall, clock) = (Arc::clone(&door.hall), door.clock);
     let events = stream::unfold((watcher, Shown::default(), Some(snapshot)), move |(mut watcher, mut shown, first)| {
         let hall = Arc::clone(&hall);
         async move {
@@ -60,7 +63,7 @@ pub(super) async fn live(State(door): State<Door>) -> Result<Response, Problem> 
                 None => watcher.next(PAUSE, HEARTBEAT).await,
             };
             let event = match wake {
-                Wake::Changed(snapshot) => message(&shown.update(snapshot, &hall)),
+                Wake::Changed(snapshot) => message(&shown.update(snapshot, &hall, clock.now().wall)),
                 Wake::Quiet => Event::default().event("tick").data("alive"),
                 Wake::Closed => return None,
             };
@@ -77,8 +80,8 @@ fn message(message: &Message) -> Event {
 
 impl Shown {
     /// What this page lacks of a snapshot; from now on it shows it.
-    fn update(&mut self, snapshot: Arc<Snapshot>, hall: &str) -> Message {
-        let view = View { snapshot: &snapshot, hall, why: None };
+    fn update(&mut self, snapshot: Arc<Snapshot>, hall: &str, now: Wall) -> Message {
+        let view = View { snapshot: &snapshot, hall, why: None, now };
         let older = self.older.take();
         let mut parts = tiles(older.as_deref(), &snapshot);
         for part in &PARTS {
@@ -93,6 +96,7 @@ impl Shown {
         let message = Message {
             run: snapshot.run.to_string(),
             revision: snapshot.revision.0,
+            now: now.unix_ms,
             title: view.title(),
             whole: older.is_none(),
             view: hall::view_box(&snapshot.map),
@@ -129,11 +133,11 @@ mod tests {
     use crate::core::units::{Cell, Revision};
     use crate::core::world::hall_map::Mark;
     use crate::core::world::resource::Resource;
-    use crate::wire::fixture::{idle, searching, touch};
+    use crate::wire::fixture::{TEN, idle, searching, touch};
 
     #[test]
     fn the_first_message_has_every_part_and_every_tile() {
-        let message = Shown::default().update(Arc::new(searching()), "airport");
+        let message = Shown::default().update(Arc::new(searching()), "airport", TEN);
         assert!(message.whole);
         assert_eq!(message.parts.len(), PARTS.len() + 1);
         for (id, html) in &message.parts {
@@ -148,13 +152,13 @@ mod tests {
             snapshot.map.mark(Cell::new(x, 40), Mark::Wall, Revision(20));
         }
         let mut shown = Shown::default();
-        shown.update(Arc::new(snapshot.clone()), "airport");
+        shown.update(Arc::new(snapshot.clone()), "airport", TEN);
         snapshot.map.mark(Cell::new(4, 1), Mark::Visited, Revision(21));
         snapshot.robot.pose.cell = Cell::new(4, 1);
         touch(&mut snapshot, 21, &[Resource::Map, Resource::Robot]);
-        let message = shown.update(Arc::new(snapshot), "airport");
+        let message = shown.update(Arc::new(snapshot), "airport", TEN);
         let ids: Vec<&str> = message.parts.keys().map(String::as_str).collect();
-        assert_eq!(ids, ["hall-layer", "hall-robot", "robot", "tile_0_0"]);
+        assert_eq!(ids, ["hall-frontier", "hall-layer", "hall-robot", "robot", "tile_0_0"]);
         assert!(serde_json::to_string(&message).unwrap().len() < 8_000);
     }
 
@@ -163,18 +167,18 @@ mod tests {
         let mut snapshot = searching();
         snapshot.map.mark(Cell::new(100, 0), Mark::Wall, Revision(20));
         let mut shown = Shown::default();
-        shown.update(Arc::new(snapshot), "airport");
+        shown.update(Arc::new(snapshot), "airport", TEN);
         let mut emptied = idle();
         touch(&mut emptied, 21, &Resource::ALL);
-        assert_eq!(shown.update(Arc::new(emptied), "airport").parts["tile_3_0"], "");
+        assert_eq!(shown.update(Arc::new(emptied), "airport", TEN).parts["tile_3_0"], "");
     }
 
     #[test]
     fn what_looks_the_same_is_not_sent_again() {
         let mut snapshot = searching();
         let mut shown = Shown::default();
-        shown.update(Arc::new(snapshot.clone()), "airport");
+        shown.update(Arc::new(snapshot.clone()), "airport", TEN);
         touch(&mut snapshot, 21, &Resource::ALL);
-        assert!(shown.update(Arc::new(snapshot), "airport").parts.is_empty());
+        assert!(shown.update(Arc::new(snapshot), "airport", TEN).parts.is_empty());
     }
 }

@@ -88,7 +88,7 @@ async fn confirm_reset() -> Html<String> {
 
 fn whole(door: &Door, why: Option<Why>) -> Html<String> {
     let snapshot = door.handle.snapshot();
-    let view = View { snapshot: &snapshot, hall: &door.hall, why };
+    let view = View { snapshot: &snapshot, hall: &door.hall, why, now: door.clock.now().wall };
     html(&Page::new(&view))
 }
 

@@ -6,7 +6,7 @@ use askama::Template;
 use super::hall;
 use super::view::{View, place};
 use crate::core::explore::Strategy;
-use crate::core::units::LuggageId;
+use crate::core::units::{LuggageId, Wall};
 use crate::core::world::log::LogLine;
 use crate::core::world::luggage::{Luggage, PhotoState};
 use crate::core::world::resource::Resource;
@@ -27,25 +27,38 @@ pub(super) struct Part {
 }
 
 /// All of them, in the page's order.
-pub(super) const PARTS: [Part; 15] = [
-    Part { id: "announce", shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms], render: |v| html(&Announce { v }) },
+pub(super) const PARTS: [Part; 16] = [
+    Part {
+        id: "announce",
+        shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms, Resource::Temperature],
+        render: |v| html(&Announce { v }),
+    },
     Part {
         id: "bar",
         shows: &[Resource::Mission, Resource::Robot, Resource::Temperature, Resource::Luggage],
         render: |v| html(&Bar { v }),
     },
-    Part { id: "holds", shows: &[Resource::Mission], render: |v| html(&Holds { v }) },
+    Part { id: "holds", shows: &[Resource::Mission, Resource::Temperature], render: |v| html(&Holds { v }) },
     Part { id: "hall-labels", shows: &[Resource::Map], render: |v| hall::labels(&v.snapshot.map) },
+    Part { id: "hall-frontier", shows: &[Resource::Map], render: |v| hall::frontier(&v.snapshot.map) },
     Part {
         id: "hall-layer",
         shows: &[Resource::Mission, Resource::Robot, Resource::Luggage, Resource::Map],
         render: |v| hall::layer(v.snapshot),
     },
-    Part { id: "hall-robot", shows: &[Resource::Robot], render: |v| hall::robot(v.snapshot) },
+    Part { id: "hall-robot", shows: &[Resource::Robot, Resource::Map], render: |v| hall::robot(v.snapshot) },
     Part { id: "progress", shows: &[Resource::Mission], render: |v| html(&Progress { v }) },
     Part { id: "alarms", shows: &[Resource::Alarms], render: |v| html(&Alarms { v }) },
-    Part { id: "inspect", shows: &[Resource::Mission, Resource::Luggage], render: |v| html(&Inspect { v }) },
-    Part { id: "actions", shows: &[Resource::Mission], render: |v| html(&Actions { v }) },
+    Part {
+        id: "inspect",
+        shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms],
+        render: |v| html(&Inspect { v }),
+    },
+    Part {
+        id: "actions",
+        shows: &[Resource::Mission, Resource::Luggage, Resource::Robot],
+        render: |v| html(&Actions { v }),
+    },
     Part { id: "temperature", shows: &[Resource::Temperature, Resource::Mission], render: |v| html(&Temperature { v }) },
     Part { id: "robot", shows: &[Resource::Robot], render: |v| html(&Robot { v }) },
     Part { id: "more", shows: &[Resource::Mission], render: |v| html(&More { v }) },
@@ -73,6 +86,10 @@ impl<'a> Page<'a> {
 
     fn view_box(&self) -> String {
         hall::view_box(&self.v.snapshot.map)
+    }
+
+    fn made(&self) -> String {
+        date_and_time(self.v.now)
     }
 
     fn tiles(&self) -> String {
@@ -195,14 +212,18 @@ impl More<'_> {
 }
 
 impl Gallery<'_> {
-    fn pieces(&self) -> Vec<(&Luggage, Option<String>, String)> {
+    fn pieces(&self) -> Vec<(&Luggage, Option<String>)> {
         let latest = self.v.snapshot.luggage.iter().rev().take(PIECES);
-        latest.map(|luggage| (&**luggage, photo_url(luggage), clock_time(luggage.taken))).collect()
+        latest.map(|luggage| (&**luggage, photo_url(luggage))).collect()
+    }
+
+    fn time(&self, wall: &Wall) -> String {
+        clock_time(*wall)
     }
 }
 
 impl Alarms<'_> {
-    fn time(&self, wall: &crate::core::units::Wall) -> String {
+    fn time(&self, wall: &Wall) -> String {
         clock_time(*wall)
     }
 }

@@ -1,9 +1,11 @@
 //! What the console's parts look at: the snapshot in an operator's words. Markup stands in the templates.
 
+use std::sync::Arc;
+
 use askama::Template;
 
 use crate::core::mission::{Hold, PhaseName};
-use crate::core::units::Cell;
+use crate::core::units::{Cell, Celsius, Wall};
 use crate::core::world::luggage::Luggage;
 use crate::core::world::robot::RobotState;
 use crate::core::world::snapshot::Snapshot;
@@ -14,6 +16,7 @@ pub(super) struct View<'a> {
     pub(super) snapshot: &'a Snapshot,
     pub(super) hall: &'a str,
     pub(super) why: Option<Why>,
+    pub(super) now: Wall,
 }
 
 /// The reason of a refusal, and the button it belongs to; without text it is the place where the script puts one.
@@ -89,8 +92,39 @@ impl View<'_> {
     }
 
     /// What holds the robot, in words, each with what to do about it.
-    pub(super) fn holds(&self) -> Vec<&'static str> {
-        self.snapshot.mission.holds.iter().map(|hold| hold.in_words()).collect()
+    pub(super) fn holds(&self) -> Vec<String> {
+        let heat = self.hot();
+        let words = |hold: &Hold| match hold {
+            Hold::Temperature if !heat.is_empty() => {
+                let hot: Vec<String> = heat.iter().map(|(source, reading)| format!("{source} {reading}")).collect();
+                format!("too hot by the reading of {}: {} or less is wanted", hot.join(" and "), self.snapshot.temperature.cool)
+            }
+            other => other.in_words().to_owned(),
+        };
+        self.snapshot.mission.holds.iter().map(words).collect()
+    }
+
+    /// What is to be done next, in the phases in which the robot waits for it and no button by itself says so.
+    pub(super) fn next_step(&self) -> Option<String> {
+        match self.snapshot.mission.phase {
+            PhaseName::BombLocated => {
+                let bomb = self.snapshot.luggage.iter().find(|luggage| luggage.is_dangerous());
+                let at = bomb.map_or_else(String::new, |bomb| format!("Luggage #{} at {} is dangerous. ", bomb.id, place(bomb.cell)));
+                let next = if self.unseen_alarms() > 0 { "acknowledge the alarm, then press RESET" } else { "press RESET" };
+                Some(format!("{at}When the hall is safe again, {next} to put this mission away."))
+            }
+            PhaseName::Explored => Some("The whole hall has been searched. START searches it anew, RESET puts this mission away.".into()),
+            PhaseName::Idle
+            | PhaseName::Exploring
+            | PhaseName::Inspecting
+            | PhaseName::Driving
+            | PhaseName::ReturningHome
+            | PhaseName::AtHome
+            | PhaseName::ReturningWithAlarm
+            | PhaseName::Retrieving
+            | PhaseName::BagSecured
+            | PhaseName::Fault => None,
+        }
     }
 
     /// How loud the banner is to be.
@@ -117,7 +151,8 @@ impl View<'_> {
         if mission.phase != PhaseName::Inspecting {
             words.extend(self.waiting().map(|luggage| format!("Luggage #{} waits for your verdict.", luggage.id)));
         }
-        words.extend(mission.holds.first().map(|hold| sentence(hold.in_words())));
+        words.extend(self.holds().first().map(|hold| sentence(hold)));
+        words.extend(self.next_step());
         words.extend(self.snapshot.alarms.iter().filter(|alarm| alarm.acknowledged.is_none()).map(|alarm| sentence(&alarm.text)));
         words.join(" ")
     }
@@ -138,27 +173,24 @@ impl View<'_> {
         self.snapshot.pending().map(|luggage| &**luggage)
     }
 
-    /// What START is called just now.
-    pub(super) fn start_label(&self) -> &'static str {
+    /// Whether START is what an operator would press next: it is possible, and the robot is not on its way already.
+    pub(super) fn start_is_next(&self) -> bool {
         let mission = &self.snapshot.mission;
-        match mission.phase {
-            PhaseName::Explored | PhaseName::BagSecured => "START anew",
-            PhaseName::AtHome | PhaseName::Fault => "CONTINUE",
-            PhaseName::Idle => "START",
+        let on_its_way = match mission.phase {
             PhaseName::Exploring
             | PhaseName::Inspecting
-            | PhaseName::Driving
             | PhaseName::ReturningHome
             | PhaseName::ReturningWithAlarm
+            | PhaseName::Retrieving => mission.holds.is_empty(),
+            PhaseName::Driving => !self.is_still(),
+            PhaseName::Idle
+            | PhaseName::AtHome
             | PhaseName::BombLocated
-            | PhaseName::Retrieving => {
-                if mission.holds.is_empty() {
-                    "START"
-                } else {
-                    "CONTINUE"
-                }
-            }
-        }
+            | PhaseName::BagSecured
+            | PhaseName::Explored
+            | PhaseName::Fault => false,
+        };
+        mission.refusals.start.is_none() && !on_its_way
     }
 
     /// Whether RETRIEVE has a meaning now.
@@ -179,28 +211,45 @@ impl View<'_> {
         }
     }
 
-    /// The last reading, or a dash of the same width.
+    /// The reading that matters: the hottest of those that are too hot, else the last; or a dash of the same width.
     pub(super) fn celsius(&self) -> String {
-        self.snapshot.temperature.celsius.map_or_else(|| "– °C".to_owned(), |celsius| celsius.to_string())
+        let hottest = self.hot().iter().map(|(_, reading)| *reading).max_by(|a, b| a.degrees().total_cmp(&b.degrees()));
+        hottest.or(self.snapshot.temperature.celsius).map_or_else(|| "– °C".to_owned(), |celsius| celsius.to_string())
     }
 
     /// What the temperature means, in words.
     pub(super) fn temperature_words(&self) -> &'static str {
-        let view = &self.snapshot.temperature;
-        match view.status {
+        match self.snapshot.temperature.status {
             TemperatureStatus::Ok => "ok",
             TemperatureStatus::TooHigh if self.declared_too_high() => "too high by an operator's word: press OK to take it back",
-            TemperatureStatus::TooHigh if view.celsius.is_some_and(|celsius| celsius <= view.threshold) => {
-                "too high: not every reading has fallen far enough"
-            }
             TemperatureStatus::TooHigh => "too high: nothing moves",
             TemperatureStatus::Stale => "sensor silent: nothing moves",
         }
     }
 
+    /// Every reading that keeps the hall too hot, and what ends it.
+    pub(super) fn heat(&self) -> Vec<String> {
+        let cool = self.snapshot.temperature.cool;
+        let words = |source: &str, reading: Celsius| match source {
+            "operator" => format!("An operator reported {reading}. It counts until a reading of {cool} or less is reported."),
+            sensor => format!("{} reads {reading}. It must fall to {cool} or less.", capital(sensor)),
+        };
+        self.hot().iter().map(|(source, reading)| words(source, *reading)).collect()
+    }
+
+    fn hot(&self) -> &[(Arc<str>, Celsius)] {
+        &self.snapshot.temperature.hot
+    }
+
     /// Whether the button TOO HIGH stands.
     pub(super) fn declared_too_high(&self) -> bool {
         self.snapshot.mission.holds.contains(&Hold::TooHigh)
+    }
+
+    /// How long a piece has waited, as `0:14`.
+    pub(super) fn waited(&self, luggage: &Luggage) -> String {
+        let seconds = self.now.unix_ms.saturating_sub(luggage.taken.unix_ms).max(0) / 1000;
+        format!("{}:{:02}", seconds / 60, seconds % 60)
     }
 
     /// How many alarms nobody has seen yet.
@@ -221,30 +270,82 @@ pub(super) fn place(cell: Cell) -> String {
 }
 
 fn sentence(words: &str) -> String {
+    format!("{}.", capital(words.trim_end_matches('.')))
+}
+
+fn capital(words: &str) -> String {
     let mut letters = words.chars();
     let first: String = letters.next().map(|letter| letter.to_uppercase().collect()).unwrap_or_default();
-    format!("{first}{}.", letters.as_str().trim_end_matches('.'))
+    format!("{first}{}", letters.as_str())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wire::fixture::{idle, searching};
+    use crate::core::world::resource::Resource;
+    use crate::wire::fixture::{TEN, degrees, idle, searching, touch};
+
+    fn view(snapshot: &Snapshot) -> View<'_> {
+        View { snapshot, hall: "airport", why: None, now: Wall { unix_ms: TEN.unix_ms + 74_900, ..TEN } }
+    }
 
     #[test]
     fn a_waiting_piece_is_what_is_said_first() {
         let snapshot = searching();
-        let view = View { snapshot: &snapshot, hall: "airport", why: None };
+        let view = view(&snapshot);
         assert_eq!(view.mood(), Mood::Held);
         assert_eq!(view.announcement(), "Luggage #3 waits for your verdict. Luggage #2 is dangerous.");
         assert_eq!(view.title(), "‖ luggage #3 waits for your verdict · hallsweep");
+        assert_eq!(view.waited(&snapshot.luggage[2]), "1:14");
     }
 
     #[test]
     fn a_refusal_is_shown_at_its_own_button_only_and_escaped() {
         let snapshot = idle();
-        let view = View { snapshot: &snapshot, hall: "airport", why: Some(Why::new("start", "a < b")) };
+        let view = View { why: Some(Why::new("start", "a < b")), ..view(&snapshot) };
         assert!(view.why("start").to_string().contains("a &#60; b"));
         assert_eq!(view.why("reset").text, "");
+    }
+
+    #[test]
+    fn the_reading_that_is_too_hot_is_named_with_what_ends_it() {
+        let mut snapshot = searching();
+        snapshot.temperature.status = TemperatureStatus::TooHigh;
+        snapshot.temperature.celsius = Some(degrees(21.0));
+        snapshot.temperature.hot = vec![("hall".into(), degrees(27.0)), ("operator".into(), degrees(31.5))];
+        snapshot.mission.holds = vec![Hold::Temperature];
+        let view = view(&snapshot);
+        assert_eq!(view.celsius(), "31.5 °C");
+        assert_eq!(view.holds(), ["too hot by the reading of hall 27.0 °C and operator 31.5 °C: 24.0 °C or less is wanted"]);
+        assert_eq!(
+            view.heat(),
+            [
+                "Hall reads 27.0 °C. It must fall to 24.0 °C or less.",
+                "An operator reported 31.5 °C. It counts until a reading of 24.0 °C or less is reported."
+            ]
+        );
+    }
+
+    #[test]
+    fn start_is_loud_only_while_it_is_the_next_thing_to_press() {
+        let mut snapshot = idle();
+        assert!(view(&snapshot).start_is_next());
+        snapshot.mission.phase = PhaseName::Exploring;
+        assert!(!view(&snapshot).start_is_next(), "it is on its way");
+        snapshot.mission.holds = vec![Hold::Operator];
+        assert!(view(&snapshot).start_is_next());
+        snapshot.mission.refusals.start = Some("no".to_owned());
+        assert!(!view(&snapshot).start_is_next());
+    }
+
+    #[test]
+    fn a_located_bomb_says_what_to_do_next() {
+        let mut snapshot = searching();
+        snapshot.mission.phase = PhaseName::BombLocated;
+        let next = view(&snapshot).next_step().unwrap();
+        assert!(next.contains("Luggage #2 at column 1, row 2") && next.contains("acknowledge the alarm, then press RESET"), "{next}");
+        snapshot.alarms.clear();
+        touch(&mut snapshot, 21, &[Resource::Alarms]);
+        assert!(!view(&snapshot).next_step().unwrap().contains("acknowledge"));
     }
 }

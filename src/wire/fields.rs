@@ -1,0 +1,221 @@
+//! The fields of a JSON object, taken one by one; every failure is a sentence that names the field, the value and what belongs
+//! there. Which fields a command has stands in `command`; how its bytes arrive is each door's business.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
+use serde_json::Value;
+
+/// As much of what a client sent is repeated to it, in characters: enough to know it again.
+const ECHO: usize = 40;
+
+/// A well-formed request that asks for something that does not exist; the sentence says what does.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Unusable(pub(super) String);
+
+/// Why no command can be made of a body.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Unread {
+    /// It is no JSON.
+    Malformed(String),
+    /// It is JSON, and not what this command takes.
+    Unusable(Unusable),
+}
+
+/// The body of a command.
+pub trait Body: Sized {
+    /// The names of its fields.
+    const FIELDS: &'static [&'static str];
+
+    /// The body with these fields.
+    ///
+    /// # Errors
+    /// When one is missing or of another kind.
+    fn taken(fields: &Fields) -> Result<Self, Unusable>;
+}
+
+/// The fields of one JSON object; none of them is there twice.
+#[derive(Debug, Default)]
+pub struct Fields(BTreeMap<String, Value>);
+
+/// Reads a body from JSON.
+///
+/// # Errors
+/// When it is no JSON, no object, or has other fields than this command.
+pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
+    let fields: Fields = serde_json::from_slice(bytes).map_err(|error| {
+        if error.is_data() {
+            Unread::Unusable(not_an_object(bytes, &error))
+        } else {
+            Unread::Malformed(format!("the body is not JSON: {error}"))
+        }
+    })?;
+    fields.only(T::FIELDS).and_then(|()| T::taken(&fields)).map_err(Unread::Unusable)
+}
+
+impl Fields {
+    /// A text that may be absent.
+    ///
+    /// # Errors
+    /// When it is no text.
+    pub fn text(&self, name: &str) -> Result<Option<String>, Unusable> {
+        self.field(name, "a text in quotes", |value| value.as_str().map(str::to_owned))
+    }
+
+    /// A whole number that may be absent.
+    ///
+    /// # Errors
+    /// When it is no whole number, or one beyond all bounds.
+    pub fn whole(&self, name: &str) -> Result<Option<i64>, Unusable> {
+        self.field(name, "a whole number, as 3,", Value::as_i64)
+    }
+
+    /// A whole number from 0 that may be absent.
+    ///
+    /// # Errors
+    /// When it is no such number.
+    pub fn count(&self, name: &str) -> Result<Option<u64>, Unusable> {
+        self.field(name, "a whole number from 0", Value::as_u64)
+    }
+
+    /// A number that may be absent.
+    ///
+    /// # Errors
+    /// When it is no number.
+    pub fn number(&self, name: &str) -> Result<Option<f64>, Unusable> {
+        self.field(name, "a number, as 21.5,", Value::as_f64)
+    }
+
+    fn field<T>(&self, name: &str, kind: &str, read: impl Fn(&Value) -> Option<T>) -> Result<Option<T>, Unusable> {
+        let there = self.0.get(name).filter(|value| !value.is_null());
+        let wrong = |value: &Value| Unusable(format!("`{name}` is {}: {kind} belongs there", in_short(&value.to_string())));
+        there.map(|value| read(value).ok_or_else(|| wrong(value))).transpose()
+    }
+
+    fn only(&self, known: &[&str]) -> Result<(), Unusable> {
+        let Some(unknown) = self.0.keys().find(|name| !known.contains(&name.as_str())) else { return Ok(()) };
+        let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+        Err(Unusable(format!("this command has no field `{}`: its fields are {known}", in_short(unknown))))
+    }
+}
+
+/// A field that must be there.
+///
+/// # Errors
+/// When it is not; `example` shows the whole body.
+pub fn needed<T>(value: Option<T>, name: &str, example: &str) -> Result<T, Unusable> {
+    value.ok_or_else(|| Unusable(format!("`{name}` is missing: send {example}")))
+}
+
+/// What a client sent, cut to a length at which it can be sent back.
+#[must_use]
+pub fn in_short(text: &str) -> String {
+    let mut short: String = text.chars().take(ECHO).collect();
+    if short.len() < text.len() {
+        short.push('…');
+    }
+    short
+}
+
+fn not_an_object(bytes: &[u8], error: &serde_json::Error) -> Unusable {
+    let kind = match bytes.iter().find(|byte| !byte.is_ascii_whitespace()) {
+        Some(b'{') => return Unusable(error.to_string()),
+        Some(b'[') => "a list",
+        Some(b'"') => "a text",
+        Some(b't' | b'f') => "true or false",
+        Some(b'n') => "null",
+        _ => "a number",
+    };
+    Unusable(format!("the body is {kind}: send a JSON object, as {{}}, with the fields of this command"))
+}
+
+impl<'de> Deserialize<'de> for Fields {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Fields, D::Error> {
+        deserializer.deserialize_map(Reader)
+    }
+}
+
+struct Reader;
+
+impl<'de> Visitor<'de> for Reader {
+    type Value = Fields;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a JSON object")
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Fields, M::Error> {
+        let mut fields = BTreeMap::new();
+        while let Some((name, value)) = map.next_entry::<String, Value>()? {
+            if fields.contains_key(&name) {
+                return Err(M::Error::custom(format!("`{}` is there twice: send it once", in_short(&name))));
+            }
+            fields.insert(name, value);
+        }
+        Ok(Fields(fields))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Both;
+
+    impl Body for Both {
+        const FIELDS: &'static [&'static str] = &["text", "number"];
+
+        fn taken(fields: &Fields) -> Result<Both, Unusable> {
+            fields.text("text")?;
+            fields.number("number")?;
+            fields.whole("number")?;
+            Ok(Both)
+        }
+    }
+
+    fn refused(json: &str) -> String {
+        match body::<Both>(json.as_bytes()) {
+            Ok(_) => panic!("{json} was taken"),
+            Err(Unread::Malformed(words)) => words,
+            Err(Unread::Unusable(unusable)) => unusable.to_string(),
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_without_the_words_of_a_programming_language() {
+        let cases = [
+            (r#"["w"]"#, "the body is a list"),
+            ("\"w\"", "the body is a text"),
+            ("3", "the body is a number"),
+            ("null", "the body is null"),
+            (r#"{"text":1}"#, "`text` is 1: a text in quotes belongs there"),
+            (r#"{"number":"hot"}"#, "`number` is \"hot\": a number, as 21.5, belongs there"),
+            (r#"{"number":1.5}"#, "`number` is 1.5: a whole number, as 3, belongs there"),
+            (r#"{"text":"a","text":"b"}"#, "`text` is there twice"),
+            (r#"{"txt":"a"}"#, "no field `txt`: its fields are text, number"),
+            (r#"{"text":"#, "the body is not JSON"),
+        ];
+        for (json, words) in cases {
+            let said = refused(json);
+            assert!(said.contains(words), "{json}: {said}");
+            for jargon in ["struct", "i64", "f64", "u64", "invalid type", "expected"] {
+                assert!(!said.contains(jargon), "{json}: {said}");
+            }
+        }
+    }
+
+    #[test]
+    fn null_means_absent_and_absent_is_no_mistake() {
+        assert!(body::<Both>(br#"{"text":null}"#).is_ok() && body::<Both>(b" {} ").is_ok());
+    }
+
+    #[test]
+    fn what_is_absurdly_long_is_not_repeated_at_full_length() {
+        assert!(refused(&format!("{{\"text\":{}}}", "9".repeat(300))).len() < 150);
+        assert!(refused(&format!("{{\"{}\":1}}", "x".repeat(9000))).len() < 200);
+        assert_eq!(in_short("short"), "short");
+        assert_eq!(in_short(&"ü".repeat(50)).chars().count(), ECHO + 1);
+    }
+}
