@@ -46,6 +46,7 @@ fn wrong_type(layers: &Layers, error: &figment::Error) -> SettingsError {
         // The seed is the only whole number among the settings.
         Ok(Value::Num(_, Num::F32(_) | Num::F64(_))) if key == "robot.seed" => "it is not a whole number",
         Ok(Value::Num(..)) if key == "robot.seed" => "it is out of range",
+        Ok(Value::Num(_, Num::I128(_) | Num::U128(_))) => "it is out of range",
         Ok(Value::Num(..)) => "it is a number",
         Ok(Value::Array(..)) => "it is a list",
         Ok(Value::Dict(..)) => "it is a table",

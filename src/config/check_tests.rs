@@ -120,6 +120,7 @@ fn a_wrong_value_is_shown_as_it_was_given_and_told_in_words_for_people() {
         ("--speed", "robot.speed", "nan", "nan (from flag --speed): it stands for no number; write a factor"),
         ("--speed", "robot.speed", "inf", "inf (from flag --speed): it is out of range; write a factor"),
         ("--speed", "robot.speed", "-inf", "-inf (from flag --speed): it is out of range; write a factor"),
+        ("--speed", "robot.speed", "99999999999999999999", "99999999999999999999 (from flag --speed): it is out of range; write"),
         ("--speed", "robot.speed", "[1]", "[1] (from flag --speed): it is a list; write a factor"),
         ("--speed", "robot.speed", "true", "true (from flag --speed): it is a yes or no; write a factor"),
         ("--seed", "robot.seed", "1.5", "1.5 (from flag --seed): it is not a whole number; write a whole number"),

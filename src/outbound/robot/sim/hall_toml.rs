@@ -93,6 +93,7 @@ impl Source<'_> {
             return HallFault::NoHall.at(self.file, 1);
         }
         let reason = error.message().lines().collect::<Vec<_>>().join(", ");
+        let reason = reason.replace("expected i64", "expected a whole number").replace("expected f64", "expected a number");
         let fault = HallFault::Syntax(format!("{reason}: correct this line"));
         match error.span() {
             Some(span) => self.at(&span, fault),
@@ -329,6 +330,7 @@ celsius = 21.5
         check(&format!("{HALL}[[temperature]]\nat_s = 0\ncelsius = 3\n"), "halls/x.toml:22: the temperature at 0 s comes after");
         check("width = 3\nheight = 3\nwidht = 4\n", "halls/x.toml:3: unknown field `widht`, expected one of `name`");
         check("width = 3\nheight = = 3\n", "halls/x.toml:2: ");
+        check("width = 3.5\nheight = 3\n", "halls/x.toml:1: invalid type: floating point `3.5`, expected a whole number");
         check("name = \"\"\nwidth = 1\nheight = 1\n", "halls/x.toml:1: `name` has 0 characters: give 1 to 64");
     }
 }
