@@ -44,7 +44,7 @@ pub struct Figures {
     /// Whether the robot ended at home.
     pub home: bool,
     /// The luggage on record.
-    pub luggage: Vec<Arc<Luggage>>,
+    pub luggage: Arc<[Arc<Luggage>]>,
     /// How many moves had been made when a dangerous piece was first met.
     pub bomb_found_at: Option<u64>,
     /// The last state.

@@ -165,10 +165,12 @@ impl Task {
         }
     }
 
-    /// Sends an order with the halts so far, unless a stop has been raised since it was given: the core has yet to hear of that.
+    /// Sends an order with the halts so far, unless a stop has been raised since it was given: then the core
+    /// hears of the stop first, so that it does not give the order again.
     fn send(&mut self, order: Order) {
         let halts = self.halts.now();
         let answer = if order.epoch < halts.epoch && order.action.is_motion() {
+            self.sweep.handle_halt(halts.epoch, self.clock.now());
             RobotEvent::Halted(order.id, false)
         } else {
             let Err(error) = self.link.orders.try_send(Stamped { order, halts: halts.count }) else { return };
@@ -317,6 +319,22 @@ mod tests {
             }
             let _ = starting.await;
         }
+    }
+
+    /// A stop that is raised while the loop is about to send an order: the loop comes to rest, and the robot gets nothing.
+    #[tokio::test]
+    async fn a_stop_between_an_order_and_its_sending_holds_the_robot() {
+        let (_handle, mut task, mut robot) = house();
+        let second = Duration::from_secs(1);
+        let can = Capabilities { step: second, turn: second, photo: second, nudges: false };
+        task.take_report(Some(RobotEvent::LinkUp(can)));
+        task.settle();
+        let start = task.sweep.handle_command(request(Command::Start), task.clock.now());
+        assert!(start.is_ok());
+        task.halter.stop();
+        task.settle();
+        assert!(robot.orders.try_recv().is_err());
+        assert!(task.sweep.snapshot().mission.holds.contains(&Hold::Operator));
     }
 
     /// Safety S2: heat halts as directly as a stop does.

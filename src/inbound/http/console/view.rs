@@ -109,11 +109,14 @@ impl View<'_> {
         match self.snapshot.mission.phase {
             PhaseName::BombLocated => {
                 let bomb = self.snapshot.luggage.iter().find(|luggage| luggage.is_dangerous());
-                let at = bomb.map_or_else(String::new, |bomb| format!("Luggage #{} at {} is dangerous. ", bomb.id, place(bomb.cell)));
+                let at =
+                    bomb.map_or_else(String::new, |bomb| format!("Luggage #{} at {} is dangerous. ", bomb.id, place(bomb.cell)));
                 let next = if self.unseen_alarms() > 0 { "acknowledge the alarm, then press RESET" } else { "press RESET" };
                 Some(format!("{at}When the hall is safe again, {next} to put this mission away."))
             }
-            PhaseName::Explored => Some("The whole hall has been searched. START searches it anew, RESET puts this mission away.".into()),
+            PhaseName::Explored => {
+                Some("The whole hall has been searched. START searches it anew, RESET puts this mission away.".into())
+            }
             PhaseName::Idle
             | PhaseName::Exploring
             | PhaseName::Inspecting
@@ -343,7 +346,10 @@ mod tests {
         let mut snapshot = searching();
         snapshot.mission.phase = PhaseName::BombLocated;
         let next = view(&snapshot).next_step().unwrap();
-        assert!(next.contains("Luggage #2 at column 1, row 2") && next.contains("acknowledge the alarm, then press RESET"), "{next}");
+        assert!(
+            next.contains("Luggage #2 at column 1, row 2") && next.contains("acknowledge the alarm, then press RESET"),
+            "{next}"
+        );
         snapshot.alarms.clear();
         touch(&mut snapshot, 21, &[Resource::Alarms]);
         assert!(!view(&snapshot).next_step().unwrap().contains("acknowledge"));
