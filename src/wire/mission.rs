@@ -40,7 +40,7 @@ pub struct MissionJson {
 pub struct ProgressJson {
     /// Cells visited.
     pub visited: usize,
-    /// Cells inside the rectangle seen so far of which nothing is known yet.
+    /// What is to be looked at next: unknown cells beside visited ones, and obstacles still to be inspected.
     pub unknown: usize,
     /// 100 only when the hall is explored.
     pub percent: u8,

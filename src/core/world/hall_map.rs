@@ -2,7 +2,7 @@
 //! How a map is written on a wire stands in `crate::wire`.
 //!
 //! ```text
-//!   tiles of 32 × 32 cells in a grid that grows; a snapshot shares them, a change copies only the tile it touches
+//!   tiles of 32 × 32 cells in a grid that grows; a snapshot shares them, a change copies the tile it touches and the frontier
 //!   ┌────┬────┬────┐
 //!   │ Arc│    │ Arc│   None = nothing known there
 //!   ├────┼────┼────┤

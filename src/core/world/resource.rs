@@ -1,4 +1,4 @@
-//! The one table of what can be looked at. Doors, discovery and documentation are walks over it.
+//! The one list of what has a revision of its own. How each is written, and where it is found, is the doors' business.
 
 /// Something with a revision of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -45,20 +45,6 @@ impl Resource {
             Resource::Temperature => "temperature",
             Resource::Alarms => "alarms",
             Resource::Log => "log",
-        }
-    }
-
-    /// What it is, in a line.
-    #[must_use]
-    pub const fn title(self) -> &'static str {
-        match self {
-            Resource::Mission => "Phase, holds, goal, strategy, epoch and progress of the mission",
-            Resource::Robot => "State, heading, position, sonar and LED of the robot",
-            Resource::Map => "The hall as far as it is known",
-            Resource::Luggage => "Every piece of luggage met, with its verdict",
-            Resource::Temperature => "The temperature of the hall and its threshold",
-            Resource::Alarms => "What the operator must be told",
-            Resource::Log => "The latest lines of what happened",
         }
     }
 }

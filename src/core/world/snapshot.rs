@@ -95,7 +95,7 @@ pub struct MissionView {
 pub struct Progress {
     /// Cells visited.
     pub visited: usize,
-    /// Unknown cells next to visited ones: what is to be looked at next.
+    /// What is to be looked at next: unknown cells beside visited ones, and obstacles still to be inspected.
     pub unknown: usize,
     /// Visited in percent of both, and 100 only when the hall is explored.
     pub percent: u8,
