@@ -55,8 +55,7 @@ fn a_body_of_another_type_or_of_any_size_is_refused() {
 fn a_body_without_end_harms_nobody() {
     let program = Program::serve("empty-8x8", "max");
     let mut stream = TcpStream::connect(program.address()).expect("the program listens");
-    let head =
-        "POST /api/v1/commands/move HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 9000000000\r\n\r\n";
+    let head = "POST /api/v1/commands/move HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 9000000000\r\n\r\n";
     stream.write_all(head.as_bytes()).expect("the program listens");
     // The length alone is enough to refuse it, before anything of it has come.
     stream.set_read_timeout(Some(Duration::from_secs(5))).expect("a time-out can be set");

@@ -121,7 +121,8 @@ fn the_streams_replica_is_the_state_through_a_whole_mission() {
     let second = program.until("another piece", |state| {
         state["luggage"].as_array().is_some_and(|all| all.iter().any(|piece| piece["verdict"] == "pending"))
     });
-    let second = second["luggage"].as_array().and_then(|all| all.last()).and_then(|piece| piece["id"].as_u64()).expect("a number");
+    let second =
+        second["luggage"].as_array().and_then(|all| all.last()).and_then(|piece| piece["id"].as_u64()).expect("a number");
     replica.compare(&program, "another piece");
     program.verdict(second, "danger").accepted();
     let state = program.until_phase("bombLocated");

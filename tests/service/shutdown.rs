@@ -34,7 +34,9 @@ fn a_client_that_never_finishes_its_request_does_not_keep_it() {
     use std::io::Write;
     let mut program = Program::serve("empty-8x8", "1");
     let mut stuck = std::net::TcpStream::connect(program.address()).expect("the program listens");
-    stuck.write_all(b"POST /api/v1/commands/move HTTP/1.1\r\nHost: localhost\r\nContent-Length: 10\r\n\r\n{").expect("half a request");
+    stuck
+        .write_all(b"POST /api/v1/commands/move HTTP/1.1\r\nHost: localhost\r\nContent-Length: 10\r\n\r\n{")
+        .expect("half a request");
     assert_eq!(program.read("/healthz", &[]).status, 200, "the half request is with the program by now");
     program.signal("TERM");
     assert!(program.ended_within(PROMISED).is_some_and(|status| status.success()), "it waits for a client that never ends");

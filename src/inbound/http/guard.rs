@@ -65,7 +65,8 @@ async fn own_name(State(hosts): State<Hosts>, request: Request, next: Next) -> R
         None => next.run(request).await,
         Some(name) => {
             let name = in_short(&name);
-            let detail = format!("this is not {name:?}: while hallsweep listens on this machine alone, call it localhost or by 127.0.0.1");
+            let detail =
+                format!("this is not {name:?}: while hallsweep listens on this machine alone, call it localhost or by 127.0.0.1");
             Problem::misdirected(detail).into_response()
         }
     }
@@ -202,7 +203,9 @@ mod tests {
 
     #[test]
     fn a_loopback_host_is_known_by_its_names_and_addresses() {
-        for own in ["localhost", "LOCALHOST:8080", "localhost.:80", "a.localhost", "127.0.0.1:8080", "127.9.9.9", "[::1]:1", "[::1]"] {
+        for own in
+            ["localhost", "LOCALHOST:8080", "localhost.:80", "a.localhost", "127.0.0.1:8080", "127.9.9.9", "[::1]:1", "[::1]"]
+        {
             assert!(is_loopback(own), "{own}");
         }
         for foreign in ["rebound.example:8080", "127.0.0.1.example", "localhost.example", "192.168.0.7", "", "a b", "[::2]"] {
@@ -214,7 +217,9 @@ mod tests {
     async fn a_browser_gone_astray_sees_a_page_and_a_program_a_problem() {
         let house = house(searching());
         let browser = [("accept", "text/html,application/xhtml+xml,*/*;q=0.8")];
-        for (method, path, status) in [("GET", "/nowhere", 404), ("GET", "/console/start", 405), ("GET", "/console/confirm/danger/x", 404)] {
+        for (method, path, status) in
+            [("GET", "/nowhere", 404), ("GET", "/console/start", 405), ("GET", "/console/confirm/danger/x", 404)]
+        {
             let response = house.send(method, path, &browser, "").await;
             assert_eq!(response.status(), status, "{path}");
             assert_eq!(response.headers()["content-type"], "text/html; charset=utf-8", "{path}");

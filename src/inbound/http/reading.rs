@@ -62,7 +62,8 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Form<T> {
         let form = HeaderMap::from_iter([(header::CONTENT_TYPE, form_type(&headers)?)]);
         *whole.headers_mut() = form;
         let read = axum::Form::<T>::from_request(whole, state).await;
-        read.map(|axum::Form(fields)| Form(fields)).map_err(|_| Problem::unusable("the form cannot be read: send each of its fields once".to_owned()))
+        read.map(|axum::Form(fields)| Form(fields))
+            .map_err(|_| Problem::unusable("the form cannot be read: send each of its fields once".to_owned()))
     }
 }
 

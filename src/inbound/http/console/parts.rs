@@ -49,16 +49,8 @@ pub(super) const PARTS: [Part; 16] = [
     Part { id: "hall-robot", shows: &[Resource::Robot, Resource::Map], render: |v| hall::robot(v.snapshot) },
     Part { id: "progress", shows: &[Resource::Mission], render: |v| html(&Progress { v }) },
     Part { id: "alarms", shows: &[Resource::Alarms], render: |v| html(&Alarms { v }) },
-    Part {
-        id: "inspect",
-        shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms],
-        render: |v| html(&Inspect { v }),
-    },
-    Part {
-        id: "actions",
-        shows: &[Resource::Mission, Resource::Luggage, Resource::Robot],
-        render: |v| html(&Actions { v }),
-    },
+    Part { id: "inspect", shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms], render: |v| html(&Inspect { v }) },
+    Part { id: "actions", shows: &[Resource::Mission, Resource::Luggage, Resource::Robot], render: |v| html(&Actions { v }) },
     Part { id: "temperature", shows: &[Resource::Temperature, Resource::Mission], render: |v| html(&Temperature { v }) },
     Part { id: "robot", shows: &[Resource::Robot], render: |v| html(&Robot { v }) },
     Part { id: "more", shows: &[Resource::Mission], render: |v| html(&More { v }) },

@@ -94,12 +94,12 @@ impl View<'_> {
     /// What holds the robot, in words, each with what to do about it.
     pub(super) fn holds(&self) -> Vec<String> {
         let heat = self.hot();
-        let words = |hold: &Hold| match hold {
-            Hold::Temperature if !heat.is_empty() => {
-                let hot: Vec<String> = heat.iter().map(|(source, reading)| format!("{source} {reading}")).collect();
-                format!("too hot by the reading of {}: {} or less is wanted", hot.join(" and "), self.snapshot.temperature.cool)
+        let words = |hold: &Hold| {
+            if *hold != Hold::Temperature || heat.is_empty() {
+                return hold.in_words().to_owned();
             }
-            other => other.in_words().to_owned(),
+            let hot: Vec<String> = heat.iter().map(|(source, reading)| format!("{source} {reading}")).collect();
+            format!("too hot: {}; {} or less is wanted", hot.join(", "), self.snapshot.temperature.cool)
         };
         self.snapshot.mission.holds.iter().map(words).collect()
     }
@@ -109,11 +109,14 @@ impl View<'_> {
         match self.snapshot.mission.phase {
             PhaseName::BombLocated => {
                 let bomb = self.snapshot.luggage.iter().find(|luggage| luggage.is_dangerous());
-                let at = bomb.map_or_else(String::new, |bomb| format!("Luggage #{} at {} is dangerous. ", bomb.id, place(bomb.cell)));
+                let at =
+                    bomb.map_or_else(String::new, |bomb| format!("Luggage #{} at {} is dangerous. ", bomb.id, place(bomb.cell)));
                 let next = if self.unseen_alarms() > 0 { "acknowledge the alarm, then press RESET" } else { "press RESET" };
                 Some(format!("{at}When the hall is safe again, {next} to put this mission away."))
             }
-            PhaseName::Explored => Some("The whole hall has been searched. START searches it anew, RESET puts this mission away.".into()),
+            PhaseName::Explored => {
+                Some("The whole hall has been searched. START searches it anew, RESET puts this mission away.".into())
+            }
             PhaseName::Idle
             | PhaseName::Exploring
             | PhaseName::Inspecting
@@ -316,7 +319,7 @@ mod tests {
         snapshot.mission.holds = vec![Hold::Temperature];
         let view = view(&snapshot);
         assert_eq!(view.celsius(), "31.5 °C");
-        assert_eq!(view.holds(), ["too hot by the reading of hall 27.0 °C and operator 31.5 °C: 24.0 °C or less is wanted"]);
+        assert_eq!(view.holds(), ["too hot: hall 27.0 °C, operator 31.5 °C; 24.0 °C or less is wanted"]);
         assert_eq!(
             view.heat(),
             [
@@ -343,7 +346,10 @@ mod tests {
         let mut snapshot = searching();
         snapshot.mission.phase = PhaseName::BombLocated;
         let next = view(&snapshot).next_step().unwrap();
-        assert!(next.contains("Luggage #2 at column 1, row 2") && next.contains("acknowledge the alarm, then press RESET"), "{next}");
+        assert!(
+            next.contains("Luggage #2 at column 1, row 2") && next.contains("acknowledge the alarm, then press RESET"),
+            "{next}"
+        );
         snapshot.alarms.clear();
         touch(&mut snapshot, 21, &[Resource::Alarms]);
         assert!(!view(&snapshot).next_step().unwrap().contains("acknowledge"));
