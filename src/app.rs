@@ -34,8 +34,15 @@ const LEFT_BEHIND: Duration = Duration::from_millis(200);
 #[derive(Debug, thiserror::Error)]
 pub enum AppError {
     /// The hall cannot be read.
-    #[error("{0}")]
-    Hall(#[from] HallError),
+    #[error("setting hall.file = {name:?} (from {origin}): {error}")]
+    Hall {
+        /// The hall's name or path, as it was set.
+        name: String,
+        /// Where that was set, as `flag --hall`.
+        origin: String,
+        /// The line of the file and what is wrong.
+        error: HallError,
+    },
     /// The port cannot be had.
     #[error("cannot listen on {address}: {error}; {}", what_to_do(.error))]
     Bind {
@@ -67,9 +74,10 @@ pub fn serve(settings: &Settings, announce: impl FnOnce(SocketAddr)) -> Result<(
 /// The hall of the settings and the robot that lives in it.
 ///
 /// # Errors
-/// The file and line of what is wrong with the hall.
-pub fn simulation(settings: &Settings, camera: Camera) -> Result<(Arc<Hall>, SimSettings), HallError> {
-    let hall = Hall::named_or_file(&settings.hall)?;
+/// `AppError::Hall`: the setting that names the hall, and file and line of what is wrong with it.
+pub fn simulation(settings: &Settings, camera: Camera) -> Result<(Arc<Hall>, SimSettings), AppError> {
+    let (name, origin) = (settings.hall.clone(), settings.hall_origin.clone());
+    let hall = Hall::named_or_file(&settings.hall).map_err(|error| AppError::Hall { name, origin, error })?;
     let robot = &settings.robot;
     let sim = SimSettings {
         unknown_rate: robot.unknown_rate,
@@ -104,7 +112,7 @@ async fn serve_hall(
             signal = signalled => tracing::info!(signal, "ending"),
             end = &mut task => ended = Some(end),
         }
-        halter.halt();
+        halter.stop();
     };
     http::serve(listener, door, shutdown).await;
     let by_itself = ended.is_some();

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::config::{Flag, Sources, sources};
+use crate::config::{self, Flag, Settings, Sources, sources};
+use crate::telemetry;
 
 pub mod explore;
 mod failure;
@@ -103,6 +104,14 @@ impl Serve {
         let flags = given.into_iter().filter_map(|(flag, key, value)| Some(Flag { flag, key, value: value.clone()? }));
         flags.collect()
     }
+}
+
+/// The settings of this start. From here on there is a log, and its first lines are what was set for nothing.
+fn settings(sources: &Sources) -> Result<Settings, Failure> {
+    let settings = config::load(sources)?;
+    telemetry::start(&settings.log);
+    telemetry::warn_of_ignored(&sources.ignored());
+    Ok(settings)
 }
 
 /// Prints a text and a line break: the one place that writes to standard output.

@@ -8,6 +8,7 @@ use crate::core::explore::Strategy;
 use crate::core::settings::Settings as CoreSettings;
 
 mod check;
+mod environment;
 mod error;
 mod key;
 mod layers;
@@ -22,6 +23,8 @@ pub use layers::{DEFAULTS, Flag, Sources};
 pub struct Settings {
     /// The name of a built-in hall, or the path of a hall file.
     pub hall: String,
+    /// Where the hall's name comes from, as `flag --hall`, for whoever finds that it cannot be read.
+    pub hall_origin: String,
     /// Where the console and the API listen: loopback, unless the operator of the machine insisted on another address.
     pub http: SocketAddr,
     /// The simulated robot.
@@ -79,7 +82,7 @@ pub fn load(sources: &Sources) -> Result<Settings, SettingsError> {
 pub fn sources(file: Option<PathBuf>, flags: Vec<Flag>) -> Sources {
     let environment = std::env::vars_os().filter_map(|(name, value)| {
         let name = name.into_string().ok()?;
-        name.starts_with(layers::PREFIX).then(|| (name, value.to_string_lossy().into_owned()))
+        name.starts_with(environment::OURS).then(|| (name, value.to_string_lossy().into_owned()))
     });
     Sources { file, environment: environment.collect(), flags }
 }

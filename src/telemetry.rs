@@ -14,3 +14,10 @@ pub fn start(filter: &str) {
         tracing::debug!("log lines were being written already");
     }
 }
+
+/// Warns of environment variables that look like settings and are none.
+pub fn warn_of_ignored(variables: &[&str]) {
+    for variable in variables {
+        tracing::warn!(variable, "this environment variable is no setting: settings are written HALLSWEEP__SECTION__KEY");
+    }
+}

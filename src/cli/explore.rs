@@ -9,13 +9,12 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
-use crate::app::{self, AppError};
+use crate::app;
 use crate::config::{self, Flag, Sources};
 use crate::core::effect::Entry;
 use crate::core::world::snapshot::Snapshot;
 use crate::headless::{self, Figures, Verdicts};
 use crate::outbound::robot::sim::Camera;
-use crate::telemetry;
 use crate::wire::map_text;
 
 mod figures;
@@ -62,9 +61,8 @@ enum Answers {
 /// # Errors
 /// Wrong settings, a bad hall file, a log that cannot be written, or a mission that could not end.
 pub fn run(flags: &Explore) -> Result<(), Failure> {
-    let settings = config::load(&flags.sources())?;
-    telemetry::start(&settings.log);
-    let (hall, sim) = app::simulation(&settings, Camera::Stub).map_err(AppError::from)?;
+    let settings = super::settings(&flags.sources())?;
+    let (hall, sim) = app::simulation(&settings, Camera::Stub)?;
     let bar = progress_bar(hall.reachable().len());
     let watch = |state: &Snapshot| bar.set_position(state.mission.progress.visited as u64);
     let figures = headless::explore(&hall, sim, settings.core, settings.strategy, flags.verdicts.into(), watch);

@@ -24,7 +24,7 @@ impl Failure {
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            Failure::Settings(_) | Failure::App(AppError::Hall(_)) => ExitCode::from(2),
+            Failure::Settings(_) | Failure::App(AppError::Hall { .. }) => ExitCode::from(2),
             Failure::App(_) | Failure::Run(_) => ExitCode::from(1),
         }
     }

@@ -3,6 +3,7 @@
 use std::net::SocketAddr;
 use std::ops::RangeInclusive;
 
+use figment::value::{Num, Value};
 use tracing_subscriber::EnvFilter;
 
 use super::error::SettingsError;
@@ -27,6 +28,7 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
     let raw: Raw = layers.figment().extract().map_err(|error| wrong_type(layers, &error))?;
     Ok(Settings {
         hall: hall(layers, &raw.hall)?,
+        hall_origin: layers.origin("hall.file"),
         http: http(layers, &raw.http)?,
         robot: robot(layers, &raw.robot)?,
         strategy: strategy(layers, &raw.mission)?,
@@ -35,9 +37,22 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
     })
 }
 
-/// The words of a value of the wrong type.
+/// What to say of a value that is not of the type of its setting: what it is instead. The advice says what is wanted.
 fn wrong_type(layers: &Layers, error: &figment::Error) -> SettingsError {
-    layers.wrong(&error.path.join("."), error.kind.to_string())
+    let key = error.path.join(".");
+    let problem = match layers.figment().find_value(&key) {
+        Ok(Value::String(..) | Value::Char(..)) => "it is a text",
+        Ok(Value::Bool(..)) => "it is a yes or no",
+        // The seed is the only whole number among the settings.
+        Ok(Value::Num(_, Num::F32(_) | Num::F64(_))) if key == "robot.seed" => "it is not a whole number",
+        Ok(Value::Num(..)) if key == "robot.seed" => "it is out of range",
+        Ok(Value::Num(_, Num::I128(_) | Num::U128(_))) => "it is out of range",
+        Ok(Value::Num(..)) => "it is a number",
+        Ok(Value::Array(..)) => "it is a list",
+        Ok(Value::Dict(..)) => "it is a table",
+        Ok(Value::Empty(..)) | Err(_) => "it is missing",
+    };
+    layers.wrong(&key, problem)
 }
 
 fn hall(layers: &Layers, raw: &raw::Hall) -> Result<String, SettingsError> {
@@ -98,7 +113,8 @@ fn log(layers: &Layers, raw: &raw::Log) -> Result<String, SettingsError> {
 }
 
 fn within(layers: &Layers, key: &str, value: f64, range: &RangeInclusive<f64>) -> Result<f64, SettingsError> {
-    if range.contains(&value) { Ok(value) } else { Err(layers.wrong(key, "it is out of range")) }
+    let problem = if value.is_nan() { "it stands for no number" } else { "it is out of range" };
+    if range.contains(&value) { Ok(value) } else { Err(layers.wrong(key, problem)) }
 }
 
 #[cfg(test)]

@@ -85,6 +85,54 @@ fn a_flag_wins_over_the_environment_and_that_over_a_file() {
 fn other_environment_variables_are_none_of_our_business() {
     assert!(load(&environment("HALLSWEEP_REQUIRE_CLIENTS", "1")).is_ok());
     assert!(load(&environment("PATH", "/bin")).is_ok());
+    assert!(load(&environment("HALLSWEEP_SERVICE_HOST", "10.0.0.1")).is_ok(), "a cluster sets it");
+}
+
+#[test]
+fn a_variable_with_too_few_underscores_is_refused_with_its_right_name() {
+    assert_eq!(
+        message(&environment("HALLSWEEP_ROBOT_SPEED", "max")),
+        "there is no setting `HALLSWEEP_ROBOT_SPEED` (from environment variable HALLSWEEP_ROBOT_SPEED): \
+         the variable for robot.speed is HALLSWEEP__ROBOT__SPEED, with two underscores each"
+    );
+}
+
+#[test]
+fn the_range_said_for_the_seed_is_the_one_that_is_accepted() {
+    let most = u64::MAX.to_string();
+    assert!(crate::config::Key::named("robot.seed").expect("a setting").advice.ends_with(&format!("from 0 to {most}")));
+    let file = |seed: &str| File::new(&format!("seed{seed}"), &format!("[robot]\nseed = {seed}\n"));
+    for good in ["0", "9223372036854775808", &most] {
+        assert_eq!(load(&flag("--seed", "robot.seed", good)).expect("within the range").robot.seed.to_string(), good);
+        assert_eq!(load(&file(good).sources()).expect("within the range").robot.seed.to_string(), good);
+    }
+    for wrong in ["-1", "18446744073709551616"] {
+        let expect = format!("setting robot.seed = {wrong} (from flag --seed): it is out of range; write a whole number from 0");
+        let said = message(&flag("--seed", "robot.seed", wrong));
+        assert!(said.starts_with(&expect), "{said}");
+        assert!(message(&file(wrong).sources()).contains(wrong), "{wrong}");
+    }
+}
+
+#[test]
+fn a_wrong_value_is_shown_as_it_was_given_and_told_in_words_for_people() {
+    let begins = [
+        ("--speed", "robot.speed", "nan", "nan (from flag --speed): it stands for no number; write a factor"),
+        ("--speed", "robot.speed", "inf", "inf (from flag --speed): it is out of range; write a factor"),
+        ("--speed", "robot.speed", "-inf", "-inf (from flag --speed): it is out of range; write a factor"),
+        ("--speed", "robot.speed", "99999999999999999999", "99999999999999999999 (from flag --speed): it is out of range; write"),
+        ("--speed", "robot.speed", "[1]", "[1] (from flag --speed): it is a list; write a factor"),
+        ("--speed", "robot.speed", "true", "true (from flag --speed): it is a yes or no; write a factor"),
+        ("--seed", "robot.seed", "1.5", "1.5 (from flag --seed): it is not a whole number; write a whole number"),
+        ("--seed", "robot.seed", "many", "\"many\" (from flag --seed): it is a text; write a whole number"),
+        ("--insecure", "http.insecure", "1", "1 (from flag --insecure): it is a number; write true or false"),
+    ];
+    for (name, key, value, expect) in begins {
+        let said = message(&flag(name, key, value));
+        assert!(said.starts_with(&format!("setting {key} = {expect}")), "{said}");
+    }
+    let file = File::new("number", "[http]\nbind = 8080\n");
+    assert!(message(&file.sources()).contains("): it is a number; write ADDRESS:PORT"), "{}", message(&file.sources()));
 }
 
 #[test]

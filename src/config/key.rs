@@ -17,7 +17,7 @@ pub const KEYS: [Key; 14] = [
     text("http.bind", "write ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080"),
     value("http.insecure", "write true or false"),
     value("robot.speed", "write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting"),
-    value("robot.seed", "write a whole number from 0 to 9223372036854775807"),
+    value("robot.seed", "write a whole number from 0 to 18446744073709551615"),
     value("robot.unknown_rate", "write a rate from 0 (never) to 1 (always)"),
     value("robot.photo_failure_rate", "write a rate from 0 (never) to 1 (always)"),
     value("robot.sonar_noise_cm", "write a number of centimetres from 0 to 100"),

@@ -14,21 +14,19 @@ use figment::value::{Dict, Map, Value};
 use figment::{Figment, Metadata, Profile, Provider};
 use serde::Deserialize;
 
+use super::environment::{self, PREFIX};
 use super::error::SettingsError;
 use super::key::Key;
 
 /// The bottom layer, which names every setting.
 pub const DEFAULTS: &str = include_str!("../../config/default.toml");
 
-/// How environment variables that are settings begin; sections and keys follow, set apart by two underscores.
-pub(super) const PREFIX: &str = "HALLSWEEP__";
-
 /// Where settings are read from.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     /// A settings file.
     pub file: Option<PathBuf>,
-    /// Names and values of environment variables; those without the prefix are not looked at.
+    /// Names and values of environment variables.
     pub environment: Vec<(String, String)>,
     /// Flags of the command line.
     pub flags: Vec<Flag>,
@@ -62,9 +60,8 @@ impl Layers {
     pub(super) fn gather(sources: &Sources) -> Result<Layers, SettingsError> {
         let mut layers = vec![Layer::defaults()];
         layers.extend(sources.file.as_deref().map(Layer::file).transpose()?);
-        for (name, value) in sources.environment.iter().filter(|(name, _)| name.starts_with(PREFIX)) {
-            let key = name[PREFIX.len()..].to_lowercase().replace("__", ".");
-            layers.push(Layer::single(format!("environment variable {name}"), &key, value)?);
+        for (name, value) in &sources.environment {
+            layers.extend(Layer::variable(name, value)?);
         }
         for Flag { flag, key, value } in &sources.flags {
             layers.push(Layer::single(format!("flag {flag}"), key, value)?);
@@ -86,15 +83,27 @@ impl Layers {
 
     /// The same, with advice of its own.
     pub(super) fn wrong_with_advice(&self, key: &str, problem: impl Into<String>, advice: &str) -> SettingsError {
-        let value = self.0.find_value(key).ok().and_then(|value| serde_json::to_string(&value).ok());
-        let origin = self.0.find_metadata(key).map_or("an unknown place", |metadata| metadata.name.as_ref());
         SettingsError::Wrong {
             key: key.to_owned(),
-            value: value.unwrap_or_else(|| "nothing".to_owned()),
-            origin: origin.to_owned(),
+            value: self.0.find_value(key).map_or_else(|_| "nothing".to_owned(), |value| written(&value)),
+            origin: self.origin(key),
             problem: problem.into(),
             advice: advice.to_owned(),
         }
+    }
+
+    /// Where the value of a setting comes from.
+    pub(super) fn origin(&self, key: &str) -> String {
+        self.0.find_metadata(key).map_or("an unknown place", |metadata| metadata.name.as_ref()).to_owned()
+    }
+}
+
+/// A value as it would be written in a settings file, in one line.
+fn written(value: &Value) -> String {
+    match value.to_num().and_then(|number| number.to_f64()).filter(|number| !number.is_finite()) {
+        // JSON has no words for these, TOML has.
+        Some(number) => number.to_string().to_lowercase(),
+        None => serde_json::to_string(value).unwrap_or_else(|_| "something that cannot be shown".to_owned()),
     }
 }
 
@@ -109,6 +118,18 @@ impl Layer {
         let text = std::fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
         let values = toml::from_str(&text).map_err(|error| wrong(error.to_string().trim_end().to_owned()))?;
         Ok(Layer { origin: format!("file {}", path.display()), values })
+    }
+
+    /// The setting in an environment variable, if it is one.
+    fn variable(name: &str, value: &str) -> Result<Option<Layer>, SettingsError> {
+        let origin = format!("environment variable {name}");
+        if let Some(meant) = environment::nearly(name) {
+            let advice =
+                format!("the variable for {} is {}, with two underscores each", meant.name, environment::variable(meant));
+            return Err(SettingsError::Unknown { key: name.to_owned(), origin, advice });
+        }
+        let Some(key) = name.strip_prefix(PREFIX) else { return Ok(None) };
+        Layer::single(origin, &key.to_lowercase().replace("__", "."), value).map(Some)
     }
 
     fn single(origin: String, key: &str, value: &str) -> Result<Layer, SettingsError> {

@@ -34,7 +34,7 @@ pub(super) struct Robot {
 
 /// A factor, or a word.
 #[derive(Debug, Deserialize)]
-#[serde(untagged, expecting = "it is neither a number nor a word")]
+#[serde(untagged)]
 pub(super) enum Speed {
     Factor(f64),
     Word(String),

@@ -8,7 +8,7 @@ use super::{Moves, Run};
 use crate::core::command::{Command, LuggageRef, Verdict};
 use crate::core::effect::{Entry, Fact};
 use crate::core::explore::Strategy;
-use crate::core::mission::PhaseName;
+use crate::core::mission::{Hold, PhaseName};
 use crate::core::settings::Settings;
 use crate::core::units::Cell;
 use crate::core::world::hall_map::Mark;
@@ -44,7 +44,7 @@ pub struct Figures {
     /// Whether the robot ended at home.
     pub home: bool,
     /// The luggage on record.
-    pub luggage: Vec<Arc<Luggage>>,
+    pub luggage: Arc<[Arc<Luggage>]>,
     /// How many moves had been made when a dangerous piece was first met.
     pub bomb_found_at: Option<u64>,
     /// The last state.
@@ -66,7 +66,7 @@ pub fn explore(
 ) -> Figures {
     let mut run = Run::new(Arc::clone(hall), sim, settings, strategy);
     let mut bomb_found_at = None;
-    let mut stuck = run.give(Command::Start).err().map(|refused| refused.to_string());
+    let mut stuck = start(&mut run).err();
     while stuck.is_none() && !has_ended(&mut run) {
         let state = run.state();
         watch(&state);
@@ -75,29 +75,39 @@ pub fn explore(
         }
         stuck = match answer(&state, hall, verdicts) {
             Some(command) => run.give(command).err().map(|refused| refused.to_string()),
-            None if !goes_on(&state) => Some(why_not(&state)),
-            None => (!run.advance()).then(|| "nothing more happens".to_owned()),
+            None if state.mission.phase == PhaseName::Fault => state.mission.fault.clone(),
+            None => (!run.advance()).then(|| why_not(&state)),
         };
     }
     figures(run, hall, sim.seed, bomb_found_at, stuck)
+}
+
+/// Presses START as soon as the hall is cool enough.
+fn start(run: &mut Run) -> Result<(), String> {
+    while let Err(refused) = run.give(Command::Start) {
+        let cooling = run.state().mission.holds == [Hold::Temperature];
+        if !cooling || !run.advance() {
+            return Err(refused.to_string());
+        }
+    }
+    Ok(())
 }
 
 fn has_ended(run: &mut Run) -> bool {
     matches!(run.phase(), PhaseName::Explored | PhaseName::BombLocated | PhaseName::BagSecured)
 }
 
-/// Whether the mission goes on by itself: nothing holds the robot that nobody here would clear.
-fn goes_on(state: &Snapshot) -> bool {
-    state.mission.holds.is_empty() && state.mission.phase != PhaseName::Fault
-}
-
 fn why_not(state: &Snapshot) -> String {
     let holds: Vec<&str> = state.mission.holds.iter().map(|hold| hold.in_words()).collect();
-    state.mission.fault.clone().unwrap_or_else(|| holds.join("; "))
+    if holds.is_empty() { "nothing more happens".to_owned() } else { holds.join("; ") }
 }
 
-/// What the operator does now: answer the piece in front of the robot, or have its photo taken again.
+/// What the operator does now: answer the piece in front of the robot, have its photo taken again, or press START once a heat is
+/// over.
 fn answer(state: &Snapshot, hall: &Hall, verdicts: Verdicts) -> Option<Command> {
+    if state.mission.holds == [Hold::AwaitingStart] && state.mission.refusals.start.is_none() {
+        return Some(Command::Start);
+    }
     let piece = state.mission.inspected.and_then(|id| state.luggage(id)).filter(|luggage| luggage.is_pending())?;
     let verdict = if verdicts == Verdicts::Hall && is_bomb(piece, hall) { Verdict::Danger } else { Verdict::Safe };
     if verdict == Verdict::Safe && !piece.has_photo() {

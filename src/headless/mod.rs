@@ -99,6 +99,12 @@ impl Run {
         self.answers.remove(&ticket).expect("a store in memory keeps every record at once, so every answer is given at once")
     }
 
+    /// Lets something happen to the core that the simulator does not do by itself.
+    pub fn happen(&mut self, event: Event) {
+        self.sweep.handle_event(event, self.now);
+        self.settle();
+    }
+
     /// Lets the next thing happen that takes time; false when nothing more will happen by itself.
     pub fn advance(&mut self) -> bool {
         let Some(next) = [self.sim.poll_timeout(), self.sweep.poll_timeout()].into_iter().flatten().min() else { return false };

@@ -67,9 +67,9 @@ impl Handle {
     /// that a stop overtaking it in the queue outdates it.
     fn stamp(&self, mut request: Request) -> Request {
         if request.command == Command::Stop {
-            request.epoch = Some(self.halter.halt());
+            request.epoch = Some(self.halter.stop());
         } else if request.epoch.is_none() {
-            request.epoch = Some(self.halter.watch().epoch());
+            request.epoch = Some(self.halter.watch().now().epoch);
         }
         request
     }

@@ -1,43 +1,53 @@
-//! The port to a robot: a pair of bounded channels and the halt watch. Every adapter, the simulated one too, holds one end.
+//! The port to a robot. Every adapter, the simulated one too, holds one end. How an adapter speaks to its robot is its own
+//! business.
+//!
+//! ```text
+//!   the loop ── orders, stamped with the halts so far ──► adapter     (bounded queue)
+//!            ── whether the LED blinks ─────────────────►             (latest state)
+//!   anyone  ── halts ───────────────────────────────────►             (a count that passes every queue)
+//!   the loop ◄─ reports ──────────────────────────────────            (bounded queue)
+//! ```
 
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, watch};
 
 use super::halt::HaltWatch;
 use crate::core::effect::Order;
 use crate::core::event::RobotEvent;
 
-/// Orders under way to a robot: one is open at a time, beside it LED changes.
+/// Orders under way to a robot: one is open at a time, and a few may have been voided before the adapter took them.
 pub const ORDERS: usize = 8;
 
 /// Reports under way from a robot: a burst of sonar readings and an answer.
 pub const REPORTS: usize = 64;
 
-/// What the loop sends to a robot.
+/// An order, and how many halts there had been when it was sent: after a further one it must not begin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ToRobot {
-    /// Do this, unless a halt has been raised since it was given.
-    Order(Order),
-    /// Halt where it is: something else than a stop holds the robot.
-    Halt,
-    /// Let the LED blink, or not.
-    Led(bool),
+pub struct Stamped {
+    /// The order.
+    pub order: Order,
+    /// The count of halts.
+    pub halts: u64,
 }
 
 /// The loop's end of the link.
 #[derive(Debug)]
 pub struct RobotLink {
     /// Orders to the robot.
-    pub orders: mpsc::Sender<ToRobot>,
+    pub orders: mpsc::Sender<Stamped>,
+    /// Whether its LED is to blink.
+    pub led: watch::Sender<bool>,
     /// Reports from it.
     pub reports: mpsc::Receiver<RobotEvent>,
 }
 
-/// The adapter's end of the link. The adapter halts whenever `halts` is raised, answers the order under way with `Halted`, and
-/// answers an order whose epoch is older than the watch's with `Halted` without beginning it.
+/// The adapter's end of the link. The adapter halts whenever `halts` is raised and answers the order under way with `Halted`; an
+/// order stamped with fewer halts than there have been it answers with `Halted` without beginning it.
 #[derive(Debug)]
 pub struct RobotSide {
     /// Orders from the loop.
-    pub orders: mpsc::Receiver<ToRobot>,
+    pub orders: mpsc::Receiver<Stamped>,
+    /// Whether the LED is to blink.
+    pub led: watch::Receiver<bool>,
     /// Reports to it.
     pub reports: mpsc::Sender<RobotEvent>,
     /// Halts.
@@ -48,6 +58,7 @@ pub struct RobotSide {
 #[must_use]
 pub fn link(halts: HaltWatch) -> (RobotLink, RobotSide) {
     let (orders, orders_in) = mpsc::channel(ORDERS);
+    let (led, led_in) = watch::channel(false);
     let (reports_out, reports) = mpsc::channel(REPORTS);
-    (RobotLink { orders, reports }, RobotSide { orders: orders_in, reports: reports_out, halts })
+    (RobotLink { orders, led, reports }, RobotSide { orders: orders_in, led: led_in, reports: reports_out, halts })
 }

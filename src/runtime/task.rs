@@ -9,10 +9,10 @@ use tokio::sync::{mpsc, oneshot, watch};
 use super::clock::Clock;
 use super::halt::{HaltWatch, Halter};
 use super::handle::{COMMANDS, Envelope, Handle};
-use super::link::{RobotLink, ToRobot};
+use super::link::{RobotLink, Stamped};
 use super::store::{Store, StoreWord};
 use crate::core::command::{Accepted, Refused};
-use crate::core::effect::Effect;
+use crate::core::effect::{Effect, Order};
 use crate::core::event::{Event, RobotEvent, RobotId};
 use crate::core::sweep::Sweep;
 use crate::core::units::Ticket;
@@ -26,6 +26,7 @@ pub struct Task {
     /// What the store says of the entries it was given.
     word: watch::Receiver<StoreWord>,
     clock: Clock,
+    halter: Halter,
     halts: HaltWatch,
     commands: mpsc::Receiver<Envelope>,
     snapshots: watch::Sender<Arc<Snapshot>>,
@@ -45,11 +46,23 @@ impl Task {
         let (commands_out, commands) = mpsc::channel(COMMANDS);
         let snapshots = watch::Sender::new(sweep.snapshot());
         let halts = halter.watch();
-        let handle = Handle::new(commands_out, snapshots.subscribe(), halter);
+        let handle = Handle::new(commands_out, snapshots.subscribe(), halter.clone());
         let answers = BTreeMap::new();
         let word = store.word();
-        let task =
-            Task { sweep, link, store, word, clock, halts, commands, snapshots, answers, store_failed: false, link_gone: false };
+        let task = Task {
+            sweep,
+            link,
+            store,
+            word,
+            clock,
+            halter,
+            halts,
+            commands,
+            snapshots,
+            answers,
+            store_failed: false,
+            link_gone: false,
+        };
         (handle, task)
     }
 
@@ -61,7 +74,7 @@ impl Task {
             tokio::select! {
                 biased;
                 _ = closing.wait_for(|closing| *closing) => break,
-                epoch = self.halts.raised() => self.sweep.handle_halt(epoch, self.clock.now()),
+                halts = self.halts.raised() => self.sweep.handle_halt(halts.epoch, self.clock.now()),
                 Ok(()) = self.word.changed() => self.hear_store(),
                 report = self.link.reports.recv(), if !self.link_gone => self.take_report(report),
                 envelope = self.commands.recv() => match envelope {
@@ -100,9 +113,9 @@ impl Task {
         loop {
             while let Some(effect) = self.sweep.poll_effect() {
                 match effect {
-                    Effect::Order(RobotId::Discovery, order) => self.send(ToRobot::Order(order)),
-                    Effect::Halt(RobotId::Discovery) => self.send(ToRobot::Halt),
-                    Effect::Led(RobotId::Discovery, blinks) => self.send(ToRobot::Led(blinks)),
+                    Effect::Order(RobotId::Discovery, order) => self.send(order),
+                    Effect::Halt(RobotId::Discovery) => self.halter.halt(),
+                    Effect::Led(RobotId::Discovery, blinks) => drop(self.link.led.send_replace(blinks)),
                     Effect::Record(seq, entry) => {
                         self.store.record(seq, &entry);
                         self.hear_store_at_once();
@@ -152,11 +165,19 @@ impl Task {
         }
     }
 
-    /// One order is open at a time, so the channel is full only when the adapter hangs; then the order's deadline speaks.
-    fn send(&self, message: ToRobot) {
-        if let Err(error) = self.link.orders.try_send(message) {
+    /// Sends an order with the halts so far, unless a stop has been raised since it was given: then the core
+    /// hears of the stop first, so that it does not give the order again.
+    fn send(&mut self, order: Order) {
+        let halts = self.halts.now();
+        let answer = if order.epoch < halts.epoch && order.action.is_motion() {
+            self.sweep.handle_halt(halts.epoch, self.clock.now());
+            RobotEvent::Halted(order.id, false)
+        } else {
+            let Err(error) = self.link.orders.try_send(Stamped { order, halts: halts.count }) else { return };
             tracing::warn!(%error, "the robot's adapter does not take its orders");
-        }
+            RobotEvent::Failed(order.id, "its adapter does not take orders".to_owned())
+        };
+        self.sweep.handle_event(Event::Robot(RobotId::Discovery, answer), self.clock.now());
     }
 
     fn publish(&mut self) {
@@ -261,7 +282,7 @@ mod tests {
         tokio::task::yield_now().await;
         let stopping = handle.clone();
         tokio::spawn(async move { stopping.give(request(Command::Stop)).await });
-        assert_eq!(robot.halts.raised().await, Epoch(1));
+        assert_eq!(robot.halts.raised().await.epoch, Epoch(1));
     }
 
     /// Safety S6: no step begins after the stop was answered.
@@ -271,14 +292,60 @@ mod tests {
         for n in 1..=200 {
             handle.give(request(Command::Start)).await.unwrap().unwrap();
             handle.give(request(Command::Stop)).await.unwrap().unwrap();
-            assert_eq!(robot.halts.epoch(), Epoch(n));
+            assert_eq!(robot.halts.now().epoch, Epoch(n));
             assert!(handle.snapshot().mission.holds.contains(&Hold::Operator));
-            while let Ok(message) = robot.orders.try_recv() {
-                let ToRobot::Order(order) = message else { continue };
-                assert!(order.epoch < robot.halts.epoch(), "stop {n}: {order:?} was given after it");
+            while let Ok(Stamped { order, halts }) = robot.orders.try_recv() {
+                assert!(halts < robot.halts.now().count, "stop {n}: {order:?} could still begin");
                 robot.reports.send(RobotEvent::Halted(order.id, false)).await.unwrap();
             }
         }
+    }
+
+    /// Safety S6, with somebody else pressing START all the while.
+    #[tokio::test]
+    async fn a_start_that_crosses_a_stop_begins_nothing_after_the_stop_was_answered() {
+        let (handle, mut robot, _close) = running().await;
+        for n in 1..=200 {
+            let starting = tokio::spawn({
+                let handle = handle.clone();
+                async move { handle.give(request(Command::Start)).await }
+            });
+            handle.give(request(Command::Stop)).await.unwrap().unwrap();
+            let stopped_at = robot.halts.now().count;
+            let held = handle.snapshot().mission.holds.contains(&Hold::Operator);
+            while let Ok(Stamped { order, halts }) = robot.orders.try_recv() {
+                assert!(halts < stopped_at || !held, "stop {n}: {order:?} could still begin");
+                robot.reports.send(RobotEvent::Halted(order.id, false)).await.unwrap();
+            }
+            let _ = starting.await;
+        }
+    }
+
+    /// A stop that is raised while the loop is about to send an order: the loop comes to rest, and the robot gets nothing.
+    #[tokio::test]
+    async fn a_stop_between_an_order_and_its_sending_holds_the_robot() {
+        let (_handle, mut task, mut robot) = house();
+        let second = Duration::from_secs(1);
+        let can = Capabilities { step: second, turn: second, photo: second, nudges: false };
+        task.take_report(Some(RobotEvent::LinkUp(can)));
+        task.settle();
+        let start = task.sweep.handle_command(request(Command::Start), task.clock.now());
+        assert!(start.is_ok());
+        task.halter.stop();
+        task.settle();
+        assert!(robot.orders.try_recv().is_err());
+        assert!(task.sweep.snapshot().mission.holds.contains(&Hold::Operator));
+    }
+
+    /// Safety S2: heat halts as directly as a stop does.
+    #[tokio::test]
+    async fn heat_halts_past_the_queue_of_orders() {
+        use crate::core::command::TemperatureReport;
+        let (handle, mut robot, _close) = running().await;
+        handle.give(request(Command::Start)).await.unwrap().unwrap();
+        let Stamped { halts, .. } = robot.orders.recv().await.expect("a start gives an order");
+        handle.give(request(Command::Temperature(TemperatureReport::TooHigh))).await.unwrap().unwrap();
+        assert!(robot.halts.now().count > halts);
     }
 
     /// Safety S2 and V3: the answer waits for the record, however late it comes, and so does the robot.
@@ -295,8 +362,7 @@ mod tests {
         assert!(!starting.is_finished());
         drop(word.send_replace(Ok(Seq(1000))));
         starting.await.unwrap().unwrap().unwrap();
-        let began = std::iter::from_fn(|| robot.orders.try_recv().ok()).any(|message| matches!(message, ToRobot::Order(_)));
-        assert!(!began, "the stop came before the record of the start");
+        assert!(robot.orders.try_recv().is_err(), "the stop came before the record of the start");
     }
 
     #[tokio::test]

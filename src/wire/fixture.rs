@@ -34,7 +34,7 @@ pub(crate) fn idle() -> Snapshot {
             led_blinking: false,
         },
         map: HallMap::new(Cell::HOME, Revision(1)),
-        luggage: Vec::new(),
+        luggage: Arc::from([]),
         temperature: TemperatureView {
             celsius: None,
             status: TemperatureStatus::Ok,
@@ -43,7 +43,7 @@ pub(crate) fn idle() -> Snapshot {
             hot: Vec::new(),
         },
         alarms: Vec::new(),
-        log: Vec::new(),
+        log: Arc::from([]),
     }
 }
 
@@ -64,11 +64,11 @@ pub(crate) fn searching() -> Snapshot {
     snapshot.mission.progress = Progress { visited: 15, unknown: 4, percent: 78 };
     snapshot.mission.refusals.start = Some("luggage #3 waits for its verdict: answer safe or danger first".to_owned());
     snapshot.temperature.celsius = Some(degrees(21.4));
-    snapshot.luggage = vec![
+    snapshot.luggage = Arc::from([
         piece(1, Cell::new(3, 0), Some(Verdict::Safe)),
         piece(2, Cell::new(1, 2), Some(Verdict::Danger)),
         piece(3, Cell::new(3, 2), None),
-    ];
+    ]);
     let text = "luggage #2 is dangerous".to_owned();
     let alarm = Alarm { id: AlarmId(1), raised: TEN, text, luggage: Some(LuggageId(2)), acknowledged: None };
     snapshot.alarms = vec![Arc::new(alarm)];
@@ -120,7 +120,8 @@ pub(crate) fn touch(snapshot: &mut Snapshot, revision: u64, resources: &[Resourc
 /// Writes the next line of the log.
 pub(crate) fn write(snapshot: &mut Snapshot, tone: Tone, text: &str) {
     let number = snapshot.log.last().map_or(1, |line| line.number + 1);
-    snapshot.log.push(Arc::new(LogLine { number, wall: TEN, tone, text: text.to_owned() }));
+    let line = Arc::new(LogLine { number, wall: TEN, tone, text: text.to_owned() });
+    snapshot.log = snapshot.log.iter().cloned().chain([line]).collect();
 }
 
 /// A temperature.

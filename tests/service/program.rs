@@ -51,7 +51,7 @@ impl Deadline {
 pub(crate) fn hallsweep(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_hallsweep"));
     command.args(arguments).stdin(Stdio::null());
-    for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("HALLSWEEP__")) {
+    for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("HALLSWEEP_")) {
         command.env_remove(name);
     }
     command.env("HALLSWEEP__LOG__FILTER", "warn");
@@ -71,7 +71,12 @@ impl Program {
 
     /// Starts with these arguments, and waits until it says where it is.
     pub(crate) fn with(arguments: &[&str]) -> Program {
-        let mut child = hallsweep(arguments).stdout(Stdio::piped()).spawn().expect("the program starts");
+        Program::started(&mut hallsweep(arguments))
+    }
+
+    /// Starts this command, and waits until it says where it is.
+    pub(crate) fn started(command: &mut Command) -> Program {
+        let mut child = command.stdout(Stdio::piped()).spawn().expect("the program starts");
         let mut lines = BufReader::new(child.stdout.take().expect("standard output is a pipe")).lines();
         let announced = lines.find_map(|line| line.ok()?.strip_prefix(ANNOUNCED)?.parse().ok());
         let address = announced.expect("the program says where it is");

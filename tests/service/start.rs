@@ -42,7 +42,47 @@ fn other_machines_are_let_in_only_when_told_so() {
 #[test]
 fn a_hall_that_is_not_there_is_refused_with_those_that_are() {
     let said = refused(&["serve", "--http", "127.0.0.1:0", "--hall", "no-such-hall"], 2);
-    assert!(said.contains("no-such-hall") && said.contains("airport"), "{said}");
+    let named = "hallsweep: setting hall.file = \"no-such-hall\" (from flag --hall): no-such-hall: cannot read this file (";
+    assert!(said.starts_with(named) && said.contains("airport"), "{said}");
+    let output = hallsweep(&["explore"]).env("HALLSWEEP__HALL__FILE", "no-such-hall").output().expect("the program starts");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("(from environment variable HALLSWEEP__HALL__FILE)"), "{said}");
+}
+
+#[test]
+fn a_variable_that_only_looks_like_a_setting_is_reported() {
+    let run = |name: &str| hallsweep(&["explore", "--hall", "empty-8x8"]).env(name, "1").output().expect("the program starts");
+    let output = run("HALLSWEEP_ROBOT_SPEED");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("the variable for robot.speed is HALLSWEEP__ROBOT__SPEED"), "{said}");
+    let output = run("HALLSWEEP_SERVICE_HOST");
+    assert!(output.status.success() && String::from_utf8_lossy(&output.stderr).contains("HALLSWEEP_SERVICE_HOST"), "{output:?}");
+    let output = run("HALLSWEEP_REQUIRE_CLIENTS");
+    assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+}
+
+/// Where a system keeps what it knows of time zones; Rome's year has two offsets, and neither is that of UTC.
+const ROME: &str = "/usr/share/zoneinfo/Europe/Rome";
+
+#[test]
+fn the_time_zone_is_the_one_that_is_asked_for() {
+    let offset = |zone: &str| {
+        let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "max"];
+        let program = Program::started(hallsweep(&arguments).env("TZ", zone));
+        program.command("start").accepted();
+        let state = program.until("a line in the log", |state| state["log"][0]["at"].is_string());
+        let at = state["log"][0]["at"].as_str().expect("a moment").to_owned();
+        at[at.len() - 6..].to_owned()
+    };
+    assert_eq!(offset("XYZ-4:30"), "+04:30", "a rule without a file");
+    if !std::path::Path::new(ROME).exists() {
+        eprintln!("{ROME} is absent: not tested");
+        return;
+    }
+    let rome = offset("Europe/Rome");
+    assert!(["+01:00", "+02:00"].contains(&rome.as_str()), "{rome}");
 }
 
 #[test]

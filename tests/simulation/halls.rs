@@ -1,30 +1,30 @@
-//! Random halls for the tests: size, luggage, pockets and islands all drawn from one seed.
+//! Random halls for the tests: size, home, luggage, pockets and islands all drawn from one seed.
 
 use std::sync::Arc;
 
 use hallsweep::core::rng::Stream;
 use hallsweep::outbound::robot::sim::Hall;
 
-/// A hall of up to `most` × `most` cells with 0–20 % luggage, some walls, pockets behind them, and islands nobody can reach.
+/// A hall of up to `most` × `most` cells: 0–20 % luggage, pieces of one cell and of several, some walls, pockets behind them,
+/// islands nobody can reach, and home in the north-west corner or anywhere.
 pub(crate) fn random(seed: u64, most: u64) -> Arc<Hall> {
     let mut dice = Stream::new(seed, "random hall");
-    let (width, height) = (1 + dice.below(most), 1 + dice.below(most));
+    let side = |dice: &mut Stream| 1 + dice.below(most).max(dice.below(most)) as usize;
+    let (width, height) = (side(&mut dice), side(&mut dice));
     let (luggage, walls) = (dice.fraction() * 0.2, dice.fraction() * 0.1);
     let mut rows: Vec<Vec<char>> = (0..height).map(|_| (0..width).map(|_| cell(&mut dice, luggage, walls)).collect()).collect();
     for _ in 0..dice.below(4) {
         room(&mut dice, &mut rows);
     }
-    // Home is the free cell nearest to the north-west corner: here that corner itself, or what is left of the hall.
-    let (y, x) = if dice.below(2) == 0 { (0, 0) } else { (dice.below(height) as usize, dice.below(width) as usize) };
-    rows[y][x] = '.';
+    for letter in ('a'..='z').take(dice.below(5) as usize) {
+        large_piece(&mut dice, &mut rows, letter);
+    }
+    let home = if dice.below(2) == 0 { (0, 0) } else { (dice.below(height as u64) as usize, dice.below(width as u64) as usize) };
+    clear_letter(&mut rows, home);
+    rows[home.0][home.1] = 'S';
     let rows: Vec<String> = rows.into_iter().map(String::from_iter).collect();
-    hall(&format!("random-{seed}"), &rows)
-}
-
-/// A hall from a drawing in the MovingAI manner: `.` free, `@` wall, `T` luggage, each a piece of its own.
-pub(crate) fn hall(name: &str, rows: &[String]) -> Arc<Hall> {
-    let text = format!("type octile\nheight {}\nwidth {}\nmap\n{}\n", rows.len(), rows[0].len(), rows.join("\n"));
-    Arc::new(Hall::parse(&format!("{name}.map"), &text).expect("the tests draw sound halls"))
+    let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
+    Arc::new(Hall::from_rows(&format!("random-{seed}"), &rows).expect("the tests draw sound halls"))
 }
 
 fn cell(dice: &mut Stream, luggage: f64, walls: f64) -> char {
@@ -32,25 +32,43 @@ fn cell(dice: &mut Stream, luggage: f64, walls: f64) -> char {
     if draw < luggage {
         'T'
     } else if draw < luggage + walls {
-        '@'
+        '#'
     } else {
         '.'
     }
 }
 
+/// A piece of two to six cells.
+fn large_piece(dice: &mut Stream, rows: &mut [Vec<char>], letter: char) {
+    let (left, top) = (dice.below(rows[0].len() as u64) as usize, dice.below(rows.len() as u64) as usize);
+    let (right, bottom) = (left + 1 + dice.below(2) as usize, top + dice.below(2) as usize);
+    let whole = bottom < rows.len() && right < rows[0].len();
+    if whole && rows[top..=bottom].iter().all(|row| row[left..=right].iter().all(|mark| !mark.is_ascii_lowercase())) {
+        for row in &mut rows[top..=bottom] {
+            row[left..=right].fill(letter);
+        }
+    }
+}
+
+/// Where home is to be no piece may stand: one that does would be torn apart, so all of it goes.
+fn clear_letter(rows: &mut [Vec<char>], (y, x): (usize, usize)) {
+    let letter = rows[y][x];
+    for mark in rows.iter_mut().flatten().filter(|mark| **mark == letter && letter.is_ascii_lowercase()) {
+        *mark = '.';
+    }
+}
+
 /// Walls round a rectangle, with a door in one of two: a pocket, or an island.
 fn room(dice: &mut Stream, rows: &mut [Vec<char>]) {
-    let (height, width) = (rows.len() as u64, rows[0].len() as u64);
-    let (left, top) = (dice.below(width) as usize, dice.below(height) as usize);
-    let (right, bottom) = (
-        (left + 2 + dice.below(6) as usize).min(width as usize - 1),
-        (top + 2 + dice.below(6) as usize).min(height as usize - 1),
-    );
-    rows[top][left..=right].fill('@');
-    rows[bottom][left..=right].fill('@');
+    let (height, width) = (rows.len(), rows[0].len());
+    let (left, top) = (dice.below(width as u64) as usize, dice.below(height as u64) as usize);
+    let (right, bottom) =
+        ((left + 2 + dice.below(6) as usize).min(width - 1), (top + 2 + dice.below(6) as usize).min(height - 1));
+    rows[top][left..=right].fill('#');
+    rows[bottom][left..=right].fill('#');
     for row in rows.iter_mut().take(bottom + 1).skip(top) {
-        row[left] = '@';
-        row[right] = '@';
+        row[left] = '#';
+        row[right] = '#';
     }
     if dice.below(2) == 0 {
         rows[top][left + (right - left) / 2] = '.';

@@ -5,15 +5,18 @@
     reason = "all of this is test; clippy only sees it in functions marked so"
 )]
 
+mod bare;
 mod halls;
 mod operator;
 mod random_commands;
 mod random_halls;
 mod replay;
+mod rules_crossings;
 mod rules_driving;
 mod rules_holds;
 mod rules_luggage;
 mod rules_phases;
+mod rules_store;
 mod seeds_early;
 mod seeds_luggage;
 mod seeds_suspensions;

@@ -1,12 +1,14 @@
 //! Random commands at random moments in random halls: whatever an operator does, the rules hold. A failure prints its seed.
 
-use hallsweep::core::command::{Command, LuggageRef, Move, TemperatureReport, Verdict};
+use hallsweep::core::command::{Command, Door, Issuer, LuggageRef, Move, Refused, Request, TemperatureReport, Verdict};
+use hallsweep::core::event::{Event, RobotEvent, RobotId};
 use hallsweep::core::mission::{Hold, PhaseName};
 use hallsweep::core::rng::Stream;
 use hallsweep::core::settings::Settings;
-use hallsweep::core::units::{AlarmId, Cell, Celsius, LuggageId};
+use hallsweep::core::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
 use hallsweep::core::world::hall_map::Mark;
 use hallsweep::core::world::robot::RobotState;
+use hallsweep::core::world::snapshot::Snapshot;
 use hallsweep::headless::Run;
 use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings, Truth};
 
@@ -18,16 +20,21 @@ fn whatever_the_operator_does_the_rules_hold_and_the_mission_can_be_brought_to_i
     for seed in 0..400 {
         let hall = halls::random(seed, 9);
         let mut dice = Stream::new(seed, "operator");
+        let mut watch = Watch::default();
         let sim = SimSettings { unknown_rate: 0.1, photo_failure_rate: 0.2, ..SimSettings::new(seed, Camera::Stub) };
         let mut run = Run::new(hall.clone(), sim, Settings::default(), Default::default());
         for _ in 0..120 {
             let command = any_command(&mut dice, &mut run);
-            give_and_check(&mut run, command, seed);
+            give_and_check(&mut run, &mut watch, &hall, command, seed);
+            if dice.below(10) == 0 {
+                from_outside(&mut dice, &mut run);
+            }
             for _ in 0..dice.below(6) {
                 let held = !run.holds().is_empty();
                 let before = run.sim.pose_at(run.now());
                 run.advance();
                 check(&mut run, &hall, seed);
+                watch.look(&run.state(), seed);
                 let still_held = held && !run.holds().is_empty();
                 assert!(!still_held || run.sim.pose_at(run.now()) == before, "seed {seed}: it moved while held");
             }
@@ -62,11 +69,80 @@ fn any_command(dice: &mut Stream, run: &mut Run) -> Command {
     }
 }
 
-/// A refused command changes nothing but the log; an accepted start leaves no hold; a stop always holds.
-fn give_and_check(run: &mut Run, command: Command, seed: u64) {
+/// What must be so from one moment to the next.
+#[derive(Default)]
+struct Watch {
+    /// The goal of the search when it was interrupted.
+    goal: Option<Cell>,
+    /// Whether the robot waits for a start that nobody has given since.
+    waits: bool,
+}
+
+impl Watch {
+    /// A start before the OK is not remembered: what waits for a start waits until one is accepted.
+    fn look(&mut self, state: &Snapshot, seed: u64) {
+        let waits = state.mission.holds.contains(&Hold::AwaitingStart);
+        assert!(!self.waits || waits, "seed {seed}: something else than an accepted command ended the wait for START");
+        self.waits = waits;
+    }
+
+    /// What was being pursued is pursued again, unless it has been dealt with in the meantime.
+    fn resumes(&mut self, before: &Snapshot, after: &Snapshot, hall: &Hall, seed: u64) {
+        let away = matches!(before.mission.phase, PhaseName::Exploring | PhaseName::AtHome);
+        let (Some(goal), true, PhaseName::Exploring) = (self.goal.take(), away, after.mission.phase) else { return };
+        let open = goal != Cell::HOME && matches!(after.map.at(goal), Mark::Unknown | Mark::NotInspected);
+        let reachable = hall.reachable();
+        let reachable = std::iter::once(goal).chain(goal.neighbours()).any(|cell| reachable.contains(&cell));
+        assert!(!open || !reachable || after.mission.goal == Some(goal), "seed {seed}: {goal} became {:?}", after.mission.goal);
+    }
+}
+
+/// Something happens that nobody commanded: the link or a sensor goes and comes back, the store fails and recovers.
+fn from_outside(dice: &mut Stream, run: &mut Run) {
+    let (gone, back) = match dice.below(3) {
+        0 => (Event::SensorSilent("roof".into()), Event::Sensor("roof".into(), Celsius::new(20.0).unwrap())),
+        1 => (Event::StoreFailed("disk full".to_owned()), Event::StoreRestored),
+        _ => (robot(RobotEvent::LinkLost("cable".to_owned())), robot(RobotEvent::LinkUp(run.sim.capabilities()))),
+    };
+    let can_be_cut = !run.sim.is_developing() && !run.sim.is_busy();
+    if can_be_cut || !matches!(gone, Event::Robot(..)) {
+        run.happen(gone);
+        run.happen(back);
+    }
+}
+
+fn robot(report: RobotEvent) -> Event {
+    Event::Robot(RobotId::Discovery, report)
+}
+
+/// A refused command changes nothing but the log; an accepted start leaves no hold; a stop always holds; one from before the
+/// last stop is outdated.
+fn give_and_check(run: &mut Run, watch: &mut Watch, hall: &Hall, command: Command, seed: u64) {
+    let epoch = run.state().mission.epoch;
+    if epoch > Epoch(0) && command == Command::Start {
+        let old = Request { command: Command::Start, epoch: Some(Epoch(epoch.0 - 1)), issuer: Issuer::operator(Door::Local) };
+        assert!(matches!(run.ask(old), Err(Refused::Outdated { .. })), "seed {seed}: an old START was taken");
+    }
     let before = run.state();
     let result = run.give(command.clone());
     let after = run.state();
+    if result.is_ok() {
+        watch.waits = after.mission.holds.contains(&Hold::AwaitingStart);
+        // A drive by hand may find out that the goal cannot be reached, and a reset forgets it.
+        if matches!(command, Command::Reset | Command::ChooseStrategy(_) | Command::Move(_) | Command::Goto(_))
+            || after.mission.id != before.mission.id
+        {
+            watch.goal = None;
+        }
+    }
+    let halted = after.mission.phase != before.mission.phase || !after.mission.holds.is_empty();
+    let explored_on = before.mission.phase == PhaseName::Exploring && before.mission.holds.is_empty();
+    if explored_on && halted {
+        watch.goal = before.mission.goal;
+    }
+    if command == Command::Start && result.is_ok() {
+        watch.resumes(&before, &after, hall, seed);
+    }
     if result.is_err() {
         assert_eq!(before.mission, after.mission, "seed {seed}: {command:?} was refused but changed the mission");
         assert_eq!(before.robot, after.robot, "seed {seed}: {command:?} was refused but moved the robot");
@@ -87,6 +163,9 @@ fn check(run: &mut Run, hall: &Hall, seed: u64) {
     let into = state.map.at(state.robot.pose.ahead());
     let drives_ahead = state.robot.state == RobotState::MovingForward && !state.robot.off_centre;
     assert!(!drives_ahead || !matches!(into, Mark::Wall | Mark::Luggage), "seed {seed}: driven into a known obstacle");
+    let at_home = matches!(state.mission.phase, PhaseName::AtHome | PhaseName::BombLocated | PhaseName::Explored);
+    let is_home = state.robot.pose.cell == Cell::HOME && !state.robot.off_centre;
+    assert!(!at_home || is_home, "seed {seed}: {:?} away from home", state.mission.phase);
     assert_eq!(hall.truth(state.robot.pose.cell), Truth::Free, "seed {seed}: it stands in an obstacle");
     let bounds = state.map.known_bounds();
     for (x, y) in (bounds.least.x..=bounds.most.x).flat_map(|x| (bounds.least.y..=bounds.most.y).map(move |y| (x, y))) {

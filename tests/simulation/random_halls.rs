@@ -2,6 +2,7 @@
 
 use hallsweep::core::explore::Strategy;
 use hallsweep::core::settings::Settings;
+use hallsweep::core::units::Cell;
 use hallsweep::core::world::hall_map::Mark;
 use hallsweep::headless::{Figures, Verdicts, explore};
 use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings, Truth};
@@ -13,7 +14,7 @@ pub(crate) fn map_is_true(figures: &Figures, hall: &Hall) {
     let bounds = figures.state.map.known_bounds();
     for y in bounds.least.y..=bounds.most.y {
         for x in bounds.least.x..=bounds.most.x {
-            let cell = hallsweep::core::units::Cell::new(x, y);
+            let cell = Cell::new(x, y);
             let truth = hall.truth(cell);
             let right = match figures.state.map.at(cell) {
                 Mark::Unknown => true,
@@ -38,6 +39,24 @@ fn run(seed: u64, most: u64, settings: Settings) -> Figures {
     assert!(figures.complete && figures.home, "hall {seed}: complete {}, home {}", figures.complete, figures.home);
     map_is_true(&figures, &hall);
     figures
+}
+
+/// What the thousand halls are like, so that nobody makes them easier unawares.
+#[test]
+fn the_random_halls_are_as_various_as_they_should_be() {
+    let halls: Vec<_> = (0..1000).map(|seed| halls::random(seed, 30)).collect();
+    let count = |what: &dyn Fn(&Hall) -> bool| halls.iter().filter(|hall| what(hall)).count();
+    assert!(count(&|hall| hall.reachable().len() > 200) > 300);
+    assert!(count(&|hall| hall.reachable().iter().any(|cell| cell.x < 0 || cell.y < 0)) > 300);
+    assert!(count(&|hall| hall.pieces().iter().any(|bag| bag.cells.len() > 1)) > 300);
+    assert!(count(&|hall| hall.pieces().len() > 40) > 200);
+    assert!(count(&|hall| free(hall) > hall.reachable().len()) > 300, "islands");
+}
+
+fn free(hall: &Hall) -> usize {
+    let bounds = hall.bounds();
+    let cells = (bounds.least.y..=bounds.most.y).flat_map(|y| (bounds.least.x..=bounds.most.x).map(move |x| Cell::new(x, y)));
+    cells.filter(|cell| hall.truth(*cell) == Truth::Free).count()
 }
 
 #[test]

@@ -77,6 +77,8 @@ pub(crate) fn modules(source: &Source) -> Vec<String> {
         }
         if top == rule.module {
             findings.push(source.at(line, &format!("one door names another, `{}`", path.join("::"))));
+        } else if top == "*" && !is_root(source) {
+            findings.push(source.at(line, "it names everything at the top of the crate: name what is meant"));
         } else if is_module(top) && !rule.modules.contains(&top) {
             findings.push(source.at(line, &format!("`{}` must not name `{top}`", rule.module)));
         }
@@ -88,11 +90,12 @@ pub(crate) fn modules(source: &Source) -> Vec<String> {
 pub(crate) fn crates(source: &Source) -> Vec<String> {
     let Some(rule) = rule_for(source) else { return missing(source) };
     let mut findings = Vec::new();
-    for (number, line) in source.code_without_tests().lines().enumerate() {
-        for name in dependencies().iter().filter(|name| uses(line, name)) {
+    let dependencies = dependencies();
+    for (number, line) in joined_uses(&source.code_without_tests()) {
+        for name in dependencies.iter().filter(|name| uses(&line, name)) {
             let of_the_clock = name == "jiff" && rule.module == "runtime" && source.path != CLOCK;
             if !rule.crates.contains(&name.as_str()) || of_the_clock {
-                findings.push(source.at(number + 1, &format!("`{}` must not use the crate `{name}`", rule.module)));
+                findings.push(source.at(number, &format!("`{}` must not use the crate `{name}`", rule.module)));
             }
         }
     }
@@ -106,6 +109,11 @@ fn missing(source: &Source) -> Vec<String> {
 fn rule_for(source: &Source) -> Option<&'static Rule> {
     let module = module_path(source).into_iter().next()?;
     RULES.iter().find(|rule| rule.module == module)
+}
+
+/// Whether a file is itself the top of a crate.
+fn is_root(source: &Source) -> bool {
+    ["src/main.rs", "src/lib.rs"].contains(&source.path.as_str())
 }
 
 fn is_module(name: &str) -> bool {
@@ -124,28 +132,44 @@ fn module_path(source: &Source) -> Vec<String> {
     path.split('/').map(str::to_owned).collect()
 }
 
-/// Every path of the crate that the code names, from the top of the crate, two names deep, with its line.
+/// Every path of the crate that the code names, in `use` lines and anywhere else, from the top of the crate, with its line.
 fn named_paths(source: &Source) -> Vec<(usize, Vec<String>)> {
-    let mut paths = Vec::new();
     let file = module_path(source);
     let unit_tests = [file.as_slice(), &["tests".to_owned()]].concat();
+    let mut paths = Vec::new();
     for (number, line) in joined_uses(&source.code) {
-        for (start, _) in line.match_indices("crate::").chain(line.match_indices("hallsweep::")) {
-            let begins = line[..start].chars().next_back().is_none_or(|letter| !is_word(letter));
-            let after = line[start..].split_once("::").map_or("", |(_, after)| after);
-            paths.extend(heads(after).into_iter().filter(|_| begins).map(|path| (number, path)));
-        }
         let own = if number > source.lines_without_tests { &unit_tests } else { &file };
-        for (start, _) in line.match_indices("super::").filter(|(start, _)| !line[..*start].ends_with("super::")) {
-            let supers = line[start..].split("super::").skip(1).take_while(|part| part.is_empty()).count() + 1;
-            let after = line[start..].trim_start_matches("super::");
-            if let Some(base) = own.len().checked_sub(supers) {
-                paths.extend(heads(after).into_iter().map(|path| (number, [&own[..base], path.as_slice()].concat())));
-            }
+        let roots = ["crate::", "hallsweep::", "self::", "super::"].into_iter().flat_map(|root| line.match_indices(root));
+        for (start, _) in roots.filter(|(start, _)| begins_path(&line[..*start])) {
+            paths.extend(expanded(&line[start..]).iter().filter_map(|path| from_the_top(own, path)).map(|path| (number, path)));
         }
     }
-    paths.retain(|(_, path)| !path.is_empty() && !path[0].is_empty());
+    paths.retain(|(_, path)| path.first().is_some_and(|top| !top.is_empty()));
     paths
+}
+
+/// Whether a path begins after this text, and is not the middle of a longer name or path.
+fn begins_path(before: &str) -> bool {
+    let mut letters = before.chars().rev();
+    match letters.next() {
+        None => true,
+        Some(':') => letters.nth(1).is_none_or(|letter| !is_word(letter) && letter != '>'),
+        Some(letter) => !is_word(letter),
+    }
+}
+
+/// Where a path leads that is named in the module `own`; `None` when it climbs out of the crate.
+fn from_the_top(own: &[String], path: &[String]) -> Option<Vec<String>> {
+    let mut place = own.to_vec();
+    for name in path {
+        match name.as_str() {
+            "crate" | "hallsweep" => place.clear(),
+            "super" => drop(place.pop()?),
+            "self" => {}
+            _ => place.push(name.clone()),
+        }
+    }
+    Some(place)
 }
 
 /// The lines of code, with a `use` that spans several joined into its first.
@@ -157,24 +181,35 @@ fn joined_uses(code: &str) -> Vec<(usize, String)> {
             Some((_, joined)) => joined.push_str(line.trim()),
             None => lines.push((number + 1, line.to_owned())),
         }
-        let begins = line.trim_start().trim_start_matches("pub ").starts_with("use ");
-        open = (open || begins) && !line.contains(';');
+        open = (open || is_use(line)) && !line.contains(';');
     }
     lines
 }
 
-/// The first two names of a path, or of each path in a group: `a::{b, c::d}` gives `a, b` and `a, c`.
-fn heads(path: &str) -> Vec<Vec<String>> {
+/// Whether a line begins a `use`, whoever may see it, or names a crate in the old way.
+fn is_use(line: &str) -> bool {
+    let line = line.trim_start();
+    let seen_by = line.strip_prefix("pub").map_or(line, |rest| match rest.strip_prefix('(') {
+        Some(inner) => inner.split_once(')').map_or("", |(_, rest)| rest),
+        None => rest,
+    });
+    ["use ", "extern crate "].iter().any(|word| seen_by.trim_start().starts_with(word))
+}
+
+/// Every path that is written here, groups spread out: `a::{b, c::d}` gives `a, b` and `a, c, d`.
+fn expanded(path: &str) -> Vec<Vec<String>> {
+    let path = path.trim_start();
     if let Some(group) = path.strip_prefix('{') {
-        return members(group).iter().flat_map(|member| heads(member.trim())).collect();
+        return members(group).iter().filter(|member| !member.trim().is_empty()).flat_map(|member| expanded(member)).collect();
     }
-    let first: String = path.chars().take_while(|letter| is_word(*letter)).collect();
-    let after = path[first.len()..].strip_prefix("::").unwrap_or_default();
-    if let Some(group) = after.strip_prefix('{') {
-        return members(group).iter().map(|member| vec![first.clone(), word(member.trim())]).collect();
+    let first = if path.starts_with('*') { "*".to_owned() } else { word(path) };
+    if first.is_empty() {
+        return vec![Vec::new()];
     }
-    let second = word(after);
-    if second.is_empty() { vec![vec![first]] } else { vec![vec![first, second]] }
+    match path[first.len()..].strip_prefix("::") {
+        Some(after) => expanded(after).into_iter().map(|rest| [vec![first.clone()], rest].concat()).collect(),
+        None => vec![vec![first]],
+    }
 }
 
 /// The members of a group after its opening brace, those of inner groups not set apart.
@@ -207,9 +242,9 @@ fn is_word(letter: char) -> bool {
 /// Whether a line of code names the crate: a path that begins with it, or a `use` of it.
 fn uses(line: &str, name: &str) -> bool {
     line.match_indices(name).any(|(start, _)| {
-        let before = line[..start].chars().next_back().is_none_or(|letter| !is_word(letter) && letter != ':' && letter != '.');
+        let before = begins_path(&line[..start]) && !line[..start].ends_with('.');
         let after = &line[start + name.len()..];
-        before && (after.starts_with("::") || (line.trim_start().starts_with("use ") && after.starts_with([';', ' '])))
+        before && (after.starts_with("::") || (is_use(line) && after.starts_with([';', ' ', ',', '}'])))
     })
 }
 
@@ -261,6 +296,68 @@ mod tests {
     fn a_group_over_several_lines_hides_nothing() {
         assert_eq!(found("src/wire/a.rs", "use crate::{\n    core::{units::Cell, event},\n    app,\n};"), 1);
         assert_eq!(found("src/inbound/http/a.rs", "use crate::inbound::{http::pages, mqtt};"), 1);
+    }
+
+    #[test]
+    fn a_group_hides_nothing_however_it_is_written() {
+        assert_eq!(found("src/core/a.rs", "use crate::runtime::{handle, task};"), 2);
+        assert_eq!(found("src/core/a.rs", "use crate::{core::{units::Cell, event}, wire::{map, time}};"), 2);
+        assert_eq!(found("src/core/a.rs", "use {crate::app, std::fmt};"), 1);
+        assert_eq!(found("src/core/a.rs", "use crate::{\n    core::units,\n    wire::{\n        map,\n    },\n};"), 1);
+        assert_eq!(found("src/core/a.rs", "use crate::core::{units::{Cell, Celsius}, event};"), 0);
+        assert_eq!(found("src/core/a.rs", "use crate::*;"), 1);
+    }
+
+    #[test]
+    fn a_climb_leads_where_it_leads() {
+        assert_eq!(found("src/core/a/b.rs", "use super::super::super::wire::map;"), 1);
+        assert_eq!(found("src/core/a/b.rs", "use super::super::wire::map;"), 0, "that is core::wire, whatever its name");
+        assert_eq!(found("src/core/a.rs", "use super::{super::wire::map, units};"), 1);
+        assert_eq!(found("src/core/a.rs", "use self::super::super::app::serve;"), 1);
+        assert_eq!(found("src/core/mod.rs", "use super::*;"), 1);
+        assert_eq!(found("src/core/a.rs", "use super::*;"), 0);
+    }
+
+    #[test]
+    fn to_pass_on_is_to_name() {
+        for seen_by in ["pub", "pub(crate)", "pub(super)", "pub(in crate::core)"] {
+            assert_eq!(found("src/core/a.rs", &format!("{seen_by} use crate::wire::map;")), 1, "{seen_by}");
+            assert_eq!(
+                found("src/core/a.rs", &format!("{seen_by} use crate::{{\n    core::units,\n    wire,\n}};")),
+                1,
+                "{seen_by}"
+            );
+            assert_eq!(found("src/core/a.rs", &format!("{seen_by} use tokio;")), 1, "{seen_by}");
+            assert_eq!(found("src/core/a.rs", &format!("{seen_by} use serde as s;")), 1, "{seen_by}");
+        }
+    }
+
+    #[test]
+    fn a_full_path_in_code_is_found_like_a_use() {
+        assert_eq!(found("src/core/a.rs", "fn f(a: &crate::wire::map::Map) -> Option<crate::app::AppError> { None }"), 2);
+        assert_eq!(found("src/core/a.rs", "impl From<super::super::wire::A> for B {}"), 1);
+        assert_eq!(found("src/core/a.rs", "let a = <crate::runtime::A as B>::c();"), 1);
+        assert_eq!(found("src/core/a.rs", "vec![crate::config::load(), crate::core::a()]"), 1);
+        assert_eq!(found("src/core/a.rs", "let a = my_crate::app::b();"), 0);
+    }
+
+    #[test]
+    fn every_crate_of_the_outside_is_found_in_the_core() {
+        for name in ["tokio", "serde", "jiff", "axum"] {
+            for text in
+                ["use NAME::a;", "use NAME;", "use ::NAME::a;", "use {NAME, std::fmt};", "use {\n    std::fmt,\n    NAME,\n};"]
+            {
+                assert_eq!(found("src/core/a.rs", &text.replace("NAME", name)), 1, "{text} {name}");
+            }
+            for text in
+                ["extern crate NAME;", "let a = ::NAME::b();", "#[derive(NAME::A)]", "fn f(a: Box<NAME::A>) {}", "NAME::a!()"]
+            {
+                assert_eq!(found("src/core/a.rs", &text.replace("NAME", name)), 1, "{text} {name}");
+            }
+            for text in ["let NAME = 1;", "fn f() { a::NAME::b() }", "my_NAME::a()", "a.NAME", "// NAME::a", "mod NAMEs;"] {
+                assert_eq!(found("src/core/a.rs", &text.replace("NAME", name)), 0, "{text} {name}");
+            }
+        }
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! The planner: the least number of moves from a pose to a cell, a pose, or the nearest of many cells.
-//! A step and a turn cost one move each, so a breadth-first search over cell × heading is exact. What to aim at is a strategy's
+//! A step and a turn cost one move each, so a breadth-first search over cell × heading is exact, and so is A* with the steps that
+//! are left at least. What to aim at is a strategy's
 //! business; whether the robot may move is the mission's.
 
 use std::ops::ControlFlow;
 
 use crate::core::command::Move;
-use crate::core::units::{Cell, Heading, Pose};
+use crate::core::units::{Cell, Pose};
 use crate::core::world::hall_map::{Bounds, HallMap, Mark};
 
 /// Which cells a way may lead through. The goal itself may also be unknown, or an obstacle that is still to be inspected.
@@ -24,9 +25,15 @@ pub struct Planner {
     seen: Vec<u32>,
     /// For each state the move that led to it.
     came_by: Vec<u8>,
+    /// For each state the moves it takes, where a search counts them.
+    cost: Vec<u32>,
     search: u32,
-    area: Option<Bounds>,
+    /// The cells that the memory has room for: what is known and a margin, so that it need not be laid out anew at every step.
+    room: Option<Bounds>,
 }
+
+/// How far beyond the known the memory reaches when it is laid out anew, in cells.
+const MARGIN: i32 = 64;
 
 const MOVES: [Move; 3] = [Move::Forward, Move::TurnLeft, Move::TurnRight];
 
@@ -34,20 +41,17 @@ impl Planner {
     /// The shortest way to `goal`; empty when the robot stands there, `None` when there is none. A goal beyond what is known is
     /// approached by way of the edge of the known, as if all beyond were free.
     pub fn to_cell(&mut self, map: &HallMap, start: Pose, goal: Cell, through: Through) -> Option<Vec<Move>> {
-        let area = map.known_bounds().including(start.cell).grown();
+        let area = map.known_bounds().including(start.cell).grown(1);
         if !area.contains(goal) {
             return if through == Through::Unknown { self.towards(map, start, goal, area) } else { None };
         }
         let passable = |cell: Cell, mark: Mark| may_enter(mark, through) || (cell == goal && may_aim_at(mark));
-        self.search(map, area, start, passable, |pose, _| {
-            if pose.cell == goal { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        })
-        .map(|end| self.way(start, end))
+        self.guided(map, area, start, goal, passable).map(|end| self.way(start, end))
     }
 
     /// The shortest way through visited cells to a cell and a heading.
     pub fn to_pose(&mut self, map: &HallMap, start: Pose, goal: Pose) -> Option<Vec<Move>> {
-        let area = map.known_bounds().including(start.cell).grown();
+        let area = map.known_bounds().including(start.cell).grown(1);
         let found = |pose: Pose, _| if pose == goal { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
         self.search(map, area, start, |_, mark| mark == Mark::Visited, found).map(|end| self.way(start, end))
     }
@@ -55,7 +59,7 @@ impl Planner {
     /// The cell that is reached with the fewest moves through visited cells among those that are unknown, or still to be
     /// inspected, and `wanted`.
     pub fn nearest(&mut self, map: &HallMap, start: Pose, wanted: impl Fn(Cell) -> bool) -> Option<Cell> {
-        let area = map.known_bounds().including(start.cell).grown();
+        let area = map.known_bounds().including(start.cell).grown(1);
         let target = |cell: Cell, mark: Mark| mark != Mark::Visited && may_aim_at(mark) && wanted(cell);
         let found =
             |pose: Pose, _| if target(pose.cell, map.at(pose.cell)) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
@@ -119,16 +123,55 @@ impl Planner {
         None
     }
 
-    fn prepare(&mut self, area: Bounds) {
-        let states =
-            usize::try_from(i64::from(area.width()) * i64::from(area.height()) * 4).expect("an area has a positive size");
-        if self.area != Some(area) || self.search == u32::MAX {
-            self.seen.clear();
-            self.search = 0;
-            self.area = Some(area);
+    /// A* from `start` to `goal`, guided by the steps that are left at least; among equals the one furthest on goes first, so that
+    /// in the open it runs straight. Costs grow by whole moves, so a row of buckets is queue enough.
+    fn guided(
+        &mut self,
+        map: &HallMap,
+        area: Bounds,
+        start: Pose,
+        goal: Cell,
+        passable: impl Fn(Cell, Mark) -> bool,
+    ) -> Option<Pose> {
+        self.prepare(area);
+        let left = |pose: Pose| pose.cell.x.abs_diff(goal.x) + pose.cell.y.abs_diff(goal.y);
+        let at_least = left(start);
+        let mut buckets = vec![vec![(start, 0)]];
+        self.improve(start, 0, 0);
+        let mut extra = 0;
+        while extra < buckets.len() {
+            let Some((pose, cost)) = buckets[extra].pop() else {
+                extra += 1;
+                continue;
+            };
+            if pose.cell == goal {
+                return Some(pose);
+            }
+            if self.cost[self.state(pose)] != cost {
+                continue;
+            }
+            for (by, step) in (0..).zip(MOVES) {
+                let to = after(pose, step);
+                let open = step != Move::Forward || (area.contains(to.cell) && passable(to.cell, map.at(to.cell)));
+                if open && self.improve(to, by, cost + 1) {
+                    let bucket = (cost + 1 + left(to) - at_least) as usize;
+                    buckets.resize_with(buckets.len().max(bucket + 1), Vec::new);
+                    buckets[bucket].push((to, cost + 1));
+                }
+            }
         }
-        self.seen.resize(states, 0);
-        self.came_by.resize(states, 0);
+        None
+    }
+
+    fn prepare(&mut self, area: Bounds) {
+        let fits = self.room.is_some_and(|room| room.contains(area.least) && room.contains(area.most));
+        if !fits || self.search == u32::MAX {
+            let room = area.grown(MARGIN);
+            let states =
+                usize::try_from(i64::from(room.width()) * i64::from(room.height()) * 4).expect("a room has a positive size");
+            (self.seen, self.came_by, self.cost) = (vec![0; states], vec![0; states], vec![0; states]);
+            (self.room, self.search) = (Some(room), 0);
+        }
         self.search += 1;
     }
 
@@ -143,10 +186,22 @@ impl Planner {
         fresh
     }
 
+    /// Notes a way to `pose` of so many moves, the last of them move number `by`; false when one as short was known.
+    fn improve(&mut self, pose: Pose, by: u8, cost: u32) -> bool {
+        let state = self.state(pose);
+        let better = self.seen[state] != self.search || cost < self.cost[state];
+        if better {
+            self.seen[state] = self.search;
+            self.came_by[state] = by;
+            self.cost[state] = cost;
+        }
+        better
+    }
+
     fn state(&self, pose: Pose) -> usize {
-        let area = self.area.expect("prepare has set the area of this search");
-        let cell = i64::from(pose.cell.y - area.least.y) * i64::from(area.width()) + i64::from(pose.cell.x - area.least.x);
-        usize::try_from(cell * 4 + pose.heading as i64).expect("a pose inside the area has a place")
+        let room = self.room.expect("prepare has laid out the memory of this search");
+        let cell = i64::from(pose.cell.y - room.least.y) * i64::from(room.width()) + i64::from(pose.cell.x - room.least.x);
+        usize::try_from(cell * 4 + pose.heading as i64).expect("a pose inside the room has a place")
     }
 
     /// The moves from `start` to `end`, read backwards from where the search came.
@@ -214,16 +269,10 @@ pub fn cells_along(start: Pose, moves: impl IntoIterator<Item = Move>) -> Vec<Ce
     cells
 }
 
-/// The heading in which `cell` lies as seen from its neighbour `from`.
-#[must_use]
-pub fn heading_to(from: Cell, cell: Cell) -> Option<Heading> {
-    Heading::ALL.into_iter().find(|heading| from.ahead(*heading) == cell)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::units::Revision;
+    use crate::core::units::{Heading, Revision};
 
     /// A map from a drawing: `.` visited, `?` unknown, `#` wall, `b` a bag still to be inspected; the first cell is (0, 0).
     fn map(rows: &[&str]) -> HallMap {
@@ -281,6 +330,24 @@ mod tests {
     fn a_goal_far_beyond_the_known_is_approached_straight() {
         let way = Planner::default().to_cell(&map(&["."]), Pose::START, Cell::new(0, 8000), Through::Unknown).unwrap();
         assert_eq!(way, [Move::Forward]);
+    }
+
+    /// The guided search is as exact as the plain one.
+    #[test]
+    fn the_way_to_a_cell_is_the_shortest_there_is() {
+        let mut dice = crate::core::rng::Stream::new(1, "planner");
+        for _ in 0..200 {
+            let rows: Vec<String> =
+                (0..12).map(|_| (0..12).map(|_| if dice.below(4) == 0 { '#' } else { '.' }).collect()).collect();
+            let mut map = map(&rows.iter().map(String::as_str).collect::<Vec<_>>());
+            map.mark(Cell::HOME, Mark::Visited, Revision(3));
+            let goal = Cell::new(i32::try_from(dice.below(12)).unwrap(), i32::try_from(dice.below(12)).unwrap());
+            let mut planner = Planner::default();
+            let guided = planner.to_cell(&map, Pose::START, goal, Through::Known).map(|way| way.len());
+            let turned = Heading::ALL.map(|heading| planner.to_pose(&map, Pose::START, Pose { cell: goal, heading }));
+            let plain = turned.into_iter().flatten().map(|way| way.len()).min();
+            assert_eq!(guided, plain, "to {goal}");
+        }
     }
 
     #[test]

@@ -54,8 +54,8 @@ impl Snail {
                     }
                 },
                 Stage::NextRing => {
+                    self.stage = if nothing_lies_beyond(view, self.ring) { Stage::Finish } else { Stage::Corner };
                     self.ring += 1;
-                    self.stage = if far_walls_are_known(view) { Stage::Finish } else { Stage::Corner };
                 }
                 Stage::Finish => match planner.nearest(view.map, view.pose, |_| true) {
                     Some(cell) => return Decision::Visit(cell),
@@ -92,7 +92,31 @@ impl Snail {
     }
 }
 
-/// Whether nothing unknown lies next to a visited cell, south-east of home.
-fn far_walls_are_known(view: &View<'_>) -> bool {
-    view.map.frontier().range(Cell::new(0, i32::MIN)..).all(|cell| cell.y < 0)
+/// Whether both far walls are known: south-east of home nothing unknown lies next to a visited cell outside the ring's square.
+/// What is left inside it could not be reached.
+fn nothing_lies_beyond(view: &View<'_>, ring: i32) -> bool {
+    view.map.frontier().range(Cell::new(0, i32::MIN)..).all(|cell| cell.y < 0 || cell.x.max(cell.y) <= ring)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::units::{Pose, Revision};
+    use crate::core::world::hall_map::{HallMap, Mark};
+
+    /// A passage that was driven through and is blocked now leaves unknown cells behind it that nobody can reach.
+    #[test]
+    fn a_search_ends_although_a_passage_was_blocked_behind_which_the_unknown_goes_on() {
+        let mut map = HallMap::new(Cell::HOME, Revision(1));
+        for y in 1..6 {
+            map.mark(Cell::new(0, y), Mark::Visited, Revision(1));
+        }
+        for cell in [Cell::new(-1, 0), Cell::new(1, 0), Cell::new(0, -1), Cell::new(0, 1)] {
+            map.mark(cell, Mark::Wall, Revision(2));
+        }
+        let (mut snail, mut planner) = (Snail::default(), Planner::default());
+        let view = View { map: &map, pose: Pose::START };
+        let finished = (0..100).any(|_| snail.next(&view, &mut planner) == Decision::Finished);
+        assert!(finished);
+    }
 }

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::FaultCause;
 use crate::core::command::{Command, Issuer, LuggageRef, Move, TemperatureReport, Verdict};
 use crate::core::event::{Obstacle, Photo};
 use crate::core::explore::Strategy;
@@ -167,6 +168,8 @@ pub struct Matter {
     pub strategy: Option<Strategy>,
     /// The source of a reading, and the reading.
     pub reading: Option<(Arc<str>, Celsius)>,
+    /// Why the mission is in fault.
+    pub fault: Option<FaultCause>,
     /// What somebody else said about it, in words.
     pub words: Option<String>,
 }
@@ -223,11 +226,11 @@ impl Matter {
         (input, matter)
     }
 
-    /// What the command is about, for the log: `#3 `, `to (1, 2) `, or nothing.
+    /// What the command is about, for the log: ` #3`, ` (1, 2)`, or nothing.
     #[must_use]
     pub fn in_words(&self) -> String {
         let luggage = self.luggage.map(|id| format!(" #{id}"));
-        let cell = self.cell.map(|cell| format!(" to {cell}"));
+        let cell = self.cell.map(|cell| format!(" {cell}"));
         let step = self.step.map(|step| format!(" {}", step_in_words(step)));
         let alarm = self.alarm.map(|id| format!(" {id}"));
         let strategy = self.strategy.map(|strategy| format!(" {}", strategy.name()));

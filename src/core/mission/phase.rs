@@ -226,6 +226,8 @@ pub enum FaultCause {
     NoWayHome,
     /// The robot did not finish an order in time.
     Unanswered,
+    /// The search went round in circles without giving an order.
+    Undecided,
     /// The robot could not carry out an order; its own words.
     Robot(String),
 }
@@ -234,6 +236,7 @@ impl std::fmt::Display for FaultCause {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             FaultCause::NoWayHome => f.write_str("no known way leads home: clear the way, or fetch the robot"),
+            FaultCause::Undecided => f.write_str("the search finds no next step: press RESET and begin anew"),
             FaultCause::Unanswered => f.write_str("the robot did not finish its order in time: look after it, then press START"),
             FaultCause::Robot(words) => {
                 write!(f, "the robot could not carry out its order ({words}): look after it, then press START")

@@ -186,6 +186,7 @@ impl Sweep {
                 let way = Planner::default().to_cell(&self.world.map, self.world.robot.pose, Cell::HOME, Through::Known);
                 self.mission.blocked.is_empty() && (way.is_none() || self.world.map.at(Cell::HOME).is_obstacle())
             }
+            FaultCause::Undecided => true,
             FaultCause::Unanswered | FaultCause::Robot(_) => self.helm.capabilities.is_none(),
         };
         stands.then_some(cause)

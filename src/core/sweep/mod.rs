@@ -26,6 +26,7 @@ use std::time::Duration;
 use self::decide::Step;
 use self::helm::Helm;
 use self::outbox::{Outbox, Waiting};
+use self::view::Shown;
 use super::command::{Accepted, Refused, Request};
 use super::effect::{Effect, Fact};
 use super::event::{Event, RobotId};
@@ -155,22 +156,23 @@ impl Sweep {
         if let Some(taken) = current {
             return Arc::clone(taken);
         }
-        self.touch_derived();
-        let snapshot = Arc::new(self.view());
+        let shown = self.shown();
+        self.touch_derived(&shown);
+        let snapshot = Arc::new(self.view(shown));
         self.taken = Some(Arc::clone(&snapshot));
         snapshot
     }
 
     /// What is shown of a resource may follow from another (a refusal from an alarm, the progress from the map): then it has
     /// changed as well.
-    fn touch_derived(&mut self) {
-        let (Some(before), after) = (self.taken.clone(), self.view()) else { return };
+    fn touch_derived(&mut self, shown: &Shown) {
+        let Some(before) = self.taken.clone() else { return };
         for (resource, differs) in [
-            (Resource::Mission, before.mission != after.mission),
-            (Resource::Robot, before.robot != after.robot),
-            (Resource::Temperature, before.temperature != after.temperature),
+            (Resource::Mission, before.mission != shown.mission),
+            (Resource::Robot, before.robot != shown.robot),
+            (Resource::Temperature, before.temperature != shown.temperature),
         ] {
-            if differs && before.revision_of(resource) == after.revision_of(resource) {
+            if differs && before.revision_of(resource) == self.world.revisions()[resource as usize] {
                 self.world.touch(resource);
             }
         }

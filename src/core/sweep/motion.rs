@@ -6,11 +6,15 @@ use crate::core::effect::{Action, Effect, Fact, Stamp};
 use crate::core::event::RobotId;
 use crate::core::explore::plan::Through;
 use crate::core::explore::{Decision, View};
-use crate::core::mission::{Goal, Hold, Input, Matter, Phase, Stage};
+use crate::core::mission::{FaultCause, Goal, Hold, Input, Matter, Phase, Stage};
 use crate::core::units::{Cell, LuggageId};
 use crate::core::world::hall_map::Mark;
 use crate::core::world::log::Tone;
 use crate::core::world::resource::Resource;
+
+/// After so many looks without an order something is wrong with the search: goals that are given up one after the other are
+/// bounded by the unknown cells of a large hall.
+const TURNS: usize = 100_000;
 
 /// Why the robot must not move just now.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,7 +40,12 @@ enum Turn {
 impl Sweep {
     /// Gives the next order, if there is one to give.
     pub(super) fn pump(&mut self) {
-        while let Turn::Again = self.turn() {}
+        for _ in 0..TURNS {
+            if let Turn::Rest = self.turn() {
+                return;
+            }
+        }
+        self.feed(Input::NoWayHome, &Matter { fault: Some(FaultCause::Undecided), ..Matter::default() });
     }
 
     /// The one gate between planner and robot.
@@ -128,7 +137,7 @@ impl Sweep {
             return Turn::Rest;
         }
         if goal == Goal::Home {
-            self.feed(Input::NoWayHome, &Matter::default());
+            self.no_way_home();
         } else {
             self.set_goal(None);
         }
@@ -203,8 +212,10 @@ impl Sweep {
             self.feed(Input::AtPiece, &Matter { luggage: Some(id), ..Matter::default() });
             return Some(Turn::Again);
         }
-        let way = self.planner.to_pose(&self.world.map, self.world.robot.pose, pose)?;
-        self.mission.route = way.into();
+        if self.mission.route.is_empty() {
+            self.mission.route = self.planner.to_pose(&self.world.map, self.world.robot.pose, pose)?.into();
+            self.world.touch(Resource::Mission);
+        }
         self.follow_route().then_some(Turn::Rest)
     }
 
@@ -215,7 +226,7 @@ impl Sweep {
             self.world.touch(Resource::Mission);
         }
         if !self.follow_route() {
-            self.feed(Input::NoWayHome, &Matter::default());
+            self.no_way_home();
             return Turn::Again;
         }
         Turn::Rest
@@ -225,6 +236,10 @@ impl Sweep {
     fn way_home(&mut self, through: Through) -> Option<Vec<Move>> {
         let free = !self.world.map.at(Cell::HOME).is_obstacle();
         free.then(|| self.planner.to_cell(&self.world.map, self.world.robot.pose, Cell::HOME, through))?
+    }
+
+    fn no_way_home(&mut self) {
+        self.feed(Input::NoWayHome, &Matter { fault: Some(FaultCause::NoWayHome), ..Matter::default() });
     }
 
     /// The next move of a drive by hand, or its end.

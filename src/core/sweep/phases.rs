@@ -13,23 +13,18 @@ impl Sweep {
     /// Decides and carries out an input that cannot be refused.
     pub(super) fn feed(&mut self, input: Input, matter: &Matter) {
         if let Ok(step) = self.decide(input, matter) {
-            self.apply_input(input, step, matter);
+            self.apply(step, matter);
         }
     }
 
-    /// Carries out what the table said of a command.
+    /// Carries out what the table said.
     pub(super) fn apply(&mut self, step: Step, matter: &Matter) {
-        self.go(None, step, matter);
-        self.perform_all(step.acts, matter);
-    }
-
-    fn apply_input(&mut self, input: Input, step: Step, matter: &Matter) {
-        self.go(Some(input), step, matter);
+        self.go(step, matter);
         self.perform_all(step.acts, matter);
     }
 
     /// Moves to where a step leads: the phase that stands, or the one that many interruptions below it.
-    fn go(&mut self, input: Option<Input>, step: Step, matter: &Matter) {
+    fn go(&mut self, step: Step, matter: &Matter) {
         if step.to == To::Stay {
             return;
         }
@@ -38,7 +33,7 @@ impl Sweep {
         let new = match step.to {
             To::Stay => old,
             To::Interrupted => self.resumed(old),
-            To::Phase(name) => self.entered(name, old, input, matter),
+            To::Phase(name) => self.entered(name, old, matter),
         };
         *self.slot(step.depth) = new;
         self.mission.route.clear();
@@ -65,7 +60,7 @@ impl Sweep {
         if *interrupted == Phase::AtHome && !self.rests_at_home() { Phase::Exploring } else { *interrupted }
     }
 
-    fn entered(&mut self, name: PhaseName, old: Phase, input: Option<Input>, matter: &Matter) -> Phase {
+    fn entered(&mut self, name: PhaseName, old: Phase, matter: &Matter) -> Phase {
         match name {
             PhaseName::Idle => Phase::Idle,
             PhaseName::Exploring => Phase::Exploring,
@@ -78,7 +73,7 @@ impl Sweep {
             PhaseName::Retrieving => Phase::Retrieving,
             PhaseName::BagSecured => Phase::BagSecured,
             PhaseName::Explored => Phase::Explored,
-            PhaseName::Fault => self.fault(old, input, matter),
+            PhaseName::Fault => self.fault(old, matter),
         }
     }
 
@@ -95,12 +90,8 @@ impl Sweep {
     }
 
     /// A fault interrupts what a drive by hand had interrupted, and halts.
-    fn fault(&mut self, old: Phase, input: Option<Input>, matter: &Matter) -> Phase {
-        let cause = match input {
-            Some(Input::NoWayHome) => FaultCause::NoWayHome,
-            Some(Input::Unanswered) => FaultCause::Unanswered,
-            _ => FaultCause::Robot(matter.words.clone().unwrap_or_default()),
-        };
+    fn fault(&mut self, old: Phase, matter: &Matter) -> Phase {
+        let cause = matter.fault.clone().unwrap_or_else(|| FaultCause::Robot("it did not say why".to_owned()));
         self.halt_robot();
         self.world.write(self.now.wall, Tone::Alarm, format!("fault: {cause}"));
         let interrupted = if matches!(old, Phase::Driving { .. }) { self.resumed(old) } else { old };

@@ -25,9 +25,10 @@ impl Sweep {
         let Phase::Inspecting(Inspection { cell, piece, pose, .. }) = *self.mission.phase.underlying() else { return };
         let id = self.mission.last_luggage.next();
         self.mission.last_luggage = id;
-        let photo = photo_state(matter, 1);
-        let luggage = Luggage { id, cell, pose, taken: self.now.wall, photo, verdict: None, piece };
-        self.send_record(luggage, matter);
+        let photo = photo_of(matter);
+        let state = PhotoState::after(None, &photo);
+        let luggage = Luggage { id, cell, pose, taken: self.now.wall, photo: state, verdict: None, piece };
+        self.send_record(luggage, photo);
         self.set_stage(Stage::Recording(id));
     }
 
@@ -36,21 +37,18 @@ impl Sweep {
         let Some(Stage::RetakingPhoto(id)) = self.stage() else { return };
         self.set_stage(Stage::AwaitingVerdict(id));
         let Some(known) = self.world.luggage.get(&id) else { return };
-        let take = match known.photo {
-            PhotoState::Taken { take, .. } => take + 1,
-            PhotoState::Failed(_) => 1,
-        };
         if matter.photo.is_none() && known.has_photo() {
             let text = format!("photo of luggage #{id} could not be taken again; the first one stays");
             self.world.write(self.now.wall, Tone::Warning, text);
             return;
         }
-        let luggage = Luggage { taken: self.now.wall, photo: photo_state(matter, take), ..Luggage::clone(known) };
-        self.send_record(luggage, matter);
+        let photo = photo_of(matter);
+        let state = PhotoState::after(Some(&known.photo), &photo);
+        let luggage = Luggage { taken: self.now.wall, photo: state, ..Luggage::clone(known) };
+        self.send_record(luggage, photo);
     }
 
-    fn send_record(&mut self, luggage: Luggage, matter: &Matter) {
-        let photo = matter.photo.clone().ok_or_else(|| matter.words.clone().unwrap_or_default());
+    fn send_record(&mut self, luggage: Luggage, photo: Result<Photo, String>) {
         let fact = Fact::Luggage { id: luggage.id, cell: luggage.cell, pose: luggage.pose, photo };
         self.world.pieces.extend(luggage.piece);
         let seq = self.outbox.record(self.now.wall, fact.clone());
@@ -164,7 +162,7 @@ impl Sweep {
     }
 }
 
-fn photo_state(matter: &Matter, take: u32) -> PhotoState {
-    let failed = || PhotoState::Failed(matter.words.clone().unwrap_or_else(|| "no photo came".to_owned()));
-    matter.photo.as_ref().map_or_else(failed, |Photo { bytes, .. }| PhotoState::Taken { bytes: bytes.len(), take })
+/// The photo that came, or why none did.
+fn photo_of(matter: &Matter) -> Result<Photo, String> {
+    matter.photo.clone().ok_or_else(|| matter.words.clone().unwrap_or_else(|| "no photo came".to_owned()))
 }

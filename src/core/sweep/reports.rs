@@ -7,7 +7,7 @@ use crate::core::command::Move;
 use crate::core::effect::{Action, Fact, Order};
 use crate::core::event::{Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent};
 use crate::core::explore::plan::after;
-use crate::core::mission::{Input, Matter};
+use crate::core::mission::{FaultCause, Input, Matter};
 use crate::core::units::{Cell, Heading, OrderId};
 use crate::core::world::hall_map::{Mark, REACH};
 use crate::core::world::resource::Resource;
@@ -87,7 +87,7 @@ impl Sweep {
         self.mission.route.clear();
         let Action::Move(step @ (Move::Forward | Move::Backward)) = order.action else {
             let words = "something is in the way of a turn, or of the way back to the centre of its cell".to_owned();
-            return self.feed(Input::RobotFailed, &Matter { words: Some(words), ..Matter::default() });
+            return self.robot_failed(words);
         };
         let obstacle = if self.settings.inspect_everything { Obstacle::Unknown } else { obstacle };
         let cell = after(self.world.robot.pose, step).cell;
@@ -150,13 +150,16 @@ impl Sweep {
 
     fn failed(&mut self, id: OrderId, words: String) {
         let Some(order) = self.close(id) else { return };
-        let matter = Matter { words: Some(words), ..Matter::default() };
         if order.action.is_motion() {
             self.world.robot.off_centre = true;
-            self.feed(Input::RobotFailed, &matter);
+            self.robot_failed(words);
         } else {
-            self.feed(Input::PhotoFailed, &matter);
+            self.feed(Input::PhotoFailed, &Matter { words: Some(words), ..Matter::default() });
         }
+    }
+
+    fn robot_failed(&mut self, words: String) {
+        self.feed(Input::RobotFailed, &Matter { fault: Some(FaultCause::Robot(words)), ..Matter::default() });
     }
 
     /// The deadline of the open order and its grace have passed without an answer.
@@ -166,7 +169,7 @@ impl Sweep {
         if order.action.is_motion() {
             self.world.robot.off_centre = true;
             self.send_halt();
-            self.feed(Input::Unanswered, &Matter::default());
+            self.feed(Input::Unanswered, &Matter { fault: Some(FaultCause::Unanswered), ..Matter::default() });
         } else {
             let words = "the camera did not answer in time".to_owned();
             self.feed(Input::PhotoFailed, &Matter { words: Some(words), ..Matter::default() });

@@ -6,23 +6,41 @@ use super::Sweep;
 use crate::core::explore::plan::cells_along;
 use crate::core::mission::{Goal, Hold, Input, Matter, Phase, PhaseName, Stage};
 use crate::core::units::Cell;
+use crate::core::world::resource::Resource;
 use crate::core::world::robot::{RobotState, RobotView};
 use crate::core::world::snapshot::{MissionView, Progress, Refusals, Snapshot};
 use crate::core::world::temperature::{TemperatureStatus, TemperatureView};
 
+/// What is shown of the mission and the robot: put together from several parts of the state.
+pub(super) struct Shown {
+    pub(super) mission: MissionView,
+    pub(super) robot: RobotView,
+    pub(super) temperature: TemperatureView,
+}
+
 impl Sweep {
-    pub(super) fn view(&self) -> Snapshot {
+    pub(super) fn shown(&self) -> Shown {
+        let robot = RobotView { state: self.robot_state(), ..self.world.robot };
+        Shown { mission: self.mission_view(), robot, temperature: self.temperature_view() }
+    }
+
+    /// The snapshot; long lists that have not changed since the last one are shared with it.
+    pub(super) fn view(&self, shown: Shown) -> Snapshot {
+        let revisions = self.world.revisions();
+        let same =
+            |resource: Resource| self.taken.as_ref().filter(|taken| taken.revision_of(resource) == revisions[resource as usize]);
+        let luggage = || self.world.luggage.values().map(Arc::clone).collect();
         Snapshot {
             run: Arc::clone(&self.world.run),
             revision: self.world.revision(),
-            revisions: self.world.revisions(),
-            mission: self.mission_view(),
-            robot: RobotView { state: self.robot_state(), ..self.world.robot },
+            revisions,
+            mission: shown.mission,
+            robot: shown.robot,
             map: self.world.map.clone(),
-            luggage: self.world.luggage.values().map(Arc::clone).collect(),
-            temperature: self.temperature_view(),
+            luggage: same(Resource::Luggage).map_or_else(luggage, |taken| Arc::clone(&taken.luggage)),
+            temperature: shown.temperature,
             alarms: self.world.alarms.clone(),
-            log: self.world.log.lines(),
+            log: same(Resource::Log).map_or_else(|| self.world.log.lines(), |taken| Arc::clone(&taken.log)),
         }
     }
 

@@ -70,10 +70,10 @@ impl Bounds {
         }
     }
 
-    /// Larger by one cell on every side.
+    /// Larger by so many cells on every side.
     #[must_use]
-    pub const fn grown(self) -> Bounds {
-        Bounds { least: Cell::new(self.least.x - 1, self.least.y - 1), most: Cell::new(self.most.x + 1, self.most.y + 1) }
+    pub const fn grown(self, by: i32) -> Bounds {
+        Bounds { least: Cell::new(self.least.x - by, self.least.y - by), most: Cell::new(self.most.x + by, self.most.y + by) }
     }
 
     /// Whether it holds `cell`.

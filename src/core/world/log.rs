@@ -63,7 +63,7 @@ impl Log {
 
     /// The lines at hand, oldest first.
     #[must_use]
-    pub fn lines(&self) -> Vec<Arc<LogLine>> {
+    pub fn lines(&self) -> Arc<[Arc<LogLine>]> {
         self.lines.iter().cloned().collect()
     }
 }

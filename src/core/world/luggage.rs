@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::core::command::Verdict;
-use crate::core::event::Piece;
+use crate::core::event::{Photo, Piece};
 use crate::core::units::{Cell, LuggageId, Pose, Wall};
 
 /// The record of one piece.
@@ -37,6 +37,22 @@ pub enum PhotoState {
     },
     /// There is none, and why.
     Failed(String),
+}
+
+impl PhotoState {
+    /// What becomes of it when a photo is taken (again), or fails: an older one stays good.
+    #[must_use]
+    pub fn after(before: Option<&PhotoState>, photo: &Result<Photo, String>) -> PhotoState {
+        let take = match before {
+            Some(PhotoState::Taken { take, .. }) => take + 1,
+            Some(PhotoState::Failed(_)) | None => 1,
+        };
+        match (photo, before) {
+            (Ok(photo), _) => PhotoState::Taken { bytes: photo.bytes.len(), take },
+            (Err(_), Some(taken @ PhotoState::Taken { .. })) => taken.clone(),
+            (Err(words), _) => PhotoState::Failed(words.clone()),
+        }
+    }
 }
 
 /// A verdict that stands.

@@ -29,13 +29,13 @@ pub struct Snapshot {
     /// The hall; its tiles are shared with the core.
     pub map: HallMap,
     /// The luggage of this mission, by number.
-    pub luggage: Vec<Arc<Luggage>>,
+    pub luggage: Arc<[Arc<Luggage>]>,
     /// The temperature.
     pub temperature: TemperatureView,
     /// The alarms, oldest first.
     pub alarms: Vec<Arc<Alarm>>,
     /// The latest log lines, oldest first.
-    pub log: Vec<Arc<LogLine>>,
+    pub log: Arc<[Arc<LogLine>]>,
 }
 
 impl Snapshot {

@@ -1,5 +1,7 @@
 //! What can be looked at under `/api/v1`, and `/healthz`. Nothing here changes anything.
 
+use std::sync::Arc;
+
 use axum::Json;
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, header};
@@ -52,14 +54,14 @@ pub(super) async fn luggage_list(State(door): State<Door>, headers: HeaderMap) -
 /// `GET luggage/{id}`
 pub(super) async fn luggage(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     let snapshot = door.handle.snapshot();
-    let luggage = record(&snapshot, id)?;
-    Ok(conditional(&headers, &luggage_tag(&snapshot), || Json(LuggageJson::from(luggage)).into_response()))
+    let luggage = record(&door, &snapshot, id)?;
+    Ok(conditional(&headers, &luggage_tag(&snapshot), || Json(LuggageJson::from(&*luggage)).into_response()))
 }
 
 /// `GET luggage/{id}/photo`: the newest picture of a piece.
 pub(super) async fn photo(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     let snapshot = door.handle.snapshot();
-    let take = match &record(&snapshot, id)?.photo {
+    let take = match &record(&door, &snapshot, id)?.photo {
         PhotoState::Taken { take, .. } => *take,
         PhotoState::Failed(reason) => {
             return Err(Problem::not_found(format!("there is no photo of luggage #{id}: {reason}; take it again")));
@@ -80,9 +82,11 @@ pub(super) async fn health(State(door): State<Door>) -> Result<String, Problem> 
     }
 }
 
-fn record(snapshot: &Snapshot, id: u64) -> Result<&Luggage, Problem> {
-    let luggage = snapshot.luggage(LuggageId(id));
-    luggage.map(|luggage| &**luggage).ok_or_else(|| Problem::not_found(format!("there is no luggage #{id}")))
+/// The record of a piece of this mission, or of one that is over.
+fn record(door: &Door, snapshot: &Snapshot, id: u64) -> Result<Arc<Luggage>, Problem> {
+    let luggage = snapshot.luggage(LuggageId(id)).map(Arc::clone);
+    let kept = luggage.or_else(|| door.archive.luggage(LuggageId(id)).map(Arc::new));
+    kept.ok_or_else(|| Problem::not_found(format!("there is no luggage #{id}")))
 }
 
 fn luggage_tag(snapshot: &Snapshot) -> String {
@@ -144,7 +148,7 @@ mod tests {
     async fn a_failed_photo_says_why_it_is_not_there() {
         let mut snapshot = searching();
         let failed = Luggage { photo: PhotoState::Failed("lens covered".to_owned()), ..(*snapshot.luggage[2]).clone() };
-        snapshot.luggage[2] = Arc::new(failed);
+        Arc::make_mut(&mut snapshot.luggage)[2] = Arc::new(failed);
         let (status, json) = read(house(snapshot).get("/api/v1/luggage/3/photo").await).await;
         assert_eq!(status, 404);
         assert!(json["detail"].as_str().unwrap().contains("lens covered"), "{json}");

@@ -14,6 +14,7 @@ use super::{Door, Hosts, router};
 use crate::core::command::{self, Accepted, Command, LuggageRef, Refused};
 use crate::core::event::Photo;
 use crate::core::units::{Epoch, LuggageId};
+use crate::core::world::luggage::Luggage;
 use crate::core::world::snapshot::Snapshot;
 use crate::runtime::archive::Archive;
 use crate::runtime::halt::Halter;
@@ -33,6 +34,10 @@ struct Pictures;
 impl Archive for Pictures {
     fn photo(&self, _: LuggageId) -> Option<Photo> {
         Some(Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" })
+    }
+
+    fn luggage(&self, _: LuggageId) -> Option<Luggage> {
+        None
     }
 }
 

@@ -9,6 +9,7 @@ use tokio::sync::watch;
 use crate::core::effect::{Entry, Fact};
 use crate::core::event::Photo;
 use crate::core::units::{LuggageId, Seq};
+use crate::core::world::luggage::{Decision, Luggage, PhotoState};
 use crate::runtime::archive::Archive;
 use crate::runtime::store::{Store, StoreWord};
 
@@ -17,6 +18,9 @@ pub const ENTRIES: usize = 16_384;
 
 /// How many photos are kept: more pieces than a hall holds, at some 100 KB each.
 pub const PHOTOS: usize = 256;
+
+/// How many luggage records are kept: more than a busy year's, at about 200 bytes each.
+pub const RECORDS: usize = 16_384;
 
 /// Journal and photos, shared by everyone who holds a clone.
 #[derive(Clone, Debug)]
@@ -29,13 +33,20 @@ pub struct Memory {
 struct Kept {
     entries: VecDeque<(Seq, Entry)>,
     photos: BTreeMap<LuggageId, Photo>,
+    records: BTreeMap<LuggageId, Luggage>,
+}
+
+impl Default for Memory {
+    fn default() -> Memory {
+        Memory { kept: Arc::default(), word: watch::Sender::new(Ok(Seq(0))) }
+    }
 }
 
 impl Memory {
     /// An empty store.
     #[must_use]
     pub fn new() -> Memory {
-        Memory { kept: Arc::default(), word: watch::Sender::new(Ok(Seq(0))) }
+        Memory::default()
     }
 
     /// The newest entries with their numbers, oldest first, at most `ENTRIES`. Photos are not in them: ask for those by number.
@@ -52,6 +63,7 @@ impl Memory {
 
 impl Kept {
     fn keep(&mut self, seq: Seq, entry: &Entry) {
+        self.keep_record(entry);
         let mut entry = entry.clone();
         if let Fact::Luggage { id, photo: Ok(photo), .. } = &mut entry.fact {
             // The pixels are bounded by the number of photos alone, so the journal must not hold on to them.
@@ -62,6 +74,25 @@ impl Kept {
             self.entries.pop_front();
         }
         self.entries.push_back((seq, entry));
+    }
+
+    /// Keeps what an entry says of a piece; the oldest gives way when there are too many.
+    fn keep_record(&mut self, entry: &Entry) {
+        if let Fact::Luggage { id, cell, pose, photo } = &entry.fact {
+            let before = self.records.remove(id);
+            let photo = PhotoState::after(before.as_ref().map(|record| &record.photo), photo);
+            let verdict = before.and_then(|record| record.verdict);
+            let record = Luggage { id: *id, cell: *cell, pose: *pose, taken: entry.wall, photo, verdict, piece: None };
+            self.records.insert(*id, record);
+        }
+        if let Fact::Verdict { luggage, verdict, who } = &entry.fact
+            && let Some(record) = self.records.get_mut(luggage)
+        {
+            record.verdict = Some(Decision { verdict: *verdict, who: Arc::clone(who), wall: entry.wall });
+        }
+        if self.records.len() > RECORDS {
+            self.records.pop_first();
+        }
     }
 
     /// Keeps a photo; that of the oldest piece gives way when there are too many.
@@ -89,11 +120,16 @@ impl Archive for Memory {
     fn photo(&self, luggage: LuggageId) -> Option<Photo> {
         self.lock().photos.get(&luggage).cloned()
     }
+
+    fn luggage(&self, luggage: LuggageId) -> Option<Luggage> {
+        self.lock().records.get(&luggage).cloned()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::core::command::Verdict;
     use crate::core::mission::PhaseName;
     use crate::core::units::{Cell, Pose, Wall};
 
@@ -135,6 +171,17 @@ mod tests {
         record(&mut memory, [luggage(1, Ok("first")), luggage(2, Err("dark")), luggage(1, Ok("again"))]);
         assert_eq!(archive.photo(LuggageId(1)).map(|photo| photo.bytes), Some(b"again".as_slice().into()));
         assert_eq!(archive.photo(LuggageId(2)), None, "a failed photo is none");
+    }
+
+    #[test]
+    fn a_piece_is_found_with_its_verdict_whatever_mission_it_was_of() {
+        let mut memory = Memory::new();
+        let verdict = Fact::Verdict { luggage: LuggageId(1), verdict: Verdict::Safe, who: "operator".into() };
+        record(&mut memory, [luggage(1, Ok("first")), Entry { wall: Wall::default(), fact: verdict }, luggage(2, Err("dark"))]);
+        let first = memory.luggage(LuggageId(1)).expect("the first piece is kept");
+        assert_eq!((first.verdict_name(), first.has_photo()), ("safe", true));
+        assert_eq!(memory.luggage(LuggageId(2)).map(|record| record.has_photo()), Some(false));
+        assert_eq!(memory.luggage(LuggageId(3)), None);
     }
 
     #[test]

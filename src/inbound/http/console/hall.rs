@@ -191,7 +191,7 @@ fn home(group: &mut String, size: i32) {
 }
 
 fn luggage(group: &mut String, snapshot: &Snapshot, size: i32) {
-    for luggage in &snapshot.luggage {
+    for luggage in snapshot.luggage.iter() {
         let (x, y) = middle(luggage.cell);
         let verdict = luggage.verdict_name();
         let (shape, letter) = match verdict {

@@ -35,6 +35,11 @@ pub enum HallFault {
     FileTooLarge(u64),
     #[error("this file is not UTF-8 text: save it as UTF-8")]
     NotText,
+    #[error(
+        "this is no hall: a hall file is TOML with a `drawing`, or with `width` and `height`; a MovingAI map begins with \
+         `type octile`"
+    )]
+    NoHall,
     #[error("{0}")]
     Syntax(String),
     #[error("{0} is missing: {1}")]
@@ -47,7 +52,7 @@ pub enum HallFault {
     TooLarge(u64, u64, usize),
     #[error("row {row} has {columns} columns, row 1 has {first}: make all rows equally long")]
     Ragged { row: usize, columns: usize, first: usize },
-    #[error("row {row} has {mark:?} in column {column}: use `.` (free), `#` (wall), `S` (start) or a letter a–z (luggage)")]
+    #[error("row {row} has {mark:?} in column {column}: use `.` (free), `#` (wall), `S` (start), a letter a–z or `T` (luggage)")]
     UnknownSquare { row: usize, column: usize, mark: char },
     #[error("no start: put one `S` into the drawing where the robot starts")]
     NoStart,
@@ -59,7 +64,7 @@ pub enum HallFault {
     Undescribed(char),
     #[error("luggage {0:?} is described but not in the drawing: draw it, or remove this [[luggage]]")]
     Undrawn(String),
-    #[error("the mark {0:?} is not one letter a–z: use the letter that stands in the drawing")]
+    #[error("the mark {0:?} is not one letter a–z: use the letter that stands in the drawing (a `T` takes no description)")]
     NotAMark(String),
     #[error("luggage `{0}` is described twice: keep one")]
     DescribedTwice(char),
@@ -79,8 +84,8 @@ pub enum HallFault {
     TooManyTemperatures(usize),
     #[error("the temperature at {at} s comes after the one at {before} s: put them in order of time, each time once")]
     TemperatureOrder { at: String, before: String },
-    #[error("not a MovingAI map: line {0} should read `{1}`")]
-    Header(usize, &'static str),
+    #[error("not a MovingAI map: line {line} {}, it should read `{form}`", said(.found))]
+    Header { line: usize, found: String, form: &'static str },
     #[error("the header says {said} rows, but there are {found}: correct `height` or the rows")]
     RowCount { said: usize, found: usize },
     #[error("row {row} has {found} columns, the header says {said}: correct `width` or the row")]
@@ -91,6 +96,19 @@ pub enum HallFault {
     UnknownTerrain { row: usize, column: usize, mark: char },
     #[error("no free cell: the robot has nowhere to stand")]
     NoFreeCell,
+}
+
+/// The most characters of a wrong line that are repeated: the file may be no text for people at all.
+const REPEATED: usize = 40;
+
+fn said(found: &str) -> String {
+    let mut letters = found.chars();
+    let shown: String = letters.by_ref().take(REPEATED).collect();
+    match (found, letters.next()) {
+        ("", _) => "is empty".to_owned(),
+        (_, None) => format!("reads {shown:?}"),
+        (_, Some(_)) => format!("begins with {shown:?}"),
+    }
 }
 
 impl HallFault {

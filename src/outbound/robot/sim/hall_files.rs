@@ -37,21 +37,26 @@ impl Hall {
         Hall::parse(name_or_path, &text)
     }
 
-    /// The hall described by `text`: a MovingAI map when it begins with `type`, else TOML. `file` is named in errors, and
-    /// its stem is the hall's name when the text gives none.
+    /// The hall described by `text`: a MovingAI map when it begins like one, else TOML; a byte order mark is passed over.
+    /// `file` is named in errors, and its stem is the hall's name when the text gives none.
     ///
     /// # Errors
     /// What is wrong, and in which line.
     pub fn parse(file: &str, text: &str) -> Result<Hall, HallError> {
         let name = Path::new(file).file_stem().map_or_else(|| file.into(), |stem| stem.to_string_lossy());
-        let first_word = text.split_whitespace().next();
-        let second_word = text.split_whitespace().nth(1);
-        if first_word == Some("type") && second_word != Some("=") {
-            hall_movingai::read(file, &name, text)
-        } else {
-            hall_toml::read(file, &name, text)
-        }
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        if is_movingai(file, text) { hall_movingai::read(file, &name, text) } else { hall_toml::read(file, &name, text) }
     }
+}
+
+/// Whether a text is meant as a MovingAI map: it begins with a word of such a header, also when the lines are in the wrong
+/// order or the first is missing; or its file is called so and nothing in it can be TOML.
+fn is_movingai(file: &str, text: &str) -> bool {
+    let mut words = text.split_whitespace();
+    let begins = words.next().is_some_and(|word| ["type", "height", "width", "map"].contains(&word));
+    let assigns = words.next().is_some_and(|word| word.starts_with('='));
+    let called = Path::new(file).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("map"));
+    (begins && !assigns) || (called && !text.contains('='))
 }
 
 /// The text of a file, unless it is larger than any hall.
@@ -118,6 +123,50 @@ mod tests {
     }
 
     #[test]
+    fn a_byte_order_mark_is_passed_over_in_both_formats() {
+        for text in ["type octile\nheight 1\nwidth 2\nmap\n..\n", "width = 2\nheight = 1\n"] {
+            let hall = Hall::parse("marked", &format!("\u{feff}{text}")).unwrap();
+            assert_eq!(hall.reachable().len(), 2, "{text}");
+        }
+        let error = Hall::parse("m.toml", "\u{feff}width = 2\nheight = -1\n").unwrap_err().to_string();
+        assert_eq!(error, "m.toml:2: `height` is -1: give a number from 1 to 2048");
+    }
+
+    #[test]
+    fn a_text_of_neither_format_is_told_what_a_hall_file_is() {
+        let no_hall = "x:1: this is no hall: a hall file is TOML with a `drawing`, or with `width` and `height`; a MovingAI map \
+                       begins with `type octile`";
+        for text in ["hello", "hello\nworld\n", "{\"width\": 3}", "S..#\n....\n", "type"] {
+            let error = Hall::parse("x", text).unwrap_err().to_string();
+            let expect =
+                if text == "type" { "x:2: not a MovingAI map: line 2 is empty, it should read `height NUMBER`" } else { no_hall };
+            assert_eq!(error, expect, "{text}");
+        }
+        let empty = Hall::parse("x", "").unwrap_err().to_string();
+        assert!(empty.starts_with("x: `drawing` is missing: give a `drawing`"), "{empty}");
+    }
+
+    #[test]
+    fn a_map_with_lines_missing_or_in_the_wrong_order_is_told_which() {
+        let check = |file: &str, text: &str, expect: &str| {
+            let error = Hall::parse(file, text).unwrap_err().to_string();
+            assert_eq!(error, format!("{file}:{expect}"));
+        };
+        check(
+            "m",
+            "height 1\nwidth 1\nmap\n.\n",
+            "1: not a MovingAI map: line 1 reads \"height 1\", it should read `type octile`",
+        );
+        check("m.map", "..T\n", "1: not a MovingAI map: line 1 reads \"..T\", it should read `type octile`");
+        check("m.map", "", "1: not a MovingAI map: line 1 is empty, it should read `type octile`");
+        let swapped = "type octile\nwidth 1\nheight 1\nmap\n.\n";
+        check("m", swapped, "2: not a MovingAI map: line 2 reads \"width 1\", it should read `height NUMBER`");
+        let no_map = format!("type octile\nheight 1\nwidth 1\n{}\n", ".".repeat(50));
+        let dots = ".".repeat(40);
+        check("m", &no_map, &format!("4: not a MovingAI map: line 4 begins with \"{dots}\", it should read `map`"));
+    }
+
+    #[test]
     fn the_example_in_the_documentation_is_a_sound_hall() {
         let page = include_str!("../../../../docs/halls.md");
         let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
@@ -138,7 +187,7 @@ mod tests {
         }
 
         #[test]
-        fn no_drawing_makes_the_reader_panic(body in "[.#Sab\n é]{0,60}", tail in "[a-z_= \"\\[\\]\n0-9.]{0,80}") {
+        fn no_drawing_makes_the_reader_panic(body in "[.#SabT\n é]{0,60}", tail in "[a-z_= \"\\[\\]\n0-9.]{0,80}") {
             let _ = Hall::parse("x.toml", &format!("drawing = \"\"\"\n{body}\"\"\"\n{tail}"));
         }
 

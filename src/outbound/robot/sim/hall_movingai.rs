@@ -12,34 +12,45 @@ use crate::core::world::hall_map::Bounds;
 /// The lines before the rows: `type …`, `height N`, `width N`, `map`.
 const HEADER_LINES: usize = 4;
 
+/// Where the header says how many rows there are, counted from 1.
+const HEIGHT_LINE: usize = 2;
+
+/// Where it says how many columns there are.
+const WIDTH_LINE: usize = 3;
+
 /// Reads a map; home is the free cell nearest to the north-west corner (Manhattan; of equals the first row, then column).
 pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError> {
     let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
     let (width, height) = header(file, &lines)?;
-    sides(width as u64, height as u64).map_err(|fault| fault.of(file))?;
+    let worst = if width == 0 || (width > height && height > 0) { WIDTH_LINE } else { HEIGHT_LINE };
+    sides(width as u64, height as u64).map_err(|fault| fault.at(file, worst))?;
     let rows = rows(file, &lines, height)?;
     let mut reading = Reading::default();
     for (index, row) in rows.iter().enumerate() {
         reading.row(index, row, width).map_err(|fault| fault.at(file, HEADER_LINES + index + 1))?;
     }
-    let plan = reading.finish(width, height).map_err(|fault| fault.of(file))?;
+    let plan = reading.finish(width, height).map_err(|fault| fault.at(file, HEADER_LINES + 1))?;
     Ok(Hall::of(name, plan))
 }
 
 /// Reads the header; width and height.
 fn header(file: &str, lines: &[&str]) -> Result<(usize, usize), HallError> {
     let words = |line: usize| -> Vec<&str> { lines.get(line).map_or(Vec::new(), |line| line.split_whitespace().collect()) };
-    let number = |line: usize, key: &str, form: &'static str| match words(line).as_slice() {
-        [word, value] if *word == key => value.parse().map_err(|_| HallFault::Header(line + 1, form).at(file, line + 1)),
-        _ => Err(HallFault::Header(line + 1, form).at(file, line + 1)),
+    let wrong = |line: usize, form: &'static str| {
+        let found = lines.get(line - 1).map_or(String::new(), |line| (*line).to_owned());
+        HallFault::Header { line, found, form }.at(file, line)
+    };
+    let number = |line: usize, key: &str, form: &'static str| match words(line - 1).as_slice() {
+        [word, value] if *word == key => value.parse().map_err(|_| wrong(line, form)),
+        _ => Err(wrong(line, form)),
     };
     if words(0).first() != Some(&"type") {
-        return Err(HallFault::Header(1, "type octile").at(file, 1));
+        return Err(wrong(1, "type octile"));
     }
-    let height = number(1, "height", "height NUMBER")?;
-    let width = number(2, "width", "width NUMBER")?;
-    if words(3) != ["map"] {
-        return Err(HallFault::Header(4, "map").at(file, 4));
+    let height = number(HEIGHT_LINE, "height", "height NUMBER")?;
+    let width = number(WIDTH_LINE, "width", "width NUMBER")?;
+    if words(HEADER_LINES - 1) != ["map"] {
+        return Err(wrong(HEADER_LINES, "map"));
     }
     Ok((width, height))
 }
@@ -48,7 +59,9 @@ fn header(file: &str, lines: &[&str]) -> Result<(usize, usize), HallError> {
 fn rows<'a>(file: &str, lines: &'a [&'a str], height: usize) -> Result<&'a [&'a str], HallError> {
     let rows = lines.get(HEADER_LINES..).unwrap_or_default();
     let found = rows.iter().rposition(|row| !row.is_empty()).map_or(0, |last| last + 1);
-    if found == height { Ok(&rows[..found]) } else { Err(HallFault::RowCount { said: height, found }.of(file)) }
+    // The first row that is too many, or the last one there is.
+    let line = HEADER_LINES + if found > height { height + 1 } else { found };
+    if found == height { Ok(&rows[..found]) } else { Err(HallFault::RowCount { said: height, found }.at(file, line)) }
 }
 
 /// What has been read so far, in the map's own columns and rows.
@@ -131,20 +144,31 @@ mod tests {
 
     #[test]
     fn a_broken_header_or_row_is_named_with_its_line() {
-        check("type octile\nheight x\nwidth 1\nmap\n.\n", "m.map:2: not a MovingAI map: line 2 should read `height NUMBER`");
-        check("type octile\nheight 1\n", "m.map:3: not a MovingAI map: line 3 should read `width NUMBER`");
+        check(
+            "type octile\nheight x\nwidth 1\nmap\n.\n",
+            "m.map:2: not a MovingAI map: line 2 reads \"height x\", it should read `height NUMBER`",
+        );
+        check("type octile\nheight 1\n", "m.map:3: not a MovingAI map: line 3 is empty, it should read `width NUMBER`");
         check(
             "type octile\nheight 2\nwidth 1\nmap\n.\n",
-            "m.map: the header says 2 rows, but there are 1: correct `height` or the rows",
+            "m.map:5: the header says 2 rows, but there are 1: correct `height` or the rows",
+        );
+        check(
+            "type octile\nheight 2\nwidth 1\nmap\n.\n.\n.\n.\n",
+            "m.map:7: the header says 2 rows, but there are 4: correct `height` or the rows",
+        );
+        check(
+            "type octile\nheight 1\nwidth 5000\nmap\n.\n",
+            "m.map:3: a hall of 5000 × 1 cells is too large: at most 2048 × 2048 cells are kept",
         );
         check(
             "type octile\nheight 2\nwidth 2\nmap\n..\n.\n",
             "m.map:6: row 2 has 1 columns, the header says 2: correct `width` or the row",
         );
-        check("type octile\nheight 1\nwidth 1\nmap\n@\n", "m.map: no free cell: the robot has nowhere to stand");
+        check("type octile\nheight 1\nwidth 1\nmap\n@\n", "m.map:5: no free cell: the robot has nowhere to stand");
         check(
             "type octile\nheight 0\nwidth 9\nmap\n",
-            "m.map: a hall of 9 × 0 cells has no floor: give at least one column and one row",
+            "m.map:2: a hall of 9 × 0 cells has no floor: give at least one column and one row",
         );
         check(
             "type octile\nheight 1\nwidth 2\nmap\n.x\n",

@@ -1,9 +1,9 @@
-//! Reads a drawing of a hall: rows of `.` `#` `S` and letters. What the letters stand for in words is not in the drawing.
+//! Reads a drawing of a hall: rows of `.` `#` `S` `T` and letters. What the letters stand for in words is not in the drawing.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::bag::Bag;
-use super::hall::{Hall, MAX_SIDE, Plan, Truth};
+use super::hall::{Hall, MAX_PIECES, MAX_SIDE, Plan, Truth};
 use super::hall_error::{HallError, HallFault};
 use crate::core::event::Piece;
 use crate::core::units::Cell;
@@ -20,8 +20,8 @@ pub(super) struct Drawing {
 pub(super) type RowFault = (usize, HallFault);
 
 impl Hall {
-    /// A hall from rows of `.` (free), `#` (wall), `S` (start) and letters a–z (luggage; the same letter is the same piece).
-    /// All luggage is harmless, of kinds and colours that follow from its order.
+    /// A hall from rows of `.` (free), `#` (wall), `S` (start), letters a–z (luggage; the same letter is the same piece) and
+    /// `T` (luggage, each cell a piece of its own). All luggage is harmless, of kinds and colours that follow from its order.
     ///
     /// # Errors
     /// The first fault, with the row as its line.
@@ -84,7 +84,8 @@ impl Reading {
                     self.start = Some(cell);
                     Truth::Free
                 }
-                'a'..='z' => Truth::Luggage(self.luggage(mark, cell)),
+                'T' => Truth::Luggage(self.new_piece(cell)?),
+                'a'..='z' => Truth::Luggage(self.lettered(mark, cell)?),
                 _ => return Err(HallFault::UnknownSquare { row: index + 1, column: place + 1, mark }),
             };
             self.squares.push(square);
@@ -92,14 +93,24 @@ impl Reading {
         Ok(())
     }
 
-    fn luggage(&mut self, letter: char, cell: Cell) -> Piece {
-        let next = Piece(u32::try_from(self.cells.len()).expect("there are 26 letters") + 1);
-        let piece = *self.letters.entry(letter).or_insert(next);
-        if piece == next {
-            self.cells.push(Vec::new());
+    /// The piece of this letter, which now covers this cell too.
+    fn lettered(&mut self, letter: char, cell: Cell) -> Result<Piece, HallFault> {
+        if let Some(piece) = self.letters.get(&letter) {
+            self.cells[piece.0 as usize - 1].push(cell);
+            return Ok(*piece);
         }
-        self.cells[piece.0 as usize - 1].push(cell);
-        piece
+        let piece = self.new_piece(cell)?;
+        self.letters.insert(letter, piece);
+        Ok(piece)
+    }
+
+    /// One more piece, which begins with this cell.
+    fn new_piece(&mut self, cell: Cell) -> Result<Piece, HallFault> {
+        if self.cells.len() == MAX_PIECES {
+            return Err(HallFault::TooManyPieces(MAX_PIECES));
+        }
+        self.cells.push(vec![cell]);
+        Ok(Piece(u32::try_from(self.cells.len()).expect("the pieces have just been bounded")))
     }
 
     fn finish(self, (width, height): (i32, i32)) -> Result<Drawing, RowFault> {
@@ -149,12 +160,40 @@ mod tests {
         check(&["S..", ".."], "drawing:2: row 2 has 2 columns, row 1 has 3: make all rows equally long");
         check(&["..", ".."], "drawing: no start: put one `S` into the drawing where the robot starts");
         check(&["S.", ".S"], "drawing:2: a second start `S` in row 2, column 2: keep one");
-        check(&["S?"], "drawing:1: row 1 has '?' in column 2: use `.` (free), `#` (wall), `S` (start) or a letter a–z (luggage)");
+        check(
+            &["S?"],
+            "drawing:1: row 1 has '?' in column 2: use `.` (free), `#` (wall), `S` (start), a letter a–z or `T` (luggage)",
+        );
         check(&[], "drawing: a hall of 0 × 0 cells has no floor: give at least one column and one row");
         check(
             &["Sa", "..", ".a"],
             "drawing:3: luggage `a` is drawn in places that do not touch: give each piece a letter of its own",
         );
+    }
+
+    #[test]
+    fn every_t_is_a_harmless_piece_of_its_own_numbered_with_the_letters_in_reading_order() {
+        let hall = Hall::from_rows("drawing", &["STT", "a.T", "aTb"]).unwrap();
+        let cells: Vec<Vec<(i32, i32)>> =
+            hall.pieces().iter().map(|bag| bag.cells.iter().map(|cell| (cell.x, cell.y)).collect()).collect();
+        let [t, next_t, a] = [vec![(1, 0)], vec![(2, 0)], vec![(0, 1), (0, 2)]];
+        assert_eq!(cells, [t, next_t, a, vec![(2, 1)], vec![(1, 2)], vec![(2, 2)]]);
+        assert_eq!(hall.truth(Cell::new(2, 1)), Truth::Luggage(Piece(4)));
+        for (number, bag) in (1..).zip(hall.pieces()) {
+            assert_eq!(*bag, Bag::plain(Piece(number), bag.cells.clone()), "kind and colour follow from the order");
+            assert!(!bag.dangerous);
+        }
+    }
+
+    #[test]
+    fn more_single_pieces_than_the_bound_are_refused_at_their_row() {
+        let side = "T".repeat(MAX_SIDE);
+        let mut rows = vec![format!("S{}", &side[1..])];
+        rows.resize(MAX_PIECES / MAX_SIDE, side.clone());
+        let drawing: Vec<&str> = rows.iter().map(String::as_str).collect();
+        assert_eq!(Hall::from_rows("drawing", &drawing).unwrap().pieces().len(), MAX_PIECES - 1);
+        let more: Vec<&str> = drawing.into_iter().chain([side.as_str()]).collect();
+        check(&more, "drawing:129: more than 262144 pieces of luggage: remove some");
     }
 
     #[test]

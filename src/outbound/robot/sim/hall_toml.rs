@@ -9,7 +9,7 @@ use toml::Spanned;
 
 use super::bag::{Bag, Colour, Kind};
 use super::curve::Curve;
-use super::hall::{Hall, Plan, USUAL_CELL_M};
+use super::hall::{Hall, MAX_SIDE, Plan, USUAL_CELL_M};
 use super::hall_error::{HallError, HallFault};
 use super::hall_rows::{self, Drawing};
 use crate::core::event::Piece;
@@ -88,7 +88,12 @@ impl Source<'_> {
     }
 
     fn syntax(&self, error: &toml::de::Error) -> HallError {
+        // A text without one `=` was never meant as TOML, and words about TOML would not help its author.
+        if !self.text.contains('=') {
+            return HallFault::NoHall.at(self.file, 1);
+        }
         let reason = error.message().lines().collect::<Vec<_>>().join(", ");
+        let reason = reason.replace("expected i64", "expected a whole number").replace("expected f64", "expected a number");
         let fault = HallFault::Syntax(format!("{reason}: correct this line"));
         match error.span() {
             Some(span) => self.at(&span, fault),
@@ -123,15 +128,25 @@ impl Source<'_> {
     }
 
     fn empty(&self, width: Option<&Spanned<i64>>, height: Option<&Spanned<i64>>, luggage: &[Luggage]) -> Result<Plan, HallError> {
-        let missing =
-            |key| HallFault::Missing(key, "give a `drawing`, or both `width` and `height` of an empty hall").of(self.file);
-        let width = width.ok_or_else(|| missing(if height.is_some() { "`width`" } else { "`drawing`" }))?;
-        let height = height.ok_or_else(|| missing("`height`"))?;
+        let missing = |key| HallFault::Missing(key, "give a `drawing`, or both `width` and `height` of an empty hall");
+        let (width, height) = match (width, height) {
+            (Some(width), Some(height)) => (width, height),
+            (Some(width), None) => return Err(self.at(&width.span(), missing("`height`"))),
+            (None, Some(height)) => return Err(self.at(&height.span(), missing("`width`"))),
+            (None, None) => return Err(missing("`drawing`").of(self.file)),
+        };
         if let Some(bag) = luggage.first() {
             return Err(self.at(&bag.mark.span(), HallFault::Undrawn(bag.mark.get_ref().clone())));
         }
-        let cells = |side: &Spanned<i64>| u64::try_from(*side.get_ref()).unwrap_or(0);
-        hall_rows::empty(cells(width), cells(height)).map_err(|fault| self.at(&width.span(), fault))
+        let (columns, rows) = (self.side("width", width)?, self.side("height", height)?);
+        let worst = if columns == 0 || (columns > rows && rows > 0) { width } else { height };
+        hall_rows::empty(columns, rows).map_err(|fault| self.at(&worst.span(), fault))
+    }
+
+    /// A number of cells, not negative.
+    fn side(&self, key: &'static str, side: &Spanned<i64>) -> Result<u64, HallError> {
+        let (value, least, most) = (side.get_ref().to_string(), 1.to_string(), MAX_SIDE.to_string());
+        u64::try_from(*side.get_ref()).map_err(|_| self.at(&side.span(), HallFault::OutOfRange { key, value, least, most }))
     }
 
     fn drawing(&self, drawing: &Spanned<String>, luggage: &[Luggage]) -> Result<Plan, HallError> {
@@ -262,6 +277,16 @@ celsius = 21.5
     }
 
     #[test]
+    fn a_t_needs_no_description_and_can_have_none() {
+        let hall = read("halls/x.toml", "x", &HALL.replace("S.a", "STa")).unwrap();
+        let [t, a, b] = hall.pieces() else { panic!("three pieces are drawn") };
+        assert_eq!((t.piece, t.cells.len(), t.dangerous), (Piece(1), 1, false));
+        assert_eq!((&*a.name, &*b.name), ("red trolley", "brown box"));
+        let described = HALL.replace("S.a", "STa").replace("mark = \"b\"", "mark = \"T\"");
+        check(&described, "halls/x.toml:13: the mark \"T\" is not one letter a–z");
+    }
+
+    #[test]
     fn an_empty_hall_needs_only_its_size() {
         let hall = read("e.toml", "e", "width = 3\nheight = 2\n").unwrap();
         assert_eq!((hall.name(), hall.reachable().len()), ("e", 6));
@@ -294,13 +319,18 @@ celsius = 21.5
     fn faults_of_size_temperature_and_toml_are_found_at_their_line() {
         check("width = 0\nheight = 4\n", "halls/x.toml:1: a hall of 0 × 4 cells has no floor");
         check("width = 9000\nheight = 4\n", "halls/x.toml:1: a hall of 9000 × 4 cells is too large");
-        check("width = 3\n", "halls/x.toml: `height` is missing");
+        check("width = 4\nheight = 9000\n", "halls/x.toml:2: a hall of 4 × 9000 cells is too large");
+        check("width = -1\nheight = 4\n", "halls/x.toml:1: `width` is -1: give a number from 1 to 2048");
+        check("width = 3\nheight = -7\n", "halls/x.toml:2: `height` is -7: give a number from 1 to 2048");
+        check("width = 3\n", "halls/x.toml:1: `height` is missing");
+        check("# A hall.\nheight = 3\n", "halls/x.toml:2: `width` is missing");
         check("name = \"x\"\n", "halls/x.toml: `drawing` is missing");
         check(&format!("width = 3\n{HALL}"), "halls/x.toml:3: `drawing` and `width`/`height` are both given");
         check(&HALL.replace("21.5", "5000"), "halls/x.toml:20: `celsius` is 5000: give a number from -60 to 1000");
         check(&format!("{HALL}[[temperature]]\nat_s = 0\ncelsius = 3\n"), "halls/x.toml:22: the temperature at 0 s comes after");
         check("width = 3\nheight = 3\nwidht = 4\n", "halls/x.toml:3: unknown field `widht`, expected one of `name`");
         check("width = 3\nheight = = 3\n", "halls/x.toml:2: ");
+        check("width = 3.5\nheight = 3\n", "halls/x.toml:1: invalid type: floating point `3.5`, expected a whole number");
         check("name = \"\"\nwidth = 1\nheight = 1\n", "halls/x.toml:1: `name` has 0 characters: give 1 to 64");
     }
 }

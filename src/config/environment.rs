@@ -1,0 +1,65 @@
+//! Which environment variables are settings, and what is made of those that only look like one.
+//! What their values mean is read in `layers`.
+//!
+//! ```text
+//!   HALLSWEEP__ROBOT__SPEED          a setting, or refused when there is none of this name
+//!   HALLSWEEP_ROBOT_SPEED            surely meant as a setting: refused, with the right name
+//!   HALLSWEEP_SERVICE_HOST           not understood: ignored, and said in the log
+//!   HALLSWEEP_REQUIRE_CLIENTS        the tests' own
+//! ```
+
+use super::Sources;
+use super::key::{KEYS, Key};
+
+/// How environment variables that are settings begin; sections and keys follow, set apart by two underscores.
+pub(super) const PREFIX: &str = "HALLSWEEP__";
+
+/// How everything begins that might be meant for this program.
+pub(super) const OURS: &str = "HALLSWEEP_";
+
+/// Variables for the tests of the program, which may also be set where it runs.
+const OF_THE_TESTS: [&str; 2] = ["HALLSWEEP_REQUIRE_CLIENTS", "HALLSWEEP_UPDATE_DOCS"];
+
+/// The name of a setting in the environment, as `HALLSWEEP__HTTP__BIND`.
+pub(super) fn variable(key: &Key) -> String {
+    format!("{PREFIX}{}", key.name.replace('.', "__").to_uppercase())
+}
+
+/// The setting that a variable without the prefix names but for its underscores.
+pub(super) fn nearly(name: &str) -> Option<&'static Key> {
+    let plain = |text: &str| text.replace(['_', '.'], "").to_lowercase();
+    let meant = plain(name.strip_prefix(OURS).filter(|_| !name.starts_with(PREFIX))?);
+    KEYS.iter().find(|key| plain(key.name) == meant)
+}
+
+impl Sources {
+    /// The environment variables that look like ours and are not understood. They do not stop the start, because others give
+    /// such names too: a cluster with a service `hallsweep` sets HALLSWEEP_SERVICE_HOST for every program in it.
+    #[must_use]
+    pub fn ignored(&self) -> Vec<&str> {
+        let names = self.environment.iter().map(|(name, _)| name.as_str());
+        let ours = names.filter(|name| name.starts_with(OURS) && !name.starts_with(PREFIX));
+        ours.filter(|name| !OF_THE_TESTS.contains(name) && nearly(name).is_none()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_looks_like_ours_and_is_nobodys_is_ignored_aloud() {
+        let names = ["HALLSWEEP_SPEED", "HALLSWEEP_REQUIRE_CLIENTS", "HALLSWEEP_UPDATE_DOCS", "HALLSWEEP__ROBOT__SPEED", "PATH"];
+        let environment = names.map(|name| (name.to_owned(), "1".to_owned())).into();
+        assert_eq!(Sources { environment, ..Sources::default() }.ignored(), ["HALLSWEEP_SPEED"]);
+    }
+
+    #[test]
+    fn every_setting_is_known_again_with_single_underscores() {
+        for key in &KEYS {
+            let single = variable(key).replace("__", "_");
+            assert_eq!(nearly(&single), Some(key), "{single}");
+            assert_eq!(nearly(&variable(key)), None, "that is the setting itself");
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! A sweep without a simulator: the test is the robot and the store, and answers when and how it likes.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use hallsweep::core::command::{Accepted, Command, Door, Issuer, LuggageRef, Move, Refused, Request, Verdict};
+use hallsweep::core::effect::{Action, Effect, Fact, Order};
+use hallsweep::core::event::{Capabilities, Event, Obstacle, Photo, Piece, RobotEvent, RobotId};
+use hallsweep::core::mission::{Hold, PhaseName};
+use hallsweep::core::settings::Settings;
+use hallsweep::core::sweep::Sweep;
+use hallsweep::core::units::{Cell, LuggageId, Now, Seq, Ticket, Wall};
+use hallsweep::core::world::snapshot::Snapshot;
+
+/// The core, and what came out of it.
+pub(crate) struct Bare {
+    pub(crate) sweep: Sweep,
+    pub(crate) seconds: u64,
+    /// Effects in the order in which they came, since the last look.
+    pub(crate) effects: Vec<Effect>,
+    pub(crate) answers: Vec<(Ticket, Result<Accepted, Refused>)>,
+    order: Option<Order>,
+    written: Seq,
+    /// Whether records are kept as soon as they come.
+    pub(crate) keeps: bool,
+}
+
+impl Bare {
+    /// Before the link is up.
+    pub(crate) fn unlinked() -> Bare {
+        let sweep = Sweep::new(Settings::default(), Default::default(), "bare".into());
+        Bare { sweep, seconds: 0, effects: Vec::new(), answers: Vec::new(), order: None, written: Seq(0), keeps: true }
+    }
+
+    /// A linked robot at home.
+    pub(crate) fn linked() -> Bare {
+        let mut bare = Bare::unlinked();
+        bare.link_up();
+        bare
+    }
+
+    /// At (0, 1), in front of a bag at (1, 1) whose verdict is pending.
+    pub(crate) fn at_a_bag() -> Bare {
+        let mut bare = Bare::in_front_of(Obstacle::Luggage(Piece(1)));
+        bare.photo();
+        assert_eq!(bare.state().mission.inspected, Some(LuggageId(1)));
+        bare
+    }
+
+    /// At (0, 1), about to photograph what stands at (1, 1).
+    pub(crate) fn in_front_of(obstacle: Obstacle) -> Bare {
+        let mut bare = Bare::linked();
+        bare.give(Command::Start).expect("an idle robot starts");
+        bare.done();
+        bare.until_forward();
+        bare.meets(obstacle);
+        bare.done();
+        bare
+    }
+
+    /// As `at_a_bag`, and then home again with the verdict still pending.
+    pub(crate) fn at_home_with_a_pending_bag() -> Bare {
+        let mut bare = Bare::at_a_bag();
+        bare.give(Command::BackHome).expect("an inspecting robot goes home");
+        bare.drive_on();
+        assert_eq!(bare.phase(), PhaseName::AtHome);
+        bare
+    }
+
+    pub(crate) fn link_up(&mut self) {
+        let second = Duration::from_secs(1);
+        let can = Capabilities { step: second, turn: second, photo: second, nudges: false };
+        self.robot(RobotEvent::LinkUp(can));
+    }
+
+    pub(crate) fn event(&mut self, event: Event) {
+        self.sweep.handle_event(event, self.now());
+        self.drain();
+    }
+
+    pub(crate) fn robot(&mut self, report: RobotEvent) {
+        self.event(Event::Robot(RobotId::Discovery, report));
+    }
+
+    pub(crate) fn give(&mut self, command: Command) -> Result<Ticket, Refused> {
+        let request = Request { command, epoch: None, issuer: Issuer::operator(Door::Local) };
+        let result = self.sweep.handle_command(request, self.now());
+        self.drain();
+        result
+    }
+
+    pub(crate) fn verdict(&mut self, verdict: Verdict) -> Result<Ticket, Refused> {
+        self.give(Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict })
+    }
+
+    /// The answer to an accepted command, if it was given.
+    pub(crate) fn answer(&self, ticket: Ticket) -> Option<Result<Accepted, Refused>> {
+        self.answers.iter().find(|(to, _)| *to == ticket).map(|(_, answer)| answer.clone())
+    }
+
+    /// The order under way.
+    pub(crate) fn order(&self) -> Option<Action> {
+        self.order.map(|order| order.action)
+    }
+
+    /// Completes the order under way.
+    pub(crate) fn done(&mut self) {
+        let order = self.order.take().expect("an order is under way");
+        self.robot(RobotEvent::Done(order.id));
+    }
+
+    /// Completes orders until the next one is a step forward.
+    pub(crate) fn until_forward(&mut self) {
+        while self.order() != Some(Action::Move(Move::Forward)) {
+            self.done();
+        }
+    }
+
+    /// Meets an obstacle in the order under way.
+    pub(crate) fn meets(&mut self, obstacle: Obstacle) {
+        let order = self.order.take().expect("an order is under way");
+        self.robot(RobotEvent::Blocked(order.id, obstacle));
+    }
+
+    /// Halts in the middle of the order under way.
+    pub(crate) fn halted(&mut self) {
+        let order = self.order.take().expect("an order is under way");
+        self.robot(RobotEvent::Halted(order.id, true));
+    }
+
+    /// Takes the photo that is under way.
+    pub(crate) fn photo(&mut self) {
+        let order = self.order.take().expect("a photo is under way");
+        self.robot(RobotEvent::Photo(order.id, Photo { bytes: Arc::from([1]), media_type: "image/png" }));
+    }
+
+    /// Lets the photo that is under way fail.
+    pub(crate) fn photo_fails(&mut self) {
+        let order = self.order.take().expect("a photo is under way");
+        self.robot(RobotEvent::PhotoFailed(order.id, "dark".to_owned()));
+    }
+
+    /// Completes every order until none is given any more.
+    pub(crate) fn drive_on(&mut self) {
+        for _ in 0..1000 {
+            if self.order.is_none() {
+                return;
+            }
+            self.done();
+        }
+        panic!("it drives for ever; the phase is {:?}", self.phase());
+    }
+
+    /// Keeps everything that was written.
+    pub(crate) fn keep(&mut self) {
+        self.event(Event::Recorded(self.written));
+    }
+
+    /// Lets time pass until the open order counts as unanswered.
+    pub(crate) fn wait_in_vain(&mut self) {
+        let due = self.sweep.poll_timeout().expect("an order is under way");
+        self.seconds = due.as_secs() + 1;
+        self.sweep.handle_timeout(self.now());
+        self.drain();
+    }
+
+    pub(crate) fn state(&mut self) -> Arc<Snapshot> {
+        self.sweep.snapshot()
+    }
+
+    pub(crate) fn phase(&mut self) -> PhaseName {
+        self.state().mission.phase
+    }
+
+    pub(crate) fn holds(&mut self) -> Vec<Hold> {
+        self.state().mission.holds.clone()
+    }
+
+    pub(crate) fn cell(&mut self) -> Cell {
+        self.state().robot.pose.cell
+    }
+
+    pub(crate) fn takes_back(&mut self) -> Option<Order> {
+        self.order.take()
+    }
+
+    fn now(&self) -> Now {
+        Now { since_start: Duration::from_secs(self.seconds), wall: Wall::default() }
+    }
+
+    fn drain(&mut self) {
+        while let Some(effect) = self.sweep.poll_effect() {
+            match &effect {
+                Effect::Order(_, order) => self.order = Some(*order),
+                Effect::Record(seq, _) => {
+                    self.written = *seq;
+                    if self.keeps {
+                        self.sweep.handle_event(Event::Recorded(*seq), self.now());
+                    }
+                }
+                Effect::Answer(ticket, answer) => self.answers.push((*ticket, answer.clone())),
+                Effect::Halt(_) | Effect::Led(..) => {}
+            }
+            self.effects.push(effect);
+        }
+    }
+}
+
+/// Whether an effect puts this on record.
+pub(crate) fn records(effect: &Effect, fact: impl Fn(&Fact) -> bool) -> bool {
+    matches!(effect, Effect::Record(_, entry) if fact(&entry.fact))
+}
