@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
 
 /// As much of what a client sent is repeated to it, in characters: enough to know it again.
@@ -45,13 +45,10 @@ pub struct Fields(BTreeMap<String, Value>);
 /// # Errors
 /// When it is no JSON, no object, or has other fields than this command.
 pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
-    let fields: Fields = serde_json::from_slice(bytes).map_err(|error| {
-        if error.is_data() {
-            Unread::Unusable(not_an_object(bytes, &error))
-        } else {
-            Unread::Malformed(format!("the body is not JSON: {error}"))
-        }
-    })?;
+    let no_json = |error: serde_json::Error| Unread::Malformed(format!("the body is not JSON: {error}"));
+    serde_json::from_slice::<IgnoredAny>(bytes).map_err(no_json)?;
+    let fields: Fields = serde_json::from_slice(bytes)
+        .map_err(|error| if error.is_data() { Unread::Unusable(not_an_object(bytes, &error)) } else { no_json(error) })?;
     fields.only(T::FIELDS).and_then(|()| T::taken(&fields)).map_err(Unread::Unusable)
 }
 

@@ -94,12 +94,12 @@ impl View<'_> {
     /// What holds the robot, in words, each with what to do about it.
     pub(super) fn holds(&self) -> Vec<String> {
         let heat = self.hot();
-        let words = |hold: &Hold| match hold {
-            Hold::Temperature if !heat.is_empty() => {
-                let hot: Vec<String> = heat.iter().map(|(source, reading)| format!("{source} {reading}")).collect();
-                format!("too hot by the reading of {}: {} or less is wanted", hot.join(" and "), self.snapshot.temperature.cool)
+        let words = |hold: &Hold| {
+            if *hold != Hold::Temperature || heat.is_empty() {
+                return hold.in_words().to_owned();
             }
-            other => other.in_words().to_owned(),
+            let hot: Vec<String> = heat.iter().map(|(source, reading)| format!("{source} {reading}")).collect();
+            format!("too hot: {}; {} or less is wanted", hot.join(", "), self.snapshot.temperature.cool)
         };
         self.snapshot.mission.holds.iter().map(words).collect()
     }
@@ -319,7 +319,7 @@ mod tests {
         snapshot.mission.holds = vec![Hold::Temperature];
         let view = view(&snapshot);
         assert_eq!(view.celsius(), "31.5 °C");
-        assert_eq!(view.holds(), ["too hot by the reading of hall 27.0 °C and operator 31.5 °C: 24.0 °C or less is wanted"]);
+        assert_eq!(view.holds(), ["too hot: hall 27.0 °C, operator 31.5 °C; 24.0 °C or less is wanted"]);
         assert_eq!(
             view.heat(),
             [
