@@ -61,7 +61,7 @@ impl Hold {
         match self {
             Hold::Operator => "stopped by the operator",
             Hold::TooHigh => "temperature too high (button): press OK first",
-            Hold::Temperature => "temperature above the threshold: wait until it has fallen",
+            Hold::Temperature => "a reading is above the threshold: every source must read cool again",
             Hold::TemperatureStale => "the temperature sensor is silent: mend it first",
             Hold::RobotLink => "the robot cannot be reached: mend the link first",
             Hold::Store => "nothing can be recorded: mend the store first",
