@@ -22,6 +22,19 @@ fn danger_given_while_driven_away_from_home_brings_the_robot_back_first() {
     assert_eq!((bare.phase(), bare.cell()), (PhaseName::BombLocated, Cell::HOME));
 }
 
+/// The same before the drive has even set out: its record and the danger's come together.
+#[test]
+fn danger_recorded_together_with_a_drive_from_home_waits_for_its_end() {
+    let mut bare = Bare::at_home_with_a_pending_bag();
+    bare.keeps = false;
+    bare.give(Command::Goto(Cell::new(0, 1))).unwrap();
+    bare.verdict(Verdict::Danger).unwrap();
+    bare.keeps = true;
+    bare.keep();
+    bare.drive_on();
+    assert_eq!((bare.phase(), bare.cell()), (PhaseName::ReturningWithAlarm, Cell::new(0, 1)));
+}
+
 /// Rule 6: a drive from home that is cut short in mid-step has left home, wherever the robot turns out to stand.
 #[test]
 fn a_drive_from_home_cut_short_is_no_longer_waiting_at_home() {

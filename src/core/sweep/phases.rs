@@ -49,9 +49,10 @@ impl Sweep {
         phase
     }
 
-    /// Whether the robot stands in the middle of its home cell and is not about to leave it.
+    /// Whether the robot stands in the middle of its home cell and is not about to leave it, by hand or otherwise.
     pub(super) fn rests_at_home(&self) -> bool {
-        self.world.is_home() && !self.helm.is_moving()
+        let driven = matches!(self.mission.phase, Phase::Driving { .. });
+        self.world.is_home() && !self.helm.is_moving() && !driven
     }
 
     /// The phase that was interrupted. Waiting at home is over once the robot has been driven away, or is just being.
