@@ -10,6 +10,7 @@ mod halls;
 mod operator;
 mod random_commands;
 mod random_halls;
+mod random_robots;
 mod replay;
 mod rules_crossings;
 mod rules_driving;

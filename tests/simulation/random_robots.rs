@@ -1,0 +1,102 @@
+//! A robot and a store that answer as they like: late, with failures, with obstacles anywhere, between random commands. The core
+//! must neither panic nor spin, move nothing while held, and answer every command once the store is well. A failure prints its
+//! seed.
+
+use hallsweep::core::command::{Command, LuggageRef, Move, TemperatureReport, Verdict};
+use hallsweep::core::effect::{Action, Effect};
+use hallsweep::core::event::{Event, Obstacle, Piece, RobotEvent};
+use hallsweep::core::mission::PhaseName;
+use hallsweep::core::rng::Stream;
+use hallsweep::core::units::{AlarmId, Cell, LuggageId, Ticket};
+
+use crate::bare::Bare;
+
+#[test]
+fn whatever_robot_and_store_answer_the_core_keeps_its_rules() {
+    for seed in 0..1500 {
+        let mut dice = Stream::new(seed, "robots");
+        let mut bare = Bare::linked();
+        let mut tickets: Vec<Ticket> = Vec::new();
+        for _ in 0..150 {
+            bare.keeps = dice.below(3) > 0;
+            bare.effects.clear();
+            match dice.below(8) {
+                0..=2 => tickets.extend(bare.give(any_command(&mut dice)).ok()),
+                3 => bare.keep(),
+                4 => from_outside(&mut dice, &mut bare),
+                _ => answer(&mut dice, &mut bare),
+            }
+            check(&mut bare, seed);
+        }
+        bare.keeps = true;
+        bare.event(Event::StoreRestored);
+        bare.keep();
+        let open: Vec<&Ticket> = tickets.iter().filter(|ticket| bare.answer(**ticket).is_none()).collect();
+        assert!(open.is_empty(), "seed {seed}: {open:?} were never answered");
+        let answered = |ticket: &Ticket| bare.answers.iter().filter(|(to, _)| to == ticket).count();
+        assert!(tickets.iter().all(|ticket| answered(ticket) == 1), "seed {seed}: a command was answered twice");
+    }
+}
+
+fn any_command(dice: &mut Stream) -> Command {
+    let luggage = LuggageRef::Id(LuggageId(1 + dice.below(4)));
+    match dice.below(14) {
+        0..=4 => Command::Start,
+        5 => Command::Stop,
+        6 => Command::BackHome,
+        7 | 8 => Command::Verdict { luggage, verdict: Verdict::Safe },
+        9 => Command::Verdict { luggage, verdict: Verdict::Danger },
+        10 => Command::Goto(Cell::new(dice.below(6) as i32, dice.below(6) as i32)),
+        11 => Command::Move(Move::Forward),
+        12 => match dice.below(3) {
+            0 => Command::Temperature(TemperatureReport::TooHigh),
+            1 => Command::Reset,
+            _ => Command::Acknowledge(AlarmId(1)),
+        },
+        _ => Command::Temperature(TemperatureReport::Ok),
+    }
+}
+
+fn from_outside(dice: &mut Stream, bare: &mut Bare) {
+    match dice.below(6) {
+        0 => {
+            bare.takes_back();
+            bare.robot(RobotEvent::LinkLost("cable".to_owned()));
+        }
+        1 | 2 => bare.link_up(),
+        3 => bare.event(Event::StoreFailed("disk full".to_owned())),
+        _ => bare.event(Event::StoreRestored),
+    }
+}
+
+/// The robot does what it was told, or meets something, or fails, or says nothing for too long.
+fn answer(dice: &mut Stream, bare: &mut Bare) {
+    let Some(action) = bare.order() else { return };
+    let photo = matches!(action, Action::Photograph(_));
+    let forward = action == Action::Move(Move::Forward);
+    match dice.below(20) {
+        0 if forward => bare.meets(Obstacle::Luggage(Piece(dice.below(3) as u32))),
+        1 if forward => bare.meets(Obstacle::Unknown),
+        2 if forward => bare.meets(Obstacle::Wall { left: dice.below(3) as u16, right: dice.below(3) as u16 }),
+        3 if photo => bare.photo_fails(),
+        4 if bare.sweep.poll_timeout().is_some() => bare.wait_in_vain(),
+        5 => {
+            let order = bare.takes_back().expect("an order is under way");
+            bare.robot(RobotEvent::Failed(order.id, "wheel".to_owned()));
+        }
+        _ if photo => bare.photo(),
+        _ => bare.done(),
+    }
+}
+
+fn check(bare: &mut Bare, seed: u64) {
+    let state = bare.state();
+    let at_home = matches!(state.mission.phase, PhaseName::AtHome | PhaseName::BombLocated | PhaseName::Explored);
+    let is_home = state.robot.pose.cell == Cell::HOME && !state.robot.off_centre;
+    assert!(!at_home || is_home, "seed {seed}: {:?} away from home", state.mission.phase);
+    let ordered = bare.effects.iter().any(|effect| matches!(effect, Effect::Order(_, order) if order.action.is_motion()));
+    let halted = bare.effects.contains(&Effect::Halt(hallsweep::core::event::RobotId::Discovery));
+    assert!(!ordered || halted || state.mission.holds.is_empty(), "seed {seed}: told to move under {:?}", state.mission.holds);
+    let danger = state.luggage.iter().any(|luggage| luggage.is_dangerous());
+    assert!(!danger || !state.robot.led_blinking, "seed {seed}: the LED blinks after danger");
+}
