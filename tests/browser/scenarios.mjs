@@ -262,7 +262,10 @@ const question = {
     await picture('asked');
     await stop(page).click({ timeout: 2000 });
     await stopped('one click on STOP');
+    // Whoever drives on has seen the stop: what was pressed before that is refused as outdated.
+    await page.getByText('stopped by the operator').first().waitFor();
     await dialog.getByRole('button', { name: /No/ }).click();
+    await dialog.waitFor({ state: 'hidden' });
 
     await home(page).click();
     await moves('again');
