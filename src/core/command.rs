@@ -52,6 +52,27 @@ pub enum Command {
     Temperature(TemperatureReport),
 }
 
+impl Command {
+    /// The piece of luggage it is about, where it is about one.
+    #[must_use]
+    pub const fn luggage(&self) -> Option<LuggageRef> {
+        match self {
+            Command::Verdict { luggage, .. } => Some(*luggage),
+            Command::RetakePhoto(id) => Some(LuggageRef::Id(*id)),
+            Command::Start
+            | Command::Stop
+            | Command::BackHome
+            | Command::Retrieve
+            | Command::Reset
+            | Command::Move(_)
+            | Command::Goto(_)
+            | Command::Acknowledge(_)
+            | Command::ChooseStrategy(_)
+            | Command::Temperature(_) => None,
+        }
+    }
+}
+
 /// A basic move (mission §3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Move {

@@ -25,7 +25,7 @@ pub(super) struct Done {
 impl Door {
     /// Gives a command and waits for its answer.
     pub(super) async fn give(&self, by: command::Door, command: Command, epoch: Option<Epoch>) -> Result<Done, Problem> {
-        let about = luggage_of(&command);
+        let about = command.luggage();
         match self.answer_to(by, command, epoch).await {
             Ok(Ok(accepted)) => Ok(Done { accepted, snapshot: self.seen(accepted).await }),
             Ok(Err(refused)) => Err(self.refusal(&refused, about)),
@@ -65,20 +65,3 @@ impl Door {
 }
 
 type Given = Result<Result<Accepted, Refused>, Gone>;
-
-const fn luggage_of(command: &Command) -> Option<LuggageRef> {
-    match command {
-        Command::Verdict { luggage, .. } => Some(*luggage),
-        Command::RetakePhoto(id) => Some(LuggageRef::Id(*id)),
-        Command::Start
-        | Command::Stop
-        | Command::BackHome
-        | Command::Retrieve
-        | Command::Reset
-        | Command::Move(_)
-        | Command::Goto(_)
-        | Command::Acknowledge(_)
-        | Command::ChooseStrategy(_)
-        | Command::Temperature(_) => None,
-    }
-}

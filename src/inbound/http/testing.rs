@@ -67,19 +67,9 @@ async fn answer(
 }
 
 fn about(command: &Command, snapshot: &Snapshot) -> Option<LuggageId> {
-    match command {
-        Command::Verdict { luggage: LuggageRef::Id(id), .. } | Command::RetakePhoto(id) => Some(*id),
-        Command::Verdict { luggage: LuggageRef::Pending, .. } => snapshot.pending().map(|luggage| luggage.id),
-        Command::Start
-        | Command::Stop
-        | Command::BackHome
-        | Command::Retrieve
-        | Command::Reset
-        | Command::Move(_)
-        | Command::Goto(_)
-        | Command::Acknowledge(_)
-        | Command::ChooseStrategy(_)
-        | Command::Temperature(_) => None,
+    match command.luggage()? {
+        LuggageRef::Id(id) => Some(id),
+        LuggageRef::Pending => snapshot.pending().map(|luggage| luggage.id),
     }
 }
 
