@@ -16,6 +16,38 @@ pub struct Request {
     pub epoch: Option<Epoch>,
     /// Who asks.
     pub issuer: Issuer,
+    /// The sender's own name for this command: one that comes again is answered as before, and not carried out again.
+    pub id: Option<CommandId>,
+}
+
+impl Request {
+    /// A command as its sender gave it, without an epoch or an id.
+    #[must_use]
+    pub const fn new(command: Command, issuer: Issuer) -> Request {
+        Request { command, epoch: None, issuer, id: None }
+    }
+}
+
+/// A sender's own name for one command.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CommandId(Arc<str>);
+
+impl CommandId {
+    /// The longest name taken, in bytes: more than a UUID in any writing.
+    pub const MOST: usize = 128;
+
+    /// `text` as a name: 1 to `MOST` visible ASCII characters, else `None`.
+    #[must_use]
+    pub fn new(text: &str) -> Option<CommandId> {
+        let sound = (1..=CommandId::MOST).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_graphic());
+        sound.then(|| CommandId(Arc::from(text)))
+    }
+
+    /// The name.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.0
+    }
 }
 
 /// Everything an operator, or a tool acting for one, can ask for (mission §4).
@@ -137,13 +169,15 @@ pub struct Issuer {
     pub door: Door,
     /// The name of whoever gave it, as far as it is known.
     pub who: Arc<str>,
+    /// Where it came from, as `192.0.2.7`; `here` where there is no address.
+    pub from: Arc<str>,
 }
 
 impl Issuer {
     /// Somebody at a door that asks for no name.
     #[must_use]
     pub fn operator(door: Door) -> Issuer {
-        Issuer { door, who: Arc::from("operator") }
+        Issuer { door, who: Arc::from("operator"), from: Arc::from("here") }
     }
 }
 

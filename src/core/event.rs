@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::units::{Celsius, OrderId, Seq};
+use super::units::{Celsius, OrderId, Pose, Seq};
 
 /// Which robot is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -34,6 +34,8 @@ pub enum Event {
 /// `Failed`; the others come when they come.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RobotEvent {
+    /// Where the robot stands by its own reckoning; a robot that knows says so just before `LinkUp`.
+    Stands(Whereabouts),
     /// The link stands (again); what this robot can do.
     LinkUp(Capabilities),
     /// The link is lost; the robot halts by itself. No open order will be answered.
@@ -59,6 +61,15 @@ pub enum RobotEvent {
 
 /// Whether a halted robot stands away from where its last completed order left it.
 pub type OffCentre = bool;
+
+/// Where a robot stands by its own reckoning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Whereabouts {
+    /// The cell and heading in which its last completed order left it.
+    pub pose: Pose,
+    /// Whether it stands away from there, to be recentred before anything else.
+    pub off_centre: OffCentre,
+}
 
 /// What a robot can do and how long it takes; it says so when the link comes up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

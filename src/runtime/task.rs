@@ -231,7 +231,7 @@ mod tests {
     }
 
     fn request(command: Command) -> Request {
-        Request { command, epoch: None, issuer: Issuer::operator(Door::Local) }
+        Request::new(command, Issuer::operator(Door::Local))
     }
 
     fn house() -> (Handle, Task, RobotSide) {

@@ -83,7 +83,7 @@ impl Bare {
     }
 
     pub(crate) fn give(&mut self, command: Command) -> Result<Ticket, Refused> {
-        let request = Request { command, epoch: None, issuer: Issuer::operator(Door::Local) };
+        let request = Request::new(command, Issuer::operator(Door::Local));
         let result = self.sweep.handle_command(request, self.now());
         self.drain();
         result

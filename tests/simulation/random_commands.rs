@@ -120,7 +120,8 @@ fn robot(report: RobotEvent) -> Event {
 fn give_and_check(run: &mut Run, watch: &mut Watch, hall: &Hall, command: Command, seed: u64) {
     let epoch = run.state().mission.epoch;
     if epoch > Epoch(0) && command == Command::Start {
-        let old = Request { command: Command::Start, epoch: Some(Epoch(epoch.0 - 1)), issuer: Issuer::operator(Door::Local) };
+        let old =
+            Request { command: Command::Start, epoch: Some(Epoch(epoch.0 - 1)), issuer: Issuer::operator(Door::Local), id: None };
         assert!(matches!(run.ask(old), Err(Refused::Outdated { .. })), "seed {seed}: an old START was taken");
     }
     let before = run.state();

@@ -5,16 +5,18 @@ use std::sync::Arc;
 use super::Sweep;
 use crate::core::command::Move;
 use crate::core::effect::{Action, Fact, Order};
-use crate::core::event::{Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent};
+use crate::core::event::{Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent, Whereabouts};
 use crate::core::explore::plan::after;
 use crate::core::mission::{FaultCause, Input, Matter};
 use crate::core::units::{Cell, Heading, OrderId};
 use crate::core::world::hall_map::{Mark, REACH};
+use crate::core::world::log::Tone;
 use crate::core::world::resource::Resource;
 
 impl Sweep {
     pub(super) fn report(&mut self, report: RobotEvent) {
         match report {
+            RobotEvent::Stands(whereabouts) => self.stands(whereabouts),
             RobotEvent::LinkUp(can) => self.link_up(can),
             RobotEvent::LinkLost(words) => self.link_lost(words),
             RobotEvent::Done(id) => self.done(id),
@@ -25,6 +27,23 @@ impl Sweep {
             RobotEvent::Failed(id, words) => self.failed(id, words),
             RobotEvent::Sonar(cm) => self.sonar(cm),
             RobotEvent::Temperature(celsius) => self.read_temperature(&Arc::from("robot"), celsius),
+        }
+    }
+
+    /// The robot's own reckoning counts: it may have ended a move of which the record says nothing (safety R2).
+    fn stands(&mut self, Whereabouts { pose, off_centre }: Whereabouts) {
+        let before = self.world.robot;
+        if before.pose == pose && before.off_centre == off_centre {
+            return;
+        }
+        (self.world.robot.pose, self.world.robot.off_centre) = (pose, off_centre);
+        self.world.touch(Resource::Robot);
+        if before.pose != pose {
+            let text = format!("the robot says that it stands at {}, facing {}", pose.cell, pose.heading.name());
+            self.world.write(self.now.wall, Tone::Info, text);
+            self.mission.route.clear();
+            self.mark(pose.cell, Mark::Visited);
+            self.outbox.note(self.now.wall, Fact::Pose(pose));
         }
     }
 

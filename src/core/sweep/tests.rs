@@ -136,7 +136,7 @@ fn every_command_in_every_phase_does_what_the_table_says() {
             for holds in HOLDS {
                 let mut sweep = sweep_in(name, holds);
                 let given = command(input).expect("every input of COMMANDS is a command");
-                let request = Request { command: given, epoch: None, issuer: Issuer::operator(Door::Local) };
+                let request = Request::new(given, Issuer::operator(Door::Local));
                 let (asked, matter) = Matter::of(&request.command, &request.issuer, Some(LuggageId(1)));
                 assert_eq!(asked, input);
                 let says = sweep.decide(input, &matter).map(|step| expected(&sweep, step.to, step.depth));
@@ -192,7 +192,7 @@ fn a_hold_raised_during_a_mission_also_waits_for_a_start() {
 fn a_danger_that_comes_before_a_safe_is_kept_replaces_it() {
     let give = |sweep: &mut Sweep, verdict| {
         let command = Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict };
-        sweep.handle_command(Request { command, epoch: None, issuer: Issuer::operator(Door::Local) }, now(1))
+        sweep.handle_command(Request::new(command, Issuer::operator(Door::Local)), now(1))
     };
     let mut sweep = sweep_in(PhaseName::Inspecting, &[]);
     let safe = give(&mut sweep, Verdict::Safe).unwrap();
@@ -215,9 +215,8 @@ fn a_danger_that_comes_before_a_safe_is_kept_replaces_it() {
 #[test]
 fn nothing_begins_to_move_before_its_record_is_kept_and_a_stop_is_answered_at_once() {
     let order = |effect: &Effect| matches!(effect, Effect::Order(..));
-    let give = |sweep: &mut Sweep, command| {
-        sweep.handle_command(Request { command, epoch: None, issuer: Issuer::operator(Door::Local) }, now(1)).unwrap()
-    };
+    let give =
+        |sweep: &mut Sweep, command| sweep.handle_command(Request::new(command, Issuer::operator(Door::Local)), now(1)).unwrap();
     let mut sweep = sweep_in(PhaseName::Idle, &[]);
     give(&mut sweep, Command::Start);
     let effects: Vec<Effect> = std::iter::from_fn(|| sweep.poll_effect()).collect();
@@ -243,7 +242,7 @@ fn an_order_that_is_not_answered_in_time_is_a_fault_and_start_recentres_first() 
     sweep.handle_timeout(Now { since_start: due, wall: Wall::default() });
     assert_eq!(sweep.phase_name(), PhaseName::Fault);
     settle(&mut sweep);
-    let start = Request { command: Command::Start, epoch: None, issuer: Issuer::operator(Door::Local) };
+    let start = Request::new(Command::Start, Issuer::operator(Door::Local));
     sweep.handle_command(start, now(9)).unwrap();
     assert_eq!(settle(&mut sweep), [Action::Recentre]);
     assert_eq!(sweep.phase_name(), PhaseName::Exploring);
@@ -265,7 +264,7 @@ fn without_a_known_way_home_there_is_a_fault_and_start_tries_the_blocked_cell_ag
     let recentre = sweep.helm.open().map_or(OrderId(0), |order| order.id);
     sweep.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::Done(recentre)), now(1));
     assert_eq!(sweep.phase_name(), PhaseName::Fault);
-    let start = || Request { command: Command::Start, epoch: None, issuer: Issuer::operator(Door::Local) };
+    let start = || Request::new(Command::Start, Issuer::operator(Door::Local));
     settle(&mut sweep);
     sweep.handle_command(start(), now(1)).unwrap();
     assert_eq!(sweep.phase_name(), PhaseName::ReturningWithAlarm, "a cell that was free once is tried again");

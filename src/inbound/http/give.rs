@@ -36,7 +36,7 @@ impl Door {
     /// A stop is seen through in a task of its own, so that a sender who hangs up does not take it back.
     async fn answer_to(&self, by: command::Door, command: Command, epoch: Option<Epoch>) -> Given {
         let stop = command == Command::Stop;
-        let request = Request { command, epoch, issuer: Issuer::operator(by) };
+        let request = Request { command, epoch, issuer: Issuer::operator(by), id: None };
         let handle = self.handle.clone();
         if !stop {
             return handle.give(request).await;
