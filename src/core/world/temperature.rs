@@ -1,7 +1,7 @@
 //! The temperature of the hall: the last reading of every source, compared with the threshold.
 //! Which hold follows from it is the mission's business.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::core::units::Celsius;
@@ -16,7 +16,6 @@ pub struct Thermometer {
     threshold: Celsius,
     hysteresis: f64,
     sources: BTreeMap<Arc<str>, Source>,
-    silent: BTreeSet<Arc<str>>,
     last: Option<Celsius>,
 }
 
@@ -30,7 +29,7 @@ impl Thermometer {
     /// Without any reading: it counts as ok.
     #[must_use]
     pub const fn new(threshold: Celsius, hysteresis: f64) -> Thermometer {
-        Thermometer { threshold, hysteresis, sources: BTreeMap::new(), silent: BTreeSet::new(), last: None }
+        Thermometer { threshold, hysteresis, sources: BTreeMap::new(), last: None }
     }
 
     /// Takes a reading; true when something a door shows has changed. Readings of more sources than can be listened to are
@@ -53,17 +52,10 @@ impl Thermometer {
         before != (self.hot(), self.last)
     }
 
-    /// Notes that a configured sensor has fallen silent.
-    pub fn miss(&mut self, source: &Arc<str>) {
-        if self.silent.len() < SOURCES {
-            self.silent.insert(Arc::clone(source));
-        }
-    }
-
-    /// Notes that a sensor reads again; true when none is silent any more.
-    pub fn hear(&mut self, source: &Arc<str>) -> bool {
-        self.silent.remove(source);
-        self.silent.is_empty()
+    /// The last reading of this source.
+    #[must_use]
+    pub fn reading_of(&self, source: &str) -> Option<Celsius> {
+        self.sources.get(source).map(|source| source.reading)
     }
 
     /// Whether any source's last word is that it is too hot.
