@@ -103,7 +103,7 @@ fn a_robot_that_has_met_an_obstacle_still_stands_against_it() {
 #[test]
 fn there_is_something_to_keep_once_after_each_change() {
     let mut run = Run::new(&OPEN);
-    let mut changes = |run: &mut Run| std::iter::from_fn(|| run.sim.poll_memory()).count();
+    let changes = |run: &mut Run| std::iter::from_fn(|| run.sim.poll_memory()).count();
     assert_eq!(changes(&mut run), 1, "the beginning");
     run.pass_ms(1000);
     assert_eq!(changes(&mut run), 0, "time alone is no change");
