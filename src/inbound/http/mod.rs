@@ -28,7 +28,8 @@ use tokio::sync::{Semaphore, watch};
 pub use guard::Hosts;
 pub use serve::serve;
 
-use crate::runtime::archive::Archive;
+use self::problem::Problem;
+use crate::runtime::archive::{Archive, Unreadable};
 use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;
 
@@ -52,6 +53,16 @@ impl Door {
     pub fn new(handle: Handle, archive: Arc<dyn Archive>, hall: &str) -> Door {
         let streams = Arc::new(Semaphore::new(STREAMS));
         Door { handle, archive, hall: Arc::from(hall), streams, closing: watch::Sender::new(false), clock: Clock::default() }
+    }
+
+    /// Looks something up in the archive, where blocking is allowed.
+    async fn look_up<T: Send + 'static>(
+        &self,
+        read: impl FnOnce(&dyn Archive) -> Result<T, Unreadable> + Send + 'static,
+    ) -> Result<T, Problem> {
+        let archive = Arc::clone(&self.archive);
+        let read = tokio::task::spawn_blocking(move || read(&*archive)).await;
+        read.map_err(|_| Problem::internal())?.map_err(|unreadable| Problem::unreadable(unreadable.to_string()))
     }
 
     /// Ends every open stream at once, and every one opened from now on.
