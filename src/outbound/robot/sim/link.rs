@@ -413,6 +413,29 @@ mod tests {
         until_remembered(&late, |memory| memory.pose != Pose::START).await;
     }
 
+    /// Safety S1.
+    #[cfg(unix)]
+    #[tokio::test]
+    async fn a_disk_that_hangs_delays_no_halt() {
+        let folder = Folder::new("hangs");
+        let late = folder.path().join("late");
+        let (mut test, _) = begin_in(&late, Speed::Times(0.5)).await;
+        // The next writing waits for somebody at the other end of a pipe.
+        let pipe = late.join("simulated-robot.new");
+        std::fs::create_dir(&late).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        test.give(1, FORWARD, 0).await;
+        tokio::time::sleep(Duration::from_millis(200)).await;
+        test.halter.halt();
+        // By now the step would have ended.
+        tokio::time::sleep(Duration::from_millis(800)).await;
+        assert!(test.link.reports.try_recv().is_err(), "nothing is told that is not written");
+        std::fs::rename(&pipe, folder.path().join("pipe")).unwrap();
+        let other_end = tokio::task::spawn_blocking(move || std::fs::read(folder.path().join("pipe")).map(|_| folder));
+        assert_eq!(test.answer().await, RobotEvent::Halted(OrderId(1), true));
+        drop(other_end.await);
+    }
+
     #[tokio::test]
     async fn it_ends_when_the_loop_is_gone() {
         let Test { link, task, .. } = Test::begin(&["S"], Speed::Times(1.0)).await;
