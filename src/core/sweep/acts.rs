@@ -61,7 +61,7 @@ impl Sweep {
         self.led(true);
     }
 
-    fn empty_map(&mut self) {
+    pub(super) fn empty_map(&mut self) {
         let revision = self.world.touch(Resource::Map);
         self.world.map = HallMap::new(Cell::HOME, revision);
         self.world.pieces.clear();
@@ -196,7 +196,7 @@ impl Sweep {
     }
 
     /// Puts the mission away; its records stay in the journal.
-    fn archive(&mut self) {
+    pub(super) fn archive(&mut self) {
         if self.mission.under_way {
             self.mission.under_way = false;
             let bombs = self.world.luggage.values().filter(|luggage| luggage.is_dangerous()).map(|luggage| luggage.id).collect();

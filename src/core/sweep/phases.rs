@@ -99,7 +99,7 @@ impl Sweep {
         Phase::Fault { cause, interrupted: Box::new(interrupted) }
     }
 
-    fn note_phase(&mut self, before: PhaseName) {
+    pub(super) fn note_phase(&mut self, before: PhaseName) {
         let after = self.phase_name();
         self.world.touch(Resource::Mission);
         self.world.touch(Resource::Robot);
