@@ -36,7 +36,7 @@ impl Sweep {
         sweep.repeats.recall(&commands);
         sweep.begin(now);
         sweep.take_up(standing);
-        sweep.outbox.note(now.wall, Fact::ProgramStarted(env!("CARGO_PKG_VERSION").to_owned()));
+        sweep.outbox.record(now.wall, Fact::ProgramStarted(env!("CARGO_PKG_VERSION").to_owned()));
         sweep.world.write(now.wall, Tone::Info, "the program was started again; everything is as it was".to_owned());
         sweep.feed(Input::Restarted, &Matter::default());
         sweep.finish();
@@ -52,7 +52,7 @@ impl Sweep {
         self.archive();
         self.world.robot.pose = Pose::START;
         self.world.robot.off_centre = false;
-        self.outbox.note(now.wall, Fact::Pose(Pose::START));
+        self.outbox.record(now.wall, Fact::Pose(Pose::START));
         self.empty_map();
         self.mission.phase = Phase::Idle;
         self.note_phase(before);

@@ -43,7 +43,7 @@ impl Sweep {
             self.world.write(self.now.wall, Tone::Info, text);
             self.mission.route.clear();
             self.mark(pose.cell, Mark::Visited);
-            self.outbox.note(self.now.wall, Fact::Pose(pose));
+            self.outbox.record(self.now.wall, Fact::Pose(pose));
             self.leave_inspection();
         }
     }
@@ -110,7 +110,7 @@ impl Sweep {
                 self.mark(pose.cell, Mark::Visited);
             }
         }
-        self.outbox.note(self.now.wall, Fact::Pose(pose));
+        self.outbox.record(self.now.wall, Fact::Pose(pose));
     }
 
     /// The cell that was to be entered is an obstacle; the robot stands against it until it is recentred.
@@ -144,7 +144,7 @@ impl Sweep {
             Obstacle::Luggage(_) => "luggage",
             Obstacle::Unknown => "unknown",
         };
-        self.outbox.note(self.now.wall, Fact::Obstacle(cell, taken_for));
+        self.outbox.record(self.now.wall, Fact::Obstacle(cell, taken_for));
         if let (Obstacle::Wall { left, right }, Mark::Wall, true) = (obstacle, mark, self.settings.wall_lines) {
             let heading = self.world.robot.pose.heading;
             self.reveal_wall(cell, heading.left(), left);
