@@ -1,7 +1,7 @@
 //! What the file of keys survives, and what it refuses. Kept apart from `file` because there is much of it.
 
-use super::super::testing::Folder;
 use super::*;
+use crate::access::testing::Folder;
 
 fn overwritten(file: &KeyFile, text: &str) -> String {
     file.replace(text).unwrap();
@@ -61,7 +61,8 @@ fn what_holds_no_keys_is_refused_with_its_line_and_without_a_token() {
     let folder = Folder::new("broken");
     let file = KeyFile::within(&folder.0);
     let token = "ab".repeat(32);
-    let key = |name: &str, role: &str, token: &str| format!("[[key]]\nname = \"{name}\"\nrole = \"{role}\"\ntoken = \"{token}\"\n");
+    let key =
+        |name: &str, role: &str, token: &str| format!("[[key]]\nname = \"{name}\"\nrole = \"{role}\"\ntoken = \"{token}\"\n");
     let cases = [
         (String::new(), "key"),
         ("key = []".to_owned(), "last operator"),

@@ -197,7 +197,9 @@ fn every_kind_of_wrong_value_is_refused() {
 #[test]
 fn keys_are_asked_for_beyond_loopback_and_on_it_when_that_is_wanted() {
     let asks = |sources: &Sources| load(sources).expect("a good address").http.asks_for_keys;
-    for (address, expect) in [("127.0.0.1:0", false), ("[::1]:0", false), ("0.0.0.0:0", true), ("192.0.2.1:80", true), ("[::]:0", true)] {
+    for (address, expect) in
+        [("127.0.0.1:0", false), ("[::1]:0", false), ("0.0.0.0:0", true), ("192.0.2.1:80", true), ("[::]:0", true)]
+    {
         assert_eq!(asks(&flag("--http", "http.bind", address)), expect, "{address}");
     }
     assert!(asks(&environment("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true")));

@@ -18,7 +18,10 @@ pub const KEYS: [Key; 18] = [
     value("http.require_token", "write true or false"),
     value("http.hosts", "write names without a port in a list, as [\"hall.example\"]"),
     text("http.tls_certificate", "name a PEM file with the certificate, and http.tls_key too; or leave both empty"),
-    text("http.tls_key", "name the PEM file with the certificate's private key, and http.tls_certificate too; or leave both empty"),
+    text(
+        "http.tls_key",
+        "name the PEM file with the certificate's private key, and http.tls_certificate too; or leave both empty",
+    ),
     text("store.folder", "name a folder; or leave it empty for the usual one, or write none so that nothing is kept"),
     value("robot.speed", "write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting"),
     value("robot.seed", "write a whole number from 0 to 18446744073709551615"),
@@ -86,7 +89,10 @@ mod tests {
 
     #[test]
     fn an_unknown_name_is_answered_with_those_that_are_near() {
-        assert_eq!(Key::advice_for_unknown("mission.order"), "in [mission] there are mission.strategy, mission.inspect_everything, mission.wall_lines");
+        assert_eq!(
+            Key::advice_for_unknown("mission.order"),
+            "in [mission] there are mission.strategy, mission.inspect_everything, mission.wall_lines"
+        );
         assert!(Key::advice_for_unknown("htpp.bind").starts_with("the sections are hall, http, store, robot"));
     }
 }

@@ -48,7 +48,8 @@ mod tests {
     #[test]
     fn every_old_path_is_a_command() {
         let rows = super::super::routes::table();
-        let old: Vec<&str> = rows.iter().map(|row| row.path).filter(|path| command(path.trim_start_matches('/')).is_ok()).collect();
+        let old: Vec<&str> =
+            rows.iter().map(|row| row.path).filter(|path| command(path.trim_start_matches('/')).is_ok()).collect();
         assert_eq!(old.len(), 16, "{old:?}");
         assert_eq!(command("h").unwrap(), Command::Stop);
     }

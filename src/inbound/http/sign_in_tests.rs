@@ -1,7 +1,7 @@
 //! Signing in and out as a browser does it, and what it does not let itself be talked into.
 
-use super::super::testing::{House, guarded_house, house, keys, text};
 use super::*;
+use crate::inbound::http::testing::{House, guarded_house, house, keys, text};
 use crate::wire::fixture::searching;
 
 const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
@@ -133,7 +133,17 @@ fn the_way_back_never_leads_away() {
         assert_eq!(local(Some(path)), path);
     }
     let long = format!("/{}", "a".repeat(LONGEST_PATH));
-    for away in ["", "//elsewhere.example", "/\\elsewhere.example", "https://elsewhere.example", "/\t/a", "/ä", "/a b", "elsewhere", &long] {
+    for away in [
+        "",
+        "//elsewhere.example",
+        "/\\elsewhere.example",
+        "https://elsewhere.example",
+        "/\t/a",
+        "/ä",
+        "/a b",
+        "elsewhere",
+        &long,
+    ] {
         assert_eq!(local(Some(away)), "/", "{away:?}");
     }
     assert_eq!(sign_in_page("/a?b&next=//c"), "/sign-in");
