@@ -145,7 +145,7 @@ fn start(
     let clock = Clock::default();
     let sweep = Sweep::new(settings.core, settings.strategy, run_id(&clock));
     let (link, side) = link(halter.watch());
-    tokio::spawn(sim::run(Sim::new(hall, sim), side, clock, speed(settings.robot.speed)));
+    tokio::spawn(sim::run(Sim::new(hall, sim), side, clock, speed(settings.robot.speed), None));
     let (handle, task) = Task::new(sweep, link, Box::new(memory.clone()), clock, halter.clone());
     (handle, tokio::spawn(task.run(closed)))
 }

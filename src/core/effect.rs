@@ -4,11 +4,14 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::command::{Accepted, Door, Move, Refused, Verdict};
+use super::command::{Accepted, CommandId, Issuer, Move, Refusal, Refused, Verdict};
 use super::event::{Photo, RobotId};
-use super::explore::Strategy;
-use super::mission::{Hold, PhaseName};
+use super::explore::{Search, Strategy};
+use super::mission::{Goal, Hold, Phase};
+use super::standing::Standing;
 use super::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, OrderId, Pose, Seq, Ticket, Wall};
+use super::world::hall_map::Mark;
+use super::world::luggage::Luggage;
 
 /// Something to be done outside.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,8 +22,8 @@ pub enum Effect {
     Halt(RobotId),
     /// Let the LED blink, or not.
     Led(RobotId, bool),
-    /// Keep this for good, and say `Event::Recorded` when it is.
-    Record(Seq, Entry),
+    /// Keep this for good, and say `Event::Recorded` of its last entry when it is.
+    Record(Page),
     /// Answer a command.
     Answer(Ticket, Result<Accepted, Refused>),
 }
@@ -66,6 +69,23 @@ pub struct Stamp {
     pub wall: Wall,
 }
 
+/// What one input put on record: kept together or not at all, so that the journal never ends in the middle of one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Page {
+    /// The place of the first entry; the others follow without a gap.
+    pub first: Seq,
+    /// The entries; never none.
+    pub entries: Vec<Entry>,
+}
+
+impl Page {
+    /// The place of the last entry.
+    #[must_use]
+    pub fn last(&self) -> Seq {
+        Seq((self.first.0 + self.entries.len() as u64).saturating_sub(1))
+    }
+}
+
 /// One line of the journal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
@@ -75,44 +95,52 @@ pub struct Entry {
     pub fact: Fact,
 }
 
-/// What is worth keeping for good.
+/// What is worth keeping for good. `crate::core::standing` folds them into what stands.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fact {
+    /// The program was started, in this version, over what had been kept before.
+    ProgramStarted(String),
+    /// Everything that stands, so that nothing before needs to be read to go on.
+    Standing(Box<Standing>),
     /// A command came, and what became of it.
     Command {
-        /// By which door.
-        door: Door,
-        /// Who gave it.
-        who: Arc<str>,
+        /// Who gave it, where from and by which door.
+        issuer: Issuer,
+        /// The sender's own name for it.
+        id: Option<CommandId>,
         /// The command in a few words.
         command: String,
+        /// The piece it turned out to be about.
+        luggage: Option<LuggageId>,
         /// Why it was refused, if it was.
-        refused: Option<&'static str>,
+        refused: Option<Refusal>,
     },
     /// A mission began.
     MissionBegan(MissionId, Strategy),
     /// A mission was put away; the bombs that were left in place.
     MissionArchived(MissionId, Vec<LuggageId>),
-    /// The phase changed; the one it interrupts, if it is an interruption.
-    Phase(PhaseName, Option<PhaseName>),
+    /// The phase changed, or how far an inspection has come.
+    Phase(Phase),
     /// The set of holds changed.
     Holds(Vec<Hold>),
-    /// The goal changed.
-    Goal(Option<Cell>),
+    /// Somebody's stop raised the epoch.
+    Epoch(Epoch),
+    /// The goal changed; how far the search has come.
+    Goal(Option<Goal>, Search),
     /// The robot stands at a pose.
     Pose(Pose),
+    /// The LED begins or ends blinking.
+    Led(bool),
     /// An obstacle was met; what it was taken for.
     Obstacle(Cell, &'static str),
+    /// A cell is known now.
+    Mark(Cell, Mark),
     /// A piece of luggage was inspected, or photographed again.
     Luggage {
-        /// Its number.
-        id: LuggageId,
-        /// The cell of the bag.
-        cell: Cell,
-        /// Where the photo was taken.
-        pose: Pose,
-        /// The photo, or why there is none.
-        photo: Result<Photo, String>,
+        /// Its record, without a verdict.
+        record: Arc<Luggage>,
+        /// The new photo; absent when none was taken, and when the entry was read back: pictures are kept apart.
+        photo: Option<Photo>,
     },
     /// A verdict was given.
     Verdict {
@@ -125,8 +153,8 @@ pub enum Fact {
     },
     /// A temperature was read: the source and the reading.
     Temperature(Arc<str>, Celsius),
-    /// An alarm was raised, in words.
-    AlarmRaised(AlarmId, String),
+    /// An alarm was raised: the piece it is about, and what it says.
+    AlarmRaised(AlarmId, Option<LuggageId>, String),
     /// An alarm was seen by somebody.
     AlarmAcknowledged(AlarmId, Arc<str>),
     /// A strategy was chosen.

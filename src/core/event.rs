@@ -18,10 +18,6 @@ pub enum RobotId {
 pub enum Event {
     /// A robot reports.
     Robot(RobotId, RobotEvent),
-    /// A configured sensor has given no believable reading for too long.
-    SensorSilent(Arc<str>),
-    /// A configured sensor reads, in °C.
-    Sensor(Arc<str>, Celsius),
     /// Everything up to this entry is kept for good.
     Recorded(Seq),
     /// The store cannot write.

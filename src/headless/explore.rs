@@ -146,7 +146,9 @@ fn figures(mut run: Run, hall: &Arc<Hall>, seed: u64, bomb_found_at: Option<u64>
 fn is_complete(state: &Snapshot, hall: &Hall, reachable: &BTreeSet<Cell>, journal: &[Entry]) -> bool {
     let visited = reachable.iter().all(|cell| state.map.at(*cell) == Mark::Visited);
     let inspected = |cell: Cell| {
-        journal.iter().any(|entry| matches!(entry.fact, Fact::Luggage { cell: at, .. } if hall.truth(at) == hall.truth(cell)))
+        journal
+            .iter()
+            .any(|entry| matches!(&entry.fact, Fact::Luggage { record, .. } if hall.truth(record.cell) == hall.truth(cell)))
     };
     let neighbours: BTreeSet<Cell> = reachable.iter().flat_map(|cell| cell.neighbours()).collect();
     let luggage = neighbours.into_iter().filter(|cell| matches!(hall.truth(*cell), Truth::Luggage(_))).all(inspected);

@@ -9,14 +9,14 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::core::command::{Accepted, Command, Door, Issuer, Move, Refused, Request};
-use crate::core::effect::{Action, Effect, Entry};
+use crate::core::effect::{Action, Effect, Entry, Page};
 use crate::core::event::{Event, RobotEvent, RobotId};
 use crate::core::explore::Strategy;
 use crate::core::mission::PhaseName;
 use crate::core::rng::Stream;
 use crate::core::settings::Settings;
 use crate::core::sweep::Sweep;
-use crate::core::units::{Now, Seq, Ticket, Wall};
+use crate::core::units::{Now, Ticket, Wall};
 use crate::core::world::snapshot::Snapshot;
 use crate::outbound::robot::sim::{Hall, Sim, SimSettings};
 
@@ -183,16 +183,17 @@ impl Run {
             }
             Effect::Halt(RobotId::Discovery) => self.sim.handle_halt(self.now),
             Effect::Led(RobotId::Discovery, blinks) => self.sim.handle_led(blinks),
-            Effect::Record(seq, entry) => self.record(seq, entry),
+            Effect::Record(page) => self.record(page),
             Effect::Answer(ticket, answer) => {
                 self.answers.insert(ticket, answer);
             }
         }
     }
 
-    fn record(&mut self, seq: Seq, entry: Entry) {
-        self.journal.push(entry);
-        self.sweep.handle_event(Event::Recorded(seq), self.now);
+    fn record(&mut self, page: Page) {
+        let last = page.last();
+        self.journal.extend(page.entries);
+        self.sweep.handle_event(Event::Recorded(last), self.now);
     }
 
     fn count(&mut self, report: &RobotEvent) {

@@ -1,15 +1,76 @@
-//! The read port through which doors fetch what is too large or too old for a snapshot: photos, and the luggage of missions that
-//! are over.
+//! The read port through which doors fetch what is too large or too old for a snapshot: photos, missions that are over, the
+//! journal. Reading may touch a disk, so a door calls it where blocking is allowed.
 
+use std::sync::Arc;
+
+use crate::core::effect::Entry;
 use crate::core::event::Photo;
-use crate::core::units::LuggageId;
+use crate::core::explore::Strategy;
+use crate::core::standing::Standing;
+use crate::core::units::{LuggageId, MissionId, Seq, Wall};
 use crate::core::world::luggage::Luggage;
+
+/// Reading failed; why, in words for an operator.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the record cannot be read: {0}")]
+pub struct Unreadable(pub String);
+
+/// A mission in one line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MissionRecord {
+    /// Its number.
+    pub id: MissionId,
+    /// The order of its search.
+    pub strategy: Strategy,
+    /// When it began.
+    pub began: Wall,
+    /// When it was put away; `None` while it is the present one.
+    pub archived: Option<Wall>,
+    /// The last phase it came to, by the name of the doors.
+    pub phase: Arc<str>,
+    /// How many pieces were found.
+    pub luggage: u64,
+    /// How many of them are dangerous.
+    pub dangerous: u64,
+    /// The bombs that were left in place when it was put away.
+    pub left: Vec<LuggageId>,
+}
 
 /// What is kept and can be read back. Object-safe: the store in memory and the one on disk both are one.
 pub trait Archive: Send + Sync {
-    /// The newest photo of a piece, if it is kept.
-    fn photo(&self, luggage: LuggageId) -> Option<Photo>;
+    /// The newest photo of a piece, of whatever mission.
+    ///
+    /// # Errors
+    /// When the record cannot be read; so for all of these.
+    fn photo(&self, luggage: LuggageId) -> Result<Option<Photo>, Unreadable>;
 
-    /// The record of a piece, of whatever mission, if it is kept.
-    fn luggage(&self, luggage: LuggageId) -> Option<Luggage>;
+    /// The record of a piece, of whatever mission.
+    ///
+    /// # Errors
+    /// When the record cannot be read.
+    fn luggage(&self, luggage: LuggageId) -> Result<Option<Luggage>, Unreadable>;
+
+    /// The newest missions older than `before`, newest first, at most `most`.
+    ///
+    /// # Errors
+    /// When the record cannot be read.
+    fn missions(&self, before: Option<MissionId>, most: usize) -> Result<Vec<MissionRecord>, Unreadable>;
+
+    /// One mission.
+    ///
+    /// # Errors
+    /// When the record cannot be read.
+    fn mission(&self, mission: MissionId) -> Result<Option<MissionRecord>, Unreadable>;
+
+    /// What stood when a mission was put away, or stands now: its map and its luggage with it.
+    ///
+    /// # Errors
+    /// When the record cannot be read.
+    fn standing(&self, mission: MissionId) -> Result<Option<Standing>, Unreadable>;
+
+    /// The entries of a mission after `after`, oldest first, at most `most`.
+    ///
+    /// # Errors
+    /// When the record cannot be read.
+    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<(Seq, Entry)>, Unreadable>;
 }

@@ -33,6 +33,8 @@ pub struct Task {
     answers: BTreeMap<Ticket, oneshot::Sender<Answer>>,
     /// Whether the store's last word was that it cannot write.
     store_failed: bool,
+    /// How often the store has lost something, as far as the core was told.
+    losses: u64,
     /// Whether the robot's end of the link is gone for good.
     link_gone: bool,
 }
@@ -61,6 +63,7 @@ impl Task {
             snapshots,
             answers,
             store_failed: false,
+            losses: 0,
             link_gone: false,
         };
         (handle, task)
@@ -68,6 +71,7 @@ impl Task {
 
     /// Runs until `closing` says so or every handle is gone.
     pub async fn run(mut self, mut closing: watch::Receiver<bool>) {
+        self.hear_store();
         self.settle();
         loop {
             let due = self.sweep.poll_timeout().map(|at| self.clock.instant(at));
@@ -116,8 +120,8 @@ impl Task {
                     Effect::Order(RobotId::Discovery, order) => self.send(order),
                     Effect::Halt(RobotId::Discovery) => self.halter.halt(),
                     Effect::Led(RobotId::Discovery, blinks) => drop(self.link.led.send_replace(blinks)),
-                    Effect::Record(seq, entry) => {
-                        self.store.record(seq, &entry);
+                    Effect::Record(page) => {
+                        self.store.record(page, self.losses);
                         self.hear_store_at_once();
                     }
                     Effect::Answer(ticket, answer) => answers.push((ticket, answer)),
@@ -149,19 +153,17 @@ impl Task {
 
     fn hear_store(&mut self) {
         let now = self.clock.now();
-        let word = self.word.borrow_and_update().clone();
-        match word {
-            Ok(seq) => {
-                if std::mem::take(&mut self.store_failed) {
-                    self.sweep.handle_event(Event::StoreRestored, now);
-                }
-                self.sweep.handle_event(Event::Recorded(seq), now);
-            }
-            Err(words) if !self.store_failed => {
-                self.store_failed = true;
-                self.sweep.handle_event(Event::StoreFailed(words), now);
-            }
-            Err(_) => {}
+        let StoreWord { kept, failure, losses } = self.word.borrow_and_update().clone();
+        self.sweep.handle_event(Event::Recorded(kept), now);
+        if losses > self.losses || (failure.is_some() && !self.store_failed) {
+            (self.losses, self.store_failed) = (losses, true);
+            let words = failure.as_deref().unwrap_or("writing failed for a moment").to_owned();
+            tracing::error!(words, "the record cannot be written");
+            self.sweep.handle_event(Event::StoreFailed(words), now);
+        }
+        if failure.is_none() && std::mem::take(&mut self.store_failed) {
+            tracing::info!("the record is written again");
+            self.sweep.handle_event(Event::StoreRestored, now);
         }
     }
 
@@ -205,7 +207,7 @@ mod tests {
 
     use super::*;
     use crate::core::command::{Command, Door, Issuer, Request};
-    use crate::core::effect::Entry;
+    use crate::core::effect::Page;
     use crate::core::event::Capabilities;
     use crate::core::mission::{Hold, PhaseName};
     use crate::core::settings::Settings;
@@ -219,9 +221,9 @@ mod tests {
     }
 
     impl Store for Forgetful {
-        fn record(&mut self, seq: Seq, _entry: &Entry) {
+        fn record(&mut self, page: Page, _losses: u64) {
             if self.at_once {
-                drop(self.word.send_replace(Ok(seq)));
+                self.word.send_modify(|word| word.kept = page.last());
             }
         }
 
@@ -240,7 +242,7 @@ mod tests {
     }
 
     fn house_with(at_once: bool) -> (Handle, Task, RobotSide, watch::Sender<StoreWord>) {
-        let word = watch::Sender::new(Ok(Seq(0)));
+        let word = watch::Sender::new(StoreWord::default());
         let store = Forgetful { word: word.clone(), at_once };
         let halter = Halter::new(Epoch(0));
         let (loop_side, robot_side) = link(halter.watch());
@@ -360,7 +362,7 @@ mod tests {
         handle.watch().wait_for(|state| state.mission.phase == PhaseName::Exploring).await.unwrap();
         handle.give(request(Command::Stop)).await.unwrap().unwrap();
         assert!(!starting.is_finished());
-        drop(word.send_replace(Ok(Seq(1000))));
+        word.send_modify(|word| word.kept = Seq(1000));
         starting.await.unwrap().unwrap().unwrap();
         assert!(robot.orders.try_recv().is_err(), "the stop came before the record of the start");
     }

@@ -135,6 +135,7 @@ fn idle_mission() -> MissionView {
         phase: PhaseName::Idle,
         interrupted: None,
         fault: None,
+        store_failure: None,
         holds: Vec::new(),
         goal: None,
         route: Arc::from([]),

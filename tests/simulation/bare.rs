@@ -78,12 +78,21 @@ impl Bare {
         self.drain();
     }
 
+    /// A sensor is configured that is not heard.
+    pub(crate) fn watch_silent(&mut self, sensor: &str) {
+        self.sweep.watch_sensor(sensor.into(), Duration::from_secs(3600), self.now());
+        self.drain();
+    }
+
     pub(crate) fn robot(&mut self, report: RobotEvent) {
         self.event(Event::Robot(RobotId::Discovery, report));
     }
 
     pub(crate) fn give(&mut self, command: Command) -> Result<Ticket, Refused> {
-        let request = Request::new(command, Issuer::operator(Door::Local));
+        self.ask(Request::new(command, Issuer::operator(Door::Local)))
+    }
+
+    pub(crate) fn ask(&mut self, request: Request) -> Result<Ticket, Refused> {
         let result = self.sweep.handle_command(request, self.now());
         self.drain();
         result
@@ -192,10 +201,10 @@ impl Bare {
         while let Some(effect) = self.sweep.poll_effect() {
             match &effect {
                 Effect::Order(_, order) => self.order = Some(*order),
-                Effect::Record(seq, _) => {
-                    self.written = *seq;
+                Effect::Record(page) => {
+                    self.written = page.last();
                     if self.keeps {
-                        self.sweep.handle_event(Event::Recorded(*seq), self.now());
+                        self.sweep.handle_event(Event::Recorded(page.last()), self.now());
                     }
                 }
                 Effect::Answer(ticket, answer) => self.answers.push((*ticket, answer.clone())),
@@ -208,5 +217,5 @@ impl Bare {
 
 /// Whether an effect puts this on record.
 pub(crate) fn records(effect: &Effect, fact: impl Fn(&Fact) -> bool) -> bool {
-    matches!(effect, Effect::Record(_, entry) if fact(&entry.fact))
+    matches!(effect, Effect::Record(page) if page.entries.iter().any(|entry| fact(&entry.fact)))
 }

@@ -32,6 +32,12 @@ pub(crate) fn run_in(hall: Hall, settings: SimSettings) -> Run {
     Run::new(Arc::new(hall), settings, Settings::default(), Strategy::Snail)
 }
 
+/// A reading of a configured sensor.
+pub(crate) fn sensor_reads(sensor: &str, degrees: f64) -> Command {
+    let celsius = Celsius::new(degrees).expect("the tests use believable temperatures");
+    Command::Temperature(TemperatureReport::Sensor(sensor.into(), celsius))
+}
+
 /// What an operator does and waits for.
 pub(crate) trait Operator {
     fn verdict(&mut self, id: u64, verdict: Verdict) -> Result<Accepted, Refused>;

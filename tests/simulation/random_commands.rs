@@ -1,5 +1,7 @@
 //! Random commands at random moments in random halls: whatever an operator does, the rules hold. A failure prints its seed.
 
+use std::time::Duration;
+
 use hallsweep::core::command::{Command, Door, Issuer, LuggageRef, Move, Refused, Request, TemperatureReport, Verdict};
 use hallsweep::core::event::{Event, RobotEvent, RobotId};
 use hallsweep::core::mission::{Hold, PhaseName};
@@ -13,7 +15,7 @@ use hallsweep::headless::Run;
 use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings, Truth};
 
 use crate::halls;
-use crate::operator::Operator;
+use crate::operator::{Operator, sensor_reads};
 
 #[test]
 fn whatever_the_operator_does_the_rules_hold_and_the_mission_can_be_brought_to_its_end() {
@@ -44,7 +46,7 @@ fn whatever_the_operator_does_the_rules_hold_and_the_mission_can_be_brought_to_i
     }
 }
 
-fn any_command(dice: &mut Stream, run: &mut Run) -> Command {
+pub(crate) fn any_command(dice: &mut Stream, run: &mut Run) -> Command {
     let pending = run.state().pending().map_or(1, |luggage| luggage.id.0);
     let verdict = if dice.below(12) == 0 { Verdict::Danger } else { Verdict::Safe };
     let moves = [Move::Forward, Move::Backward, Move::TurnLeft, Move::TurnRight, Move::NudgeLeft];
@@ -98,10 +100,13 @@ impl Watch {
 }
 
 /// Something happens that nobody commanded: the link or a sensor goes and comes back, the store fails and recovers.
-fn from_outside(dice: &mut Stream, run: &mut Run) {
-    let (gone, back) = match dice.below(3) {
-        0 => (Event::SensorSilent("roof".into()), Event::Sensor("roof".into(), Celsius::new(20.0).unwrap())),
-        1 => (Event::StoreFailed("disk full".to_owned()), Event::StoreRestored),
+pub(crate) fn from_outside(dice: &mut Stream, run: &mut Run) {
+    if dice.below(3) == 0 {
+        run.sweep.watch_sensor("roof".into(), Duration::from_secs(3600), run.now());
+        return drop(run.give(sensor_reads("roof", 20.0)));
+    }
+    let (gone, back) = match dice.below(2) {
+        0 => (Event::StoreFailed("disk full".to_owned()), Event::StoreRestored),
         _ => (robot(RobotEvent::LinkLost("cable".to_owned())), robot(RobotEvent::LinkUp(run.sim.capabilities()))),
     };
     let can_be_cut = !run.sim.is_developing() && !run.sim.is_busy();
@@ -190,6 +195,9 @@ fn bring_to_the_end(run: &mut Run, seed: u64) {
                 return;
             }
             _ => {}
+        }
+        if state.mission.holds.contains(&Hold::TemperatureStale) {
+            run.give(sensor_reads("roof", 20.0)).unwrap();
         }
         let waits = state.pending().filter(|luggage| luggage.has_photo()).map(|luggage| luggage.id.0);
         let gave = match waits {

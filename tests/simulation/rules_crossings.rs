@@ -7,6 +7,7 @@ use hallsweep::core::mission::{Hold, PhaseName};
 use hallsweep::core::units::{AlarmId, Cell, Celsius, LuggageId};
 
 use crate::bare::Bare;
+use crate::operator::sensor_reads;
 
 /// R-waitForHome: a bomb is located only when discovery is home.
 #[test]
@@ -70,7 +71,7 @@ fn every_hold_that_ends_a_drive_also_raises_operator() {
     let ends: [Ends; 5] = [
         |bare| drop(bare.give(Command::Temperature(TemperatureReport::TooHigh))),
         |bare| bare.robot(RobotEvent::Temperature(Celsius::new(40.0).unwrap())),
-        |bare| bare.event(Event::SensorSilent("roof".into())),
+        |bare| bare.watch_silent("roof"),
         |bare| bare.event(Event::StoreFailed("disk full".to_owned())),
         |bare| bare.robot(RobotEvent::LinkLost("cable".to_owned())),
     ];
@@ -166,12 +167,11 @@ fn a_blocked_way_home_can_be_tried_again_after_a_reset() {
 #[test]
 fn two_silent_sensors_must_both_read_again() {
     let mut bare = Bare::linked();
-    let reads = |name: &str| Event::Sensor(name.into(), Celsius::new(20.0).unwrap());
-    bare.event(Event::SensorSilent("roof".into()));
-    bare.event(Event::SensorSilent("door".into()));
-    bare.event(reads("roof"));
+    bare.watch_silent("roof");
+    bare.watch_silent("door");
+    bare.give(sensor_reads("roof", 20.0)).unwrap();
     assert_eq!(bare.holds(), [Hold::TemperatureStale]);
-    bare.event(reads("door"));
+    bare.give(sensor_reads("door", 20.0)).unwrap();
     assert!(bare.holds().is_empty());
 }
 

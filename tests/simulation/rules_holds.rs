@@ -1,13 +1,16 @@
 //! Mission §4 on holds: what raises them, what clears them, and that nothing moves while one stands.
 
+use std::time::Duration;
+
 use hallsweep::core::command::{Command, Refused, TemperatureReport, Verdict};
 use hallsweep::core::event::{Event, RobotEvent, RobotId};
 use hallsweep::core::mission::{Hold, PhaseName};
 use hallsweep::core::units::Celsius;
 use hallsweep::core::world::temperature::TemperatureStatus;
+use hallsweep::headless::Run;
 use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings};
 
-use crate::operator::{Operator, in_drawn, in_hall, run_in};
+use crate::operator::{Operator, in_drawn, in_hall, run_in, sensor_reads};
 
 /// Rule 5.
 #[test]
@@ -67,17 +70,20 @@ fn the_end_of_a_cause_alone_never_sets_anything_moving() {
     let mut run = in_hall("empty-8x8");
     run.give(Command::Start).unwrap();
     run.wait(1.0);
-    let now = run.now();
-    for (lost, back) in [
-        (Event::SensorSilent("roof".into()), Event::Sensor("roof".into(), Celsius::new(20.0).unwrap())),
-        (Event::StoreFailed("disk full".to_owned()), Event::StoreRestored),
-    ] {
-        run.sweep.handle_event(lost, now);
+    type Change = fn(&mut Run);
+    let sensor: (Change, Change) = (
+        |run| run.sweep.watch_sensor("roof".into(), Duration::from_secs(3600), run.now()),
+        |run| drop(run.give(sensor_reads("roof", 20.0))),
+    );
+    let store: (Change, Change) =
+        (|run| run.happen(Event::StoreFailed("disk full".to_owned())), |run| run.happen(Event::StoreRestored));
+    for (lose, restore) in [sensor, store] {
+        lose(&mut run);
         run.wait(1.0);
         assert_eq!(run.holds().len(), 2);
         let held = run.give(Command::Start);
         assert!(matches!(held, Err(Refused::Held(_))), "{held:?}");
-        run.sweep.handle_event(back, now);
+        restore(&mut run);
         run.stands_still();
         assert_eq!(run.holds(), [Hold::AwaitingStart]);
         run.give(Command::Start).unwrap();

@@ -48,7 +48,7 @@ fn a_piece_whose_record_was_lost_is_recorded_anew_when_the_store_is_back() {
     bare.effects.clear();
     bare.keeps = true;
     bare.event(Event::StoreRestored);
-    assert!(bare.effects.iter().any(|effect| records(effect, |fact| matches!(fact, Fact::Luggage { photo: Ok(_), .. }))));
+    assert!(bare.effects.iter().any(|effect| records(effect, |fact| matches!(fact, Fact::Luggage { photo: Some(_), .. }))));
     assert_eq!(bare.state().mission.inspected, Some(LuggageId(1)));
 }
 

@@ -41,7 +41,9 @@ fn at_luggage_it_stops_photographs_and_waits_for_the_operator() {
     assert_eq!(state.luggage[0].cell, Cell::new(1, 1));
     assert!(state.luggage[0].is_pending() && state.luggage[0].has_photo());
     assert!(
-        run.journal.iter().any(|entry| matches!(&entry.fact, Fact::Luggage { photo: Ok(photo), .. } if !photo.bytes.is_empty()))
+        run.journal
+            .iter()
+            .any(|entry| matches!(&entry.fact, Fact::Luggage { photo: Some(photo), .. } if !photo.bytes.is_empty()))
     );
     run.stands_still();
     assert_eq!(run.phase(), PhaseName::Inspecting);

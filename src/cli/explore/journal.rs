@@ -12,24 +12,34 @@ pub(super) fn line(entry: &Entry) -> String {
 
 fn words(fact: &Fact) -> String {
     match fact {
-        Fact::Command { door, who, command, refused } => {
-            format!("command {command} by {who} ({}): {}", door.name(), refused.unwrap_or("accepted"))
+        Fact::ProgramStarted(version) => format!("program started, version {version}"),
+        Fact::Standing(standing) => {
+            format!("all that stands: mission {}, {} cells visited", standing.mission, standing.map.visited())
+        }
+        Fact::Command { issuer, command, refused, .. } => {
+            let became = refused.as_ref().map_or_else(|| "accepted".to_owned(), |refusal| format!("refused: {}", refusal.words));
+            format!("command {command} by {issuer}: {became}")
         }
         Fact::MissionBegan(mission, strategy) => format!("mission {mission} began ({})", strategy.name()),
         Fact::MissionArchived(mission, left) => format!("mission {mission} archived, bombs left: {}", list(left)),
-        Fact::Phase(phase, None) => format!("phase {}", phase.name()),
-        Fact::Phase(phase, Some(within)) => format!("phase {} (interrupting {})", phase.name(), within.name()),
+        Fact::Phase(phase) => match phase.interrupted() {
+            Some(interrupted) => format!("phase {} (interrupting {})", phase.name().name(), interrupted.name().name()),
+            None => format!("phase {}", phase.name().name()),
+        },
         Fact::Holds(holds) => format!("holds {}", list(holds.iter().map(|hold| hold.name()))),
-        Fact::Goal(goal) => goal.map_or_else(|| "goal none".to_owned(), |cell| format!("goal {cell}")),
+        Fact::Epoch(epoch) => format!("epoch {epoch}"),
+        Fact::Goal(goal, _) => goal.map_or_else(|| "goal none".to_owned(), |goal| format!("goal {}", goal.cell())),
         Fact::Pose(pose) => format!("pose {} {}", pose.cell, pose.heading.name()),
+        Fact::Led(blinking) => format!("led {}", if *blinking { "blinking" } else { "off" }),
         Fact::Obstacle(cell, kind) => format!("obstacle {cell} {kind}"),
-        Fact::Luggage { id, cell, pose, photo } => {
-            let photo = photo.as_ref().map_or_else(|why| format!("no photo: {why}"), |photo| format!("{photo:?}"));
-            format!("luggage #{id} {cell} from {} {}: {photo}", pose.cell, pose.heading.name())
+        Fact::Mark(cell, mark) => format!("cell {cell} {}", mark.name()),
+        Fact::Luggage { record, photo } => {
+            let photo = photo.as_ref().map_or_else(|| format!("{:?}", record.photo), |photo| format!("{photo:?}"));
+            format!("luggage #{} {} from {} {}: {photo}", record.id, record.cell, record.pose.cell, record.pose.heading.name())
         }
         Fact::Verdict { luggage, verdict, who } => format!("verdict #{luggage} {} by {who}", verdict.name()),
         Fact::Temperature(source, celsius) => format!("temperature {celsius} by {source}"),
-        Fact::AlarmRaised(alarm, text) => format!("alarm {alarm} raised: {text}"),
+        Fact::AlarmRaised(alarm, _, text) => format!("alarm {alarm} raised: {text}"),
         Fact::AlarmAcknowledged(alarm, who) => format!("alarm {alarm} acknowledged by {who}"),
         Fact::Strategy(strategy) => format!("strategy {}", strategy.name()),
         Fact::MapEmptied(heading) => format!("map emptied, facing {}", heading.name()),
@@ -44,9 +54,9 @@ fn list<T: Display>(things: impl IntoIterator<Item = T>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::event::Photo;
     use crate::core::mission::Hold;
-    use crate::core::units::{Cell, LuggageId, Pose, Wall};
+    use crate::core::units::{Cell, Pose, Wall};
+    use crate::core::world::hall_map::Mark;
 
     fn check(fact: Fact, expect: &str) {
         assert_eq!(line(&Entry { wall: Wall::default(), fact }), format!("1970-01-01T00:00:00.000+00:00 {expect}"));
@@ -57,9 +67,7 @@ mod tests {
         check(Fact::Holds(vec![Hold::Operator, Hold::AwaitingStart]), "holds operator, awaitingStart");
         check(Fact::Holds(Vec::new()), "holds none");
         check(Fact::Pose(Pose::START), "pose (0, 0) south");
-        let photo = Ok(Photo { bytes: [0; 12].into(), media_type: "image/png" });
-        let fact = Fact::Luggage { id: LuggageId(3), cell: Cell::new(0, 1), pose: Pose::START, photo };
-        check(fact, "luggage #3 (0, 1) from (0, 0) south: Photo(image/png, 12 bytes)");
-        check(Fact::AlarmRaised(Default::default(), "two\nlines".to_owned()), "alarm 0 raised: two lines");
+        check(Fact::Mark(Cell::new(1, 2), Mark::Wall), "cell (1, 2) wall");
+        check(Fact::AlarmRaised(Default::default(), None, "two\nlines".to_owned()), "alarm 0 raised: two lines");
     }
 }

@@ -35,6 +35,14 @@ impl Strategy {
         Strategy::ALL.into_iter().find(|strategy| strategy.name() == name)
     }
 
+    /// The search of which these notes were kept.
+    #[must_use]
+    pub fn resume(self, notes: &[i64]) -> Search {
+        match self {
+            Strategy::Snail => Search::Snail(Snail::from_notes(notes)),
+        }
+    }
+
     /// A search that has not begun yet.
     #[must_use]
     pub fn begin(self) -> Search {
@@ -72,6 +80,14 @@ pub enum Search {
 }
 
 impl Search {
+    /// How far it has come, as plain numbers for the record.
+    #[must_use]
+    pub fn notes(&self) -> Vec<i64> {
+        match self {
+            Search::Snail(snail) => snail.notes(),
+        }
+    }
+
     /// What to do now that the last goal is reached, has turned out to be an obstacle, or cannot be reached.
     pub fn next(&mut self, view: &View<'_>, planner: &mut Planner) -> Decision {
         match self {

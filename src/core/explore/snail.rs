@@ -8,6 +8,7 @@
 use super::plan::Planner;
 use super::{Decision, View};
 use crate::core::units::Cell;
+use crate::core::world::hall_map::REACH;
 
 /// Where a snail has come to.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,6 +32,9 @@ enum Stage {
     Done,
 }
 
+/// The stages by their numbers in notes: new ones go to the end.
+const STAGES: [Stage; 5] = [Stage::Corner, Stage::Fill, Stage::NextRing, Stage::Finish, Stage::Done];
+
 impl Default for Snail {
     fn default() -> Snail {
         Snail { ring: 1, stage: Stage::Corner }
@@ -38,6 +42,18 @@ impl Default for Snail {
 }
 
 impl Snail {
+    /// How far it has come, as plain numbers for the record.
+    pub(super) fn notes(&self) -> Vec<i64> {
+        vec![i64::from(self.ring), STAGES.iter().position(|stage| *stage == self.stage).unwrap_or(0) as i64]
+    }
+
+    /// The snail that made these notes; one that cannot have made them begins anew.
+    pub(super) fn from_notes(notes: &[i64]) -> Snail {
+        let ring = notes.first().and_then(|ring| i32::try_from(*ring).ok()).filter(|ring| (1..=2 * REACH).contains(ring));
+        let stage = notes.get(1).and_then(|place| STAGES.get(usize::try_from(*place).ok()?));
+        ring.zip(stage).map_or_else(Snail::default, |(ring, stage)| Snail { ring, stage: *stage })
+    }
+
     /// What to do now that the last goal is reached, or given up.
     pub fn next(&mut self, view: &View<'_>, planner: &mut Planner) -> Decision {
         loop {

@@ -7,6 +7,7 @@ use super::FaultCause;
 use crate::core::command::{Command, Issuer, LuggageRef, Move, TemperatureReport, Verdict};
 use crate::core::event::{Obstacle, Photo};
 use crate::core::explore::Strategy;
+use crate::core::standing::OPERATOR;
 use crate::core::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
 
 /// The commands and events of the table.
@@ -21,6 +22,7 @@ pub enum Input {
     TemperatureOk,
     TemperatureTooHigh,
     Reading,
+    SensorReading,
     Retrieve,
     Reset,
     Move,
@@ -50,11 +52,12 @@ pub enum Input {
     SensorBack,
     StoreFailed,
     StoreRestored,
+    Restarted,
 }
 
 impl Input {
     /// The commands, in the order of mission §4.
-    pub const COMMANDS: [Input; 15] = [
+    pub const COMMANDS: [Input; 16] = [
         Input::Start,
         Input::Stop,
         Input::BackHome,
@@ -63,6 +66,7 @@ impl Input {
         Input::TemperatureOk,
         Input::TemperatureTooHigh,
         Input::Reading,
+        Input::SensorReading,
         Input::Retrieve,
         Input::Reset,
         Input::Move,
@@ -73,7 +77,7 @@ impl Input {
     ];
 
     /// The events, in the order of a mission's life.
-    pub const EVENTS: [Input; 22] = [
+    pub const EVENTS: [Input; 23] = [
         Input::Done,
         Input::Blocked,
         Input::AtPiece,
@@ -96,6 +100,7 @@ impl Input {
         Input::SensorBack,
         Input::StoreFailed,
         Input::StoreRestored,
+        Input::Restarted,
     ];
 
     /// What it is, for the documentation and the log.
@@ -110,6 +115,7 @@ impl Input {
             Input::TemperatureOk => "temperature OK",
             Input::TemperatureTooHigh => "temperature TOO HIGH",
             Input::Reading => "temperature reading",
+            Input::SensorReading => "a sensor's reading",
             Input::Retrieve => "RETRIEVE",
             Input::Reset => "RESET",
             Input::Move => "move",
@@ -139,6 +145,7 @@ impl Input {
             Input::SensorBack => "the sensor reads again",
             Input::StoreFailed => "the store cannot write",
             Input::StoreRestored => "the store writes again",
+            Input::Restarted => "the program was started again",
         }
     }
 }
@@ -219,8 +226,12 @@ impl Matter {
             Command::Temperature(TemperatureReport::Ok) => Input::TemperatureOk,
             Command::Temperature(TemperatureReport::TooHigh) => Input::TemperatureTooHigh,
             Command::Temperature(TemperatureReport::Reading(celsius)) => {
-                matter.reading = Some((Arc::from("operator"), *celsius));
+                matter.reading = Some((Arc::from(OPERATOR), *celsius));
                 Input::Reading
+            }
+            Command::Temperature(TemperatureReport::Sensor(sensor, celsius)) => {
+                matter.reading = Some((Arc::clone(sensor), *celsius));
+                Input::SensorReading
             }
         };
         (input, matter)

@@ -57,6 +57,7 @@ pub enum Bar {
     UnknownAlarm,
     NoRetrievalRobot,
     FaultStands,
+    UnknownSensor,
 }
 
 impl Bar {
@@ -86,6 +87,7 @@ impl Bar {
             Bar::UnknownAlarm => "there is no such alarm",
             Bar::NoRetrievalRobot => "no retrieval robot is there",
             Bar::FaultStands => "the cause of the fault still stands",
+            Bar::UnknownSensor => "no such sensor is configured",
         }
     }
 }
@@ -154,6 +156,8 @@ pub enum Act {
     RecordVerdict,
     /// Compare the reading with the threshold.
     NoteReading,
+    /// The same, and the sensor is not silent.
+    HearSensor,
     /// Note who has seen the alarm.
     Acknowledge,
     /// Search by this strategy from the next mission on.
@@ -183,7 +187,7 @@ impl Act {
             Act::RecordRetake => "record the new photo",
             Act::AskOperator => "ask the operator",
             Act::RecordVerdict => "record the verdict",
-            Act::NoteReading => "compare with the threshold",
+            Act::NoteReading | Act::HearSensor => "compare with the threshold",
             Act::Acknowledge => "note who has seen it",
             Act::ChooseStrategy => "choose it",
             Act::Archive => "archive the mission",

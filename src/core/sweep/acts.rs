@@ -38,6 +38,7 @@ impl Sweep {
             Act::AskOperator => self.ask_operator(matter),
             Act::RecordVerdict => self.record_verdict(matter),
             Act::NoteReading => self.note_reading(matter),
+            Act::HearSensor => self.hear_sensor(matter),
             Act::Acknowledge => self.acknowledge(matter),
             Act::ChooseStrategy => self.choose_strategy(matter),
             Act::Archive => self.archive(),
@@ -67,12 +68,14 @@ impl Sweep {
         self.mission.blocked.clear();
         self.mission.restart_search();
         self.outbox.note(self.now.wall, Fact::MapEmptied(self.world.robot.pose.heading));
+        self.outbox.sum_up();
     }
 
     /// A stop acts first and is recorded afterwards.
     fn stop(&mut self, matter: &Matter) {
         let next = self.mission.epoch.next();
         self.mission.epoch = matter.epoch.map_or(next, |raised| raised.max(self.mission.epoch));
+        self.outbox.note(self.now.wall, Fact::Epoch(self.mission.epoch));
         self.send_halt();
         self.world.touch(Resource::Mission);
         self.raise(Hold::Operator, None);
@@ -124,6 +127,7 @@ impl Sweep {
         if self.world.robot.led_blinking != blinks {
             self.world.robot.led_blinking = blinks;
             self.world.touch(Resource::Robot);
+            self.outbox.note(self.now.wall, Fact::Led(blinks));
             self.outbox.send(Effect::Led(RobotId::Discovery, blinks));
         }
     }
@@ -133,7 +137,7 @@ impl Sweep {
         let text = format!("luggage #{} at {} is {what}", record.id, record.cell);
         if let Some(id) = self.world.alarm(self.now.wall, luggage, &text) {
             self.world.write(self.now.wall, Tone::Alarm, text.clone());
-            self.outbox.note(self.now.wall, Fact::AlarmRaised(id, text));
+            self.outbox.note(self.now.wall, Fact::AlarmRaised(id, luggage, text));
         }
     }
 
@@ -158,12 +162,22 @@ impl Sweep {
         }
     }
 
+    /// What the configured sensor reads; it is not silent.
+    fn hear_sensor(&mut self, matter: &Matter) {
+        let sensor = matter.reading.as_ref().map(|(sensor, _)| Arc::clone(sensor));
+        if sensor.is_some_and(|sensor| self.vigil.hear(&sensor, self.now.since_start)) {
+            self.feed(Input::SensorBack, &Matter::default());
+        }
+        self.note_reading(matter);
+    }
+
     /// Takes a reading and raises or ends the hold that follows from it.
     pub(super) fn read_temperature(&mut self, source: &Arc<str>, celsius: Celsius) {
+        // A sensor that says the same again and again does not fill the journal.
         if self.world.thermometer.read(source, celsius) {
             self.world.touch(Resource::Temperature);
+            self.outbox.note(self.now.wall, Fact::Temperature(Arc::clone(source), celsius));
         }
-        self.outbox.note(self.now.wall, Fact::Temperature(Arc::clone(source), celsius));
         let held = self.mission.holds.contains(Hold::Temperature);
         let matter = Matter { words: Some(celsius.to_string()), ..Matter::default() };
         match (self.world.thermometer.is_hot(), held) {
@@ -188,6 +202,7 @@ impl Sweep {
             let bombs = self.world.luggage.values().filter(|luggage| luggage.is_dangerous()).map(|luggage| luggage.id).collect();
             self.outbox.record(self.now.wall, Fact::MissionArchived(self.mission.id, bombs));
         }
+        self.outbox.sum_up();
         self.mission.restart_search();
         self.world.luggage.clear();
         self.world.alarms.retain(|alarm| alarm.acknowledged.is_none());

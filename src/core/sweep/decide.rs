@@ -1,5 +1,7 @@
 //! Asks the table: tests bars and cases against the state, changes nothing.
 
+use std::sync::Arc;
+
 use super::Sweep;
 use crate::core::command::{Move, Refused};
 use crate::core::explore::plan::{Planner, Through, after};
@@ -95,6 +97,10 @@ impl Sweep {
                 matter.alarm.filter(|id| self.world.alarms.iter().all(|alarm| alarm.id != *id)).map(Refused::UnknownAlarm)
             }
             Bar::NoRetrievalRobot => Some(Refused::NoRetrievalRobot),
+            Bar::UnknownSensor => {
+                let sensor = matter.reading.as_ref().map(|(sensor, _)| sensor);
+                sensor.filter(|sensor| !self.vigil.watches(sensor)).map(|sensor| Refused::UnknownSensor(Arc::clone(sensor)))
+            }
             Bar::FaultStands => self.fault_stands(phase).map(|cause| Refused::FaultStands(cause.to_string())),
         }
     }

@@ -13,9 +13,12 @@ mod helm;
 mod motion;
 mod outbox;
 mod phases;
+mod recall;
 mod records;
+mod repeats;
 mod reports;
 mod view;
+mod vigil;
 
 #[cfg(test)]
 mod tests;
@@ -25,9 +28,14 @@ use std::time::Duration;
 
 use self::decide::Step;
 use self::helm::Helm;
+pub use self::recall::Recalled;
+pub use self::repeats::IDS;
+
 use self::outbox::{Outbox, Waiting};
+use self::repeats::{Known, Outcome, Repeats};
 use self::view::Shown;
-use super::command::{Accepted, Refused, Request};
+use self::vigil::Vigil;
+use super::command::{Accepted, Command, LuggageRef, Refusal, Refused, Request, TemperatureReport};
 use super::effect::{Effect, Fact};
 use super::event::{Event, RobotId};
 use super::explore::Strategy;
@@ -50,6 +58,8 @@ pub struct Sweep {
     helm: Helm,
     planner: Planner,
     outbox: Outbox,
+    vigil: Vigil,
+    repeats: Repeats,
     taken: Option<Arc<Snapshot>>,
 }
 
@@ -65,6 +75,8 @@ impl Sweep {
             helm: Helm::default(),
             planner: Planner::default(),
             outbox: Outbox::default(),
+            vigil: Vigil::default(),
+            repeats: Repeats::default(),
             taken: None,
         }
     }
@@ -76,22 +88,33 @@ impl Sweep {
     /// The refusal and its reason; then nothing has changed but the log.
     pub fn handle_command(&mut self, request: Request, now: Now) -> Result<Ticket, Refused> {
         self.begin(now);
+        if let Some(repeated) = self.repeated(&request) {
+            return repeated;
+        }
         let (input, mut matter) = Matter::of(&request.command, &request.issuer, self.pending());
         matter.epoch = request.epoch;
         let outcome = match self.refuse_outdated(input, request.epoch) {
             Ok(()) => self.decide(input, &matter),
             Err(outdated) => Err((outdated, &[][..])),
         };
-        self.write_command(input, &matter, outcome.as_ref().err().map(|(refused, _)| refused));
+        self.write_command(&request, &matter, outcome.as_ref().err().map(|(refused, _)| refused));
         let answer = match outcome {
-            Ok(step) => Ok(self.carry_out(input, step, &matter)),
+            Ok(step) => Ok(self.carry_out(&request, input, step, &matter)),
             Err((refused, acts)) => {
                 self.perform_all(acts, &matter);
+                self.remember(&request, Outcome::Answered(Err(refused.clone())));
                 Err(refused)
             }
         };
         self.pump();
         answer
+    }
+
+    /// From now on this sensor must be heard at least every `patience`; until it is for the first time it counts as silent.
+    pub fn watch_sensor(&mut self, sensor: Arc<str>, patience: Duration, now: Now) {
+        self.begin(now);
+        self.vigil.begin(Arc::clone(&sensor), patience);
+        self.feed(Input::SensorSilent, &Matter { words: Some(format!("{sensor} has not been heard yet")), ..Matter::default() });
     }
 
     /// A halt was raised outside the queue of commands (safety S1): hold at once; the command with its sender's name follows.
@@ -107,22 +130,14 @@ impl Sweep {
         self.begin(now);
         match event {
             Event::Robot(RobotId::Discovery, report) => self.report(report),
-            Event::Sensor(source, celsius) => {
-                if self.world.thermometer.hear(&source) {
-                    self.feed(Input::SensorBack, &Matter::default());
-                }
-                self.read_temperature(&source, celsius);
-            }
-            Event::SensorSilent(source) => {
-                self.world.thermometer.miss(&source);
-                self.feed(Input::SensorSilent, &Matter { words: Some(source.to_string()), ..Matter::default() });
-            }
             Event::Recorded(seq) => self.kept(seq),
             Event::StoreFailed(words) => {
+                self.world.store_failure = Some(words.clone());
                 self.feed(Input::StoreFailed, &Matter { words: Some(words), ..Matter::default() });
                 self.withdraw_unkept();
             }
             Event::StoreRestored => {
+                self.world.store_failure = None;
                 self.feed(Input::StoreRestored, &Matter::default());
                 self.record_anew();
             }
@@ -133,6 +148,9 @@ impl Sweep {
     /// Time has passed; call it at `poll_timeout`.
     pub fn handle_timeout(&mut self, now: Now) {
         self.begin(now);
+        while let Some(sensor) = self.vigil.falls_silent(now.since_start) {
+            self.feed(Input::SensorSilent, &Matter { words: Some(sensor.to_string()), ..Matter::default() });
+        }
         if self.helm.due().is_some_and(|due| due <= now.since_start) {
             self.order_unanswered();
             self.pump();
@@ -141,13 +159,16 @@ impl Sweep {
 
     /// The next thing to be done outside, oldest first.
     pub fn poll_effect(&mut self) -> Option<Effect> {
+        if self.outbox.is_to_sum_up() {
+            self.outbox.note(self.now.wall, Fact::Standing(Box::new(self.standing())));
+        }
         self.outbox.poll()
     }
 
     /// When `handle_timeout` is to be called, counted from the start.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
-        self.helm.due()
+        [self.helm.due(), self.vigil.due()].into_iter().flatten().min()
     }
 
     /// Everything that can be seen, at this moment; the same `Arc` until something changes.
@@ -184,10 +205,11 @@ impl Sweep {
     }
 
     /// Carries out an accepted command; answers at once, or once what it put on record is kept. A stop never waits.
-    fn carry_out(&mut self, input: Input, step: Step, matter: &Matter) -> Ticket {
+    fn carry_out(&mut self, request: &Request, input: Input, step: Step, matter: &Matter) -> Ticket {
         let barrier = self.outbox.barrier();
         self.apply(step, matter);
         let ticket = self.outbox.next_ticket();
+        self.remember(request, Outcome::Open(ticket));
         let recorded = Some(self.outbox.barrier()).filter(|seq| *seq > barrier && input != Input::Stop);
         let in_flight = matter.luggage.filter(|_| matter.verdict.is_some()).and_then(|id| self.mission.deciding(id));
         match recorded.or(in_flight.map(|(_, seq)| seq)) {
@@ -199,19 +221,69 @@ impl Sweep {
 
     fn answer(&mut self, ticket: Ticket, luggage: Option<LuggageId>) {
         let revision = self.world.revision();
-        self.outbox.send(Effect::Answer(ticket, Ok(Accepted { revision, luggage })));
+        self.send_answer(ticket, Ok(Accepted { revision, luggage }));
     }
 
-    fn write_command(&mut self, input: Input, matter: &Matter, refused: Option<&Refused>) {
-        let Some(issuer) = matter.issuer.clone() else { return };
-        let command = format!("{}{}", input.in_words(), matter.in_words());
+    pub(super) fn send_answer(&mut self, ticket: Ticket, answer: Result<Accepted, Refused>) {
+        self.repeats.answer(ticket, &answer);
+        self.outbox.send(Effect::Answer(ticket, answer));
+    }
+
+    /// The answer to a command that came before under the same id; `None` for one that did not.
+    fn repeated(&mut self, request: &Request) -> Option<Result<Ticket, Refused>> {
+        let id = request.id.as_ref().filter(|_| request.command != Command::Stop)?;
+        let outcome = match self.repeats.look_up(&request.issuer.who, id, &content(request)) {
+            Known::New => return None,
+            Known::Other => {
+                let refused = Refused::OtherContent(id.clone());
+                let (_, matter) = Matter::of(&request.command, &request.issuer, None);
+                self.write_command(request, &matter, Some(&refused));
+                return Some(Err(refused));
+            }
+            Known::Same(outcome) => outcome.clone(),
+        };
+        match outcome {
+            Outcome::Answered(Err(refused)) => return Some(Err(refused)),
+            // The record itself answers for a verdict: it may have been replaced by another before it was kept.
+            Outcome::Before(Some(_)) => return None,
+            Outcome::Answered(_) | Outcome::Before(None) | Outcome::Open(_) => {}
+        }
+        let ticket = self.outbox.next_ticket();
+        match outcome {
+            Outcome::Answered(answer) => self.outbox.send(Effect::Answer(ticket, answer)),
+            Outcome::Before(luggage) => self.answer(ticket, luggage),
+            Outcome::Open(open) => self.outbox.follow(open, ticket),
+        }
+        Some(Ok(ticket))
+    }
+
+    fn remember(&mut self, request: &Request, outcome: Outcome) {
+        if let Some(id) = request.id.as_ref().filter(|_| request.command != Command::Stop) {
+            self.repeats.note(&request.issuer.who, id, &content(request), outcome);
+        }
+    }
+
+    /// Every command goes into the log and the journal, a refused one too (safety A6); only what a sensor says again and again
+    /// does not.
+    fn write_command(&mut self, request: &Request, matter: &Matter, refused: Option<&Refused>) {
+        if matches!(request.command, Command::Temperature(TemperatureReport::Sensor(..))) && refused.is_none() {
+            return;
+        }
+        let (issuer, command) = (request.issuer.clone(), content(request));
+        let meant = matter.luggage.filter(|_| request.command.luggage() == Some(LuggageRef::Pending));
+        let meant = meant.map_or_else(String::new, |id| format!(" #{id}"));
         let (tone, text) = match refused {
-            None => (Tone::Info, format!("{command}, by {} ({})", issuer.who, issuer.door.name())),
-            Some(refused) => (Tone::Warning, format!("{command} refused ({}): {refused}", issuer.door.name())),
+            None => (Tone::Info, format!("{command}{meant}, by {issuer}")),
+            Some(refused) => (Tone::Warning, format!("{command}{meant} refused, by {issuer}: {refused}")),
         };
         self.world.write(self.now.wall, tone, text);
-        let fact = Fact::Command { door: issuer.door, who: issuer.who, command, refused: refused.map(Refused::code) };
-        self.outbox.note(self.now.wall, fact);
+        let (id, luggage, refused) = (request.id.clone(), matter.luggage, refused.map(Refusal::from));
+        self.outbox.note(self.now.wall, Fact::Command { issuer, id, command, luggage, refused });
+    }
+
+    /// Puts everything that stands on record at once.
+    pub(super) fn record_standing(&mut self) {
+        self.outbox.record(self.now.wall, Fact::Standing(Box::new(self.standing())));
     }
 
     /// The piece that a bare word means: the one in front of the robot, else the only one that is pending.
@@ -221,4 +293,10 @@ impl Sweep {
         let inspected = self.inspected().filter(|id| self.world.luggage.get(id).is_some_and(|luggage| luggage.is_pending()));
         inspected.or(first.filter(|_| pending.next().is_none()))
     }
+}
+
+/// What is asked, in words: two commands with the same words are the same command.
+fn content(request: &Request) -> String {
+    let (input, matter) = Matter::of(&request.command, &request.issuer, None);
+    format!("{}{}", input.in_words(), matter.in_words())
 }

@@ -68,6 +68,10 @@ impl Sweep {
             self.feed(Input::CameHome, &Matter::default());
             return Turn::Again;
         }
+        if self.has_backed_up() {
+            self.feed(Input::Done, &Matter::default());
+            return Turn::Again;
+        }
         if self.wants_photo() {
             self.order_photo();
             return Turn::Rest;
@@ -101,6 +105,12 @@ impl Sweep {
     fn has_come_home(&self) -> bool {
         let on_the_way = matches!(self.mission.phase, Phase::ReturningHome | Phase::ReturningWithAlarm);
         on_the_way && self.world.is_home() && self.helm.open().is_none()
+    }
+
+    /// The robot had backed up already when the program was killed, and says so.
+    fn has_backed_up(&self) -> bool {
+        let centred = self.helm.capabilities.is_some() && self.helm.open().is_none() && !self.world.robot.off_centre;
+        centred && matches!(&self.mission.phase, Phase::Inspecting(inspection) if inspection.stage == Stage::BackingUp)
     }
 
     /// A photo is not motion: it is taken under holds too, as long as there is a robot to take it and a store to keep it.
@@ -176,7 +186,7 @@ impl Sweep {
             self.mission.goal = goal;
             self.mission.route.clear();
             self.world.touch(Resource::Mission);
-            self.outbox.note(self.now.wall, Fact::Goal(goal.map(Goal::cell)));
+            self.outbox.note(self.now.wall, Fact::Goal(goal, self.mission.search.clone()));
         }
     }
 

@@ -2,20 +2,29 @@
 
 use std::collections::VecDeque;
 
-use crate::core::effect::{Effect, Entry, Fact, Order};
+use crate::core::effect::{Effect, Entry, Fact, Order, Page};
 use crate::core::event::RobotId;
 use crate::core::units::{LuggageId, Seq, Ticket, Wall};
+
+/// So many commands are put on record once more after the store has failed: an hour of nervous clicking.
+const COMMANDS: usize = 1024;
 
 /// The outgoing side of a sweep.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outbox {
     effects: VecDeque<Effect>,
+    /// What the input being handled has put on record so far.
+    page: Vec<Entry>,
+    /// Whether the page is to end with everything that stands.
+    sums_up: bool,
     written: Seq,
-    /// Nothing begins to move until everything up to here is kept.
+    /// Who gave a command is answered only when everything up to here is kept.
     barrier: Seq,
     kept: Seq,
     tickets: Ticket,
     waiting: Vec<Waiting>,
+    /// The commands that are not kept yet: each is to be in the journal, whatever becomes of the store (safety A6).
+    commands: VecDeque<(Seq, Entry)>,
 }
 
 /// An accepted command whose answer waits for a record.
@@ -30,6 +39,11 @@ pub(super) struct Waiting {
 }
 
 impl Outbox {
+    /// The outgoing side after a restart: everything up to `written` is kept.
+    pub(super) fn after(written: Seq) -> Outbox {
+        Outbox { written, barrier: written, kept: written, ..Outbox::default() }
+    }
+
     pub(super) fn send(&mut self, effect: Effect) {
         self.effects.push_back(effect);
     }
@@ -50,18 +64,45 @@ impl Outbox {
         }
     }
 
+    /// The next effect: halts first, then what is to be kept, then the rest.
     pub(super) fn poll(&mut self) -> Option<Effect> {
-        self.effects.pop_front()
+        if self.page.is_empty() || matches!(self.effects.front(), Some(Effect::Halt(_))) {
+            return self.effects.pop_front();
+        }
+        let entries = std::mem::take(&mut self.page);
+        let first = Seq(self.written.0 + 1 - entries.len() as u64);
+        Some(Effect::Record(Page { first, entries }))
     }
 
-    /// Puts a fact on its way to the store; motion need not wait for it.
+    /// The page is to end with everything that stands.
+    pub(super) fn sum_up(&mut self) {
+        self.sums_up = true;
+    }
+
+    /// Whether the page is to end with everything that stands; asked once.
+    pub(super) fn is_to_sum_up(&mut self) -> bool {
+        std::mem::take(&mut self.sums_up)
+    }
+
+    /// Puts a fact on its way to the store; no answer waits for it.
     pub(super) fn note(&mut self, wall: Wall, fact: Fact) -> Seq {
         self.written = self.written.next();
-        self.effects.push_back(Effect::Record(self.written, Entry { wall, fact }));
+        let entry = Entry { wall, fact };
+        if matches!(entry.fact, Fact::Command { .. }) && self.commands.len() < COMMANDS {
+            self.commands.push_back((self.written, entry.clone()));
+        }
+        self.page.push(entry);
         self.written
     }
 
-    /// Puts a fact on its way to the store; nothing begins to move before it is kept.
+    /// Puts the commands that were not kept when the store failed on their way once more.
+    pub(super) fn repeat_commands(&mut self) {
+        for (_, Entry { wall, fact }) in std::mem::take(&mut self.commands) {
+            self.note(wall, fact);
+        }
+    }
+
+    /// Puts a fact on its way to the store; the answer to the command that made it waits until it is kept.
     pub(super) fn record(&mut self, wall: Wall, fact: Fact) -> Seq {
         self.barrier = self.note(wall, fact);
         self.barrier
@@ -71,13 +112,17 @@ impl Outbox {
         self.barrier
     }
 
-    /// Whether everything that must be kept before motion is kept.
+    /// Whether everything is kept that happened so far. The robot waits for it before each move, so that a kill can never lose
+    /// more than the move under way: what it says of where it stands then still joins what is known.
     pub(super) fn is_settled(&self) -> bool {
-        self.kept >= self.barrier
+        self.kept >= self.written
     }
 
     pub(super) fn keep(&mut self, seq: Seq) {
         self.kept = self.kept.max(seq);
+        while self.commands.front().is_some_and(|(written, _)| *written <= seq) {
+            self.commands.pop_front();
+        }
     }
 
     pub(super) fn next_ticket(&mut self) -> Ticket {
@@ -100,6 +145,13 @@ impl Outbox {
     /// All waiting answers, because the store has failed.
     pub(super) fn give_up(&mut self) -> Vec<Waiting> {
         std::mem::take(&mut self.waiting)
+    }
+
+    /// Lets another ticket be answered together with one that waits.
+    pub(super) fn follow(&mut self, first: Ticket, ticket: Ticket) {
+        if let Some(waiting) = self.waiting.iter().find(|waiting| waiting.ticket == first).copied() {
+            self.waiting.push(Waiting { ticket, ..waiting });
+        }
     }
 
     /// Lets the answers that waited for a replaced verdict on this piece wait for the one that replaced it.

@@ -111,8 +111,7 @@ impl Sweep {
 
     /// The phase as it is put on record.
     pub(super) fn phase_fact(&self) -> Fact {
-        let phase = &self.mission.phase;
-        Fact::Phase(phase.name(), phase.interrupted().map(|interrupted| interrupted.underlying().name()))
+        Fact::Phase(self.mission.phase.clone())
     }
 
     /// How far the inspection has come, interrupted or not.
@@ -126,6 +125,7 @@ impl Sweep {
             inspection.stage = stage;
             self.world.touch(Resource::Mission);
             self.world.touch(Resource::Robot);
+            self.outbox.note(self.now.wall, self.phase_fact());
         }
     }
 
@@ -138,8 +138,12 @@ impl Sweep {
     pub(super) fn mark(&mut self, cell: Cell, mark: Mark) {
         if self.world.map.at(cell) == Mark::Visited && mark.is_obstacle() {
             self.mission.blocked.insert(cell);
+        } else if mark == Mark::Visited {
+            self.mission.blocked.remove(&cell);
         }
         let revision = self.world.touch(Resource::Map);
-        self.world.map.mark(cell, mark, revision);
+        if self.world.map.mark(cell, mark, revision) {
+            self.outbox.note(self.now.wall, Fact::Mark(cell, mark));
+        }
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Sweep;
 use crate::core::command::{Accepted, Refused, Verdict};
-use crate::core::effect::{Effect, Fact};
+use crate::core::effect::Fact;
 use crate::core::event::Photo;
 use crate::core::mission::{Deciding, Input, Inspection, Matter, Phase, Recording, Stage};
 use crate::core::units::{LuggageId, Seq};
@@ -49,7 +49,7 @@ impl Sweep {
     }
 
     fn send_record(&mut self, luggage: Luggage, photo: Result<Photo, String>) {
-        let fact = Fact::Luggage { id: luggage.id, cell: luggage.cell, pose: luggage.pose, photo };
+        let fact = Fact::Luggage { record: Arc::new(luggage.clone()), photo: photo.ok() };
         self.world.pieces.extend(luggage.piece);
         let seq = self.outbox.record(self.now.wall, fact.clone());
         self.mission.recording.push(Recording { seq, luggage, fact });
@@ -128,7 +128,7 @@ impl Sweep {
                 (Some(luggage), Some(given), Some(verdict)) if given != verdict => Err(Refused::Decided { luggage, verdict }),
                 _ => Ok(Accepted { revision: self.world.revision(), luggage: waiting.luggage }),
             };
-            self.outbox.send(Effect::Answer(waiting.ticket, answer));
+            self.send_answer(waiting.ticket, answer);
         }
     }
 
@@ -142,15 +142,15 @@ impl Sweep {
         }
         for waiting in self.outbox.give_up() {
             let refused = if waiting.verdict.is_some() { Refused::StoreDown } else { Refused::NotKept };
-            self.outbox.send(Effect::Answer(waiting.ticket, Err(refused)));
+            self.send_answer(waiting.ticket, Err(refused));
         }
     }
 
     /// The store writes again: what it may have lost is put on record once more, a withdrawn verdict never.
     pub(super) fn record_anew(&mut self) {
         let wall = self.now.wall;
-        self.outbox.record(wall, self.phase_fact());
-        self.outbox.note(wall, Fact::Holds(self.mission.holds.to_vec()));
+        self.outbox.repeat_commands();
+        self.record_standing();
         for mut recording in std::mem::take(&mut self.mission.recording) {
             recording.seq = self.outbox.record(wall, recording.fact.clone());
             self.mission.recording.push(recording);

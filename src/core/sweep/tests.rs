@@ -57,7 +57,11 @@ fn sweep_in(name: PhaseName, holds: &[Hold]) -> Sweep {
     for hold in holds {
         sweep.mission.holds.raise(*hold);
     }
-    while sweep.poll_effect().is_some() {}
+    while let Some(effect) = sweep.poll_effect() {
+        if let Effect::Record(page) = effect {
+            sweep.outbox.keep(page.last());
+        }
+    }
     sweep
 }
 
@@ -66,7 +70,7 @@ fn settle(sweep: &mut Sweep) -> Vec<Action> {
     let mut orders = Vec::new();
     while let Some(effect) = sweep.poll_effect() {
         match effect {
-            Effect::Record(seq, _) => sweep.handle_event(Event::Recorded(seq), now(1)),
+            Effect::Record(page) => sweep.handle_event(Event::Recorded(page.last()), now(1)),
             Effect::Order(_, order) => orders.push(order.action),
             Effect::Halt(_) | Effect::Led(..) | Effect::Answer(..) => {}
         }
@@ -85,6 +89,9 @@ fn command(input: Input) -> Option<Command> {
         Input::TemperatureOk => Command::Temperature(TemperatureReport::Ok),
         Input::TemperatureTooHigh => Command::Temperature(TemperatureReport::TooHigh),
         Input::Reading => Command::Temperature(TemperatureReport::Reading(Celsius::new(20.0)?)),
+        Input::SensorReading => {
+            Command::Temperature(TemperatureReport::Sensor("roof".into(), Celsius::new(20.0).expect("a believable temperature")))
+        }
         Input::Retrieve => Command::Retrieve,
         Input::Reset => Command::Reset,
         Input::Move => Command::Move(Move::TurnLeft),
@@ -113,7 +120,8 @@ fn command(input: Input) -> Option<Command> {
         | Input::SensorSilent
         | Input::SensorBack
         | Input::StoreFailed
-        | Input::StoreRestored => return None,
+        | Input::StoreRestored
+        | Input::Restarted => return None,
     })
 }
 
@@ -202,7 +210,7 @@ fn a_danger_that_comes_before_a_safe_is_kept_replaces_it() {
     let mut answers = Vec::new();
     while let Some(effect) = sweep.poll_effect() {
         match effect {
-            Effect::Record(seq, _) => sweep.handle_event(Event::Recorded(seq), now(1)),
+            Effect::Record(page) => sweep.handle_event(Event::Recorded(page.last()), now(1)),
             Effect::Answer(ticket, answer) => answers.push((ticket, answer.map(|accepted| accepted.luggage))),
             Effect::Order(..) | Effect::Halt(_) | Effect::Led(..) => {}
         }

@@ -52,6 +52,7 @@ impl Sweep {
             interrupted: phase.interrupted().map(Phase::name),
             fault: phase.fault().map(ToString::to_string),
             holds: self.mission.holds.to_vec(),
+            store_failure: self.world.store_failure.clone(),
             goal: self.goal(),
             route: cells_along(self.world.robot.pose, self.mission.route.iter().copied()).into(),
             trail: self.mission.trail.iter().copied().collect(),

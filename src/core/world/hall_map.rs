@@ -38,6 +38,18 @@ pub enum Mark {
 }
 
 impl Mark {
+    /// The word for records.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Mark::Unknown => "unknown",
+            Mark::Visited => "visited",
+            Mark::Wall => "wall",
+            Mark::Luggage => "luggage",
+            Mark::NotInspected => "notInspected",
+        }
+    }
+
     /// Whether the robot cannot go there.
     #[must_use]
     pub const fn is_obstacle(self) -> bool {
@@ -204,6 +216,12 @@ impl HallMap {
         })
     }
 
+    /// Every cell of which anything is known, with its mark.
+    pub fn known(&self) -> impl Iterator<Item = (Cell, Mark)> {
+        let marked = self.tiles().flat_map(|(corner, tile)| cells_of(corner).map(|cell| (cell, tile.marks[place_in_tile(cell)])));
+        marked.filter(|(_, mark)| *mark != Mark::Unknown)
+    }
+
     /// The cells whose mark differs from `older`'s, with their marks here. Tiles that are shared are not looked into.
     #[must_use]
     pub fn changes_since(&self, older: &HallMap) -> Vec<(Cell, Mark)> {
@@ -261,6 +279,13 @@ impl HallMap {
         let frontier = Arc::make_mut(&mut self.frontier);
         frontier.remove(&cell);
         frontier.extend(fresh);
+    }
+}
+
+/// Two maps are equal when the same is known of every cell, whenever it became known.
+impl PartialEq for HallMap {
+    fn eq(&self, other: &HallMap) -> bool {
+        self.changes_since(other).is_empty()
     }
 }
 

@@ -34,6 +34,8 @@ pub struct World {
     pub alarms: Vec<Arc<Alarm>>,
     /// The latest log lines.
     pub log: Log,
+    /// Why nothing can be put on record just now, as the store says it.
+    pub store_failure: Option<String>,
     last_alarm: AlarmId,
     revision: Revision,
     revisions: [Revision; Resource::COUNT],
@@ -56,6 +58,7 @@ impl World {
             thermometer: Thermometer::new(settings.threshold, settings.hysteresis),
             alarms: Vec::new(),
             log: Log::default(),
+            store_failure: None,
             last_alarm: AlarmId(0),
             revision: Revision(1),
             revisions: [Revision(1); Resource::COUNT],
@@ -106,6 +109,17 @@ impl World {
         self.alarms.push(Arc::new(alarm));
         self.touch(Resource::Alarms);
         Some(self.last_alarm)
+    }
+
+    /// The number of the last alarm.
+    #[must_use]
+    pub const fn last_alarm(&self) -> AlarmId {
+        self.last_alarm
+    }
+
+    /// The alarms as they were before a restart.
+    pub fn take_up_alarms(&mut self, alarms: Vec<Arc<Alarm>>, last: AlarmId) {
+        (self.alarms, self.last_alarm) = (alarms, last);
     }
 
     /// Whether the robot stands in the middle of its home cell.

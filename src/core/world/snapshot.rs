@@ -72,6 +72,8 @@ pub struct MissionView {
     pub fault: Option<String>,
     /// What holds the robot.
     pub holds: Vec<Hold>,
+    /// Why nothing can be put on record, while that is so.
+    pub store_failure: Option<String>,
     /// The cell it is on its way to.
     pub goal: Option<Cell>,
     /// The cells it means to pass on the way there, the next one first.

@@ -1,7 +1,7 @@
 //! The temperature of the hall: the last reading of every source, compared with the threshold.
 //! Which hold follows from it is the mission's business.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::core::units::Celsius;
@@ -16,7 +16,6 @@ pub struct Thermometer {
     threshold: Celsius,
     hysteresis: f64,
     sources: BTreeMap<Arc<str>, Source>,
-    silent: BTreeSet<Arc<str>>,
     last: Option<Celsius>,
 }
 
@@ -30,10 +29,10 @@ impl Thermometer {
     /// Without any reading: it counts as ok.
     #[must_use]
     pub const fn new(threshold: Celsius, hysteresis: f64) -> Thermometer {
-        Thermometer { threshold, hysteresis, sources: BTreeMap::new(), silent: BTreeSet::new(), last: None }
+        Thermometer { threshold, hysteresis, sources: BTreeMap::new(), last: None }
     }
 
-    /// Takes a reading; true when something a door shows has changed. Readings of more sources than can be listened to are
+    /// Takes a reading; true when it is news: of this source, or in what a door shows. Readings of more sources than can be listened to are
     /// shown, and count as a source named `others`.
     pub fn read(&mut self, source: &Arc<str>, reading: Celsius) -> bool {
         let source = if self.sources.len() < SOURCES || self.sources.contains_key(source) {
@@ -41,6 +40,7 @@ impl Thermometer {
         } else {
             Arc::from("others")
         };
+        let known = self.sources.get(&source).map(|source| source.reading);
         let before = (self.hot(), self.last);
         let entry = self.sources.entry(source).or_insert(Source { hot: false, reading });
         entry.reading = reading;
@@ -50,20 +50,13 @@ impl Thermometer {
             entry.hot = false;
         }
         self.last = Some(reading);
-        before != (self.hot(), self.last)
+        known != Some(reading) || before != (self.hot(), self.last)
     }
 
-    /// Notes that a configured sensor has fallen silent.
-    pub fn miss(&mut self, source: &Arc<str>) {
-        if self.silent.len() < SOURCES {
-            self.silent.insert(Arc::clone(source));
-        }
-    }
-
-    /// Notes that a sensor reads again; true when none is silent any more.
-    pub fn hear(&mut self, source: &Arc<str>) -> bool {
-        self.silent.remove(source);
-        self.silent.is_empty()
+    /// The last reading of this source.
+    #[must_use]
+    pub fn reading_of(&self, source: &str) -> Option<Celsius> {
+        self.sources.get(source).map(|source| source.reading)
     }
 
     /// Whether any source's last word is that it is too hot.

@@ -32,8 +32,9 @@ pub use gate::Access;
 pub use guard::Hosts;
 pub use serve::serve;
 
+use self::problem::Problem;
 use crate::access::Attempts;
-use crate::runtime::archive::Archive;
+use crate::runtime::archive::{Archive, Unreadable};
 use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;
 
@@ -67,6 +68,16 @@ impl Door {
             access,
             attempts: Arc::default(),
         }
+    }
+
+    /// Looks something up in the archive, where blocking is allowed.
+    async fn look_up<T: Send + 'static>(
+        &self,
+        read: impl FnOnce(&dyn Archive) -> Result<T, Unreadable> + Send + 'static,
+    ) -> Result<T, Problem> {
+        let archive = Arc::clone(&self.archive);
+        let read = tokio::task::spawn_blocking(move || read(&*archive)).await;
+        read.map_err(|_| Problem::internal())?.map_err(|unreadable| Problem::unreadable(unreadable.to_string()))
     }
 
     /// Ends every open stream at once, and every one opened from now on.

@@ -27,6 +27,7 @@ pub(super) const fn status_of(kind: RefusalKind) -> StatusCode {
         RefusalKind::Conflict => StatusCode::CONFLICT,
         RefusalKind::Unknown => StatusCode::NOT_FOUND,
         RefusalKind::Unavailable => StatusCode::SERVICE_UNAVAILABLE,
+        RefusalKind::Mismatch => StatusCode::UNPROCESSABLE_ENTITY,
     }
 }
 
@@ -96,6 +97,11 @@ impl Problem {
         Problem::new(StatusCode::UNPROCESSABLE_ENTITY, "unusable", detail)
     }
 
+    /// 503: what is kept cannot be read.
+    pub(super) fn unreadable(detail: String) -> Problem {
+        Problem::new(StatusCode::SERVICE_UNAVAILABLE, "unreadable", detail)
+    }
+
     /// 503: the program is ending.
     pub(super) fn closing() -> Problem {
         let detail = "hallsweep is shutting down: the robot has been halted; try again when it is back".to_owned();
@@ -153,7 +159,7 @@ pub(super) async fn no_such_method(method: Method, uri: Uri) -> Problem {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::command::Verdict;
+    use crate::core::command::{CODES, CommandId, Refusal, Verdict};
     use crate::core::mission::{Hold, PhaseName};
     use crate::core::units::{AlarmId, Cell, Epoch, LuggageId};
 
@@ -183,7 +189,9 @@ mod tests {
             Some(Refused::NoRetrievalRobot) => Refused::FaultStands("stuck".to_owned()),
             Some(Refused::FaultStands(_)) => Refused::StoreDown,
             Some(Refused::StoreDown) => Refused::NotKept,
-            Some(Refused::NotKept) => return None,
+            Some(Refused::NotKept) => Refused::OtherContent(CommandId::new("a-name").unwrap()),
+            Some(Refused::OtherContent(_)) => Refused::UnknownSensor("roof".into()),
+            Some(Refused::UnknownSensor(_) | Refused::Before(_)) => return None,
         })
     }
 
@@ -193,21 +201,20 @@ mod tests {
         let mut codes = std::collections::BTreeSet::new();
         for refused in &all {
             let problem = Problem::refused(refused, None);
-            let unknown = matches!(refused, Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_));
-            let unavailable = matches!(refused, Refused::StoreDown | Refused::NotKept);
-            let expected = if unknown {
-                404
-            } else if unavailable {
-                503
-            } else {
-                409
+            let expected = match refused.code() {
+                "unknownLuggage" | "unknownAlarm" | "unknownSensor" => 404,
+                "storeDown" | "notKept" => 503,
+                "otherContent" => 422,
+                _ => 409,
             };
+            let read_back = Refused::Before(Refusal::named(refused.code(), refused.to_string()));
+            assert_eq!((read_back.code(), read_back.kind()), (refused.code(), refused.kind()), "as before, after a restart");
             assert_eq!(problem.status.as_u16(), expected, "{refused}");
             assert_eq!(problem.body.status, expected);
             assert!(problem.detail().len() > 15, "a person is to understand {refused:?}");
             assert_eq!(problem.body.kind, format!("urn:hallsweep:problem:{}", refused.code()));
             assert!(codes.insert(refused.code()), "{} is used twice", refused.code());
         }
-        assert_eq!(all.len(), 22);
+        assert_eq!(all.len(), CODES.len());
     }
 }

@@ -54,20 +54,20 @@ pub(super) async fn luggage_list(State(door): State<Door>, headers: HeaderMap) -
 /// `GET luggage/{id}`
 pub(super) async fn luggage(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     let snapshot = door.handle.snapshot();
-    let luggage = record(&door, &snapshot, id)?;
+    let luggage = record(&door, &snapshot, id).await?;
     Ok(conditional(&headers, &luggage_tag(&snapshot), || Json(LuggageJson::from(&*luggage)).into_response()))
 }
 
 /// `GET luggage/{id}/photo`: the newest picture of a piece.
 pub(super) async fn photo(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     let snapshot = door.handle.snapshot();
-    let take = match &record(&door, &snapshot, id)?.photo {
+    let take = match &record(&door, &snapshot, id).await?.photo {
         PhotoState::Taken { take, .. } => *take,
         PhotoState::Failed(reason) => {
             return Err(Problem::not_found(format!("there is no photo of luggage #{id}: {reason}; take it again")));
         }
     };
-    let kept = door.archive.photo(LuggageId(id));
+    let kept = door.look_up(move |archive| archive.photo(LuggageId(id))).await?;
     let photo = kept.ok_or_else(|| Problem::not_found(format!("the photo of luggage #{id} is not kept")))?;
     let tag = tag(&snapshot.run, format_args!("{id}.{take}"), "photo");
     let bytes = axum::body::Bytes::from_owner(photo.bytes);
@@ -83,9 +83,11 @@ pub(super) async fn health(State(door): State<Door>) -> Result<String, Problem> 
 }
 
 /// The record of a piece of this mission, or of one that is over.
-fn record(door: &Door, snapshot: &Snapshot, id: u64) -> Result<Arc<Luggage>, Problem> {
-    let luggage = snapshot.luggage(LuggageId(id)).map(Arc::clone);
-    let kept = luggage.or_else(|| door.archive.luggage(LuggageId(id)).map(Arc::new));
+async fn record(door: &Door, snapshot: &Snapshot, id: u64) -> Result<Arc<Luggage>, Problem> {
+    if let Some(luggage) = snapshot.luggage(LuggageId(id)) {
+        return Ok(Arc::clone(luggage));
+    }
+    let kept = door.look_up(move |archive| archive.luggage(LuggageId(id))).await?.map(Arc::new);
     kept.ok_or_else(|| Problem::not_found(format!("there is no luggage #{id}")))
 }
 

@@ -15,11 +15,13 @@ use super::gate::Peer;
 use super::{Access, Door, Hosts, router};
 use crate::access::{Keyring, Keys, OPERATOR, Role};
 use crate::core::command::{self, Accepted, Command, LuggageRef, Refused};
+use crate::core::effect::Entry;
 use crate::core::event::Photo;
-use crate::core::units::{Epoch, LuggageId};
+use crate::core::standing::Standing;
+use crate::core::units::{Epoch, LuggageId, MissionId, Seq};
 use crate::core::world::luggage::Luggage;
 use crate::core::world::snapshot::Snapshot;
-use crate::runtime::archive::Archive;
+use crate::runtime::archive::{Archive, MissionRecord, Unreadable};
 use crate::runtime::halt::Halter;
 use crate::runtime::handle::{COMMANDS, Envelope, Handle};
 
@@ -35,12 +37,28 @@ pub(super) struct House {
 struct Pictures;
 
 impl Archive for Pictures {
-    fn photo(&self, _: LuggageId) -> Option<Photo> {
-        Some(Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" })
+    fn photo(&self, _: LuggageId) -> Result<Option<Photo>, Unreadable> {
+        Ok(Some(Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" }))
     }
 
-    fn luggage(&self, _: LuggageId) -> Option<Luggage> {
-        None
+    fn luggage(&self, _: LuggageId) -> Result<Option<Luggage>, Unreadable> {
+        Ok(None)
+    }
+
+    fn missions(&self, _: Option<MissionId>, _: usize) -> Result<Vec<MissionRecord>, Unreadable> {
+        Ok(Vec::new())
+    }
+
+    fn mission(&self, _: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
+        Ok(None)
+    }
+
+    fn standing(&self, _: MissionId) -> Result<Option<Standing>, Unreadable> {
+        Ok(None)
+    }
+
+    fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<(Seq, Entry)>, Unreadable> {
+        Ok(Vec::new())
     }
 }
 

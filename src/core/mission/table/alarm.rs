@@ -2,8 +2,8 @@
 
 use super::shared::{
     ACKNOWLEDGE, ANOTHER_DANGER, BUTTON_OK, BUTTON_TOO_HIGH, CHOOSE, COOL, DANGER, DANGER_AT_HOME, DRIVE_IF_STOPPED,
-    EXPLORE_AGAIN, HEAT, INTO_FAULT, LINK_LOST, LINK_UP, NOT_HERE, NOTHING, READING, RECORDED, RESET, RESUME, RETAKE_ELSEWHERE,
-    SAFE, SENSOR_BACK, SENSOR_SILENT, STOP, STORE_FAILED, STORE_RESTORED,
+    EXPLORE_AGAIN, HEAT, INTO_FAULT, LINK_LOST, LINK_UP, NOT_HERE, NOTHING, READING, RECORDED, RESET, RESTARTED, RESUME,
+    RETAKE_ELSEWHERE, SAFE, SENSOR_BACK, SENSOR_READING, SENSOR_SILENT, STOP, STORE_FAILED, STORE_RESTORED,
 };
 use crate::core::mission::rule::Act::{Release, RetryBlocked};
 use crate::core::mission::rule::Rule::{AsInterrupted, Go, Never, RefuseIf};
@@ -23,6 +23,7 @@ pub(super) const fn returning_with_alarm(input: Input) -> &'static [Rule] {
         Input::TemperatureOk => BUTTON_OK,
         Input::TemperatureTooHigh => BUTTON_TOO_HIGH,
         Input::Reading => READING,
+        Input::SensorReading => SENSOR_READING,
         Input::Reset => RESET,
         Input::Move | Input::Goto => DRIVE_IF_STOPPED,
         Input::Acknowledge => ACKNOWLEDGE,
@@ -46,6 +47,7 @@ pub(super) const fn returning_with_alarm(input: Input) -> &'static [Rule] {
         Input::SensorBack => SENSOR_BACK,
         Input::StoreFailed => STORE_FAILED,
         Input::StoreRestored => STORE_RESTORED,
+        Input::Restarted => RESTARTED,
     }
 }
 
@@ -60,6 +62,7 @@ pub(super) const fn bomb_located(input: Input) -> &'static [Rule] {
         Input::TemperatureOk => BUTTON_OK,
         Input::TemperatureTooHigh => BUTTON_TOO_HIGH,
         Input::Reading => READING,
+        Input::SensorReading => SENSOR_READING,
         Input::Retrieve => &[RefuseIf(Bar::Held), Never(Bar::NoRetrievalRobot)],
         Input::Reset => RESET,
         Input::Acknowledge => ACKNOWLEDGE,
@@ -84,6 +87,7 @@ pub(super) const fn bomb_located(input: Input) -> &'static [Rule] {
         Input::SensorBack => SENSOR_BACK,
         Input::StoreFailed => STORE_FAILED,
         Input::StoreRestored => STORE_RESTORED,
+        Input::Restarted => RESTARTED,
     }
 }
 
@@ -99,6 +103,7 @@ pub(super) const fn retrieving(input: Input) -> &'static [Rule] {
         Input::TemperatureOk => BUTTON_OK,
         Input::TemperatureTooHigh => BUTTON_TOO_HIGH,
         Input::Reading => READING,
+        Input::SensorReading => SENSOR_READING,
         Input::Reset => RESET,
         Input::Acknowledge => ACKNOWLEDGE,
         Input::Done
@@ -122,6 +127,7 @@ pub(super) const fn retrieving(input: Input) -> &'static [Rule] {
         Input::SensorBack => SENSOR_BACK,
         Input::StoreFailed => STORE_FAILED,
         Input::StoreRestored => STORE_RESTORED,
+        Input::Restarted => RESTARTED,
     }
 }
 
@@ -137,6 +143,7 @@ pub(super) const fn bag_secured(input: Input) -> &'static [Rule] {
         Input::TemperatureOk => BUTTON_OK,
         Input::TemperatureTooHigh => BUTTON_TOO_HIGH,
         Input::Reading => READING,
+        Input::SensorReading => SENSOR_READING,
         Input::Reset => RESET,
         Input::Acknowledge => ACKNOWLEDGE,
         Input::Strategy => CHOOSE,
@@ -161,6 +168,7 @@ pub(super) const fn bag_secured(input: Input) -> &'static [Rule] {
         Input::SensorBack => SENSOR_BACK,
         Input::StoreFailed => STORE_FAILED,
         Input::StoreRestored => STORE_RESTORED,
+        Input::Restarted => RESTARTED,
     }
 }
 
@@ -181,6 +189,7 @@ pub(super) const fn fault(input: Input) -> &'static [Rule] {
         Input::TemperatureOk => BUTTON_OK,
         Input::TemperatureTooHigh => BUTTON_TOO_HIGH,
         Input::Reading => READING,
+        Input::SensorReading => SENSOR_READING,
         Input::Reset => RESET,
         Input::Acknowledge => ACKNOWLEDGE,
         Input::Done
@@ -203,5 +212,6 @@ pub(super) const fn fault(input: Input) -> &'static [Rule] {
         Input::SensorBack => SENSOR_BACK,
         Input::StoreFailed => STORE_FAILED,
         Input::StoreRestored => STORE_RESTORED,
+        Input::Restarted => RESTARTED,
     }
 }

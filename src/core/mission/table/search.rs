@@ -4,7 +4,8 @@
 use super::shared::{
     ACKNOWLEDGE, ANOTHER_DANGER, BUTTON_OK, BUTTON_TOO_HIGH, CHOOSE, COOL, DANGER, DANGER_AT_HOME, DANGER_ON_THE_WAY, DRIVE,
     DRIVE_IF_STOPPED, EXPLORE_AGAIN, EXPLORE_ON, GO_HOME, HEAT, INTO_FAULT, LINK_LOST, LINK_UP, NOT_HERE, NOTHING, READING,
-    RECORDED, RESET, RESUME, RETAKE_ELSEWHERE, SAFE, SENSOR_BACK, SENSOR_SILENT, STOP, STORE_FAILED, STORE_RESTORED,
+    RECORDED, RESET, RESTARTED, RESUME, RETAKE_ELSEWHERE, SAFE, SENSOR_BACK, SENSOR_READING, SENSOR_SILENT, STOP, STORE_FAILED,
+    STORE_RESTORED,
 };
 use crate::core::mission::rule::Act::{Begin, FacePiece, LedOff, Raise, RecordPiece, RecordRetake, Release, Retake, Stop};
 use crate::core::mission::rule::Rule::{AsInterrupted, Go, Never, RefuseIf, When};
@@ -24,6 +25,7 @@ pub(super) const fn idle(input: Input) -> &'static [Rule] {
         Input::TemperatureOk => BUTTON_OK,
         Input::TemperatureTooHigh => BUTTON_TOO_HIGH,
         Input::Reading => READING,
+        Input::SensorReading => SENSOR_READING,
         Input::Reset => RESET,
         Input::Move | Input::Goto => DRIVE,
         Input::Acknowledge => ACKNOWLEDGE,
@@ -49,6 +51,7 @@ pub(super) const fn idle(input: Input) -> &'static [Rule] {
         Input::SensorBack => SENSOR_BACK,
         Input::StoreFailed => STORE_FAILED,
         Input::StoreRestored => STORE_RESTORED,
+        Input::Restarted => RESTARTED,
     }
 }
 
@@ -63,6 +66,7 @@ pub(super) const fn exploring(input: Input) -> &'static [Rule] {
         Input::TemperatureOk => BUTTON_OK,
         Input::TemperatureTooHigh => BUTTON_TOO_HIGH,
         Input::Reading => READING,
+        Input::SensorReading => SENSOR_READING,
         Input::Retrieve | Input::Strategy => NOT_HERE,
         Input::RetakePhoto => RETAKE_ELSEWHERE,
         Input::Reset => RESET,
@@ -85,6 +89,7 @@ pub(super) const fn exploring(input: Input) -> &'static [Rule] {
         Input::SensorBack => SENSOR_BACK,
         Input::StoreFailed => STORE_FAILED,
         Input::StoreRestored => STORE_RESTORED,
+        Input::Restarted => RESTARTED,
     }
 }
 
@@ -99,6 +104,7 @@ pub(super) const fn inspecting(input: Input) -> &'static [Rule] {
         Input::TemperatureOk => BUTTON_OK,
         Input::TemperatureTooHigh => BUTTON_TOO_HIGH,
         Input::Reading => READING,
+        Input::SensorReading => SENSOR_READING,
         Input::Retrieve | Input::Move | Input::Goto | Input::Strategy => NOT_HERE,
         Input::Reset => RESET,
         Input::RetakePhoto => {
@@ -120,6 +126,7 @@ pub(super) const fn inspecting(input: Input) -> &'static [Rule] {
         Input::SensorBack => SENSOR_BACK,
         Input::StoreFailed => STORE_FAILED,
         Input::StoreRestored => STORE_RESTORED,
+        Input::Restarted => RESTARTED,
     }
 }
 
@@ -136,6 +143,7 @@ pub(super) const fn driving(input: Input) -> &'static [Rule] {
             Go(Interrupted, &[Raise(Hold::Operator), Raise(Hold::TooHigh)]),
         ],
         Input::Reading => READING,
+        Input::SensorReading => SENSOR_READING,
         Input::Retrieve | Input::Strategy => NOT_HERE,
         Input::RetakePhoto => RETAKE_ELSEWHERE,
         Input::Reset => RESET,
@@ -166,6 +174,10 @@ pub(super) const fn driving(input: Input) -> &'static [Rule] {
             Go(Interrupted, &[Raise(Hold::Operator), Raise(Hold::Store)]),
         ],
         Input::StoreRestored => STORE_RESTORED,
+        Input::Restarted => &[
+            When(Case::FromIdle, Interrupted, &[Raise(Hold::Restart)]),
+            Go(Interrupted, &[Raise(Hold::Operator), Raise(Hold::Restart)]),
+        ],
     }
 }
 
@@ -179,6 +191,7 @@ pub(super) const fn returning_home(input: Input) -> &'static [Rule] {
         Input::TemperatureOk => BUTTON_OK,
         Input::TemperatureTooHigh => BUTTON_TOO_HIGH,
         Input::Reading => READING,
+        Input::SensorReading => SENSOR_READING,
         Input::Retrieve | Input::Strategy => NOT_HERE,
         Input::RetakePhoto => RETAKE_ELSEWHERE,
         Input::Reset => RESET,
@@ -204,6 +217,7 @@ pub(super) const fn returning_home(input: Input) -> &'static [Rule] {
         Input::SensorBack => SENSOR_BACK,
         Input::StoreFailed => STORE_FAILED,
         Input::StoreRestored => STORE_RESTORED,
+        Input::Restarted => RESTARTED,
     }
 }
 
@@ -218,6 +232,7 @@ pub(super) const fn at_home(input: Input) -> &'static [Rule] {
         Input::TemperatureOk => BUTTON_OK,
         Input::TemperatureTooHigh => BUTTON_TOO_HIGH,
         Input::Reading => READING,
+        Input::SensorReading => SENSOR_READING,
         Input::Retrieve | Input::Strategy => NOT_HERE,
         Input::RetakePhoto => RETAKE_ELSEWHERE,
         Input::Reset => RESET,
@@ -244,6 +259,7 @@ pub(super) const fn at_home(input: Input) -> &'static [Rule] {
         Input::SensorBack => SENSOR_BACK,
         Input::StoreFailed => STORE_FAILED,
         Input::StoreRestored => STORE_RESTORED,
+        Input::Restarted => RESTARTED,
     }
 }
 
@@ -259,6 +275,7 @@ pub(super) const fn explored(input: Input) -> &'static [Rule] {
         Input::TemperatureOk => BUTTON_OK,
         Input::TemperatureTooHigh => BUTTON_TOO_HIGH,
         Input::Reading => READING,
+        Input::SensorReading => SENSOR_READING,
         Input::Reset => RESET,
         Input::Acknowledge => ACKNOWLEDGE,
         Input::Strategy => CHOOSE,
@@ -283,5 +300,6 @@ pub(super) const fn explored(input: Input) -> &'static [Rule] {
         Input::SensorBack => SENSOR_BACK,
         Input::StoreFailed => STORE_FAILED,
         Input::StoreRestored => STORE_RESTORED,
+        Input::Restarted => RESTARTED,
     }
 }

@@ -1,8 +1,8 @@
 //! Cells that several phases share, by name. Which phase has which stands in `search` and `alarm`.
 
 use crate::core::mission::rule::Act::{
-    Acknowledge, AlarmDanger, AlarmUnrecorded, Archive, AskOperator, Begin, ChooseStrategy, Clear, EmptyMap, LedOff, NoteReading,
-    Raise, RecordVerdict, Release, Stop,
+    Acknowledge, AlarmDanger, AlarmUnrecorded, Archive, AskOperator, Begin, ChooseStrategy, Clear, EmptyMap, HearSensor, LedOff,
+    NoteReading, Raise, RecordVerdict, Release, Stop,
 };
 use crate::core::mission::rule::Rule::{Go, Never, RefuseIf, RefuseIfThen, When};
 use crate::core::mission::rule::To::{Phase, Stay};
@@ -41,6 +41,7 @@ pub(super) const DANGER: &[Rule] = &[
 pub(super) const BUTTON_OK: &[Rule] = &[Go(Stay, &[Clear(Hold::TooHigh)])];
 pub(super) const BUTTON_TOO_HIGH: &[Rule] = &[Go(Stay, &[Raise(Hold::TooHigh)])];
 pub(super) const READING: &[Rule] = &[Go(Stay, &[NoteReading])];
+pub(super) const SENSOR_READING: &[Rule] = &[RefuseIf(Bar::UnknownSensor), Go(Stay, &[HearSensor])];
 pub(super) const RESET: &[Rule] = &[
     RefuseIf(Bar::Moving),
     RefuseIf(Bar::Unrecorded),
@@ -77,4 +78,5 @@ pub(super) const COOL: &[Rule] = &[Go(Stay, &[Clear(Hold::Temperature)])];
 pub(super) const SENSOR_SILENT: &[Rule] = &[Go(Stay, &[Raise(Hold::TemperatureStale)])];
 pub(super) const SENSOR_BACK: &[Rule] = &[Go(Stay, &[Clear(Hold::TemperatureStale)])];
 pub(super) const STORE_FAILED: &[Rule] = &[Go(Stay, &[Raise(Hold::Store)])];
+pub(super) const RESTARTED: &[Rule] = &[Go(Stay, &[Raise(Hold::Restart)])];
 pub(super) const STORE_RESTORED: &[Rule] = &[Go(Stay, &[Clear(Hold::Store)])];

@@ -1,0 +1,236 @@
+//! Every reason for which a command can be refused, in words for an operator and as a fixed code for programs.
+//! Which status a refusal gets is each door's own table.
+
+use std::sync::Arc;
+
+use super::command::{CommandId, Verdict};
+use super::mission::{Hold, PhaseName};
+use super::units::{AlarmId, Cell, Epoch, LuggageId};
+
+/// Which family a refusal is of; each door maps these to its own codes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RefusalKind {
+    /// The state forbids it (HTTP 409).
+    Conflict,
+    /// There is no such thing (HTTP 404).
+    Unknown,
+    /// It cannot be kept safe just now (HTTP 503).
+    Unavailable,
+    /// It contradicts what the same sender said before (HTTP 422).
+    Mismatch,
+}
+
+/// Why a command was refused. `Display` is the sentence an operator reads.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Refused {
+    /// Holds stand that a movement command does not clear.
+    #[error("refused while held: {}", holds_in_words(.0))]
+    Held(Vec<Hold>),
+    /// Somebody pressed STOP after the sender last looked.
+    #[error("outdated: it was sent at epoch {sent}, but a STOP has since raised it to {now}; look again, then repeat it")]
+    Outdated {
+        /// The epoch the command carried.
+        sent: Epoch,
+        /// The epoch that holds.
+        now: Epoch,
+    },
+    /// The phase has no use for it.
+    #[error("not possible while {}", .0.in_words())]
+    NotInPhase(PhaseName),
+    /// A piece waits for its verdict first.
+    #[error("luggage #{0} waits for its verdict: answer safe or danger first")]
+    VerdictPending(LuggageId),
+    /// A hand is on the robot.
+    #[error("the robot is being driven by hand: wait for the end of the move, or press STOP")]
+    Driving,
+    /// Manual driving needs a STOP before it.
+    #[error("the robot is on its mission: press STOP before driving it by hand")]
+    NotStopped,
+    /// The way is known to be blocked.
+    #[error("there is an obstacle at {0}")]
+    IntoObstacle(Cell),
+    /// This robot cannot do that.
+    #[error("this robot has no small corrective turns")]
+    NotCapable,
+    /// It must stand still for that.
+    #[error("the robot is moving: press STOP first")]
+    Moving,
+    /// The piece just met is not on record yet.
+    #[error("a piece of luggage is being recorded: wait for its photo")]
+    Unrecorded,
+    /// A bomb was found and nobody has said that it may stay.
+    #[error("luggage #{0} is dangerous and still in the hall: acknowledge its alarm first")]
+    BombUnfetched(LuggageId),
+    /// No piece has this number.
+    #[error("there is no luggage #{0}")]
+    UnknownLuggage(LuggageId),
+    /// The bare word of an old client found nothing to mean.
+    #[error("no luggage waits for a verdict")]
+    NothingPending,
+    /// Another verdict stands; the first is final.
+    #[error("luggage #{luggage} was already found {}: a verdict is final", .verdict.name())]
+    Decided {
+        /// The piece.
+        luggage: LuggageId,
+        /// What stands.
+        verdict: Verdict,
+    },
+    /// Without a photo nobody can say that it is safe.
+    #[error("luggage #{0} has no usable photo: take it again, or answer danger")]
+    NoPhoto(LuggageId),
+    /// Only the piece in front of the robot can be photographed.
+    #[error("luggage #{0} is not the one being inspected")]
+    NotInspected(LuggageId),
+    /// One photo at a time.
+    #[error("the photo is being taken")]
+    PhotoUnderWay,
+    /// No alarm has this number.
+    #[error("there is no alarm {0}")]
+    UnknownAlarm(AlarmId),
+    /// Nothing can fetch the bomb.
+    #[error("no retrieval robot is there")]
+    NoRetrievalRobot,
+    /// What put the mission in fault is still so.
+    #[error("the fault still stands: {0}")]
+    FaultStands(String),
+    /// Nothing can be put on record.
+    #[error("the record cannot be written, so nothing was decided: try again when the store is back")]
+    StoreDown,
+    /// It was carried out, but the store failed before it was on record.
+    #[error("it could not be put on record, because the store has failed: look at the state before you repeat it")]
+    NotKept,
+    /// The sender used one name for two commands.
+    #[error("the id {} was used before, for another command: give each command an id of its own", .0.text())]
+    OtherContent(CommandId),
+    /// A reading came of a sensor that nobody has configured.
+    #[error("there is no sensor {0:?}: name it in the setting temperature.sensor")]
+    UnknownSensor(Arc<str>),
+    /// A command of this name was refused before the program was started again; it still is.
+    #[error("{}", .0.words)]
+    Before(Refusal),
+}
+
+/// A refusal as it is kept on record.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// The fixed word for programs.
+    pub code: &'static str,
+    /// The family it is of.
+    pub kind: RefusalKind,
+    /// The sentence an operator read.
+    pub words: String,
+}
+
+impl Refusal {
+    /// The refusal with this code and these words; a code that no version of this program knows is a plain conflict.
+    #[must_use]
+    pub fn named(code: &str, words: String) -> Refusal {
+        let (code, kind) = CODES.into_iter().find(|(known, _)| *known == code).unwrap_or(("refused", RefusalKind::Conflict));
+        Refusal { code, kind, words }
+    }
+}
+
+impl From<&Refused> for Refusal {
+    fn from(refused: &Refused) -> Refusal {
+        Refusal { code: refused.code(), kind: refused.kind(), words: refused.to_string() }
+    }
+}
+
+/// Every code with its family, for refusals read back; a test in the HTTP door holds it against the variants.
+pub const CODES: [(&str, RefusalKind); 24] = {
+    use RefusalKind::{Conflict, Mismatch, Unavailable, Unknown};
+    [
+        ("held", Conflict),
+        ("outdated", Conflict),
+        ("notInPhase", Conflict),
+        ("verdictPending", Conflict),
+        ("driving", Conflict),
+        ("notStopped", Conflict),
+        ("intoObstacle", Conflict),
+        ("notCapable", Conflict),
+        ("moving", Conflict),
+        ("unrecorded", Conflict),
+        ("bombUnfetched", Conflict),
+        ("unknownLuggage", Unknown),
+        ("nothingPending", Conflict),
+        ("decided", Conflict),
+        ("noPhoto", Conflict),
+        ("notInspected", Conflict),
+        ("photoUnderWay", Conflict),
+        ("unknownAlarm", Unknown),
+        ("noRetrievalRobot", Conflict),
+        ("faultStands", Conflict),
+        ("storeDown", Unavailable),
+        ("notKept", Unavailable),
+        ("otherContent", Mismatch),
+        ("unknownSensor", Unknown),
+    ]
+};
+
+impl Refused {
+    /// The family, for the codes of the doors.
+    #[must_use]
+    pub const fn kind(&self) -> RefusalKind {
+        match self {
+            Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_) | Refused::UnknownSensor(_) => RefusalKind::Unknown,
+            Refused::StoreDown | Refused::NotKept => RefusalKind::Unavailable,
+            Refused::OtherContent(_) => RefusalKind::Mismatch,
+            Refused::Before(refusal) => refusal.kind,
+            Refused::Held(_)
+            | Refused::Outdated { .. }
+            | Refused::NotInPhase(_)
+            | Refused::VerdictPending(_)
+            | Refused::Driving
+            | Refused::NotStopped
+            | Refused::IntoObstacle(_)
+            | Refused::NotCapable
+            | Refused::Moving
+            | Refused::Unrecorded
+            | Refused::BombUnfetched(_)
+            | Refused::NothingPending
+            | Refused::Decided { .. }
+            | Refused::NoPhoto(_)
+            | Refused::NotInspected(_)
+            | Refused::PhotoUnderWay
+            | Refused::NoRetrievalRobot
+            | Refused::FaultStands(_) => RefusalKind::Conflict,
+        }
+    }
+
+    /// A short fixed word for programs: it never changes, the sentence may.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Refused::Held(_) => "held",
+            Refused::Outdated { .. } => "outdated",
+            Refused::NotInPhase(_) => "notInPhase",
+            Refused::VerdictPending(_) => "verdictPending",
+            Refused::Driving => "driving",
+            Refused::NotStopped => "notStopped",
+            Refused::IntoObstacle(_) => "intoObstacle",
+            Refused::NotCapable => "notCapable",
+            Refused::Moving => "moving",
+            Refused::Unrecorded => "unrecorded",
+            Refused::BombUnfetched(_) => "bombUnfetched",
+            Refused::UnknownLuggage(_) => "unknownLuggage",
+            Refused::NothingPending => "nothingPending",
+            Refused::Decided { .. } => "decided",
+            Refused::NoPhoto(_) => "noPhoto",
+            Refused::NotInspected(_) => "notInspected",
+            Refused::PhotoUnderWay => "photoUnderWay",
+            Refused::UnknownAlarm(_) => "unknownAlarm",
+            Refused::NoRetrievalRobot => "noRetrievalRobot",
+            Refused::FaultStands(_) => "faultStands",
+            Refused::StoreDown => "storeDown",
+            Refused::NotKept => "notKept",
+            Refused::OtherContent(_) => "otherContent",
+            Refused::UnknownSensor(_) => "unknownSensor",
+            Refused::Before(refusal) => refusal.code,
+        }
+    }
+}
+
+fn holds_in_words(holds: &[Hold]) -> String {
+    let words: Vec<&str> = holds.iter().map(|hold| hold.in_words()).collect();
+    words.join("; ")
+}

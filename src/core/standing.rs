@@ -1,0 +1,180 @@
+//! What stands: everything that outlives the program, and how it follows from the facts on record, one by one (safety R1).
+//! How facts are written and read back is the store's business; what is done with them after a restart is `sweep::recall`'s.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use super::effect::{Entry, Fact};
+use super::event::Piece;
+use super::explore::{Search, Strategy};
+use super::mission::{Goal, Hold, Phase, Stage};
+use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, Wall};
+use super::world::alarm::Alarm;
+use super::world::hall_map::{HallMap, Mark};
+use super::world::luggage::{Decision, Luggage};
+
+/// Everything that is as it was after a restart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Standing {
+    /// The number of the mission, or of the last.
+    pub mission: MissionId,
+    /// Whether it has begun and is not archived yet.
+    pub under_way: bool,
+    /// Where it stands.
+    pub phase: Phase,
+    /// What holds the robot.
+    pub holds: BTreeSet<Hold>,
+    /// Raised by every stop.
+    pub epoch: Epoch,
+    /// The order of the search.
+    pub strategy: Strategy,
+    /// How far the search has come.
+    pub search: Search,
+    /// What it is after.
+    pub goal: Option<Goal>,
+    /// Cells that were free once and blocked later.
+    pub blocked: BTreeSet<Cell>,
+    /// Where the last completed order left the robot.
+    pub pose: Pose,
+    /// Whether the LED blinks.
+    pub led_blinking: bool,
+    /// The hall.
+    pub map: HallMap,
+    /// The pieces the camera would know again.
+    pub pieces: BTreeSet<Piece>,
+    /// The luggage of the mission.
+    pub luggage: BTreeMap<LuggageId, Arc<Luggage>>,
+    /// The number of the last piece of all missions.
+    pub last_luggage: LuggageId,
+    /// The alarms, oldest first.
+    pub alarms: Vec<Arc<Alarm>>,
+    /// The number of the last alarm of all missions.
+    pub last_alarm: AlarmId,
+    /// The operator's last reading: nobody else would tell it again.
+    pub reading: Option<Celsius>,
+}
+
+/// The source under which the operator's own readings are kept.
+pub const OPERATOR: &str = "operator";
+
+impl Standing {
+    /// Before anything has happened.
+    #[must_use]
+    pub fn first(strategy: Strategy) -> Standing {
+        Standing {
+            mission: MissionId(0),
+            under_way: false,
+            phase: Phase::Idle,
+            holds: BTreeSet::new(),
+            epoch: Epoch(0),
+            strategy,
+            search: strategy.begin(),
+            goal: None,
+            blocked: BTreeSet::new(),
+            pose: Pose::START,
+            led_blinking: false,
+            map: HallMap::new(Cell::HOME, Revision(1)),
+            pieces: BTreeSet::new(),
+            luggage: BTreeMap::new(),
+            last_luggage: LuggageId(0),
+            alarms: Vec::new(),
+            last_alarm: AlarmId(0),
+            reading: None,
+        }
+    }
+
+    /// What stands after one more entry.
+    pub fn apply(&mut self, Entry { wall, fact }: &Entry) {
+        match fact {
+            Fact::ProgramStarted(_) | Fact::Command { .. } | Fact::Obstacle(..) => {}
+            Fact::Standing(standing) => *self = Standing::clone(standing),
+            Fact::MissionBegan(mission, strategy) => {
+                (self.mission, self.under_way, self.strategy) = (*mission, true, *strategy);
+                self.search_anew();
+            }
+            Fact::MissionArchived(..) => self.archive(),
+            Fact::Phase(phase) => self.phase = phase.clone(),
+            Fact::Holds(holds) => self.holds = holds.iter().copied().collect(),
+            Fact::Epoch(epoch) => self.epoch = *epoch,
+            Fact::Goal(goal, search) => (self.goal, self.search) = (*goal, search.clone()),
+            Fact::Pose(pose) => self.pose = *pose,
+            Fact::Led(blinking) => self.led_blinking = *blinking,
+            Fact::Mark(cell, mark) => self.mark(*cell, *mark),
+            Fact::Luggage { record, .. } => self.keep(record),
+            Fact::Verdict { luggage, verdict, who } => {
+                self.decide(*luggage, Decision { verdict: *verdict, who: Arc::clone(who), wall: *wall });
+            }
+            Fact::Temperature(source, celsius) if **source == *OPERATOR => self.reading = Some(*celsius),
+            Fact::Temperature(..) => {}
+            Fact::AlarmRaised(id, luggage, text) => self.alarm(*id, *luggage, text, *wall),
+            Fact::AlarmAcknowledged(id, who) => self.acknowledge(*id, who, *wall),
+            Fact::Strategy(strategy) => {
+                self.strategy = *strategy;
+                self.search_anew();
+            }
+            Fact::MapEmptied(_) => self.empty_map(),
+        }
+    }
+
+    fn search_anew(&mut self) {
+        (self.search, self.goal) = (self.strategy.begin(), None);
+    }
+
+    fn archive(&mut self) {
+        self.under_way = false;
+        self.search_anew();
+        self.luggage.clear();
+        self.alarms.retain(|alarm| alarm.acknowledged.is_none());
+    }
+
+    fn empty_map(&mut self) {
+        self.map = HallMap::new(Cell::HOME, Revision(1));
+        self.pieces.clear();
+        self.blocked.clear();
+        self.search_anew();
+    }
+
+    /// A cell that was free once and is blocked now may be tried again after a fault.
+    fn mark(&mut self, cell: Cell, mark: Mark) {
+        if self.map.at(cell) == Mark::Visited && mark.is_obstacle() {
+            self.blocked.insert(cell);
+        } else if mark == Mark::Visited {
+            self.blocked.remove(&cell);
+        }
+        self.map.mark(cell, mark, Revision(1));
+    }
+
+    /// A record of a piece known already keeps the verdict that was given in the meantime.
+    fn keep(&mut self, record: &Arc<Luggage>) {
+        let verdict = self.luggage.get(&record.id).and_then(|known| known.verdict.clone());
+        self.luggage.insert(record.id, Arc::new(Luggage { verdict, ..Luggage::clone(record) }));
+        self.pieces.extend(record.piece);
+        self.last_luggage = self.last_luggage.max(record.id);
+    }
+
+    fn decide(&mut self, luggage: LuggageId, decision: Decision) {
+        if let Some(record) = self.luggage.get_mut(&luggage) {
+            *record = Arc::new(Luggage { verdict: Some(decision), ..Luggage::clone(record) });
+        }
+    }
+
+    fn alarm(&mut self, id: AlarmId, luggage: Option<LuggageId>, text: &str, raised: Wall) {
+        self.alarms.push(Arc::new(Alarm { id, raised, text: text.to_owned(), luggage, acknowledged: None }));
+        self.last_alarm = self.last_alarm.max(id);
+    }
+
+    fn acknowledge(&mut self, id: AlarmId, who: &Arc<str>, wall: Wall) {
+        if let Some(alarm) = self.alarms.iter_mut().find(|alarm| alarm.id == id) {
+            *alarm = Arc::new(Alarm { acknowledged: Some((Arc::clone(who), wall)), ..Alarm::clone(alarm) });
+        }
+    }
+
+    /// The record of the piece in front of the robot, if it has one.
+    #[must_use]
+    pub fn inspected(&self) -> Option<LuggageId> {
+        self.phase.inspection().and_then(|inspection| match inspection.stage {
+            Stage::Recording(id) | Stage::AwaitingVerdict(id) | Stage::RetakingPhoto(id) => Some(id),
+            Stage::BackingUp | Stage::TakingPhoto => None,
+        })
+    }
+}

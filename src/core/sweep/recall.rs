@@ -1,0 +1,147 @@
+//! After a restart: the sweep as it was, held, and what a kill cut short brought to its end (safety R1, R2).
+//! How what stands follows from the journal is said by `crate::core::standing`.
+
+use std::sync::Arc;
+
+use super::Sweep;
+use super::outbox::Outbox;
+use crate::core::effect::{Effect, Entry, Fact};
+use crate::core::event::RobotId;
+use crate::core::mission::{Hold, Holds, Input, Matter, Mission, Phase, PhaseName, Stage};
+use crate::core::settings::Settings;
+use crate::core::standing::{OPERATOR, Standing};
+use crate::core::units::{LuggageId, Now, Seq};
+use crate::core::world::hall_map::Mark;
+use crate::core::world::log::Tone;
+use crate::core::world::luggage::Luggage;
+
+/// What was read back from the store.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recalled {
+    /// What stands.
+    pub standing: Standing,
+    /// The last entry of the journal.
+    pub written: Seq,
+    /// The latest commands that carried an id, oldest first.
+    pub commands: Vec<Entry>,
+}
+
+impl Sweep {
+    /// A sweep that goes on from what was recalled. Nothing moves until a START.
+    #[must_use]
+    pub fn recall(settings: Settings, run: Arc<str>, recalled: Recalled, now: Now) -> Sweep {
+        let Recalled { standing, written, commands } = recalled;
+        let mut sweep = Sweep::new(settings, standing.strategy, run);
+        sweep.outbox = Outbox::after(written);
+        sweep.repeats.recall(&commands);
+        sweep.begin(now);
+        sweep.take_up(standing);
+        sweep.outbox.note(now.wall, Fact::ProgramStarted(env!("CARGO_PKG_VERSION").to_owned()));
+        sweep.world.write(now.wall, Tone::Info, "the program was started again; everything is as it was".to_owned());
+        sweep.feed(Input::Restarted, &Matter::default());
+        sweep.finish();
+        sweep.pump();
+        sweep
+    }
+
+    /// Everything that stands, as it would be read back.
+    #[must_use]
+    pub fn standing(&self) -> Standing {
+        let (mission, world) = (&self.mission, &self.world);
+        Standing {
+            mission: mission.id,
+            under_way: mission.under_way,
+            phase: mission.phase.clone(),
+            holds: mission.holds.to_vec().into_iter().collect(),
+            epoch: mission.epoch,
+            strategy: mission.strategy,
+            search: mission.search.clone(),
+            goal: mission.goal,
+            blocked: mission.blocked.clone(),
+            pose: world.robot.pose,
+            led_blinking: world.robot.led_blinking,
+            map: world.map.clone(),
+            pieces: world.pieces.clone(),
+            luggage: world.luggage.clone(),
+            last_luggage: mission.last_luggage,
+            alarms: world.alarms.clone(),
+            last_alarm: world.last_alarm(),
+            reading: world.thermometer.reading_of(OPERATOR),
+        }
+    }
+
+    fn take_up(&mut self, standing: Standing) {
+        let Standing { pose, led_blinking, map, pieces, luggage, alarms, last_alarm, reading, .. } = standing.clone();
+        (self.world.map, self.world.pieces, self.world.luggage) = (map, pieces, luggage);
+        self.world.take_up_alarms(alarms, last_alarm);
+        self.world.robot.pose = pose;
+        // Where exactly a robot stands that was on its way is not known until it says so, or senses.
+        self.world.robot.off_centre = was_moving(&standing.phase);
+        self.world.robot.led_blinking = led_blinking;
+        if led_blinking {
+            self.outbox.send(Effect::Led(RobotId::Discovery, true));
+        }
+        self.mission = mission_of(standing);
+        if let Some(celsius) = reading {
+            self.read_temperature(&Arc::from(OPERATOR), celsius);
+        }
+    }
+
+    /// A kill may fall between a record and what follows from it: then it follows now.
+    fn finish(&mut self) {
+        let about = |luggage: &Luggage| Matter { luggage: Some(luggage.id), ..Matter::default() };
+        for luggage in self.world.luggage.values().map(Arc::clone).collect::<Vec<_>>() {
+            if self.world.map.at(luggage.cell) == Mark::NotInspected {
+                self.feed(Input::LuggageRecorded, &about(&luggage));
+            }
+            if luggage.is_dangerous() && !self.is_alarmed_about(luggage.id) {
+                self.feed(Input::DangerRecorded, &about(&luggage));
+            } else if !luggage.is_pending() && self.inspected() == Some(luggage.id) {
+                self.feed(Input::SafeRecorded, &about(&luggage));
+            }
+        }
+    }
+
+    fn is_alarmed_about(&self, luggage: LuggageId) -> bool {
+        let searches = matches!(
+            self.mission.phase.underlying().name(),
+            PhaseName::Exploring | PhaseName::Inspecting | PhaseName::ReturningHome | PhaseName::AtHome
+        );
+        !searches && self.world.alarms.iter().any(|alarm| alarm.luggage == Some(luggage))
+    }
+}
+
+/// The mission that stands. What holds it because of something outside is not known before that says so again.
+fn mission_of(standing: Standing) -> Mission {
+    let mut holds = Holds::default();
+    holds.raise(Hold::RobotLink);
+    for hold in standing.holds {
+        match hold {
+            Hold::Operator | Hold::TooHigh | Hold::Restart | Hold::Alarm | Hold::AwaitingStart => drop(holds.raise(hold)),
+            Hold::Temperature | Hold::TemperatureStale | Hold::RobotLink | Hold::Store => {}
+        }
+    }
+    Mission {
+        id: standing.mission,
+        under_way: standing.under_way,
+        phase: standing.phase,
+        holds,
+        epoch: standing.epoch,
+        search: standing.search,
+        goal: standing.goal,
+        blocked: standing.blocked,
+        last_luggage: standing.last_luggage,
+        ..Mission::new(standing.strategy)
+    }
+}
+
+/// Whether the robot may have been between two cells when the program ended.
+fn was_moving(phase: &Phase) -> bool {
+    match phase {
+        Phase::Driving { .. } => true,
+        Phase::Fault { interrupted, .. } => was_moving(interrupted),
+        Phase::Exploring | Phase::ReturningHome | Phase::ReturningWithAlarm | Phase::Retrieving => true,
+        Phase::Inspecting(inspection) => inspection.stage == Stage::BackingUp,
+        Phase::Idle | Phase::AtHome | Phase::BombLocated | Phase::BagSecured | Phase::Explored => false,
+    }
+}

@@ -1,0 +1,113 @@
+//! Commands that come again under the same id: answered as before and not carried out again, also after a restart.
+//! A STOP is never taken for a repeat: it halts each time.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+
+use crate::core::command::{Accepted, CommandId, Refusal, Refused};
+use crate::core::effect::{Entry, Fact};
+use crate::core::units::{LuggageId, Ticket};
+
+/// So many ids are remembered, the oldest given up first: more than any client has under way.
+pub const IDS: usize = 1024;
+
+/// Who sent it, and its name for the command: two people may use the same.
+type Key = (Arc<str>, CommandId);
+
+/// The ids that were used.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Repeats {
+    known: BTreeMap<Key, Repeat>,
+    order: VecDeque<Key>,
+}
+
+#[derive(Clone, Debug)]
+struct Repeat {
+    content: String,
+    outcome: Outcome,
+}
+
+/// What became of a command.
+#[derive(Clone, Debug)]
+pub(super) enum Outcome {
+    /// It waits for its record.
+    Open(Ticket),
+    /// It was answered.
+    Answered(Result<Accepted, Refused>),
+    /// It was accepted before the program was started again; the piece it was about.
+    Before(Option<LuggageId>),
+}
+
+/// What is known of an id.
+pub(super) enum Known<'a> {
+    /// Nothing.
+    New,
+    /// It stands for another command.
+    Other,
+    /// It stands for this one.
+    Same(&'a Outcome),
+}
+
+impl Repeats {
+    /// What is known of this id, sent with this content.
+    pub(super) fn look_up(&self, who: &Arc<str>, id: &CommandId, content: &str) -> Known<'_> {
+        match self.known.get(&(Arc::clone(who), id.clone())) {
+            None => Known::New,
+            Some(repeat) if repeat.content != content => Known::Other,
+            Some(repeat) => Known::Same(&repeat.outcome),
+        }
+    }
+
+    /// Notes what became of a command.
+    pub(super) fn note(&mut self, who: &Arc<str>, id: &CommandId, content: &str, outcome: Outcome) {
+        let key = (Arc::clone(who), id.clone());
+        if self.known.insert(key.clone(), Repeat { content: content.to_owned(), outcome }).is_none() {
+            self.order.push_back(key);
+        }
+        if self.order.len() > IDS
+            && let Some(oldest) = self.order.pop_front()
+        {
+            self.known.remove(&oldest);
+        }
+    }
+
+    /// The command with this ticket was answered.
+    pub(super) fn answer(&mut self, ticket: Ticket, answer: &Result<Accepted, Refused>) {
+        let open = self.known.values_mut().find(|repeat| matches!(repeat.outcome, Outcome::Open(open) if open == ticket));
+        if let Some(repeat) = open {
+            repeat.outcome = Outcome::Answered(answer.clone());
+        }
+    }
+
+    /// Takes up what the journal says of the commands before a restart.
+    pub(super) fn recall(&mut self, entries: &[Entry]) {
+        for Entry { fact, .. } in entries {
+            if let Fact::Command { issuer, id: Some(id), command, luggage, refused } = fact {
+                let outcome = refused.as_ref().map_or(Outcome::Before(*luggage), before);
+                self.note(&issuer.who, id, command, outcome);
+            }
+        }
+    }
+}
+
+fn before(refusal: &Refusal) -> Outcome {
+    Outcome::Answered(Err(Refused::Before(refusal.clone())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_oldest_ids_give_way() {
+        let mut repeats = Repeats::default();
+        let id = |n: usize| CommandId::new(&format!("id-{n}")).expect("a short name");
+        for n in 0..=IDS {
+            repeats.note(&"operator".into(), &id(n), "START", Outcome::Before(None));
+        }
+        assert!(matches!(repeats.look_up(&"operator".into(), &id(0), "START"), Known::New));
+        assert!(matches!(repeats.look_up(&"operator".into(), &id(1), "START"), Known::Same(_)));
+        assert!(matches!(repeats.look_up(&"operator".into(), &id(1), "RESET"), Known::Other));
+        assert!(matches!(repeats.look_up(&"somebody".into(), &id(1), "RESET"), Known::New));
+    }
+}

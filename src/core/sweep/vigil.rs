@@ -1,0 +1,49 @@
+//! The watch over the configured temperature sensors: how long the silence of each is borne. What silence means for the mission
+//! is the table's business.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+/// The sensors that must be heard.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Vigil(Vec<Watched>);
+
+#[derive(Clone, Debug)]
+struct Watched {
+    sensor: Arc<str>,
+    patience: Duration,
+    /// When its silence will have lasted too long; `None` while it has.
+    due: Option<Duration>,
+}
+
+impl Vigil {
+    /// Watches one more sensor, which has not been heard yet and counts as silent until it is.
+    pub(super) fn begin(&mut self, sensor: Arc<str>, patience: Duration) {
+        self.0.retain(|watched| watched.sensor != sensor);
+        self.0.push(Watched { sensor, patience, due: None });
+    }
+
+    /// Whether this sensor is watched.
+    pub(super) fn watches(&self, sensor: &str) -> bool {
+        self.0.iter().any(|watched| *watched.sensor == *sensor)
+    }
+
+    /// The sensor was heard; true when it was the last that had been silent.
+    pub(super) fn hear(&mut self, sensor: &str, since_start: Duration) -> bool {
+        let Some(watched) = self.0.iter_mut().find(|watched| *watched.sensor == *sensor) else { return false };
+        let was_silent = watched.due.replace(since_start.saturating_add(watched.patience)).is_none();
+        was_silent && self.0.iter().all(|watched| watched.due.is_some())
+    }
+
+    /// When the silence of one will have lasted too long.
+    pub(super) fn due(&self) -> Option<Duration> {
+        self.0.iter().filter_map(|watched| watched.due).min()
+    }
+
+    /// A sensor whose silence has just lasted too long; said once.
+    pub(super) fn falls_silent(&mut self, since_start: Duration) -> Option<Arc<str>> {
+        let watched = self.0.iter_mut().find(|watched| watched.due.is_some_and(|due| due <= since_start))?;
+        watched.due = None;
+        Some(Arc::clone(&watched.sensor))
+    }
+}
