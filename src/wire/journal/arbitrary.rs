@@ -19,8 +19,7 @@ use crate::core::world::hall_map::{HallMap, Mark, REACH};
 use crate::core::world::luggage::{Decision, Luggage, PhotoState};
 
 const MARKS: [Mark; 5] = [Mark::Unknown, Mark::Visited, Mark::Wall, Mark::Luggage, Mark::NotInspected];
-const MOVES: [Move; 6] =
-    [Move::Forward, Move::Backward, Move::TurnLeft, Move::TurnRight, Move::NudgeLeft, Move::NudgeRight];
+const MOVES: [Move; 6] = [Move::Forward, Move::Backward, Move::TurnLeft, Move::TurnRight, Move::NudgeLeft, Move::NudgeRight];
 
 pub(crate) fn entry() -> impl Strategy<Value = Entry> {
     (wall(), fact()).prop_map(|(wall, fact)| Entry { wall, fact })
@@ -44,13 +43,11 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
         (cell(), prop_oneof![Just("wall"), Just("luggage"), Just("unknown")]).prop_map(|(cell, kind)| Fact::Obstacle(cell, kind)),
         (cell(), one_of(&MARKS)).prop_map(|(cell, mark)| Fact::Mark(cell, mark)),
         luggage().prop_map(|record| Fact::Luggage { record: Arc::new(record), photo: None }),
-        (any::<u64>(), verdict(), text()).prop_map(|(id, verdict, who)| {
-            Fact::Verdict { luggage: LuggageId(id), verdict, who: who.into() }
-        }),
+        (any::<u64>(), verdict(), text())
+            .prop_map(|(id, verdict, who)| { Fact::Verdict { luggage: LuggageId(id), verdict, who: who.into() } }),
         (text(), celsius()).prop_map(|(source, celsius)| Fact::Temperature(source.into(), celsius)),
-        (any::<u64>(), option::of(any::<u64>()), text()).prop_map(|(id, luggage, text)| {
-            Fact::AlarmRaised(AlarmId(id), luggage.map(LuggageId), text)
-        }),
+        (any::<u64>(), option::of(any::<u64>()), text())
+            .prop_map(|(id, luggage, text)| { Fact::AlarmRaised(AlarmId(id), luggage.map(LuggageId), text) }),
         (any::<u64>(), text()).prop_map(|(id, who)| Fact::AlarmAcknowledged(AlarmId(id), who.into())),
         Just(Fact::Strategy(Order::Snail)),
         heading().prop_map(Fact::MapEmptied),
@@ -63,8 +60,12 @@ fn command() -> impl Strategy<Value = Fact> {
     let id = option::of("[!-~]{1,128}".prop_map(|text| CommandId::new(&text).expect("visible ASCII of a fit length")));
     let refused = option::of((one_of(&CODES), text()).prop_map(|((code, _), words)| Refusal::named(code, words)));
     let luggage = option::of(any::<u64>().prop_map(LuggageId));
-    (issuer, id, text(), luggage, refused).prop_map(|(issuer, id, command, luggage, refused)| {
-        Fact::Command { issuer, id, command, luggage, refused }
+    (issuer, id, text(), luggage, refused).prop_map(|(issuer, id, command, luggage, refused)| Fact::Command {
+        issuer,
+        id,
+        command,
+        luggage,
+        refused,
     })
 }
 
@@ -131,8 +132,12 @@ fn inspection() -> impl Strategy<Value = Inspection> {
         id().prop_map(Stage::AwaitingVerdict),
         id().prop_map(Stage::RetakingPhoto),
     ];
-    (cell(), option::of(any::<u32>().prop_map(Piece)), pose(), stage)
-        .prop_map(|(cell, piece, pose, stage)| Inspection { cell, piece, pose, stage })
+    (cell(), option::of(any::<u32>().prop_map(Piece)), pose(), stage).prop_map(|(cell, piece, pose, stage)| Inspection {
+        cell,
+        piece,
+        pose,
+        stage,
+    })
 }
 
 fn cause() -> impl Strategy<Value = FaultCause> {
@@ -159,8 +164,12 @@ fn luggage() -> impl Strategy<Value = Luggage> {
 
 fn alarm() -> impl Strategy<Value = Alarm> {
     let seen = option::of((text().prop_map(Arc::from), wall()));
-    (any::<u64>(), wall(), text(), option::of(any::<u64>()), seen).prop_map(|(id, raised, text, luggage, acknowledged)| {
-        Alarm { id: AlarmId(id), raised, text, luggage: luggage.map(LuggageId), acknowledged }
+    (any::<u64>(), wall(), text(), option::of(any::<u64>()), seen).prop_map(|(id, raised, text, luggage, acknowledged)| Alarm {
+        id: AlarmId(id),
+        raised,
+        text,
+        luggage: luggage.map(LuggageId),
+        acknowledged,
     })
 }
 

@@ -113,9 +113,7 @@ impl Shape {
             Fact::Verdict { luggage, verdict, who } => {
                 Shape::Verdict { luggage: luggage.0, verdict: verdict.name().to_owned(), who: who.to_string() }
             }
-            Fact::Temperature(source, celsius) => {
-                Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() }
-            }
+            Fact::Temperature(source, celsius) => Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() },
             Fact::AlarmRaised(alarm, luggage, text) => {
                 Shape::AlarmRaised { alarm: alarm.0, luggage: luggage.map(|id| id.0), text: text.clone() }
             }

@@ -88,7 +88,8 @@ fn meanings_that_a_later_version_adds_are_refused() {
 #[test]
 fn a_digest_that_would_lead_out_of_the_folder_is_refused() {
     let record = r#""luggage":{"id":1,"cell":{"x":0,"y":1},"pose":{"x":0,"y":0,"heading":"south"},"taken":{"unixMs":0,"offsetS":0},"photo":{"failed":"dark"},"verdict":null,"piece":null}"#;
-    let text = |digest: &str| format!(r#"{{"kind":"luggage",{record},"picture":{{"digest":"{digest}","mediaType":"image/png"}}}}"#);
+    let text =
+        |digest: &str| format!(r#"{{"kind":"luggage",{record},"picture":{{"digest":"{digest}","mediaType":"image/png"}}}}"#);
     assert!(read_body(&text(&"0".repeat(64))).is_ok());
     assert!(refused(&text("../../../etc/passwd")).contains("digest"));
 }

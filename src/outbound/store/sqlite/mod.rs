@@ -145,13 +145,7 @@ fn recall_up_to_date(folder: &Folder) -> Result<Option<Recalled>, Fault> {
 }
 
 impl SqliteStore {
-    fn start(
-        folder: &Folder,
-        desk: Arc<Desk>,
-        hand: Hand,
-        kept: Seq,
-        patience: Patience,
-    ) -> std::io::Result<SqliteStore> {
+    fn start(folder: &Folder, desk: Arc<Desk>, hand: Hand, kept: Seq, patience: Patience) -> std::io::Result<SqliteStore> {
         let (pages, handed) = mpsc::sync_channel(QUEUE);
         let ((end_writer, ended), (end_watchman, watched)) = (mpsc::channel(), mpsc::channel());
         let (say_done, done) = mpsc::channel();

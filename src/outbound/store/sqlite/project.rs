@@ -83,12 +83,7 @@ fn came_to(connection: &Connection, mission: MissionId, phase: &str) -> Result<(
 }
 
 /// A piece, or another photo of it. Where no new photo came the older one stays good.
-fn found(
-    connection: &Connection,
-    mission: Option<MissionId>,
-    record: &Luggage,
-    picture: Option<&Picture>,
-) -> Result<(), Fault> {
+fn found(connection: &Connection, mission: Option<MissionId>, record: &Luggage, picture: Option<&Picture>) -> Result<(), Fault> {
     if let (Some(picture), PhotoState::Taken { bytes, .. }) = (picture, &record.photo) {
         let sql = "INSERT INTO photos (digest, media_type, bytes) VALUES (?1, ?2, ?3) ON CONFLICT (digest) DO NOTHING";
         let values = params![picture.digest, picture.media_type, whole(*bytes as u64)?];

@@ -36,8 +36,7 @@ pub(super) struct Patience {
 
 impl Patience {
     /// Once a second; after 5 s.
-    pub(super) const USUAL: Patience =
-        Patience { retry: Duration::from_secs(1), looks: 10, look: Duration::from_millis(500) };
+    pub(super) const USUAL: Patience = Patience { retry: Duration::from_secs(1), looks: 10, look: Duration::from_millis(500) };
 }
 
 /// A page, and how many losses whoever handed it over knew of.
