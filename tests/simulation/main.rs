@@ -7,16 +7,20 @@
 
 mod bare;
 mod halls;
+mod mortal;
 mod operator;
 mod random_commands;
 mod random_halls;
+mod random_kills;
 mod random_robots;
 mod replay;
+mod rules_commands;
 mod rules_crossings;
 mod rules_driving;
 mod rules_holds;
 mod rules_luggage;
 mod rules_phases;
+mod rules_restart;
 mod rules_store;
 mod seeds_early;
 mod seeds_luggage;

@@ -6,10 +6,6 @@ use crate::core::effect::{Effect, Entry, Fact, Order, Page};
 use crate::core::event::RobotId;
 use crate::core::units::{LuggageId, Seq, Ticket, Wall};
 
-/// So many entries may be on their way to the store while the robot moves: what a kill can lose stays within some moves, and a
-/// disk that does not keep up slows the robot down instead of filling memory.
-const LAG: u64 = 64;
-
 /// So many commands are put on record once more after the store has failed: an hour of nervous clicking.
 const COMMANDS: usize = 1024;
 
@@ -22,8 +18,6 @@ pub(super) struct Outbox {
     /// Whether the page is to end with everything that stands.
     sums_up: bool,
     written: Seq,
-    /// Nothing begins to move until everything up to here is kept.
-    barrier: Seq,
     kept: Seq,
     tickets: Ticket,
     waiting: Vec<Waiting>,
@@ -45,7 +39,7 @@ pub(super) struct Waiting {
 impl Outbox {
     /// The outgoing side after a restart: everything up to `written` is kept.
     pub(super) fn after(written: Seq) -> Outbox {
-        Outbox { written, barrier: written, kept: written, ..Outbox::default() }
+        Outbox { written, kept: written, ..Outbox::default() }
     }
 
     pub(super) fn send(&mut self, effect: Effect) {
@@ -88,8 +82,8 @@ impl Outbox {
         std::mem::take(&mut self.sums_up)
     }
 
-    /// Puts a fact on its way to the store; motion need not wait for it.
-    pub(super) fn note(&mut self, wall: Wall, fact: Fact) -> Seq {
+    /// Puts a fact on its way to the store; its place in the journal.
+    pub(super) fn record(&mut self, wall: Wall, fact: Fact) -> Seq {
         self.written = self.written.next();
         let entry = Entry { wall, fact };
         if matches!(entry.fact, Fact::Command { .. }) && self.commands.len() < COMMANDS {
@@ -102,23 +96,19 @@ impl Outbox {
     /// Puts the commands that were not kept when the store failed on their way once more.
     pub(super) fn repeat_commands(&mut self) {
         for (_, Entry { wall, fact }) in std::mem::take(&mut self.commands) {
-            self.note(wall, fact);
+            self.record(wall, fact);
         }
     }
 
-    /// Puts a fact on its way to the store; nothing begins to move before it is kept.
-    pub(super) fn record(&mut self, wall: Wall, fact: Fact) -> Seq {
-        self.barrier = self.note(wall, fact);
-        self.barrier
+    /// The last entry on its way to the store, or kept.
+    pub(super) const fn written(&self) -> Seq {
+        self.written
     }
 
-    pub(super) const fn barrier(&self) -> Seq {
-        self.barrier
-    }
-
-    /// Whether everything that must be kept before motion is kept.
+    /// Whether everything is kept that happened so far. The robot waits for it before each move, so that a kill can never lose
+    /// more than the move under way: what it says of where it stands then still joins what is known.
     pub(super) fn is_settled(&self) -> bool {
-        self.kept >= self.barrier && self.written.0 - self.kept.0.min(self.written.0) <= LAG
+        self.kept >= self.written
     }
 
     pub(super) fn keep(&mut self, seq: Seq) {
