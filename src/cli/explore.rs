@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::Failure;
+use super::{Failure, line};
 use crate::app;
 use crate::config::{self, Flag, Sources};
 use crate::core::effect::Entry;
@@ -18,7 +18,6 @@ use crate::outbound::robot::sim::Camera;
 use crate::wire::map_text;
 
 mod figures;
-mod journal;
 
 /// The flags of `explore`; each wins over the environment and the settings file.
 #[derive(Args, Clone, Debug)]
@@ -113,7 +112,7 @@ fn for_people(figures: &Figures) -> String {
 fn write_log(path: &Path, journal: &[Entry]) -> std::io::Result<()> {
     let mut file = BufWriter::new(File::create(path)?);
     for entry in journal {
-        writeln!(file, "{}", journal::line(entry))?;
+        writeln!(file, "{}", line::of(entry))?;
     }
     file.flush()
 }

@@ -6,7 +6,7 @@ use crate::core::effect::{Entry, Fact};
 use crate::wire::time::rfc3339;
 
 /// The time, then the fact in a few words; no line break.
-pub(super) fn line(entry: &Entry) -> String {
+pub(super) fn of(entry: &Entry) -> String {
     format!("{} {}", rfc3339(entry.wall), words(&entry.fact)).replace(['\n', '\r'], " ")
 }
 
@@ -59,7 +59,7 @@ mod tests {
     use crate::core::world::hall_map::Mark;
 
     fn check(fact: Fact, expect: &str) {
-        assert_eq!(line(&Entry { wall: Wall::default(), fact }), format!("1970-01-01T00:00:00.000+00:00 {expect}"));
+        assert_eq!(of(&Entry { wall: Wall::default(), fact }), format!("1970-01-01T00:00:00.000+00:00 {expect}"));
     }
 
     #[test]
