@@ -7,6 +7,8 @@ mod commands;
 mod explore;
 #[path = "service/formats.rs"]
 mod formats;
+#[path = "service/kill.rs"]
+mod kill;
 #[path = "service/malformed.rs"]
 mod malformed;
 #[path = "service/old_console.rs"]

@@ -138,6 +138,15 @@ impl Program {
         self.post(&format!("/api/v1/luggage/{luggage}/verdict"), &format!("{{\"verdict\":\"{verdict}\"}}"))
     }
 
+    /// Asks a program that may be gone: `None` then. `key` is the command's own name, if it has one.
+    pub(crate) fn try_ask(&self, method: &str, path: &str, key: &str, body: &str) -> Option<Answer> {
+        let request = ureq::http::Request::builder().method(method).uri(self.url(path));
+        let request = if key.is_empty() { request } else { request.header("idempotency-key", key) };
+        let request = if body.is_empty() { request } else { request.header("content-type", "application/json") };
+        let (parts, mut body) = self.agent.run(request.body(body.to_owned()).ok()?).ok()?.into_parts();
+        Some(Answer { status: parts.status.as_u16(), headers: parts.headers, body: body.read_to_vec().ok()? })
+    }
+
     /// Waits until the state is as wanted, and returns it.
     pub(crate) fn until(&self, wanted: &str, is_so: impl Fn(&Value) -> bool) -> Value {
         let deadline = Deadline::within(PATIENCE);
