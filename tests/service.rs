@@ -1,6 +1,8 @@
 //! The whole program through its public doors only: the real binary, on a free port, asked over HTTP and the command line.
 //! What the core decides is tested beside it and in `simulation`; here it matters that it arrives.
 
+#[path = "service/access.rs"]
+mod access;
 #[path = "service/commands.rs"]
 mod commands;
 #[path = "service/explore.rs"]
@@ -23,5 +25,7 @@ mod shutdown;
 mod start;
 #[path = "service/stream.rs"]
 mod stream;
+#[path = "service/tls.rs"]
+mod tls;
 #[path = "service/verdicts.rs"]
 mod verdicts;
