@@ -13,6 +13,7 @@ mod give;
 mod guard;
 mod old;
 mod patience;
+mod places;
 mod problem;
 mod reading;
 mod reads;
@@ -21,6 +22,7 @@ mod serve;
 mod sign_in;
 #[cfg(test)]
 mod testing;
+mod tls;
 mod watcher;
 
 use std::sync::Arc;
@@ -30,7 +32,8 @@ use tokio::sync::{Semaphore, watch};
 
 pub use gate::Access;
 pub use guard::Hosts;
-pub use serve::serve;
+pub use serve::{Front, serve};
+pub use tls::{Tls, TlsError};
 
 use self::problem::Problem;
 use crate::access::Attempts;
