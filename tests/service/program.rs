@@ -197,6 +197,11 @@ impl Program {
         assert!(sent.expect("kill is there").success());
     }
 
+    /// The number of its process.
+    pub(crate) fn id(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Waits for its end; `None` when it is still running after so long.
     pub(crate) fn ended_within(&mut self, patience: Duration) -> Option<ExitStatus> {
         let deadline = Deadline::within(patience);
