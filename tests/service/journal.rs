@@ -20,6 +20,20 @@ pub(crate) fn exported(folder: &Folder) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).unwrap_or_else(|error| panic!("{error}: {line}"))).collect()
 }
 
+/// Serves the airport from this folder, and waits for its robot.
+pub(crate) fn serve(folder: &Folder) -> Program {
+    let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", "max", "--data", folder.text()];
+    let program = Program::with(&arguments);
+    program.until("the robot is there", |state| !holds(state, "robotLink"));
+    program
+}
+
+/// Whether this hold stands.
+pub(crate) fn holds(state: &Value, hold: &str) -> bool {
+    let holds = state["mission"]["holds"].as_array().expect("the holds are a list");
+    holds.iter().any(|held| held == hold)
+}
+
 pub(crate) fn of_kind<'a>(lines: &'a [Value], kind: &str) -> Vec<&'a Value> {
     lines.iter().filter(|line| line["kind"] == kind).collect()
 }
@@ -27,12 +41,11 @@ pub(crate) fn of_kind<'a>(lines: &'a [Value], kind: &str) -> Vec<&'a Value> {
 #[test]
 fn what_happened_is_printed_exported_and_checked_beside_the_running_program() {
     let folder = Folder::new("journal");
-    let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", "max", "--data", folder.text()];
-    let mut program = Program::with(&arguments);
+    let mut program = serve(&folder);
     program.command("start").accepted();
     let piece = program.until_asked();
     program.verdict(piece, "danger").accepted();
-    program.command("start").problem(409);
+    program.verdict(piece, "safe").problem(409);
 
     let lines = exported(&folder);
     assert!(lines.iter().zip(1..).all(|(line, place)| line["seq"] == place), "the entries follow one another");
@@ -66,8 +79,7 @@ fn a_check_that_finds_something_says_so_and_fails() {
     let folder = Folder::new("journal-check");
     let (well, said) = journal(&folder, &["check"]);
     assert!(!well && said.contains("there is no journal in"), "{said}");
-    let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", "max", "--data", folder.text()];
-    let program = Program::with(&arguments);
+    let program = serve(&folder);
     program.command("start").accepted();
     program.until_asked();
     drop(program);

@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 
 use serde_json::Value;
 
-use crate::journal::{exported, journal, of_kind};
+use crate::journal::{exported, holds, journal, of_kind, serve};
 use crate::kill::Folder;
 use crate::program::Program;
 
@@ -47,16 +47,11 @@ impl Fault {
     }
 }
 
-fn holds(state: &Value, hold: &str) -> bool {
-    state["mission"]["holds"].as_array().is_some_and(|holds| holds.iter().any(|held| held == hold || held["name"] == hold))
-}
-
 /// A verdict meets with a disk that fails: it is not accepted and does not stand, reading goes on, nothing moves; once the disk is
 /// well again everything goes on without a restart.
 fn a_failing_disk(name: &str, what: &str, words: &str) {
     let folder = Folder::new(name);
-    let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", "max", "--data", folder.text()];
-    let program = Program::with(&arguments);
+    let program = serve(&folder);
     program.command("start").accepted();
     let piece = program.until_asked();
     let Some(fault) = Fault::inject(&program, what) else { return };
