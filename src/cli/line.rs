@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 use crate::core::effect::{Entry, Fact};
+use crate::core::world::luggage::PhotoState;
 use crate::wire::time::rfc3339;
 
 /// The time, then the fact in a few words; no line break.
@@ -33,8 +34,11 @@ fn words(fact: &Fact) -> String {
         Fact::Led(blinking) => format!("led {}", if *blinking { "blinking" } else { "off" }),
         Fact::Obstacle(cell, kind) => format!("obstacle {cell} {kind}"),
         Fact::Mark(cell, mark) => format!("cell {cell} {}", mark.name()),
-        Fact::Luggage { record, photo } => {
-            let photo = photo.as_ref().map_or_else(|| format!("{:?}", record.photo), |photo| format!("{photo:?}"));
+        Fact::Luggage { record, .. } => {
+            let photo = match &record.photo {
+                PhotoState::Taken { bytes, take } => format!("photo {take}, {bytes} bytes"),
+                PhotoState::Failed(why) => format!("no photo: {why}"),
+            };
             format!("luggage #{} {} from {} {}: {photo}", record.id, record.cell, record.pose.cell, record.pose.heading.name())
         }
         Fact::Verdict { luggage, verdict, who } => format!("verdict #{luggage} {} by {who}", verdict.name()),

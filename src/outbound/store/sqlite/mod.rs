@@ -148,7 +148,7 @@ impl SqliteStore {
         let ((end_writer, ended), (end_watchman, watched)) = (mpsc::channel(), mpsc::channel());
         let (say_done, done) = mpsc::channel();
         let (to_write, to_watch) = (Arc::clone(&desk), (Arc::clone(&desk), folder.clone()));
-        let writer = Writer { folder: folder.clone(), desk: to_write, pages: handed, ended, hand, kept, patience };
+        let writer = Writer { folder: folder.clone(), desk: to_write, pages: handed, ended, hand, kept, bulk: 0, patience };
         thread("journal", move || {
             writer.run();
             drop(say_done);
