@@ -133,7 +133,10 @@ fn start(
     closed: watch::Receiver<bool>,
 ) -> (Handle, JoinHandle<()>) {
     let clock = Clock::default();
-    let sweep = Sweep::new(settings.core, settings.strategy, run_id(&clock));
+    let mut sweep = Sweep::new(settings.core, settings.strategy, run_id(&clock));
+    for sensor in &settings.sensors {
+        sweep.watch_sensor(Arc::clone(sensor), settings.sensor_silence, clock.now());
+    }
     let (link, side) = link(halter.watch());
     tokio::spawn(sim::run(Sim::new(hall, sim), side, clock, speed(settings.robot.speed)));
     let (handle, task) = Task::new(sweep, link, Box::new(memory.clone()), clock, halter.clone());
