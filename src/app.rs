@@ -138,7 +138,7 @@ fn start(
         sweep.watch_sensor(Arc::clone(sensor), settings.sensor_silence, clock.now());
     }
     let (link, side) = link(halter.watch());
-    tokio::spawn(sim::run(Sim::new(hall, sim), side, clock, speed(settings.robot.speed)));
+    tokio::spawn(sim::run(Sim::new(hall, sim), side, clock, speed(settings.robot.speed), None));
     let (handle, task) = Task::new(sweep, link, Box::new(memory.clone()), clock, halter.clone());
     (handle, tokio::spawn(task.run(closed)))
 }

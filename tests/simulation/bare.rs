@@ -89,7 +89,10 @@ impl Bare {
     }
 
     pub(crate) fn give(&mut self, command: Command) -> Result<Ticket, Refused> {
-        let request = Request::new(command, Issuer::operator(Door::Local));
+        self.ask(Request::new(command, Issuer::operator(Door::Local)))
+    }
+
+    pub(crate) fn ask(&mut self, request: Request) -> Result<Ticket, Refused> {
         let result = self.sweep.handle_command(request, self.now());
         self.drain();
         result

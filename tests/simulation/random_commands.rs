@@ -46,7 +46,7 @@ fn whatever_the_operator_does_the_rules_hold_and_the_mission_can_be_brought_to_i
     }
 }
 
-fn any_command(dice: &mut Stream, run: &mut Run) -> Command {
+pub(crate) fn any_command(dice: &mut Stream, run: &mut Run) -> Command {
     let pending = run.state().pending().map_or(1, |luggage| luggage.id.0);
     let verdict = if dice.below(12) == 0 { Verdict::Danger } else { Verdict::Safe };
     let moves = [Move::Forward, Move::Backward, Move::TurnLeft, Move::TurnRight, Move::NudgeLeft];
@@ -100,7 +100,7 @@ impl Watch {
 }
 
 /// Something happens that nobody commanded: the link or a sensor goes and comes back, the store fails and recovers.
-fn from_outside(dice: &mut Stream, run: &mut Run) {
+pub(crate) fn from_outside(dice: &mut Stream, run: &mut Run) {
     if dice.below(3) == 0 {
         run.sweep.watch_sensor("roof".into(), Duration::from_secs(3600), run.now());
         return drop(run.give(sensor_reads("roof", 20.0)));

@@ -41,7 +41,7 @@ const RULES: [Rule; 11] = [
     Rule {
         module: "outbound",
         modules: &["runtime", "core"],
-        crates: &["jiff", "png", "serde", "thiserror", "tokio", "toml", "tracing"],
+        crates: &["jiff", "png", "serde", "serde_json", "thiserror", "tokio", "toml", "tracing"],
     },
     Rule {
         module: "config",

@@ -32,7 +32,7 @@ impl Thermometer {
         Thermometer { threshold, hysteresis, sources: BTreeMap::new(), last: None }
     }
 
-    /// Takes a reading; true when something a door shows has changed. Readings of more sources than can be listened to are
+    /// Takes a reading; true when it is news: of this source, or in what a door shows. Readings of more sources than can be listened to are
     /// shown, and count as a source named `others`.
     pub fn read(&mut self, source: &Arc<str>, reading: Celsius) -> bool {
         let source = if self.sources.len() < SOURCES || self.sources.contains_key(source) {
@@ -40,6 +40,7 @@ impl Thermometer {
         } else {
             Arc::from("others")
         };
+        let known = self.sources.get(&source).map(|source| source.reading);
         let before = (self.hot(), self.last);
         let entry = self.sources.entry(source).or_insert(Source { hot: false, reading });
         entry.reading = reading;
@@ -49,7 +50,7 @@ impl Thermometer {
             entry.hot = false;
         }
         self.last = Some(reading);
-        before != (self.hot(), self.last)
+        known != Some(reading) || before != (self.hot(), self.last)
     }
 
     /// The last reading of this source.

@@ -18,6 +18,11 @@ impl Curve {
         (!keys.is_empty()).then_some(Curve { keys })
     }
 
+    /// The keyframes it goes through: seconds and °C.
+    pub(super) fn keys(&self) -> &[(f64, Celsius)] {
+        &self.keys
+    }
+
     /// The temperature at a moment.
     pub(super) fn at(&self, since_start: Duration) -> Celsius {
         self.at_s(since_start.as_secs_f64())

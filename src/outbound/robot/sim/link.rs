@@ -1,4 +1,5 @@
-//! Joins the simulated robot to the loop: channels, timers, the speed of time, and the thread on which photos are drawn.
+//! Joins the simulated robot to the loop: channels, timers, the speed of time, and the threads on which photos are drawn and the
+//! diary is written.
 //! What the robot does is decided by `simulator`; this is the only file of the simulator that waits.
 
 use std::time::Duration;
@@ -7,6 +8,7 @@ use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
+use super::diary::Diary;
 use super::simulator::Sim;
 use super::speed::{Speed, times};
 use crate::core::effect::Order;
@@ -21,10 +23,28 @@ const DEVELOPING: Duration = Duration::from_millis(50);
 /// Timers are not set further ahead than this; then it is looked again.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
-/// Runs a simulated robot until the loop's end of its channels is gone.
-pub async fn run(sim: Sim, side: RobotSide, clock: Clock, speed: Speed) {
+/// So long after the diary could not be written it is tried again, when nothing new has happened before.
+const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
+
+/// Runs a simulated robot until the loop's end of its channels is gone. What it must not forget goes into the diary, when there
+/// is one, before anybody is told of it.
+pub async fn run(sim: Sim, side: RobotSide, clock: Clock, speed: Speed, diary: Option<Diary>) {
     let began = clock.now().since_start;
-    Link { sim, side, clock, speed, began, skipped: Duration::ZERO, report: None, developing: None, obeyed: 0 }.run().await;
+    let link = Link {
+        sim,
+        side,
+        clock,
+        speed,
+        began,
+        skipped: Duration::ZERO,
+        report: None,
+        developing: None,
+        obeyed: 0,
+        diary,
+        writing: None,
+        write_again: None,
+    };
+    link.run().await;
 }
 
 struct Link {
@@ -42,19 +62,28 @@ struct Link {
     developing: Option<(OrderId, JoinHandle<Photo>)>,
     /// The halts of which the last order that was begun knew.
     obeyed: u64,
+    /// The diary, while it is not being written.
+    diary: Option<Diary>,
+    /// The diary being written: on a thread of its own, so that a disk that hangs delays no halt. Until it is done nothing else
+    /// goes on.
+    writing: Option<JoinHandle<Diary>>,
+    /// When what could not be written is tried again, by the real clock.
+    write_again: Option<Duration>,
 }
 
 impl Link {
     async fn run(mut self) {
         loop {
+            self.write();
             self.next_report();
-            let free = self.report.is_none();
+            let free = self.report.is_none() && self.writing.is_none();
             let jumps = free && self.speed == Speed::Max && self.sim.is_busy() && !self.sim.is_developing();
             let wake = self.wake();
             tokio::select! {
                 biased;
                 halts = self.side.halts.raised() => self.halt(halts.count),
-                sent = hand_over(&self.side.reports, &mut self.report), if !free => if !sent { return },
+                sent = hand_over(&self.side.reports, &mut self.report), if self.report.is_some() => if !sent { return },
+                diary = written(&mut self.writing) => self.written(diary),
                 Ok(()) = self.side.led.changed() => self.led(),
                 given = self.side.orders.recv(), if free => match given {
                     Some(stamped) => self.order(stamped),
@@ -78,11 +107,33 @@ impl Link {
     fn wake(&self) -> Instant {
         let wait = self.sim.poll_timeout().map(|at| at.saturating_sub(self.now().since_start));
         let wait = wait.map_or(LONGEST_WAIT, |wait| times(wait, 1.0 / self.speed.pace()).min(LONGEST_WAIT));
-        self.clock.instant(self.clock.now().since_start + wait)
+        let at = self.clock.now().since_start + wait;
+        self.clock.instant(self.write_again.map_or(at, |again| again.min(at)))
     }
 
+    /// Begins to write down what has changed, or what is still owed when its time has come.
+    fn write(&mut self) {
+        let Some(mut diary) = self.diary.take() else { return };
+        let again = self.write_again.is_some_and(|at| at <= self.clock.now().since_start);
+        let Some(memory) = self.sim.poll_memory().or_else(|| diary.owed().filter(|_| again)) else {
+            self.diary = Some(diary);
+            return;
+        };
+        self.writing = Some(tokio::task::spawn_blocking(move || {
+            diary.keep(memory);
+            diary
+        }));
+    }
+
+    fn written(&mut self, diary: Option<Diary>) {
+        let owes = diary.as_ref().is_some_and(|diary| diary.owed().is_some());
+        self.write_again = owes.then(|| self.clock.now().since_start + WRITTEN_AGAIN);
+        self.diary = diary;
+    }
+
+    /// Takes the next report, unless one is on its way already, or what it follows from is not written down yet.
     fn next_report(&mut self) {
-        if self.report.is_some() {
+        if self.report.is_some() || self.writing.is_some() {
             return;
         }
         self.report = self.sim.poll_event();
@@ -147,6 +198,14 @@ async fn hand_over(reports: &mpsc::Sender<RobotEvent>, report: &mut Option<Robot
     true
 }
 
+/// Waits for the diary being written; for ever when it is not.
+async fn written(writing: &mut Option<JoinHandle<Diary>>) -> Option<Diary> {
+    let Some(under_way) = writing else { return std::future::pending().await };
+    let diary = under_way.await.ok();
+    *writing = None;
+    diary
+}
+
 /// Waits for the photo being drawn; for ever when there is none.
 async fn developed(developing: &mut Option<(OrderId, JoinHandle<Photo>)>) -> (OrderId, Option<Photo>) {
     let Some((order, drawing)) = developing else { return std::future::pending().await };
@@ -157,12 +216,15 @@ async fn developed(developing: &mut Option<(OrderId, JoinHandle<Photo>)>) -> (Or
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
     use std::sync::Arc;
 
+    use super::super::diary::Folder;
     use super::super::{Camera, Hall, SimSettings};
     use super::*;
     use crate::core::command::Move;
     use crate::core::effect::{Action, Stamp};
+    use crate::core::event::Whereabouts;
     use crate::core::units::{Epoch, Pose, Wall};
     use crate::runtime::halt::Halter;
     use crate::runtime::link::{REPORTS, RobotLink, link};
@@ -176,13 +238,18 @@ mod tests {
 
     impl Test {
         async fn begin(rows: &[&str], speed: Speed) -> Test {
-            let halter = Halter::new(Epoch(0));
-            let (mut link, side) = link(halter.watch());
             let settings = SimSettings { sonar_noise_cm: 0.0, ..SimSettings::new(1, Camera::Rendered) };
             let sim = Sim::new(Arc::new(Hall::from_rows("test", rows).unwrap()), settings);
-            let task = tokio::spawn(run(sim, side, Clock::default(), speed));
-            let Some(RobotEvent::LinkUp(capabilities)) = link.reports.recv().await else { panic!("first the link comes up") };
-            Test { link, halter, task, capabilities }
+            Test::with(sim, speed, None).await.0
+        }
+
+        async fn with(sim: Sim, speed: Speed, diary: Option<Diary>) -> (Test, Whereabouts) {
+            let halter = Halter::new(Epoch(0));
+            let (mut link, side) = link(halter.watch());
+            let task = tokio::spawn(run(sim, side, Clock::default(), speed, diary));
+            let Some(RobotEvent::Stands(whereabouts)) = link.reports.recv().await else { panic!("first it says where it is") };
+            let Some(RobotEvent::LinkUp(capabilities)) = link.reports.recv().await else { panic!("then the link comes up") };
+            (Test { link, halter, task, capabilities }, whereabouts)
         }
 
         async fn give(&mut self, id: u64, action: Action, halts: u64) {
@@ -278,6 +345,68 @@ mod tests {
         test.halter.halt();
         let RobotEvent::Photo(OrderId(1), photo) = test.answer().await else { panic!("a photo was ordered") };
         assert_eq!(photo.media_type, "image/png");
+    }
+
+    fn hall() -> Arc<Hall> {
+        Arc::new(Hall::from_rows("test", &["S", "."]).unwrap())
+    }
+
+    /// Begins with what the diary in this folder remembers.
+    async fn begin_in(folder: &Path, speed: Speed) -> (Test, Whereabouts) {
+        let (diary, memory) = Diary::open(folder, &hall()).unwrap();
+        let settings = SimSettings::new(1, Camera::Stub);
+        let sim = match memory {
+            Some(memory) => Sim::remembering(hall(), settings, memory),
+            None => Sim::new(hall(), settings),
+        };
+        Test::with(sim, speed, Some(diary)).await
+    }
+
+    /// Safety R2.
+    #[tokio::test]
+    async fn whatever_was_reported_before_the_program_died_is_known_to_the_next() {
+        let folder = Folder::new("link");
+        let mut pose = Pose::START;
+        for id in 0..20 {
+            let (mut test, whereabouts) = begin_in(folder.path(), Speed::Max).await;
+            assert_eq!(whereabouts, Whereabouts { pose, off_centre: false });
+            let step = if pose.cell.y == 0 { Move::Forward } else { Move::Backward };
+            test.give(id, Action::Move(step), 0).await;
+            assert_eq!(test.answer().await, RobotEvent::Done(OrderId(id)));
+            pose.cell.y = 1 - pose.cell.y;
+            test.task.abort();
+        }
+    }
+
+    /// Safety R2.
+    #[tokio::test]
+    async fn a_step_under_way_when_the_program_dies_leaves_it_off_centre() {
+        let folder = Folder::new("under-way");
+        let (mut test, _) = begin_in(folder.path(), Speed::Times(0.1)).await;
+        test.give(1, FORWARD, 0).await;
+        let mut remembered = Diary::open(folder.path(), &hall()).unwrap().1;
+        while remembered.is_none_or(|memory| memory.motion.is_none()) {
+            tokio::task::yield_now().await;
+            remembered = Diary::open(folder.path(), &hall()).unwrap().1;
+        }
+        test.task.abort();
+        let (mut test, whereabouts) = begin_in(folder.path(), Speed::Max).await;
+        assert_eq!(whereabouts, Whereabouts { pose: Pose::START, off_centre: true });
+        test.give(1, Action::Recentre, 0).await;
+        assert_eq!(test.answer().await, RobotEvent::Done(OrderId(1)));
+    }
+
+    #[tokio::test]
+    async fn without_a_folder_to_write_in_it_goes_on_and_writes_as_soon_as_there_is_one() {
+        let folder = Folder::new("late");
+        let late = folder.path().join("late");
+        let (mut test, _) = begin_in(&late, Speed::Max).await;
+        test.give(1, FORWARD, 0).await;
+        assert_eq!(test.answer().await, RobotEvent::Done(OrderId(1)));
+        std::fs::create_dir(&late).unwrap();
+        while Diary::open(&late, &hall()).unwrap().1.is_none_or(|memory| memory.pose == Pose::START) {
+            tokio::time::sleep(Duration::from_millis(10)).await;
+        }
     }
 
     #[tokio::test]

@@ -71,20 +71,22 @@ impl Senses {
 #[derive(Debug)]
 pub(super) struct Thermometer {
     hall: Arc<Hall>,
-    /// The next second at which it has something to say.
+    /// How old the hall was when the run began: the curve goes on over all runs.
+    before: Duration,
+    /// The next second of the hall at which it has something to say.
     next: Option<u64>,
 }
 
 impl Thermometer {
-    /// A thermometer that has its first reading to tell at once.
-    pub(super) fn new(hall: Arc<Hall>) -> Thermometer {
-        let next = hall.curve().map(|_| 0);
-        Thermometer { hall, next }
+    /// A thermometer in a hall that is so old already. It has its first reading to tell at once.
+    pub(super) fn new(hall: Arc<Hall>, before: Duration) -> Thermometer {
+        let next = hall.curve().map(|_| before.as_secs());
+        Thermometer { hall, before, next }
     }
 
     /// When it has something to say, since the start of the run.
     pub(super) fn next(&self) -> Option<Duration> {
-        self.next.map(Duration::from_secs)
+        self.next.map(|second| Duration::from_secs(second).saturating_sub(self.before))
     }
 
     /// What it has to say at the moment named by `next`.

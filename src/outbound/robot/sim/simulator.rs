@@ -11,14 +11,17 @@ use std::time::Duration;
 use super::camera::Exposure;
 use super::drive::{BodyPose, Chassis, Motion, Wheels, normal};
 use super::hall::Hall;
+use super::memory::{SimMemory, reseeded};
 use super::senses::{Senses, Thermometer};
 use super::settings::SimSettings;
 use super::sonar::way_to_contact;
 use crate::core::command::Move;
 use crate::core::effect::{Action, Order, Stamp};
-use crate::core::event::{Capabilities, Obstacle, Photo, RobotEvent};
+use crate::core::event::{Capabilities, Obstacle, Photo, RobotEvent, Whereabouts};
 use crate::core::rng::Stream;
 use crate::core::units::{Now, OrderId, Pose};
+
+mod recall;
 
 /// A robot in a hall.
 #[derive(Debug)]
@@ -37,6 +40,12 @@ pub struct Sim {
     thermometer: Thermometer,
     failures: Stream,
     events: VecDeque<RobotEvent>,
+    /// How old the hall was when this run began.
+    before: Duration,
+    /// How often the robot went on after the end of a program.
+    restarts: u32,
+    /// Whether something has changed that must not be forgotten.
+    unkept: bool,
 }
 
 /// The order under way.
@@ -82,25 +91,35 @@ enum Due {
 }
 
 impl Sim {
-    /// A robot at home in this hall, facing south. Its first report is `LinkUp`.
+    /// A robot newly put down at home in this hall, facing south. Its first reports are `Stands` and `LinkUp`.
     #[must_use]
     pub fn new(hall: Arc<Hall>, settings: SimSettings) -> Sim {
+        Sim::placed(hall, settings, SimMemory::NEW)
+    }
+
+    /// A robot at rest where it is remembered to stand.
+    fn placed(hall: Arc<Hall>, settings: SimSettings, memory: SimMemory) -> Sim {
         let settings = settings.sound();
+        let noise = SimSettings { seed: reseeded(settings.seed, memory.restarts), ..settings };
         let mut sim = Sim {
             chassis: Chassis { wheel_radius_m: settings.wheel_radius_m, axle_m: settings.axle_m },
             now: Duration::ZERO,
-            pose: Pose::START,
-            body: BodyPose::centred(Pose::START, hall.cell_m()),
+            pose: memory.pose,
+            body: memory.body(hall.cell_m()),
             task: None,
             led: false,
-            senses: Senses::new(Arc::clone(&hall), &settings),
-            thermometer: Thermometer::new(Arc::clone(&hall)),
-            failures: Stream::new(settings.seed, "photo"),
+            senses: Senses::new(Arc::clone(&hall), &noise),
+            thermometer: Thermometer::new(Arc::clone(&hall), memory.age),
+            failures: Stream::new(noise.seed, "photo"),
             events: VecDeque::new(),
+            before: memory.age,
+            restarts: memory.restarts,
+            unkept: true,
             hall,
             settings,
         };
-        sim.events.push_back(RobotEvent::LinkUp(sim.capabilities()));
+        let whereabouts = Whereabouts { pose: sim.pose, off_centre: sim.is_off_centre() };
+        sim.events.extend([RobotEvent::Stands(whereabouts), RobotEvent::LinkUp(sim.capabilities())]);
         sim
     }
 
@@ -281,6 +300,7 @@ impl Sim {
 
     fn begin(&mut self, order: Order, work: Work) {
         self.task = Some(Task { order: order.id, deadline: self.now.saturating_add(order.deadline), work });
+        self.unkept = true;
     }
 
     /// Lets everything happen that is due by `now`, each at its own moment, so that it makes no difference how often
@@ -288,6 +308,7 @@ impl Sim {
     fn pass_to(&mut self, now: Duration) {
         while let Some((at, due)) = self.next_due().filter(|(at, _)| *at <= now) {
             self.now = self.now.max(at);
+            self.unkept = true;
             match due {
                 Due::End => self.finish(),
                 Due::Deadline => self.give_up(),
@@ -348,6 +369,7 @@ impl Sim {
     fn stop_wheels(&mut self) {
         self.body = self.body_at(self.now);
         self.task = None;
+        self.unkept = true;
     }
 
     fn body_at(&self, now: Duration) -> BodyPose {

@@ -5,6 +5,8 @@ use super::super::settings::Camera;
 use super::*;
 use crate::core::units::{Cell, Epoch, Heading};
 
+mod recall;
+
 const OPEN: [&str; 5] = [".....", ".....", "..S..", ".....", "....."];
 
 /// A simulator with the time that has passed and the orders it was given.
@@ -22,7 +24,8 @@ impl Run {
     fn with(rows: &[&str], settings: SimSettings) -> Run {
         let mut run =
             Run { sim: Sim::new(Arc::new(Hall::from_rows("test", rows).unwrap()), settings), now: Duration::ZERO, orders: 0 };
-        assert_eq!(run.sim.poll_event(), Some(RobotEvent::LinkUp(run.sim.capabilities())));
+        let at_home = RobotEvent::Stands(Whereabouts { pose: Pose::START, off_centre: false });
+        assert_eq!(run.events(), [at_home, RobotEvent::LinkUp(run.sim.capabilities())]);
         run
     }
 
@@ -68,6 +71,13 @@ impl Run {
 
     fn body(&self) -> BodyPose {
         self.sim.pose_at(self.now())
+    }
+
+    /// The body is on free floor.
+    fn check_floor(&self, seed: u64) {
+        let body = self.body();
+        let cell = Cell::new((body.x_m / 0.5).round() as i32, (body.y_m / 0.5).round() as i32);
+        assert_eq!(self.sim.hall.truth(cell), super::super::Truth::Free, "seed {seed}: the body is in {cell}");
     }
 }
 
@@ -262,9 +272,7 @@ fn wander(seed: u64, stride_ms: u64) -> String {
         while run.now < until {
             run.now = until.min(run.now + Duration::from_millis(stride_ms));
             run.sim.handle_timeout(run.now());
-            let body = run.body();
-            let cell = Cell::new((body.x_m / 0.5).round() as i32, (body.y_m / 0.5).round() as i32);
-            assert_eq!(run.sim.hall.truth(cell), super::super::Truth::Free, "seed {seed}: the body is in {cell}");
+            run.check_floor(seed);
         }
         let events = run.events();
         log += &format!("{:?} {events:?}\n", run.now);

@@ -1,0 +1,64 @@
+//! Why the memory of a simulated robot cannot be gone on from, said with the file and what to do. Nothing is repaired here: a
+//! file that is not understood stays as it is.
+
+use std::path::PathBuf;
+
+/// Why a file in the data folder is no memory of a robot in this hall.
+#[derive(Debug, thiserror::Error)]
+pub enum DiaryError {
+    /// The file is there and cannot be read.
+    #[error("cannot read {} ({error}): give whoever runs hallsweep the right to read it", .path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// It is not what this program has written.
+    #[error(
+        "{} is damaged: {fault}; move it away and start again: the simulated robot is then put down at home, and what is \
+         on record stays",
+        .path.display()
+    )]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong in it.
+        fault: String,
+    },
+    /// It was written by another version of the program.
+    #[error(
+        "{} was written in version {found} of its format, this hallsweep knows version 1: start the hallsweep that wrote \
+         it, or move the file away and the simulated robot is put down at home",
+        .path.display()
+    )]
+    OtherVersion {
+        /// The file.
+        path: PathBuf,
+        /// The version it names.
+        found: String,
+    },
+    /// It is the memory of a robot in another hall, or in the same one before its file was changed.
+    #[error("{} {}", .path.display(), other_hall(.remembered, .given))]
+    OtherHall {
+        /// The file.
+        path: PathBuf,
+        /// The hall in which the robot stands.
+        remembered: String,
+        /// The hall that was asked for.
+        given: String,
+    },
+}
+
+fn other_hall(remembered: &str, given: &str) -> String {
+    if remembered == given {
+        return format!(
+            "is of the hall {given} as it was before its file was changed: change it back, or give the changed hall a folder \
+             of its own with --data DIR"
+        );
+    }
+    format!(
+        "is of the hall {remembered}, not of {given}: start with --hall {remembered}, or give this hall a folder of its own \
+         with --data DIR"
+    )
+}

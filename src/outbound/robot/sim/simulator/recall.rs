@@ -1,0 +1,43 @@
+//! How the simulated robot hands out what it must not forget, and goes on from it in the next run of the program.
+//! What that is stands in `memory`; who writes it down, in `diary`.
+
+use std::sync::Arc;
+
+use super::super::memory::{Astray, Underway};
+use super::{BodyPose, Hall, Sim, SimMemory, SimSettings, Work};
+
+impl Sim {
+    /// The robot of an earlier run, in the same hall, after the program has died: where it was, halted by itself within half a
+    /// second. A step that was cut short leaves it between two cells and the pose that of the last completed order, so that
+    /// recentring brings it back there. Its first reports are `Stands` and `LinkUp`.
+    #[must_use]
+    pub fn remembering(hall: Arc<Hall>, settings: SimSettings, memory: SimMemory) -> Sim {
+        Sim::placed(hall, settings, memory.at_rest(settings.seed))
+    }
+
+    /// What the robot and its hall would keep if the program died now.
+    #[must_use]
+    pub fn memory(&self) -> SimMemory {
+        let centre = BodyPose::centred(self.pose, self.hall.cell_m());
+        let motion = match self.task.as_ref().map(|task| &task.work) {
+            Some(Work::Drive { motion, .. }) => Some(Underway {
+                to: Astray::between(centre, motion.at(self.chassis, motion.ends)),
+                left: motion.ends.saturating_sub(self.now.max(motion.began)),
+            }),
+            Some(Work::Photograph { .. }) | None => None,
+        };
+        SimMemory {
+            pose: self.pose,
+            stands: Astray::between(centre, self.body_at(self.now)),
+            motion,
+            age: self.before.saturating_add(self.now),
+            restarts: self.restarts,
+        }
+    }
+
+    /// What there is to keep, once whenever something has changed: an order begun or ended, or the temperature told. Whoever
+    /// keeps it should do so before passing on the reports that follow.
+    pub fn poll_memory(&mut self) -> Option<SimMemory> {
+        std::mem::take(&mut self.unkept).then(|| self.memory())
+    }
+}

@@ -1,0 +1,169 @@
+//! Commands that come again under the same id, that contradict each other, or that come from before a STOP: each acts once, and
+//! everything is on record with who gave it and from where (safety S4, V1, A6).
+
+use std::sync::Arc;
+
+use hallsweep::core::command::{Command, CommandId, Door, Issuer, LuggageRef, Refused, Request, TemperatureReport, Verdict};
+use hallsweep::core::effect::Fact;
+use hallsweep::core::mission::PhaseName;
+use hallsweep::core::sweep::IDS;
+use hallsweep::core::units::{Epoch, LuggageId};
+
+use crate::bare::{Bare, records};
+use crate::operator::{Operator, in_hall};
+
+fn named(id: &str, command: Command) -> Request {
+    by("operator", id, command)
+}
+
+fn by(who: &str, id: &str, command: Command) -> Request {
+    let issuer = Issuer { door: Door::Http, who: Arc::from(who), from: Arc::from("192.0.2.7") };
+    Request { id: CommandId::new(id), ..Request::new(command, issuer) }
+}
+
+fn verdict(verdict: Verdict) -> Command {
+    Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict }
+}
+
+#[test]
+fn a_command_that_comes_again_is_answered_as_before_and_acts_once() {
+    let mut run = in_hall("empty-8x8");
+    let first = run.ask(named("a", Command::Start));
+    run.until("some cells", |state| state.map.visited() > 5);
+    run.give(Command::Stop).unwrap();
+    run.stands_still();
+    assert_eq!(run.ask(named("a", Command::Start)), first, "the same answer, the same revision");
+    run.stands_still();
+    run.ask(named("b", Command::Start)).unwrap();
+    run.until_explored();
+}
+
+#[test]
+fn a_refused_command_that_comes_again_is_refused_again_although_it_would_be_accepted_now() {
+    let mut run = in_hall("empty-8x8");
+    run.temperature(TemperatureReport::TooHigh).unwrap();
+    let refused = run.ask(named("a", Command::Start));
+    assert!(matches!(refused, Err(Refused::Held(_))));
+    run.temperature(TemperatureReport::Ok).unwrap();
+    assert_eq!(run.ask(named("a", Command::Start)), refused);
+    assert_eq!(run.phase(), PhaseName::Idle);
+}
+
+#[test]
+fn an_id_that_was_used_for_another_command_is_refused() {
+    let mut run = in_hall("empty-8x8");
+    run.ask(named("a", Command::Start)).unwrap();
+    let other = run.ask(named("a", Command::BackHome));
+    assert_eq!(other, Err(Refused::OtherContent(CommandId::new("a").unwrap())));
+    assert_eq!(run.phase(), PhaseName::Exploring);
+    run.ask(by("somebody else", "a", Command::BackHome)).expect("another sender's names are its own");
+}
+
+/// Safety S1: whatever its id, and however often.
+#[test]
+fn a_stop_is_never_taken_for_a_repeat() {
+    let mut run = in_hall("empty-8x8");
+    for _ in 0..3 {
+        run.give(Command::Start).unwrap();
+        run.wait(1.0);
+        run.ask(named("a", Command::Stop)).unwrap();
+        run.stands_still();
+    }
+    run.ask(named("b", Command::Start)).unwrap();
+    run.ask(named("b", Command::Stop)).expect("an id that was used for another command does not refuse a stop");
+    run.stands_still();
+}
+
+#[test]
+fn only_so_many_ids_are_remembered() {
+    let mut run = in_hall("empty-8x8");
+    run.ask(named("first", Command::Start)).unwrap();
+    for n in 0..IDS {
+        run.ask(named(&format!("id-{n}"), Command::Temperature(TemperatureReport::Ok))).unwrap();
+    }
+    assert!(run.ask(named("first", Command::BackHome)).is_ok(), "it was forgotten");
+}
+
+/// Two that wait for the same record are answered together.
+#[test]
+fn a_verdict_that_is_sent_twice_before_it_is_kept_is_recorded_once() {
+    let mut bare = Bare::at_a_bag();
+    bare.keeps = false;
+    let first = bare.ask(named("v", verdict(Verdict::Safe))).unwrap();
+    let again = bare.ask(named("v", verdict(Verdict::Safe))).unwrap();
+    assert_eq!((bare.answer(first), bare.answer(again)), (None, None));
+    bare.keep();
+    assert!(bare.answer(first).unwrap().is_ok());
+    assert_eq!(bare.answer(first), bare.answer(again));
+    let verdicts = bare.effects.iter().filter(|effect| records(effect, |fact| matches!(fact, Fact::Verdict { .. })));
+    assert_eq!(verdicts.count(), 1);
+}
+
+/// Safety V1: two operators press at the same moment; one verdict wins, the other operator gets the record.
+#[test]
+fn of_two_verdicts_at_the_same_moment_one_wins_and_the_other_is_told_so() {
+    for (early, late, stands) in [
+        (Verdict::Safe, Verdict::Danger, Verdict::Danger),
+        (Verdict::Danger, Verdict::Safe, Verdict::Danger),
+        (Verdict::Safe, Verdict::Safe, Verdict::Safe),
+        (Verdict::Danger, Verdict::Danger, Verdict::Danger),
+    ] {
+        let mut bare = Bare::at_a_bag();
+        bare.keeps = false;
+        let first = bare.ask(by("anna", "1", verdict(early)));
+        let second = bare.ask(by("ben", "1", verdict(late)));
+        bare.keep();
+        let answers = [(first, early), (second, late)].map(|(given, said)| {
+            (given.and_then(|ticket| bare.answer(ticket).expect("every accepted command is answered")), said)
+        });
+        for (answer, said) in answers {
+            let expected = if said == stands {
+                answer.is_ok()
+            } else {
+                matches!(answer, Err(Refused::Decided { verdict, .. }) if verdict == stands)
+            };
+            assert!(expected, "{early:?} then {late:?}: {said:?} was answered {answer:?}");
+        }
+        assert_eq!(bare.state().luggage(LuggageId(1)).unwrap().verdict.as_ref().unwrap().verdict, stands);
+    }
+}
+
+/// Safety A6.
+#[test]
+fn accepted_or_refused_every_command_is_on_record_with_who_and_from_where() {
+    let mut bare = Bare::linked();
+    bare.ask(named("a", Command::Start)).unwrap();
+    bare.ask(by("mallory", "b", Command::Retrieve)).unwrap_err();
+    let outdated = Request { epoch: Some(Epoch(0)), ..named("c", Command::BackHome) };
+    bare.give(Command::Stop).unwrap();
+    bare.ask(outdated).unwrap_err();
+    for (who, command, code) in
+        [("operator", "START", None), ("mallory", "RETRIEVE", Some("notInPhase")), ("operator", "BACK HOME", Some("outdated"))]
+    {
+        let written = |fact: &Fact| match fact {
+            Fact::Command { issuer, command: said, refused, .. } => {
+                let refused = refused.as_ref().map(|refusal| refusal.code);
+                (&*issuer.who, said.as_str(), refused) == (who, command, code) && &*issuer.from == "192.0.2.7"
+            }
+            _ => false,
+        };
+        assert!(bare.effects.iter().any(|effect| records(effect, written)), "{who}: {command}");
+    }
+    let log = bare.state().log.iter().map(|line| line.text.clone()).collect::<Vec<_>>().join("\n");
+    assert!(log.contains("START, by operator (http, 192.0.2.7)"), "{log}");
+    assert!(log.contains("RETRIEVE refused, by mallory (http, 192.0.2.7): "), "{log}");
+}
+
+/// Safety A6: what came while nothing could be written is written afterwards.
+#[test]
+fn commands_that_came_while_the_store_was_down_are_on_record_when_it_is_back() {
+    use hallsweep::core::event::Event;
+    let mut bare = Bare::linked();
+    bare.keeps = false;
+    bare.event(Event::StoreFailed("disk full".to_owned()));
+    bare.ask(by("mallory", "b", Command::Start)).unwrap_err();
+    bare.effects.clear();
+    bare.event(Event::StoreRestored);
+    let mallory = |fact: &Fact| matches!(fact, Fact::Command { issuer, .. } if &*issuer.who == "mallory");
+    assert!(bare.effects.iter().any(|effect| records(effect, mallory)));
+}
