@@ -104,7 +104,7 @@ fn progress_bar(cells: usize) -> ProgressBar {
 }
 
 fn for_people(figures: &Figures) -> String {
-    format!("{}\n{}", map_text::lines(&figures.state), figures::table(figures))
+    format!("{}\n{}", map_text::lines(&*figures.state), figures::table(figures))
 }
 
 fn write_log(path: &Path, journal: &[Entry]) -> std::io::Result<()> {

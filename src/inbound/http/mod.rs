@@ -9,9 +9,11 @@ mod etag;
 mod events;
 mod give;
 mod guard;
+mod missions;
 mod old;
 mod patience;
 mod problem;
+mod query;
 mod reading;
 mod reads;
 mod serve;
@@ -94,6 +96,10 @@ fn api() -> Router<Door> {
         .route("/luggage/{id}/photo", get(reads::photo).post(commands::retake))
         .route("/luggage/{id}/verdict", post(commands::verdict))
         .route("/events", get(events::events))
+        .route("/missions", get(missions::list))
+        .route("/missions/{id}", get(missions::mission))
+        .route("/missions/{id}/events", get(missions::events))
+        .route("/missions/{id}/map", get(missions::map))
         .route("/commands/start", post(commands::start))
         .route("/commands/stop", post(commands::stop))
         .route("/commands/backHome", post(commands::back_home))
