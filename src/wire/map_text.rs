@@ -54,8 +54,8 @@ fn text_char(plan: Plan<'_>, cell: Cell) -> char {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::world::snapshot::Snapshot;
     use crate::core::units::{Heading, Pose};
+    use crate::core::world::snapshot::Snapshot;
     use crate::wire::fixture::{drawn, idle};
 
     fn hall(rows: &[&str], robot: Cell) -> Snapshot {

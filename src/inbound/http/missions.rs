@@ -110,12 +110,7 @@ pub(super) async fn kept(door: &Door, id: u64) -> Result<(MissionRecord, Option<
 }
 
 /// What happened in a mission after an entry, oldest first, and after which entry the next page begins.
-pub(super) async fn happened(
-    door: &Door,
-    id: u64,
-    after: Seq,
-    limit: u64,
-) -> Result<(Vec<(Seq, Entry)>, Option<Seq>), Problem> {
+pub(super) async fn happened(door: &Door, id: u64, after: Seq, limit: u64) -> Result<(Vec<(Seq, Entry)>, Option<Seq>), Problem> {
     let (mission, limit) = (MissionId(id), count(limit));
     let found = door.look_up(move |archive| match archive.mission(mission)? {
         Some(_) => archive.entries(mission, after, limit + 1).map(Some),

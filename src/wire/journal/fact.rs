@@ -30,7 +30,7 @@ pub(super) enum Shape {
     Pose(PoseShape),
     Led { blinking: bool },
     Obstacle { x: i32, y: i32, taken_for: String },
-    Mark { x: i32, y: i32, mark: char },
+    Mark { x: i32, y: i32, mark: String },
     Luggage { luggage: LuggageShape, picture: Option<Picture> },
     Verdict { luggage: u64, verdict: String, who: String },
     Temperature { source: String, celsius: f64 },
@@ -108,14 +108,12 @@ impl Shape {
             Fact::Pose(pose) => Shape::Pose((*pose).into()),
             Fact::Led(blinking) => Shape::Led { blinking: *blinking },
             Fact::Obstacle(Cell { x, y }, taken_for) => Shape::Obstacle { x: *x, y: *y, taken_for: (*taken_for).to_owned() },
-            Fact::Mark(Cell { x, y }, mark) => Shape::Mark { x: *x, y: *y, mark: map::letter(*mark) },
+            Fact::Mark(Cell { x, y }, mark) => Shape::Mark { x: *x, y: *y, mark: mark.name().to_owned() },
             Fact::Luggage { record, .. } => Shape::Luggage { luggage: (&**record).into(), picture: picture.cloned() },
             Fact::Verdict { luggage, verdict, who } => {
                 Shape::Verdict { luggage: luggage.0, verdict: verdict.name().to_owned(), who: who.to_string() }
             }
-            Fact::Temperature(source, celsius) => {
-                Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() }
-            }
+            Fact::Temperature(source, celsius) => Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() },
             Fact::AlarmRaised(alarm, luggage, text) => {
                 Shape::AlarmRaised { alarm: alarm.0, luggage: luggage.map(|id| id.0), text: text.clone() }
             }
@@ -148,7 +146,7 @@ impl Shape {
             Shape::Pose(pose) => Fact::Pose(pose.pose()?),
             Shape::Led { blinking } => Fact::Led(blinking),
             Shape::Obstacle { x, y, taken_for } => Fact::Obstacle(Cell::new(x, y), names::taken_for(&taken_for)?),
-            Shape::Mark { x, y, mark } => Fact::Mark(Cell::new(x, y), map::mark(mark)?),
+            Shape::Mark { x, y, mark } => Fact::Mark(Cell::new(x, y), map::named(&mark)?),
             Shape::Verdict { luggage, verdict, who } => {
                 Fact::Verdict { luggage: LuggageId(luggage), verdict: names::verdict(&verdict)?, who: who.into() }
             }

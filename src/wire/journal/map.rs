@@ -20,15 +20,10 @@ const LETTERS: [(Mark, char); 5] =
 #[derive(Serialize, Deserialize)]
 pub(super) struct Row(i32, i32, String);
 
-/// The letter of a mark, as facts about single cells use it too.
-pub(super) fn letter(mark: Mark) -> char {
-    LETTERS.iter().find(|(known, _)| *known == mark).map_or('.', |(_, letter)| *letter)
-}
-
-/// The mark of a letter.
-pub(super) fn mark(letter: char) -> Result<Mark, Unparsed> {
-    let known = LETTERS.iter().find(|(_, known)| *known == letter).map(|(mark, _)| *mark);
-    known.ok_or_else(|| Unparsed(format!("{letter:?} is no mark of a cell")))
+/// The mark of this name.
+pub(super) fn named(name: &str) -> Result<Mark, Unparsed> {
+    let known = LETTERS.iter().find(|(mark, _)| mark.name() == name);
+    known.map(|(mark, _)| *mark).ok_or_else(|| Unparsed(format!("{:?} is no mark of a cell", in_short(name))))
 }
 
 /// The known cells, row by row.
@@ -89,6 +84,16 @@ impl Runs {
         self.close();
         self.text
     }
+}
+
+fn letter(mark: Mark) -> char {
+    let known = LETTERS.iter().find(|(known, _)| *known == mark);
+    known.expect("a test walks all marks").1
+}
+
+fn mark(letter: char) -> Result<Mark, Unparsed> {
+    let known = LETTERS.iter().find(|(_, known)| *known == letter);
+    known.map(|(mark, _)| *mark).ok_or_else(|| Unparsed(format!("{letter:?} is no mark of a cell")))
 }
 
 /// Draws a row. Nothing beyond the map's reach is taken, so that no number in a file makes the program draw for ever.
