@@ -11,7 +11,7 @@ use super::etag::by_content;
 use super::problem::Problem;
 use super::query::{MOST, Query};
 use super::reading::Number;
-use crate::core::effect::Entry;
+use crate::core::effect::{Entry, Fact};
 use crate::core::standing::Standing;
 use crate::core::units::{MissionId, Seq};
 use crate::runtime::archive::MissionRecord;
@@ -28,6 +28,9 @@ const MOST_MISSIONS: u64 = 100;
 
 /// Events in one answer, unless asked otherwise, and the most there are: some 100 KiB of JSON.
 const EVENTS: u64 = 1000;
+
+/// So often is looked further for commands before a page is shown with what there is: it bounds what one request costs.
+const LOOKS: usize = 10;
 
 const JSON: &str = "application/json";
 
@@ -121,6 +124,18 @@ pub(super) async fn happened(door: &Door, id: u64, after: Seq, limit: u64) -> Re
     entries.truncate(limit);
     let next = entries.last().map(|(seq, _)| *seq).filter(|_| more);
     Ok((entries, next))
+}
+
+/// The commands of a mission after an entry, accepted or refused, at least so many where there are, and where to go on looking.
+pub(super) async fn commands(door: &Door, id: u64, after: Seq, least: u64) -> Result<(Vec<(Seq, Entry)>, Option<Seq>), Problem> {
+    let (mut found, mut from) = (Vec::new(), Some(after));
+    for _ in 0..LOOKS {
+        let Some(after) = from.filter(|_| found.len() < count(least)) else { break };
+        let (entries, next) = happened(door, id, after, EVENTS).await?;
+        found.extend(entries.into_iter().filter(|(_, entry)| matches!(entry.fact, Fact::Command { .. })));
+        from = next;
+    }
+    Ok((found, from))
 }
 
 fn unknown(id: u64) -> Problem {

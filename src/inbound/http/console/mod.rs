@@ -4,6 +4,7 @@
 mod acts;
 mod hall;
 mod live;
+mod missions;
 mod parts;
 mod view;
 
@@ -31,6 +32,8 @@ pub(super) fn routes() -> Router<Door> {
     let pages = Router::new()
         .route("/", get(page))
         .route("/console/live", get(live::live))
+        .route("/missions", get(missions::list))
+        .route("/missions/{id}", get(missions::one))
         .route("/console/confirm/danger/{id}", get(confirm_danger))
         .route("/console/confirm/reset", get(confirm_reset));
     ACTS.into_iter()
