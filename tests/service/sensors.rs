@@ -43,9 +43,11 @@ fn a_sensor_must_be_heard_before_the_robot_starts_and_when_it_falls_silent_a_sta
     assert!(holds(mission, "awaitingStart"), "{mission}");
     assert_eq!(program.json("state")["temperature"]["status"], "stale");
 
-    reads(&program, "roof", "21.5").accepted();
-    let heard = std::iter::from_fn(|| Some(events.next().data["mission"].take()))
-        .find(|mission| mission["holds"].is_array() && !holds(mission, "temperatureStale"));
+    let heard = std::iter::from_fn(|| {
+        reads(&program, "roof", "21.5").accepted();
+        Some(events.next().data["mission"].take())
+    });
+    let heard = heard.into_iter().find(|mission| mission["holds"].is_array() && !holds(mission, "temperatureStale"));
     assert!(holds(&heard.expect("the stream goes on"), "awaitingStart"), "the end of the cause alone sets nothing moving");
     start_while_heard(&program);
 }
