@@ -13,6 +13,7 @@ use tokio::net::TcpListener;
 use tokio::sync::watch;
 use tokio::task::JoinHandle;
 
+use crate::access::AccessError;
 use crate::config::{self, Settings};
 use crate::core::sweep::Sweep;
 use crate::core::units::Epoch;
@@ -25,7 +26,10 @@ use crate::runtime::handle::Handle;
 use crate::runtime::link::link;
 use crate::runtime::task::Task;
 
+mod entry;
 mod signals;
+
+pub use entry::Entry;
 
 /// What is still busy this long after everything has ended (a photo being drawn) is left behind.
 const LEFT_BEHIND: Duration = Duration::from_millis(200);
@@ -43,6 +47,9 @@ pub enum AppError {
         /// The line of the file and what is wrong.
         error: HallError,
     },
+    /// The keys cannot be had.
+    #[error(transparent)]
+    Access(#[from] AccessError),
     /// The port cannot be had.
     #[error("cannot listen on {address}: {error}; {}", what_to_do(.error))]
     Bind {
@@ -59,11 +66,12 @@ pub enum AppError {
     LoopEnded,
 }
 
-/// Serves until SIGINT or SIGTERM. `announce` is told where, with the real port, as soon as requests are answered.
+/// Serves until SIGINT or SIGTERM. `announce` is told where, with the real port, and how one gets in, as soon as requests are
+/// answered.
 ///
 /// # Errors
-/// A hall that cannot be read, a port that cannot be had, a system that refuses, or a loop that ended by itself.
-pub fn serve(settings: &Settings, announce: impl FnOnce(SocketAddr)) -> Result<(), AppError> {
+/// A hall or keys that cannot be read, a port that cannot be had, a system that refuses, or a loop that ended by itself.
+pub fn serve(settings: &Settings, announce: impl FnOnce(SocketAddr, &Entry)) -> Result<(), AppError> {
     let simulation = simulation(settings, Camera::Rendered)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(AppError::System)?;
     let served = runtime.block_on(serve_hall(settings, simulation, announce));
@@ -91,19 +99,21 @@ pub fn simulation(settings: &Settings, camera: Camera) -> Result<(Arc<Hall>, Sim
 async fn serve_hall(
     settings: &Settings,
     (hall, sim): (Arc<Hall>, SimSettings),
-    announce: impl FnOnce(SocketAddr),
+    announce: impl FnOnce(SocketAddr, &Entry),
 ) -> Result<(), AppError> {
-    let bind = |error| AppError::Bind { address: settings.http, error };
-    let listener = TcpListener::bind(settings.http).await.map_err(bind)?;
+    let bind = |error| AppError::Bind { address: settings.http.bind, error };
+    let listener = TcpListener::bind(settings.http.bind).await.map_err(bind)?;
     let address = listener.local_addr().map_err(bind)?;
+    // Only now, when this program and no other has the port: a key that is shown is the one that counts.
+    let (access, entry) = entry::access(settings)?;
     let signalled = signals::listen().map_err(AppError::System)?;
 
     let halter = Halter::new(Epoch::default());
     let memory = Memory::new();
     let (closing, closed) = watch::channel(false);
     let (handle, mut task) = start(settings, (Arc::clone(&hall), sim), &memory, &halter, closed);
-    let door = Door::new(handle, Arc::new(memory), hall.name());
-    announce(address);
+    let door = Door::new(handle, Arc::new(memory), hall.name(), access);
+    announce(address, &entry);
     tracing::info!(%address, hall = hall.name(), "serving");
 
     let mut ended = None;
@@ -114,7 +124,7 @@ async fn serve_hall(
         }
         halter.stop();
     };
-    http::serve(listener, door, shutdown).await;
+    http::serve(listener, door, &settings.http.hosts, shutdown).await;
     let by_itself = ended.is_some();
     closing.send_replace(true);
     let end = match ended {

@@ -12,8 +12,10 @@ use crate::telemetry;
 pub mod explore;
 mod failure;
 pub mod healthcheck;
+mod link;
 pub mod serve;
 pub mod table;
+pub mod token;
 
 pub use failure::Failure;
 
@@ -38,6 +40,8 @@ pub enum Task {
     Explore(explore::Explore),
     /// Ask a running hallsweep whether it is well: exit code 0 if so, 1 if not.
     Healthcheck(Healthcheck),
+    /// Show, add, replace and remove the keys by which people and programs get in.
+    Token(token::Keyrings),
     /// Print the table of the mission, phase by phase, as markdown.
     Table,
 }
@@ -63,9 +67,9 @@ pub struct Serve {
     /// A settings file, laid over the defaults.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// Listen beyond loopback although there is no access control yet: whoever reaches the port can command the robot.
-    #[arg(long)]
-    insecure: bool,
+    /// The folder of everything that outlives the program; "none": nothing is kept.
+    #[arg(long, value_name = "DIR")]
+    data: Option<String>,
 }
 
 /// The flags of `healthcheck`.
@@ -92,14 +96,13 @@ impl Serve {
     }
 
     fn flags(&self) -> Vec<Flag> {
-        let insecure = self.insecure.then(|| "true".to_owned());
         let given = [
             ("--hall", "hall.file", &self.hall),
             ("--http", "http.bind", &self.http),
             ("--speed", "robot.speed", &self.speed),
             ("--seed", "robot.seed", &self.seed),
             ("--strategy", "mission.strategy", &self.strategy),
-            ("--insecure", "http.insecure", &insecure),
+            ("--data", "store.folder", &self.data),
         ];
         let flags = given.into_iter().filter_map(|(flag, key, value)| Some(Flag { flag, key, value: value.clone()? }));
         flags.collect()
@@ -131,7 +134,7 @@ mod tests {
         let cli = Cli::try_parse_from(arguments.split_whitespace()).expect("these arguments are good");
         match cli.task() {
             Task::Serve(serve) => serve.flags().into_iter().map(|flag| (flag.key, flag.value)).collect(),
-            other @ (Task::Explore(_) | Task::Healthcheck(_) | Task::Table) => panic!("{other:?} is not serve"),
+            other @ (Task::Explore(_) | Task::Healthcheck(_) | Task::Token(_) | Task::Table) => panic!("{other:?} is not serve"),
         }
     }
 
@@ -148,7 +151,7 @@ mod tests {
 
     #[test]
     fn every_flag_is_a_setting() {
-        let given = flags("hallsweep --hall h --http a --speed -1 --seed -2 --strategy s --insecure");
+        let given = flags("hallsweep --hall h --http a --speed -1 --seed -2 --strategy s --data d");
         assert_eq!(given.len(), 6);
         for (key, _) in given {
             assert!(crate::config::Key::named(key).is_some(), "{key} is no setting");

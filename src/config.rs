@@ -12,6 +12,7 @@ use crate::core::settings::Settings as CoreSettings;
 mod check;
 mod environment;
 mod error;
+mod folder;
 mod key;
 mod layers;
 mod raw;
@@ -27,8 +28,10 @@ pub struct Settings {
     pub hall: String,
     /// Where the hall's name comes from, as `flag --hall`, for whoever finds that it cannot be read.
     pub hall_origin: String,
-    /// Where the console and the API listen: loopback, unless the operator of the machine insisted on another address.
-    pub http: SocketAddr,
+    /// The console and the API.
+    pub http: HttpSettings,
+    /// Where everything is kept that outlives the program; `None`: nothing is kept.
+    pub store: Option<PathBuf>,
     /// The simulated robot.
     pub robot: RobotSettings,
     /// The order of the search.
@@ -41,6 +44,28 @@ pub struct Settings {
     pub sensor_silence: Duration,
     /// Which log lines are written, in the notation of `tracing_subscriber::EnvFilter`.
     pub log: String,
+}
+
+/// Where the console and the API are, and for whom.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HttpSettings {
+    /// Where they listen.
+    pub bind: SocketAddr,
+    /// Whether a key is asked for: always beyond loopback, and on loopback when it is wanted.
+    pub asks_for_keys: bool,
+    /// Names under which they are reached, beside the machine's own for itself.
+    pub hosts: Vec<String>,
+    /// Certificate and key, where connections are encrypted.
+    pub tls: Option<TlsFiles>,
+}
+
+/// The files that TLS needs, both in PEM.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TlsFiles {
+    /// The certificate, and those that lead to a known one.
+    pub certificate: PathBuf,
+    /// Its private key.
+    pub key: PathBuf,
 }
 
 /// How the simulated robot behaves.

@@ -10,6 +10,7 @@
 //! `core`; doors (`inbound`, through `wire`) and adapters (`outbound`) know `runtime` and `core`, never one another; only `app`
 //! and the command line know them all. Read `docs/architecture.md` next, then `core::mission::table`.
 
+pub mod access;
 pub mod app;
 pub mod cli;
 pub mod config;

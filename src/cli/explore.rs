@@ -83,7 +83,9 @@ impl Explore {
             ("--strategy", "mission.strategy", &self.strategy),
         ];
         let flags = given.into_iter().filter_map(|(flag, key, value)| Some(Flag { flag, key, value: value.clone()? }));
-        config::sources(self.config.clone(), flags.collect())
+        // Nothing of it is kept, so a user without a home can run it too.
+        let nothing = Flag { flag: "of explore", key: "store.folder", value: "none".to_owned() };
+        config::sources(self.config.clone(), flags.chain([nothing]).collect())
     }
 }
 

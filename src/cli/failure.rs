@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use crate::access::AccessError;
 use crate::app::AppError;
 use crate::config::SettingsError;
 
@@ -14,6 +15,9 @@ pub enum Failure {
     /// It could not begin, or not go on: exit code 2 when the hall is to blame, else 1.
     #[error(transparent)]
     App(#[from] AppError),
+    /// The keys cannot be had, kept or changed: exit code 1.
+    #[error(transparent)]
+    Access(#[from] AccessError),
     /// It could not do what it was asked: exit code 1.
     #[error("{0}")]
     Run(String),
@@ -25,7 +29,7 @@ impl Failure {
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Failure::Settings(_) | Failure::App(AppError::Hall { .. }) => ExitCode::from(2),
-            Failure::App(_) | Failure::Run(_) => ExitCode::from(1),
+            Failure::App(_) | Failure::Access(_) | Failure::Run(_) => ExitCode::from(1),
         }
     }
 }

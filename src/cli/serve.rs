@@ -1,17 +1,57 @@
-//! `hallsweep serve`: starts the program and says where it is.
+//! `hallsweep serve`: starts the program and says where it is, and how one gets in.
 
-use super::{Failure, Serve};
-use crate::app;
+use std::net::SocketAddr;
+
+use super::{Failure, Serve, link};
+use crate::app::{self, Entry};
+use crate::config::HttpSettings;
 
 /// Serves until a signal ends it.
 ///
 /// # Errors
-/// Wrong settings, a bad hall file, a port that cannot be had, or a loop that ended by itself.
+/// Wrong settings, a bad hall file, keys that cannot be had, a port that cannot be had, or a loop that ended by itself.
 pub fn run(flags: &Serve) -> Result<(), Failure> {
     let settings = super::settings(&flags.sources())?;
-    app::serve(&settings, |address| {
+    app::serve(&settings, |address, entry| {
         // Whoever closed standard output does not want to know; the program serves all the same.
-        let _ = super::print(&format!("hallsweep is at http://{address}"));
+        let _ = super::print(&announcement(&settings.http, address, entry));
     })?;
     Ok(())
+}
+
+/// Where it is, and how one gets in. A token is shown when it was just made, and then only here: never in the log.
+fn announcement(http: &HttpSettings, address: SocketAddr, entry: &Entry) -> String {
+    let at = format!("hallsweep is at {}://{address}", link::scheme(http));
+    match entry {
+        Entry::Open => at,
+        Entry::Key => format!("{at}\nIt asks for a key: `hallsweep token` shows links to sign in with."),
+        Entry::NewKey(token) => {
+            format!("{at}\nIts first key was made just now. Sign in as operator: {}", link::sign_in(http, address, token))
+        }
+        Entry::BriefKey(token) => format!(
+            "{at}\nNothing is kept (store.folder = \"none\"), so its key is good until it ends. Sign in as operator: {}",
+            link::sign_in(http, address, token)
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::access::Token;
+    use crate::config::{Sources, load};
+
+    #[test]
+    fn a_token_is_shown_only_when_it_was_just_made() {
+        let http = load(&Sources::default()).unwrap().http;
+        let address = "0.0.0.0:8080".parse().unwrap();
+        let token = Token::draw().unwrap();
+        let said = |entry: &Entry| announcement(&http, address, entry);
+        assert_eq!(said(&Entry::Open), "hallsweep is at http://0.0.0.0:8080");
+        assert!(said(&Entry::Key).contains("`hallsweep token`"));
+        for entry in [Entry::NewKey(token.clone()), Entry::BriefKey(token.clone())] {
+            let link = format!("http://localhost:8080/sign-in?token={}", token.reveal());
+            assert!(said(&entry).ends_with(&link), "{}", said(&entry));
+        }
+    }
 }

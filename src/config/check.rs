@@ -2,6 +2,7 @@
 
 use std::net::SocketAddr;
 use std::ops::RangeInclusive;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -11,7 +12,7 @@ use tracing_subscriber::EnvFilter;
 use super::error::SettingsError;
 use super::layers::Layers;
 use super::raw::{self, Raw};
-use super::{RobotSettings, Settings, Speed};
+use super::{HttpSettings, RobotSettings, Settings, Speed, TlsFiles, folder};
 use crate::core::command::TemperatureReport;
 use crate::core::explore::Strategy;
 use crate::core::settings::Settings as CoreSettings;
@@ -39,6 +40,7 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
         hall: hall(layers, &raw.hall)?,
         hall_origin: layers.origin("hall.file"),
         http: http(layers, &raw.http)?,
+        store: store(layers, &raw.store)?,
         robot: robot(layers, &raw.robot)?,
         strategy: strategy(layers, &raw.mission)?,
         core: core(layers, &raw)?,
@@ -73,15 +75,43 @@ fn hall(layers: &Layers, raw: &raw::Hall) -> Result<String, SettingsError> {
     Ok(raw.file.clone())
 }
 
-fn http(layers: &Layers, raw: &raw::Http) -> Result<SocketAddr, SettingsError> {
-    let address: SocketAddr = raw.bind.parse().map_err(|_| layers.wrong("http.bind", "it is not an address with a port"))?;
-    if !address.ip().is_loopback() && !raw.insecure {
-        let problem =
-            "other machines could reach it and command the robot, and until access control is there nobody is asked who they are";
-        let advice = "bind to 127.0.0.1, or accept that with --insecure (http.insecure = true)";
-        return Err(layers.wrong_with_advice("http.bind", problem, advice));
+fn http(layers: &Layers, raw: &raw::Http) -> Result<HttpSettings, SettingsError> {
+    let bind: SocketAddr = raw.bind.parse().map_err(|_| layers.wrong("http.bind", "it is not an address with a port"))?;
+    let hosts = match &raw.hosts {
+        raw::Hosts::Several(names) => names.clone(),
+        raw::Hosts::Single(name) => vec![name.clone()],
+    };
+    if let Some(wrong) = hosts.iter().find(|name| !is_host(name)) {
+        return Err(layers.wrong("http.hosts", format!("{wrong:?} is not the name of a host")));
     }
-    Ok(address)
+    let asks_for_keys = raw.require_token || !bind.ip().is_loopback();
+    Ok(HttpSettings { bind, asks_for_keys, hosts, tls: tls(layers, raw)? })
+}
+
+/// A name as it stands in a link, before the port.
+fn is_host(name: &str) -> bool {
+    !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'-' | b'_'))
+}
+
+fn tls(layers: &Layers, raw: &raw::Http) -> Result<Option<TlsFiles>, SettingsError> {
+    match (raw.tls_certificate.as_str(), raw.tls_key.as_str()) {
+        ("", "") => Ok(None),
+        (_, "") => Err(layers.wrong("http.tls_key", "http.tls_certificate is set, and is of no use without its key")),
+        ("", _) => Err(layers.wrong("http.tls_certificate", "http.tls_key is set, and is of no use without its certificate")),
+        (certificate, key) => Ok(Some(TlsFiles { certificate: certificate.into(), key: key.into() })),
+    }
+}
+
+fn store(layers: &Layers, raw: &raw::Store) -> Result<Option<PathBuf>, SettingsError> {
+    match raw.folder.as_str() {
+        "none" => Ok(None),
+        "" => {
+            let usual = folder::usual(|name| std::env::var_os(name));
+            let unknown = || layers.wrong("store.folder", "this user has no home, where it would be");
+            usual.map(Some).ok_or_else(unknown)
+        }
+        named => Ok(Some(named.into())),
+    }
 }
 
 fn robot(layers: &Layers, raw: &raw::Robot) -> Result<RobotSettings, SettingsError> {

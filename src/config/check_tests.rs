@@ -44,7 +44,7 @@ fn the_defaults_are_complete_and_are_what_the_core_would_choose() {
     let settings = load(&Sources::default()).expect("the defaults are good");
     assert_eq!(settings.core, CoreSettings::default());
     assert_eq!(settings.strategy, Strategy::default());
-    assert_eq!(settings.http, "127.0.0.1:8080".parse().expect("an address"));
+    assert_eq!(settings.http.bind, "127.0.0.1:8080".parse().expect("an address"));
     assert_eq!(settings.robot.speed, Speed::Times(1.0));
 }
 
@@ -154,7 +154,8 @@ fn a_wrong_value_is_shown_as_it_was_given_and_told_in_words_for_people() {
         ("--speed", "robot.speed", "true", "true (from flag --speed): it is a yes or no; write a factor"),
         ("--seed", "robot.seed", "1.5", "1.5 (from flag --seed): it is not a whole number; write a whole number"),
         ("--seed", "robot.seed", "many", "\"many\" (from flag --seed): it is a text; write a whole number"),
-        ("--insecure", "http.insecure", "1", "1 (from flag --insecure): it is a number; write true or false"),
+        ("-", "http.require_token", "1", "1 (from flag -): it is a number; write true or false"),
+        ("-", "http.hosts", "1", "1 (from flag -): it is a number; write names without a port"),
     ];
     for (name, key, value, expect) in begins {
         let said = message(&flag(name, key, value));
@@ -170,7 +171,7 @@ fn a_mistyped_key_is_refused_with_the_names_there_are() {
     assert_eq!(
         said,
         "there is no setting `http.bnid` (from environment variable HALLSWEEP__HTTP__BNID): \
-         in [http] there are http.bind, http.insecure"
+         in [http] there are http.bind, http.require_token, http.hosts, http.tls_certificate, http.tls_key"
     );
     let file = File::new("mistyped", "[robott]\nseed = 2\n");
     assert!(message(&file.sources()).starts_with("there is no setting `robott` (from file "));
@@ -191,7 +192,10 @@ fn every_kind_of_wrong_value_is_refused() {
     let wrong = [
         ("HALL__FILE", " "),
         ("HTTP__BIND", "localhost"),
-        ("HTTP__INSECURE", "perhaps"),
+        ("HTTP__REQUIRE_TOKEN", "perhaps"),
+        ("HTTP__HOSTS", "hall.example:8080"),
+        ("HTTP__HOSTS", "[\"\"]"),
+        ("HTTP__HOSTS", "[1]"),
         ("ROBOT__SPEED", "0"),
         ("ROBOT__SPEED", "-1"),
         ("ROBOT__SPEED", "fast"),
@@ -218,13 +222,46 @@ fn every_kind_of_wrong_value_is_refused() {
     }
 }
 
+/// Safety A1.
 #[test]
-fn beyond_loopback_it_listens_only_when_told_that_this_is_insecure() {
-    let mut sources = flag("--http", "http.bind", "0.0.0.0:8080");
-    assert!(message(&sources).contains("--insecure"));
-    sources.flags.push(Flag { flag: "--insecure", key: "http.insecure", value: "true".into() });
-    assert_eq!(load(&sources).expect("told so").http.port(), 8080);
-    assert!(load(&flag("--http", "http.bind", "[::1]:0")).is_ok());
+fn keys_are_asked_for_beyond_loopback_and_on_it_when_that_is_wanted() {
+    let asks = |sources: &Sources| load(sources).expect("a good address").http.asks_for_keys;
+    for (address, expect) in
+        [("127.0.0.1:0", false), ("[::1]:0", false), ("0.0.0.0:0", true), ("192.0.2.1:80", true), ("[::]:0", true)]
+    {
+        assert_eq!(asks(&flag("--http", "http.bind", address)), expect, "{address}");
+    }
+    assert!(asks(&environment("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true")));
+    let mut insecure = flag("--http", "http.bind", "0.0.0.0:0");
+    insecure.environment = vec![("HALLSWEEP__HTTP__REQUIRE_TOKEN".into(), "false".into())];
+    assert!(asks(&insecure), "nothing takes it back");
+}
+
+#[test]
+fn names_of_hosts_come_in_a_list_or_alone() {
+    let hosts = |value: &str| load(&environment("HALLSWEEP__HTTP__HOSTS", value)).expect("names").http.hosts;
+    assert_eq!(hosts("[\"hall.example\", \"sweep\"]"), ["hall.example", "sweep"]);
+    assert_eq!(hosts("hall.example"), ["hall.example"]);
+    assert_eq!(load(&Sources::default()).expect("the defaults are good").http.hosts, Vec::<String>::new());
+}
+
+#[test]
+fn a_certificate_needs_its_key_and_a_key_its_certificate() {
+    let said = message(&environment("HALLSWEEP__HTTP__TLS_CERTIFICATE", "hall.pem"));
+    assert!(said.starts_with("setting http.tls_key = \"\"") && said.contains("http.tls_certificate"), "{said}");
+    assert!(message(&environment("HALLSWEEP__HTTP__TLS_KEY", "key.pem")).starts_with("setting http.tls_certificate"));
+    let mut both = environment("HALLSWEEP__HTTP__TLS_CERTIFICATE", "hall.pem");
+    both.environment.push(("HALLSWEEP__HTTP__TLS_KEY".into(), "key.pem".into()));
+    let tls = load(&both).expect("both").http.tls.expect("files");
+    assert_eq!((tls.certificate, tls.key), (PathBuf::from("hall.pem"), PathBuf::from("key.pem")));
+}
+
+#[test]
+fn the_data_folder_is_the_usual_one_or_a_named_one_or_none() {
+    let store = |value: &str| load(&flag("--data", "store.folder", value)).expect("a folder").store;
+    assert_eq!(store("none"), None);
+    assert_eq!(store("some/where"), Some(PathBuf::from("some/where")));
+    assert_eq!(store(""), folder::usual(|name| std::env::var_os(name)));
 }
 
 #[test]

@@ -12,10 +12,17 @@ pub struct Key {
 }
 
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 16] = [
+pub const KEYS: [Key; 20] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file"),
     text("http.bind", "write ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080"),
-    value("http.insecure", "write true or false"),
+    value("http.require_token", "write true or false"),
+    value("http.hosts", "write names without a port in a list, as [\"hall.example\"]"),
+    text("http.tls_certificate", "name a PEM file with the certificate, and http.tls_key too; or leave both empty"),
+    text(
+        "http.tls_key",
+        "name the PEM file with the certificate's private key, and http.tls_certificate too; or leave both empty",
+    ),
+    text("store.folder", "name a folder; or leave it empty for the usual one, or write none so that nothing is kept"),
     value("robot.speed", "write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting"),
     value("robot.seed", "write a whole number from 0 to 18446744073709551615"),
     value("robot.unknown_rate", "write a rate from 0 (never) to 1 (always)"),
@@ -87,7 +94,10 @@ mod tests {
 
     #[test]
     fn an_unknown_name_is_answered_with_those_that_are_near() {
-        assert_eq!(Key::advice_for_unknown("http.bnid"), "in [http] there are http.bind, http.insecure");
-        assert!(Key::advice_for_unknown("htpp.bind").starts_with("the sections are hall, http, robot"));
+        assert_eq!(
+            Key::advice_for_unknown("mission.order"),
+            "in [mission] there are mission.strategy, mission.inspect_everything, mission.wall_lines"
+        );
+        assert!(Key::advice_for_unknown("htpp.bind").starts_with("the sections are hall, http, store, robot"));
     }
 }

@@ -6,6 +6,7 @@ use serde::Deserialize;
 pub(super) struct Raw {
     pub(super) hall: Hall,
     pub(super) http: Http,
+    pub(super) store: Store,
     pub(super) robot: Robot,
     pub(super) mission: Mission,
     pub(super) temperature: Temperature,
@@ -20,7 +21,23 @@ pub(super) struct Hall {
 #[derive(Debug, Deserialize)]
 pub(super) struct Http {
     pub(super) bind: String,
-    pub(super) insecure: bool,
+    pub(super) require_token: bool,
+    pub(super) hosts: Hosts,
+    pub(super) tls_certificate: String,
+    pub(super) tls_key: String,
+}
+
+/// Names, or a single one.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+pub(super) enum Hosts {
+    Several(Vec<String>),
+    Single(String),
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Store {
+    pub(super) folder: String,
 }
 
 #[derive(Debug, Deserialize)]

@@ -7,9 +7,11 @@
 
 mod bare;
 mod halls;
+mod mortal;
 mod operator;
 mod random_commands;
 mod random_halls;
+mod random_kills;
 mod random_robots;
 mod replay;
 mod rules_commands;

@@ -6,10 +6,6 @@ use crate::core::effect::{Effect, Entry, Fact, Order, Page};
 use crate::core::event::RobotId;
 use crate::core::units::{LuggageId, Seq, Ticket, Wall};
 
-/// So many entries may be on their way to the store while the robot moves: what a kill can lose stays within some moves, and a
-/// disk that does not keep up slows the robot down instead of filling memory.
-const LAG: u64 = 64;
-
 /// So many commands are put on record once more after the store has failed: an hour of nervous clicking.
 const COMMANDS: usize = 1024;
 
@@ -22,7 +18,7 @@ pub(super) struct Outbox {
     /// Whether the page is to end with everything that stands.
     sums_up: bool,
     written: Seq,
-    /// Nothing begins to move until everything up to here is kept.
+    /// Who gave a command is answered only when everything up to here is kept.
     barrier: Seq,
     kept: Seq,
     tickets: Ticket,
@@ -88,7 +84,7 @@ impl Outbox {
         std::mem::take(&mut self.sums_up)
     }
 
-    /// Puts a fact on its way to the store; motion need not wait for it.
+    /// Puts a fact on its way to the store; no answer waits for it.
     pub(super) fn note(&mut self, wall: Wall, fact: Fact) -> Seq {
         self.written = self.written.next();
         let entry = Entry { wall, fact };
@@ -106,7 +102,7 @@ impl Outbox {
         }
     }
 
-    /// Puts a fact on its way to the store; nothing begins to move before it is kept.
+    /// Puts a fact on its way to the store; the answer to the command that made it waits until it is kept.
     pub(super) fn record(&mut self, wall: Wall, fact: Fact) -> Seq {
         self.barrier = self.note(wall, fact);
         self.barrier
@@ -116,9 +112,10 @@ impl Outbox {
         self.barrier
     }
 
-    /// Whether everything that must be kept before motion is kept.
+    /// Whether everything is kept that happened so far. The robot waits for it before each move, so that a kill can never lose
+    /// more than the move under way: what it says of where it stands then still joins what is known.
     pub(super) fn is_settled(&self) -> bool {
-        self.kept >= self.barrier && self.written.0 - self.kept.0.min(self.written.0) <= LAG
+        self.kept >= self.written
     }
 
     pub(super) fn keep(&mut self, seq: Seq) {

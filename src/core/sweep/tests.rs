@@ -57,7 +57,11 @@ fn sweep_in(name: PhaseName, holds: &[Hold]) -> Sweep {
     for hold in holds {
         sweep.mission.holds.raise(*hold);
     }
-    while sweep.poll_effect().is_some() {}
+    while let Some(effect) = sweep.poll_effect() {
+        if let Effect::Record(page) = effect {
+            sweep.outbox.keep(page.last());
+        }
+    }
     sweep
 }
 

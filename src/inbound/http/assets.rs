@@ -2,13 +2,12 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use axum::Router;
-use axum::http::{HeaderMap, header};
+use axum::http::{HeaderMap, Uri, header};
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
 
-use super::Door;
 use super::etag::conditional;
+use super::problem::Problem;
+use crate::wire::fields::in_short;
 
 /// One file: its path, its media type, what is in it.
 struct Asset {
@@ -37,16 +36,12 @@ static ASSETS: [Asset; 5] = [
     Asset { path: "/favicon.ico", media_type: "image/svg+xml", text: include_str!("../../../static/icon.svg") },
 ];
 
-/// A route for each.
-pub(super) fn routes() -> Router<Door> {
-    ASSETS.iter().fold(Router::new(), |router, asset| {
-        let tag = format!("W/\"{:016x}\"", fingerprint(asset.text));
-        router.route(asset.path, get(move |headers: HeaderMap| async move { sent(&headers, &tag, asset) }))
-    })
-}
-
-fn sent(headers: &HeaderMap, tag: &str, asset: &Asset) -> Response {
-    conditional(headers, tag, || ([(header::CONTENT_TYPE, asset.media_type)], asset.text).into_response())
+/// The file at this path.
+pub(super) async fn file(uri: Uri, headers: HeaderMap) -> Result<Response, Problem> {
+    let asset = ASSETS.iter().find(|asset| asset.path == uri.path());
+    let asset = asset.ok_or_else(|| Problem::not_found(format!("there is no file at {}", in_short(uri.path()))))?;
+    let tag = format!("W/\"{:016x}\"", fingerprint(asset.text));
+    Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, asset.media_type)], asset.text).into_response()))
 }
 
 /// Tells one build's file from another's; nobody is kept out by it.

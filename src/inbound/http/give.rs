@@ -1,13 +1,12 @@
 //! Giving a command to the core and waiting for its answer, for every route of this door.
-//! What the answer looks like is the route's business.
+//! Who may give it stands in `by`; what the answer looks like is the route's business.
 
 use std::sync::Arc;
 use std::time::Duration;
 
 use super::Door;
 use super::problem::Problem;
-use crate::core::command::{self, Accepted, Command, Issuer, LuggageRef, Refused, Request};
-use crate::core::units::Epoch;
+use crate::core::command::{Accepted, Command, LuggageRef, Refused, Request};
 use crate::core::world::luggage::Luggage;
 use crate::core::world::snapshot::Snapshot;
 use crate::runtime::handle::Gone;
@@ -24,9 +23,9 @@ pub(super) struct Done {
 
 impl Door {
     /// Gives a command and waits for its answer.
-    pub(super) async fn give(&self, by: command::Door, command: Command, epoch: Option<Epoch>) -> Result<Done, Problem> {
-        let about = command.luggage();
-        match self.answer_to(by, command, epoch).await {
+    pub(super) async fn give(&self, request: Request) -> Result<Done, Problem> {
+        let about = request.command.luggage();
+        match self.answer_to(request).await {
             Ok(Ok(accepted)) => Ok(Done { accepted, snapshot: self.seen(accepted).await }),
             Ok(Err(refused)) => Err(self.refusal(&refused, about)),
             Err(Gone) => Err(Problem::closing()),
@@ -34,11 +33,9 @@ impl Door {
     }
 
     /// A stop is seen through in a task of its own, so that a sender who hangs up does not take it back.
-    async fn answer_to(&self, by: command::Door, command: Command, epoch: Option<Epoch>) -> Given {
-        let stop = command == Command::Stop;
-        let request = Request { command, epoch, issuer: Issuer::operator(by), id: None };
+    async fn answer_to(&self, request: Request) -> Given {
         let handle = self.handle.clone();
-        if !stop {
+        if request.command != Command::Stop {
             return handle.give(request).await;
         }
         let through = tokio::spawn(async move { handle.give(request).await });

@@ -2,6 +2,7 @@
 //! people in place of problems, compression, and the catching of panics. It knows no route.
 
 use std::net::IpAddr;
+use std::sync::Arc;
 
 use askama::Template;
 use axum::Router;
@@ -32,14 +33,44 @@ const SECURITY: [(HeaderName, &str); 6] = [
     (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
 ];
 
-/// By which names this program may be called.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Hosts {
-    /// By any: other machines reach it, and nobody knows all its names.
-    Any,
-    /// By the names and addresses of this machine alone, so that no page of the world can reach it by a name of its own that
-    /// was made to point here (DNS rebinding).
-    Loopback,
+/// By which names this program may be called, so that no page of the world can reach it by a name of its own that was made to
+/// point here (DNS rebinding). An address is no name, and nobody can make it point elsewhere.
+#[derive(Clone, Debug)]
+pub struct Hosts {
+    is_local: bool,
+    names: Arc<[String]>,
+}
+
+impl Hosts {
+    /// The names of this machine for itself, and `names`; where other machines reach it (`is_local` is false), any address too.
+    #[must_use]
+    pub fn new(is_local: bool, names: &[String]) -> Hosts {
+        Hosts { is_local, names: names.iter().map(|name| plain(name)).collect() }
+    }
+
+    /// Whether a host, with or without a port, is this program.
+    fn knows(&self, host: &str) -> bool {
+        let Ok(authority) = host.parse::<Authority>() else { return false };
+        let name = plain(authority.host());
+        match name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>() {
+            Ok(address) => !self.is_local || address.is_loopback(),
+            Err(_) => name == "localhost" || name.ends_with(".localhost") || self.names.contains(&name),
+        }
+    }
+
+    fn advice(&self) -> &'static str {
+        if self.is_local {
+            "while hallsweep listens on this machine alone, call it localhost or by 127.0.0.1; behind a proxy, list the names \
+             under which it is reached in http.hosts"
+        } else {
+            "call it by its address, or list the names under which it is reached in http.hosts"
+        }
+    }
+}
+
+/// A name as it is compared: in small letters, without the dot that may end it.
+fn plain(name: &str) -> String {
+    name.trim_end_matches('.').to_ascii_lowercase()
 }
 
 /// The routes behind their guard. Compression leaves event streams and pictures alone.
@@ -56,34 +87,25 @@ pub(super) fn guarded(routes: Router, hosts: Hosts) -> Router {
     })
 }
 
-/// Whoever asks for this machine by a name that is not its own was led here by somebody else.
+/// Whoever asks for this program by a name that is not its own was led here by somebody else.
 async fn own_name(State(hosts): State<Hosts>, request: Request, next: Next) -> Response {
     let named = request.uri().authority().map(|authority| authority.as_str().to_owned());
     let headers = request.headers().get_all(header::HOST).iter();
     let mut names = named.into_iter().chain(headers.map(|name| String::from_utf8_lossy(name.as_bytes()).into_owned()));
-    match names.find(|name| hosts == Hosts::Loopback && !is_loopback(name)) {
+    match names.find(|name| !hosts.knows(name)) {
         None => next.run(request).await,
-        Some(name) => {
-            let name = in_short(&name);
-            let detail =
-                format!("this is not {name:?}: while hallsweep listens on this machine alone, call it localhost or by 127.0.0.1");
-            Problem::misdirected(detail).into_response()
-        }
+        Some(name) => Problem::misdirected(format!("this is not {:?}: {}", in_short(&name), hosts.advice())).into_response(),
     }
 }
 
-/// Whether a host, with or without a port, is this machine for itself.
-fn is_loopback(host: &str) -> bool {
-    let Ok(authority) = host.parse::<Authority>() else { return false };
-    let name = authority.host().trim_end_matches('.').to_ascii_lowercase();
-    let address = name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
-    address.map_or_else(|_| name == "localhost" || name.ends_with(".localhost"), |address| address.is_loopback())
+/// Whether a person's browser asks for a page; under `/api` everybody is a program.
+pub(super) fn is_for_people(path: &str, headers: &HeaderMap) -> bool {
+    !path.starts_with("/api/") && preferred(headers, &["application/json", "text/html"]) == Some("text/html")
 }
 
 /// A browser that went astray is shown a page; programs get the problem itself, and under `/api` everybody does.
 async fn for_people(request: Request, next: Next) -> Response {
-    let is_program = request.uri().path().starts_with("/api/")
-        || preferred(request.headers(), &["application/json", "text/html"]) != Some("text/html");
+    let is_program = !is_for_people(request.uri().path(), request.headers());
     let mut response = next.run(request).await;
     let Some(Said(detail)) = response.extensions_mut().remove::<Said>() else { return response };
     response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
@@ -201,16 +223,32 @@ mod tests {
         assert!(response.headers().get_all("vary").iter().any(|vary| vary == "accept-encoding"));
     }
 
+    /// Safety A2.
     #[test]
-    fn a_loopback_host_is_known_by_its_names_and_addresses() {
+    fn on_this_machine_alone_only_its_own_names_are_known() {
+        let hosts = Hosts::new(true, &["Sweep.Example.".to_owned()]);
         for own in
             ["localhost", "LOCALHOST:8080", "localhost.:80", "a.localhost", "127.0.0.1:8080", "127.9.9.9", "[::1]:1", "[::1]"]
         {
-            assert!(is_loopback(own), "{own}");
+            assert!(hosts.knows(own), "{own}");
         }
+        assert!(hosts.knows("sweep.example:443"), "a proxy's name that is listed");
         for foreign in ["rebound.example:8080", "127.0.0.1.example", "localhost.example", "192.168.0.7", "", "a b", "[::2]"] {
-            assert!(!is_loopback(foreign), "{foreign}");
+            assert!(!hosts.knows(foreign), "{foreign}");
         }
+    }
+
+    /// Safety A2.
+    #[test]
+    fn beyond_it_any_address_is_known_and_names_that_are_listed() {
+        let hosts = Hosts::new(false, &["hall.example".to_owned()]);
+        for own in ["192.168.0.7:8080", "[2001:db8::1]:80", "127.0.0.1", "localhost:8080", "hall.example", "HALL.example.:80"] {
+            assert!(hosts.knows(own), "{own}");
+        }
+        for foreign in ["rebound.example", "a.hall.example", "hall.example.org", "", "999.1.1.1", "[::g]"] {
+            assert!(!hosts.knows(foreign), "{foreign}");
+        }
+        assert!(hosts.advice().contains("http.hosts"));
     }
 
     #[tokio::test]

@@ -3,10 +3,12 @@
 
 mod accept;
 mod assets;
+mod by;
 mod commands;
 mod console;
 mod etag;
 mod events;
+mod gate;
 mod give;
 mod guard;
 mod missions;
@@ -16,7 +18,9 @@ mod problem;
 mod query;
 mod reading;
 mod reads;
+mod routes;
 mod serve;
+mod sign_in;
 #[cfg(test)]
 mod testing;
 mod watcher;
@@ -24,13 +28,14 @@ mod watcher;
 use std::sync::Arc;
 
 use axum::Router;
-use axum::routing::{get, post, put};
 use tokio::sync::{Semaphore, watch};
 
+pub use gate::Access;
 pub use guard::Hosts;
 pub use serve::serve;
 
 use self::problem::Problem;
+use crate::access::Attempts;
 use crate::runtime::archive::{Archive, Unreadable};
 use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;
@@ -47,14 +52,24 @@ pub struct Door {
     streams: Arc<Semaphore>,
     closing: watch::Sender<bool>,
     clock: Clock,
+    access: Access,
+    attempts: Arc<Attempts>,
 }
 
 impl Door {
-    /// A door to the loop behind `handle`; `hall` is the name on the page.
+    /// A door to the loop behind `handle`; `hall` is the name on the page, `access` says who is let in.
     #[must_use]
-    pub fn new(handle: Handle, archive: Arc<dyn Archive>, hall: &str) -> Door {
-        let streams = Arc::new(Semaphore::new(STREAMS));
-        Door { handle, archive, hall: Arc::from(hall), streams, closing: watch::Sender::new(false), clock: Clock::default() }
+    pub fn new(handle: Handle, archive: Arc<dyn Archive>, hall: &str, access: Access) -> Door {
+        Door {
+            handle,
+            archive,
+            hall: Arc::from(hall),
+            streams: Arc::new(Semaphore::new(STREAMS)),
+            closing: watch::Sender::new(false),
+            clock: Clock::default(),
+            access,
+            attempts: Arc::default(),
+        }
     }
 
     /// Looks something up in the archive, where blocking is allowed.
@@ -74,40 +89,6 @@ impl Door {
 }
 
 /// Every route, with what stands in front of all of them.
-pub fn router(door: Door, hosts: Hosts) -> Router {
-    let routes = Router::new()
-        .nest("/api/v1", api())
-        .merge(old::routes())
-        .merge(console::routes())
-        .merge(assets::routes())
-        .route("/healthz", get(reads::health))
-        .fallback(problem::no_such_path)
-        .method_not_allowed_fallback(problem::no_such_method)
-        .with_state(door);
-    guard::guarded(routes, hosts)
-}
-
-fn api() -> Router<Door> {
-    Router::new()
-        .route("/state", get(reads::state))
-        .route("/map", get(reads::map))
-        .route("/luggage", get(reads::luggage_list))
-        .route("/luggage/{id}", get(reads::luggage))
-        .route("/luggage/{id}/photo", get(reads::photo).post(commands::retake))
-        .route("/luggage/{id}/verdict", post(commands::verdict))
-        .route("/events", get(events::events))
-        .route("/missions", get(missions::list))
-        .route("/missions/{id}", get(missions::mission))
-        .route("/missions/{id}/events", get(missions::events))
-        .route("/missions/{id}/map", get(missions::map))
-        .route("/commands/start", post(commands::start))
-        .route("/commands/stop", post(commands::stop))
-        .route("/commands/backHome", post(commands::back_home))
-        .route("/commands/retrieve", post(commands::retrieve))
-        .route("/commands/reset", post(commands::reset))
-        .route("/commands/move", post(commands::make_move))
-        .route("/commands/goto", post(commands::goto))
-        .route("/strategy", put(commands::strategy))
-        .route("/temperature", put(commands::temperature))
-        .route("/alarms/{id}/acknowledge", post(commands::acknowledge))
+pub fn router(door: &Door, hosts: Hosts) -> Router {
+    guard::guarded(routes::routes(door), hosts)
 }

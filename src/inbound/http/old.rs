@@ -1,53 +1,27 @@
 //! The old console's routes (mission §8): bare POSTs whose path is the whole command; what their body holds is not read.
 //! A browser that posted a form is sent back to the page, a program gets the answer of the interface.
 
-use axum::Router;
-use axum::extract::State;
 use axum::http::{HeaderMap, Uri};
 use axum::response::{IntoResponse, Redirect, Response};
-use axum::routing::post;
 
 use super::accept::preferred;
+use super::by::By;
 use super::problem::Problem;
-use super::{Door, commands, console};
+use super::{commands, console};
 use crate::core::command::{Command, LuggageRef, TemperatureReport, Verdict};
 use crate::wire::command::move_word;
 
-/// Every old path.
-const PATHS: [&str; 16] = [
-    "/w",
-    "/s",
-    "/a",
-    "/l",
-    "/d",
-    "/r",
-    "/h",
-    "/z",
-    "/x",
-    "/safe",
-    "/danger",
-    "/startappl",
-    "/stopappl",
-    "/backhomeappl",
-    "/temperatureOk",
-    "/temperatureTooHigh",
-];
-
-/// Their routes.
-pub(super) fn routes() -> Router<Door> {
-    PATHS.into_iter().fold(Router::new(), |router, path| router.route(path, post(give)))
-}
-
-async fn give(State(door): State<Door>, uri: Uri, headers: HeaderMap) -> Response {
+/// `POST w`, `POST startappl` and the others: the path is the command.
+pub(super) async fn give(by: By, uri: Uri, headers: HeaderMap) -> Response {
     let command = command(uri.path().trim_start_matches('/'));
     let given = match command {
-        Ok(command) => commands::give(&door, command, None).await,
+        Ok(command) => commands::give(&by, command, None).await,
         Err(problem) => Err(problem),
     };
     let wants_page = preferred(&headers, &["application/json", "text/html"]) == Some("text/html");
     match given {
         Ok(_) if wants_page => Redirect::to("/").into_response(),
-        Err(problem) if wants_page => console::refused_page(&door, "old", &problem),
+        Err(problem) if wants_page => console::refused_page(&by.door, &by.caller, "old", &problem),
         Ok(answer) => answer,
         Err(problem) => problem.into_response(),
     }
@@ -73,9 +47,10 @@ mod tests {
 
     #[test]
     fn every_old_path_is_a_command() {
-        for path in PATHS {
-            assert!(command(path.trim_start_matches('/')).is_ok(), "{path}");
-        }
+        let rows = super::super::routes::table();
+        let old: Vec<&str> =
+            rows.iter().map(|row| row.path).filter(|path| command(path.trim_start_matches('/')).is_ok()).collect();
+        assert_eq!(old.len(), 16, "{old:?}");
         assert_eq!(command("h").unwrap(), Command::Stop);
     }
 }

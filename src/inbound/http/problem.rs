@@ -44,6 +44,19 @@ impl Problem {
         Problem::new(StatusCode::BAD_REQUEST, "malformed", detail)
     }
 
+    /// 401: it takes a key to be listened to.
+    pub(super) fn not_signed_in() -> Problem {
+        let detail = "nobody is signed in: send the header `Authorization: Bearer TOKEN`, or sign in at /sign-in; \
+                      `hallsweep token` on its machine shows tokens"
+            .to_owned();
+        Problem::new(StatusCode::UNAUTHORIZED, "notSignedIn", detail)
+    }
+
+    /// 403: the key is not good for this.
+    pub(super) fn not_allowed(detail: String) -> Problem {
+        Problem::new(StatusCode::FORBIDDEN, "notAllowed", detail)
+    }
+
     /// 403: a page of another origin sent it.
     pub(super) fn foreign(detail: String) -> Problem {
         Problem::new(StatusCode::FORBIDDEN, "foreignOrigin", detail)

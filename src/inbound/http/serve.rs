@@ -6,13 +6,17 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
+use hyper::Request;
+use hyper::body::Incoming;
 use hyper::server::conn::http1;
+use hyper::service::{Service, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Semaphore, watch};
 use tokio::task::JoinSet;
 
+use super::gate::Peer;
 use super::patience::Patient;
 use super::watcher::closed;
 use super::{Door, Hosts, router};
@@ -32,10 +36,10 @@ const GRACE: Duration = Duration::from_millis(1500);
 /// After an accept has failed (as with too many open files) the next is tried this much later.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// Serves until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do.
-pub async fn serve(listener: TcpListener, door: Door, shutdown: impl Future<Output = ()>) {
+/// Serves under these names until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do.
+pub async fn serve(listener: TcpListener, door: Door, hosts: &[String], shutdown: impl Future<Output = ()>) {
     let is_local = listener.local_addr().is_ok_and(|address| address.ip().is_loopback());
-    let router = router(door.clone(), if is_local { Hosts::Loopback } else { Hosts::Any });
+    let router = router(&door, Hosts::new(is_local, hosts));
     let places = Arc::new(Semaphore::new(CONNECTIONS));
     let mut connections = JoinSet::new();
     tokio::pin!(shutdown);
@@ -49,8 +53,9 @@ pub async fn serve(listener: TcpListener, door: Door, shutdown: impl Future<Outp
             () = &mut shutdown => break,
             Some(_) = connections.join_next() => {}
             (accepted, place) = accepted => match accepted {
-                Ok((stream, _)) => {
-                    let connection = converse(stream, router.clone(), door.closing.subscribe());
+                Ok((stream, address)) => {
+                    let peer = Peer { address: address.ip(), is_encrypted: false };
+                    let connection = converse(stream, peer, router.clone(), door.closing.subscribe());
                     connections.spawn(async move {
                         connection.await;
                         drop(place);
@@ -72,13 +77,18 @@ pub async fn serve(listener: TcpListener, door: Door, shutdown: impl Future<Outp
 }
 
 /// One connection, to its end. What a client does wrong with it is the client's business.
-async fn converse(stream: TcpStream, router: Router, mut closing: watch::Receiver<bool>) {
+async fn converse(stream: TcpStream, peer: Peer, router: Router, mut closing: watch::Receiver<bool>) {
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "small packets of a connection will be held back");
     }
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIME).max_buf_size(HEADER_BYTES);
-    let connection = http.serve_connection(TokioIo::new(Patient::new(stream)), TowerToHyperService::new(router));
+    let routes = TowerToHyperService::new(router);
+    let service = service_fn(move |mut request: Request<Incoming>| {
+        request.extensions_mut().insert(peer);
+        routes.call(request)
+    });
+    let connection = http.serve_connection(TokioIo::new(Patient::new(stream)), service);
     tokio::pin!(connection);
     let ended = tokio::select! {
         ended = connection.as_mut() => ended,
@@ -115,7 +125,7 @@ mod tests {
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         let (end, ended) = oneshot::channel::<()>();
-        let serving = tokio::spawn(serve(listener, house.door.clone(), async { drop(ended.await) }));
+        let serving = tokio::spawn(serve(listener, house.door.clone(), &[], async { drop(ended.await) }));
 
         let _slow = client(address, "GET /api/v1/state HTTP/1.1\r\nHost: localhost\r\nX-Slow: ");
         let _half = client(address, "POST /api/v1/commands/move HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{");

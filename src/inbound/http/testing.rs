@@ -3,6 +3,7 @@
 
 mod past;
 
+use std::net::Ipv4Addr;
 use std::sync::{Arc, Mutex};
 
 use axum::Router;
@@ -12,7 +13,9 @@ use serde_json::Value;
 use tokio::sync::{mpsc, watch};
 use tower_service::Service;
 
-use super::{Door, Hosts, router};
+use super::gate::Peer;
+use super::{Access, Door, Hosts, router};
+use crate::access::{Keyring, Keys, OPERATOR, Role};
 use crate::core::command::{self, Accepted, Command, LuggageRef, Refused};
 use crate::core::effect::Entry;
 use crate::core::event::Photo;
@@ -66,14 +69,33 @@ impl Archive for Pictures {
     }
 }
 
-/// A house in this state, whose loop accepts everything until told to refuse. Must be called inside a runtime.
+/// A house in this state with an open door, whose loop accepts everything until told to refuse. Must be called inside a runtime.
 pub(super) fn house(snapshot: Snapshot) -> House {
+    guarded_house(snapshot, Access::Open)
+}
+
+/// The same, with a door that lets in whom it is told to.
+pub(super) fn guarded_house(snapshot: Snapshot, access: Access) -> House {
     let (commands, envelopes) = mpsc::channel(COMMANDS);
     let publish = watch::Sender::new(Arc::new(snapshot));
     let handle = Handle::new(commands, publish.subscribe(), Halter::new(Epoch(1)));
     let (refuse, given) = (Arc::default(), Arc::default());
     tokio::spawn(answer(envelopes, publish.subscribe(), Arc::clone(&refuse), Arc::clone(&given)));
-    House { door: Door::new(handle, Arc::new(Pictures), "airport"), publish, refuse, given }
+    House { door: Door::new(handle, Arc::new(Pictures), "airport", access), publish, refuse, given }
+}
+
+/// The tokens of two keys.
+pub(super) struct Tokens {
+    pub(super) operator: String,
+    pub(super) viewer: String,
+}
+
+/// Keys of an operator and of a viewer named `lobby`.
+pub(super) fn keys() -> (Keyring, Tokens) {
+    let mut keys = Keys::first().unwrap();
+    let viewer = keys.add("lobby", Role::Viewer).unwrap().token.reveal().to_owned();
+    let operator = keys.named(OPERATOR).unwrap().token.reveal().to_owned();
+    (Keyring::of(keys), Tokens { operator, viewer })
 }
 
 async fn answer(
@@ -105,8 +127,9 @@ impl House {
         for (name, value) in headers {
             request = request.header(*name, *value);
         }
-        let request = request.body(Body::from(body.to_owned())).unwrap();
-        let mut router: Router = router(self.door.clone(), Hosts::Any);
+        let peer = Peer { address: Ipv4Addr::LOCALHOST.into(), is_encrypted: false };
+        let request = request.extension(peer).body(Body::from(body.to_owned())).unwrap();
+        let mut router: Router = router(&self.door, Hosts::new(false, &[]));
         router.call(request).await.unwrap()
     }
 

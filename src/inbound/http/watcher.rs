@@ -6,14 +6,20 @@ use std::time::Duration;
 
 use tokio::sync::{OwnedSemaphorePermit, watch};
 
+use super::gate::Caller;
 use super::problem::Problem;
 use super::{Door, STREAMS};
 use crate::core::world::snapshot::Snapshot;
+
+/// How often it is asked whether whoever looks may still look.
+const STILL_KNOWN: Duration = Duration::from_secs(1);
 
 /// An open stream; its place is free again when it is dropped.
 pub(super) struct Watcher {
     snapshots: watch::Receiver<Arc<Snapshot>>,
     closing: watch::Receiver<bool>,
+    door: Door,
+    caller: Caller,
     _place: OwnedSemaphorePermit,
 }
 
@@ -23,23 +29,24 @@ pub(super) enum Wake {
     Changed(Arc<Snapshot>),
     /// Nothing has changed for the time that was asked for.
     Quiet,
-    /// The program is ending.
+    /// The program is ending, or whoever looks is not let in any more.
     Closed,
 }
 
 impl Watcher {
     /// Opens a stream and takes the state it begins with.
-    pub(super) fn open(door: &Door) -> Result<(Watcher, Arc<Snapshot>), Problem> {
+    pub(super) fn open(door: &Door, caller: Caller) -> Result<(Watcher, Arc<Snapshot>), Problem> {
         let place = Arc::clone(&door.streams).try_acquire_owned().map_err(|_| Problem::too_many_streams(STREAMS))?;
         let mut snapshots = door.handle.watch();
         let first = Arc::clone(&snapshots.borrow_and_update());
-        Ok((Watcher { snapshots, closing: door.closing.subscribe(), _place: place }, first))
+        let watcher = Watcher { snapshots, closing: door.closing.subscribe(), door: door.clone(), caller, _place: place };
+        Ok((watcher, first))
     }
 
     /// Waits for the next newer state, but at least `pause`, so that a hasty robot does not flood its reader, and for `quiet` at
     /// most.
     pub(super) async fn next(&mut self, pause: Duration, quiet: Duration) -> Wake {
-        let Watcher { snapshots, closing, .. } = self;
+        let Watcher { snapshots, closing, door, caller, .. } = self;
         let newer = async {
             tokio::time::sleep(pause).await;
             snapshots.changed().await.map(|()| Arc::clone(&snapshots.borrow_and_update()))
@@ -47,12 +54,20 @@ impl Watcher {
         tokio::select! {
             biased;
             () = closed(closing) => Wake::Closed,
+            () = shut_out(door, caller) => Wake::Closed,
             newer = tokio::time::timeout(quiet, newer) => match newer {
                 Ok(Ok(snapshot)) => Wake::Changed(snapshot),
                 Ok(Err(_)) => Wake::Closed,
                 Err(_) => Wake::Quiet,
             },
         }
+    }
+}
+
+/// Waits until whoever looks would not be let in any more: the key was replaced or taken away, or the session is over.
+async fn shut_out(door: &Door, caller: &Caller) {
+    while door.still_knows(caller) {
+        tokio::time::sleep(STILL_KNOWN).await;
     }
 }
 

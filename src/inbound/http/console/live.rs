@@ -16,11 +16,12 @@ use serde::Serialize;
 
 use super::super::Door;
 use super::super::events::HEARTBEAT;
+use super::super::gate::Caller;
 use super::super::problem::Problem;
 use super::super::watcher::{Wake, Watcher};
 use super::parts::PARTS;
-use super::view::View;
-use super::{UNBUFFERED, hall};
+use super::view::{View, Who};
+use super::{UNBUFFERED, hall, who};
 use crate::core::units::Wall;
 use crate::core::world::snapshot::Snapshot;
 
@@ -52,18 +53,19 @@ struct Shown {
 }
 
 /// `GET console/live`
-pub(super) async fn live(State(door): State<Door>) -> Result<Response, Problem> {
-    let (watcher, snapshot) = Watcher::open(&door)?;
+pub(in crate::inbound::http) async fn live(State(door): State<Door>, caller: Caller) -> Result<Response, Problem> {
+    let who = who(&door, &caller);
+    let (watcher, snapshot) = Watcher::open(&door, caller)?;
     let (hall, clock) = (Arc::clone(&door.hall), door.clock);
     let events = stream::unfold((watcher, Shown::default(), Some(snapshot)), move |(mut watcher, mut shown, first)| {
-        let hall = Arc::clone(&hall);
+        let (hall, who) = (Arc::clone(&hall), who.clone());
         async move {
             let wake = match first {
                 Some(snapshot) => Wake::Changed(snapshot),
                 None => watcher.next(PAUSE, HEARTBEAT).await,
             };
             let event = match wake {
-                Wake::Changed(snapshot) => message(&shown.update(snapshot, &hall, clock.now().wall)),
+                Wake::Changed(snapshot) => message(&shown.update(snapshot, &hall, who, clock.now().wall)),
                 Wake::Quiet => Event::default().event("tick").data("alive"),
                 Wake::Closed => return None,
             };
@@ -80,8 +82,8 @@ fn message(message: &Message) -> Event {
 
 impl Shown {
     /// What this page lacks of a snapshot; from now on it shows it.
-    fn update(&mut self, snapshot: Arc<Snapshot>, hall: &str, now: Wall) -> Message {
-        let view = View { snapshot: &snapshot, hall, why: None, now };
+    fn update(&mut self, snapshot: Arc<Snapshot>, hall: &str, who: Option<Who>, now: Wall) -> Message {
+        let view = View { snapshot: &snapshot, hall, who, why: None, now };
         let older = self.older.take();
         let mut parts = tiles(older.as_deref(), &snapshot);
         for part in &PARTS {
@@ -137,7 +139,7 @@ mod tests {
 
     #[test]
     fn the_first_message_has_every_part_and_every_tile() {
-        let message = Shown::default().update(Arc::new(searching()), "airport", TEN);
+        let message = Shown::default().update(Arc::new(searching()), "airport", None, TEN);
         assert!(message.whole);
         assert_eq!(message.parts.len(), PARTS.len() + 1);
         for (id, html) in &message.parts {
@@ -152,11 +154,11 @@ mod tests {
             snapshot.map.mark(Cell::new(x, 40), Mark::Wall, Revision(20));
         }
         let mut shown = Shown::default();
-        shown.update(Arc::new(snapshot.clone()), "airport", TEN);
+        shown.update(Arc::new(snapshot.clone()), "airport", None, TEN);
         snapshot.map.mark(Cell::new(4, 1), Mark::Visited, Revision(21));
         snapshot.robot.pose.cell = Cell::new(4, 1);
         touch(&mut snapshot, 21, &[Resource::Map, Resource::Robot]);
-        let message = shown.update(Arc::new(snapshot), "airport", TEN);
+        let message = shown.update(Arc::new(snapshot), "airport", None, TEN);
         let ids: Vec<&str> = message.parts.keys().map(String::as_str).collect();
         assert_eq!(ids, ["hall-frontier", "hall-layer", "hall-robot", "robot", "tile_0_0"]);
         assert!(serde_json::to_string(&message).unwrap().len() < 8_000);
@@ -167,18 +169,18 @@ mod tests {
         let mut snapshot = searching();
         snapshot.map.mark(Cell::new(100, 0), Mark::Wall, Revision(20));
         let mut shown = Shown::default();
-        shown.update(Arc::new(snapshot), "airport", TEN);
+        shown.update(Arc::new(snapshot), "airport", None, TEN);
         let mut emptied = idle();
         touch(&mut emptied, 21, &Resource::ALL);
-        assert_eq!(shown.update(Arc::new(emptied), "airport", TEN).parts["tile_3_0"], "");
+        assert_eq!(shown.update(Arc::new(emptied), "airport", None, TEN).parts["tile_3_0"], "");
     }
 
     #[test]
     fn what_looks_the_same_is_not_sent_again() {
         let mut snapshot = searching();
         let mut shown = Shown::default();
-        shown.update(Arc::new(snapshot.clone()), "airport", TEN);
+        shown.update(Arc::new(snapshot.clone()), "airport", None, TEN);
         touch(&mut snapshot, 21, &Resource::ALL);
-        assert!(shown.update(Arc::new(snapshot), "airport", TEN).parts.is_empty());
+        assert!(shown.update(Arc::new(snapshot), "airport", None, TEN).parts.is_empty());
     }
 }

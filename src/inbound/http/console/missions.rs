@@ -25,7 +25,7 @@ use crate::wire::time::{date_and_time, rfc3339};
 const EVENTS: u64 = 200;
 
 /// `GET missions`
-pub(super) async fn list(State(door): State<Door>, query: Query) -> Result<Html<String>, Problem> {
+pub(in crate::inbound::http) async fn list(State(door): State<Door>, query: Query) -> Result<Html<String>, Problem> {
     query.only(&["before"])?;
     let before = before(&query)?;
     let (missions, next) = newest(&door, before, MISSIONS).await?;
@@ -33,7 +33,11 @@ pub(super) async fn list(State(door): State<Door>, query: Query) -> Result<Html<
 }
 
 /// `GET missions/{id}`
-pub(super) async fn one(State(door): State<Door>, Number(id): Number, query: Query) -> Result<Html<String>, Problem> {
+pub(in crate::inbound::http) async fn one(
+    State(door): State<Door>,
+    Number(id): Number,
+    query: Query,
+) -> Result<Html<String>, Problem> {
     query.only(&["after", "show"])?;
     let (after, only_commands) = (after(&query)?, query.says("show", "commands")?);
     let (record, standing) = kept(&door, id).await?;

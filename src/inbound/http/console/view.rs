@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use askama::Template;
 
+use crate::access::{Need, Role};
 use crate::core::mission::{Hold, PhaseName};
 use crate::core::units::{Cell, Celsius, Wall};
 use crate::core::world::luggage::Luggage;
@@ -15,9 +16,21 @@ use crate::core::world::temperature::TemperatureStatus;
 pub(super) struct View<'a> {
     pub(super) snapshot: &'a Snapshot,
     pub(super) hall: &'a str,
+    /// Who looks; `None` where nobody is asked who he is.
+    pub(super) who: Option<Who>,
     pub(super) why: Option<Why>,
     pub(super) now: Wall,
 }
+
+/// Somebody who is signed in.
+#[derive(Clone, Debug)]
+pub(super) struct Who {
+    pub(super) name: Arc<str>,
+    pub(super) role: Role,
+}
+
+/// Why a viewer's buttons are dead.
+const VIEWER: &str = "you are signed in as a viewer";
 
 /// The reason of a refusal, and the button it belongs to; without text it is the place where the script puts one.
 #[derive(Clone, Template)]
@@ -63,6 +76,16 @@ impl View<'_> {
     /// What was refused at this button, or the empty place for it.
     pub(super) fn why(&self, button: &str) -> Why {
         self.why.clone().filter(|why| why.button == button).unwrap_or_else(|| Why::new(button, ""))
+    }
+
+    /// Why a button is dead: its own reason, or that whoever looks may only look.
+    pub(super) fn bar<'b>(&'b self, refusal: &'b Option<String>) -> Option<&'b str> {
+        self.looks_only().or(refusal.as_deref())
+    }
+
+    /// Why every button but STOP is dead, for whoever may only look.
+    pub(super) fn looks_only(&self) -> Option<&'static str> {
+        self.who.as_ref().filter(|who| !who.role.may(Need::Act)).map(|_| VIEWER)
     }
 
     /// What the mission does, in words.
@@ -198,7 +221,7 @@ impl View<'_> {
             | PhaseName::Explored
             | PhaseName::Fault => false,
         };
-        mission.refusals.start.is_none() && !on_its_way
+        self.bar(&mission.refusals.start).is_none() && !on_its_way
     }
 
     /// Whether RETRIEVE has a meaning now.
@@ -294,7 +317,7 @@ mod tests {
     use crate::wire::fixture::{TEN, degrees, idle, searching, touch};
 
     fn view(snapshot: &Snapshot) -> View<'_> {
-        View { snapshot, hall: "airport", why: None, now: Wall { unix_ms: TEN.unix_ms + 74_900, ..TEN } }
+        View { snapshot, hall: "airport", who: None, why: None, now: Wall { unix_ms: TEN.unix_ms + 74_900, ..TEN } }
     }
 
     #[test]

@@ -220,7 +220,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::super::diary::Folder;
-    use super::super::{Camera, Hall, SimSettings};
+    use super::super::{Camera, Hall, SimMemory, SimSettings};
     use super::*;
     use crate::core::command::Move;
     use crate::core::effect::{Action, Stamp};
@@ -362,6 +362,16 @@ mod tests {
         Test::with(sim, speed, Some(diary)).await
     }
 
+    /// Looks into the folder until what is remembered there is as expected.
+    async fn until_remembered(folder: &Path, expect: impl Fn(SimMemory) -> bool) {
+        let seen = async {
+            while !Diary::open(folder, &hall()).unwrap().1.is_some_and(&expect) {
+                tokio::time::sleep(Duration::from_millis(1)).await;
+            }
+        };
+        tokio::time::timeout(Duration::from_secs(30), seen).await.expect("it is written within a moment");
+    }
+
     /// Safety R2.
     #[tokio::test]
     async fn whatever_was_reported_before_the_program_died_is_known_to_the_next() {
@@ -384,11 +394,7 @@ mod tests {
         let folder = Folder::new("under-way");
         let (mut test, _) = begin_in(folder.path(), Speed::Times(0.1)).await;
         test.give(1, FORWARD, 0).await;
-        let mut remembered = Diary::open(folder.path(), &hall()).unwrap().1;
-        while remembered.is_none_or(|memory| memory.motion.is_none()) {
-            tokio::task::yield_now().await;
-            remembered = Diary::open(folder.path(), &hall()).unwrap().1;
-        }
+        until_remembered(folder.path(), |memory| memory.motion.is_some()).await;
         test.task.abort();
         let (mut test, whereabouts) = begin_in(folder.path(), Speed::Max).await;
         assert_eq!(whereabouts, Whereabouts { pose: Pose::START, off_centre: true });
@@ -404,9 +410,30 @@ mod tests {
         test.give(1, FORWARD, 0).await;
         assert_eq!(test.answer().await, RobotEvent::Done(OrderId(1)));
         std::fs::create_dir(&late).unwrap();
-        while Diary::open(&late, &hall()).unwrap().1.is_none_or(|memory| memory.pose == Pose::START) {
-            tokio::time::sleep(Duration::from_millis(10)).await;
-        }
+        until_remembered(&late, |memory| memory.pose != Pose::START).await;
+    }
+
+    /// Safety S1.
+    #[cfg(unix)]
+    #[tokio::test]
+    async fn a_disk_that_hangs_delays_no_halt() {
+        let folder = Folder::new("hangs");
+        let late = folder.path().join("late");
+        let (mut test, _) = begin_in(&late, Speed::Times(0.5)).await;
+        // The next writing waits for somebody at the other end of a pipe.
+        let pipe = late.join("simulated-robot.new");
+        std::fs::create_dir(&late).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        test.give(1, FORWARD, 0).await;
+        tokio::time::sleep(Duration::from_millis(200)).await;
+        test.halter.halt();
+        // By now the step would have ended.
+        tokio::time::sleep(Duration::from_millis(800)).await;
+        assert!(test.link.reports.try_recv().is_err(), "nothing is told that is not written");
+        std::fs::rename(&pipe, folder.path().join("pipe")).unwrap();
+        let other_end = tokio::task::spawn_blocking(move || std::fs::read(folder.path().join("pipe")).map(|_| folder));
+        assert_eq!(test.answer().await, RobotEvent::Halted(OrderId(1), true));
+        drop(other_end.await);
     }
 
     #[tokio::test]

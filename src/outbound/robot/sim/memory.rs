@@ -112,7 +112,6 @@ impl Astray {
     }
 
     /// The body that is so far from `centre`.
-    #[expect(clippy::wrong_self_convention, reason = "`astray.from(centre)` is how one says it")]
     fn from(self, centre: BodyPose) -> BodyPose {
         let (dx, dy) = centre.ahead();
         let ahead_m = whole(self.ahead_um);

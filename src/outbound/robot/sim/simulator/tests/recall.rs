@@ -103,7 +103,7 @@ fn a_robot_that_has_met_an_obstacle_still_stands_against_it() {
 #[test]
 fn there_is_something_to_keep_once_after_each_change() {
     let mut run = Run::new(&OPEN);
-    let mut changes = |run: &mut Run| std::iter::from_fn(|| run.sim.poll_memory()).count();
+    let changes = |run: &mut Run| std::iter::from_fn(|| run.sim.poll_memory()).count();
     assert_eq!(changes(&mut run), 1, "the beginning");
     run.pass_ms(1000);
     assert_eq!(changes(&mut run), 0, "time alone is no change");
@@ -123,11 +123,8 @@ fn the_temperature_goes_on_where_it_was() {
     let hall = Arc::new(Hall::parse("t.toml", text).unwrap());
     let mut run = Run { sim: Sim::new(hall, settings(1)), now: Duration::ZERO, orders: 0 };
     let degrees = |events: Vec<RobotEvent>| -> Vec<f64> {
-        let readings = events.into_iter().filter_map(|event| match event {
-            RobotEvent::Temperature(reading) => Some(reading.degrees()),
-            _ => None,
-        });
-        readings.collect()
+        let reading = |event| if let RobotEvent::Temperature(reading) = event { Some(reading.degrees()) } else { None };
+        events.into_iter().filter_map(reading).collect()
     };
     assert_eq!(degrees(run.pass_ms(40_500)).last(), Some(&24.0));
     let memory = run.sim.poll_memory().expect("a temperature was told");

@@ -1,0 +1,91 @@
+//! How long the refusal of a wrong key is held back: the longer, the more wrong keys came from a network.
+//! Right keys are not looked at here, so nobody can slow down somebody else who has one.
+
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+use super::network::Network;
+
+/// The first refusal is held back this long, each further one twice as long as the last,
+const FIRST: Duration = Duration::from_millis(250);
+
+/// but none longer than this: the client's connection stays open meanwhile.
+const LONGEST: Duration = Duration::from_secs(4);
+
+/// A network from which nothing wrong came for so long is forgotten: as long as a person needs to find the right key.
+const FORGOTTEN: Duration = Duration::from_secs(600);
+
+/// Networks remembered at once; the one that was wrong longest ago makes room for another.
+const NETWORKS: usize = 1024;
+
+/// The wrong keys of late, by network.
+#[derive(Debug, Default)]
+pub struct Attempts(Mutex<HashMap<Network, Wrong>>);
+
+#[derive(Clone, Copy, Debug)]
+struct Wrong {
+    times: u32,
+    last: Duration,
+}
+
+impl Attempts {
+    /// Notes a wrong key from there at `now` (since the start of the program), and says how long its refusal is to be held back.
+    pub fn wrong(&self, network: Network, now: Duration) -> Duration {
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if all.len() >= NETWORKS && !all.contains_key(&network) {
+            make_room(&mut all);
+        }
+        let wrong = all.entry(network).or_insert(Wrong { times: 0, last: now });
+        if now.saturating_sub(wrong.last) >= FORGOTTEN {
+            wrong.times = 0;
+        }
+        let delay = FIRST.saturating_mul(1 << wrong.times.min(16)).min(LONGEST);
+        *wrong = Wrong { times: wrong.times.saturating_add(1), last: now };
+        delay
+    }
+}
+
+fn make_room(all: &mut HashMap<Network, Wrong>) {
+    let oldest = all.iter().min_by_key(|(_, wrong)| wrong.last).map(|(network, _)| *network);
+    oldest.and_then(|network| all.remove(&network));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn network(number: u32) -> Network {
+        Network::of(std::net::Ipv4Addr::from_bits(number).into())
+    }
+
+    fn delays(attempts: &Attempts, times: usize, now: Duration) -> Vec<u128> {
+        (0..times).map(|_| attempts.wrong(network(1), now).as_millis()).collect()
+    }
+
+    /// Safety A3.
+    #[test]
+    fn refusals_are_held_back_longer_and_longer_up_to_four_seconds() {
+        let attempts = Attempts::default();
+        assert_eq!(delays(&attempts, 7, Duration::ZERO), [250, 500, 1000, 2000, 4000, 4000, 4000]);
+        assert_eq!(attempts.wrong(network(2), Duration::ZERO).as_millis(), 250, "another network is another matter");
+    }
+
+    #[test]
+    fn a_network_that_was_quiet_long_enough_begins_anew() {
+        let attempts = Attempts::default();
+        delays(&attempts, 5, Duration::ZERO);
+        assert_eq!(delays(&attempts, 2, FORGOTTEN), [250, 500]);
+    }
+
+    /// Safety A5.
+    #[test]
+    fn a_flood_of_networks_costs_a_bounded_table() {
+        let attempts = Attempts::default();
+        for number in 0..3000 {
+            attempts.wrong(network(number), Duration::from_secs(u64::from(number)));
+        }
+        assert_eq!(attempts.0.lock().unwrap().len(), NETWORKS);
+        assert_eq!(attempts.wrong(network(2999), Duration::from_secs(3000)).as_millis(), 500, "the latest are remembered");
+    }
+}

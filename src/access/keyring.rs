@@ -1,0 +1,228 @@
+//! The keys of the running program. They are looked up in memory, so that a STOP never waits for a disk; a thread of its own
+//! looks whether the file has changed, so that a rotated key is worth nothing a moment later. Changing keys is not done here.
+
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::Duration;
+
+use super::error::AccessError;
+use super::file::{KeyFile, Stamp};
+use super::keys::{Keys, SignedIn};
+use super::session;
+
+/// How often the file is looked at: a key that was taken away is good for no longer than this.
+const GLANCE: Duration = Duration::from_millis(250);
+
+/// The keys by which this program knows people and programs. Cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Keyring(Arc<Mutex<Arc<Keys>>>);
+
+/// A keyring, and whether its first key has just been made.
+#[derive(Debug)]
+pub struct Opened {
+    /// The keys.
+    pub keyring: Keyring,
+    /// Whether there were none before.
+    pub is_new: bool,
+}
+
+impl Keyring {
+    /// The keys in this data folder; without any, an operator's key is made. Changes of the file are followed from now on.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is not private or holds something else; a folder that cannot be written.
+    pub fn open(folder: &Path) -> Result<Opened, AccessError> {
+        let file = KeyFile::within(folder);
+        // Looked at before it is read: whatever changes in between is read once more.
+        let seen = file.stamp().ok();
+        let kept = file.read()?;
+        let is_new = kept.is_none();
+        let keys = match kept {
+            Some(keys) => keys,
+            None => {
+                let keys = Keys::first()?;
+                file.write(&keys)?;
+                keys
+            }
+        };
+        let keyring = Keyring::of(keys);
+        let theirs = Arc::downgrade(&keyring.0);
+        std::thread::spawn(move || follow(&theirs, Followed { file, seen }));
+        Ok(Opened { keyring, is_new })
+    }
+
+    /// One operator's key that is kept nowhere.
+    ///
+    /// # Errors
+    /// `AccessError::Chance` when the system gives no random numbers.
+    pub fn in_memory() -> Result<Keyring, AccessError> {
+        Ok(Keyring::of(Keys::first()?))
+    }
+
+    /// These keys, followed nowhere.
+    #[must_use]
+    pub fn of(keys: Keys) -> Keyring {
+        Keyring(Arc::new(Mutex::new(Arc::new(keys))))
+    }
+
+    /// The keys as they are now.
+    #[must_use]
+    pub fn keys(&self) -> Arc<Keys> {
+        Arc::clone(&self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Whose token this is; it takes as long whatever the text is.
+    #[must_use]
+    pub fn check(&self, token: &str) -> Option<SignedIn> {
+        self.keys().check(token)
+    }
+
+    /// A session for whoever shows this token, as a cookie's value; `now_s` in seconds since 1970.
+    #[must_use]
+    pub fn sign_in(&self, token: &str, now_s: i64) -> Option<String> {
+        let keys = self.keys();
+        let signed_in = keys.check(token)?;
+        keys.named(&signed_in.name).ok().map(|key| session::sealed(key, now_s))
+    }
+
+    /// Whose session this is, by the value of its cookie.
+    #[must_use]
+    pub fn session(&self, cookie: &str, now_s: i64) -> Option<SignedIn> {
+        session::opened(&self.keys(), cookie, now_s)
+    }
+
+    /// Whether somebody who was known is known still: the key is there, with the same token and role, and the session lasts.
+    #[must_use]
+    pub fn still_knows(&self, signed_in: &SignedIn, now_s: i64) -> bool {
+        let lasts = signed_in.until_s.is_none_or(|until_s| now_s < until_s);
+        lasts && self.keys().named(&signed_in.name).is_ok_and(|key| key.holder(signed_in.until_s) == *signed_in)
+    }
+}
+
+/// The file as it was when it was last looked at.
+struct Followed {
+    file: KeyFile,
+    seen: Option<Stamp>,
+}
+
+impl Followed {
+    /// Takes over what has changed. A file that cannot be read changes nothing: it lets nobody in who was not, and takes STOP
+    /// from nobody who had it.
+    fn look(&mut self, keyring: &Keyring) {
+        let stamp = self.file.stamp().ok();
+        if stamp == self.seen {
+            return;
+        }
+        let file = self.file.path().display();
+        match self.file.read() {
+            Ok(Some(keys)) => {
+                *keyring.0.lock().unwrap_or_else(PoisonError::into_inner) = Arc::new(keys);
+                tracing::info!(%file, "the keys have changed");
+            }
+            Ok(None) => tracing::error!(%file, "the file of keys is gone: those read before stay in force"),
+            Err(error) => tracing::error!(%error, "the keys read before stay in force"),
+        }
+        self.seen = stamp;
+    }
+}
+
+/// Looks again and again, until nobody has the keyring any more.
+fn follow(keyring: &Weak<Mutex<Arc<Keys>>>, mut followed: Followed) {
+    loop {
+        std::thread::sleep(GLANCE);
+        let Some(keyring) = keyring.upgrade() else { return };
+        followed.look(&Keyring(keyring));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::Folder;
+    use super::*;
+    use crate::access::role::Role;
+
+    const NOW: i64 = 1_795_262_400;
+
+    /// Waits for what the thread does, however busy the machine is.
+    fn until(what: &str, is_so: impl Fn() -> bool) {
+        for _ in 0..600 {
+            if is_so() {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        panic!("never came to be: {what}");
+    }
+
+    fn token(keyring: &Keyring) -> String {
+        keyring.keys().iter().next().unwrap().token.reveal().to_owned()
+    }
+
+    /// Safety A1.
+    #[test]
+    fn the_first_start_makes_a_key_and_the_next_finds_it() {
+        let folder = Folder::new("first");
+        let first = Keyring::open(&folder.0).unwrap();
+        let next = Keyring::open(&folder.0).unwrap();
+        assert!(first.is_new && !next.is_new);
+        assert_eq!(token(&first.keyring), token(&next.keyring));
+        let signed_in = next.keyring.check(&token(&first.keyring)).unwrap();
+        assert_eq!((&*signed_in.name, signed_in.role), ("operator", Role::Operator));
+    }
+
+    #[test]
+    fn a_rotated_key_ends_its_tokens_sessions_and_whoever_is_signed_in() {
+        let folder = Folder::new("rotated");
+        let keyring = Keyring::open(&folder.0).unwrap().keyring;
+        let old = token(&keyring);
+        let cookie = keyring.sign_in(&old, NOW).unwrap();
+        let (by_token, by_cookie) = (keyring.check(&old).unwrap(), keyring.session(&cookie, NOW).unwrap());
+        assert!(keyring.still_knows(&by_token, NOW) && keyring.still_knows(&by_cookie, NOW));
+        assert!(!keyring.still_knows(&by_cookie, NOW + session::SESSION_S), "a session ends by itself");
+        let mut keys = (*keyring.keys()).clone();
+        keys.rotate("operator").unwrap();
+        KeyFile::within(&folder.0).write(&keys).unwrap();
+        until("the old token is refused", || keyring.check(&old).is_none());
+        assert_eq!(keyring.session(&cookie, NOW), None);
+        assert!(!keyring.still_knows(&by_token, NOW) && !keyring.still_knows(&by_cookie, NOW));
+        assert!(keyring.check(keys.named("operator").unwrap().token.reveal()).is_some());
+    }
+
+    /// Safety S1.
+    #[test]
+    fn a_file_that_cannot_be_read_lets_nobody_in_and_shuts_nobody_out() {
+        let folder = Folder::new("unreadable");
+        let file = KeyFile::within(&folder.0);
+        let keyring = Keyring::in_memory().unwrap();
+        file.write(&keyring.keys()).unwrap();
+        let mut followed = Followed { seen: file.stamp().ok(), file: file.clone() };
+        let (known, stranger) = (token(&keyring), "cd".repeat(32));
+        for ruined in [Some("nonsense"), Some(""), None] {
+            match ruined {
+                Some(text) => std::fs::write(file.path(), text).unwrap(),
+                None => std::fs::remove_file(file.path()).unwrap(),
+            }
+            followed.look(&keyring);
+            assert!(keyring.check(&stranger).is_none() && keyring.check("").is_none());
+            assert!(keyring.check(&known).is_some(), "an operator can still stop the robot");
+        }
+        let keys = Keys::first().unwrap();
+        file.write(&keys).unwrap();
+        followed.look(&keyring);
+        assert!(keyring.check(&known).is_none(), "the mended file counts");
+        assert!(keyring.check(&token(&Keyring::of(keys))).is_some());
+    }
+
+    #[test]
+    fn a_ruined_file_stops_the_start() {
+        let folder = Folder::new("ruined");
+        Keyring::open(&folder.0).unwrap();
+        std::fs::write(folder.0.join(super::super::FILE), "nonsense").unwrap();
+        assert!(Keyring::open(&folder.0).unwrap_err().to_string().contains("access.toml"));
+    }
+
+    #[test]
+    fn keys_in_memory_are_new_each_time() {
+        assert_ne!(token(&Keyring::in_memory().unwrap()), token(&Keyring::in_memory().unwrap()));
+    }
+}

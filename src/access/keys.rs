@@ -1,0 +1,230 @@
+//! The named keys: whose a token is, and how keys are added, replaced and removed. How they are kept stands in `file`.
+
+use std::sync::Arc;
+
+use sha2::{Digest, Sha256};
+use subtle::ConstantTimeEq;
+
+use super::error::AccessError;
+use super::role::Role;
+use super::token::Token;
+
+/// The name of the key that is made at first start.
+pub const OPERATOR: &str = "operator";
+
+/// Keys kept at once: every person and program of a site; each is looked at with every request.
+const MOST: usize = 64;
+
+/// The longest name: it stands in records, cookies and on pages.
+const NAME: usize = 32;
+
+/// A key: a name, what may be done with it, and its secret.
+#[derive(Clone, Debug)]
+pub struct Key {
+    /// Who has it.
+    pub name: Arc<str>,
+    /// What it is good for.
+    pub role: Role,
+    /// Its secret.
+    pub token: Token,
+    print: [u8; 32],
+}
+
+/// Somebody who is known.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SignedIn {
+    /// The name of the key.
+    pub name: Arc<str>,
+    /// What may be done.
+    pub role: Role,
+    /// Which token of this name it was: another one after each rotation.
+    pub(super) print: [u8; 32],
+    /// When this ends by itself, in seconds since 1970; a token shown with each request does not end.
+    pub(super) until_s: Option<i64>,
+}
+
+/// All keys. There is an operator's among them always.
+#[derive(Clone, Debug)]
+pub struct Keys(Vec<Key>);
+
+impl Key {
+    /// A key with this secret.
+    ///
+    /// # Errors
+    /// `AccessError::Name` when no key can have this name.
+    pub fn new(name: &str, role: Role, token: Token) -> Result<Key, AccessError> {
+        let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_';
+        if !(1..=NAME).contains(&name.len()) || !name.bytes().all(is_plain) {
+            return Err(AccessError::Name(name.chars().take(2 * NAME).collect()));
+        }
+        let print = print(token.reveal());
+        Ok(Key { name: Arc::from(name), role, token, print })
+    }
+
+    /// Whoever has this key.
+    pub(super) fn holder(&self, until_s: Option<i64>) -> SignedIn {
+        SignedIn { name: Arc::clone(&self.name), role: self.role, print: self.print, until_s }
+    }
+}
+
+impl Keys {
+    /// One new operator's key.
+    ///
+    /// # Errors
+    /// `AccessError::Chance` when the system gives no random numbers.
+    pub fn first() -> Result<Keys, AccessError> {
+        Ok(Keys(vec![Key::new(OPERATOR, Role::Operator, Token::draw()?)?]))
+    }
+
+    /// These keys.
+    ///
+    /// # Errors
+    /// Two of one name, too many, or no operator's among them.
+    pub fn new(keys: Vec<Key>) -> Result<Keys, AccessError> {
+        let mut all = Keys(Vec::new());
+        keys.into_iter().try_for_each(|key| all.insert(key))?;
+        all.keep_an_operator(OPERATOR)?;
+        Ok(all)
+    }
+
+    /// Every key, in the order in which they were added.
+    pub fn iter(&self) -> impl Iterator<Item = &Key> {
+        self.0.iter()
+    }
+
+    /// The key of this name.
+    ///
+    /// # Errors
+    /// `AccessError::Unknown`.
+    pub fn named(&self, name: &str) -> Result<&Key, AccessError> {
+        self.place(name).map(|place| &self.0[place])
+    }
+
+    /// Whose token this is. It takes as long whatever the text is: all keys are looked at, and compared as a whole by their
+    /// SHA-256.
+    #[must_use]
+    pub fn check(&self, token: &str) -> Option<SignedIn> {
+        let given = print(token);
+        let hits = self.0.iter().map(|key| bool::from(key.print.ct_eq(&given)));
+        let found = hits.enumerate().fold(None, |found, (place, hit)| if hit { Some(place) } else { found });
+        found.map(|place| self.0[place].holder(None))
+    }
+
+    /// Adds a key with a new token.
+    ///
+    /// # Errors
+    /// A name that is taken or cannot be, or too many keys.
+    pub fn add(&mut self, name: &str, role: Role) -> Result<&Key, AccessError> {
+        self.insert(Key::new(name, role, Token::draw()?)?)?;
+        self.named(name)
+    }
+
+    /// Gives a key a new token; the old one, and the sessions signed with it, are worth nothing from then on.
+    ///
+    /// # Errors
+    /// `AccessError::Unknown` when there is no such key.
+    pub fn rotate(&mut self, name: &str) -> Result<&Key, AccessError> {
+        let place = self.place(name)?;
+        self.0[place] = Key::new(name, self.0[place].role, Token::draw()?)?;
+        Ok(&self.0[place])
+    }
+
+    /// Takes a key away.
+    ///
+    /// # Errors
+    /// When there is no such key, or it is the last operator's.
+    pub fn remove(&mut self, name: &str) -> Result<(), AccessError> {
+        let removed = self.0.remove(self.place(name)?);
+        let kept = self.keep_an_operator(name);
+        if kept.is_err() {
+            self.0.push(removed);
+        }
+        kept
+    }
+
+    fn insert(&mut self, key: Key) -> Result<(), AccessError> {
+        if self.0.iter().any(|other| other.name == key.name) {
+            return Err(AccessError::Taken(key.name.to_string()));
+        }
+        if self.0.len() >= MOST {
+            return Err(AccessError::TooMany(MOST));
+        }
+        self.0.push(key);
+        Ok(())
+    }
+
+    fn keep_an_operator(&self, name: &str) -> Result<(), AccessError> {
+        let is_kept = self.0.iter().any(|key| key.role == Role::Operator);
+        if is_kept { Ok(()) } else { Err(AccessError::LastOperator(name.to_owned())) }
+    }
+
+    fn place(&self, name: &str) -> Result<usize, AccessError> {
+        let there = || self.0.iter().map(|key| key.name.to_string()).collect();
+        let place = self.0.iter().position(|key| &*key.name == name);
+        place.ok_or_else(|| AccessError::Unknown { name: name.chars().take(2 * NAME).collect(), there: there() })
+    }
+}
+
+/// What is compared in place of a token: of one length whatever the text, and no way back.
+fn print(token: &str) -> [u8; 32] {
+    Sha256::digest(token.as_bytes()).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn keys() -> Keys {
+        let mut keys = Keys::first().unwrap();
+        keys.add("lobby", Role::Viewer).unwrap();
+        keys
+    }
+
+    /// Safety A3.
+    #[test]
+    fn a_token_is_its_owners_and_anything_else_is_nobodys() {
+        let keys = keys();
+        for key in keys.iter() {
+            let signed_in = keys.check(key.token.reveal()).unwrap();
+            assert_eq!((&signed_in.name, signed_in.role), (&key.name, key.role));
+        }
+        let token = keys.named("lobby").unwrap().token.reveal().to_owned();
+        for wrong in ["", "operator", &token[1..], &format!("{token}0"), &token.to_uppercase(), &"0".repeat(64)] {
+            assert_eq!(keys.check(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_rotated_key_has_a_new_token_and_the_old_one_is_worth_nothing() {
+        let mut keys = keys();
+        let old = keys.named("lobby").unwrap().token.clone();
+        let new = keys.rotate("lobby").unwrap().clone();
+        assert_eq!((keys.check(old.reveal()), new.role), (None, Role::Viewer));
+        assert!(keys.check(new.token.reveal()).is_some());
+    }
+
+    /// Safety A1.
+    #[test]
+    fn the_last_operator_stays() {
+        let mut keys = keys();
+        assert!(matches!(keys.remove(OPERATOR), Err(AccessError::LastOperator(_))));
+        assert!(keys.named(OPERATOR).is_ok(), "it is still there");
+        keys.add("night-shift", Role::Operator).unwrap();
+        keys.remove(OPERATOR).unwrap();
+        assert!(keys.remove("night-shift").is_err());
+        keys.remove("lobby").unwrap();
+    }
+
+    #[test]
+    fn names_are_plain_unlike_and_bounded() {
+        let mut keys = keys();
+        for wrong in ["", "a b", "a.b", "ä", "a/b", &"a".repeat(33)] {
+            assert!(matches!(keys.add(wrong, Role::Viewer), Err(AccessError::Name(_))), "{wrong}");
+        }
+        assert!(matches!(keys.add("lobby", Role::Operator), Err(AccessError::Taken(_))));
+        let said = keys.rotate("loby").unwrap_err().to_string();
+        assert!(said.contains("operator, lobby"), "{said}");
+        let added = (0..MOST).filter(|number| keys.add(&format!("k{number}"), Role::Viewer).is_ok()).count();
+        assert_eq!(added, MOST - 2);
+    }
+}

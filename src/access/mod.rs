@@ -1,0 +1,24 @@
+//! Who may do what: named keys with roles, kept in a file that only its owner reads, and the sessions signed with them.
+//! It knows no door and no robot: a door shows it what a client brought, and is told who that is.
+
+mod attempts;
+mod error;
+mod file;
+mod keyring;
+mod keys;
+mod network;
+mod role;
+mod session;
+#[cfg(test)]
+mod testing;
+mod token;
+
+pub use attempts::Attempts;
+pub use error::AccessError;
+pub use file::{FILE, KeyFile};
+pub use keyring::{Keyring, Opened};
+pub use keys::{Key, Keys, OPERATOR, SignedIn};
+pub use network::Network;
+pub use role::{Need, Role};
+pub use session::SESSION_S;
+pub use token::Token;

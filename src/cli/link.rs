@@ -1,0 +1,49 @@
+//! Links by which somebody signs in. Whether the address in them can be reached from elsewhere is the network's business.
+
+use std::net::SocketAddr;
+
+use crate::access::Token;
+use crate::config::HttpSettings;
+
+/// `http` or `https`.
+pub(super) const fn scheme(http: &HttpSettings) -> &'static str {
+    if http.tls.is_some() { "https" } else { "http" }
+}
+
+/// A link that fills in this token, for a door at `address`.
+pub(super) fn sign_in(http: &HttpSettings, address: SocketAddr, token: &Token) -> String {
+    format!("{}://{}/sign-in?token={}", scheme(http), host(http, address), token.reveal())
+}
+
+/// By what name a browser finds the door: the first that was set, else its address. Where it listens on all addresses,
+/// localhost is right on this machine and in a container whose port is published; from elsewhere one writes another.
+fn host(http: &HttpSettings, address: SocketAddr) -> String {
+    let port = address.port();
+    match http.hosts.first() {
+        Some(name) => format!("{name}:{port}"),
+        None if address.ip().is_unspecified() => format!("localhost:{port}"),
+        None => address.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{Sources, load};
+
+    #[test]
+    fn a_link_names_a_host_that_a_browser_finds() {
+        let mut http = load(&Sources::default()).unwrap().http;
+        let token = Token::draw().unwrap();
+        let begins = |http: &HttpSettings, address: &str, expect: &str| {
+            let link = sign_in(http, address.parse().unwrap(), &token);
+            assert_eq!(link, format!("{expect}/sign-in?token={}", token.reveal()));
+        };
+        begins(&http, "0.0.0.0:8080", "http://localhost:8080");
+        begins(&http, "[::]:8080", "http://localhost:8080");
+        begins(&http, "192.0.2.7:80", "http://192.0.2.7:80");
+        begins(&http, "[2001:db8::1]:80", "http://[2001:db8::1]:80");
+        http.hosts = vec!["hall.example".to_owned(), "sweep".to_owned()];
+        begins(&http, "0.0.0.0:8080", "http://hall.example:8080");
+    }
+}

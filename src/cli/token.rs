@@ -1,0 +1,128 @@
+//! `hallsweep token`: shows, adds, replaces and removes keys in the data folder. A running hallsweep takes over what has changed.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
+
+use super::{Failure, link};
+use crate::access::{AccessError, Key, KeyFile, Keys, Role};
+use crate::config::{self, Flag, HttpSettings, Settings, Sources};
+
+/// What to do with the keys.
+#[derive(Args, Clone, Debug)]
+pub struct Keyrings {
+    #[command(subcommand)]
+    what: Option<What>,
+    /// The data folder.
+    #[arg(long, value_name = "DIR", global = true)]
+    data: Option<String>,
+    /// A settings file, laid over the defaults.
+    #[arg(long, value_name = "FILE", global = true)]
+    config: Option<PathBuf>,
+}
+
+#[derive(Clone, Debug, Subcommand)]
+enum What {
+    /// Show every key with its role, its token and a link to sign in (the default).
+    Show,
+    /// Give a key a new token: the old one, and whoever signed in with it, is not let in any more.
+    Rotate {
+        /// The name of the key.
+        name: String,
+    },
+    /// Make a key.
+    Add {
+        /// Its name: 1 to 32 letters, digits, - and _.
+        name: String,
+        /// What it is good for.
+        #[arg(long, value_enum)]
+        role: Part,
+    },
+    /// Take a key away; the last operator's stays.
+    Remove {
+        /// The name of the key.
+        name: String,
+    },
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Part {
+    /// Sees everything, and may stop the robot.
+    Viewer,
+    /// Sees, stops and acts.
+    Operator,
+}
+
+/// Does it, and prints the keys that are new or were asked for.
+///
+/// # Errors
+/// Wrong settings, a folder or file that cannot be read or written, a name that is not there or cannot be.
+pub fn run(asked: &Keyrings) -> Result<(), Failure> {
+    let settings = super::settings(&asked.sources())?;
+    let file = file(&settings)?;
+    let mut keys = match file.read()? {
+        Some(keys) => keys,
+        None => made(&file)?,
+    };
+    let said = match asked.what.as_ref().unwrap_or(&What::Show) {
+        What::Show => shown(&settings.http, &file, keys.iter()),
+        What::Add { name, role } => {
+            let key = keys.add(name, role.role())?.clone();
+            file.write(&keys)?;
+            shown(&settings.http, &file, [&key].into_iter())
+        }
+        What::Rotate { name } => {
+            let key = keys.rotate(name)?.clone();
+            file.write(&keys)?;
+            shown(&settings.http, &file, [&key].into_iter())
+        }
+        What::Remove { name } => {
+            keys.remove(name)?;
+            file.write(&keys)?;
+            format!("The key `{name}` is gone; a hallsweep that runs lets nobody in with it any more.")
+        }
+    };
+    super::print(&said)
+}
+
+fn file(settings: &Settings) -> Result<KeyFile, Failure> {
+    let folder = settings.store.as_deref().ok_or_else(|| {
+        let said = "nothing is kept (store.folder = \"none\"), so keys live and end with the running program: name a folder with \
+                    --data DIR";
+        Failure::Run(said.to_owned())
+    })?;
+    Ok(KeyFile::within(folder))
+}
+
+/// The first key, in a folder that had none.
+fn made(file: &KeyFile) -> Result<Keys, AccessError> {
+    let keys = Keys::first()?;
+    file.write(&keys)?;
+    Ok(keys)
+}
+
+fn shown<'a>(http: &HttpSettings, file: &KeyFile, keys: impl Iterator<Item = &'a Key>) -> String {
+    let key = |key: &Key| {
+        let (name, role, token) = (&key.name, key.role.name(), key.token.reveal());
+        format!("{name} ({role})\n  token  {token}\n  link   {}\n", link::sign_in(http, http.bind, &key.token))
+    };
+    let keys: String = keys.map(key).collect();
+    let asked = if http.asks_for_keys { "" } else { ", and asked for only beyond loopback or with http.require_token = true" };
+    format!("{keys}Kept in {}{asked}.", file.path().display())
+}
+
+impl Keyrings {
+    fn sources(&self) -> Sources {
+        let data = self.data.clone().map(|value| Flag { flag: "--data", key: "store.folder", value });
+        config::sources(self.config.clone(), data.into_iter().collect())
+    }
+}
+
+impl Part {
+    const fn role(self) -> Role {
+        match self {
+            Part::Viewer => Role::Viewer,
+            Part::Operator => Role::Operator,
+        }
+    }
+}

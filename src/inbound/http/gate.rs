@@ -1,0 +1,197 @@
+//! The gate before every route: who somebody is, by bearer token or session cookie, and whether that is enough. What a route
+//! asks stands in the table (`routes`); what keys are, in `crate::access`.
+
+use std::net::IpAddr;
+use std::sync::Arc;
+
+use axum::extract::{FromRequestParts, Request, State};
+use axum::http::request::Parts;
+use axum::http::{HeaderMap, HeaderValue, Method, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Redirect, Response};
+
+use super::Door;
+use super::guard::is_for_people;
+use super::problem::Problem;
+use super::sign_in::{COOKIE, sign_in_page};
+use crate::access::{Keyring, Need, Network, OPERATOR, Role, SignedIn};
+
+/// Who is let in.
+#[derive(Clone, Debug)]
+pub enum Access {
+    /// Everybody on this machine, as the operator; nobody else.
+    Open,
+    /// Whoever has a key.
+    Keys(Keyring),
+}
+
+/// The other end of a connection. The accept loop puts it into every request.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Peer {
+    /// Its address, as the system says; what a proxy writes into headers is not believed.
+    pub(super) address: IpAddr,
+    /// Whether nobody between can read along.
+    pub(super) is_encrypted: bool,
+}
+
+/// Who sent a request.
+#[derive(Clone, Debug)]
+pub(super) enum Caller {
+    /// Somebody on this machine, at an open door.
+    Here,
+    /// Somebody with a key.
+    Known(SignedIn),
+}
+
+/// A gate that asks for this.
+#[derive(Clone)]
+pub(super) struct Gate {
+    door: Door,
+    need: Need,
+}
+
+/// What a client brought to say who it is.
+enum Shown {
+    Nothing,
+    Token(String),
+    Sessions(Vec<String>),
+}
+
+impl Gate {
+    /// A gate of this door.
+    pub(super) const fn new(door: Door, need: Need) -> Gate {
+        Gate { door, need }
+    }
+}
+
+impl Caller {
+    /// The name for records.
+    pub(super) fn name(&self) -> Arc<str> {
+        match self {
+            Caller::Here => Arc::from(OPERATOR),
+            Caller::Known(signed_in) => Arc::clone(&signed_in.name),
+        }
+    }
+
+    /// What may be done.
+    pub(super) const fn role(&self) -> Role {
+        match self {
+            Caller::Here => Role::Operator,
+            Caller::Known(signed_in) => signed_in.role,
+        }
+    }
+
+    /// Nothing when it may do what asks for `need`, else what to tell it.
+    pub(super) fn check(&self, need: Need) -> Result<(), Problem> {
+        if self.role().may(need) {
+            return Ok(());
+        }
+        Err(Problem::not_allowed(format!(
+            "you are signed in as `{}`, a {}, who sees everything and may press STOP; this asks for an operator's key",
+            self.name(),
+            self.role().name()
+        )))
+    }
+}
+
+/// A route that was not put behind a gate lets nobody in.
+impl<S: Send + Sync> FromRequestParts<S> for Caller {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Caller, Problem> {
+        parts.extensions.get().cloned().ok_or_else(Problem::not_signed_in)
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for Peer {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Peer, Problem> {
+        parts.extensions.get().copied().ok_or_else(Problem::internal)
+    }
+}
+
+impl Door {
+    /// Now, in seconds since 1970, for sessions.
+    pub(super) fn now_s(&self) -> i64 {
+        self.clock.now().wall.unix_ms.div_euclid(1000)
+    }
+
+    /// Whether somebody who was let in would be let in still.
+    pub(super) fn still_knows(&self, caller: &Caller) -> bool {
+        match (&self.access, caller) {
+            (Access::Open, Caller::Here) => true,
+            (Access::Keys(keyring), Caller::Known(signed_in)) => keyring.still_knows(signed_in, self.now_s()),
+            (Access::Open, Caller::Known(_)) | (Access::Keys(_), Caller::Here) => false,
+        }
+    }
+
+    /// Holds a refusal back: the longer, the more wrong keys came from there.
+    pub(super) async fn hold_back(&self, peer: Peer) {
+        let delay = self.attempts.wrong(Network::of(peer.address), self.clock.now().since_start);
+        tracing::warn!(from = %peer.address, delay_ms = delay.as_millis(), "a wrong key was shown");
+        tokio::time::sleep(delay).await;
+    }
+
+    fn caller(&self, peer: Peer, shown: &Shown) -> Option<Caller> {
+        let keyring = match &self.access {
+            Access::Open => return Network::of(peer.address).is_loopback().then_some(Caller::Here),
+            Access::Keys(keyring) => keyring,
+        };
+        let signed_in = match shown {
+            Shown::Nothing => None,
+            Shown::Token(token) => keyring.check(token),
+            Shown::Sessions(cookies) => cookies.iter().find_map(|cookie| keyring.session(cookie, self.now_s())),
+        };
+        signed_in.map(Caller::Known)
+    }
+}
+
+/// Lets a request through to its route when whoever sent it may; tells everybody else what is missing.
+pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mut request: Request, next: Next) -> Response {
+    let shown = shown(request.headers());
+    let Some(caller) = door.caller(peer, &shown) else {
+        if need == Need::Nothing {
+            return next.run(request).await;
+        }
+        if matches!(shown, Shown::Token(_)) {
+            door.hold_back(peer).await;
+        }
+        return stranger(&request);
+    };
+    if let Err(problem) = caller.check(need) {
+        tracing::warn!(who = %caller.name(), from = %peer.address, path = request.uri().path(), "not allowed");
+        return problem.into_response();
+    }
+    request.extensions_mut().insert(caller);
+    next.run(request).await
+}
+
+/// A person is led to the page where one signs in, and from there back; a program is told what to send.
+fn stranger(request: &Request) -> Response {
+    if is_for_people(request.uri().path(), request.headers()) {
+        let back = if *request.method() == Method::GET { request.uri().path() } else { "/" };
+        return Redirect::to(&sign_in_page(back)).into_response();
+    }
+    let mut response = Problem::not_signed_in().into_response();
+    response.headers_mut().insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
+    response
+}
+
+/// A bearer token counts alone; any other kind of authorization is a proxy's business, and the cookie counts then.
+fn shown(headers: &HeaderMap) -> Shown {
+    let token = headers.get(header::AUTHORIZATION).and_then(|value| {
+        let (scheme, token) = value.to_str().ok()?.split_once(' ')?;
+        scheme.eq_ignore_ascii_case("bearer").then(|| token.trim().to_owned())
+    });
+    if let Some(token) = token {
+        return Shown::Token(token);
+    }
+    let cookies = headers.get_all(header::COOKIE).iter().filter_map(|value| value.to_str().ok());
+    let pairs = cookies.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));
+    let ours: Vec<String> = pairs.filter(|(name, _)| *name == COOKIE).map(|(_, value)| value.to_owned()).take(SESSIONS).collect();
+    if ours.is_empty() { Shown::Nothing } else { Shown::Sessions(ours) }
+}
+
+/// Cookies of our name that are looked at: one, and one that somebody set for another path.
+const SESSIONS: usize = 2;

@@ -1,0 +1,128 @@
+//! THE TABLE of this door: every route with its method, what it asks of whoever comes, and who answers. The router is built
+//! from these rows and from nothing else, and each row stands behind its own gate; what is not listed is answered to those who
+//! may look, and then only with 404 or 405. `docs/http.md` shows the same table, held equal by a test.
+
+use axum::Router;
+use axum::handler::Handler;
+use axum::http::Method;
+use axum::middleware::from_fn_with_state;
+use axum::routing::{MethodFilter, MethodRouter, on};
+
+use super::gate::{Gate, gate};
+use super::{Door, assets, commands, console, events, missions, old, problem, reads, sign_in};
+use crate::access::Need;
+use crate::access::Need::{Act, Nothing, See, Stop};
+
+/// One route.
+pub(super) struct Row {
+    /// Its method; `GET` answers `HEAD` too.
+    #[cfg_attr(not(test), expect(dead_code, reason = "the tests walk the table, and the router has it from `answers`"))]
+    pub(super) method: Method,
+    /// Its path, as axum writes it.
+    pub(super) path: &'static str,
+    /// What it asks of whoever comes.
+    pub(super) need: Need,
+    answers: MethodRouter<Door>,
+}
+
+/// Every route. STOP is everywhere in reach of anyone signed in; a `move` may be one, its other words ask for an operator.
+#[rustfmt::skip]
+pub(super) fn table() -> Vec<Row> {
+    vec![
+        get("/healthz", Nothing, reads::health),
+        get("/sign-in", Nothing, sign_in::page),
+        post("/sign-in", Nothing, sign_in::sign_in),
+        post("/sign-out", Nothing, sign_in::sign_out),
+        get("/static/console.css", Nothing, assets::file),
+        get("/static/console.js", Nothing, assets::file),
+        get("/static/vendor/idiomorph.js", Nothing, assets::file),
+        get("/static/icon.svg", Nothing, assets::file),
+        get("/favicon.ico", Nothing, assets::file),
+
+        get("/api/v1/state", See, reads::state),
+        get("/api/v1/map", See, reads::map),
+        get("/api/v1/luggage", See, reads::luggage_list),
+        get("/api/v1/luggage/{id}", See, reads::luggage),
+        get("/api/v1/luggage/{id}/photo", See, reads::photo),
+        get("/api/v1/events", See, events::events),
+        get("/api/v1/missions", See, missions::list),
+        get("/api/v1/missions/{id}", See, missions::mission),
+        get("/api/v1/missions/{id}/events", See, missions::events),
+        get("/api/v1/missions/{id}/map", See, missions::map),
+
+        post("/api/v1/commands/start", Act, commands::start),
+        post("/api/v1/commands/stop", Stop, commands::stop),
+        post("/api/v1/commands/backHome", Act, commands::back_home),
+        post("/api/v1/commands/retrieve", Act, commands::retrieve),
+        post("/api/v1/commands/reset", Act, commands::reset),
+        post("/api/v1/commands/move", Stop, commands::make_move),
+        post("/api/v1/commands/goto", Act, commands::goto),
+        post("/api/v1/luggage/{id}/verdict", Act, commands::verdict),
+        post("/api/v1/luggage/{id}/photo", Act, commands::retake),
+        post("/api/v1/alarms/{id}/acknowledge", Act, commands::acknowledge),
+        put("/api/v1/strategy", Act, commands::strategy),
+        put("/api/v1/temperature", Act, commands::temperature),
+
+        get("/", See, console::page),
+        get("/missions", See, console::missions::list),
+        get("/missions/{id}", See, console::missions::one),
+        get("/console/live", See, console::live),
+        get("/console/confirm/danger/{id}", Act, console::confirm_danger),
+        get("/console/confirm/reset", Act, console::confirm_reset),
+        post("/console/start", Act, console::act),
+        post("/console/stop", Stop, console::stop),
+        post("/console/backHome", Act, console::act),
+        post("/console/retrieve", Act, console::act),
+        post("/console/reset", Act, console::act),
+        post("/console/move", Stop, console::act),
+        post("/console/goto", Act, console::act),
+        post("/console/safe", Act, console::act),
+        post("/console/danger", Act, console::act),
+        post("/console/retake", Act, console::act),
+        post("/console/acknowledge", Act, console::act),
+        post("/console/strategy", Act, console::act),
+        post("/console/temperature", Act, console::act),
+
+        post("/w", Act, old::give),
+        post("/s", Act, old::give),
+        post("/a", Act, old::give),
+        post("/l", Act, old::give),
+        post("/d", Act, old::give),
+        post("/r", Act, old::give),
+        post("/h", Stop, old::give),
+        post("/z", Act, old::give),
+        post("/x", Act, old::give),
+        post("/safe", Act, old::give),
+        post("/danger", Act, old::give),
+        post("/startappl", Act, old::give),
+        post("/stopappl", Stop, old::give),
+        post("/backhomeappl", Act, old::give),
+        post("/temperatureOk", Act, old::give),
+        post("/temperatureTooHigh", Act, old::give),
+    ]
+}
+
+/// The router of the table, each row behind its gate.
+pub(super) fn routes(door: &Door) -> Router {
+    let gated = |need| from_fn_with_state(Gate::new(door.clone(), need), gate);
+    let rows = table().into_iter().fold(Router::new(), |router, row| router.route(row.path, row.answers.layer(gated(row.need))));
+    rows.fallback(problem::no_such_path.layer(gated(See)))
+        .method_not_allowed_fallback(problem::no_such_method.layer(gated(See)))
+        .with_state(door.clone())
+}
+
+fn get<H: Handler<T, Door>, T: 'static>(path: &'static str, need: Need, handler: H) -> Row {
+    Row { method: Method::GET, path, need, answers: on(MethodFilter::GET, handler) }
+}
+
+fn post<H: Handler<T, Door>, T: 'static>(path: &'static str, need: Need, handler: H) -> Row {
+    Row { method: Method::POST, path, need, answers: on(MethodFilter::POST, handler) }
+}
+
+fn put<H: Handler<T, Door>, T: 'static>(path: &'static str, need: Need, handler: H) -> Row {
+    Row { method: Method::PUT, path, need, answers: on(MethodFilter::PUT, handler) }
+}
+
+#[cfg(test)]
+#[path = "routes_tests.rs"]
+mod tests;

@@ -1,0 +1,111 @@
+//! Signing in and out with a browser: a page with one field, and a cookie. It works without scripts, and nothing is signed in
+//! by a link alone: a token in the address only fills the field.
+
+use askama::Template;
+use axum::extract::{Query, State};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::response::{Html, IntoResponse, Redirect, Response};
+use serde::Deserialize;
+
+use super::Door;
+use super::gate::{Access, Caller, Peer};
+use super::reading::Form;
+use crate::access::{Network, SESSION_S};
+
+/// The cookie's name.
+pub(super) const COOKIE: &str = "hallsweep";
+
+/// A longer way back is not remembered.
+const LONGEST_PATH: usize = 512;
+
+/// What the page is asked with; both may be absent.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct Asked {
+    token: Option<String>,
+    next: Option<String>,
+}
+
+/// What the page sends.
+#[derive(Debug, Deserialize)]
+pub(super) struct Sent {
+    token: String,
+    next: Option<String>,
+}
+
+#[derive(Template)]
+#[template(path = "sign_in.html")]
+struct SignIn<'a> {
+    token: &'a str,
+    next: &'a str,
+    why: &'static str,
+    is_overheard: bool,
+}
+
+/// `GET sign-in`
+pub(super) async fn page(
+    State(door): State<Door>,
+    peer: Peer,
+    caller: Result<Caller, super::problem::Problem>,
+    asked: Result<Query<Asked>, axum::extract::rejection::QueryRejection>,
+) -> Response {
+    let asked = asked.map(|Query(asked)| asked).unwrap_or_default();
+    let next = local(asked.next.as_deref());
+    let is_in = matches!(door.access, Access::Open) || (caller.is_ok() && asked.token.is_none());
+    if is_in {
+        return Redirect::to(next).into_response();
+    }
+    shown(StatusCode::OK, peer, asked.token.as_deref().unwrap_or_default(), next, "")
+}
+
+/// `POST sign-in`
+pub(super) async fn sign_in(State(door): State<Door>, peer: Peer, Form(sent): Form<Sent>) -> Response {
+    let next = local(sent.next.as_deref());
+    let Access::Keys(keyring) = &door.access else { return Redirect::to(next).into_response() };
+    let Some(session) = keyring.sign_in(sent.token.trim(), door.now_s()) else {
+        door.hold_back(peer).await;
+        let why = "This token is not known here: look whether it is whole, and whether it was replaced.";
+        return shown(StatusCode::FORBIDDEN, peer, "", next, why);
+    };
+    (cookie(&session, SESSION_S, peer), Redirect::to(next)).into_response()
+}
+
+/// `POST sign-out`
+pub(super) async fn sign_out(peer: Peer) -> Response {
+    (cookie("", 0, peer), Redirect::to("/sign-in")).into_response()
+}
+
+/// The address of the page, for somebody who wants to go to `next`.
+pub(super) fn sign_in_page(next: &str) -> String {
+    let next = local(Some(next));
+    // Paths of this door need no escapes; whatever is no such path leads to the console.
+    let is_plain = next.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'/' | b'.' | b'-' | b'_'));
+    if next == "/" || !is_plain { "/sign-in".to_owned() } else { format!("/sign-in?next={next}") }
+}
+
+fn shown(status: StatusCode, peer: Peer, token: &str, next: &str, why: &'static str) -> Response {
+    let is_overheard = !peer.is_encrypted && !Network::of(peer.address).is_loopback();
+    let page = SignIn { token, next, why, is_overheard };
+    let html = Html(page.render().expect("the template only writes strings, which does not fail"));
+    (status, [(header::CACHE_CONTROL, HeaderValue::from_static("no-store"))], html).into_response()
+}
+
+/// A cookie no script and no other site gets to see.
+fn cookie(session: &str, lasts_s: i64, peer: Peer) -> HeaderMap {
+    let secure = if peer.is_encrypted { "; Secure" } else { "" };
+    let cookie = format!("{COOKIE}={session}; Path=/; Max-Age={lasts_s}; HttpOnly; SameSite=Strict{secure}");
+    let cookie = HeaderValue::from_str(&cookie).expect("a session is letters, digits, dots, - and _");
+    HeaderMap::from_iter([(header::SET_COOKIE, cookie)])
+}
+
+/// Where to go after signing in: a path of this door, never another place.
+fn local(next: Option<&str>) -> &str {
+    let is_local = |path: &&str| {
+        let visible = path.bytes().all(|byte| byte.is_ascii_graphic() && byte != b'\\');
+        path.starts_with('/') && !path.starts_with("//") && visible && path.len() <= LONGEST_PATH
+    };
+    next.filter(is_local).unwrap_or("/")
+}
+
+#[cfg(test)]
+#[path = "sign_in_tests.rs"]
+mod tests;

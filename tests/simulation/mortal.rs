@@ -1,0 +1,156 @@
+//! A core and a simulated robot over a store that keeps late, in a program that can be killed at any moment: what was kept is
+//! folded and what the robot remembers is remembered, as after a start of the real program.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+use std::time::Duration;
+
+use hallsweep::core::command::{Accepted, Command, Door, Issuer, Refused, Request};
+use hallsweep::core::effect::{Effect, Entry, Fact, Page};
+use hallsweep::core::event::{Event, RobotId};
+use hallsweep::core::settings::Settings;
+use hallsweep::core::standing::Standing;
+use hallsweep::core::sweep::{Recalled, Sweep};
+use hallsweep::core::units::{Now, Seq, Ticket, Wall};
+use hallsweep::core::world::snapshot::Snapshot;
+use hallsweep::outbound::robot::sim::{BodyPose, Hall, Sim, SimMemory, SimSettings};
+
+/// The program, its disk and its robot.
+pub(crate) struct Mortal {
+    pub(crate) sweep: Sweep,
+    pub(crate) sim: Sim,
+    /// What is on the disk.
+    pub(crate) disk: Vec<Entry>,
+    /// What the disk has not got yet.
+    on_the_way: VecDeque<Page>,
+    pub(crate) answers: BTreeMap<Ticket, Result<Accepted, Refused>>,
+    memory: Option<SimMemory>,
+    hall: Arc<Hall>,
+    settings: SimSettings,
+    now: Now,
+}
+
+impl Mortal {
+    pub(crate) fn born(hall: Arc<Hall>, settings: SimSettings) -> Mortal {
+        let mut mortal = Mortal {
+            sweep: Sweep::new(Settings::default(), Default::default(), "mortal".into()),
+            sim: Sim::new(Arc::clone(&hall), settings),
+            disk: Vec::new(),
+            on_the_way: VecDeque::new(),
+            answers: BTreeMap::new(),
+            memory: None,
+            hall,
+            settings,
+            now: Now::default(),
+        };
+        mortal.settle();
+        mortal
+    }
+
+    /// Kill −9, with the first `durable` pages on the way on the disk already although nobody was told; and a new start.
+    pub(crate) fn killed(mut self, durable: usize) -> Mortal {
+        let durable = durable.min(self.on_the_way.len());
+        self.disk.extend(self.on_the_way.drain(..durable).flat_map(|page| page.entries));
+        let now = Now { since_start: Duration::ZERO, wall: self.now.wall };
+        let sim = match self.memory {
+            Some(memory) => Sim::remembering(Arc::clone(&self.hall), self.settings, memory),
+            None => Sim::new(Arc::clone(&self.hall), self.settings),
+        };
+        let sweep = Sweep::recall(Settings::default(), "reborn".into(), self.recalled(), now);
+        let mut reborn = Mortal { sweep, sim, on_the_way: VecDeque::new(), answers: BTreeMap::new(), now, ..self };
+        reborn.settle();
+        reborn
+    }
+
+    /// What a new start would read from the disk.
+    pub(crate) fn recalled(&self) -> Recalled {
+        let mut standing = Standing::first(Default::default());
+        self.disk.iter().for_each(|entry| standing.apply(entry));
+        let named = |entry: &&Entry| matches!(entry.fact, Fact::Command { id: Some(_), .. });
+        let commands = self.disk.iter().filter(named).cloned().collect();
+        Recalled { standing, written: Seq(self.disk.len() as u64), commands }
+    }
+
+    pub(crate) fn give(&mut self, command: Command) -> Result<Ticket, Refused> {
+        self.ask(Request::new(command, Issuer::operator(Door::Local)))
+    }
+
+    pub(crate) fn ask(&mut self, request: Request) -> Result<Ticket, Refused> {
+        let given = self.sweep.handle_command(request, self.now);
+        self.settle();
+        given
+    }
+
+    /// The disk gets the oldest page on the way; false when there is none.
+    pub(crate) fn keep_one(&mut self) -> bool {
+        let Some(page) = self.on_the_way.pop_front() else { return false };
+        let last = page.last();
+        self.disk.extend(page.entries);
+        assert_eq!(last, Seq(self.disk.len() as u64), "the journal has no gaps");
+        self.sweep.handle_event(Event::Recorded(last), self.now);
+        self.settle();
+        true
+    }
+
+    pub(crate) fn keep_all(&mut self) {
+        while self.keep_one() {}
+    }
+
+    /// The next thing that takes time; false when nothing happens by itself any more.
+    pub(crate) fn advance(&mut self) -> bool {
+        let due = [self.sim.poll_timeout(), self.sweep.poll_timeout()].into_iter().flatten().min();
+        due.is_some_and(|due| {
+            self.wait_until(due);
+            true
+        })
+    }
+
+    /// A minute passes.
+    pub(crate) fn wait_a_minute(&mut self) {
+        let end = self.now.since_start + Duration::from_secs(60);
+        while [self.sim.poll_timeout(), self.sweep.poll_timeout()].into_iter().flatten().min().is_some_and(|due| due <= end) {
+            self.advance();
+        }
+        self.wait_until(end);
+    }
+
+    pub(crate) fn state(&mut self) -> Arc<Snapshot> {
+        self.sweep.snapshot()
+    }
+
+    pub(crate) fn body(&self) -> BodyPose {
+        self.sim.pose_at(self.now)
+    }
+
+    fn wait_until(&mut self, since_start: Duration) {
+        self.now = Now { since_start: since_start.max(self.now.since_start), wall: Wall::default() };
+        self.sim.handle_timeout(self.now);
+        self.sweep.handle_timeout(self.now);
+        self.settle();
+    }
+
+    fn settle(&mut self) {
+        loop {
+            self.memory = self.sim.poll_memory().or(self.memory);
+            if let Some(effect) = self.sweep.poll_effect() {
+                self.perform(effect);
+            } else if let Some((order, exposure)) = self.sim.take_exposure() {
+                self.sim.handle_photo(order, exposure.develop(), self.now);
+            } else if let Some(report) = self.sim.poll_event() {
+                self.sweep.handle_event(Event::Robot(RobotId::Discovery, report), self.now);
+            } else {
+                return;
+            }
+        }
+    }
+
+    fn perform(&mut self, effect: Effect) {
+        match effect {
+            Effect::Order(RobotId::Discovery, order) => self.sim.handle_order(order, self.now),
+            Effect::Halt(RobotId::Discovery) => self.sim.handle_halt(self.now),
+            Effect::Led(RobotId::Discovery, blinks) => self.sim.handle_led(blinks),
+            Effect::Record(page) => self.on_the_way.push_back(page),
+            Effect::Answer(ticket, answer) => drop(self.answers.insert(ticket, answer)),
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! Safety R1 and R2: random operators in random halls, over a store that keeps late, and the program killed at random moments, in
+//! the middle of steps and photos and between a record and its word. Whatever was seen or answered is there after the start,
+//! nothing is there twice, nothing moves before a START, and the mission can be brought to its end. A failure prints its seed.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use hallsweep::core::command::{Command, LuggageRef, Refused, TemperatureReport, Verdict};
+use hallsweep::core::mission::{Hold, PhaseName};
+use hallsweep::core::rng::Stream;
+use hallsweep::core::units::{AlarmId, Cell, LuggageId, Ticket};
+use hallsweep::core::world::hall_map::Mark;
+use hallsweep::core::world::snapshot::Snapshot;
+use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings, Truth};
+
+use crate::halls;
+use crate::mortal::Mortal;
+
+#[test]
+fn whenever_the_program_is_killed_it_goes_on_from_where_it_was() {
+    for seed in 0..300 {
+        let hall = halls::random(seed, 10);
+        let mut dice = Stream::new(seed, "kills");
+        let settings = SimSettings { unknown_rate: 0.1, photo_failure_rate: 0.2, ..SimSettings::new(seed, Camera::Stub) };
+        let mut mortal = Mortal::born(Arc::clone(&hall), settings);
+        let mut seen = Seen::default();
+        for _ in 0..dice.below(12) {
+            live(&mut mortal, &mut seen, &mut dice);
+            mortal = mortal.killed(dice.below(4) as usize);
+            seen.check(&mut mortal, seed);
+            stands_still(&mut mortal, seed);
+        }
+        bring_to_the_end(&mut mortal, &mut seen, seed);
+        check_map(&mortal.state(), &hall, seed);
+    }
+}
+
+/// Some commands, some time, some pages kept.
+fn live(mortal: &mut Mortal, seen: &mut Seen, dice: &mut Stream) {
+    for _ in 0..dice.below(30) {
+        match dice.below(4) {
+            0 => {
+                let pending = mortal.state().pending().map_or(1, |luggage| luggage.id.0);
+                seen.ask(mortal, any_command(dice, pending));
+            }
+            1 => (0..dice.below(20)).for_each(|_| {
+                mortal.keep_one();
+            }),
+            _ => (0..dice.below(12)).for_each(|_| {
+                mortal.advance();
+            }),
+        }
+        seen.look(mortal);
+    }
+}
+
+fn any_command(dice: &mut Stream, pending: u64) -> Command {
+    let verdict = if dice.below(10) == 0 { Verdict::Danger } else { Verdict::Safe };
+    match dice.below(14) {
+        0..=5 => Command::Start,
+        6 => Command::Stop,
+        7 => Command::BackHome,
+        8 | 9 => Command::Verdict { luggage: LuggageRef::Id(LuggageId(pending)), verdict },
+        10 => Command::Temperature(if dice.below(2) == 0 { TemperatureReport::TooHigh } else { TemperatureReport::Ok }),
+        11 => Command::Goto(Cell::new(dice.below(10) as i32, dice.below(10) as i32)),
+        12 => Command::RetakePhoto(LuggageId(pending)),
+        _ => {
+            if dice.below(2) == 0 {
+                Command::Reset
+            } else {
+                Command::Acknowledge(AlarmId(1))
+            }
+        }
+    }
+}
+
+/// What an operator was shown and told, and must find again.
+#[derive(Default)]
+struct Seen {
+    luggage: BTreeMap<LuggageId, Option<Verdict>>,
+    /// Verdicts under way, and resets: by ticket what they would make true.
+    asked: BTreeMap<Ticket, Command>,
+    mission: u64,
+}
+
+impl Seen {
+    fn ask(&mut self, mortal: &mut Mortal, command: Command) {
+        if let Ok(ticket) = mortal.give(command.clone()) {
+            self.asked.insert(ticket, command);
+        }
+    }
+
+    fn look(&mut self, mortal: &mut Mortal) {
+        for (ticket, answer) in std::mem::take(&mut mortal.answers) {
+            let accepted: Result<_, Refused> = answer;
+            if let (Some(Command::Verdict { luggage: LuggageRef::Id(id), verdict }), true) =
+                (self.asked.remove(&ticket), accepted.is_ok())
+            {
+                self.luggage.insert(id, Some(verdict));
+            }
+        }
+        let state = mortal.state();
+        if state.mission.id.0 != self.mission || state.mission.phase == PhaseName::Idle {
+            self.mission = state.mission.id.0;
+            self.luggage.clear();
+        }
+        let shown =
+            |luggage: &hallsweep::core::world::luggage::Luggage| luggage.verdict.as_ref().map(|decision| decision.verdict);
+        self.luggage.extend(state.luggage.iter().map(|luggage| (luggage.id, shown(luggage))));
+    }
+
+    /// Everything that was seen is there; what is there once is there once.
+    fn check(&mut self, mortal: &mut Mortal, seed: u64) {
+        self.asked.clear();
+        let state = mortal.state();
+        if state.mission.id.0 == self.mission && state.mission.phase != PhaseName::Idle {
+            for (id, verdict) in &self.luggage {
+                let found = state.luggage(*id).unwrap_or_else(|| panic!("seed {seed}: luggage #{id} is gone"));
+                let stands = found.verdict.as_ref().map(|decision| decision.verdict);
+                assert!(verdict.is_none() || stands == *verdict, "seed {seed}: #{id} was {verdict:?} and is {stands:?}");
+            }
+        }
+        let pieces: Vec<_> = state.luggage.iter().filter_map(|luggage| luggage.piece).collect();
+        let mut once = pieces.clone();
+        once.sort_unstable();
+        once.dedup();
+        assert_eq!(pieces.len(), once.len(), "seed {seed}: a piece is on record twice");
+        assert!(state.mission.holds.contains(&Hold::Restart) || mortal.disk.is_empty(), "seed {seed}: {:?}", state.mission.holds);
+        self.look(mortal);
+    }
+}
+
+/// Safety R1: nothing moves until a START, however long nobody says so.
+fn stands_still(mortal: &mut Mortal, seed: u64) {
+    let before = mortal.body();
+    mortal.wait_a_minute();
+    mortal.keep_all();
+    mortal.wait_a_minute();
+    assert_eq!(mortal.body(), before, "seed {seed}: it moved after a restart");
+}
+
+/// Answers what waits, presses START: the search ends explored, or at home with the bomb located.
+fn bring_to_the_end(mortal: &mut Mortal, seen: &mut Seen, seed: u64) {
+    let _ = mortal.give(Command::Temperature(TemperatureReport::Ok));
+    for _ in 0..20_000 {
+        mortal.keep_all();
+        let state = mortal.state();
+        if matches!(state.mission.phase, PhaseName::Explored | PhaseName::BombLocated) {
+            assert!(state.robot.pose.cell == Cell::HOME && !mortal.sim.led(), "seed {seed}: away from home, or blinking");
+            seen.look(mortal);
+            return;
+        }
+        let waits = state.pending().filter(|luggage| luggage.has_photo()).map(|luggage| luggage.id);
+        let held = !state.mission.holds.is_empty() || matches!(state.mission.phase, PhaseName::Idle | PhaseName::AtHome);
+        let gave = match waits {
+            Some(id) => mortal.give(Command::Verdict { luggage: LuggageRef::Id(id), verdict: Verdict::Safe }).is_ok(),
+            None if state.mission.refusals.retake.is_none() => {
+                mortal.give(Command::RetakePhoto(state.mission.inspected.expect("a photo can be retaken"))).is_ok()
+            }
+            None if held => mortal.give(Command::Start).is_ok(),
+            None => false,
+        };
+        assert!(gave || mortal.advance(), "seed {seed}: stuck: {:?}", state.mission);
+    }
+    panic!("seed {seed}: the mission did not come to its end; it is {:?}", mortal.state().mission);
+}
+
+/// The map says nothing that is not so; when the hall is explored it says everything.
+fn check_map(state: &Snapshot, hall: &Hall, seed: u64) {
+    for (cell, mark) in state.map.known() {
+        let truth = hall.truth(cell);
+        assert_eq!(mark == Mark::Visited, truth == Truth::Free, "seed {seed}: the map is wrong at {cell}: {mark:?}");
+        assert!(mark != Mark::Wall || truth == Truth::Wall, "seed {seed}: no wall at {cell}");
+    }
+    if state.mission.phase == PhaseName::Explored {
+        let missing = hall.reachable().iter().filter(|cell| state.map.at(**cell) != Mark::Visited).count();
+        assert_eq!(missing, 0, "seed {seed}: reachable cells were not visited");
+    }
+}
