@@ -19,6 +19,8 @@ mod old_console;
 mod program;
 #[path = "service/replica.rs"]
 mod replica;
+#[path = "service/sensors.rs"]
+mod sensors;
 #[path = "service/shutdown.rs"]
 mod shutdown;
 #[path = "service/start.rs"]
