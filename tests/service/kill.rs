@@ -118,6 +118,9 @@ impl Ledger {
             }
             state = again;
         }
+        // A STOP is answered before it is on record; whatever comes after it is answered when both are.
+        program.put("/api/v1/temperature", "{\"status\":\"ok\"}").accepted();
+        let state = program.json("state");
         self.look(&state);
         self.rest = Some(state);
     }
