@@ -204,6 +204,9 @@ pub enum Door {
 }
 
 impl Door {
+    /// All of them.
+    pub const ALL: [Door; 3] = [Door::Console, Door::Http, Door::Local];
+
     /// The word for records.
     #[must_use]
     pub const fn name(self) -> &'static str {

@@ -8,6 +8,7 @@ pub mod command;
 pub mod fields;
 #[cfg(test)]
 pub(crate) mod fixture;
+pub mod journal;
 pub mod log;
 pub mod luggage;
 pub mod map;

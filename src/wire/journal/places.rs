@@ -1,0 +1,96 @@
+//! Cells, poses and moments in the journal. A moment keeps the exact millisecond and offset; its RFC 3339 form is for people.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Unparsed, names};
+use crate::core::mission::Goal;
+use crate::core::units::{Cell, Pose, Wall};
+use crate::wire::time::rfc3339;
+
+/// A cell.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+pub(super) struct Point {
+    pub(super) x: i32,
+    pub(super) y: i32,
+}
+
+/// A pose.
+#[derive(Serialize, Deserialize)]
+pub(super) struct PoseShape {
+    x: i32,
+    y: i32,
+    heading: String,
+}
+
+/// A moment.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Moment {
+    /// For people.
+    #[serde(default)]
+    at: String,
+    unix_ms: i64,
+    offset_s: i32,
+}
+
+/// What a search is after: a cell to visit, or home.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) enum GoalShape {
+    Visit(Point),
+    Home,
+}
+
+impl From<Cell> for Point {
+    fn from(Cell { x, y }: Cell) -> Point {
+        Point { x, y }
+    }
+}
+
+impl From<Point> for Cell {
+    fn from(Point { x, y }: Point) -> Cell {
+        Cell { x, y }
+    }
+}
+
+impl From<Pose> for PoseShape {
+    fn from(Pose { cell: Cell { x, y }, heading }: Pose) -> PoseShape {
+        PoseShape { x, y, heading: heading.name().to_owned() }
+    }
+}
+
+impl PoseShape {
+    pub(super) fn pose(&self) -> Result<Pose, Unparsed> {
+        Ok(Pose { cell: Cell::new(self.x, self.y), heading: names::heading(&self.heading)? })
+    }
+}
+
+impl From<Wall> for Moment {
+    fn from(wall: Wall) -> Moment {
+        Moment { at: rfc3339(wall), unix_ms: wall.unix_ms, offset_s: wall.offset_s }
+    }
+}
+
+impl From<Moment> for Wall {
+    fn from(Moment { unix_ms, offset_s, .. }: Moment) -> Wall {
+        Wall { unix_ms, offset_s }
+    }
+}
+
+impl From<Goal> for GoalShape {
+    fn from(goal: Goal) -> GoalShape {
+        match goal {
+            Goal::Visit(cell) => GoalShape::Visit(cell.into()),
+            Goal::Home => GoalShape::Home,
+        }
+    }
+}
+
+impl From<GoalShape> for Goal {
+    fn from(goal: GoalShape) -> Goal {
+        match goal {
+            GoalShape::Visit(cell) => Goal::Visit(cell.into()),
+            GoalShape::Home => Goal::Home,
+        }
+    }
+}
