@@ -187,6 +187,9 @@ fn sweep(settings: &Settings, recalled: Option<Recalled>, elsewhere: bool, clock
     if elsewhere {
         sweep.put_down_elsewhere(now);
     }
+    for sensor in &settings.sensors {
+        sweep.watch_sensor(Arc::clone(sensor), settings.sensor_silence, now);
+    }
     sweep
 }
 

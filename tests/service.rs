@@ -9,6 +9,8 @@ mod commands;
 mod explore;
 #[path = "service/formats.rs"]
 mod formats;
+#[path = "service/kill.rs"]
+mod kill;
 #[path = "service/malformed.rs"]
 mod malformed;
 #[path = "service/old_console.rs"]
@@ -17,6 +19,8 @@ mod old_console;
 mod program;
 #[path = "service/replica.rs"]
 mod replica;
+#[path = "service/sensors.rs"]
+mod sensors;
 #[path = "service/shutdown.rs"]
 mod shutdown;
 #[path = "service/start.rs"]

@@ -158,6 +158,15 @@ impl Program {
         self.post(&format!("/api/v1/luggage/{luggage}/verdict"), &format!("{{\"verdict\":\"{verdict}\"}}"))
     }
 
+    /// Asks a program that may be gone: `None` then. `key` is the command's own name, if it has one.
+    pub(crate) fn try_ask(&self, method: &str, path: &str, key: &str, body: &str) -> Option<Answer> {
+        let request = ureq::http::Request::builder().method(method).uri(self.url(path));
+        let request = if key.is_empty() { request } else { request.header("idempotency-key", key) };
+        let request = if body.is_empty() { request } else { request.header("content-type", "application/json") };
+        let (parts, mut body) = self.agent.run(request.body(body.to_owned()).ok()?).ok()?.into_parts();
+        Some(Answer { status: parts.status.as_u16(), headers: parts.headers, body: body.read_to_vec().ok()? })
+    }
+
     /// Waits until the state is as wanted, and returns it.
     pub(crate) fn until(&self, wanted: &str, is_so: impl Fn(&Value) -> bool) -> Value {
         let deadline = Deadline::within(PATIENCE);
@@ -180,6 +189,12 @@ impl Program {
     pub(crate) fn until_asked(&self) -> u64 {
         let state = self.until("a verdict is asked for", |state| pending(state).is_some());
         pending(&state).expect("it was there just now")
+    }
+
+    /// What kills it −9, from another thread.
+    pub(crate) fn killer(&self) -> impl FnOnce() + Send + use<> {
+        let id = self.child.id().to_string();
+        move || assert!(Command::new("kill").args(["-KILL", &id]).status().expect("kill is there").success())
     }
 
     /// Sends a signal, as `TERM`.
