@@ -6,6 +6,7 @@
 //! ```
 
 use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -15,11 +16,10 @@ use tokio::task::JoinHandle;
 
 use crate::access::AccessError;
 use crate::config::{self, Settings};
-use crate::core::sweep::Sweep;
-use crate::core::units::Epoch;
-use crate::inbound::http::{self, Door};
-use crate::outbound::robot::sim::{self, Camera, Hall, HallError, Sim, SimSettings};
-use crate::outbound::store::memory::Memory;
+use crate::core::sweep::{Recalled, Sweep};
+use crate::inbound::http::{self, Door, TlsError};
+use crate::outbound::robot::sim::{self, Camera, DiaryError, Hall, HallError, SimSettings};
+use crate::outbound::store::sqlite::OpenError;
 use crate::runtime::clock::Clock;
 use crate::runtime::halt::Halter;
 use crate::runtime::handle::Handle;
@@ -27,9 +27,11 @@ use crate::runtime::link::link;
 use crate::runtime::task::Task;
 
 mod entry;
+mod kept;
 mod signals;
 
 pub use entry::Entry;
+use kept::Kept;
 
 /// What is still busy this long after everything has ended (a photo being drawn) is left behind.
 const LEFT_BEHIND: Duration = Duration::from_millis(200);
@@ -50,6 +52,9 @@ pub enum AppError {
     /// The keys cannot be had.
     #[error(transparent)]
     Access(#[from] AccessError),
+    /// Connections cannot be encrypted as they are to be.
+    #[error(transparent)]
+    Tls(#[from] TlsError),
     /// The port cannot be had.
     #[error("cannot listen on {address}: {error}; {}", what_to_do(.error))]
     Bind {
@@ -57,6 +62,25 @@ pub enum AppError {
         address: SocketAddr,
         /// What the system says.
         error: std::io::Error,
+    },
+    /// The data folder cannot be used.
+    #[error(transparent)]
+    Store(#[from] OpenError),
+    /// Nobody knows where the simulated robot was left.
+    #[error("where the simulated robot was left cannot be read: {0}")]
+    Diary(#[from] DiaryError),
+    /// A mission is under way in another hall than the one asked for.
+    #[error(
+        "a mission is under way in another hall: the record in {} is of {remembered}, not of {given}; start with --hall {remembered} \
+         and press RESET there, or give {given} a folder of its own with --data DIR", folder.display()
+    )]
+    OtherHall {
+        /// The data folder.
+        folder: PathBuf,
+        /// The hall of the mission.
+        remembered: String,
+        /// The hall that was asked for.
+        given: String,
     },
     /// The system gives no threads, timers or signals.
     #[error("the system does not let the program start: {0}")]
@@ -101,6 +125,7 @@ async fn serve_hall(
     (hall, sim): (Arc<Hall>, SimSettings),
     announce: impl FnOnce(SocketAddr, &Entry),
 ) -> Result<(), AppError> {
+    let front = entry::front(&settings.http)?;
     let bind = |error| AppError::Bind { address: settings.http.bind, error };
     let listener = TcpListener::bind(settings.http.bind).await.map_err(bind)?;
     let address = listener.local_addr().map_err(bind)?;
@@ -108,11 +133,12 @@ async fn serve_hall(
     let (access, entry) = entry::access(settings)?;
     let signalled = signals::listen().map_err(AppError::System)?;
 
-    let halter = Halter::new(Epoch::default());
-    let memory = Memory::new();
+    let kept = Kept::open(settings, &hall)?;
+    let halter = Halter::new(kept.epoch());
+    let archive = Arc::clone(&kept.archive);
     let (closing, closed) = watch::channel(false);
-    let (handle, mut task) = start(settings, (Arc::clone(&hall), sim), &memory, &halter, closed);
-    let door = Door::new(handle, Arc::new(memory), hall.name(), access);
+    let (handle, mut task) = start(settings, (Arc::clone(&hall), sim), kept, &halter, closed);
+    let door = Door::new(handle, archive, hall.name(), access);
     announce(address, &entry);
     tracing::info!(%address, hall = hall.name(), "serving");
 
@@ -124,7 +150,7 @@ async fn serve_hall(
         }
         halter.stop();
     };
-    http::serve(listener, door, &settings.http.hosts, shutdown).await;
+    http::serve(listener, door, front, shutdown).await;
     let by_itself = ended.is_some();
     closing.send_replace(true);
     let end = match ended {
@@ -138,19 +164,33 @@ async fn serve_hall(
 fn start(
     settings: &Settings,
     (hall, sim): (Arc<Hall>, SimSettings),
-    memory: &Memory,
+    mut kept: Kept,
     halter: &Halter,
     closed: watch::Receiver<bool>,
 ) -> (Handle, JoinHandle<()>) {
     let clock = Clock::default();
-    let mut sweep = Sweep::new(settings.core, settings.strategy, run_id(&clock));
+    let (robot, diary) = kept.robot(hall, sim);
+    let (link, side) = link(halter.watch());
+    tokio::spawn(sim::run(robot, side, clock, speed(settings.robot.speed), diary));
+    let mut sweep = sweep(settings, kept.recalled.take(), kept.elsewhere, &clock);
     for sensor in &settings.sensors {
         sweep.watch_sensor(Arc::clone(sensor), settings.sensor_silence, clock.now());
     }
-    let (link, side) = link(halter.watch());
-    tokio::spawn(sim::run(Sim::new(hall, sim), side, clock, speed(settings.robot.speed), None));
-    let (handle, task) = Task::new(sweep, link, Box::new(memory.clone()), clock, halter.clone());
+    let (handle, task) = Task::new(sweep, link, kept.store, clock, halter.clone());
     (handle, tokio::spawn(task.run(closed)))
+}
+
+/// The core as it was, or as it is at the very first start.
+fn sweep(settings: &Settings, recalled: Option<Recalled>, elsewhere: bool, clock: &Clock) -> Sweep {
+    let (run, now) = (run_id(clock), clock.now());
+    let mut sweep = match recalled {
+        Some(recalled) => Sweep::recall(settings.core, run, recalled, now),
+        None => Sweep::new(settings.core, settings.strategy, run),
+    };
+    if elsewhere {
+        sweep.put_down_elsewhere(now);
+    }
+    sweep
 }
 
 /// Tells this run's revisions from those of any other: the millisecond in which it began.

@@ -5,6 +5,8 @@
 mod dependencies;
 #[path = "tidy/reading.rs"]
 mod reading;
+#[path = "tidy/routes.rs"]
+mod routes;
 #[path = "tidy/sizes.rs"]
 mod sizes;
 #[path = "tidy/whole.rs"]
@@ -35,6 +37,12 @@ fn the_core_uses_only_pure_crates_and_everybody_only_what_is_his() {
 #[test]
 fn every_file_says_what_it_is_for() {
     check(words::header);
+}
+
+/// Safety A1.
+#[test]
+fn every_route_is_in_the_one_table() {
+    check(routes::beside_the_table);
 }
 
 #[test]

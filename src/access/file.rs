@@ -93,14 +93,12 @@ impl KeyFile {
         let at = |error: &toml::de::Error| error.span().map_or(1, |span| text[..span.start].lines().count().max(1));
         let read: Written =
             toml::from_str(text).map_err(|error| malformed(format!("line {}: {}", at(&error), error.message())))?;
-        let keys = read.key.into_iter().map(|key| {
+        let mut keys = Vec::new();
+        for key in read.key {
             let token = Token::read(&key.token).ok_or_else(|| malformed(format!("the token of `{}` is none", key.name)))?;
-            Key::new(&key.name, key.role, token)
-        });
-        keys.collect::<Result<Vec<Key>, AccessError>>().and_then(Keys::new).map_err(|error| match error {
-            malformed @ AccessError::Malformed { .. } => malformed,
-            other => malformed(other.to_string()),
-        })
+            keys.push(Key::new(&key.name, key.role, token).map_err(|error| malformed(error.to_string()))?);
+        }
+        Keys::new(keys).map_err(|error| malformed(error.to_string()))
     }
 
     fn replace(&self, text: &str) -> io::Result<()> {

@@ -1,7 +1,7 @@
 //! What the file of keys survives, and what it refuses. Kept apart from `file` because there is much of it.
 
-use super::super::testing::Folder;
 use super::*;
+use crate::access::testing::Folder;
 
 fn overwritten(file: &KeyFile, text: &str) -> String {
     file.replace(text).unwrap();

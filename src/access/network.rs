@@ -12,11 +12,12 @@ impl Network {
     #[must_use]
     pub fn of(address: IpAddr) -> Network {
         Network(match address.to_canonical() {
-            IpAddr::V6(address) if !address.is_loopback() => {
+            IpAddr::V4(address) => IpAddr::V4(address),
+            IpAddr::V6(Ipv6Addr::LOCALHOST) => IpAddr::V6(Ipv6Addr::LOCALHOST),
+            IpAddr::V6(address) => {
                 let [a, b, c, d, ..] = address.segments();
                 IpAddr::V6(Ipv6Addr::new(a, b, c, d, 0, 0, 0, 0))
             }
-            own => own,
         })
     }
 

@@ -33,13 +33,6 @@ fn a_mistyped_flag_is_refused_with_the_same_code() {
 }
 
 #[test]
-fn other_machines_are_let_in_only_when_told_so() {
-    assert!(refused(&["--http", "0.0.0.0:0"], 2).contains("--insecure"));
-    let program = Program::with(&["--http", "0.0.0.0:0", "--insecure", "--hall", "empty-8x8"]);
-    assert_ne!(program.address().port(), 0);
-}
-
-#[test]
 fn a_hall_that_is_not_there_is_refused_with_those_that_are() {
     let said = refused(&["serve", "--http", "127.0.0.1:0", "--hall", "no-such-hall"], 2);
     let named = "hallsweep: setting hall.file = \"no-such-hall\" (from flag --hall): no-such-hall: cannot read this file (";

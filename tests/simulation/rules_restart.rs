@@ -1,15 +1,23 @@
 //! Safety R1 and R2 in the core: what is on record is what stands, and a program that is killed at any moment stands where it
 //! stood, held, and goes on after a START.
 
-use hallsweep::core::command::{Command, Verdict};
-use hallsweep::core::mission::Phase;
+use std::sync::Arc;
+
+use hallsweep::core::command::{Command, CommandId, Door, Issuer, LuggageRef, Refused, Request, TemperatureReport, Verdict};
+use hallsweep::core::effect::{Action, Effect, Entry, Fact};
+use hallsweep::core::event::{Obstacle, Piece, RobotEvent, Whereabouts};
+use hallsweep::core::mission::{Hold, Phase, PhaseName};
 use hallsweep::core::rng::Stream;
 use hallsweep::core::settings::Settings;
 use hallsweep::core::standing::Standing;
+use hallsweep::core::sweep::Sweep;
+use hallsweep::core::units::{AlarmId, Cell, Celsius, Now, Pose};
 use hallsweep::headless::Run;
-use hallsweep::outbound::robot::sim::{Camera, SimSettings};
+use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings};
 
+use crate::bare::Bare;
 use crate::halls;
+use crate::mortal::Mortal;
 use crate::operator::{Operator, in_hall};
 use crate::random_commands::{any_command, from_outside};
 
@@ -44,13 +52,162 @@ fn a_mission_after_a_mission_is_folded_from_its_own_beginning() {
         run.give(Command::Start).unwrap();
         run.until_explored();
     }
-    let fact = |entry: &hallsweep::core::effect::Entry| matches!(entry.fact, hallsweep::core::effect::Fact::Standing(_));
+    let fact = |entry: &Entry| matches!(entry.fact, Fact::Standing(_));
     let last = run.journal.iter().rposition(fact).expect("the second mission begins with everything that stands");
     let mut standing = Standing::first(Default::default());
     run.journal[last..].iter().for_each(|entry| standing.apply(entry));
     assert_eq!(standing, run.sweep.standing());
     assert_eq!(standing.mission.0, 2);
     assert!(standing.luggage.values().all(|luggage| luggage.verdict.as_ref().unwrap().verdict == Verdict::Safe));
+}
+
+/// Safety R1: the holds that somebody must end are as they were; those with a cause outside are raised by it anew.
+#[test]
+fn after_a_restart_the_robot_is_held_and_waits_for_a_start() {
+    let mut mortal = Mortal::born(hall("empty-8x8"), SimSettings::new(1, Camera::Stub));
+    mortal.give(Command::Start).unwrap();
+    mortal.keep_all();
+    mortal.give(Command::Temperature(TemperatureReport::TooHigh)).unwrap();
+    mortal.give(Command::Stop).unwrap();
+    mortal.keep_all();
+    let before = mortal.state();
+    let mut mortal = mortal.killed(0);
+    let after = mortal.state();
+    assert_eq!(after.mission.holds, [Hold::Operator, Hold::TooHigh, Hold::Restart, Hold::AwaitingStart]);
+    assert_eq!((after.mission.phase, after.mission.goal), (before.mission.phase, before.mission.goal));
+    assert_eq!((after.mission.epoch, after.mission.id), (before.mission.epoch, before.mission.id));
+    assert!(after.robot.led_blinking && mortal.sim.led(), "the LED blinks through a restart");
+    assert!(matches!(mortal.give(Command::Start), Err(Refused::Held(_))), "the button still stands");
+    mortal.give(Command::Temperature(TemperatureReport::Ok)).unwrap();
+    mortal.give(Command::Start).unwrap();
+    mortal.keep_all();
+    assert!(mortal.state().mission.holds.is_empty());
+}
+
+/// Safety R1: idle stays idle.
+#[test]
+fn an_idle_robot_is_idle_after_a_restart_and_a_start_begins_a_mission() {
+    let mut mortal = Mortal::born(hall("empty-8x8"), SimSettings::new(1, Camera::Stub));
+    mortal.give(Command::Acknowledge(AlarmId(9))).unwrap_err();
+    mortal.keep_all();
+    let mut mortal = mortal.killed(0);
+    assert_eq!((mortal.state().mission.phase, &mortal.state().mission.holds[..]), (PhaseName::Idle, &[Hold::Restart][..]));
+    mortal.give(Command::Start).unwrap();
+    mortal.keep_all();
+    assert_eq!(mortal.state().mission.phase, PhaseName::Exploring);
+}
+
+/// Safety R1: an operator's reading counts until the operator gives another, also across a restart.
+#[test]
+fn heat_that_the_operator_read_still_holds_after_a_restart() {
+    let mut mortal = Mortal::born(hall("empty-8x8"), SimSettings::new(1, Camera::Stub));
+    let reading = |degrees| Command::Temperature(TemperatureReport::Reading(Celsius::new(degrees).unwrap()));
+    mortal.give(Command::Start).unwrap();
+    mortal.give(reading(40.0)).unwrap();
+    mortal.keep_all();
+    let mut mortal = mortal.killed(0);
+    assert!(matches!(mortal.give(Command::Start), Err(Refused::Held(holds)) if holds == [Hold::Temperature]));
+    mortal.give(reading(20.0)).unwrap();
+    mortal.give(Command::Start).unwrap();
+}
+
+/// Safety R2: the robot senses and returns to the centre of its cell before anything else.
+#[test]
+fn a_step_cut_short_by_a_kill_is_undone_first() {
+    let mut mortal = Mortal::born(hall("empty-8x8"), SimSettings::new(1, Camera::Stub));
+    mortal.give(Command::Start).unwrap();
+    mortal.keep_all();
+    mortal.advance();
+    mortal.keep_all();
+    let mut mortal = mortal.killed(0);
+    assert!(mortal.state().robot.off_centre, "it was in the middle of a move");
+    mortal.give(Command::Start).unwrap();
+    mortal.keep_all();
+    mortal.advance();
+    assert!(!mortal.state().robot.off_centre);
+}
+
+/// Safety R1: a repeat is known as one after a restart too.
+#[test]
+fn a_command_that_comes_again_after_a_restart_is_answered_and_does_not_act() {
+    let named = |command| {
+        let issuer = Issuer::operator(Door::Http);
+        Request { id: CommandId::new("once"), ..Request::new(command, issuer) }
+    };
+    let mut mortal = Mortal::born(hall("empty-8x8"), SimSettings::new(1, Camera::Stub));
+    mortal.ask(named(Command::Start)).unwrap();
+    mortal.keep_all();
+    let mut mortal = mortal.killed(0);
+    let again = mortal.ask(named(Command::Start)).unwrap();
+    assert!(mortal.answers[&again].is_ok());
+    assert!(mortal.state().mission.holds.contains(&Hold::Restart), "it has not acted again");
+    assert!(matches!(mortal.ask(named(Command::BackHome)), Err(Refused::OtherContent(_))));
+}
+
+/// A kill between a danger on record and what follows from it: it follows after the start.
+#[test]
+fn a_danger_on_record_alarms_after_a_restart_although_nobody_was_told_before() {
+    let mut mortal = Mortal::born(hall("seed"), SimSettings::new(1, Camera::Stub));
+    mortal.give(Command::Start).unwrap();
+    let pending = loop {
+        mortal.keep_all();
+        if let Some(luggage) = mortal.state().pending().map(|luggage| luggage.id) {
+            break luggage;
+        }
+        assert!(mortal.advance());
+    };
+    mortal.keep_all();
+    mortal.give(Command::Verdict { luggage: LuggageRef::Id(pending), verdict: Verdict::Danger }).unwrap();
+    let mut mortal = mortal.killed(1);
+    let state = mortal.state();
+    assert_eq!(state.mission.phase, PhaseName::ReturningWithAlarm);
+    assert!(state.luggage(pending).unwrap().is_dangerous() && !state.robot.led_blinking);
+    assert_eq!(state.alarms.len(), 1);
+}
+
+/// A robot that was carried home while the program was down takes no photo of what it does not see.
+#[test]
+fn a_robot_that_says_it_stands_elsewhere_has_left_its_inspection() {
+    let mut bare = Bare::in_front_of(Obstacle::Luggage(Piece(1)));
+    bare.takes_back();
+    bare.robot(RobotEvent::LinkLost("carried away".to_owned()));
+    bare.robot(RobotEvent::Stands(Whereabouts { pose: Pose::START, off_centre: false }));
+    bare.link_up();
+    assert_eq!((bare.phase(), bare.cell(), bare.order()), (PhaseName::Exploring, Cell::HOME, None));
+    bare.give(Command::Start).unwrap();
+    assert!(matches!(bare.order(), Some(Action::Move(_))));
+}
+
+/// A mission that is over is put away when the robot is put down in another hall.
+#[test]
+fn in_another_hall_everything_begins_anew_but_the_numbers() {
+    let mut mortal = Mortal::born(hall("seed"), SimSettings::new(1, Camera::Stub));
+    mortal.give(Command::Start).unwrap();
+    while mortal.state().mission.phase != PhaseName::Explored {
+        mortal.keep_all();
+        match mortal.state().pending().map(|luggage| luggage.id) {
+            Some(id) => drop(mortal.give(Command::Verdict { luggage: LuggageRef::Id(id), verdict: Verdict::Safe })),
+            None => drop(mortal.advance()),
+        }
+    }
+    mortal.keep_all();
+    let mut sweep = Sweep::recall(Settings::default(), "elsewhere".into(), mortal.recalled(), Now::default());
+    let before = sweep.standing();
+    sweep.put_down_elsewhere(Now::default());
+    let after = sweep.standing();
+    assert_eq!((after.phase.clone(), after.pose, after.map.visited(), after.luggage.len()), (Phase::Idle, Pose::START, 1, 0));
+    assert_eq!((after.last_luggage, after.mission), (before.last_luggage, before.mission));
+    let mut folded = before;
+    while let Some(effect) = sweep.poll_effect() {
+        if let Effect::Record(page) = effect {
+            page.entries.iter().for_each(|entry| folded.apply(entry));
+        }
+    }
+    assert_eq!(folded, after);
+}
+
+fn hall(name: &str) -> Arc<Hall> {
+    Arc::new(Hall::named_or_file(name).expect("the hall comes with the program"))
 }
 
 /// A journal that is folded as it grows.

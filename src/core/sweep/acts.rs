@@ -61,13 +61,13 @@ impl Sweep {
         self.led(true);
     }
 
-    fn empty_map(&mut self) {
+    pub(super) fn empty_map(&mut self) {
         let revision = self.world.touch(Resource::Map);
         self.world.map = HallMap::new(Cell::HOME, revision);
         self.world.pieces.clear();
         self.mission.blocked.clear();
         self.mission.restart_search();
-        self.outbox.note(self.now.wall, Fact::MapEmptied(self.world.robot.pose.heading));
+        self.outbox.record(self.now.wall, Fact::MapEmptied(self.world.robot.pose.heading));
         self.outbox.sum_up();
     }
 
@@ -75,7 +75,7 @@ impl Sweep {
     fn stop(&mut self, matter: &Matter) {
         let next = self.mission.epoch.next();
         self.mission.epoch = matter.epoch.map_or(next, |raised| raised.max(self.mission.epoch));
-        self.outbox.note(self.now.wall, Fact::Epoch(self.mission.epoch));
+        self.outbox.record(self.now.wall, Fact::Epoch(self.mission.epoch));
         self.send_halt();
         self.world.touch(Resource::Mission);
         self.raise(Hold::Operator, None);
@@ -104,7 +104,7 @@ impl Sweep {
     fn note_holds(&mut self) {
         self.world.touch(Resource::Mission);
         self.world.touch(Resource::Temperature);
-        self.outbox.note(self.now.wall, Fact::Holds(self.mission.holds.to_vec()));
+        self.outbox.record(self.now.wall, Fact::Holds(self.mission.holds.to_vec()));
     }
 
     /// Halts the robot if it is moving.
@@ -127,7 +127,7 @@ impl Sweep {
         if self.world.robot.led_blinking != blinks {
             self.world.robot.led_blinking = blinks;
             self.world.touch(Resource::Robot);
-            self.outbox.note(self.now.wall, Fact::Led(blinks));
+            self.outbox.record(self.now.wall, Fact::Led(blinks));
             self.outbox.send(Effect::Led(RobotId::Discovery, blinks));
         }
     }
@@ -137,7 +137,7 @@ impl Sweep {
         let text = format!("luggage #{} at {} is {what}", record.id, record.cell);
         if let Some(id) = self.world.alarm(self.now.wall, luggage, &text) {
             self.world.write(self.now.wall, Tone::Alarm, text.clone());
-            self.outbox.note(self.now.wall, Fact::AlarmRaised(id, luggage, text));
+            self.outbox.record(self.now.wall, Fact::AlarmRaised(id, luggage, text));
         }
     }
 
@@ -153,7 +153,7 @@ impl Sweep {
         };
         *alarm = Arc::new(Alarm { acknowledged: Some((Arc::clone(&issuer.who), self.now.wall)), ..Alarm::clone(alarm) });
         self.world.touch(Resource::Alarms);
-        self.outbox.note(self.now.wall, Fact::AlarmAcknowledged(id, Arc::clone(&issuer.who)));
+        self.outbox.record(self.now.wall, Fact::AlarmAcknowledged(id, Arc::clone(&issuer.who)));
     }
 
     fn note_reading(&mut self, matter: &Matter) {
@@ -176,7 +176,7 @@ impl Sweep {
         // A sensor that says the same again and again does not fill the journal.
         if self.world.thermometer.read(source, celsius) {
             self.world.touch(Resource::Temperature);
-            self.outbox.note(self.now.wall, Fact::Temperature(Arc::clone(source), celsius));
+            self.outbox.record(self.now.wall, Fact::Temperature(Arc::clone(source), celsius));
         }
         let held = self.mission.holds.contains(Hold::Temperature);
         let matter = Matter { words: Some(celsius.to_string()), ..Matter::default() };
@@ -192,11 +192,11 @@ impl Sweep {
         self.mission.strategy = strategy;
         self.mission.restart_search();
         self.world.touch(Resource::Mission);
-        self.outbox.note(self.now.wall, Fact::Strategy(strategy));
+        self.outbox.record(self.now.wall, Fact::Strategy(strategy));
     }
 
     /// Puts the mission away; its records stay in the journal.
-    fn archive(&mut self) {
+    pub(super) fn archive(&mut self) {
         if self.mission.under_way {
             self.mission.under_way = false;
             let bombs = self.world.luggage.values().filter(|luggage| luggage.is_dangerous()).map(|luggage| luggage.id).collect();

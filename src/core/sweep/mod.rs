@@ -40,7 +40,7 @@ use super::effect::{Effect, Fact};
 use super::event::{Event, RobotId};
 use super::explore::Strategy;
 use super::explore::plan::Planner;
-use super::mission::{Input, Matter, Mission};
+use super::mission::{Hold, Input, Matter, Mission};
 use super::settings::Settings;
 use super::units::{Epoch, LuggageId, Now, Ticket};
 use super::world::log::Tone;
@@ -160,7 +160,7 @@ impl Sweep {
     /// The next thing to be done outside, oldest first.
     pub fn poll_effect(&mut self) -> Option<Effect> {
         if self.outbox.is_to_sum_up() {
-            self.outbox.note(self.now.wall, Fact::Standing(Box::new(self.standing())));
+            self.outbox.record(self.now.wall, Fact::Standing(Box::new(self.standing())));
         }
         self.outbox.poll()
     }
@@ -204,17 +204,18 @@ impl Sweep {
         self.world.turn_page();
     }
 
-    /// Carries out an accepted command; answers at once, or once what it put on record is kept. A stop never waits.
+    /// Carries out an accepted command; it is answered once it is kept with all that followed from it. A stop never waits, and
+    /// nothing waits for a store that cannot write.
     fn carry_out(&mut self, request: &Request, input: Input, step: Step, matter: &Matter) -> Ticket {
-        let barrier = self.outbox.barrier();
         self.apply(step, matter);
         let ticket = self.outbox.next_ticket();
         self.remember(request, Outcome::Open(ticket));
-        let recorded = Some(self.outbox.barrier()).filter(|seq| *seq > barrier && input != Input::Stop);
-        let in_flight = matter.luggage.filter(|_| matter.verdict.is_some()).and_then(|id| self.mission.deciding(id));
-        match recorded.or(in_flight.map(|(_, seq)| seq)) {
-            Some(seq) => self.outbox.wait(Waiting { ticket, seq, luggage: matter.luggage, verdict: matter.verdict }),
-            None => self.answer(ticket, matter.luggage),
+        let waits = input != Input::Stop && !self.mission.holds.contains(Hold::Store) && !self.outbox.is_settled();
+        if waits {
+            let seq = self.outbox.written();
+            self.outbox.wait(Waiting { ticket, seq, luggage: matter.luggage, verdict: matter.verdict });
+        } else {
+            self.answer(ticket, matter.luggage);
         }
         ticket
     }
@@ -278,7 +279,7 @@ impl Sweep {
         };
         self.world.write(self.now.wall, tone, text);
         let (id, luggage, refused) = (request.id.clone(), matter.luggage, refused.map(Refusal::from));
-        self.outbox.note(self.now.wall, Fact::Command { issuer, id, command, luggage, refused });
+        self.outbox.record(self.now.wall, Fact::Command { issuer, id, command, luggage, refused });
     }
 
     /// Puts everything that stands on record at once.

@@ -186,7 +186,7 @@ impl Sweep {
             self.mission.goal = goal;
             self.mission.route.clear();
             self.world.touch(Resource::Mission);
-            self.outbox.note(self.now.wall, Fact::Goal(goal, self.mission.search.clone()));
+            self.outbox.record(self.now.wall, Fact::Goal(goal, self.mission.search.clone()));
         }
     }
 

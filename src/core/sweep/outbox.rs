@@ -18,8 +18,6 @@ pub(super) struct Outbox {
     /// Whether the page is to end with everything that stands.
     sums_up: bool,
     written: Seq,
-    /// Who gave a command is answered only when everything up to here is kept.
-    barrier: Seq,
     kept: Seq,
     tickets: Ticket,
     waiting: Vec<Waiting>,
@@ -41,7 +39,7 @@ pub(super) struct Waiting {
 impl Outbox {
     /// The outgoing side after a restart: everything up to `written` is kept.
     pub(super) fn after(written: Seq) -> Outbox {
-        Outbox { written, barrier: written, kept: written, ..Outbox::default() }
+        Outbox { written, kept: written, ..Outbox::default() }
     }
 
     pub(super) fn send(&mut self, effect: Effect) {
@@ -84,8 +82,8 @@ impl Outbox {
         std::mem::take(&mut self.sums_up)
     }
 
-    /// Puts a fact on its way to the store; no answer waits for it.
-    pub(super) fn note(&mut self, wall: Wall, fact: Fact) -> Seq {
+    /// Puts a fact on its way to the store; its place in the journal.
+    pub(super) fn record(&mut self, wall: Wall, fact: Fact) -> Seq {
         self.written = self.written.next();
         let entry = Entry { wall, fact };
         if matches!(entry.fact, Fact::Command { .. }) && self.commands.len() < COMMANDS {
@@ -98,18 +96,13 @@ impl Outbox {
     /// Puts the commands that were not kept when the store failed on their way once more.
     pub(super) fn repeat_commands(&mut self) {
         for (_, Entry { wall, fact }) in std::mem::take(&mut self.commands) {
-            self.note(wall, fact);
+            self.record(wall, fact);
         }
     }
 
-    /// Puts a fact on its way to the store; the answer to the command that made it waits until it is kept.
-    pub(super) fn record(&mut self, wall: Wall, fact: Fact) -> Seq {
-        self.barrier = self.note(wall, fact);
-        self.barrier
-    }
-
-    pub(super) const fn barrier(&self) -> Seq {
-        self.barrier
+    /// The last entry on its way to the store, or kept.
+    pub(super) const fn written(&self) -> Seq {
+        self.written
     }
 
     /// Whether everything is kept that happened so far. The robot waits for it before each move, so that a kill can never lose

@@ -99,7 +99,7 @@ impl Sweep {
         Phase::Fault { cause, interrupted: Box::new(interrupted) }
     }
 
-    fn note_phase(&mut self, before: PhaseName) {
+    pub(super) fn note_phase(&mut self, before: PhaseName) {
         let after = self.phase_name();
         self.world.touch(Resource::Mission);
         self.world.touch(Resource::Robot);
@@ -125,7 +125,7 @@ impl Sweep {
             inspection.stage = stage;
             self.world.touch(Resource::Mission);
             self.world.touch(Resource::Robot);
-            self.outbox.note(self.now.wall, self.phase_fact());
+            self.outbox.record(self.now.wall, self.phase_fact());
         }
     }
 
@@ -143,7 +143,7 @@ impl Sweep {
         }
         let revision = self.world.touch(Resource::Map);
         if self.world.map.mark(cell, mark, revision) {
-            self.outbox.note(self.now.wall, Fact::Mark(cell, mark));
+            self.outbox.record(self.now.wall, Fact::Mark(cell, mark));
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::core::event::RobotId;
 use crate::core::mission::{Hold, Holds, Input, Matter, Mission, Phase, PhaseName, Stage};
 use crate::core::settings::Settings;
 use crate::core::standing::{OPERATOR, Standing};
-use crate::core::units::{LuggageId, Now, Seq};
+use crate::core::units::{LuggageId, Now, Pose, Seq};
 use crate::core::world::hall_map::Mark;
 use crate::core::world::log::Tone;
 use crate::core::world::luggage::Luggage;
@@ -36,12 +36,27 @@ impl Sweep {
         sweep.repeats.recall(&commands);
         sweep.begin(now);
         sweep.take_up(standing);
-        sweep.outbox.note(now.wall, Fact::ProgramStarted(env!("CARGO_PKG_VERSION").to_owned()));
+        sweep.outbox.record(now.wall, Fact::ProgramStarted(env!("CARGO_PKG_VERSION").to_owned()));
         sweep.world.write(now.wall, Tone::Info, "the program was started again; everything is as it was".to_owned());
         sweep.feed(Input::Restarted, &Matter::default());
         sweep.finish();
         sweep.pump();
         sweep
+    }
+
+    /// The robot was put down at home in another hall: what was recalled of the old one is put away. Only while no mission is
+    /// under way in the old one.
+    pub fn put_down_elsewhere(&mut self, now: Now) {
+        self.begin(now);
+        let before = self.phase_name();
+        self.archive();
+        self.world.robot.pose = Pose::START;
+        self.world.robot.off_centre = false;
+        self.outbox.record(now.wall, Fact::Pose(Pose::START));
+        self.empty_map();
+        self.mission.phase = Phase::Idle;
+        self.note_phase(before);
+        self.world.write(now.wall, Tone::Info, "the robot was put down in another hall".to_owned());
     }
 
     /// Everything that stands, as it would be read back.

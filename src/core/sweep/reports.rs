@@ -7,7 +7,7 @@ use crate::core::command::Move;
 use crate::core::effect::{Action, Fact, Order};
 use crate::core::event::{Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent, Whereabouts};
 use crate::core::explore::plan::after;
-use crate::core::mission::{FaultCause, Input, Matter};
+use crate::core::mission::{FaultCause, Input, Matter, Phase, PhaseName, Stage};
 use crate::core::units::{Cell, Heading, OrderId};
 use crate::core::world::hall_map::{Mark, REACH};
 use crate::core::world::log::Tone;
@@ -43,7 +43,21 @@ impl Sweep {
             self.world.write(self.now.wall, Tone::Info, text);
             self.mission.route.clear();
             self.mark(pose.cell, Mark::Visited);
-            self.outbox.note(self.now.wall, Fact::Pose(pose));
+            self.outbox.record(self.now.wall, Fact::Pose(pose));
+            self.leave_inspection();
+        }
+    }
+
+    /// Carried away from the piece in front of it, the robot can take no photo of it: a piece without a record stays a target of
+    /// the search, and one with a record keeps the photo it has.
+    fn leave_inspection(&mut self) {
+        match self.stage() {
+            Some(Stage::BackingUp | Stage::TakingPhoto) => {
+                *self.mission.phase.underlying_mut() = Phase::Exploring;
+                self.note_phase(PhaseName::Inspecting);
+            }
+            Some(Stage::RetakingPhoto(id)) => self.set_stage(Stage::AwaitingVerdict(id)),
+            Some(Stage::Recording(_) | Stage::AwaitingVerdict(_)) | None => {}
         }
     }
 
@@ -96,7 +110,7 @@ impl Sweep {
                 self.mark(pose.cell, Mark::Visited);
             }
         }
-        self.outbox.note(self.now.wall, Fact::Pose(pose));
+        self.outbox.record(self.now.wall, Fact::Pose(pose));
     }
 
     /// The cell that was to be entered is an obstacle; the robot stands against it until it is recentred.
@@ -130,7 +144,7 @@ impl Sweep {
             Obstacle::Luggage(_) => "luggage",
             Obstacle::Unknown => "unknown",
         };
-        self.outbox.note(self.now.wall, Fact::Obstacle(cell, taken_for));
+        self.outbox.record(self.now.wall, Fact::Obstacle(cell, taken_for));
         if let (Obstacle::Wall { left, right }, Mark::Wall, true) = (obstacle, mark, self.settings.wall_lines) {
             let heading = self.world.robot.pose.heading;
             self.reveal_wall(cell, heading.left(), left);

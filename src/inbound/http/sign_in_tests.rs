@@ -1,7 +1,7 @@
 //! Signing in and out as a browser does it, and what it does not let itself be talked into.
 
-use super::super::testing::{House, guarded_house, house, keys, text};
 use super::*;
+use crate::inbound::http::testing::{House, guarded_house, house, keys, text};
 use crate::wire::fixture::searching;
 
 const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");

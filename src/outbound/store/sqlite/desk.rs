@@ -1,0 +1,136 @@
+//! What store, writer and watchman know together: the store's word, and whether the writer is at work. Every change of the word
+//! is made here, under one lock, so that nothing is ever said to be both kept and lost.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use tokio::sync::watch;
+
+use crate::core::units::Seq;
+use crate::runtime::store::StoreWord;
+
+/// The word and the work.
+#[derive(Debug)]
+pub(super) struct Desk {
+    word: watch::Sender<StoreWord>,
+    work: Mutex<Work>,
+}
+
+#[derive(Debug, Default)]
+struct Work {
+    /// How many batches were begun.
+    batches: u64,
+    /// Whether one is being written.
+    busy: bool,
+    /// Whether pages were dropped while a failure stood already.
+    overflowed: bool,
+}
+
+impl Desk {
+    /// Before anything was handed over. What cannot be written from the start counts as a loss, so that nobody waits for it.
+    pub(super) fn new(kept: Seq, failure: Option<&str>) -> Desk {
+        let word = StoreWord { kept, failure: failure.map(Arc::from), losses: u64::from(failure.is_some()) };
+        Desk { word: watch::Sender::new(word), work: Mutex::default() }
+    }
+
+    /// The word as it is and will be. Whoever listens hears the first one too.
+    pub(super) fn word(&self) -> watch::Receiver<StoreWord> {
+        let mut word = self.word.subscribe();
+        word.mark_changed();
+        word
+    }
+
+    pub(super) fn losses(&self) -> u64 {
+        self.word.borrow().losses
+    }
+
+    pub(super) fn is_failing(&self) -> bool {
+        self.word.borrow().failure.is_some()
+    }
+
+    /// A batch is begun; the losses so far.
+    pub(super) fn begin(&self) -> u64 {
+        let mut work = self.work();
+        (work.batches, work.busy) = (work.batches + 1, true);
+        self.losses()
+    }
+
+    /// The batch that was begun after so many losses is on the disk up to `last`. False when it has been given up for lost in the
+    /// meantime: then it must be taken back.
+    #[must_use]
+    pub(super) fn keep(&self, losses: u64, last: Seq) -> bool {
+        let mut work = self.work();
+        work.busy = false;
+        let stands = self.losses() == losses;
+        if stands {
+            self.word.send_modify(|word| word.kept = last);
+        }
+        stands
+    }
+
+    /// What was begun has failed, unless it was given up before.
+    pub(super) fn fail(&self, losses: u64, words: &str) {
+        let mut work = self.work();
+        work.busy = false;
+        if self.losses() == losses {
+            self.lose(words);
+        }
+    }
+
+    /// What was handed over cannot be taken. Only the first time is a loss: until the failure ends the rest is counted as one.
+    pub(super) fn overflow(&self, words: &str) {
+        let mut work = self.work();
+        if self.is_failing() {
+            work.overflowed = true;
+        } else {
+            self.lose(words);
+        }
+    }
+
+    /// The failure still stands, for this reason.
+    pub(super) fn still_failing(&self, words: &str) {
+        let _work = self.work();
+        self.word.send_if_modified(|word| {
+            let news = word.failure.as_deref() != Some(words);
+            if news {
+                word.failure = Some(Arc::from(words));
+            }
+            news
+        });
+    }
+
+    /// It writes again.
+    pub(super) fn recover(&self) {
+        let mut work = self.work();
+        let lost = u64::from(std::mem::take(&mut work.overflowed));
+        self.word.send_modify(|word| {
+            word.failure = None;
+            word.losses += lost;
+        });
+    }
+
+    /// The batch that is being written, if one is.
+    pub(super) fn at_work(&self) -> Option<u64> {
+        let work = self.work();
+        work.busy.then_some(work.batches)
+    }
+
+    /// Gives the batch up if it is still being written; what was handed over behind it is lost with it.
+    pub(super) fn give_up(&self, batch: u64, words: &str) {
+        let work = self.work();
+        if work.busy && work.batches == batch && !self.is_failing() {
+            self.lose(words);
+        }
+    }
+
+    fn lose(&self, words: &str) {
+        self.word.send_modify(|word| {
+            word.losses += 1;
+            word.failure = Some(Arc::from(words));
+        });
+    }
+
+    fn work(&self) -> MutexGuard<'_, Work> {
+        // Nothing that is done under the lock can panic halfway.
+        self.work.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,129 @@
+//! The folder in which everything is kept: the names in it, who may read it, and that only one hallsweep uses it at a time.
+//!
+//! ```text
+//!   journal.db          the journal (with journal.db-wal and journal.db-shm beside it while it is open)
+//!   journal.lock        held by the program that writes
+//!   photos/ab/cdef….png a photo, named by the digest of its bytes
+//! ```
+
+use std::fs::{DirBuilder, File, OpenOptions, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::fault::Fault;
+use crate::wire::journal::Picture;
+
+/// The folder, which may not be there yet.
+#[derive(Clone, Debug)]
+pub(super) struct Folder(PathBuf);
+
+/// As long as this lives no other hallsweep writes into the folder; the system ends it with the program, however that ends.
+#[derive(Debug)]
+pub(super) struct Lock(#[expect(dead_code, reason = "it is held, not looked at")] File);
+
+impl Folder {
+    pub(super) fn new(path: &Path) -> Folder {
+        Folder(path.to_owned())
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.0
+    }
+
+    pub(super) fn journal(&self) -> PathBuf {
+        self.0.join("journal.db")
+    }
+
+    pub(super) fn write_ahead_log(&self) -> PathBuf {
+        self.0.join("journal.db-wal")
+    }
+
+    /// Where a photo is, whether or not it is there.
+    pub(super) fn photo(&self, picture: &Picture) -> PathBuf {
+        let (first, rest) = picture.digest.split_at(2);
+        self.photos().join(first).join(format!("{rest}.{}", extension(&picture.media_type)))
+    }
+
+    pub(super) fn photos(&self) -> PathBuf {
+        self.0.join("photos")
+    }
+
+    /// Whether there is a journal: a file that is not empty. What cannot be looked at may be one.
+    pub(super) fn has_journal(&self) -> Result<bool, Fault> {
+        match std::fs::metadata(self.journal()) {
+            Ok(file) => Ok(file.len() > 0),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Creates what is not there yet: the folder for its owner alone, and an empty file for the journal, likewise. SQLite gives
+    /// the files beside it the same rights.
+    pub(super) fn create(&self) -> Result<(), Fault> {
+        self.create_path()?;
+        if !self.journal().exists() {
+            private_file().write(true).create_new(true).open(self.journal())?.sync_all()?;
+        }
+        sync_folder(&self.0)?;
+        Ok(())
+    }
+
+    /// Creates the folder itself.
+    pub(super) fn create_path(&self) -> Result<(), Fault> {
+        if !self.0.is_dir() {
+            create_folder(&self.0)?;
+            sync_parent(&self.0)?;
+        }
+        Ok(())
+    }
+
+    /// Takes the folder for this program alone. `None` where no lock can be made because nothing can be written there.
+    pub(super) fn lock(&self) -> Result<Option<Lock>, Fault> {
+        let path = self.0.join("journal.lock");
+        let opened = private_file().read(true).write(true).create(true).truncate(false).open(&path);
+        let file = match opened.or_else(|_| File::open(&path)) {
+            Ok(file) => file,
+            Err(_) => return Ok(None),
+        };
+        match file.try_lock() {
+            Ok(()) => Ok(Some(Lock(file))),
+            Err(TryLockError::WouldBlock) => Err(Fault::InUse),
+            Err(TryLockError::Error(error)) => Err(error.into()),
+        }
+    }
+}
+
+/// The end of a photo's name. It is for people who look into the folder; the program goes by the media type on record.
+fn extension(media_type: &str) -> &'static str {
+    match media_type {
+        "image/png" => "png",
+        "image/jpeg" => "jpg",
+        _ => "photo",
+    }
+}
+
+/// How a file for its owner alone is opened.
+pub(super) fn private_file() -> OpenOptions {
+    let mut options = OpenOptions::new();
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    options
+}
+
+/// Creates a folder for its owner alone, and those above it.
+pub(super) fn create_folder(path: &Path) -> io::Result<()> {
+    let mut builder = DirBuilder::new();
+    #[cfg(unix)]
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    builder.recursive(true).create(path)
+}
+
+/// Makes the names in a folder last.
+pub(super) fn sync_folder(path: &Path) -> io::Result<()> {
+    File::open(path)?.sync_all()
+}
+
+fn sync_parent(path: &Path) -> io::Result<()> {
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    sync_folder(parent.unwrap_or(Path::new(".")))
+}

@@ -1,0 +1,93 @@
+//! The journal as the writer holds it: pages go in, many in one transaction, each whole or not at all; with them the projections.
+//! When that is done, and what is said about it, is the business of `writer`.
+
+use rusqlite::{Connection, Transaction, TransactionBehavior};
+
+use super::fault::{Fault, whole};
+use super::folder::{Folder, Lock};
+use super::{connect, photos, project, rows, schema};
+use crate::core::effect::{Fact, Page};
+use crate::core::units::{MissionId, Seq};
+use crate::outbound::store::belonging::belongs;
+use crate::wire::journal::Line;
+
+/// The one connection that writes, and the right to do so.
+#[derive(Debug)]
+pub(super) struct Pages {
+    folder: Folder,
+    connection: Connection,
+    /// The mission to which the next entry belongs.
+    under_way: Option<MissionId>,
+    _lock: Option<Lock>,
+}
+
+impl Pages {
+    /// Opens the journal for writing, and creates it where there is none. Its last entry must be `kept`.
+    pub(super) fn open(folder: &Folder, lock: Option<Lock>, kept: Seq, under_way: Option<MissionId>) -> Result<Pages, Fault> {
+        folder.create()?;
+        let lock = lock.map_or_else(|| folder.lock(), |lock| Ok(Some(lock)))?;
+        let mut connection = connect::writer(folder)?;
+        schema::bring_up_to_date(&mut connection)?;
+        if rows::last(&connection)? != kept {
+            return Err(Fault::Changed);
+        }
+        // Whether anything can be written shows when it is begun.
+        connection.transaction_with_behavior(TransactionBehavior::Immediate)?.rollback()?;
+        Ok(Pages { folder: folder.clone(), connection, under_way, _lock: lock })
+    }
+
+    /// Writes pages so that they last. `is_wanted` is asked before the last step; when it says no nothing is kept.
+    pub(super) fn keep(&mut self, pages: &[Page], is_wanted: impl FnOnce() -> bool) -> Result<(), Fault> {
+        let mut under_way = self.under_way;
+        let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
+        for page in pages {
+            under_way = write(&transaction, &self.folder, page, under_way)?;
+        }
+        if !is_wanted() {
+            return Err(Fault::GivenUp);
+        }
+        transaction.commit()?;
+        self.under_way = under_way;
+        Ok(())
+    }
+
+    /// Proves that something can be written: takes back whatever came after `kept`, because it was said to be lost, and puts that
+    /// loss on record.
+    pub(super) fn go_on_after(&mut self, kept: Seq) -> Result<(), Fault> {
+        let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
+        transaction.execute("INSERT INTO losses (kept) VALUES (?1)", [whole(kept.0)?])?;
+        if rows::take_back(&transaction, kept)? > 0 {
+            project::rebuild(&transaction)?;
+        }
+        let under_way = open_mission(&transaction)?;
+        transaction.commit()?;
+        self.under_way = under_way;
+        Ok(())
+    }
+}
+
+/// The mission that has begun and is not put away.
+fn open_mission(transaction: &Transaction<'_>) -> Result<Option<MissionId>, Fault> {
+    let sql = "SELECT max(id) FROM missions WHERE archived_seq IS NULL";
+    let id: Option<i64> = transaction.query_row(sql, [], |row| row.get(0))?;
+    Ok(id.map(|id| MissionId(super::fault::count(id))))
+}
+
+/// Writes a page, photos first; the mission that is under way behind it.
+fn write(
+    transaction: &Transaction<'_>,
+    folder: &Folder,
+    page: &Page,
+    mut under_way: Option<MissionId>,
+) -> Result<Option<MissionId>, Fault> {
+    for (place, entry) in page.entries.iter().enumerate() {
+        let mission;
+        (mission, under_way) = belongs(page, place, under_way);
+        let photo = if let Fact::Luggage { photo, .. } = &entry.fact { photo.as_ref() } else { None };
+        let picture = photo.map(|photo| photos::keep(folder, photo)).transpose()?;
+        let line = Line { seq: Seq(page.first.0 + place as u64), mission, entry: entry.clone(), picture };
+        rows::insert(transaction, &line)?;
+        project::project(transaction, &line)?;
+    }
+    Ok(under_way)
+}

@@ -1,0 +1,104 @@
+//! Reading back what was kept: everything that stands, folded from the last entry that says all of it (safety R1).
+
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
+
+use rusqlite::{Connection, ErrorCode};
+
+use super::connect;
+use super::fault::Fault;
+use super::folder::Folder;
+use super::rows::{self, Which};
+use crate::core::effect::{Entry, Fact};
+use crate::core::explore::Strategy;
+use crate::core::standing::Standing;
+use crate::core::sweep::Recalled;
+use crate::core::units::{MissionId, Seq};
+use crate::wire::journal::Line;
+
+/// So many of the last entries are searched for commands with an id: a client repeats a command within minutes.
+pub(super) const REPEATABLE: u64 = 4096;
+
+/// So long a start waits for SQLite's own check; some 500 MB on a common disk. `hallsweep journal check` takes all the time.
+const CHECK_PATIENCE: Duration = Duration::from_secs(5);
+
+/// Looks at what was kept, and changes nothing; `None` when nothing was.
+pub(super) fn recall(folder: &Folder) -> Result<Option<Recalled>, Fault> {
+    let Some(connect::Reader { connection, .. }) = connect::reader(folder)? else { return Ok(None) };
+    check_quickly(&connection)?;
+    let written = rows::last(&connection)?;
+    if written == Seq(0) {
+        return Ok(None);
+    }
+    let standing = standing(&connection)?;
+    let commands = repeatable(&connection, written)?;
+    Ok(Some(Recalled { standing, written, commands }))
+}
+
+/// What stands after all entries.
+fn standing(connection: &Connection) -> Result<Standing, Fault> {
+    let mut standing = Standing::first(Strategy::default());
+    each_from_standing(connection, None, |line| standing.apply(&line.entry))?;
+    Ok(standing)
+}
+
+/// What stood of a mission when the entry `before` put it away, or stands of it now.
+pub(super) fn standing_of(connection: &Connection, mission: MissionId, before: Option<Seq>) -> Result<Standing, Fault> {
+    let mut standing = Standing::first(Strategy::default());
+    each_from_standing(connection, before, |line| {
+        let begun = standing.under_way && standing.mission == mission;
+        // The phase that follows on the mission is on record just before its end.
+        if !(begun && line.mission != Some(mission) && matches!(line.entry.fact, Fact::Phase(_))) {
+            standing.apply(&line.entry);
+        }
+    })?;
+    Ok(standing)
+}
+
+/// Walks over the entries from the last one that says everything that stands.
+fn each_from_standing(connection: &Connection, before: Option<Seq>, mut visit: impl FnMut(&Line)) -> Result<(), Fault> {
+    let from = rows::last_standing(connection, before)?;
+    let after = from.map(|seq| Seq(seq.0.saturating_sub(1)));
+    rows::each(connection, Which { after, before, ..Which::default() }, |line| {
+        visit(&line?);
+        Ok(())
+    })
+}
+
+/// The latest commands that carried an id, oldest first.
+fn repeatable(connection: &Connection, written: Seq) -> Result<Vec<Entry>, Fault> {
+    let mut commands = Vec::new();
+    let after = Some(Seq(written.0.saturating_sub(REPEATABLE)));
+    rows::each(connection, Which { after, ..Which::default() }, |line| {
+        let entry = line?.entry;
+        if matches!(entry.fact, Fact::Command { id: Some(_), .. }) {
+            commands.push(entry);
+        }
+        Ok(())
+    })?;
+    Ok(commands)
+}
+
+/// SQLite's own check of the file's structure, given up without a finding when the file is too large for a start to wait for.
+fn check_quickly(connection: &Connection) -> Result<(), Fault> {
+    let handle = connection.get_interrupt_handle();
+    let (checked, waiting) = mpsc::channel::<()>();
+    let watch = std::thread::Builder::new().name("journal-check".to_owned()).spawn(move || {
+        if waiting.recv_timeout(CHECK_PATIENCE) == Err(RecvTimeoutError::Timeout) {
+            handle.interrupt();
+        }
+    });
+    let found: Result<String, _> = connection.query_row("PRAGMA quick_check(1)", [], |row| row.get(0));
+    drop(checked);
+    // The handle must be gone before the connection is used on; a thread that could not begin holds none.
+    let _ = watch.map(std::thread::JoinHandle::join);
+    match found {
+        Ok(found) if found == "ok" => Ok(()),
+        Ok(found) => Err(Fault::Damaged(found)),
+        Err(error) if error.sqlite_error_code() == Some(ErrorCode::OperationInterrupted) => {
+            tracing::warn!("the journal is too large to be checked at every start: run `hallsweep journal check` now and then");
+            Ok(())
+        }
+        Err(error) => Err(error.into()),
+    }
+}

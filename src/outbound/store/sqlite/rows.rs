@@ -1,0 +1,107 @@
+//! Entries as rows of the table of events.
+
+use rusqlite::types::Value;
+use rusqlite::{Connection, OptionalExtension, Row, params, params_from_iter};
+
+use super::fault::{Fault, count, whole};
+use crate::core::effect::Entry;
+use crate::core::units::{MissionId, Seq, Wall};
+use crate::wire::journal::{self, Line};
+
+/// The columns of an entry, in the order in which `line` takes them.
+const COLUMNS: &str = "seq, mission, at_ms, offset_s, kind, body";
+
+/// Which entries are meant; all of them, when nothing is said.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Which {
+    /// Only those behind this one.
+    pub(super) after: Option<Seq>,
+    /// Only those before this one.
+    pub(super) before: Option<Seq>,
+    /// Only those of this mission.
+    pub(super) mission: Option<MissionId>,
+    /// Only those from which the projections follow.
+    pub(super) milestones: bool,
+    /// At most so many.
+    pub(super) most: Option<usize>,
+}
+
+/// Writes an entry. One that is there already is a fault.
+pub(super) fn insert(connection: &Connection, line: &Line) -> Result<(), Fault> {
+    let sql = "INSERT INTO events (seq, mission, at_ms, offset_s, kind, body) VALUES (?1, ?2, ?3, ?4, ?5, ?6)";
+    let Line { seq, mission, entry: Entry { wall, fact }, picture } = line;
+    let mission = mission.map(|mission| whole(mission.0)).transpose()?;
+    let (kind, body) = (journal::kind(fact), journal::body(fact, picture.as_ref()));
+    connection.prepare_cached(sql)?.execute(params![whole(seq.0)?, mission, wall.unix_ms, wall.offset_s, kind, body])?;
+    Ok(())
+}
+
+/// Takes back every entry behind `kept`; how many there were.
+pub(super) fn take_back(connection: &Connection, kept: Seq) -> Result<usize, Fault> {
+    Ok(connection.execute("DELETE FROM events WHERE seq > ?1", [whole(kept.0)?])?)
+}
+
+/// The last entry's place; 0 when there is none.
+pub(super) fn last(connection: &Connection) -> Result<Seq, Fault> {
+    let last: Option<i64> = connection.query_row("SELECT max(seq) FROM events", [], |row| row.get(0))?;
+    Ok(Seq(count(last.unwrap_or(0))))
+}
+
+/// The place of the last entry that says everything that stands, before `before`.
+pub(super) fn last_standing(connection: &Connection, before: Option<Seq>) -> Result<Option<Seq>, Fault> {
+    let sql = "SELECT seq FROM events WHERE kind = 'standing' AND seq < ?1 ORDER BY seq DESC LIMIT 1";
+    let before = before.map_or(Ok(i64::MAX), |before| whole(before.0))?;
+    let found: Option<i64> = connection.prepare_cached(sql)?.query_row([before], |row| row.get(0)).optional()?;
+    Ok(found.map(|seq| Seq(count(seq))))
+}
+
+/// The place behind which stand the last `count` entries, of a mission or of all.
+pub(super) fn before_the_last(connection: &Connection, mission: Option<MissionId>, count: u64) -> Result<Option<Seq>, Fault> {
+    let sql = "SELECT seq FROM events WHERE mission = ?1 OR ?1 IS NULL ORDER BY seq DESC LIMIT 1 OFFSET ?2";
+    let values = params![mission.map(|mission| whole(mission.0)).transpose()?, whole(count)?];
+    let found: Option<i64> = connection.prepare_cached(sql)?.query_row(values, |row| row.get(0)).optional()?;
+    Ok(found.map(|seq| Seq(super::fault::count(seq))))
+}
+
+/// Walks over entries, oldest first. One that cannot be understood is given as such; the walk ends when `visit` fails.
+pub(super) fn each(
+    connection: &Connection,
+    which: Which,
+    mut visit: impl FnMut(Result<Line, Fault>) -> Result<(), Fault>,
+) -> Result<(), Fault> {
+    let (sql, values) = which.query()?;
+    let mut statement = connection.prepare_cached(&sql)?;
+    let mut rows = statement.query(params_from_iter(values))?;
+    while let Some(row) = rows.next()? {
+        visit(line(row))?;
+    }
+    Ok(())
+}
+
+impl Which {
+    fn query(self) -> Result<(String, Vec<Value>), Fault> {
+        let bounds = [("seq > ?", self.after.map(|seq| seq.0)), ("seq < ?", self.before.map(|seq| seq.0))];
+        let mission = [("mission = ?", self.mission.map(|mission| mission.0))];
+        let given: Vec<_> = bounds.into_iter().chain(mission).filter_map(|(sql, number)| Some((sql, number?))).collect();
+        let mut conditions: Vec<&str> = given.iter().map(|(sql, _)| *sql).collect();
+        if self.milestones {
+            conditions.push("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict')");
+        }
+        let filter = if conditions.is_empty() { String::new() } else { format!(" WHERE {}", conditions.join(" AND ")) };
+        let limit = self.most.map(|most| format!(" LIMIT {most}")).unwrap_or_default();
+        let values = given.iter().map(|(_, number)| whole(*number).map(Value::from)).collect::<Result<_, _>>()?;
+        Ok((format!("SELECT {COLUMNS} FROM events{filter} ORDER BY seq{limit}"), values))
+    }
+}
+
+fn line(row: &Row<'_>) -> Result<Line, Fault> {
+    let seq = Seq(count(row.get(0)?));
+    let mission: Option<i64> = row.get(1)?;
+    let wall = Wall { unix_ms: row.get(2)?, offset_s: row.get(3)? };
+    let body = row.get_ref(5)?.as_str().map_err(|error| Fault::Damaged(format!("entry {seq} holds no text: {error}")))?;
+    let (fact, picture) = journal::read_body(body).map_err(|why| Fault::Unparsed(seq, why))?;
+    if row.get_ref(4)?.as_str().ok() != Some(journal::kind(&fact)) {
+        return Err(Fault::Damaged(format!("entry {seq} is not of the kind that it says")));
+    }
+    Ok(Line { seq, mission: mission.map(|mission| MissionId(count(mission))), entry: Entry { wall, fact }, picture })
+}

@@ -1,0 +1,59 @@
+//! The tables of the journal, and what brings an older file up to date.
+
+use rusqlite::{Connection, Transaction};
+
+use super::fault::Fault;
+
+/// Says in the file's header that it is ours: the letters HSWP.
+const APPLICATION: i64 = 0x4853_5750;
+
+/// What brings a file from each format to the next; an empty file is of format 0.
+const MIGRATIONS: [&str; 1] = [include_str!("schema.sql")];
+
+/// The format that this version writes.
+pub(super) const FORMAT: i64 = MIGRATIONS.len() as i64;
+
+/// What a file was found to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Format {
+    /// Nothing is in it yet.
+    Empty,
+    /// An older version wrote it.
+    Older(i64),
+    /// As this version writes it.
+    Current,
+}
+
+/// Which format a file is of.
+pub(super) fn format(connection: &Connection) -> Result<Format, Fault> {
+    let number = |sql: &str| connection.query_row(sql, [], |row| row.get::<_, i64>(0));
+    let (application, version) = (number("PRAGMA application_id")?, number("PRAGMA user_version")?);
+    let tables = number("SELECT count(*) FROM sqlite_schema")?;
+    match (application, version) {
+        (0, 0) if tables == 0 => Ok(Format::Empty),
+        (APPLICATION, FORMAT) => Ok(Format::Current),
+        (APPLICATION, version) if version > FORMAT => Err(Fault::Newer(version)),
+        (APPLICATION, version) if version > 0 => Ok(Format::Older(version)),
+        _ => Err(Fault::Foreign),
+    }
+}
+
+/// Brings a file to the format of this version, in one transaction.
+pub(super) fn bring_up_to_date(connection: &mut Connection) -> Result<(), Fault> {
+    let from = match format(connection)? {
+        Format::Current => return Ok(()),
+        Format::Empty => 0,
+        Format::Older(version) => version,
+    };
+    let transaction = connection.transaction()?;
+    migrate(&transaction, usize::try_from(from).unwrap_or(0))?;
+    Ok(transaction.commit()?)
+}
+
+fn migrate(transaction: &Transaction<'_>, from: usize) -> Result<(), Fault> {
+    for migration in MIGRATIONS.iter().skip(from) {
+        transaction.execute_batch(migration)?;
+    }
+    transaction.pragma_update(None, "application_id", APPLICATION)?;
+    Ok(transaction.pragma_update(None, "user_version", FORMAT)?)
+}

@@ -1,0 +1,36 @@
+//! The rule about routes: the HTTP door has one table of them, and nothing adds a route beside it.
+
+use super::reading::Source;
+
+/// The file that builds the router from the table.
+const TABLE: &str = "src/inbound/http/routes.rs";
+
+/// Where routes could come in.
+const DOOR: &str = "src/inbound/http/";
+
+/// Lines that add routes to a router past the table.
+pub(crate) fn beside_the_table(source: &Source) -> Vec<String> {
+    if source.path == TABLE || !source.path.starts_with(DOOR) {
+        return Vec::new();
+    }
+    let ways = [".route(", ".route_service(", ".nest(", ".nest_service(", ".merge(", ".fallback(", ".fallback_service("];
+    let lines = source.code.lines().enumerate();
+    let hits = lines.filter(|(_, line)| ways.iter().any(|way| line.contains(way)));
+    hits.map(|(number, _)| source.at(number + 1, "a route beside the table: give it a row in routes.rs, with what it needs"))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_route_beside_the_table_is_found() {
+        let found = |path: &str, text: &str| beside_the_table(&Source::new(path, text)).len();
+        assert_eq!(found("src/inbound/http/old.rs", "Router::new().route(\"/w\", post(give))"), 1);
+        assert_eq!(found("src/inbound/http/console/mod.rs", "    .merge(pages)\n    .nest(\"/a\", b)"), 2);
+        assert_eq!(found(TABLE, "router.route(row.path, row.answers)"), 0);
+        assert_eq!(found("src/inbound/http/old.rs", "// .route(\nlet way = route(here);"), 0);
+        assert_eq!(found("src/inbound/coap/a.rs", "table.merge(other)"), 0);
+    }
+}
