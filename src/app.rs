@@ -172,10 +172,7 @@ fn start(
     let (robot, diary) = kept.robot(hall, sim);
     let (link, side) = link(halter.watch());
     tokio::spawn(sim::run(robot, side, clock, speed(settings.robot.speed), diary));
-    let mut sweep = sweep(settings, kept.recalled.take(), kept.elsewhere, &clock);
-    for sensor in &settings.sensors {
-        sweep.watch_sensor(Arc::clone(sensor), settings.sensor_silence, clock.now());
-    }
+    let sweep = sweep(settings, kept.recalled.take(), kept.elsewhere, &clock);
     let (handle, task) = Task::new(sweep, link, kept.store, clock, halter.clone());
     (handle, tokio::spawn(task.run(closed)))
 }
@@ -189,6 +186,9 @@ fn sweep(settings: &Settings, recalled: Option<Recalled>, elsewhere: bool, clock
     };
     if elsewhere {
         sweep.put_down_elsewhere(now);
+    }
+    for sensor in &settings.sensors {
+        sweep.watch_sensor(Arc::clone(sensor), settings.sensor_silence, now);
     }
     sweep
 }

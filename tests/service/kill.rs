@@ -88,10 +88,11 @@ impl Ledger {
     /// Works at random until the program is gone.
     fn work_until_killed(&mut self, program: &Program, dice: &mut Stream, life: u64) {
         let moment = Duration::from_millis(dice.below(240));
+        let kill = program.killer();
         std::thread::scope(|scope| {
-            scope.spawn(|| {
+            scope.spawn(move || {
                 std::thread::sleep(moment);
-                program.signal("KILL");
+                kill();
             });
             for n in 0.. {
                 if self.work(program, dice, &format!("{life}-{n}")).is_none() {
