@@ -9,6 +9,8 @@ mod commands;
 mod explore;
 #[path = "service/formats.rs"]
 mod formats;
+#[path = "service/journal.rs"]
+mod journal;
 #[path = "service/kill.rs"]
 mod kill;
 #[path = "service/malformed.rs"]
@@ -27,6 +29,8 @@ mod sensors;
 mod shutdown;
 #[path = "service/start.rs"]
 mod start;
+#[path = "service/store_faults.rs"]
+mod store_faults;
 #[path = "service/stream.rs"]
 mod stream;
 #[path = "service/tls.rs"]
