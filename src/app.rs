@@ -133,11 +133,11 @@ async fn serve_hall(
     let bind = |error| AppError::Bind { address: settings.http.bind, error };
     let listener = TcpListener::bind(settings.http.bind).await.map_err(bind)?;
     let address = listener.local_addr().map_err(bind)?;
-    // Only now, when this program and no other has the port: a key that is shown is the one that counts.
-    let (access, entry) = entry::access(settings)?;
     let signalled = signals::listen().map_err(AppError::System)?;
 
     let kept = Kept::open(settings, &hall)?;
+    // Only now, when nothing else can refuse the start: a key that is made is also shown.
+    let (access, entry) = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
     let archive = Arc::clone(&kept.archive);
     let (closing, closed) = watch::channel(false);

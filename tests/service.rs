@@ -15,6 +15,8 @@ mod journal;
 mod kill;
 #[path = "service/malformed.rs"]
 mod malformed;
+#[path = "service/missions.rs"]
+mod missions;
 #[path = "service/old_console.rs"]
 mod old_console;
 #[path = "service/program.rs"]
