@@ -13,7 +13,6 @@ pub mod explore;
 mod failure;
 pub mod healthcheck;
 pub mod journal;
-mod line;
 mod link;
 pub mod serve;
 pub mod table;

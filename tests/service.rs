@@ -15,12 +15,16 @@ mod journal;
 mod kill;
 #[path = "service/malformed.rs"]
 mod malformed;
+#[path = "service/missions.rs"]
+mod missions;
 #[path = "service/old_console.rs"]
 mod old_console;
 #[path = "service/program.rs"]
 mod program;
 #[path = "service/replica.rs"]
 mod replica;
+#[path = "service/sensors.rs"]
+mod sensors;
 #[path = "service/shutdown.rs"]
 mod shutdown;
 #[path = "service/start.rs"]

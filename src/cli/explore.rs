@@ -8,14 +8,14 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Failure, line};
+use super::Failure;
 use crate::app;
 use crate::config::{self, Flag, Sources};
 use crate::core::effect::Entry;
 use crate::core::world::snapshot::Snapshot;
 use crate::headless::{self, Figures, Verdicts};
 use crate::outbound::robot::sim::Camera;
-use crate::wire::map_text;
+use crate::wire::{journal_words, map_text};
 
 mod figures;
 
@@ -106,13 +106,13 @@ fn progress_bar(cells: usize) -> ProgressBar {
 }
 
 fn for_people(figures: &Figures) -> String {
-    format!("{}\n{}", map_text::lines(&figures.state), figures::table(figures))
+    format!("{}\n{}", map_text::lines(&*figures.state), figures::table(figures))
 }
 
 fn write_log(path: &Path, journal: &[Entry]) -> std::io::Result<()> {
     let mut file = BufWriter::new(File::create(path)?);
     for entry in journal {
-        writeln!(file, "{}", line::of(entry))?;
+        writeln!(file, "{}", journal_words::line(entry))?;
     }
     file.flush()
 }

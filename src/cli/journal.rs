@@ -6,12 +6,13 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::{Failure, line};
+use super::Failure;
 use crate::config::{self, Flag, Sources};
 use crate::core::units::MissionId;
 use crate::outbound::store::sqlite::{self, Findings, Reading};
 use crate::runtime::archive::Unreadable;
 use crate::wire::journal::{self, Line};
+use crate::wire::journal_words;
 
 /// What to do with the journal.
 #[derive(Args, Clone, Debug)]
@@ -108,7 +109,7 @@ fn list(reading: &Reading, which: Which, write: impl Fn(&Line) -> String) -> Res
 
 fn for_people(line: &Line) -> String {
     let mission = line.mission.map_or_else(|| "-".to_owned(), |mission| mission.to_string());
-    format!("{:>8} {mission:>4} {}", line.seq, line::of(&line.entry))
+    format!("{:>8} {mission:>4} {}", line.seq, journal_words::line(&line.entry))
 }
 
 fn tell(findings: &Findings) -> Result<(), Failure> {

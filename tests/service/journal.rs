@@ -46,6 +46,8 @@ fn what_happened_is_printed_exported_and_checked_beside_the_running_program() {
     let piece = program.until_asked();
     program.verdict(piece, "danger").accepted();
     program.verdict(piece, "safe").problem(409);
+    // What is refused is answered before it is on record; what is accepted afterwards, when both are.
+    program.put("/api/v1/temperature", "{\"status\":\"ok\"}").accepted();
 
     let lines = exported(&folder);
     assert!(lines.iter().zip(1..).all(|(line, place)| line["seq"] == place), "the entries follow one another");
@@ -56,7 +58,7 @@ fn what_happened_is_printed_exported_and_checked_beside_the_running_program() {
     assert_eq!((refused.len(), &refused[0]["from"]), (1, &Value::from("127.0.0.1")), "{refused:?}");
 
     let (_, printed) = journal(&folder, &[]);
-    assert!(printed.contains(&format!("verdict #{piece} danger by")), "{printed}");
+    assert!(printed.contains(&format!("verdict on luggage #{piece}: danger, by")), "{printed}");
     let (_, last) = journal(&folder, &["print", "--last", "2"]);
     assert_eq!(last.lines().count(), 2, "{last}");
     let (_, none) = journal(&folder, &["print", "--mission", "7"]);

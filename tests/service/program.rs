@@ -191,6 +191,12 @@ impl Program {
         pending(&state).expect("it was there just now")
     }
 
+    /// What kills it −9, from another thread.
+    pub(crate) fn killer(&self) -> impl FnOnce() + Send + use<> {
+        let id = self.child.id().to_string();
+        move || assert!(Command::new("kill").args(["-KILL", &id]).status().expect("kill is there").success())
+    }
+
     /// Sends a signal, as `TERM`.
     pub(crate) fn signal(&self, name: &str) {
         let sent = Command::new("kill").args([format!("-{name}"), self.child.id().to_string()]).status();

@@ -9,7 +9,7 @@ use axum::middleware::from_fn_with_state;
 use axum::routing::{MethodFilter, MethodRouter, on};
 
 use super::gate::{Gate, gate};
-use super::{Door, assets, commands, console, events, old, problem, reads, sign_in};
+use super::{Door, assets, commands, console, events, missions, old, problem, reads, sign_in};
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
 
@@ -26,8 +26,13 @@ pub(super) struct Row {
 }
 
 /// Every route. STOP is everywhere in reach of anyone signed in; a `move` may be one, its other words ask for an operator.
-#[rustfmt::skip]
 pub(super) fn table() -> Vec<Row> {
+    [interface(), pages(), of_old()].into_iter().flatten().collect()
+}
+
+/// For programs, and for everybody.
+#[rustfmt::skip]
+fn interface() -> Vec<Row> {
     vec![
         get("/healthz", Nothing, reads::health),
         get("/sign-in", Nothing, sign_in::page),
@@ -45,6 +50,10 @@ pub(super) fn table() -> Vec<Row> {
         get("/api/v1/luggage/{id}", See, reads::luggage),
         get("/api/v1/luggage/{id}/photo", See, reads::photo),
         get("/api/v1/events", See, events::events),
+        get("/api/v1/missions", See, missions::list),
+        get("/api/v1/missions/{id}", See, missions::mission),
+        get("/api/v1/missions/{id}/events", See, missions::events),
+        get("/api/v1/missions/{id}/map", See, missions::map),
 
         post("/api/v1/commands/start", Act, commands::start),
         post("/api/v1/commands/stop", Stop, commands::stop),
@@ -58,8 +67,16 @@ pub(super) fn table() -> Vec<Row> {
         post("/api/v1/alarms/{id}/acknowledge", Act, commands::acknowledge),
         put("/api/v1/strategy", Act, commands::strategy),
         put("/api/v1/temperature", Act, commands::temperature),
+    ]
+}
 
+/// The console.
+#[rustfmt::skip]
+fn pages() -> Vec<Row> {
+    vec![
         get("/", See, console::page),
+        get("/missions", See, console::missions::list),
+        get("/missions/{id}", See, console::missions::one),
         get("/console/live", See, console::live),
         get("/console/confirm/danger/{id}", Act, console::confirm_danger),
         get("/console/confirm/reset", Act, console::confirm_reset),
@@ -76,7 +93,13 @@ pub(super) fn table() -> Vec<Row> {
         post("/console/acknowledge", Act, console::act),
         post("/console/strategy", Act, console::act),
         post("/console/temperature", Act, console::act),
+    ]
+}
 
+/// The old console's.
+#[rustfmt::skip]
+fn of_old() -> Vec<Row> {
+    vec![
         post("/w", Act, old::give),
         post("/s", Act, old::give),
         post("/a", Act, old::give),

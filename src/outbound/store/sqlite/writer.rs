@@ -36,11 +36,14 @@ pub(super) struct Patience {
     pub(super) looks: u32,
     /// with so much time between two looks.
     pub(super) look: Duration,
+    /// How long the end of the program waits for the last pages: a disk that takes longer would not have kept them either.
+    pub(super) end: Duration,
 }
 
 impl Patience {
-    /// Once a second; after 5 s.
-    pub(super) const USUAL: Patience = Patience { retry: Duration::from_secs(1), looks: 10, look: Duration::from_millis(500) };
+    /// Once a second; after 5 s; a second, because the whole program is to end within two.
+    pub(super) const USUAL: Patience =
+        Patience { retry: Duration::from_secs(1), looks: 10, look: Duration::from_millis(500), end: Duration::from_secs(1) };
 }
 
 /// A page, and how many losses whoever handed it over knew of.
