@@ -26,8 +26,13 @@ pub(super) struct Row {
 }
 
 /// Every route. STOP is everywhere in reach of anyone signed in; a `move` may be one, its other words ask for an operator.
-#[rustfmt::skip]
 pub(super) fn table() -> Vec<Row> {
+    [for_anybody(), interface(), page(), old_console()].into_iter().flatten().collect()
+}
+
+/// What one needs to sign in, and what says nothing of the hall.
+#[rustfmt::skip]
+fn for_anybody() -> Vec<Row> {
     vec![
         get("/healthz", Nothing, reads::health),
         get("/sign-in", Nothing, sign_in::page),
@@ -38,7 +43,13 @@ pub(super) fn table() -> Vec<Row> {
         get("/static/vendor/idiomorph.js", Nothing, assets::file),
         get("/static/icon.svg", Nothing, assets::file),
         get("/favicon.ico", Nothing, assets::file),
+    ]
+}
 
+/// What programs use.
+#[rustfmt::skip]
+fn interface() -> Vec<Row> {
+    vec![
         get("/api/v1/state", See, reads::state),
         get("/api/v1/map", See, reads::map),
         get("/api/v1/luggage", See, reads::luggage_list),
@@ -49,7 +60,6 @@ pub(super) fn table() -> Vec<Row> {
         get("/api/v1/missions/{id}", See, missions::mission),
         get("/api/v1/missions/{id}/events", See, missions::events),
         get("/api/v1/missions/{id}/map", See, missions::map),
-
         post("/api/v1/commands/start", Act, commands::start),
         post("/api/v1/commands/stop", Stop, commands::stop),
         post("/api/v1/commands/backHome", Act, commands::back_home),
@@ -62,7 +72,13 @@ pub(super) fn table() -> Vec<Row> {
         post("/api/v1/alarms/{id}/acknowledge", Act, commands::acknowledge),
         put("/api/v1/strategy", Act, commands::strategy),
         put("/api/v1/temperature", Act, commands::temperature),
+    ]
+}
 
+/// The page, and what it sends.
+#[rustfmt::skip]
+fn page() -> Vec<Row> {
+    vec![
         get("/", See, console::page),
         get("/missions", See, console::missions::list),
         get("/missions/{id}", See, console::missions::one),
@@ -82,7 +98,13 @@ pub(super) fn table() -> Vec<Row> {
         post("/console/acknowledge", Act, console::act),
         post("/console/strategy", Act, console::act),
         post("/console/temperature", Act, console::act),
+    ]
+}
 
+/// The words of old clients.
+#[rustfmt::skip]
+fn old_console() -> Vec<Row> {
+    vec![
         post("/w", Act, old::give),
         post("/s", Act, old::give),
         post("/a", Act, old::give),
