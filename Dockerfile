@@ -1,8 +1,10 @@
 # Builds hallsweep, then keeps only the program.
 #   docker build -t hallsweep .
-#   docker run --rm -p 127.0.0.1:8080:8080 hallsweep
-# Publish the port on loopback, as above: there is no access control yet, and `-p 8080:8080` would let everybody on the
-# network command the robot.
+#   docker run --name hallsweep -p 8080:8080 -v hallsweep:/data hallsweep
+#   docker logs hallsweep             the first start prints a link there to sign in with
+#   docker exec hallsweep hallsweep token          shows it again, and makes keys for others
+# What passes through the port is not encrypted: on a network with strangers put a certificate into the container
+# (HALLSWEEP__HTTP__TLS_CERTIFICATE, HALLSWEEP__HTTP__TLS_KEY), or publish on loopback and let a proxy encrypt.
 
 FROM rust:1-slim-bookworm AS build
 WORKDIR /build
@@ -19,12 +21,16 @@ FROM debian:bookworm-slim
 RUN apt-get update \
  && apt-get install -y --no-install-recommends tzdata \
  && rm -rf /var/lib/apt/lists/* \
- && useradd --system --no-create-home --shell /usr/sbin/nologin hallsweep
+ && useradd --system --no-create-home --shell /usr/sbin/nologin hallsweep \
+ && install -d -o hallsweep -g hallsweep -m 0700 /data
 COPY --from=build /build/target/release/hallsweep /usr/local/bin/hallsweep
 USER hallsweep
+# Keys, records and photos; a container without a volume of its own here forgets them with itself.
+ENV HALLSWEEP__STORE__FOLDER=/data
+VOLUME /data
 EXPOSE 8080
 HEALTHCHECK --interval=10s --timeout=5s --start-period=5s --retries=3 CMD ["hallsweep", "healthcheck"]
 ENTRYPOINT ["hallsweep"]
-# Inside the container nobody but the container itself reaches its loopback, so it listens on every address of the container;
-# --insecure says that we know. Who reaches it from outside is decided by what `docker run -p` publishes.
-CMD ["serve", "--http", "0.0.0.0:8080", "--insecure"]
+# Inside the container nobody but the container itself reaches its loopback, so it listens on every address of the container,
+# and asks whoever comes for a key.
+CMD ["serve", "--http", "0.0.0.0:8080"]

@@ -17,7 +17,7 @@ use tokio::task::JoinHandle;
 use crate::access::AccessError;
 use crate::config::{self, Settings};
 use crate::core::sweep::{Recalled, Sweep};
-use crate::inbound::http::{self, Door};
+use crate::inbound::http::{self, Door, TlsError};
 use crate::outbound::robot::sim::{self, Camera, DiaryError, Hall, HallError, SimSettings};
 use crate::outbound::store::sqlite::OpenError;
 use crate::runtime::clock::Clock;
@@ -52,6 +52,9 @@ pub enum AppError {
     /// The keys cannot be had.
     #[error(transparent)]
     Access(#[from] AccessError),
+    /// Connections cannot be encrypted as they are to be.
+    #[error(transparent)]
+    Tls(#[from] TlsError),
     /// The port cannot be had.
     #[error("cannot listen on {address}: {error}; {}", what_to_do(.error))]
     Bind {
@@ -122,6 +125,7 @@ async fn serve_hall(
     (hall, sim): (Arc<Hall>, SimSettings),
     announce: impl FnOnce(SocketAddr, &Entry),
 ) -> Result<(), AppError> {
+    let front = entry::front(&settings.http)?;
     let bind = |error| AppError::Bind { address: settings.http.bind, error };
     let listener = TcpListener::bind(settings.http.bind).await.map_err(bind)?;
     let address = listener.local_addr().map_err(bind)?;
@@ -146,7 +150,7 @@ async fn serve_hall(
         }
         halter.stop();
     };
-    http::serve(listener, door, &settings.http.hosts, shutdown).await;
+    http::serve(listener, door, front, shutdown).await;
     let by_itself = ended.is_some();
     closing.send_replace(true);
     let end = match ended {
@@ -182,6 +186,9 @@ fn sweep(settings: &Settings, recalled: Option<Recalled>, elsewhere: bool, clock
     };
     if elsewhere {
         sweep.put_down_elsewhere(now);
+    }
+    for sensor in &settings.sensors {
+        sweep.watch_sensor(Arc::clone(sensor), settings.sensor_silence, now);
     }
     sweep
 }

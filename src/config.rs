@@ -3,6 +3,8 @@
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
 
 use crate::core::explore::Strategy;
 use crate::core::settings::Settings as CoreSettings;
@@ -36,6 +38,10 @@ pub struct Settings {
     pub strategy: Strategy,
     /// What the core wants to know.
     pub core: CoreSettings,
+    /// The temperature sensors that must be heard, each once; none by default.
+    pub sensors: Vec<Arc<str>>,
+    /// How long the silence of a sensor is borne.
+    pub sensor_silence: Duration,
     /// Which log lines are written, in the notation of `tracing_subscriber::EnvFilter`.
     pub log: String,
 }

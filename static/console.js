@@ -32,6 +32,13 @@ function listen() {
     if (openedSince >= STREAMS || document.hidden) stream.close();
   });
   stream.addEventListener("tick", alive);
+  stream.addEventListener("error", ({ target }) => target.readyState === EventSource.CLOSED && refused());
+}
+
+/** The door hangs up when it does not know us any more: then this is the place where one signs in. */
+async function refused() {
+  const answer = await fetch("/", { method: "HEAD" }).catch(() => null);
+  if (answer?.status === 401) location.assign("/sign-in");
 }
 
 function alive() {

@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 #[expect(dead_code, reason = "the service tests ask the program more than a browser test does")]
 mod program;
 
-use program::Program;
+use program::{Program, hallsweep};
 
 /// One browser at a time: two would make each other slow, and the machine may be small.
 static BROWSER: Mutex<()> = Mutex::new(());
@@ -71,16 +71,56 @@ fn a_stop_that_is_not_confirmed_is_said_to_be_so() {
     play("hung", &["--hall", "empty-8x8", "--speed", "1"]);
 }
 
+#[test]
+fn people_sign_in_and_a_viewer_can_only_stop() {
+    play_with_keys("signedIn");
+}
+
+#[test]
+fn people_sign_in_on_a_phone_and_a_viewer_can_only_stop() {
+    play_with_keys("signedInOnPhone");
+}
+
+/// Plays a scenario against a program that asks for keys; the script is told an operator's and a viewer's.
+fn play_with_keys(scenario: &str) {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("browser-{scenario}-{}", std::process::id()));
+    let data = folder.display().to_string();
+    let key = |arguments: &[&str]| {
+        let output = hallsweep(&[&["token", "--data", &data], arguments].concat()).output().expect("the program starts");
+        let shown = String::from_utf8(output.stdout).expect("text");
+        shown.split_once("?token=").and_then(|(_, rest)| rest.lines().next()).expect("a link").to_owned()
+    };
+    let (operator, viewer) = (key(&["show"]), key(&["add", "lobby", "--role", "viewer"]));
+    let environment = [
+        ("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true"),
+        ("OPERATOR", operator.as_str()),
+        ("VIEWER", &viewer),
+        ("DATA", &data),
+        ("PROGRAM", env!("CARGO_BIN_EXE_hallsweep")),
+    ];
+    play_with(scenario, &["--hall", "airport", "--speed", "max", "--data", &data], &environment);
+    std::fs::remove_dir_all(folder).expect("it is ours");
+}
+
 /// Plays a scenario of `browser/` against a program with these arguments.
 fn play(scenario: &str, arguments: &[&str]) {
+    play_with(scenario, arguments, &[]);
+}
+
+/// The same, with this environment for the program and for the script.
+fn play_with(scenario: &str, arguments: &[&str], environment: &[(&str, &str)]) {
     let Some(scripts) = clients() else { return };
     let _alone = BROWSER.lock().unwrap_or_else(PoisonError::into_inner);
-    let start = |http: &str| Program::with(&[&["serve", "--http", http, "--seed", "1"], arguments].concat());
+    let start = |http: &str| {
+        let arguments = [&["serve", "--http", http, "--seed", "1"], arguments].concat();
+        Program::started(hallsweep(&arguments).envs(environment.iter().copied()))
+    };
     let mut program = Some(start("127.0.0.1:0"));
     let address = program.as_ref().map(Program::address).expect("it was just started").to_string();
     let mut script = Command::new("node")
         .arg(scripts.join("play.mjs"))
         .args([scenario, &format!("http://{address}"), CHROMIUM])
+        .envs(environment.iter().copied())
         .arg(Path::new(env!("CARGO_TARGET_TMPDIR")).join("browser"))
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

@@ -1,12 +1,16 @@
 //! The whole program through its public doors only: the real binary, on a free port, asked over HTTP and the command line.
 //! What the core decides is tested beside it and in `simulation`; here it matters that it arrives.
 
+#[path = "service/access.rs"]
+mod access;
 #[path = "service/commands.rs"]
 mod commands;
 #[path = "service/explore.rs"]
 mod explore;
 #[path = "service/formats.rs"]
 mod formats;
+#[path = "service/kill.rs"]
+mod kill;
 #[path = "service/malformed.rs"]
 mod malformed;
 #[path = "service/old_console.rs"]
@@ -15,11 +19,15 @@ mod old_console;
 mod program;
 #[path = "service/replica.rs"]
 mod replica;
+#[path = "service/sensors.rs"]
+mod sensors;
 #[path = "service/shutdown.rs"]
 mod shutdown;
 #[path = "service/start.rs"]
 mod start;
 #[path = "service/stream.rs"]
 mod stream;
+#[path = "service/tls.rs"]
+mod tls;
 #[path = "service/verdicts.rs"]
 mod verdicts;

@@ -1,8 +1,8 @@
 //! How the door is opened: to everybody on this machine, or to whoever has a key. What is said of it is the command line's part.
 
 use crate::access::{AccessError, Keyring, Token};
-use crate::config::Settings;
-use crate::inbound::http::Access;
+use crate::config::{HttpSettings, Settings};
+use crate::inbound::http::{Access, Front, Tls, TlsError};
 
 /// How one gets in.
 #[derive(Debug)]
@@ -35,6 +35,12 @@ pub(super) fn access(settings: &Settings) -> Result<(Access, Entry), AccessError
         }
     };
     Ok((Access::Keys(keyring), entry))
+}
+
+/// What stands before the door, by these settings.
+pub(super) fn front(http: &HttpSettings) -> Result<Front, TlsError> {
+    let tls = http.tls.as_ref().map(|files| Tls::load(&files.certificate, &files.key)).transpose()?;
+    Ok(Front { hosts: http.hosts.clone(), tls })
 }
 
 /// The token of the key that is made at first start.

@@ -15,10 +15,9 @@ use crate::core::effect::Entry;
 use crate::core::world::snapshot::Snapshot;
 use crate::headless::{self, Figures, Verdicts};
 use crate::outbound::robot::sim::Camera;
-use crate::wire::map_text;
+use crate::wire::{journal_words, map_text};
 
 mod figures;
-mod journal;
 
 /// The flags of `explore`; each wins over the environment and the settings file.
 #[derive(Args, Clone, Debug)]
@@ -107,13 +106,13 @@ fn progress_bar(cells: usize) -> ProgressBar {
 }
 
 fn for_people(figures: &Figures) -> String {
-    format!("{}\n{}", map_text::lines(&figures.state), figures::table(figures))
+    format!("{}\n{}", map_text::lines(&*figures.state), figures::table(figures))
 }
 
 fn write_log(path: &Path, journal: &[Entry]) -> std::io::Result<()> {
     let mut file = BufWriter::new(File::create(path)?);
     for entry in journal {
-        writeln!(file, "{}", journal::line(entry))?;
+        writeln!(file, "{}", journal_words::line(entry))?;
     }
     file.flush()
 }

@@ -12,7 +12,7 @@ pub enum Failure {
     /// It was started with settings that cannot be used: exit code 2, as for a mistyped flag.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// It could not begin, or not go on: exit code 2 when the hall is to blame, else 1.
+    /// It could not begin, or not go on: exit code 2 when hall, certificate or key is to blame, else 1.
     #[error(transparent)]
     App(#[from] AppError),
     /// The keys cannot be had, kept or changed: exit code 1.
@@ -28,7 +28,7 @@ impl Failure {
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            Failure::Settings(_) | Failure::App(AppError::Hall { .. }) => ExitCode::from(2),
+            Failure::Settings(_) | Failure::App(AppError::Hall { .. } | AppError::Tls(_)) => ExitCode::from(2),
             Failure::App(_) | Failure::Access(_) | Failure::Run(_) => ExitCode::from(1),
         }
     }

@@ -1,5 +1,6 @@
 //! `hallsweep healthcheck`: asks a running hallsweep for `/healthz`, so that a container needs no other program for it.
-//! A plain socket with time-outs; no HTTP client is wanted for one line.
+//! A plain socket with time-outs; no HTTP client is wanted for one line. A door that speaks TLS is known by its answer to a plain
+//! question; how it is asked then stands in `unverified`.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -7,34 +8,57 @@ use std::time::Duration;
 
 use super::failure::Failure;
 
+mod unverified;
+
 /// A healthy program answers at once; this leaves room for a busy machine and stays below a container's own time-out.
 const TIMEOUT: Duration = Duration::from_secs(2);
 
 /// As much of the answer as is looked at: its first line.
-const STATUS_LINE: usize = 64;
+const STATUS_LINE: u64 = 64;
+
+/// With this byte a TLS door tells a client that it did not speak TLS (an alert, RFC 8446, section 5.1).
+const ALERT: u8 = 21;
 
 /// Asks the program at `address`.
 ///
 /// # Errors
-/// `Failure::Run` when it does not answer in time, or not with 200.
+/// `Failure::Run` when it does not answer in time, or not with 200; or when it speaks TLS elsewhere than on this machine.
 pub fn run(address: SocketAddr) -> Result<(), Failure> {
-    let answer = ask(address).map_err(|error| Failure::Run(format!("no answer from http://{address}/healthz: {error}")))?;
+    let plain = ask(address, Ok);
+    let (at, answer) = match plain {
+        Ok(answer) if answer.first() == Some(&ALERT) => {
+            let at = format!("https://{address}/healthz");
+            if !address.ip().is_loopback() {
+                let advice =
+                    "its certificate is not checked here, so it is asked on its own machine only: use --http 127.0.0.1:PORT";
+                return Err(Failure::Run(format!("{at} speaks TLS: {advice}")));
+            }
+            (at, ask(address, unverified::encrypted))
+        }
+        other => (format!("http://{address}/healthz"), other),
+    };
+    let answer = answer.map_err(|error| Failure::Run(format!("no answer from {at}: {error}")))?;
+    let answer = String::from_utf8_lossy(&answer);
     let status = answer.lines().next().unwrap_or_default();
     if status.split_whitespace().nth(1) == Some("200") {
         return Ok(());
     }
-    Err(Failure::Run(format!("http://{address}/healthz answers `{status}`, not 200: see the log of the program there")))
+    Err(Failure::Run(format!("{at} answers `{status}`, not 200: see the log of the program there")))
 }
 
-fn ask(address: SocketAddr) -> std::io::Result<String> {
-    let mut stream = TcpStream::connect_timeout(&address, TIMEOUT)?;
+/// The beginning of the answer, through a socket made into something one can talk through.
+fn ask<S: Read + Write>(address: SocketAddr, through: impl Fn(TcpStream) -> std::io::Result<S>) -> std::io::Result<Vec<u8>> {
+    let stream = TcpStream::connect_timeout(&address, TIMEOUT)?;
     stream.set_read_timeout(Some(TIMEOUT))?;
     stream.set_write_timeout(Some(TIMEOUT))?;
+    let mut stream = through(stream)?;
     // Whole and at once: an answer to the first piece of a question could cut off the rest of it.
     stream.write_all(format!("GET /healthz HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").as_bytes())?;
+    stream.flush()?;
     let mut answer = Vec::new();
-    stream.take(STATUS_LINE as u64).read_to_end(&mut answer)?;
-    Ok(String::from_utf8_lossy(&answer).into_owned())
+    let read = stream.take(STATUS_LINE).read_to_end(&mut answer);
+    // A door that hangs up after its answer has answered all the same.
+    if answer.is_empty() { read.map(|_| answer) } else { Ok(answer) }
 }
 
 #[cfg(test)]

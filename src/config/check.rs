@@ -3,6 +3,8 @@
 use std::net::SocketAddr;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
 
 use figment::value::{Num, Value};
 use tracing_subscriber::EnvFilter;
@@ -11,6 +13,7 @@ use super::error::SettingsError;
 use super::layers::Layers;
 use super::raw::{self, Raw};
 use super::{HttpSettings, RobotSettings, Settings, Speed, TlsFiles, folder};
+use crate::core::command::TemperatureReport;
 use crate::core::explore::Strategy;
 use crate::core::settings::Settings as CoreSettings;
 use crate::core::units::Celsius;
@@ -24,6 +27,12 @@ const SONAR_NOISE_CM: RangeInclusive<f64> = 0.0..=100.0;
 /// A wider gap than this would keep a hall hot that is as cold as winter.
 const HYSTERESIS: RangeInclusive<f64> = 0.0..=50.0;
 
+/// A sensor that reports more seldom than once an hour does not say how hot it is now.
+const SENSOR_SILENCE_S: RangeInclusive<f64> = 1.0..=3600.0;
+
+/// As many sensors as the thermometer listens to, beside the operator and the robot.
+const SENSORS: usize = 60;
+
 /// Checks every setting.
 pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
     let raw: Raw = layers.figment().extract().map_err(|error| wrong_type(layers, &error))?;
@@ -35,6 +44,8 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
         robot: robot(layers, &raw.robot)?,
         strategy: strategy(layers, &raw.mission)?,
         core: core(layers, &raw)?,
+        sensors: sensors(layers, &raw.temperature)?,
+        sensor_silence: sensor_silence(layers, &raw.temperature)?,
         log: log(layers, &raw.log)?,
     })
 }
@@ -133,6 +144,27 @@ fn core(layers: &Layers, raw: &Raw) -> Result<CoreSettings, SettingsError> {
     let hysteresis = within(layers, "temperature.hysteresis_celsius", raw.temperature.hysteresis_celsius, &HYSTERESIS)?;
     let (inspect_everything, wall_lines) = (raw.mission.inspect_everything, raw.mission.wall_lines);
     Ok(CoreSettings { threshold, hysteresis, inspect_everything, wall_lines })
+}
+
+fn sensors(layers: &Layers, raw: &raw::Temperature) -> Result<Vec<Arc<str>>, SettingsError> {
+    let mut sensors = Vec::new();
+    for name in raw.sensor.split(',').map(str::trim).filter(|_| !raw.sensor.trim().is_empty()) {
+        let sensor = TemperatureReport::sensor_name(name)
+            .ok_or_else(|| layers.wrong("temperature.sensor", format!("{name:?} is no sensor's name")))?;
+        if sensors.contains(&sensor) {
+            return Err(layers.wrong("temperature.sensor", format!("{name:?} is there twice")));
+        }
+        sensors.push(sensor);
+    }
+    if sensors.len() > SENSORS {
+        return Err(layers.wrong("temperature.sensor", format!("there are {} names", sensors.len())));
+    }
+    Ok(sensors)
+}
+
+fn sensor_silence(layers: &Layers, raw: &raw::Temperature) -> Result<Duration, SettingsError> {
+    let seconds = within(layers, "temperature.sensor_silence_s", raw.sensor_silence_s, &SENSOR_SILENCE_S)?;
+    Ok(Duration::from_secs_f64(seconds))
 }
 
 fn log(layers: &Layers, raw: &raw::Log) -> Result<String, SettingsError> {

@@ -82,6 +82,35 @@ fn a_flag_wins_over_the_environment_and_that_over_a_file() {
 }
 
 #[test]
+fn sensors_are_named_in_one_line_each_once() {
+    let named = |names: &str| load(&environment("HALLSWEEP__TEMPERATURE__SENSOR", names)).map(|settings| settings.sensors);
+    assert!(named("").expect("none is the default").is_empty());
+    assert_eq!(named("roof, gate-3").expect("two names"), ["roof".into(), "gate-3".into()]);
+    let many: Vec<String> = (0..61).map(|number| format!("s{number}")).collect();
+    for (names, problem) in [
+        ("roof,", "\"\" is no sensor's name"),
+        ("roof,operator", "\"operator\" is no sensor's name"),
+        ("the roof", "\"the roof\" is no sensor's name"),
+        ("roof,gate,roof", "\"roof\" is there twice"),
+        (&many.join(","), "there are 61 names"),
+    ] {
+        let said = message(&environment("HALLSWEEP__TEMPERATURE__SENSOR", names));
+        assert!(said.contains(problem) && said.contains("as roof,gate-3"), "{said}");
+    }
+}
+
+#[test]
+fn the_silence_of_a_sensor_is_borne_from_a_second_to_an_hour() {
+    let silence =
+        |seconds: &str| load(&environment("HALLSWEEP__TEMPERATURE__SENSOR_SILENCE_S", seconds)).map(|s| s.sensor_silence);
+    assert_eq!(silence("1").ok(), Some(std::time::Duration::from_secs(1)));
+    assert_eq!(silence("3600").ok(), Some(std::time::Duration::from_secs(3600)));
+    for wrong in ["0", "0.9", "3601", "nan", "inf", "long"] {
+        assert!(message(&environment("HALLSWEEP__TEMPERATURE__SENSOR_SILENCE_S", wrong)).contains("from 1 to 3600"), "{wrong}");
+    }
+}
+
+#[test]
 fn other_environment_variables_are_none_of_our_business() {
     assert!(load(&environment("HALLSWEEP_REQUIRE_CLIENTS", "1")).is_ok());
     assert!(load(&environment("PATH", "/bin")).is_ok());

@@ -18,7 +18,7 @@ pub(super) const PREFIX: &str = "HALLSWEEP__";
 pub(super) const OURS: &str = "HALLSWEEP_";
 
 /// Variables for the tests of the program, which may also be set where it runs.
-const OF_THE_TESTS: [&str; 2] = ["HALLSWEEP_REQUIRE_CLIENTS", "HALLSWEEP_UPDATE_DOCS"];
+const OF_THE_TESTS: [&str; 3] = ["HALLSWEEP_KILLS", "HALLSWEEP_REQUIRE_CLIENTS", "HALLSWEEP_UPDATE_DOCS"];
 
 /// The name of a setting in the environment, as `HALLSWEEP__HTTP__BIND`.
 pub(super) fn variable(key: &Key) -> String {

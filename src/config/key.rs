@@ -12,7 +12,7 @@ pub struct Key {
 }
 
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 18] = [
+pub const KEYS: [Key; 20] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file"),
     text("http.bind", "write ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080"),
     value("http.require_token", "write true or false"),
@@ -33,6 +33,11 @@ pub const KEYS: [Key; 18] = [
     value("mission.wall_lines", "write true or false"),
     value("temperature.threshold_celsius", "write degrees Celsius from -60 to 1000, as 25.0"),
     value("temperature.hysteresis_celsius", "write a number of degrees from 0 to 50, as 1.0"),
+    text(
+        "temperature.sensor",
+        "write at most 60 names set apart by commas, each of 1 to 64 visible characters and not operator, robot or others, as roof,gate-3; or nothing",
+    ),
+    value("temperature.sensor_silence_s", "write a number of seconds from 1 to 3600, as 10"),
     text(
         "log.filter",
         "write a level (error, warn, info, debug, trace) or targets with levels, as info,hallsweep::inbound=debug",

@@ -68,6 +68,8 @@ pub(super) struct Mission {
 pub(super) struct Temperature {
     pub(super) threshold_celsius: f64,
     pub(super) hysteresis_celsius: f64,
+    pub(super) sensor: String,
+    pub(super) sensor_silence_s: f64,
 }
 
 #[derive(Debug, Deserialize)]

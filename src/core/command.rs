@@ -165,6 +165,23 @@ pub enum TemperatureReport {
     Sensor(Arc<str>, Celsius),
 }
 
+impl TemperatureReport {
+    /// The longest name of a sensor, in characters.
+    pub const MOST: usize = 64;
+
+    /// `text` as the name of a sensor: 1 to `MOST` visible characters, no blanks, no comma, and none of the names under which
+    /// readings of others are kept; else `None`.
+    #[must_use]
+    pub fn sensor_name(text: &str) -> Option<Arc<str>> {
+        let visible = |letter: char| !letter.is_whitespace() && !letter.is_control() && letter != ',';
+        let sound = (1..=TemperatureReport::MOST).contains(&text.chars().count()) && text.chars().all(visible);
+        (sound && !SOURCES_OF_OTHERS.contains(&text)).then(|| Arc::from(text))
+    }
+}
+
+/// Sources of readings that are no sensors: the operator, the robot, and all for whom there is no room.
+const SOURCES_OF_OTHERS: [&str; 3] = ["operator", "robot", "others"];
+
 /// Who gave a command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Issuer {

@@ -1,5 +1,7 @@
 //! The bodies of commands in JSON, and how they become the core's commands. Every field is checked here; none is guessed.
 
+use std::sync::Arc;
+
 use super::fields::{Body, Fields, in_short, needed};
 use crate::core::command::{Command, Move, TemperatureReport, Verdict};
 use crate::core::explore::Strategy;
@@ -35,10 +37,11 @@ pub struct VerdictBody {
     verdict: String,
 }
 
-/// `{"celsius":21.5}` or `{"status":"ok"}`.
+/// `{"celsius":21.5}`, `{"celsius":21.5,"sensor":"roof"}` or `{"status":"ok"}`.
 #[derive(Clone, Debug)]
 pub struct TemperatureBody {
     celsius: Option<f64>,
+    sensor: Option<String>,
     status: Option<String>,
 }
 
@@ -83,10 +86,10 @@ impl Body for VerdictBody {
 }
 
 impl Body for TemperatureBody {
-    const FIELDS: &'static [&'static str] = &["celsius", "status"];
+    const FIELDS: &'static [&'static str] = &["celsius", "sensor", "status"];
 
     fn taken(fields: &Fields) -> Result<TemperatureBody, Unusable> {
-        Ok(TemperatureBody { celsius: fields.number("celsius")?, status: fields.text("status")? })
+        Ok(TemperatureBody { celsius: fields.number("celsius")?, sensor: fields.text("sensor")?, status: fields.text("status")? })
     }
 }
 
@@ -144,10 +147,17 @@ impl TemperatureBody {
     /// What is reported.
     ///
     /// # Errors
-    /// When both fields are there or none, or the value is not one a hall can have.
+    /// When both celsius and status are there or none, the value is not one a hall can have, or the sensor's name none.
     pub fn report(&self) -> Result<TemperatureReport, Unusable> {
         match (self.celsius, self.status.as_deref()) {
-            (Some(degrees), None) => reading(degrees),
+            (Some(degrees), None) => {
+                let celsius = celsius(degrees)?;
+                let sensor = self.sensor()?;
+                Ok(sensor.map_or(TemperatureReport::Reading(celsius), |sensor| TemperatureReport::Sensor(sensor, celsius)))
+            }
+            (None, Some(_)) if self.sensor.is_some() => {
+                Err(Unusable("a sensor reads degrees: send {\"celsius\":21.5,\"sensor\":\"roof\"}".to_owned()))
+            }
             (None, Some("ok")) => Ok(TemperatureReport::Ok),
             (None, Some("tooHigh")) => Ok(TemperatureReport::TooHigh),
             (None, Some(other)) => Err(Unusable(format!("{:?} is no status: status is \"ok\" or \"tooHigh\"", in_short(other)))),
@@ -155,6 +165,16 @@ impl TemperatureBody {
                 Err(Unusable("give either celsius, as {\"celsius\":21.5}, or status, as {\"status\":\"ok\"}".to_owned()))
             }
         }
+    }
+
+    /// The sensor it is of, where it is of one.
+    fn sensor(&self) -> Result<Option<Arc<str>>, Unusable> {
+        let Some(name) = &self.sensor else { return Ok(None) };
+        let sound = TemperatureReport::sensor_name(name);
+        sound.map(Some).ok_or_else(|| {
+            let most = TemperatureReport::MOST;
+            Unusable(format!("{:?} is no sensor's name: sensor is 1 to {most} visible characters, as \"roof\"", in_short(name)))
+        })
     }
 }
 
@@ -213,10 +233,12 @@ pub fn goto(x: i64, y: i64) -> Result<Command, Unusable> {
 /// # Errors
 /// When no hall can be so cold or so hot.
 pub fn reading(degrees: f64) -> Result<TemperatureReport, Unusable> {
+    celsius(degrees).map(TemperatureReport::Reading)
+}
+
+fn celsius(degrees: f64) -> Result<Celsius, Unusable> {
     let (least, most) = (Celsius::LEAST, Celsius::MOST);
-    Celsius::new(degrees)
-        .map(TemperatureReport::Reading)
-        .ok_or_else(|| Unusable(format!("{degrees:?} °C cannot be: celsius lies between {least} and {most}")))
+    Celsius::new(degrees).ok_or_else(|| Unusable(format!("{degrees:?} °C cannot be: celsius lies between {least} and {most}")))
 }
 
 #[cfg(test)]
@@ -245,7 +267,24 @@ mod tests {
         let report = |json: &str| body::<TemperatureBody>(json.as_bytes()).unwrap().report();
         assert_eq!(report(r#"{"status":"tooHigh"}"#), Ok(TemperatureReport::TooHigh));
         assert!(matches!(report(r#"{"celsius":21.5}"#), Ok(TemperatureReport::Reading(_))));
+        assert!(
+            matches!(report(r#"{"celsius":21.5,"sensor":"roof"}"#), Ok(TemperatureReport::Sensor(name, _)) if &*name == "roof")
+        );
         for wrong in [r#"{}"#, r#"{"celsius":1,"status":"ok"}"#, r#"{"celsius":1e9}"#, r#"{"status":"warm"}"#] {
+            assert!(report(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_sensor_has_a_name_of_its_own_and_reads_degrees_that_can_be() {
+        let report = |json: &str| body::<TemperatureBody>(json.as_bytes()).unwrap().report();
+        let long = "x".repeat(65);
+        for name in ["", " ", "two words", "a,b", "bell\\u0007", "operator", "robot", "others", &long] {
+            let said = report(&format!(r#"{{"celsius":21.5,"sensor":"{name}"}}"#)).unwrap_err().to_string();
+            assert!(said.contains("sensor is 1 to 64 visible characters"), "{name}: {said}");
+        }
+        assert!(report(&format!(r#"{{"celsius":21.5,"sensor":"{}"}}"#, &long[1..])).is_ok());
+        for wrong in [r#"{"celsius":-300,"sensor":"roof"}"#, r#"{"status":"ok","sensor":"roof"}"#, r#"{"sensor":"roof"}"#] {
             assert!(report(wrong).is_err(), "{wrong}");
         }
     }

@@ -4,16 +4,27 @@
 use serde::Serialize;
 
 use super::robot::Place;
+use crate::core::standing::Standing;
 use crate::core::units::{Cell, Revision};
-use crate::core::world::hall_map::{Bounds, Mark, cells_of};
+use crate::core::world::hall_map::{Bounds, HallMap, Mark, cells_of};
 use crate::core::world::resource::Resource;
 use crate::core::world::snapshot::Snapshot;
+
+/// What a map shows: the hall, and the cell the robot stands in.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan<'a> {
+    /// The hall.
+    pub hall: &'a HallMap,
+    /// Where the robot stands, or stood when the mission was put away.
+    pub robot: Cell,
+}
 
 /// Every cell of which anything is known, borders included: `rows[y - origin.y][x - origin.x]`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct MapJson {
-    /// When the map or the robot's place in it last changed.
-    pub revision: u64,
+    /// When the map or the robot's place in it last changed; absent in a mission's record, since revisions are of one run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub revision: Option<u64>,
     /// The cell of the first character of the first row.
     pub origin: Place,
     /// Columns.
@@ -60,15 +71,33 @@ pub enum MapChange {
     Cells(MapCells),
 }
 
+impl<'a> From<&'a Snapshot> for Plan<'a> {
+    fn from(snapshot: &'a Snapshot) -> Plan<'a> {
+        Plan { hall: &snapshot.map, robot: snapshot.robot.pose.cell }
+    }
+}
+
+impl<'a> From<&'a Standing> for Plan<'a> {
+    fn from(standing: &'a Standing) -> Plan<'a> {
+        Plan { hall: &standing.map, robot: standing.pose.cell }
+    }
+}
+
 impl From<&Snapshot> for MapJson {
     fn from(snapshot: &Snapshot) -> MapJson {
-        let bounds = snapshot.map.known_bounds();
+        MapJson { revision: Some(map_revision(snapshot).0), ..MapJson::from(Plan::from(snapshot)) }
+    }
+}
+
+impl From<Plan<'_>> for MapJson {
+    fn from(plan: Plan<'_>) -> MapJson {
+        let bounds = plan.hall.known_bounds();
         MapJson {
-            revision: map_revision(snapshot).0,
+            revision: None,
             origin: bounds.least.into(),
             width: bounds.width(),
             height: bounds.height(),
-            rows: (bounds.least.y..=bounds.most.y).map(|y| row(snapshot, bounds, y)).collect(),
+            rows: (bounds.least.y..=bounds.most.y).map(|y| row(plan, bounds, y)).collect(),
         }
     }
 }
@@ -80,7 +109,7 @@ impl MapChange {
     pub fn between(older: &Snapshot, snapshot: &Snapshot) -> Option<MapChange> {
         let mut changed: Vec<Cell> = snapshot.map.changes_since(&older.map).into_iter().map(|(cell, _)| cell).collect();
         changed.extend([older.robot.pose.cell, snapshot.robot.pose.cell]);
-        changed.retain(|cell| mark_char(older, *cell) != mark_char(snapshot, *cell));
+        changed.retain(|cell| mark_char(older.into(), *cell) != mark_char(snapshot.into(), *cell));
         changed.sort_unstable();
         changed.dedup();
         (!changed.is_empty() || map_revision(snapshot) > map_revision(older)).then(|| MapChange::cells(snapshot, changed))
@@ -107,7 +136,7 @@ impl MapChange {
 
     fn cells(snapshot: &Snapshot, cells: Vec<Cell>) -> MapChange {
         let bounds = snapshot.map.known_bounds();
-        let with_mark = |cell: Cell| CellJson { x: cell.x, y: cell.y, mark: mark_char(snapshot, cell) };
+        let with_mark = |cell: Cell| CellJson { x: cell.x, y: cell.y, mark: mark_char(snapshot.into(), cell) };
         MapChange::Cells(MapCells {
             revision: map_revision(snapshot).0,
             origin: bounds.least.into(),
@@ -126,19 +155,19 @@ pub fn map_revision(snapshot: &Snapshot) -> Revision {
 
 /// How a cell is written: `r` robot, `1` visited, `0` unknown, `X` obstacle.
 #[must_use]
-pub fn mark_char(snapshot: &Snapshot, cell: Cell) -> char {
-    if cell == snapshot.robot.pose.cell {
+pub fn mark_char(plan: Plan<'_>, cell: Cell) -> char {
+    if cell == plan.robot {
         return 'r';
     }
-    match snapshot.map.at(cell) {
+    match plan.hall.at(cell) {
         Mark::Unknown => '0',
         Mark::Visited => '1',
         Mark::Wall | Mark::Luggage | Mark::NotInspected => 'X',
     }
 }
 
-fn row(snapshot: &Snapshot, bounds: Bounds, y: i32) -> String {
-    (bounds.least.x..=bounds.most.x).map(|x| mark_char(snapshot, Cell::new(x, y))).collect()
+fn row(plan: Plan<'_>, bounds: Bounds, y: i32) -> String {
+    (bounds.least.x..=bounds.most.x).map(|x| mark_char(plan, Cell::new(x, y))).collect()
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use crate::core::world::snapshot::{MissionView, Progress, Refusals};
 
 /// Where the mission stands.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
 pub struct MissionJson {
     /// When it last changed.
     pub revision: u64,
@@ -21,6 +22,8 @@ pub struct MissionJson {
     pub fault: Option<String>,
     /// What holds the robot.
     pub holds: Vec<&'static str>,
+    /// Why nothing can be recorded just now, in words, or null.
+    pub store_failure: Option<String>,
     /// The cell it is on its way to, or null.
     pub goal: Option<Place>,
     /// The cells it means to pass, the next one first.
@@ -71,6 +74,7 @@ impl MissionJson {
             interrupted: mission.interrupted.map(|phase| phase.name()),
             fault: mission.fault.clone(),
             holds: mission.holds.iter().map(|hold| hold.name()).collect(),
+            store_failure: mission.store_failure.clone(),
             goal: mission.goal.map(Place::from),
             route: mission.route.iter().copied().map(Place::from).collect(),
             strategy: mission.strategy.name(),

@@ -9,11 +9,13 @@ pub mod fields;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub mod journal;
+pub mod journal_words;
 pub mod log;
 pub mod luggage;
 pub mod map;
 pub mod map_text;
 pub mod mission;
+pub mod mission_record;
 pub mod problem;
 pub mod robot;
 pub mod state;

@@ -122,7 +122,14 @@ mod tests {
     #[test]
     fn what_is_not_there_is_null_and_not_absent() {
         let json = serde_json::to_value(StateJson::from(&idle())).unwrap();
-        for pointer in ["/mission/goal", "/mission/interrupted", "/mission/fault", "/robot/sonar", "/temperature/celsius"] {
+        for pointer in [
+            "/mission/goal",
+            "/mission/interrupted",
+            "/mission/fault",
+            "/mission/storeFailure",
+            "/robot/sonar",
+            "/temperature/celsius",
+        ] {
             assert_eq!(json.pointer(pointer), Some(&serde_json::Value::Null), "{pointer}");
         }
     }

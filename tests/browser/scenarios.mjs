@@ -1,5 +1,7 @@
 // What people do at the console, and what they must see. Written against roles and visible names, as a person finds things.
 
+import { execFileSync } from 'node:child_process';
+
 const button = (page, name) => page.getByRole('button', { name });
 const stop = (page) => button(page, /^STOP/);
 const start = (page) => button(page, /\bSTART\b/).first();
@@ -301,3 +303,59 @@ export const hung = {
     await why.waitFor({ state: 'hidden' });
   },
 };
+
+/** An operator signs in by the ready link, a viewer by typing; whoever is not known is led to the page where one signs in. */
+const signedIn = {
+  tolerated: ['401', '403', 'ERR_INCOMPLETE_CHUNKED_ENCODING'],
+  async play({ page, url, picture, patience }) {
+    const { OPERATOR, VIEWER, DATA, PROGRAM } = process.env;
+    const field = page.getByLabel('Token');
+    const signIn = button(page, 'Sign in');
+    const state = async () => (await fetch(`${url}/api/v1/state`, { headers: { authorization: `Bearer ${OPERATOR}` } })).json();
+
+    await page.goto(url);
+    await page.waitForURL(/\/sign-in$/);
+    await field.fill('not a token');
+    await signIn.click();
+    await page.getByText('This token is not known here').waitFor();
+    await picture('unknown');
+    await field.fill(VIEWER);
+    await signIn.click();
+    await phase(page, /idle/i, { patience });
+    await page.getByText('lobby').waitFor();
+    await fits(page);
+    must(await start(page).isDisabled(), 'a viewer could start');
+    await page.getByText('START: you are signed in as a viewer.').waitFor();
+    const living = await page.locator('button:enabled:visible').allInnerTexts();
+    must(living.length === 2 && /STOP/.test(living.join()) && /Sign out/.test(living.join()), `alive for a viewer: ${living}`);
+    await picture('viewer');
+
+    // What others do is seen, and the buttons stay dead when a piece arrives.
+    const headers = { authorization: `Bearer ${OPERATOR}` };
+    await fetch(`${url}/api/v1/commands/start`, { method: 'POST', headers });
+    await danger(page).waitFor();
+    must(await danger(page).isDisabled() && await safe(page).isDisabled(), 'a viewer could give a verdict');
+    await photoIsShown(page, await numberOf(danger(page)));
+    await picture('viewer-asked');
+    await stop(page).click();
+    await page.getByText(/^Held: stopped by the operator/).waitFor();
+    must((await state()).mission.holds.includes('operator'), 'a viewer could not stop');
+
+    await button(page, 'Sign out').click();
+    await page.waitForURL(/\/sign-in$/);
+    await page.goto(`${url}/sign-in?token=${OPERATOR}`);
+    must((await field.inputValue()) === OPERATOR, 'the link does not fill the field');
+    await picture('link');
+    await signIn.click();
+    await appears(page, safe(page), { patience });
+    must(await safe(page).isEnabled(), 'an operator could not answer');
+    await fits(page);
+    await picture('operator');
+
+    // A key that is replaced leads its people back to the page where one signs in, without a press.
+    execFileSync(PROGRAM, ['token', 'rotate', 'operator', '--data', DATA]);
+    await page.waitForURL(/\/sign-in$/);
+  },
+};
+export { signedIn };
+export const signedInOnPhone = { ...signedIn, browser: phone.browser };

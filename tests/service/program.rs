@@ -1,8 +1,9 @@
 //! The program under test: started on a free port, asked over HTTP, ended when the test ends.
 
 use std::io::{BufRead, BufReader};
-use std::net::SocketAddr;
+use std::net::{Ipv4Addr, SocketAddr};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::sync::mpsc;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -15,12 +16,13 @@ const PATIENCE: Duration = Duration::from_secs(60);
 const GLANCE: Duration = Duration::from_millis(5);
 
 /// How the address is announced on standard output.
-const ANNOUNCED: &str = "hallsweep is at http://";
+const ANNOUNCED: [&str; 2] = ["hallsweep is at http://", "hallsweep is at https://"];
 
 /// A running program.
 pub(crate) struct Program {
     child: Child,
     address: SocketAddr,
+    said: mpsc::Receiver<String>,
     agent: ureq::Agent,
 }
 
@@ -80,18 +82,30 @@ impl Program {
     pub(crate) fn started(command: &mut Command) -> Program {
         let mut child = command.stdout(Stdio::piped()).spawn().expect("the program starts");
         let mut lines = BufReader::new(child.stdout.take().expect("standard output is a pipe")).lines();
-        let announced = lines.find_map(|line| line.ok()?.strip_prefix(ANNOUNCED)?.parse().ok());
-        let address = announced.expect("the program says where it is");
+        let announced = lines.find_map(|line| {
+            let line = line.ok()?;
+            ANNOUNCED.iter().find_map(|words| line.strip_prefix(words))?.parse().ok()
+        });
+        let bound: SocketAddr = announced.expect("the program says where it is");
+        // One that listens everywhere is reached here.
+        let host = if bound.ip().is_unspecified() { Ipv4Addr::LOCALHOST.into() } else { bound.ip() };
+        let address = SocketAddr::new(host, bound.port());
         // The pipe stays open until the program ends, so that writing to it never fails.
-        std::thread::spawn(move || lines.count());
+        let (say, said) = mpsc::channel();
+        std::thread::spawn(move || lines.map_while(Result::ok).for_each(|line| drop(say.send(line))));
         let config = ureq::Agent::config_builder().http_status_as_error(false).proxy(None).max_redirects(0);
         let config = config.timeout_global(Some(PATIENCE)).build();
-        Program { child, address, agent: config.into() }
+        Program { child, address, said, agent: config.into() }
     }
 
     /// Where it listens.
     pub(crate) fn address(&self) -> SocketAddr {
         self.address
+    }
+
+    /// The next line it prints after it has said where it is.
+    pub(crate) fn says(&self) -> String {
+        self.said.recv_timeout(PATIENCE).expect("the program says something more")
     }
 
     /// Asks for a path, with headers.
@@ -110,6 +124,12 @@ impl Program {
     /// Posts to a path without a body.
     pub(crate) fn press(&self, path: &str) -> Answer {
         Answer::of(self.agent.post(self.url(path)).send_empty())
+    }
+
+    /// Posts a body with headers.
+    pub(crate) fn post_with(&self, path: &str, headers: &[(&str, &str)], body: &str) -> Answer {
+        let request = self.agent.post(self.url(path));
+        Answer::of(headers.iter().fold(request, |request, (name, value)| request.header(*name, *value)).send(body))
     }
 
     /// Gives a command of the API without a body, as `start`.
@@ -138,6 +158,15 @@ impl Program {
         self.post(&format!("/api/v1/luggage/{luggage}/verdict"), &format!("{{\"verdict\":\"{verdict}\"}}"))
     }
 
+    /// Asks a program that may be gone: `None` then. `key` is the command's own name, if it has one.
+    pub(crate) fn try_ask(&self, method: &str, path: &str, key: &str, body: &str) -> Option<Answer> {
+        let request = ureq::http::Request::builder().method(method).uri(self.url(path));
+        let request = if key.is_empty() { request } else { request.header("idempotency-key", key) };
+        let request = if body.is_empty() { request } else { request.header("content-type", "application/json") };
+        let (parts, mut body) = self.agent.run(request.body(body.to_owned()).ok()?).ok()?.into_parts();
+        Some(Answer { status: parts.status.as_u16(), headers: parts.headers, body: body.read_to_vec().ok()? })
+    }
+
     /// Waits until the state is as wanted, and returns it.
     pub(crate) fn until(&self, wanted: &str, is_so: impl Fn(&Value) -> bool) -> Value {
         let deadline = Deadline::within(PATIENCE);
@@ -160,6 +189,12 @@ impl Program {
     pub(crate) fn until_asked(&self) -> u64 {
         let state = self.until("a verdict is asked for", |state| pending(state).is_some());
         pending(&state).expect("it was there just now")
+    }
+
+    /// What kills it −9, from another thread.
+    pub(crate) fn killer(&self) -> impl FnOnce() + Send + use<> {
+        let id = self.child.id().to_string();
+        move || assert!(Command::new("kill").args(["-KILL", &id]).status().expect("kill is there").success())
     }
 
     /// Sends a signal, as `TERM`.

@@ -1,6 +1,8 @@
 //! Answers that need not be sent twice: weak tags `W/"run-revision-format"` and 304.
 //! Weak, because the same state may travel compressed or not.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
+
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
@@ -16,6 +18,14 @@ pub(super) fn conditional(request: &HeaderMap, tag: &str, body: impl FnOnce() ->
     response.headers_mut().insert(header::ETAG, tag);
     response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
     response
+}
+
+/// As `conditional`, for what is of no revision of this run: the tag is made of what would be sent.
+pub(super) fn by_content(request: &HeaderMap, media_type: &'static str, body: String) -> Response {
+    let mut hasher = DefaultHasher::new();
+    body.hash(&mut hasher);
+    let tag = format!("W/\"{:016x}\"", hasher.finish());
+    conditional(request, &tag, || ([(header::CONTENT_TYPE, media_type)], body).into_response())
 }
 
 /// Whether `If-None-Match` names the tag, weakly compared (RFC 9110, section 13.1.2).

@@ -12,6 +12,7 @@ use axum::response::{IntoResponse, Redirect, Response};
 
 use super::Door;
 use super::guard::is_for_people;
+use super::places::Place;
 use super::problem::Problem;
 use super::sign_in::{COOKIE, sign_in_page};
 use crate::access::{Keyring, Need, Network, OPERATOR, Role, SignedIn};
@@ -162,6 +163,9 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
     if let Err(problem) = caller.check(need) {
         tracing::warn!(who = %caller.name(), from = %peer.address, path = request.uri().path(), "not allowed");
         return problem.into_response();
+    }
+    if let Some(place) = request.extensions().get::<Arc<Place>>() {
+        place.known();
     }
     request.extensions_mut().insert(caller);
     next.run(request).await

@@ -11,9 +11,12 @@ mod events;
 mod gate;
 mod give;
 mod guard;
+mod missions;
 mod old;
 mod patience;
+mod places;
 mod problem;
+mod query;
 mod reading;
 mod reads;
 mod routes;
@@ -21,6 +24,7 @@ mod serve;
 mod sign_in;
 #[cfg(test)]
 mod testing;
+mod tls;
 mod watcher;
 
 use std::sync::Arc;
@@ -30,7 +34,8 @@ use tokio::sync::{Semaphore, watch};
 
 pub use gate::Access;
 pub use guard::Hosts;
-pub use serve::serve;
+pub use serve::{Front, serve};
+pub use tls::{Tls, TlsError};
 
 use self::problem::Problem;
 use crate::access::Attempts;

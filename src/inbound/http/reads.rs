@@ -39,7 +39,7 @@ pub(super) async fn map(State(door): State<Door>, headers: HeaderMap) -> Result<
     let tag = tag(&snapshot.run, map_revision(&snapshot), if is_json { "json" } else { "text" });
     let mut response = conditional(&headers, &tag, || match is_json {
         true => Json(MapJson::from(&*snapshot)).into_response(),
-        false => map_text::lines(&snapshot).into_response(),
+        false => map_text::lines(&*snapshot).into_response(),
     });
     response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
     Ok(response)

@@ -9,7 +9,7 @@ use axum::middleware::from_fn_with_state;
 use axum::routing::{MethodFilter, MethodRouter, on};
 
 use super::gate::{Gate, gate};
-use super::{Door, assets, commands, console, events, old, problem, reads, sign_in};
+use super::{Door, assets, commands, console, events, missions, old, problem, reads, sign_in};
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
 
@@ -45,6 +45,10 @@ pub(super) fn table() -> Vec<Row> {
         get("/api/v1/luggage/{id}", See, reads::luggage),
         get("/api/v1/luggage/{id}/photo", See, reads::photo),
         get("/api/v1/events", See, events::events),
+        get("/api/v1/missions", See, missions::list),
+        get("/api/v1/missions/{id}", See, missions::mission),
+        get("/api/v1/missions/{id}/events", See, missions::events),
+        get("/api/v1/missions/{id}/map", See, missions::map),
 
         post("/api/v1/commands/start", Act, commands::start),
         post("/api/v1/commands/stop", Stop, commands::stop),
@@ -60,6 +64,8 @@ pub(super) fn table() -> Vec<Row> {
         put("/api/v1/temperature", Act, commands::temperature),
 
         get("/", See, console::page),
+        get("/missions", See, console::missions::list),
+        get("/missions/{id}", See, console::missions::one),
         get("/console/live", See, console::live),
         get("/console/confirm/danger/{id}", Act, console::confirm_danger),
         get("/console/confirm/reset", Act, console::confirm_reset),

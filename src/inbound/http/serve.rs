@@ -1,28 +1,34 @@
-//! The accept loop: bounded connections, bounded header time, bounded write time, and an end within two seconds.
-//! The listener is bound, and the end decided, by whoever calls.
+//! The accept loop: bounded connections, bounded handshake, header and write time, and an end within two seconds.
+//! The listener is bound, and the end decided, by whoever calls; whose connection gives way to another's is decided in `places`.
 
 use std::future::Future;
+use std::pin::Pin;
 use std::sync::Arc;
+use std::task::{Context, Poll};
 use std::time::Duration;
 
 use axum::Router;
-use hyper::Request;
-use hyper::body::Incoming;
+use axum::body::{Body, Bytes};
+use hyper::body::{Frame, Incoming, SizeHint};
 use hyper::server::conn::http1;
 use hyper::service::{Service, service_fn};
+use hyper::{Request, Response};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::watch;
 use tokio::task::JoinSet;
 
 use super::gate::Peer;
 use super::patience::Patient;
+use super::places::{PLACES, Place, Places, Request as Asked};
+use super::tls::Tls;
 use super::watcher::closed;
 use super::{Door, Hosts, router};
 
-/// Connections open at once: every stream there may be, and as many again for requests beside each.
-const CONNECTIONS: usize = 1024;
+/// How long a client may take to agree on encryption.
+const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
 
 /// How long a client may take over a request's headers, and how long it may be silent between two requests.
 const HEADER_TIME: Duration = Duration::from_secs(20);
@@ -36,33 +42,47 @@ const GRACE: Duration = Duration::from_millis(1500);
 /// After an accept has failed (as with too many open files) the next is tried this much later.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// Serves under these names until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do.
-pub async fn serve(listener: TcpListener, door: Door, hosts: &[String], shutdown: impl Future<Output = ()>) {
+/// What stands before the door.
+#[derive(Clone, Default)]
+pub struct Front {
+    /// The names under which it is reached, beside its addresses and this machine's own names.
+    pub hosts: Vec<String>,
+    /// How connections are encrypted, where they are.
+    pub tls: Option<Tls>,
+}
+
+/// What every connection has in common.
+#[derive(Clone)]
+struct Line {
+    router: Router,
+    tls: Option<Tls>,
+    closing: watch::Receiver<bool>,
+}
+
+/// Serves until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do.
+pub async fn serve(listener: TcpListener, door: Door, front: Front, shutdown: impl Future<Output = ()>) {
+    serve_so_many(listener, door, front, &Places::new(PLACES), shutdown).await;
+}
+
+async fn serve_so_many(listener: TcpListener, door: Door, front: Front, places: &Places, shutdown: impl Future<Output = ()>) {
     let is_local = listener.local_addr().is_ok_and(|address| address.ip().is_loopback());
-    let router = router(&door, Hosts::new(is_local, hosts));
-    let places = Arc::new(Semaphore::new(CONNECTIONS));
+    let router = router(&door, Hosts::new(is_local, &front.hosts));
+    let line = Line { router, tls: front.tls, closing: door.closing.subscribe() };
     let mut connections = JoinSet::new();
     tokio::pin!(shutdown);
     loop {
-        let accepted = async {
-            let place = Arc::clone(&places).acquire_owned().await;
-            (listener.accept().await, place)
-        };
         tokio::select! {
             biased;
             () = &mut shutdown => break,
             Some(_) = connections.join_next() => {}
-            (accepted, place) = accepted => match accepted {
-                Ok((stream, address)) => {
-                    let peer = Peer { address: address.ip(), is_encrypted: false };
-                    let connection = converse(stream, peer, router.clone(), door.closing.subscribe());
-                    connections.spawn(async move {
-                        connection.await;
-                        drop(place);
-                    });
-                }
+            accepted = listener.accept() => match accepted {
+                Ok((stream, address)) => match places.take(address.ip()) {
+                    Some(place) => drop(connections.spawn(converse(stream, Arc::new(place), line.clone()))),
+                    None => tracing::debug!(%address, "a connection was refused: every place is taken"),
+                },
                 Err(error) => {
-                    tracing::warn!(%error, "a connection could not be accepted");
+                    let relieved = places.relieve();
+                    tracing::warn!(%error, relieved, "a connection could not be accepted");
                     tokio::time::sleep(ACCEPT_PAUSE).await;
                 }
             },
@@ -76,19 +96,44 @@ pub async fn serve(listener: TcpListener, door: Door, hosts: &[String], shutdown
     }
 }
 
-/// One connection, to its end. What a client does wrong with it is the client's business.
-async fn converse(stream: TcpStream, peer: Peer, router: Router, mut closing: watch::Receiver<bool>) {
+/// One connection, to its end or until its place is needed. What a client does wrong with it is the client's business.
+async fn converse(stream: TcpStream, place: Arc<Place>, line: Line) {
+    tokio::select! {
+        () = place.cut() => tracing::debug!("a connection gave way to a newer one"),
+        () = encrypted(stream, &place, line) => {}
+    }
+}
+
+/// Agrees on encryption, where there is any, and then talks.
+async fn encrypted(stream: TcpStream, place: &Arc<Place>, line: Line) {
+    let Ok(address) = stream.peer_addr() else { return };
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "small packets of a connection will be held back");
     }
+    let peer = Peer { address: address.ip(), is_encrypted: line.tls.is_some() };
+    let stream = Patient::new(stream);
+    let Some(Tls(acceptor)) = line.tls.clone() else { return talk(stream, peer, place, line).await };
+    match tokio::time::timeout(HANDSHAKE_TIME, acceptor.accept(stream)).await {
+        Ok(Ok(stream)) => talk(stream, peer, place, line).await,
+        Ok(Err(error)) => tracing::debug!(%error, "a client could not agree on encryption"),
+        Err(_) => tracing::debug!("a client did not agree on encryption in time"),
+    }
+}
+
+/// Request after request, each with whoever is at the other end written into it.
+async fn talk(stream: impl AsyncRead + AsyncWrite + Unpin + Send, peer: Peer, place: &Arc<Place>, line: Line) {
+    let Line { router, mut closing, .. } = line;
+    let routes = TowerToHyperService::new(router);
+    let service = service_fn(|mut request: Request<Incoming>| {
+        let asked = place.begin();
+        request.extensions_mut().insert(peer);
+        request.extensions_mut().insert(Arc::clone(place));
+        let answer = routes.call(request);
+        async move { answer.await.map(|response: Response<Body>| response.map(|body| Answer { body, _asked: asked })) }
+    });
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIME).max_buf_size(HEADER_BYTES);
-    let routes = TowerToHyperService::new(router);
-    let service = service_fn(move |mut request: Request<Incoming>| {
-        request.extensions_mut().insert(peer);
-        routes.call(request)
-    });
-    let connection = http.serve_connection(TokioIo::new(Patient::new(stream)), service);
+    let connection = http.serve_connection(TokioIo::new(stream), service);
     tokio::pin!(connection);
     let ended = tokio::select! {
         ended = connection.as_mut() => ended,
@@ -102,40 +147,29 @@ async fn converse(stream: TcpStream, peer: Peer, router: Router, mut closing: wa
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::super::testing::house;
-    use super::*;
-    use crate::wire::fixture::searching;
-    use std::io::{Read, Write};
-    use std::net::{SocketAddr, TcpStream as Client};
-    use tokio::sync::oneshot;
-    use tokio::time::timeout;
+/// The body of an answer; its request is over when all of it is on its way.
+struct Answer {
+    body: Body,
+    _asked: Asked,
+}
 
-    fn client(address: SocketAddr, begins: &str) -> Client {
-        let mut client = Client::connect(address).unwrap();
-        client.set_read_timeout(Some(Duration::from_secs(5))).unwrap();
-        client.write_all(begins.as_bytes()).unwrap();
-        client
+impl hyper::body::Body for Answer {
+    type Data = Bytes;
+    type Error = axum::Error;
+
+    fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        Pin::new(&mut self.body).poll_frame(cx)
     }
 
-    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-    async fn the_end_comes_within_two_seconds_whatever_clients_do() {
-        let house = house(searching());
-        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
-        let address = listener.local_addr().unwrap();
-        let (end, ended) = oneshot::channel::<()>();
-        let serving = tokio::spawn(serve(listener, house.door.clone(), &[], async { drop(ended.await) }));
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
 
-        let _slow = client(address, "GET /api/v1/state HTTP/1.1\r\nHost: localhost\r\nX-Slow: ");
-        let _half = client(address, "POST /api/v1/commands/move HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{");
-        let mut watching = client(address, "GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n");
-        let mut first = [0; 12];
-        watching.read_exact(&mut first).unwrap();
-        assert_eq!(&first, b"HTTP/1.1 200");
-
-        end.send(()).unwrap();
-        timeout(Duration::from_secs(2), serving).await.expect("it ends within two seconds").unwrap();
-        watching.read_to_end(&mut Vec::new()).expect("the stream was closed, and in order");
+    fn size_hint(&self) -> SizeHint {
+        self.body.size_hint()
     }
 }
+
+#[cfg(test)]
+#[path = "serve_tests.rs"]
+mod tests;

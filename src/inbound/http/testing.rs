@@ -1,6 +1,8 @@
 //! For the tests of this door: a loop that answers commands from a script and publishes the snapshots it is handed, and a
 //! client that speaks to the router without a socket. It knows no mission.
 
+mod past;
+
 use std::net::Ipv4Addr;
 use std::sync::{Arc, Mutex};
 
@@ -33,7 +35,7 @@ pub(super) struct House {
     pub(super) given: Arc<Mutex<Vec<command::Request>>>,
 }
 
-/// One picture for every piece.
+/// One picture for every piece, and the two missions of `past`.
 struct Pictures;
 
 impl Archive for Pictures {
@@ -45,20 +47,25 @@ impl Archive for Pictures {
         Ok(None)
     }
 
-    fn missions(&self, _: Option<MissionId>, _: usize) -> Result<Vec<MissionRecord>, Unreadable> {
-        Ok(Vec::new())
+    fn missions(&self, before: Option<MissionId>, most: usize) -> Result<Vec<MissionRecord>, Unreadable> {
+        let older = |record: &MissionRecord| before.is_none_or(|before| record.id < before);
+        Ok(past::missions().into_iter().filter(older).take(most).collect())
     }
 
-    fn mission(&self, _: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
-        Ok(None)
+    fn mission(&self, mission: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
+        if mission == past::UNREADABLE {
+            return Err(Unreadable("the disk is on strike".to_owned()));
+        }
+        Ok(past::missions().into_iter().find(|record| record.id == mission))
     }
 
-    fn standing(&self, _: MissionId) -> Result<Option<Standing>, Unreadable> {
-        Ok(None)
+    fn standing(&self, mission: MissionId) -> Result<Option<Standing>, Unreadable> {
+        Ok((mission == MissionId(1)).then(past::standing))
     }
 
-    fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<(Seq, Entry)>, Unreadable> {
-        Ok(Vec::new())
+    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<(Seq, Entry)>, Unreadable> {
+        let of_it = past::entries().into_iter().filter(|(seq, _)| mission == MissionId(1) && *seq > after);
+        Ok(of_it.take(most).collect())
     }
 }
 

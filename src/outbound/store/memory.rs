@@ -6,11 +6,13 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use tokio::sync::watch;
 
+use super::belonging::belongs;
 use crate::core::effect::{Entry, Fact, Page};
 use crate::core::event::Photo;
 use crate::core::explore::Strategy;
+use crate::core::mission::Phase;
 use crate::core::standing::Standing;
-use crate::core::units::{LuggageId, MissionId, Seq};
+use crate::core::units::{LuggageId, MissionId, Seq, Wall};
 use crate::core::world::luggage::{Decision, Luggage};
 use crate::runtime::archive::{Archive, MissionRecord, Unreadable};
 use crate::runtime::store::{Store, StoreWord};
@@ -24,6 +26,9 @@ pub const PHOTOS: usize = 256;
 /// How many luggage records are kept: more than a busy year's, at about 200 bytes each.
 pub const RECORDS: usize = 16_384;
 
+/// How many missions are kept, the present one included: a year's on a quiet airport, at some 100 KB for the map of each.
+pub const MISSIONS: usize = 256;
+
 /// Journal and photos, shared by everyone who holds a clone.
 #[derive(Clone, Debug)]
 pub struct Memory {
@@ -34,9 +39,29 @@ pub struct Memory {
 #[derive(Debug)]
 struct Kept {
     standing: Standing,
-    entries: VecDeque<(Seq, Entry)>,
+    entries: VecDeque<(Seq, Option<MissionId>, Entry)>,
+    missions: BTreeMap<MissionId, Mission>,
+    under_way: Option<MissionId>,
+    /// The phase before the page that is being kept.
+    phase_before: Phase,
     photos: BTreeMap<LuggageId, Photo>,
     records: BTreeMap<LuggageId, Luggage>,
+}
+
+/// A mission, present or past.
+#[derive(Debug)]
+struct Mission {
+    strategy: Strategy,
+    began: Wall,
+    ended: Option<Ended>,
+}
+
+/// How a mission was put away.
+#[derive(Debug)]
+struct Ended {
+    wall: Wall,
+    left: Vec<LuggageId>,
+    standing: Standing,
 }
 
 impl Default for Memory {
@@ -44,6 +69,9 @@ impl Default for Memory {
         let kept = Kept {
             standing: Standing::first(Strategy::default()),
             entries: VecDeque::new(),
+            missions: BTreeMap::new(),
+            under_way: None,
+            phase_before: Phase::Idle,
             photos: BTreeMap::new(),
             records: BTreeMap::new(),
         };
@@ -61,7 +89,7 @@ impl Memory {
     /// The newest entries with their numbers, oldest first, at most `ENTRIES`. Photos are not in them: ask for those by number.
     #[must_use]
     pub fn entries(&self) -> Vec<(Seq, Entry)> {
-        self.lock().entries.iter().cloned().collect()
+        self.lock().entries.iter().map(|(seq, _, entry)| (*seq, entry.clone())).collect()
     }
 
     fn lock(&self) -> MutexGuard<'_, Kept> {
@@ -71,7 +99,17 @@ impl Memory {
 }
 
 impl Kept {
-    fn keep(&mut self, seq: Seq, mut entry: Entry) {
+    fn keep_page(&mut self, page: &Page) {
+        self.phase_before = self.standing.phase.clone();
+        for place in 0..page.entries.len() {
+            let mission;
+            (mission, self.under_way) = belongs(page, place, self.under_way);
+            self.keep_mission(page, place);
+            self.keep(Seq(page.first.0 + place as u64), mission, page.entries[place].clone());
+        }
+    }
+
+    fn keep(&mut self, seq: Seq, mission: Option<MissionId>, mut entry: Entry) {
         self.standing.apply(&entry);
         self.keep_record(&entry);
         if let Fact::Luggage { record, photo } = &mut entry.fact
@@ -83,7 +121,41 @@ impl Kept {
         if self.entries.len() == ENTRIES {
             self.entries.pop_front();
         }
-        self.entries.push_back((seq, entry));
+        self.entries.push_back((seq, mission, entry));
+    }
+
+    /// Keeps the beginning and the end of a mission; the oldest mission gives way when there are too many.
+    fn keep_mission(&mut self, page: &Page, place: usize) {
+        let Entry { wall, fact } = &page.entries[place];
+        if let Fact::MissionBegan(mission, strategy) = fact {
+            self.missions.insert(*mission, Mission { strategy: *strategy, began: *wall, ended: None });
+        }
+        if let Fact::MissionArchived(mission, left) = fact
+            && let Some(known) = self.missions.get_mut(mission)
+        {
+            // The phase that follows on the mission is on record just before its end.
+            let phase = self.phase_before.clone();
+            let standing = Standing { phase, ..self.standing.clone() };
+            known.ended = Some(Ended { wall: *wall, left: left.clone(), standing });
+        }
+        if self.missions.len() > MISSIONS {
+            self.missions.pop_first();
+        }
+    }
+
+    fn record(&self, id: MissionId) -> Option<MissionRecord> {
+        let Mission { strategy, began, ended } = self.missions.get(&id)?;
+        let standing = ended.as_ref().map_or(&self.standing, |ended| &ended.standing);
+        Some(MissionRecord {
+            id,
+            strategy: *strategy,
+            began: *began,
+            archived: ended.as_ref().map(|ended| ended.wall),
+            phase: Arc::from(standing.phase.name().name()),
+            luggage: standing.luggage.len() as u64,
+            dangerous: standing.luggage.values().filter(|record| record.is_dangerous()).count() as u64,
+            left: ended.as_ref().map(|ended| ended.left.clone()).unwrap_or_default(),
+        })
     }
 
     /// Keeps what an entry says of a piece; the oldest gives way when there are too many.
@@ -114,9 +186,7 @@ impl Kept {
 impl Store for Memory {
     fn record(&mut self, page: Page, _losses: u64) {
         let last = page.last();
-        for (seq, entry) in (page.first.0..).map(Seq).zip(page.entries) {
-            self.lock().keep(seq, entry);
-        }
+        self.lock().keep_page(&page);
         self.word.send_modify(|word| word.kept = last);
     }
 
@@ -134,20 +204,26 @@ impl Archive for Memory {
         Ok(self.lock().records.get(&luggage).cloned())
     }
 
-    fn missions(&self, _before: Option<MissionId>, _most: usize) -> Result<Vec<MissionRecord>, Unreadable> {
-        Ok(Vec::new())
+    fn missions(&self, before: Option<MissionId>, most: usize) -> Result<Vec<MissionRecord>, Unreadable> {
+        let kept = self.lock();
+        let older = kept.missions.keys().rev().filter(|id| before.is_none_or(|before| **id < before));
+        Ok(older.take(most).filter_map(|id| kept.record(*id)).collect())
     }
 
-    fn mission(&self, _mission: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
-        Ok(None)
+    fn mission(&self, mission: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
+        Ok(self.lock().record(mission))
     }
 
     fn standing(&self, mission: MissionId) -> Result<Option<Standing>, Unreadable> {
-        Ok(Some(self.lock().standing.clone()).filter(|standing| standing.mission == mission))
+        let kept = self.lock();
+        let known = kept.missions.get(&mission);
+        Ok(known.map(|known| known.ended.as_ref().map_or(&kept.standing, |ended| &ended.standing).clone()))
     }
 
-    fn entries(&self, _mission: MissionId, _after: Seq, _most: usize) -> Result<Vec<(Seq, Entry)>, Unreadable> {
-        Ok(Vec::new())
+    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<(Seq, Entry)>, Unreadable> {
+        let kept = self.lock();
+        let of = kept.entries.iter().filter(|(seq, of, _)| *of == Some(mission) && *seq > after);
+        Ok(of.take(most).map(|(seq, _, entry)| (*seq, entry.clone())).collect())
     }
 }
 
@@ -155,8 +231,7 @@ impl Archive for Memory {
 mod tests {
     use super::*;
     use crate::core::command::Verdict;
-    use crate::core::mission::Phase;
-    use crate::core::units::{Cell, Pose, Wall};
+    use crate::core::units::{Cell, Pose};
     use crate::core::world::luggage::PhotoState;
 
     fn phase() -> Entry {
@@ -237,5 +312,24 @@ mod tests {
         let mut memory = Memory::new();
         record(&mut memory, [luggage(1, Ok("photo"))]);
         assert!(matches!(&memory.entries()[..], [(Seq(1), Entry { fact: Fact::Luggage { photo: None, .. }, .. })]));
+    }
+
+    #[test]
+    fn a_mission_that_is_over_is_read_as_it_ended() {
+        let mut memory = Memory::new();
+        let at = |fact| Entry { wall: Wall::default(), fact };
+        let mission = MissionId(1);
+        let began = vec![phase(), at(Fact::MissionBegan(mission, Strategy::Snail)), luggage(1, Ok("first"))];
+        memory.record(Page { first: Seq(1), entries: began }, 0);
+        let archived = Fact::MissionArchived(mission, vec![LuggageId(1)]);
+        memory.record(Page { first: Seq(4), entries: vec![at(Fact::Phase(Phase::Idle)), at(archived), phase()] }, 0);
+        let record = memory.mission(mission).unwrap().expect("it was there");
+        assert_eq!((&*record.phase, record.luggage, record.archived.is_some()), ("exploring", 1, true));
+        assert_eq!(memory.missions(None, 9).unwrap(), [record]);
+        assert_eq!(memory.missions(Some(mission), 9).unwrap(), []);
+        let standing = memory.standing(mission).unwrap().expect("it was there");
+        assert_eq!((standing.phase.clone(), standing.luggage.len()), (Phase::Exploring, 1));
+        let places: Vec<u64> = Archive::entries(&memory, mission, Seq(1), 9).unwrap().iter().map(|(seq, _)| seq.0).collect();
+        assert_eq!(places, [2, 3, 5]);
     }
 }

@@ -6,6 +6,7 @@ use std::fmt::Write;
 
 use crate::core::units::{Cell, Heading};
 use crate::core::world::hall_map::{Bounds, HallMap, Mark, TILE};
+use crate::core::world::luggage::Luggage;
 use crate::core::world::snapshot::Snapshot;
 
 /// The side of a cell in the picture's units.
@@ -120,9 +121,19 @@ pub(super) fn layer(snapshot: &Snapshot) -> String {
     let mut group = format!("<g id=\"hall-layer\"{}>", if size > 1 { " class=\"far\"" } else { "" });
     trail(&mut group, snapshot);
     home(&mut group, size);
-    luggage(&mut group, snapshot, size);
+    snapshot.luggage.iter().for_each(|piece| luggage(&mut group, piece, size));
     route(&mut group, snapshot, size);
     ray(&mut group, snapshot);
+    group.push_str("</g>");
+    group
+}
+
+/// Home and what was found, without a robot: the layer of a mission's record.
+pub(super) fn found<'a>(map: &HallMap, pieces: impl Iterator<Item = &'a Luggage>) -> String {
+    let size = larger(map);
+    let mut group = String::from("<g>");
+    home(&mut group, size);
+    pieces.for_each(|piece| luggage(&mut group, piece, size));
     group.push_str("</g>");
     group
 }
@@ -190,26 +201,24 @@ fn home(group: &mut String, size: i32) {
     );
 }
 
-fn luggage(group: &mut String, snapshot: &Snapshot, size: i32) {
-    for luggage in snapshot.luggage.iter() {
-        let (x, y) = middle(luggage.cell);
-        let verdict = luggage.verdict_name();
-        let (shape, letter) = match verdict {
-            "safe" => ("<circle r=\"4.2\"/>", "S"),
-            "danger" => ("<path d=\"M0 -5L5 4H-5Z\"/>", "D"),
-            _ => ("<rect x=\"-4.2\" y=\"-4.2\" width=\"8.4\" height=\"8.4\"/>", "?"),
-        };
-        let id = luggage.id;
-        // Where cells are tiny the numbers would cover each other; the title still says which piece it is.
-        let number = if size == 1 { format!("<text class=\"number\" y=\"7.4\">#{id}</text>") } else { String::new() };
-        write(
-            group,
-            format_args!(
-                "<g class=\"piece {verdict}\" transform=\"translate({x} {y}) scale({size})\">{shape}<text y=\"2\">{letter}</text>\
-                 {number}<title>luggage #{id}: {verdict}</title></g>"
-            ),
-        );
-    }
+fn luggage(group: &mut String, piece: &Luggage, size: i32) {
+    let (x, y) = middle(piece.cell);
+    let verdict = piece.verdict_name();
+    let (shape, letter) = match verdict {
+        "safe" => ("<circle r=\"4.2\"/>", "S"),
+        "danger" => ("<path d=\"M0 -5L5 4H-5Z\"/>", "D"),
+        _ => ("<rect x=\"-4.2\" y=\"-4.2\" width=\"8.4\" height=\"8.4\"/>", "?"),
+    };
+    let id = piece.id;
+    // Where cells are tiny the numbers would cover each other; the title still says which piece it is.
+    let number = if size == 1 { format!("<text class=\"number\" y=\"7.4\">#{id}</text>") } else { String::new() };
+    write(
+        group,
+        format_args!(
+            "<g class=\"piece {verdict}\" transform=\"translate({x} {y}) scale({size})\">{shape}<text y=\"2\">{letter}</text>\
+             {number}<title>luggage #{id}: {verdict}</title></g>"
+        ),
+    );
 }
 
 fn route(group: &mut String, snapshot: &Snapshot, size: i32) {

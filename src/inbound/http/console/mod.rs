@@ -4,6 +4,7 @@
 mod acts;
 mod hall;
 mod live;
+pub(super) mod missions;
 mod parts;
 mod view;
 

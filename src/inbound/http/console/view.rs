@@ -127,6 +127,11 @@ impl View<'_> {
         self.snapshot.mission.holds.iter().map(words).collect()
     }
 
+    /// Why nothing can be recorded, while that is so; without a full stop.
+    pub(super) fn unrecorded(&self) -> Option<&str> {
+        self.snapshot.mission.store_failure.as_deref().map(|words| words.trim_end_matches('.'))
+    }
+
     /// What is to be done next, in the phases in which the robot waits for it and no button by itself says so.
     pub(super) fn next_step(&self) -> Option<String> {
         match self.snapshot.mission.phase {

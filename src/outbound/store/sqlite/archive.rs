@@ -107,7 +107,7 @@ impl Archive for SqliteArchive {
             let sql = "SELECT archived_seq FROM missions WHERE id = ?1";
             let found = connection.prepare_cached(sql)?.query_row([whole(mission.0)?], |row| row.get::<_, Option<i64>>(0));
             let Some(archived) = found.optional()? else { return Ok(None) };
-            recall::standing_before(connection, archived.map(|seq| Seq(count(seq)))).map(Some)
+            recall::standing_of(connection, mission, archived.map(|seq| Seq(count(seq)))).map(Some)
         })
     }
 

@@ -25,8 +25,6 @@ mod schema;
 mod writer;
 
 #[cfg(test)]
-mod testing;
-#[cfg(test)]
 mod tests;
 
 use std::path::Path;

@@ -8,6 +8,7 @@ use super::folder::{Folder, Lock};
 use super::{connect, photos, project, rows, schema};
 use crate::core::effect::{Fact, Page};
 use crate::core::units::{MissionId, Seq};
+use crate::outbound::store::belonging::belongs;
 use crate::wire::journal::Line;
 
 /// The one connection that writes, and the right to do so.
@@ -80,34 +81,13 @@ fn write(
     mut under_way: Option<MissionId>,
 ) -> Result<Option<MissionId>, Fault> {
     for (place, entry) in page.entries.iter().enumerate() {
-        let (mission, next) = belongs(page, place, under_way);
-        under_way = next;
-        let picture = match &entry.fact {
-            Fact::Luggage { photo: Some(photo), .. } => Some(photos::keep(folder, photo)?),
-            _ => None,
-        };
+        let mission;
+        (mission, under_way) = belongs(page, place, under_way);
+        let photo = if let Fact::Luggage { photo, .. } = &entry.fact { photo.as_ref() } else { None };
+        let picture = photo.map(|photo| photos::keep(folder, photo)).transpose()?;
         let line = Line { seq: Seq(page.first.0 + place as u64), mission, entry: entry.clone(), picture };
         rows::insert(transaction, &line)?;
         project::project(transaction, &line)?;
     }
     Ok(under_way)
-}
-
-/// The mission an entry belongs to, and the one under way behind it. What leads to a mission's beginning belongs to it, as the
-/// command that began it.
-fn belongs(page: &Page, place: usize, under_way: Option<MissionId>) -> (Option<MissionId>, Option<MissionId>) {
-    let beginning = |entry: &crate::core::effect::Entry| match &entry.fact {
-        Fact::MissionBegan(mission, _) => Some(Some(*mission)),
-        Fact::Standing(standing) => Some(standing.under_way.then_some(standing.mission)),
-        _ => None,
-    };
-    let entry = &page.entries[place];
-    if let Fact::MissionArchived(mission, _) = &entry.fact {
-        return (Some(*mission), None);
-    }
-    if let Some(begun) = beginning(entry) {
-        return (begun, begun);
-    }
-    let ahead = page.entries[place..].iter().find_map(beginning).flatten();
-    (under_way.or(ahead), under_way)
 }

@@ -7,6 +7,7 @@ use super::fault::{Fault, count, whole};
 use super::rows::{self, Which};
 use crate::core::effect::Fact;
 use crate::core::explore::Strategy;
+use crate::core::mission::Phase;
 use crate::core::standing::Standing;
 use crate::core::units::{LuggageId, MissionId, Seq, Wall};
 use crate::core::world::luggage::{Decision, Luggage, PhotoState};
@@ -18,7 +19,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
     match &line.entry.fact {
         Fact::MissionBegan(mission, strategy) => began(connection, *mission, *strategy, wall),
         Fact::MissionArchived(mission, left) => archived(connection, *mission, left, wall, seq),
-        Fact::Phase(phase) => line.mission.map_or(Ok(()), |mission| came_to(connection, mission, phase.name().name())),
+        Fact::Phase(phase) => line.mission.map_or(Ok(()), |mission| came_to(connection, mission, phase, wall)),
         Fact::Luggage { record, .. } => found(connection, line.mission, record, line.picture.as_ref()),
         Fact::Verdict { luggage, verdict, who } => {
             decided(connection, *luggage, &Decision { verdict: *verdict, who: who.clone(), wall })
@@ -60,7 +61,7 @@ pub(super) fn left_in_place(text: &str) -> Vec<LuggageId> {
 
 fn began(connection: &Connection, mission: MissionId, strategy: Strategy, wall: Wall) -> Result<(), Fault> {
     let sql = "INSERT INTO missions (id, strategy, began_ms, began_offset_s, phase) VALUES (?1, ?2, ?3, ?4, 'idle')
-               ON CONFLICT (id) DO NOTHING";
+               ON CONFLICT (id) DO UPDATE SET strategy = excluded.strategy";
     let values = params![whole(mission.0)?, strategy.name(), wall.unix_ms, wall.offset_s];
     connection.prepare_cached(sql)?.execute(values)?;
     Ok(())
@@ -76,9 +77,12 @@ fn archived(connection: &Connection, mission: MissionId, left: &[LuggageId], wal
     Ok(())
 }
 
-fn came_to(connection: &Connection, mission: MissionId, phase: &str) -> Result<(), Fault> {
-    let sql = "UPDATE missions SET phase = ?2 WHERE id = ?1 AND archived_seq IS NULL";
-    connection.prepare_cached(sql)?.execute(params![whole(mission.0)?, phase])?;
+/// The phase in which a mission begins is on record just before its beginning, which then says by which strategy.
+fn came_to(connection: &Connection, mission: MissionId, phase: &Phase, wall: Wall) -> Result<(), Fault> {
+    let sql = "INSERT INTO missions (id, strategy, began_ms, began_offset_s, phase) VALUES (?1, ?2, ?3, ?4, ?5)
+               ON CONFLICT (id) DO UPDATE SET phase = excluded.phase WHERE archived_seq IS NULL";
+    let (strategy, phase) = (Strategy::default().name(), phase.name().name());
+    connection.prepare_cached(sql)?.execute(params![whole(mission.0)?, strategy, wall.unix_ms, wall.offset_s, phase])?;
     Ok(())
 }
 
@@ -114,7 +118,7 @@ fn stands(connection: &Connection, standing: &Standing, wall: Wall, seq: Seq) ->
     }
     let Some(mission) = current else { return Ok(()) };
     began(connection, mission, standing.strategy, wall)?;
-    came_to(connection, mission, standing.phase.name().name())?;
+    came_to(connection, mission, &standing.phase, wall)?;
     for record in standing.luggage.values() {
         found(connection, current, record, None)?;
         record.verdict.as_ref().map_or(Ok(()), |decision| decided(connection, record.id, decision))?;

@@ -13,7 +13,8 @@ use crate::core::effect::{Entry, Fact};
 use crate::core::explore::Strategy;
 use crate::core::standing::Standing;
 use crate::core::sweep::Recalled;
-use crate::core::units::Seq;
+use crate::core::units::{MissionId, Seq};
+use crate::wire::journal::Line;
 
 /// So many of the last entries are searched for commands with an id: a client repeats a command within minutes.
 pub(super) const REPEATABLE: u64 = 4096;
@@ -29,21 +30,39 @@ pub(super) fn recall(folder: &Folder) -> Result<Option<Recalled>, Fault> {
     if written == Seq(0) {
         return Ok(None);
     }
-    let standing = standing_before(&connection, None)?;
+    let standing = standing(&connection)?;
     let commands = repeatable(&connection, written)?;
     Ok(Some(Recalled { standing, written, commands }))
 }
 
-/// What stood before an entry, or stands after all of them.
-pub(super) fn standing_before(connection: &Connection, before: Option<Seq>) -> Result<Standing, Fault> {
+/// What stands after all entries.
+fn standing(connection: &Connection) -> Result<Standing, Fault> {
     let mut standing = Standing::first(Strategy::default());
+    each_from_standing(connection, None, |line| standing.apply(&line.entry))?;
+    Ok(standing)
+}
+
+/// What stood of a mission when the entry `before` put it away, or stands of it now.
+pub(super) fn standing_of(connection: &Connection, mission: MissionId, before: Option<Seq>) -> Result<Standing, Fault> {
+    let mut standing = Standing::first(Strategy::default());
+    each_from_standing(connection, before, |line| {
+        let begun = standing.under_way && standing.mission == mission;
+        // The phase that follows on the mission is on record just before its end.
+        if !(begun && line.mission != Some(mission) && matches!(line.entry.fact, Fact::Phase(_))) {
+            standing.apply(&line.entry);
+        }
+    })?;
+    Ok(standing)
+}
+
+/// Walks over the entries from the last one that says everything that stands.
+fn each_from_standing(connection: &Connection, before: Option<Seq>, mut visit: impl FnMut(&Line)) -> Result<(), Fault> {
     let from = rows::last_standing(connection, before)?;
     let after = from.map(|seq| Seq(seq.0.saturating_sub(1)));
     rows::each(connection, Which { after, before, ..Which::default() }, |line| {
-        standing.apply(&line?.entry);
+        visit(&line?);
         Ok(())
-    })?;
-    Ok(standing)
+    })
 }
 
 /// The latest commands that carried an id, oldest first.

@@ -1,1 +1,8 @@
+//! The store on disk, asked through its ports, and what is found on the disk itself.
 
+mod crash;
+mod faults;
+mod files;
+mod kept;
+mod mounts;
+mod testing;

@@ -98,7 +98,7 @@ impl Writer {
         self.conclude(kept, losses, pages.last().map_or(self.kept, Page::last));
     }
 
-    fn write(&mut self, pages: &[Page], losses: u64) -> Result<(), Fault> {
+    pub(super) fn write(&mut self, pages: &[Page], losses: u64) -> Result<(), Fault> {
         match &mut self.hand {
             _ if pages.is_empty() => Ok(()),
             Hand::Writing(journal) => journal.keep(pages, || self.desk.losses() == losses),
@@ -106,7 +106,7 @@ impl Writer {
         }
     }
 
-    fn conclude(&mut self, kept: Result<(), Fault>, losses: u64, last: Seq) {
+    pub(super) fn conclude(&mut self, kept: Result<(), Fault>, losses: u64, last: Seq) {
         match kept {
             Ok(()) if self.desk.keep(losses, last) => self.kept = last,
             // It is on the disk and was said to be lost: it goes at once.

@@ -1,0 +1,245 @@
+//! The pages of missions, those that are over and the present one: their list, and one of them with its hall, its luggage and
+//! everything that happened, commands with who gave them, where from, and what became of them. They work without a script.
+
+use askama::Template;
+use axum::extract::State;
+use axum::response::Html;
+
+use super::super::Door;
+use super::super::missions::{MISSIONS, after, before, commands, happened, kept, newest};
+use super::super::problem::Problem;
+use super::super::query::Query;
+use super::super::reading::Number;
+use super::{hall, html};
+use crate::core::effect::{Entry, Fact};
+use crate::core::mission::PhaseName;
+use crate::core::standing::Standing;
+use crate::core::units::{MissionId, Seq, Wall};
+use crate::core::world::luggage::Luggage;
+use crate::runtime::archive::MissionRecord;
+use crate::wire::journal_words::{outcome, words};
+use crate::wire::luggage::photo_url;
+use crate::wire::time::{date_and_time, rfc3339};
+
+/// Events on a page: a few screens.
+const EVENTS: u64 = 200;
+
+/// `GET missions`
+pub(in crate::inbound::http) async fn list(State(door): State<Door>, query: Query) -> Result<Html<String>, Problem> {
+    query.only(&["before"])?;
+    let before = before(&query)?;
+    let (missions, next) = newest(&door, before, MISSIONS).await?;
+    Ok(html(&List { missions, before, next }))
+}
+
+/// `GET missions/{id}`
+pub(in crate::inbound::http) async fn one(
+    State(door): State<Door>,
+    Number(id): Number,
+    query: Query,
+) -> Result<Html<String>, Problem> {
+    query.only(&["after", "show"])?;
+    let (after, only_commands) = (after(&query)?, query.says("show", "commands")?);
+    let (record, standing) = kept(&door, id).await?;
+    let (events, next) = match only_commands {
+        true => commands(&door, id, after, EVENTS).await?,
+        false => happened(&door, id, after, EVENTS).await?,
+    };
+    Ok(html(&One { record, standing, commands: only_commands, after, events, next }))
+}
+
+/// The list of missions, the newest first.
+#[derive(Template)]
+#[template(path = "missions/list.html")]
+struct List {
+    missions: Vec<MissionRecord>,
+    before: Option<MissionId>,
+    next: Option<MissionId>,
+}
+
+/// One mission, and a page of what happened in it.
+#[derive(Template)]
+#[template(path = "missions/one.html")]
+struct One {
+    record: MissionRecord,
+    standing: Option<Standing>,
+    /// Whether only commands are shown of what happened.
+    commands: bool,
+    after: Seq,
+    events: Vec<(Seq, Entry)>,
+    next: Option<Seq>,
+}
+
+/// One line of what happened.
+struct Event {
+    seq: Seq,
+    moment: String,
+    time: String,
+    what: String,
+    /// Who gave the command, from where and by which door, when it is one.
+    by: Option<String>,
+    /// What became of the command.
+    outcome: String,
+    refused: bool,
+}
+
+impl List {
+    fn time(&self, wall: &Wall) -> String {
+        date_and_time(*wall)
+    }
+
+    fn came_to(&self, record: &MissionRecord) -> String {
+        came_to(record)
+    }
+}
+
+impl One {
+    fn time(&self, wall: &Wall) -> String {
+        date_and_time(*wall)
+    }
+
+    fn came_to(&self) -> String {
+        came_to(&self.record)
+    }
+
+    fn view_box(&self, standing: &Standing) -> String {
+        hall::view_box(&standing.map)
+    }
+
+    fn hall(&self, standing: &Standing) -> String {
+        let map = &standing.map;
+        let tiles: String = map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect();
+        format!("{tiles}{}{}", hall::labels(map), hall::found(map, standing.luggage.values().map(|luggage| &**luggage)))
+    }
+
+    fn pieces<'s>(&self, standing: &'s Standing) -> Vec<(&'s Luggage, Option<String>)> {
+        standing.luggage.values().map(|luggage| (&**luggage, photo_url(luggage))).collect()
+    }
+
+    fn events(&self) -> Vec<Event> {
+        self.events.iter().map(|(seq, entry)| Event::of(*seq, entry)).collect()
+    }
+
+    fn is_later_page(&self) -> bool {
+        self.after > Seq(0)
+    }
+}
+
+impl Event {
+    fn of(seq: Seq, entry: &Entry) -> Event {
+        let mut event = Event {
+            seq,
+            moment: rfc3339(entry.wall),
+            time: date_and_time(entry.wall),
+            what: String::new(),
+            by: None,
+            outcome: String::new(),
+            refused: false,
+        };
+        if let Fact::Command { issuer, command, refused, .. } = &entry.fact {
+            event.what.clone_from(command);
+            (event.by, event.outcome) = (Some(issuer.to_string()), outcome(refused.as_ref()));
+            event.refused = refused.is_some();
+        } else {
+            event.what = words(&entry.fact);
+        }
+        event
+    }
+}
+
+/// What a mission came to, in words for an operator.
+fn came_to(record: &MissionRecord) -> String {
+    let phase = PhaseName::ALL.into_iter().find(|phase| phase.name() == &*record.phase);
+    let words = phase.map_or(&*record.phase, |phase| phase.in_words());
+    let came_to = match (record.archived, phase) {
+        (None, _) => format!("Under way: {words}"),
+        (Some(_), Some(PhaseName::Explored)) => "The whole hall was searched".to_owned(),
+        (Some(_), Some(PhaseName::BombLocated)) => "A bomb was located".to_owned(),
+        (Some(_), Some(PhaseName::BagSecured)) => "The bomb was fetched and secured".to_owned(),
+        (Some(_), _) => format!("Put away while {words}"),
+    };
+    let left: Vec<String> = record.left.iter().map(|luggage| format!("#{luggage}")).collect();
+    if left.is_empty() { came_to } else { format!("{came_to}; luggage {} was left in place", left.join(", ")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::testing::{House, house, text};
+    use crate::wire::fixture::searching;
+
+    async fn page(house: &House, path: &str) -> String {
+        let response = house.get(path).await;
+        assert_eq!(response.status(), 200, "{path}");
+        text(response).await
+    }
+
+    fn check(page: &str, wanted: &[&str]) {
+        for wanted in wanted {
+            assert!(page.contains(wanted), "{wanted} in {page}");
+        }
+    }
+
+    #[tokio::test]
+    async fn the_list_says_what_each_mission_came_to() {
+        let page = page(&house(searching()), "/missions").await;
+        check(
+            &page,
+            &[
+                "href=\"/missions/1\"",
+                "3 Feb 2026, 10:00:00",
+                "A bomb was located; luggage #2 was left in place",
+                "Under way: exploring",
+                "href=\"/\"",
+                "action=\"/console/stop\"",
+            ],
+        );
+        assert!(page.find("Mission 2") < page.find("Mission 1"), "the newest first");
+    }
+
+    #[tokio::test]
+    async fn a_mission_shows_its_hall_its_luggage_and_who_decided() {
+        let page = page(&house(searching()), "/missions/1").await;
+        let hall = ["<svg id=\"hall\"", "class=\"wall\"", "class=\"piece danger\"", "<title>home</title>"];
+        check(&page, &hall);
+        check(&page, &["/api/v1/luggage/3/photo?take=1", "decided 3 Feb 2026, 10:00:00 by operator", "not decided"]);
+    }
+
+    /// Safety A6.
+    #[tokio::test]
+    async fn the_events_say_who_commanded_what_from_where_and_what_became_of_it() {
+        let house = house(searching());
+        let all = page(&house, "/missions/1").await;
+        check(&all, &["START <span class=\"by\">by anna (console, 192.0.2.7)</span> <b class=\"accepted\">accepted</b>"]);
+        check(&all, &["<b class=\"refused\">refused: the robot is moving: press STOP first</b>", "held by: operator"]);
+        let commands = page(&house, "/missions/1?show=commands").await;
+        assert!(commands.contains("RESET") && !commands.contains("held by: operator"));
+        let later = page(&house, "/missions/1?after=3").await;
+        assert!(!later.contains("anna") && later.contains("held by: operator") && later.contains("From the beginning"));
+    }
+
+    #[tokio::test]
+    async fn nothing_on_the_pages_is_inline_or_of_another_origin() {
+        let house = house(searching());
+        for path in ["/missions", "/missions?before=2", "/missions/1", "/missions/2", "/missions/1?show=commands&after=2"] {
+            let page = page(&house, path).await;
+            for unwanted in ["style=", "<style", "<script", "onclick", "http://", "https://"] {
+                assert!(!page.contains(unwanted), "{unwanted} in {path}");
+            }
+        }
+    }
+
+    #[tokio::test]
+    async fn a_person_who_asks_for_what_is_not_there_is_told_so_on_a_page() {
+        let house = house(searching());
+        for (path, status, words) in [
+            ("/missions/9", 404, "there is no mission 9"),
+            ("/missions/99", 503, "the disk is on strike"),
+            ("/missions?before=x", 422, "a whole number from 1 belongs there"),
+            ("/missions/1?show=nothing", 422, "commands belongs there"),
+        ] {
+            let response = house.send("GET", path, &[("accept", "text/html")], "").await;
+            assert_eq!(response.status(), status, "{path}");
+            assert!(text(response).await.contains(words), "{path}");
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! What fails is lost as it was said to be lost, and writing goes on (safety R3, V3). Real faults of real disks are in `mounts`.
+
+use std::sync::Arc;
+use std::sync::mpsc;
+
+use rusqlite::TransactionBehavior;
+
+use super::super::desk::Desk;
+use super::super::folder::Folder;
+use super::super::pages::Pages;
+use super::super::writer::{Hand, Writer};
+use super::super::{QUEUE, Reading, connect, open_with, recall};
+use super::testing::*;
+use crate::core::command::Verdict;
+use crate::core::effect::{Fact, Page};
+use crate::core::units::{LuggageId, Seq};
+
+fn notes(scratch: &Scratch) -> Vec<String> {
+    let findings = Reading::open(&scratch.data()).unwrap().check().unwrap();
+    assert_eq!(findings.faults, Vec::<String>::new());
+    findings.notes
+}
+
+/// Safety D2: a page is kept whole or not at all; what comes after the failure is kept again.
+#[test]
+fn a_page_of_which_one_entry_cannot_be_written_leaves_nothing() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(begin(1));
+    scribe.hand(vec![wall(1, 1), found(u64::MAX, None), wall(2, 2)]);
+    let failed = scribe.until(|word| word.losses == 1);
+    assert_eq!(failed.kept, Seq(4));
+    scribe.until(|word| word.failure.is_none());
+    assert_eq!(scribe.keep(vec![wall(3, 3)]), Seq(8));
+    drop(scribe);
+    assert_eq!(notes(&scratch), ["entries 5 to 7 were lost while the store could not write, and said to be lost"]);
+}
+
+#[test]
+fn a_page_whose_sender_does_not_know_of_a_loss_is_dropped() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(begin(1));
+    scribe.hand(vec![found(u64::MAX, None)]);
+    scribe.until(|word| word.losses == 1 && word.failure.is_none());
+    scribe.hand_knowing(vec![verdict(1, Verdict::Safe)], 0);
+    scribe.keep(vec![wall(3, 3)]);
+    assert_eq!(scribe.opened.archive.missions(None, 9).unwrap().len(), 1);
+    drop(scribe);
+    let recalled = scratch.open().recalled.unwrap();
+    assert_eq!(recalled.written, Seq(7));
+    assert_eq!(notes(&scratch).len(), 1);
+}
+
+/// Hands over what nobody takes: the store never blocks, and says that the disk does not keep up.
+#[test]
+fn a_full_queue_is_a_failure_and_not_a_wait() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(begin(1));
+    let mut other = connect::writer(&Folder::new(&scratch.data())).unwrap();
+    let hanging = other.transaction_with_behavior(TransactionBehavior::Immediate).unwrap();
+    for _ in 0..QUEUE + 600 {
+        scribe.hand(vec![wall(1, 1)]);
+    }
+    let failed = scribe.until(|word| word.failure.is_some());
+    assert_eq!((failed.kept, failed.losses), (Seq(4), 1));
+    drop(hanging);
+    scribe.until(|word| word.failure.is_none());
+    scribe.keep(vec![wall(3, 3)]);
+    drop(scribe);
+    assert_eq!(notes(&scratch).len(), 1);
+}
+
+/// Safety R3: the failure is said although the disk has not answered yet, and ends by itself.
+#[test]
+fn a_disk_that_hangs_is_not_waited_for() {
+    let scratch = Scratch::new();
+    let patience = super::super::Patience { looks: 3, ..HASTE };
+    let mut scribe = Scribe::new(open_with(&scratch.data(), patience).unwrap());
+    scribe.keep(begin(1));
+    let mut other = connect::writer(&Folder::new(&scratch.data())).unwrap();
+    let hanging = other.transaction_with_behavior(TransactionBehavior::Immediate).unwrap();
+    scribe.hand(vec![found(1, None), verdict(1, Verdict::Safe)]);
+    let failed = scribe.until(|word| word.losses == 1);
+    assert!(failed.failure.as_deref().is_some_and(|words| words.contains("does not answer")), "{failed:?}");
+    drop(hanging);
+    scribe.until(|word| word.failure.is_none());
+    assert_eq!(scribe.opened.archive.luggage(LuggageId(1)), Ok(None), "it was said to be lost");
+    scribe.keep(vec![found(1, None)]);
+    drop(scribe);
+    assert_eq!(notes(&scratch).len(), 1);
+}
+
+/// A writer that is moved by hand.
+fn writer(scratch: &Scratch) -> (Writer, Arc<Desk>) {
+    let folder = Folder::new(&scratch.data());
+    let journal = Pages::open(&folder, None, Seq(0), None).unwrap();
+    let desk = Arc::new(Desk::new(Seq(0), None));
+    let (pages, ended) = (mpsc::sync_channel(1).1, mpsc::channel().1);
+    let hand = Hand::Writing(journal);
+    (Writer { folder, desk: Arc::clone(&desk), pages, ended, hand, kept: Seq(0), patience: HASTE }, desk)
+}
+
+/// Safety V3: a verdict that was answered "not kept" does not stand, although the disk had it before anybody knew.
+#[test]
+fn what_was_given_up_while_the_disk_hung_is_taken_back() {
+    let scratch = Scratch::new();
+    let (mut writer, desk) = writer(&scratch);
+    let page = |first, facts: Vec<Fact>| Page { first: Seq(first), entries: facts.into_iter().map(at_noon).collect() };
+    let losses = desk.begin();
+    writer.write(&[page(1, [begin(1), vec![found(1, Some(photo("bag")))]].concat())], losses).unwrap();
+    writer.conclude(Ok(()), losses, Seq(5));
+    assert_eq!(desk.word().borrow().kept, Seq(5));
+
+    let losses = desk.begin();
+    let written = writer.write(&[page(6, vec![verdict(1, Verdict::Safe)])], losses);
+    desk.give_up(desk.at_work().unwrap(), "the disk does not answer");
+    let standing = || recall::recall(&Folder::new(&scratch.data())).unwrap().unwrap();
+    assert_eq!(standing().written, Seq(6), "the disk has it");
+    writer.conclude(written, losses, Seq(6));
+    assert_eq!(standing().written, Seq(5));
+    assert!(standing().standing.luggage[&LuggageId(1)].is_pending());
+    let word = desk.word().borrow().clone();
+    assert_eq!((word.kept, word.losses, word.failure), (Seq(5), 1, None));
+    assert_eq!(notes(&scratch), Vec::<String>::new());
+}
+
+/// The same, when the disk came back before the last step.
+#[test]
+fn what_was_given_up_before_the_last_step_is_not_written() {
+    let scratch = Scratch::new();
+    let (mut writer, desk) = writer(&scratch);
+    let losses = desk.begin();
+    desk.give_up(desk.at_work().unwrap(), "the disk does not answer");
+    let page = Page { first: Seq(1), entries: vec![at_noon(wall(1, 1))] };
+    assert!(writer.write(&[page], losses).is_err());
+    assert_eq!(recall::recall(&Folder::new(&scratch.data())).unwrap(), None);
+}
+
+#[test]
+fn what_was_handed_over_last_is_kept_when_the_program_ends() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    let mut last = Seq(0);
+    for _ in 0..300 {
+        last = scribe.hand(vec![wall(1, 1)]);
+    }
+    drop(scribe);
+    assert_eq!(scratch.open().recalled.map(|recalled| recalled.written), Some(last));
+}

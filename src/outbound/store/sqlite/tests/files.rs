@@ -1,0 +1,165 @@
+//! Files that cannot be opened, and what becomes of them: nothing (issue: a file that cannot be opened is never overwritten).
+
+use super::super::folder::Folder;
+use super::super::{OpenError, Opened, connect, open_with};
+use super::testing::*;
+use crate::core::units::{LuggageId, MissionId, Seq};
+use crate::runtime::archive::Unreadable;
+
+/// Opens what has been put there, hands something over, and holds every byte against what was there before.
+fn check_untouched(scratch: &Scratch, words: &[&str]) {
+    let before = bytes(&scratch.data());
+    let opened = scratch.open();
+    let failure = opened.failure.clone().expect("it cannot be opened");
+    for words in words {
+        assert!(failure.contains(words), "{failure}");
+    }
+    assert!(failure.contains("journal.db"), "{failure}");
+    let mut scribe = Scribe::new(opened);
+    assert_eq!(scribe.opened.recalled, None);
+    let word = scribe.until(|word| word.failure.is_some());
+    assert_eq!((word.failure.as_deref(), word.kept), (Some(failure.as_str()), Seq(0)));
+    for losses in [0, 1] {
+        scribe.hand_knowing(begin(1), losses);
+    }
+    drop(scribe);
+    assert_eq!(bytes(&scratch.data()), before, "not a byte has changed");
+}
+
+fn some_journal() -> Scratch {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep([begin(1), vec![found(1, Some(photo("bag")))]].concat());
+    for _ in 0..20 {
+        scribe.keep((0..100).map(|x| wall(x, 3)).collect());
+    }
+    drop(scribe);
+    // All of it stands in the one file then.
+    meddle(&scratch, "PRAGMA wal_checkpoint(TRUNCATE)");
+    scratch
+}
+
+fn meddle(scratch: &Scratch, sql: &str) {
+    connect::writer(&Folder::new(&scratch.data())).unwrap().execute_batch(sql).unwrap();
+}
+
+#[test]
+fn a_damaged_journal_is_left_as_it_is() {
+    let scratch = some_journal();
+    let path = scratch.data().join("journal.db");
+    let mut file = std::fs::read(&path).unwrap();
+    assert!(file.len() > 8 * 4096, "{}", file.len());
+    // The inner pages of the tree, after the header that says that all is well.
+    file[4096..6 * 4096].fill(0x5a);
+    std::fs::write(&path, file).unwrap();
+    check_untouched(&scratch, &["is damaged", "is left as it is", "backup", "start hallsweep again"]);
+}
+
+#[test]
+fn a_journal_cut_short_is_left_as_it_is() {
+    let scratch = some_journal();
+    let path = scratch.data().join("journal.db");
+    let file = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &file[..file.len() / 2]).unwrap();
+    check_untouched(&scratch, &["is damaged"]);
+}
+
+#[test]
+fn a_file_that_is_no_database_is_left_as_it_is() {
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.data()).unwrap();
+    std::fs::write(scratch.data().join("journal.db"), "Dear diary, today I have searched a hall. ".repeat(500)).unwrap();
+    check_untouched(&scratch, &["is damaged", "is left as it is"]);
+    let asked = scratch.open().archive.photo(LuggageId(1));
+    assert!(matches!(&asked, Err(Unreadable(words)) if words.contains("is damaged")), "{asked:?}");
+}
+
+#[test]
+fn the_database_of_another_program_is_left_as_it_is() {
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.data()).unwrap();
+    let other = rusqlite::Connection::open(scratch.data().join("journal.db")).unwrap();
+    other.execute_batch("CREATE TABLE songs (title TEXT)").unwrap();
+    drop(other);
+    check_untouched(&scratch, &["is no journal of hallsweep", "--data"]);
+}
+
+#[test]
+fn the_journal_of_a_newer_version_is_left_as_it_is() {
+    let scratch = some_journal();
+    meddle(&scratch, "PRAGMA user_version = 7");
+    check_untouched(&scratch, &["newer hallsweep (format 7)", "--data"]);
+}
+
+#[test]
+fn after_an_entry_that_says_nothing_nothing_is_written() {
+    let scratch = some_journal();
+    meddle(&scratch, "INSERT INTO events VALUES (3000, 1, 0, 0, 'danced', '{\"kind\":\"danced\"}')");
+    check_untouched(&scratch, &["entry 3000 of the journal", "danced", "start hallsweep again"]);
+    let archive = scratch.open().archive;
+    assert_eq!(archive.photo(LuggageId(1)), Ok(Some(photo("bag"))), "reading goes on");
+    assert!(archive.mission(MissionId(1)).unwrap().is_some());
+}
+
+/// A kill in the very first moments leaves such files.
+#[test]
+fn a_journal_that_had_only_just_begun_is_begun_again() {
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.data()).unwrap();
+    std::fs::write(scratch.data().join("journal.db"), "").unwrap();
+    let mut scribe = Scribe::new(scratch.open());
+    assert_eq!((&scribe.opened.recalled, &scribe.opened.failure), (&None, &None));
+    scribe.keep(begin(1));
+
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.data()).unwrap();
+    let begun = rusqlite::Connection::open(scratch.data().join("journal.db")).unwrap();
+    begun.query_row("PRAGMA journal_mode = WAL", [], |_| Ok(())).unwrap();
+    drop(begun);
+    Scribe::new(scratch.open()).keep(begin(1));
+}
+
+#[test]
+fn two_hallsweeps_never_share_a_folder() {
+    let scratch = Scratch::new();
+    let first = scratch.open();
+    let second = open_with(&scratch.data(), HASTE);
+    let Err(OpenError::InUse(words)) = second.map(drop) else { panic!("both have it") };
+    assert!(words.contains(&scratch.data().display().to_string()) && words.contains("--data"), "{words}");
+    drop(first);
+    assert!(open_with(&scratch.data(), HASTE).is_ok());
+}
+
+#[cfg(unix)]
+#[test]
+fn only_the_owner_reads_what_is_kept() {
+    use std::os::unix::fs::PermissionsExt;
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(vec![found(1, Some(photo("bag")))]);
+    let mode = |path: &std::path::Path| std::fs::metadata(path).unwrap().permissions().mode() & 0o777;
+    assert_eq!(mode(&scratch.data()), 0o700);
+    for name in ["journal.db", "journal.db-wal", "journal.db-shm", "journal.lock"] {
+        assert_eq!(mode(&scratch.data().join(name)), 0o600, "{name}");
+    }
+    for (path, _) in bytes(&scratch.data()) {
+        assert_eq!(mode(&path), 0o600, "{}", path.display());
+    }
+}
+
+/// A journal that somebody else has written on, after it was read but before it was written to, is not written to.
+#[test]
+fn a_journal_that_changed_after_it_was_read_is_not_written_to() {
+    use super::super::fault::Fault;
+    use super::super::pages::Pages;
+    let scratch = some_journal();
+    let opened = Pages::open(&Folder::new(&scratch.data()), None, Seq(3), None);
+    assert!(matches!(opened, Err(Fault::Changed)));
+}
+
+#[test]
+fn an_absent_folder_has_nothing_to_read() {
+    let scratch = Scratch::new();
+    let Opened { archive, .. } = scratch.open();
+    assert_eq!((archive.photo(LuggageId(1)), archive.missions(None, 5)), (Ok(None), Ok(Vec::new())));
+}

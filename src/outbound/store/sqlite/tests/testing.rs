@@ -1,0 +1,155 @@
+//! What the tests of the store have in common: a folder that goes with them, pages of a small mission, and waiting for a word.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
+
+use super::super::writer::Patience;
+use super::super::{Opened, open_with};
+use crate::core::command::{CommandId, Door, Issuer, Verdict};
+use crate::core::effect::{Entry, Fact, Page};
+use crate::core::event::Photo;
+use crate::core::explore::Strategy;
+use crate::core::mission::{Inspection, Phase, Stage};
+use crate::core::units::{Cell, LuggageId, MissionId, Pose, Seq, Wall};
+use crate::core::world::hall_map::Mark;
+use crate::core::world::luggage::{Luggage, PhotoState};
+use crate::runtime::store::StoreWord;
+
+/// No waiting but for the disk.
+pub(super) const HASTE: Patience = Patience { retry: Duration::from_millis(1), looks: u32::MAX, look: Duration::from_millis(1) };
+
+/// A folder of one test.
+pub(super) struct Scratch(PathBuf);
+
+impl Scratch {
+    pub(super) fn new() -> Scratch {
+        static NUMBER: AtomicU32 = AtomicU32::new(0);
+        let name = format!("hallsweep-store-{}-{}", std::process::id(), NUMBER.fetch_add(1, Ordering::Relaxed));
+        let path = std::env::temp_dir().join(name);
+        std::fs::create_dir(&path).expect("a fresh folder");
+        Scratch(path)
+    }
+
+    /// Where the store is to be; not created yet.
+    pub(super) fn data(&self) -> PathBuf {
+        self.0.join("data")
+    }
+
+    pub(super) fn open(&self) -> Opened {
+        open_with(&self.data(), HASTE).expect("nobody else uses it")
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Hands pages over, one after the other, and numbers them.
+pub(super) struct Scribe {
+    pub(super) opened: Opened,
+    written: Seq,
+    word: tokio::sync::watch::Receiver<StoreWord>,
+}
+
+impl Scribe {
+    pub(super) fn new(opened: Opened) -> Scribe {
+        let written = opened.recalled.as_ref().map_or(Seq(0), |recalled| recalled.written);
+        let word = opened.store.word();
+        Scribe { opened, written, word }
+    }
+
+    /// Hands a page over, knowing of all losses.
+    pub(super) fn hand(&mut self, facts: Vec<Fact>) -> Seq {
+        let losses = self.word.borrow().losses;
+        self.hand_knowing(facts, losses)
+    }
+
+    pub(super) fn hand_knowing(&mut self, facts: Vec<Fact>, losses: u64) -> Seq {
+        let page = Page { first: self.written.next(), entries: facts.into_iter().map(at_noon).collect() };
+        self.written = page.last();
+        self.opened.store.record(page, losses);
+        self.written
+    }
+
+    /// Waits until the word is as wanted.
+    pub(super) fn until(&mut self, wanted: impl FnMut(&StoreWord) -> bool) -> StoreWord {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a small runtime");
+        let waited = runtime.block_on(async { tokio::time::timeout(Duration::from_secs(60), self.word.wait_for(wanted)).await });
+        waited.expect("it comes to be within a minute").expect("the store lives").clone()
+    }
+
+    /// Hands a page over and waits until it is kept.
+    pub(super) fn keep(&mut self, facts: Vec<Fact>) -> Seq {
+        let last = self.hand(facts);
+        self.until(|word| word.kept >= last);
+        last
+    }
+}
+
+pub(super) fn at_noon(fact: Fact) -> Entry {
+    Entry { wall: Wall { unix_ms: 1_770_000_000_000, offset_s: 3600 }, fact }
+}
+
+pub(super) fn command(id: Option<&str>) -> Fact {
+    let id = id.and_then(CommandId::new);
+    Fact::Command { issuer: Issuer::operator(Door::Http), id, command: "START".to_owned(), luggage: None, refused: None }
+}
+
+/// As the core begins a mission: the phase before the beginning.
+pub(super) fn begin(mission: u64) -> Vec<Fact> {
+    vec![command(None), Fact::Phase(Phase::Exploring), Fact::MissionBegan(MissionId(mission), Strategy::Snail), Fact::Led(true)]
+}
+
+/// As the core puts a mission away: the phase before the end.
+pub(super) fn archive(mission: u64) -> Vec<Fact> {
+    vec![command(None), Fact::Phase(Phase::Idle), Fact::MissionArchived(MissionId(mission), vec![LuggageId(9)])]
+}
+
+pub(super) fn photo(text: &str) -> Photo {
+    Photo { bytes: text.as_bytes().into(), media_type: "image/png" }
+}
+
+pub(super) fn inspecting(id: u64) -> Fact {
+    let stage = Stage::AwaitingVerdict(LuggageId(id));
+    Fact::Phase(Phase::Inspecting(Inspection { cell: Cell::new(0, 1), piece: None, pose: Pose::START, stage }))
+}
+
+pub(super) fn found(id: u64, photo: Option<Photo>) -> Fact {
+    let taken = photo.as_ref().map(|photo| PhotoState::Taken { bytes: photo.bytes.len(), take: 1 });
+    let record = Luggage {
+        id: LuggageId(id),
+        cell: Cell::new(0, 1),
+        pose: Pose::START,
+        taken: Wall::default(),
+        photo: taken.unwrap_or(PhotoState::Failed("dark".to_owned())),
+        verdict: None,
+        piece: None,
+    };
+    Fact::Luggage { record: Arc::new(record), photo }
+}
+
+pub(super) fn verdict(id: u64, verdict: Verdict) -> Fact {
+    Fact::Verdict { luggage: LuggageId(id), verdict, who: "anna".into() }
+}
+
+pub(super) fn wall(x: i32, y: i32) -> Fact {
+    Fact::Mark(Cell::new(x, y), Mark::Wall)
+}
+
+/// Every file below a folder, with its bytes; what SQLite keeps beside the journal while it is open is left out.
+pub(super) fn bytes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).expect("the folder is there").map(|entry| entry.expect("it can be read").path()) {
+        if entry.is_dir() {
+            files.extend(bytes(&entry));
+        } else if !["db-wal", "db-shm", "lock"].iter().any(|end| entry.extension().is_some_and(|extension| extension == *end)) {
+            files.push((entry.clone(), std::fs::read(&entry).expect("it can be read")));
+        }
+    }
+    files.sort();
+    files
+}

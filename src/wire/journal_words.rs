@@ -1,0 +1,117 @@
+//! A journal entry in words: one line for a person, who reads it in a terminal or on the console's pages.
+//! How entries are written for programs, so that they can be read back, is not here.
+
+use std::fmt::Display;
+
+use super::time::rfc3339;
+use crate::core::command::Refusal;
+use crate::core::effect::{Entry, Fact};
+use crate::core::world::luggage::{Luggage, PhotoState};
+
+/// The time, then the fact in a few words; no line break. The same entry gives the same bytes.
+#[must_use]
+pub fn line(entry: &Entry) -> String {
+    format!("{} {}", rfc3339(entry.wall), words(&entry.fact))
+}
+
+/// What happened, in a few words; no line break.
+#[must_use]
+pub fn words(fact: &Fact) -> String {
+    said(fact).replace(['\n', '\r'], " ")
+}
+
+fn said(fact: &Fact) -> String {
+    match fact {
+        Fact::ProgramStarted(version) => format!("program started, version {version}"),
+        Fact::Standing(standing) => {
+            format!("all that stands: mission {}, {} cells visited", standing.mission, standing.map.visited())
+        }
+        Fact::Command { issuer, command, refused, .. } => format!("command {command} by {issuer}: {}", outcome(refused.as_ref())),
+        Fact::MissionBegan(mission, strategy) => format!("mission {mission} began ({})", strategy.name()),
+        Fact::MissionArchived(mission, left) => {
+            format!("mission {mission} put away, bombs left: {}", list(left.iter().map(|id| format!("#{id}"))))
+        }
+        Fact::Phase(phase) => match phase.interrupted() {
+            Some(interrupted) => format!("phase: {} (was {})", phase.name().in_words(), interrupted.name().in_words()),
+            None => format!("phase: {}", phase.name().in_words()),
+        },
+        Fact::Holds(holds) => format!("held by: {}", list(holds.iter().map(|hold| hold.name()))),
+        Fact::Epoch(epoch) => format!("stopped: epoch {epoch}"),
+        Fact::Goal(goal, _) => goal.map_or_else(|| "no goal".to_owned(), |goal| format!("goal {}", goal.cell())),
+        Fact::Pose(pose) => format!("robot at {}, facing {}", pose.cell, pose.heading.name()),
+        Fact::Led(blinking) => format!("LED {}", if *blinking { "blinking" } else { "off" }),
+        Fact::Obstacle(cell, kind) => format!("obstacle at {cell}, taken for {kind}"),
+        Fact::Mark(cell, mark) => format!("cell {cell} {}", mark.name()),
+        Fact::Luggage { record, .. } => luggage(record),
+        Fact::Verdict { luggage, verdict, who } => format!("verdict on luggage #{luggage}: {}, by {who}", verdict.name()),
+        Fact::Temperature(source, celsius) => format!("temperature {celsius}, by {source}"),
+        Fact::AlarmRaised(alarm, _, text) => format!("alarm {alarm} raised: {text}"),
+        Fact::AlarmAcknowledged(alarm, who) => format!("alarm {alarm} acknowledged by {who}"),
+        Fact::Strategy(strategy) => format!("search order: {}", strategy.name()),
+        Fact::MapEmptied(heading) => format!("map emptied, facing {}", heading.name()),
+    }
+}
+
+/// What became of a command: `accepted`, or `refused` and why.
+#[must_use]
+pub fn outcome(refused: Option<&Refusal>) -> String {
+    refused.map_or_else(|| "accepted".to_owned(), |refusal| format!("refused: {}", refusal.words))
+}
+
+fn luggage(record: &Luggage) -> String {
+    let photo = match &record.photo {
+        PhotoState::Taken { bytes, take } => format!("photo {take} of {bytes} bytes"),
+        PhotoState::Failed(reason) => format!("no photo: {reason}"),
+    };
+    let Luggage { id, cell, pose, .. } = record;
+    format!("luggage #{id} at {cell}, seen from {} facing {}; {photo}", pose.cell, pose.heading.name())
+}
+
+fn list<T: Display>(things: impl IntoIterator<Item = T>) -> String {
+    let words: Vec<String> = things.into_iter().map(|thing| thing.to_string()).collect();
+    if words.is_empty() { "none".to_owned() } else { words.join(", ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::command::{Door, Issuer, Refused};
+    use crate::core::mission::Hold;
+    use crate::core::units::{Cell, Pose, Wall};
+    use crate::core::world::hall_map::Mark;
+    use crate::wire::fixture::piece;
+
+    fn check(fact: Fact, expect: &str) {
+        assert_eq!(line(&Entry { wall: Wall::default(), fact }), format!("1970-01-01T00:00:00.000+00:00 {expect}"));
+    }
+
+    fn command(refused: Option<Refused>) -> Fact {
+        let issuer = Issuer { door: Door::Http, who: "anna".into(), from: "192.0.2.7".into() };
+        let refused = refused.as_ref().map(Refusal::from);
+        Fact::Command { issuer, id: None, command: "START".to_owned(), luggage: None, refused }
+    }
+
+    #[test]
+    fn an_entry_is_one_line() {
+        check(Fact::Holds(vec![Hold::Operator, Hold::AwaitingStart]), "held by: operator, awaitingStart");
+        check(Fact::Holds(Vec::new()), "held by: none");
+        check(Fact::Pose(Pose::START), "robot at (0, 0), facing south");
+        check(Fact::Mark(Cell::new(1, 2), Mark::Wall), "cell (1, 2) wall");
+        check(Fact::AlarmRaised(Default::default(), None, "two\nlines".to_owned()), "alarm 0 raised: two lines");
+    }
+
+    #[test]
+    fn luggage_is_told_without_the_words_of_a_programming_language() {
+        let record = piece(3, Cell::new(6, 2), None);
+        let expect = "luggage #3 at (6, 2), seen from (5, 2) facing east; photo 1 of 4 bytes";
+        check(Fact::Luggage { record, photo: None }, expect);
+    }
+
+    /// Safety A6.
+    #[test]
+    fn a_command_says_who_gave_it_from_where_and_what_became_of_it() {
+        check(command(None), "command START by anna (http, 192.0.2.7): accepted");
+        let refused = "command START by anna (http, 192.0.2.7): refused: the robot is moving: press STOP first";
+        check(command(Some(Refused::Moving)), refused);
+    }
+}

@@ -1,0 +1,298 @@
+//! Who gets in: keys beyond loopback, their file, their command, sessions, viewers and operators, names of hosts. The door is
+//! bound to every address and reached over loopback only.
+
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use crate::program::{Answer, Program, hallsweep};
+
+const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
+const BROWSER: (&str, &str) = ("accept", "text/html,application/xhtml+xml,*/*;q=0.8");
+
+/// A data folder that is gone when the test ends.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Folder {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("access-{name}-{}", std::process::id()));
+        // There is none yet, unless a test before it was interrupted.
+        let _ = std::fs::remove_dir_all(&path);
+        Folder(path)
+    }
+
+    fn file(&self) -> PathBuf {
+        self.0.join("access.toml")
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = hallsweep(arguments);
+        command.env("HALLSWEEP__STORE__FOLDER", &self.0);
+        command
+    }
+
+    /// A program that others could reach.
+    fn serve(&self) -> Program {
+        Program::started(&mut self.command(&["serve", "--http", "0.0.0.0:0", "--hall", "empty-8x8", "--speed", "4"]))
+    }
+
+    /// What `hallsweep token` prints.
+    fn token(&self, arguments: &[&str]) -> String {
+        let output = self.command(&[&["token"], arguments].concat()).output().expect("the program starts");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    }
+
+    /// The token of a key, as `hallsweep token` shows it.
+    fn token_of(&self, name: &str) -> String {
+        let shown = self.token(&[]);
+        let key = shown.split(&format!("{name} (")).nth(1).expect("the key is shown");
+        key.lines().nth(1).and_then(|line| line.split_whitespace().nth(1)).expect("its token is shown").to_owned()
+    }
+
+    /// What `hallsweep token` says when it refuses.
+    fn refused(&self, arguments: &[&str]) -> String {
+        let output = self.command(&[&["token"], arguments].concat()).output().expect("the program starts");
+        assert_eq!(output.status.code(), Some(1), "{output:?}");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // Left behind it harms nobody.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn bearer(token: &str) -> String {
+    format!("Bearer {token}")
+}
+
+/// Looks at the state, as whoever has this token.
+fn looks(program: &Program, token: &str) -> u16 {
+    program.read("/api/v1/state", &[("authorization", &bearer(token))]).status
+}
+
+/// Gives a command of the API, as whoever has this token.
+fn commands(program: &Program, token: &str, command: &str) -> Answer {
+    program.post_with(&format!("/api/v1/commands/{command}"), &[("authorization", &bearer(token))], "")
+}
+
+/// Signs in, and returns the cookie.
+fn sign_in(program: &Program, token: &str) -> String {
+    let answer = program.post_with("/sign-in", &[FORM, BROWSER], &format!("token={token}&next=/"));
+    assert_eq!((answer.status, answer.header("location")), (303, "/"));
+    answer.header("set-cookie").split(';').next().expect("a cookie").to_owned()
+}
+
+/// Waits until a look is answered so: a changed key counts within a moment.
+fn until_looks(program: &Program, token: &str, status: u16) {
+    let deadline = crate::program::Deadline::within(Duration::from_secs(60));
+    while looks(program, token) != status {
+        assert!(!deadline.has_passed(), "a look is never answered with {status}");
+    }
+}
+
+/// Safety A1.
+#[test]
+fn the_first_start_shows_a_ready_link_once_and_the_next_does_not() {
+    let folder = Folder::new("first");
+    let program = folder.serve();
+    let said = program.says();
+    let (_, token) = said.split_once("/sign-in?token=").expect("a ready link");
+    assert!(said.contains(&format!("http://localhost:{}/sign-in", program.address().port())), "{said}");
+    assert_eq!(looks(&program, token), 200);
+    assert_eq!(token, folder.token_of("operator"));
+    let page = program.read(&format!("/sign-in?token={token}"), &[BROWSER]);
+    assert!(page.status == 200 && page.text().contains(token) && page.header("set-cookie").is_empty());
+    drop(program);
+
+    let again = folder.serve();
+    let said = again.says();
+    assert!(!said.contains(token) && said.contains("`hallsweep token`"), "{said}");
+    assert_eq!(looks(&again, token), 200, "the key is the same");
+}
+
+/// Safety A1.
+#[cfg(unix)]
+#[test]
+fn the_keys_are_private_and_refused_when_they_are_not() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::new("private");
+    drop(folder.serve());
+    let mode = |path: &Path| std::fs::metadata(path).expect("it is there").permissions().mode() & 0o777;
+    assert_eq!((mode(&folder.file()), mode(&folder.0)), (0o600, 0o700));
+    std::fs::set_permissions(folder.file(), std::fs::Permissions::from_mode(0o644)).expect("it is ours");
+    let output = folder.command(&["serve", "--http", "0.0.0.0:0"]).output().expect("the program starts");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && said.contains("chmod 600") && said.contains("644"), "{said}");
+    assert!(folder.refused(&[]).contains("chmod 600"));
+}
+
+/// Safety A1, A3.
+#[test]
+fn nobody_gets_in_without_a_key_and_a_key_gets_in_by_token_or_cookie() {
+    let folder = Folder::new("in");
+    let program = folder.serve();
+    let token = folder.token_of("operator");
+    for path in ["/api/v1/state", "/api/v1/events", "/console/live", "/"] {
+        let answer = program.read(path, &[]);
+        assert_eq!((answer.status, answer.header("www-authenticate")), (401, "Bearer"), "{path}");
+        answer.problem(401);
+    }
+    program.command("start").problem(401);
+    program.command("stop").problem(401);
+    let led = program.read("/", &[BROWSER]);
+    assert_eq!((led.status, led.header("location")), (303, "/sign-in"));
+    assert_eq!(program.read("/healthz", &[]).status, 200);
+    assert_eq!(program.read("/static/console.css", &[]).status, 200);
+
+    commands(&program, &token, "start").accepted();
+    let cookie = sign_in(&program, &token);
+    let page = program.read("/", &[BROWSER, ("cookie", &cookie)]);
+    assert!(page.status == 200 && page.text().contains("Sign out"));
+    let stopped = program.post_with("/console/stop", &[FORM, BROWSER, ("cookie", &cookie)], "");
+    assert_eq!((stopped.status, stopped.header("location")), (303, "/"));
+    let state = program.read("/api/v1/state", &[("cookie", &cookie)]).json();
+    assert!(state["mission"]["holds"].as_array().expect("holds").contains(&"operator".into()), "{state}");
+    let out = program.post_with("/sign-out", &[FORM, BROWSER, ("cookie", &cookie)], "");
+    assert!(out.status == 303 && out.header("set-cookie").contains("Max-Age=0"));
+}
+
+#[test]
+fn a_session_outlives_the_program() {
+    let folder = Folder::new("session");
+    let program = folder.serve();
+    let cookie = sign_in(&program, &folder.token_of("operator"));
+    drop(program);
+    let again = folder.serve();
+    assert_eq!(again.read("/api/v1/state", &[("cookie", &cookie)]).status, 200);
+    let forged = format!("{}0", &cookie[..cookie.len() - 1]);
+    let forged = if forged == cookie { format!("{}1", &cookie[..cookie.len() - 1]) } else { forged };
+    assert_eq!(again.read("/api/v1/state", &[("cookie", &forged)]).status, 401);
+}
+
+/// Safety A1, S1.
+#[test]
+fn a_viewer_sees_and_stops_and_does_nothing_else() {
+    let folder = Folder::new("viewer");
+    assert!(folder.token(&["add", "lobby", "--role", "viewer"]).contains("lobby (viewer)"));
+    let program = folder.serve();
+    let (viewer, operator) = (folder.token_of("lobby"), folder.token_of("operator"));
+    assert_eq!(looks(&program, &viewer), 200);
+    let refused = commands(&program, &viewer, "start");
+    assert_eq!(refused.json()["code"], "notAllowed");
+    assert!(refused.problem(403).contains("operator"));
+    commands(&program, &operator, "start").accepted();
+    commands(&program, &viewer, "stop").accepted();
+    let moved = |word: &str| {
+        let headers = [("authorization", bearer(&viewer)), ("content-type", "application/json".to_owned())];
+        let headers = headers.each_ref().map(|(name, value)| (*name, value.as_str()));
+        program.post_with("/api/v1/commands/move", &headers, &format!("{{\"move\":\"{word}\"}}"))
+    };
+    moved("w").problem(403);
+    moved("h").accepted();
+    let page = program.read("/", &[BROWSER, ("cookie", &sign_in(&program, &viewer))]).text();
+    assert!(page.contains("you are signed in as a viewer") && page.contains("<b>lobby</b>"));
+}
+
+/// Safety A1.
+#[test]
+fn a_rotated_key_counts_at_once_and_ends_sessions_and_open_streams() {
+    let folder = Folder::new("rotated");
+    folder.token(&["add", "lobby", "--role", "viewer"]);
+    let program = folder.serve();
+    let old = folder.token_of("lobby");
+    let cookie = sign_in(&program, &old);
+    let mut stream = TcpStream::connect(program.address()).expect("the program listens");
+    stream.set_read_timeout(Some(Duration::from_secs(60))).expect("a time-out can be set");
+    let request =
+        format!("GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: {}\r\n\r\n", bearer(&old));
+    stream.write_all(request.as_bytes()).expect("the program listens");
+    let mut first = [0; 12];
+    stream.read_exact(&mut first).expect("the stream begins");
+    assert_eq!(&first, b"HTTP/1.1 200");
+    assert!(!folder.token(&["rotate", "lobby"]).contains(&old));
+    until_looks(&program, &old, 401);
+    let mut rest = String::new();
+    stream.read_to_string(&mut rest).expect("the stream has an end");
+    assert!(rest.ends_with("0\r\n\r\n"), "it ended in order: {rest}");
+    assert_eq!(program.read("/api/v1/state", &[("cookie", &cookie)]).status, 401);
+    let new = folder.token_of("lobby");
+    assert_eq!(looks(&program, &new), 200);
+    folder.token(&["remove", "lobby"]);
+    until_looks(&program, &new, 401);
+    assert_eq!(looks(&program, &folder.token_of("operator")), 200, "others are left alone");
+}
+
+#[test]
+fn the_command_for_keys_says_what_it_cannot_do() {
+    let folder = Folder::new("command");
+    assert!(folder.token(&[]).contains("operator (operator)"), "the first use makes a key");
+    assert!(folder.refused(&["remove", "operator"]).contains("last operator"));
+    assert!(folder.refused(&["rotate", "loby"]).contains("there are operator"));
+    assert!(folder.refused(&["add", "operator", "--role", "viewer"]).contains("already"));
+    assert!(folder.refused(&["add", "a b", "--role", "viewer"]).contains("1 to 32"));
+    let output = hallsweep(&["token", "--data", "none"]).output().expect("the program starts");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("nothing is kept"), "{output:?}");
+    folder.token(&["add", "night-shift", "--role", "operator"]);
+    folder.token(&["remove", "operator"]);
+    let elsewhere = hallsweep(&["token", "show", "--data", &folder.0.display().to_string()]).output().expect("it starts");
+    assert!(String::from_utf8_lossy(&elsewhere.stdout).contains("night-shift (operator)"));
+}
+
+#[test]
+fn where_nothing_is_kept_the_key_is_shown_at_every_start() {
+    let arguments = ["serve", "--http", "0.0.0.0:0", "--data", "none", "--hall", "empty-8x8"];
+    let token = |program: &Program| program.says().rsplit("token=").next().expect("a token").to_owned();
+    let (one, other) = (Program::with(&arguments), Program::with(&arguments));
+    let (first, second) = (token(&one), token(&other));
+    assert_ne!(first, second);
+    assert_eq!((looks(&one, &first), looks(&one, &second)), (200, 401));
+}
+
+#[test]
+fn on_loopback_keys_are_asked_for_when_that_is_wanted() {
+    let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8"];
+    assert_eq!(Program::with(&arguments).read("/api/v1/state", &[]).status, 200, "open to this machine");
+    let mut command = hallsweep(&arguments);
+    let proxied =
+        Program::started(command.env("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true").env("HALLSWEEP__HTTP__HOSTS", "hall.example"));
+    assert_eq!(proxied.read("/api/v1/state", &[]).status, 401);
+    assert_eq!(proxied.read("/api/v1/state", &[("host", "hall.example")]).status, 401);
+    assert_eq!(proxied.read("/api/v1/state", &[("host", "other.example")]).status, 421);
+}
+
+/// Safety A2.
+#[test]
+fn beyond_loopback_addresses_and_listed_names_are_known_and_no_others() {
+    let folder = Folder::new("hosts");
+    let program = folder.serve();
+    for own in ["192.0.2.7:8080", "[2001:db8::1]", "localhost", "127.0.0.1:80"] {
+        assert_eq!(program.read("/healthz", &[("host", own)]).status, 200, "{own}");
+    }
+    let refused = program.read("/healthz", &[("host", "rebound.example")]).problem(421);
+    assert!(refused.contains("http.hosts"), "{refused}");
+    drop(program);
+    let arguments = ["serve", "--http", "0.0.0.0:0", "--hall", "empty-8x8"];
+    let named = Program::started(folder.command(&arguments).env("HALLSWEEP__HTTP__HOSTS", "[\"hall.example\"]"));
+    assert_eq!(named.read("/healthz", &[("host", "hall.example:8080")]).status, 200);
+    assert_eq!(named.read("/healthz", &[("host", "rebound.example")]).status, 421);
+}
+
+/// Safety A3. That the delay grows, and that nobody with a key waits, is measured beside `sign_in` on a clock that does not run.
+#[test]
+fn a_wrong_key_is_refused_in_words_and_locks_nobody_out() {
+    let folder = Folder::new("wrong");
+    let program = folder.serve();
+    let token = folder.token_of("operator");
+    for wrong in ["", "wrong", &token[1..], &token.replace('a', "b").replace('1', "2")] {
+        assert_eq!(looks(&program, wrong), 401, "{wrong}");
+    }
+    let refused = program.post_with("/sign-in", &[FORM, BROWSER], "token=wrong");
+    assert!(refused.status == 403 && refused.text().contains("not known") && refused.header("set-cookie").is_empty());
+    commands(&program, &token, "stop").accepted();
+}
