@@ -16,6 +16,7 @@ use tokio::task::JoinHandle;
 
 use crate::access::AccessError;
 use crate::config::{self, Settings};
+use crate::core::mission::Hold;
 use crate::core::sweep::{Recalled, Sweep};
 use crate::inbound::http::{self, Door, TlsError};
 use crate::outbound::robot::sim::{self, Camera, DiaryError, Hall, HallError, SimSettings};
@@ -35,6 +36,9 @@ use kept::Kept;
 
 /// What is still busy this long after everything has ended (a photo being drawn) is left behind.
 const LEFT_BEHIND: Duration = Duration::from_millis(200);
+
+/// So long the robot is waited for before requests are answered.
+const FIRST_LINK: Duration = Duration::from_secs(2);
 
 /// Why the program cannot begin, or not go on. `Display` is the line for whoever started it.
 #[derive(Debug, thiserror::Error)]
@@ -129,15 +133,16 @@ async fn serve_hall(
     let bind = |error| AppError::Bind { address: settings.http.bind, error };
     let listener = TcpListener::bind(settings.http.bind).await.map_err(bind)?;
     let address = listener.local_addr().map_err(bind)?;
-    // Only now, when this program and no other has the port: a key that is shown is the one that counts.
-    let (access, entry) = entry::access(settings)?;
     let signalled = signals::listen().map_err(AppError::System)?;
 
     let kept = Kept::open(settings, &hall)?;
+    // Only now, when nothing else can refuse the start: a key that is made is also shown.
+    let (access, entry) = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
     let archive = Arc::clone(&kept.archive);
     let (closing, closed) = watch::channel(false);
     let (handle, mut task) = start(settings, (Arc::clone(&hall), sim), kept, &halter, closed);
+    find_robot(&handle).await;
     let door = Door::new(handle, archive, hall.name(), access);
     announce(address, &entry);
     tracing::info!(%address, hall = hall.name(), "serving");
@@ -158,6 +163,16 @@ async fn serve_hall(
         None => task.await,
     };
     if by_itself || end.is_err() { Err(AppError::LoopEnded) } else { Ok(()) }
+}
+
+/// Waits until the robot is linked, so that whoever reads where to find the program can press START at once. One that cannot be
+/// reached is no reason not to serve.
+async fn find_robot(handle: &Handle) {
+    let mut states = handle.watch();
+    let linked = states.wait_for(|state| !state.mission.holds.contains(&Hold::RobotLink));
+    if tokio::time::timeout(FIRST_LINK, linked).await.is_err() {
+        tracing::warn!("the robot has not been reached yet");
+    }
 }
 
 /// Starts the robot and the loop.

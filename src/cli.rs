@@ -12,6 +12,7 @@ use crate::telemetry;
 pub mod explore;
 mod failure;
 pub mod healthcheck;
+pub mod journal;
 mod link;
 pub mod serve;
 pub mod table;
@@ -42,6 +43,8 @@ pub enum Task {
     Healthcheck(Healthcheck),
     /// Show, add, replace and remove the keys by which people and programs get in.
     Token(token::Keyrings),
+    /// Print, check and export what is on record, and mend its tables.
+    Journal(journal::Journal),
     /// Print the table of the mission, phase by phase, as markdown.
     Table,
 }
@@ -134,7 +137,9 @@ mod tests {
         let cli = Cli::try_parse_from(arguments.split_whitespace()).expect("these arguments are good");
         match cli.task() {
             Task::Serve(serve) => serve.flags().into_iter().map(|flag| (flag.key, flag.value)).collect(),
-            other @ (Task::Explore(_) | Task::Healthcheck(_) | Task::Token(_) | Task::Table) => panic!("{other:?} is not serve"),
+            other @ (Task::Explore(_) | Task::Healthcheck(_) | Task::Journal(_) | Task::Token(_) | Task::Table) => {
+                panic!("{other:?} is not serve")
+            }
         }
     }
 

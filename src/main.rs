@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use hallsweep::cli::{Cli, Failure, Task, explore, healthcheck, serve, table, token};
+use hallsweep::cli::{Cli, Failure, Task, explore, healthcheck, journal, serve, table, token};
 
 fn main() -> ExitCode {
     match run(Cli::parse().task()) {
@@ -20,6 +20,7 @@ fn run(task: Task) -> Result<(), Failure> {
         Task::Serve(flags) => serve::run(&flags),
         Task::Explore(flags) => explore::run(&flags),
         Task::Healthcheck(flags) => healthcheck::run(flags.http),
+        Task::Journal(asked) => journal::run(&asked),
         Task::Token(asked) => token::run(&asked),
         Task::Table => table::run(),
     }

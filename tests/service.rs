@@ -9,10 +9,14 @@ mod commands;
 mod explore;
 #[path = "service/formats.rs"]
 mod formats;
+#[path = "service/journal.rs"]
+mod journal;
 #[path = "service/kill.rs"]
 mod kill;
 #[path = "service/malformed.rs"]
 mod malformed;
+#[path = "service/missions.rs"]
+mod missions;
 #[path = "service/old_console.rs"]
 mod old_console;
 #[path = "service/program.rs"]
@@ -25,6 +29,8 @@ mod sensors;
 mod shutdown;
 #[path = "service/start.rs"]
 mod start;
+#[path = "service/store_faults.rs"]
+mod store_faults;
 #[path = "service/stream.rs"]
 mod stream;
 #[path = "service/tls.rs"]

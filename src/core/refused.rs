@@ -18,6 +18,8 @@ pub enum RefusalKind {
     Unavailable,
     /// It contradicts what the same sender said before (HTTP 422).
     Mismatch,
+    /// Its sender may not (HTTP 403).
+    Forbidden,
 }
 
 /// Why a command was refused. `Display` is the sentence an operator reads.
@@ -105,6 +107,9 @@ pub enum Refused {
     /// A reading came of a sensor that nobody has configured.
     #[error("there is no sensor {0:?}: name it in the setting temperature.sensor")]
     UnknownSensor(Arc<str>),
+    /// Its sender may see, and stop, and no more; in words of the door at which it came.
+    #[error("{0}")]
+    NotAllowed(String),
     /// A command of this name was refused before the program was started again; it still is.
     #[error("{}", .0.words)]
     Before(Refusal),
@@ -137,8 +142,8 @@ impl From<&Refused> for Refusal {
 }
 
 /// Every code with its family, for refusals read back; a test in the HTTP door holds it against the variants.
-pub const CODES: [(&str, RefusalKind); 24] = {
-    use RefusalKind::{Conflict, Mismatch, Unavailable, Unknown};
+pub const CODES: [(&str, RefusalKind); 25] = {
+    use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [
         ("held", Conflict),
         ("outdated", Conflict),
@@ -164,6 +169,7 @@ pub const CODES: [(&str, RefusalKind); 24] = {
         ("notKept", Unavailable),
         ("otherContent", Mismatch),
         ("unknownSensor", Unknown),
+        ("notAllowed", Forbidden),
     ]
 };
 
@@ -175,6 +181,7 @@ impl Refused {
             Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_) | Refused::UnknownSensor(_) => RefusalKind::Unknown,
             Refused::StoreDown | Refused::NotKept => RefusalKind::Unavailable,
             Refused::OtherContent(_) => RefusalKind::Mismatch,
+            Refused::NotAllowed(_) => RefusalKind::Forbidden,
             Refused::Before(refusal) => refusal.kind,
             Refused::Held(_)
             | Refused::Outdated { .. }
@@ -225,6 +232,7 @@ impl Refused {
             Refused::NotKept => "notKept",
             Refused::OtherContent(_) => "otherContent",
             Refused::UnknownSensor(_) => "unknownSensor",
+            Refused::NotAllowed(_) => "notAllowed",
             Refused::Before(refusal) => refusal.code,
         }
     }

@@ -5,19 +5,19 @@ use std::sync::Arc;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::halt::Halter;
-use crate::core::command::{Accepted, Command, Refused, Request};
+use crate::core::command::{Accepted, Command, Issuer, Refused, Request};
 use crate::core::world::snapshot::Snapshot;
 
 /// Commands that wait for the loop: enough for every operator of a site to press at once.
 pub const COMMANDS: usize = 256;
 
-/// A command on its way, and where its answer goes.
+/// What is on its way from a door to the loop.
 #[derive(Debug)]
-pub struct Envelope {
-    /// The command.
-    pub request: Request,
-    /// Where the answer goes.
-    pub answer: oneshot::Sender<Result<Accepted, Refused>>,
+pub enum Envelope {
+    /// A command, and where its answer goes.
+    Command(Request, oneshot::Sender<Result<Accepted, Refused>>),
+    /// What a door refused to take from somebody, for the record: who, what was asked for, and why not.
+    Refused(Issuer, String, Refused),
 }
 
 /// The doors' end: commands in, snapshots out.
@@ -47,8 +47,16 @@ impl Handle {
     pub async fn give(&self, request: Request) -> Result<Result<Accepted, Refused>, Gone> {
         let request = self.stamp(request);
         let (answer, answered) = oneshot::channel();
-        self.commands.send(Envelope { request, answer }).await.map_err(|_| Gone)?;
+        self.commands.send(Envelope::Command(request, answer)).await.map_err(|_| Gone)?;
         answered.await.map_err(|_| Gone)
+    }
+
+    /// Puts on record that a door refused to take a command from somebody (safety A6).
+    ///
+    /// # Errors
+    /// `Gone` when the program is shutting down.
+    pub async fn note_refused(&self, issuer: Issuer, asked: String, refused: Refused) -> Result<(), Gone> {
+        self.commands.send(Envelope::Refused(issuer, asked, refused)).await.map_err(|_| Gone)
     }
 
     /// The newest state.

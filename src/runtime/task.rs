@@ -11,7 +11,7 @@ use super::halt::{HaltWatch, Halter};
 use super::handle::{COMMANDS, Envelope, Handle};
 use super::link::{RobotLink, Stamped};
 use super::store::{Store, StoreWord};
-use crate::core::command::{Accepted, Refused};
+use crate::core::command::{Accepted, Refused, Request};
 use crate::core::effect::{Effect, Order};
 use crate::core::event::{Event, RobotEvent, RobotId};
 use crate::core::sweep::Sweep;
@@ -82,7 +82,7 @@ impl Task {
                 Ok(()) = self.word.changed() => self.hear_store(),
                 report = self.link.reports.recv(), if !self.link_gone => self.take_report(report),
                 envelope = self.commands.recv() => match envelope {
-                    Some(envelope) => self.take_command(envelope),
+                    Some(envelope) => self.take(envelope),
                     None => break,
                 },
                 () = sleep_until(due) => self.sweep.handle_timeout(self.clock.now()),
@@ -99,14 +99,21 @@ impl Task {
         self.sweep.handle_event(Event::Robot(RobotId::Discovery, report), self.clock.now());
     }
 
-    fn take_command(&mut self, envelope: Envelope) {
-        match self.sweep.handle_command(envelope.request, self.clock.now()) {
+    fn take(&mut self, envelope: Envelope) {
+        match envelope {
+            Envelope::Command(request, answer) => self.take_command(request, answer),
+            Envelope::Refused(issuer, asked, refused) => self.sweep.note_refused(issuer, asked, &refused, self.clock.now()),
+        }
+    }
+
+    fn take_command(&mut self, request: Request, answer: oneshot::Sender<Answer>) {
+        match self.sweep.handle_command(request, self.clock.now()) {
             Ok(ticket) => {
-                self.answers.insert(ticket, envelope.answer);
+                self.answers.insert(ticket, answer);
             }
             Err(refused) => {
                 self.publish();
-                let _ = envelope.answer.send(Err(refused));
+                let _ = answer.send(Err(refused));
             }
         }
     }
@@ -206,7 +213,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::core::command::{Command, Door, Issuer, Request};
+    use crate::core::command::{Command, Door, Issuer};
     use crate::core::effect::Page;
     use crate::core::event::Capabilities;
     use crate::core::mission::{Hold, PhaseName};

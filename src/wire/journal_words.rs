@@ -6,6 +6,8 @@ use std::fmt::Display;
 use super::time::rfc3339;
 use crate::core::command::Refusal;
 use crate::core::effect::{Entry, Fact};
+use crate::core::mission::{Phase, Stage};
+use crate::core::world::hall_map::Mark;
 use crate::core::world::luggage::{Luggage, PhotoState};
 
 /// The time, then the fact in a few words; no line break. The same entry gives the same bytes.
@@ -31,17 +33,16 @@ fn said(fact: &Fact) -> String {
         Fact::MissionArchived(mission, left) => {
             format!("mission {mission} put away, bombs left: {}", list(left.iter().map(|id| format!("#{id}"))))
         }
-        Fact::Phase(phase) => match phase.interrupted() {
-            Some(interrupted) => format!("phase: {} (was {})", phase.name().in_words(), interrupted.name().in_words()),
-            None => format!("phase: {}", phase.name().in_words()),
-        },
+        Fact::Phase(phase) => format!("phase: {}", in_words(phase)),
         Fact::Holds(holds) => format!("held by: {}", list(holds.iter().map(|hold| hold.name()))),
         Fact::Epoch(epoch) => format!("stopped: epoch {epoch}"),
         Fact::Goal(goal, _) => goal.map_or_else(|| "no goal".to_owned(), |goal| format!("goal {}", goal.cell())),
         Fact::Pose(pose) => format!("robot at {}, facing {}", pose.cell, pose.heading.name()),
         Fact::Led(blinking) => format!("LED {}", if *blinking { "blinking" } else { "off" }),
         Fact::Obstacle(cell, kind) => format!("obstacle at {cell}, taken for {kind}"),
-        Fact::Mark(cell, mark) => format!("cell {cell} {}", mark.name()),
+        Fact::Mark(cell, mark) => {
+            format!("cell {cell}: {}", if *mark == Mark::NotInspected { "not inspected" } else { mark.name() })
+        }
         Fact::Luggage { record, .. } => luggage(record),
         Fact::Verdict { luggage, verdict, who } => format!("verdict on luggage #{luggage}: {}, by {who}", verdict.name()),
         Fact::Temperature(source, celsius) => format!("temperature {celsius}, by {source}"),
@@ -56,6 +57,22 @@ fn said(fact: &Fact) -> String {
 #[must_use]
 pub fn outcome(refused: Option<&Refusal>) -> String {
     refused.map_or_else(|| "accepted".to_owned(), |refusal| format!("refused: {}", refusal.words))
+}
+
+/// A phase with what it interrupts, or how far its inspection has come: each step of it is on record.
+fn in_words(phase: &Phase) -> String {
+    let name = phase.name().in_words();
+    if let Some(interrupted) = phase.interrupted() {
+        return format!("{name} (was {})", interrupted.name().in_words());
+    }
+    let Some(inspection) = phase.inspection() else { return name.to_owned() };
+    match inspection.stage {
+        Stage::BackingUp => format!("{name}: backing up"),
+        Stage::TakingPhoto => format!("{name}: taking the photo"),
+        Stage::Recording(id) => format!("{name}: recording #{id}"),
+        Stage::AwaitingVerdict(id) => format!("{name}: #{id} waits for its verdict"),
+        Stage::RetakingPhoto(id) => format!("{name}: taking the photo of #{id} again"),
+    }
 }
 
 fn luggage(record: &Luggage) -> String {
@@ -76,9 +93,8 @@ fn list<T: Display>(things: impl IntoIterator<Item = T>) -> String {
 mod tests {
     use super::*;
     use crate::core::command::{Door, Issuer, Refused};
-    use crate::core::mission::Hold;
-    use crate::core::units::{Cell, Pose, Wall};
-    use crate::core::world::hall_map::Mark;
+    use crate::core::mission::{FaultCause, Hold, Inspection};
+    use crate::core::units::{Cell, LuggageId, Pose, Wall};
     use crate::wire::fixture::piece;
 
     fn check(fact: Fact, expect: &str) {
@@ -96,8 +112,18 @@ mod tests {
         check(Fact::Holds(vec![Hold::Operator, Hold::AwaitingStart]), "held by: operator, awaitingStart");
         check(Fact::Holds(Vec::new()), "held by: none");
         check(Fact::Pose(Pose::START), "robot at (0, 0), facing south");
-        check(Fact::Mark(Cell::new(1, 2), Mark::Wall), "cell (1, 2) wall");
+        check(Fact::Mark(Cell::new(1, 2), Mark::Wall), "cell (1, 2): wall");
         check(Fact::AlarmRaised(Default::default(), None, "two\nlines".to_owned()), "alarm 0 raised: two lines");
+    }
+
+    #[test]
+    fn a_phase_says_how_far_it_has_come_and_what_it_interrupts() {
+        let inspecting = |stage| Phase::Inspecting(Inspection { cell: Cell::new(0, 1), piece: None, pose: Pose::START, stage });
+        check(Fact::Phase(inspecting(Stage::TakingPhoto)), "phase: inspecting luggage: taking the photo");
+        let waiting = inspecting(Stage::AwaitingVerdict(LuggageId(3)));
+        check(Fact::Phase(waiting.clone()), "phase: inspecting luggage: #3 waits for its verdict");
+        let fault = Phase::Fault { cause: FaultCause::Unanswered, interrupted: Box::new(waiting) };
+        check(Fact::Phase(fault), "phase: in fault (was inspecting luggage)");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
-use std::sync::mpsc;
+use std::sync::{Mutex, mpsc};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -22,7 +22,7 @@ const ANNOUNCED: [&str; 2] = ["hallsweep is at http://", "hallsweep is at https:
 pub(crate) struct Program {
     child: Child,
     address: SocketAddr,
-    said: mpsc::Receiver<String>,
+    said: Mutex<mpsc::Receiver<String>>,
     agent: ureq::Agent,
 }
 
@@ -95,7 +95,7 @@ impl Program {
         std::thread::spawn(move || lines.map_while(Result::ok).for_each(|line| drop(say.send(line))));
         let config = ureq::Agent::config_builder().http_status_as_error(false).proxy(None).max_redirects(0);
         let config = config.timeout_global(Some(PATIENCE)).build();
-        Program { child, address, said, agent: config.into() }
+        Program { child, address, said: Mutex::new(said), agent: config.into() }
     }
 
     /// Where it listens.
@@ -105,7 +105,7 @@ impl Program {
 
     /// The next line it prints after it has said where it is.
     pub(crate) fn says(&self) -> String {
-        self.said.recv_timeout(PATIENCE).expect("the program says something more")
+        self.said.lock().expect("nobody panics while listening").recv_timeout(PATIENCE).expect("the program says something more")
     }
 
     /// Asks for a path, with headers.
@@ -201,6 +201,11 @@ impl Program {
     pub(crate) fn signal(&self, name: &str) {
         let sent = Command::new("kill").args([format!("-{name}"), self.child.id().to_string()]).status();
         assert!(sent.expect("kill is there").success());
+    }
+
+    /// The number of its process.
+    pub(crate) fn id(&self) -> u32 {
+        self.child.id()
     }
 
     /// Waits for its end; `None` when it is still running after so long.

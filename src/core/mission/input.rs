@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::FaultCause;
-use crate::core::command::{Command, Issuer, LuggageRef, Move, TemperatureReport, Verdict};
+use crate::core::command::{Command, Door, Issuer, LuggageRef, Move, TemperatureReport, Verdict};
 use crate::core::event::{Obstacle, Photo};
 use crate::core::explore::Strategy;
 use crate::core::standing::OPERATOR;
@@ -248,6 +248,13 @@ impl Matter {
         let reading = self.reading.as_ref().map(|(_, celsius)| format!(" {celsius}"));
         [luggage, cell, step, alarm, strategy, reading].into_iter().flatten().collect()
     }
+}
+
+/// What is asked, in words: two commands with the same words are the same command.
+#[must_use]
+pub fn in_words(command: &Command) -> String {
+    let (input, matter) = Matter::of(command, &Issuer::operator(Door::Local), None);
+    format!("{}{}", input.in_words(), matter.in_words())
 }
 
 const fn step_in_words(step: Move) -> &'static str {

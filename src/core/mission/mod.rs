@@ -9,7 +9,7 @@ mod rule;
 mod state;
 mod table;
 pub use hold::{Hold, Holds};
-pub use input::{Input, Matter};
+pub use input::{Input, Matter, in_words};
 pub use phase::{FaultCause, Inspection, Phase, PhaseName, Stage};
 pub use print::table_markdown;
 pub use rule::{Act, Bar, Case, Rule, To};

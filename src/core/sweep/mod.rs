@@ -35,12 +35,12 @@ use self::outbox::{Outbox, Waiting};
 use self::repeats::{Known, Outcome, Repeats};
 use self::view::Shown;
 use self::vigil::Vigil;
-use super::command::{Accepted, Command, LuggageRef, Refusal, Refused, Request, TemperatureReport};
+use super::command::{Accepted, Command, Issuer, LuggageRef, Refusal, Refused, Request, TemperatureReport};
 use super::effect::{Effect, Fact};
 use super::event::{Event, RobotId};
 use super::explore::Strategy;
 use super::explore::plan::Planner;
-use super::mission::{Hold, Input, Matter, Mission};
+use super::mission::{Hold, Input, Matter, Mission, in_words};
 use super::settings::Settings;
 use super::units::{Epoch, LuggageId, Now, Ticket};
 use super::world::log::Tone;
@@ -108,6 +108,15 @@ impl Sweep {
         };
         self.pump();
         answer
+    }
+
+    /// Notes a command that a door refused to take from its sender (safety A6): `asked` is what was asked for, as the door knows
+    /// it.
+    pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, now: Now) {
+        self.begin(now);
+        self.world.write(now.wall, Tone::Warning, format!("{asked} refused, by {issuer}: {refused}"));
+        let refused = Some(Refusal::from(refused));
+        self.outbox.record(now.wall, Fact::Command { issuer, id: None, command: asked, luggage: None, refused });
     }
 
     /// From now on this sensor must be heard at least every `patience`; until it is for the first time it counts as silent.
@@ -233,7 +242,7 @@ impl Sweep {
     /// The answer to a command that came before under the same id; `None` for one that did not.
     fn repeated(&mut self, request: &Request) -> Option<Result<Ticket, Refused>> {
         let id = request.id.as_ref().filter(|_| request.command != Command::Stop)?;
-        let outcome = match self.repeats.look_up(&request.issuer.who, id, &content(request)) {
+        let outcome = match self.repeats.look_up(&request.issuer.who, id, &in_words(&request.command)) {
             Known::New => return None,
             Known::Other => {
                 let refused = Refused::OtherContent(id.clone());
@@ -260,7 +269,7 @@ impl Sweep {
 
     fn remember(&mut self, request: &Request, outcome: Outcome) {
         if let Some(id) = request.id.as_ref().filter(|_| request.command != Command::Stop) {
-            self.repeats.note(&request.issuer.who, id, &content(request), outcome);
+            self.repeats.note(&request.issuer.who, id, &in_words(&request.command), outcome);
         }
     }
 
@@ -270,7 +279,7 @@ impl Sweep {
         if matches!(request.command, Command::Temperature(TemperatureReport::Sensor(..))) && refused.is_none() {
             return;
         }
-        let (issuer, command) = (request.issuer.clone(), content(request));
+        let (issuer, command) = (request.issuer.clone(), in_words(&request.command));
         let meant = matter.luggage.filter(|_| request.command.luggage() == Some(LuggageRef::Pending));
         let meant = meant.map_or_else(String::new, |id| format!(" #{id}"));
         let (tone, text) = match refused {
@@ -294,10 +303,4 @@ impl Sweep {
         let inspected = self.inspected().filter(|id| self.world.luggage.get(id).is_some_and(|luggage| luggage.is_pending()));
         inspected.or(first.filter(|_| pending.next().is_none()))
     }
-}
-
-/// What is asked, in words: two commands with the same words are the same command.
-fn content(request: &Request) -> String {
-    let (input, matter) = Matter::of(&request.command, &request.issuer, None);
-    format!("{}{}", input.in_words(), matter.in_words())
 }

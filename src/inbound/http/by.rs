@@ -1,8 +1,6 @@
 //! Whoever gives a command, as the core wants to know it: by name, from where, and under which name of its own the command
 //! comes. What a command's answer looks like is the route's business.
 
-use std::sync::Arc;
-
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderName};
@@ -13,6 +11,7 @@ use super::give::Done;
 use super::problem::Problem;
 use crate::access::Need;
 use crate::core::command::{self, Command, CommandId, Issuer, Request};
+use crate::core::mission::in_words;
 use crate::core::units::Epoch;
 use crate::wire::fields::in_short;
 
@@ -23,7 +22,7 @@ const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
 pub(super) struct By {
     pub(super) door: Door,
     pub(super) caller: Caller,
-    from: Arc<str>,
+    peer: Peer,
     id: Result<Option<CommandId>, Problem>,
 }
 
@@ -33,8 +32,7 @@ impl FromRequestParts<Door> for By {
     async fn from_request_parts(parts: &mut Parts, door: &Door) -> Result<By, Problem> {
         let caller = Caller::from_request_parts(parts, door).await?;
         let peer = Peer::from_request_parts(parts, door).await?;
-        let from = Arc::from(peer.address.to_canonical().to_string());
-        Ok(By { door: door.clone(), caller, from, id: command_id(&parts.headers) })
+        Ok(By { door: door.clone(), caller, peer, id: command_id(&parts.headers) })
     }
 }
 
@@ -43,13 +41,16 @@ impl By {
     /// is wrong with a STOP keeps it from halting the robot.
     pub(super) async fn give(&self, by: command::Door, command: Command, epoch: Option<Epoch>) -> Result<Done, Problem> {
         let is_stop = command == Command::Stop;
-        self.caller.check(if is_stop { Need::Stop } else { Need::Act })?;
+        if let Err(refused) = self.caller.check(if is_stop { Need::Stop } else { Need::Act }) {
+            self.door.note_refused(&self.caller, self.peer, in_words(&command), &refused).await;
+            return Err(Problem::refused(&refused, None));
+        }
         let id = match &self.id {
             Ok(id) => id.clone(),
             Err(_) if is_stop => None,
             Err(problem) => return Err(problem.clone()),
         };
-        let issuer = Issuer { door: by, who: self.caller.name(), from: Arc::clone(&self.from) };
+        let issuer = Issuer { door: by, who: self.caller.name(), from: self.peer.name() };
         self.door.give(Request { command, epoch, issuer, id }).await
     }
 }

@@ -16,6 +16,8 @@ use super::places::Place;
 use super::problem::Problem;
 use super::sign_in::{COOKIE, sign_in_page};
 use crate::access::{Keyring, Need, Network, OPERATOR, Role, SignedIn};
+use crate::core::command::{self, Issuer, Refused};
+use crate::wire::fields::in_short;
 
 /// Who is let in.
 #[derive(Clone, Debug)]
@@ -58,6 +60,13 @@ enum Shown {
     Sessions(Vec<String>),
 }
 
+impl Peer {
+    /// The address for records.
+    pub(super) fn name(self) -> Arc<str> {
+        Arc::from(self.address.to_canonical().to_string())
+    }
+}
+
 impl Gate {
     /// A gate of this door.
     pub(super) const fn new(door: Door, need: Need) -> Gate {
@@ -83,11 +92,11 @@ impl Caller {
     }
 
     /// Nothing when it may do what asks for `need`, else what to tell it.
-    pub(super) fn check(&self, need: Need) -> Result<(), Problem> {
+    pub(super) fn check(&self, need: Need) -> Result<(), Refused> {
         if self.role().may(need) {
             return Ok(());
         }
-        Err(Problem::not_allowed(format!(
+        Err(Refused::NotAllowed(format!(
             "you are signed in as `{}`, a {}, who sees everything and may press STOP; this asks for an operator's key",
             self.name(),
             self.role().name()
@@ -134,6 +143,13 @@ impl Door {
         tokio::time::sleep(delay).await;
     }
 
+    /// Puts on record that somebody may not do what was asked for (safety A6).
+    pub(super) async fn note_refused(&self, caller: &Caller, peer: Peer, asked: String, refused: &Refused) {
+        let issuer = Issuer { door: command::Door::Http, who: caller.name(), from: peer.name() };
+        // A program that is ending has nobody left to tell.
+        let _ = self.handle.note_refused(issuer, asked, refused.clone()).await;
+    }
+
     fn caller(&self, peer: Peer, shown: &Shown) -> Option<Caller> {
         let keyring = match &self.access {
             Access::Open => return Network::of(peer.address).is_loopback().then_some(Caller::Here),
@@ -160,9 +176,12 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
         }
         return stranger(&request);
     };
-    if let Err(problem) = caller.check(need) {
-        tracing::warn!(who = %caller.name(), from = %peer.address, path = request.uri().path(), "not allowed");
-        return problem.into_response();
+    if let Err(refused) = caller.check(need) {
+        if *request.method() != Method::GET {
+            let asked = format!("{} {}", request.method(), in_short(request.uri().path()));
+            door.note_refused(&caller, peer, asked, &refused).await;
+        }
+        return Problem::refused(&refused, None).into_response();
     }
     if let Some(place) = request.extensions().get::<Arc<Place>>() {
         place.known();

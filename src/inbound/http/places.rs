@@ -17,6 +17,10 @@ pub(super) const PLACES: usize = 768;
 /// One network in so many parts of all places may have its part full; this machine itself is not so bounded.
 const PARTS: usize = 4;
 
+/// So many connections are cut at once when the system has no more descriptors: newcomers wait meanwhile, and files are to be
+/// opened too.
+const RELIEF: usize = 16;
+
 /// All places of a door. Cheap to clone.
 #[derive(Clone)]
 pub(super) struct Places(Arc<Mutex<Taken>>);
@@ -71,9 +75,10 @@ impl Places {
         Some(Place { number, places: self.clone(), cut })
     }
 
-    /// Cuts a connection that can give way, when the system has no more descriptors.
-    pub(super) fn relieve(&self) -> bool {
-        self.taken().cut(|_| true)
+    /// Cuts some connections that can give way, when the system has no more descriptors, and says how many.
+    pub(super) fn relieve(&self) -> usize {
+        let mut taken = self.taken();
+        (0..RELIEF).take_while(|_| taken.cut(|_| true)).count()
     }
 
     fn taken(&self) -> MutexGuard<'_, Taken> {
@@ -205,6 +210,16 @@ mod tests {
     }
 
     #[tokio::test]
+    async fn a_system_without_descriptors_is_relieved_of_strangers_only() {
+        let places = Places::new(40);
+        let all: Vec<_> = (0..40).map(|_| taken(&places, HERE).unwrap()).collect();
+        let requests: Vec<_> = all.iter().take(20).map(Place::begin).collect();
+        all.iter().take(20).for_each(|place| place.known());
+        assert_eq!([places.relieve(), places.relieve(), places.relieve()], [RELIEF, 4, 0]);
+        drop(requests);
+    }
+
+    #[tokio::test]
     async fn a_place_that_is_left_is_free() {
         let places = Places::new(1);
         for _ in 0..3 {
@@ -212,6 +227,6 @@ mod tests {
             std::mem::drop(place.begin());
             assert!(!is_cut(&place).await);
         }
-        assert!(!places.relieve(), "nobody is here");
+        assert_eq!(places.relieve(), 0, "nobody is here");
     }
 }

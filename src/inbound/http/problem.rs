@@ -28,6 +28,7 @@ pub(super) const fn status_of(kind: RefusalKind) -> StatusCode {
         RefusalKind::Unknown => StatusCode::NOT_FOUND,
         RefusalKind::Unavailable => StatusCode::SERVICE_UNAVAILABLE,
         RefusalKind::Mismatch => StatusCode::UNPROCESSABLE_ENTITY,
+        RefusalKind::Forbidden => StatusCode::FORBIDDEN,
     }
 }
 
@@ -50,11 +51,6 @@ impl Problem {
                       `hallsweep token` on its machine shows tokens"
             .to_owned();
         Problem::new(StatusCode::UNAUTHORIZED, "notSignedIn", detail)
-    }
-
-    /// 403: the key is not good for this.
-    pub(super) fn not_allowed(detail: String) -> Problem {
-        Problem::new(StatusCode::FORBIDDEN, "notAllowed", detail)
     }
 
     /// 403: a page of another origin sent it.
@@ -191,7 +187,8 @@ mod tests {
             Some(Refused::StoreDown) => Refused::NotKept,
             Some(Refused::NotKept) => Refused::OtherContent(CommandId::new("a-name").unwrap()),
             Some(Refused::OtherContent(_)) => Refused::UnknownSensor("roof".into()),
-            Some(Refused::UnknownSensor(_) | Refused::Before(_)) => return None,
+            Some(Refused::UnknownSensor(_)) => Refused::NotAllowed("a viewer sees, and stops".to_owned()),
+            Some(Refused::NotAllowed(_) | Refused::Before(_)) => return None,
         })
     }
 
@@ -205,6 +202,7 @@ mod tests {
                 "unknownLuggage" | "unknownAlarm" | "unknownSensor" => 404,
                 "storeDown" | "notKept" => 503,
                 "otherContent" => 422,
+                "notAllowed" => 403,
                 _ => 409,
             };
             let read_back = Refused::Before(Refusal::named(refused.code(), refused.to_string()));

@@ -26,8 +26,13 @@ pub(super) struct Row {
 }
 
 /// Every route. STOP is everywhere in reach of anyone signed in; a `move` may be one, its other words ask for an operator.
-#[rustfmt::skip]
 pub(super) fn table() -> Vec<Row> {
+    [interface(), pages(), of_old()].into_iter().flatten().collect()
+}
+
+/// For programs, and for everybody.
+#[rustfmt::skip]
+fn interface() -> Vec<Row> {
     vec![
         get("/healthz", Nothing, reads::health),
         get("/sign-in", Nothing, sign_in::page),
@@ -62,7 +67,13 @@ pub(super) fn table() -> Vec<Row> {
         post("/api/v1/alarms/{id}/acknowledge", Act, commands::acknowledge),
         put("/api/v1/strategy", Act, commands::strategy),
         put("/api/v1/temperature", Act, commands::temperature),
+    ]
+}
 
+/// The console.
+#[rustfmt::skip]
+fn pages() -> Vec<Row> {
+    vec![
         get("/", See, console::page),
         get("/missions", See, console::missions::list),
         get("/missions/{id}", See, console::missions::one),
@@ -82,7 +93,13 @@ pub(super) fn table() -> Vec<Row> {
         post("/console/acknowledge", Act, console::act),
         post("/console/strategy", Act, console::act),
         post("/console/temperature", Act, console::act),
+    ]
+}
 
+/// The old console's.
+#[rustfmt::skip]
+fn of_old() -> Vec<Row> {
+    vec![
         post("/w", Act, old::give),
         post("/s", Act, old::give),
         post("/a", Act, old::give),

@@ -42,6 +42,9 @@ const GRACE: Duration = Duration::from_millis(1500);
 /// After an accept has failed (as with too many open files) the next is tried this much later.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
+/// But so much later when connections were cut for it, which takes them this long to close.
+const RELIEF_PAUSE: Duration = Duration::from_millis(2);
+
 /// What stands before the door.
 #[derive(Clone, Default)]
 pub struct Front {
@@ -83,7 +86,7 @@ async fn serve_so_many(listener: TcpListener, door: Door, front: Front, places: 
                 Err(error) => {
                     let relieved = places.relieve();
                     tracing::warn!(%error, relieved, "a connection could not be accepted");
-                    tokio::time::sleep(ACCEPT_PAUSE).await;
+                    tokio::time::sleep(if relieved > 0 { RELIEF_PAUSE } else { ACCEPT_PAUSE }).await;
                 }
             },
         }

@@ -104,7 +104,8 @@ async fn answer(
     refuse: Arc<Mutex<Option<Refused>>>,
     given: Arc<Mutex<Vec<command::Request>>>,
 ) {
-    while let Some(Envelope { request, answer }) = envelopes.recv().await {
+    while let Some(envelope) = envelopes.recv().await {
+        let Envelope::Command(request, answer) = envelope else { continue };
         let luggage = about(&request.command, &snapshots.borrow());
         given.lock().unwrap().push(request);
         let refused = refuse.lock().unwrap().clone();

@@ -209,7 +209,7 @@ mod tests {
     async fn the_events_say_who_commanded_what_from_where_and_what_became_of_it() {
         let house = house(searching());
         let all = page(&house, "/missions/1").await;
-        check(&all, &["START <span class=\"by\">by anna (console, 192.0.2.7)</span> <b class=\"accepted\">accepted</b>"]);
+        check(&all, &["START <span class=\"by\">by anna (console, 192.0.2.7):</span> <b class=\"accepted\">accepted</b>"]);
         check(&all, &["<b class=\"refused\">refused: the robot is moving: press STOP first</b>", "held by: operator"]);
         let commands = page(&house, "/missions/1?show=commands").await;
         assert!(commands.contains("RESET") && !commands.contains("held by: operator"));

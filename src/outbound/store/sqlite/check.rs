@@ -17,8 +17,10 @@ const LISTED: usize = 100;
 /// What a check came to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Findings {
-    /// What is wrong, a sentence each, at most 100.
+    /// What is wrong, a sentence each, the first 100.
     pub faults: Vec<String>,
+    /// How much is wrong, also what is not listed.
+    pub count: u64,
     /// What is right, and still worth knowing.
     pub notes: Vec<String>,
     /// How many entries there are.
@@ -29,6 +31,7 @@ pub struct Findings {
 
 impl Findings {
     fn fault(&mut self, words: String) {
+        self.count += 1;
         if self.faults.len() < LISTED {
             self.faults.push(words);
         }

@@ -1,5 +1,6 @@
 //! What can go wrong between the journal and the disk, and what an operator is told to do about it.
 
+use std::fmt::Display;
 use std::io;
 use std::path::Path;
 
@@ -74,43 +75,53 @@ impl Fault {
 
     /// What an operator reads: what is wrong, and what to do.
     pub(super) fn words(&self, folder: &Path, then: Then) -> String {
+        match self.trouble() {
+            Some(trouble) => trouble.words(folder, then),
+            None => self.words_of_the_file(folder, then),
+        }
+    }
+
+    /// What ails the disk, where it is the disk.
+    fn trouble(&self) -> Option<Trouble> {
+        match self {
+            Fault::Sql(error) if is_damage(error) => None,
+            Fault::Sql(error) => Some(Trouble::of_sql(error)),
+            Fault::File(error) => Some(Trouble::of_file(error)),
+            Fault::Unwritable => Some(Trouble::Locked),
+            Fault::GivenUp | Fault::Hung => Some(Trouble::Silent),
+            Fault::Behind => Some(Trouble::Slow),
+            Fault::Damaged(_)
+            | Fault::Newer(_)
+            | Fault::Older(_)
+            | Fault::Foreign
+            | Fault::Unparsed(..)
+            | Fault::Changed
+            | Fault::InUse
+            | Fault::Photo(_)
+            | Fault::Number(_)
+            | Fault::Gone => None,
+        }
+    }
+
+    fn words_of_the_file(&self, folder: &Path, then: Then) -> String {
         let file = folder.join("journal.db");
-        let (file, folder) = (file.display(), folder.display());
-        let then = match then {
-            Then::GoesOn => "hallsweep goes on by itself",
-            Then::StartAgain => "then start hallsweep again",
-        };
-        let damaged = |detail: &str| {
+        let (file, shown) = (file.display(), folder.display());
+        let damaged = |detail: &dyn Display| {
             format!(
                 "the journal {file} is damaged ({detail}); it is left as it is: move it away, or put a backup in its place, \
                  then start hallsweep again"
             )
         };
-        let full = || format!("the disk is full: free some space for {folder}; {then}");
-        let locked = || format!("{folder} cannot be written to: make it writable; {then}");
-        let broken = |error: &dyn std::fmt::Display| format!("the disk reports an error ({error}): look after {folder}; {then}");
         match self {
-            Fault::Sql(error) if is_damage(error) => damaged(&error.to_string()),
-            Fault::Sql(error) => match error.sqlite_error_code() {
-                Some(ErrorCode::DiskFull) => full(),
-                Some(ErrorCode::ReadOnly | ErrorCode::CannotOpen | ErrorCode::PermissionDenied) => locked(),
-                Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked) => {
-                    format!("another program keeps the journal {file} locked: end it; {then}")
-                }
-                _ => broken(error),
-            },
-            Fault::File(error) => match error.kind() {
-                io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => full(),
-                io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => locked(),
-                _ => broken(error),
-            },
             Fault::Damaged(detail) => damaged(detail),
+            Fault::Sql(error) => damaged(error),
             Fault::Newer(format) => format!(
                 "the journal {file} was written by a newer hallsweep (format {format}); it is left as it is: start the newer \
                  one, or choose another folder with --data"
             ),
             Fault::Older(format) => {
-                format!("the journal {file} is of an older hallsweep (format {format}) and must be written to once: {}", locked())
+                let locked = Trouble::Locked.words(folder, then);
+                format!("the journal {file} is of an older hallsweep (format {format}) and must be written to once: {locked}")
             }
             Fault::Foreign => {
                 format!("{file} is no journal of hallsweep; it is left as it is: choose another folder with --data")
@@ -120,13 +131,65 @@ impl Fault {
                  its place, or move it away, then start hallsweep again"
             ),
             Fault::Changed => format!("the journal {file} is not the one that was read at the start: start hallsweep again"),
-            Fault::InUse => format!("another hallsweep uses the folder {folder}: end it, or choose another folder with --data"),
-            Fault::Unwritable => locked(),
-            Fault::Photo(what) => format!("the file of the photo {what}: put the folder photos of a backup back into {folder}"),
+            Fault::InUse => format!("another hallsweep uses the folder {shown}: end it, or choose another folder with --data"),
+            Fault::Photo(what) => format!("the file of the photo {what}: put the folder photos of a backup back into {shown}"),
             Fault::Number(number) => format!("the journal has no room for the number {number}"),
-            Fault::GivenUp | Fault::Hung => format!("the disk does not answer: look after {folder}; {then}"),
-            Fault::Behind => format!("the disk does not keep up: look after {folder}; {then}"),
             Fault::Gone => "the writer of the journal has ended by a mistake of its own: start hallsweep again".to_owned(),
+            Fault::File(_) | Fault::Unwritable | Fault::GivenUp | Fault::Hung | Fault::Behind => {
+                Trouble::Silent.words(folder, then)
+            }
+        }
+    }
+}
+
+/// What can ail a disk.
+enum Trouble {
+    Full,
+    Locked,
+    /// Another program has locked the journal.
+    Busy,
+    Broken(String),
+    Silent,
+    Slow,
+}
+
+impl Trouble {
+    fn of_sql(error: &rusqlite::Error) -> Trouble {
+        let code = error.sqlite_error_code();
+        if code == Some(ErrorCode::DiskFull) {
+            Trouble::Full
+        } else if matches!(code, Some(ErrorCode::ReadOnly | ErrorCode::CannotOpen | ErrorCode::PermissionDenied)) {
+            Trouble::Locked
+        } else if matches!(code, Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked)) {
+            Trouble::Busy
+        } else {
+            Trouble::Broken(error.to_string())
+        }
+    }
+
+    fn of_file(error: &io::Error) -> Trouble {
+        if matches!(error.kind(), io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded) {
+            Trouble::Full
+        } else if matches!(error.kind(), io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem) {
+            Trouble::Locked
+        } else {
+            Trouble::Broken(error.to_string())
+        }
+    }
+
+    fn words(&self, folder: &Path, then: Then) -> String {
+        let folder = folder.display();
+        let then = match then {
+            Then::GoesOn => "hallsweep goes on by itself",
+            Then::StartAgain => "then start hallsweep again",
+        };
+        match self {
+            Trouble::Full => format!("the disk is full: free some space for {folder}; {then}"),
+            Trouble::Locked => format!("{folder} cannot be written to: make it writable; {then}"),
+            Trouble::Busy => format!("another program keeps the journal in {folder} locked: end it; {then}"),
+            Trouble::Broken(error) => format!("the disk reports an error ({error}): look after {folder}; {then}"),
+            Trouble::Silent => format!("the disk does not answer: look after {folder}; {then}"),
+            Trouble::Slow => format!("the disk does not keep up: look after {folder}; {then}"),
         }
     }
 }

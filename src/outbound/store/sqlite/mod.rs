@@ -53,7 +53,7 @@ use crate::runtime::store::{Store, StoreWord};
 const QUEUE: usize = 1024;
 
 /// How long the end of the program waits for the last pages: a disk that takes longer would not have kept them either.
-const LAST_PAGES: Duration = Duration::from_secs(3);
+const LAST_PAGES: Duration = Duration::from_secs(1);
 
 /// Why nothing at all can be done with a folder: the program should not go on.
 #[derive(Debug, thiserror::Error)]

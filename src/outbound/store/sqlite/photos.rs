@@ -42,9 +42,9 @@ pub(super) fn read(folder: &Folder, picture: &Picture) -> Result<Photo, Fault> {
     if !picture.is_sound() {
         return Err(Fault::Photo("has no digest on record"));
     }
-    let bytes = std::fs::read(folder.photo(picture)).map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => Fault::Photo("is not there"),
-        _ => Fault::File(error),
+    let bytes = std::fs::read(folder.photo(picture)).map_err(|error| {
+        let absent = error.kind() == io::ErrorKind::NotFound;
+        if absent { Fault::Photo("is not there") } else { Fault::File(error) }
     })?;
     if digest(&bytes) != picture.digest {
         return Err(Fault::Photo("is not what it was"));

@@ -1,0 +1,124 @@
+//! `hallsweep journal`: what is on record, for people and for programs, beside a running hallsweep or without one.
+//! How it is kept stands in `crate::outbound::store::sqlite`.
+
+use std::io::{self, BufWriter, Write};
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+use super::Failure;
+use crate::config::{self, Flag, Sources};
+use crate::core::units::MissionId;
+use crate::outbound::store::sqlite::{self, Findings, Reading};
+use crate::runtime::archive::Unreadable;
+use crate::wire::journal::{self, Line};
+use crate::wire::journal_words;
+
+/// What to do with the journal.
+#[derive(Args, Clone, Debug)]
+pub struct Journal {
+    #[command(subcommand)]
+    what: Option<What>,
+    /// The data folder.
+    #[arg(long, value_name = "DIR", global = true)]
+    data: Option<String>,
+    /// A settings file, laid over the defaults.
+    #[arg(long, value_name = "FILE", global = true)]
+    config: Option<PathBuf>,
+}
+
+#[derive(Clone, Debug, Subcommand)]
+enum What {
+    /// Print the entries, a line each (the default).
+    Print(Which),
+    /// Print the entries as JSON, an object a line; all that is in the journal is in them, but for the pixels of photos.
+    Export(Which),
+    /// Check the file, the entries, the tables and the photos: exit code 0 when all is well, 1 if not.
+    Check,
+    /// Make the tables that follow from the entries anew. No hallsweep may be running in the folder.
+    Rebuild,
+}
+
+/// Which entries are meant.
+#[derive(Args, Clone, Copy, Debug, Default)]
+struct Which {
+    /// Only those of this mission.
+    #[arg(long, value_name = "NUMBER")]
+    mission: Option<u64>,
+    /// Only the last ones, so many.
+    #[arg(long, value_name = "COUNT")]
+    last: Option<u64>,
+}
+
+/// Does it.
+///
+/// # Errors
+/// Wrong settings, a journal that is not there or cannot be read, findings of a check, standard output that cannot be written.
+pub fn run(asked: &Journal) -> Result<(), Failure> {
+    let folder = super::settings(&asked.sources())?.store.ok_or_else(nothing_kept)?;
+    if matches!(asked.what, Some(What::Rebuild)) {
+        let entries = sqlite::rebuild(&folder)?;
+        return super::print(&format!("the tables are made anew from {entries} entries"));
+    }
+    let reading = Reading::open(&folder)?;
+    match asked.what.clone().unwrap_or(What::Print(Which::default())) {
+        What::Print(which) => list(&reading, which, for_people),
+        What::Export(which) => list(&reading, which, journal::line),
+        What::Check | What::Rebuild => tell(&reading.check()?),
+    }
+}
+
+impl Journal {
+    fn sources(&self) -> Sources {
+        let data = self.data.clone().map(|value| Flag { flag: "--data", key: "store.folder", value });
+        config::sources(self.config.clone(), data.into_iter().collect())
+    }
+}
+
+impl From<Unreadable> for Failure {
+    fn from(Unreadable(words): Unreadable) -> Failure {
+        Failure::Run(words)
+    }
+}
+
+fn nothing_kept() -> Failure {
+    Failure::Run("the setting store.folder says none, so nothing is kept: name a folder with --data".to_owned())
+}
+
+/// Writes the entries, and at the end says how many of them could not be understood.
+fn list(reading: &Reading, which: Which, write: impl Fn(&Line) -> String) -> Result<(), Failure> {
+    let mut out = BufWriter::new(io::stdout().lock());
+    let (mut written, mut unclear, mut first) = (Ok(()), 0_u64, None);
+    reading.lines(which.mission.map(MissionId), which.last, |line| {
+        match line {
+            Ok(line) => written = writeln!(out, "{}", write(&line)),
+            Err(words) => {
+                unclear += 1;
+                first.get_or_insert(words);
+            }
+        }
+        written.is_ok()
+    })?;
+    match written.and_then(|()| out.flush()) {
+        // Whoever reads the first lines only, as `head` does, has what was wanted.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(()),
+        written => written.map_err(|error| Failure::Run(format!("standard output cannot be written: {error}")))?,
+    }
+    first.map_or(Ok(()), |words| Err(Failure::Run(format!("{unclear} entries are left out: {words}"))))
+}
+
+fn for_people(line: &Line) -> String {
+    let mission = line.mission.map_or_else(|| "-".to_owned(), |mission| mission.to_string());
+    format!("{:>8} {mission:>4} {}", line.seq, journal_words::line(&line.entry))
+}
+
+fn tell(findings: &Findings) -> Result<(), Failure> {
+    for words in findings.notes.iter().chain(&findings.faults) {
+        super::print(words)?;
+    }
+    let looked_at = format!("{} entries and {} photos were looked at", findings.entries, findings.photos);
+    if findings.faults.is_empty() {
+        return super::print(&format!("{looked_at}: all is well"));
+    }
+    Err(Failure::Run(format!("{looked_at}: faults found: {}", findings.count)))
+}

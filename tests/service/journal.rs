@@ -1,0 +1,101 @@
+//! `hallsweep journal`: what a mission left on record is printed, exported, checked and mended, beside the running program or
+//! after it.
+
+use serde_json::Value;
+
+use crate::kill::Folder;
+use crate::program::{Program, hallsweep};
+
+/// Runs `hallsweep journal` with these words on a folder; whether all was well, and what was said.
+pub(crate) fn journal(folder: &Folder, words: &[&str]) -> (bool, String) {
+    let output = hallsweep(&[&["journal", "--data", folder.text()], words].concat()).output().expect("the program starts");
+    let said = [output.stdout, output.stderr].concat();
+    (output.status.success(), String::from_utf8(said).expect("it speaks UTF-8"))
+}
+
+/// The journal as JSON.
+pub(crate) fn exported(folder: &Folder) -> Vec<Value> {
+    let (well, text) = journal(folder, &["export"]);
+    assert!(well, "{text}");
+    text.lines().map(|line| serde_json::from_str(line).unwrap_or_else(|error| panic!("{error}: {line}"))).collect()
+}
+
+/// Serves the airport from this folder, and waits for its robot.
+pub(crate) fn serve(folder: &Folder) -> Program {
+    let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", "max", "--data", folder.text()];
+    let program = Program::with(&arguments);
+    program.until("the robot is there", |state| !holds(state, "robotLink"));
+    program
+}
+
+/// Whether this hold stands.
+pub(crate) fn holds(state: &Value, hold: &str) -> bool {
+    let holds = state["mission"]["holds"].as_array().expect("the holds are a list");
+    holds.iter().any(|held| held == hold)
+}
+
+pub(crate) fn of_kind<'a>(lines: &'a [Value], kind: &str) -> Vec<&'a Value> {
+    lines.iter().filter(|line| line["kind"] == kind).collect()
+}
+
+#[test]
+fn what_happened_is_printed_exported_and_checked_beside_the_running_program() {
+    let folder = Folder::new("journal");
+    let mut program = serve(&folder);
+    program.command("start").accepted();
+    let piece = program.until_asked();
+    program.verdict(piece, "danger").accepted();
+    program.verdict(piece, "safe").problem(409);
+    // What is refused is answered before it is on record; what is accepted afterwards, when both are.
+    program.put("/api/v1/temperature", "{\"status\":\"ok\"}").accepted();
+
+    let lines = exported(&folder);
+    assert!(lines.iter().zip(1..).all(|(line, place)| line["seq"] == place), "the entries follow one another");
+    assert!(lines.iter().all(|line| line["at"].as_str().is_some_and(|at| at.starts_with("20"))), "each says when");
+    assert_eq!(of_kind(&lines, "verdict")[0]["verdict"], "danger");
+    assert_eq!(of_kind(&lines, "luggage")[0]["picture"]["mediaType"], "image/png");
+    let refused: Vec<_> = of_kind(&lines, "command").into_iter().filter(|line| !line["refused"].is_null()).collect();
+    assert_eq!((refused.len(), &refused[0]["from"]), (1, &Value::from("127.0.0.1")), "{refused:?}");
+
+    let (_, printed) = journal(&folder, &[]);
+    assert!(printed.contains(&format!("verdict on luggage #{piece}: danger, by")), "{printed}");
+    let (_, last) = journal(&folder, &["print", "--last", "2"]);
+    assert_eq!(last.lines().count(), 2, "{last}");
+    let (_, none) = journal(&folder, &["print", "--mission", "7"]);
+    assert_eq!(none, "");
+    let (well, checked) = journal(&folder, &["check"]);
+    assert!(well && checked.contains("all is well"), "{checked}");
+    let (well, refused) = journal(&folder, &["rebuild"]);
+    assert!(!well && refused.contains("another hallsweep uses the folder"), "{refused}");
+
+    program.signal("TERM");
+    assert!(program.ended_within(std::time::Duration::from_secs(20)).is_some_and(|status| status.success()));
+    let (well, rebuilt) = journal(&folder, &["rebuild"]);
+    assert!(well && rebuilt.contains("made anew"), "{rebuilt}");
+    let (well, checked) = journal(&folder, &["check"]);
+    assert!(well, "{checked}");
+}
+
+#[test]
+fn a_check_that_finds_something_says_so_and_fails() {
+    let folder = Folder::new("journal-check");
+    let (well, said) = journal(&folder, &["check"]);
+    assert!(!well && said.contains("there is no journal in"), "{said}");
+    let program = serve(&folder);
+    program.command("start").accepted();
+    program.until_asked();
+    drop(program);
+    std::fs::remove_dir_all(std::path::Path::new(folder.text()).join("photos")).expect("there are photos");
+    let (well, said) = journal(&folder, &["check"]);
+    assert!(!well && said.contains("is not there") && said.contains("backup"), "{said}");
+}
+
+#[test]
+fn two_programs_never_share_a_folder() {
+    let folder = Folder::new("journal-shared");
+    let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--data", folder.text()];
+    let _first = Program::with(&arguments);
+    let second = hallsweep(&arguments).output().expect("the program starts");
+    let said = String::from_utf8_lossy(&second.stderr);
+    assert!(!second.status.success() && said.contains(folder.text()) && said.contains("--data"), "{said}");
+}
