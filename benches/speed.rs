@@ -1,10 +1,12 @@
 //! How fast hallsweep is, printed beside a bound or a peer measured in the same run. `cargo bench` runs it; nothing here is a test.
 #![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
 
+#[path = "common/ask.rs"]
+mod ask;
+#[path = "common/program.rs"]
+mod program;
+
 use std::hint::black_box;
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpStream;
-use std::process::{Command as Process, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -14,6 +16,7 @@ use hallsweep::core::settings::Settings;
 use hallsweep::core::units::{Epoch, Now, OrderId, Pose};
 use hallsweep::headless::{Verdicts, explore};
 use hallsweep::outbound::robot::sim::{Camera, Hall, Sim, SimSettings};
+use program::Program;
 
 fn main() {
     mission();
@@ -79,60 +82,31 @@ fn photo() {
     println!("photo, {} kB: {photo:.2?} (goal 25 ms); {:.1} × filling its pixels", bytes / 1000, ratio(photo, bound));
 }
 
-/// A running program on a port of its own.
-struct Program {
-    child: std::process::Child,
-    address: String,
+/// A program at the speed of a person's watch.
+fn program() -> Program {
+    Program::serve(&["--speed", "1"])
 }
 
-impl Program {
-    fn start() -> Program {
-        let mut child = Process::new(env!("CARGO_BIN_EXE_hallsweep"))
-            .args(["serve", "--http", "127.0.0.1:0", "--speed", "1"])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("the program was built for this benchmark");
-        let mut line = String::new();
-        BufReader::new(child.stdout.take().expect("its output is piped")).read_line(&mut line).expect("it says where it is");
-        let address = line.trim().rsplit("http://").next().unwrap_or_default().trim_end_matches('/').to_owned();
-        Program { child, address }
-    }
-
-    /// One request on a connection of its own; the answer's body.
-    fn ask(&self, method: &str, path: &str) -> String {
-        let mut stream = TcpStream::connect(&self.address).expect("the program listens");
-        let request =
-            format!("{method} {path} HTTP/1.1\r\nHost: {}\r\nContent-Length: 0\r\nConnection: close\r\n\r\n", self.address);
-        stream.write_all(request.as_bytes()).expect("it reads");
-        let mut answer = String::new();
-        stream.read_to_string(&mut answer).expect("it answers");
-        answer
-    }
-
-    /// Clock ticks of CPU the program has used.
-    fn cpu_ticks(&self) -> u64 {
-        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.child.id())).unwrap_or_default();
-        let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
-        [11, 12].into_iter().filter_map(|n| fields.get(n)?.parse::<u64>().ok()).sum()
-    }
+/// One request on a connection of its own.
+fn ask(program: &Program, method: &str, path: &str) -> String {
+    ask::ask(&program.address, method, path, "").expect("the program answers")
 }
 
-impl Drop for Program {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
+/// Clock ticks of CPU a program has used.
+fn cpu_ticks(program: &Program) -> u64 {
+    let stat = std::fs::read_to_string(program.proc("stat")).unwrap_or_default();
+    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
+    [11, 12].into_iter().filter_map(|n| fields.get(n)?.parse::<u64>().ok()).sum()
 }
 
 /// START over HTTP until its answer: the order is at the robot's port before the answer is sent, so this bounds it from above.
 fn start_to_order() {
-    let program = Program::start();
-    let (_, healthz) = timed(50, || drop(black_box(program.ask("GET", "/healthz"))));
+    let program = program();
+    let (_, healthz) = timed(50, || drop(black_box(ask(&program, "GET", "/healthz"))));
     let (_, start) = timed(50, || {
-        let answer = program.ask("POST", "/api/v1/commands/start");
+        let answer = ask(&program, "POST", "/api/v1/commands/start");
         assert!(answer.contains("\"accepted\":true"), "{answer}");
-        program.ask("POST", "/api/v1/commands/stop");
+        ask(&program, "POST", "/api/v1/commands/stop");
     });
     println!(
         "START and STOP over HTTP: {start:.2?} (goal for START alone 5 ms); {:.1} × two bare requests",
@@ -142,10 +116,10 @@ fn start_to_order() {
 
 /// CPU of a program that nobody asks anything, in percent of one core over five seconds.
 fn idle() {
-    let program = Program::start();
-    program.ask("GET", "/healthz");
-    let before = program.cpu_ticks();
+    let program = program();
+    ask(&program, "GET", "/healthz");
+    let before = cpu_ticks(&program);
     std::thread::sleep(Duration::from_secs(5));
-    let used = program.cpu_ticks() - before;
+    let used = cpu_ticks(&program) - before;
     println!("idle: {used} ticks of 10 ms in 5 s ({:.1} % of a core)", f64::from(u32::try_from(used).unwrap_or(u32::MAX)) / 5.0);
 }

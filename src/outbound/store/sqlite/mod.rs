@@ -47,8 +47,8 @@ use crate::core::units::Seq;
 use crate::runtime::archive::Archive;
 use crate::runtime::store::{Store, StoreWord};
 
-/// So many pages may wait for the disk. The core itself stops the robot when 64 entries are not kept, so that what comes beyond
-/// that is only commands and sensors: minutes of them.
+/// So many pages may wait for the disk. The robot waits for the record before each move, so that what comes beyond a move is only
+/// commands and sensors: minutes of them.
 const QUEUE: usize = 1024;
 
 /// Why nothing at all can be done with a folder: the program should not go on.

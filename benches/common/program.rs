@@ -1,0 +1,51 @@
+//! The real program on a free port of this machine and with a folder of its own, for benchmarks: started and ended.
+
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// How the address is announced on standard output.
+const ANNOUNCED: &str = "http://";
+
+/// A running program.
+pub(crate) struct Program {
+    child: Child,
+    /// Where it keeps everything; gone with it.
+    pub(crate) folder: PathBuf,
+    /// Where it listens, as `127.0.0.1:40123`.
+    pub(crate) address: String,
+}
+
+impl Program {
+    /// Serves with these arguments, none of the surroundings' settings, and nothing that was kept before.
+    pub(crate) fn serve(arguments: &[&str]) -> Program {
+        static STARTED: AtomicU32 = AtomicU32::new(0);
+        let number = STARTED.fetch_add(1, Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("hallsweep-bench-{}-{number}", std::process::id()));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_hallsweep"));
+        for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("HALLSWEEP_")) {
+            command.env_remove(name);
+        }
+        command.args(["serve", "--http", "127.0.0.1:0", "--data"]).arg(&folder).args(arguments);
+        let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
+        let mut child = child.expect("the program was built for this benchmark");
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().expect("its output is piped")).read_line(&mut line).expect("it says where it is");
+        let address = line.trim().rsplit(ANNOUNCED).next().unwrap_or_default().trim_end_matches('/').to_owned();
+        Program { child, folder, address }
+    }
+
+    /// Where the system says something of it under this name, as `stat`.
+    pub(crate) fn proc(&self, name: &str) -> PathBuf {
+        format!("/proc/{}/{name}", self.child.id()).into()
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}

@@ -1,0 +1,76 @@
+//! Screens that come and go: each opens a stream of events, reads it for a while, and leaves.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::TcpStream;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread::{sleep, spawn};
+use std::time::Duration;
+
+use hallsweep::core::rng::Stream;
+
+/// So many at once.
+const SCREENS: u64 = 6;
+
+/// A stream sends something every second at least; so often a reader thinks about leaving, too.
+const GLANCE: Duration = Duration::from_millis(100);
+
+/// All screens; their threads end with the program that started them.
+pub(crate) struct Readers(Arc<Screens>);
+
+#[derive(Default)]
+struct Screens {
+    rests: AtomicBool,
+    open: AtomicUsize,
+}
+
+impl Readers {
+    /// Screens that look at the program at this address.
+    pub(crate) fn start(address: &str) -> Readers {
+        let screens = Arc::new(Screens::default());
+        for number in 0..SCREENS {
+            let (screens, address) = (Arc::clone(&screens), address.to_owned());
+            spawn(move || screens.look(&address, Stream::new(number, "screen")));
+        }
+        Readers(screens)
+    }
+
+    /// Whether all of them leave and stay away; returns when they have left.
+    pub(crate) fn rest(&self, rests: bool) {
+        self.0.rests.store(rests, Ordering::SeqCst);
+        while rests && self.0.open.load(Ordering::SeqCst) > 0 {
+            sleep(GLANCE);
+        }
+    }
+}
+
+impl Screens {
+    fn look(&self, address: &str, mut chance: Stream) {
+        loop {
+            sleep(GLANCE);
+            self.open.fetch_add(1, Ordering::SeqCst);
+            if !self.rests.load(Ordering::SeqCst) {
+                // A stream that breaks is one more that went away.
+                let _ = self.read(address, &mut chance);
+            }
+            self.open.fetch_sub(1, Ordering::SeqCst);
+        }
+    }
+
+    fn read(&self, address: &str, chance: &mut Stream) -> std::io::Result<()> {
+        let path = if chance.happens(0.5) { "/api/v1/events" } else { "/console/live" };
+        let mut stream = TcpStream::connect(address)?;
+        stream.set_read_timeout(Some(GLANCE))?;
+        write!(stream, "GET {path} HTTP/1.1\r\nHost: {address}\r\n\r\n")?;
+        let mut events = [0; 16 * 1024];
+        while !chance.happens(0.01) && !self.rests.load(Ordering::SeqCst) {
+            match stream.read(&mut events) {
+                Ok(0) => break,
+                Ok(_) => {}
+                Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    }
+}

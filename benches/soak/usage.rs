@@ -1,0 +1,66 @@
+//! What a running program takes of the machine, as the system sees it (Linux: `/proc`).
+
+use std::path::Path;
+use std::time::Duration;
+
+use crate::program::Program;
+
+/// The heading over the lines.
+pub(crate) const HEADING: &str = "  time  missions  revision   memory  descriptors  threads   journal    photos";
+
+/// One look.
+pub(crate) struct Usage {
+    /// Resident memory, in kB.
+    pub(crate) memory_kb: u64,
+    /// Open files and sockets.
+    pub(crate) descriptors: u64,
+    /// Threads.
+    pub(crate) threads: u64,
+    /// Bytes of the journal, with what has not been folded into it yet.
+    journal: u64,
+    /// Bytes of the photos.
+    photos: u64,
+}
+
+impl Usage {
+    /// What a program takes now.
+    pub(crate) fn of(program: &Program) -> Usage {
+        let status = std::fs::read_to_string(program.proc("status")).unwrap_or_default();
+        let field = |name: &str| {
+            let value = status.lines().find_map(|line| line.strip_prefix(name)?.split_whitespace().next()?.parse().ok());
+            value.expect("the program is alive, and this system has /proc")
+        };
+        Usage {
+            memory_kb: field("VmRSS:"),
+            descriptors: descriptors(program),
+            threads: field("Threads:"),
+            journal: bytes(&program.folder, "journal"),
+            photos: bytes(&program.folder.join("photos"), ""),
+        }
+    }
+
+    /// As a line below the heading.
+    pub(crate) fn line(&self, since: Duration, missions: u64, revision: u64, note: &str) -> String {
+        let Usage { memory_kb, descriptors, threads, journal, photos } = self;
+        let (seconds, journal, photos) = (since.as_secs(), journal / 1000, photos / 1000);
+        format!(
+            "{seconds:>4} s  {missions:>8}  {revision:>8}  {memory_kb:>4} kB  {descriptors:>11}  {threads:>7}  {journal:>5} kB  {photos:>5} kB  {note}"
+        )
+    }
+}
+
+fn descriptors(program: &Program) -> u64 {
+    let open = std::fs::read_dir(program.proc("fd")).expect("a child's descriptors can be counted");
+    open.count() as u64
+}
+
+/// The bytes of the files below a folder whose names begin so.
+fn bytes(folder: &Path, begins: &str) -> u64 {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let of = |entry: std::fs::DirEntry| match entry.metadata() {
+        Ok(data) if data.is_dir() => bytes(&entry.path(), ""),
+        Ok(data) => data.len(),
+        Err(_) => 0,
+    };
+    entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(begins)).map(of).sum()
+}

@@ -1,0 +1,148 @@
+//! How long STOP takes from the request to the robot's port, while every door is under load and the store is slow or hangs
+//! (safety S6); beside it a bare request under the same load. `tests/stop.rs` proves what does not depend on time.
+#![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
+
+#[path = "common/ask.rs"]
+mod ask;
+#[path = "../tests/stop/house.rs"]
+mod house;
+#[path = "stop/load.rs"]
+mod load;
+#[path = "stop/tardy.rs"]
+mod tardy;
+
+use std::process::{Child, Command, ExitCode, Stdio};
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+use house::House;
+use tardy::{Keeping, Tardy};
+
+/// So many stops in all: half of them with a slow store, half with one that hangs.
+const STOPS: u64 = 1000;
+
+/// The goals of safety S6.
+const GOALS: &str = "goals: p99 ≤ 50 ms, worst ≤ 100 ms";
+
+/// A store that is slow takes this long over every page: a disk that is busy otherwise.
+const SLOW: Duration = Duration::from_millis(20);
+
+/// The load is there before the first stop, and the robot drives for a moment before each.
+const WARM_UP: Duration = Duration::from_secs(2);
+
+/// How long the robot may take to begin a step, or to hear of a halt: far longer than anything here takes.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+fn main() -> ExitCode {
+    if let Some(address) = std::env::args().skip_while(|word| word != load::WORD).nth(1) {
+        load::press(&address);
+        return ExitCode::SUCCESS;
+    }
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().expect("the system gives threads");
+    let (store, keeping) = Tardy::start(SLOW);
+    let (heard, halts) = channel();
+    let house = runtime.block_on(House::open(Box::new(store), move |halts| {
+        // Whoever no longer listens has all the stops it wants.
+        let _ = heard.send((halts.epoch.0, Instant::now()));
+    }));
+    let address = house.address.to_string();
+    let load = Load::start(&address);
+    std::thread::sleep(WARM_UP);
+    let bench = Bench { address, house, halts, keeping };
+    println!("STOP over HTTP, request → robot port, with {}:", load::IN_WORDS);
+    let (slow, hung) = (bench.stops(1, STOPS / 2, false), bench.stops(STOPS / 2 + 1, STOPS, true));
+    let bare = bench.bare_requests();
+    drop(load);
+    print("slow store", slow, GOALS);
+    print("hung store", hung, GOALS);
+    print("bare request", bare, "a bound: answered without the loop");
+    let (began, late) = (bench.house.watched.began.load(Ordering::SeqCst), bench.house.watched.late.load(Ordering::SeqCst));
+    println!("  {began} steps begun; {late} of them after a stop was answered (must be 0)");
+    if late == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// The load, in a process of its own; it ends with this.
+struct Load(Child);
+
+impl Load {
+    fn start(address: &str) -> Load {
+        let own = std::env::current_exe().expect("the system knows which program this is");
+        let load = Command::new(own).args([load::WORD, address]).stdin(Stdio::null()).spawn();
+        Load(load.expect("this program starts a second time"))
+    }
+}
+
+impl Drop for Load {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+struct Bench {
+    address: String,
+    house: House,
+    halts: Receiver<(u64, Instant)>,
+    keeping: Keeping,
+}
+
+impl Bench {
+    /// These stops, each while the robot moves. A store that is to hang does so from the moment it moves until the stop is
+    /// answered; a START could not be recorded otherwise.
+    fn stops(&self, first: u64, last: u64, hangs: bool) -> Vec<Duration> {
+        let took = |epoch| {
+            self.house.watched.standing.store(false, Ordering::SeqCst);
+            self.accepted("start");
+            self.drive();
+            self.keeping.hang(hangs);
+            let asked = Instant::now();
+            self.accepted("stop");
+            self.house.watched.standing.store(true, Ordering::SeqCst);
+            self.keeping.hang(false);
+            self.heard(epoch).duration_since(asked)
+        };
+        (first..=last).map(took).collect()
+    }
+
+    fn bare_requests(&self) -> Vec<Duration> {
+        let took = |_| {
+            let asked = Instant::now();
+            let answer = ask::ask(&self.address, "GET", "/healthz", "").expect("the door answers");
+            let took = asked.elapsed();
+            assert!(answer.contains(" 200 "), "{answer}");
+            took
+        };
+        (0..STOPS).map(took).collect()
+    }
+
+    fn accepted(&self, command: &str) {
+        let answer = ask::ask(&self.address, "POST", &format!("/api/v1/commands/{command}"), "").expect("the door answers");
+        assert!(answer.contains("\"accepted\":true"), "{command}: {answer}");
+    }
+
+    /// Waits until the robot begins a step.
+    fn drive(&self) {
+        let (began, since) = (self.house.watched.began.load(Ordering::SeqCst), Instant::now());
+        while self.house.watched.began.load(Ordering::SeqCst) == began {
+            assert!(since.elapsed() < PATIENCE, "the robot was started and does not move");
+            std::thread::sleep(Duration::from_micros(200));
+        }
+    }
+
+    /// When the halt of the stop that made this epoch came to the robot's port.
+    fn heard(&self, epoch: u64) -> Instant {
+        loop {
+            let (at, when) = self.halts.recv_timeout(PATIENCE).expect("every stop comes to the robot");
+            if at >= epoch {
+                return when;
+            }
+        }
+    }
+}
+
+fn print(what: &str, mut took: Vec<Duration>, beside: &str) {
+    took.sort_unstable();
+    let at = |percent: usize| took[(took.len() * percent / 100).min(took.len() - 1)];
+    println!("  {what:<12} {:4} × p50 {:>9.2?}  p99 {:>9.2?}  worst {:>9.2?}  ({beside})", took.len(), at(50), at(99), at(100));
+}

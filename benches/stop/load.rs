@@ -1,0 +1,85 @@
+//! Clients of every kind at once, in a process of their own, until it is ended: readers, streams, commands, and some that behave
+//! badly. Only STOP and START are left to the benchmark.
+
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::thread::{sleep, spawn};
+use std::time::Duration;
+
+use crate::ask::ask;
+
+/// The word by which the benchmark starts itself as this.
+pub(crate) const WORD: &str = "load";
+
+/// What it comes to.
+pub(crate) const IN_WORDS: &str = "4 readers, 2 senders of commands, 32 streams, 4 stalled ones and 16 slow requests";
+
+/// A reader and a sender wait this long between two requests.
+const PAUSE: Duration = Duration::from_millis(5);
+
+/// One letter of a slow request comes so often.
+const LETTER: Duration = Duration::from_millis(500);
+
+/// A client that was turned away comes again after this long.
+const AGAIN: Duration = Duration::from_millis(100);
+
+/// Runs until the process is ended.
+pub(crate) fn press(address: &str) {
+    let of = |count: usize, client: fn(&str) -> std::io::Result<()>| {
+        for _ in 0..count {
+            let address = address.to_owned();
+            spawn(move || {
+                loop {
+                    if client(&address).is_err() {
+                        sleep(AGAIN);
+                    }
+                }
+            });
+        }
+    };
+    of(4, read);
+    of(2, send);
+    of(32, |address| watch(address, true));
+    of(4, |address| watch(address, false));
+    of(16, dawdle);
+    loop {
+        sleep(Duration::from_secs(60));
+    }
+}
+
+fn read(address: &str) -> std::io::Result<()> {
+    for resource in ["state", "map", "luggage"] {
+        ask(address, "GET", &format!("/api/v1/{resource}"), "")?;
+        sleep(PAUSE);
+    }
+    Ok(())
+}
+
+/// A temperature is a command like any other, goes on record, and moves nobody.
+fn send(address: &str) -> std::io::Result<()> {
+    sleep(PAUSE);
+    ask(address, "PUT", "/api/v1/temperature", "{\"celsius\":20.5}").map(drop)
+}
+
+/// A stream that is read, or one whose reader has stalled.
+fn watch(address: &str, reads: bool) -> std::io::Result<()> {
+    let mut stream = TcpStream::connect(address)?;
+    write!(stream, "GET /api/v1/events HTTP/1.1\r\nHost: {address}\r\n\r\n")?;
+    let mut events = [0; 4096];
+    while !reads || stream.read(&mut events)? > 0 {
+        if !reads {
+            sleep(LETTER);
+        }
+    }
+    Ok(())
+}
+
+/// A request whose headers come letter by letter, until the door has had enough of it.
+fn dawdle(address: &str) -> std::io::Result<()> {
+    let mut stream = TcpStream::connect(address)?;
+    write!(stream, "GET /api/v1/state HTTP/1.1\r\nHost: {address}\r\nX-Slow: ")?;
+    loop {
+        stream.write_all(b"x")?;
+        sleep(LETTER);
+    }
+}

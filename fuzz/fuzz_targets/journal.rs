@@ -1,0 +1,42 @@
+//! The reader of the journal: any bytes give an entry or a sentence; what was read is printed so that it is read again as the
+//! same; and no entry, however odd, stops the program from finding out what stands or from going on from there.
+#![no_main]
+
+use hallsweep::core::explore::Strategy;
+use hallsweep::core::settings::Settings;
+use hallsweep::core::standing::Standing;
+use hallsweep::core::sweep::{Recalled, Sweep};
+use hallsweep::core::units::Now;
+use hallsweep::wire::journal::{Line, Unparsed, body, line, read_body, read_line, read_record, record};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    same(text, read_record, record);
+    same(text, read_body, |(fact, picture)| body(fact, picture.as_ref()));
+    if let Some(Line { entry, seq, .. }) = same(text, |text| read_line(text.as_bytes()), line) {
+        let mut standing = Standing::first(Strategy::default());
+        standing.apply(&entry);
+        let recalled = Recalled { standing, written: seq, commands: vec![entry] };
+        Sweep::recall(Settings::default(), "fuzzed".into(), recalled, Now::default());
+    }
+});
+
+/// Reads; if it can be read, prints and reads again.
+fn same<T: PartialEq + std::fmt::Debug>(
+    text: &str,
+    read: impl Fn(&str) -> Result<T, Unparsed>,
+    print: impl Fn(&T) -> String,
+) -> Option<T> {
+    match read(text) {
+        Ok(first) => {
+            let printed = print(&first);
+            assert_eq!(read(&printed).as_ref(), Ok(&first), "{printed}");
+            Some(first)
+        }
+        Err(unparsed) => {
+            assert!(unparsed.to_string().contains(' '), "{unparsed}");
+            None
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! The real door on the real loop, with a robot that begins whatever it may and tells of a step that it began although the stop
+//! had been answered; for the test of STOP and for its benchmark. The robot meets nothing: it is not about the search.
+//!
+//! ```text
+//!   client ─ HTTP ─► door ─► loop ─► Wheels ─► Watched { began, late }
+//!                     └─ halt ─────────┘         ▲ standing: set by the client while the stop is answered and no START follows
+//! ```
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+
+use tokio::net::TcpListener;
+use tokio::sync::{oneshot, watch};
+
+use hallsweep::core::event::{Capabilities, RobotEvent};
+use hallsweep::core::settings::Settings;
+use hallsweep::core::sweep::Sweep;
+use hallsweep::core::units::Epoch;
+use hallsweep::inbound::http::{self, Access, Door, Front};
+use hallsweep::outbound::store::memory::Memory;
+use hallsweep::runtime::clock::Clock;
+use hallsweep::runtime::halt::{Halter, Halts};
+use hallsweep::runtime::link::{RobotSide, Stamped, link};
+use hallsweep::runtime::store::Store;
+use hallsweep::runtime::task::Task;
+
+/// How long a step or a turn takes: short, so that there are many beginnings.
+const STEP: Duration = Duration::from_millis(2);
+
+/// What is seen of the robot.
+pub(crate) struct Watched {
+    /// Steps that were begun.
+    pub(crate) began: AtomicU64,
+    /// Of those, the ones begun while the robot had to stand.
+    pub(crate) late: AtomicU64,
+    /// Set by the client as soon as it has read the answer to its stop, taken back just before it asks for a START.
+    pub(crate) standing: AtomicBool,
+    /// Called with every halt that reaches the robot's port.
+    on_halt: Box<dyn Fn(Halts) + Send + Sync>,
+}
+
+/// A running house; it ends when this is dropped.
+pub(crate) struct House {
+    pub(crate) address: SocketAddr,
+    pub(crate) watched: Arc<Watched>,
+    closing: watch::Sender<bool>,
+    _door: oneshot::Sender<()>,
+}
+
+impl House {
+    /// Opens the door on a free port of this machine. Must be called inside a runtime, on whose threads everything runs.
+    pub(crate) async fn open(store: Box<dyn Store>, on_halt: impl Fn(Halts) + Send + Sync + 'static) -> House {
+        let (clock, halter) = (Clock::default(), Halter::new(Epoch(0)));
+        let (link, side) = link(halter.watch());
+        let sweep = Sweep::new(Settings::default(), Default::default(), "stops".into());
+        let (handle, task) = Task::new(sweep, link, store, clock, halter);
+        let listener = TcpListener::bind("127.0.0.1:0").await.expect("this machine has a free port");
+        let address = listener.local_addr().expect("a bound socket has an address");
+        let (closing, closed) = watch::channel(false);
+        let (end, ended) = oneshot::channel();
+        let door = Door::new(handle, Arc::new(Memory::new()), "bench", Access::Open);
+        let (began, late, standing) = (AtomicU64::new(0), AtomicU64::new(0), AtomicBool::new(true));
+        let watched = Arc::new(Watched { began, late, standing, on_halt: Box::new(on_halt) });
+        tokio::spawn(task.run(closed));
+        tokio::spawn(Wheels { side, watched: Arc::clone(&watched) }.run());
+        tokio::spawn(http::serve(listener, door, Front::default(), async { drop(ended.await) }));
+        House { address, watched, closing, _door: end }
+    }
+}
+
+impl Drop for House {
+    fn drop(&mut self) {
+        self.closing.send_replace(true);
+    }
+}
+
+/// The robot.
+struct Wheels {
+    side: RobotSide,
+    watched: Arc<Watched>,
+}
+
+impl Wheels {
+    async fn run(mut self) {
+        let can = Capabilities { step: STEP, turn: STEP, photo: STEP, nudges: false };
+        let mut report = RobotEvent::LinkUp(can);
+        while self.side.reports.send(report).await.is_ok() {
+            report = tokio::select! {
+                biased;
+                halts = self.side.halts.raised() => {
+                    (self.watched.on_halt)(halts);
+                    RobotEvent::Sonar(None)
+                }
+                order = self.side.orders.recv() => match order {
+                    Some(order) => self.obey(order).await,
+                    None => return,
+                },
+            };
+        }
+    }
+
+    /// Begins what it may. Whether it has to stand is looked at first: a stop that is answered after that look has raised the
+    /// halts before it was answered, so that what passes both was begun against the rule.
+    async fn obey(&mut self, Stamped { order, halts }: Stamped) -> RobotEvent {
+        let must_stand = self.watched.standing.load(Ordering::SeqCst);
+        if halts < self.side.halts.now().count {
+            return RobotEvent::Halted(order.id, false);
+        }
+        if order.action.is_motion() {
+            self.watched.began.fetch_add(1, Ordering::SeqCst);
+            self.watched.late.fetch_add(u64::from(must_stand), Ordering::SeqCst);
+        }
+        tokio::select! {
+            biased;
+            halts = self.side.halts.raised() => {
+                (self.watched.on_halt)(halts);
+                RobotEvent::Halted(order.id, true)
+            }
+            () = tokio::time::sleep(STEP) => RobotEvent::Done(order.id),
+        }
+    }
+}
