@@ -2,8 +2,8 @@
 //! How a file is found and read from disk is not fuzzed here.
 #![no_main]
 
-use hallsweep::core::units::Cell;
-use hallsweep::outbound::robot::sim::{Hall, Truth};
+use hallsweep_fuzz::core::units::Cell;
+use hallsweep_fuzz::outbound::robot::sim::{Hall, Truth};
 use libfuzzer_sys::fuzz_target;
 
 /// The longest sentence: it repeats a line of the file at most, never the file.

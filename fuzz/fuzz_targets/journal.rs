@@ -2,12 +2,12 @@
 //! same; and no entry, however odd, stops the program from finding out what stands or from going on from there.
 #![no_main]
 
-use hallsweep::core::explore::Strategy;
-use hallsweep::core::settings::Settings;
-use hallsweep::core::standing::Standing;
-use hallsweep::core::sweep::{Recalled, Sweep};
-use hallsweep::core::units::Now;
-use hallsweep::wire::journal::{Line, Unparsed, body, line, read_body, read_line, read_record, record};
+use hallsweep_fuzz::core::explore::Strategy;
+use hallsweep_fuzz::core::settings::Settings;
+use hallsweep_fuzz::core::standing::Standing;
+use hallsweep_fuzz::core::sweep::{Recalled, Sweep};
+use hallsweep_fuzz::core::units::Now;
+use hallsweep_fuzz::wire::journal::{Line, Unparsed, body, line, read_body, read_line, read_record, record};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -18,7 +18,7 @@ fuzz_target!(|bytes: &[u8]| {
         let mut standing = Standing::first(Strategy::default());
         standing.apply(&entry);
         let recalled = Recalled { standing, written: seq, commands: vec![entry] };
-        Sweep::recall(Settings::default(), "fuzzed".into(), recalled, Now::default());
+        let _ = Sweep::recall(Settings::default(), "fuzzed".into(), recalled, Now::default());
     }
 });
 

@@ -2,8 +2,8 @@
 //! What the core makes of a command is tested elsewhere.
 #![no_main]
 
-use hallsweep::wire::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, Unusable, VerdictBody};
-use hallsweep::wire::fields::{Body, Unread, body};
+use hallsweep_fuzz::wire::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, Unusable, VerdictBody};
+use hallsweep_fuzz::wire::fields::{Body, Unread, body};
 use libfuzzer_sys::fuzz_target;
 
 /// The longest sentence about a body of any length.

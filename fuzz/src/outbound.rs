@@ -1,0 +1,4 @@
+//! Of the adapters, the simulated robot alone: it reads halls.
+
+#[path = "../../src/outbound/robot/mod.rs"]
+pub mod robot;
