@@ -21,11 +21,9 @@ use crate::wire::journal_words;
 /// The log as it was: what people did and what was found, in words.
 pub(super) fn log_of(recalled: &Recalled) -> Vec<Remembered> {
     let line = |entry: &Entry| {
-        let tone = match &entry.fact {
-            Fact::AlarmRaised(..) => Tone::Alarm,
-            Fact::Command { refused: Some(_), .. } => Tone::Warning,
-            _ => Tone::Info,
-        };
+        let is_refused = matches!(entry.fact, Fact::Command { refused: Some(_), .. });
+        let quiet = if is_refused { Tone::Warning } else { Tone::Info };
+        let tone = if matches!(entry.fact, Fact::AlarmRaised(..)) { Tone::Alarm } else { quiet };
         Remembered { wall: entry.wall, tone, text: journal_words::words(&entry.fact) }
     };
     recalled.latest.iter().map(line).collect()
