@@ -65,7 +65,7 @@ impl Hold {
             Hold::TemperatureStale => "the temperature sensor is silent: mend it first",
             Hold::RobotLink => "the robot cannot be reached: mend the link first",
             Hold::Store => "nothing can be recorded: mend the disk first",
-            Hold::Restart => "the program was started again; everything is as it was: START goes on",
+            Hold::Restart => "the program was started again; everything is as it was",
             Hold::Alarm => "an alarm must be acknowledged first",
             Hold::AwaitingStart => "waiting for START",
         }
