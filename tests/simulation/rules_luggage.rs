@@ -50,7 +50,7 @@ fn under_a_failed_store_a_verdict_is_refused_but_danger_still_alarms() {
     assert!(run.state().luggage[0].is_pending());
 }
 
-/// V2.
+/// Safety V2.
 #[test]
 fn without_a_photo_there_is_no_safe_and_it_can_be_taken_again() {
     let settings = SimSettings { photo_failure_rate: 0.5, ..SimSettings::new(3, Camera::Stub) };

@@ -175,7 +175,7 @@ fn a_bomb_stays_on_the_console_until_its_alarm_is_acknowledged() {
     assert_eq!(run.phase(), PhaseName::Idle);
 }
 
-/// Rule 9.
+/// Rule 9, safety S4.
 #[test]
 fn a_start_from_before_the_last_stop_is_outdated_and_a_verdict_never_is() {
     let mut run = at_the_bag();

@@ -77,7 +77,7 @@ fn while_the_store_is_down_a_mission_is_not_put_away() {
     assert_eq!(bare.phase(), PhaseName::Exploring);
 }
 
-/// S2: every halt goes ahead of every record of the same moment.
+/// Safety S2: every halt goes ahead of every record of the same moment.
 #[test]
 fn halts_come_before_the_records_of_what_halted() {
     type Halting = fn(&mut Bare);

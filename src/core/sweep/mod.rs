@@ -168,8 +168,10 @@ impl Sweep {
 
     /// The next thing to be done outside, oldest first.
     pub fn poll_effect(&mut self) -> Option<Effect> {
-        if self.outbox.is_to_sum_up() {
-            self.outbox.record(self.now.wall, Fact::Standing(Box::new(self.standing())));
+        // What is on its way to the store is not in what stands yet, and must not be forgotten by reading on from there.
+        let in_flight = !self.mission.recording.is_empty() || !self.mission.deciding.is_empty();
+        if self.outbox.is_to_sum_up() && !in_flight {
+            self.record_standing();
         }
         self.outbox.poll()
     }

@@ -6,6 +6,9 @@ use crate::core::effect::{Effect, Entry, Fact, Order, Page};
 use crate::core::event::RobotId;
 use crate::core::units::{LuggageId, Seq, Ticket, Wall};
 
+/// After so many entries everything that stands is put on record, so that a start need not read more than these: half a second.
+const SUM_UP_AFTER: u64 = 10_000;
+
 /// So many commands are put on record once more after the store has failed: an hour of nervous clicking.
 const COMMANDS: usize = 1024;
 
@@ -17,6 +20,8 @@ pub(super) struct Outbox {
     page: Vec<Entry>,
     /// Whether the page is to end with everything that stands.
     sums_up: bool,
+    /// Entries since everything that stands was last on record.
+    since_summed_up: u64,
     written: Seq,
     kept: Seq,
     tickets: Ticket,
@@ -77,15 +82,19 @@ impl Outbox {
         self.sums_up = true;
     }
 
-    /// Whether the page is to end with everything that stands; asked once.
-    pub(super) fn is_to_sum_up(&mut self) -> bool {
-        std::mem::take(&mut self.sums_up)
+    /// Whether the page is to end with everything that stands.
+    pub(super) const fn is_to_sum_up(&self) -> bool {
+        self.sums_up || self.since_summed_up >= SUM_UP_AFTER
     }
 
     /// Puts a fact on its way to the store; its place in the journal.
     pub(super) fn record(&mut self, wall: Wall, fact: Fact) -> Seq {
         self.written = self.written.next();
         let entry = Entry { wall, fact };
+        self.since_summed_up += 1;
+        if matches!(entry.fact, Fact::Standing(_)) {
+            (self.sums_up, self.since_summed_up) = (false, 0);
+        }
         if matches!(entry.fact, Fact::Command { .. }) && self.commands.len() < COMMANDS {
             self.commands.push_back((self.written, entry.clone()));
         }

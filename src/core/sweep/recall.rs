@@ -40,6 +40,7 @@ impl Sweep {
         sweep.world.write(now.wall, Tone::Info, "the program was started again; everything is as it was".to_owned());
         sweep.feed(Input::Restarted, &Matter::default());
         sweep.finish();
+        sweep.outbox.sum_up();
         sweep.pump();
         sweep
     }

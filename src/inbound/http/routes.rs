@@ -27,12 +27,12 @@ pub(super) struct Row {
 
 /// Every route. STOP is everywhere in reach of anyone signed in; a `move` may be one, its other words ask for an operator.
 pub(super) fn table() -> Vec<Row> {
-    [interface(), pages(), of_old()].into_iter().flatten().collect()
+    [for_anybody(), interface(), page(), old_console()].into_iter().flatten().collect()
 }
 
-/// For programs, and for everybody.
+/// What one needs to sign in, and what says nothing of the hall.
 #[rustfmt::skip]
-fn interface() -> Vec<Row> {
+fn for_anybody() -> Vec<Row> {
     vec![
         get("/healthz", Nothing, reads::health),
         get("/sign-in", Nothing, sign_in::page),
@@ -43,7 +43,13 @@ fn interface() -> Vec<Row> {
         get("/static/vendor/idiomorph.js", Nothing, assets::file),
         get("/static/icon.svg", Nothing, assets::file),
         get("/favicon.ico", Nothing, assets::file),
+    ]
+}
 
+/// What programs use.
+#[rustfmt::skip]
+fn interface() -> Vec<Row> {
+    vec![
         get("/api/v1/state", See, reads::state),
         get("/api/v1/map", See, reads::map),
         get("/api/v1/luggage", See, reads::luggage_list),
@@ -54,7 +60,6 @@ fn interface() -> Vec<Row> {
         get("/api/v1/missions/{id}", See, missions::mission),
         get("/api/v1/missions/{id}/events", See, missions::events),
         get("/api/v1/missions/{id}/map", See, missions::map),
-
         post("/api/v1/commands/start", Act, commands::start),
         post("/api/v1/commands/stop", Stop, commands::stop),
         post("/api/v1/commands/backHome", Act, commands::back_home),
@@ -70,9 +75,9 @@ fn interface() -> Vec<Row> {
     ]
 }
 
-/// The console.
+/// The page, and what it sends.
 #[rustfmt::skip]
-fn pages() -> Vec<Row> {
+fn page() -> Vec<Row> {
     vec![
         get("/", See, console::page),
         get("/missions", See, console::missions::list),
@@ -96,9 +101,9 @@ fn pages() -> Vec<Row> {
     ]
 }
 
-/// The old console's.
+/// The words of old clients.
 #[rustfmt::skip]
-fn of_old() -> Vec<Row> {
+fn old_console() -> Vec<Row> {
     vec![
         post("/w", Act, old::give),
         post("/s", Act, old::give),

@@ -180,7 +180,7 @@ impl Trouble {
     fn words(&self, folder: &Path, then: Then) -> String {
         let folder = folder.display();
         let then = match then {
-            Then::GoesOn => "hallsweep goes on by itself",
+            Then::GoesOn => "recording goes on by itself",
             Then::StartAgain => "then start hallsweep again",
         };
         match self {

@@ -7,7 +7,7 @@
 //! ```
 
 use std::fs::{DirBuilder, File, OpenOptions, TryLockError};
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::fault::Fault;
@@ -77,6 +77,18 @@ impl Folder {
         Ok(())
     }
 
+    /// Proves that so many bytes can be written to the folder and flushed.
+    pub(super) fn prove_room(&self, bytes: usize) -> Result<(), Fault> {
+        let path = self.0.join("room.unfinished");
+        let written = private_file().write(true).create(true).truncate(true).open(&path).and_then(|mut file| {
+            file.write_all(&vec![0; bytes])?;
+            file.sync_all()
+        });
+        // It has done its work, whatever came of it.
+        let removed = std::fs::remove_file(&path);
+        Ok(written.and(removed)?)
+    }
+
     /// Takes the folder for this program alone. `None` where no lock can be made because nothing can be written there.
     pub(super) fn lock(&self) -> Result<Option<Lock>, Fault> {
         let path = self.0.join("journal.lock");
@@ -120,7 +132,8 @@ pub(super) fn create_folder(path: &Path) -> io::Result<()> {
 
 /// Makes the names in a folder last.
 pub(super) fn sync_folder(path: &Path) -> io::Result<()> {
-    File::open(path)?.sync_all()
+    // Elsewhere a folder cannot be opened as a file, and its names last by themselves.
+    if cfg!(unix) { File::open(path)?.sync_all() } else { Ok(()) }
 }
 
 fn sync_parent(path: &Path) -> io::Result<()> {

@@ -30,7 +30,6 @@ mod tests;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, Sender, SyncSender, TrySendError};
-use std::time::Duration;
 
 use tokio::sync::watch;
 
@@ -48,12 +47,9 @@ use crate::core::units::Seq;
 use crate::runtime::archive::Archive;
 use crate::runtime::store::{Store, StoreWord};
 
-/// So many pages may wait for the disk. The core itself stops the robot when 64 entries are not kept, so that what comes beyond
-/// that is only commands and sensors: minutes of them.
+/// So many pages may wait for the disk. The robot waits for the record before each move, so that what comes beyond a move is only
+/// commands and sensors: minutes of them.
 const QUEUE: usize = 1024;
-
-/// How long the end of the program waits for the last pages: a disk that takes longer would not have kept them either.
-const LAST_PAGES: Duration = Duration::from_secs(1);
 
 /// Why nothing at all can be done with a folder: the program should not go on.
 #[derive(Debug, thiserror::Error)]
@@ -87,6 +83,7 @@ pub struct SqliteStore {
     pages: Option<SyncSender<Handed>>,
     ends: Vec<Sender<()>>,
     done: Receiver<()>,
+    patience: Patience,
 }
 
 /// Opens the folder `path`, and creates it where there is none. No fault of the files is an error here: it is said by `failure`.
@@ -148,13 +145,20 @@ impl SqliteStore {
         let ((end_writer, ended), (end_watchman, watched)) = (mpsc::channel(), mpsc::channel());
         let (say_done, done) = mpsc::channel();
         let (to_write, to_watch) = (Arc::clone(&desk), (Arc::clone(&desk), folder.clone()));
-        let writer = Writer { folder: folder.clone(), desk: to_write, pages: handed, ended, hand, kept, patience };
+        let writer = Writer { folder: folder.clone(), desk: to_write, pages: handed, ended, hand, kept, bulk: 0, patience };
         thread("journal", move || {
             writer.run();
             drop(say_done);
         })?;
         thread("journal-watchman", move || writer::watch(&to_watch.0, &to_watch.1, &watched, patience))?;
-        let store = SqliteStore { folder: folder.clone(), desk, pages: Some(pages), ends: vec![end_writer, end_watchman], done };
+        let store = SqliteStore {
+            folder: folder.clone(),
+            desk,
+            pages: Some(pages),
+            ends: vec![end_writer, end_watchman],
+            done,
+            patience,
+        };
         Ok(store)
     }
 }
@@ -181,7 +185,7 @@ impl Drop for SqliteStore {
         self.pages = None;
         self.ends.clear();
         // Nothing is ever sent: either the writer comes to its end in time, or it is left behind.
-        let _ = self.done.recv_timeout(LAST_PAGES);
+        let _ = self.done.recv_timeout(self.patience.end);
     }
 }
 

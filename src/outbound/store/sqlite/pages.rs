@@ -55,13 +55,17 @@ impl Pages {
     /// loss on record.
     pub(super) fn go_on_after(&mut self, kept: Seq) -> Result<(), Fault> {
         let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
-        transaction.execute("INSERT INTO losses (kept) VALUES (?1)", [whole(kept.0)?])?;
+        let sql = "INSERT INTO losses (kept, times) VALUES (?1, 1) ON CONFLICT (kept) DO UPDATE SET times = times + 1";
+        transaction.execute(sql, [whole(kept.0)?])?;
         if rows::take_back(&transaction, kept)? > 0 {
             project::rebuild(&transaction)?;
         }
         let under_way = open_mission(&transaction)?;
         transaction.commit()?;
         self.under_way = under_way;
+        // So that the log begins anew: a disk that is all but full must not be filled by the attempts themselves. Where that fails
+        // the log only grows.
+        let _ = self.connection.query_row("PRAGMA wal_checkpoint(PASSIVE)", [], |_| Ok(()));
         Ok(())
     }
 }

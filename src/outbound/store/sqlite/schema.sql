@@ -24,8 +24,8 @@ CREATE INDEX milestones ON events (seq)
 
 -- After a failure the store goes on behind the last entry that it had kept: the numbers up to the next entry were lost.
 CREATE TABLE losses (
-    number INTEGER PRIMARY KEY,
-    kept   INTEGER NOT NULL
+    kept  INTEGER PRIMARY KEY,  -- that entry
+    times INTEGER NOT NULL      -- how often going on was tried
 ) STRICT;
 
 -- From here on: what follows from the journal, written with it, and rebuilt from it by `hallsweep journal rebuild`.

@@ -17,11 +17,15 @@ use super::desk::Desk;
 use super::fault::{Fault, Then};
 use super::folder::Folder;
 use super::pages::Pages;
-use crate::core::effect::Page;
+use crate::core::effect::{Entry, Fact, Page};
 use crate::core::units::{MissionId, Seq};
 
 /// So many pages at most share one transaction: what a slow disk lets pile up, and still only moments of work.
 const BATCH: usize = 256;
+
+/// There must be room for so many bytes more than what could not be written, before it is tried again: else a disk that is all but
+/// full would take the next few entries, fail, take some more, and so on.
+const MARGIN: usize = 256 * 1024;
 
 /// How long things take before something is done about them.
 #[derive(Clone, Copy, Debug)]
@@ -32,11 +36,14 @@ pub(super) struct Patience {
     pub(super) looks: u32,
     /// with so much time between two looks.
     pub(super) look: Duration,
+    /// How long the end of the program waits for the last pages: a disk that takes longer would not have kept them either.
+    pub(super) end: Duration,
 }
 
 impl Patience {
-    /// Once a second; after 5 s.
-    pub(super) const USUAL: Patience = Patience { retry: Duration::from_secs(1), looks: 10, look: Duration::from_millis(500) };
+    /// Once a second; after 5 s; a second, because the whole program is to end within two.
+    pub(super) const USUAL: Patience =
+        Patience { retry: Duration::from_secs(1), looks: 10, look: Duration::from_millis(500), end: Duration::from_secs(1) };
 }
 
 /// A page, and how many losses whoever handed it over knew of.
@@ -67,6 +74,8 @@ pub(super) struct Writer {
     pub(super) hand: Hand,
     /// The last entry that was said to be kept.
     pub(super) kept: Seq,
+    /// How many bytes of photos came with the last batch.
+    pub(super) bulk: usize,
     pub(super) patience: Patience,
 }
 
@@ -94,6 +103,7 @@ impl Writer {
     fn keep(&mut self, batch: Vec<Handed>) {
         let losses = self.desk.begin();
         let pages: Vec<Page> = batch.into_iter().filter(|handed| handed.losses == losses).map(|handed| handed.page).collect();
+        self.bulk = pages.iter().flat_map(|page| &page.entries).map(photo_bytes).sum();
         let kept = self.write(&pages, losses);
         self.conclude(kept, losses, pages.last().map_or(self.kept, Page::last));
     }
@@ -136,7 +146,7 @@ impl Writer {
             }
             Hand::Closed => return,
         };
-        match tried {
+        match tried.and_then(|()| self.folder.prove_room(self.bulk + MARGIN)) {
             Ok(()) => self.desk.recover(),
             Err(fault) => {
                 self.desk.still_failing(&fault.words(self.folder.path(), Then::GoesOn));
@@ -151,6 +161,10 @@ impl Writer {
             self.hand = Hand::Closed;
         }
     }
+}
+
+fn photo_bytes(entry: &Entry) -> usize {
+    if let Fact::Luggage { photo: Some(photo), .. } = &entry.fact { photo.bytes.len() } else { 0 }
 }
 
 /// Looks at the writer now and then; one that is at the same batch for too long is not waited for.

@@ -99,7 +99,7 @@ fn writer(scratch: &Scratch) -> (Writer, Arc<Desk>) {
     let desk = Arc::new(Desk::new(Seq(0), None));
     let (pages, ended) = (mpsc::sync_channel(1).1, mpsc::channel().1);
     let hand = Hand::Writing(journal);
-    (Writer { folder, desk: Arc::clone(&desk), pages, ended, hand, kept: Seq(0), patience: HASTE }, desk)
+    (Writer { folder, desk: Arc::clone(&desk), pages, ended, hand, kept: Seq(0), bulk: 0, patience: HASTE }, desk)
 }
 
 /// Safety V3: a verdict that was answered "not kept" does not stand, although the disk had it before anybody knew.

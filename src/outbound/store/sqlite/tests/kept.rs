@@ -215,7 +215,7 @@ fn a_check_finds_what_is_missing_and_what_says_nothing() {
     drop(scribe);
     meddle(&scratch, "DELETE FROM events WHERE seq IN (6, 7)");
     check_finds(&scratch, &["entries 6 to 7 are missing"]);
-    meddle(&scratch, "INSERT INTO losses (kept) VALUES (5)");
+    meddle(&scratch, "INSERT INTO losses VALUES (5, 1)");
     check_finds(&scratch, &[]);
     meddle(
         &scratch,

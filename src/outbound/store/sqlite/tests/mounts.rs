@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use super::super::{Reading, connect, folder::Folder};
+use super::super::{Reading, connect, folder::Folder, open_with};
 use super::testing::*;
 use crate::core::command::Verdict;
 use crate::core::units::{LuggageId, Seq};
@@ -92,6 +92,50 @@ fn a_disk_that_is_full_at_the_start_is_gone_on_with_later() {
     assert_eq!(faults(&scratch), Vec::<String>::new());
 }
 
+/// A disk with room for entries but not for the photo that failed is not taken for well.
+#[test]
+fn a_disk_that_is_all_but_full_is_not_tried_over_and_over() {
+    let scratch = Scratch::new();
+    let data = scratch.data();
+    let Some(_disk) = Disk::mount(&data, 2048) else { return };
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(begin(1));
+    let large = photo(&"a bag".repeat(200_000));
+    std::fs::write(data.join("filler"), vec![0; 1200 * 1024]).unwrap();
+    scribe.hand(vec![found(1, Some(large.clone()))]);
+    scribe.until(|word| word.failure.is_some());
+    let tries = || -> i64 {
+        let reader = connect::reader(&Folder::new(&data)).unwrap().expect("there is a journal");
+        reader.connection.query_row("SELECT coalesce(sum(times), 0) FROM losses", [], |row| row.get(0)).unwrap()
+    };
+    while tries() < 10 {
+        std::thread::yield_now();
+    }
+    let failing = scribe.until(|_| true);
+    assert_eq!((failing.losses, failing.failure.is_some()), (1, true), "{failing:?}");
+    std::fs::remove_file(data.join("filler")).unwrap();
+    scribe.until(|word| word.failure.is_none());
+    scribe.keep(vec![found(1, Some(photo("a small bag")))]);
+}
+
+/// Safety R3: a folder that cannot even be made is made when it can.
+#[test]
+fn a_folder_that_cannot_be_made_is_made_later() {
+    let scratch = Scratch::new();
+    let above = scratch.data();
+    let Some(disk) = Disk::mount(&above, 4096) else { return };
+    disk.become_read_only();
+    let data = above.join("below").join("data");
+    let opened = open_with(&data, HASTE).expect("nobody uses what is not there");
+    assert!(opened.failure.as_deref().is_some_and(|words| words.contains("make it writable")), "{:?}", opened.failure);
+    assert_eq!(opened.archive.missions(None, 5), Ok(Vec::new()));
+    let mut scribe = Scribe::new(opened);
+    disk.become_writable();
+    scribe.until(|word| word.failure.is_none());
+    scribe.keep(begin(1));
+    assert_eq!(scribe.opened.archive.missions(None, 5).map(|missions| missions.len()), Ok(1));
+}
+
 /// Safety R3: everything is recalled and can be read, nothing moves; when the folder can be written to work resumes.
 #[test]
 fn a_read_only_folder_is_read_and_written_to_once_it_can_be() {
@@ -105,7 +149,7 @@ fn a_read_only_folder_is_read_and_written_to_once_it_can_be() {
     let before = bytes(&data);
     let mut scribe = Scribe::new(scratch.open());
     let words = scribe.opened.failure.clone().expect("it cannot be written to");
-    assert!(words.contains("cannot be written to: make it writable; hallsweep goes on by itself"), "{words}");
+    assert!(words.contains("cannot be written to: make it writable; recording goes on by itself"), "{words}");
     let recalled = scribe.opened.recalled.clone().expect("it can be read");
     assert_eq!((recalled.written, recalled.standing.luggage.len()), (Seq(5), 1));
     assert_eq!(scribe.opened.archive.photo(LuggageId(1)), Ok(Some(photo("bag"))));

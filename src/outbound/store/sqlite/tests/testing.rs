@@ -17,8 +17,9 @@ use crate::core::world::hall_map::Mark;
 use crate::core::world::luggage::{Luggage, PhotoState};
 use crate::runtime::store::StoreWord;
 
-/// No waiting but for the disk.
-pub(super) const HASTE: Patience = Patience { retry: Duration::from_millis(1), looks: u32::MAX, look: Duration::from_millis(1) };
+/// No waiting but for the disk, and for that as long as it takes.
+pub(super) const HASTE: Patience =
+    Patience { retry: Duration::from_millis(1), looks: u32::MAX, look: Duration::from_millis(1), end: Duration::from_secs(600) };
 
 /// A folder of one test.
 pub(super) struct Scratch(PathBuf);
