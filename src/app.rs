@@ -197,7 +197,11 @@ fn sweep(settings: &Settings, recalled: Option<Recalled>, elsewhere: bool, clock
     let (run, now) = (run_id(clock), clock.now());
     let mut sweep = match recalled {
         Some(recalled) => Sweep::recall(settings.core, run, recalled, now),
-        None => Sweep::new(settings.core, settings.strategy, run),
+        None => {
+            let mut sweep = Sweep::new(settings.core, settings.strategy, run);
+            sweep.open_journal(now);
+            sweep
+        }
     };
     if elsewhere {
         sweep.put_down_elsewhere(now);

@@ -22,6 +22,8 @@ pub enum Event {
     Recorded(Seq),
     /// The store cannot write.
     StoreFailed(String),
+    /// The store still cannot write, now for this reason.
+    StoreReason(String),
     /// The store can write again.
     StoreRestored,
 }

@@ -80,12 +80,13 @@ impl Task {
                 _ = closing.wait_for(|closing| *closing) => break,
                 halts = self.halts.raised() => self.sweep.handle_halt(halts.epoch, self.clock.now()),
                 Ok(()) = self.word.changed() => self.hear_store(),
+                // Before commands and reports: a steady flow of these must not keep a silent sensor from being noticed.
+                () = sleep_until(due) => self.sweep.handle_timeout(self.clock.now()),
                 report = self.link.reports.recv(), if !self.link_gone => self.take_report(report),
                 envelope = self.commands.recv() => match envelope {
                     Some(envelope) => self.take(envelope),
                     None => break,
                 },
-                () = sleep_until(due) => self.sweep.handle_timeout(self.clock.now()),
             }
             self.settle();
         }
@@ -167,6 +168,8 @@ impl Task {
             let words = failure.as_deref().unwrap_or("writing failed for a moment").to_owned();
             tracing::error!(words, "the record cannot be written");
             self.sweep.handle_event(Event::StoreFailed(words), now);
+        } else if let Some(words) = failure.as_deref() {
+            self.sweep.handle_event(Event::StoreReason(words.to_owned()), now);
         }
         if failure.is_none() && std::mem::take(&mut self.store_failed) {
             tracing::info!("the record is written again");

@@ -4,10 +4,10 @@
 use std::sync::Arc;
 
 use hallsweep::core::command::{Command, CommandId, Door, Issuer, LuggageRef, Refused, Request, TemperatureReport, Verdict};
-use hallsweep::core::effect::Fact;
+use hallsweep::core::effect::{Effect, Fact};
 use hallsweep::core::mission::PhaseName;
 use hallsweep::core::sweep::IDS;
-use hallsweep::core::units::{Epoch, LuggageId};
+use hallsweep::core::units::{Celsius, Epoch, LuggageId};
 
 use crate::bare::{Bare, records};
 use crate::operator::{Operator, in_hall};
@@ -165,5 +165,71 @@ fn commands_that_came_while_the_store_was_down_are_on_record_when_it_is_back() {
     bare.effects.clear();
     bare.event(Event::StoreRestored);
     let mallory = |fact: &Fact| matches!(fact, Fact::Command { issuer, .. } if &*issuer.who == "mallory");
-    assert!(bare.effects.iter().any(|effect| records(effect, mallory)));
+    let told = |effect: &&Effect| records(effect, mallory);
+    assert_eq!(bare.effects.iter().filter(told).count(), 0, "the store has it still, and keeps it now");
+}
+
+/// Safety A6: what was lost when the store failed is written once more, as it was answered.
+#[test]
+fn a_command_that_was_lost_with_the_store_is_on_record_once_and_as_it_was_answered() {
+    use hallsweep::core::event::Event;
+    let mut bare = Bare::linked();
+    bare.keeps = false;
+    let start = bare.ask(named("s", Command::Start)).unwrap();
+    bare.event(Event::StoreFailed("disk full".to_owned()));
+    assert_eq!(bare.answer(start), Some(Err(Refused::NotKept)));
+    bare.effects.clear();
+    bare.event(Event::StoreRestored);
+    let refused = |fact: &Fact| matches!(fact, Fact::Command { command, refused: Some(refusal), .. } if command == "START" && refusal.code == "notKept");
+    let started = |fact: &Fact| matches!(fact, Fact::Command { command, .. } if command == "START");
+    assert_eq!(bare.effects.iter().filter(|effect| records(effect, refused)).count(), 1);
+    assert_eq!(bare.effects.iter().filter(|effect| records(effect, started)).count(), 1);
+}
+
+/// Who is told to try again later may do so under the same id.
+#[test]
+fn a_danger_that_could_not_be_recorded_is_taken_when_the_store_is_back() {
+    use hallsweep::core::event::Event;
+    let mut bare = Bare::at_a_bag();
+    bare.event(Event::StoreFailed("disk full".to_owned()));
+    assert_eq!(bare.ask(named("d", verdict(Verdict::Danger))), Err(Refused::StoreDown));
+    bare.event(Event::StoreRestored);
+    bare.keep();
+    bare.ask(named("d", verdict(Verdict::Danger))).expect("the store is back");
+    assert!(bare.state().luggage(LuggageId(1)).unwrap().is_dangerous());
+}
+
+/// Nothing is acknowledged that is not on record; what makes it safer is done all the same.
+#[test]
+fn while_the_store_is_down_only_a_stop_is_accepted() {
+    use hallsweep::core::event::Event;
+    use hallsweep::core::mission::Hold;
+    use hallsweep::core::units::AlarmId;
+    let mut bare = Bare::at_a_bag();
+    bare.verdict(Verdict::Danger).unwrap();
+    bare.event(Event::StoreFailed("disk full".to_owned()));
+    for command in [
+        Command::Acknowledge(AlarmId(1)),
+        Command::Temperature(TemperatureReport::Ok),
+        Command::Temperature(TemperatureReport::TooHigh),
+        Command::Start,
+        Command::Reset,
+    ] {
+        assert!(bare.give(command.clone()).is_err(), "{command:?}");
+    }
+    assert!(bare.holds().contains(&Hold::TooHigh), "the button counts although it is not on record");
+    assert!(bare.state().alarms[0].acknowledged.is_none());
+    let stop = bare.give(Command::Stop).unwrap();
+    assert!(bare.answer(stop).unwrap().is_ok());
+    let again = bare.verdict(Verdict::Danger).expect("it is on record already");
+    assert!(bare.answer(again).unwrap().is_ok());
+}
+
+/// Two readings that print alike are two readings, and so are those of two sensors.
+#[test]
+fn an_id_that_was_used_for_another_reading_is_refused() {
+    let mut run = in_hall("empty-8x8");
+    let reading = |degrees| Command::Temperature(TemperatureReport::Reading(Celsius::new(degrees).unwrap()));
+    run.ask(named("r", reading(25.04))).unwrap();
+    assert!(matches!(run.ask(named("r", reading(24.96))), Err(Refused::OtherContent(_))));
 }

@@ -11,7 +11,7 @@ use hallsweep::core::rng::Stream;
 use hallsweep::core::settings::Settings;
 use hallsweep::core::standing::Standing;
 use hallsweep::core::sweep::Sweep;
-use hallsweep::core::units::{AlarmId, Cell, Celsius, Now, Pose};
+use hallsweep::core::units::{AlarmId, Cell, Celsius, LuggageId, Now, Pose};
 use hallsweep::headless::Run;
 use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings};
 
@@ -144,19 +144,42 @@ fn a_command_that_comes_again_after_a_restart_is_answered_and_does_not_act() {
     assert!(matches!(mortal.ask(named(Command::BackHome)), Err(Refused::OtherContent(_))));
 }
 
+/// A bare word that comes again means the piece it meant, not the one that waits now.
+#[test]
+fn a_bare_safe_that_comes_again_after_a_restart_decides_no_other_piece() {
+    let named = |command| Request { id: CommandId::new("bare"), ..Request::new(command, Issuer::operator(Door::Http)) };
+    let safe = || Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe };
+    let mut mortal = Mortal::born(hall("airport"), SimSettings::new(1, Camera::Stub));
+    mortal.give(Command::Start).unwrap();
+    let first = until_pending(&mut mortal);
+    mortal.ask(named(safe())).unwrap();
+    mortal.keep_all();
+    let mut mortal = mortal.killed(0);
+    mortal.give(Command::Start).unwrap();
+    let second = until_pending(&mut mortal);
+    assert_ne!(first, second);
+    let again = mortal.ask(named(safe())).unwrap();
+    assert_eq!(mortal.answers[&again].as_ref().unwrap().luggage, Some(first));
+    mortal.keep_all();
+    assert!(mortal.state().luggage(second).unwrap().is_pending(), "nobody has looked at it");
+}
+
+fn until_pending(mortal: &mut Mortal) -> LuggageId {
+    loop {
+        mortal.keep_all();
+        if let Some(luggage) = mortal.state().pending().map(|luggage| luggage.id) {
+            return luggage;
+        }
+        assert!(mortal.advance());
+    }
+}
+
 /// A kill between a danger on record and what follows from it: it follows after the start.
 #[test]
 fn a_danger_on_record_alarms_after_a_restart_although_nobody_was_told_before() {
     let mut mortal = Mortal::born(hall("seed"), SimSettings::new(1, Camera::Stub));
     mortal.give(Command::Start).unwrap();
-    let pending = loop {
-        mortal.keep_all();
-        if let Some(luggage) = mortal.state().pending().map(|luggage| luggage.id) {
-            break luggage;
-        }
-        assert!(mortal.advance());
-    };
-    mortal.keep_all();
+    let pending = until_pending(&mut mortal);
     mortal.give(Command::Verdict { luggage: LuggageRef::Id(pending), verdict: Verdict::Danger }).unwrap();
     let mut mortal = mortal.killed(1);
     let state = mortal.state();

@@ -245,7 +245,8 @@ impl Matter {
         let step = self.step.map(|step| format!(" {}", step_in_words(step)));
         let alarm = self.alarm.map(|id| format!(" {id}"));
         let strategy = self.strategy.map(|strategy| format!(" {}", strategy.name()));
-        let reading = self.reading.as_ref().map(|(_, celsius)| format!(" {celsius}"));
+        let named = |source: &str| if source == OPERATOR { String::new() } else { format!(" {source}") };
+        let reading = self.reading.as_ref().map(|(source, celsius)| format!("{} {} °C", named(source), celsius.degrees()));
         [luggage, cell, step, alarm, strategy, reading].into_iter().flatten().collect()
     }
 }

@@ -110,13 +110,20 @@ impl Sweep {
         answer
     }
 
+    /// The first start of all: the journal begins with it.
+    pub fn open_journal(&mut self, now: Now) {
+        self.begin(now);
+        self.note_start();
+        self.outbox.record(now.wall, Fact::Strategy(self.mission.strategy));
+    }
+
     /// Notes a command that a door refused to take from its sender (safety A6): `asked` is what was asked for, as the door knows
     /// it.
     pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, now: Now) {
         self.begin(now);
         self.world.write(now.wall, Tone::Warning, format!("{asked} refused, by {issuer}: {refused}"));
         let refused = Some(Refusal::from(refused));
-        self.outbox.record(now.wall, Fact::Command { issuer, id: None, command: asked, luggage: None, refused });
+        self.outbox.record_command(now.wall, Fact::Command { issuer, id: None, command: asked, luggage: None, refused }, None);
     }
 
     /// From now on this sensor must be heard at least every `patience`; until it is for the first time it counts as silent.
@@ -145,6 +152,7 @@ impl Sweep {
                 self.feed(Input::StoreFailed, &Matter { words: Some(words), ..Matter::default() });
                 self.withdraw_unkept();
             }
+            Event::StoreReason(words) => self.world.store_failure = Some(words),
             Event::StoreRestored => {
                 self.world.store_failure = None;
                 self.feed(Input::StoreRestored, &Matter::default());
@@ -215,8 +223,8 @@ impl Sweep {
         self.world.turn_page();
     }
 
-    /// Carries out an accepted command; it is answered once it is kept with all that followed from it. A stop never waits, and
-    /// nothing waits for a store that cannot write.
+    /// Carries out an accepted command; it is answered once it is kept with all that followed from it. A stop never waits; and what
+    /// the table still accepts while the store cannot write is on record already, or need not be.
     fn carry_out(&mut self, request: &Request, input: Input, step: Step, matter: &Matter) -> Ticket {
         self.apply(step, matter);
         let ticket = self.outbox.next_ticket();
@@ -254,11 +262,14 @@ impl Sweep {
             }
             Known::Same(outcome) => outcome.clone(),
         };
-        match outcome {
-            Outcome::Answered(Err(refused)) => return Some(Err(refused)),
-            // The record itself answers for a verdict: it may have been replaced by another before it was kept.
-            Outcome::Before(Some(_)) => return None,
-            Outcome::Answered(_) | Outcome::Before(None) | Outcome::Open(_) => {}
+        if let Outcome::Answered(Err(refused)) = outcome {
+            return Some(Err(refused));
+        }
+        if let (Outcome::Before(Some(luggage)), Command::Verdict { verdict, .. }) = (&outcome, &request.command)
+            && let Some(stands) = self.verdict_kept(*luggage).filter(|stands| stands != verdict)
+        {
+            // It was replaced by another before it was kept.
+            return Some(Err(Refused::Decided { luggage: *luggage, verdict: stands }));
         }
         let ticket = self.outbox.next_ticket();
         match outcome {
@@ -289,8 +300,10 @@ impl Sweep {
             Some(refused) => (Tone::Warning, format!("{command}{meant} refused, by {issuer}: {refused}")),
         };
         self.world.write(self.now.wall, tone, text);
+        let accepted = refused.is_none() && request.command != Command::Stop;
+        let if_lost = accepted.then_some(if matter.verdict.is_some() { Refused::StoreDown } else { Refused::NotKept });
         let (id, luggage, refused) = (request.id.clone(), matter.luggage, refused.map(Refusal::from));
-        self.outbox.record(self.now.wall, Fact::Command { issuer, id, command, luggage, refused });
+        self.outbox.record_command(self.now.wall, Fact::Command { issuer, id, command, luggage, refused }, if_lost);
     }
 
     /// Puts everything that stands on record at once.

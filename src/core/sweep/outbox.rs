@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use crate::core::command::{Refusal, Refused};
 use crate::core::effect::{Effect, Entry, Fact, Order, Page};
 use crate::core::event::RobotId;
 use crate::core::units::{LuggageId, Seq, Ticket, Wall};
@@ -27,7 +28,18 @@ pub(super) struct Outbox {
     tickets: Ticket,
     waiting: Vec<Waiting>,
     /// The commands that are not kept yet: each is to be in the journal, whatever becomes of the store (safety A6).
-    commands: VecDeque<(Seq, Entry)>,
+    commands: VecDeque<Unkept>,
+    /// Everything up to here that was not kept when the store failed is lost.
+    lost: Seq,
+}
+
+/// A command on its way to the store.
+#[derive(Clone, Debug)]
+struct Unkept {
+    seq: Seq,
+    entry: Entry,
+    /// What its sender is told when it is lost, if it was accepted and waits for its record.
+    if_lost: Option<Refused>,
 }
 
 /// An accepted command whose answer waits for a record.
@@ -95,17 +107,31 @@ impl Outbox {
         if matches!(entry.fact, Fact::Standing(_)) {
             (self.sums_up, self.since_summed_up) = (false, 0);
         }
-        if matches!(entry.fact, Fact::Command { .. }) && self.commands.len() < COMMANDS {
-            self.commands.push_back((self.written, entry.clone()));
-        }
         self.page.push(entry);
         self.written
     }
 
-    /// Puts the commands that were not kept when the store failed on their way once more.
+    /// Puts a command on its way to the store; `if_lost` is what its sender is told when it never gets there.
+    pub(super) fn record_command(&mut self, wall: Wall, fact: Fact, if_lost: Option<Refused>) {
+        let entry = Entry { wall, fact };
+        let seq = self.record(wall, entry.fact.clone());
+        if self.commands.len() < COMMANDS {
+            self.commands.push_back(Unkept { seq, entry, if_lost });
+        }
+    }
+
+    /// Puts the commands that were lost when the store failed on their way once more, each as it was answered. Those that came
+    /// later are still with the store, which keeps them now.
     pub(super) fn repeat_commands(&mut self) {
-        for (_, Entry { wall, fact }) in std::mem::take(&mut self.commands) {
-            self.record(wall, fact);
+        let lost = self.lost;
+        let (repeat, rest) = std::mem::take(&mut self.commands).into_iter().partition(|unkept: &Unkept| unkept.seq <= lost);
+        self.commands = rest;
+        let repeat: VecDeque<Unkept> = repeat;
+        for Unkept { entry: Entry { wall, mut fact }, if_lost, .. } in repeat {
+            if let (Fact::Command { refused, .. }, Some(told)) = (&mut fact, &if_lost) {
+                *refused = Some(Refusal::from(told));
+            }
+            self.record_command(wall, fact, None);
         }
     }
 
@@ -122,9 +148,7 @@ impl Outbox {
 
     pub(super) fn keep(&mut self, seq: Seq) {
         self.kept = self.kept.max(seq);
-        while self.commands.front().is_some_and(|(written, _)| *written <= seq) {
-            self.commands.pop_front();
-        }
+        self.commands.retain(|unkept| unkept.seq > seq);
     }
 
     pub(super) fn next_ticket(&mut self) -> Ticket {
@@ -146,6 +170,7 @@ impl Outbox {
 
     /// All waiting answers, because the store has failed.
     pub(super) fn give_up(&mut self) -> Vec<Waiting> {
+        self.lost = self.written;
         std::mem::take(&mut self.waiting)
     }
 

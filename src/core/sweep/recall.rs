@@ -36,13 +36,17 @@ impl Sweep {
         sweep.repeats.recall(&commands);
         sweep.begin(now);
         sweep.take_up(standing);
-        sweep.outbox.record(now.wall, Fact::ProgramStarted(env!("CARGO_PKG_VERSION").to_owned()));
+        sweep.note_start();
         sweep.world.write(now.wall, Tone::Info, "the program was started again; everything is as it was".to_owned());
         sweep.feed(Input::Restarted, &Matter::default());
         sweep.finish();
         sweep.outbox.sum_up();
         sweep.pump();
         sweep
+    }
+
+    pub(super) fn note_start(&mut self) {
+        self.outbox.record(self.now.wall, Fact::ProgramStarted(env!("CARGO_PKG_VERSION").to_owned()));
     }
 
     /// The robot was put down at home in another hall: what was recalled of the old one is put away. Only while no mission is

@@ -157,7 +157,7 @@ impl Sweep {
         }
     }
 
-    fn verdict_kept(&self, id: LuggageId) -> Option<Verdict> {
+    pub(super) fn verdict_kept(&self, id: LuggageId) -> Option<Verdict> {
         self.world.luggage.get(&id)?.verdict.as_ref().map(|decision| decision.verdict)
     }
 }

@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
-use crate::core::command::{Accepted, CommandId, Refusal, Refused};
+use crate::core::command::{Accepted, CommandId, Refusal, RefusalKind, Refused};
 use crate::core::effect::{Entry, Fact};
 use crate::core::units::{LuggageId, Ticket};
 
@@ -61,7 +61,11 @@ impl Repeats {
     /// Notes what became of a command.
     pub(super) fn note(&mut self, who: &Arc<str>, id: &CommandId, content: &str, outcome: Outcome) {
         let key = (Arc::clone(who), id.clone());
-        if self.known.insert(key.clone(), Repeat { content: content.to_owned(), outcome }).is_none() {
+        let repeat = Repeat { content: content.to_owned(), outcome };
+        if repeat.is_to_be_tried_again() {
+            return;
+        }
+        if self.known.insert(key.clone(), repeat).is_none() {
             self.order.push_back(key);
         }
         if self.order.len() > IDS
@@ -77,6 +81,8 @@ impl Repeats {
         if let Some(repeat) = open {
             repeat.outcome = Outcome::Answered(answer.clone());
         }
+        self.known.retain(|_, repeat| !repeat.is_to_be_tried_again());
+        self.order.retain(|key| self.known.contains_key(key));
     }
 
     /// Takes up what the journal says of the commands before a restart.
@@ -87,6 +93,13 @@ impl Repeats {
                 self.note(&issuer.who, id, command, outcome);
             }
         }
+    }
+}
+
+impl Repeat {
+    /// Whether the sender was told to try again: then the same id is another attempt, and not a repeat.
+    fn is_to_be_tried_again(&self) -> bool {
+        matches!(&self.outcome, Outcome::Answered(Err(refused)) if refused.kind() == RefusalKind::Unavailable)
     }
 }
 

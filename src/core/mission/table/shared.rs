@@ -38,9 +38,11 @@ pub(super) const DANGER: &[Rule] = &[
     RefuseIfThen(Bar::StoreDown, &[AlarmUnrecorded]),
     Go(Stay, &[RecordVerdict]),
 ];
-pub(super) const BUTTON_OK: &[Rule] = &[Go(Stay, &[Clear(Hold::TooHigh)])];
-pub(super) const BUTTON_TOO_HIGH: &[Rule] = &[Go(Stay, &[Raise(Hold::TooHigh)])];
-pub(super) const READING: &[Rule] = &[Go(Stay, &[NoteReading])];
+pub(super) const BUTTON_OK: &[Rule] = &[RefuseIf(Bar::StoreDown), Go(Stay, &[Clear(Hold::TooHigh)])];
+/// What makes it safer is done although it cannot be put on record; its sender is told that it is not.
+pub(super) const BUTTON_TOO_HIGH: &[Rule] =
+    &[RefuseIfThen(Bar::StoreDown, &[Raise(Hold::TooHigh)]), Go(Stay, &[Raise(Hold::TooHigh)])];
+pub(super) const READING: &[Rule] = &[RefuseIfThen(Bar::StoreDown, &[NoteReading]), Go(Stay, &[NoteReading])];
 pub(super) const SENSOR_READING: &[Rule] = &[RefuseIf(Bar::UnknownSensor), Go(Stay, &[HearSensor])];
 pub(super) const RESET: &[Rule] = &[
     RefuseIf(Bar::Moving),
@@ -60,8 +62,8 @@ pub(super) const DRIVE_IF_STOPPED: &[Rule] = &[
     RefuseIf(Bar::IntoObstacle),
     Go(Phase(PhaseName::Driving), &[Release]),
 ];
-pub(super) const ACKNOWLEDGE: &[Rule] = &[RefuseIf(Bar::UnknownAlarm), Go(Stay, &[Acknowledge])];
-pub(super) const CHOOSE: &[Rule] = &[Go(Stay, &[ChooseStrategy])];
+pub(super) const ACKNOWLEDGE: &[Rule] = &[RefuseIf(Bar::UnknownAlarm), RefuseIf(Bar::StoreDown), Go(Stay, &[Acknowledge])];
+pub(super) const CHOOSE: &[Rule] = &[RefuseIf(Bar::StoreDown), Go(Stay, &[ChooseStrategy])];
 pub(super) const RECORDED: &[Rule] = &[Go(Stay, &[AskOperator])];
 pub(super) const ANOTHER_DANGER: &[Rule] = &[Go(Stay, &[LedOff, AlarmDanger])];
 pub(super) const DANGER_ON_THE_WAY: &[Rule] = &[Go(Phase(PhaseName::ReturningWithAlarm), &[LedOff, AlarmDanger])];
