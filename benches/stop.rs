@@ -26,7 +26,7 @@ const STOPS: u64 = 1000;
 const GOALS: &str = "goals: p99 ≤ 50 ms, worst ≤ 100 ms";
 
 /// A store that is slow takes this long over every page: a disk that is busy otherwise.
-const SLOW: Duration = Duration::from_millis(20);
+const SLOW: Duration = Duration::from_millis(10);
 
 /// The load is there before the first stop, and the robot drives for a moment before each.
 const WARM_UP: Duration = Duration::from_secs(2);

@@ -14,8 +14,12 @@ pub(crate) const WORD: &str = "load";
 /// What it comes to.
 pub(crate) const IN_WORDS: &str = "4 readers, 2 senders of commands, 32 streams, 4 stalled ones and 16 slow requests";
 
-/// A reader and a sender wait this long between two requests.
+/// A reader waits this long between two requests.
 const PAUSE: Duration = Duration::from_millis(5);
+
+/// A sender waits this long between two commands: each goes on record, and while anything is on its way to a slow store the
+/// robot rests, so that more of them would leave nothing to stop.
+const COMMAND_PAUSE: Duration = Duration::from_millis(150);
 
 /// One letter of a slow request comes so often.
 const LETTER: Duration = Duration::from_millis(500);
@@ -57,7 +61,7 @@ fn read(address: &str) -> std::io::Result<()> {
 
 /// A temperature is a command like any other, goes on record, and moves nobody.
 fn send(address: &str) -> std::io::Result<()> {
-    sleep(PAUSE);
+    sleep(COMMAND_PAUSE);
     ask(address, "PUT", "/api/v1/temperature", "{\"celsius\":20.5}").map(drop)
 }
 

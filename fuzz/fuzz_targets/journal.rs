@@ -6,9 +6,12 @@ use hallsweep_fuzz::core::explore::Strategy;
 use hallsweep_fuzz::core::settings::Settings;
 use hallsweep_fuzz::core::standing::Standing;
 use hallsweep_fuzz::core::sweep::{Recalled, Sweep};
-use hallsweep_fuzz::core::units::Now;
+use hallsweep_fuzz::core::units::{Now, Seq};
 use hallsweep_fuzz::wire::journal::{Line, Unparsed, body, line, read_body, read_line, read_record, record};
 use libfuzzer_sys::fuzz_target;
+
+/// The store numbers entries by SQLite's integers, which end here.
+const LAST: Seq = Seq(i64::MAX as u64);
 
 fuzz_target!(|bytes: &[u8]| {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
@@ -17,8 +20,8 @@ fuzz_target!(|bytes: &[u8]| {
     if let Some(Line { entry, seq, .. }) = same(text, |text| read_line(text.as_bytes()), line) {
         let mut standing = Standing::first(Strategy::default());
         standing.apply(&entry);
-        let recalled = Recalled { standing, written: seq, commands: vec![entry], latest: Vec::new() };
-        let _ = Sweep::recall(Settings::default(), "fuzzed".into(), recalled, Vec::new(), Now::default());
+        let recalled = Recalled { standing, written: seq.min(LAST), commands: vec![entry], latest: Vec::new() };
+        Sweep::recall(Settings::default(), "fuzzed".into(), recalled, Vec::new(), Now::default()).snapshot();
     }
 });
 

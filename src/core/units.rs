@@ -181,10 +181,10 @@ macro_rules! numbers {
         pub struct $name(pub u64);
 
         impl $name {
-            /// The one after this.
+            /// The one after this. Nothing counts so far, but a damaged record may say so, and that must not end the program.
             #[must_use]
             pub const fn next(self) -> $name {
-                $name(self.0 + 1)
+                $name(self.0.saturating_add(1))
             }
         }
 

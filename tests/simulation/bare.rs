@@ -20,7 +20,7 @@ pub(crate) struct Bare {
     pub(crate) effects: Vec<Effect>,
     pub(crate) answers: Vec<(Ticket, Result<Accepted, Refused>)>,
     order: Option<Order>,
-    written: Seq,
+    pub(crate) written: Seq,
     /// Whether records are kept as soon as they come.
     pub(crate) keeps: bool,
 }

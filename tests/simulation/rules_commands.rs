@@ -194,6 +194,26 @@ fn a_command_that_was_lost_with_the_store_is_on_record_once_and_as_it_was_answer
     assert_eq!(bare.effects.iter().filter(|effect| records(effect, started)).count(), 1);
 }
 
+/// Whoever sends readings without end does not keep the robot from moving.
+#[test]
+fn a_reading_that_is_not_on_record_yet_does_not_hold_the_robot_up() {
+    let mut bare = Bare::linked();
+    bare.give(Command::Start).unwrap();
+    bare.keeps = false;
+    let reading = Command::Temperature(TemperatureReport::Reading(Celsius::new(20.0).unwrap()));
+    let order = bare.takes_back().expect("it drives");
+    bare.robot(hallsweep::core::event::RobotEvent::Done(order.id));
+    bare.keep();
+    assert!(bare.order().is_some(), "the move is on record: the next one begins");
+    let order = bare.takes_back().expect("it drives");
+    bare.give(reading.clone()).unwrap();
+    bare.robot(hallsweep::core::event::RobotEvent::Done(order.id));
+    let before = bare.written;
+    bare.give(reading).unwrap();
+    bare.event(hallsweep::core::event::Event::Recorded(before));
+    assert!(bare.order().is_some(), "only the reading is not on record yet");
+}
+
 /// Who is told to try again later may do so under the same id.
 #[test]
 fn a_danger_that_could_not_be_recorded_is_taken_when_the_store_is_back() {

@@ -230,7 +230,7 @@ impl Sweep {
         self.apply(step, matter);
         let ticket = self.outbox.next_ticket();
         self.remember(request, Outcome::Open(ticket));
-        let waits = input != Input::Stop && !self.mission.holds.contains(Hold::Store) && !self.outbox.is_settled();
+        let waits = input != Input::Stop && !self.mission.holds.contains(Hold::Store) && !self.outbox.is_kept();
         if waits {
             let seq = self.outbox.written();
             self.outbox.wait(Waiting { ticket, seq, luggage: matter.luggage, verdict: matter.verdict });

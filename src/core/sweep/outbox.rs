@@ -24,6 +24,8 @@ pub(super) struct Outbox {
     /// Entries since everything that stands was last on record.
     since_summed_up: u64,
     written: Seq,
+    /// The last entry without which the robot must not move on: all but what others say while it moves.
+    barrier: Seq,
     kept: Seq,
     tickets: Ticket,
     waiting: Vec<Waiting>,
@@ -56,7 +58,7 @@ pub(super) struct Waiting {
 impl Outbox {
     /// The outgoing side after a restart: everything up to `written` is kept.
     pub(super) fn after(written: Seq) -> Outbox {
-        Outbox { written, kept: written, ..Outbox::default() }
+        Outbox { written, barrier: written, kept: written, ..Outbox::default() }
     }
 
     pub(super) fn send(&mut self, effect: Effect) {
@@ -107,6 +109,10 @@ impl Outbox {
         if matches!(entry.fact, Fact::Standing(_)) {
             (self.sums_up, self.since_summed_up) = (false, 0);
         }
+        // Whoever sends commands and readings without end must not keep the robot from moving.
+        if !matches!(entry.fact, Fact::Command { .. } | Fact::Temperature(..)) {
+            self.barrier = self.written;
+        }
         self.page.push(entry);
         self.written
     }
@@ -140,9 +146,14 @@ impl Outbox {
         self.written
     }
 
-    /// Whether everything is kept that happened so far. The robot waits for it before each move, so that a kill can never lose
-    /// more than the move under way: what it says of where it stands then still joins what is known.
+    /// Whether everything is kept that became of the mission so far. The robot waits for it before each move, so that a kill can
+    /// never lose more than the move under way: what it says of where it stands then still joins what is known.
     pub(super) fn is_settled(&self) -> bool {
+        self.kept >= self.barrier
+    }
+
+    /// Whether everything is kept.
+    pub(super) fn is_kept(&self) -> bool {
         self.kept >= self.written
     }
 

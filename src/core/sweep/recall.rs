@@ -118,6 +118,9 @@ impl Sweep {
             self.outbox.send(Effect::Led(RobotId::Discovery, true));
         }
         self.mission = mission_of(standing);
+        if self.world.map.at(pose.cell) != Mark::Visited {
+            self.mark(pose.cell, Mark::Visited);
+        }
         if let Some(celsius) = reading {
             self.read_temperature(&Arc::from(OPERATOR), celsius);
         }

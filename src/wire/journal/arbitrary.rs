@@ -202,7 +202,7 @@ fn pose() -> impl Strategy<Value = Pose> {
 }
 
 fn cell() -> impl Strategy<Value = Cell> {
-    (any::<i32>(), any::<i32>()).prop_map(|(x, y)| Cell::new(x, y))
+    (-2 * REACH..=2 * REACH, -2 * REACH..=2 * REACH).prop_map(|(x, y)| Cell::new(x, y))
 }
 
 fn wall() -> impl Strategy<Value = Wall> {

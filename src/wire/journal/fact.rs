@@ -9,7 +9,7 @@ use super::names::SearchShape;
 use super::phase::PhaseShape;
 use super::places::{GoalShape, PoseShape};
 use super::standing::StandingShape;
-use super::{Picture, Unparsed, map, names};
+use super::{Picture, Unparsed, map, names, places};
 use crate::core::command::{CommandId, Issuer, Refusal};
 use crate::core::effect::Fact;
 use crate::core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId};
@@ -18,26 +18,80 @@ use crate::core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId};
 #[derive(Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "camelCase", rename_all_fields = "camelCase")]
 pub(super) enum Shape {
-    ProgramStarted { version: String },
-    Standing { standing: Box<StandingShape> },
+    ProgramStarted {
+        version: String,
+    },
+    Standing {
+        standing: Box<StandingShape>,
+    },
     Command(CommandShape),
-    MissionBegan { number: u64, strategy: String },
-    MissionArchived { number: u64, left: Vec<u64> },
-    Phase { phase: PhaseShape },
-    Holds { holds: Vec<String> },
-    Epoch { epoch: u64 },
-    Goal { goal: Option<GoalShape>, search: SearchShape },
+    MissionBegan {
+        number: u64,
+        strategy: String,
+    },
+    MissionArchived {
+        number: u64,
+        left: Vec<u64>,
+    },
+    Phase {
+        phase: PhaseShape,
+    },
+    Holds {
+        holds: Vec<String>,
+    },
+    Epoch {
+        epoch: u64,
+    },
+    Goal {
+        goal: Option<GoalShape>,
+        search: SearchShape,
+    },
     Pose(PoseShape),
-    Led { blinking: bool },
-    Obstacle { x: i32, y: i32, taken_for: String },
-    Mark { x: i32, y: i32, mark: String },
-    Luggage { luggage: LuggageShape, picture: Option<Picture> },
-    Verdict { luggage: u64, verdict: String, who: String },
-    Temperature { source: String, celsius: f64 },
-    AlarmRaised { alarm: u64, luggage: Option<u64>, text: String },
-    AlarmAcknowledged { alarm: u64, who: String },
-    Strategy { strategy: String },
-    MapEmptied { heading: String },
+    Led {
+        blinking: bool,
+    },
+    Obstacle {
+        #[serde(deserialize_with = "places::side")]
+        x: i32,
+        #[serde(deserialize_with = "places::side")]
+        y: i32,
+        taken_for: String,
+    },
+    Mark {
+        #[serde(deserialize_with = "places::side")]
+        x: i32,
+        #[serde(deserialize_with = "places::side")]
+        y: i32,
+        mark: String,
+    },
+    Luggage {
+        luggage: LuggageShape,
+        picture: Option<Picture>,
+    },
+    Verdict {
+        luggage: u64,
+        verdict: String,
+        who: String,
+    },
+    Temperature {
+        source: String,
+        celsius: f64,
+    },
+    AlarmRaised {
+        alarm: u64,
+        luggage: Option<u64>,
+        text: String,
+    },
+    AlarmAcknowledged {
+        alarm: u64,
+        who: String,
+    },
+    Strategy {
+        strategy: String,
+    },
+    MapEmptied {
+        heading: String,
+    },
 }
 
 /// A command and what became of it.

@@ -1,23 +1,32 @@
 //! Cells, poses and moments in the journal. A moment keeps the exact millisecond and offset; its RFC 3339 form is for people.
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{Unparsed, names};
 use crate::core::mission::Goal;
 use crate::core::units::{Cell, Pose, Wall};
+use crate::core::world::hall_map::REACH;
 use crate::wire::time::rfc3339;
+
+/// Cells further from home than this are in no journal: no map reaches half so far.
+const FARTHEST: i32 = 2 * REACH;
 
 /// A cell.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Point {
+    #[serde(deserialize_with = "side")]
     pub(super) x: i32,
+    #[serde(deserialize_with = "side")]
     pub(super) y: i32,
 }
 
 /// A pose.
 #[derive(Serialize, Deserialize)]
 pub(super) struct PoseShape {
+    #[serde(deserialize_with = "side")]
     x: i32,
+    #[serde(deserialize_with = "side")]
     y: i32,
     heading: String,
 }
@@ -93,4 +102,13 @@ impl From<GoalShape> for Goal {
             GoalShape::Home => Goal::Home,
         }
     }
+}
+
+/// Reads one coordinate of a cell.
+pub(super) fn side<'de, D: Deserializer<'de>>(deserializer: D) -> Result<i32, D::Error> {
+    let side = i32::deserialize(deserializer)?;
+    if (-FARTHEST..=FARTHEST).contains(&side) {
+        return Ok(side);
+    }
+    Err(D::Error::custom(format!("{side} is no coordinate of a cell: they lie between -{FARTHEST} and {FARTHEST}")))
 }

@@ -110,6 +110,16 @@ fn a_row_of_the_map_cannot_be_without_end() {
     }
 }
 
+/// Found by fuzzing: one step further there was no number any more.
+#[test]
+fn a_cell_that_no_map_reaches_is_refused() {
+    let pose = r#"{"kind":"pose","x":2147483647,"y":0,"heading":"east"}"#;
+    let mark = r#"{"kind":"mark","x":0,"y":-2147483648,"mark":"wall"}"#;
+    for text in [pose, mark] {
+        assert!(refused(text).contains("no coordinate of a cell"), "{}", refused(text));
+    }
+}
+
 #[test]
 fn a_large_hall_takes_some_kilobytes() {
     let mut standing = Standing::first(Default::default());
