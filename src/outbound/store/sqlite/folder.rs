@@ -3,6 +3,7 @@
 //! ```text
 //!   journal.db          the journal (with journal.db-wal and journal.db-shm beside it while it is open)
 //!   journal.lock        held by the program that writes
+//!   journal.lost        after which entry everything was said to be lost
 //!   photos/ab/cdef….png a photo, named by the digest of its bytes
 //! ```
 
@@ -36,6 +37,10 @@ impl Folder {
 
     pub(super) fn write_ahead_log(&self) -> PathBuf {
         self.0.join("journal.db-wal")
+    }
+
+    pub(super) fn marker(&self) -> PathBuf {
+        self.0.join("journal.lost")
     }
 
     /// Where a photo is, whether or not it is there.

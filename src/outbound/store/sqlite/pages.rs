@@ -5,7 +5,7 @@ use rusqlite::{Connection, Transaction, TransactionBehavior};
 
 use super::fault::{Fault, whole};
 use super::folder::{Folder, Lock};
-use super::{connect, photos, project, rows, schema};
+use super::{connect, marker, photos, project, rows, schema};
 use crate::core::effect::{Fact, Page};
 use crate::core::units::{MissionId, Seq};
 use crate::outbound::store::belonging::belongs;
@@ -28,12 +28,19 @@ impl Pages {
         let lock = lock.map_or_else(|| folder.lock(), |lock| Ok(Some(lock)))?;
         let mut connection = connect::writer(folder)?;
         schema::bring_up_to_date(&mut connection)?;
-        if rows::last(&connection)? != kept {
+        let lost_after = marker::read(folder)?;
+        if rows::last_up_to(&connection, lost_after)? != kept {
             return Err(Fault::Changed);
         }
         // Whether anything can be written shows when it is begun.
         connection.transaction_with_behavior(TransactionBehavior::Immediate)?.rollback()?;
-        Ok(Pages { folder: folder.clone(), connection, under_way, _lock: lock })
+        let mut pages = Pages { folder: folder.clone(), connection, under_way, _lock: lock };
+        // What a program that was killed had said to be lost is taken back for good before that is forgotten (safety V3).
+        if let Some(lost_after) = lost_after {
+            pages.go_on_after(lost_after)?;
+        }
+        marker::clear(folder)?;
+        Ok(pages)
     }
 
     /// Writes pages so that they last. `is_wanted` is asked before the last step; when it says no nothing is kept.

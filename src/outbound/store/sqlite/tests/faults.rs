@@ -7,6 +7,7 @@ use rusqlite::TransactionBehavior;
 
 use super::super::desk::Desk;
 use super::super::folder::Folder;
+use super::super::marker::Marker;
 use super::super::pages::Pages;
 use super::super::writer::{Hand, Writer};
 use super::super::{QUEUE, Reading, connect, open_with, recall};
@@ -96,7 +97,7 @@ fn a_disk_that_hangs_is_not_waited_for() {
 fn writer(scratch: &Scratch) -> (Writer, Arc<Desk>) {
     let folder = Folder::new(&scratch.data());
     let journal = Pages::open(&folder, None, Seq(0), None).unwrap();
-    let desk = Arc::new(Desk::new(Seq(0), None));
+    let desk = Arc::new(Desk::new(Marker::new(&folder), Seq(0), None));
     let (pages, ended) = (mpsc::sync_channel(1).1, mpsc::channel().1);
     let hand = Hand::Writing(journal);
     (Writer { folder, desk: Arc::clone(&desk), pages, ended, hand, kept: Seq(0), bulk: 0, patience: HASTE }, desk)
