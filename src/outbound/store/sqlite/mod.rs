@@ -116,6 +116,8 @@ fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fau
         other => other.unwrap_or(None),
     };
     let recalled = match recall_up_to_date(folder) {
+        // Somebody took the journal away, or SQLite did: a new one beside the photos of the old would hide that.
+        Ok(None) if folder.has_photos() => return Ok((Hand::Closed, None, words(&Fault::OnlyPhotos, Then::StartAgain))),
         Ok(recalled) => recalled,
         Err(fault) => return Ok((Hand::Closed, None, words(&fault, Then::StartAgain))),
     };

@@ -124,7 +124,7 @@ impl Writer {
             Err(fault) => {
                 // A commit that failed may have left its pages in the write-ahead log, where a kill at this moment would find
                 // them whole. They are written over before anybody hears that they are lost; whether that lasts does not matter.
-                if let Hand::Writing(journal) = &mut self.hand {
+                if let (Hand::Writing(journal), false) = (&mut self.hand, fault.is_final()) {
                     let _ = journal.go_on_after(self.kept);
                 }
                 self.desk.fail(losses, &fault.words(self.folder.path(), Then::GoesOn));
