@@ -196,7 +196,10 @@ fn start(
 fn sweep(settings: &Settings, recalled: Option<Recalled>, elsewhere: bool, clock: &Clock) -> Sweep {
     let (run, now) = (run_id(clock), clock.now());
     let mut sweep = match recalled {
-        Some(recalled) => Sweep::recall(settings.core, run, recalled, now),
+        Some(recalled) => {
+            let log = kept::log_of(&recalled);
+            Sweep::recall(settings.core, run, recalled, log, now)
+        }
         None => {
             let mut sweep = Sweep::new(settings.core, settings.strategy, run);
             sweep.open_journal(now);

@@ -17,8 +17,8 @@ fuzz_target!(|bytes: &[u8]| {
     if let Some(Line { entry, seq, .. }) = same(text, |text| read_line(text.as_bytes()), line) {
         let mut standing = Standing::first(Strategy::default());
         standing.apply(&entry);
-        let recalled = Recalled { standing, written: seq, commands: vec![entry] };
-        let _ = Sweep::recall(Settings::default(), "fuzzed".into(), recalled, Now::default());
+        let recalled = Recalled { standing, written: seq, commands: vec![entry], latest: Vec::new() };
+        let _ = Sweep::recall(Settings::default(), "fuzzed".into(), recalled, Vec::new(), Now::default());
     }
 });
 

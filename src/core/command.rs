@@ -13,8 +13,10 @@ use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
 pub struct Request {
     /// What is asked.
     pub command: Command,
-    /// The epoch its sender saw; `None` is stamped on arrival. Only movement commands look at it.
+    /// The epoch its sender saw. Only movement commands look at it.
     pub epoch: Option<Epoch>,
+    /// The epoch in which it arrived, which counts where the sender named none.
+    pub arrived: Option<Epoch>,
     /// Who asks.
     pub issuer: Issuer,
     /// The sender's own name for this command: one that comes again is answered as before, and not carried out again.
@@ -25,7 +27,7 @@ impl Request {
     /// A command as its sender gave it, without an epoch or an id.
     #[must_use]
     pub const fn new(command: Command, issuer: Issuer) -> Request {
-        Request { command, epoch: None, issuer, id: None }
+        Request { command, epoch: None, arrived: None, issuer, id: None }
     }
 }
 
@@ -240,6 +242,8 @@ impl Door {
 pub struct Accepted {
     /// The revision of the state that contains its effect.
     pub revision: super::units::Revision,
+    /// The epoch that held then: what a movement command may carry next.
+    pub epoch: Epoch,
     /// The piece it concerned, where it concerned one.
     pub luggage: Option<LuggageId>,
 }

@@ -110,6 +110,8 @@ pub enum Fact {
         id: Option<CommandId>,
         /// The command in a few words.
         command: String,
+        /// The epoch that its sender said it saw.
+        epoch: Option<Epoch>,
         /// The piece it turned out to be about.
         luggage: Option<LuggageId>,
         /// Why it was refused, if it was.

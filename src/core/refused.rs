@@ -115,6 +115,9 @@ pub enum Refused {
     Before(Refusal),
 }
 
+/// The code of `Refused::OtherContent`.
+pub const OTHER_CONTENT: &str = "otherContent";
+
 /// A refusal as it is kept on record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
@@ -167,7 +170,7 @@ pub const CODES: [(&str, RefusalKind); 25] = {
         ("faultStands", Conflict),
         ("storeDown", Unavailable),
         ("notKept", Unavailable),
-        ("otherContent", Mismatch),
+        (OTHER_CONTENT, Mismatch),
         ("unknownSensor", Unknown),
         ("notAllowed", Forbidden),
     ]
@@ -230,7 +233,7 @@ impl Refused {
             Refused::FaultStands(_) => "faultStands",
             Refused::StoreDown => "storeDown",
             Refused::NotKept => "notKept",
-            Refused::OtherContent(_) => "otherContent",
+            Refused::OtherContent(_) => OTHER_CONTENT,
             Refused::UnknownSensor(_) => "unknownSensor",
             Refused::NotAllowed(_) => "notAllowed",
             Refused::Before(refusal) => refusal.code,

@@ -76,8 +76,8 @@ impl Handle {
     fn stamp(&self, mut request: Request) -> Request {
         if request.command == Command::Stop {
             request.epoch = Some(self.halter.stop());
-        } else if request.epoch.is_none() {
-            request.epoch = Some(self.halter.watch().now().epoch);
+        } else {
+            request.arrived = Some(self.halter.watch().now().epoch);
         }
         request
     }

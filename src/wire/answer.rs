@@ -28,7 +28,7 @@ impl AnswerJson {
         AnswerJson {
             accepted: true,
             revision: accepted.revision.0,
-            epoch: snapshot.mission.epoch.0,
+            epoch: accepted.epoch.0,
             luggage: luggage.map(|luggage| LuggageJson::from(&**luggage)),
         }
     }

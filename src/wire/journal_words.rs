@@ -104,7 +104,7 @@ mod tests {
     fn command(refused: Option<Refused>) -> Fact {
         let issuer = Issuer { door: Door::Http, who: "anna".into(), from: "192.0.2.7".into() };
         let refused = refused.as_ref().map(Refusal::from);
-        Fact::Command { issuer, id: None, command: "START".to_owned(), luggage: None, refused }
+        Fact::Command { issuer, id: None, command: "START".to_owned(), epoch: None, luggage: None, refused }
     }
 
     #[test]

@@ -55,6 +55,10 @@ impl Folder {
         Folder(path)
     }
 
+    pub(crate) fn path(&self) -> &std::path::Path {
+        &self.0
+    }
+
     pub(crate) fn text(&self) -> &str {
         self.0.to_str().expect("a path of plain letters")
     }

@@ -106,5 +106,25 @@ fn missions_are_read_back_after_a_restart() {
     assert!(page.contains("A bomb was located; luggage #2 was left in place") && page.contains("Under way: "), "{page}");
     let state = program.json("state");
     assert!(state["mission"]["holds"].as_array().is_some_and(|holds| holds.iter().any(|hold| hold == "restart")));
-    assert!(program.read("/", &[]).text().contains("everything is as it was: START goes on"));
+    assert!(program.read("/", &[]).text().contains("everything is as it was"));
+}
+
+/// Safety V2: nobody can say of a piece that it is safe whose photo is gone.
+#[test]
+fn a_pending_piece_whose_photo_was_lost_is_photographed_again_before_it_can_be_called_safe() {
+    let folder = Folder::new("lost-photo");
+    let program = serve(&folder);
+    program.command("start").accepted();
+    let piece = program.until_asked();
+    program.signal("KILL");
+    drop(program);
+    std::fs::remove_dir_all(folder.path().join("photos")).expect("the photos are there");
+
+    let program = serve(&folder);
+    let state = program.json("state");
+    assert_eq!(state["luggage"][0]["photo"]["state"], "failed", "{state:#}");
+    assert!(program.verdict(piece, "safe").problem(409).contains("no usable photo"));
+    program.press(&format!("/api/v1/luggage/{piece}/photo")).accepted();
+    program.until("a new photo", |state| state["luggage"][0]["photo"]["state"] == "taken");
+    program.verdict(piece, "safe").accepted();
 }

@@ -56,7 +56,7 @@ impl Mortal {
             Some(memory) => Sim::remembering(Arc::clone(&self.hall), self.settings, memory),
             None => Sim::new(Arc::clone(&self.hall), self.settings),
         };
-        let sweep = Sweep::recall(Settings::default(), "reborn".into(), self.recalled(), now);
+        let sweep = Sweep::recall(Settings::default(), "reborn".into(), self.recalled(), Vec::new(), now);
         let mut reborn = Mortal { sweep, sim, on_the_way: VecDeque::new(), answers: BTreeMap::new(), now, ..self };
         reborn.settle();
         reborn
@@ -68,7 +68,7 @@ impl Mortal {
         self.disk.iter().for_each(|entry| standing.apply(entry));
         let named = |entry: &&Entry| matches!(entry.fact, Fact::Command { id: Some(_), .. });
         let commands = self.disk.iter().filter(named).cloned().collect();
-        Recalled { standing, written: Seq(self.disk.len() as u64), commands }
+        Recalled { standing, written: Seq(self.disk.len() as u64), commands, latest: Vec::new() }
     }
 
     pub(crate) fn give(&mut self, command: Command) -> Result<Ticket, Refused> {

@@ -59,6 +59,14 @@ fn an_id_that_was_used_for_another_command_is_refused() {
     run.ask(by("somebody else", "a", Command::BackHome)).expect("another sender's names are its own");
 }
 
+#[test]
+fn an_id_that_was_used_in_another_epoch_is_refused() {
+    let mut run = in_hall("empty-8x8");
+    run.ask(named("a", Command::Start)).unwrap();
+    let other = Request { epoch: Some(Epoch(0)), ..named("a", Command::Start) };
+    assert!(matches!(run.ask(other), Err(Refused::OtherContent(_))));
+}
+
 /// Safety S1: whatever its id, and however often.
 #[test]
 fn a_stop_is_never_taken_for_a_repeat() {

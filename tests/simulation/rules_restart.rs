@@ -10,8 +10,8 @@ use hallsweep::core::mission::{Hold, Phase, PhaseName};
 use hallsweep::core::rng::Stream;
 use hallsweep::core::settings::Settings;
 use hallsweep::core::standing::Standing;
-use hallsweep::core::sweep::Sweep;
-use hallsweep::core::units::{AlarmId, Cell, Celsius, LuggageId, Now, Pose};
+use hallsweep::core::sweep::{Recalled, Sweep};
+use hallsweep::core::units::{AlarmId, Cell, Celsius, LuggageId, Now, Pose, Seq};
 use hallsweep::headless::Run;
 use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings};
 
@@ -144,6 +144,36 @@ fn a_command_that_comes_again_after_a_restart_is_answered_and_does_not_act() {
     assert!(matches!(mortal.ask(named(Command::BackHome)), Err(Refused::OtherContent(_))));
 }
 
+/// What contradicted an id before a restart is no use of it afterwards.
+#[test]
+fn an_id_stands_for_its_first_command_after_a_restart_too() {
+    let named = |command| Request { id: CommandId::new("once"), ..Request::new(command, Issuer::operator(Door::Http)) };
+    let mut mortal = Mortal::born(hall("empty-8x8"), SimSettings::new(1, Camera::Stub));
+    mortal.ask(named(Command::Start)).unwrap();
+    mortal.ask(named(Command::BackHome)).unwrap_err();
+    mortal.keep_all();
+    let mut mortal = mortal.killed(0);
+    assert!(mortal.ask(named(Command::Start)).is_ok());
+    assert!(matches!(mortal.ask(named(Command::BackHome)), Err(Refused::OtherContent(_))));
+}
+
+/// Safety R1: a fault is one after a restart too, and START goes back to what it interrupted.
+#[test]
+fn a_fault_outlives_the_program_with_what_it_interrupted() {
+    let mut bare = Bare::linked();
+    bare.give(Command::Start).unwrap();
+    bare.wait_in_vain();
+    assert_eq!(bare.phase(), PhaseName::Fault);
+    let recalled = Recalled { standing: bare.sweep.standing(), written: Seq(100), commands: Vec::new(), latest: Vec::new() };
+    let mut again = Bare::linked();
+    again.sweep = Sweep::recall(Settings::default(), "reborn".into(), recalled, Vec::new(), Now::default());
+    assert_eq!(again.phase(), PhaseName::Fault);
+    assert_eq!(again.state().mission.fault, bare.state().mission.fault);
+    again.link_up();
+    again.give(Command::Start).unwrap();
+    assert_eq!((again.phase(), again.order()), (PhaseName::Exploring, Some(Action::Recentre)));
+}
+
 /// A bare word that comes again means the piece it meant, not the one that waits now.
 #[test]
 fn a_bare_safe_that_comes_again_after_a_restart_decides_no_other_piece() {
@@ -214,7 +244,7 @@ fn in_another_hall_everything_begins_anew_but_the_numbers() {
         }
     }
     mortal.keep_all();
-    let mut sweep = Sweep::recall(Settings::default(), "elsewhere".into(), mortal.recalled(), Now::default());
+    let mut sweep = Sweep::recall(Settings::default(), "elsewhere".into(), mortal.recalled(), Vec::new(), Now::default());
     let before = sweep.standing();
     sweep.put_down_elsewhere(Now::default());
     let after = sweep.standing();

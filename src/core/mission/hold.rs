@@ -64,10 +64,26 @@ impl Hold {
             Hold::Temperature => "a reading is above the threshold: every source must read cool again",
             Hold::TemperatureStale => "the temperature sensor is silent: mend it first",
             Hold::RobotLink => "the robot cannot be reached: mend the link first",
-            Hold::Store => "nothing can be recorded: mend the store first",
-            Hold::Restart => "the program was started again; everything is as it was: START goes on",
+            Hold::Store => "nothing can be recorded: mend the disk first",
+            Hold::Restart => "the program was started again; everything is as it was",
             Hold::Alarm => "an alarm must be acknowledged first",
             Hold::AwaitingStart => "waiting for START",
+        }
+    }
+
+    /// What an operator reads when it has ended.
+    #[must_use]
+    pub const fn over_in_words(self) -> &'static str {
+        match self {
+            Hold::Operator => "no longer stopped by the operator",
+            Hold::TooHigh => "temperature OK (button)",
+            Hold::Temperature => "every reading is cool again",
+            Hold::TemperatureStale => "the temperature sensors are heard again",
+            Hold::RobotLink => "the robot is reached",
+            Hold::Store => "everything is recorded again",
+            Hold::Restart => "going on after the restart",
+            Hold::Alarm => "the alarm is acknowledged",
+            Hold::AwaitingStart => "started",
         }
     }
 

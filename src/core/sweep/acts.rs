@@ -74,8 +74,11 @@ impl Sweep {
     /// A stop acts first and is recorded afterwards.
     fn stop(&mut self, matter: &Matter) {
         let next = self.mission.epoch.next();
-        self.mission.epoch = matter.epoch.map_or(next, |raised| raised.max(self.mission.epoch));
-        self.outbox.record(self.now.wall, Fact::Epoch(self.mission.epoch));
+        let before = self.mission.epoch;
+        self.mission.epoch = matter.epoch.map_or(next, |raised| raised.max(before));
+        if self.mission.epoch != before {
+            self.outbox.record(self.now.wall, Fact::Epoch(self.mission.epoch));
+        }
         self.send_halt();
         self.world.touch(Resource::Mission);
         self.raise(Hold::Operator, None);
@@ -96,7 +99,7 @@ impl Sweep {
 
     fn clear(&mut self, hold: Hold) {
         if self.mission.holds.clear(hold) {
-            self.world.write(self.now.wall, Tone::Info, format!("no longer held: {}", hold.name()));
+            self.world.write(self.now.wall, Tone::Info, hold.over_in_words().to_owned());
             self.note_holds();
         }
     }

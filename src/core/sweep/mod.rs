@@ -28,11 +28,11 @@ use std::time::Duration;
 
 use self::decide::Step;
 use self::helm::Helm;
-pub use self::recall::Recalled;
+pub use self::recall::{Recalled, Remembered};
 pub use self::repeats::IDS;
 
 use self::outbox::{Outbox, Waiting};
-use self::repeats::{Known, Outcome, Repeats};
+use self::repeats::{Known, Outcome, Repeats, content};
 use self::view::Shown;
 use self::vigil::Vigil;
 use super::command::{Accepted, Command, Issuer, LuggageRef, Refusal, Refused, Request, TemperatureReport};
@@ -92,8 +92,8 @@ impl Sweep {
             return repeated;
         }
         let (input, mut matter) = Matter::of(&request.command, &request.issuer, self.pending());
-        matter.epoch = request.epoch;
-        let outcome = match self.refuse_outdated(input, request.epoch) {
+        matter.epoch = request.epoch.or(request.arrived);
+        let outcome = match self.refuse_outdated(input, matter.epoch) {
             Ok(()) => self.decide(input, &matter),
             Err(outdated) => Err((outdated, &[][..])),
         };
@@ -123,7 +123,8 @@ impl Sweep {
         self.begin(now);
         self.world.write(now.wall, Tone::Warning, format!("{asked} refused, by {issuer}: {refused}"));
         let refused = Some(Refusal::from(refused));
-        self.outbox.record_command(now.wall, Fact::Command { issuer, id: None, command: asked, luggage: None, refused }, None);
+        let fact = Fact::Command { issuer, id: None, command: asked, epoch: None, luggage: None, refused };
+        self.outbox.record_command(now.wall, fact, None);
     }
 
     /// From now on this sensor must be heard at least every `patience`; until it is for the first time it counts as silent.
@@ -241,7 +242,7 @@ impl Sweep {
 
     fn answer(&mut self, ticket: Ticket, luggage: Option<LuggageId>) {
         let revision = self.world.revision();
-        self.send_answer(ticket, Ok(Accepted { revision, luggage }));
+        self.send_answer(ticket, Ok(Accepted { revision, epoch: self.mission.epoch, luggage }));
     }
 
     pub(super) fn send_answer(&mut self, ticket: Ticket, answer: Result<Accepted, Refused>) {
@@ -252,7 +253,7 @@ impl Sweep {
     /// The answer to a command that came before under the same id; `None` for one that did not.
     fn repeated(&mut self, request: &Request) -> Option<Result<Ticket, Refused>> {
         let id = request.id.as_ref().filter(|_| request.command != Command::Stop)?;
-        let outcome = match self.repeats.look_up(&request.issuer.who, id, &in_words(&request.command)) {
+        let outcome = match self.repeats.look_up(&request.issuer.who, id, &content_of(request)) {
             Known::New => return None,
             Known::Other => {
                 let refused = Refused::OtherContent(id.clone());
@@ -282,7 +283,7 @@ impl Sweep {
 
     fn remember(&mut self, request: &Request, outcome: Outcome) {
         if let Some(id) = request.id.as_ref().filter(|_| request.command != Command::Stop) {
-            self.repeats.note(&request.issuer.who, id, &in_words(&request.command), outcome);
+            self.repeats.note(&request.issuer.who, id, &content_of(request), outcome);
         }
     }
 
@@ -302,8 +303,10 @@ impl Sweep {
         self.world.write(self.now.wall, tone, text);
         let accepted = refused.is_none() && request.command != Command::Stop;
         let if_lost = accepted.then_some(if matter.verdict.is_some() { Refused::StoreDown } else { Refused::NotKept });
-        let (id, luggage, refused) = (request.id.clone(), matter.luggage, refused.map(Refusal::from));
-        self.outbox.record_command(self.now.wall, Fact::Command { issuer, id, command, luggage, refused }, if_lost);
+        let (id, epoch) = (request.id.clone(), request.epoch.filter(|_| request.command != Command::Stop));
+        let (luggage, refused) = (matter.luggage, refused.map(Refusal::from));
+        let fact = Fact::Command { issuer, id, command, epoch, luggage, refused };
+        self.outbox.record_command(self.now.wall, fact, if_lost);
     }
 
     /// Puts everything that stands on record at once.
@@ -318,4 +321,9 @@ impl Sweep {
         let inspected = self.inspected().filter(|id| self.world.luggage.get(id).is_some_and(|luggage| luggage.is_pending()));
         inspected.or(first.filter(|_| pending.next().is_none()))
     }
+}
+
+/// What makes two commands the same.
+fn content_of(request: &Request) -> String {
+    content(&in_words(&request.command), request.epoch)
 }

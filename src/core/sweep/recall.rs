@@ -10,7 +10,7 @@ use crate::core::event::RobotId;
 use crate::core::mission::{Hold, Holds, Input, Matter, Mission, Phase, PhaseName, Stage};
 use crate::core::settings::Settings;
 use crate::core::standing::{OPERATOR, Standing};
-use crate::core::units::{LuggageId, Now, Pose, Seq};
+use crate::core::units::{LuggageId, Now, Pose, Seq, Wall};
 use crate::core::world::hall_map::Mark;
 use crate::core::world::log::Tone;
 use crate::core::world::luggage::Luggage;
@@ -24,17 +24,33 @@ pub struct Recalled {
     pub written: Seq,
     /// The latest commands that carried an id, oldest first.
     pub commands: Vec<Entry>,
+    /// The latest entries that say what people did and what was found, oldest first.
+    pub latest: Vec<Entry>,
+}
+
+/// A line of the log as it was before a restart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Remembered {
+    /// When it was.
+    pub wall: Wall,
+    /// How loud.
+    pub tone: Tone,
+    /// What happened, as a sentence.
+    pub text: String,
 }
 
 impl Sweep {
-    /// A sweep that goes on from what was recalled. Nothing moves until a START.
+    /// A sweep that goes on from what was recalled, with these lines in its log already. Nothing moves until a START.
     #[must_use]
-    pub fn recall(settings: Settings, run: Arc<str>, recalled: Recalled, now: Now) -> Sweep {
-        let Recalled { standing, written, commands } = recalled;
+    pub fn recall(settings: Settings, run: Arc<str>, recalled: Recalled, log: Vec<Remembered>, now: Now) -> Sweep {
+        let Recalled { standing, written, commands, latest: _ } = recalled;
         let mut sweep = Sweep::new(settings, standing.strategy, run);
         sweep.outbox = Outbox::after(written);
         sweep.repeats.recall(&commands);
         sweep.begin(now);
+        for Remembered { wall, tone, text } in log {
+            sweep.world.write(wall, tone, text);
+        }
         sweep.take_up(standing);
         sweep.note_start();
         sweep.world.write(now.wall, Tone::Info, "the program was started again; everything is as it was".to_owned());

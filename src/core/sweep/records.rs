@@ -126,7 +126,7 @@ impl Sweep {
             let stands = waiting.luggage.and_then(|id| self.verdict_kept(id));
             let answer = match (waiting.luggage, waiting.verdict, stands) {
                 (Some(luggage), Some(given), Some(verdict)) if given != verdict => Err(Refused::Decided { luggage, verdict }),
-                _ => Ok(Accepted { revision: self.world.revision(), luggage: waiting.luggage }),
+                _ => Ok(Accepted { revision: self.world.revision(), epoch: self.mission.epoch, luggage: waiting.luggage }),
             };
             self.send_answer(waiting.ticket, answer);
         }

@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use crate::core::command::{Accepted, CommandId, Refusal, RefusalKind, Refused};
 use crate::core::effect::{Entry, Fact};
-use crate::core::units::{LuggageId, Ticket};
+use crate::core::refused::OTHER_CONTENT;
+use crate::core::units::{Epoch, LuggageId, Ticket};
 
 /// So many ids are remembered, the oldest given up first: more than any client has under way.
 pub const IDS: usize = 1024;
@@ -88,12 +89,21 @@ impl Repeats {
     /// Takes up what the journal says of the commands before a restart.
     pub(super) fn recall(&mut self, entries: &[Entry]) {
         for Entry { fact, .. } in entries {
-            if let Fact::Command { issuer, id: Some(id), command, luggage, refused } = fact {
+            if let Fact::Command { issuer, id: Some(id), command, luggage, refused, epoch } = fact {
+                // One that contradicted the first of its name was no use of the name.
+                if refused.as_ref().is_some_and(|refusal| refusal.code == OTHER_CONTENT) {
+                    continue;
+                }
                 let outcome = refused.as_ref().map_or(Outcome::Before(*luggage), before);
-                self.note(&issuer.who, id, command, outcome);
+                self.note(&issuer.who, id, &content(command, *epoch), outcome);
             }
         }
     }
+}
+
+/// What makes two commands the same: their words, and the epoch that their sender said it saw.
+pub(super) fn content(words: &str, epoch: Option<Epoch>) -> String {
+    epoch.map_or_else(|| words.to_owned(), |epoch| format!("{words} in epoch {epoch}"))
 }
 
 impl Repeat {

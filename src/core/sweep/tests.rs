@@ -137,6 +137,7 @@ fn expected(sweep: &Sweep, to: To, depth: usize) -> PhaseName {
 const HOLDS: [&[Hold]; 5] =
     [&[], &[Hold::Operator, Hold::AwaitingStart], &[Hold::TooHigh], &[Hold::Temperature, Hold::AwaitingStart], &[Hold::Store]];
 
+/// Safety S5: whatever is asked, nothing moves past the gate while anything holds.
 #[test]
 fn every_command_in_every_phase_does_what_the_table_says() {
     for name in PhaseName::ALL {
@@ -239,6 +240,7 @@ fn nothing_begins_to_move_before_its_record_is_kept_and_a_stop_is_answered_at_on
     );
 }
 
+/// Safety S5: every order has a deadline.
 #[test]
 fn an_order_that_is_not_answered_in_time_is_a_fault_and_start_recentres_first() {
     let mut sweep = sweep_in(PhaseName::Exploring, &[]);

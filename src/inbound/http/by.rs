@@ -51,7 +51,7 @@ impl By {
             Err(problem) => return Err(problem.clone()),
         };
         let issuer = Issuer { door: by, who: self.caller.name(), from: self.peer.name() };
-        self.door.give(Request { command, epoch, issuer, id }).await
+        self.door.give(Request { id, epoch, ..Request::new(command, issuer) }).await
     }
 }
 

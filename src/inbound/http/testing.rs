@@ -109,7 +109,8 @@ async fn answer(
         let luggage = about(&request.command, &snapshots.borrow());
         given.lock().unwrap().push(request);
         let refused = refuse.lock().unwrap().clone();
-        let accepted = Accepted { revision: snapshots.borrow().revision, luggage };
+        let (revision, epoch) = (snapshots.borrow().revision, snapshots.borrow().mission.epoch);
+        let accepted = Accepted { revision, epoch, luggage };
         let _ = answer.send(refused.map_or(Ok(accepted), Err));
     }
 }

@@ -60,10 +60,12 @@ fn command() -> impl Strategy<Value = Fact> {
     let id = option::of("[!-~]{1,128}".prop_map(|text| CommandId::new(&text).expect("visible ASCII of a fit length")));
     let refused = option::of((one_of(&CODES), text()).prop_map(|((code, _), words)| Refusal::named(code, words)));
     let luggage = option::of(any::<u64>().prop_map(LuggageId));
-    (issuer, id, text(), luggage, refused).prop_map(|(issuer, id, command, luggage, refused)| Fact::Command {
+    let epoch = option::of(any::<u64>().prop_map(Epoch));
+    (issuer, id, text(), epoch, luggage, refused).prop_map(|(issuer, id, command, epoch, luggage, refused)| Fact::Command {
         issuer,
         id,
         command,
+        epoch,
         luggage,
         refused,
     })

@@ -48,6 +48,8 @@ pub(super) struct CommandShape {
     who: String,
     from: String,
     id: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    epoch: Option<u64>,
     luggage: Option<u64>,
     refused: Option<RefusalShape>,
 }
@@ -92,8 +94,9 @@ impl Shape {
         match fact {
             Fact::ProgramStarted(version) => Shape::ProgramStarted { version: version.clone() },
             Fact::Standing(standing) => Shape::Standing { standing: Box::new((&**standing).into()) },
-            Fact::Command { issuer, id, command, luggage, refused } => {
-                Shape::Command(CommandShape::of(issuer, id.as_ref(), command, *luggage, refused.as_ref()))
+            Fact::Command { issuer, id, command, epoch, luggage, refused } => {
+                let shape = CommandShape::of(issuer, id.as_ref(), command, *luggage, refused.as_ref());
+                Shape::Command(CommandShape { epoch: epoch.map(|epoch| epoch.0), ..shape })
             }
             Fact::MissionBegan(mission, strategy) => {
                 Shape::MissionBegan { number: mission.0, strategy: strategy.name().to_owned() }
@@ -174,6 +177,7 @@ impl CommandShape {
             who: issuer.who.to_string(),
             from: issuer.from.to_string(),
             id: id.map(|id| id.text().to_owned()),
+            epoch: None,
             luggage: luggage.map(|id| id.0),
             refused: refused.map(|refused| RefusalShape { code: refused.code.to_owned(), words: refused.words.clone() }),
         }
@@ -186,6 +190,7 @@ impl CommandShape {
             issuer,
             id: self.id.map(named).transpose()?,
             command: self.command,
+            epoch: self.epoch.map(Epoch),
             luggage: self.luggage.map(LuggageId),
             refused: self.refused.map(|refused| Refusal::named(&refused.code, refused.words)),
         })

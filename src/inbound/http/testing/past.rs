@@ -51,7 +51,7 @@ pub(super) fn entries() -> Vec<(Seq, Entry)> {
     let command = |command: &str, refused: Option<Refused>| {
         let issuer = Issuer { door: Door::Console, who: "anna".into(), from: "192.0.2.7".into() };
         let refused = refused.as_ref().map(Refusal::from);
-        Fact::Command { issuer, id: None, command: command.to_owned(), luggage: None, refused }
+        Fact::Command { issuer, id: None, command: command.to_owned(), epoch: None, luggage: None, refused }
     };
     let facts = [
         Fact::MissionBegan(MissionId(1), Strategy::Snail),

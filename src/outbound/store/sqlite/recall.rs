@@ -34,7 +34,7 @@ pub(super) fn recall(folder: &Folder) -> Result<Option<Recalled>, Fault> {
     }
     let standing = standing(&connection, written)?;
     let commands = repeatable(&connection, written)?;
-    Ok(Some(Recalled { standing, written, commands }))
+    Ok(Some(Recalled { standing, written, commands, latest: Vec::new() }))
 }
 
 /// What stands after all entries up to `written`.

@@ -202,6 +202,7 @@ fn small_corrective_turns_are_not_its_own() {
     assert!(!run.sim.capabilities().nudges);
 }
 
+/// Safety S5.
 #[test]
 fn past_its_deadline_it_halts_by_itself() {
     let mut run = Run::new(&OPEN);

@@ -97,7 +97,14 @@ pub(super) fn at_noon(fact: Fact) -> Entry {
 
 pub(super) fn command(id: Option<&str>) -> Fact {
     let id = id.and_then(CommandId::new);
-    Fact::Command { issuer: Issuer::operator(Door::Http), id, command: "START".to_owned(), luggage: None, refused: None }
+    Fact::Command {
+        issuer: Issuer::operator(Door::Http),
+        id,
+        command: "START".to_owned(),
+        epoch: None,
+        luggage: None,
+        refused: None,
+    }
 }
 
 /// As the core begins a mission: the phase before the beginning.
