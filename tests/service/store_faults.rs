@@ -47,6 +47,14 @@ impl Fault {
     }
 }
 
+/// When the program is gone `strace` is, too.
+impl Drop for Fault {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
 /// A verdict meets with a disk that fails: it is not accepted and does not stand, reading goes on, nothing moves; once the disk is
 /// well again everything goes on without a restart.
 fn a_failing_disk(name: &str, what: &str, words: &str) {
@@ -88,4 +96,34 @@ fn an_io_error_on_flush_holds_the_robot_and_loses_nothing_that_was_acknowledged(
 #[test]
 fn a_disk_that_hangs_is_not_waited_for() {
     a_failing_disk("store-hang", "delay_enter=60000000", "the disk does not answer");
+}
+
+/// Safety V3: killed while the flush of a verdict hangs, which was answered as not kept. The verdict does not stand after the
+/// restart, although the system has written it, and another one can be given.
+#[test]
+fn a_verdict_that_was_not_kept_does_not_stand_after_a_kill_while_the_disk_hangs() {
+    let folder = Folder::new("store-hang-kill");
+    let program = serve(&folder);
+    program.command("start").accepted();
+    let piece = program.until_asked();
+    let Some(fault) = Fault::inject(&program, "delay_enter=60000000") else { return };
+    program.verdict(piece, "safe").problem(503);
+    program.verdict(piece, "danger").problem(503);
+    program.until("the store holds the robot", |state| holds(state, "store"));
+    program.killer()();
+    drop(program);
+    drop(fault);
+
+    let program = serve(&folder);
+    assert_eq!(program.json(&format!("luggage/{piece}"))["verdict"], "pending");
+    assert_eq!(program.until_asked(), piece);
+    assert_eq!(of_kind(&exported(&folder), "verdict").len(), 0, "what was refused does not stand");
+    program.verdict(piece, "danger").accepted();
+    program.killer()();
+    drop(program);
+    let program = serve(&folder);
+    assert_eq!(program.json(&format!("luggage/{piece}"))["verdict"], "danger");
+    drop(program);
+    let (well, checked) = journal(&folder, &["check"]);
+    assert!(well, "{checked}");
 }

@@ -4,7 +4,7 @@
 use rusqlite::Connection;
 use rusqlite::types::Value;
 
-use super::fault::{Fault, Then, count};
+use super::fault::{Fault, Then, count, one_line};
 use super::folder::Folder;
 use super::rows::{self, Which};
 use super::{photos, project, schema};
@@ -58,7 +58,7 @@ fn structure(connection: &Connection, findings: &mut Findings) -> Result<(), Fau
     while let Some(row) = rows.next()? {
         let found: String = row.get(0)?;
         if found != "ok" {
-            findings.fault(format!("the file is damaged: {found}"));
+            findings.fault(format!("the file is damaged: {}", one_line(&found)));
         }
     }
     Ok(())

@@ -56,7 +56,7 @@ pub(super) fn reader(folder: &Folder) -> Result<Option<Reader>, Fault> {
     match open_reader(&folder.journal(), OpenFlags::empty()) {
         // Where nothing can be written SQLite cannot even make the files by which readers and writers agree. Nobody else writes
         // there either, so that it can be told that the file stands still.
-        Err(Fault::Sql(error)) if needs_no_log(&error) && !has_log(folder) => {
+        Err(Fault::Sql(error)) if needs_no_log(&error) && !folder.has_log() => {
             let address = format!("file:{}?immutable=1", escaped(&folder.journal()));
             let connection = open_reader(Path::new(&address), OpenFlags::SQLITE_OPEN_URI)?;
             Ok(connection.map(|connection| Reader { connection, is_still: true }))
@@ -80,11 +80,6 @@ fn open_reader(path: &Path, flags: OpenFlags) -> Result<Option<Connection>, Faul
 
 fn needs_no_log(error: &rusqlite::Error) -> bool {
     matches!(error.sqlite_error_code(), Some(ErrorCode::CannotOpen | ErrorCode::ReadOnly))
-}
-
-/// Whether some of the journal still stands in the write-ahead log alone.
-fn has_log(folder: &Folder) -> bool {
-    std::fs::metadata(folder.write_ahead_log()).is_ok_and(|file| file.len() > 0)
 }
 
 /// A path as part of a URI.

@@ -2,9 +2,12 @@
 //! is made here, under one lock, so that nothing is ever said to be both kept and lost.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
 
 use tokio::sync::watch;
 
+use super::fault::Fault;
+use super::marker::Marker;
 use crate::core::units::Seq;
 use crate::runtime::store::StoreWord;
 
@@ -13,6 +16,7 @@ use crate::runtime::store::StoreWord;
 pub(super) struct Desk {
     word: watch::Sender<StoreWord>,
     work: Mutex<Work>,
+    marker: Marker,
 }
 
 #[derive(Debug, Default)]
@@ -21,15 +25,17 @@ struct Work {
     batches: u64,
     /// Whether one is being written.
     busy: bool,
+    /// Whether a loss is decided on and not announced yet: it is being put down where a kill leaves it.
+    losing: bool,
     /// Whether pages were dropped while a failure stood already.
     overflowed: bool,
 }
 
 impl Desk {
     /// Before anything was handed over. What cannot be written from the start counts as a loss, so that nobody waits for it.
-    pub(super) fn new(kept: Seq, failure: Option<&str>) -> Desk {
+    pub(super) fn new(marker: Marker, kept: Seq, failure: Option<&str>) -> Desk {
         let word = StoreWord { kept, failure: failure.map(Arc::from), losses: u64::from(failure.is_some()) };
-        Desk { word: watch::Sender::new(word), work: Mutex::default() }
+        Desk { word: watch::Sender::new(word), work: Mutex::default(), marker }
     }
 
     /// The word as it is and will be. Whoever listens hears the first one too.
@@ -43,8 +49,21 @@ impl Desk {
         self.word.borrow().losses
     }
 
+    /// Whether nothing is to be written, or will not be in a moment.
     pub(super) fn is_failing(&self) -> bool {
-        self.word.borrow().failure.is_some()
+        self.fails(&self.work())
+    }
+
+    /// Whether everybody can know of the failure.
+    pub(super) fn is_announced(&self) -> bool {
+        let work = self.work();
+        self.fails(&work) && !work.losing
+    }
+
+    /// Whether a batch that was begun after so many losses is still wanted.
+    pub(super) fn wants(&self, losses: u64) -> bool {
+        let work = self.work();
+        !work.losing && self.losses() == losses
     }
 
     /// A batch is begun; the losses so far.
@@ -60,7 +79,7 @@ impl Desk {
     pub(super) fn keep(&self, losses: u64, last: Seq) -> bool {
         let mut work = self.work();
         work.busy = false;
-        let stands = self.losses() == losses;
+        let stands = !work.losing && self.losses() == losses;
         if stands {
             self.word.send_modify(|word| word.kept = last);
         }
@@ -71,18 +90,25 @@ impl Desk {
     pub(super) fn fail(&self, losses: u64, words: &str) {
         let mut work = self.work();
         work.busy = false;
-        if self.losses() == losses {
-            self.lose(words);
+        if !work.losing && self.losses() == losses {
+            self.lose(work, words);
         }
     }
 
     /// What was handed over cannot be taken. Only the first time is a loss: until the failure ends the rest is counted as one.
-    pub(super) fn overflow(&self, words: &str) {
+    /// Never waits: it is announced in a moment.
+    pub(super) fn overflow(self: &Arc<Desk>, words: String) {
         let mut work = self.work();
-        if self.is_failing() {
+        if self.fails(&work) {
             work.overflowed = true;
-        } else {
-            self.lose(words);
+            return;
+        }
+        work.losing = true;
+        drop(work);
+        let (desk, said) = (Arc::clone(self), words.clone());
+        let announced = thread::Builder::new().name("journal-loss".to_owned()).spawn(move || desk.announce(&said, true));
+        if announced.is_err() {
+            self.announce(&words, false);
         }
     }
 
@@ -117,12 +143,34 @@ impl Desk {
     /// Gives the batch up if it is still being written; what was handed over behind it is lost with it.
     pub(super) fn give_up(&self, batch: u64, words: &str) {
         let work = self.work();
-        if work.busy && work.batches == batch && !self.is_failing() {
-            self.lose(words);
+        if work.busy && work.batches == batch && !self.fails(&work) {
+            self.lose(work, words);
         }
     }
 
-    fn lose(&self, words: &str) {
+    /// It writes again, and what was lost has been taken back: a kill may find everything that is there.
+    pub(super) fn clear_marker(&self) -> Result<(), Fault> {
+        self.marker.clear()
+    }
+
+    fn fails(&self, work: &Work) -> bool {
+        work.losing || self.word.borrow().failure.is_some()
+    }
+
+    /// From here on nothing more is kept, so that what is put down as the last entry kept stays that.
+    fn lose(&self, mut work: MutexGuard<'_, Work>, words: &str) {
+        work.losing = true;
+        drop(work);
+        self.announce(words, true);
+    }
+
+    fn announce(&self, words: &str, with_marker: bool) {
+        if with_marker {
+            let kept = self.word.borrow().kept;
+            self.marker.put(kept);
+        }
+        let mut work = self.work();
+        work.losing = false;
         self.word.send_modify(|word| {
             word.losses += 1;
             word.failure = Some(Arc::from(words));

@@ -9,6 +9,12 @@ use rusqlite::ErrorCode;
 use crate::core::units::Seq;
 use crate::wire::journal::Unparsed;
 
+/// What belongs together: whoever moves one of these without the others has half a journal.
+const ALL: &str = "journal.db, journal.db-wal, journal.db-shm and the folder photos";
+
+/// Of what SQLite found so many characters are shown: it lists pages by the hundred.
+const SHOWN: usize = 200;
+
 /// Something went wrong. The words for it need the folder: see `words`.
 #[derive(Debug)]
 pub(super) enum Fault {
@@ -18,6 +24,12 @@ pub(super) enum Fault {
     File(io::Error),
     /// The journal's own structure is broken; what SQLite found.
     Damaged(String),
+    /// The journal is missing or empty, and its write-ahead log is not.
+    OnlyLog,
+    /// The journal has no entry, and there are photos.
+    OnlyPhotos,
+    /// This file was deleted or replaced while it was open.
+    TakenAway(&'static str),
     /// It was written by a version that knows more; its format.
     Newer(i64),
     /// It was written by an older version, and nothing can be written to bring it up to date.
@@ -60,7 +72,15 @@ impl Fault {
     pub(super) fn is_final(&self) -> bool {
         match self {
             Fault::Sql(error) => is_damage(error),
-            Fault::Damaged(_) | Fault::Newer(_) | Fault::Foreign | Fault::Unparsed(..) | Fault::Changed | Fault::Gone => true,
+            Fault::Damaged(_)
+            | Fault::OnlyLog
+            | Fault::OnlyPhotos
+            | Fault::TakenAway(_)
+            | Fault::Newer(_)
+            | Fault::Foreign
+            | Fault::Unparsed(..)
+            | Fault::Changed
+            | Fault::Gone => true,
             Fault::File(_)
             | Fault::Older(_)
             | Fault::InUse
@@ -91,6 +111,9 @@ impl Fault {
             Fault::GivenUp | Fault::Hung => Some(Trouble::Silent),
             Fault::Behind => Some(Trouble::Slow),
             Fault::Damaged(_)
+            | Fault::OnlyLog
+            | Fault::OnlyPhotos
+            | Fault::TakenAway(_)
             | Fault::Newer(_)
             | Fault::Older(_)
             | Fault::Foreign
@@ -108,13 +131,26 @@ impl Fault {
         let (file, shown) = (file.display(), folder.display());
         let damaged = |detail: &dyn Display| {
             format!(
-                "the journal {file} is damaged ({detail}); it is left as it is: move it away, or put a backup in its place, \
-                 then start hallsweep again"
+                "the journal {file} is damaged; it is left as it is: move {ALL} away together, or put a backup in their place, \
+                 then start hallsweep again ({})",
+                one_line(detail)
             )
         };
         match self {
             Fault::Damaged(detail) => damaged(detail),
             Fault::Sql(error) => damaged(error),
+            Fault::OnlyLog => format!(
+                "the journal {file} is missing or empty, but journal.db-wal beside it holds entries; nothing is touched: put \
+                 the journal.db that belongs to it back, or move {ALL} away together, then start hallsweep again"
+            ),
+            Fault::OnlyPhotos => format!(
+                "the journal {file} has no entry, but photos are kept in {shown}; nothing is touched: put the journal that \
+                 belongs to them back, or move {ALL} away together to begin anew, then start hallsweep again"
+            ),
+            Fault::TakenAway(name) => format!(
+                "{name} in {shown} was deleted or replaced while hallsweep was using it; nothing is recorded any more: end \
+                 hallsweep, put the journal back, then start hallsweep again"
+            ),
             Fault::Newer(format) => format!(
                 "the journal {file} was written by a newer hallsweep (format {format}); it is left as it is: start the newer \
                  one, or choose another folder with --data"
@@ -128,7 +164,7 @@ impl Fault {
             }
             Fault::Unparsed(seq, why) => format!(
                 "entry {seq} of the journal {file} cannot be understood ({why}); nothing is written after it: put a backup in \
-                 its place, or move it away, then start hallsweep again"
+                 its place, or move {ALL} away together, then start hallsweep again"
             ),
             Fault::Changed => format!("the journal {file} is not the one that was read at the start: start hallsweep again"),
             Fault::InUse => format!("another hallsweep uses the folder {shown}: end it, or choose another folder with --data"),
@@ -192,6 +228,12 @@ impl Trouble {
             Trouble::Slow => format!("the disk does not keep up: look after {folder}; {then}"),
         }
     }
+}
+
+/// What SQLite says over several lines, as a few words.
+pub(super) fn one_line(detail: &dyn Display) -> String {
+    let text = detail.to_string().replace("*** in database main ***", " ");
+    text.split_whitespace().collect::<Vec<_>>().join(" ").chars().take(SHOWN).collect()
 }
 
 fn is_damage(error: &rusqlite::Error) -> bool {

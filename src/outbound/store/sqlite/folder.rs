@@ -3,6 +3,7 @@
 //! ```text
 //!   journal.db          the journal (with journal.db-wal and journal.db-shm beside it while it is open)
 //!   journal.lock        held by the program that writes
+//!   journal.lost        after which entry everything was said to be lost
 //!   photos/ab/cdef….png a photo, named by the digest of its bytes
 //! ```
 
@@ -19,7 +20,23 @@ pub(super) struct Folder(PathBuf);
 
 /// As long as this lives no other hallsweep writes into the folder; the system ends it with the program, however that ends.
 #[derive(Debug)]
-pub(super) struct Lock(#[expect(dead_code, reason = "it is held, not looked at")] File);
+pub(super) struct Lock {
+    file: File,
+    path: PathBuf,
+}
+
+/// The device and the number of a file, by which it differs from all others that are there. Where the system has no such numbers
+/// all files look the same; but there a file that is open cannot be taken away either.
+pub(super) type Identity = (u64, u64);
+
+impl Lock {
+    /// Whether the file that is locked is still the one that the next hallsweep would lock.
+    pub(super) fn is_in_place(&self) -> bool {
+        let held = self.file.metadata().map(|file| identity(&file));
+        let there = std::fs::metadata(&self.path).map(|file| identity(&file));
+        matches!((held, there), (Ok(held), Ok(there)) if held == there)
+    }
+}
 
 impl Folder {
     pub(super) fn new(path: &Path) -> Folder {
@@ -38,6 +55,10 @@ impl Folder {
         self.0.join("journal.db-wal")
     }
 
+    pub(super) fn marker(&self) -> PathBuf {
+        self.0.join("journal.lost")
+    }
+
     /// Where a photo is, whether or not it is there.
     pub(super) fn photo(&self, picture: &Picture) -> PathBuf {
         let (first, rest) = picture.digest.split_at(2);
@@ -51,10 +72,29 @@ impl Folder {
     /// Whether there is a journal: a file that is not empty. What cannot be looked at may be one.
     pub(super) fn has_journal(&self) -> Result<bool, Fault> {
         match std::fs::metadata(self.journal()) {
-            Ok(file) => Ok(file.len() > 0),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
-            Err(error) => Err(error.into()),
+            Ok(file) if file.len() > 0 => Ok(true),
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error.into()),
+            // SQLite would begin a new journal and write over the log.
+            Ok(_) | Err(_) if self.has_log() => Err(Fault::OnlyLog),
+            Ok(_) | Err(_) => Ok(false),
         }
+    }
+
+    /// Whether something stands in the write-ahead log.
+    pub(super) fn has_log(&self) -> bool {
+        std::fs::metadata(self.write_ahead_log()).is_ok_and(|file| file.len() > 0)
+    }
+
+    /// Whether a photo is kept.
+    pub(super) fn has_photos(&self) -> bool {
+        let shelves = std::fs::read_dir(self.photos()).into_iter().flatten().flatten();
+        let mut files = shelves.filter_map(|shelf| std::fs::read_dir(shelf.path()).ok()).flatten().flatten();
+        files.any(|file| file.path().extension() != Some("unfinished".as_ref()))
+    }
+
+    /// Which file the journal is just now.
+    pub(super) fn journal_identity(&self) -> Result<Identity, Fault> {
+        Ok(identity(&std::fs::metadata(self.journal())?))
     }
 
     /// Creates what is not there yet: the folder for its owner alone, and an empty file for the journal, likewise. SQLite gives
@@ -98,11 +138,22 @@ impl Folder {
             Err(_) => return Ok(None),
         };
         match file.try_lock() {
-            Ok(()) => Ok(Some(Lock(file))),
+            Ok(()) => Ok(Some(Lock { file, path })),
             Err(TryLockError::WouldBlock) => Err(Fault::InUse),
             Err(TryLockError::Error(error)) => Err(error.into()),
         }
     }
+}
+
+#[cfg(unix)]
+fn identity(file: &std::fs::Metadata) -> Identity {
+    use std::os::unix::fs::MetadataExt;
+    (file.dev(), file.ino())
+}
+
+#[cfg(not(unix))]
+fn identity(_file: &std::fs::Metadata) -> Identity {
+    (0, 0)
 }
 
 /// The end of a photo's name. It is for people who look into the folder; the program goes by the media type on record.

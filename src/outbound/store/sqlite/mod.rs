@@ -15,6 +15,7 @@ mod connect;
 mod desk;
 mod fault;
 mod folder;
+mod marker;
 mod pages;
 mod photos;
 mod project;
@@ -38,6 +39,7 @@ pub use self::check::Findings;
 use self::desk::Desk;
 use self::fault::{Fault, Then};
 use self::folder::Folder;
+use self::marker::Marker;
 use self::pages::Pages;
 pub use self::reading::{Reading, rebuild};
 use self::writer::{Hand, Handed, Patience, Writer};
@@ -98,7 +100,7 @@ fn open_with(path: &Path, patience: Patience) -> Result<Opened, OpenError> {
     let folder = Folder::new(path);
     let (hand, recalled, failure) = look(&folder).map_err(|fault| OpenError::InUse(fault.words(path, Then::GoesOn)))?;
     let kept = recalled.as_ref().map_or(Seq(0), |recalled| recalled.written);
-    let desk = Arc::new(Desk::new(kept, failure.as_deref()));
+    let desk = Arc::new(Desk::new(Marker::new(&folder), kept, failure.as_deref()));
     let store = SqliteStore::start(&folder, desk, hand, kept, patience).map_err(OpenError::System)?;
     let archive = Arc::new(SqliteArchive::new(folder));
     Ok(Opened { store: Box::new(store), archive, recalled, failure })
@@ -114,6 +116,8 @@ fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fau
         other => other.unwrap_or(None),
     };
     let recalled = match recall_up_to_date(folder) {
+        // Somebody took the journal away, or SQLite did: a new one beside the photos of the old would hide that.
+        Ok(None) if folder.has_photos() => return Ok((Hand::Closed, None, words(&Fault::OnlyPhotos, Then::StartAgain))),
         Ok(recalled) => recalled,
         Err(fault) => return Ok((Hand::Closed, None, words(&fault, Then::StartAgain))),
     };
@@ -171,7 +175,7 @@ impl Store for SqliteStore {
             Err(TrySendError::Full(_)) => Fault::Behind,
             Err(TrySendError::Disconnected(_)) => Fault::Gone,
         };
-        self.desk.overflow(&fault.words(self.folder.path(), Then::GoesOn));
+        self.desk.overflow(fault.words(self.folder.path(), Then::GoesOn));
     }
 
     fn word(&self) -> watch::Receiver<StoreWord> {

@@ -4,8 +4,8 @@
 use rusqlite::{Connection, Transaction, TransactionBehavior};
 
 use super::fault::{Fault, whole};
-use super::folder::{Folder, Lock};
-use super::{connect, photos, project, rows, schema};
+use super::folder::{Folder, Identity, Lock};
+use super::{connect, marker, photos, project, rows, schema};
 use crate::core::effect::{Fact, Page};
 use crate::core::units::{MissionId, Seq};
 use crate::outbound::store::belonging::belongs;
@@ -18,26 +18,37 @@ pub(super) struct Pages {
     connection: Connection,
     /// The mission to which the next entry belongs.
     under_way: Option<MissionId>,
-    _lock: Option<Lock>,
+    identity: Identity,
+    lock: Option<Lock>,
 }
 
 impl Pages {
     /// Opens the journal for writing, and creates it where there is none. Its last entry must be `kept`.
     pub(super) fn open(folder: &Folder, lock: Option<Lock>, kept: Seq, under_way: Option<MissionId>) -> Result<Pages, Fault> {
+        folder.has_journal()?;
         folder.create()?;
         let lock = lock.map_or_else(|| folder.lock(), |lock| Ok(Some(lock)))?;
+        let identity = folder.journal_identity()?;
         let mut connection = connect::writer(folder)?;
         schema::bring_up_to_date(&mut connection)?;
-        if rows::last(&connection)? != kept {
+        let lost_after = marker::read(folder)?;
+        if rows::last_up_to(&connection, lost_after)? != kept {
             return Err(Fault::Changed);
         }
         // Whether anything can be written shows when it is begun.
         connection.transaction_with_behavior(TransactionBehavior::Immediate)?.rollback()?;
-        Ok(Pages { folder: folder.clone(), connection, under_way, _lock: lock })
+        let mut pages = Pages { folder: folder.clone(), connection, under_way, identity, lock };
+        // What a program that was killed had said to be lost is taken back for good before that is forgotten (safety V3).
+        if let Some(lost_after) = lost_after {
+            pages.go_on_after(lost_after)?;
+        }
+        marker::clear(folder)?;
+        Ok(pages)
     }
 
     /// Writes pages so that they last. `is_wanted` is asked before the last step; when it says no nothing is kept.
     pub(super) fn keep(&mut self, pages: &[Page], is_wanted: impl FnOnce() -> bool) -> Result<(), Fault> {
+        self.is_in_place()?;
         let mut under_way = self.under_way;
         let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
         for page in pages {
@@ -51,9 +62,27 @@ impl Pages {
         Ok(())
     }
 
+    /// Whether the files are still the ones that were opened: what is written to a file that was taken away nobody finds again,
+    /// and without its lock a second hallsweep could write.
+    fn is_in_place(&self) -> Result<(), Fault> {
+        let gone = |error: &std::io::Error| error.kind() == std::io::ErrorKind::NotFound;
+        match self.folder.journal_identity() {
+            Ok(identity) if identity != self.identity => return Err(Fault::TakenAway("journal.db")),
+            Err(Fault::File(error)) if gone(&error) => return Err(Fault::TakenAway("journal.db")),
+            other => {
+                other?;
+            }
+        }
+        let locked = self.lock.as_ref().is_none_or(Lock::is_in_place);
+        if locked { Ok(()) } else { Err(Fault::TakenAway("journal.lock")) }
+    }
+
     /// Proves that something can be written: takes back whatever came after `kept`, because it was said to be lost, and puts that
     /// loss on record.
     pub(super) fn go_on_after(&mut self, kept: Seq) -> Result<(), Fault> {
+        self.is_in_place()?;
+        // On a small disk the log itself may be what takes the room. Where this fails the log only grows.
+        let _ = self.connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()));
         let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
         let sql = "INSERT INTO losses (kept, times) VALUES (?1, 1) ON CONFLICT (kept) DO UPDATE SET times = times + 1";
         transaction.execute(sql, [whole(kept.0)?])?;
@@ -63,9 +92,8 @@ impl Pages {
         let under_way = open_mission(&transaction)?;
         transaction.commit()?;
         self.under_way = under_way;
-        // So that the log begins anew: a disk that is all but full must not be filled by the attempts themselves. Where that fails
-        // the log only grows.
-        let _ = self.connection.query_row("PRAGMA wal_checkpoint(PASSIVE)", [], |_| Ok(()));
+        // A disk that is all but full must not be filled by the attempts themselves.
+        let _ = self.connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()));
         Ok(())
     }
 }

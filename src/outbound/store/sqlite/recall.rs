@@ -5,10 +5,10 @@ use std::time::Duration;
 
 use rusqlite::{Connection, ErrorCode};
 
-use super::connect;
 use super::fault::Fault;
 use super::folder::Folder;
 use super::rows::{self, Which};
+use super::{connect, marker};
 use crate::core::effect::{Entry, Fact};
 use crate::core::explore::Strategy;
 use crate::core::standing::Standing;
@@ -22,23 +22,25 @@ pub(super) const REPEATABLE: u64 = 4096;
 /// So long a start waits for SQLite's own check; some 500 MB on a common disk. `hallsweep journal check` takes all the time.
 const CHECK_PATIENCE: Duration = Duration::from_secs(5);
 
-/// Looks at what was kept, and changes nothing; `None` when nothing was.
+/// Looks at what was kept, and changes nothing; `None` when nothing was. What was said to be lost before a kill is not looked at,
+/// although it may be there.
 pub(super) fn recall(folder: &Folder) -> Result<Option<Recalled>, Fault> {
     let Some(connect::Reader { connection, .. }) = connect::reader(folder)? else { return Ok(None) };
     check_quickly(&connection)?;
-    let written = rows::last(&connection)?;
+    let lost_after = marker::read(folder)?;
+    let written = rows::last_up_to(&connection, lost_after)?;
     if written == Seq(0) {
         return Ok(None);
     }
-    let standing = standing(&connection)?;
+    let standing = standing(&connection, written)?;
     let commands = repeatable(&connection, written)?;
     Ok(Some(Recalled { standing, written, commands, latest: Vec::new() }))
 }
 
-/// What stands after all entries.
-fn standing(connection: &Connection) -> Result<Standing, Fault> {
+/// What stands after all entries up to `written`.
+fn standing(connection: &Connection, written: Seq) -> Result<Standing, Fault> {
     let mut standing = Standing::first(Strategy::default());
-    each_from_standing(connection, None, |line| standing.apply(&line.entry))?;
+    each_from_standing(connection, Some(written.next()), |line| standing.apply(&line.entry))?;
     Ok(standing)
 }
 
@@ -69,7 +71,8 @@ fn each_from_standing(connection: &Connection, before: Option<Seq>, mut visit: i
 fn repeatable(connection: &Connection, written: Seq) -> Result<Vec<Entry>, Fault> {
     let mut commands = Vec::new();
     let after = Some(Seq(written.0.saturating_sub(REPEATABLE)));
-    rows::each(connection, Which { after, ..Which::default() }, |line| {
+    let before = Some(written.next());
+    rows::each(connection, Which { after, before, ..Which::default() }, |line| {
         let entry = line?.entry;
         if matches!(entry.fact, Fact::Command { id: Some(_), .. }) {
             commands.push(entry);

@@ -41,9 +41,10 @@ pub(super) fn take_back(connection: &Connection, kept: Seq) -> Result<usize, Fau
     Ok(connection.execute("DELETE FROM events WHERE seq > ?1", [whole(kept.0)?])?)
 }
 
-/// The last entry's place; 0 when there is none.
-pub(super) fn last(connection: &Connection) -> Result<Seq, Fault> {
-    let last: Option<i64> = connection.query_row("SELECT max(seq) FROM events", [], |row| row.get(0))?;
+/// The place of the last entry that is not behind `most`; 0 when there is none.
+pub(super) fn last_up_to(connection: &Connection, most: Option<Seq>) -> Result<Seq, Fault> {
+    let most = most.map_or(Ok(i64::MAX), |most| whole(most.0))?;
+    let last: Option<i64> = connection.query_row("SELECT max(seq) FROM events WHERE seq <= ?1", [most], |row| row.get(0))?;
     Ok(Seq(count(last.unwrap_or(0))))
 }
 

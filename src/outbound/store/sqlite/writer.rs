@@ -111,7 +111,7 @@ impl Writer {
     pub(super) fn write(&mut self, pages: &[Page], losses: u64) -> Result<(), Fault> {
         match &mut self.hand {
             _ if pages.is_empty() => Ok(()),
-            Hand::Writing(journal) => journal.keep(pages, || self.desk.losses() == losses),
+            Hand::Writing(journal) => journal.keep(pages, || self.desk.wants(losses)),
             Hand::Waiting(..) | Hand::Closed => Err(Fault::Unwritable),
         }
     }
@@ -124,7 +124,7 @@ impl Writer {
             Err(fault) => {
                 // A commit that failed may have left its pages in the write-ahead log, where a kill at this moment would find
                 // them whole. They are written over before anybody hears that they are lost; whether that lasts does not matter.
-                if let Hand::Writing(journal) = &mut self.hand {
+                if let (Hand::Writing(journal), false) = (&mut self.hand, fault.is_final()) {
                     let _ = journal.go_on_after(self.kept);
                 }
                 self.desk.fail(losses, &fault.words(self.folder.path(), Then::GoesOn));
@@ -134,6 +134,10 @@ impl Writer {
     }
 
     fn try_again(&mut self) {
+        // Who does not know yet that something is lost must not be told that all is well again.
+        if !self.desk.is_announced() {
+            return;
+        }
         let tried = match &mut self.hand {
             Hand::Writing(journal) => journal.go_on_after(self.kept),
             Hand::Waiting(under_way) => {
@@ -146,7 +150,8 @@ impl Writer {
             }
             Hand::Closed => return,
         };
-        match tried.and_then(|()| self.folder.prove_room(self.bulk + MARGIN)) {
+        let proved = tried.and_then(|()| self.folder.prove_room(self.bulk + MARGIN));
+        match proved.and_then(|()| self.desk.clear_marker()) {
             Ok(()) => self.desk.recover(),
             Err(fault) => {
                 self.desk.still_failing(&fault.words(self.folder.path(), Then::GoesOn));

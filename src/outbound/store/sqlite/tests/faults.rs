@@ -7,9 +7,10 @@ use rusqlite::TransactionBehavior;
 
 use super::super::desk::Desk;
 use super::super::folder::Folder;
+use super::super::marker::Marker;
 use super::super::pages::Pages;
 use super::super::writer::{Hand, Writer};
-use super::super::{QUEUE, Reading, connect, open_with, recall};
+use super::super::{QUEUE, Reading, connect, marker, open_with, recall};
 use super::testing::*;
 use crate::core::command::Verdict;
 use crate::core::effect::{Fact, Page};
@@ -96,7 +97,7 @@ fn a_disk_that_hangs_is_not_waited_for() {
 fn writer(scratch: &Scratch) -> (Writer, Arc<Desk>) {
     let folder = Folder::new(&scratch.data());
     let journal = Pages::open(&folder, None, Seq(0), None).unwrap();
-    let desk = Arc::new(Desk::new(Seq(0), None));
+    let desk = Arc::new(Desk::new(Marker::new(&folder), Seq(0), None));
     let (pages, ended) = (mpsc::sync_channel(1).1, mpsc::channel().1);
     let hand = Hand::Writing(journal);
     (Writer { folder, desk: Arc::clone(&desk), pages, ended, hand, kept: Seq(0), bulk: 0, patience: HASTE }, desk)
@@ -124,6 +125,63 @@ fn what_was_given_up_while_the_disk_hung_is_taken_back() {
     let word = desk.word().borrow().clone();
     assert_eq!((word.kept, word.losses, word.failure), (Seq(5), 1, None));
     assert_eq!(notes(&scratch), Vec::<String>::new());
+}
+
+/// Safety V3: the same, when the program is killed before the disk has answered. What comes later is not taken for lost.
+#[test]
+fn what_was_given_up_stays_lost_when_the_program_is_killed_then() {
+    let scratch = Scratch::new();
+    let (mut writer, desk) = writer(&scratch);
+    let page = |first, facts: Vec<Fact>| Page { first: Seq(first), entries: facts.into_iter().map(at_noon).collect() };
+    let losses = desk.begin();
+    writer.write(&[page(1, [begin(1), vec![found(1, Some(photo("bag")))]].concat())], losses).unwrap();
+    writer.conclude(Ok(()), losses, Seq(5));
+    let losses = desk.begin();
+    writer.write(&[page(6, vec![verdict(1, Verdict::Safe)])], losses).unwrap();
+    desk.give_up(desk.at_work().unwrap(), "the disk does not answer");
+    // Nobody concludes any more, and the disk has the verdict.
+    drop(writer);
+    for _ in 0..2 {
+        let recalled = recall::recall(&Folder::new(&scratch.data())).unwrap().unwrap();
+        assert_eq!(recalled.written, Seq(5));
+        assert!(recalled.standing.luggage[&LuggageId(1)].is_pending());
+        drop(scratch.open());
+    }
+    let archive = scratch.open().archive;
+    assert!(archive.luggage(LuggageId(1)).unwrap().expect("it is on record").is_pending());
+
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(vec![verdict(1, Verdict::Danger), wall(1, 1)]);
+    drop(scribe);
+    let recalled = scratch.open().recalled.unwrap();
+    assert_eq!(recalled.written, Seq(7));
+    assert!(recalled.standing.luggage[&LuggageId(1)].is_dangerous());
+    assert_eq!(notes(&scratch), Vec::<String>::new());
+}
+
+/// A loss that is over is forgotten before it is said to be over.
+#[test]
+fn what_is_kept_after_a_failure_outlives_a_kill() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(begin(1));
+    scribe.hand(vec![found(u64::MAX, None)]);
+    scribe.until(|word| word.losses == 1 && word.failure.is_none());
+    assert_eq!(marker::read(&Folder::new(&scratch.data())).unwrap(), None);
+    let last = scribe.keep(vec![found(1, None), verdict(1, Verdict::Danger)]);
+    // As a kill would leave it: nothing of the store is ended.
+    assert_eq!(recall::recall(&Folder::new(&scratch.data())).unwrap().unwrap().written, last);
+}
+
+#[test]
+fn a_marker_is_put_down_and_cleared() {
+    let scratch = Scratch::new();
+    drop(scratch.open());
+    let marker = Marker::new(&Folder::new(&scratch.data()));
+    marker.put(Seq(3));
+    assert_eq!(marker::read(&Folder::new(&scratch.data())).unwrap(), Some(Seq(3)));
+    marker.clear().unwrap();
+    assert_eq!(marker::read(&Folder::new(&scratch.data())).unwrap(), None);
 }
 
 /// The same, when the disk came back before the last step.

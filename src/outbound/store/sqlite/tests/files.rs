@@ -1,5 +1,6 @@
 //! Files that cannot be opened, and what becomes of them: nothing (issue: a file that cannot be opened is never overwritten).
 
+use super::super::fault::{Fault, Then};
 use super::super::folder::Folder;
 use super::super::{OpenError, Opened, connect, open_with};
 use super::testing::*;
@@ -53,6 +54,69 @@ fn a_damaged_journal_is_left_as_it_is() {
     file[4096..6 * 4096].fill(0x5a);
     std::fs::write(&path, file).unwrap();
     check_untouched(&scratch, &["is damaged", "is left as it is", "backup", "start hallsweep again"]);
+}
+
+/// SQLite tells its findings over several lines, beginning with words that mean nothing to an operator.
+#[test]
+fn the_words_about_a_damaged_journal_are_one_line_and_name_all_files() {
+    let found = "*** in database main ***\nTree 2 page 2: btreeInitPage() returns error code 11\nTree 3".to_owned();
+    let words = Fault::Damaged(found).words("/data".as_ref(), Then::StartAgain);
+    let expected = "the journal /data/journal.db is damaged; it is left as it is: move journal.db, journal.db-wal, journal.db-shm \
+                    and the folder photos away together, or put a backup in their place, then start hallsweep again (Tree 2 \
+                    page 2: btreeInitPage() returns error code 11 Tree 3)";
+    assert_eq!(words, expected);
+}
+
+/// Somebody moved journal.db away after a kill, and left the log in which the latest entries are.
+#[test]
+fn a_log_without_its_journal_is_left_as_it_is() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(begin(1));
+    // As a kill would leave it: copied while it is open.
+    let log = std::fs::read(scratch.data().join("journal.db-wal")).unwrap();
+    drop(scribe);
+    for empty in [false, true] {
+        let scratch = Scratch::new();
+        std::fs::create_dir(scratch.data()).unwrap();
+        std::fs::write(scratch.data().join("journal.db-wal"), &log).unwrap();
+        if empty {
+            std::fs::write(scratch.data().join("journal.db"), "").unwrap();
+        }
+        check_untouched(&scratch, &["is missing or empty", "journal.db-wal beside it holds entries", "start hallsweep again"]);
+        assert_eq!(std::fs::read(scratch.data().join("journal.db-wal")).unwrap(), log, "not a byte has changed");
+    }
+}
+
+/// A journal that is gone is not silently begun anew beside the photos that belong to it.
+#[test]
+fn photos_without_a_journal_are_left_as_they_are() {
+    let scratch = some_journal();
+    std::fs::remove_file(scratch.data().join("journal.db")).unwrap();
+    check_untouched(&scratch, &["has no entry, but photos are kept", "start hallsweep again"]);
+    assert!(!scratch.data().join("journal.db").exists());
+}
+
+/// What is written to a file that is gone from the folder nobody finds again; without the lock file two could write.
+#[cfg(unix)]
+#[test]
+fn a_file_that_is_taken_away_while_it_is_used_is_noticed() {
+    for name in ["journal.db", "journal.lock"] {
+        for replaced in [false, true] {
+            let scratch = Scratch::new();
+            let mut scribe = Scribe::new(scratch.open());
+            scribe.keep(begin(1));
+            std::fs::rename(scratch.data().join(name), scratch.data().join("elsewhere")).unwrap();
+            if replaced {
+                std::fs::copy(scratch.data().join("elsewhere"), scratch.data().join(name)).unwrap();
+            }
+            scribe.hand(vec![wall(1, 1)]);
+            let failed = scribe.until(|word| word.failure.is_some());
+            let words = failed.failure.as_deref().unwrap_or_default();
+            assert!(words.starts_with(name) && words.contains("deleted or replaced"), "{words}");
+            assert_eq!((failed.kept, failed.losses), (Seq(4), 1));
+        }
+    }
 }
 
 #[test]
@@ -150,7 +214,6 @@ fn only_the_owner_reads_what_is_kept() {
 /// A journal that somebody else has written on, after it was read but before it was written to, is not written to.
 #[test]
 fn a_journal_that_changed_after_it_was_read_is_not_written_to() {
-    use super::super::fault::Fault;
     use super::super::pages::Pages;
     let scratch = some_journal();
     let opened = Pages::open(&Folder::new(&scratch.data()), None, Seq(3), None);

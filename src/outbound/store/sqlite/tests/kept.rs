@@ -34,6 +34,22 @@ fn meddle(scratch: &Scratch, sql: &str) {
 }
 
 /// Safety D1.
+/// What a console's log is filled with: what people did and what was found, and no steps.
+#[test]
+fn the_latest_of_what_people_did_and_what_was_found_is_recalled() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(begin(1));
+    for id in 1..=40 {
+        scribe.keep(vec![found(id, None), wall(1, 1), verdict(id, Verdict::Danger)]);
+    }
+    drop(scribe);
+    let latest = scratch.open().recalled.expect("something was kept").latest;
+    let facts: Vec<Fact> = latest.into_iter().map(|entry| entry.fact).collect();
+    let expected: Vec<Fact> = (11..=40).flat_map(|id| [found(id, None), verdict(id, Verdict::Danger)]).collect();
+    assert_eq!(facts, expected);
+}
+
 #[test]
 fn every_commit_is_flushed_and_no_old_sqlite_writes_it() {
     let scratch = Scratch::new();

@@ -92,6 +92,29 @@ fn a_disk_that_is_full_at_the_start_is_gone_on_with_later() {
     assert_eq!(faults(&scratch), Vec::<String>::new());
 }
 
+/// Safety R3: also where the write-ahead log itself takes most of the room.
+#[test]
+fn a_tiny_disk_that_the_log_has_filled_is_gone_on_with_when_there_is_room() {
+    let scratch = Scratch::new();
+    let data = scratch.data();
+    let Some(_disk) = Disk::mount(&data, 900) else { return };
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(begin(1));
+    let filler = data.join("filler");
+    std::fs::write(&filler, vec![0; 200 * 1024]).unwrap();
+    for x in 0.. {
+        scribe.hand(vec![wall(x, 1)]);
+        if scribe.until(|word| word.failure.is_some() || word.kept >= Seq(5 + x.unsigned_abs().into())).failure.is_some() {
+            break;
+        }
+    }
+    std::fs::remove_file(filler).unwrap();
+    scribe.until(|word| word.failure.is_none());
+    scribe.keep(vec![found(1, Some(photo("bag")))]);
+    drop(scribe);
+    assert_eq!(faults(&scratch), Vec::<String>::new());
+}
+
 /// A disk with room for entries but not for the photo that failed is not taken for well.
 #[test]
 fn a_disk_that_is_all_but_full_is_not_tried_over_and_over() {
