@@ -14,7 +14,7 @@ use super::Door;
 use super::guard::is_for_people;
 use super::places::Place;
 use super::problem::{NotTaken, Problem};
-use super::sign_in::{COOKIE, sign_in_page};
+use super::sign_in::{COOKIE, Undone, sign_in_page};
 use crate::access::{Keyring, Need, Network, OPERATOR, Role, SignedIn};
 use crate::core::command::{self, Issuer, Refused};
 use crate::wire::fields::in_short;
@@ -210,11 +210,13 @@ fn asked(request: &Request, need: Need) -> Option<(command::Door, String)> {
     Some((by, format!("{} {}", request.method(), in_short(path))))
 }
 
-/// A person is led to the page where one signs in, and from there back; a program is told what to send.
+/// A person is led to the page where one signs in, and from there back, or is told there that what he pressed was not done; a
+/// program is told what to send.
 fn stranger(request: &Request) -> Response {
     if is_for_people(request.uri().path(), request.headers()) {
-        let back = if *request.method() == Method::GET { request.uri().path() } else { "/" };
-        return Redirect::to(&sign_in_page(back)).into_response();
+        let path = request.uri().path();
+        let page = if *request.method() == Method::GET { sign_in_page(path) } else { Undone::of(path).page() };
+        return Redirect::to(&page).into_response();
     }
     let mut response = Problem::not_signed_in().into_response();
     response.headers_mut().insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
