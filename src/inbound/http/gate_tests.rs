@@ -58,7 +58,8 @@ async fn what_the_core_refused_or_nobody_asked_for_is_not_put_on_record_here() {
     let house = house(searching());
     for refused in [Refused::Moving, Refused::UnknownLuggage(LuggageId(3)), Refused::Outdated { sent: Epoch(1), now: Epoch(2) }] {
         house.refuse(refused);
-        for (path, headers) in [("/api/v1/commands/start", vec![]), ("/console/start", vec![FORM, PERSON]), ("/w", vec![PERSON])] {
+        for (path, headers) in [("/api/v1/commands/start", vec![]), ("/console/start", vec![FORM, PERSON]), ("/w", vec![PERSON])]
+        {
             assert!(house.send("POST", path, &headers, "").await.status().is_client_error(), "{path}");
         }
     }
