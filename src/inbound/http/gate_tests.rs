@@ -10,6 +10,9 @@ const JSON: (&str, &str) = ("content-type", "application/json");
 const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
 const PERSON: (&str, &str) = ("accept", "text/html,*/*;q=0.8");
 
+/// Method, path, headers and body of what is sent; status and code of the answer.
+type Case<'a> = (&'a str, &'a str, &'a [(&'a str, &'a str)], &'a str, u16, &'a str);
+
 /// Records go through the loop's queue in order: once a STOP after them is answered, all of them are there.
 async fn noted(house: &House) -> Vec<(Door, String, &'static str, String)> {
     assert_eq!(house.door.handle.give(stop()).await.map(|answer| answer.is_ok()), Ok(true));
@@ -30,7 +33,7 @@ fn stop() -> crate::core::command::Request {
 async fn what_the_door_itself_refuses_is_put_on_record_once() {
     let house = house(searching());
     let (huge, key) = ("x".repeat(20_000), ("idempotency-key", "a b"));
-    let cases: [(&str, &str, &[(&str, &str)], &str, u16, &str); 10] = [
+    let cases: [Case; 10] = [
         ("POST", "/api/v1/commands/start", &[JSON], "{", 400, "malformed"),
         ("POST", "/api/v1/commands/start", &[key], "", 400, "malformed"),
         ("POST", "/api/v1/commands/move", &[JSON], &huge, 413, "tooLarge"),
