@@ -2,6 +2,7 @@
 //! What the commands do stands in `crate::app` and in the files beside this one; only the command line writes to standard output.
 
 use std::io::Write;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
@@ -78,9 +79,34 @@ pub struct Serve {
 /// The flags of `healthcheck`.
 #[derive(Args, Clone, Debug)]
 pub struct Healthcheck {
-    /// Where the program to be asked listens.
-    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8080")]
-    pub http: std::net::SocketAddr,
+    /// Where the program to be asked listens; otherwise as its settings say, on this machine.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    http: Option<String>,
+    /// The settings file it was started with.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Taken so that it can be asked with the flags it was started with; nothing is read there.
+    #[arg(long, value_name = "DIR")]
+    data: Option<String>,
+}
+
+impl Healthcheck {
+    /// Where the program listens, seen from this machine.
+    ///
+    /// # Errors
+    /// Settings that cannot be used.
+    pub fn address(&self) -> Result<SocketAddr, Failure> {
+        let http = self.http.clone().map(|value| Flag { flag: "--http", key: "http.bind", value });
+        // Nothing is kept by asking, so a user without a home can ask too.
+        let nothing = Flag { flag: "of healthcheck", key: "store.folder", value: "none".to_owned() };
+        let settings = config::load(&sources(self.config.clone(), http.into_iter().chain([nothing]).collect()))?;
+        let bind = settings.http.bind;
+        Ok(match bind.ip() {
+            IpAddr::V4(ip) if ip.is_unspecified() => SocketAddr::new(Ipv4Addr::LOCALHOST.into(), bind.port()),
+            IpAddr::V6(ip) if ip.is_unspecified() => SocketAddr::new(Ipv6Addr::LOCALHOST.into(), bind.port()),
+            IpAddr::V4(_) | IpAddr::V6(_) => bind,
+        })
+    }
 }
 
 impl Cli {

@@ -19,7 +19,7 @@ fn run(task: Task) -> Result<(), Failure> {
     match task {
         Task::Serve(flags) => serve::run(&flags),
         Task::Explore(flags) => explore::run(&flags),
-        Task::Healthcheck(flags) => healthcheck::run(flags.http),
+        Task::Healthcheck(flags) => flags.address().and_then(healthcheck::run),
         Task::Journal(asked) => journal::run(&asked),
         Task::Token(asked) => token::run(&asked),
         Task::Table => table::run(),

@@ -32,13 +32,21 @@ function listen() {
     if (openedSince >= STREAMS || document.hidden) stream.close();
   });
   stream.addEventListener("tick", alive);
-  stream.addEventListener("error", ({ target }) => target.readyState === EventSource.CLOSED && refused());
+  stream.addEventListener("error", refused);
 }
 
-/** The door hangs up when it does not know us any more: then this is the place where one signs in. */
+/** The door hangs up when it does not know us any more: then one is told so, where one signs in. */
 async function refused() {
   const answer = await fetch("/", { method: "HEAD" }).catch(() => null);
-  if (answer?.status === 401) location.assign("/sign-in");
+  if (answer?.status === 401) signIn("watching");
+}
+
+let leaving = false;
+
+/** To the page where one signs in; it says what was not done. A later reason does not take the place of an earlier one. */
+function signIn(undone) {
+  if (!leaving) location.assign(`/sign-in?undone=${undone}`);
+  leaving = true;
 }
 
 function alive() {
@@ -184,6 +192,7 @@ document.addEventListener("change", (event) => {
 
 document.addEventListener("submit", (event) => {
   const form = event.target;
+  if (form.id === "who") leaving = true;
   if (!form.action.includes("/console/")) return;
   event.preventDefault();
   if (form.closest("#inspect") && performance.now() < settledAt) return;
@@ -209,7 +218,8 @@ async function send(form, fields, button) {
     const answer = await fetch(action, { method: "POST", body: fields, headers: { accept: "application/json" }, signal });
     const said = await answer.json();
     clearTimeout(slow);
-    if (!answer.ok) tell(why, said.detail ?? `It was refused (${answer.status}).`);
+    if (answer.status === 401) signIn(isStop ? "stop" : "command");
+    else if (!answer.ok) tell(why, said.detail ?? `It was refused (${answer.status}).`);
     else accepted(form);
   } catch (error) {
     clearTimeout(slow);

@@ -129,7 +129,8 @@ impl KeyFile {
     }
 }
 
-fn written(keys: &Keys) -> String {
+/// The text of the file that holds these keys.
+pub(super) fn written(keys: &Keys) -> String {
     let key = |key: &Key| WrittenKey { name: key.name.to_string(), role: key.role, token: key.token.reveal().to_owned() };
     let all = Written { key: keys.iter().map(key).collect() };
     format!("{HEADER}{}", toml::to_string(&all).expect("names, roles and tokens are strings, which TOML can hold"))

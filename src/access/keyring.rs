@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::Duration;
 
 use super::error::AccessError;
-use super::file::{KeyFile, Stamp};
+use super::file::{KeyFile, Stamp, written};
 use super::keys::{Keys, SignedIn};
 use super::session;
 
@@ -115,6 +115,8 @@ impl Followed {
         }
         let file = self.file.path().display();
         match self.file.read() {
+            // A file that was only touched, or made by this very start, has changed nothing.
+            Ok(Some(keys)) if written(&keys) == written(&keyring.keys()) => {}
             Ok(Some(keys)) => {
                 *keyring.0.lock().unwrap_or_else(PoisonError::into_inner) = Arc::new(keys);
                 tracing::info!(%file, "the keys have changed");

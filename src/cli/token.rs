@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 
 use super::{Failure, link};
-use crate::access::{AccessError, Key, KeyFile, Keys, Role};
+use crate::access::{Key, KeyFile, Keys, Role};
 use crate::config::{self, Flag, HttpSettings, Settings, Sources};
 
 /// What to do with the keys.
@@ -19,6 +19,9 @@ pub struct Keyrings {
     /// A settings file, laid over the defaults.
     #[arg(long, value_name = "FILE", global = true)]
     config: Option<PathBuf>,
+    /// Where the program listens, for the links.
+    #[arg(long, value_name = "ADDRESS:PORT", global = true)]
+    http: Option<String>,
 }
 
 #[derive(Clone, Debug, Subcommand)]
@@ -60,16 +63,22 @@ enum Part {
 pub fn run(asked: &Keyrings) -> Result<(), Failure> {
     let settings = super::settings(&asked.sources())?;
     let file = file(&settings)?;
-    let mut keys = match file.read()? {
-        Some(keys) => keys,
-        None => made(&file)?,
+    let kept = file.read()?;
+    let is_new = kept.is_none();
+    let what = asked.what.as_ref().unwrap_or(&What::Show);
+    let mut keys = match (kept, what) {
+        (Some(keys), _) => keys,
+        // Somebody must be able to act: an operator's key comes with the first of all.
+        (None, What::Add { .. }) => Keys::first()?,
+        (None, What::Show | What::Rotate { .. } | What::Remove { .. }) => return Err(none_yet(&file)),
     };
-    let said = match asked.what.as_ref().unwrap_or(&What::Show) {
+    let said = match what {
         What::Show => shown(&settings.http, &file, keys.iter()),
         What::Add { name, role } => {
             let key = keys.add(name, role.role())?.clone();
             file.write(&keys)?;
-            shown(&settings.http, &file, [&key].into_iter())
+            let others = keys.iter().filter(|other| is_new && other.name != key.name);
+            shown(&settings.http, &file, others.chain([&key]))
         }
         What::Rotate { name } => {
             let key = keys.rotate(name)?.clone();
@@ -94,11 +103,13 @@ fn file(settings: &Settings) -> Result<KeyFile, Failure> {
     Ok(KeyFile::within(folder))
 }
 
-/// The first key, in a folder that had none.
-fn made(file: &KeyFile) -> Result<Keys, AccessError> {
-    let keys = Keys::first()?;
-    file.write(&keys)?;
-    Ok(keys)
+/// Looking makes nothing.
+fn none_yet(file: &KeyFile) -> Failure {
+    let there = file.path().display();
+    Failure::Run(format!(
+        "there are no keys yet, since there is no {there}: start hallsweep, whose first start that asks for keys makes one; or make \
+         one with `hallsweep token add NAME --role operator`; and if it should be there, look at --data and --config"
+    ))
 }
 
 fn shown<'a>(http: &HttpSettings, file: &KeyFile, keys: impl Iterator<Item = &'a Key>) -> String {
@@ -108,13 +119,16 @@ fn shown<'a>(http: &HttpSettings, file: &KeyFile, keys: impl Iterator<Item = &'a
     };
     let keys: String = keys.map(key).collect();
     let asked = if http.asks_for_keys { "" } else { ", and asked for only beyond loopback or with http.require_token = true" };
-    format!("{keys}Kept in {}{asked}.", file.path().display())
+    let whose =
+        format!("The links are for {}, the address of these settings: another is named with --http or --config", http.bind);
+    format!("{keys}Kept in {}{asked}.\n{whose}.", file.path().display())
 }
 
 impl Keyrings {
     fn sources(&self) -> Sources {
-        let data = self.data.clone().map(|value| Flag { flag: "--data", key: "store.folder", value });
-        config::sources(self.config.clone(), data.into_iter().collect())
+        let given = [("--data", "store.folder", &self.data), ("--http", "http.bind", &self.http)];
+        let flags = given.into_iter().filter_map(|(flag, key, value)| Some(Flag { flag, key, value: value.clone()? }));
+        config::sources(self.config.clone(), flags.collect())
     }
 }
 

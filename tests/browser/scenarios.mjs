@@ -326,6 +326,8 @@ const signedIn = {
     await fits(page);
     must(await start(page).isDisabled(), 'a viewer could start');
     await page.getByText('START: you are signed in as a viewer.').waitFor();
+    const notice = await page.getByText('You are signed in as a viewer: you see everything and may press STOP.').boundingBox();
+    must(notice && notice.y + notice.height < page.viewportSize().height, 'a viewer is not told at once why the buttons are dead');
     const living = await page.locator('button:enabled:visible').allInnerTexts();
     must(living.length === 2 && /STOP/.test(living.join()) && /Sign out/.test(living.join()), `alive for a viewer: ${living}`);
     await picture('viewer');
@@ -354,7 +356,9 @@ const signedIn = {
 
     // A key that is replaced leads its people back to the page where one signs in, without a press.
     execFileSync(PROGRAM, ['token', 'rotate', 'operator', '--data', DATA]);
-    await page.waitForURL(/\/sign-in$/);
+    await page.waitForURL(/\/sign-in\?undone=watching$/);
+    await page.getByText('You are not signed in any more').waitFor();
+    await picture('shut-out');
   },
 };
 export { signedIn };

@@ -231,9 +231,18 @@ fn a_rotated_key_counts_at_once_and_ends_sessions_and_open_streams() {
 #[test]
 fn the_command_for_keys_says_what_it_cannot_do() {
     let folder = Folder::new("command");
-    assert!(folder.token(&[]).contains("operator (operator)"), "the first use makes a key");
+    for looks in [&[][..], &["show"], &["rotate", "operator"], &["remove", "operator"]] {
+        let said = folder.refused(looks);
+        assert!(
+            said.contains("no keys yet") && said.contains("token add") && !folder.0.exists(),
+            "looking makes nothing: {said}"
+        );
+    }
+    let made = folder.token(&["add", "lobby", "--role", "viewer", "--http", "192.0.2.7:8088"]);
+    assert!(made.contains("operator (operator)") && made.contains("lobby (viewer)"), "an operator comes first: {made}");
+    assert!(made.contains("http://192.0.2.7:8088/sign-in?token=") && made.contains("--http"), "{made}");
     assert!(folder.refused(&["remove", "operator"]).contains("last operator"));
-    assert!(folder.refused(&["rotate", "loby"]).contains("there are operator"));
+    assert!(folder.refused(&["rotate", "loby"]).contains("there are operator, lobby"));
     assert!(folder.refused(&["add", "operator", "--role", "viewer"]).contains("already"));
     assert!(folder.refused(&["add", "a b", "--role", "viewer"]).contains("1 to 32"));
     let output = hallsweep(&["token", "--data", "none"]).output().expect("the program starts");

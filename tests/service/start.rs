@@ -93,6 +93,9 @@ fn the_health_check_knows_whether_somebody_is_there() {
     assert_eq!(program.read("/healthz", &[]).status, 200);
     assert_eq!(check(&program.address().to_string()), Some(0));
     assert_eq!(check("127.0.0.1:1"), Some(1), "nobody listens at port 1");
+    let every = format!("0.0.0.0:{}", program.address().port());
+    let as_started = run(&["healthcheck", "--http", &every, "--data", "none"]);
+    assert_eq!(as_started.status.code(), Some(0), "{as_started:?}");
 }
 
 #[test]

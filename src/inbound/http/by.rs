@@ -10,7 +10,7 @@ use super::gate::{Caller, Peer};
 use super::give::Done;
 use super::problem::Problem;
 use crate::access::Need;
-use crate::core::command::{self, Command, CommandId, Issuer, Request};
+use crate::core::command::{self, Command, CommandId, Request};
 use crate::core::mission::in_words;
 use crate::core::units::Epoch;
 use crate::wire::fields::in_short;
@@ -41,8 +41,9 @@ impl By {
     /// is wrong with a STOP keeps it from halting the robot.
     pub(super) async fn give(&self, by: command::Door, command: Command, epoch: Option<Epoch>) -> Result<Done, Problem> {
         let is_stop = command == Command::Stop;
+        let issuer = self.caller.issuer(by, self.peer);
         if let Err(refused) = self.caller.check(if is_stop { Need::Stop } else { Need::Act }) {
-            self.door.note_refused(&self.caller, self.peer, in_words(&command), &refused).await;
+            self.door.note_refused(issuer, in_words(&command), refused.clone()).await;
             return Err(Problem::refused(&refused, None));
         }
         let id = match &self.id {
@@ -50,7 +51,6 @@ impl By {
             Err(_) if is_stop => None,
             Err(problem) => return Err(problem.clone()),
         };
-        let issuer = Issuer { door: by, who: self.caller.name(), from: self.peer.name() };
         self.door.give(Request { id, epoch, ..Request::new(command, issuer) }).await
     }
 }

@@ -13,8 +13,8 @@ use axum::response::{IntoResponse, Redirect, Response};
 use super::Door;
 use super::guard::is_for_people;
 use super::places::Place;
-use super::problem::Problem;
-use super::sign_in::{COOKIE, sign_in_page};
+use super::problem::{NotTaken, Problem};
+use super::sign_in::{COOKIE, Undone, sign_in_page};
 use crate::access::{Keyring, Need, Network, OPERATOR, Role, SignedIn};
 use crate::core::command::{self, Issuer, Refused};
 use crate::wire::fields::in_short;
@@ -83,6 +83,11 @@ impl Caller {
         }
     }
 
+    /// The sender of a command, as records name him.
+    pub(super) fn issuer(&self, door: command::Door, peer: Peer) -> Issuer {
+        Issuer { door, who: self.name(), from: peer.name() }
+    }
+
     /// What may be done.
     pub(super) const fn role(&self) -> Role {
         match self {
@@ -143,11 +148,10 @@ impl Door {
         tokio::time::sleep(delay).await;
     }
 
-    /// Puts on record that somebody may not do what was asked for (safety A6).
-    pub(super) async fn note_refused(&self, caller: &Caller, peer: Peer, asked: String, refused: &Refused) {
-        let issuer = Issuer { door: command::Door::Http, who: caller.name(), from: peer.name() };
+    /// Puts on record that this door did not take what was asked for (safety A6).
+    pub(super) async fn note_refused(&self, issuer: Issuer, asked: String, refused: Refused) {
         // A program that is ending has nobody left to tell.
-        let _ = self.handle.note_refused(issuer, asked, refused.clone()).await;
+        let _ = self.handle.note_refused(issuer, asked, refused).await;
     }
 
     fn caller(&self, peer: Peer, shown: &Shown) -> Option<Caller> {
@@ -176,10 +180,10 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
         }
         return stranger(&request);
     };
+    let asked = asked(&request, need).map(|(by, asked)| (caller.issuer(by, peer), asked));
     if let Err(refused) = caller.check(need) {
-        if *request.method() != Method::GET {
-            let asked = format!("{} {}", request.method(), in_short(request.uri().path()));
-            door.note_refused(&caller, peer, asked, &refused).await;
+        if let Some((issuer, asked)) = asked {
+            door.note_refused(issuer, asked, refused.clone()).await;
         }
         return Problem::refused(&refused, None).into_response();
     }
@@ -187,14 +191,32 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
         place.known();
     }
     request.extensions_mut().insert(caller);
-    next.run(request).await
+    let mut response = next.run(request).await;
+    if let (Some((issuer, asked)), Some(NotTaken(refusal))) = (asked, response.extensions_mut().remove::<NotTaken>()) {
+        door.note_refused(issuer, asked, Refused::Before(refusal)).await;
+    }
+    response
 }
 
-/// A person is led to the page where one signs in, and from there back; a program is told what to send.
+/// What goes on record when it is not taken, and as asked by which door: whatever wants to change something. Signing in and out
+/// are no commands.
+fn asked(request: &Request, need: Need) -> Option<(command::Door, String)> {
+    let looks = matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS);
+    if looks || need == Need::Nothing {
+        return None;
+    }
+    let path = request.uri().path();
+    let by = if path.starts_with("/console/") { command::Door::Console } else { command::Door::Http };
+    Some((by, format!("{} {}", request.method(), in_short(path))))
+}
+
+/// A person is led to the page where one signs in, and from there back, or is told there that what he pressed was not done; a
+/// program is told what to send.
 fn stranger(request: &Request) -> Response {
     if is_for_people(request.uri().path(), request.headers()) {
-        let back = if *request.method() == Method::GET { request.uri().path() } else { "/" };
-        return Redirect::to(&sign_in_page(back)).into_response();
+        let path = request.uri().path();
+        let page = if *request.method() == Method::GET { sign_in_page(path) } else { Undone::of(path).page() };
+        return Redirect::to(&page).into_response();
     }
     let mut response = Problem::not_signed_in().into_response();
     response.headers_mut().insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
@@ -218,3 +240,7 @@ fn shown(headers: &HeaderMap) -> Shown {
 
 /// Cookies of our name that are looked at: one, and one that somebody set for another path.
 const SESSIONS: usize = 2;
+
+#[cfg(test)]
+#[path = "gate_tests.rs"]
+mod tests;

@@ -8,7 +8,7 @@ use askama::Template;
 use axum::Router;
 use axum::extract::{Request, State};
 use axum::http::uri::Authority;
-use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::middleware::{Next, from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use tower_http::catch_panic::CatchPanicLayer;
@@ -115,9 +115,24 @@ async fn for_people(request: Request, next: Next) -> Response {
     let (mut parts, _) = response.into_parts();
     parts.headers.remove(header::CONTENT_LENGTH);
     parts.headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8"));
-    let page = Astray { title: parts.status.canonical_reason().unwrap_or("Problem"), detail };
+    let page = Astray { title: for_a_person(parts.status), detail };
     let page = page.render().expect("the template only writes strings, which does not fail");
     Response::from_parts(parts, page.into())
+}
+
+/// What a status means to somebody who knows nothing of HTTP.
+fn for_a_person(status: StatusCode) -> &'static str {
+    match status.as_u16() {
+        401 => "Nobody is signed in",
+        403 => "You may not do that",
+        404 => "There is nothing here",
+        408 => "It came too slowly",
+        409 => "That is not possible now",
+        421 => "hallsweep is not called so",
+        500 => "Something went wrong in hallsweep",
+        503 => "That cannot be done just now",
+        _ => "That was not understood",
+    }
 }
 
 /// The page of somebody who went astray.
@@ -263,6 +278,7 @@ mod tests {
             assert_eq!(response.headers()["content-type"], "text/html; charset=utf-8", "{path}");
             let page = text(response).await;
             assert!(page.contains("href=\"/\"") && page.contains("<h1>"), "{page}");
+            assert!(!page.contains("<h1>Not Found") && !page.contains("Unprocessable"), "in words of people: {page}");
             let program = house.send(method, path, &[], "").await;
             assert_eq!(program.headers()["content-type"], "application/problem+json", "{path}");
         }

@@ -126,13 +126,19 @@ pub(super) async fn happened(door: &Door, id: u64, after: Seq, limit: u64) -> Re
     Ok((entries, next))
 }
 
-/// The commands of a mission after an entry, accepted or refused, at least so many where there are, and where to go on looking.
-pub(super) async fn commands(door: &Door, id: u64, after: Seq, least: u64) -> Result<(Vec<(Seq, Entry)>, Option<Seq>), Problem> {
+/// What `is_wanted` of a mission's entries after one of them, at least so many where there are, and where to go on looking.
+pub(super) async fn wanted(
+    door: &Door,
+    id: u64,
+    after: Seq,
+    least: u64,
+    is_wanted: fn(&Fact) -> bool,
+) -> Result<(Vec<(Seq, Entry)>, Option<Seq>), Problem> {
     let (mut found, mut from) = (Vec::new(), Some(after));
     for _ in 0..LOOKS {
         let Some(after) = from.filter(|_| found.len() < count(least)) else { break };
         let (entries, next) = happened(door, id, after, EVENTS).await?;
-        found.extend(entries.into_iter().filter(|(_, entry)| matches!(entry.fact, Fact::Command { .. })));
+        found.extend(entries.into_iter().filter(|(_, entry)| is_wanted(&entry.fact)));
         from = next;
     }
     Ok((found, from))

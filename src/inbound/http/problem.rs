@@ -5,7 +5,7 @@ use axum::Extension;
 use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 
-use crate::core::command::{RefusalKind, Refused};
+use crate::core::command::{Refusal, RefusalKind, Refused};
 use crate::wire::fields::in_short;
 use crate::wire::luggage::LuggageJson;
 use crate::wire::problem::ProblemJson;
@@ -15,11 +15,16 @@ use crate::wire::problem::ProblemJson;
 pub(super) struct Problem {
     status: StatusCode,
     body: Box<ProblemJson>,
+    is_on_record: bool,
 }
 
 /// Goes with a problem's answer, so that a person's browser can be shown a page instead of JSON.
 #[derive(Clone, Debug)]
 pub(super) struct Said(pub(super) String);
+
+/// Goes with the answer to what this door did not take, so that the gate can put it on record.
+#[derive(Clone, Debug)]
+pub(super) struct NotTaken(pub(super) Refusal);
 
 /// The table: which status each family of refusals gets.
 pub(super) const fn status_of(kind: RefusalKind) -> StatusCode {
@@ -33,10 +38,11 @@ pub(super) const fn status_of(kind: RefusalKind) -> StatusCode {
 }
 
 impl Problem {
-    /// The core refused; `luggage` is the record the refused command was about.
+    /// The core refused, and has put that on record; `luggage` is the record the refused command was about.
     pub(super) fn refused(refused: &Refused, luggage: Option<LuggageJson>) -> Problem {
         let mut problem = Problem::new(status_of(refused.kind()), refused.code(), refused.to_string());
         problem.body.luggage = luggage;
+        problem.is_on_record = true;
         problem
     }
 
@@ -126,9 +132,19 @@ impl Problem {
         self.status
     }
 
+    /// Tells the gate what is to go on record: whatever the sender did wrong and the core never saw.
+    pub(super) fn tell_gate(&self, response: &mut Response) {
+        if self.status.is_client_error() && !self.is_on_record {
+            let kind = if self.status == StatusCode::NOT_FOUND { RefusalKind::Unknown } else { RefusalKind::Mismatch };
+            let refusal = Refusal { code: self.body.code, kind, words: self.body.detail.clone() };
+            response.extensions_mut().insert(NotTaken(refusal));
+        }
+    }
+
     fn new(status: StatusCode, code: &'static str, detail: String) -> Problem {
         let title = status.canonical_reason().unwrap_or("Problem");
-        Problem { status, body: Box::new(ProblemJson::new(status.as_u16(), title, code, detail)) }
+        let body = Box::new(ProblemJson::new(status.as_u16(), title, code, detail));
+        Problem { status, body, is_on_record: false }
     }
 }
 
@@ -137,7 +153,9 @@ impl IntoResponse for Problem {
         let body = serde_json::to_vec(&self.body).expect("a problem is strings and numbers, which JSON can hold");
         let media_type = HeaderValue::from_static("application/problem+json");
         let said = Said(self.body.detail.clone());
-        (self.status, Extension(said), [(header::CONTENT_TYPE, media_type)], body).into_response()
+        let mut response = (self.status, Extension(said), [(header::CONTENT_TYPE, media_type)], body).into_response();
+        self.tell_gate(&mut response);
+        response
     }
 }
 

@@ -54,13 +54,14 @@ impl Query {
         })
     }
 
-    /// Whether the name is there with this word, the only one there is for it.
-    pub(super) fn says(&self, name: &str, word: &str) -> Result<bool, Problem> {
-        match self.0.get(name).map(String::as_str) {
-            None => Ok(false),
-            Some(text) if text == word => Ok(true),
-            Some(text) => Err(Problem::unusable(format!("`{name}` is {:?}: {word} belongs there", in_short(text)))),
-        }
+    /// One of these words, which may be absent.
+    pub(super) fn word<'w>(&self, name: &str, words: &[&'w str]) -> Result<Option<&'w str>, Problem> {
+        let Some(text) = self.0.get(name) else { return Ok(None) };
+        let known = words.iter().find(|word| *word == text);
+        known
+            .copied()
+            .map(Some)
+            .ok_or_else(|| Problem::unusable(format!("`{name}` is {:?}: {} belongs there", in_short(text), words.join(" or "))))
     }
 }
 

@@ -76,7 +76,12 @@ async fn a_browser_that_nobody_is_signed_in_with_is_led_to_the_page_for_it() {
         let location = response.headers().get("location").and_then(|value| value.to_str().ok()).unwrap_or_default();
         assert_eq!(response.status(), 303, "{}", row.path);
         let leads_back = row.method == Method::GET && row.path != "/";
-        let expect = if leads_back { format!("/sign-in?next={}", row.path.replace("{id}", "3")) } else { "/sign-in".to_owned() };
+        let expect = match row.method {
+            Method::GET if leads_back => format!("/sign-in?next={}", row.path.replace("{id}", "3")),
+            Method::GET => "/sign-in".to_owned(),
+            _ if ["/console/stop", "/stopappl", "/h"].contains(&row.path) => "/sign-in?undone=stop".to_owned(),
+            _ => "/sign-in?undone=command".to_owned(),
+        };
         assert_eq!(location, expect);
     }
     assert!(house.given.lock().unwrap().is_empty());

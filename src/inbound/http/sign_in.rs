@@ -23,6 +23,19 @@ const LONGEST_PATH: usize = 512;
 pub(super) struct Asked {
     token: Option<String>,
     next: Option<String>,
+    undone: Option<Undone>,
+}
+
+/// What somebody pressed who was not signed in any more, and which was therefore not done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) enum Undone {
+    /// STOP, in the page's words or in an old client's.
+    Stop,
+    /// Anything else.
+    Command,
+    /// Nothing was pressed: a page was open when its key was taken away.
+    Watching,
 }
 
 /// What the page sends.
@@ -32,13 +45,43 @@ pub(super) struct Sent {
     next: Option<String>,
 }
 
-#[derive(Template)]
+#[derive(Default, Template)]
 #[template(path = "sign_in.html")]
 struct SignIn<'a> {
     token: &'a str,
     next: &'a str,
+    undone: &'static str,
     why: &'static str,
     is_overheard: bool,
+}
+
+impl Undone {
+    /// What a form that posts to this path asks for.
+    pub(super) fn of(path: &str) -> Undone {
+        if matches!(path, "/console/stop" | "/stopappl" | "/h") { Undone::Stop } else { Undone::Command }
+    }
+
+    /// The address of the page that says so.
+    pub(super) fn page(self) -> String {
+        let what = match self {
+            Undone::Stop => "stop",
+            Undone::Command => "command",
+            Undone::Watching => "watching",
+        };
+        format!("/sign-in?undone={what}")
+    }
+
+    const fn in_words(self) -> &'static str {
+        match self {
+            Undone::Stop => {
+                "STOP was not given: you are not signed in any more. Use the robot's own switch, or sign in and press STOP again."
+            }
+            Undone::Command => {
+                "What you pressed was not carried out: you are not signed in any more. Sign in, look at the robot, and press it again."
+            }
+            Undone::Watching => "You are not signed in any more: you signed out, the session is over, or the key was replaced.",
+        }
+    }
 }
 
 /// `GET sign-in`
@@ -54,7 +97,8 @@ pub(super) async fn page(
     if is_in {
         return Redirect::to(next).into_response();
     }
-    shown(StatusCode::OK, peer, asked.token.as_deref().unwrap_or_default(), next, "")
+    let undone = asked.undone.map_or("", Undone::in_words);
+    shown(StatusCode::OK, peer, SignIn { token: asked.token.as_deref().unwrap_or_default(), next, undone, ..SignIn::default() })
 }
 
 /// `POST sign-in`
@@ -64,7 +108,7 @@ pub(super) async fn sign_in(State(door): State<Door>, peer: Peer, Form(sent): Fo
     let Some(session) = keyring.sign_in(sent.token.trim(), door.now_s()) else {
         door.hold_back(peer).await;
         let why = "This token is not known here: look whether it is whole, and whether it was replaced.";
-        return shown(StatusCode::FORBIDDEN, peer, "", next, why);
+        return shown(StatusCode::FORBIDDEN, peer, SignIn { next, why, ..SignIn::default() });
     };
     (cookie(&session, SESSION_S, peer), Redirect::to(next)).into_response()
 }
@@ -82,9 +126,9 @@ pub(super) fn sign_in_page(next: &str) -> String {
     if next == "/" || !is_plain { "/sign-in".to_owned() } else { format!("/sign-in?next={next}") }
 }
 
-fn shown(status: StatusCode, peer: Peer, token: &str, next: &str, why: &'static str) -> Response {
+fn shown(status: StatusCode, peer: Peer, page: SignIn) -> Response {
     let is_overheard = !peer.is_encrypted && !Network::of(peer.address).is_loopback();
-    let page = SignIn { token, next, why, is_overheard };
+    let page = SignIn { is_overheard, ..page };
     let html = Html(page.render().expect("the template only writes strings, which does not fail"));
     (status, [(header::CACHE_CONTROL, HeaderValue::from_static("no-store"))], html).into_response()
 }

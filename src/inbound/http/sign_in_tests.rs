@@ -96,6 +96,25 @@ async fn whoever_signed_out_is_asked_again() {
     assert_eq!(location(&house.send("GET", "/", &[BROWSER, ("cookie", &gone)], "").await), "/sign-in");
 }
 
+/// Safety S1.
+#[tokio::test]
+async fn whoever_pressed_something_and_is_not_signed_in_any_more_reads_that_it_was_not_done() {
+    let (house, ..) = guarded();
+    for (path, words) in [
+        ("/console/stop", "STOP was not given: you are not signed in any more."),
+        ("/h", "STOP was not given"),
+        ("/console/danger", "What you pressed was not carried out"),
+    ] {
+        let led = house.send("POST", path, &[FORM, BROWSER, ("cookie", "hallsweep=old")], "id=3").await;
+        let page = text(house.send("GET", location(&led), &[BROWSER], "").await).await;
+        assert!(page.contains(words), "{path}: {page}");
+    }
+    let watched = text(house.send("GET", &Undone::Watching.page(), &[BROWSER], "").await).await;
+    assert!(watched.contains("You are not signed in any more: "), "{watched}");
+    assert!(!text(house.send("GET", "/sign-in?undone=nonsense", &[BROWSER], "").await).await.contains("undone"));
+    assert!(house.given.lock().unwrap().is_empty());
+}
+
 #[tokio::test]
 async fn a_viewers_page_has_one_living_button_beside_signing_out() {
     let (house, _, viewer) = guarded();
@@ -111,6 +130,7 @@ async fn a_viewers_page_has_one_living_button_beside_signing_out() {
         assert_eq!(dead == buttons || fieldset, !lives, "{form}");
     }
     assert!(page.contains("START: you are signed in as a viewer."));
+    assert!(page.contains("You are signed in as a viewer: you see everything and may press STOP."));
 }
 
 #[tokio::test]

@@ -33,7 +33,11 @@ pub(super) struct House {
     pub(super) publish: watch::Sender<Arc<Snapshot>>,
     pub(super) refuse: Arc<Mutex<Option<Refused>>>,
     pub(super) given: Arc<Mutex<Vec<command::Request>>>,
+    pub(super) noted: Arc<Mutex<Vec<Noted>>>,
 }
+
+/// What the door asked to be put on record: who, what, and why it was not taken.
+pub(super) type Noted = (command::Issuer, String, Refused);
 
 /// One picture for every piece, and the two missions of `past`.
 struct Pictures;
@@ -79,9 +83,11 @@ pub(super) fn guarded_house(snapshot: Snapshot, access: Access) -> House {
     let (commands, envelopes) = mpsc::channel(COMMANDS);
     let publish = watch::Sender::new(Arc::new(snapshot));
     let handle = Handle::new(commands, publish.subscribe(), Halter::new(Epoch(1)));
-    let (refuse, given) = (Arc::default(), Arc::default());
-    tokio::spawn(answer(envelopes, publish.subscribe(), Arc::clone(&refuse), Arc::clone(&given)));
-    House { door: Door::new(handle, Arc::new(Pictures), "airport", access), publish, refuse, given }
+    let door = Door::new(handle, Arc::new(Pictures), "airport", access);
+    let house = House { door, publish, refuse: Arc::default(), given: Arc::default(), noted: Arc::default() };
+    let kept = (Arc::clone(&house.refuse), Arc::clone(&house.given), Arc::clone(&house.noted));
+    tokio::spawn(answer(envelopes, house.publish.subscribe(), kept));
+    house
 }
 
 /// The tokens of two keys.
@@ -98,14 +104,22 @@ pub(super) fn keys() -> (Keyring, Tokens) {
     (Keyring::of(keys), Tokens { operator, viewer })
 }
 
+/// What the loop obeys, and what it keeps.
+type Kept = (Arc<Mutex<Option<Refused>>>, Arc<Mutex<Vec<command::Request>>>, Arc<Mutex<Vec<Noted>>>);
+
 async fn answer(
     mut envelopes: mpsc::Receiver<Envelope>,
     snapshots: watch::Receiver<Arc<Snapshot>>,
-    refuse: Arc<Mutex<Option<Refused>>>,
-    given: Arc<Mutex<Vec<command::Request>>>,
+    (refuse, given, noted): Kept,
 ) {
     while let Some(envelope) = envelopes.recv().await {
-        let Envelope::Command(request, answer) = envelope else { continue };
+        let (request, answer) = match envelope {
+            Envelope::Command(request, answer) => (request, answer),
+            Envelope::Refused(issuer, asked, refused) => {
+                noted.lock().unwrap().push((issuer, asked, refused));
+                continue;
+            }
+        };
         let luggage = about(&request.command, &snapshots.borrow());
         given.lock().unwrap().push(request);
         let refused = refuse.lock().unwrap().clone();

@@ -12,7 +12,7 @@ use super::{Door, STREAMS};
 use crate::core::world::snapshot::Snapshot;
 
 /// How often it is asked whether whoever looks may still look.
-const STILL_KNOWN: Duration = Duration::from_secs(1);
+const STILL_KNOWN: Duration = Duration::from_millis(250);
 
 /// An open stream; its place is free again when it is dropped.
 pub(super) struct Watcher {

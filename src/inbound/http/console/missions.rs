@@ -6,7 +6,7 @@ use axum::extract::State;
 use axum::response::Html;
 
 use super::super::Door;
-use super::super::missions::{MISSIONS, after, before, commands, happened, kept, newest};
+use super::super::missions::{MISSIONS, after, before, happened, kept, newest, wanted};
 use super::super::problem::Problem;
 use super::super::query::Query;
 use super::super::reading::Number;
@@ -39,13 +39,56 @@ pub(in crate::inbound::http) async fn one(
     query: Query,
 ) -> Result<Html<String>, Problem> {
     query.only(&["after", "show"])?;
-    let (after, only_commands) = (after(&query)?, query.says("show", "commands")?);
+    let (after, show) = (after(&query)?, Show::of(query.word("show", &["all", "commands"])?));
     let (record, standing) = kept(&door, id).await?;
-    let (events, next) = match only_commands {
-        true => commands(&door, id, after, EVENTS).await?,
-        false => happened(&door, id, after, EVENTS).await?,
+    let (events, next) = match show {
+        Show::Main => wanted(&door, id, after, EVENTS, is_main).await?,
+        Show::Commands => wanted(&door, id, after, EVENTS, is_command).await?,
+        Show::All => happened(&door, id, after, EVENTS).await?,
     };
-    Ok(html(&One { record, standing, commands: only_commands, after, events, next }))
+    Ok(html(&One { record, standing, show, after, events, next }))
+}
+
+/// How much is shown of what happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Show {
+    /// What people did and what was found.
+    Main,
+    /// What was commanded.
+    Commands,
+    /// Every step.
+    All,
+}
+
+impl Show {
+    fn of(word: Option<&str>) -> Show {
+        match word {
+            Some("all") => Show::All,
+            Some("commands") => Show::Commands,
+            _ => Show::Main,
+        }
+    }
+
+    /// What stands for it in an address, after what stands there already.
+    fn address(self, joined_by: &str) -> String {
+        match self {
+            Show::Main => String::new(),
+            Show::Commands => format!("{joined_by}show=commands"),
+            Show::All => format!("{joined_by}show=all"),
+        }
+    }
+}
+
+fn is_command(fact: &Fact) -> bool {
+    matches!(fact, Fact::Command { .. })
+}
+
+/// What people did and what was found; the robot's steps, of which there are thousands, are not it.
+fn is_main(fact: &Fact) -> bool {
+    let found = matches!(fact, Fact::Luggage { .. } | Fact::AlarmRaised(..) | Fact::Phase(_) | Fact::Holds(_));
+    let done = matches!(fact, Fact::Command { .. } | Fact::Verdict { .. } | Fact::AlarmAcknowledged(..) | Fact::Strategy(_));
+    let began = matches!(fact, Fact::ProgramStarted(_) | Fact::MissionBegan(..) | Fact::MissionArchived(..));
+    found || done || began
 }
 
 /// The list of missions, the newest first.
@@ -63,8 +106,7 @@ struct List {
 struct One {
     record: MissionRecord,
     standing: Option<Standing>,
-    /// Whether only commands are shown of what happened.
-    commands: bool,
+    show: Show,
     after: Seq,
     events: Vec<(Seq, Entry)>,
     next: Option<Seq>,
@@ -122,6 +164,21 @@ impl One {
 
     fn is_later_page(&self) -> bool {
         self.after > Seq(0)
+    }
+
+    /// The views of what happened: their names, where they are, and whether this is the one.
+    fn views(&self) -> [(&'static str, String, bool); 3] {
+        let at = |show: Show| format!("/missions/{}{}#events", self.record.id, show.address("?"));
+        [("What was done and found", Show::Main), ("Commands only", Show::Commands), ("Every step", Show::All)]
+            .map(|(name, show)| (name, at(show), show == self.show))
+    }
+
+    fn beginning(&self) -> String {
+        format!("/missions/{}{}#events", self.record.id, self.show.address("?"))
+    }
+
+    fn further(&self, next: &Seq) -> String {
+        format!("/missions/{}?after={next}{}#events", self.record.id, self.show.address("&"))
     }
 }
 
@@ -213,6 +270,9 @@ mod tests {
         check(&all, &["<b class=\"refused\">refused: the robot is moving: press STOP first</b>", "held by: operator"]);
         let commands = page(&house, "/missions/1?show=commands").await;
         assert!(commands.contains("RESET") && !commands.contains("held by: operator"));
+        let steps = page(&house, "/missions/1?show=all").await;
+        check(&steps, &["robot at (0, 0)", "START", "<b>Every step</b>"]);
+        assert!(!all.contains("robot at (0, 0)") && all.contains("<b>What was done and found</b>"), "steps are a second view");
         let later = page(&house, "/missions/1?after=3").await;
         assert!(!later.contains("anna") && later.contains("held by: operator") && later.contains("From the beginning"));
     }
@@ -220,7 +280,7 @@ mod tests {
     #[tokio::test]
     async fn nothing_on_the_pages_is_inline_or_of_another_origin() {
         let house = house(searching());
-        for path in ["/missions", "/missions?before=2", "/missions/1", "/missions/2", "/missions/1?show=commands&after=2"] {
+        for path in ["/missions", "/missions?before=2", "/missions/1", "/missions/2", "/missions/1?show=all&after=2"] {
             let page = page(&house, path).await;
             for unwanted in ["style=", "<style", "<script", "onclick", "http://", "https://"] {
                 assert!(!page.contains(unwanted), "{unwanted} in {path}");

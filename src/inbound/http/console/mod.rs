@@ -32,7 +32,9 @@ pub(super) use live::live;
 /// The page again, with the reason in words beside the button that was pressed.
 pub(super) fn refused_page(door: &Door, caller: &Caller, button: &str, problem: &Problem) -> Response {
     let why = Why::new(button, problem.detail());
-    (problem.status(), whole(door, caller, Some(why))).into_response()
+    let mut response = (problem.status(), whole(door, caller, Some(why))).into_response();
+    problem.tell_gate(&mut response);
+    response
 }
 
 /// `GET /`
