@@ -25,7 +25,7 @@ async fn noted(house: &House) -> Vec<(Door, String, &'static str, String)> {
 
 fn stop() -> crate::core::command::Request {
     let issuer = crate::core::command::Issuer { door: Door::Local, who: "test".into(), from: "here".into() };
-    crate::core::command::Request { command: crate::core::command::Command::Stop, epoch: None, issuer, id: None }
+    crate::core::command::Request::new(crate::core::command::Command::Stop, issuer)
 }
 
 /// Safety A6.

@@ -104,7 +104,7 @@ fn a_tiny_disk_that_the_log_has_filled_is_gone_on_with_when_there_is_room() {
     std::fs::write(&filler, vec![0; 200 * 1024]).unwrap();
     for x in 0.. {
         scribe.hand(vec![wall(x, 1)]);
-        if scribe.until(|word| word.failure.is_some() || word.kept >= Seq(5 + x.unsigned_abs().into())).failure.is_some() {
+        if scribe.until(|word| word.failure.is_some() || word.kept >= Seq(5 + u64::from(x.unsigned_abs()))).failure.is_some() {
             break;
         }
     }
