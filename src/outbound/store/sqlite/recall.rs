@@ -19,6 +19,12 @@ use crate::wire::journal::Line;
 /// So many of the last entries are searched for commands with an id: a client repeats a command within minutes.
 pub(super) const REPEATABLE: u64 = 4096;
 
+/// So many entries are recalled for people to read: as many as a console shows without being scrolled for long,
+const LATEST: usize = 60;
+
+/// found among so many of the last: between two of them a robot may have gone a long way.
+const LATEST_AMONG: u64 = 10_000;
+
 /// So long a start waits for SQLite's own check; some 500 MB on a common disk. `hallsweep journal check` takes all the time.
 const CHECK_PATIENCE: Duration = Duration::from_secs(5);
 
@@ -34,7 +40,8 @@ pub(super) fn recall(folder: &Folder) -> Result<Option<Recalled>, Fault> {
     }
     let standing = standing(&connection, written)?;
     let commands = repeatable(&connection, written)?;
-    Ok(Some(Recalled { standing, written, commands, latest: Vec::new() }))
+    let latest = rows::latest(&connection, written, LATEST, LATEST_AMONG)?;
+    Ok(Some(Recalled { standing, written, commands, latest }))
 }
 
 /// What stands after all entries up to `written`.

@@ -64,6 +64,23 @@ pub(super) fn before_the_last(connection: &Connection, mission: Option<MissionId
     Ok(found.map(|seq| Seq(super::fault::count(seq))))
 }
 
+/// The latest entries that say what people did and what was found, oldest first: at most `most`, of the last `searched`.
+pub(super) fn latest(connection: &Connection, written: Seq, most: usize, searched: u64) -> Result<Vec<Entry>, Fault> {
+    let sql = format!(
+        "SELECT {COLUMNS} FROM events WHERE seq > ?1 AND seq <= ?2 AND kind IN ('command', 'missionBegan', 'missionArchived',
+         'phase', 'luggage', 'verdict', 'alarmRaised', 'alarmAcknowledged') ORDER BY seq DESC LIMIT {most}"
+    );
+    let bounds = [whole(written.0.saturating_sub(searched))?, whole(written.0)?];
+    let mut statement = connection.prepare_cached(&sql)?;
+    let mut rows = statement.query(bounds)?;
+    let mut latest = Vec::new();
+    while let Some(row) = rows.next()? {
+        latest.push(line(row)?.entry);
+    }
+    latest.reverse();
+    Ok(latest)
+}
+
 /// Walks over entries, oldest first. One that cannot be understood is given as such; the walk ends when `visit` fails.
 pub(super) fn each(
     connection: &Connection,
