@@ -18,15 +18,18 @@ use crate::access::AccessError;
 use crate::config::{self, Settings};
 use crate::core::mission::Hold;
 use crate::core::sweep::{Recalled, Sweep};
+use crate::core::units::Epoch;
 use crate::inbound::http::{self, Door, TlsError};
 use crate::outbound::robot::sim::{self, Camera, DiaryError, Hall, HallError, SimSettings};
 use crate::outbound::store::sqlite::OpenError;
+use crate::outbound::store::stops;
 use crate::runtime::clock::Clock;
 use crate::runtime::halt::Halter;
 use crate::runtime::handle::Handle;
 use crate::runtime::link::link;
 use crate::runtime::task::Task;
 
+mod elsewhere;
 mod entry;
 mod kept;
 mod signals;
@@ -141,7 +144,7 @@ async fn serve_hall(
     let halter = Halter::new(kept.epoch());
     let archive = Arc::clone(&kept.archive);
     let (closing, closed) = watch::channel(false);
-    let (handle, mut task) = start(settings, (Arc::clone(&hall), sim), kept, &halter, closed);
+    let (handle, mut task) = start(settings, (Arc::clone(&hall), sim), kept, &halter, closed).await;
     find_robot(&handle).await;
     let door = Door::new(handle, archive, hall.name(), access);
     announce(address, &entry);
@@ -176,7 +179,7 @@ async fn find_robot(handle: &Handle) {
 }
 
 /// Starts the robot and the loop.
-fn start(
+async fn start(
     settings: &Settings,
     (hall, sim): (Arc<Hall>, SimSettings),
     mut kept: Kept,
@@ -184,16 +187,23 @@ fn start(
     closed: watch::Receiver<bool>,
 ) -> (Handle, JoinHandle<()>) {
     let clock = Clock::default();
-    let (robot, diary) = kept.robot(hall, sim);
+    if let Some(stops) = kept.stops.take() {
+        tokio::spawn(stops::follow(stops, halter.clone()));
+    }
+    let mut sweep = sweep(settings, kept.recalled.take(), halter.watch().now().epoch, &clock);
     let (link, side) = link(halter.watch());
+    let (robot, mut diary) = kept.robot(hall, sim);
+    if kept.elsewhere && !elsewhere::put_down(&mut sweep, &mut *kept.store, &link, halter, &clock).await {
+        // The old one stays, so that robot and map are in the same hall at the next start as well.
+        diary = None;
+    }
     tokio::spawn(sim::run(robot, side, clock, speed(settings.robot.speed), diary));
-    let sweep = sweep(settings, kept.recalled.take(), kept.elsewhere, &clock);
     let (handle, task) = Task::new(sweep, link, kept.store, clock, halter.clone());
     (handle, tokio::spawn(task.run(closed)))
 }
 
 /// The core as it was, or as it is at the very first start.
-fn sweep(settings: &Settings, recalled: Option<Recalled>, elsewhere: bool, clock: &Clock) -> Sweep {
+fn sweep(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: &Clock) -> Sweep {
     let (run, now) = (run_id(clock), clock.now());
     let mut sweep = match recalled {
         Some(recalled) => {
@@ -206,9 +216,8 @@ fn sweep(settings: &Settings, recalled: Option<Recalled>, elsewhere: bool, clock
             sweep
         }
     };
-    if elsewhere {
-        sweep.put_down_elsewhere(now);
-    }
+    // A stop that the record does not know of is heard now; one that it knows of changes nothing.
+    sweep.handle_halt(epoch, now);
     for sensor in &settings.sensors {
         sweep.watch_sensor(Arc::clone(sensor), settings.sensor_silence, now);
     }

@@ -29,6 +29,8 @@ mod sensors;
 mod shutdown;
 #[path = "service/start.rs"]
 mod start;
+#[path = "service/stops.rs"]
+mod stops;
 #[path = "service/store_faults.rs"]
 mod store_faults;
 #[path = "service/stream.rs"]

@@ -22,6 +22,12 @@ const LARGEST: u64 = 128 * 1024;
 const HEADER: &str = "# hallsweep's keys. Whoever has an operator's token can command the robot: keep this file private.\n\
                       # `hallsweep token` shows, adds, replaces and removes keys, also while hallsweep runs.\n\n";
 
+/// What a file that cannot be read should look like.
+const SHAPE: &str = "a key is the line [[key]], then name, role (\"operator\" or \"viewer\") and token, each once and in quotes";
+
+/// What a name is.
+const NAME: &str = "take 1 to 32 letters, digits, - and _";
+
 /// Where keys are kept.
 #[derive(Clone, Debug)]
 pub struct KeyFile(PathBuf);
@@ -89,14 +95,18 @@ impl KeyFile {
 
     fn understood(&self, text: &str) -> Result<Keys, AccessError> {
         let malformed = |problem: String| AccessError::Malformed { path: self.0.clone(), problem };
-        // What TOML says of a mistake quotes its line, and a line may be a token: only where it is, is passed on.
-        let at = |error: &toml::de::Error| error.span().map_or(1, |span| text[..span.start].lines().count().max(1));
-        let read: Written =
-            toml::from_str(text).map_err(|error| malformed(format!("line {}: {}", at(&error), error.message())))?;
+        // What TOML says of a mistake may quote any word of the file, and any word of it may be a token: what is passed on is
+        // where it is, in words of our own.
+        let read: Written = toml::from_str(text).map_err(|error| {
+            let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+            malformed(format!("line {} cannot be read: {SHAPE}", before.matches('\n').count() + 1))
+        })?;
         let mut keys = Vec::new();
-        for key in read.key {
-            let token = Token::read(&key.token).ok_or_else(|| malformed(format!("the token of `{}` is none", key.name)))?;
-            keys.push(Key::new(&key.name, key.role, token).map_err(|error| malformed(error.to_string()))?);
+        for (number, WrittenKey { name, role, token }) in (1..).zip(read.key) {
+            let token = Token::read(&token).ok_or_else(|| malformed(format!("the token of key {number} is none")))?;
+            let key = Key::new(&name, role, token);
+            // Somebody may have mixed up name and token.
+            keys.push(key.map_err(|_| malformed(format!("the name of key {number} is none: {NAME}")))?);
         }
         Keys::new(keys).map_err(|error| malformed(error.to_string()))
     }

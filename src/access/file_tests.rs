@@ -69,10 +69,15 @@ fn what_holds_no_keys_is_refused_with_its_line_and_without_a_token() {
         (key("lobby", "viewer", &token), "last operator"),
         (key("operator", "operator", &token).repeat(2), "already"),
         (key("operator", "admin", &token), "line 3"),
-        (key("operator", "operator", "secret"), "token of `operator`"),
-        (key("op.erator", "operator", &token), "name of a key"),
+        (key("operator", "operator", "secret"), "token of key 1"),
+        (key("operator", "operator", &token) + &key("op.erator", "operator", &"cd".repeat(32)), "name of key 2"),
+        (key(&token, "operator", &token), "name of key 1"),
+        (key("operator", &token, "operator"), "line 3 cannot be read"),
+        (format!("[[key]]\n{token} = \"operator\""), "line 2 cannot be read"),
+        (format!("{token} = 1"), "line 1 cannot be read"),
+        (format!("[[key]]\nname = {token}"), "line 2 cannot be read"),
         (format!("[[key]]\ntoken = \"{token}\nname = 1"), "line 2"),
-        (key("operator", "operator", &token) + "color = 1", "color"),
+        (key("operator", "operator", &token) + "color = 1", "line 5 cannot be read"),
         ("\u{0}\u{1}".to_owned(), "line 1"),
     ];
     for (text, words) in cases {

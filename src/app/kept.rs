@@ -14,6 +14,7 @@ use crate::core::world::luggage::{Luggage, PhotoState};
 use crate::outbound::robot::sim::{Diary, DiaryError, Hall, Sim, SimMemory, SimSettings};
 use crate::outbound::store::memory::Memory;
 use crate::outbound::store::sqlite;
+use crate::outbound::store::stops::Stops;
 use crate::runtime::archive::Archive;
 use crate::runtime::store::Store;
 use crate::wire::journal_words;
@@ -50,6 +51,8 @@ pub(super) struct Kept {
     pub(super) recalled: Option<Recalled>,
     /// Whether the robot was put down at home in another hall than before.
     pub(super) elsewhere: bool,
+    /// What remembers a STOP also when the journal cannot be written.
+    pub(super) stops: Option<Stops>,
     /// Whether there may be a record that could not be read.
     is_unread: bool,
     diary: Option<Diary>,
@@ -64,14 +67,20 @@ impl Kept {
         let sqlite::Opened { store, archive, recalled, failure } = sqlite::open(folder)?;
         let is_unread = failure.is_some() && recalled.is_none();
         let recalled = recalled.map(|recalled| without_lost_photos(recalled, &*archive));
-        let mut kept = Kept { store, archive, recalled, elsewhere: false, is_unread, diary: None, memory: None };
+        let mut kept = Kept { store, archive, recalled, elsewhere: false, stops: None, is_unread, diary: None, memory: None };
         kept.find_robot(folder, hall)?;
+        kept.stops = Some(Stops::open(folder));
         Ok(kept)
     }
 
-    /// The epoch that holds.
+    /// The epoch that holds: that of the last stop, whether or not the journal came to know of it (safety S4).
     pub(super) fn epoch(&self) -> Epoch {
-        self.recalled.as_ref().map_or(Epoch::default(), |recalled| recalled.standing.epoch)
+        let recorded = self.recalled.as_ref().map_or(Epoch::default(), |recalled| recalled.standing.epoch);
+        let stopped = self.stops.as_ref().map_or(Epoch::default(), Stops::epoch);
+        if stopped > recorded {
+            tracing::warn!(epoch = stopped.0, "the last STOP did not get into the journal: it holds the robot still");
+        }
+        stopped.max(recorded)
     }
 
     /// The robot where it was left, and the diary in which it goes on writing.
@@ -86,7 +95,16 @@ impl Kept {
     fn nowhere() -> Kept {
         let memory = Memory::new();
         let archive = Arc::new(memory.clone());
-        Kept { store: Box::new(memory), archive, recalled: None, elsewhere: false, is_unread: false, diary: None, memory: None }
+        Kept {
+            store: Box::new(memory),
+            archive,
+            recalled: None,
+            elsewhere: false,
+            stops: None,
+            is_unread: false,
+            diary: None,
+            memory: None,
+        }
     }
 
     fn find_robot(&mut self, folder: &Path, hall: &Hall) -> Result<(), AppError> {

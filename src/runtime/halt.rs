@@ -1,9 +1,15 @@
 //! The halt that bypasses every queue (safety S1): a count that anyone may raise and that every writer towards a robot looks at
 //! before it begins an order. A stop also raises the epoch. What a halt means for the mission is the core's business.
 
+use std::time::Duration;
+
 use tokio::sync::watch;
 
 use crate::core::units::Epoch;
+
+/// So long the answer to a stop waits until the stop is written down: a disk that is well takes a thousandth of it, and one that
+/// hangs must not keep an operator from hearing that the robot was halted.
+const NOTING: Duration = Duration::from_millis(100);
 
 /// How often the robots were halted, for whatever reason, and in which epoch of stops.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,19 +22,23 @@ pub struct Halts {
 
 /// Halts the robots. Cheap to clone; works whatever the other channels hold.
 #[derive(Clone, Debug)]
-pub struct Halter(watch::Sender<Halts>);
+pub struct Halter {
+    halts: watch::Sender<Halts>,
+    /// The last stop that is written down; `None` while nobody can.
+    noted: watch::Sender<Option<Epoch>>,
+}
 
 impl Halter {
     /// A halter at the epoch the core begins with.
     #[must_use]
     pub fn new(epoch: Epoch) -> Halter {
-        Halter(watch::Sender::new(Halts { count: 0, epoch }))
+        Halter { halts: watch::Sender::new(Halts { count: 0, epoch }), noted: watch::Sender::new(None) }
     }
 
     /// Somebody's stop: halts every robot now; returns the epoch this stop has made.
     pub fn stop(&self) -> Epoch {
         let mut raised = Epoch(0);
-        self.0.send_modify(|halts| {
+        self.halts.send_modify(|halts| {
             *halts = Halts { count: halts.count + 1, epoch: halts.epoch.next() };
             raised = halts.epoch;
         });
@@ -37,13 +47,26 @@ impl Halter {
 
     /// The core's halt, for whatever holds the robot: halts every robot now.
     pub fn halt(&self) {
-        self.0.send_modify(|halts| halts.count += 1);
+        self.halts.send_modify(|halts| halts.count += 1);
     }
 
     /// Where a writer, or the core's loop, learns of halts.
     #[must_use]
     pub fn watch(&self) -> HaltWatch {
-        HaltWatch(self.0.subscribe())
+        HaltWatch(self.halts.subscribe())
+    }
+
+    /// Says up to which epoch stops are written down where they outlive the program; `None` when they cannot be just now.
+    pub fn note(&self, noted: Option<Epoch>) {
+        self.noted.send_replace(noted);
+    }
+
+    /// Waits until the stop of this epoch is written down: a moment at most, and not at all when nobody can.
+    pub async fn until_noted(&self, epoch: Epoch) {
+        let mut noted = self.noted.subscribe();
+        let done = noted.wait_for(|noted| noted.is_none_or(|noted| noted >= epoch));
+        // The stop has acted; one that is not written down in time is written down later.
+        let _ = tokio::time::timeout(NOTING, done).await;
     }
 }
 
@@ -64,5 +87,29 @@ impl HaltWatch {
             std::future::pending::<()>().await;
         }
         *self.0.borrow_and_update()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Safety S1, S4: the answer waits for the writing, never for long, and not when nobody can write.
+    #[tokio::test(start_paused = true)]
+    async fn a_stop_waits_a_moment_for_being_written_down() {
+        let halter = Halter::new(Epoch(4));
+        let took = async |epoch| {
+            let began = tokio::time::Instant::now();
+            halter.until_noted(epoch).await;
+            began.elapsed()
+        };
+        assert_eq!(took(Epoch(5)).await, Duration::ZERO, "nobody writes it down");
+        halter.note(Some(Epoch(4)));
+        assert_eq!(took(Epoch(4)).await, Duration::ZERO);
+        assert!(took(Epoch(5)).await >= NOTING);
+        halter.note(Some(Epoch(6)));
+        assert_eq!(took(Epoch(5)).await, Duration::ZERO);
+        halter.note(None);
+        assert_eq!(took(Epoch(7)).await, Duration::ZERO);
     }
 }

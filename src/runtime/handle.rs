@@ -40,15 +40,21 @@ impl Handle {
         Handle { commands, snapshots, halter }
     }
 
-    /// Gives a command and waits for its answer. A stop halts the robots before it queues for its record.
+    /// Gives a command and waits for its answer. A stop halts the robots before it queues for its record, and when it is answered
+    /// it is written down where it outlives the program, if the disk takes it at once (safety S4).
     ///
     /// # Errors
     /// `Gone` when the program is shutting down; the inner result is the core's answer.
     pub async fn give(&self, request: Request) -> Result<Result<Accepted, Refused>, Gone> {
         let request = self.stamp(request);
+        let stop = request.epoch.filter(|_| request.command == Command::Stop);
         let (answer, answered) = oneshot::channel();
         self.commands.send(Envelope::Command(request, answer)).await.map_err(|_| Gone)?;
-        answered.await.map_err(|_| Gone)
+        let answer = answered.await.map_err(|_| Gone)?;
+        if let Some(epoch) = stop {
+            self.halter.until_noted(epoch).await;
+        }
+        Ok(answer)
     }
 
     /// Puts on record that a door refused to take a command from somebody (safety A6).

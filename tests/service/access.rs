@@ -305,3 +305,25 @@ fn a_wrong_key_is_refused_in_words_and_locks_nobody_out() {
     assert!(refused.status == 403 && refused.text().contains("not known") && refused.header("set-cookie").is_empty());
     commands(&program, &token, "stop").accepted();
 }
+
+/// Safety A6: what a stranger asks for is in the log with its address, and not in the journal, which it must not be able to fill.
+#[test]
+fn what_strangers_ask_for_is_in_the_log_alone() {
+    let folder = crate::kill::Folder::new("strangers");
+    let log = std::path::Path::new(folder.text()).join("log.txt");
+    let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--data", folder.text()];
+    let mut command = crate::program::hallsweep(&arguments);
+    command.env("HALLSWEEP__LOG__FILTER", "info").env("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true");
+    let program = Program::started(command.stderr(std::fs::File::create(&log).expect("a file for the log")));
+    assert_eq!(program.command("start").status, 401);
+    let written = || std::fs::read_to_string(&log).expect("it is there");
+    let said = written();
+    assert!(said.contains("/api/v1/commands/start") && said.contains("127.0.0.1"), "{said}");
+    assert_eq!(program.read("/api/v1/state", &[]).status, 401);
+    assert!(!written().contains("/api/v1/state"), "who only looks is not worth a line");
+    assert_eq!(program.post_with("/sign-out", &[("sec-fetch-site", "cross-site")], "").status, 403);
+    assert!(written().contains("another origin"), "{}", written());
+    drop(program);
+    let lines = crate::journal::journal(&folder, &["export"]).1;
+    assert!(!lines.contains("\"kind\":\"command\""), "{lines}");
+}

@@ -178,7 +178,7 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
         if matches!(shown, Shown::Token(_)) {
             door.hold_back(peer).await;
         }
-        return stranger(&request);
+        return stranger(peer, &request);
     };
     let asked = asked(&request, need).map(|(by, asked)| (caller.issuer(by, peer), asked));
     if let Err(refused) = caller.check(need) {
@@ -210,9 +210,18 @@ fn asked(request: &Request, need: Need) -> Option<(command::Door, String)> {
     Some((by, format!("{} {}", request.method(), in_short(path))))
 }
 
+/// Puts into the log what may not be in the journal: what strangers send, who must not be able to fill the disk.
+pub(super) fn note_unrecorded(peer: Peer, method: &Method, path: &str, why: &str) {
+    let (from, path) = (peer.name(), in_short(path));
+    tracing::info!(%from, %method, %path, why, "refused");
+}
+
 /// A person is led to the page where one signs in, and from there back, or is told there that what he pressed was not done; a
 /// program is told what to send.
-fn stranger(request: &Request) -> Response {
+fn stranger(peer: Peer, request: &Request) -> Response {
+    if *request.method() != Method::GET {
+        note_unrecorded(peer, request.method(), request.uri().path(), "nobody is signed in");
+    }
     if is_for_people(request.uri().path(), request.headers()) {
         let path = request.uri().path();
         let page = if *request.method() == Method::GET { sign_in_page(path) } else { Undone::of(path).page() };

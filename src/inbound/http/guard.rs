@@ -16,6 +16,7 @@ use tower_http::compression::CompressionLayer;
 use tower_http::set_header::SetResponseHeaderLayer;
 
 use super::accept::preferred;
+use super::gate::{Peer, note_unrecorded};
 use super::problem::{Problem, Said};
 use crate::wire::fields::in_short;
 
@@ -147,6 +148,9 @@ struct Astray {
 async fn same_origin(request: Request, next: Next) -> Response {
     if matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS) || !is_foreign(request.headers()) {
         return next.run(request).await;
+    }
+    if let Some(peer) = request.extensions().get::<Peer>() {
+        note_unrecorded(*peer, request.method(), request.uri().path(), "a page of another origin sent it");
     }
     Problem::foreign("a page of another origin sent this: commands are taken from hallsweep's own page and from programs".into())
         .into_response()

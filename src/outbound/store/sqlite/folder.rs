@@ -166,7 +166,7 @@ fn extension(media_type: &str) -> &'static str {
 }
 
 /// How a file for its owner alone is opened.
-pub(super) fn private_file() -> OpenOptions {
+pub(in crate::outbound::store) fn private_file() -> OpenOptions {
     let mut options = OpenOptions::new();
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);

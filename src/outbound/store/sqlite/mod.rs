@@ -39,6 +39,7 @@ pub use self::check::Findings;
 use self::desk::Desk;
 use self::fault::{Fault, Then};
 use self::folder::Folder;
+pub(super) use self::folder::private_file;
 use self::marker::Marker;
 use self::pages::Pages;
 pub use self::reading::{Reading, rebuild};

@@ -12,12 +12,9 @@ use super::{connect, marker};
 use crate::core::effect::{Entry, Fact};
 use crate::core::explore::Strategy;
 use crate::core::standing::Standing;
-use crate::core::sweep::Recalled;
+use crate::core::sweep::{IDS, Recalled};
 use crate::core::units::{MissionId, Seq};
 use crate::wire::journal::Line;
-
-/// So many of the last entries are searched for commands with an id: a client repeats a command within minutes.
-pub(super) const REPEATABLE: u64 = 4096;
 
 /// So many entries are recalled for people to read: as many as a console shows without being scrolled for long,
 const LATEST: usize = 60;
@@ -74,16 +71,13 @@ fn each_from_standing(connection: &Connection, before: Option<Seq>, mut visit: i
     })
 }
 
-/// The latest commands that carried an id, oldest first.
+/// The latest commands that carried an id, oldest first: as many as are remembered, however long ago they came.
 fn repeatable(connection: &Connection, written: Seq) -> Result<Vec<Entry>, Fault> {
     let mut commands = Vec::new();
-    let after = Some(Seq(written.0.saturating_sub(REPEATABLE)));
+    let after = rows::before_the_last_named(connection, IDS as u64)?;
     let before = Some(written.next());
-    rows::each(connection, Which { after, before, ..Which::default() }, |line| {
-        let entry = line?.entry;
-        if matches!(entry.fact, Fact::Command { id: Some(_), .. }) {
-            commands.push(entry);
-        }
+    rows::each(connection, Which { after, before, named: true, ..Which::default() }, |line| {
+        commands.push(line?.entry);
         Ok(())
     })?;
     Ok(commands)

@@ -11,6 +11,12 @@ use crate::wire::journal::{self, Line};
 /// The columns of an entry, in the order in which `line` takes them.
 const COLUMNS: &str = "seq, mission, at_ms, offset_s, kind, body";
 
+/// Which entries are commands with an id: in the words of the index, or SQLite would not take it,
+const NAMED: &str = "kind = 'command' AND iif(json_valid(body), body ->> 'id', NULL) IS NOT NULL";
+
+/// and take it it must: without it every entry would be looked at.
+const BY_NAME: &str = "INDEXED BY named_commands";
+
 /// Which entries are meant; all of them, when nothing is said.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Which {
@@ -20,6 +26,8 @@ pub(super) struct Which {
     pub(super) before: Option<Seq>,
     /// Only those of this mission.
     pub(super) mission: Option<MissionId>,
+    /// Only commands that carry an id.
+    pub(super) named: bool,
     /// Only those from which the projections follow.
     pub(super) milestones: bool,
     /// At most so many.
@@ -81,6 +89,13 @@ pub(super) fn latest(connection: &Connection, written: Seq, most: usize, searche
     Ok(latest)
 }
 
+/// The place behind which stand the last `count` commands that carry an id; `None` when there are no more than these.
+pub(super) fn before_the_last_named(connection: &Connection, count: u64) -> Result<Option<Seq>, Fault> {
+    let sql = format!("SELECT seq FROM events {BY_NAME} WHERE {NAMED} ORDER BY seq DESC LIMIT 1 OFFSET ?1");
+    let found: Option<i64> = connection.prepare_cached(&sql)?.query_row([whole(count)?], |row| row.get(0)).optional()?;
+    Ok(found.map(|seq| Seq(super::fault::count(seq))))
+}
+
 /// Walks over entries, oldest first. One that cannot be understood is given as such; the walk ends when `visit` fails.
 pub(super) fn each(
     connection: &Connection,
@@ -102,13 +117,17 @@ impl Which {
         let mission = [("mission = ?", self.mission.map(|mission| mission.0))];
         let given: Vec<_> = bounds.into_iter().chain(mission).filter_map(|(sql, number)| Some((sql, number?))).collect();
         let mut conditions: Vec<&str> = given.iter().map(|(sql, _)| *sql).collect();
+        if self.named {
+            conditions.push(NAMED);
+        }
         if self.milestones {
             conditions.push("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict')");
         }
         let filter = if conditions.is_empty() { String::new() } else { format!(" WHERE {}", conditions.join(" AND ")) };
         let limit = self.most.map(|most| format!(" LIMIT {most}")).unwrap_or_default();
         let values = given.iter().map(|(_, number)| whole(*number).map(Value::from)).collect::<Result<_, _>>()?;
-        Ok((format!("SELECT {COLUMNS} FROM events{filter} ORDER BY seq{limit}"), values))
+        let index = if self.named { BY_NAME } else { "" };
+        Ok((format!("SELECT {COLUMNS} FROM events {index}{filter} ORDER BY seq{limit}"), values))
     }
 }
 

@@ -8,7 +8,7 @@ use super::fault::Fault;
 const APPLICATION: i64 = 0x4853_5750;
 
 /// What brings a file from each format to the next; an empty file is of format 0.
-const MIGRATIONS: [&str; 1] = [include_str!("schema.sql")];
+const MIGRATIONS: [&str; 2] = [include_str!("schema.sql"), include_str!("schema_2.sql")];
 
 /// The format that this version writes.
 pub(super) const FORMAT: i64 = MIGRATIONS.len() as i64;
@@ -56,4 +56,14 @@ fn migrate(transaction: &Transaction<'_>, from: usize) -> Result<(), Fault> {
     }
     transaction.pragma_update(None, "application_id", APPLICATION)?;
     Ok(transaction.pragma_update(None, "user_version", FORMAT)?)
+}
+
+/// Makes an empty file one of an older format.
+#[cfg(test)]
+pub(super) fn of_format(connection: &mut Connection, format: u8) {
+    let transaction = connection.transaction().unwrap();
+    MIGRATIONS.iter().take(format.into()).for_each(|migration| transaction.execute_batch(migration).unwrap());
+    transaction.pragma_update(None, "application_id", APPLICATION).unwrap();
+    transaction.pragma_update(None, "user_version", format).unwrap();
+    transaction.commit().unwrap();
 }

@@ -1,4 +1,5 @@
--- The journal: what happened, in order. This is the truth; nothing in it is ever changed.
+-- The journal: what happened, in order. This is the truth: no entry is ever changed. Nor is any removed that was said to be kept;
+-- only what was said to be lost, and turns out to be on the disk all the same, is taken back (see losses).
 CREATE TABLE events (
     seq      INTEGER PRIMARY KEY,   -- its place, from 1
     mission  INTEGER,               -- the mission it belongs to; null between two

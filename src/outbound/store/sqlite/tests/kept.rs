@@ -2,17 +2,17 @@
 
 use proptest::prelude::*;
 
-use super::super::{Reading, connect, folder::Folder, rebuild};
+use super::super::{Reading, connect, folder::Folder, rebuild, rows, schema};
 use super::testing::*;
 use crate::core::command::Verdict;
 use crate::core::effect::{Entry, Fact};
 use crate::core::explore::Strategy as Order;
 use crate::core::mission::Phase;
 use crate::core::standing::Standing;
-use crate::core::sweep::Recalled;
+use crate::core::sweep::{IDS, Recalled};
 use crate::core::units::{LuggageId, MissionId, Seq};
 use crate::runtime::archive::Unreadable;
-use crate::wire::journal::arbitrary;
+use crate::wire::journal::{Line, arbitrary};
 
 fn fold<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Standing {
     let mut standing = Standing::first(Order::default());
@@ -171,6 +171,56 @@ fn the_entries_of_a_mission_are_read_page_by_page() {
     assert_eq!(places(1, 3, 2), [4, 5]);
     assert_eq!(places(2, 0, 100), [9, 10, 11, 12]);
     assert_eq!(archive.entries(MissionId(2), Seq(11), 9).unwrap(), [(Seq(12), at_noon(Fact::Led(true)))]);
+}
+
+/// However much has happened since: else a repeat would act again.
+#[test]
+fn the_last_ids_are_known_at_the_next_start_however_long_ago_they_came() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    let named = |range: std::ops::Range<usize>| -> Vec<Fact> { range.map(|n| command(Some(&format!("id-{n}")))).collect() };
+    scribe.keep([named(0..2), vec![command(None)]].concat());
+    for _ in 0..5 {
+        scribe.keep((0..1000).map(|x| wall(x, 3)).collect());
+    }
+    drop(scribe);
+    let recalled = |scratch: &Scratch| scratch.open().recalled.expect("something was kept").commands;
+    let entries = |range| -> Vec<Entry> { named(range).into_iter().map(at_noon).collect() };
+    assert_eq!(recalled(&scratch), entries(0..2));
+    Scribe::new(scratch.open()).keep(named(2..IDS + 3));
+    assert_eq!(recalled(&scratch), entries(3..IDS + 3), "and no more than are remembered");
+}
+
+#[test]
+fn a_journal_of_the_first_format_is_brought_up_to_date() {
+    let scratch = Scratch::new();
+    let path = scratch.data().join("journal.db");
+    std::fs::create_dir(scratch.data()).unwrap();
+    let mut old = rusqlite::Connection::open(&path).unwrap();
+    schema::of_format(&mut old, 1);
+    for (place, fact) in (1..).zip([vec![command(Some("a-1"))], begin(1), vec![wall(1, 1)]].concat()) {
+        let line = Line { seq: Seq(place), mission: None, entry: at_noon(fact), picture: None };
+        rows::insert(&old, &line).unwrap();
+    }
+    // An entry that says nothing, of long ago, is no reason not to go on.
+    old.execute("INSERT INTO events VALUES (7, NULL, 0, 0, 'command', 'no JSON')", []).unwrap();
+    let standing = Line {
+        seq: Seq(8),
+        mission: None,
+        entry: at_noon(Fact::Standing(Box::new(Standing::first(Order::Snail)))),
+        picture: None,
+    };
+    rows::insert(&old, &standing).unwrap();
+    drop(old);
+    let mut scribe = Scribe::new(scratch.open());
+    assert_eq!(scribe.opened.failure, None);
+    let recalled = scribe.opened.recalled.clone().expect("all of it is there");
+    assert_eq!((recalled.written, recalled.commands), (Seq(8), vec![at_noon(command(Some("a-1")))]));
+    scribe.keep(vec![command(Some("a-2"))]);
+    drop(scribe);
+    let version = connect::writer(&Folder::new(&scratch.data())).unwrap().query_row("PRAGMA user_version", [], |row| row.get(0));
+    assert_eq!(version, Ok(schema::FORMAT));
+    assert_eq!(scratch.open().recalled.expect("it was kept").commands.len(), 2);
 }
 
 /// Safety D3.

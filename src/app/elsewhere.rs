@@ -1,0 +1,111 @@
+//! The robot is put down in another hall than the one on record: the journal's page about it is kept before the robot's diary is
+//! begun anew, so that a kill in between leaves the robot and the map in the same hall. When that is so, `kept` knows.
+
+use std::time::Duration;
+
+use crate::core::effect::Effect;
+use crate::core::event::{Event, RobotId};
+use crate::core::sweep::Sweep;
+use crate::core::units::Seq;
+use crate::runtime::clock::Clock;
+use crate::runtime::halt::Halter;
+use crate::runtime::link::RobotLink;
+use crate::runtime::store::Store;
+
+/// So long the disk is waited for. After that the program serves all the same, without a diary: the next start tries again.
+const KEPT_WITHIN: Duration = Duration::from_secs(5);
+
+/// Puts the robot down and keeps what follows from it; whether it is kept.
+pub(super) async fn put_down(sweep: &mut Sweep, store: &mut dyn Store, link: &RobotLink, halter: &Halter, clock: &Clock) -> bool {
+    sweep.put_down_elsewhere(clock.now());
+    let mut word = store.word();
+    let losses = word.borrow().losses;
+    let last = hand_over(sweep, store, (link, halter), losses);
+    let settled = word.wait_for(|word| word.kept >= last || word.losses > losses || word.failure.is_some());
+    let is_settled = matches!(tokio::time::timeout(KEPT_WITHIN, settled).await, Ok(Ok(_)));
+    let kept = word.borrow().kept;
+    sweep.handle_event(Event::Recorded(kept), clock.now());
+    let is_kept = is_settled && kept >= last;
+    if !is_kept {
+        tracing::warn!("that the robot was put down in another hall cannot be put on record: the next start tries it again");
+    }
+    is_kept
+}
+
+/// Hands everything to the store that is to be kept; the last entry of it. No robot is linked yet and nobody has asked anything,
+/// so that beside records there are only halts and the LED.
+fn hand_over(sweep: &mut Sweep, store: &mut dyn Store, (link, halter): (&RobotLink, &Halter), losses: u64) -> Seq {
+    let mut last = Seq(0);
+    while let Some(effect) = sweep.poll_effect() {
+        match effect {
+            Effect::Record(page) => {
+                last = page.last();
+                store.record(page, losses);
+            }
+            Effect::Halt(RobotId::Discovery) => halter.halt(),
+            Effect::Led(RobotId::Discovery, blinks) => drop(link.led.send_replace(blinks)),
+            Effect::Order(RobotId::Discovery, _) | Effect::Answer(..) => {}
+        }
+    }
+    last
+}
+
+#[cfg(test)]
+mod tests {
+    use tokio::sync::watch;
+
+    use super::*;
+    use crate::core::effect::Page;
+    use crate::core::settings::Settings;
+    use crate::core::units::Epoch;
+    use crate::runtime::link::link;
+    use crate::runtime::store::StoreWord;
+
+    /// Keeps pages when it is told to.
+    struct Slow {
+        word: watch::Sender<StoreWord>,
+        pages: Vec<Page>,
+    }
+
+    impl Store for Slow {
+        fn record(&mut self, page: Page, _: u64) {
+            self.pages.push(page);
+        }
+
+        fn word(&self) -> watch::Receiver<StoreWord> {
+            self.word.subscribe()
+        }
+    }
+
+    /// A sweep that was put down, and what came of it when the store says this of it after a while.
+    async fn put_down_with(say: impl FnOnce(&mut StoreWord) + Send + 'static) -> (bool, Sweep, Slow) {
+        let mut sweep = Sweep::new(Settings::default(), Default::default(), "test".into());
+        let mut store = Slow { word: watch::Sender::default(), pages: Vec::new() };
+        let word = store.word.clone();
+        tokio::spawn(async move {
+            tokio::time::sleep(KEPT_WITHIN / 2).await;
+            word.send_modify(say);
+        });
+        let halter = Halter::new(Epoch(0));
+        let (link, _side) = link(halter.watch());
+        let kept = put_down(&mut sweep, &mut store, &link, &halter, &Clock::default()).await;
+        (kept, sweep, store)
+    }
+
+    /// Safety R1, R2.
+    #[tokio::test(start_paused = true)]
+    async fn it_is_done_when_all_of_it_is_on_record() {
+        let (kept, mut sweep, store) = put_down_with(|word| word.kept = Seq(100)).await;
+        assert!(kept);
+        assert!(!store.pages.is_empty(), "there was something to keep");
+        assert!(sweep.poll_effect().is_none(), "the loop finds nothing that was left behind");
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_disk_that_fails_or_hangs_gives_no_diary() {
+        assert!(!put_down_with(|_| {}).await.0, "it says nothing");
+        assert!(!put_down_with(|word| word.kept = Seq(0)).await.0, "it keeps nothing");
+        let fails = |word: &mut StoreWord| (word.losses, word.failure) = (1, Some("the disk is full".into()));
+        assert!(!put_down_with(fails).await.0);
+    }
+}

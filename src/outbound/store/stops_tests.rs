@@ -1,0 +1,146 @@
+//! What the file that remembers STOP survives: kills, damage, any bytes at all. Kept apart from `stops` because there is much of it.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::runtime::halt::Halter;
+
+/// A folder of one test.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new() -> Scratch {
+        static NUMBER: AtomicU32 = AtomicU32::new(0);
+        let name = format!("hallsweep-stops-{}-{}", std::process::id(), NUMBER.fetch_add(1, Ordering::Relaxed));
+        let path = std::env::temp_dir().join(name);
+        std::fs::create_dir(&path).expect("a fresh folder");
+        Scratch(path)
+    }
+
+    fn file(&self) -> PathBuf {
+        self.0.join(FILE)
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        std::fs::read(self.file()).expect("it is there")
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Safety S4.
+#[test]
+fn the_last_stop_is_read_again() {
+    let scratch = Scratch::new();
+    assert_eq!(Stops::open(&scratch.0).epoch(), Epoch(0));
+    assert_eq!(scratch.bytes().len(), SIZE, "there is room for every stop to come");
+    for last in [1, 2, 3, 7, 8, 1_000_000_007] {
+        let mut stops = Stops::open(&scratch.0);
+        stops.keep(Epoch(last));
+        stops.keep(Epoch(last - 1));
+        assert_eq!(stops.epoch(), Epoch(last), "an older stop takes nothing back");
+        assert_eq!(Stops::open(&scratch.0).epoch(), Epoch(last));
+    }
+    let mut stops = Stops::open(&scratch.0);
+    (2_000_000_000..2_000_000_009).for_each(|epoch| stops.keep(Epoch(epoch)));
+    assert_eq!(Stops::open(&scratch.0).epoch(), Epoch(2_000_000_008));
+    assert_eq!(scratch.bytes().len(), SIZE);
+}
+
+#[test]
+fn a_line_that_was_cut_short_costs_only_itself() {
+    let scratch = Scratch::new();
+    let mut stops = Stops::open(&scratch.0);
+    stops.keep(Epoch(4));
+    stops.keep(Epoch(5));
+    let whole = scratch.bytes();
+    let newer = usize::from(understood(&whole).expect("it was just written").line == 1) * LINE;
+    for cut in 0..LINE {
+        let mut torn = whole.clone();
+        torn[newer + cut] ^= 0x20;
+        std::fs::write(scratch.file(), &torn).unwrap();
+        let mut stops = Stops::open(&scratch.0);
+        assert_eq!(stops.epoch(), Epoch(4), "byte {cut}");
+        stops.keep(Epoch(6));
+        assert_eq!(Stops::open(&scratch.0).epoch(), Epoch(6), "the torn line is the one that is written over");
+    }
+}
+
+#[test]
+fn a_file_that_says_nothing_is_begun_anew() {
+    let never = line(Epoch(u64::MAX)).repeat(2);
+    for bytes in [&b""[..], b"stop", &[0; SIZE], &[b'x'; SIZE + 1], never.as_bytes()] {
+        let scratch = Scratch::new();
+        std::fs::write(scratch.file(), bytes).unwrap();
+        let mut stops = Stops::open(&scratch.0);
+        assert_eq!((stops.epoch(), scratch.bytes().len()), (Epoch(0), SIZE));
+        stops.keep(Epoch(3));
+        assert_eq!(Stops::open(&scratch.0).epoch(), Epoch(3));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn it_is_for_its_owner_alone_and_nothing_else_is_left_there() {
+    use std::os::unix::fs::PermissionsExt;
+    let scratch = Scratch::new();
+    Stops::open(&scratch.0).keep(Epoch(1));
+    assert_eq!(std::fs::metadata(scratch.file()).unwrap().permissions().mode() & 0o777, 0o600);
+    assert_eq!(std::fs::read_dir(&scratch.0).unwrap().count(), 1);
+}
+
+/// A folder that is not there yet, or no longer: the stop is written when it is.
+#[tokio::test(start_paused = true)]
+async fn what_could_not_be_written_is_written_as_soon_as_it_can_be() {
+    let scratch = Scratch::new();
+    let folder = scratch.0.join("later");
+    let halter = Halter::new(Epoch(41));
+    let following = tokio::spawn(follow(Stops::open(&folder), halter.clone()));
+    assert_eq!(halter.stop(), Epoch(42));
+    tokio::time::sleep(10 * WRITTEN_AGAIN).await;
+    std::fs::create_dir(&folder).unwrap();
+    while !folder.join(FILE).exists() {
+        tokio::time::sleep(WRITTEN_AGAIN).await;
+    }
+    halter.stop();
+    while Stops::open(&folder).epoch() < Epoch(43) {
+        tokio::time::sleep(WRITTEN_AGAIN).await;
+    }
+    following.abort();
+}
+
+/// Safety S4: whoever was answered finds it written.
+#[tokio::test]
+async fn a_stop_that_was_noted_stands_in_the_file() {
+    let scratch = Scratch::new();
+    let halter = Halter::new(Epoch(0));
+    let following = tokio::spawn(follow(Stops::open(&scratch.0), halter.clone()));
+    // It has begun when it says so.
+    tokio::task::yield_now().await;
+    for _ in 0..100 {
+        let epoch = halter.stop();
+        halter.until_noted(epoch).await;
+        assert_eq!(Stops::open(&scratch.0).epoch(), epoch);
+    }
+    following.abort();
+}
+
+proptest! {
+    /// Safety A7: whatever bytes stand there, they are read without a panic, and only what was written is believed.
+    #[test]
+    fn any_bytes_are_read(bytes in prop::collection::vec(any::<u8>(), 0..2 * SIZE), epoch in 0..=GREATEST, at in 0..SIZE) {
+        prop_assert_eq!(understood(&bytes), None);
+        let mut bytes: Vec<u8> = bytes.into_iter().chain(std::iter::repeat(0)).take(SIZE).collect();
+        bytes[..LINE].copy_from_slice(line(Epoch(epoch)).as_bytes());
+        prop_assert_eq!(understood(&bytes), Some(Found { epoch: Epoch(epoch), line: 0 }));
+        bytes[at] ^= 1;
+        let whole = Some(Found { epoch: Epoch(epoch), line: 0 });
+        prop_assert_eq!(understood(&bytes), if at < LINE { None } else { whole });
+    }
+}
