@@ -83,7 +83,8 @@ pub(super) fn latest(connection: &Connection, written: Seq, most: usize, searche
     let mut rows = statement.query(bounds)?;
     let mut latest = Vec::new();
     while let Some(row) = rows.next()? {
-        latest.push(line(row)?.entry);
+        // These are for people to read: one that cannot be understood and does not count any more is passed over.
+        latest.extend(line(row).ok().map(|line| line.entry));
     }
     latest.reverse();
     Ok(latest)
