@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 use super::super::writer::Patience;
-use super::super::{Opened, open_with};
+use super::super::{OpenError, Opened, open_with};
 use crate::core::command::{CommandId, Door, Issuer, Verdict};
 use crate::core::effect::{Entry, Fact, Page};
 use crate::core::event::Photo;
@@ -24,6 +24,10 @@ pub(super) const HASTE: Patience =
 /// A folder of one test.
 pub(super) struct Scratch(PathBuf);
 
+/// How often a folder in use is tried again, and how long after each time: a minute in all.
+const LOOKS: u32 = 12_000;
+const GLANCE: std::time::Duration = std::time::Duration::from_millis(5);
+
 impl Scratch {
     pub(super) fn new() -> Scratch {
         static NUMBER: AtomicU32 = AtomicU32::new(0);
@@ -38,8 +42,16 @@ impl Scratch {
         self.0.join("data")
     }
 
+    /// Opens the store. A child that another test is just starting holds every open file of this process, and so the lock of a
+    /// store that was closed a moment ago, until it is a program of its own: that moment is waited for.
     pub(super) fn open(&self) -> Opened {
-        open_with(&self.data(), HASTE).expect("nobody else uses it")
+        for _ in 0..LOOKS {
+            match open_with(&self.data(), HASTE) {
+                Err(OpenError::InUse(_)) => std::thread::sleep(GLANCE),
+                opened => return opened.expect("the system lets it start"),
+            }
+        }
+        panic!("somebody else uses {}", self.data().display())
     }
 }
 
