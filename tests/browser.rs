@@ -85,12 +85,13 @@ fn people_sign_in_on_a_phone_and_a_viewer_can_only_stop() {
 fn play_with_keys(scenario: &str) {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("browser-{scenario}-{}", std::process::id()));
     let data = folder.display().to_string();
-    let key = |arguments: &[&str]| {
-        let output = hallsweep(&[&["token", "--data", &data], arguments].concat()).output().expect("the program starts");
-        let shown = String::from_utf8(output.stdout).expect("text");
-        shown.split_once("?token=").and_then(|(_, rest)| rest.lines().next()).expect("a link").to_owned()
+    let added = hallsweep(&["token", "--data", &data, "add", "lobby", "--role", "viewer"]).output().expect("the program starts");
+    let shown = String::from_utf8(added.stdout).expect("text");
+    let key = |name: &str| {
+        let (_, its) = shown.split_once(name).expect("a key of this name");
+        its.split_once("?token=").and_then(|(_, rest)| rest.lines().next()).expect("a link").to_owned()
     };
-    let (operator, viewer) = (key(&["show"]), key(&["add", "lobby", "--role", "viewer"]));
+    let (operator, viewer) = (key("operator ("), key("lobby ("));
     let environment = [
         ("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true"),
         ("OPERATOR", operator.as_str()),
