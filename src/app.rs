@@ -206,10 +206,7 @@ async fn start(
 fn sweep(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: &Clock) -> Sweep {
     let (run, now) = (run_id(clock), clock.now());
     let mut sweep = match recalled {
-        Some(recalled) => {
-            let log = kept::log_of(&recalled);
-            Sweep::recall(settings.core, run, recalled, log, now)
-        }
+        Some(recalled) => Sweep::recall(settings.core, run, recalled, now),
         None => {
             let mut sweep = Sweep::new(settings.core, settings.strategy, run);
             sweep.open_journal(now);

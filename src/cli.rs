@@ -12,6 +12,7 @@ use crate::telemetry;
 
 pub mod explore;
 mod failure;
+mod folder;
 pub mod healthcheck;
 pub mod journal;
 mod link;

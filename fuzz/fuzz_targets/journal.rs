@@ -21,7 +21,7 @@ fuzz_target!(|bytes: &[u8]| {
         let mut standing = Standing::first(Strategy::default());
         standing.apply(&entry);
         let recalled = Recalled { standing, written: seq.min(LAST), commands: vec![entry], latest: Vec::new() };
-        Sweep::recall(Settings::default(), "fuzzed".into(), recalled, Vec::new(), Now::default()).snapshot();
+        Sweep::recall(Settings::default(), "fuzzed".into(), recalled, Now::default()).snapshot();
     }
 });
 

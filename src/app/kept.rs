@@ -6,10 +6,8 @@ use std::sync::Arc;
 
 use super::AppError;
 use crate::config::Settings;
-use crate::core::effect::{Entry, Fact};
-use crate::core::sweep::{Recalled, Remembered};
+use crate::core::sweep::Recalled;
 use crate::core::units::Epoch;
-use crate::core::world::log::Tone;
 use crate::core::world::luggage::{Luggage, PhotoState};
 use crate::outbound::robot::sim::{Diary, DiaryError, Hall, Sim, SimMemory, SimSettings};
 use crate::outbound::store::memory::Memory;
@@ -17,32 +15,6 @@ use crate::outbound::store::sqlite;
 use crate::outbound::store::stops::Stops;
 use crate::runtime::archive::Archive;
 use crate::runtime::store::Store;
-use crate::wire::journal_words;
-
-/// The log as it was: what people did and what was found, in words.
-pub(super) fn log_of(recalled: &Recalled) -> Vec<Remembered> {
-    let line = |entry: &Entry| {
-        let is_refused = matches!(entry.fact, Fact::Command { refused: Some(_), .. });
-        let quiet = if is_refused { Tone::Warning } else { Tone::Info };
-        let tone = if matches!(entry.fact, Fact::AlarmRaised(..)) { Tone::Alarm } else { quiet };
-        Remembered { wall: entry.wall, tone, text: journal_words::words(&entry.fact) }
-    };
-    recalled.latest.iter().map(line).collect()
-}
-
-/// A pending piece whose picture is gone cannot be judged by it: it counts as one whose photo failed (safety V2).
-fn without_lost_photos(mut recalled: Recalled, archive: &dyn Archive) -> Recalled {
-    for luggage in recalled.standing.luggage.values_mut().filter(|luggage| luggage.is_pending() && luggage.has_photo()) {
-        let words = match archive.photo(luggage.id) {
-            Ok(Some(_)) => continue,
-            Ok(None) => "the photo is gone from the record".to_owned(),
-            Err(unreadable) => unreadable.to_string(),
-        };
-        tracing::error!(luggage = luggage.id.0, words, "a photo is lost: take it again");
-        *luggage = Arc::new(Luggage { photo: PhotoState::Failed(words), ..Luggage::clone(luggage) });
-    }
-    recalled
-}
 
 /// Where everything is kept, and what was there.
 pub(super) struct Kept {
@@ -128,4 +100,18 @@ impl Kept {
     fn is_on_a_mission(&self) -> bool {
         self.recalled.as_ref().is_some_and(|recalled| recalled.standing.phase.is_mission())
     }
+}
+
+/// A pending piece whose picture is gone cannot be judged by it: it counts as one whose photo failed (safety V2).
+fn without_lost_photos(mut recalled: Recalled, archive: &dyn Archive) -> Recalled {
+    for luggage in recalled.standing.luggage.values_mut().filter(|luggage| luggage.is_pending() && luggage.has_photo()) {
+        let words = match archive.photo(luggage.id) {
+            Ok(Some(_)) => continue,
+            Ok(None) => "the photo is gone from the record".to_owned(),
+            Err(unreadable) => unreadable.to_string(),
+        };
+        tracing::error!(luggage = luggage.id.0, words, "a photo is lost: take it again");
+        *luggage = Arc::new(Luggage { photo: PhotoState::Failed(words), ..Luggage::clone(luggage) });
+    }
+    recalled
 }

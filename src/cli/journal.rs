@@ -2,12 +2,11 @@
 //! How it is kept stands in `crate::outbound::store::sqlite`.
 
 use std::io::{self, BufWriter, Write};
-use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
 use super::Failure;
-use crate::config::{self, Flag, Sources};
+use super::folder::Folder;
 use crate::core::units::MissionId;
 use crate::outbound::store::sqlite::{self, Findings, Reading};
 use crate::runtime::archive::Unreadable;
@@ -19,12 +18,8 @@ use crate::wire::journal_words;
 pub struct Journal {
     #[command(subcommand)]
     what: Option<What>,
-    /// The data folder.
-    #[arg(long, value_name = "DIR", global = true)]
-    data: Option<String>,
-    /// A settings file, laid over the defaults.
-    #[arg(long, value_name = "FILE", global = true)]
-    config: Option<PathBuf>,
+    #[command(flatten)]
+    folder: Folder,
 }
 
 #[derive(Clone, Debug, Subcommand)]
@@ -55,7 +50,7 @@ struct Which {
 /// # Errors
 /// Wrong settings, a journal that is not there or cannot be read, findings of a check, standard output that cannot be written.
 pub fn run(asked: &Journal) -> Result<(), Failure> {
-    let folder = super::settings(&asked.sources())?.store.ok_or_else(nothing_kept)?;
+    let folder = super::settings(&asked.folder.sources(None))?.store.ok_or_else(nothing_kept)?;
     if matches!(asked.what, Some(What::Rebuild)) {
         let entries = sqlite::rebuild(&folder)?;
         return super::print(&format!("the tables are made anew from {entries} entries"));
@@ -65,13 +60,6 @@ pub fn run(asked: &Journal) -> Result<(), Failure> {
         What::Print(which) => list(&reading, which, for_people),
         What::Export(which) => list(&reading, which, journal::line),
         What::Check | What::Rebuild => tell(&reading.check()?),
-    }
-}
-
-impl Journal {
-    fn sources(&self) -> Sources {
-        let data = self.data.clone().map(|value| Flag { flag: "--data", key: "store.folder", value });
-        config::sources(self.config.clone(), data.into_iter().collect())
     }
 }
 

@@ -1,24 +1,19 @@
 //! `hallsweep token`: shows, adds, replaces and removes keys in the data folder. A running hallsweep takes over what has changed.
 
-use std::path::PathBuf;
-
 use clap::{Args, Subcommand, ValueEnum};
 
+use super::folder::Folder;
 use super::{Failure, link};
 use crate::access::{Key, KeyFile, Keys, Role};
-use crate::config::{self, Flag, HttpSettings, Settings, Sources};
+use crate::config::{Flag, HttpSettings, Settings, Sources};
 
 /// What to do with the keys.
 #[derive(Args, Clone, Debug)]
 pub struct Keyrings {
     #[command(subcommand)]
     what: Option<What>,
-    /// The data folder.
-    #[arg(long, value_name = "DIR", global = true)]
-    data: Option<String>,
-    /// A settings file, laid over the defaults.
-    #[arg(long, value_name = "FILE", global = true)]
-    config: Option<PathBuf>,
+    #[command(flatten)]
+    folder: Folder,
     /// Where the program listens, for the links.
     #[arg(long, value_name = "ADDRESS:PORT", global = true)]
     http: Option<String>,
@@ -126,9 +121,7 @@ fn shown<'a>(http: &HttpSettings, file: &KeyFile, keys: impl Iterator<Item = &'a
 
 impl Keyrings {
     fn sources(&self) -> Sources {
-        let given = [("--data", "store.folder", &self.data), ("--http", "http.bind", &self.http)];
-        let flags = given.into_iter().filter_map(|(flag, key, value)| Some(Flag { flag, key, value: value.clone()? }));
-        config::sources(self.config.clone(), flags.collect())
+        self.folder.sources(self.http.clone().map(|value| Flag { flag: "--http", key: "http.bind", value }))
     }
 }
 

@@ -7,6 +7,7 @@ pub use super::refused::{CODES, Refusal, RefusalKind, Refused};
 
 use super::explore::Strategy;
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
+use super::world::temperature::{OPERATOR, OTHERS, ROBOT};
 
 /// A command with what came with it.
 #[derive(Clone, Debug, PartialEq)]
@@ -177,12 +178,9 @@ impl TemperatureReport {
     pub fn sensor_name(text: &str) -> Option<Arc<str>> {
         let visible = |letter: char| !letter.is_whitespace() && !letter.is_control() && letter != ',';
         let sound = (1..=TemperatureReport::MOST).contains(&text.chars().count()) && text.chars().all(visible);
-        (sound && !SOURCES_OF_OTHERS.contains(&text)).then(|| Arc::from(text))
+        (sound && ![OPERATOR, ROBOT, OTHERS].contains(&text)).then(|| Arc::from(text))
     }
 }
-
-/// Sources of readings that are no sensors: the operator, the robot, and all for whom there is no room.
-const SOURCES_OF_OTHERS: [&str; 3] = ["operator", "robot", "others"];
 
 /// Who gave a command.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -115,6 +115,20 @@ pub enum Refused {
     Before(Refusal),
 }
 
+/// The codes with which a door itself refuses what somebody known asked for; a test in the HTTP door holds them against its own.
+pub const AT_THE_DOOR: [(&str, RefusalKind); 7] = {
+    use RefusalKind::{Mismatch, Unknown};
+    [
+        ("malformed", Mismatch),
+        ("unusable", Mismatch),
+        ("tooLarge", Mismatch),
+        ("tooSlow", Mismatch),
+        ("unsupportedMediaType", Mismatch),
+        ("methodNotAllowed", Mismatch),
+        ("notFound", Unknown),
+    ]
+};
+
 /// The code of `Refused::OtherContent`.
 pub const OTHER_CONTENT: &str = "otherContent";
 
@@ -133,7 +147,8 @@ impl Refusal {
     /// The refusal with this code and these words; a code that no version of this program knows is a plain conflict.
     #[must_use]
     pub fn named(code: &str, words: String) -> Refusal {
-        let (code, kind) = CODES.into_iter().find(|(known, _)| *known == code).unwrap_or(("refused", RefusalKind::Conflict));
+        let (code, kind) =
+            CODES.into_iter().chain(AT_THE_DOOR).find(|(known, _)| *known == code).unwrap_or(("refused", RefusalKind::Conflict));
         Refusal { code, kind, words }
     }
 }

@@ -7,11 +7,12 @@ use std::sync::Arc;
 use super::effect::{Entry, Fact};
 use super::event::Piece;
 use super::explore::{Search, Strategy};
-use super::mission::{Goal, Hold, Phase, Stage};
+use super::mission::{Goal, Hold, Phase};
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, Wall};
 use super::world::alarm::Alarm;
 use super::world::hall_map::{HallMap, Mark};
 use super::world::luggage::{Decision, Luggage};
+use super::world::temperature::OPERATOR;
 
 /// Everything that is as it was after a restart.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,9 +54,6 @@ pub struct Standing {
     /// The operator's last reading: nobody else would tell it again.
     pub reading: Option<Celsius>,
 }
-
-/// The source under which the operator's own readings are kept.
-pub const OPERATOR: &str = "operator";
 
 impl Standing {
     /// Before anything has happened.
@@ -167,14 +165,5 @@ impl Standing {
         if let Some(alarm) = self.alarms.iter_mut().find(|alarm| alarm.id == id) {
             *alarm = Arc::new(Alarm { acknowledged: Some((Arc::clone(who), wall)), ..Alarm::clone(alarm) });
         }
-    }
-
-    /// The record of the piece in front of the robot, if it has one.
-    #[must_use]
-    pub fn inspected(&self) -> Option<LuggageId> {
-        self.phase.inspection().and_then(|inspection| match inspection.stage {
-            Stage::Recording(id) | Stage::AwaitingVerdict(id) | Stage::RetakingPhoto(id) => Some(id),
-            Stage::BackingUp | Stage::TakingPhoto => None,
-        })
     }
 }

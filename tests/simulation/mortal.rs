@@ -56,7 +56,7 @@ impl Mortal {
             Some(memory) => Sim::remembering(Arc::clone(&self.hall), self.settings, memory),
             None => Sim::new(Arc::clone(&self.hall), self.settings),
         };
-        let sweep = Sweep::recall(Settings::default(), "reborn".into(), self.recalled(), Vec::new(), now);
+        let sweep = Sweep::recall(Settings::default(), "reborn".into(), self.recalled(), now);
         let mut reborn = Mortal { sweep, sim, on_the_way: VecDeque::new(), answers: BTreeMap::new(), now, ..self };
         reborn.settle();
         reborn

@@ -151,6 +151,7 @@ fn an_id_stands_for_its_first_command_after_a_restart_too() {
     let mut mortal = Mortal::born(hall("empty-8x8"), SimSettings::new(1, Camera::Stub));
     mortal.ask(named(Command::Start)).unwrap();
     mortal.ask(named(Command::BackHome)).unwrap_err();
+    mortal.ask(named(Command::Stop)).expect("a stop is no use of an id");
     mortal.keep_all();
     let mut mortal = mortal.killed(0);
     assert!(mortal.ask(named(Command::Start)).is_ok());
@@ -166,7 +167,7 @@ fn a_fault_outlives_the_program_with_what_it_interrupted() {
     assert_eq!(bare.phase(), PhaseName::Fault);
     let recalled = Recalled { standing: bare.sweep.standing(), written: Seq(100), commands: Vec::new(), latest: Vec::new() };
     let mut again = Bare::linked();
-    again.sweep = Sweep::recall(Settings::default(), "reborn".into(), recalled, Vec::new(), Now::default());
+    again.sweep = Sweep::recall(Settings::default(), "reborn".into(), recalled, Now::default());
     assert_eq!(again.phase(), PhaseName::Fault);
     assert_eq!(again.state().mission.fault, bare.state().mission.fault);
     again.link_up();
@@ -244,7 +245,7 @@ fn in_another_hall_everything_begins_anew_but_the_numbers() {
         }
     }
     mortal.keep_all();
-    let mut sweep = Sweep::recall(Settings::default(), "elsewhere".into(), mortal.recalled(), Vec::new(), Now::default());
+    let mut sweep = Sweep::recall(Settings::default(), "elsewhere".into(), mortal.recalled(), Now::default());
     let before = sweep.standing();
     sweep.put_down_elsewhere(Now::default());
     let after = sweep.standing();

@@ -59,7 +59,7 @@ const RULES: [Rule; 12] = [
     Rule { module: "headless", modules: &["core", "outbound"], crates: &[] },
     Rule {
         module: "app",
-        modules: &["access", "config", "core", "inbound", "outbound", "runtime", "wire"],
+        modules: &["access", "config", "core", "inbound", "outbound", "runtime"],
         crates: &["thiserror", "tokio", "tracing"],
     },
     Rule {

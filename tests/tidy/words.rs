@@ -22,7 +22,7 @@ pub(crate) fn clock(source: &Source) -> Vec<String> {
 
 /// No work left for later, no test that does not run.
 pub(crate) fn undone(source: &Source) -> Vec<String> {
-    let mut findings = lines_with(source, &["todo!", "unimplemented!", "#[ignore"], "nothing is left undone here");
+    let mut findings = lines_with(source, &["todo!", "unimplemented!", concat!("#[ig", "nore")], "nothing is left undone here");
     for (number, line) in source.text.lines().enumerate() {
         let comment = line.split_once("//").map_or("", |(_, comment)| comment);
         if [concat!("TO", "DO"), concat!("FIX", "ME"), concat!("XX", "X")].iter().any(|word| comment.contains(word)) {
@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn work_left_for_later_is_found() {
         assert_eq!(undone(&of("fn a() { todo!() }")).len(), 1);
-        assert_eq!(undone(&of("#[ignore = \"slow\"]\nfn a() {}")).len(), 1);
+        assert_eq!(undone(&of(concat!("#[ig", "nore = \"slow\"]\nfn a() {}"))).len(), 1);
         assert_eq!(undone(&of(concat!("// TO", "DO: later"))).len(), 1);
         assert_eq!(undone(&of("let a = \"todo!\";")).len(), 0);
     }

@@ -7,8 +7,8 @@ use super::FaultCause;
 use crate::core::command::{Command, Door, Issuer, LuggageRef, Move, TemperatureReport, Verdict};
 use crate::core::event::{Obstacle, Photo};
 use crate::core::explore::Strategy;
-use crate::core::standing::OPERATOR;
 use crate::core::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
+use crate::core::world::temperature::OPERATOR;
 
 /// The commands and events of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

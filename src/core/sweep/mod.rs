@@ -153,7 +153,10 @@ impl Sweep {
                 self.feed(Input::StoreFailed, &Matter { words: Some(words), ..Matter::default() });
                 self.withdraw_unkept();
             }
-            Event::StoreReason(words) => self.world.store_failure = Some(words),
+            Event::StoreReason(words) => {
+                self.world.store_failure = Some(words);
+                self.world.touch(Resource::Mission);
+            }
             Event::StoreRestored => {
                 self.world.store_failure = None;
                 self.feed(Input::StoreRestored, &Matter::default());

@@ -9,11 +9,12 @@ use crate::core::effect::{Effect, Entry, Fact};
 use crate::core::event::RobotId;
 use crate::core::mission::{Hold, Holds, Input, Matter, Mission, Phase, PhaseName, Stage};
 use crate::core::settings::Settings;
-use crate::core::standing::{OPERATOR, Standing};
+use crate::core::standing::Standing;
 use crate::core::units::{LuggageId, Now, Pose, Seq, Wall};
 use crate::core::world::hall_map::Mark;
 use crate::core::world::log::Tone;
 use crate::core::world::luggage::Luggage;
+use crate::core::world::temperature::OPERATOR;
 
 /// What was read back from the store.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,8 +25,8 @@ pub struct Recalled {
     pub written: Seq,
     /// The latest commands that carried an id, oldest first.
     pub commands: Vec<Entry>,
-    /// The latest entries that say what people did and what was found, oldest first.
-    pub latest: Vec<Entry>,
+    /// The latest of what people did and what was found, oldest first.
+    pub latest: Vec<Remembered>,
 }
 
 /// A line of the log as it was before a restart.
@@ -40,15 +41,15 @@ pub struct Remembered {
 }
 
 impl Sweep {
-    /// A sweep that goes on from what was recalled, with these lines in its log already. Nothing moves until a START.
+    /// A sweep that goes on from what was recalled. Nothing moves until a START.
     #[must_use]
-    pub fn recall(settings: Settings, run: Arc<str>, recalled: Recalled, log: Vec<Remembered>, now: Now) -> Sweep {
-        let Recalled { standing, written, commands, latest: _ } = recalled;
+    pub fn recall(settings: Settings, run: Arc<str>, recalled: Recalled, now: Now) -> Sweep {
+        let Recalled { standing, written, commands, latest } = recalled;
         let mut sweep = Sweep::new(settings, standing.strategy, run);
         sweep.outbox = Outbox::after(written);
         sweep.repeats.recall(&commands);
         sweep.begin(now);
-        for Remembered { wall, tone, text } in log {
+        for Remembered { wall, tone, text } in latest {
             sweep.world.write(wall, tone, text);
         }
         sweep.take_up(standing);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::core::command::{Accepted, CommandId, Refusal, RefusalKind, Refused};
 use crate::core::effect::{Entry, Fact};
+use crate::core::mission::Input;
 use crate::core::refused::OTHER_CONTENT;
 use crate::core::units::{Epoch, LuggageId, Ticket};
 
@@ -81,17 +82,20 @@ impl Repeats {
         let open = self.known.values_mut().find(|repeat| matches!(repeat.outcome, Outcome::Open(open) if open == ticket));
         if let Some(repeat) = open {
             repeat.outcome = Outcome::Answered(answer.clone());
+            if repeat.is_to_be_tried_again() {
+                self.known.retain(|_, repeat| !repeat.is_to_be_tried_again());
+                self.order.retain(|key| self.known.contains_key(key));
+            }
         }
-        self.known.retain(|_, repeat| !repeat.is_to_be_tried_again());
-        self.order.retain(|key| self.known.contains_key(key));
     }
 
     /// Takes up what the journal says of the commands before a restart.
     pub(super) fn recall(&mut self, entries: &[Entry]) {
         for Entry { fact, .. } in entries {
             if let Fact::Command { issuer, id: Some(id), command, luggage, refused, epoch } = fact {
-                // One that contradicted the first of its name was no use of the name.
-                if refused.as_ref().is_some_and(|refusal| refusal.code == OTHER_CONTENT) {
+                // One that contradicted the first of its name was no use of the name, and a STOP never is.
+                let contradicted = refused.as_ref().is_some_and(|refusal| refusal.code == OTHER_CONTENT);
+                if contradicted || command == Input::Stop.in_words() {
                     continue;
                 }
                 let outcome = refused.as_ref().map_or(Outcome::Before(*luggage), before);

@@ -12,6 +12,7 @@ use crate::core::units::{Cell, Heading, OrderId};
 use crate::core::world::hall_map::{Mark, REACH};
 use crate::core::world::log::Tone;
 use crate::core::world::resource::Resource;
+use crate::core::world::temperature::ROBOT;
 
 impl Sweep {
     pub(super) fn report(&mut self, report: RobotEvent) {
@@ -26,7 +27,7 @@ impl Sweep {
             RobotEvent::PhotoFailed(id, words) => self.photo_failed(id, words),
             RobotEvent::Failed(id, words) => self.failed(id, words),
             RobotEvent::Sonar(cm) => self.sonar(cm),
-            RobotEvent::Temperature(celsius) => self.read_temperature(&Arc::from("robot"), celsius),
+            RobotEvent::Temperature(celsius) => self.read_temperature(&Arc::from(ROBOT), celsius),
         }
     }
 

@@ -6,6 +6,15 @@ use std::sync::Arc;
 
 use crate::core::units::Celsius;
 
+/// The source of the operator's own readings.
+pub const OPERATOR: &str = "operator";
+
+/// The source of the robot's own thermometer.
+pub const ROBOT: &str = "robot";
+
+/// The source of all for whom there is no room.
+pub const OTHERS: &str = "others";
+
 /// How many sources are listened to: the operator, the hall, and room for the sensors of a large hall.
 pub const SOURCES: usize = 64;
 
@@ -33,12 +42,12 @@ impl Thermometer {
     }
 
     /// Takes a reading; true when it is news: of this source, or in what a door shows. Readings of more sources than can be listened to are
-    /// shown, and count as a source named `others`.
+    /// shown, and count as `OTHERS`.
     pub fn read(&mut self, source: &Arc<str>, reading: Celsius) -> bool {
         let source = if self.sources.len() < SOURCES || self.sources.contains_key(source) {
             Arc::clone(source)
         } else {
-            Arc::from("others")
+            Arc::from(OTHERS)
         };
         let known = self.sources.get(&source).map(|source| source.reading);
         let before = (self.hot(), self.last);

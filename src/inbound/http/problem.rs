@@ -210,6 +210,24 @@ mod tests {
         })
     }
 
+    /// What this door refused is read back from the journal as it was written.
+    #[test]
+    fn what_the_door_refuses_is_known_again_after_a_restart() {
+        let words = || "a sentence".to_owned();
+        for problem in [
+            Problem::malformed(words()),
+            Problem::unusable(words()),
+            Problem::too_large(words()),
+            Problem::too_slow(words()),
+            Problem::wrong_type(words()),
+            Problem::not_found(words()),
+        ] {
+            let response = problem.into_response();
+            let NotTaken(refusal) = response.extensions().get().expect("the door did not take it");
+            assert_eq!(Refusal::named(refusal.code, words()), *refusal);
+        }
+    }
+
     #[test]
     fn every_refusal_has_a_status_a_code_of_its_own_and_a_sentence() {
         let all: Vec<Refused> = std::iter::successors(next(None), |refused| next(Some(refused))).collect();

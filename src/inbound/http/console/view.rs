@@ -10,7 +10,7 @@ use crate::core::units::{Cell, Celsius, Wall};
 use crate::core::world::luggage::Luggage;
 use crate::core::world::robot::RobotState;
 use crate::core::world::snapshot::Snapshot;
-use crate::core::world::temperature::TemperatureStatus;
+use crate::core::world::temperature::{OPERATOR, TemperatureStatus};
 
 /// A snapshot, and what is to be said to the one who pressed a button.
 pub(super) struct View<'a> {
@@ -262,7 +262,7 @@ impl View<'_> {
     pub(super) fn heat(&self) -> Vec<String> {
         let cool = self.snapshot.temperature.cool;
         let words = |source: &str, reading: Celsius| match source {
-            "operator" => format!("An operator reported {reading}. It counts until a reading of {cool} or less is reported."),
+            OPERATOR => format!("An operator reported {reading}. It counts until a reading of {cool} or less is reported."),
             sensor => format!("{} reads {reading}. It must fall to {cool} or less.", capital(sensor)),
         };
         self.hot().iter().map(|(source, reading)| words(source, *reading)).collect()

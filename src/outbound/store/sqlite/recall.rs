@@ -12,9 +12,11 @@ use super::{connect, marker};
 use crate::core::effect::{Entry, Fact};
 use crate::core::explore::Strategy;
 use crate::core::standing::Standing;
-use crate::core::sweep::{IDS, Recalled};
+use crate::core::sweep::{IDS, Recalled, Remembered};
 use crate::core::units::{MissionId, Seq};
+use crate::core::world::log::Tone;
 use crate::wire::journal::Line;
+use crate::wire::journal_words;
 
 /// So many entries are recalled for people to read: as many as a console shows without being scrolled for long,
 const LATEST: usize = 60;
@@ -37,8 +39,16 @@ pub(super) fn recall(folder: &Folder) -> Result<Option<Recalled>, Fault> {
     }
     let standing = standing(&connection, written)?;
     let commands = repeatable(&connection, written)?;
-    let latest = rows::latest(&connection, written, LATEST, LATEST_AMONG)?;
+    let latest = rows::latest(&connection, written, LATEST, LATEST_AMONG)?.iter().map(remembered).collect();
     Ok(Some(Recalled { standing, written, commands, latest }))
+}
+
+/// What people did and what was found, as a line of the log.
+fn remembered(entry: &Entry) -> Remembered {
+    let is_refused = matches!(entry.fact, Fact::Command { refused: Some(_), .. });
+    let quiet = if is_refused { Tone::Warning } else { Tone::Info };
+    let tone = if matches!(entry.fact, Fact::AlarmRaised(..)) { Tone::Alarm } else { quiet };
+    Remembered { wall: entry.wall, tone, text: journal_words::words(&entry.fact) }
 }
 
 /// What stands after all entries up to `written`.
@@ -74,7 +84,7 @@ fn each_from_standing(connection: &Connection, before: Option<Seq>, mut visit: i
 /// The latest commands that carried an id, oldest first: as many as are remembered, however long ago they came.
 fn repeatable(connection: &Connection, written: Seq) -> Result<Vec<Entry>, Fault> {
     let mut commands = Vec::new();
-    let after = rows::before_the_last_named(connection, IDS as u64)?;
+    let after = rows::before_the_last_named(connection, written, IDS as u64)?;
     let before = Some(written.next());
     rows::each(connection, Which { after, before, named: true, ..Which::default() }, |line| {
         commands.push(line?.entry);

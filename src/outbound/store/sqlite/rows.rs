@@ -90,10 +90,12 @@ pub(super) fn latest(connection: &Connection, written: Seq, most: usize, searche
     Ok(latest)
 }
 
-/// The place behind which stand the last `count` commands that carry an id; `None` when there are no more than these.
-pub(super) fn before_the_last_named(connection: &Connection, count: u64) -> Result<Option<Seq>, Fault> {
-    let sql = format!("SELECT seq FROM events {BY_NAME} WHERE {NAMED} ORDER BY seq DESC LIMIT 1 OFFSET ?1");
-    let found: Option<i64> = connection.prepare_cached(&sql)?.query_row([whole(count)?], |row| row.get(0)).optional()?;
+/// The place behind which stand the last `count` commands up to `written` that carry an id; `None` when there are no more than
+/// these.
+pub(super) fn before_the_last_named(connection: &Connection, written: Seq, count: u64) -> Result<Option<Seq>, Fault> {
+    let sql = format!("SELECT seq FROM events {BY_NAME} WHERE {NAMED} AND seq <= ?1 ORDER BY seq DESC LIMIT 1 OFFSET ?2");
+    let bounds = [whole(written.0)?, whole(count)?];
+    let found: Option<i64> = connection.prepare_cached(&sql)?.query_row(bounds, |row| row.get(0)).optional()?;
     Ok(found.map(|seq| Seq(super::fault::count(seq))))
 }
 

@@ -109,15 +109,24 @@ fn writer(scratch: &Scratch) -> (Writer, Arc<Desk>) {
     (Writer { folder, desk: Arc::clone(&desk), pages, ended, hand, kept: Seq(0), bulk: 0, patience: HASTE }, desk)
 }
 
+fn page(first: u64, facts: Vec<Fact>) -> Page {
+    Page { first: Seq(first), entries: facts.into_iter().map(at_noon).collect() }
+}
+
+/// The same, with five entries kept: a mission, and a piece that waits for its verdict.
+fn asking_writer(scratch: &Scratch) -> (Writer, Arc<Desk>) {
+    let (mut writer, desk) = writer(scratch);
+    let losses = desk.begin();
+    writer.write(&[page(1, [begin(1), vec![found(1, Some(photo("bag")))]].concat())], losses).unwrap();
+    writer.conclude(Ok(()), losses, Seq(5));
+    (writer, desk)
+}
+
 /// Safety V3: a verdict that was answered "not kept" does not stand, although the disk had it before anybody knew.
 #[test]
 fn what_was_given_up_while_the_disk_hung_is_taken_back() {
     let scratch = Scratch::new();
-    let (mut writer, desk) = writer(&scratch);
-    let page = |first, facts: Vec<Fact>| Page { first: Seq(first), entries: facts.into_iter().map(at_noon).collect() };
-    let losses = desk.begin();
-    writer.write(&[page(1, [begin(1), vec![found(1, Some(photo("bag")))]].concat())], losses).unwrap();
-    writer.conclude(Ok(()), losses, Seq(5));
+    let (mut writer, desk) = asking_writer(&scratch);
     assert_eq!(desk.word().borrow().kept, Seq(5));
 
     let losses = desk.begin();
@@ -140,11 +149,7 @@ fn what_was_given_up_while_the_disk_hung_is_taken_back() {
 #[test]
 fn what_was_given_up_stays_lost_when_the_program_is_killed_then() {
     let scratch = Scratch::new();
-    let (mut writer, desk) = writer(&scratch);
-    let page = |first, facts: Vec<Fact>| Page { first: Seq(first), entries: facts.into_iter().map(at_noon).collect() };
-    let losses = desk.begin();
-    writer.write(&[page(1, [begin(1), vec![found(1, Some(photo("bag")))]].concat())], losses).unwrap();
-    writer.conclude(Ok(()), losses, Seq(5));
+    let (mut writer, desk) = asking_writer(&scratch);
     let losses = desk.begin();
     writer.write(&[page(6, vec![verdict(1, Verdict::Safe)])], losses).unwrap();
     desk.give_up(desk.at_work().unwrap(), "the disk does not answer");

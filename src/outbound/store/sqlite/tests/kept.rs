@@ -13,6 +13,7 @@ use crate::core::sweep::{IDS, Recalled};
 use crate::core::units::{LuggageId, MissionId, Seq};
 use crate::runtime::archive::Unreadable;
 use crate::wire::journal::{Line, arbitrary};
+use crate::wire::journal_words;
 
 fn fold<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Standing {
     let mut standing = Standing::first(Order::default());
@@ -33,7 +34,6 @@ fn meddle(scratch: &Scratch, sql: &str) {
     connect::writer(&Folder::new(&scratch.data())).unwrap().execute_batch(sql).unwrap();
 }
 
-/// Safety D1.
 /// What a console's log is filled with: what people did and what was found, and no steps.
 #[test]
 fn the_latest_of_what_people_did_and_what_was_found_is_recalled() {
@@ -45,11 +45,12 @@ fn the_latest_of_what_people_did_and_what_was_found_is_recalled() {
     }
     drop(scribe);
     let latest = scratch.open().recalled.expect("something was kept").latest;
-    let facts: Vec<Fact> = latest.into_iter().map(|entry| entry.fact).collect();
-    let expected: Vec<Fact> = (11..=40).flat_map(|id| [found(id, None), verdict(id, Verdict::Danger)]).collect();
-    assert_eq!(facts, expected);
+    let said: Vec<String> = latest.into_iter().map(|line| line.text).collect();
+    let expected = (11..=40).flat_map(|id| [found(id, None), verdict(id, Verdict::Danger)]);
+    assert_eq!(said, expected.map(|fact| journal_words::words(&fact)).collect::<Vec<_>>());
 }
 
+/// Safety D1.
 #[test]
 fn every_commit_is_flushed_and_no_old_sqlite_writes_it() {
     let scratch = Scratch::new();
