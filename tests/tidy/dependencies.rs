@@ -31,6 +31,7 @@ const RULES: [Rule; 12] = [
         crates: &[
             "askama",
             "axum",
+            "coap_lite",
             "futures_util",
             "hyper",
             "hyper_util",

@@ -1,0 +1,4 @@
+//! The CoAP door: the resources of hallsweep for small devices and scripts, to be read, observed and acted upon. It turns requests
+//! into commands and snapshots into answers; it decides nothing about the mission.
+
+pub mod endpoint;
