@@ -23,6 +23,7 @@ use crate::inbound::http::{self, Door, TlsError};
 use crate::outbound::robot::sim::{self, Camera, DiaryError, Hall, HallError, SimSettings};
 use crate::outbound::store::sqlite::OpenError;
 use crate::outbound::store::stops;
+use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use crate::runtime::halt::Halter;
 use crate::runtime::handle::Handle;
@@ -146,7 +147,7 @@ async fn serve_hall(
     let (closing, closed) = watch::channel(false);
     let (handle, mut task) = start(settings, (Arc::clone(&hall), sim), kept, &halter, closed).await;
     find_robot(&handle).await;
-    let door = Door::new(handle, archive, hall.name(), access);
+    let door = Door::new(handle, Reader::new(archive), hall.name(), access);
     announce(address, &entry);
     tracing::info!(%address, hall = hall.name(), "serving");
 

@@ -216,13 +216,15 @@ pub enum Door {
     Console,
     /// JSON over HTTP, and the old console's HTTP routes.
     Http,
+    /// The CoAP resources.
+    Coap,
     /// The command line itself (`hallsweep explore`) and tests of the core.
     Local,
 }
 
 impl Door {
     /// All of them.
-    pub const ALL: [Door; 3] = [Door::Console, Door::Http, Door::Local];
+    pub const ALL: [Door; 4] = [Door::Console, Door::Http, Door::Coap, Door::Local];
 
     /// The word for records.
     #[must_use]
@@ -230,6 +232,7 @@ impl Door {
         match self {
             Door::Console => "console",
             Door::Http => "http",
+            Door::Coap => "coap",
             Door::Local => "local",
         }
     }

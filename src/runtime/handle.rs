@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::halt::Halter;
@@ -33,6 +34,15 @@ pub struct Handle {
 #[error("hallsweep is shutting down")]
 pub struct Gone;
 
+/// What became of a command: the core's answer, unless the program is shutting down.
+pub type Given = Result<Result<Accepted, Refused>, Gone>;
+
+/// A command for which there was no room in the queue.
+struct Waiting {
+    commands: mpsc::Sender<Envelope>,
+    envelope: Envelope,
+}
+
 impl Handle {
     /// A handle over the loop's channels.
     #[must_use]
@@ -40,21 +50,30 @@ impl Handle {
         Handle { commands, snapshots, halter }
     }
 
-    /// Gives a command and waits for its answer. A stop halts the robots before it queues for its record, and when it is answered
-    /// it is written down where it outlives the program, if the disk takes it at once (safety S4).
+    /// Gives a command: it is stamped and queued at the call, so that commands keep the order in which they were given, and a
+    /// stop halts the robots whatever becomes of the future. The future is its answer; for a stop it ends when that is written
+    /// down where it outlives the program, if the disk takes it at once (safety S4). Only when the queue is full a command other
+    /// than a stop is queued by its future. Must be called inside a runtime.
     ///
     /// # Errors
     /// `Gone` when the program is shutting down; the inner result is the core's answer.
-    pub async fn give(&self, request: Request) -> Result<Result<Accepted, Refused>, Gone> {
+    #[must_use = "the command is given; whether it was accepted is said by the future"]
+    pub fn give(&self, request: Request) -> impl Future<Output = Given> + Send + use<> {
         let request = self.stamp(request);
         let stop = request.epoch.filter(|_| request.command == Command::Stop);
         let (answer, answered) = oneshot::channel();
-        self.commands.send(Envelope::Command(request, answer)).await.map_err(|_| Gone)?;
-        let answer = answered.await.map_err(|_| Gone)?;
-        if let Some(epoch) = stop {
-            self.halter.until_noted(epoch).await;
+        let waiting = self.queue(Envelope::Command(request, answer), stop.is_some());
+        let halter = self.halter.clone();
+        async move {
+            if let Some(Waiting { commands, envelope }) = waiting {
+                commands.send(envelope).await.map_err(|_| Gone)?;
+            }
+            let answer = answered.await.map_err(|_| Gone)?;
+            if let Some(epoch) = stop {
+                halter.until_noted(epoch).await;
+            }
+            Ok(answer)
         }
-        Ok(answer)
     }
 
     /// Puts on record that a door refused to take a command from somebody (safety A6).
@@ -77,6 +96,18 @@ impl Handle {
         self.snapshots.clone()
     }
 
+    /// Queues a command if there is room for it; else gives it back, but for a stop, which waits in a task of its own: it is
+    /// recorded although nobody may ask for its answer. When the loop has ended, the answer's channel says so.
+    fn queue(&self, envelope: Envelope, is_stop: bool) -> Option<Waiting> {
+        let Err(TrySendError::Full(envelope)) = self.commands.try_send(envelope) else { return None };
+        let commands = self.commands.clone();
+        if is_stop {
+            tokio::spawn(async move { commands.send(envelope).await });
+            return None;
+        }
+        Some(Waiting { commands, envelope })
+    }
+
     /// A stop carries the epoch it has raised; a movement command without an epoch is stamped with the one that holds now, so
     /// that a stop overtaking it in the queue outdates it.
     fn stamp(&self, mut request: Request) -> Request {
@@ -86,5 +117,91 @@ impl Handle {
             request.arrived = Some(self.halter.watch().now().epoch);
         }
         request
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::command::{Door, Move};
+    use crate::core::settings::Settings;
+    use crate::core::sweep::Sweep;
+    use crate::core::units::Epoch;
+
+    /// A handle before a loop that does not run, and what would come to the loop.
+    fn house() -> (Handle, mpsc::Receiver<Envelope>, Halter) {
+        let (commands, envelopes) = mpsc::channel(COMMANDS);
+        let halter = Halter::new(Epoch(4));
+        let (_, snapshots) = watch::channel(Sweep::new(Settings::default(), Default::default(), "test".into()).snapshot());
+        (Handle::new(commands, snapshots, halter.clone()), envelopes, halter)
+    }
+
+    fn request(command: Command) -> Request {
+        Request::new(command, Issuer::operator(Door::Local))
+    }
+
+    fn next(envelopes: &mut mpsc::Receiver<Envelope>) -> Option<Request> {
+        match envelopes.try_recv().ok()? {
+            Envelope::Command(request, _) => Some(request),
+            Envelope::Refused(..) => panic!("nothing was refused"),
+        }
+    }
+
+    #[tokio::test]
+    async fn commands_keep_the_order_in_which_they_were_given() {
+        let (handle, mut envelopes, _) = house();
+        let given = [Command::Start, Command::Move(Move::Forward), Command::BackHome];
+        let answers: Vec<_> = given.iter().map(|command| handle.give(request(command.clone()))).collect();
+        let came: Vec<Command> = std::iter::from_fn(|| next(&mut envelopes)).map(|request| request.command).collect();
+        assert_eq!(came, given);
+        drop(answers);
+    }
+
+    /// Safety S1, S4.
+    #[tokio::test]
+    async fn a_stop_halts_when_it_is_given_and_outdates_what_was_given_before() {
+        let (handle, mut envelopes, halter) = house();
+        let (started, stopped) = (handle.give(request(Command::Start)), handle.give(request(Command::Stop)));
+        assert_eq!((halter.watch().now().epoch, halter.watch().now().count), (Epoch(5), 1));
+        assert_eq!(next(&mut envelopes).and_then(|start| start.arrived), Some(Epoch(4)));
+        assert_eq!(next(&mut envelopes).and_then(|stop| stop.epoch), Some(Epoch(5)));
+        drop((started, stopped));
+    }
+
+    /// Safety A6: nobody has to wait for the answer of a stop.
+    #[tokio::test]
+    async fn a_stop_comes_to_the_loop_although_its_sender_hangs_up_and_the_queue_is_full() {
+        let (handle, mut envelopes, _) = house();
+        let waiting: Vec<_> = (0..=COMMANDS).map(|_| handle.give(request(Command::Start))).collect();
+        drop(handle.give(request(Command::Stop)));
+        for _ in 0..COMMANDS {
+            assert_eq!(next(&mut envelopes).map(|request| request.command), Some(Command::Start));
+        }
+        drop(waiting);
+        let stop = envelopes.recv().await;
+        assert!(matches!(stop, Some(Envelope::Command(Request { command: Command::Stop, .. }, _))), "{stop:?}");
+    }
+
+    #[tokio::test]
+    async fn what_found_the_queue_full_is_queued_by_its_future() {
+        let (handle, mut envelopes, _) = house();
+        let mut waiting: Vec<_> = (0..COMMANDS).map(|_| handle.give(request(Command::Start))).collect();
+        waiting.push(handle.give(request(Command::Reset)));
+        let reset = tokio::spawn(waiting.pop().expect("the last one"));
+        let mut last = None;
+        for _ in 0..=COMMANDS {
+            last = envelopes.recv().await;
+        }
+        let Some(Envelope::Command(Request { command: Command::Reset, .. }, _)) = last.take() else { panic!("{last:?}") };
+        drop(last);
+        assert_eq!(reset.await.expect("it did not panic"), Err(Gone), "nobody answered it");
+    }
+
+    #[tokio::test]
+    async fn a_loop_that_has_ended_is_said_to_be_gone() {
+        let (handle, envelopes, _) = house();
+        drop(envelopes);
+        assert_eq!(handle.give(request(Command::Start)).await, Err(Gone));
+        assert_eq!(handle.give(request(Command::Stop)).await, Err(Gone));
     }
 }

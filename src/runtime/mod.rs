@@ -1,6 +1,8 @@
 //! The runtime: the one loop that joins core, robots, store and doors, and the handle by which doors reach it.
 
 pub mod archive;
+pub mod archive_reader;
+pub mod carry_out;
 pub mod clock;
 pub mod halt;
 pub mod handle;

@@ -1,5 +1,5 @@
-//! The fields of a JSON object, taken one by one; every failure is a sentence that names the field, the value and what belongs
-//! there. Which fields a command has stands in `command`; how its bytes arrive is each door's business.
+//! The fields of a command's body, taken one by one; every failure is a sentence that names the field, the value and what belongs
+//! there. Bodies in JSON are read here, those in CBOR in `cbor`. Which fields a command has stands in `command`.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -18,9 +18,9 @@ pub struct Unusable(pub(super) String);
 /// Why no command can be made of a body.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Unread {
-    /// It is no JSON.
+    /// It is not written as its format wants it.
     Malformed(String),
-    /// It is JSON, and not what this command takes.
+    /// It can be read, and is not what this command takes.
     Unusable(Unusable),
 }
 
@@ -36,7 +36,7 @@ pub trait Body: Sized {
     fn taken(fields: &Fields) -> Result<Self, Unusable>;
 }
 
-/// The fields of one JSON object; none of them is there twice.
+/// The fields of one body; none of them is there twice.
 #[derive(Debug, Default)]
 pub struct Fields(BTreeMap<String, Value>);
 
@@ -49,7 +49,7 @@ pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
     serde_json::from_slice::<IgnoredAny>(bytes).map_err(no_json)?;
     let fields: Fields = serde_json::from_slice(bytes)
         .map_err(|error| if error.is_data() { Unread::Unusable(not_an_object(bytes, &error)) } else { no_json(error) })?;
-    fields.only(T::FIELDS).and_then(|()| T::taken(&fields)).map_err(Unread::Unusable)
+    fields.read().map_err(Unread::Unusable)
 }
 
 impl Fields {
@@ -83,6 +83,26 @@ impl Fields {
     /// When it is no number.
     pub fn number(&self, name: &str) -> Result<Option<f64>, Unusable> {
         self.field(name, "a number, as 21.5,", Value::as_f64)
+    }
+
+    /// One more field.
+    ///
+    /// # Errors
+    /// When it is there already.
+    pub(super) fn put(&mut self, name: String, value: Value) -> Result<(), Unusable> {
+        if self.0.contains_key(&name) {
+            return Err(Unusable(format!("`{}` is there twice: send it once", in_short(&name))));
+        }
+        self.0.insert(name, value);
+        Ok(())
+    }
+
+    /// The body that these fields make.
+    ///
+    /// # Errors
+    /// When one is missing, unknown or of another kind.
+    pub(super) fn read<T: Body>(&self) -> Result<T, Unusable> {
+        self.only(T::FIELDS).and_then(|()| T::taken(self))
     }
 
     fn field<T>(&self, name: &str, kind: &str, read: impl Fn(&Value) -> Option<T>) -> Result<Option<T>, Unusable> {
@@ -144,14 +164,11 @@ impl<'de> Visitor<'de> for Reader {
     }
 
     fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Fields, M::Error> {
-        let mut fields = BTreeMap::new();
+        let mut fields = Fields::default();
         while let Some((name, value)) = map.next_entry::<String, Value>()? {
-            if fields.contains_key(&name) {
-                return Err(M::Error::custom(format!("`{}` is there twice: send it once", in_short(&name))));
-            }
-            fields.insert(name, value);
+            fields.put(name, value).map_err(M::Error::custom)?;
         }
-        Ok(Fields(fields))
+        Ok(fields)
     }
 }
 

@@ -3,8 +3,10 @@
 
 pub mod alarm;
 pub mod answer;
+pub mod cbor;
 pub mod changes;
 pub mod command;
+pub mod concise_problem;
 pub mod fields;
 #[cfg(test)]
 pub(crate) mod fixture;
@@ -16,8 +18,11 @@ pub mod map;
 pub mod map_text;
 pub mod mission;
 pub mod mission_record;
+pub mod old_items;
 pub mod problem;
 pub mod robot;
+pub mod senml;
 pub mod state;
 pub mod temperature;
+pub mod text;
 pub mod time;

@@ -19,6 +19,8 @@ pub struct ProblemJson {
     pub detail: String,
     /// A short fixed word for programs.
     pub code: &'static str,
+    /// Always false, so that whoever looks at the body alone does not take it for a success.
+    pub accepted: bool,
     /// The record a refused verdict was about.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub luggage: Option<LuggageJson>,
@@ -29,6 +31,6 @@ impl ProblemJson {
     #[must_use]
     pub fn new(status: u16, title: &str, code: &'static str, detail: String) -> ProblemJson {
         let kind = format!("urn:hallsweep:problem:{code}");
-        ProblemJson { kind, title: title.to_owned(), status, detail, code, luggage: None }
+        ProblemJson { kind, title: title.to_owned(), status, detail, code, accepted: false, luggage: None }
     }
 }

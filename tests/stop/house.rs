@@ -20,6 +20,7 @@ use hallsweep::core::sweep::Sweep;
 use hallsweep::core::units::Epoch;
 use hallsweep::inbound::http::{self, Access, Door, Front};
 use hallsweep::outbound::store::memory::Memory;
+use hallsweep::runtime::archive_reader::Reader;
 use hallsweep::runtime::clock::Clock;
 use hallsweep::runtime::halt::{Halter, Halts};
 use hallsweep::runtime::link::{RobotSide, Stamped, link};
@@ -60,7 +61,7 @@ impl House {
         let address = listener.local_addr().expect("a bound socket has an address");
         let (closing, closed) = watch::channel(false);
         let (end, ended) = oneshot::channel();
-        let door = Door::new(handle, Arc::new(Memory::new()), "bench", Access::Open);
+        let door = Door::new(handle, Reader::new(Arc::new(Memory::new())), "bench", Access::Open);
         let (began, late, standing) = (AtomicU64::new(0), AtomicU64::new(0), AtomicBool::new(true));
         let watched = Arc::new(Watched { began, late, standing, on_halt: Box::new(on_halt) });
         tokio::spawn(task.run(closed));

@@ -24,7 +24,11 @@ const RULES: [Rule; 12] = [
     },
     Rule { module: "core", modules: &[], crates: &["rand_chacha", "rand_core", "thiserror"] },
     Rule { module: "runtime", modules: &["core"], crates: &["futures_util", "jiff", "thiserror", "tokio", "tracing"] },
-    Rule { module: "wire", modules: &["core"], crates: &["jiff", "serde", "serde_json", "thiserror"] },
+    Rule {
+        module: "wire",
+        modules: &["core"],
+        crates: &["jiff", "minicbor", "minicbor_serde", "serde", "serde_json", "thiserror"],
+    },
     Rule {
         module: "inbound",
         modules: &["access", "runtime", "wire", "core"],
@@ -32,6 +36,10 @@ const RULES: [Rule; 12] = [
             "askama",
             "axum",
             "coap_lite",
+            "hashlink",
+            "hmac",
+            "sha2",
+            "subtle",
             "futures_util",
             "hyper",
             "hyper_util",

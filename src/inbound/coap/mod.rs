@@ -2,3 +2,4 @@
 //! into commands and snapshots into answers; it decides nothing about the mission.
 
 pub mod endpoint;
+pub mod links;

@@ -7,12 +7,12 @@ use axum::http::{HeaderMap, HeaderName};
 
 use super::Door;
 use super::gate::{Caller, Peer};
-use super::give::Done;
 use super::problem::Problem;
 use crate::access::Need;
 use crate::core::command::{self, Command, CommandId, Request};
 use crate::core::mission::in_words;
 use crate::core::units::Epoch;
+use crate::runtime::carry_out::Done;
 use crate::wire::fields::in_short;
 
 /// The header in which a command's own name comes.
@@ -51,7 +51,8 @@ impl By {
             Err(_) if is_stop => None,
             Err(problem) => return Err(problem.clone()),
         };
-        self.door.give(Request { id, epoch, ..Request::new(command, issuer) }).await
+        let request = Request { id, epoch, ..Request::new(command, issuer) };
+        Ok(self.door.handle.carry_out(request).await?)
     }
 }
 

@@ -97,7 +97,7 @@ pub(super) async fn newest(
     limit: u64,
 ) -> Result<(Vec<MissionRecord>, Option<MissionId>), Problem> {
     let limit = count(limit);
-    let mut records = door.look_up(move |archive| archive.missions(before, limit + 1)).await?;
+    let mut records = door.archive.look_up(move |archive| archive.missions(before, limit + 1)).await?;
     let more = records.len() > limit;
     records.truncate(limit);
     let next = records.last().map(|record| record.id).filter(|_| more);
@@ -107,7 +107,7 @@ pub(super) async fn newest(
 /// A mission, and what stood when it was put away or stands now.
 pub(super) async fn kept(door: &Door, id: u64) -> Result<(MissionRecord, Option<Standing>), Problem> {
     let mission = MissionId(id);
-    let found = door.look_up(move |archive| Ok((archive.mission(mission)?, archive.standing(mission)?))).await?;
+    let found = door.archive.look_up(move |archive| Ok((archive.mission(mission)?, archive.standing(mission)?))).await?;
     let (record, standing) = found;
     Ok((record.ok_or_else(|| unknown(id))?, standing))
 }
@@ -115,7 +115,7 @@ pub(super) async fn kept(door: &Door, id: u64) -> Result<(MissionRecord, Option<
 /// What happened in a mission after an entry, oldest first, and after which entry the next page begins.
 pub(super) async fn happened(door: &Door, id: u64, after: Seq, limit: u64) -> Result<(Vec<(Seq, Entry)>, Option<Seq>), Problem> {
     let (mission, limit) = (MissionId(id), count(limit));
-    let found = door.look_up(move |archive| match archive.mission(mission)? {
+    let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
         Some(_) => archive.entries(mission, after, limit + 1).map(Some),
         None => Ok(None),
     });

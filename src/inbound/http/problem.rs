@@ -6,6 +6,8 @@ use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 
 use crate::core::command::{Refusal, RefusalKind, Refused};
+use crate::runtime::archive::Unreadable;
+use crate::runtime::carry_out::NotDone;
 use crate::wire::fields::in_short;
 use crate::wire::luggage::LuggageJson;
 use crate::wire::problem::ProblemJson;
@@ -145,6 +147,21 @@ impl Problem {
         let title = status.canonical_reason().unwrap_or("Problem");
         let body = Box::new(ProblemJson::new(status.as_u16(), title, code, detail));
         Problem { status, body, is_on_record: false }
+    }
+}
+
+impl From<NotDone> for Problem {
+    fn from(not_done: NotDone) -> Problem {
+        match not_done {
+            NotDone::Refused(refused, luggage) => Problem::refused(&refused, luggage.map(|luggage| LuggageJson::from(&*luggage))),
+            NotDone::Gone => Problem::closing(),
+        }
+    }
+}
+
+impl From<Unreadable> for Problem {
+    fn from(unreadable: Unreadable) -> Problem {
+        Problem::unreadable(unreadable.to_string())
     }
 }
 

@@ -67,7 +67,7 @@ pub(super) async fn photo(State(door): State<Door>, Number(id): Number, headers:
             return Err(Problem::not_found(format!("there is no photo of luggage #{id}: {reason}; take it again")));
         }
     };
-    let kept = door.look_up(move |archive| archive.photo(LuggageId(id))).await?;
+    let kept = door.archive.look_up(move |archive| archive.photo(LuggageId(id))).await?;
     let photo = kept.ok_or_else(|| Problem::not_found(format!("the photo of luggage #{id} is not kept")))?;
     let tag = tag(&snapshot.run, format_args!("{id}.{take}"), "photo");
     let bytes = axum::body::Bytes::from_owner(photo.bytes);
@@ -87,7 +87,7 @@ async fn record(door: &Door, snapshot: &Snapshot, id: u64) -> Result<Arc<Luggage
     if let Some(luggage) = snapshot.luggage(LuggageId(id)) {
         return Ok(Arc::clone(luggage));
     }
-    let kept = door.look_up(move |archive| archive.luggage(LuggageId(id))).await?.map(Arc::new);
+    let kept = door.archive.look_up(move |archive| archive.luggage(LuggageId(id))).await?.map(Arc::new);
     kept.ok_or_else(|| Problem::not_found(format!("there is no luggage #{id}")))
 }
 

@@ -24,6 +24,7 @@ use crate::core::units::{Epoch, LuggageId, MissionId, Seq};
 use crate::core::world::luggage::Luggage;
 use crate::core::world::snapshot::Snapshot;
 use crate::runtime::archive::{Archive, MissionRecord, Unreadable};
+use crate::runtime::archive_reader::Reader;
 use crate::runtime::halt::Halter;
 use crate::runtime::handle::{COMMANDS, Envelope, Handle};
 
@@ -83,7 +84,7 @@ pub(super) fn guarded_house(snapshot: Snapshot, access: Access) -> House {
     let (commands, envelopes) = mpsc::channel(COMMANDS);
     let publish = watch::Sender::new(Arc::new(snapshot));
     let handle = Handle::new(commands, publish.subscribe(), Halter::new(Epoch(1)));
-    let door = Door::new(handle, Arc::new(Pictures), "airport", access);
+    let door = Door::new(handle, Reader::new(Arc::new(Pictures)), "airport", access);
     let house = House { door, publish, refuse: Arc::default(), given: Arc::default(), noted: Arc::default() };
     let kept = (Arc::clone(&house.refuse), Arc::clone(&house.given), Arc::clone(&house.noted));
     tokio::spawn(answer(envelopes, house.publish.subscribe(), kept));

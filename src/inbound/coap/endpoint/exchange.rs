@@ -1,0 +1,117 @@
+//! Which messages came already, and what they were answered with (RFC 7252, section 4.5): a message that comes again gets the same
+//! answer and has no second effect. Retransmitting what this side sent stands in `reliable`.
+
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use hashlink::LinkedHashMap;
+
+use super::ExchangeId;
+use super::limits::{EXCHANGE_LIFETIME, EXCHANGES};
+
+/// What one message is known by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct MessageKey {
+    /// Whose.
+    pub(super) peer: SocketAddr,
+    /// The id its sender gave it.
+    pub(super) id: u16,
+}
+
+/// What is known of a message that came before.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Known {
+    /// It is still being answered, as this exchange.
+    Open(ExchangeId),
+    /// It was answered with this datagram; with nothing, when it is empty.
+    Answered(Vec<u8>),
+}
+
+/// The messages of the last minutes. Those that look and those that act have a table each, so that a flood of the former does not
+/// make the latter forgotten.
+#[derive(Debug, Default)]
+pub(super) struct Exchanges {
+    looks: Table,
+    acts: Table,
+}
+
+type Table = LinkedHashMap<MessageKey, (Duration, Known)>;
+
+impl Exchanges {
+    /// How many messages are remembered.
+    #[must_use]
+    pub(super) fn count(&self) -> usize {
+        self.looks.len() + self.acts.len()
+    }
+
+    /// What is known of this message, if it came before.
+    #[must_use]
+    pub(super) fn known(&self, key: MessageKey, now: Duration) -> Option<&Known> {
+        let entry = self.looks.get(&key).or_else(|| self.acts.get(&key))?;
+        (now <= entry.0 + EXCHANGE_LIFETIME).then_some(&entry.1)
+    }
+
+    /// Remembers a message that is to be answered.
+    pub(super) fn open(&mut self, key: MessageKey, exchange: ExchangeId, acts: bool, now: Duration) {
+        let (table, other) = if acts { (&mut self.acts, &mut self.looks) } else { (&mut self.looks, &mut self.acts) };
+        // The same id for another message, minutes later.
+        other.remove(&key);
+        table.insert(key, (now, Known::Open(exchange)));
+        while table.len() > EXCHANGES || table.front().is_some_and(|(_, (since, _))| now > *since + EXCHANGE_LIFETIME) {
+            table.pop_front();
+        }
+    }
+
+    /// Remembers what a message was answered with.
+    pub(super) fn answered(&mut self, key: MessageKey, datagram: &[u8]) {
+        for table in [&mut self.looks, &mut self.acts] {
+            if let Some((_, known)) = table.get_mut(&key) {
+                *known = Known::Answered(datagram.to_vec());
+                return;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn key(id: u16) -> MessageKey {
+        MessageKey { peer: "127.0.0.1:1".parse().unwrap(), id }
+    }
+
+    #[test]
+    fn a_message_is_known_for_its_lifetime_and_not_longer() {
+        let mut exchanges = Exchanges::default();
+        exchanges.open(key(1), ExchangeId(1), false, Duration::ZERO);
+        exchanges.answered(key(1), b"x");
+        assert_eq!(exchanges.known(key(1), EXCHANGE_LIFETIME), Some(&Known::Answered(b"x".to_vec())));
+        assert_eq!(exchanges.known(key(1), EXCHANGE_LIFETIME + Duration::from_millis(1)), None);
+        assert_eq!(exchanges.known(key(2), Duration::ZERO), None);
+    }
+
+    #[test]
+    fn a_flood_of_looks_does_not_make_an_act_forgotten() {
+        let mut exchanges = Exchanges::default();
+        exchanges.open(key(0), ExchangeId(1), true, Duration::ZERO);
+        for port in 1..=60_000 {
+            let peer = format!("127.0.0.2:{port}").parse().unwrap();
+            exchanges.open(MessageKey { peer, id: 9 }, ExchangeId(2), false, Duration::ZERO);
+        }
+        assert_eq!(exchanges.known(key(0), Duration::ZERO), Some(&Known::Open(ExchangeId(1))));
+        assert_eq!(exchanges.count(), EXCHANGES + 1);
+    }
+
+    #[test]
+    fn an_id_that_is_used_again_is_the_new_message() {
+        let mut exchanges = Exchanges::default();
+        exchanges.open(key(1), ExchangeId(1), true, Duration::ZERO);
+        exchanges.answered(key(1), b"old");
+        let later = EXCHANGE_LIFETIME * 2;
+        assert_eq!(exchanges.known(key(1), later), None);
+        exchanges.open(key(1), ExchangeId(1), false, later);
+        assert_eq!(exchanges.known(key(1), later), Some(&Known::Open(ExchangeId(1))));
+        assert_eq!(exchanges.count(), 1);
+    }
+}

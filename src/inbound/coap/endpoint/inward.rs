@@ -1,0 +1,169 @@
+//! The way in: from a datagram to a request for the application, or to what is answered without it. The way out is `outward`.
+
+use std::net::SocketAddr;
+
+use super::block::{Block, BodyKey, Taken, too_large};
+use super::code::{Code, Method};
+use super::exchange::{Known, MessageKey};
+use super::limits::{BODY, OPEN, PATIENCE};
+use super::message::{Heard, Incoming, Kind, Token, empty, heard};
+use super::options::{self, Read};
+use super::reliable::About;
+use super::response::Response;
+use super::{Endpoint, ExchangeId, Open};
+use crate::core::units::Now;
+
+/// Where an answer goes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Back {
+    pub(super) key: MessageKey,
+    pub(super) kind: Kind,
+    pub(super) token: Token,
+}
+
+impl Endpoint {
+    /// Takes a datagram from the network.
+    pub fn handle_datagram(&mut self, peer: SocketAddr, bytes: &[u8], now: Now) {
+        self.guard.received(peer, bytes.len());
+        match heard(bytes) {
+            Heard::Senseless(Kind::Con, id) => {
+                self.transmit(peer, empty(Kind::Rst, id), now);
+            }
+            Heard::Nothing | Heard::Senseless(..) => {}
+            Heard::Ack(id) => self.take_acknowledgement(peer, id, now),
+            Heard::Rst(id) => self.take_rejection(peer, id, now),
+            Heard::Request(incoming) => self.take_request(peer, incoming, now),
+        }
+    }
+
+    fn take_acknowledgement(&mut self, peer: SocketAddr, id: u16, now: Now) {
+        let Some((sent, once)) = self.reliable.settled(peer, id) else { return };
+        let at = now.since_start;
+        self.guard.heard_us(peer, at);
+        if let About::Notification(observer, thing, version) = sent.about {
+            // After a retransmission nobody knows which of the two was acknowledged (Karn's rule).
+            let away = once.then(|| at.saturating_sub(sent.first));
+            self.observers.acknowledged(observer, (thing, version), away, at);
+        }
+        self.go_on(peer, now);
+    }
+
+    /// Somebody does not know what we are talking about: it observes no longer, or wants the answer no more.
+    fn take_rejection(&mut self, peer: SocketAddr, id: u16, now: Now) {
+        let on_its_way = self.reliable.settled(peer, id).map(|(sent, _)| sent.about);
+        let observer = match on_its_way {
+            Some(About::Notification(observer, ..)) => Some(observer),
+            Some(About::Answer) => None,
+            None => self.observers.told_by(peer, id),
+        };
+        if let Some(observer) = observer {
+            self.forget(peer, observer);
+        }
+        self.go_on(peer, now);
+    }
+
+    fn take_request(&mut self, peer: SocketAddr, incoming: Incoming, now: Now) {
+        let back = Back { key: MessageKey { peer, id: incoming.id }, kind: incoming.kind, token: incoming.token };
+        match self.exchanges.known(back.key, now.since_start).cloned() {
+            Some(Known::Answered(datagram)) if datagram.is_empty() => return,
+            Some(Known::Answered(datagram)) => {
+                self.transmit(peer, datagram, now);
+                return;
+            }
+            Some(Known::Open(exchange)) => return self.acknowledge_open(back, exchange, now),
+            None => {}
+        }
+        if self.guard.is_too_much(peer, now.since_start) {
+            let words = "too many requests: wait a second".to_owned();
+            let response = Response { max_age: Some(1), ..Response::refusal(Code::TOO_MANY_REQUESTS, words) };
+            return self.reply(back, &response, None, now);
+        }
+        let acts = !matches!(Method::of(incoming.code), Some(Method::Get | Method::Fetch));
+        self.counted += 1;
+        let exchange = ExchangeId(self.counted);
+        self.exchanges.open(back.key, exchange, acts, now.since_start);
+        match options::read(peer, incoming) {
+            Ok(read) => self.take_read(back, exchange, read, now),
+            // What cannot be understood and wants no acknowledgement is passed over (RFC 7252, section 5.4.1).
+            Err(response) if back.kind == Kind::Non && response.code == Code::BAD_OPTION => {
+                self.exchanges.answered(back.key, &[])
+            }
+            Err(response) => self.reply(back, &response, None, now),
+        }
+    }
+
+    fn take_read(&mut self, back: Back, exchange: ExchangeId, mut read: Read, now: Now) {
+        if let Some(echo) = &read.echo {
+            self.guard.echoed(back.key.peer, echo, now.since_start);
+        }
+        match self.whole(&mut read, now) {
+            Ok(true) => {}
+            Ok(false) => {
+                let more = read.block1.map(|block| Block { more: true, ..block });
+                return self.reply(back, &Response::new(Code::CONTINUE), more, now);
+            }
+            Err(response) => return self.reply(back, &response, read.block1, now),
+        }
+        let is_get = read.request.method == Method::Get;
+        if is_get && read.observe == Some(0) && !self.guard.is_proved(back.key.peer, now.since_start) {
+            return self.challenge(back, now);
+        }
+        self.ask(back, exchange, read, now);
+    }
+
+    /// Whether the whole body is there; it is in the request then.
+    fn whole(&mut self, read: &mut Read, now: Now) -> Result<bool, Response> {
+        let request = &mut read.request;
+        if request.payload.len() > BODY || read.size1.is_some_and(|size| size as usize > BODY) {
+            return Err(too_large());
+        }
+        let Some(block) = read.block1.filter(|_| request.method != Method::Get) else { return Ok(true) };
+        let key = BodyKey {
+            peer: request.peer,
+            method: request.method,
+            path: request.path.clone(),
+            queries: request.queries.clone(),
+            tags: read.request_tags.clone(),
+        };
+        match self.assemblies.take(key, block, &request.payload, now.since_start)? {
+            Taken::More => Ok(false),
+            Taken::Whole(body) => {
+                request.payload = body;
+                Ok(true)
+            }
+        }
+    }
+
+    /// Hands a request to the application.
+    fn ask(&mut self, back: Back, exchange: ExchangeId, read: Read, now: Now) {
+        let Read { request, etags, observe, block1, block2, wants_size, no_response, .. } = read;
+        let is_get = request.method == Method::Get;
+        let open = Open {
+            key: back.key,
+            kind: back.kind,
+            token: back.token,
+            is_acknowledged: false,
+            is_get,
+            observe,
+            request: (is_get && observe == Some(0)).then(|| Box::new(request.clone())),
+            etags,
+            block1: block1.filter(|_| !is_get),
+            block2,
+            wants_size,
+            no_response,
+        };
+        self.open.insert(exchange, open);
+        if self.open.len() > OPEN {
+            self.open.pop_first();
+        }
+        self.patience.push_back((now.since_start + PATIENCE, exchange));
+        self.asked.push_back((exchange, request));
+    }
+
+    /// The sender asks again while it is still being answered.
+    fn acknowledge_open(&mut self, back: Back, exchange: ExchangeId, now: Now) {
+        let Some(open) = self.open.get_mut(&exchange).filter(|_| back.kind == Kind::Con) else { return };
+        open.is_acknowledged = true;
+        self.transmit(back.key.peer, empty(Kind::Ack, back.key.id), now);
+    }
+}

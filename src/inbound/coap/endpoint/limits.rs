@@ -1,0 +1,86 @@
+//! Every bound and every time of the endpoint, each with its reason. Nothing is decided here.
+
+use std::time::Duration;
+
+/// The most bytes of a body in one message: with header and options it fits into one unfragmented packet (RFC 7252, section 4.6).
+pub const BLOCK: usize = 1024;
+
+/// The most bytes that a message may have beside its payload: header, token and the longest options that are sent.
+pub const HEAD: usize = 128;
+
+/// The largest body that is put together from blocks, or taken whole: a command is a few dozen bytes.
+pub const BODY: usize = 16 * 1024;
+
+/// Bodies that are being put together at once; the oldest gives way.
+pub const ASSEMBLIES: usize = 64;
+
+/// How long a message id of a peer stands for the same message (RFC 7252, section 4.8.2).
+pub const EXCHANGE_LIFETIME: Duration = Duration::from_secs(247);
+
+/// Messages remembered with their answers, at most some 1.2 kB each; the oldest gives way. Those that only look have a table of
+/// their own, so that a flood of them does not drive out what was done.
+pub const EXCHANGES: usize = 8192;
+
+/// Requests that wait for the application at once; the answer to the oldest is given up, not what it asked for.
+pub const OPEN: usize = 4096;
+
+/// An answer that takes longer than this comes separately, after an empty acknowledgement: well before the sender asks again
+/// after two seconds.
+pub const PATIENCE: Duration = Duration::from_millis(500);
+
+/// A message that wants an acknowledgement is sent again after this,
+pub const ACK_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// or up to half as much longer, by chance, so that not all who lost something repeat it at once,
+pub const ACK_SPREAD: f64 = 0.5;
+
+/// then after twice as long, and so on, so many times.
+pub const MAX_RETRANSMIT: u32 = 4;
+
+/// Separate answers that wait for the one before to be acknowledged, for one peer; more are sent without.
+pub const WAITING: usize = 32;
+
+/// Observations in all: every screen and device of a site.
+pub const OBSERVERS: usize = 2048;
+
+/// Observations of one peer: each resource several times over.
+pub const OBSERVERS_OF_A_PEER: usize = 64;
+
+/// The least time between two notifications of one observation: nobody who watches a robot needs more than fifty a second.
+pub const PACE: Duration = Duration::from_millis(20);
+
+/// And between two notifications of one peer, whatever it observes: message ids have 16 bits and may not come again within
+/// `EXCHANGE_LIFETIME`, which leaves 265 a second.
+pub const PACE_OF_A_PEER: Duration = Duration::from_millis(5);
+
+/// The same as `PACE` for a peer that is not on this machine, as long as nobody knows how far away it is (RFC 7641, section 4.5.1).
+pub const PACE_UNKNOWN: Duration = Duration::from_secs(3);
+
+/// Notifications that go out at once; the next ones follow a millisecond later, so that neither our buffers nor a reader's
+/// overflow.
+pub const BURST: usize = 32;
+
+/// When nothing has changed for so long, what was sent without acknowledgement is sent with one.
+pub const SETTLED: Duration = Duration::from_secs(1);
+
+/// While it changes all the time, so often an acknowledgement is asked for all the same, and those who are gone are found out.
+/// RFC 7641, section 4.5, asks for one a day.
+pub const CONFIRM_EVERY: Duration = Duration::from_secs(30);
+
+/// To an address that has not proved to be the sender's go at most so many times the bytes that came from it.
+pub const AMPLIFICATION: usize = 3;
+
+/// Addresses beyond this machine that are remembered with what they sent and whether they are proved; the oldest gives way.
+pub const PEERS: usize = 4096;
+
+/// How long a proved address counts as proved.
+pub const PROVED: Duration = Duration::from_secs(3600);
+
+/// How old the Echo may be that proves an address (RFC 9175, section 2.4).
+pub const ECHO_AGE: Duration = Duration::from_secs(60);
+
+/// Requests a second from one network beyond this machine: a photo in the smallest blocks takes half a minute.
+pub const RATE: f64 = 200.0;
+
+/// Requests at once from there.
+pub const RATE_BURST: f64 = 400.0;

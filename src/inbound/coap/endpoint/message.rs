@@ -1,0 +1,226 @@
+//! Messages on the wire: what a datagram is, strictly, and how one is written, over the codec of coap-lite. The codec accepts
+//! versions, markers and empty messages that the RFC does not; the checks for these stand here. What options mean is not here.
+
+use coap_lite::{CoapOption, MessageClass, MessageType, Packet};
+
+use super::code::Code;
+
+/// How a message is sent (RFC 7252, section 4.1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// It wants an acknowledgement.
+    Con,
+    /// It wants none.
+    Non,
+    /// It is one.
+    Ack,
+    /// It says that nobody knows what the other message is about.
+    Rst,
+}
+
+/// By which a client knows its answers again: at most 8 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(super) struct Token {
+    bytes: [u8; 8],
+    length: u8,
+}
+
+/// What a datagram turns out to be.
+#[derive(Debug)]
+pub(super) enum Heard {
+    /// Nothing that is answered.
+    Nothing,
+    /// A message that cannot be read, or that a server does not get; a CON is answered with a RST of this id.
+    Senseless(Kind, u16),
+    /// An acknowledgement of the message with this id.
+    Ack(u16),
+    /// A rejection of the message with this id.
+    Rst(u16),
+    /// A request, or what looks like one.
+    Request(Incoming),
+}
+
+/// A request as it came.
+#[derive(Debug)]
+pub(super) struct Incoming {
+    /// `Con` or `Non`.
+    pub(super) kind: Kind,
+    /// Its message id.
+    pub(super) id: u16,
+    /// Its token.
+    pub(super) token: Token,
+    /// Its code.
+    pub(super) code: Code,
+    /// Options and payload.
+    pub(super) packet: Packet,
+}
+
+impl Token {
+    /// These bytes as a token, cut to 8.
+    #[must_use]
+    pub(super) fn new(given: &[u8]) -> Token {
+        let given = &given[..given.len().min(8)];
+        let mut bytes = [0; 8];
+        bytes[..given.len()].copy_from_slice(given);
+        Token { bytes, length: u8::try_from(given.len()).unwrap_or(8) }
+    }
+
+    /// Its bytes.
+    #[must_use]
+    pub(super) fn bytes(&self) -> &[u8] {
+        &self.bytes[..usize::from(self.length)]
+    }
+}
+
+/// Reads a datagram.
+#[must_use]
+pub(super) fn heard(bytes: &[u8]) -> Heard {
+    let [first, code, high, low, ..] = *bytes else { return Heard::Nothing };
+    if first >> 6 != 1 {
+        return Heard::Nothing;
+    }
+    let (kind, code, id) = (kind(first), Code(code), u16::from_be_bytes([high, low]));
+    match (kind, code) {
+        (Kind::Ack, _) => Heard::Ack(id),
+        (Kind::Rst, Code::EMPTY) if bytes.len() == 4 => Heard::Rst(id),
+        (Kind::Rst, _) => Heard::Nothing,
+        // An empty message asks whether anybody is there, one that is not quite empty is an error: both are answered alike.
+        (Kind::Con | Kind::Non, Code::EMPTY) => Heard::Senseless(kind, id),
+        (Kind::Con | Kind::Non, _) if code.class() != 0 => Heard::Senseless(kind, id),
+        (Kind::Con | Kind::Non, _) => match Packet::from_bytes(bytes) {
+            Ok(packet) if written_length(&packet) == bytes.len() => {
+                Heard::Request(Incoming { kind, id, token: Token::new(packet.get_token()), code, packet })
+            }
+            _ => Heard::Senseless(kind, id),
+        },
+    }
+}
+
+/// A message without anything, as an acknowledgement or a rejection.
+#[must_use]
+pub(super) fn empty(kind: Kind, id: u16) -> Vec<u8> {
+    let [high, low] = id.to_be_bytes();
+    let kind = match kind {
+        Kind::Con => 0x40,
+        Kind::Non => 0x50,
+        Kind::Ack => 0x60,
+        Kind::Rst => 0x70,
+    };
+    vec![kind, 0, high, low]
+}
+
+/// The head of a message of ours.
+#[must_use]
+pub(super) fn headed(kind: Kind, code: Code, id: u16, token: Token) -> Packet {
+    let mut packet = Packet::new();
+    packet.header.set_type(match kind {
+        Kind::Con => MessageType::Confirmable,
+        Kind::Non => MessageType::NonConfirmable,
+        Kind::Ack => MessageType::Acknowledgement,
+        Kind::Rst => MessageType::Reset,
+    });
+    packet.header.code = MessageClass::from(code.0);
+    packet.header.message_id = id;
+    packet.set_token(token.bytes().to_vec());
+    packet
+}
+
+/// Adds an option with a number as its value, written as short as it can be.
+pub(super) fn add_number(packet: &mut Packet, option: u16, value: u32) {
+    let bytes = value.to_be_bytes();
+    let skipped = bytes.iter().take_while(|byte| **byte == 0).count();
+    packet.add_option(CoapOption::from(option), bytes[skipped..].to_vec());
+}
+
+/// The message as a datagram.
+#[must_use]
+pub(super) fn written(packet: &Packet) -> Vec<u8> {
+    packet.to_bytes_unlimited().expect("the codec refuses nothing but what is too long, and it was told no length")
+}
+
+const fn kind(first: u8) -> Kind {
+    match (first >> 4) & 3 {
+        0 => Kind::Con,
+        1 => Kind::Non,
+        2 => Kind::Ack,
+        _ => Kind::Rst,
+    }
+}
+
+/// How long a packet is when it is written: a datagram that was longer ended in a marker without a payload.
+fn written_length(packet: &Packet) -> usize {
+    let mut before = 0;
+    let mut length = 4 + packet.get_token().len();
+    for (number, values) in packet.options() {
+        for value in values {
+            length += 1 + extended(usize::from(number - before)) + extended(value.len()) + value.len();
+            before = *number;
+        }
+    }
+    length + if packet.payload.is_empty() { 0 } else { 1 + packet.payload.len() }
+}
+
+/// The bytes that an option's delta or length takes beside its half byte.
+const fn extended(value: usize) -> usize {
+    match value {
+        0..13 => 0,
+        13..269 => 1,
+        _ => 2,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn is_senseless(bytes: &[u8]) -> bool {
+        matches!(heard(bytes), Heard::Senseless(Kind::Con, 0x1234))
+    }
+
+    #[test]
+    fn what_is_no_message_of_this_version_is_nothing() {
+        for bytes in [&[][..], &[0x40], &[0x40, 1, 2], &[0x80, 1, 0x12, 0x34], &[0x00, 1, 0x12, 0x34], &[0xC0, 0, 1, 2]] {
+            assert!(matches!(heard(bytes), Heard::Nothing), "{bytes:?}");
+        }
+    }
+
+    #[test]
+    fn a_message_that_breaks_the_grammar_makes_no_sense() {
+        assert!(is_senseless(&[0x49, 1, 0x12, 0x34, 0, 0, 0, 0, 0, 0, 0, 0, 0]), "a token of nine bytes");
+        assert!(is_senseless(&[0x42, 1, 0x12, 0x34, 0]), "half a token");
+        assert!(is_senseless(&[0x40, 1, 0x12, 0x34, 0xFF]), "a marker without a payload");
+        assert!(is_senseless(&[0x40, 1, 0x12, 0x34, 0xB1, b'a', 0xFF]), "a marker after an option");
+        assert!(is_senseless(&[0x40, 1, 0x12, 0x34, 0xF1, 0]), "a reserved delta");
+        assert!(is_senseless(&[0x40, 1, 0x12, 0x34, 0xB5, b'a']), "half an option");
+        assert!(is_senseless(&[0x40, 0, 0x12, 0x34, 0]), "an empty message with a payload");
+        assert!(is_senseless(&[0x41, 0, 0x12, 0x34, 9]), "an empty message with a token");
+        assert!(is_senseless(&[0x40, 0x45, 0x12, 0x34]), "a response to nobody");
+    }
+
+    #[test]
+    fn a_value_that_ends_in_the_markers_byte_is_a_value() {
+        let Heard::Request(incoming) = heard(&[0x40, 1, 0x12, 0x34, 0xB1, 0xFF]) else { panic!("it is a request") };
+        assert_eq!(incoming.packet.get_first_option(CoapOption::UriPath), Some(&vec![0xFF]));
+    }
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        let mut packet = headed(Kind::Non, Code(3), 77, Token::new(b"tok"));
+        packet.add_option(CoapOption::UriPath, vec![b'x'; 300]);
+        add_number(&mut packet, 258, 0x0001_0203);
+        add_number(&mut packet, 65000, 0);
+        packet.payload = b"payload".to_vec();
+        let Heard::Request(read) = heard(&written(&packet)) else { panic!("it is a request") };
+        assert_eq!((read.kind, read.code, read.id, read.token), (Kind::Non, Code(3), 77, Token::new(b"tok")));
+        assert_eq!(read.packet.payload, b"payload");
+        assert_eq!(read.packet.get_first_option(CoapOption::from(258)), Some(&vec![1, 2, 3]));
+        assert_eq!(read.packet.get_first_option(CoapOption::from(65000)), Some(&vec![]));
+    }
+
+    #[test]
+    fn an_empty_message_is_four_bytes() {
+        assert_eq!(empty(Kind::Rst, 0x1234), [0x70, 0, 0x12, 0x34]);
+        assert!(matches!(heard(&empty(Kind::Ack, 5)), Heard::Ack(5)));
+        assert!(matches!(heard(&empty(Kind::Rst, 5)), Heard::Rst(5)));
+    }
+}

@@ -1,0 +1,270 @@
+//! The way out: answers, notifications, retransmissions, and what is sent again. The way in is `inward`.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+use coap_lite::Packet;
+
+use super::block::Block;
+use super::code::Code;
+use super::inward::Back;
+use super::limits::PEERS;
+use super::message::{Kind, Token, empty, headed, written};
+use super::observe::{Notification, ObserverId};
+use super::reliable::{About, Late, Sent};
+use super::reply::{self, Shape};
+use super::response::{Answer, Response};
+use super::{Endpoint, Open, Transmit};
+use crate::core::units::Now;
+
+impl Endpoint {
+    /// Answers a request with what the application said.
+    pub(super) fn answer(&mut self, mut open: Open, answer: Answer, now: Now) {
+        let observe = self.observe(&mut open, &answer, now);
+        let mut response = answer.response;
+        if open.is_get && response.code == Code::CONTENT && response.tag.is_some_and(|tag| open.etags.contains(&tag)) {
+            let (tag, max_age) = (response.tag, response.max_age);
+            response = Arc::new(Response { tag, max_age, ..Response::new(Code::VALID) });
+        }
+        let Open { key, kind, token, is_acknowledged, block1, block2, wants_size, no_response, .. } = open;
+        let back = Back { key, kind, token };
+        if no_response & (1 << (response.code.class().max(1) - 1)) != 0 {
+            return self.say_nothing(back, is_acknowledged, now);
+        }
+        let shape = Shape { block1, block2, wants_size, observe, echo: None };
+        if is_acknowledged {
+            let packet = reply::packet(Kind::Con, 0, token, &response, &shape);
+            return self.send_separately(key.peer, packet, now);
+        }
+        self.send_reply(back, &response, &shape, now);
+    }
+
+    /// Answers a request that the application does not see.
+    pub(super) fn reply(&mut self, back: Back, response: &Response, block1: Option<Block>, now: Now) {
+        self.send_reply(back, response, &Shape { block1, ..Shape::default() }, now);
+    }
+
+    /// 4.01: prove first that you hear what is sent to your address (RFC 9175, section 2.3).
+    pub(super) fn challenge(&mut self, back: Back, now: Now) {
+        let echo = Some(self.guard.echo(back.key.peer, now.since_start));
+        let packet = |kind, id| {
+            let response = Response::new(Code::UNAUTHORIZED);
+            written(&reply::packet(kind, id, back.token, &response, &Shape { echo: echo.clone(), ..Shape::default() }))
+        };
+        let bytes = match back.kind {
+            Kind::Con => packet(Kind::Ack, back.key.id),
+            Kind::Non | Kind::Ack | Kind::Rst => packet(Kind::Non, self.next_id(back.key.peer)),
+        };
+        self.exchanges.answered(back.key, &bytes);
+        self.transmit(back.key.peer, bytes, now);
+    }
+
+    /// Ends an observation, and what is on its way for it.
+    pub(super) fn forget(&mut self, peer: SocketAddr, observer: ObserverId) {
+        self.reliable.withdraw(peer, observer);
+        self.observers.remove(observer);
+    }
+
+    /// After a message is off its way: the next answer for this peer, else whatever its observers are to be told.
+    pub(super) fn go_on(&mut self, peer: SocketAddr, now: Now) {
+        if self.reliable.is_busy(peer) {
+            return;
+        }
+        match self.reliable.next(peer) {
+            Some(packet) => {
+                self.send_confirmable(peer, packet, About::Answer, now);
+            }
+            None => self.observers.wake(peer, now.since_start),
+        }
+    }
+
+    /// Tells senders whose answer takes longer that it will come.
+    pub(super) fn acknowledge_slow(&mut self, now: Now) {
+        while let Some((_, exchange)) = self.patience.front().copied().filter(|(due, _)| *due <= now.since_start) {
+            self.patience.pop_front();
+            let Some(open) = self.open.get_mut(&exchange).filter(|open| open.kind == Kind::Con && !open.is_acknowledged) else {
+                continue;
+            };
+            open.is_acknowledged = true;
+            let key = open.key;
+            let acknowledgement = empty(Kind::Ack, key.id);
+            self.exchanges.answered(key, &acknowledgement);
+            self.transmit(key.peer, acknowledgement, now);
+        }
+    }
+
+    /// Sends again what was not acknowledged in time, the newest state in the place of an older one.
+    pub(super) fn repeat_late(&mut self, now: Now) {
+        while let Some(late) = self.reliable.late(now.since_start) {
+            match late {
+                Late::Again(peer, sent) => self.repeat(peer, sent, now),
+                Late::GivenUp(peer, sent) => {
+                    if let About::Notification(..) = sent.about {
+                        // Whoever does not answer for so long is gone, with all that it observed.
+                        let gone: Vec<ObserverId> = self.observers.of_peer(peer).collect();
+                        gone.into_iter().for_each(|observer| self.observers.remove(observer));
+                    }
+                    self.go_on(peer, now);
+                }
+            }
+        }
+    }
+
+    /// Tells every observer whose turn has come.
+    pub(super) fn notify_due(&mut self, now: Now) {
+        while let Some(observer) = self.observers.due(now.since_start) {
+            if let Some(notification) = self.observers.notification(observer, now) {
+                self.notify(observer, &notification, now);
+            }
+        }
+    }
+
+    fn notify(&mut self, observer: ObserverId, notification: &Notification, now: Now) {
+        let peer = notification.peer;
+        let on_its_way = self.reliable.about(peer);
+        let is_its_own = matches!(on_its_way, Some(About::Notification(whose, ..)) if whose == observer);
+        if is_its_own || (notification.confirm && on_its_way.is_some()) {
+            // Its turn comes when what is on its way has arrived (`go_on`).
+            return;
+        }
+        let packet = packet_of(notification);
+        if notification.sequence.is_none() {
+            self.observers.remove(observer);
+            return self.send_separately(peer, packet, now);
+        }
+        if notification.confirm {
+            let about = About::Notification(observer, notification.thing, notification.version);
+            let id = self.send_confirmable(peer, packet, about, now);
+            return self.observers.told(observer, notification, id, now.since_start);
+        }
+        let id = self.next_id(peer);
+        if self.transmit(peer, with_head(packet, Kind::Non, id), now) {
+            self.observers.told(observer, notification, id, now.since_start);
+        } else {
+            self.observers.remove(observer);
+        }
+    }
+
+    fn repeat(&mut self, peer: SocketAddr, sent: Sent, now: Now) {
+        let newer = match sent.about {
+            About::Notification(observer, thing, version) => {
+                self.observers.newer(observer, thing, version, now).map(|newer| (observer, newer))
+            }
+            About::Answer => None,
+        };
+        let Some((observer, newer)) = newer else {
+            self.transmit(peer, sent.bytes, now);
+            return;
+        };
+        let id = self.next_id(peer);
+        let bytes = with_head(packet_of(&newer), Kind::Con, id);
+        let about = if newer.sequence.is_some() {
+            self.observers.told(observer, &newer, id, now.since_start);
+            About::Notification(observer, newer.thing, newer.version)
+        } else {
+            self.observers.remove(observer);
+            About::Answer
+        };
+        self.reliable.replace(peer, id, about, bytes.clone());
+        self.transmit(peer, bytes, now);
+    }
+
+    /// Begins or ends an observation, as the request asks; the number that goes with its answer.
+    fn observe(&mut self, open: &mut Open, answer: &Answer, now: Now) -> Option<u32> {
+        let asks = open.observe.filter(|asks| open.is_get && *asks <= 1)?;
+        let peer = open.key.peer;
+        if let Some(before) = self.observers.find(peer, open.token) {
+            self.forget(peer, before);
+            self.go_on(peer, now);
+        }
+        let is_first_block = open.block2.is_none_or(|block| block.number == 0);
+        let request = open.request.take().filter(|_| asks == 0 && is_first_block)?;
+        if answer.observed.is_empty() || !answer.response.code.is_success() {
+            return None;
+        }
+        let exponent = open.block2.unwrap_or(Block::FIRST).exponent;
+        let is_sure = open.kind == Kind::Con && !open.is_acknowledged;
+        self.observers.register((&request, open.token, exponent), answer.observed.clone(), is_sure, now)
+    }
+
+    fn send_reply(&mut self, back: Back, response: &Response, shape: &Shape, now: Now) {
+        let peer = back.key.peer;
+        let (kind, id) = match back.kind {
+            Kind::Con => (Kind::Ack, back.key.id),
+            Kind::Non | Kind::Ack | Kind::Rst => (Kind::Non, self.next_id(peer)),
+        };
+        let bytes = written(&reply::packet(kind, id, back.token, response, shape));
+        self.exchanges.answered(back.key, &bytes);
+        if !self.transmit(peer, bytes, now) {
+            self.challenge(back, now);
+        }
+    }
+
+    /// An answer that is not wanted: a message that asks for an acknowledgement gets that and no more.
+    fn say_nothing(&mut self, back: Back, is_acknowledged: bool, now: Now) {
+        if back.kind == Kind::Con && !is_acknowledged {
+            let acknowledgement = empty(Kind::Ack, back.key.id);
+            self.exchanges.answered(back.key, &acknowledgement);
+            self.transmit(back.key.peer, acknowledgement, now);
+        } else if back.kind == Kind::Non {
+            self.exchanges.answered(back.key, &[]);
+        }
+    }
+
+    /// Sends an answer in a message of its own, when its turn comes.
+    fn send_separately(&mut self, peer: SocketAddr, packet: Packet, now: Now) {
+        if !self.reliable.is_busy(peer) {
+            self.send_confirmable(peer, packet, About::Answer, now);
+            return;
+        }
+        if let Err(one_too_many) = self.reliable.wait(peer, packet) {
+            let id = self.next_id(peer);
+            self.transmit(peer, with_head(*one_too_many, Kind::Non, id), now);
+        }
+    }
+
+    fn send_confirmable(&mut self, peer: SocketAddr, packet: Packet, about: About, now: Now) -> u16 {
+        let id = self.next_id(peer);
+        let bytes = with_head(packet, Kind::Con, id);
+        self.reliable.sent(peer, id, about, bytes.clone(), now.since_start);
+        self.transmit(peer, bytes, now);
+        id
+    }
+
+    /// Puts a datagram on its way, if it may go there; whether it may.
+    pub(super) fn transmit(&mut self, peer: SocketAddr, bytes: Vec<u8>, now: Now) -> bool {
+        let may = self.guard.lets_out(peer, bytes.len(), now.since_start);
+        if may {
+            self.out.push_back(Transmit { peer, bytes });
+        }
+        may
+    }
+
+    /// A message id that this peer has not seen for long: its own count, from a place of chance.
+    fn next_id(&mut self, peer: SocketAddr) -> u16 {
+        let chance = &mut self.chance;
+        let first = || u16::try_from(chance.below(1 << 16)).unwrap_or_default();
+        let id = self.ids.entry(peer).or_insert_with(first);
+        *id = id.wrapping_add(1);
+        let id = *id;
+        self.ids.to_back(&peer);
+        if self.ids.len() > PEERS {
+            self.ids.pop_front();
+        }
+        id
+    }
+}
+
+/// The message of a notification, with any id.
+fn packet_of(notification: &Notification) -> Packet {
+    let Notification { token, response, exponent, sequence, .. } = notification;
+    let whole = response.body.len() <= 16 << exponent;
+    let block2 = (!whole).then_some(Block { number: 0, more: false, exponent: *exponent });
+    reply::packet(Kind::Con, 0, *token, response, &Shape { block2, observe: *sequence, ..Shape::default() })
+}
+
+fn with_head(mut packet: Packet, kind: Kind, id: u16) -> Vec<u8> {
+    let token = Token::new(packet.get_token());
+    packet.header = headed(kind, Code(u8::from(packet.header.code)), id, token).header;
+    written(&packet)
+}

@@ -1,0 +1,126 @@
+//! Giving a command and seeing what it has done, for every door: the answer with a state that contains the effect, or the
+//! refusal with the record it is about. How that looks to a client is the door's business.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::handle::{Gone, Handle};
+use crate::core::command::{Accepted, LuggageRef, Refused, Request};
+use crate::core::world::luggage::Luggage;
+use crate::core::world::snapshot::Snapshot;
+
+/// How long an accepted command's state is waited for; the loop publishes it before it answers, so this is a bound, not a wait.
+const SEEN_TIME: Duration = Duration::from_millis(500);
+
+/// A command that was carried out: its answer, and a state that contains its effect.
+#[derive(Clone, Debug)]
+pub struct Done {
+    /// The answer.
+    pub accepted: Accepted,
+    /// A state at least as new as the answer says.
+    pub snapshot: Arc<Snapshot>,
+}
+
+/// A command that was not carried out.
+#[derive(Clone, Debug)]
+pub enum NotDone {
+    /// The core refused it; the piece of luggage it was about, where it was about one that is known.
+    Refused(Refused, Option<Arc<Luggage>>),
+    /// The program is shutting down.
+    Gone,
+}
+
+impl Handle {
+    /// Gives a command at the call, as `give` does; the future waits for what becomes of it. A stop is seen through although
+    /// the future is dropped. Must be called inside a runtime.
+    ///
+    /// # Errors
+    /// `NotDone` when it was not carried out, and why.
+    #[must_use = "the command is given; what became of it is said by the future"]
+    pub fn carry_out(&self, request: Request) -> impl Future<Output = Result<Done, NotDone>> + Send + use<> {
+        let about = request.command.luggage();
+        let given = self.give(request);
+        let handle = self.clone();
+        async move {
+            match given.await {
+                Ok(Ok(accepted)) => Ok(Done { accepted, snapshot: handle.seen(accepted).await }),
+                Ok(Err(refused)) => Err(NotDone::Refused(refused, handle.record(about))),
+                Err(Gone) => Err(NotDone::Gone),
+            }
+        }
+    }
+
+    async fn seen(&self, accepted: Accepted) -> Arc<Snapshot> {
+        let mut watch = self.watch();
+        let contains = |snapshot: &Arc<Snapshot>| snapshot.revision >= accepted.revision;
+        // A loop that ended or dawdles is no reason to call an accepted command refused: the newest state is shown then.
+        let _ = tokio::time::timeout(SEEN_TIME, async { watch.wait_for(contains).await.map(|_| ()) }).await;
+        self.snapshot()
+    }
+
+    fn record(&self, about: Option<LuggageRef>) -> Option<Arc<Luggage>> {
+        let snapshot = self.snapshot();
+        match about? {
+            LuggageRef::Id(id) => snapshot.luggage(id).cloned(),
+            LuggageRef::Pending => snapshot.pending().cloned(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tokio::sync::{mpsc, watch};
+
+    use super::*;
+    use crate::core::command::{Command, Door, Issuer};
+    use crate::core::settings::Settings;
+    use crate::core::sweep::Sweep;
+    use crate::core::units::{Epoch, LuggageId, Revision};
+    use crate::runtime::halt::Halter;
+    use crate::runtime::handle::{COMMANDS, Envelope};
+
+    /// A handle before a loop that answers one command so, and publishes the state of that revision after a while.
+    fn house(answer: Result<Accepted, Refused>, published: Revision) -> Handle {
+        let (commands, mut envelopes) = mpsc::channel(COMMANDS);
+        let mut sweep = Sweep::new(Settings::default(), Default::default(), "test".into());
+        let (publish, snapshots) = watch::channel(sweep.snapshot());
+        tokio::spawn(async move {
+            let Some(Envelope::Command(_, asks)) = envelopes.recv().await else { return };
+            let _ = asks.send(answer);
+            tokio::time::sleep(SEEN_TIME / 2).await;
+            publish.send_modify(|state| *state = Arc::new(Snapshot { revision: published, ..Snapshot::clone(state) }));
+            publish.closed().await;
+        });
+        Handle::new(commands, snapshots, Halter::new(Epoch(0)))
+    }
+
+    fn accepted(revision: u64) -> Result<Accepted, Refused> {
+        Ok(Accepted { revision: Revision(revision), epoch: Epoch(0), luggage: None })
+    }
+
+    fn start() -> Request {
+        Request::new(Command::Start, Issuer::operator(Door::Local))
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn the_state_that_comes_with_an_answer_contains_its_effect() {
+        let done = house(accepted(70), Revision(71)).carry_out(start()).await.expect("accepted");
+        assert_eq!((done.accepted.revision, done.snapshot.revision), (Revision(70), Revision(71)));
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn an_accepted_command_is_accepted_although_its_state_does_not_come() {
+        let done = house(accepted(70), Revision(69)).carry_out(start()).await.expect("accepted");
+        assert_eq!(done.snapshot.revision, Revision(69));
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_refusal_and_an_end_are_told_apart() {
+        let refused = Refused::UnknownLuggage(LuggageId(9));
+        let not_done = house(Err(refused.clone()), Revision(1)).carry_out(start()).await.expect_err("refused");
+        assert!(matches!(not_done, NotDone::Refused(said, None) if said == refused));
+        let (commands, _) = mpsc::channel(COMMANDS);
+        let gone = Handle::new(commands, house(accepted(1), Revision(1)).watch(), Halter::new(Epoch(0)));
+        assert!(matches!(gone.carry_out(start()).await, Err(NotDone::Gone)));
+    }
+}

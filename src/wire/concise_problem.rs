@@ -1,0 +1,81 @@
+//! A refusal or an error as concise problem details in CBOR (RFC 9290). What a refusal says stands in `problem`; when it is sent
+//! in this form is the door's business.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::cbor;
+use super::luggage::LuggageJson;
+use super::problem::ProblemJson;
+
+/// The URI under which what hallsweep itself adds is found; its value is a map, as the RFC wants it.
+pub const OURS: &str = "urn:hallsweep:problem";
+
+/// The standard entries, by their numbers (RFC 9290, section 2).
+mod key {
+    pub(super) const TITLE: i8 = -1;
+    pub(super) const DETAIL: i8 = -2;
+    pub(super) const RESPONSE_CODE: i8 = -4;
+}
+
+/// What hallsweep adds: the code for programs, that nothing was accepted, and the record a refused verdict was about.
+#[derive(Serialize)]
+struct Ours<'a> {
+    code: &'a str,
+    accepted: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    luggage: Option<&'a LuggageJson>,
+}
+
+/// One entry's name: a number that the RFC gave out, or a URI.
+#[derive(PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(untagged)]
+enum Name {
+    Standard(i8),
+    Custom(&'static str),
+}
+
+/// One entry's value.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Entry<'a> {
+    Text(&'a str),
+    Number(u8),
+    Ours(Ours<'a>),
+}
+
+/// A problem with the code of the response that carries it, as it stands in the message's header.
+#[must_use]
+pub fn written(problem: &ProblemJson, response_code: u8) -> Vec<u8> {
+    let ours = Ours { code: problem.code, accepted: problem.accepted, luggage: problem.luggage.as_ref() };
+    let entries = BTreeMap::from([
+        (Name::Standard(key::TITLE), Entry::Text(&problem.title)),
+        (Name::Standard(key::DETAIL), Entry::Text(&problem.detail)),
+        (Name::Standard(key::RESPONSE_CODE), Entry::Number(response_code)),
+        (Name::Custom(OURS), Entry::Ours(ours)),
+    ]);
+    cbor::written(&entries)
+}
+
+#[cfg(test)]
+mod tests {
+    use minicbor::Decoder;
+
+    use super::*;
+
+    #[test]
+    fn a_problem_has_the_numbers_of_the_rfc_and_our_code_in_a_map_of_its_own() {
+        let problem = ProblemJson::new(409, "Conflict", "moving", "the robot is moving: press STOP first".to_owned());
+        let bytes = written(&problem, 0x89);
+        let mut decoder = Decoder::new(&bytes);
+        assert_eq!(decoder.map().unwrap(), Some(4));
+        assert_eq!((decoder.i8().unwrap(), decoder.u8().unwrap()), (-4, 0x89));
+        assert_eq!((decoder.i8().unwrap(), decoder.str().unwrap()), (-2, "the robot is moving: press STOP first"));
+        assert_eq!((decoder.i8().unwrap(), decoder.str().unwrap()), (-1, "Conflict"));
+        assert_eq!((decoder.str().unwrap(), decoder.map().unwrap()), ("urn:hallsweep:problem", Some(2)));
+        assert_eq!((decoder.str().unwrap(), decoder.str().unwrap()), ("code", "moving"));
+        assert_eq!((decoder.str().unwrap(), decoder.bool().unwrap()), ("accepted", false));
+        assert_eq!(decoder.position(), bytes.len());
+    }
+}
