@@ -43,7 +43,7 @@ fn td_coap_obs_01_con_notifications() {
     let mut cons = 0;
     for turn in 1..=5 {
         let text = format!("seen {turn}");
-        for message in told(&mut bench, "/obs", &text, 4_000) {
+        for message in told(&mut bench, "/obs", &text, 2_900) {
             notifies(&message, b"o1", &text);
             assert!(message.observed().unwrap() > before, "{message:?}");
             before = message.observed().unwrap();
