@@ -59,28 +59,3 @@ fn all_of_a_hundred_observers_hold_the_last_state_when_one_in_twenty_is_lost() {
 fn almost_all_do_when_one_in_five_is_lost_and_all_after_they_registered_again() {
     check(0.2, 0.99);
 }
-
-#[test]
-fn zz_debug() {
-    let mut n = 0;
-    for seed in 0..20 {
-        let mut scene = Scene::crowd(seed, Weather { loss: 0.2, double: 0.01, delay_ms: (1, 100) }, OBSERVERS);
-        let tokens: Vec<Vec<u8>> = (0..usize::from(OBSERVERS)).map(|n| scene.begin_of(n, Ask::observe("/obs"))).collect();
-        for turn in 1..=60 {
-            scene.wait(Duration::from_secs(1));
-            scene.change(|server| server.set("/obs", format!("seen {turn}")));
-        }
-        scene.wait(Duration::from_secs(30));
-        for (client, token) in scene.clients.iter().zip(&tokens) {
-            if client.held(token) != Some(LAST) {
-                n += 1;
-                if n < 8 {
-                println!("\n=== seed {seed} {}", client.address);
-                for (at, m) in client.seen.iter().rev().take(12).rev() { println!("  seen {at:?} {m:?}"); }
-                for (at, m) in client.sent.iter().rev().take(6).rev() { println!("  sent {at:?} {m:?}"); }
-                }
-            }
-        }
-    }
-    panic!("{n}");
-}
