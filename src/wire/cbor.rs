@@ -12,7 +12,11 @@ use super::fields::{Body, Fields, Unread, Unusable, in_short};
 /// A value in CBOR, with the names and shapes that it has in JSON.
 #[must_use]
 pub fn written(value: &impl Serialize) -> Vec<u8> {
-    minicbor_serde::to_vec(value).expect("the shapes of the wire are texts, numbers, lists and maps, and memory takes them all")
+    let mut bytes = Vec::new();
+    let mut serializer = minicbor_serde::Serializer::new(&mut bytes);
+    serializer.serialize_unit_as_null(true);
+    value.serialize(&mut serializer).expect("the shapes of the wire are texts, numbers, lists and maps, and memory takes all");
+    bytes
 }
 
 /// Reads a body from CBOR.
@@ -128,6 +132,7 @@ fn in_words(kind: Type) -> &'static str {
         Type::String | Type::StringIndef => "a text",
         Type::Tag => "a tagged item",
         Type::Bool => "true or false",
+        Type::Int => "a number beyond all bounds",
         Type::Null | Type::Undefined => "null",
         Type::Break | Type::Simple | Type::Unknown(_) => "no value",
         _ => "a number",
@@ -216,7 +221,7 @@ mod tests {
         }
         assert!(refused::<TemperatureBody>(b"\xa1\x67celsius\xf9\x7e\x00").contains("`celsius` is NaN"));
         assert!(refused::<TemperatureBody>(b"\xa1\x67celsius\xf9\xfc\x00").contains("`celsius` is -inf"));
-        assert!(refused::<TemperatureBody>(b"\xa1\x67celsius\x3b\xff\xff\xff\xff\xff\xff\xff\xff").contains("not CBOR"));
+        assert!(refused::<TemperatureBody>(b"\xa1\x67celsius\x3b\xff\xff\xff\xff\xff\xff\xff\xff").contains("beyond all bounds"));
     }
 
     /// Safety A7.

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::format::Format;
-use super::limits::{BURST, CONFIRM_EVERY, OBSERVERS, OBSERVERS_OF_A_PEER, PACE, PACE_UNKNOWN, SETTLED};
+use super::limits::{BURST, CONFIRM_EVERY, OBSERVERS, OBSERVERS_OF_A_PEER, PACE, PACE_OF_A_PEER, PACE_UNKNOWN, SETTLED};
 use super::message::Token;
 use super::request::Request;
 use super::response::Response;
@@ -319,8 +319,9 @@ impl Observers {
         let lacks = |told: &[u64]| {
             subject.things.iter().enumerate().any(|(n, thing)| told.get(n).is_none_or(|told| *told < thing.version))
         };
+        let of_this_peer = self.by_peer.get(&observer.peer).map_or(1, Vec::len);
         let pause = if lacks(&observer.told) {
-            observer.pace()
+            observer.pace().max(PACE_OF_A_PEER * u32::try_from(of_this_peer).unwrap_or(u32::MAX))
         } else if lacks(&observer.sure) {
             SETTLED
         } else {
