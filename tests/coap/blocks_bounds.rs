@@ -47,9 +47,8 @@ fn each_block_is_itself_and_no_other() {
 #[test]
 fn the_reserved_size_is_refused() {
     let mut bench = Bench::new();
-    for (id, request) in [Message::get("/large", 1).block2((0, false, 7)), put(2, 0, false, b"x").block2((0, false, 7))]
-        .into_iter()
-        .enumerate()
+    for (id, request) in
+        [Message::get("/large", 1).block2((0, false, 7)), put(2, 0, false, b"x").block2((0, false, 7))].into_iter().enumerate()
     {
         let request = Message { id: u16::try_from(id).unwrap(), ..request };
         bench.ask(&request).answers(&request, Code::BAD_REQUEST);
@@ -89,6 +88,21 @@ fn a_gap_in_a_body_is_refused_and_nothing_is_done() {
     let gap = put(3, 2, false, &[3; 16]);
     bench.ask(&gap).answers(&gap, Code::INCOMPLETE);
     assert!(bench.server.asked.is_empty());
+}
+
+#[test]
+fn to_read_on_what_was_never_answered_does_nothing() {
+    let mut bench = Bench::new();
+    let request = Message::con(Method::Post, 1).token(b"r").path("/large-post").block2((1, false, 2));
+    bench.ask(&request).answers(&request, Code::INCOMPLETE);
+    let posted = Message::con(Method::Post, 2).path("/large-post").payload(long_body(900)).block2((0, false, 2));
+    assert_eq!(bench.ask(&posted).block(option::BLOCK2), Some((0, true, 2)));
+    let mut other = here();
+    other.set_port(40_001);
+    assert_eq!(bench.ask_from(other, &request).code, Code::INCOMPLETE, "it is the answer of whoever did it");
+    bench.wait(std::time::Duration::from_secs(300));
+    assert_eq!(bench.ask(&request).code, Code::INCOMPLETE, "after so long it is forgotten");
+    assert_eq!(bench.server.asked.len(), 1);
 }
 
 #[test]
