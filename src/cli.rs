@@ -37,7 +37,7 @@ pub struct Cli {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub enum Task {
-    /// Run the robot, the console and the API until SIGINT or SIGTERM (the default).
+    /// Run the robot, the console, the API and the CoAP resources until SIGINT or SIGTERM (the default).
     Serve(Serve),
     /// Run one mission without doors at full speed, and print the map and what it came to.
     Explore(explore::Explore),
@@ -60,6 +60,9 @@ pub struct Serve {
     /// Where the console and the API listen; port 0 takes a free one.
     #[arg(long, value_name = "ADDRESS:PORT")]
     http: Option<String>,
+    /// Where the CoAP resources are, over UDP; port 0 takes a free one, "none": no such door.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    coap: Option<String>,
     /// How fast the simulated robot lives: 1 = as a person would watch it, "max" = without waiting.
     #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
     speed: Option<String>,
@@ -129,6 +132,7 @@ impl Serve {
         let given = [
             ("--hall", "hall.file", &self.hall),
             ("--http", "http.bind", &self.http),
+            ("--coap", "coap.bind", &self.coap),
             ("--speed", "robot.speed", &self.speed),
             ("--seed", "robot.seed", &self.seed),
             ("--strategy", "mission.strategy", &self.strategy),
@@ -183,8 +187,8 @@ mod tests {
 
     #[test]
     fn every_flag_is_a_setting() {
-        let given = flags("hallsweep --hall h --http a --speed -1 --seed -2 --strategy s --data d");
-        assert_eq!(given.len(), 6);
+        let given = flags("hallsweep --hall h --http a --coap c --speed -1 --seed -2 --strategy s --data d");
+        assert_eq!(given.len(), 7);
         for (key, _) in given {
             assert!(crate::config::Key::named(key).is_some(), "{key} is no setting");
         }

@@ -30,6 +30,10 @@ pub struct Settings {
     pub hall_origin: String,
     /// The console and the API.
     pub http: HttpSettings,
+    /// Where the CoAP resources are, over UDP; `None`: there is no such door.
+    pub coap: Option<SocketAddr>,
+    /// What clients of the original system may do.
+    pub old_clients: OldClients,
     /// Where everything is kept that outlives the program; `None`: nothing is kept.
     pub store: Option<PathBuf>,
     /// The simulated robot.
@@ -57,6 +61,13 @@ pub struct HttpSettings {
     pub hosts: Vec<String>,
     /// Certificate and key, where connections are encrypted.
     pub tls: Option<TlsFiles>,
+}
+
+/// What clients of the original system may do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OldClients {
+    /// Whether they may drive the robot by hand; halt it they may always.
+    pub manual_driving: bool,
 }
 
 /// The files that TLS needs, both in PEM.

@@ -12,7 +12,7 @@ use tracing_subscriber::EnvFilter;
 use super::error::SettingsError;
 use super::layers::Layers;
 use super::raw::{self, Raw};
-use super::{HttpSettings, RobotSettings, Settings, Speed, TlsFiles, folder};
+use super::{HttpSettings, OldClients, RobotSettings, Settings, Speed, TlsFiles, folder};
 use crate::core::command::TemperatureReport;
 use crate::core::explore::Strategy;
 use crate::core::settings::Settings as CoreSettings;
@@ -40,6 +40,8 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
         hall: hall(layers, &raw.hall)?,
         hall_origin: layers.origin("hall.file"),
         http: http(layers, &raw.http)?,
+        coap: coap(layers, &raw.coap)?,
+        old_clients: OldClients { manual_driving: raw.old_clients.manual_driving },
         store: store(layers, &raw.store)?,
         robot: robot(layers, &raw.robot)?,
         strategy: strategy(layers, &raw.mission)?,
@@ -76,7 +78,7 @@ fn hall(layers: &Layers, raw: &raw::Hall) -> Result<String, SettingsError> {
 }
 
 fn http(layers: &Layers, raw: &raw::Http) -> Result<HttpSettings, SettingsError> {
-    let bind: SocketAddr = raw.bind.parse().map_err(|_| layers.wrong("http.bind", "it is not an address with a port"))?;
+    let bind = address(layers, "http.bind", &raw.bind)?;
     let hosts = match &raw.hosts {
         raw::Hosts::Several(names) => names.clone(),
         raw::Hosts::Single(name) => vec![name.clone()],
@@ -86,6 +88,25 @@ fn http(layers: &Layers, raw: &raw::Http) -> Result<HttpSettings, SettingsError>
     }
     let asks_for_keys = raw.require_token || !bind.ip().is_loopback();
     Ok(HttpSettings { bind, asks_for_keys, hosts, tls: tls(layers, raw)? })
+}
+
+fn address(layers: &Layers, key: &str, written: &str) -> Result<SocketAddr, SettingsError> {
+    written.parse().map_err(|_| layers.wrong(key, "it is not an address with a port"))
+}
+
+/// There are no keys for CoAP: beyond loopback it shows everything to whoever reaches it, and that must be meant.
+fn coap(layers: &Layers, raw: &raw::Coap) -> Result<Option<SocketAddr>, SettingsError> {
+    if raw.bind == "none" {
+        return Ok(None);
+    }
+    let bind = address(layers, "coap.bind", &raw.bind)?;
+    if raw.open_to_others || bind.ip().to_canonical().is_loopback() {
+        return Ok(Some(bind));
+    }
+    let problem = "everybody who reaches this address could read everything there, unencrypted and without a key";
+    let advice = "write an address of this machine alone, as 127.0.0.1:5683, or none for no such door; or set \
+                  coap.open_to_others = true if that is meant";
+    Err(layers.wrong_with_advice("coap.bind", problem, advice))
 }
 
 /// A name as it stands in a link, before the port.

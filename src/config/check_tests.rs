@@ -193,6 +193,10 @@ fn every_kind_of_wrong_value_is_refused() {
         ("HALL__FILE", " "),
         ("HTTP__BIND", "localhost"),
         ("HTTP__REQUIRE_TOKEN", "perhaps"),
+        ("COAP__BIND", "5683"),
+        ("COAP__BIND", ""),
+        ("COAP__OPEN_TO_OTHERS", "perhaps"),
+        ("OLD_CLIENTS__MANUAL_DRIVING", "1"),
         ("HTTP__HOSTS", "hall.example:8080"),
         ("HTTP__HOSTS", "[\"\"]"),
         ("HTTP__HOSTS", "[1]"),
@@ -235,6 +239,32 @@ fn keys_are_asked_for_beyond_loopback_and_on_it_when_that_is_wanted() {
     let mut insecure = flag("--http", "http.bind", "0.0.0.0:0");
     insecure.environment = vec![("HALLSWEEP__HTTP__REQUIRE_TOKEN".into(), "false".into())];
     assert!(asks(&insecure), "nothing takes it back");
+}
+
+/// Safety A1, A4.
+#[test]
+fn coap_is_for_this_machine_unless_somebody_means_otherwise() {
+    let coap = |address: &str| load(&flag("--coap", "coap.bind", address));
+    assert_eq!(load(&Sources::default()).expect("good").coap, "127.0.0.1:5683".parse().ok());
+    assert_eq!(coap("none").expect("no door").coap, None);
+    for address in ["127.0.0.1:0", "127.9.9.9:5683", "[::1]:5683", "[::ffff:127.0.0.1]:5683"] {
+        assert_eq!(coap(address).expect(address).coap, address.parse().ok());
+    }
+    for address in ["0.0.0.0:5683", "192.0.2.7:5683", "[::]:5683"] {
+        let said = coap(address).expect_err(address).to_string();
+        assert!(said.starts_with(&format!("setting coap.bind = {address:?} (from flag --coap): everybody")), "{said}");
+        assert!(said.contains("coap.open_to_others = true") && said.contains("127.0.0.1:5683"), "{said}");
+        let mut meant = flag("--coap", "coap.bind", address);
+        meant.environment = vec![("HALLSWEEP__COAP__OPEN_TO_OTHERS".into(), "true".into())];
+        assert_eq!(load(&meant).expect("it is meant").coap, address.parse().ok());
+    }
+}
+
+#[test]
+fn old_clients_do_not_drive_unless_they_are_let() {
+    assert!(!load(&Sources::default()).expect("good").old_clients.manual_driving);
+    let let_drive = environment("HALLSWEEP__OLD_CLIENTS__MANUAL_DRIVING", "true");
+    assert!(load(&let_drive).expect("good").old_clients.manual_driving);
 }
 
 #[test]

@@ -11,8 +11,12 @@ pub struct Key {
     pub advice: &'static str,
 }
 
+/// What to write for the address of the CoAP door.
+const COAP_BIND: &str =
+    "write ADDRESS:PORT with a number for an address, as 127.0.0.1:5683 or [::1]:5683, or none for no such door";
+
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 20] = [
+pub const KEYS: [Key; 23] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file"),
     text("http.bind", "write ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080"),
     value("http.require_token", "write true or false"),
@@ -22,6 +26,9 @@ pub const KEYS: [Key; 20] = [
         "http.tls_key",
         "name the PEM file with the certificate's private key, and http.tls_certificate too; or leave both empty",
     ),
+    text("coap.bind", COAP_BIND),
+    value("coap.open_to_others", "write true or false"),
+    value("old_clients.manual_driving", "write true or false"),
     text("store.folder", "name a folder; or leave it empty for the usual one, or write none so that nothing is kept"),
     value("robot.speed", "write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting"),
     value("robot.seed", "write a whole number from 0 to 18446744073709551615"),
@@ -98,6 +105,6 @@ mod tests {
             Key::advice_for_unknown("mission.order"),
             "in [mission] there are mission.strategy, mission.inspect_everything, mission.wall_lines"
         );
-        assert!(Key::advice_for_unknown("htpp.bind").starts_with("the sections are hall, http, store, robot"));
+        assert!(Key::advice_for_unknown("htpp.bind").starts_with("the sections are hall, http, coap, old_clients, store, robot"));
     }
 }

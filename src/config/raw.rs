@@ -6,6 +6,8 @@ use serde::Deserialize;
 pub(super) struct Raw {
     pub(super) hall: Hall,
     pub(super) http: Http,
+    pub(super) coap: Coap,
+    pub(super) old_clients: OldClients,
     pub(super) store: Store,
     pub(super) robot: Robot,
     pub(super) mission: Mission,
@@ -33,6 +35,17 @@ pub(super) struct Http {
 pub(super) enum Hosts {
     Several(Vec<String>),
     Single(String),
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Coap {
+    pub(super) bind: String,
+    pub(super) open_to_others: bool,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct OldClients {
+    pub(super) manual_driving: bool,
 }
 
 #[derive(Debug, Deserialize)]

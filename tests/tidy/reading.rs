@@ -52,12 +52,15 @@ pub(crate) fn sources(directory: &str) -> Vec<Source> {
     rust.map(|path| Source::new(&name(path), &std::fs::read_to_string(path).expect("a source is UTF-8"))).collect()
 }
 
+/// Folders that hold what others wrote, or what a test left.
+const NOT_OURS: [&str; 3] = ["node_modules", "python_modules", "shots"];
+
 /// Every file under a directory, in order. Third-party folders are left out.
 pub(crate) fn files(directory: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(directory) else { return Vec::new() };
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.expect("a directory that can be read").path()).collect();
     paths.sort();
-    let ours = paths.into_iter().filter(|path| !path.ends_with("node_modules") && !path.ends_with("shots"));
+    let ours = paths.into_iter().filter(|path| !NOT_OURS.iter().any(|folder| path.ends_with(folder)));
     ours.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
 

@@ -49,15 +49,20 @@ pub const OBSERVERS_OF_A_PEER: usize = 64;
 /// The least time between two notifications of one observation: nobody who watches a robot needs more than fifty a second.
 pub const PACE: Duration = Duration::from_millis(20);
 
-/// The same for a peer that is not on this machine, as long as nobody knows how far away it is (RFC 7641, section 4.5.1).
+/// And between two notifications of one peer, whatever it observes: message ids have 16 bits and may not come again within
+/// `EXCHANGE_LIFETIME`, which leaves 265 a second.
+pub const PACE_OF_A_PEER: Duration = Duration::from_millis(5);
+
+/// The same as `PACE` for a peer that is not on this machine, as long as nobody knows how far away it is (RFC 7641, section 4.5.1).
 pub const PACE_UNKNOWN: Duration = Duration::from_secs(3);
 
 /// Notifications that go out at once; the next ones follow a millisecond later, so that neither our buffers nor a reader's
 /// overflow.
 pub const BURST: usize = 32;
 
-/// When nothing has changed for so long, what was sent without acknowledgement is sent with one.
-pub const SETTLED: Duration = Duration::from_secs(1);
+/// When a thing has not changed for so long since it was told without acknowledgement, it is told with one. It is longer than a
+/// second because much changes every second, and an acknowledgement that is lost then holds up what comes after it.
+pub const SETTLED: Duration = Duration::from_millis(1500);
 
 /// While it changes all the time, so often an acknowledgement is asked for all the same, and those who are gone are found out.
 /// RFC 7641, section 4.5, asks for one a day.

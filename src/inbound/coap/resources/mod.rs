@@ -16,7 +16,6 @@ mod table;
 #[cfg(test)]
 mod testing;
 
-use std::pin::Pin;
 use std::sync::Arc;
 
 use self::acts::{Act, Terms};
@@ -26,21 +25,15 @@ use self::old::OldModel;
 use self::photos::Photos;
 use self::problem::Problem;
 use self::table::{Found, Table};
+use super::application::{Application, Said};
 use super::endpoint::code::Method;
 use super::endpoint::request::{Conditions, Request};
 use super::endpoint::response::{Answer, Response};
+use crate::access::Need;
 use crate::core::command::{self, Command, Refused};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::handle::Handle;
 use crate::wire::fields::in_short;
-
-/// What is said to a request.
-pub enum Said {
-    /// This.
-    Now(Answer),
-    /// What the future says. What was asked for is already given.
-    Later(Pin<Box<dyn Future<Output = Answer> + Send>>),
-}
 
 /// The resources of this door.
 pub struct Resources {
@@ -61,17 +54,28 @@ impl Resources {
         let old = OldModel::new(&handle.snapshot(), &kept);
         Resources { handle, archive, table: Table::default(), kept, old, photos: Arc::default(), manual_driving }
     }
+}
 
-    /// Answers a request. Must be called inside a runtime.
-    pub fn answer(&self, request: &Request) -> Said {
+impl Application for Resources {
+    /// Must be called inside a runtime.
+    fn answer(&self, request: &Request) -> Said {
         self.taken(request).unwrap_or_else(|problem| self.refused(request, &problem))
     }
 
-    /// What whoever observes what this request asks for sees now.
-    pub fn things(&self, request: &Request) -> Vec<Arc<Response>> {
+    fn things(&self, request: &Request) -> Vec<Arc<Response>> {
         self.seen(request).unwrap_or_else(|problem| vec![Arc::new(problem.response(request))])
     }
 
+    fn is_urgent(&self, request: &Request) -> bool {
+        let found = self.table.find(&request.path).filter(|_| Caller::of(request.peer) == Caller::Here);
+        let act = found.and_then(|found| found.row.act(request.method));
+        act.filter(|act| act.need() == Need::Stop).is_some_and(|act| {
+            acts::command(act, 0, request, self.manual_driving).is_ok_and(|(command, _)| command == Command::Stop)
+        })
+    }
+}
+
+impl Resources {
     fn taken(&self, request: &Request) -> Result<Said, Problem> {
         let found = self.table.find(&request.path).ok_or_else(|| Problem::nothing_at(request))?;
         match (&found.row.shows, found.row.act(request.method)) {

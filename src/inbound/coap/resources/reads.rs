@@ -3,12 +3,13 @@
 
 use std::sync::Arc;
 
+use super::super::application::Said;
 use super::super::endpoint::format::Format;
 use super::super::endpoint::request::Request;
 use super::super::endpoint::response::{Answer, Response, Tag};
 use super::problem::Problem;
 use super::table::{Row, Show, Shown};
-use super::{Resources, Said, discovery, photos, shows};
+use super::{Resources, discovery, photos, shows};
 use crate::core::units::LuggageId;
 use crate::core::world::snapshot::Snapshot;
 

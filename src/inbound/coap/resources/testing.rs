@@ -6,10 +6,11 @@ use std::sync::{Arc, Mutex};
 
 use tokio::sync::{mpsc, watch};
 
+use super::super::application::{Application, Said};
 use super::super::endpoint::code::Method;
 use super::super::endpoint::request::{Conditions, Request};
 use super::super::endpoint::response::Answer;
-use super::{Resources, Said};
+use super::Resources;
 use crate::core::command::{self, Accepted, Command, Issuer, LuggageRef, Refused};
 use crate::core::effect::Entry;
 use crate::core::event::Photo;

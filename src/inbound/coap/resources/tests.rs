@@ -182,6 +182,27 @@ async fn a_stop_reads_nothing_of_its_request() {
     }
 }
 
+/// Safety S1: it is taken however much is under way already.
+#[tokio::test]
+async fn a_stop_is_urgent_and_nothing_else_is() {
+    let house = house(searching());
+    let is_urgent = |request| house.resources.is_urgent(&request);
+    for stop in [
+        post("/commands/stop", "{not json"),
+        post("/commands/move", r#"{"move":"h"}"#),
+        put("/resourcemodel", "h"),
+        labelled(Format(9999), b" h ".to_vec(), post("/resourcemodel", "")),
+    ] {
+        assert!(is_urgent(stop.clone()), "{stop:?}");
+        assert!(!is_urgent(Request { peer: "192.0.2.7:1".parse().unwrap(), ..stop }), "others may not stop here");
+    }
+    for other in
+        [post("/commands/move", r#"{"move":"w"}"#), put("/resourcemodel", "safe"), get("/commands/stop"), get("/nothing")]
+    {
+        assert!(!is_urgent(other.clone()), "{other:?}");
+    }
+}
+
 /// Safety A6.
 #[tokio::test]
 async fn the_name_of_a_command_and_the_epoch_its_sender_saw_go_with_it() {

@@ -1,0 +1,231 @@
+//! CoAP clients that others wrote, as users have them: libcoap's command from Debian, aiocoap from PyPI, node's coap-cli from npm.
+//! How each is found, asked, and read. What they are asked is the tests' business.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use super::ask::{Ask, Reply};
+
+/// A client. Three, because each reads the RFCs in its own way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Client {
+    /// `coap-client-notls` (Debian's libcoap3-bin).
+    Libcoap,
+    /// `aiocoap-client`, and the library under it for what that command cannot do.
+    Aiocoap,
+    /// `coap` (npm's coap-cli, over node-coap).
+    CoapCli,
+}
+
+impl Client {
+    /// All of them.
+    pub(crate) const ALL: [Client; 3] = [Client::Libcoap, Client::Aiocoap, Client::CoapCli];
+
+    /// Whether it is there. When it is not, a word says what to install, or the test fails under `HALLSWEEP_REQUIRE_CLIENTS=1`.
+    pub(crate) fn is_here(self) -> bool {
+        let runs = |command: &mut Command| {
+            let run = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status();
+            run.is_ok_and(|status| status.success())
+        };
+        let (here, missing) = match self {
+            // It has no `--version`; asked for nothing, it shows how it is used.
+            Client::Libcoap => (
+                Command::new(LIBCOAP).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok(),
+                "coap-client-notls (apt-get install libcoap3-bin)",
+            ),
+            Client::Aiocoap => (
+                runs(python().args(["-c", "import aiocoap"])),
+                "aiocoap (python3 -m pip install --target tests/clients/python_modules -r tests/clients/requirements.txt)",
+            ),
+            Client::CoapCli => (
+                folder().join(COAP_CLI).exists() && runs(Command::new("node").arg("--version")),
+                "coap-cli (apt-get install nodejs npm; npm --prefix tests/clients ci)",
+            ),
+        };
+        here || left_out(missing)
+    }
+
+    /// Asks once, and waits for what it prints.
+    pub(crate) fn ask(self, url: &str, ask: &Ask) -> Reply {
+        let output = self.run(url, ask);
+        self.reply(&output)
+    }
+
+    /// Asks once; everything the client printed.
+    pub(crate) fn run(self, url: &str, ask: &Ask) -> Output {
+        patiently(&self.command(url, ask)).stdin(Stdio::null()).output().unwrap_or_else(|error| panic!("{self:?}: {error}"))
+    }
+
+    /// What starts it with this request.
+    pub(crate) fn command(self, url: &str, ask: &Ask) -> Command {
+        let url = format!("{url}{}", ask.path);
+        match self {
+            Client::Libcoap => libcoap(&url, ask),
+            Client::Aiocoap if ask.block.is_some() || ask.observe || !ask.options.is_empty() => aiocoap_library(&url, ask),
+            Client::Aiocoap => aiocoap_client(&url, ask),
+            Client::CoapCli => coap_cli(&url, ask),
+        }
+    }
+
+    /// What was answered, read from what the client printed. Each shows codes in its own place.
+    fn reply(self, output: &Output) -> Reply {
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let all = format!("{}\n{said}", String::from_utf8_lossy(&output.stdout));
+        let code = match self {
+            // Silent on success; otherwise a line with the code, and what came with it behind.
+            Client::Libcoap => said.lines().rev().find_map(first_code),
+            Client::Aiocoap => said.lines().rev().find_map(|line| first_code(line.rsplit("client:").next()?)),
+            Client::CoapCli => said.split('(').rev().find_map(first_code),
+        };
+        let refused = code.as_ref().is_some_and(|code| !code.starts_with('2'));
+        let body = if refused && output.stdout.is_empty() { said.clone().into_bytes() } else { output.stdout.clone() };
+        Reply { code: code.unwrap_or_else(|| "2.xx".to_owned()), body, all }
+    }
+}
+
+/// The commands of Debian's package have no plain names; this one knows no DTLS, and needs none.
+const LIBCOAP: &str = "coap-client-notls";
+
+/// Where npm puts it.
+const COAP_CLI: &str = "node_modules/coap-cli/index.js";
+
+/// A client waits for minutes for a server that is gone; a test does not.
+const PATIENCE_S: &str = "120";
+
+/// Says that a test is left out, and why; fails instead when everything must be there.
+pub(crate) fn left_out(missing: &str) -> bool {
+    let required = std::env::var("HALLSWEEP_REQUIRE_CLIENTS").is_ok_and(|value| value == "1");
+    assert!(!required, "the tests of the CoAP door need {missing}");
+    // Written past the test harness, which would keep it to itself.
+    writeln!(std::io::stderr(), "a test of the CoAP door is left out: it needs {missing}").expect("standard error is open");
+    false
+}
+
+/// The same command, ended after a while.
+pub(crate) fn patiently(command: &Command) -> Command {
+    let mut timeout = Command::new("timeout");
+    timeout.arg(PATIENCE_S).arg(command.get_program()).args(command.get_args());
+    timeout.envs(command.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    timeout
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/clients")
+}
+
+fn python() -> Command {
+    let mut python = Command::new("python3");
+    // The client warns about itself otherwise; and what it prints is read while it runs.
+    python.args(["-W", "ignore"]).env("PYTHONPATH", folder().join("python_modules")).env("PYTHONUNBUFFERED", "1");
+    python
+}
+
+fn libcoap(url: &str, ask: &Ask) -> Command {
+    let mut command = Command::new(LIBCOAP);
+    command.args(["-m", ask.method, "-B", PATIENCE_S]);
+    if ask.observe {
+        command.args(["-s", PATIENCE_S]);
+    }
+    if ask.non {
+        command.arg("-N");
+    }
+    let numbers = [("-t", ask.format), ("-A", ask.accept), ("-b", ask.block)];
+    for (flag, value) in numbers.into_iter().filter_map(|(flag, number)| Some((flag, number?.to_string()))) {
+        command.args([flag, &value]);
+    }
+    if let Some(payload) = ask.payload {
+        command.args(["-e", payload]);
+    }
+    for (number, value) in &ask.options {
+        command.args(["-O", &format!("{number},0x{}", hex(value))]);
+    }
+    if let Some(token) = ask.token {
+        command.args(["-T", token]);
+    }
+    command.arg(url);
+    command
+}
+
+fn aiocoap_client(url: &str, ask: &Ask) -> Command {
+    let mut command = python();
+    command.args(["-m", "aiocoap.cli.client", "-v", "-m", ask.method]);
+    if ask.non {
+        command.arg("--non");
+    }
+    let numbers = [("--content-format", ask.format), ("--accept", ask.accept)];
+    for (flag, value) in numbers.into_iter().filter_map(|(flag, number)| Some((flag, number?.to_string()))) {
+        command.args([flag, &value]);
+    }
+    if let Some(payload) = ask.payload {
+        command.args(["--payload", payload]);
+    }
+    if let Some(size) = ask.upload_block {
+        command.args(["--payload-initial-szx", &exponent(size)]);
+    }
+    command.arg(url);
+    command
+}
+
+fn aiocoap_library(url: &str, ask: &Ask) -> Command {
+    let mut command = python();
+    command.arg(folder().join("ask.py")).arg("--method").arg(ask.method.to_uppercase());
+    if ask.observe {
+        command.arg("--observe");
+    }
+    if let Some(accept) = ask.accept {
+        command.args(["--accept", &accept.to_string()]);
+    }
+    if let Some(size) = ask.block {
+        command.args(["--block", &exponent(size)]);
+    }
+    if let Some(payload) = ask.payload {
+        command.args(["--payload", payload]);
+    }
+    for (number, value) in &ask.options {
+        command.args(["--option", &format!("{number},{}", hex(value))]);
+    }
+    command.arg(url);
+    command
+}
+
+fn coap_cli(url: &str, ask: &Ask) -> Command {
+    let mut command = Command::new("node");
+    // Without `-n` it ends what it prints with a newline, and changes bytes that are no text.
+    command.arg(folder().join(COAP_CLI)).arg(ask.method).arg("-n");
+    if ask.observe {
+        command.arg("-o");
+    }
+    if ask.non {
+        command.arg("-c");
+    }
+    if let Some(size) = ask.block {
+        command.args(["-b", &exponent(size)]);
+    }
+    let numbers = [(12, ask.format), (17, ask.accept)];
+    let numbers = numbers.into_iter().filter_map(|(option, number)| Some((option, number?.to_be_bytes().to_vec())));
+    for (number, value) in numbers.chain(ask.options.iter().cloned()) {
+        command.args(["-O", &format!("{number},0x{}", hex(&value))]);
+    }
+    if let Some(payload) = ask.payload {
+        command.args(["-p", payload]);
+    }
+    command.arg(url);
+    command
+}
+
+/// The exponent by which a size of blocks is written: 0 for 16 bytes, 6 for 1024.
+fn exponent(size: u16) -> String {
+    (size.ilog2() - 4).to_string()
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// A response code at the beginning of a text, as `4.09`.
+fn first_code(text: &str) -> Option<String> {
+    let code = text.trim_start().get(..4)?;
+    let digits = code.chars().enumerate().all(|(place, letter)| if place == 1 { letter == '.' } else { letter.is_ascii_digit() });
+    digits.then(|| code.to_owned())
+}

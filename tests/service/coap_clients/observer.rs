@@ -1,0 +1,114 @@
+//! A client that observes: started, read while it runs, ended as a user ends it. Which client, and what it makes of what it sees, is
+//! not here.
+
+use std::io::Read;
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::sleep;
+use std::time::Duration;
+
+use serde_json::Value;
+
+use super::ask::Ask;
+use super::client::Client;
+use crate::program::Deadline;
+
+/// How long anything is waited for: far longer than it takes, even on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// How often what was printed is looked at.
+const GLANCE: Duration = Duration::from_millis(5);
+
+/// The heads of the items of `/resourcemodel`, by which they are told apart: not every client prints something between them.
+const HEADS: [&str; 3] = ["robot( ", "roomMap( ", "luggage( "];
+
+/// A running client.
+pub(crate) struct Observer {
+    client: Client,
+    child: Child,
+    printed: Arc<Mutex<Vec<u8>>>,
+}
+
+impl Observer {
+    /// Lets a client observe, and waits for the first thing that it prints.
+    pub(crate) fn start(client: Client, url: &str, ask: Ask) -> Observer {
+        let ask = Ask { observe: true, ..ask };
+        let mut command: Command = client.command(url, &ask);
+        let started = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
+        let mut child = started.unwrap_or_else(|error| panic!("{client:?}: {error}"));
+        let mut pipe = child.stdout.take().expect("standard output is a pipe");
+        let printed = Arc::new(Mutex::new(Vec::new()));
+        let into = Arc::clone(&printed);
+        std::thread::spawn(move || {
+            let mut some = [0; 4096];
+            while let Ok(length @ 1..) = pipe.read(&mut some) {
+                into.lock().unwrap_or_else(PoisonError::into_inner).extend_from_slice(&some[..length]);
+            }
+        });
+        let observer = Observer { client, child, printed };
+        observer.until("something is printed", |text| !text.is_empty());
+        observer
+    }
+
+    /// Everything it has printed.
+    pub(crate) fn text(&self) -> String {
+        String::from_utf8_lossy(&self.printed.lock().unwrap_or_else(PoisonError::into_inner)).into_owned()
+    }
+
+    /// Waits until what it has printed is as wanted, and returns that.
+    pub(crate) fn until(&self, wanted: &str, is_so: impl Fn(&str) -> bool) -> String {
+        let deadline = Deadline::within(PATIENCE);
+        loop {
+            let text = self.text();
+            if is_so(&text) {
+                return text;
+            }
+            let end = text.len().saturating_sub(2_000);
+            let tail = String::from_utf8_lossy(&text.as_bytes()[end..]).into_owned();
+            assert!(!deadline.has_passed(), "{:?} never came to see that {wanted}; at the end it saw\n{tail}", self.client);
+            sleep(GLANCE);
+        }
+    }
+
+    /// Waits until the latest of the JSON values it has seen is as wanted, and returns that.
+    pub(crate) fn until_json(&self, wanted: &str, is_so: impl Fn(&Value) -> bool) -> Value {
+        let text = self.until(wanted, |text| values(text).last().is_some_and(&is_so));
+        values(&text).pop().expect("there was one just now")
+    }
+
+    /// Waits until the latest item with this head of `/resourcemodel` is as wanted, and returns that.
+    pub(crate) fn until_item(&self, head: &str, wanted: &str, is_so: impl Fn(&str) -> bool) -> String {
+        let latest = |text: &str| items(text).into_iter().rfind(|item| item.starts_with(head));
+        let text = self.until(wanted, |text| latest(text).is_some_and(|item| is_so(&item)));
+        latest(&text).expect("there was one just now")
+    }
+
+    /// Ends it as Ctrl-C does.
+    pub(crate) fn end(mut self) {
+        let told = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status();
+        assert!(told.expect("kill is there").success());
+        self.child.wait().expect("the client ends");
+    }
+}
+
+/// A test that fails leaves no client behind.
+impl Drop for Observer {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The whole JSON values in a text, one after another.
+pub(crate) fn values(text: &str) -> Vec<Value> {
+    serde_json::Deserializer::from_str(text).into_iter().map_while(Result::ok).collect()
+}
+
+/// The whole items of `/resourcemodel` in a text, one after another.
+pub(crate) fn items(text: &str) -> Vec<String> {
+    let mut starts: Vec<usize> = HEADS.iter().flat_map(|head| text.match_indices(head).map(|(place, _)| place)).collect();
+    starts.sort_unstable();
+    let ends = starts.iter().skip(1).copied().chain([text.len()]);
+    let items = starts.iter().zip(ends).map(|(start, end)| text[*start..end].trim_end().to_owned());
+    items.filter(|item| item.ends_with(" )")).collect()
+}
