@@ -3,6 +3,8 @@
 
 #[path = "service/access.rs"]
 mod access;
+#[path = "service/coap.rs"]
+mod coap;
 #[path = "service/commands.rs"]
 mod commands;
 #[path = "service/explore.rs"]
