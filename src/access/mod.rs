@@ -21,4 +21,4 @@ pub use keys::{Key, Keys, OPERATOR, SignedIn};
 pub use network::Network;
 pub use role::{Need, Role};
 pub use session::SESSION_S;
-pub use token::Token;
+pub use token::{Token, chance};

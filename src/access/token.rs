@@ -17,9 +17,7 @@ impl Token {
     /// # Errors
     /// `AccessError::Chance` when the system has none.
     pub fn draw() -> Result<Token, AccessError> {
-        let mut bytes = [0; BYTES];
-        getrandom::fill(&mut bytes).map_err(|error| AccessError::Chance(error.to_string()))?;
-        Ok(Token(hexadecimal(&bytes).into()))
+        Ok(Token(hexadecimal(&chance()?).into()))
     }
 
     /// The token written like this; `None` when it is none.
@@ -40,6 +38,16 @@ impl fmt::Debug for Token {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("Token(…)")
     }
+}
+
+/// Bytes that nobody can guess, from the system's own source of chance.
+///
+/// # Errors
+/// `AccessError::Chance` when the system has none.
+pub fn chance() -> Result<[u8; BYTES], AccessError> {
+    let mut bytes = [0; BYTES];
+    getrandom::fill(&mut bytes).map_err(|error| AccessError::Chance(error.to_string()))?;
+    Ok(bytes)
 }
 
 /// Bytes as small hexadecimal digits.

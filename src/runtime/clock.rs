@@ -31,4 +31,12 @@ impl Clock {
     pub fn instant(&self, since_start: Duration) -> tokio::time::Instant {
         tokio::time::Instant::from_std(self.start + since_start)
     }
+
+    /// Waits until `since_start` is reached; for ever, when there is nothing to wait for.
+    pub async fn reach(&self, since_start: Option<Duration>) {
+        match since_start {
+            Some(since_start) => tokio::time::sleep_until(self.instant(since_start)).await,
+            None => std::future::pending().await,
+        }
+    }
 }

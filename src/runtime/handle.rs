@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tokio::sync::mpsc::error::TrySendError;
-use tokio::sync::{mpsc, oneshot, watch};
+use tokio::sync::{Semaphore, mpsc, oneshot, watch};
 
 use super::halt::Halter;
 use crate::core::command::{Accepted, Command, Issuer, Refused, Request};
@@ -11,6 +11,10 @@ use crate::core::world::snapshot::Snapshot;
 
 /// Commands that wait for the loop: enough for every operator of a site to press at once.
 pub const COMMANDS: usize = 256;
+
+/// STOPs that wait in tasks of their own because the queue is full: as many again. Of more the halt stands, and the record waits
+/// with whoever waits for the answer.
+const STOPS: usize = COMMANDS;
 
 /// What is on its way from a door to the loop.
 #[derive(Debug)]
@@ -27,6 +31,7 @@ pub struct Handle {
     commands: mpsc::Sender<Envelope>,
     snapshots: watch::Receiver<Arc<Snapshot>>,
     halter: Halter,
+    stops: Arc<Semaphore>,
 }
 
 /// The loop has ended; the program is shutting down.
@@ -46,8 +51,8 @@ struct Waiting {
 impl Handle {
     /// A handle over the loop's channels.
     #[must_use]
-    pub const fn new(commands: mpsc::Sender<Envelope>, snapshots: watch::Receiver<Arc<Snapshot>>, halter: Halter) -> Handle {
-        Handle { commands, snapshots, halter }
+    pub fn new(commands: mpsc::Sender<Envelope>, snapshots: watch::Receiver<Arc<Snapshot>>, halter: Halter) -> Handle {
+        Handle { commands, snapshots, halter, stops: Arc::new(Semaphore::new(STOPS)) }
     }
 
     /// Gives a command: it is stamped and queued at the call, so that commands keep the order in which they were given, and a
@@ -101,8 +106,12 @@ impl Handle {
     fn queue(&self, envelope: Envelope, is_stop: bool) -> Option<Waiting> {
         let Err(TrySendError::Full(envelope)) = self.commands.try_send(envelope) else { return None };
         let commands = self.commands.clone();
-        if is_stop {
-            tokio::spawn(async move { commands.send(envelope).await });
+        if is_stop && let Ok(place) = Arc::clone(&self.stops).try_acquire_owned() {
+            tokio::spawn(async move {
+                // When the loop has ended the answer's channel says so.
+                let _ = commands.send(envelope).await;
+                drop(place);
+            });
             return None;
         }
         Some(Waiting { commands, envelope })

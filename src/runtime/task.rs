@@ -74,14 +74,14 @@ impl Task {
         self.hear_store();
         self.settle();
         loop {
-            let due = self.sweep.poll_timeout().map(|at| self.clock.instant(at));
+            let due = self.sweep.poll_timeout();
             tokio::select! {
                 biased;
                 _ = closing.wait_for(|closing| *closing) => break,
                 halts = self.halts.raised() => self.sweep.handle_halt(halts.epoch, self.clock.now()),
                 Ok(()) = self.word.changed() => self.hear_store(),
                 // Before commands and reports: a steady flow of these must not keep a silent sensor from being noticed.
-                () = sleep_until(due) => self.sweep.handle_timeout(self.clock.now()),
+                () = self.clock.reach(due) => self.sweep.handle_timeout(self.clock.now()),
                 report = self.link.reports.recv(), if !self.link_gone => self.take_report(report),
                 envelope = self.commands.recv() => match envelope {
                     Some(envelope) => self.take(envelope),
@@ -201,13 +201,6 @@ impl Task {
             }
             newer
         });
-    }
-}
-
-async fn sleep_until(due: Option<tokio::time::Instant>) {
-    match due {
-        Some(due) => tokio::time::sleep_until(due).await,
-        None => std::future::pending().await,
     }
 }
 

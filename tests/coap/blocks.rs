@@ -11,13 +11,16 @@ use crate::rig::network::Weather;
 use crate::rig::scene::Scene;
 use crate::rig::server::thing::long_body;
 
+/// Message ids of reading begin here, those of writing with 0.
+const READING: u16 = 20_000;
+
 /// Reads a body in blocks, each of which is checked, going on with this exponent after the first answer.
 fn read(bench: &mut Bench, path: &str, first: Option<u8>, then: u8) -> Vec<u8> {
     let mut body = Vec::new();
     let mut tag = None;
     for turn in 0.. {
         let number = u32::try_from(body.len() >> (then + 4)).unwrap();
-        let request = Message::get(path, turn).token(&turn.to_be_bytes());
+        let request = Message::get(path, READING + turn).token(&turn.to_be_bytes());
         let request = match (turn, first) {
             (0, None) => request,
             (0, Some(exponent)) => request.block2((0, false, exponent)),

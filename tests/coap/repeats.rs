@@ -101,6 +101,6 @@ fn a_registration_that_comes_again_is_one_observation() {
     let first = bench.ask(&request);
     assert_eq!(bench.ask(&request), first);
     bench.change(|server| server.set("/obs", "seen 1"));
-    assert_eq!(bench.said_to(here()).len(), 1);
+    assert_eq!(bench.wait_ms(100).len(), 1);
     assert!(first.value(option::OBSERVE).is_some());
 }

@@ -55,8 +55,8 @@ fn an_address_that_proved_nothing_gets_at_most_three_times_what_it_sent() {
 
 #[test]
 fn malformed_messages_are_not_answered_with_more_than_three_times_their_bytes() {
-    let mut bench = Bench::new();
     for bytes in [&[0x40, 0, 1, 2][..], &[0x40, 1, 1, 2, 0xFF], &[0x40, 9, 1, 2], &[0x40, 1, 1, 3, 0xD1, 0xFF, 0]] {
+        let mut bench = Bench::new();
         bench.deliver(stranger(), bytes);
         let sent: usize = bench.take().iter().map(|out| out.bytes.len()).sum();
         assert!(sent <= 3 * bytes.len(), "{sent} bytes for {bytes:02x?}");

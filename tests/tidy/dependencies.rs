@@ -47,6 +47,7 @@ const RULES: [Rule; 12] = [
             "rustls",
             "serde",
             "serde_json",
+            "socket2",
             "thiserror",
             "tokio",
             "tokio_rustls",

@@ -1,5 +1,13 @@
 //! The CoAP door: the resources of hallsweep for small devices and scripts, to be read, observed and acted upon. It turns requests
 //! into commands and snapshots into answers; it decides nothing about the mission.
 
+mod application;
 pub mod endpoint;
 pub mod links;
+mod serve;
+mod socket;
+mod under_way;
+
+pub use application::{Application, Said};
+pub use serve::serve;
+pub use socket::Socket;

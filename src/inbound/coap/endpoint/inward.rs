@@ -164,6 +164,9 @@ impl Endpoint {
     fn acknowledge_open(&mut self, back: Back, exchange: ExchangeId, now: Now) {
         let Some(open) = self.open.get_mut(&exchange).filter(|_| back.kind == Kind::Con) else { return };
         open.is_acknowledged = true;
-        self.transmit(back.key.peer, empty(Kind::Ack, back.key.id), now);
+        let acknowledgement = empty(Kind::Ack, back.key.id);
+        // Should it be lost, the sender asks once more, perhaps when the answer has gone already.
+        self.exchanges.answered(back.key, &acknowledgement);
+        self.transmit(back.key.peer, acknowledgement, now);
     }
 }

@@ -60,8 +60,9 @@ pub const PACE_UNKNOWN: Duration = Duration::from_secs(3);
 /// overflow.
 pub const BURST: usize = 32;
 
-/// When nothing has changed for so long, what was sent without acknowledgement is sent with one.
-pub const SETTLED: Duration = Duration::from_secs(1);
+/// When a thing has not changed for so long since it was told without acknowledgement, it is told with one. It is longer than a
+/// second because much changes every second, and an acknowledgement that is lost then holds up what comes after it.
+pub const SETTLED: Duration = Duration::from_millis(1500);
 
 /// While it changes all the time, so often an acknowledgement is asked for all the same, and those who are gone are found out.
 /// RFC 7641, section 4.5, asks for one a day.

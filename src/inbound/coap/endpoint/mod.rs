@@ -20,6 +20,7 @@ mod exchange;
 pub mod format;
 mod guard;
 mod inward;
+mod knowledge;
 pub mod limits;
 mod message;
 mod observe;

@@ -13,7 +13,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::format::Format;
-use super::limits::{BURST, CONFIRM_EVERY, OBSERVERS, OBSERVERS_OF_A_PEER, PACE, PACE_OF_A_PEER, PACE_UNKNOWN, SETTLED};
+use super::knowledge::{Knowledge, Lack, Thing};
+use super::limits::{BURST, CONFIRM_EVERY, OBSERVERS, OBSERVERS_OF_A_PEER, PACE, PACE_OF_A_PEER, PACE_UNKNOWN};
 use super::message::Token;
 use super::request::Request;
 use super::response::Response;
@@ -77,23 +78,13 @@ struct Subject {
     observers: BTreeSet<ObserverId>,
 }
 
-/// One of the things that a subject shows, counted up with every change.
-#[derive(Debug)]
-struct Thing {
-    response: Arc<Response>,
-    version: u64,
-}
-
 #[derive(Debug)]
 struct Observer {
     peer: SocketAddr,
     token: Token,
     subject: SubjectId,
     exponent: u8,
-    /// For each thing the version it was told of last,
-    told: Vec<u64>,
-    /// and the last one it has for sure.
-    sure: Vec<u64>,
+    knowledge: Knowledge,
     /// The ids of the latest notifications, by which it may reject them.
     ids: [Option<u16>; 4],
     sequence: u64,
@@ -138,16 +129,13 @@ impl Observers {
         let id = ObserverId(self.counted);
         let known = self.subjects.get_mut(&subject).expect("it was found or made just now");
         known.observers.insert(id);
-        let told: Vec<u64> = known.things.iter().map(|thing| thing.version).collect();
-        let sure = if is_sure { told.clone() } else { vec![0; told.len()] };
         let at = now.since_start;
         let observer = Observer {
             peer: request.peer,
             token,
             subject,
             exponent,
-            told,
-            sure,
+            knowledge: Knowledge::of(&known.things, is_sure, at),
             ids: [None; 4],
             sequence: 0,
             sent: at,
@@ -208,7 +196,7 @@ impl Observers {
             match known.things.get_mut(place) {
                 Some(thing) => is_news |= thing.take(response),
                 None => {
-                    known.things.push(Thing { response, version: 1 });
+                    known.things.push(Thing::new(response));
                     is_news = true;
                 }
             }
@@ -232,19 +220,19 @@ impl Observers {
         Some(id)
     }
 
-    /// What an observer is to be told: the first thing it does not know, else the first it may have missed.
+    /// What an observer is to be told.
     pub(super) fn notification(&mut self, id: ObserverId, now: Now) -> Option<Notification> {
         let observer = self.observers.get(&id)?;
         let things = &self.subjects.get(&observer.subject)?.things;
-        let lacks =
-            |told: &[u64]| (0..things.len()).find(|place| told.get(*place).is_none_or(|told| *told < things[*place].version));
-        let (news, unsure) = (lacks(&observer.told), lacks(&observer.sure));
-        let thing = news.or(unsure)?;
-        let (response, version) = (Arc::clone(&things[thing].response), things[thing].version);
         let at = now.since_start;
+        let (thing, is_news) = match observer.knowledge.lack(things, at)? {
+            Lack::News(thing) => (thing, true),
+            Lack::Unsure(thing) => (thing, false),
+        };
+        let (response, version) = (Arc::clone(&things[thing].response), things[thing].version);
         let is_far = observer.away.is_none() && !Network::of(observer.peer.ip()).is_loopback();
         let is_last = !response.code.is_success();
-        let confirm = news.is_none() || is_far || is_last || at >= observer.confirmed + CONFIRM_EVERY;
+        let confirm = !is_news || is_far || is_last || at >= observer.confirmed + CONFIRM_EVERY;
         let (peer, token, exponent) = (observer.peer, observer.token, observer.exponent);
         let sequence = if is_last { None } else { self.sequence(id, now) };
         Some(Notification { peer, token, response, thing, version, exponent, confirm, sequence })
@@ -263,7 +251,9 @@ impl Observers {
     /// Notes that a notification went out under this message id.
     pub(super) fn told(&mut self, id: ObserverId, notification: &Notification, message: u16, now: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
-        set(&mut observer.told, notification.thing, notification.version);
+        if let Some(subject) = self.subjects.get(&observer.subject) {
+            observer.knowledge.told(&subject.things, notification.thing, notification.version, now);
+        }
         observer.ids.rotate_right(1);
         observer.ids[0] = Some(message);
         observer.sent = now;
@@ -276,7 +266,7 @@ impl Observers {
     /// Notes that a notification arrived, and how long it took there and back where that is known.
     pub(super) fn acknowledged(&mut self, id: ObserverId, (thing, version): (usize, u64), away: Option<Duration>, now: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
-        set(&mut observer.sure, thing, version);
+        observer.knowledge.acknowledged(thing, version);
         // Smoothed, so that one slow answer does not slow everything down.
         observer.away = away.map(|away| observer.away.map_or(away, |before| (before * 7 + away) / 8)).or(observer.away);
         self.schedule(id, now);
@@ -316,18 +306,10 @@ impl Observers {
         if let Some(due) = observer.due.take() {
             self.due.remove(&(due, id));
         }
-        let lacks = |told: &[u64]| {
-            subject.things.iter().enumerate().any(|(n, thing)| told.get(n).is_none_or(|told| *told < thing.version))
-        };
         let of_this_peer = self.by_peer.get(&observer.peer).map_or(1, Vec::len);
-        let pause = if lacks(&observer.told) {
-            observer.pace().max(PACE_OF_A_PEER * u32::try_from(of_this_peer).unwrap_or(u32::MAX))
-        } else if lacks(&observer.sure) {
-            SETTLED
-        } else {
-            return;
-        };
-        let due = earliest.max(observer.sent + pause);
+        let pace = observer.pace().max(PACE_OF_A_PEER * u32::try_from(of_this_peer).unwrap_or(u32::MAX));
+        let Some(due) = observer.knowledge.due(&subject.things, observer.sent, pace) else { return };
+        let due = due.max(earliest);
         observer.due = Some(due);
         self.due.insert((due, id));
     }
@@ -351,28 +333,9 @@ impl Target {
     }
 }
 
-impl Thing {
-    /// Takes what is shown now; whether that is news.
-    fn take(&mut self, response: Arc<Response>) -> bool {
-        let old = &*self.response;
-        let is_news = !Arc::ptr_eq(&self.response, &response)
-            && (old.code != response.code || old.format != response.format || old.body != response.body);
-        self.version += u64::from(is_news);
-        self.response = response;
-        is_news
-    }
-}
-
 impl Observer {
     /// The least time between two notifications to it.
     fn pace(&self) -> Duration {
         if Network::of(self.peer.ip()).is_loopback() { PACE } else { self.away.map_or(PACE_UNKNOWN, |away| away.max(PACE)) }
     }
-}
-
-fn set(versions: &mut Vec<u64>, place: usize, version: u64) {
-    if versions.len() <= place {
-        versions.resize(place + 1, 0);
-    }
-    versions[place] = versions[place].max(version);
 }

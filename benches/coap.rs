@@ -1,0 +1,144 @@
+//! What the CoAP door costs, printed beside libcoap's example server, coap-rs and a bare bound, all measured in this run and by
+//! the same load on loopback: CPU per confirmable GET, with few and with very many peers, 50 kB in blocks, and how long a change
+//! takes to 500 observers. A rival that is not to be had is left out; a goal that is missed is said and fails nothing.
+#![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
+
+#[path = "coap/blocks.rs"]
+mod blocks;
+#[path = "coap/client.rs"]
+mod client;
+#[path = "coap/datagram.rs"]
+mod datagram;
+#[path = "coap/fan_out.rs"]
+mod fan_out;
+#[path = "coap/figures.rs"]
+mod figures;
+#[path = "coap/load.rs"]
+mod load;
+#[path = "coap/rivals.rs"]
+mod rivals;
+#[path = "coap/server.rs"]
+mod server;
+#[path = "coap/stage.rs"]
+mod stage;
+
+use std::time::Duration;
+
+use figures::{Measured, goal, median, micros, of};
+use load::{Load, Outcome};
+use server::{Kind, Server};
+use stage::{RESOURCE, photo, reading, temperature};
+
+/// Who is compared.
+const ALL: [Kind; 4] = [Kind::Hallsweep, Kind::Libcoap, Kind::CoapRs, Kind::Bare];
+
+/// Every figure is the median of so many turns; all servers take turns, so that a machine that is busy meanwhile is so for all.
+const TURNS: usize = 5;
+
+/// Requests a turn.
+const GETS: usize = 30_000;
+
+/// Requests a turn from few and from many peers: one from each of the many.
+const PEER_GETS: u32 = 30_000;
+const FEW: u32 = 100;
+
+/// Turns with many peers, each with others than before.
+const PEER_TURNS: usize = 3;
+
+/// Transfers a turn.
+const TRANSFERS: usize = 200;
+
+fn main() {
+    rivals::build();
+    println!("CoAP on loopback; load average {}", figures::busy());
+    gets();
+    peers();
+    block_wise();
+    fan_out();
+    println!("load average at the end {}", figures::busy());
+}
+
+/// Starts these servers, with a temperature that was set.
+fn started(kinds: &[Kind]) -> Vec<(Server, Vec<u8>)> {
+    let servers = kinds.iter().filter_map(|kind| Server::start(*kind));
+    servers.map(|server| temperature(&server).map(|body| (server, body))).collect::<Option<_>>().unwrap_or_default()
+}
+
+/// The CPU that a server uses while something is done, for each of the requests that were answered.
+fn cost(server: &Server, work: impl FnOnce() -> Outcome) -> (Duration, Outcome) {
+    let before = server.cpu();
+    let outcome = work();
+    let used = server.cpu().saturating_sub(before);
+    (used / u32::try_from(outcome.right.max(1)).unwrap_or(u32::MAX), outcome)
+}
+
+fn gets() {
+    println!("\nCPU per CON GET of {RESOURCE}, {TURNS} × {GETS} requests, 32 under way at once:");
+    let servers = started(&ALL);
+    let mut loads: Vec<Load> = servers.iter().map(|(server, body)| Load::new(server.address, RESOURCE, body)).collect();
+    let mut measured: Vec<Measured> = servers.iter().map(|(server, _)| Measured::new(server.kind)).collect();
+    for _ in 0..TURNS {
+        for ((server, _), (load, measured)) in servers.iter().zip(loads.iter_mut().zip(&mut measured)) {
+            measured.add(cost(server, || load.gets(GETS)));
+        }
+    }
+    figures::table(&measured, micros);
+    let own = of(&measured, Kind::Hallsweep);
+    goal("CPU per CON GET, of coap-rs", own, of(&measured, Kind::CoapRs), 0.60);
+    goal("CPU per CON GET, of libcoap", own, of(&measured, Kind::Libcoap), 0.65);
+}
+
+fn peers() {
+    println!(
+        "\nCPU per CON GET of {RESOURCE}, {PEER_TURNS} × {PEER_GETS} requests: {FEW} peers, then as many peers as requests:"
+    );
+    for (server, body) in started(&ALL) {
+        let mut load = Load::new(server.address, RESOURCE, &body);
+        let (mut few, mut many) = (Measured::new(server.kind), Measured::new(server.kind));
+        let mut memory = vec![server.memory()];
+        for turn in 1..=PEER_TURNS as u32 {
+            few.add(cost(&server, || load.peers(0, FEW, PEER_GETS)));
+            many.add(cost(&server, || load.peers(turn * PEER_GETS, PEER_GETS, PEER_GETS)));
+            memory.push(server.memory());
+        }
+        figures::peers(&few, &many, &memory);
+        if server.kind == Kind::Hallsweep {
+            goal("30,000 peers, of 100 peers", Some(many.median()), Some(few.median()), 1.2);
+        }
+    }
+}
+
+fn block_wise() {
+    println!("\nCPU for 50 kB in {} blocks, {TURNS} × {TRANSFERS} transfers, 8 at once:", blocks::BLOCKS);
+    let servers: Vec<_> =
+        ALL.iter().filter_map(|kind| Server::start(*kind)).filter_map(|server| Some((photo(&server)?, server))).collect();
+    let mut measured: Vec<Measured> = servers.iter().map(|(_, server)| Measured::new(server.kind)).collect();
+    for _ in 0..TURNS {
+        for (((path, bytes), server), measured) in servers.iter().zip(&mut measured) {
+            let (each, outcome) = cost(server, || blocks::fetch(server.address, path, bytes, TRANSFERS));
+            measured.add((each * blocks::BLOCKS, outcome));
+        }
+    }
+    figures::table(&measured, micros);
+}
+
+fn fan_out() {
+    let (observers, rounds) = (fan_out::OBSERVERS, fan_out::ROUNDS);
+    println!("\n{observers} observers of {RESOURCE}, {rounds} changes, until the last of those that heard within 2 s:");
+    let mut measured = Vec::new();
+    for kind in [Kind::Hallsweep, Kind::Libcoap, Kind::LibcoapNon, Kind::CoapRs, Kind::Bare] {
+        let Some((server, body)) = started(&[kind]).pop() else { continue };
+        let before = server.cpu();
+        let rounds = fan_out::rounds(server.address, RESOURCE, |celsius| reading(kind, celsius, body.len()));
+        let used = server.cpu().saturating_sub(before) / fan_out::ROUNDS;
+        let last = median(rounds.iter().map(|round| round.last).collect());
+        let complete = rounds.iter().filter(|round| round.heard == observers).count();
+        figures::fan_out(kind, last, &rounds, used);
+        measured.push((kind, last, complete));
+    }
+    let last = |wanted| measured.iter().find(|(kind, ..)| *kind == wanted).map(|(_, last, _)| *last);
+    goal("change → last of 500, of libcoap", last(Kind::Hallsweep), last(Kind::Libcoap), 0.1);
+    if let Some((.., complete)) = measured.iter().find(|(kind, ..)| *kind == Kind::Hallsweep) {
+        figures::met("every round complete", *complete == rounds as usize);
+    }
+}

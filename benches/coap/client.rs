@@ -1,0 +1,87 @@
+//! One client that asks one thing at a time and waits for the answer: for setting the stage, not for load.
+
+use std::net::{SocketAddr, UdpSocket};
+use std::sync::atomic::{AtomicU16, Ordering};
+use std::time::Duration;
+
+use crate::datagram::{Asking, BLOCK1, BLOCK2, CONTENT, CONTINUE, FORMAT, GET, JSON, POST, PUT, Told, acknowledgement, block};
+
+/// An answer that takes longer than this is lost.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// The size of a block.
+pub(crate) const BLOCK: usize = 1024;
+
+/// A client on a port of its own.
+pub(crate) struct Client {
+    socket: UdpSocket,
+}
+
+/// An answer: its code and its payload.
+pub(crate) type Answer = (u8, Vec<u8>);
+
+impl Client {
+    /// Of this server.
+    pub(crate) fn new(server: SocketAddr) -> Client {
+        let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+        socket.connect(server).expect("an address of this machine");
+        socket.set_read_timeout(Some(PATIENCE)).expect("a time");
+        Client { socket }
+    }
+
+    /// What is there, its first block at least; `None` when nobody answers.
+    pub(crate) fn get(&mut self, path: &str) -> Option<Answer> {
+        self.ask(Asking::new(GET, path, &[], &[]))
+    }
+
+    /// Bids a command.
+    pub(crate) fn post(&mut self, path: &str) -> Option<Answer> {
+        self.ask(Asking::new(POST, path, &[], &[]))
+    }
+
+    /// Puts JSON there.
+    pub(crate) fn put(&mut self, path: &str, json: &str) -> Option<Answer> {
+        self.ask(Asking::new(PUT, path, &[(FORMAT, &[JSON])], json.as_bytes()))
+    }
+
+    /// Puts this there, block by block.
+    pub(crate) fn put_blocks(&mut self, path: &str, bytes: &[u8]) -> Option<Answer> {
+        let mut last = None;
+        let count = bytes.len().div_ceil(BLOCK);
+        for (number, part) in bytes.chunks(BLOCK).enumerate() {
+            let option = block(number as u32, number + 1 < count);
+            let answer = self.ask(Asking::new(PUT, path, &[(BLOCK1, &option)], part))?;
+            last = Some(answer).filter(|(code, _)| *code == CONTINUE || number + 1 == count);
+            last.as_ref()?;
+        }
+        last
+    }
+
+    /// The first so many blocks of what is there; fewer when there are fewer.
+    pub(crate) fn blocks(&mut self, path: &str, count: u32) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for number in 0..count {
+            let answer = self.ask(Asking::new(GET, path, &[(BLOCK2, &block(number, false))], &[]));
+            let Some((CONTENT, part)) = answer else { break };
+            bytes.extend_from_slice(&part);
+        }
+        bytes
+    }
+
+    fn ask(&mut self, mut asking: Asking) -> Option<Answer> {
+        static NUMBER: AtomicU16 = AtomicU16::new(1);
+        let id = NUMBER.fetch_add(1, Ordering::Relaxed);
+        self.socket.send(asking.numbered(id, id.into())).ok()?;
+        let mut room = [0; 2048];
+        loop {
+            let length = self.socket.recv(&mut room).ok()?;
+            let Some(told) = Told::read(&room[..length]) else { continue };
+            if told.confirmable {
+                self.socket.send(&acknowledgement(told.id)).ok()?;
+            }
+            if told.token == Some(id.into()) {
+                return Some((told.code, told.payload.to_vec()));
+            }
+        }
+    }
+}

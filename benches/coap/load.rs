@@ -1,0 +1,124 @@
+//! The load: confirmable GETs, many under way at once, every answer looked at. It never sleeps, so that no server pays for waking
+//! it, and is the same for all.
+
+use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
+use std::time::{Duration, Instant};
+
+use crate::datagram::{Asking, CONTENT, GET, Told};
+
+/// So many clients ask at once in `gets`, one request each.
+const CLIENTS: usize = 32;
+
+/// So many clients ask at once in `peers`: fewer datagrams than a receive buffer of the usual size holds.
+const GROUP: u32 = 100;
+
+/// An answer that takes longer is lost.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// What became of the requests.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Outcome {
+    /// Answered as they must be.
+    pub(crate) right: u64,
+    /// Answered otherwise.
+    pub(crate) wrong: u64,
+    /// Not answered in time.
+    pub(crate) lost: u64,
+}
+
+impl std::ops::AddAssign for Outcome {
+    fn add_assign(&mut self, other: Outcome) {
+        self.right += other.right;
+        self.wrong += other.wrong;
+        self.lost += other.lost;
+    }
+}
+
+/// Asks one server for one resource, and knows the answer.
+pub(crate) struct Load {
+    server: SocketAddr,
+    clients: Vec<UdpSocket>,
+    asking: Asking,
+    expected: Vec<u8>,
+    /// Numbers the requests of the whole run, so that none is taken for another one sent again.
+    sent: u32,
+}
+
+impl Load {
+    /// Of this resource, which is to be answered so.
+    pub(crate) fn new(server: SocketAddr, path: &str, expected: &[u8]) -> Load {
+        let clients = (0..CLIENTS).map(|_| socket(server, Ipv4Addr::LOCALHOST, 0)).collect();
+        Load { server, clients, asking: Asking::new(GET, path, &[], &[]), expected: expected.to_vec(), sent: 0 }
+    }
+
+    /// So many requests from a few clients: each asks again when it has its answer.
+    pub(crate) fn gets(&mut self, count: usize) -> Outcome {
+        let mut waiting = [None; CLIENTS];
+        let mut outcome = Outcome::default();
+        for turn in 0..count + CLIENTS {
+            let at = turn % CLIENTS;
+            if let Some(token) = waiting[at].take() {
+                look(&sockets[at], token, &self.expected, &mut outcome);
+            }
+            if turn < count {
+                waiting[at] = Some(self.send(&sockets[at]));
+            }
+        }
+        outcome
+    }
+
+    /// So many requests in all from so many peers, each with an address of its own from number `first` on; a group of peers asks
+    /// at once, one request each.
+    pub(crate) fn peers(&mut self, first: u32, peers: u32, count: u32) -> Outcome {
+        let port = socket(self.server, Ipv4Addr::LOCALHOST, 0).local_addr().expect("it is bound").port();
+        let mut outcome = Outcome::default();
+        for start in (0..count).step_by(GROUP as usize) {
+            let numbers = (start..start + GROUP).map(|number| first + number % peers);
+            let sockets: Vec<UdpSocket> = numbers.map(|number| socket(self.server, address(number), port)).collect();
+            let tokens: Vec<u32> = sockets.iter().map(|socket| self.send(socket)).collect();
+            for (socket, token) in sockets.iter().zip(tokens) {
+                look(socket, token, &self.expected, &mut outcome);
+            }
+        }
+        outcome
+    }
+
+    /// Sends one request; its token is its number.
+    fn send(&mut self, socket: &UdpSocket) -> u32 {
+        self.sent += 1;
+        // Requests of one client are at least `CLIENTS` or `GROUP` apart: their ids differ until long after they are forgotten.
+        let _ = socket.send(self.asking.numbered((self.sent / CLIENTS as u32) as u16, self.sent));
+        self.sent
+    }
+}
+
+/// Waits for the answer to a request on a socket that does not block, and looks at it.
+pub(crate) fn look(socket: &UdpSocket, token: u32, expected: &[u8], outcome: &mut Outcome) {
+    let since = Instant::now();
+    let mut room = [0; 2048];
+    while since.elapsed() < PATIENCE {
+        let Ok(length) = socket.recv(&mut room) else {
+            std::thread::yield_now();
+            continue;
+        };
+        let Some(told) = Told::read(&room[..length]).filter(|told| told.token == Some(token)) else { continue };
+        let is_right = told.code == CONTENT && told.payload == expected;
+        *(if is_right { &mut outcome.right } else { &mut outcome.wrong }) += 1;
+        return;
+    }
+    outcome.lost += 1;
+}
+
+/// A socket that does not block, at this address and port of this machine.
+pub(crate) fn socket(server: SocketAddr, address: Ipv4Addr, port: u16) -> UdpSocket {
+    let socket = UdpSocket::bind((address, port)).expect("every address that begins with 127 is this machine's");
+    socket.connect(server).expect("an address of this machine");
+    socket.set_nonblocking(true).expect("a socket need not block");
+    socket
+}
+
+/// The address of a peer; none of them is the servers' own.
+fn address(number: u32) -> Ipv4Addr {
+    let [_, high, middle, low] = number.to_be_bytes();
+    Ipv4Addr::new(127, high + 1, middle, low)
+}

@@ -1,0 +1,57 @@
+//! A server on coap-rs as its examples make one: `/temperature` is what was last put there and can be observed, `/large` is
+//! 50 kB. Messages, observers and blocks are all coap-rs's own.
+
+use std::net::SocketAddr;
+use std::sync::{Arc, PoisonError, RwLock};
+
+use coap::Server;
+use coap::server::UdpCoapListener;
+use coap_lite::{CoapRequest, ContentFormat, RequestType, ResponseType};
+use tokio::net::UdpSocket;
+
+/// The bytes of `/large`: 49 blocks of 1,024.
+const LARGE: usize = 49 * 1024;
+
+type Request = Box<CoapRequest<SocketAddr>>;
+
+/// What is served.
+#[derive(Default)]
+struct House {
+    temperature: RwLock<Vec<u8>>,
+}
+
+fn main() {
+    let runtime = tokio::runtime::Runtime::new().expect("the system gives threads");
+    runtime.block_on(async {
+        let socket = UdpSocket::bind("127.0.0.1:0").await.expect("a free port");
+        println!("coap://{}", socket.local_addr().expect("it is bound"));
+        let server = Server::from_listeners(vec![Box::new(UdpCoapListener::from_socket(socket))]);
+        let house = Arc::new(House::default());
+        let run = server.run(move |request: Request| {
+            let house = Arc::clone(&house);
+            async move { house.answered(request) }
+        });
+        run.await.expect("the socket stays");
+    });
+}
+
+impl House {
+    fn answered(&self, mut request: Request) -> Request {
+        let (method, path) = (*request.get_method(), request.get_path());
+        let given = std::mem::take(&mut request.message.payload);
+        let Some(response) = request.response.as_mut() else { return request };
+        match (method, path.as_str()) {
+            (RequestType::Get, "temperature") => {
+                response.message.set_content_format(ContentFormat::ApplicationJSON);
+                response.message.payload = self.temperature.read().unwrap_or_else(PoisonError::into_inner).clone();
+            }
+            (RequestType::Get, "large") => response.message.payload = (0..LARGE).map(|at| (at % 251) as u8).collect(),
+            (RequestType::Put, "temperature") => {
+                *self.temperature.write().unwrap_or_else(PoisonError::into_inner) = given;
+                response.set_status(ResponseType::Changed);
+            }
+            _ => response.set_status(ResponseType::NotFound),
+        }
+        request
+    }
+}

@@ -1,0 +1,162 @@
+//! The servers that are measured, each a process of its own on a free port of this machine: how each is started, what it has used,
+//! and that it ends with the benchmark.
+
+use std::io::{BufRead, BufReader, Read};
+use std::net::{SocketAddr, TcpListener, UdpSocket};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
+
+use crate::client::Client;
+
+/// How a server of Rust says where it is.
+const ANNOUNCED: &str = "coap://";
+
+/// A server may take so many looks, a moment apart, until it answers.
+const LOOKS: u32 = 100;
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Who is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// hallsweep's door.
+    Hallsweep,
+    /// libcoap's example server, as Debian has it.
+    Libcoap,
+    /// The same, told to notify by NON.
+    LibcoapNon,
+    /// coap-rs, as its examples use it.
+    CoapRs,
+    /// A bound: one socket and the codec.
+    Bare,
+}
+
+impl Kind {
+    /// As figures name it.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Kind::Hallsweep => "hallsweep",
+            Kind::Libcoap => "libcoap",
+            Kind::LibcoapNon => "libcoap -N",
+            Kind::CoapRs => "coap-rs 0.29",
+            Kind::Bare => "bare bound",
+        }
+    }
+}
+
+/// A running server.
+pub(crate) struct Server {
+    pub(crate) kind: Kind,
+    pub(crate) address: SocketAddr,
+    child: Child,
+    folder: PathBuf,
+    /// Held open, as a server that cannot print might stop.
+    _output: Option<BufReader<ChildStdout>>,
+}
+
+impl Server {
+    /// Starts it; `None`, with a printed word, when it is not to be had.
+    pub(crate) fn start(kind: Kind) -> Option<Server> {
+        static STARTED: AtomicU32 = AtomicU32::new(0);
+        let number = STARTED.fetch_add(1, Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("hallsweep-bench-coap-{}-{number}", std::process::id()));
+        let port = free_port();
+        let mut command = command(kind, port, &folder);
+        let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
+        let child = child.inspect_err(|error| println!("  {} is left out: {:?}: {error}", kind.name(), command.get_program()));
+        let address = SocketAddr::from(([127, 0, 0, 1], port));
+        let mut server = Server { kind, address, child: child.ok()?, folder, _output: None };
+        let is_there = server.announced() && server.answers();
+        if !is_there {
+            println!("  {} is left out: it started and does not answer", kind.name());
+        }
+        is_there.then_some(server)
+    }
+
+    /// Reads where it is, unless it was told.
+    fn announced(&mut self) -> bool {
+        if matches!(self.kind, Kind::Libcoap | Kind::LibcoapNon) {
+            return true;
+        }
+        let mut output = BufReader::new(self.child.stdout.take().expect("its output is piped"));
+        let address = output.by_ref().lines().map_while(Result::ok).find_map(|line| address(&line));
+        self._output = Some(output);
+        address.is_some_and(|address| {
+            self.address = address;
+            true
+        })
+    }
+
+    fn answers(&self) -> bool {
+        let mut client = Client::new(self.address);
+        (0..LOOKS).any(|_| {
+            std::thread::sleep(LOOK);
+            client.get("/.well-known/core").is_some()
+        })
+    }
+
+    /// The CPU it has used, all threads together.
+    pub(crate) fn cpu(&self) -> Duration {
+        let tasks = std::fs::read_dir(self.proc("task")).expect("the system tells of a process that runs");
+        let used = tasks.flatten().map(|task| {
+            let text = std::fs::read_to_string(task.path().join("schedstat")).unwrap_or_default();
+            text.split(' ').next().and_then(|ns| ns.parse().ok()).unwrap_or(0)
+        });
+        Duration::from_nanos(used.sum())
+    }
+
+    /// Its memory in KiB.
+    pub(crate) fn memory(&self) -> u64 {
+        let status = std::fs::read_to_string(self.proc("status")).unwrap_or_default();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap_or_default();
+        line.trim().trim_end_matches(" kB").parse().unwrap_or(0)
+    }
+
+    fn proc(&self, name: &str) -> PathBuf {
+        format!("/proc/{}/{name}", self.child.id()).into()
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+fn command(kind: Kind, port: u16, folder: &Path) -> Command {
+    let mut command = match kind {
+        Kind::Hallsweep => Command::new(env!("CARGO_BIN_EXE_hallsweep")),
+        Kind::Libcoap | Kind::LibcoapNon => Command::new("coap-server-notls"),
+        Kind::CoapRs => Command::new(crate::rivals::program("coap_rs")),
+        Kind::Bare => Command::new(crate::rivals::program("bare")),
+    };
+    match kind {
+        Kind::Hallsweep => {
+            for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("HALLSWEEP_")) {
+                command.env_remove(name);
+            }
+            command.args(["serve", "--http", "127.0.0.1:0", "--coap", "127.0.0.1:0", "--speed", "max", "--data"]).arg(folder);
+        }
+        Kind::Libcoap => drop(command.args(["-A", "127.0.0.1", "-d", "10", "-p", &port.to_string()])),
+        Kind::LibcoapNon => drop(command.args(["-N", "-A", "127.0.0.1", "-d", "10", "-p", &port.to_string()])),
+        Kind::CoapRs | Kind::Bare => {}
+    }
+    command
+}
+
+/// libcoap wants a port of both UDP and TCP.
+fn free_port() -> u16 {
+    let free = |_| {
+        let port = UdpSocket::bind("127.0.0.1:0").ok()?.local_addr().ok()?.port();
+        TcpListener::bind(("127.0.0.1", port)).ok().map(|_| port)
+    };
+    (0..LOOKS).find_map(free).expect("the system has free ports")
+}
+
+fn address(line: &str) -> Option<SocketAddr> {
+    let (_, rest) = line.split_once(ANNOUNCED)?;
+    rest.split(['/', ' ', '\u{1b}']).next()?.parse().ok()
+}

@@ -1,0 +1,75 @@
+//! What each server is asked for: a temperature of about the same length, and 50 kB. Where hallsweep has its own, the others are
+//! given the like.
+
+use std::time::{Duration, Instant};
+
+use crate::blocks::BLOCKS;
+use crate::client::{BLOCK, Client};
+use crate::datagram::CONTENT;
+use crate::server::{Kind, Server};
+
+/// The small resource of all.
+pub(crate) const RESOURCE: &str = "/temperature";
+
+/// The length of what rivals serve there: about that of hallsweep's own.
+const LENGTH: usize = 90;
+
+/// hallsweep's robot may take so long to find and photograph a piece of luggage.
+const SEARCH: Duration = Duration::from_secs(30);
+
+/// Sets the temperature, and says how a GET of it is answered from now on; `None`, with a printed word, when it cannot be set.
+pub(crate) fn temperature(server: &Server) -> Option<Vec<u8>> {
+    let mut client = Client::new(server.address);
+    let answer = client.put(RESOURCE, &reading(server.kind, 10.0, LENGTH));
+    let is_set = answer.as_ref().is_some_and(|(code, _)| code >> 5 == 2);
+    match client.get(RESOURCE) {
+        Some((CONTENT, body)) if is_set => Some(body),
+        read => {
+            println!("  {} is left out: PUT {RESOURCE} gives {answer:?}, GET {read:?}", server.kind.name());
+            None
+        }
+    }
+}
+
+/// What is put to change the temperature; rivals keep it as it is, so it has the length of what hallsweep answers.
+pub(crate) fn reading(kind: Kind, celsius: f64, length: usize) -> String {
+    if kind == Kind::Hallsweep {
+        return format!("{{\"celsius\":{celsius:.1}}}");
+    }
+    let start = format!("{{\"celsius\":{celsius:.1},\"status\":\"");
+    let filled = length.saturating_sub(start.len() + 2);
+    format!("{start}{:o<filled$}\"}}", "")
+}
+
+/// A resource of 50 kB or more: its path, and its first 49 blocks; `None`, with a printed word, when there is none.
+pub(crate) fn photo(server: &Server) -> Option<(&'static str, Vec<u8>)> {
+    let mut client = Client::new(server.address);
+    let path = match server.kind {
+        Kind::Hallsweep => searched(&mut client),
+        Kind::Libcoap | Kind::LibcoapNon => given(&mut client),
+        Kind::CoapRs | Kind::Bare => "/large",
+    };
+    let bytes = client.blocks(path, BLOCKS);
+    let is_whole = bytes.len() == BLOCKS as usize * BLOCK;
+    if !is_whole {
+        println!("  {} is left out: {path} gave {} bytes of 50 kB", server.kind.name(), bytes.len());
+    }
+    is_whole.then_some((path, bytes))
+}
+
+/// The photo of the first piece, after a search for it.
+fn searched(client: &mut Client) -> &'static str {
+    let path = "/luggage/1/photo";
+    let since = Instant::now();
+    client.post("/commands/start");
+    while since.elapsed() < SEARCH && client.get(path).is_none_or(|(code, _)| code != CONTENT) {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    path
+}
+
+fn given(client: &mut Client) -> &'static str {
+    let bytes: Vec<u8> = (0..BLOCKS as usize * BLOCK).map(|at| (at % 251) as u8).collect();
+    client.put_blocks("/large", &bytes);
+    "/large"
+}

@@ -1,0 +1,47 @@
+//! What the socket loop asks of whoever knows the resources, and what is said in its place when it breaks. What the resources are
+//! stands with those who implement it.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::pin::Pin;
+use std::sync::Arc;
+
+use super::endpoint::code::Code;
+use super::endpoint::request::Request;
+use super::endpoint::response::{Answer, Response};
+
+/// What the application says to a request.
+pub enum Said {
+    /// The answer.
+    Now(Answer),
+    /// What was asked for is begun, and the answer comes when this ends.
+    Later(Pin<Box<dyn Future<Output = Answer> + Send>>),
+}
+
+/// Whoever knows the resources: those of the program, or a test's.
+pub trait Application: Send + 'static {
+    /// Takes a request. A command is given in here, so that commands keep the order in which they came; must not block.
+    fn answer(&self, request: &Request) -> Said;
+
+    /// What an observer of this request sees now; must not block.
+    fn things(&self, request: &Request) -> Vec<Arc<Response>>;
+
+    /// Whether it is taken however much is under way already: a STOP.
+    fn is_urgent(&self, request: &Request) -> bool;
+}
+
+/// Asks for an answer; a mistake of the application ends this request alone (safety A7).
+pub(super) fn answer(application: &impl Application, request: &Request) -> Said {
+    let asked = AssertUnwindSafe(|| application.answer(request));
+    catch_unwind(asked).unwrap_or_else(|_| Said::Now(broken()))
+}
+
+/// Asks what observers see; nothing, when the application breaks over it.
+pub(super) fn things(application: &impl Application, request: &Request) -> Option<Vec<Arc<Response>>> {
+    catch_unwind(AssertUnwindSafe(|| application.things(request))).ok()
+}
+
+/// 5.00: a mistake in the program ended this request.
+pub(super) fn broken() -> Answer {
+    let words = "a mistake in hallsweep ended this request; its log says more";
+    Answer::once(Response::refusal(Code::INTERNAL, words.to_owned()))
+}

@@ -1,0 +1,116 @@
+//! The loop of the door: datagrams to the endpoint, its requests to the application, answers, news and time back to it, and what
+//! it wants sent to the socket. It understands none of it.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::sync::watch;
+
+use super::application::{self, Application, Said};
+use super::endpoint::Endpoint;
+use super::socket::Socket;
+use super::under_way::{UnderWay, busy};
+use crate::core::world::snapshot::Snapshot;
+use crate::runtime::clock::Clock;
+
+/// Observers are told of changes at most so often: nobody who watches a robot needs more than fifty a second.
+const PACE: Duration = Duration::from_millis(20);
+
+/// So long requests under way are waited for at the end: within two seconds, with the HTTP door, which ends at the same time.
+const GRACE: Duration = Duration::from_millis(1500);
+
+/// The newest state, for whoever wants to know that there is one.
+type States = watch::Receiver<Arc<Snapshot>>;
+
+struct Driver<A> {
+    socket: Socket,
+    endpoint: Endpoint,
+    application: A,
+    under_way: UnderWay,
+    clock: Clock,
+}
+
+/// Serves until `shutdown`, then waits shortly for what is under way.
+pub async fn serve(
+    socket: Socket,
+    endpoint: Endpoint,
+    application: impl Application,
+    mut states: States,
+    shutdown: impl Future<Output = ()>,
+) {
+    let clock = Clock::default();
+    let mut driver = Driver { socket, endpoint, application, under_way: UnderWay::default(), clock };
+    let mut next_news = Duration::ZERO;
+    tokio::pin!(shutdown);
+    loop {
+        let due = driver.endpoint.poll_timeout();
+        tokio::select! {
+            biased;
+            () = &mut shutdown => break,
+            Some((exchange, answer)) = driver.under_way.next() => {
+                // The state may have changed since the answer was made, when nobody observed it yet.
+                if !answer.observed.is_empty() {
+                    states.mark_changed();
+                }
+                driver.endpoint.handle_answer(exchange, answer, clock.now());
+            }
+            () = clock.reach(due) => driver.endpoint.handle_timeout(clock.now()),
+            () = changed(&mut states, clock.reach(Some(next_news))) => {
+                driver.tell_news();
+                next_news = clock.now().since_start + PACE;
+            }
+            () = driver.socket.readable() => driver.read().await,
+        }
+        driver.settle().await;
+    }
+    let _ = tokio::time::timeout(GRACE, driver.finish()).await;
+}
+
+impl<A: Application> Driver<A> {
+    async fn read(&mut self) {
+        let (endpoint, now) = (&mut self.endpoint, self.clock.now());
+        self.socket.read(|peer, bytes| endpoint.handle_datagram(peer, bytes, now)).await;
+    }
+
+    fn tell_news(&mut self) {
+        let now = self.clock.now();
+        for (subject, request) in self.endpoint.subjects() {
+            if let Some(things) = application::things(&self.application, &request) {
+                self.endpoint.handle_change(subject, things, now);
+            }
+        }
+    }
+
+    /// Takes requests to the application and datagrams to the network, until there are none.
+    async fn settle(&mut self) {
+        while let Some((exchange, request)) = self.endpoint.poll_request() {
+            let is_one_too_many = self.under_way.is_full() && !self.application.is_urgent(&request);
+            match if is_one_too_many { Said::Now(busy()) } else { application::answer(&self.application, &request) } {
+                Said::Now(answer) => self.endpoint.handle_answer(exchange, answer, self.clock.now()),
+                Said::Later(answer) => self.under_way.add(exchange, answer),
+            }
+        }
+        while let Some(transmit) = self.endpoint.poll_transmit() {
+            self.socket.send(&transmit).await;
+        }
+    }
+
+    async fn finish(&mut self) {
+        while let Some((exchange, answer)) = self.under_way.next().await {
+            self.endpoint.handle_answer(exchange, answer, self.clock.now());
+            self.settle().await;
+        }
+    }
+}
+
+/// Waits for news, but not before `pause` is over.
+async fn changed(states: &mut States, pause: impl Future<Output = ()>) {
+    pause.await;
+    if states.changed().await.is_err() {
+        std::future::pending::<()>().await;
+    }
+}
+
+#[cfg(test)]
+#[path = "serve_tests.rs"]
+mod tests;

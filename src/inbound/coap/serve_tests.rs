@@ -1,0 +1,241 @@
+//! The socket loop over real sockets of this machine, with an application that does as the path says. Kept apart from `serve`
+//! because it shall be seen how short that is.
+
+use std::net::SocketAddr;
+
+use coap_lite::{CoapOption, MessageClass, MessageType, Packet};
+use tokio::net::UdpSocket;
+use tokio::sync::{Semaphore, oneshot};
+use tokio::task::JoinHandle;
+
+use super::*;
+use crate::inbound::coap::endpoint::code::{Code, Method};
+use crate::inbound::coap::endpoint::format::Format;
+use crate::inbound::coap::endpoint::request::Request;
+use crate::inbound::coap::endpoint::response::{Answer, Response};
+use crate::wire::fixture::searching;
+
+/// How long anything is waited for.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// Does what its path says; `revision` shows the state, and `hang` waits until it is let go.
+struct Obedient {
+    states: States,
+    go: Arc<Semaphore>,
+}
+
+impl Obedient {
+    fn revision(&self) -> Response {
+        Response::content(Format::TEXT, self.states.borrow().revision.0.to_string().into_bytes())
+    }
+}
+
+impl Application for Obedient {
+    fn answer(&self, request: &Request) -> Said {
+        let go = Arc::clone(&self.go);
+        match request.segments()[..] {
+            ["panic"] => panic!("it was told to"),
+            ["panic", "later"] => Said::Later(Box::pin(async { panic!("it was told to") })),
+            ["hang"] => Said::Later(Box::pin(async move {
+                drop(go.acquire().await);
+                Answer::once(Response::new(Code::CHANGED))
+            })),
+            ["stop"] => Said::Later(Box::pin(async { Answer::once(Response::new(Code::CHANGED)) })),
+            ["revision"] => Said::Now(Answer::observable(self.revision())),
+            ["take"] => Said::Now(Answer::once(Response::content(Format::TEXT, request.payload.len().to_string().into_bytes()))),
+            _ => Said::Now(Answer::once(Response::new(Code::NOT_FOUND))),
+        }
+    }
+
+    fn things(&self, _: &Request) -> Vec<Arc<Response>> {
+        assert_ne!(self.states.borrow().revision.0, 13, "an unlucky number");
+        vec![Arc::new(self.revision())]
+    }
+
+    fn is_urgent(&self, request: &Request) -> bool {
+        request.segments() == ["stop"]
+    }
+}
+
+/// A door that serves, and what moves it.
+struct House {
+    address: SocketAddr,
+    states: watch::Sender<Arc<Snapshot>>,
+    go: Arc<Semaphore>,
+    closing: oneshot::Sender<()>,
+    door: JoinHandle<()>,
+}
+
+/// Somebody who asks.
+struct Client {
+    socket: UdpSocket,
+    id: u16,
+}
+
+async fn house() -> House {
+    let socket = Socket::bind("127.0.0.1:0".parse().unwrap()).await.unwrap();
+    let address = socket.address().unwrap();
+    let states = watch::Sender::new(Arc::new(searching()));
+    let (closing, closed) = oneshot::channel();
+    let go = Arc::new(Semaphore::new(0));
+    let application = Obedient { states: states.subscribe(), go: Arc::clone(&go) };
+    let door = tokio::spawn(serve(socket, Endpoint::new([7; 32]), application, states.subscribe(), async { drop(closed.await) }));
+    House { address, states, go, closing, door }
+}
+
+impl House {
+    async fn client(&self) -> Client {
+        let socket = UdpSocket::bind("127.0.0.1:0").await.unwrap();
+        socket.connect(self.address).await.unwrap();
+        Client { socket, id: 0 }
+    }
+
+    fn show(&self, revision: u64) {
+        self.states.send_modify(|state| {
+            let revision = crate::core::units::Revision(revision);
+            *state = Arc::new(Snapshot { revision, ..Snapshot::clone(state) });
+        });
+    }
+}
+
+impl Client {
+    /// Sends a request that wants to be acknowledged; its message id.
+    async fn send(&mut self, method: Method, path: &str, adorn: impl FnOnce(&mut Packet)) -> u16 {
+        self.id += 1;
+        let mut packet = Packet::new();
+        packet.header.set_type(MessageType::Confirmable);
+        packet.header.code = MessageClass::from(method.code().0);
+        packet.header.message_id = self.id;
+        packet.set_token(self.id.to_be_bytes().to_vec());
+        path.split('/').for_each(|segment| packet.add_option(CoapOption::UriPath, segment.as_bytes().to_vec()));
+        adorn(&mut packet);
+        self.socket.send(&packet.to_bytes_unlimited().unwrap()).await.unwrap();
+        self.id
+    }
+
+    /// The next message that says something; a separate one is acknowledged.
+    async fn next(&self) -> Packet {
+        let mut buffer = vec![0; 64 * 1024];
+        loop {
+            let received =
+                tokio::time::timeout(PATIENCE, self.socket.recv(&mut buffer)).await.expect("the door answers").unwrap();
+            let packet = Packet::from_bytes(&buffer[..received]).expect("the door speaks CoAP");
+            if packet.header.get_type() == MessageType::Confirmable {
+                let [high, low] = packet.header.message_id.to_be_bytes();
+                self.socket.send(&[0x60, 0, high, low]).await.unwrap();
+            }
+            if packet.header.code != MessageClass::Empty {
+                return packet;
+            }
+        }
+    }
+
+    async fn ask(&mut self, method: Method, path: &str) -> Packet {
+        self.send(method, path, |_| {}).await;
+        self.next().await
+    }
+}
+
+fn code(packet: &Packet) -> Code {
+    Code(u8::from(packet.header.code))
+}
+
+/// Safety A7.
+#[tokio::test]
+async fn a_mistake_of_the_application_ends_one_request_and_no_more() {
+    let house = house().await;
+    let mut client = house.client().await;
+    for path in ["panic", "panic/later", "panic"] {
+        let answer = client.ask(Method::Post, path).await;
+        assert_eq!(code(&answer), Code::INTERNAL);
+        assert!(String::from_utf8_lossy(&answer.payload).contains("its log says more"));
+    }
+    assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT);
+}
+
+/// Safety S1, A5.
+#[tokio::test]
+async fn when_much_is_under_way_others_are_asked_to_wait_and_stop_is_taken() {
+    let house = house().await;
+    let mut client = house.client().await;
+    let mut busy = None;
+    // Datagrams may be lost, even here; those who hang say nothing, so that the first answer is that of one too many.
+    for _ in 0..100_000 {
+        client.send(Method::Post, "hang", |packet| packet.header.set_type(MessageType::NonConfirmable)).await;
+        let answer = tokio::time::timeout(Duration::from_millis(1), client.next()).await;
+        if let Ok(answer) = answer {
+            busy = Some(answer);
+            break;
+        }
+    }
+    let busy = busy.expect("there is a bound");
+    assert_eq!(code(&busy), Code::UNAVAILABLE);
+    assert_eq!(busy.get_first_option(CoapOption::MaxAge), Some(&vec![2]));
+    let mut other = house.client().await;
+    assert_eq!(code(&other.ask(Method::Get, "revision").await), Code::UNAVAILABLE);
+    assert_eq!(code(&other.ask(Method::Post, "stop").await), Code::CHANGED);
+    house.go.close();
+    assert_eq!(code(&client.next().await), Code::CHANGED, "those who hung are answered");
+    while code(&other.ask(Method::Get, "revision").await) != Code::CONTENT {}
+}
+
+#[tokio::test]
+async fn observers_see_every_change_that_lasts() {
+    let house = house().await;
+    let mut client = house.client().await;
+    let token = client.send(Method::Get, "revision", |packet| packet.add_option(CoapOption::Observe, Vec::new())).await;
+    let first = client.next().await;
+    assert!(first.get_first_option(CoapOption::Observe).is_some());
+    // The thirteenth state breaks the application, and is passed over.
+    for (revision, seen) in [(31, "31"), (13, "32"), (33, "33")] {
+        house.show(revision);
+        if revision == 13 {
+            tokio::time::sleep(2 * PACE).await;
+            house.show(32);
+        }
+        let news = client.next().await;
+        assert_eq!((news.get_token(), &*String::from_utf8_lossy(&news.payload)), (&token.to_be_bytes()[..], seen));
+    }
+}
+
+/// Safety A7.
+#[tokio::test]
+async fn no_datagram_ends_the_loop_and_none_is_taken_for_a_shorter_one() {
+    let house = house().await;
+    let mut client = house.client().await;
+    for garbage in [&[][..], &[0xFF], &[0x40, 0x01], &[0x4F; 40]] {
+        client.socket.send(garbage).await.unwrap();
+    }
+    client.send(Method::Put, "take", |packet| packet.payload = vec![b'x'; 60_000]).await;
+    assert_eq!(code(&client.next().await), Code::TOO_LARGE);
+    client.send(Method::Put, "take", |packet| packet.payload = vec![b'x'; 5000]).await;
+    assert_eq!(client.next().await.payload, b"5000");
+    // Whoever is gone before the answer comes is none of our business.
+    let mut gone = house.client().await;
+    gone.send(Method::Post, "hang", |_| {}).await;
+    drop(gone);
+    house.go.close();
+    assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT);
+}
+
+#[tokio::test]
+async fn what_is_under_way_is_answered_before_the_end() {
+    let house = house().await;
+    let mut client = house.client().await;
+    client.send(Method::Post, "hang", |_| {}).await;
+    assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT, "so the one before was begun");
+    house.closing.send(()).unwrap();
+    house.go.close();
+    assert_eq!(code(&client.next().await), Code::CHANGED);
+    tokio::time::timeout(PATIENCE, house.door).await.expect("it ends").unwrap();
+}
+
+#[tokio::test]
+async fn the_end_does_not_wait_for_what_hangs() {
+    let house = house().await;
+    let mut client = house.client().await;
+    client.send(Method::Post, "hang", |_| {}).await;
+    assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT, "so the one before was begun");
+    drop(house.closing);
+    tokio::time::timeout(PATIENCE, house.door).await.expect("it ends").unwrap();
+}

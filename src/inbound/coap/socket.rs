@@ -1,0 +1,83 @@
+//! The door's socket, with room for a burst of datagrams; whatever goes wrong with it is no reason to end. What is said through it
+//! is not here.
+
+use std::io::{self, ErrorKind};
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use socket2::SockRef;
+use tokio::net::UdpSocket;
+
+use super::endpoint::Transmit;
+
+/// So many bytes are asked for in each direction: every observer there may be acknowledges at once. The system may give less, and
+/// then what did not fit is sent again.
+const ROOM: usize = 4 * 1024 * 1024;
+
+/// No datagram is longer, so that none is cut: what is too long is seen to be so.
+const LONGEST: usize = 64 * 1024;
+
+/// So many are read before anything is sent: an acknowledgement that waits makes a retransmission needless.
+const BATCH: usize = 64;
+
+/// A socket that fails is read again after this.
+const PAUSE: Duration = Duration::from_millis(1);
+
+/// A bound socket.
+pub struct Socket {
+    udp: UdpSocket,
+    buffer: Vec<u8>,
+}
+
+impl Socket {
+    /// Binds a socket to this address; port 0 takes a free one.
+    ///
+    /// # Errors
+    /// The address is not this machine's, its port is taken, or the system gives no sockets.
+    pub async fn bind(address: SocketAddr) -> io::Result<Socket> {
+        let udp = UdpSocket::bind(address).await?;
+        let raw = SockRef::from(&udp);
+        let asked = raw.set_recv_buffer_size(ROOM).and_then(|()| raw.set_send_buffer_size(ROOM));
+        match asked.and_then(|()| Ok((raw.recv_buffer_size()?, raw.send_buffer_size()?))) {
+            Ok((receive_bytes, send_bytes)) => tracing::debug!(receive_bytes, send_bytes, "room for datagrams"),
+            Err(error) => tracing::debug!(%error, "there is no more room for datagrams than usual"),
+        }
+        Ok(Socket { udp, buffer: vec![0; LONGEST] })
+    }
+
+    /// Where it is, with the real port.
+    ///
+    /// # Errors
+    /// The system does not say.
+    pub fn address(&self) -> io::Result<SocketAddr> {
+        self.udp.local_addr()
+    }
+
+    /// Waits until there may be something to read.
+    pub(super) async fn readable(&self) {
+        // A socket that cannot be waited for says why when it is read.
+        let _ = self.udp.readable().await;
+    }
+
+    /// Reads what is there, but not for long.
+    pub(super) async fn read(&mut self, mut take: impl FnMut(SocketAddr, &[u8])) {
+        for _ in 0..BATCH {
+            match self.udp.try_recv_from(&mut self.buffer) {
+                Ok((length, peer)) => take(peer, &self.buffer[..length]),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => return,
+                Err(error) => {
+                    // Somebody's port is closed, as some systems say here, or worse.
+                    tracing::debug!(%error, "a datagram could not be received");
+                    return tokio::time::sleep(PAUSE).await;
+                }
+            }
+        }
+    }
+
+    /// Sends a datagram; one that cannot be sent is lost, as others are on their way.
+    pub(super) async fn send(&self, transmit: &Transmit) {
+        if let Err(error) = self.udp.send_to(&transmit.bytes, transmit.peer).await {
+            tracing::debug!(%error, peer = %transmit.peer, "a datagram could not be sent");
+        }
+    }
+}
