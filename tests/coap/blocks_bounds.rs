@@ -47,9 +47,8 @@ fn each_block_is_itself_and_no_other() {
 #[test]
 fn the_reserved_size_is_refused() {
     let mut bench = Bench::new();
-    for (id, request) in [Message::get("/large", 1).block2((0, false, 7)), put(2, 0, false, b"x").block2((0, false, 7))]
-        .into_iter()
-        .enumerate()
+    for (id, request) in
+        [Message::get("/large", 1).block2((0, false, 7)), put(2, 0, false, b"x").block2((0, false, 7))].into_iter().enumerate()
     {
         let request = Message { id: u16::try_from(id).unwrap(), ..request };
         bench.ask(&request).answers(&request, Code::BAD_REQUEST);

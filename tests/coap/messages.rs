@@ -64,10 +64,12 @@ fn a_malformed_message_is_rejected_or_ignored() {
 
 #[test]
 fn an_empty_message_that_is_not_empty_is_rejected_or_ignored() {
-    for bytes in [&[0x40, 0, 1, 2, 0][..], &[0x41, 0, 1, 2, 9], &[0x40, 0, 1, 2, 0xFF, 1], &[0x50, 0, 1, 2], &[0x51, 0, 1, 2, 9]] {
+    for bytes in [&[0x40, 0, 1, 2, 0][..], &[0x41, 0, 1, 2, 9], &[0x40, 0, 1, 2, 0xFF, 1], &[0x50, 0, 1, 2], &[0x51, 0, 1, 2, 9]]
+    {
         is_rejected_or_ignored(bytes);
     }
-    for bytes in [&[0x60, 0, 1, 2][..], &[0x70, 0, 1, 2], &[0x60, 0, 1, 2, 9], &[0x70, 0, 1, 2, 9], &[0x60, 1, 1, 2], &[0x70, 1, 1, 2]]
+    for bytes in
+        [&[0x60, 0, 1, 2][..], &[0x70, 0, 1, 2], &[0x60, 0, 1, 2, 9], &[0x70, 0, 1, 2, 9], &[0x60, 1, 1, 2], &[0x70, 1, 1, 2]]
     {
         assert_eq!(said(bytes), [], "an acknowledgement or a rejection is never answered");
     }
@@ -114,7 +116,8 @@ fn a_critical_option_that_comes_twice_is_as_one_that_is_not_understood() {
 
 #[test]
 fn a_critical_option_of_the_wrong_length_is_as_one_that_is_not_understood() {
-    for (number, value) in [(option::ACCEPT, &[0, 0, 0][..]), (option::BLOCK2, &[0; 4]), (option::IF_NONE_MATCH, &[1]), (3, &[])] {
+    for (number, value) in [(option::ACCEPT, &[0, 0, 0][..]), (option::BLOCK2, &[0; 4]), (option::IF_NONE_MATCH, &[1]), (3, &[])]
+    {
         let request = Message::get("/test", 1).with(number, value);
         Bench::new().ask(&request).answers(&request, Code::BAD_OPTION);
     }

@@ -154,9 +154,7 @@ impl Server {
         let path = request.path_text();
         match path.as_str() {
             "/test" => Response { location: words(&["location1", "location2", "location3"]), ..Response::new(Code::CREATED) },
-            "/location-query" => {
-                Response { location_query: words(&["first=1", "second=2"]), ..Response::new(Code::CREATED) }
-            }
+            "/location-query" => Response { location_query: words(&["first=1", "second=2"]), ..Response::new(Code::CREATED) },
             "/large-create" => {
                 self.things.insert("/large-create/1".to_owned(), Thing::bytes(&request.payload, Format::TEXT));
                 Response { location: words(&["large-create", "1"]), ..Response::new(Code::CREATED) }

@@ -45,11 +45,9 @@ impl Thing {
     pub(crate) fn response(&self, request: &Request) -> Response {
         match request.negotiated(&[self.format]) {
             Err(refused) => refused,
-            Ok(format) => Response {
-                tag: Some(self.tag()),
-                max_age: self.max_age,
-                ..Response::content(format, Arc::clone(&self.body))
-            },
+            Ok(format) => {
+                Response { tag: Some(self.tag()), max_age: self.max_age, ..Response::content(format, Arc::clone(&self.body)) }
+            }
         }
     }
 }
