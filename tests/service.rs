@@ -3,6 +3,8 @@
 
 #[path = "service/access.rs"]
 mod access;
+#[path = "service/coap_clients/mod.rs"]
+mod coap_clients;
 #[path = "service/commands.rs"]
 mod commands;
 #[path = "service/explore.rs"]
