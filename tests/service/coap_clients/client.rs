@@ -78,8 +78,13 @@ impl Client {
             Client::Aiocoap => said.lines().rev().find_map(|line| first_code(line.rsplit("client:").next()?)),
             Client::CoapCli => said.split('(').rev().find_map(first_code),
         };
+        let mut printed = output.stdout.clone();
+        // It ends all that it prints with a newline, which is not of the answer.
+        if self == Client::Libcoap && printed.last() == Some(&b'\n') {
+            printed.pop();
+        }
         let refused = code.as_ref().is_some_and(|code| !code.starts_with('2'));
-        let body = if refused && output.stdout.is_empty() { said.clone().into_bytes() } else { output.stdout.clone() };
+        let body = if refused && printed.is_empty() { said.clone().into_bytes() } else { printed };
         Reply { code: code.unwrap_or_else(|| "2.xx".to_owned()), body, all }
     }
 }
