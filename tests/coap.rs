@@ -31,6 +31,8 @@ mod observe;
 mod observe_ends;
 #[path = "coap/observe_large.rs"]
 mod observe_large;
+#[path = "coap/observe_lossy.rs"]
+mod observe_lossy;
 #[path = "coap/observe_many.rs"]
 mod observe_many;
 #[path = "coap/observe_rules.rs"]

@@ -1,10 +1,11 @@
 //! Block-wise transfers: a few clients fetch the same 50 kB again and again, block by block, and compare every byte.
 
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
+use std::time::Instant;
 
 use crate::client::BLOCK;
 use crate::datagram::{Asking, BLOCK2, GET, block};
-use crate::load::{Outcome, look, socket};
+use crate::load::{Outcome, PATIENCE, look, socket};
 
 /// So many clients at once.
 const CLIENTS: usize = 8;
@@ -25,7 +26,8 @@ pub(crate) fn fetch(server: SocketAddr, path: &str, expected: &[u8], transfers: 
             for socket in &sockets {
                 let _ = socket.send(asking.numbered(id, id.into()));
             }
-            sockets.iter().for_each(|socket| look(socket, id.into(), part, &mut outcome));
+            let until = Instant::now() + PATIENCE;
+            sockets.iter().for_each(|socket| look(socket, id.into(), part, until, &mut outcome));
         }
     }
     outcome

@@ -13,7 +13,7 @@ const CLIENTS: usize = 32;
 const GROUP: u32 = 100;
 
 /// An answer that takes longer is lost.
-const PATIENCE: Duration = Duration::from_millis(500);
+pub(crate) const PATIENCE: Duration = Duration::from_millis(500);
 
 /// What became of the requests.
 #[derive(Clone, Copy, Debug, Default)]
@@ -37,74 +37,87 @@ impl std::ops::AddAssign for Outcome {
 /// Asks one server for one resource, and knows the answer.
 pub(crate) struct Load {
     server: SocketAddr,
-    clients: Vec<UdpSocket>,
-    asking: Asking,
     expected: Vec<u8>,
-    /// Numbers the requests of the whole run, so that none is taken for another one sent again.
-    sent: u32,
+    requests: Requests,
+    clients: Vec<UdpSocket>,
+    /// The port of all `peers`, each of which has an address of its own.
+    port: u16,
 }
 
 impl Load {
     /// Of this resource, which is to be answered so.
     pub(crate) fn new(server: SocketAddr, path: &str, expected: &[u8]) -> Load {
-        let clients = (0..CLIENTS).map(|_| socket(server, Ipv4Addr::LOCALHOST, 0)).collect();
-        Load { server, clients, asking: Asking::new(GET, path, &[], &[]), expected: expected.to_vec(), sent: 0 }
+        let clients: Vec<UdpSocket> = (0..CLIENTS).map(|_| socket(server, Ipv4Addr::LOCALHOST, 0)).collect();
+        let port = clients[0].local_addr().expect("it is bound").port();
+        let requests = Requests { asking: Asking::new(GET, path, &[], &[]), sent: 0 };
+        Load { server, expected: expected.to_vec(), requests, clients, port }
     }
 
-    /// So many requests from a few clients: each asks again when it has its answer.
+    /// So many requests from a few clients, always the same: each asks again when it has its answer.
     pub(crate) fn gets(&mut self, count: usize) -> Outcome {
         let mut waiting = [None; CLIENTS];
         let mut outcome = Outcome::default();
         for turn in 0..count + CLIENTS {
-            let at = turn % CLIENTS;
-            if let Some(token) = waiting[at].take() {
-                look(&sockets[at], token, &self.expected, &mut outcome);
+            let (client, waits) = (&self.clients[turn % CLIENTS], &mut waiting[turn % CLIENTS]);
+            if let Some(token) = waits.take() {
+                look(client, token, &self.expected, Instant::now() + PATIENCE, &mut outcome);
             }
             if turn < count {
-                waiting[at] = Some(self.send(&sockets[at]));
+                *waits = Some(self.requests.send(client));
             }
         }
         outcome
     }
 
-    /// So many requests in all from so many peers, each with an address of its own from number `first` on; a group of peers asks
-    /// at once, one request each.
-    pub(crate) fn peers(&mut self, first: u32, peers: u32, count: u32) -> Outcome {
-        let port = socket(self.server, Ipv4Addr::LOCALHOST, 0).local_addr().expect("it is bound").port();
+    /// So many requests in all from so many peers, each with an address of its own from number `first` on: a group of peers asks
+    /// at once, one request each. It ends early when `limit` is over.
+    pub(crate) fn peers(&mut self, first: u32, peers: u32, count: u32, limit: Duration) -> Outcome {
+        let began = Instant::now();
         let mut outcome = Outcome::default();
-        for start in (0..count).step_by(GROUP as usize) {
+        for start in (0..count).step_by(GROUP as usize).take_while(|_| began.elapsed() < limit) {
             let numbers = (start..start + GROUP).map(|number| first + number % peers);
-            let sockets: Vec<UdpSocket> = numbers.map(|number| socket(self.server, address(number), port)).collect();
-            let tokens: Vec<u32> = sockets.iter().map(|socket| self.send(socket)).collect();
+            let sockets: Vec<UdpSocket> = numbers.map(|number| socket(self.server, address(number), self.port)).collect();
+            let tokens: Vec<u32> = sockets.iter().map(|socket| self.requests.send(socket)).collect();
+            let until = Instant::now() + PATIENCE;
             for (socket, token) in sockets.iter().zip(tokens) {
-                look(socket, token, &self.expected, &mut outcome);
+                look(socket, token, &self.expected, until, &mut outcome);
             }
         }
         outcome
     }
+}
 
-    /// Sends one request; its token is its number.
+/// Requests of one kind, each numbered.
+struct Requests {
+    asking: Asking,
+    /// How many there were in the whole run: none of them may be taken for another one sent again.
+    sent: u32,
+}
+
+impl Requests {
+    /// Sends one more; its token is its number.
     fn send(&mut self, socket: &UdpSocket) -> u32 {
         self.sent += 1;
-        // Requests of one client are at least `CLIENTS` or `GROUP` apart: their ids differ until long after they are forgotten.
+        // Requests of one client are at least `CLIENTS` apart, so that their ids differ until long after they are forgotten.
         let _ = socket.send(self.asking.numbered((self.sent / CLIENTS as u32) as u16, self.sent));
         self.sent
     }
 }
 
 /// Waits for the answer to a request on a socket that does not block, and looks at it.
-pub(crate) fn look(socket: &UdpSocket, token: u32, expected: &[u8], outcome: &mut Outcome) {
-    let since = Instant::now();
+pub(crate) fn look(socket: &UdpSocket, token: u32, expected: &[u8], until: Instant, outcome: &mut Outcome) {
     let mut room = [0; 2048];
-    while since.elapsed() < PATIENCE {
-        let Ok(length) = socket.recv(&mut room) else {
-            std::thread::yield_now();
-            continue;
-        };
-        let Some(told) = Told::read(&room[..length]).filter(|told| told.token == Some(token)) else { continue };
-        let is_right = told.code == CONTENT && told.payload == expected;
-        *(if is_right { &mut outcome.right } else { &mut outcome.wrong }) += 1;
-        return;
+    loop {
+        match socket.recv(&mut room) {
+            Ok(length) => {
+                let Some(told) = Told::read(&room[..length]).filter(|told| told.token == Some(token)) else { continue };
+                let is_right = told.code == CONTENT && told.payload == expected;
+                *(if is_right { &mut outcome.right } else { &mut outcome.wrong }) += 1;
+                return;
+            }
+            Err(_) if Instant::now() < until => std::thread::yield_now(),
+            Err(_) => break,
+        }
     }
     outcome.lost += 1;
 }

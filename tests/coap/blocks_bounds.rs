@@ -91,6 +91,21 @@ fn a_gap_in_a_body_is_refused_and_nothing_is_done() {
 }
 
 #[test]
+fn to_read_on_what_was_never_answered_does_nothing() {
+    let mut bench = Bench::new();
+    let request = Message::con(Method::Post, 1).token(b"r").path("/large-post").block2((1, false, 2));
+    bench.ask(&request).answers(&request, Code::INCOMPLETE);
+    let posted = Message::con(Method::Post, 2).path("/large-post").payload(long_body(900)).block2((0, false, 2));
+    assert_eq!(bench.ask(&posted).block(option::BLOCK2), Some((0, true, 2)));
+    let mut other = here();
+    other.set_port(40_001);
+    assert_eq!(bench.ask_from(other, &request).code, Code::INCOMPLETE, "it is the answer of whoever did it");
+    bench.wait(std::time::Duration::from_secs(300));
+    assert_eq!(bench.ask(&request).code, Code::INCOMPLETE, "after so long it is forgotten");
+    assert_eq!(bench.server.asked.len(), 1);
+}
+
+#[test]
 fn a_block_that_comes_twice_counts_once() {
     let mut bench = Bench::new();
     let first = put(1, 0, true, &[1; 16]);

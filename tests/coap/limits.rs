@@ -78,6 +78,16 @@ fn bodies_that_are_never_finished_give_way() {
 }
 
 #[test]
+fn answers_that_are_never_read_on_give_way() {
+    let mut bench = Bench::new();
+    for n in 0..1_000 {
+        let request = Message::con(Method::Post, 1).path("/large-post").payload([b'x'; 100]).block2((0, false, 0));
+        assert_eq!(bench.ask_from(peer(n), &request).code, Code::CHANGED);
+    }
+    assert!(bench.endpoint.counts().kept <= limits::ASSEMBLIES, "{:?}", bench.endpoint.counts());
+}
+
+#[test]
 fn questions_that_are_never_answered_give_way() {
     let mut bench = Bench::new();
     bench.server.slow = Duration::from_secs(100_000);

@@ -120,6 +120,11 @@ impl Program {
         self.said.lock().expect("nobody panics while listening").recv_timeout(PATIENCE).expect("the program says something more")
     }
 
+    /// What it has printed since, up to its end; it must have ended.
+    pub(crate) fn last_words(&self) -> Vec<String> {
+        self.said.lock().expect("nobody panics while listening").iter().collect()
+    }
+
     /// Asks for a path, with headers.
     pub(crate) fn read(&self, path: &str, headers: &[(&str, &str)]) -> Answer {
         let request = headers.iter().fold(self.agent.get(self.url(path)), |request, (name, value)| request.header(*name, *value));

@@ -209,7 +209,10 @@ fn coap_cli(url: &str, ask: &Ask) -> Command {
     }
     let numbers = [(12, ask.format), (17, ask.accept)];
     let numbers = numbers.into_iter().filter_map(|(option, number)| Some((option, number?.to_be_bytes().to_vec())));
-    for (number, value) in numbers.chain(ask.options.iter().cloned()) {
+    // It leaves the query of a URL out.
+    let (url, query) = url.split_once('?').unwrap_or((url, ""));
+    let query = query.split('&').filter(|part| !part.is_empty()).map(|part| (15, part.as_bytes().to_vec()));
+    for (number, value) in numbers.chain(query).chain(ask.options.iter().cloned()) {
         command.args(["-O", &format!("{number},0x{}", hex(&value))]);
     }
     if let Some(payload) = ask.payload {

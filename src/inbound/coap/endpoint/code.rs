@@ -127,6 +127,12 @@ impl Method {
         })
     }
 
+    /// Whether it changes nothing, so that it may be done again.
+    #[must_use]
+    pub const fn only_looks(self) -> bool {
+        matches!(self, Method::Get | Method::Fetch)
+    }
+
     /// Its code on the wire.
     #[must_use]
     pub const fn code(self) -> Code {

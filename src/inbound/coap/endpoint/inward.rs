@@ -9,6 +9,8 @@ use super::limits::{BODY, OPEN, PATIENCE};
 use super::message::{Heard, Incoming, Kind, Token, empty, heard};
 use super::options::{self, Read};
 use super::reliable::About;
+use super::reply::Shape;
+use super::request::Request;
 use super::response::Response;
 use super::{Endpoint, ExchangeId, Open};
 use crate::core::units::Now;
@@ -78,7 +80,7 @@ impl Endpoint {
             let response = Response { max_age: Some(1), ..Response::refusal(Code::TOO_MANY_REQUESTS, words) };
             return self.reply(back, &response, None, now);
         }
-        let acts = !matches!(Method::of(incoming.code), Some(Method::Get | Method::Fetch));
+        let acts = !Method::of(incoming.code).is_some_and(Method::only_looks);
         self.counted += 1;
         let exchange = ExchangeId(self.counted);
         self.exchanges.open(back.key, exchange, acts, now.since_start);
@@ -96,6 +98,10 @@ impl Endpoint {
         if let Some(echo) = &read.echo {
             self.guard.echoed(back.key.peer, echo, now.since_start);
         }
+        let reads_on = read.block1.is_none() && read.block2.is_some_and(|block| block.number > 0);
+        if reads_on && !read.request.method.only_looks() {
+            return self.read_on(back, &read, now);
+        }
         match self.whole(&mut read, now) {
             Ok(true) => {}
             Ok(false) => {
@@ -111,6 +117,16 @@ impl Endpoint {
         self.ask(back, exchange, read, now);
     }
 
+    /// Another block of the answer to what was done already.
+    fn read_on(&mut self, back: Back, read: &Read, now: Now) {
+        let shape = Shape { block2: read.block2, wants_size: read.wants_size, ..Shape::default() };
+        if let Some(answer) = self.kept.find(&deed(&read.request, &[]), now.since_start) {
+            return self.send_reply(back, &answer, &shape, now);
+        }
+        let words = "there is no answer to read on: do it again, from its first block".to_owned();
+        self.reply(back, &Response::refusal(Code::INCOMPLETE, words), None, now);
+    }
+
     /// Whether the whole body is there; it is in the request then.
     fn whole(&mut self, read: &mut Read, now: Now) -> Result<bool, Response> {
         let request = &mut read.request;
@@ -118,13 +134,7 @@ impl Endpoint {
             return Err(too_large());
         }
         let Some(block) = read.block1.filter(|_| request.method != Method::Get) else { return Ok(true) };
-        let key = BodyKey {
-            peer: request.peer,
-            method: request.method,
-            path: request.path.clone(),
-            queries: request.queries.clone(),
-            tags: read.request_tags.clone(),
-        };
+        let key = deed(request, &read.request_tags);
         match self.assemblies.take(key, block, &request.payload, now.since_start)? {
             Taken::More => Ok(false),
             Taken::Whole(body) => {
@@ -146,6 +156,7 @@ impl Endpoint {
             is_get,
             observe,
             request: (is_get && observe == Some(0)).then(|| Box::new(request.clone())),
+            deed: (!request.method.only_looks()).then(|| Box::new(deed(&request, &[]))),
             etags,
             block1: block1.filter(|_| !is_get),
             block2,
@@ -168,5 +179,16 @@ impl Endpoint {
         // Should it be lost, the sender asks once more, perhaps when the answer has gone already.
         self.exchanges.answered(back.key, &acknowledgement);
         self.transmit(back.key.peer, acknowledgement, now);
+    }
+}
+
+/// By what the bodies of a request and of its answer are known, while they come and go in blocks.
+fn deed(request: &Request, tags: &[Vec<u8>]) -> BodyKey {
+    BodyKey {
+        peer: request.peer,
+        method: request.method,
+        path: request.path.clone(),
+        queries: request.queries.clone(),
+        tags: tags.to_vec(),
     }
 }

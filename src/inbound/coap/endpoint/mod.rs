@@ -20,6 +20,7 @@ mod exchange;
 pub mod format;
 mod guard;
 mod inward;
+mod kept;
 mod knowledge;
 pub mod limits;
 mod message;
@@ -33,9 +34,10 @@ pub mod response;
 
 pub use observe::SubjectId;
 
-use self::block::{Assemblies, Block};
+use self::block::{Assemblies, Block, BodyKey};
 use self::exchange::{Exchanges, MessageKey};
 use self::guard::Guard;
+use self::kept::Kept;
 use self::message::{Kind, Token};
 use self::observe::Observers;
 use self::reliable::Reliable;
@@ -68,6 +70,8 @@ pub struct Counts {
     pub observers: usize,
     /// Bodies that are being put together.
     pub assemblies: usize,
+    /// Answers that are kept to be read on.
+    pub kept: usize,
     /// Messages that wait for an acknowledgement, or for their turn.
     pub reliable: usize,
     /// Addresses and networks beyond this machine, and peers that were given message ids.
@@ -79,6 +83,7 @@ pub struct Endpoint {
     guard: Guard,
     exchanges: Exchanges,
     assemblies: Assemblies,
+    kept: Kept,
     reliable: Reliable,
     observers: Observers,
     open: BTreeMap<ExchangeId, Open>,
@@ -104,6 +109,8 @@ struct Open {
     observe: Option<u32>,
     /// What is to be observed, for one who wants to.
     request: Option<Box<Request>>,
+    /// By what its answer is kept when it does not fit into one message; `None` for one that only looks.
+    deed: Option<Box<BodyKey>>,
     etags: Vec<Tag>,
     block1: Option<Block>,
     block2: Option<Block>,
@@ -120,6 +127,7 @@ impl Endpoint {
             guard: Guard::new(secret),
             exchanges: Exchanges::default(),
             assemblies: Assemblies::default(),
+            kept: Kept::default(),
             reliable: Reliable::new(Stream::new(seed, "coap retransmission")),
             observers: Observers::default(),
             open: BTreeMap::new(),
@@ -182,6 +190,7 @@ impl Endpoint {
             open: self.open.len(),
             observers: self.observers.count(),
             assemblies: self.assemblies.count(),
+            kept: self.kept.count(),
             reliable: self.reliable.count(),
             peers: self.guard.count() + self.ids.len(),
         }

@@ -26,6 +26,10 @@ impl Endpoint {
             let (tag, max_age) = (response.tag, response.max_age);
             response = Arc::new(Response { tag, max_age, ..Response::new(Code::VALID) });
         }
+        let size = open.block2.unwrap_or(Block::FIRST).size();
+        if let Some(deed) = open.deed.take().filter(|_| response.body.len() > size) {
+            self.kept.keep(*deed, Arc::clone(&response), now.since_start);
+        }
         let Open { key, kind, token, is_acknowledged, block1, block2, wants_size, no_response, .. } = open;
         let back = Back { key, kind, token };
         if no_response & (1 << (response.code.class().max(1) - 1)) != 0 {
@@ -187,7 +191,7 @@ impl Endpoint {
         self.observers.register((&request, open.token, exponent), answer.observed.clone(), is_sure, now)
     }
 
-    fn send_reply(&mut self, back: Back, response: &Response, shape: &Shape, now: Now) {
+    pub(super) fn send_reply(&mut self, back: Back, response: &Response, shape: &Shape, now: Now) {
         let peer = back.key.peer;
         let (kind, id) = match back.kind {
             Kind::Con => (Kind::Ack, back.key.id),

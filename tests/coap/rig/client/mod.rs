@@ -77,11 +77,6 @@ impl Client {
         self.exchanges.get(token).and_then(|exchange| exchange.outcome.as_ref())
     }
 
-    /// The exchange itself, to look into.
-    pub(crate) fn exchange(&self, token: &[u8]) -> &Exchange {
-        &self.exchanges[token]
-    }
-
     /// The state an observation holds.
     pub(crate) fn held(&self, token: &[u8]) -> Option<&[u8]> {
         self.exchanges.get(token)?.observation.as_ref()?.held.as_deref()
