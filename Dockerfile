@@ -28,7 +28,9 @@ USER hallsweep
 # Keys, records and photos; a container without a volume of its own here forgets them with itself.
 ENV HALLSWEEP__STORE__FOLDER=/data
 VOLUME /data
-EXPOSE 8080
+# CoAP is for the container alone, until HALLSWEEP__COAP__BIND=0.0.0.0:5683 and HALLSWEEP__COAP__OPEN_TO_OTHERS=true let everybody
+# who reaches the published port read (docs/settings.md).
+EXPOSE 8080 5683/udp
 HEALTHCHECK --interval=10s --timeout=5s --start-period=5s --retries=3 CMD ["hallsweep", "healthcheck"]
 ENTRYPOINT ["hallsweep"]
 # Inside the container nobody but the container itself reaches its loopback, so it listens on every address of the container,

@@ -4,6 +4,8 @@
 
 #[path = "common/ask.rs"]
 mod ask;
+#[path = "common/coap.rs"]
+mod coap;
 #[path = "../tests/stop/house.rs"]
 mod house;
 #[path = "stop/load.rs"]
@@ -11,6 +13,7 @@ mod load;
 #[path = "stop/tardy.rs"]
 mod tardy;
 
+use std::net::SocketAddr;
 use std::process::{Child, Command, ExitCode, Stdio};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, channel};
@@ -19,7 +22,7 @@ use std::time::{Duration, Instant};
 use house::House;
 use tardy::{Keeping, Tardy};
 
-/// So many stops in all: half of them with a slow store, half with one that hangs.
+/// So many stops over each door: half of them with a slow store, half with one that hangs.
 const STOPS: u64 = 1000;
 
 /// The goals of safety S6.
@@ -35,8 +38,9 @@ const WARM_UP: Duration = Duration::from_secs(2);
 const PATIENCE: Duration = Duration::from_secs(10);
 
 fn main() -> ExitCode {
-    if let Some(address) = std::env::args().skip_while(|word| word != load::WORD).nth(1) {
-        load::press(&address);
+    let words: Vec<String> = std::env::args().skip_while(|word| word != load::WORD).collect();
+    if let [_, http, coap, ..] = &words[..] {
+        load::press(http, coap.parse().expect("the benchmark gives an address"));
         return ExitCode::SUCCESS;
     }
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().expect("the system gives threads");
@@ -47,15 +51,22 @@ fn main() -> ExitCode {
         let _ = heard.send((halts.epoch.0, Instant::now()));
     }));
     let address = house.address.to_string();
-    let load = Load::start(&address);
+    let load = Load::start(&address, house.coap);
     std::thread::sleep(WARM_UP);
     let bench = Bench { address, house, halts, keeping };
-    println!("STOP over HTTP, request → robot port, with {}:", load::IN_WORDS);
-    let (slow, hung) = (bench.stops(1, STOPS / 2, false), bench.stops(STOPS / 2 + 1, STOPS, true));
+    println!("STOP, request → robot port, with {}:", load::IN_WORDS);
+    let mut by_coap = coap::Coap::at(bench.house.coap);
+    let tell = |command: &str| by_coap.ask("POST", &format!("commands/{command}"), "").expect("the door answers").text;
+    let (slow_coap, hung_coap) = bench.both(0, tell);
+    let tell =
+        |command: &str| ask::ask(&bench.address, "POST", &format!("/api/v1/commands/{command}"), "").expect("the door answers");
+    let (slow, hung) = bench.both(STOPS, tell);
     let bare = bench.bare_requests();
     drop(load);
-    print("slow store", slow, GOALS);
-    print("hung store", hung, GOALS);
+    print("HTTP, slow store", slow, GOALS);
+    print("HTTP, hung store", hung, GOALS);
+    print("CoAP, slow store", slow_coap, GOALS);
+    print("CoAP, hung store", hung_coap, GOALS);
     print("bare request", bare, "a bound: answered without the loop");
     let (began, late) = (bench.house.watched.began.load(Ordering::SeqCst), bench.house.watched.late.load(Ordering::SeqCst));
     println!("  {began} steps begun; {late} of them after a stop was answered (must be 0)");
@@ -66,9 +77,9 @@ fn main() -> ExitCode {
 struct Load(Child);
 
 impl Load {
-    fn start(address: &str) -> Load {
+    fn start(http: &str, coap: SocketAddr) -> Load {
         let own = std::env::current_exe().expect("the system knows which program this is");
-        let load = Command::new(own).args([load::WORD, address]).stdin(Stdio::null()).spawn();
+        let load = Command::new(own).args([load::WORD, http, &coap.to_string()]).stdin(Stdio::null()).spawn();
         Load(load.expect("this program starts a second time"))
     }
 }
@@ -88,16 +99,26 @@ struct Bench {
 }
 
 impl Bench {
+    /// The stops over one door after those over others, `tell` gives a command there: with a slow store, then with a hung one.
+    fn both(&self, before: u64, mut tell: impl FnMut(&str) -> String) -> (Vec<Duration>, Vec<Duration>) {
+        let mut accepted = |command: &str| {
+            let answer = tell(command);
+            assert!(answer.contains("\"accepted\":true"), "{command}: {answer}");
+        };
+        let (first, middle, last) = (before + 1, before + STOPS / 2, before + STOPS);
+        (self.stops(first, middle, false, &mut accepted), self.stops(middle + 1, last, true, &mut accepted))
+    }
+
     /// These stops, each while the robot moves. A store that is to hang does so from the moment it moves until the stop is
     /// answered; a START could not be recorded otherwise.
-    fn stops(&self, first: u64, last: u64, hangs: bool) -> Vec<Duration> {
+    fn stops(&self, first: u64, last: u64, hangs: bool, mut accepted: impl FnMut(&str)) -> Vec<Duration> {
         let took = |epoch| {
             self.house.watched.standing.store(false, Ordering::SeqCst);
-            self.accepted("start");
+            accepted("start");
             self.drive();
             self.keeping.hang(hangs);
             let asked = Instant::now();
-            self.accepted("stop");
+            accepted("stop");
             self.house.watched.standing.store(true, Ordering::SeqCst);
             self.keeping.hang(false);
             self.heard(epoch).duration_since(asked)
@@ -114,11 +135,6 @@ impl Bench {
             took
         };
         (0..STOPS).map(took).collect()
-    }
-
-    fn accepted(&self, command: &str) {
-        let answer = ask::ask(&self.address, "POST", &format!("/api/v1/commands/{command}"), "").expect("the door answers");
-        assert!(answer.contains("\"accepted\":true"), "{command}: {answer}");
     }
 
     /// Waits until the robot begins a step.
@@ -144,5 +160,5 @@ impl Bench {
 fn print(what: &str, mut took: Vec<Duration>, beside: &str) {
     took.sort_unstable();
     let at = |percent: usize| took[(took.len() * percent / 100).min(took.len() - 1)];
-    println!("  {what:<12} {:4} × p50 {:>9.2?}  p99 {:>9.2?}  worst {:>9.2?}  ({beside})", took.len(), at(50), at(99), at(100));
+    println!("  {what:<16} {:4} × p50 {:>9.2?}  p99 {:>9.2?}  worst {:>9.2?}  ({beside})", took.len(), at(50), at(99), at(100));
 }

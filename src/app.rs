@@ -5,23 +5,20 @@
 //!   signal ─► halt ─► the door drains its requests ─► the loop ends ─► the robot's task ends with its channel
 //! ```
 
-use std::net::SocketAddr;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::net::TcpListener;
 use tokio::sync::watch;
 use tokio::task::JoinHandle;
 
-use crate::access::AccessError;
+use crate::access;
 use crate::config::{self, Settings};
 use crate::core::mission::Hold;
 use crate::core::sweep::{Recalled, Sweep};
 use crate::core::units::Epoch;
-use crate::inbound::http::{self, Door, TlsError};
-use crate::outbound::robot::sim::{self, Camera, DiaryError, Hall, HallError, SimSettings};
-use crate::outbound::store::sqlite::OpenError;
+use crate::inbound::coap::{self, Resources, Socket, endpoint::Endpoint};
+use crate::inbound::http::{self, Door};
+use crate::outbound::robot::sim::{self, Camera, Hall, SimSettings};
 use crate::outbound::store::stops;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
@@ -32,11 +29,16 @@ use crate::runtime::task::Task;
 
 mod elsewhere;
 mod entry;
+mod error;
 mod kept;
+mod ports;
 mod signals;
 
 pub use entry::Entry;
+pub use error::AppError;
 use kept::Kept;
+use ports::Ports;
+pub use ports::{Doors, Port};
 
 /// What is still busy this long after everything has ended (a photo being drawn) is left behind.
 const LEFT_BEHIND: Duration = Duration::from_millis(200);
@@ -44,66 +46,12 @@ const LEFT_BEHIND: Duration = Duration::from_millis(200);
 /// So long the robot is waited for before requests are answered.
 const FIRST_LINK: Duration = Duration::from_secs(2);
 
-/// Why the program cannot begin, or not go on. `Display` is the line for whoever started it.
-#[derive(Debug, thiserror::Error)]
-pub enum AppError {
-    /// The hall cannot be read.
-    #[error("setting hall.file = {name:?} (from {origin}): {error}")]
-    Hall {
-        /// The hall's name or path, as it was set.
-        name: String,
-        /// Where that was set, as `flag --hall`.
-        origin: String,
-        /// The line of the file and what is wrong.
-        error: HallError,
-    },
-    /// The keys cannot be had.
-    #[error(transparent)]
-    Access(#[from] AccessError),
-    /// Connections cannot be encrypted as they are to be.
-    #[error(transparent)]
-    Tls(#[from] TlsError),
-    /// The port cannot be had.
-    #[error("cannot listen on {address}: {error}; {}", what_to_do(.error))]
-    Bind {
-        /// Where it was to listen.
-        address: SocketAddr,
-        /// What the system says.
-        error: std::io::Error,
-    },
-    /// The data folder cannot be used.
-    #[error(transparent)]
-    Store(#[from] OpenError),
-    /// Nobody knows where the simulated robot was left.
-    #[error("where the simulated robot was left cannot be read: {0}")]
-    Diary(#[from] DiaryError),
-    /// A mission is under way in another hall than the one asked for.
-    #[error(
-        "a mission is under way in another hall: the record in {} is of {remembered}, not of {given}; start with --hall {remembered} \
-         and press RESET there, or give {given} a folder of its own with --data DIR", folder.display()
-    )]
-    OtherHall {
-        /// The data folder.
-        folder: PathBuf,
-        /// The hall of the mission.
-        remembered: String,
-        /// The hall that was asked for.
-        given: String,
-    },
-    /// The system gives no threads, timers or signals.
-    #[error("the system does not let the program start: {0}")]
-    System(std::io::Error),
-    /// The loop that joins everything is gone: a mistake in the program.
-    #[error("hallsweep ended by a mistake of its own: start it again and look at the log above")]
-    LoopEnded,
-}
-
-/// Serves until SIGINT or SIGTERM. `announce` is told where, with the real port, and how one gets in, as soon as requests are
+/// Serves until SIGINT or SIGTERM. `announce` is told where, with the real ports, and how one gets in, as soon as requests are
 /// answered.
 ///
 /// # Errors
 /// A hall or keys that cannot be read, a port that cannot be had, a system that refuses, or a loop that ended by itself.
-pub fn serve(settings: &Settings, announce: impl FnOnce(SocketAddr, &Entry)) -> Result<(), AppError> {
+pub fn serve(settings: &Settings, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
     let simulation = simulation(settings, Camera::Rendered)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(AppError::System)?;
     let served = runtime.block_on(serve_hall(settings, simulation, announce));
@@ -131,25 +79,25 @@ pub fn simulation(settings: &Settings, camera: Camera) -> Result<(Arc<Hall>, Sim
 async fn serve_hall(
     settings: &Settings,
     (hall, sim): (Arc<Hall>, SimSettings),
-    announce: impl FnOnce(SocketAddr, &Entry),
+    announce: impl FnOnce(Doors, &Entry),
 ) -> Result<(), AppError> {
     let front = entry::front(&settings.http)?;
-    let bind = |error| AppError::Bind { address: settings.http.bind, error };
-    let listener = TcpListener::bind(settings.http.bind).await.map_err(bind)?;
-    let address = listener.local_addr().map_err(bind)?;
+    let Ports { http, coap, doors } = Ports::bind(settings).await?;
     let signalled = signals::listen().map_err(AppError::System)?;
 
     let kept = Kept::open(settings, &hall)?;
     // Only now, when nothing else can refuse the start: a key that is made is also shown.
     let (access, entry) = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
-    let archive = Arc::clone(&kept.archive);
+    let reader = Reader::new(Arc::clone(&kept.archive));
     let (closing, closed) = watch::channel(false);
     let (handle, mut task) = start(settings, (Arc::clone(&hall), sim), kept, &halter, closed).await;
     find_robot(&handle).await;
-    let door = Door::new(handle, Reader::new(archive), hall.name(), access);
-    announce(address, &entry);
-    tracing::info!(%address, hall = hall.name(), "serving");
+    let (ending, ended) = watch::channel(false);
+    let coap = coap.map(|socket| open_coap(socket, settings, (&handle, &reader), ended)).transpose()?;
+    let door = Door::new(handle, reader, hall.name(), access);
+    announce(doors, &entry);
+    tracing::info!(http = %doors.http, coap = doors.coap.map(tracing::field::display), hall = hall.name(), "serving");
 
     let mut ended = None;
     let shutdown = async {
@@ -158,8 +106,13 @@ async fn serve_hall(
             end = &mut task => ended = Some(end),
         }
         halter.stop();
+        ending.send_replace(true);
     };
-    http::serve(listener, door, front, shutdown).await;
+    http::serve(http, door, front, shutdown).await;
+    if let Some(coap) = coap {
+        // Its end is bounded; how it ended was said already.
+        let _ = coap.await;
+    }
     let by_itself = ended.is_some();
     closing.send_replace(true);
     let end = match ended {
@@ -167,6 +120,24 @@ async fn serve_hall(
         None => task.await,
     };
     if by_itself || end.is_err() { Err(AppError::LoopEnded) } else { Ok(()) }
+}
+
+/// Opens the CoAP door until `ending` says so. A mistake that ends it is no reason to close the others.
+fn open_coap(
+    socket: Socket,
+    settings: &Settings,
+    (handle, reader): (&Handle, &Reader),
+    mut ending: watch::Receiver<bool>,
+) -> Result<JoinHandle<()>, AppError> {
+    let endpoint = Endpoint::new(access::chance()?);
+    let resources = Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
+    let shutdown = async move { drop(ending.wait_for(|ending| *ending).await) };
+    let door = tokio::spawn(coap::serve(socket, endpoint, resources, handle.watch(), shutdown));
+    Ok(tokio::spawn(async {
+        if door.await.is_err() {
+            tracing::error!("the CoAP door has ended by a mistake of its own: it is back when hallsweep is started again");
+        }
+    }))
 }
 
 /// Waits until the robot is linked, so that whoever reads where to find the program can press START at once. One that cannot be
@@ -234,16 +205,6 @@ const fn speed(speed: config::Speed) -> sim::Speed {
     }
 }
 
-fn what_to_do(error: &std::io::Error) -> &'static str {
-    if error.kind() == std::io::ErrorKind::AddrInUse {
-        "another program has this port: end it, or choose another with --http, as --http 127.0.0.1:0 for a free one"
-    } else if error.kind() == std::io::ErrorKind::PermissionDenied {
-        "ports below 1024 are for privileged programs: choose a higher one with --http"
-    } else {
-        "choose an address of this machine with --http, as 127.0.0.1:8080"
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -251,12 +212,5 @@ mod tests {
     #[test]
     fn every_speed_that_can_be_set_is_one_the_simulator_knows() {
         assert_eq!((config::Speed::SLOWEST, config::Speed::FASTEST), (sim::Speed::SLOWEST, sim::Speed::FASTEST));
-    }
-
-    #[test]
-    fn a_port_that_is_taken_is_said_with_what_to_do() {
-        let address = "127.0.0.1:8080".parse().expect("an address");
-        let said = AppError::Bind { address, error: std::io::ErrorKind::AddrInUse.into() }.to_string();
-        assert!(said.contains("127.0.0.1:8080") && said.contains("--http 127.0.0.1:0"), "{said}");
     }
 }

@@ -1,8 +1,11 @@
-//! STOP through the real HTTP door, on the real loop, a thousand times. How long one takes is measured by `benches/stop.rs`;
+//! STOP through the real doors, on the real loop, a thousand times each. How long one takes is measured by `benches/stop.rs`;
 //! here no time counts.
 
 #[path = "../benches/common/ask.rs"]
 mod ask;
+#[path = "../benches/common/coap.rs"]
+#[expect(dead_code, reason = "a stop observes nothing")]
+mod coap;
 #[path = "stop/house.rs"]
 mod house;
 
@@ -22,13 +25,6 @@ const GLANCE: Duration = Duration::from_millis(1);
 /// and how many times at most: a minute, far longer than it takes on a busy machine.
 const PATIENCE: u32 = 60_000;
 
-/// Fails unless the command is accepted.
-fn accepted(address: &str, command: &str) -> String {
-    let answer = ask::ask(address, "POST", &format!("/api/v1/commands/{command}"), "").expect("the door answers");
-    assert!(answer.contains("\"accepted\":true"), "{command}: {answer}");
-    answer
-}
-
 /// Lets the robot begin so many steps more.
 fn drive(watched: &Watched, steps: u64) {
     let enough = watched.began.load(Ordering::SeqCst) + steps;
@@ -40,26 +36,48 @@ fn drive(watched: &Watched, steps: u64) {
     }
 }
 
-/// Presses START and STOP; how far the robot comes in between differs from one time to the next, and often is nowhere.
-fn press(address: &str, watched: &Watched) {
+/// Presses START and STOP; how far the robot comes in between differs from one time to the next, and often is nowhere. `tell`
+/// gives a command and returns its answer.
+fn press(watched: &Watched, mut tell: impl FnMut(&str) -> String) {
+    let mut accepted = |command: &str| {
+        let answer = tell(command);
+        assert!(answer.contains("\"accepted\":true"), "{command}: {answer}");
+        answer
+    };
     for n in 1..=STOPS {
         watched.standing.store(false, Ordering::SeqCst);
-        accepted(address, "start");
+        accepted("start");
         drive(watched, n % 3);
-        let answer = accepted(address, "stop");
+        let answer = accepted("stop");
         watched.standing.store(true, Ordering::SeqCst);
         assert!(answer.contains(&format!("\"epoch\":{n}")), "stop {n}: {answer}");
         assert_eq!(watched.late.load(Ordering::SeqCst), 0, "after stop {n} was answered a step began");
     }
 }
 
+async fn no_step_begins_late(house: &House, tell: impl FnMut(&str) -> String + Send + 'static) {
+    let watched = Arc::clone(&house.watched);
+    tokio::task::spawn_blocking(move || press(&watched, tell)).await.expect("every stop held the robot");
+    let (began, late) = (house.watched.began.load(Ordering::SeqCst), house.watched.late.load(Ordering::SeqCst));
+    assert!(began >= STOPS, "only {began} steps were begun: that proves little");
+    assert_eq!(late, 0, "a step began after the last stop was answered");
+}
+
 /// Safety S6: no step begins after the stop was answered, in 1,000 stops.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn no_step_begins_after_a_stop_was_answered_over_http() {
     let house = House::open(Box::new(Memory::new()), |_| {}).await;
-    let (address, watched) = (house.address.to_string(), Arc::clone(&house.watched));
-    tokio::task::spawn_blocking(move || press(&address, &watched)).await.expect("every stop held the robot");
-    let (began, late) = (house.watched.began.load(Ordering::SeqCst), house.watched.late.load(Ordering::SeqCst));
-    assert!(began >= STOPS, "only {began} steps were begun: that proves little");
-    assert_eq!(late, 0, "a step began after the last stop was answered");
+    let address = house.address.to_string();
+    let tell =
+        move |command: &str| ask::ask(&address, "POST", &format!("/api/v1/commands/{command}"), "").expect("the door answers");
+    no_step_begins_late(&house, tell).await;
+}
+
+/// Safety S6.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn no_step_begins_after_a_stop_was_answered_over_coap() {
+    let house = House::open(Box::new(Memory::new()), |_| {}).await;
+    let mut client = coap::Coap::at(house.coap);
+    let tell = move |command: &str| client.ask("POST", &format!("commands/{command}"), "").expect("the door answers").text;
+    no_step_begins_late(&house, tell).await;
 }

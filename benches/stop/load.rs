@@ -2,17 +2,19 @@
 //! badly. Only STOP and START are left to the benchmark.
 
 use std::io::{Read, Write};
-use std::net::TcpStream;
+use std::net::{SocketAddr, TcpStream};
 use std::thread::{sleep, spawn};
 use std::time::Duration;
 
 use crate::ask::ask;
+use crate::coap::Coap;
 
 /// The word by which the benchmark starts itself as this.
 pub(crate) const WORD: &str = "load";
 
 /// What it comes to.
-pub(crate) const IN_WORDS: &str = "4 readers, 2 senders of commands, 32 streams, 4 stalled ones and 16 slow requests";
+pub(crate) const IN_WORDS: &str = "4 readers, 2 senders of commands, 32 streams, 4 stalled ones and 16 slow requests over HTTP, 2 readers \
+                                    and 16 observers over CoAP";
 
 /// A reader waits this long between two requests.
 const PAUSE: Duration = Duration::from_millis(5);
@@ -28,17 +30,11 @@ const LETTER: Duration = Duration::from_millis(500);
 const AGAIN: Duration = Duration::from_millis(100);
 
 /// Runs until the process is ended.
-pub(crate) fn press(address: &str) {
+pub(crate) fn press(address: &str, coap: SocketAddr) {
     let of = |count: usize, client: fn(&str) -> std::io::Result<()>| {
         for _ in 0..count {
             let address = address.to_owned();
-            spawn(move || {
-                loop {
-                    if client(&address).is_err() {
-                        sleep(AGAIN);
-                    }
-                }
-            });
+            spawn(move || again(|| client(&address)));
         }
     };
     of(4, read);
@@ -46,8 +42,36 @@ pub(crate) fn press(address: &str) {
     of(32, |address| watch(address, true));
     of(4, |address| watch(address, false));
     of(16, dawdle);
+    (0..2).for_each(|_| drop(spawn(move || again(|| read_over_coap(coap)))));
+    (0..16).for_each(|_| drop(spawn(move || again(|| observe(coap)))));
     loop {
         sleep(Duration::from_secs(60));
+    }
+}
+
+/// Comes again whenever it is over.
+fn again(mut client: impl FnMut() -> std::io::Result<()>) {
+    loop {
+        if client().is_err() {
+            sleep(AGAIN);
+        }
+    }
+}
+
+fn read_over_coap(door: SocketAddr) -> std::io::Result<()> {
+    let mut client = Coap::at(door);
+    for resource in ["mission", "robot", "temperature"].into_iter().cycle() {
+        client.ask("GET", resource, "")?;
+        sleep(PAUSE);
+    }
+    Ok(())
+}
+
+fn observe(door: SocketAddr) -> std::io::Result<()> {
+    let mut client = Coap::at(door);
+    client.observe("robot")?;
+    loop {
+        client.next()?;
     }
 }
 

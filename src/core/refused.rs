@@ -115,8 +115,9 @@ pub enum Refused {
     Before(Refusal),
 }
 
-/// The codes with which a door itself refuses what somebody known asked for; a test in the HTTP door holds them against its own.
-pub const AT_THE_DOOR: [(&str, RefusalKind); 7] = {
+/// The codes with which a door itself refuses what somebody known asked for; tests in the doors hold them against
+/// their own.
+pub const AT_THE_DOOR: [(&str, RefusalKind); 9] = {
     use RefusalKind::{Mismatch, Unknown};
     [
         ("malformed", Mismatch),
@@ -125,6 +126,8 @@ pub const AT_THE_DOOR: [(&str, RefusalKind); 7] = {
         ("tooSlow", Mismatch),
         ("unsupportedMediaType", Mismatch),
         ("methodNotAllowed", Mismatch),
+        ("notAcceptable", Mismatch),
+        ("preconditionFailed", Mismatch),
         ("notFound", Unknown),
     ]
 };

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::robot::Place;
+use crate::core::explore::Strategy;
 use crate::core::units::Revision;
 use crate::core::world::snapshot::{MissionView, Progress, Refusals};
 
@@ -61,6 +62,19 @@ pub struct RefusalsJson {
     pub drive: Option<String>,
     pub strategy: Option<String>,
     pub retake: Option<String>,
+}
+
+/// The order of the search alone, in the shape in which it is chosen.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct StrategyJson {
+    /// Its name.
+    pub name: &'static str,
+}
+
+impl From<Strategy> for StrategyJson {
+    fn from(strategy: Strategy) -> StrategyJson {
+        StrategyJson { name: strategy.name() }
+    }
 }
 
 impl MissionJson {

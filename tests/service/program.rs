@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
-use std::sync::{Mutex, mpsc};
+use std::sync::{Mutex, OnceLock, mpsc};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -22,6 +22,7 @@ const ANNOUNCED: [&str; 2] = ["hallsweep is at http://", "hallsweep is at https:
 pub(crate) struct Program {
     child: Child,
     address: SocketAddr,
+    coap: OnceLock<SocketAddr>,
     said: Mutex<mpsc::Receiver<String>>,
     agent: ureq::Agent,
 }
@@ -57,6 +58,8 @@ pub(crate) fn hallsweep(arguments: &[&str]) -> Command {
         command.env_remove(name);
     }
     command.env("HALLSWEEP__LOG__FILTER", "warn");
+    // Every program has a port of its own for CoAP too.
+    command.env("HALLSWEEP__COAP__BIND", "127.0.0.1:0");
     // Nothing is left on the machine that runs the tests; those about what is kept name a folder of their own.
     command.env("HALLSWEEP__STORE__FOLDER", "none");
     command
@@ -87,15 +90,13 @@ impl Program {
             ANNOUNCED.iter().find_map(|words| line.strip_prefix(words))?.parse().ok()
         });
         let bound: SocketAddr = announced.expect("the program says where it is");
-        // One that listens everywhere is reached here.
-        let host = if bound.ip().is_unspecified() { Ipv4Addr::LOCALHOST.into() } else { bound.ip() };
-        let address = SocketAddr::new(host, bound.port());
+        let address = reached(bound);
         // The pipe stays open until the program ends, so that writing to it never fails.
         let (say, said) = mpsc::channel();
         std::thread::spawn(move || lines.map_while(Result::ok).for_each(|line| drop(say.send(line))));
         let config = ureq::Agent::config_builder().http_status_as_error(false).proxy(None).max_redirects(0);
         let config = config.timeout_global(Some(PATIENCE)).build();
-        Program { child, address, said: Mutex::new(said), agent: config.into() }
+        Program { child, address, coap: OnceLock::new(), said: Mutex::new(said), agent: config.into() }
     }
 
     /// Where it listens.
@@ -103,9 +104,25 @@ impl Program {
         self.address
     }
 
+    /// Where its CoAP resources are, as it says after everything else.
+    pub(crate) fn coap(&self) -> SocketAddr {
+        *self.coap.get_or_init(|| {
+            loop {
+                if let Some((_, at)) = self.says().split_once("coap://") {
+                    break reached(at.parse().expect("an address with a port"));
+                }
+            }
+        })
+    }
+
     /// The next line it prints after it has said where it is.
     pub(crate) fn says(&self) -> String {
         self.said.lock().expect("nobody panics while listening").recv_timeout(PATIENCE).expect("the program says something more")
+    }
+
+    /// What it has printed since, up to its end; it must have ended.
+    pub(crate) fn last_words(&self) -> Vec<String> {
+        self.said.lock().expect("nobody panics while listening").iter().collect()
     }
 
     /// Asks for a path, with headers.
@@ -273,6 +290,12 @@ impl Answer {
         assert!(detail.split_whitespace().count() >= 3, "`{detail}` explains nothing");
         detail
     }
+}
+
+/// Where a door is reached that is at this address: one that listens everywhere is reached here.
+fn reached(bound: SocketAddr) -> SocketAddr {
+    let host = if bound.ip().is_unspecified() { Ipv4Addr::LOCALHOST.into() } else { bound.ip() };
+    SocketAddr::new(host, bound.port())
 }
 
 /// The piece that waits for its verdict in a phase in which the operator is asked.

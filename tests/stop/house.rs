@@ -1,9 +1,9 @@
-//! The real door on the real loop, with a robot that begins whatever it may and tells of a step that it began although the stop
+//! The real doors on the real loop, with a robot that begins whatever it may and tells of a step that it began although the stop
 //! had been answered; for the test of STOP and for its benchmark. The robot meets nothing: it is not about the search.
 //!
 //! ```text
-//!   client ─ HTTP ─► door ─► loop ─► Wheels ─► Watched { began, late }
-//!                     └─ halt ─────────┘         ▲ standing: set by the client while the stop is answered and no START follows
+//!   client ─ HTTP, CoAP ─► door ─► loop ─► Wheels ─► Watched { began, late }
+//!                           └─ halt ─────────┘         ▲ standing: set by the client while the stop is answered and no START follows
 //! ```
 
 use std::net::SocketAddr;
@@ -18,6 +18,8 @@ use hallsweep::core::event::{Capabilities, RobotEvent};
 use hallsweep::core::settings::Settings;
 use hallsweep::core::sweep::Sweep;
 use hallsweep::core::units::Epoch;
+use hallsweep::inbound::coap::endpoint::Endpoint;
+use hallsweep::inbound::coap::{self, Resources, Socket};
 use hallsweep::inbound::http::{self, Access, Door, Front};
 use hallsweep::outbound::store::memory::Memory;
 use hallsweep::runtime::archive_reader::Reader;
@@ -45,13 +47,15 @@ pub(crate) struct Watched {
 /// A running house; it ends when this is dropped.
 pub(crate) struct House {
     pub(crate) address: SocketAddr,
+    /// Where the CoAP door is.
+    pub(crate) coap: SocketAddr,
     pub(crate) watched: Arc<Watched>,
     closing: watch::Sender<bool>,
     _door: oneshot::Sender<()>,
 }
 
 impl House {
-    /// Opens the door on a free port of this machine. Must be called inside a runtime, on whose threads everything runs.
+    /// Opens the doors on free ports of this machine. Must be called inside a runtime, on whose threads everything runs.
     pub(crate) async fn open(store: Box<dyn Store>, on_halt: impl Fn(Halts) + Send + Sync + 'static) -> House {
         let (clock, halter) = (Clock::default(), Halter::new(Epoch(0)));
         let (link, side) = link(halter.watch());
@@ -61,13 +65,20 @@ impl House {
         let address = listener.local_addr().expect("a bound socket has an address");
         let (closing, closed) = watch::channel(false);
         let (end, ended) = oneshot::channel();
-        let door = Door::new(handle, Reader::new(Arc::new(Memory::new())), "bench", Access::Open);
+        let reader = Reader::new(Arc::new(Memory::new()));
+        let socket = Socket::bind(([127, 0, 0, 1], 0).into()).await.expect("this machine has a free port");
+        let coap = socket.address().expect("a bound socket has an address");
+        let (states, resources) = (handle.watch(), Resources::new(handle.clone(), reader.clone(), false));
+        let mut until = closed.clone();
+        let coap_ended = async move { drop(until.wait_for(|closing| *closing).await) };
+        let door = Door::new(handle, reader, "bench", Access::Open);
         let (began, late, standing) = (AtomicU64::new(0), AtomicU64::new(0), AtomicBool::new(true));
         let watched = Arc::new(Watched { began, late, standing, on_halt: Box::new(on_halt) });
         tokio::spawn(task.run(closed));
+        tokio::spawn(coap::serve(socket, Endpoint::new([7; 32]), resources, states, coap_ended));
         tokio::spawn(Wheels { side, watched: Arc::clone(&watched) }.run());
         tokio::spawn(http::serve(listener, door, Front::default(), async { drop(ended.await) }));
-        House { address, watched, closing, _door: end }
+        House { address, coap, watched, closing, _door: end }
     }
 }
 

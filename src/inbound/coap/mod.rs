@@ -4,10 +4,12 @@
 mod application;
 pub mod endpoint;
 pub mod links;
+mod resources;
 mod serve;
 mod socket;
 mod under_way;
 
 pub use application::{Application, Said};
+pub use resources::Resources;
 pub use serve::serve;
 pub use socket::Socket;

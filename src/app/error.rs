@@ -1,0 +1,103 @@
+//! Why the program cannot begin, or not go on: one line for whoever started it, with what to do.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use super::Port;
+use crate::access::AccessError;
+use crate::inbound::http::TlsError;
+use crate::outbound::robot::sim::{DiaryError, HallError};
+use crate::outbound::store::sqlite::OpenError;
+
+/// Why the program cannot begin, or not go on. `Display` is the line for whoever started it.
+#[derive(Debug, thiserror::Error)]
+pub enum AppError {
+    /// The hall cannot be read.
+    #[error("setting hall.file = {name:?} (from {origin}): {error}")]
+    Hall {
+        /// The hall's name or path, as it was set.
+        name: String,
+        /// Where that was set, as `flag --hall`.
+        origin: String,
+        /// The line of the file and what is wrong.
+        error: HallError,
+    },
+    /// The keys cannot be had.
+    #[error(transparent)]
+    Access(#[from] AccessError),
+    /// Connections cannot be encrypted as they are to be.
+    #[error(transparent)]
+    Tls(#[from] TlsError),
+    /// The port cannot be had.
+    #[error("cannot listen on {address} for {}: {error}; {}", .port.name(), what_to_do(*.port, .error))]
+    Bind {
+        /// Whose port it is.
+        port: Port,
+        /// Where it was to be.
+        address: SocketAddr,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// The data folder cannot be used.
+    #[error(transparent)]
+    Store(#[from] OpenError),
+    /// Nobody knows where the simulated robot was left.
+    #[error("where the simulated robot was left cannot be read: {0}")]
+    Diary(#[from] DiaryError),
+    /// A mission is under way in another hall than the one asked for.
+    #[error(
+        "a mission is under way in another hall: the record in {} is of {remembered}, not of {given}; start with --hall {remembered} \
+         and press RESET there, or give {given} a folder of its own with --data DIR", folder.display()
+    )]
+    OtherHall {
+        /// The data folder.
+        folder: PathBuf,
+        /// The hall of the mission.
+        remembered: String,
+        /// The hall that was asked for.
+        given: String,
+    },
+    /// The system gives no threads, timers or signals.
+    #[error("the system does not let the program start: {0}")]
+    System(std::io::Error),
+    /// The loop that joins everything is gone: a mistake in the program.
+    #[error("hallsweep ended by a mistake of its own: start it again and look at the log above")]
+    LoopEnded,
+}
+
+fn what_to_do(port: Port, error: &std::io::Error) -> String {
+    let flag = port.flag();
+    if error.kind() == std::io::ErrorKind::AddrInUse {
+        let without = if port == Port::Coap { ", or do without with --coap none" } else { "" };
+        format!(
+            "another program has this port: end it, or choose another with {flag}, as {flag} 127.0.0.1:0 for a free one{without}"
+        )
+    } else if error.kind() == std::io::ErrorKind::PermissionDenied {
+        format!("ports below 1024 are for privileged programs: choose a higher one with {flag}")
+    } else {
+        format!("choose an address of this machine with {flag}, as 127.0.0.1:{}", port.usual())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::ErrorKind;
+
+    use super::*;
+
+    #[test]
+    fn a_port_that_cannot_be_had_is_said_with_what_to_do() {
+        let said = |port, error: ErrorKind| {
+            let address = "127.0.0.1:999".parse().expect("an address");
+            AppError::Bind { port, address, error: error.into() }.to_string()
+        };
+        for (port, name, flag) in [(Port::Http, "HTTP", "--http"), (Port::Coap, "CoAP", "--coap")] {
+            let taken = said(port, ErrorKind::AddrInUse);
+            assert!(taken.starts_with(&format!("cannot listen on 127.0.0.1:999 for {name}: ")), "{taken}");
+            assert!(taken.contains(&format!("{flag} 127.0.0.1:0")), "{taken}");
+            assert!(said(port, ErrorKind::PermissionDenied).ends_with(&format!("choose a higher one with {flag}")));
+            let foreign = said(port, ErrorKind::AddrNotAvailable);
+            assert!(foreign.contains(&format!("of this machine with {flag}, as 127.0.0.1:{}", port.usual())), "{foreign}");
+        }
+    }
+}

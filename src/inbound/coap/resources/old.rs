@@ -1,0 +1,126 @@
+//! `/resourcemodel`, as old clients know it (mission §8): three items, of which a GET shows the one that changed last and an
+//! observer gets the newest of each; and the bare words by which these clients command. How an item is written stands in
+//! `crate::wire::old_items`.
+
+use std::sync::{Mutex, PoisonError};
+
+use super::super::endpoint::format::Format;
+use super::super::endpoint::request::Request;
+use super::super::endpoint::response::Answer;
+use super::kept::{Copies, Kept};
+use super::problem::Problem;
+use super::shows::{LUGGAGE, MAP, ROBOT, revision};
+use super::table::Show;
+use crate::core::command::{Command, LuggageRef, Refused, Verdict};
+use crate::core::mission::in_words;
+use crate::core::units::Revision;
+use crate::core::world::snapshot::Snapshot;
+use crate::wire::command::move_word;
+
+/// Which of the items changed last, as far as anybody looked.
+pub(super) struct OldModel(Mutex<Seen>);
+
+struct Seen {
+    items: Vec<Copies>,
+    latest: usize,
+}
+
+impl OldModel {
+    /// Nothing has changed yet.
+    pub(super) fn new(snapshot: &Snapshot, kept: &Kept) -> OldModel {
+        let items = items(snapshot, kept).into_iter().map(|(_, item)| item).collect();
+        OldModel(Mutex::new(Seen { items, latest: 0 }))
+    }
+
+    /// The item that changed last, and all of them for observers, in the order robot, map, luggage. Of several that changed at
+    /// once the last in this order counts as the latest.
+    pub(super) fn answer(&self, snapshot: &Snapshot, kept: &Kept) -> Answer {
+        let now = items(snapshot, kept);
+        let mut seen = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let before = &seen.items;
+        let is_new = |at: usize, item: &Copies| before.get(at).is_none_or(|old| old.watched.body != item.watched.body);
+        let changed = now.iter().enumerate().filter(|(at, (_, item))| is_new(*at, item));
+        let latest = changed.max_by_key(|(at, (revision, _))| (*revision, *at)).map_or(seen.latest, |(at, _)| at);
+        let items: Vec<Copies> = now.into_iter().map(|(_, item)| item).collect();
+        let shown = items.get(latest).unwrap_or(&items[0]).plain.clone();
+        let observed = items.iter().map(|item| item.watched.clone()).collect();
+        *seen = Seen { items, latest };
+        Answer { response: shown, observed }
+    }
+}
+
+/// The items there are, each with the revision at which what it shows last changed; never none.
+fn items(snapshot: &Snapshot, kept: &Kept) -> Vec<(Revision, Copies)> {
+    let there = if snapshot.luggage.is_empty() { &[ROBOT, MAP][..] } else { &[ROBOT, MAP, LUGGAGE] };
+    let show = Show::OldItems;
+    let item = |number| (revision(show, number, snapshot), kept.copies(show, number, Format::TEXT, snapshot));
+    there.iter().copied().map(item).collect()
+}
+
+/// The command behind a bare word, bare or in the quotes of JSON, whatever it is labelled as: `h` is STOP, and nothing that is
+/// wrong with its request keeps it from halting. An old console sends a stray `w` when it starts, so the other moves are only
+/// taken when old clients may drive.
+pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command, Problem> {
+    let text = String::from_utf8_lossy(&request.payload);
+    let text = text.trim();
+    let word = text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text);
+    let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Pending, verdict };
+    let command = match word {
+        "h" => return Ok(Command::Stop),
+        "safe" => verdict(Verdict::Safe),
+        "danger" => verdict(Verdict::Danger),
+        letter => move_word(letter)?,
+    };
+    if let Some(other) = request.format.filter(|format| ![Format::TEXT, Format::JSON].contains(format)) {
+        return Err(Problem::wrong_format(format!("the word is in {other}: send it as {}", Format::TEXT)));
+    }
+    if matches!(command, Command::Move(_)) && !manual_driving {
+        let words = "old clients may not drive the robot here: set old_clients.manual_driving to let them; h halts it always";
+        let refused = Refused::NotAllowed(words.to_owned());
+        return Err(Problem::refused(&refused, None).of(in_words(&command)));
+    }
+    Ok(command)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::put;
+    use super::*;
+    use crate::core::command::Move;
+
+    fn word(word: &str, format: Option<Format>) -> Result<Command, Problem> {
+        command(&Request { format, ..put("/resourcemodel", word) }, true)
+    }
+
+    #[test]
+    fn a_word_is_known_however_it_is_labelled_and_quoted() {
+        for format in [None, Some(Format::TEXT), Some(Format::JSON)] {
+            assert_eq!(word("w", format).unwrap(), Command::Move(Move::Forward));
+            assert_eq!(word(" l\r\n", format).unwrap(), Command::Move(Move::TurnLeft));
+            assert_eq!(word("\"x\"", format).unwrap(), Command::Move(Move::NudgeRight));
+            let safe = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe };
+            assert_eq!(word("safe", format).unwrap(), safe);
+        }
+        assert_eq!(word("w", Some(Format::CBOR)).unwrap_err().refusal().code, "unsupportedMediaType");
+        for wrong in ["", "W", "w w", "\"w", "{\"move\":\"w\"}", "wwwwwwww"] {
+            assert_eq!(word(wrong, None).unwrap_err().refusal().code, "unusable", "{wrong}");
+        }
+    }
+
+    /// Safety S1.
+    #[test]
+    fn a_halt_is_known_whatever_is_wrong_with_its_request() {
+        for format in [None, Some(Format::CBOR), Some(Format(9999))] {
+            assert_eq!(command(&Request { format, ..put("/resourcemodel", "h") }, false).unwrap(), Command::Stop);
+        }
+    }
+
+    #[test]
+    fn a_stray_word_of_an_old_console_drives_nothing() {
+        for word in ["w", "s", "a", "d", "l", "r", "z", "x"] {
+            let refused = command(&put("/resourcemodel", word), false).unwrap_err();
+            assert_eq!((refused.refusal().code, refused.is_for_record()), ("notAllowed", true), "{word}");
+        }
+        assert!(command(&put("/resourcemodel", "danger"), false).is_ok());
+    }
+}

@@ -1,0 +1,186 @@
+//! For the tests of this door: its resources before a loop that answers commands from a script and publishes the snapshots it is
+//! handed, an archive of one past piece, and requests from this machine. It knows no mission.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+
+use tokio::sync::{mpsc, watch};
+
+use super::super::application::{Application, Said};
+use super::super::endpoint::code::Method;
+use super::super::endpoint::request::{Conditions, Request};
+use super::super::endpoint::response::Answer;
+use super::Resources;
+use crate::core::command::{self, Accepted, Command, Issuer, LuggageRef, Refused};
+use crate::core::effect::Entry;
+use crate::core::event::Photo;
+use crate::core::standing::Standing;
+use crate::core::units::{Cell, Epoch, LuggageId, MissionId, Seq};
+use crate::core::world::luggage::Luggage;
+use crate::core::world::snapshot::Snapshot;
+use crate::runtime::archive::{Archive, MissionRecord, Unreadable};
+use crate::runtime::archive_reader::Reader;
+use crate::runtime::halt::Halter;
+use crate::runtime::handle::{COMMANDS, Envelope, Handle};
+use crate::wire::fixture::piece;
+
+/// A piece of a mission that is over.
+pub(super) const PAST: u64 = 70;
+
+/// A piece that cannot be read.
+pub(super) const UNREADABLE: u64 = 99;
+
+/// Resources before a loop that does as it is told.
+pub(super) struct House {
+    pub(super) resources: Resources,
+    pub(super) publish: watch::Sender<Arc<Snapshot>>,
+    refuse: Arc<Mutex<Option<Refused>>>,
+    pub(super) given: Arc<Mutex<Vec<command::Request>>>,
+    noted: Arc<Mutex<Vec<(Issuer, String, Refused)>>>,
+    pub(super) photos_read: Arc<AtomicUsize>,
+}
+
+/// One picture for every piece there is.
+struct Pictures(Arc<AtomicUsize>);
+
+impl Archive for Pictures {
+    fn photo(&self, luggage: LuggageId) -> Result<Option<Photo>, Unreadable> {
+        self.0.fetch_add(1, Ordering::SeqCst);
+        let photo = Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" };
+        Ok((luggage.0 <= PAST).then_some(photo))
+    }
+
+    fn luggage(&self, luggage: LuggageId) -> Result<Option<Luggage>, Unreadable> {
+        match luggage.0 {
+            PAST => Ok(Some((*piece(PAST, Cell::HOME, None)).clone())),
+            UNREADABLE => Err(Unreadable("the disk is on strike".to_owned())),
+            _ => Ok(None),
+        }
+    }
+
+    fn missions(&self, _: Option<MissionId>, _: usize) -> Result<Vec<MissionRecord>, Unreadable> {
+        Ok(Vec::new())
+    }
+
+    fn mission(&self, _: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
+        Ok(None)
+    }
+
+    fn standing(&self, _: MissionId) -> Result<Option<Standing>, Unreadable> {
+        Ok(None)
+    }
+
+    fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<(Seq, Entry)>, Unreadable> {
+        Ok(Vec::new())
+    }
+}
+
+/// A house in this state, whose loop accepts everything until told to refuse; old clients may not drive. Must be called inside a
+/// runtime.
+pub(super) fn house(snapshot: Snapshot) -> House {
+    driven_house(snapshot, false)
+}
+
+/// The same, in which they may or may not.
+pub(super) fn driven_house(snapshot: Snapshot, manual_driving: bool) -> House {
+    let (commands, envelopes) = mpsc::channel(COMMANDS);
+    let publish = watch::Sender::new(Arc::new(snapshot));
+    let handle = Handle::new(commands, publish.subscribe(), Halter::new(Epoch(1)));
+    let photos_read = Arc::new(AtomicUsize::new(0));
+    let archive = Reader::new(Arc::new(Pictures(Arc::clone(&photos_read))));
+    let resources = Resources::new(handle, archive, manual_driving);
+    let house = House { resources, publish, refuse: Arc::default(), given: Arc::default(), noted: Arc::default(), photos_read };
+    let kept = (Arc::clone(&house.refuse), Arc::clone(&house.given), Arc::clone(&house.noted));
+    tokio::spawn(obey(envelopes, house.publish.subscribe(), kept));
+    house
+}
+
+/// What the loop obeys, and what it keeps.
+type Kept = (Arc<Mutex<Option<Refused>>>, Arc<Mutex<Vec<command::Request>>>, Arc<Mutex<Vec<(Issuer, String, Refused)>>>);
+
+async fn obey(mut envelopes: mpsc::Receiver<Envelope>, snapshots: watch::Receiver<Arc<Snapshot>>, (refuse, given, noted): Kept) {
+    while let Some(envelope) = envelopes.recv().await {
+        let (request, answer) = match envelope {
+            Envelope::Command(request, answer) => (request, answer),
+            Envelope::Refused(issuer, asked, refused) => {
+                noted.lock().unwrap().push((issuer, asked, refused));
+                continue;
+            }
+        };
+        let luggage = about(&request.command, &snapshots.borrow());
+        given.lock().unwrap().push(request);
+        let refused = refuse.lock().unwrap().clone();
+        let (revision, epoch) = (snapshots.borrow().revision, snapshots.borrow().mission.epoch);
+        let _ = answer.send(refused.map_or(Ok(Accepted { revision, epoch, luggage }), Err));
+    }
+}
+
+fn about(command: &Command, snapshot: &Snapshot) -> Option<LuggageId> {
+    match command.luggage()? {
+        LuggageRef::Id(id) => Some(id),
+        LuggageRef::Pending => snapshot.pending().map(|luggage| luggage.id),
+    }
+}
+
+impl House {
+    /// Sends a request and waits for its answer.
+    pub(super) async fn ask(&self, request: Request) -> Answer {
+        match self.resources.answer(&request) {
+            Said::Now(answer) => answer,
+            Said::Later(answer) => answer.await,
+        }
+    }
+
+    /// Its code and what it carries, as text.
+    pub(super) async fn said(&self, request: Request) -> (String, String) {
+        let response = self.ask(request).await.response;
+        (response.code.to_string(), String::from_utf8_lossy(&response.body).into_owned())
+    }
+
+    /// What the loop was asked last.
+    pub(super) fn last(&self) -> command::Request {
+        self.given.lock().unwrap().last().cloned().expect("a command was given")
+    }
+
+    /// What the door last asked to be put on record, if that was not looked at yet: who, what, and why it was not taken.
+    pub(super) async fn noted(&self) -> Option<(Issuer, String, Refused)> {
+        // The loop gets its turn before this goes on.
+        tokio::task::yield_now().await;
+        self.noted.lock().unwrap().pop()
+    }
+
+    /// From now on everything is refused so.
+    pub(super) fn refuse(&self, refused: Refused) {
+        *self.refuse.lock().unwrap() = Some(refused);
+    }
+}
+
+/// A GET, of a path with its query.
+pub(super) fn get(path: &str) -> Request {
+    request(Method::Get, path, "")
+}
+
+/// A PUT.
+pub(super) fn put(path: &str, payload: &str) -> Request {
+    request(Method::Put, path, payload)
+}
+
+/// A POST.
+pub(super) fn post(path: &str, payload: &str) -> Request {
+    request(Method::Post, path, payload)
+}
+
+/// A request from this machine.
+pub(super) fn request(method: Method, path: &str, payload: &str) -> Request {
+    let (path, query) = path.split_once('?').unwrap_or((path, ""));
+    Request {
+        peer: "127.0.0.1:40000".parse().unwrap(),
+        method,
+        path: path.split('/').skip(1).map(str::to_owned).collect(),
+        queries: query.split('&').filter(|query| !query.is_empty()).map(str::to_owned).collect(),
+        format: None,
+        accept: None,
+        conditions: Conditions::default(),
+        payload: payload.as_bytes().to_vec(),
+    }
+}
