@@ -5,6 +5,8 @@
 mod access;
 #[path = "service/coap.rs"]
 mod coap;
+#[path = "service/coap_clients/mod.rs"]
+mod coap_clients;
 #[path = "service/commands.rs"]
 mod commands;
 #[path = "service/explore.rs"]

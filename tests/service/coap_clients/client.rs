@@ -78,8 +78,13 @@ impl Client {
             Client::Aiocoap => said.lines().rev().find_map(|line| first_code(line.rsplit("client:").next()?)),
             Client::CoapCli => said.split('(').rev().find_map(first_code),
         };
+        let mut printed = output.stdout.clone();
+        // It ends all that it prints with a newline, which is not of the answer.
+        if self == Client::Libcoap && printed.last() == Some(&b'\n') {
+            printed.pop();
+        }
         let refused = code.as_ref().is_some_and(|code| !code.starts_with('2'));
-        let body = if refused && output.stdout.is_empty() { said.clone().into_bytes() } else { output.stdout.clone() };
+        let body = if refused && printed.is_empty() { said.clone().into_bytes() } else { printed };
         Reply { code: code.unwrap_or_else(|| "2.xx".to_owned()), body, all }
     }
 }
@@ -204,7 +209,10 @@ fn coap_cli(url: &str, ask: &Ask) -> Command {
     }
     let numbers = [(12, ask.format), (17, ask.accept)];
     let numbers = numbers.into_iter().filter_map(|(option, number)| Some((option, number?.to_be_bytes().to_vec())));
-    for (number, value) in numbers.chain(ask.options.iter().cloned()) {
+    // It leaves the query of a URL out.
+    let (url, query) = url.split_once('?').unwrap_or((url, ""));
+    let query = query.split('&').filter(|part| !part.is_empty()).map(|part| (15, part.as_bytes().to_vec()));
+    for (number, value) in numbers.chain(query).chain(ask.options.iter().cloned()) {
         command.args(["-O", &format!("{number},0x{}", hex(&value))]);
     }
     if let Some(payload) = ask.payload {

@@ -19,8 +19,8 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// How often what was printed is looked at.
 const GLANCE: Duration = Duration::from_millis(5);
 
-/// The heads of the items of `/resourcemodel`, by which they are told apart: not every client prints something between them.
-const HEADS: [&str; 3] = ["robot( ", "roomMap( ", "luggage( "];
+/// How the items of `/resourcemodel` begin and end, by which they are told apart: not every client prints something between them.
+const ITEMS: [(&str, &str); 3] = [("robot( ", "))"), ("roomMap( ", "' )"), ("luggage( ", "' ) )")];
 
 /// A running client.
 pub(crate) struct Observer {
@@ -106,9 +106,11 @@ pub(crate) fn values(text: &str) -> Vec<Value> {
 
 /// The whole items of `/resourcemodel` in a text, one after another.
 pub(crate) fn items(text: &str) -> Vec<String> {
-    let mut starts: Vec<usize> = HEADS.iter().flat_map(|head| text.match_indices(head).map(|(place, _)| place)).collect();
-    starts.sort_unstable();
-    let ends = starts.iter().skip(1).copied().chain([text.len()]);
-    let items = starts.iter().zip(ends).map(|(start, end)| text[*start..end].trim_end().to_owned());
-    items.filter(|item| item.ends_with(" )")).collect()
+    let begun = |(head, tail): &(&str, &'static str)| -> Vec<(usize, &'static str)> {
+        text.match_indices(head).map(|(place, _)| (place, *tail)).collect()
+    };
+    let mut begun: Vec<(usize, &str)> = ITEMS.iter().flat_map(begun).collect();
+    begun.sort_unstable();
+    let whole = |(start, tail): &(usize, &str)| text[*start..].find(tail).map(|end| text[*start..start + end + tail.len()].to_owned());
+    begun.iter().filter_map(whole).collect()
 }

@@ -1,4 +1,4 @@
-//! What `/resourcemodel` has to show, worked out from what the HTTP door shows at the same moment.
+//! What the CoAP door has to show, worked out from what the HTTP door shows at the same moment.
 
 use serde_json::Value;
 
@@ -28,8 +28,18 @@ pub(crate) fn map(program: &Program) -> String {
     format!("roomMap( '{}' )", text.lines().map(row).collect::<String>())
 }
 
-/// What the item of the latest piece says of it: its number and the bag's cell.
+/// The latest piece's item, as `luggage( state( 'photo 1, position: (3, 3), date: …' ) )`.
 pub(crate) fn luggage(state: &Value) -> String {
     let piece = state["luggage"].as_array().and_then(|all| all.last()).expect("a piece was found");
-    format!("luggage( state( 'photo {}, position: ({}, {}), date: ", piece["id"], piece["cell"]["x"], piece["cell"]["y"])
+    let (cell, taken) = (&piece["cell"], piece["taken"].as_str().expect("a time"));
+    format!("luggage( state( 'photo {}, position: ({}, {}), date: {taken}' ) )", piece["id"], cell["x"], cell["y"])
+}
+
+/// The same state as the CoAP door writes it: photos are found below its own root, and a tag tells takes apart.
+pub(crate) fn state(mut state: Value) -> Value {
+    for piece in state["luggage"].as_array_mut().expect("a list") {
+        let url = piece["photo"]["url"].as_str().map(|url| url.trim_start_matches("/api/v1").split('?').next().map(str::to_owned));
+        piece["photo"]["url"] = url.flatten().into();
+    }
+    state
 }
