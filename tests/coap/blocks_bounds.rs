@@ -61,8 +61,9 @@ fn the_reserved_size_is_refused() {
 #[test]
 fn past_the_end_is_refused_and_never_block_0() {
     let mut bench = Bench::new();
-    for (id, number) in [(1, 2), (2, 80), (3, 4096), (4, (1 << 20) - 1)] {
-        let request = Message::get("/large", id).token(b"e").block2((number, false, 6));
+    let beyond = [(1, 2, 6), (2, 80, 6), (3, 4096, 6), (4, (1 << 20) - 1, 6), (7, 80, 0), (8, 5, 4), (9, 81, 0)];
+    for (id, number, exponent) in beyond {
+        let request = Message::get("/large", id).token(b"e").block2((number, false, exponent));
         let answer = bench.ask(&request);
         assert!([Code::BAD_REQUEST, Code::BAD_OPTION].contains(&answer.code), "{answer:?}");
         assert!(answer.block(option::BLOCK2).is_none_or(|(number, ..)| number != 0), "{answer:?}");

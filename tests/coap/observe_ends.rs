@@ -34,6 +34,7 @@ fn td_coap_obs_05_client_gone() {
     let later = bench.take();
     let last = Message::decoded(&later.last().expect("it goes on").bytes);
     notifies(&last, b"o5", "seen 2");
+    assert!(cons.iter().all(|con| con.id == cons[0].id) && last.id != cons[0].id, "another state is another message");
     for out in &later {
         let message = Message::decoded(&out.bytes);
         assert_eq!((message.kind, message.text().as_str()), (Kind::Con, "seen 2"), "the newest state in the place of the old");

@@ -92,6 +92,21 @@ fn an_echo_of_another_address_or_of_long_ago_proves_nothing() {
 }
 
 #[test]
+fn whoever_guesses_message_ids_proves_nothing() {
+    let mut bench = Bench::new();
+    bench.deliver(stranger(), &Message::get("/separate", 1).token(b"longtokn").encoded());
+    bench.wait(Duration::from_secs(2));
+    assert_eq!(bench.endpoint.counts().reliable, 1, "an answer waits for its acknowledgement");
+    for id in 0..=u16::MAX {
+        bench.deliver(stranger(), &Message::empty(Kind::Ack, id).encoded());
+    }
+    assert_eq!(bench.endpoint.counts().reliable, 0, "one of them was it");
+    bench.take();
+    let request = Message::get("/obs", 2).token(b"o").observe(0);
+    bench.ask_from(stranger(), &request).answers(&request, Code::UNAUTHORIZED);
+}
+
+#[test]
 fn an_address_that_proved_nothing_observes_nothing() {
     let mut bench = Bench::new();
     let request = Message::get("/obs", 1).token(b"o").observe(0);
