@@ -1,11 +1,12 @@
 //! The servers that are measured, each a process of its own on a free port of this machine: how each is started, what it has used,
 //! and that it ends with the benchmark.
 
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader};
 use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdout, Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use crate::client::Client;
@@ -51,8 +52,6 @@ pub(crate) struct Server {
     pub(crate) address: SocketAddr,
     child: Child,
     folder: PathBuf,
-    /// Held open, as a server that cannot print might stop.
-    _output: Option<BufReader<ChildStdout>>,
 }
 
 impl Server {
@@ -66,7 +65,7 @@ impl Server {
         let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
         let child = child.inspect_err(|error| println!("  {} is left out: {:?}: {error}", kind.name(), command.get_program()));
         let address = SocketAddr::from(([127, 0, 0, 1], port));
-        let mut server = Server { kind, address, child: child.ok()?, folder, _output: None };
+        let mut server = Server { kind, address, child: child.ok()?, folder };
         let is_there = server.announced() && server.answers();
         if !is_there {
             println!("  {} is left out: it started and does not answer", kind.name());
@@ -79,13 +78,17 @@ impl Server {
         if matches!(self.kind, Kind::Libcoap | Kind::LibcoapNon) {
             return true;
         }
-        let mut output = BufReader::new(self.child.stdout.take().expect("its output is piped"));
-        let address = output.by_ref().lines().map_while(Result::ok).find_map(|line| address(&line));
-        self._output = Some(output);
-        address.is_some_and(|address| {
-            self.address = address;
-            true
-        })
+        let output = BufReader::new(self.child.stdout.take().expect("its output is piped"));
+        let (say, said) = channel();
+        // It reads on to the end: a server that cannot print might stop.
+        std::thread::spawn(move || {
+            for at in output.lines().map_while(Result::ok).filter_map(|line| address(&line)) {
+                let _ = say.send(at);
+            }
+        });
+        let announced = said.recv_timeout(LOOK * LOOKS);
+        self.address = announced.unwrap_or(self.address);
+        announced.is_ok()
     }
 
     fn answers(&self) -> bool {

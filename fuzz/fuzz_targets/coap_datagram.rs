@@ -1,0 +1,223 @@
+//! A CoAP endpoint, an application that answers in every way there is, at once or late, and two peers, one on this machine and one
+//! beyond it, that send anything at any time. Whatever they do: nothing breaks, every datagram that goes out is a message and not
+//! too long, an address that proved nothing gets at most three times what came from it, and what is remembered stays bounded.
+//! Whether the answers are the right ones is tested elsewhere.
+#![no_main]
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use coap_lite::{CoapOption, Packet};
+use hallsweep_fuzz::core::units::{Now, Wall};
+use hallsweep_fuzz::inbound::coap::endpoint::code::Code;
+use hallsweep_fuzz::inbound::coap::endpoint::format::Format;
+use hallsweep_fuzz::inbound::coap::endpoint::limits::{AMPLIFICATION, ASSEMBLIES, BLOCK, HEAD, OBSERVERS_OF_A_PEER, WAITING};
+use hallsweep_fuzz::inbound::coap::endpoint::response::{Answer, Response, Tag};
+use hallsweep_fuzz::inbound::coap::endpoint::{Endpoint, ExchangeId};
+use libfuzzer_sys::fuzz_target;
+
+/// The peers: how many there are, and the one whose datagrams are counted.
+const PEERS: usize = 2;
+const BEYOND: usize = 1;
+
+/// The option by which a peer proves its address (RFC 9175).
+const ECHO: u16 = 252;
+
+/// So many steps are taken at most, so that one input does not take long.
+const STEPS: usize = 512;
+
+/// Nothing that is due may be due again at once for ever: so often within one step is too often.
+const TURNS: usize = 100_000;
+
+fuzz_target!(|bytes: &[u8]| {
+    let mut play = Play::new();
+    let mut rest = bytes;
+    for _ in 0..STEPS {
+        let Some(after) = play.step(rest) else { break };
+        rest = after;
+    }
+    // Three hours later nobody is owed anything.
+    play.pass(Duration::from_secs(3 * 3600));
+    assert_eq!(play.endpoint.counts().reliable, 0, "whoever never answers is given up");
+});
+
+struct Play {
+    endpoint: Endpoint,
+    now: Duration,
+    /// Requests that the application has not answered yet.
+    waiting: Vec<ExchangeId>,
+    /// How the next requests are answered at once; `None`: not at once.
+    at_once: Option<u8>,
+    /// What the application shows, counted.
+    state: u8,
+    /// Bytes that came from beyond this machine and that went there, until it may have proved its address.
+    received: usize,
+    sent: usize,
+    may_be_proved: bool,
+    /// The latest Echo that went to each peer.
+    echoes: [Vec<u8>; PEERS],
+}
+
+impl Play {
+    fn new() -> Play {
+        Play {
+            endpoint: Endpoint::new([7; 32]),
+            now: Duration::from_secs(1000),
+            waiting: Vec::new(),
+            at_once: Some(0),
+            state: 0,
+            received: 0,
+            sent: 0,
+            may_be_proved: false,
+            echoes: Default::default(),
+        }
+    }
+
+    /// One step, and what follows it in the input; `None` at its end.
+    fn step<'a>(&mut self, input: &'a [u8]) -> Option<&'a [u8]> {
+        let [what, how, rest @ ..] = input else { return None };
+        match what % 8 {
+            0..3 => {
+                let (datagram, rest) = datagram(*how, rest)?;
+                self.receive(usize::from(what % 8 == 2), datagram);
+                return Some(rest);
+            }
+            3 => self.pass(Duration::from_millis(1 << (how % 20))),
+            4 => self.answer_late(*how),
+            5 => self.change(*how),
+            6 => self.at_once = (how & 0x80 == 0).then_some(*how),
+            _ => self.echo(usize::from(how % 2)),
+        }
+        self.settle();
+        Some(rest)
+    }
+
+    fn receive(&mut self, peer: usize, datagram: &[u8]) {
+        if peer == BEYOND {
+            self.received += datagram.len();
+            let echo = Packet::from_bytes(datagram).ok().and_then(|packet| packet.get_first_option(CoapOption::from(ECHO)).cloned());
+            self.may_be_proved |= echo.is_some_and(|echo| echo == self.echoes[BEYOND]);
+        }
+        self.endpoint.handle_datagram(address(peer), datagram, self.clock());
+        self.settle();
+    }
+
+    /// A peer sends back what it was asked to, with a request to observe.
+    fn echo(&mut self, peer: usize) {
+        let mut packet = Packet::new();
+        packet.header.message_id = u16::from(self.state) << 8 | 0x55;
+        packet.header.code = coap_lite::MessageClass::from(1);
+        packet.add_option(CoapOption::Observe, Vec::new());
+        packet.add_option(CoapOption::UriPath, b"state".to_vec());
+        packet.add_option(CoapOption::from(ECHO), self.echoes[peer].clone());
+        self.receive(peer, &packet.to_bytes().expect("it is short"));
+    }
+
+    /// Time goes on, and whatever falls due meanwhile is done when it is due.
+    fn pass(&mut self, time: Duration) {
+        let until = self.now + time;
+        for turn in 0.. {
+            let Some(due) = self.endpoint.poll_timeout().filter(|due| *due <= until) else { break };
+            assert!(turn < TURNS, "it is never done: due at {due:?}, now {:?}", self.now);
+            self.now = self.now.max(due);
+            self.endpoint.handle_timeout(self.clock());
+            assert!(self.endpoint.poll_timeout().is_none_or(|next| next > self.now), "what was due is done");
+            self.settle();
+        }
+        self.now = until;
+    }
+
+    fn answer_late(&mut self, how: u8) {
+        if !self.waiting.is_empty() {
+            let exchange = self.waiting.remove(usize::from(how >> 3) % self.waiting.len());
+            self.endpoint.handle_answer(exchange, answer(how, self.state), self.clock());
+        }
+    }
+
+    /// The state changes, and observers see it in another way than before.
+    fn change(&mut self, how: u8) {
+        self.state = self.state.wrapping_add(1);
+        for (subject, _) in self.endpoint.subjects() {
+            self.endpoint.handle_change(subject, answer(how, self.state).observed, self.clock());
+        }
+        // Between the change and what follows from it anything may be asked of it.
+        let _ = self.endpoint.poll_timeout();
+    }
+
+    /// Answers what is to be answered at once, and looks at everything that goes out.
+    fn settle(&mut self) {
+        while let Some((exchange, request)) = self.endpoint.poll_request() {
+            assert!(request.payload.len() <= 16 * 1024, "no body is larger than a command may be");
+            match self.at_once {
+                Some(how) => self.endpoint.handle_answer(exchange, answer(how, self.state), self.clock()),
+                None => self.waiting.push(exchange),
+            }
+        }
+        while let Some(transmit) = self.endpoint.poll_transmit() {
+            self.look(transmit.peer, &transmit.bytes);
+        }
+        self.check_bounds();
+    }
+
+    fn look(&mut self, to: SocketAddr, datagram: &[u8]) {
+        assert!(datagram.len() <= BLOCK + HEAD, "{} bytes are too many", datagram.len());
+        let packet = Packet::from_bytes(datagram).expect("what goes out is a message");
+        let peer = (0..PEERS).find(|peer| address(*peer) == to).expect("nobody is sent anything who sent nothing");
+        if let Some(echo) = packet.get_first_option(CoapOption::from(ECHO)) {
+            self.echoes[peer].clone_from(echo);
+        }
+        if peer == BEYOND && !self.may_be_proved {
+            self.sent += datagram.len();
+            let most = AMPLIFICATION * self.received;
+            assert!(self.sent <= most, "{} bytes went out for {} that came in", self.sent, self.received);
+        }
+    }
+
+    /// Tables that grow with the requests are bounded by `STEPS` here; the others by what the limits say of two peers.
+    fn check_bounds(&self) {
+        let counts = self.endpoint.counts();
+        assert!(counts.open <= STEPS && counts.exchanges <= STEPS, "{counts:?}");
+        assert!(counts.observers <= PEERS * OBSERVERS_OF_A_PEER, "{counts:?}");
+        assert!(counts.assemblies <= ASSEMBLIES && counts.reliable <= PEERS * (WAITING + 1), "{counts:?}");
+        assert!(counts.peers <= PEERS + 2, "two that were given ids, and one beyond with its network: {counts:?}");
+    }
+
+    fn clock(&self) -> Now {
+        let unix_ms = 1_770_000_000_000 + i64::try_from(self.now.as_millis()).expect("hours, not ages");
+        Now { since_start: self.now, wall: Wall { unix_ms, offset_s: 3600 } }
+    }
+}
+
+/// The next datagram: as long as the next bytes say, or as what is left.
+fn datagram(high: u8, rest: &[u8]) -> Option<(&[u8], &[u8])> {
+    let (low, rest) = rest.split_first()?;
+    let length = (usize::from(high % 8) << 8 | usize::from(*low)).min(rest.len());
+    Some(rest.split_at(length))
+}
+
+fn address(peer: usize) -> SocketAddr {
+    SocketAddr::from(if peer == BEYOND { ([192, 0, 2, 7], 5683) } else { ([127, 0, 0, 1], 40_000) })
+}
+
+/// An answer of one of eight kinds.
+fn answer(how: u8, state: u8) -> Answer {
+    let body = |length: usize| vec![state; length];
+    let tagged = |length| Response { tag: Tag::new(&[b't', state]), ..Response::content(Format::JSON, body(length)) };
+    match how % 8 {
+        0 => Answer::observable(tagged(usize::from(how))),
+        1 => Answer::observable(tagged(100_000)),
+        2 => Answer::once(Response::refusal(Code::NOT_FOUND, "there is no such piece of luggage".to_owned())),
+        3 => {
+            let location = vec!["luggage".to_owned(), state.to_string()];
+            Answer::once(Response { location, location_query: vec!["a=b".to_owned()], ..Response::new(Code::CREATED) })
+        }
+        4 => {
+            let things: Vec<Arc<Response>> = [3, 1500, 40].map(|length| Arc::new(tagged(length))).into();
+            Answer { response: Arc::clone(&things[0]), observed: things }
+        }
+        5 => Answer::observable(Response { max_age: Some(0), ..Response::content(Format::TEXT, body(0)) }),
+        6 => Answer::observable(tagged(BLOCK + usize::from(how >> 3))),
+        _ => Answer::observable(Response::refusal(Code::NOT_FOUND, "it is gone".to_owned())),
+    }
+}

@@ -1,0 +1,3 @@
+//! Of the doors, the CoAP endpoint alone: it reads datagrams from anywhere.
+
+pub mod coap;
