@@ -67,6 +67,15 @@ pub(super) fn tag_of_photo(piece: &Luggage) -> Result<Tag, Problem> {
     }
 }
 
+/// A photo for whoever wants plain bytes: there are clients that cannot take a format they have not heard of, and many know no
+/// pictures. Otherwise it stays what it is.
+pub(super) fn labelled(photo: Arc<Response>, wanted: Format) -> Arc<Response> {
+    if wanted != Format::BYTES || photo.format == Some(wanted) {
+        return photo;
+    }
+    Arc::new(Response { format: Some(wanted), ..(*photo).clone() })
+}
+
 /// Reads a photo; without the tag its piece's record is read too.
 pub(super) async fn read(archive: &Reader, id: LuggageId, present: Option<Tag>) -> Result<Response, Problem> {
     let tag = match present {
@@ -115,6 +124,15 @@ mod tests {
         assert!(photos.kept(id, None).is_none(), "it may have been taken again before its mission was put away");
         photos.keep(id, true, photo(4, new));
         assert!(photos.kept(id, None).is_some());
+    }
+
+    #[test]
+    fn a_photo_is_plain_bytes_for_whoever_wants_these() {
+        let picture = Arc::new(photo(4, kept::tag(&[b"t"])));
+        let bytes = labelled(Arc::clone(&picture), Format::BYTES);
+        assert_eq!((bytes.format, bytes.tag), (Some(Format::BYTES), picture.tag));
+        assert!(Arc::ptr_eq(&bytes.body, &picture.body), "and nothing is copied");
+        assert!(Arc::ptr_eq(&labelled(Arc::clone(&picture), Format::PNG), &picture));
     }
 
     /// Safety A5.

@@ -21,7 +21,7 @@ impl Resources {
         Ok(match shown.show {
             Show::Links => Said::Now(Answer::once(discovery::listing(&self.table, &snapshot, &request.queries))),
             Show::OldItems => Said::Now(self.old.answer(&snapshot, &self.kept)),
-            Show::Photo => self.photo(&snapshot, number, request)?,
+            Show::Photo => self.photo(&snapshot, number, format, request)?,
             Show::Piece if snapshot.luggage(LuggageId(number)).is_none() => self.past_piece(number, format, request),
             show @ (Show::State | Show::Of(_) | Show::Piece | Show::Strategy) => {
                 Said::Now(self.kept.copies(show, number, format, &snapshot).answer())
@@ -77,16 +77,19 @@ impl Resources {
     }
 
     /// The newest photo of a piece, from among the last ones that were asked for or else from the disk.
-    fn photo(&self, snapshot: &Snapshot, number: u64, request: &Request) -> Result<Said, Problem> {
+    fn photo(&self, snapshot: &Snapshot, number: u64, format: Format, request: &Request) -> Result<Said, Problem> {
         let id = LuggageId(number);
         let present = snapshot.luggage(id).map(|piece| photos::tag_of_photo(piece)).transpose()?;
         if let Some(kept) = self.photos.kept(id, present) {
-            return Ok(Said::Now(Answer { response: kept, observed: Vec::new() }));
+            return Ok(Said::Now(Answer { response: photos::labelled(kept, format), observed: Vec::new() }));
         }
         let (archive, photos, request) = (self.archive.clone(), Arc::clone(&self.photos), request.clone());
         Ok(Said::Later(Box::pin(async move {
             match photos::read(&archive, id, present).await {
-                Ok(response) => Answer { response: photos.keep(id, present.is_none(), response), observed: Vec::new() },
+                Ok(response) => {
+                    let kept = photos.keep(id, present.is_none(), response);
+                    Answer { response: photos::labelled(kept, format), observed: Vec::new() }
+                }
                 Err(problem) => Answer::once(problem.response(&request)),
             }
         })))

@@ -63,6 +63,7 @@ pub(super) struct Found<'a> {
 
 const SHAPES: &[Format] = &[Format::JSON, Format::CBOR];
 const WITH_TEXT: &[Format] = &[Format::JSON, Format::CBOR, Format::TEXT];
+const PICTURE: &[Format] = &[Format::PNG, Format::BYTES];
 const MEASURED: &[Format] = &[Format::JSON, Format::CBOR, Format::TEXT, Format::SENML_JSON];
 
 impl Default for Table {
@@ -140,7 +141,7 @@ fn of_a_piece() -> Vec<Row> {
     use Method::{Post, Put};
     vec![
         shown("/luggage/{id}", "piece", "A piece of luggage", Show::Piece, SHAPES, true, &[]),
-        shown("/luggage/{id}/photo", "photo", "Its photo", Show::Photo, &[Format::PNG], false, &[(Post, Act::Retake)]),
+        shown("/luggage/{id}/photo", "photo", "Its photo", Show::Photo, PICTURE, false, &[(Post, Act::Retake)]),
         done("/luggage/{id}/verdict", "verdict", "Safe or danger", &[(Put, Act::Verdict), (Post, Act::Verdict)]),
         done("/alarms/{id}/acknowledge", "acknowledge", "The alarm was seen", &[(Post, Act::Acknowledge)]),
     ]
