@@ -3,7 +3,7 @@
 
 use std::net::SocketAddr;
 
-use crate::access::{Need, OPERATOR};
+use crate::access::{Need, OPERATOR, is_this_machine};
 use crate::core::command::{Door, Issuer, Refused};
 
 /// The sender of a request.
@@ -18,7 +18,7 @@ pub(super) enum Caller {
 impl Caller {
     /// Who is at this address.
     pub(super) fn of(peer: SocketAddr) -> Caller {
-        if peer.ip().to_canonical().is_loopback() { Caller::Here } else { Caller::Beyond }
+        if is_this_machine(peer.ip()) { Caller::Here } else { Caller::Beyond }
     }
 
     /// Nothing when it may do what asks for `need`, else what to tell it.
