@@ -57,7 +57,8 @@ fn td_coap_obs_13_large_resource() {
 #[test]
 fn td_coap_obs_14_size_changing_round_the_block_limit() {
     let mut bench = Bench::new();
-    observe(&mut bench, "/obs-large", b"o14");
+    let first = observe(&mut bench, "/obs-large", b"o14");
+    rest(&mut bench, &first, "/obs-large", 900);
     for (turn, length) in [16, 1023, 1024, 1025, 2048, 2049, 1, 0, 5000, 1024].into_iter().enumerate() {
         let body = long_body(length);
         bench.change(|server| server.set("/obs-large", &body));
@@ -84,4 +85,44 @@ fn an_observer_of_a_large_resource_holds_the_last_state_through_a_bad_network() 
         let held = scene.clients[0].held(&token).map(<[u8]>::to_vec);
         assert_eq!(held, Some(long_body(2700)), "{:?}", scene.clients[0].seen.last());
     });
+}
+
+/// What is read on is what was begun, however often it changed since; and no news comes in between, as long as it is read on.
+#[test]
+fn a_large_notification_can_be_read_to_its_end_though_it_changes_all_the_time() {
+    let mut bench = Bench::new();
+    let mut last = observe(&mut bench, "/obs-large", b"o");
+    for turn in 0..5 {
+        bench.change(|server| server.set("/obs-large", vec![turn; 1280]));
+        assert_eq!(bench.wait_ms(30), [], "it is still being read");
+        let request = Message::get("/obs-large", 100 + u16::from(turn)).token(b"rest").block2((1, false, 6));
+        let mut said = bench.send(&request);
+        said.extend(bench.wait_ms(30));
+        assert_eq!(said.len(), 2, "the last block, and what has become of it since: {said:?}");
+        said[0].answers(&request, Code::CONTENT);
+        assert_eq!(said[0].values(option::ETAG), last.values(option::ETAG), "of one state");
+        assert_eq!((said[1].payload[0], said[1].payload.len()), (turn, 1024));
+        last = said.remove(1);
+    }
+}
+
+/// Whoever does not read on is told all the same.
+#[test]
+fn who_reads_only_first_blocks_is_told_what_is_new_after_a_second() {
+    let mut bench = Bench::new();
+    observe(&mut bench, "/obs-large", b"o");
+    bench.change(|server| server.set("/obs-large", vec![1; 3000]));
+    assert_eq!(bench.wait_ms(900).len(), 0);
+    assert_eq!(bench.wait_ms(200).len(), 1);
+}
+
+/// Of several things, the rest that is read is that of the thing whose first block came, not of the one that changed last.
+#[test]
+fn the_rest_of_one_of_several_things_is_its_own() {
+    let mut bench = Bench::new();
+    observe(&mut bench, "/model", b"m");
+    bench.wait_ms(200);
+    bench.change(|server| server.set_model(1, &"m".repeat(2000)));
+    let map = bench.wait_ms(100).pop().expect("the map is told");
+    assert_eq!(rest(&mut bench, &map, "/model", 100), "m".repeat(2000).into_bytes());
 }

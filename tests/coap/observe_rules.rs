@@ -185,6 +185,8 @@ fn several_things_are_told_each_when_it_changed_and_in_their_order() {
     let mut bench = Bench::new();
     let first = observe(&mut bench, "/model", b"m");
     assert_eq!(first.text(), "robot 0\nmap 0\nluggage 0");
+    let said = bench.wait_ms(200);
+    assert_eq!(said.iter().map(Message::text).collect::<Vec<_>>(), ["robot 0", "map 0", "luggage 0"], "none was shown alone");
     bench.change(|server| server.set_model(1, "map 1"));
     let said = bench.wait_ms(200);
     assert_eq!(said.iter().map(Message::text).collect::<Vec<_>>(), ["map 1"]);

@@ -102,6 +102,9 @@ impl Endpoint {
         if reads_on && !read.request.method.only_looks() {
             return self.read_on(back, &read, now);
         }
+        if read.request.method == Method::Get && read.observe != Some(1) && self.observes_on(back, &read, now) {
+            return;
+        }
         match self.whole(&mut read, now) {
             Ok(true) => {}
             Ok(false) => {
@@ -115,6 +118,19 @@ impl Endpoint {
             return self.challenge(back, now);
         }
         self.ask(back, exchange, read, now);
+    }
+
+    /// Whether this was a further block of what a notification began, and is answered.
+    fn observes_on(&mut self, back: Back, read: &Read, now: Now) -> bool {
+        let Some(block) = read.block2.filter(|block| block.number > 0) else {
+            if read.observe.is_none() {
+                self.observers.read_anew(&read.request);
+            }
+            return false;
+        };
+        let Some(begun) = self.observers.read_on(&read.request, block, now.since_start) else { return false };
+        self.send_reply(back, &begun, &Shape { block2: Some(block), wants_size: read.wants_size, ..Shape::default() }, now);
+        true
     }
 
     /// Another block of the answer to what was done already.

@@ -64,10 +64,13 @@ impl Thing {
 }
 
 impl Knowledge {
-    /// Of an observer that was just told all of these; whether that is sure to arrive decides whether it is told again.
+    /// Of an observer that was just shown one of these, and is to be told the others; whether that is sure to arrive decides
+    /// whether it is told again.
     #[must_use]
-    pub(super) fn of(things: &[Thing], is_sure: bool, now: Duration) -> Knowledge {
-        let known = |thing: &Thing| Known { told: thing.version, at: now, sure: if is_sure { thing.version } else { 0 } };
+    pub(super) fn of(things: &[Thing], shown: &Response, is_sure: bool, now: Duration) -> Knowledge {
+        let is_shown = |thing: &Thing| things.len() == 1 || thing.response.body == shown.body;
+        let told = |thing: &Thing| Known { told: thing.version, at: now, sure: if is_sure { thing.version } else { 0 } };
+        let known = |thing: &Thing| if is_shown(thing) { told(thing) } else { Known::default() };
         Knowledge { things: things.iter().map(known).collect(), next: 0 }
     }
 
@@ -140,6 +143,11 @@ mod tests {
         versions.iter().map(|version| Thing { response: Arc::clone(&response), version: *version }).collect()
     }
 
+    /// That of an observer that knows all of these.
+    fn known(versions: &[u64], now: Duration) -> Knowledge {
+        Knowledge::of(&things(versions), &Response::new(Code::CONTENT), true, now)
+    }
+
     /// The places told one after the other while nothing changes any more.
     fn order(knowledge: &mut Knowledge, things: &[Thing]) -> Vec<usize> {
         let mut order = Vec::new();
@@ -152,15 +160,23 @@ mod tests {
 
     #[test]
     fn what_changed_together_is_told_in_order_and_from_the_first_again() {
-        let mut knowledge = Knowledge::of(&things(&[1, 1, 1]), true, Duration::ZERO);
+        let mut knowledge = known(&[1, 1, 1], Duration::ZERO);
         assert_eq!(order(&mut knowledge, &things(&[1, 2, 1])), [1]);
         assert_eq!(order(&mut knowledge, &things(&[2, 3, 2])), [0, 1, 2]);
         assert_eq!(knowledge.lack(&things(&[2, 3, 2]), Duration::ZERO), None, "too early to repeat it");
     }
 
     #[test]
+    fn whoever_was_shown_one_thing_is_told_the_others() {
+        let thing = |words: &str| Thing::new(Arc::new(Response::refusal(Code::CONTENT, words.to_owned())));
+        let things = [thing("robot"), thing("map"), thing("luggage")];
+        let mut knowledge = Knowledge::of(&things, &things[1].response, true, Duration::ZERO);
+        assert_eq!(order(&mut knowledge, &things), [0, 2]);
+    }
+
+    #[test]
     fn what_changes_all_the_time_hides_nothing() {
-        let mut knowledge = Knowledge::of(&things(&[1, 1, 1]), true, Duration::ZERO);
+        let mut knowledge = known(&[1, 1, 1], Duration::ZERO);
         let mut told = Vec::new();
         for version in 2..8 {
             let now = things(&[version, version, 2]);
@@ -173,7 +189,7 @@ mod tests {
 
     #[test]
     fn what_may_be_lost_is_told_again_though_there_is_other_news() {
-        let mut knowledge = Knowledge::of(&things(&[1, 1]), true, Duration::ZERO);
+        let mut knowledge = known(&[1, 1], Duration::ZERO);
         knowledge.told(&things(&[1, 2]), 1, 2, Duration::ZERO);
         let now = things(&[2, 2]);
         assert_eq!(knowledge.lack(&now, LATER), Some(Lack::News(0)));
@@ -187,7 +203,7 @@ mod tests {
     fn news_is_due_after_the_pace_and_a_repetition_when_it_has_settled() {
         let at = Duration::from_secs(100);
         let pace = Duration::from_millis(20);
-        let mut knowledge = Knowledge::of(&things(&[1]), true, at);
+        let mut knowledge = known(&[1], at);
         assert_eq!(knowledge.due(&things(&[1]), at, pace), None);
         assert_eq!(knowledge.due(&things(&[2]), at, pace), Some(at + pace));
         knowledge.told(&things(&[2]), 0, 2, at);

@@ -56,6 +56,10 @@ pub const PACE_OF_A_PEER: Duration = Duration::from_millis(5);
 /// The same as `PACE` for a peer that is not on this machine, as long as nobody knows how far away it is (RFC 7641, section 4.5.1).
 pub const PACE_UNKNOWN: Duration = Duration::from_secs(3);
 
+/// So long an observer is left to read on what came to it in several blocks, before it is told what has become of it since: else
+/// a slow reader of what changes all the time would never come to an end of anything. Who has read it is told at once.
+pub const READING: Duration = Duration::from_secs(1);
+
 /// Notifications that go out at once; the next ones follow a millisecond later, so that neither our buffers nor a reader's
 /// overflow.
 pub const BURST: usize = 32;

@@ -12,9 +12,10 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::block::Block;
 use super::format::Format;
 use super::knowledge::{Knowledge, Lack, Thing};
-use super::limits::{BURST, CONFIRM_EVERY, OBSERVERS, OBSERVERS_OF_A_PEER, PACE, PACE_OF_A_PEER, PACE_UNKNOWN};
+use super::limits::{BURST, CONFIRM_EVERY, OBSERVERS, OBSERVERS_OF_A_PEER, PACE, PACE_OF_A_PEER, PACE_UNKNOWN, READING};
 use super::message::Token;
 use super::request::Request;
 use super::response::Response;
@@ -85,6 +86,10 @@ struct Observer {
     subject: SubjectId,
     exponent: u8,
     knowledge: Knowledge,
+    /// The last thing of which it was sent a first block only, to be read on as it was;
+    begun: Option<Arc<Response>>,
+    /// and whether it may still be at that.
+    is_reading: bool,
     /// The ids of the latest notifications, by which it may reject them.
     ids: [Option<u16>; 4],
     sequence: u64,
@@ -111,11 +116,12 @@ impl Observers {
     }
 
     /// Begins an observation of somebody who gets the present state with the answer that carries the returned sequence; `None`
-    /// when there are too many. Whether that answer is sure to arrive decides whether it is told again.
+    /// when there are too many. Whether that answer is sure to arrive decides whether it is told again. Of several things the
+    /// answer shows one; it is told the others after that.
     pub(super) fn register(
         &mut self,
         (request, token, exponent): (&Request, Token, u8),
-        things: Vec<Arc<Response>>,
+        (shown, things): (&Arc<Response>, Vec<Arc<Response>>),
         is_sure: bool,
         now: Now,
     ) -> Option<u32> {
@@ -130,12 +136,14 @@ impl Observers {
         let known = self.subjects.get_mut(&subject).expect("it was found or made just now");
         known.observers.insert(id);
         let at = now.since_start;
-        let observer = Observer {
+        let mut observer = Observer {
             peer: request.peer,
             token,
             subject,
             exponent,
-            knowledge: Knowledge::of(&known.things, is_sure, at),
+            knowledge: Knowledge::of(&known.things, shown, is_sure, at),
+            begun: None,
+            is_reading: false,
             ids: [None; 4],
             sequence: 0,
             sent: at,
@@ -143,6 +151,7 @@ impl Observers {
             away: None,
             due: None,
         };
+        observer.begin(shown);
         self.observers.insert(id, observer);
         self.by_peer.entry(request.peer).or_default().push(id);
         self.schedule(id, at);
@@ -254,6 +263,7 @@ impl Observers {
         if let Some(subject) = self.subjects.get(&observer.subject) {
             observer.knowledge.told(&subject.things, notification.thing, notification.version, now);
         }
+        observer.begin(&notification.response);
         observer.ids.rotate_right(1);
         observer.ids[0] = Some(message);
         observer.sent = now;
@@ -270,6 +280,36 @@ impl Observers {
         // Smoothed, so that one slow answer does not slow everything down.
         observer.away = away.map(|away| observer.away.map_or(away, |before| (before * 7 + away) / 8)).or(observer.away);
         self.schedule(id, now);
+    }
+
+    /// What an observer was told of in a first block, for the further block that it asks for: as it was then, whatever has become
+    /// of it. `None` when this peer observes nothing of the kind.
+    pub(super) fn read_on(&mut self, request: &Request, block: Block, now: Duration) -> Option<Arc<Response>> {
+        let id = self.observer_of(request)?;
+        let observer = self.observers.get_mut(&id)?;
+        let begun = Arc::clone(observer.begun.as_ref()?);
+        if block.within(begun.body.len()).is_none_or(|(block, _)| !block.more) {
+            observer.is_reading = false;
+            self.schedule(id, now);
+        }
+        Some(begun)
+    }
+
+    /// A peer begins to read from the first block, apart from what it observes.
+    pub(super) fn read_anew(&mut self, request: &Request) {
+        let observer = self.observer_of(request).and_then(|id| self.observers.get_mut(&id));
+        if let Some(observer) = observer {
+            observer.begun = None;
+        }
+    }
+
+    /// The peer's observation of just this.
+    fn observer_of(&self, request: &Request) -> Option<ObserverId> {
+        let is_this = |id: &ObserverId| {
+            let subject = self.observers.get(id).and_then(|observer| self.subjects.get(&observer.subject));
+            subject.is_some_and(|subject| Target::of(&subject.request) == Target::of(request))
+        };
+        self.of_peer(request.peer).find(is_this)
     }
 
     /// Lets every observer of a peer have its turn again, after something stood in the way.
@@ -334,8 +374,19 @@ impl Target {
 }
 
 impl Observer {
+    /// It is sent the first block of this, or all of it.
+    fn begin(&mut self, response: &Arc<Response>) {
+        self.is_reading = Block { exponent: self.exponent, ..Block::FIRST }.size() < response.body.len();
+        if self.is_reading {
+            self.begun = Some(Arc::clone(response));
+        }
+    }
+
     /// The least time between two notifications to it.
     fn pace(&self) -> Duration {
+        if self.is_reading {
+            return READING;
+        }
         if Network::of(self.peer.ip()).is_loopback() { PACE } else { self.away.map_or(PACE_UNKNOWN, |away| away.max(PACE)) }
     }
 }

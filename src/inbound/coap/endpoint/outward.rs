@@ -188,7 +188,8 @@ impl Endpoint {
         }
         let exponent = open.block2.unwrap_or(Block::FIRST).exponent;
         let is_sure = open.kind == Kind::Con && !open.is_acknowledged;
-        self.observers.register((&request, open.token, exponent), answer.observed.clone(), is_sure, now)
+        let things = (&answer.response, answer.observed.clone());
+        self.observers.register((&request, open.token, exponent), things, is_sure, now)
     }
 
     pub(super) fn send_reply(&mut self, back: Back, response: &Response, shape: &Shape, now: Now) {
@@ -199,9 +200,14 @@ impl Endpoint {
         };
         let bytes = written(&reply::packet(kind, id, back.token, response, shape));
         self.exchanges.answered(back.key, &bytes);
-        if !self.transmit(peer, bytes, now) {
-            self.challenge(back, now);
+        if self.transmit(peer, bytes, now) {
+            return;
         }
+        if response.code.is_success() || response.body.is_empty() {
+            return self.challenge(back, now);
+        }
+        // The code alone says more to whoever cannot prove its address than that it should.
+        self.send_reply(back, &Response { max_age: response.max_age, ..Response::new(response.code) }, shape, now);
     }
 
     /// An answer that is not wanted: a message that asks for an acknowledgement gets that and no more.
