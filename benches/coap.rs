@@ -28,7 +28,7 @@ use std::time::Duration;
 use figures::{Measured, goal, median, micros, of};
 use load::{Load, Outcome};
 use server::{Kind, Server};
-use stage::{RESOURCE, photo, reading, temperature};
+use stage::{RESOURCE, photo, prepared, read, reading};
 
 /// Who is compared.
 const ALL: [Kind; 4] = [Kind::Hallsweep, Kind::Libcoap, Kind::CoapRs, Kind::Bare];
@@ -65,10 +65,10 @@ fn main() {
     println!("load average at the end {}", figures::busy());
 }
 
-/// Starts these servers, with a temperature that was set.
-fn started(kinds: &[Kind]) -> Vec<(Server, Vec<u8>)> {
-    let servers = kinds.iter().filter_map(|kind| Server::start(*kind));
-    servers.map(|server| temperature(&server).map(|body| (server, body))).collect::<Option<_>>().unwrap_or_default()
+/// Starts a server, and says how it answers a GET of what is read.
+fn started(kind: Kind) -> Option<(Server, Vec<u8>)> {
+    let server = Server::start(kind)?;
+    prepared(&server).map(|body| (server, body))
 }
 
 /// The CPU that a server uses while something is done, for each of the requests that were answered.
@@ -80,9 +80,10 @@ fn cost(server: &Server, work: impl FnOnce() -> Outcome) -> (Duration, Outcome) 
 }
 
 fn gets() {
-    println!("\nCPU per CON GET of {RESOURCE}, {TURNS} × {GETS} requests, 32 under way at once:");
-    let servers = started(&ALL);
-    let mut loads: Vec<Load> = servers.iter().map(|(server, body)| Load::new(server.address, RESOURCE, body)).collect();
+    println!("\nCPU per CON GET of 119 bytes, {TURNS} × {GETS} requests, 32 under way at once:");
+    let servers: Vec<_> = ALL.into_iter().filter_map(started).collect();
+    let load = |(server, body): &(Server, Vec<u8>)| Load::new(server.address, read(server.kind), body);
+    let mut loads: Vec<Load> = servers.iter().map(load).collect();
     let mut measured: Vec<Measured> = servers.iter().map(|(server, _)| Measured::new(server.kind)).collect();
     for _ in 0..TURNS {
         for ((server, _), (load, measured)) in servers.iter().zip(loads.iter_mut().zip(&mut measured)) {
@@ -96,14 +97,13 @@ fn gets() {
 }
 
 fn peers() {
-    println!(
-        "\nCPU per CON GET of {RESOURCE}, {PEER_TURNS} × {PEER_GETS} requests: {FEW} peers, then as many peers as requests:"
-    );
-    // A server for the few and one for the many: what the many leave behind is not the few's.
-    for ((calm, body), (busy, _)) in started(&ALL).into_iter().zip(started(&ALL)) {
-        let (mut few, mut many) = (Measured::new(calm.kind), Measured::new(busy.kind));
-        let mut of_few = Load::new(calm.address, RESOURCE, &body);
-        let mut of_many = Load::new(busy.address, RESOURCE, &body);
+    println!("\nCPU per CON GET of 119 bytes, {PEER_TURNS} × {PEER_GETS} requests: {FEW} peers, then as many peers as requests:");
+    for kind in ALL {
+        // A server for the few and one for the many: what the many leave behind is not the few's.
+        let (Some((calm, body)), Some((busy, _))) = (started(kind), started(kind)) else { continue };
+        let (mut few, mut many) = (Measured::new(kind), Measured::new(kind));
+        let mut of_few = Load::new(calm.address, read(kind), &body);
+        let mut of_many = Load::new(busy.address, read(kind), &body);
         let mut memory = vec![busy.memory()];
         for turn in 0..PEER_TURNS as u32 {
             few.add(cost(&calm, || of_few.peers(0, FEW, PEER_GETS, PEER_LIMIT)));
@@ -111,7 +111,7 @@ fn peers() {
             memory.push(busy.memory());
         }
         figures::peers(&few, &many, &memory);
-        if calm.kind == Kind::Hallsweep {
+        if kind == Kind::Hallsweep {
             goal("30,000 peers, of 100 peers", Some(many.median()), Some(few.median()), 1.2);
         }
     }
@@ -136,9 +136,9 @@ fn fan_out() {
     println!("\n{observers} observers of {RESOURCE}, {rounds} changes, until the last of those that heard within 2 s:");
     let mut measured = Vec::new();
     for kind in [Kind::Hallsweep, Kind::Libcoap, Kind::LibcoapNon, Kind::CoapRs, Kind::Bare] {
-        let Some((server, body)) = started(&[kind]).pop() else { continue };
+        let Some((server, _)) = started(kind) else { continue };
         let before = server.cpu();
-        let rounds = fan_out::rounds(server.address, RESOURCE, |celsius| reading(kind, celsius, body.len()));
+        let rounds = fan_out::rounds(server.address, RESOURCE, |celsius| reading(kind, celsius));
         let used = server.cpu().saturating_sub(before) / fan_out::ROUNDS;
         let last = median(rounds.iter().map(|round| round.last).collect());
         let complete = rounds.iter().filter(|round| round.heard == observers).count();

@@ -8,10 +8,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::{Mutex, PoisonError};
 
+#[path = "../benches/common/coap.rs"]
+#[expect(dead_code, reason = "a browser test observes nothing over CoAP")]
+mod coap;
 #[path = "service/program.rs"]
 #[expect(dead_code, reason = "the service tests ask the program more than a browser test does")]
 mod program;
 
+use coap::Coap;
 use program::{Program, hallsweep};
 
 /// One browser at a time: two would make each other slow, and the machine may be small.
@@ -25,6 +29,9 @@ const KILL: &str = "please kill the program";
 const START: &str = "please start the program";
 const FREEZE: &str = "please freeze the program";
 const THAW: &str = "please thaw the program";
+
+/// Before what it wants to know over CoAP, as `PUT resourcemodel h`.
+const COAP: &str = "over CoAP: ";
 
 #[test]
 fn a_person_searches_the_airport() {
@@ -44,6 +51,12 @@ fn a_person_searches_the_airport_without_scripts() {
 #[test]
 fn stop_halts_the_robot_at_once_and_start_goes_on() {
     play("stop", &["--hall", "empty-8x8", "--speed", "4"]);
+}
+
+/// Sprint 3 of the original: START and STOP on the page change the CoAP resource, and the page shows the same state.
+#[test]
+fn the_page_and_coap_show_the_same_and_take_the_same_commands() {
+    play("besideCoap", &["--hall", "empty-8x8", "--speed", "1"]);
 }
 
 #[test]
@@ -135,16 +148,31 @@ fn play_with(scenario: &str, arguments: &[&str], environment: &[(&str, &str)]) {
             START => program = Some(start(&address)),
             FREEZE => program.iter().for_each(|program| program.signal("STOP")),
             THAW => program.iter().for_each(|program| program.signal("CONT")),
-            other => {
-                eprintln!("{other}");
-                continue;
-            }
+            other => match other.strip_prefix(COAP) {
+                Some(request) => {
+                    writeln!(told, "{}", over_coap(program.as_ref().expect("it runs"), request)).expect("the script listens");
+                    continue;
+                }
+                None => {
+                    eprintln!("{other}");
+                    continue;
+                }
+            },
         }
         writeln!(told, "done").expect("the script listens");
     }
     let status = script.wait().expect("the script is ours");
     assert!(status.success(), "the scenario `{scenario}` failed; screenshots are in target/tmp/browser");
     assert!(program.is_some(), "the program was there to the end");
+}
+
+/// Asks the program what a script wants to know, as `PUT resourcemodel h`; the answer as `2.05 TEXT` in one line.
+fn over_coap(program: &Program, request: &str) -> String {
+    let mut words = request.splitn(3, ' ');
+    let mut next = || words.next().unwrap_or_default();
+    let (method, path, payload) = (next(), next(), next());
+    let reply = Coap::at(program.coap()).ask(method, path, payload).expect("the door answers");
+    format!("{} {}", reply.code, reply.text.replace('\n', " "))
 }
 
 /// The folder of scripts, when everything they need is there; a word when it is not.

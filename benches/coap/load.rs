@@ -55,6 +55,8 @@ impl Load {
 
     /// So many requests from a few clients, always the same: each asks again when it has its answer.
     pub(crate) fn gets(&mut self, count: usize) -> Outcome {
+        // A turn may end in the middle of a row of clients; the next one begins with new ids for all.
+        self.requests.sent = self.requests.sent.next_multiple_of(CLIENTS as u32);
         let mut waiting = [None; CLIENTS];
         let mut outcome = Outcome::default();
         for turn in 0..count + CLIENTS {

@@ -8,36 +8,45 @@ use crate::client::{BLOCK, Client};
 use crate::datagram::CONTENT;
 use crate::server::{Kind, Server};
 
-/// The small resource of all.
+/// What is observed and changed.
 pub(crate) const RESOURCE: &str = "/temperature";
 
-/// The length of what rivals serve there: about that of hallsweep's own.
-const LENGTH: usize = 90;
+/// The length of what rivals serve: that of hallsweep's robot at rest.
+const LENGTH: usize = 119;
 
 /// hallsweep's robot may take so long to find and photograph a piece of luggage.
 const SEARCH: Duration = Duration::from_secs(30);
 
-/// Sets the temperature, and says how a GET of it is answered from now on; `None`, with a printed word, when it cannot be set.
-pub(crate) fn temperature(server: &Server) -> Option<Vec<u8>> {
+/// What is read again and again: it must not change meanwhile, and hallsweep's temperature does.
+pub(crate) const fn read(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Hallsweep => "/robot",
+        Kind::Libcoap | Kind::LibcoapNon | Kind::CoapRs | Kind::Bare => RESOURCE,
+    }
+}
+
+/// Sets the temperature, and says how a GET of what is read is answered from now on; `None`, with a printed word, when it cannot
+/// be set.
+pub(crate) fn prepared(server: &Server) -> Option<Vec<u8>> {
     let mut client = Client::new(server.address);
-    let answer = client.put(RESOURCE, &reading(server.kind, 10.0, LENGTH));
+    let answer = client.put(RESOURCE, &reading(server.kind, 10.0));
     let is_set = answer.as_ref().is_some_and(|(code, _)| code >> 5 == 2);
-    match client.get(RESOURCE) {
+    match client.get(read(server.kind)) {
         Some((CONTENT, body)) if is_set => Some(body),
-        read => {
-            println!("  {} is left out: PUT {RESOURCE} gives {answer:?}, GET {read:?}", server.kind.name());
+        got => {
+            println!("  {} is left out: PUT {RESOURCE} gives {answer:?}, GET {got:?}", server.kind.name());
             None
         }
     }
 }
 
-/// What is put to change the temperature; rivals keep it as it is, so it has the length of what hallsweep answers.
-pub(crate) fn reading(kind: Kind, celsius: f64, length: usize) -> String {
+/// What is put to change the temperature; rivals show it as it is.
+pub(crate) fn reading(kind: Kind, celsius: f64) -> String {
     if kind == Kind::Hallsweep {
         return format!("{{\"celsius\":{celsius:.1}}}");
     }
     let start = format!("{{\"celsius\":{celsius:.1},\"status\":\"");
-    let filled = length.saturating_sub(start.len() + 2);
+    let filled = LENGTH.saturating_sub(start.len() + 2);
     format!("{start}{:o<filled$}\"}}", "")
 }
 

@@ -96,7 +96,8 @@ impl Play {
     fn receive(&mut self, peer: usize, datagram: &[u8]) {
         if peer == BEYOND {
             self.received += datagram.len();
-            let echo = Packet::from_bytes(datagram).ok().and_then(|packet| packet.get_first_option(CoapOption::from(ECHO)).cloned());
+            let echo =
+                Packet::from_bytes(datagram).ok().and_then(|packet| packet.get_first_option(CoapOption::from(ECHO)).cloned());
             self.may_be_proved |= echo.is_some_and(|echo| echo == self.echoes[BEYOND]);
         }
         self.endpoint.handle_datagram(address(peer), datagram, self.clock());

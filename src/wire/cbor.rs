@@ -66,10 +66,11 @@ fn more(decoder: &mut Decoder<'_>, left: &mut Option<u64>) -> Result<bool, Unrea
 }
 
 fn name(decoder: &mut Decoder<'_>) -> Result<String, Unread> {
-    match decoder.datatype().map_err(no_cbor)? {
-        Type::String | Type::StringIndef => text(decoder),
-        other => Err(unusable(format!("the name of a field is {}: names are texts, as in JSON", in_words(other)))),
+    let kind = decoder.datatype().map_err(no_cbor)?;
+    if matches!(kind, Type::String | Type::StringIndef) {
+        return text(decoder);
     }
+    Err(unusable(format!("the name of a field is {}: names are texts, as in JSON", in_words(kind))))
 }
 
 #[expect(clippy::wildcard_enum_match_arm, reason = "whatever is no text, number, truth value or null is refused alike")]

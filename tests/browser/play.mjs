@@ -18,6 +18,12 @@ async function please(what) {
   await lines.next();
 }
 
+/** What the program answers over CoAP, as `2.05 TEXT`; the test that started us asks for us. */
+async function coap(request) {
+  console.log(`over CoAP: ${request}`);
+  return (await lines.next()).value;
+}
+
 /** Notes everything a page of ours must never do. */
 function watch(page, faults, tolerated) {
   page.on('pageerror', (error) => faults.push(`an error in the page: ${error}`));
@@ -49,7 +55,7 @@ try {
     (event) => globalThis.hallsweepViolation(`${event.violatedDirective} ${event.blockedURI}`)));
   watch(page, faults, scenario.tolerated ?? []);
   const picture = async (what) => page.screenshot({ path: `${shots}/${name}-${++shot}-${what}.png` });
-  await scenario.play({ page, url, please, picture, patience });
+  await scenario.play({ page, url, please, coap, picture, patience });
 } catch (error) {
   faults.push(String(error));
   await page?.screenshot({ path: `${shots}/${name}-failed.png` }).catch(() => {});

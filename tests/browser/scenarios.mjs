@@ -44,6 +44,11 @@ async function appears(page, locator, { patience, reload = false }) {
   }
 }
 
+/** Waits until it is so. */
+async function until(isSo, words, patience) {
+  for (const end = Date.now() + patience; !(await isSo()); ) must(Date.now() < end, `never seen: ${words}`);
+}
+
 /** The number in a button's name. */
 async function numberOf(locator) {
   return Number(/#(\d+)/.exec(await locator.innerText())[1]);
@@ -173,6 +178,35 @@ const stopping = {
 };
 
 export { stopping as stop };
+
+export const besideCoap = {
+  async play({ page, url, coap, picture, patience }) {
+    const mission = async () => JSON.parse((await coap('GET mission')).replace('2.05 ', ''));
+    const model = () => coap('GET resourcemodel');
+    await page.goto(url);
+    must((await mission()).phase === 'idle', 'nothing was started yet');
+    must((await model()).startsWith('2.05 robot( state(stopped), direction(downDir), position(0, 0)'), await model());
+
+    await start(page).click();
+    await phase(page, /exploring/i, { patience });
+    must((await mission()).phase === 'exploring', 'START on the page is not seen over CoAP');
+    await until(async () => /robot\( state\((moving|rotate)/.test(await model()), 'a robot that moves, over CoAP', patience);
+
+    await stop(page).click();
+    await page.getByText(/^Held: stopped by the operator/).waitFor();
+    must((await mission()).holds.includes('operator'), 'STOP on the page is not seen over CoAP');
+    const robot = JSON.parse((await coap('GET robot')).replace('2.05 ', ''));
+    must(robot.state === 'stopped', `after STOP the robot is ${robot.state} over CoAP`);
+    await page.getByText(`(${robot.position.x}, ${robot.position.y})`).first().waitFor();
+    await picture('stopped');
+
+    must((await coap('POST commands/start')).startsWith('2.04'), 'START over CoAP was refused');
+    await page.getByText(/^Held: stopped by the operator/).waitFor({ state: 'hidden' });
+    must((await coap('PUT resourcemodel h')).startsWith('2.04'), 'h over CoAP was refused');
+    await page.getByText(/^Held: stopped by the operator/).waitFor();
+    await picture('stopped-over-coap');
+  },
+};
 
 export const lost = {
   tolerated: ['ERR_CONNECTION_REFUSED', 'ERR_INCOMPLETE_CHUNKED_ENCODING', 'ERR_CONNECTION_RESET', 'ERR_EMPTY_RESPONSE'],

@@ -4,6 +4,7 @@
 mod application;
 pub mod endpoint;
 pub mod links;
+mod news;
 mod resources;
 mod serve;
 mod socket;

@@ -8,19 +8,14 @@ use tokio::sync::watch;
 
 use super::application::{self, Application, Said};
 use super::endpoint::Endpoint;
+use super::news::News;
 use super::socket::Socket;
 use super::under_way::{UnderWay, busy};
 use crate::core::world::snapshot::Snapshot;
 use crate::runtime::clock::Clock;
 
-/// Observers are told of changes at most so often: nobody who watches a robot needs more than fifty a second.
-const PACE: Duration = Duration::from_millis(20);
-
 /// So long requests under way are waited for at the end: within two seconds, with the HTTP door, which ends at the same time.
 const GRACE: Duration = Duration::from_millis(1500);
-
-/// The newest state, for whoever wants to know that there is one.
-type States = watch::Receiver<Arc<Snapshot>>;
 
 struct Driver<A> {
     socket: Socket,
@@ -35,12 +30,12 @@ pub async fn serve(
     socket: Socket,
     endpoint: Endpoint,
     application: impl Application,
-    mut states: States,
+    states: watch::Receiver<Arc<Snapshot>>,
     shutdown: impl Future<Output = ()>,
 ) {
     let clock = Clock::default();
     let mut driver = Driver { socket, endpoint, application, under_way: UnderWay::default(), clock };
-    let mut next_news = Duration::ZERO;
+    let mut news = News::of(states, clock);
     tokio::pin!(shutdown);
     loop {
         let due = driver.endpoint.poll_timeout();
@@ -48,18 +43,17 @@ pub async fn serve(
             biased;
             () = &mut shutdown => break,
             Some((exchange, answer)) = driver.under_way.next() => {
-                // The state may have changed since the answer was made, when nobody observed it yet.
                 if !answer.observed.is_empty() {
-                    states.mark_changed();
+                    news.again();
                 }
                 driver.endpoint.handle_answer(exchange, answer, clock.now());
             }
             () = clock.reach(due) => driver.endpoint.handle_timeout(clock.now()),
-            () = changed(&mut states, clock.reach(Some(next_news))) => {
-                driver.tell_news();
-                next_news = clock.now().since_start + PACE;
+            () = news.come() => driver.tell_news(),
+            () = driver.socket.readable() => {
+                let now = clock.now();
+                driver.socket.read(|peer, bytes| driver.endpoint.handle_datagram(peer, bytes, now)).await;
             }
-            () = driver.socket.readable() => driver.read().await,
         }
         driver.settle().await;
     }
@@ -67,16 +61,10 @@ pub async fn serve(
 }
 
 impl<A: Application> Driver<A> {
-    async fn read(&mut self) {
-        let (endpoint, now) = (&mut self.endpoint, self.clock.now());
-        self.socket.read(|peer, bytes| endpoint.handle_datagram(peer, bytes, now)).await;
-    }
-
     fn tell_news(&mut self) {
-        let now = self.clock.now();
         for (subject, request) in self.endpoint.subjects() {
             if let Some(things) = application::things(&self.application, &request) {
-                self.endpoint.handle_change(subject, things, now);
+                self.endpoint.handle_change(subject, things, self.clock.now());
             }
         }
     }
@@ -100,14 +88,6 @@ impl<A: Application> Driver<A> {
             self.endpoint.handle_answer(exchange, answer, self.clock.now());
             self.settle().await;
         }
-    }
-}
-
-/// Waits for news, but not before `pause` is over.
-async fn changed(states: &mut States, pause: impl Future<Output = ()>) {
-    pause.await;
-    if states.changed().await.is_err() {
-        std::future::pending::<()>().await;
     }
 }
 

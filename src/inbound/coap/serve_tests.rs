@@ -20,7 +20,7 @@ const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Does what its path says; `revision` shows the state, and `hang` waits until it is let go.
 struct Obedient {
-    states: States,
+    states: watch::Receiver<Arc<Snapshot>>,
     go: Arc<Semaphore>,
     /// Rings before it breaks over the thirteenth state.
     unlucky: Arc<Notify>,

@@ -24,7 +24,15 @@ fn is_inside(test: &str) -> bool {
     // Without root, `-r` makes whoever asks the root of the namespace alone.
     let made = |program: &str, words: &[&str]| {
         let mut command = Command::new("unshare");
-        command.args(["-r", "-n", "sh", "-c", "ip link set lo up && ip address add $0/32 dev lo && exec \"$@\"", ADDRESS, program]);
+        command.args([
+            "-r",
+            "-n",
+            "sh",
+            "-c",
+            "ip link set lo up && ip address add $0/32 dev lo && exec \"$@\"",
+            ADDRESS,
+            program,
+        ]);
         command.args(words).env(INSIDE, "1").stdin(Stdio::null());
         command
     };
@@ -34,7 +42,8 @@ fn is_inside(test: &str) -> bool {
     }
     let this = std::env::current_exe().expect("a test knows its program");
     let name = format!("coap_clients::beyond::{test}");
-    let output = made(&this.display().to_string(), &["--exact", &name, "--nocapture"]).output().expect("it was possible just now");
+    let output =
+        made(&this.display().to_string(), &["--exact", &name, "--nocapture"]).output().expect("it was possible just now");
     let said = [output.stdout, output.stderr].map(|said| String::from_utf8_lossy(&said).into_owned()).concat();
     assert!(output.status.success() && said.contains("1 passed"), "in the namespace:\n{said}");
     false

@@ -111,6 +111,7 @@ pub(crate) fn items(text: &str) -> Vec<String> {
     };
     let mut begun: Vec<(usize, &str)> = ITEMS.iter().flat_map(begun).collect();
     begun.sort_unstable();
-    let whole = |(start, tail): &(usize, &str)| text[*start..].find(tail).map(|end| text[*start..start + end + tail.len()].to_owned());
+    let whole =
+        |(start, tail): &(usize, &str)| text[*start..].find(tail).map(|end| text[*start..start + end + tail.len()].to_owned());
     begun.iter().filter_map(whole).collect()
 }

@@ -32,7 +32,10 @@ fn every_client_reads_what_the_http_door_shows() {
         assert_eq!(get(&format!("/luggage/{piece}"), JSON).json(), state["luggage"][0], "{client:?}");
         assert_eq!(get("/map", TEXT).text(), map, "{client:?}");
         let robot = get("/robot", CBOR);
-        assert!(robot.content()[0] >> 5 == 5 && robot.content().windows(7).any(|word| word == b"heading"), "a CBOR map: {robot:?}");
+        assert!(
+            robot.content()[0] >> 5 == 5 && robot.content().windows(7).any(|word| word == b"heading"),
+            "a CBOR map: {robot:?}"
+        );
         // coap-cli cannot take an answer in a format that it does not know.
         if client != Client::CoapCli {
             let temperature = get("/temperature", SENML).json();
@@ -104,7 +107,8 @@ fn every_client_finds_what_there_is() {
     with_each(|client| {
         let links = |query: &str| {
             let reply = client.ask(&door, &Ask::get(&format!("/.well-known/core{query}")));
-            let targets = reply.text().split(",<").map(|link| link.trim_start_matches('<').split('>').next().unwrap_or("").to_owned());
+            let targets =
+                reply.text().split(",<").map(|link| link.trim_start_matches('<').split('>').next().unwrap_or("").to_owned());
             targets.filter(|target| !target.is_empty()).collect::<Vec<String>>()
         };
         let all = links("");
@@ -118,7 +122,10 @@ fn every_client_finds_what_there_is() {
         assert!(commands.iter().any(|target| target == "/commands/start"), "{commands:?}");
         assert!(commands.iter().all(|target| target.starts_with("/commands/")), "{commands:?}");
         let observable = links("?obs");
-        assert!(observable.contains(&"/state".to_owned()) && !observable.contains(&"/commands/start".to_owned()), "{observable:?}");
+        assert!(
+            observable.contains(&"/state".to_owned()) && !observable.contains(&"/commands/start".to_owned()),
+            "{observable:?}"
+        );
         assert!(links(&format!("?ct={SENML}")).contains(&"/temperature".to_owned()));
         assert!(links("?rt=nothing-of-this-kind").is_empty());
     });

@@ -38,7 +38,8 @@ pub(crate) fn luggage(state: &Value) -> String {
 /// The same state as the CoAP door writes it: photos are found below its own root, and a tag tells takes apart.
 pub(crate) fn state(mut state: Value) -> Value {
     for piece in state["luggage"].as_array_mut().expect("a list") {
-        let url = piece["photo"]["url"].as_str().map(|url| url.trim_start_matches("/api/v1").split('?').next().map(str::to_owned));
+        let url =
+            piece["photo"]["url"].as_str().map(|url| url.trim_start_matches("/api/v1").split('?').next().map(str::to_owned));
         piece["photo"]["url"] = url.flatten().into();
     }
     state

@@ -18,7 +18,10 @@ const MOST: usize = 128;
 
 /// Everything that is kept.
 #[derive(Default)]
-pub(super) struct Kept(Mutex<HashMap<(Show, u64, Format), (Revision, Copies)>>);
+pub(super) struct Kept(Mutex<HashMap<Key, (Revision, Copies)>>);
+
+/// What, which of several, and in which format.
+type Key = (Show, u64, Format);
 
 /// One thing, for those who read it and for those who observe it; they share its body.
 #[derive(Clone, Debug)]

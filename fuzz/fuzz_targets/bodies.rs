@@ -1,0 +1,48 @@
+//! What holds for the body of every command, however it is written: it is a command, or a sentence that repeats little of it. Which
+//! notation that is, the targets say.
+
+use hallsweep_fuzz::wire::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, Unusable, VerdictBody};
+use hallsweep_fuzz::wire::fields::{Body, Unread};
+
+/// The longest sentence about a body of any length.
+const SENTENCE: usize = 400;
+
+/// A way to write bodies.
+pub(crate) trait Notation {
+    /// Reads one.
+    fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread>;
+}
+
+/// Reads these bytes as the body of each command.
+pub(crate) fn check<N: Notation>(bytes: &[u8]) {
+    read::<N, EpochBody>(bytes).map(EpochBody::epoch);
+    said(read::<N, MoveBody>(bytes).map(|body| body.command()));
+    said(read::<N, GotoBody>(bytes).map(GotoBody::command));
+    said(read::<N, VerdictBody>(bytes).map(|body| body.verdict()));
+    said(read::<N, TemperatureBody>(bytes).map(|body| body.report()));
+    said(read::<N, StrategyBody>(bytes).map(|body| body.strategy()));
+}
+
+fn read<N: Notation, T: Body>(bytes: &[u8]) -> Option<T> {
+    match N::body(bytes) {
+        Ok(read) => Some(read),
+        Err(Unread::Malformed(words)) => {
+            sentence(&words);
+            None
+        }
+        Err(Unread::Unusable(unusable)) => {
+            sentence(&unusable.to_string());
+            None
+        }
+    }
+}
+
+fn said<T>(command: Option<Result<T, Unusable>>) {
+    if let Some(Err(unusable)) = command {
+        sentence(&unusable.to_string());
+    }
+}
+
+fn sentence(words: &str) {
+    assert!(words.contains(' ') && words.len() <= SENTENCE, "{words}");
+}

@@ -1,0 +1,20 @@
+//! The bodies of all commands in CBOR: any bytes give a command, or a sentence that repeats little of them.
+//! What the core makes of a command is tested elsewhere.
+#![no_main]
+
+mod bodies;
+
+use bodies::Notation;
+use hallsweep_fuzz::wire::cbor;
+use hallsweep_fuzz::wire::fields::{Body, Unread};
+use libfuzzer_sys::fuzz_target;
+
+struct Cbor;
+
+impl Notation for Cbor {
+    fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
+        cbor::body(bytes)
+    }
+}
+
+fuzz_target!(|bytes: &[u8]| bodies::check::<Cbor>(bytes));

@@ -1,0 +1,40 @@
+//! That there is a newer state: said to the loop of the door, and not too often. What is new in it is not here.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::sync::watch;
+
+use crate::core::world::snapshot::Snapshot;
+use crate::runtime::clock::Clock;
+
+/// Observers are told of changes at most so often: nobody who watches a robot needs more than fifty a second.
+const PACE: Duration = Duration::from_millis(20);
+
+/// Where it is learned.
+pub(super) struct News {
+    states: watch::Receiver<Arc<Snapshot>>,
+    clock: Clock,
+    next: Duration,
+}
+
+impl News {
+    /// News of these states, from now on.
+    pub(super) fn of(states: watch::Receiver<Arc<Snapshot>>, clock: Clock) -> News {
+        News { states, clock, next: Duration::ZERO }
+    }
+
+    /// Waits for a state that is newer than at the last time; for ever, when none will come. May be dropped while it waits.
+    pub(super) async fn come(&mut self) {
+        self.clock.reach(Some(self.next)).await;
+        if self.states.changed().await.is_err() {
+            std::future::pending::<()>().await;
+        }
+        self.next = self.clock.now().since_start + PACE;
+    }
+
+    /// Says it once more: somebody observes what was looked up before, and may have changed since.
+    pub(super) fn again(&mut self) {
+        self.states.mark_changed();
+    }
+}
