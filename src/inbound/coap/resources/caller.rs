@@ -25,10 +25,10 @@ impl Caller {
     pub(super) fn check(self, need: Need) -> Result<(), Refused> {
         match (self, need) {
             (Caller::Here, _) | (Caller::Beyond, Need::Nothing | Need::See) => Ok(()),
-            (Caller::Beyond, Need::Stop | Need::Act) => Err(Refused::NotAllowed(
-                "over CoAP only the machine on which hallsweep runs may command, others look: use the HTTP door with a key"
-                    .to_owned(),
-            )),
+            // Short enough for three times the bytes of a request, which is all that may go to an address that is not proved.
+            (Caller::Beyond, Need::Stop | Need::Act) => {
+                Err(Refused::NotAllowed("others only look over CoAP; use HTTP and a key".to_owned()))
+            }
         }
     }
 }
