@@ -16,6 +16,7 @@ use crate::config::{self, Settings};
 use crate::core::mission::Hold;
 use crate::core::sweep::{Recalled, Sweep};
 use crate::core::units::Epoch;
+use crate::core::world::snapshot::Snapshot;
 use crate::inbound::coap::{self, Resources, Socket, endpoint::Endpoint};
 use crate::inbound::http::{self, Door};
 use crate::outbound::robot::sim::{self, Camera, Hall, SimSettings};
@@ -84,6 +85,7 @@ async fn serve_hall(
     let front = entry::front(&settings.http)?;
     let Ports { http, coap, doors } = Ports::bind(settings).await?;
     let signalled = signals::listen().map_err(AppError::System)?;
+    let secret = access::chance()?;
 
     let kept = Kept::open(settings, &hall)?;
     // Only now, when nothing else can refuse the start: a key that is made is also shown.
@@ -93,8 +95,11 @@ async fn serve_hall(
     let (closing, closed) = watch::channel(false);
     let (handle, mut task) = start(settings, (Arc::clone(&hall), sim), kept, &halter, closed).await;
     find_robot(&handle).await;
-    let (ending, ended) = watch::channel(false);
-    let coap = coap.map(|socket| open_coap(socket, settings, (&handle, &reader), ended)).transpose()?;
+    let ending = watch::Sender::new(false);
+    let coap = coap.map(|socket| {
+        let resources = Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
+        open_coap((socket, Endpoint::new(secret)), resources, handle.watch(), ending.subscribe())
+    });
     let door = Door::new(handle, reader, hall.name(), access);
     announce(doors, &entry);
     tracing::info!(http = %doors.http, coap = doors.coap.map(tracing::field::display), hall = hall.name(), "serving");
@@ -124,20 +129,18 @@ async fn serve_hall(
 
 /// Opens the CoAP door until `ending` says so. A mistake that ends it is no reason to close the others.
 fn open_coap(
-    socket: Socket,
-    settings: &Settings,
-    (handle, reader): (&Handle, &Reader),
+    (socket, endpoint): (Socket, Endpoint),
+    resources: Resources,
+    states: watch::Receiver<Arc<Snapshot>>,
     mut ending: watch::Receiver<bool>,
-) -> Result<JoinHandle<()>, AppError> {
-    let endpoint = Endpoint::new(access::chance()?);
-    let resources = Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
+) -> JoinHandle<()> {
     let shutdown = async move { drop(ending.wait_for(|ending| *ending).await) };
-    let door = tokio::spawn(coap::serve(socket, endpoint, resources, handle.watch(), shutdown));
-    Ok(tokio::spawn(async {
+    let door = tokio::spawn(coap::serve(socket, endpoint, resources, states, shutdown));
+    tokio::spawn(async {
         if door.await.is_err() {
             tracing::error!("the CoAP door has ended by a mistake of its own: it is back when hallsweep is started again");
         }
-    }))
+    })
 }
 
 /// Waits until the robot is linked, so that whoever reads where to find the program can press START at once. One that cannot be

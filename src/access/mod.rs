@@ -18,7 +18,7 @@ pub use error::AccessError;
 pub use file::{FILE, KeyFile};
 pub use keyring::{Keyring, Opened};
 pub use keys::{Key, Keys, OPERATOR, SignedIn};
-pub use network::Network;
+pub use network::{Network, is_this_machine};
 pub use role::{Need, Role};
 pub use session::SESSION_S;
 pub use token::{Token, chance};

@@ -28,6 +28,12 @@ impl Network {
     }
 }
 
+/// Whether an address is one of this machine's own for itself, in whatever writing.
+#[must_use]
+pub fn is_this_machine(address: IpAddr) -> bool {
+    Network::of(address).is_loopback()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,5 +1,5 @@
 """Asks with the library aiocoap what its command cannot: to go on observing (aiocoap-client 0.4.9 and later end an observation
-with its first notification), for a size of blocks, and with options by number. Prints the code of each answer to standard error,
+with its first notification), for a size of blocks, with options by number, and from an address that is to be proved by an Echo. Prints the code of each answer to standard error,
 and what it carries to standard output, a line each where it observes."""
 
 import argparse
@@ -41,7 +41,11 @@ async def main():
     context = await aiocoap.Context.create_client_context()
     try:
         request = context.request(asked)
-        show(await request.response, b"\n" if given.observe else b"")
+        first = await request.response
+        if first.code == aiocoap.UNAUTHORIZED and first.opt.echo is not None:
+            request = context.request(asked.copy(echo=first.opt.echo))
+            first = await request.response
+        show(first, b"\n" if given.observe else b"")
         if given.observe:
             async for answer in request.observation:
                 show(answer, b"\n")

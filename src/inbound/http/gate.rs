@@ -15,7 +15,7 @@ use super::guard::is_for_people;
 use super::places::Place;
 use super::problem::{NotTaken, Problem};
 use super::sign_in::{COOKIE, Undone, sign_in_page};
-use crate::access::{Keyring, Need, Network, OPERATOR, Role, SignedIn};
+use crate::access::{Keyring, Need, Network, OPERATOR, Role, SignedIn, is_this_machine};
 use crate::core::command::{self, Issuer, Refused};
 use crate::wire::fields::in_short;
 
@@ -156,7 +156,7 @@ impl Door {
 
     fn caller(&self, peer: Peer, shown: &Shown) -> Option<Caller> {
         let keyring = match &self.access {
-            Access::Open => return Network::of(peer.address).is_loopback().then_some(Caller::Here),
+            Access::Open => return is_this_machine(peer.address).then_some(Caller::Here),
             Access::Keys(keyring) => keyring,
         };
         let signed_in = match shown {

@@ -13,7 +13,7 @@ fn every_client_starts_stops_and_is_told_why_not() {
         let program = serve("empty-8x8", "4");
         let door = door(&program);
         let post = |path: &str| client.ask(&door, &Ask::post(path, "{}").labelled(JSON));
-        post("/commands/reset").refused("4.09", "");
+        post("/commands/retrieve").refused("4.09", "idle");
         post("/commands/start").accepted();
         program.until("it moves", |state| state["robot"]["state"] != "stopped");
         post("/commands/stop").accepted();
@@ -22,7 +22,7 @@ fn every_client_starts_stops_and_is_told_why_not() {
         let outdated = format!("{{\"epoch\":{}}}", epoch - 1);
         client.ask(&door, &Ask::post("/commands/start", &outdated).labelled(JSON)).refused("4.09", "outdated");
         client.ask(&door, &Ask::put("/temperature", "{\"celsius\":31.5}").labelled(JSON)).accepted();
-        post("/commands/start").refused("4.09", "temperature");
+        post("/commands/start").refused("4.09", "above the threshold");
         client.ask(&door, &Ask::put("/temperature", "{\"celsius\":20}").labelled(JSON)).accepted();
         post("/commands/backHome").accepted();
         program.until_phase("atHome");

@@ -21,6 +21,7 @@ use crate::program::{Program, hallsweep};
 /// Formats by their numbers (IANA, CoAP Content-Formats).
 const TEXT: u16 = 0;
 const LINKS: u16 = 40;
+const OCTETS: u16 = 42;
 const JSON: u16 = 50;
 const CBOR: u16 = 60;
 const SENML: u16 = 110;

@@ -36,12 +36,12 @@ fn every_client_reads_what_the_http_door_shows() {
             robot.content()[0] >> 5 == 5 && robot.content().windows(7).any(|word| word == b"heading"),
             "a CBOR map: {robot:?}"
         );
-        let temperature = get("/temperature", SENML).json();
-        assert_eq!(
-            (&temperature[0]["u"], &temperature[0]["v"]),
-            (&"Cel".into(), &state["temperature"]["celsius"]),
-            "{temperature}"
-        );
+        // coap-cli cannot take an answer in a format that it does not know.
+        if client != Client::CoapCli {
+            let temperature = get("/temperature", SENML).json();
+            let celsius = &state["temperature"]["celsius"];
+            assert_eq!((&temperature[0]["u"], &temperature[0]["v"]), (&"Cel".into(), celsius), "{temperature}");
+        }
         let model = client.ask(&door, &Ask::get("/resourcemodel"));
         let items = [shown::robot(&state), shown::map(&program), shown::luggage(&state)];
         assert!(items.contains(&model.text().to_owned()), "{client:?}: {model:?}");

@@ -10,6 +10,7 @@ use hashlink::LinkedHashMap;
 use super::code::{Code, Method};
 use super::limits::{ASSEMBLIES, BODY, EXCHANGE_LIFETIME};
 use super::response::Response;
+use crate::access::is_this_machine;
 
 /// The value of a Block option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,13 +90,18 @@ pub(super) struct BodyKey {
 
 /// Bodies of which the last block has not come yet.
 #[derive(Debug, Default)]
-pub(super) struct Assemblies(LinkedHashMap<BodyKey, (Duration, Vec<u8>)>);
+pub(super) struct Assemblies {
+    here: Bodies,
+    beyond: Bodies,
+}
+
+type Bodies = LinkedHashMap<BodyKey, (Duration, Vec<u8>)>;
 
 impl Assemblies {
     /// How many there are.
     #[must_use]
     pub(super) fn count(&self) -> usize {
-        self.0.len()
+        self.here.len() + self.beyond.len()
     }
 
     /// Takes a block of a body.
@@ -103,19 +109,17 @@ impl Assemblies {
     /// # Errors
     /// 4.00 for a block that is not full although more follow, 4.08 when one is missing, 4.13 for a body that is too large.
     pub(super) fn take(&mut self, key: BodyKey, block: Block, bytes: &[u8], now: Duration) -> Result<Taken, Response> {
-        self.forget(now);
-        let full = bytes.len() == block.size();
-        if bytes.len() > block.size() || (block.more && !full) {
-            self.0.remove(&key);
+        let bodies = if is_this_machine(key.peer.ip()) { &mut self.here } else { &mut self.beyond };
+        let before = bodies.remove(&key).filter(|(since, _)| now <= *since + EXCHANGE_LIFETIME).map(|(_, body)| body);
+        let mut body = if block.number == 0 { Vec::new() } else { before.unwrap_or_default() };
+        if bytes.len() > block.size() || (block.more && bytes.len() < block.size()) {
             return Err(Response::refusal(
                 Code::BAD_REQUEST,
                 "a block that is followed by more is as long as it says".to_owned(),
             ));
         }
-        let mut body = if block.number == 0 { Vec::new() } else { self.0.remove(&key).map(|(_, body)| body).unwrap_or_default() };
         let start = usize::try_from(block.number).unwrap_or(usize::MAX).saturating_mul(block.size());
         if start.saturating_add(bytes.len()) > BODY {
-            self.0.remove(&key);
             return Err(too_large());
         }
         if start != body.len() {
@@ -123,18 +127,13 @@ impl Assemblies {
         }
         body.extend_from_slice(bytes);
         if !block.more {
-            self.0.remove(&key);
             return Ok(Taken::Whole(body));
         }
-        self.0.insert(key, (now, body));
-        Ok(Taken::More)
-    }
-
-    /// Lets go of those that are too old or too many.
-    fn forget(&mut self, now: Duration) {
-        while self.0.len() >= ASSEMBLIES || self.0.front().is_some_and(|(_, (since, _))| now > *since + EXCHANGE_LIFETIME) {
-            self.0.pop_front();
+        bodies.insert(key, (now, body));
+        while bodies.len() > ASSEMBLIES || bodies.front().is_some_and(|(_, (since, _))| now > *since + EXCHANGE_LIFETIME) {
+            bodies.pop_front();
         }
+        Ok(Taken::More)
     }
 }
 

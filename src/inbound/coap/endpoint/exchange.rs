@@ -1,6 +1,7 @@
 //! Which messages came already, and what they were answered with (RFC 7252, section 4.5): a message that comes again gets the same
 //! answer and has no second effect. Retransmitting what this side sent stands in `reliable`.
 
+use std::hash::{DefaultHasher, Hasher};
 use std::net::SocketAddr;
 use std::time::Duration;
 
@@ -14,8 +15,20 @@ use super::limits::{EXCHANGE_LIFETIME, EXCHANGES};
 pub(super) struct MessageKey {
     /// Whose.
     pub(super) peer: SocketAddr,
-    /// The id its sender gave it.
+    /// The id its sender gave it,
     pub(super) id: u16,
+    /// and what it is: a sender that counts from 0 again, or has its port from another, is not taken for repeating itself.
+    pub(super) digest: u64,
+}
+
+impl MessageKey {
+    /// That of a message that came as this datagram.
+    #[must_use]
+    pub(super) fn of(peer: SocketAddr, id: u16, datagram: &[u8]) -> MessageKey {
+        let mut hasher = DefaultHasher::new();
+        hasher.write(datagram);
+        MessageKey { peer, id, digest: hasher.finish() }
+    }
 }
 
 /// What is known of a message that came before.
@@ -81,7 +94,7 @@ mod tests {
     use super::*;
 
     fn key(id: u16) -> MessageKey {
-        MessageKey { peer: "127.0.0.1:1".parse().unwrap(), id }
+        MessageKey::of("127.0.0.1:1".parse().unwrap(), id, b"message")
     }
 
     #[test]
@@ -95,12 +108,20 @@ mod tests {
     }
 
     #[test]
+    fn another_message_under_the_same_id_is_another_message() {
+        let mut exchanges = Exchanges::default();
+        exchanges.open(key(1), ExchangeId(1), true, Duration::ZERO);
+        let other = MessageKey::of(key(1).peer, 1, b"stop");
+        assert_eq!(exchanges.known(other, Duration::ZERO), None);
+    }
+
+    #[test]
     fn a_flood_of_looks_does_not_make_an_act_forgotten() {
         let mut exchanges = Exchanges::default();
         exchanges.open(key(0), ExchangeId(1), true, Duration::ZERO);
         for port in 1..=60_000 {
             let peer = format!("127.0.0.2:{port}").parse().unwrap();
-            exchanges.open(MessageKey { peer, id: 9 }, ExchangeId(2), false, Duration::ZERO);
+            exchanges.open(MessageKey::of(peer, 9, b"look"), ExchangeId(2), false, Duration::ZERO);
         }
         assert_eq!(exchanges.known(key(0), Duration::ZERO), Some(&Known::Open(ExchangeId(1))));
         assert_eq!(exchanges.count(), EXCHANGES + 1);

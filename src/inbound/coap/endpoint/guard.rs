@@ -11,7 +11,7 @@ use sha2::Sha256;
 use subtle::ConstantTimeEq;
 
 use super::limits::{AMPLIFICATION, ECHO_AGE, PEERS, PROVED, RATE, RATE_BURST};
-use crate::access::Network;
+use crate::access::{Network, is_this_machine};
 
 /// The bytes of the time in an Echo, and of the proof behind it.
 const TIME: usize = 4;
@@ -19,7 +19,7 @@ const PROOF: usize = 8;
 
 /// What is known of addresses beyond this machine.
 pub(super) struct Guard {
-    secret: [u8; 32],
+    secret: Vec<u8>,
     peers: LinkedHashMap<SocketAddr, Stranger>,
     networks: LinkedHashMap<Network, Bucket>,
 }
@@ -45,8 +45,8 @@ struct Bucket {
 impl Guard {
     /// A guard whose proofs are made with this secret.
     #[must_use]
-    pub(super) fn new(secret: [u8; 32]) -> Guard {
-        Guard { secret, peers: LinkedHashMap::new(), networks: LinkedHashMap::new() }
+    pub(super) fn new(secret: &[u8]) -> Guard {
+        Guard { secret: secret.to_vec(), peers: LinkedHashMap::new(), networks: LinkedHashMap::new() }
     }
 
     /// How many addresses are remembered.
@@ -57,7 +57,7 @@ impl Guard {
 
     /// Notes that so many bytes came from an address.
     pub(super) fn received(&mut self, peer: SocketAddr, bytes: usize) {
-        if is_here(peer) {
+        if is_this_machine(peer.ip()) {
             return;
         }
         let stranger = self.peers.entry(peer).or_insert_with(Stranger::default);
@@ -70,7 +70,7 @@ impl Guard {
 
     /// Whether a request of this address is one too many for its network.
     pub(super) fn is_too_much(&mut self, peer: SocketAddr, now: Duration) -> bool {
-        if is_here(peer) {
+        if is_this_machine(peer.ip()) {
             return false;
         }
         let network = Network::of(peer.ip());
@@ -91,20 +91,24 @@ impl Guard {
     /// Whether it is known that this address hears what is sent to it.
     #[must_use]
     pub(super) fn is_proved(&self, peer: SocketAddr, now: Duration) -> bool {
-        is_here(peer) || self.peers.get(&peer).and_then(|stranger| stranger.proved).is_some_and(|at| now <= at + PROVED)
+        is_this_machine(peer.ip())
+            || self.peers.get(&peer).and_then(|stranger| stranger.proved).is_some_and(|at| now <= at + PROVED)
     }
 
-    /// Whether a datagram of this length may go there now; if so it counts as sent.
+    /// Whether a datagram of this length may go there now.
+    #[must_use]
+    pub(super) fn has_room(&self, peer: SocketAddr, length: usize, now: Duration) -> bool {
+        let fits = |stranger: &Stranger| stranger.sent + length <= stranger.received.saturating_mul(AMPLIFICATION);
+        self.is_proved(peer, now) || self.peers.get(&peer).is_some_and(fits)
+    }
+
+    /// The same; if it may, it counts as sent.
     pub(super) fn lets_out(&mut self, peer: SocketAddr, length: usize, now: Duration) -> bool {
-        if self.is_proved(peer, now) {
-            return true;
+        let (is_proved, may) = (self.is_proved(peer, now), self.has_room(peer, length, now));
+        if let Some(stranger) = self.peers.get_mut(&peer).filter(|_| may && !is_proved) {
+            stranger.sent = stranger.sent.saturating_add(length);
         }
-        let Some(stranger) = self.peers.get_mut(&peer) else { return false };
-        let fits = stranger.sent + length <= stranger.received.saturating_mul(AMPLIFICATION);
-        if fits {
-            stranger.sent += length;
-        }
-        fits
+        may
     }
 
     /// What an address is asked to send back, to prove that it hears us (RFC 9175, section 2).
@@ -142,11 +146,6 @@ impl Guard {
     }
 }
 
-/// Whether an address is one of this machine.
-fn is_here(peer: SocketAddr) -> bool {
-    Network::of(peer.ip()).is_loopback()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -159,7 +158,7 @@ mod tests {
 
     #[test]
     fn a_stranger_gets_three_times_what_it_sent_until_it_proves_its_address() {
-        let mut guard = Guard::new([7; 32]);
+        let mut guard = Guard::new(&[7; 24]);
         assert!(!guard.lets_out(stranger(), 1, NOW));
         guard.received(stranger(), 20);
         assert!(guard.lets_out(stranger(), 60, NOW) && !guard.lets_out(stranger(), 1, NOW));
@@ -171,13 +170,13 @@ mod tests {
 
     #[test]
     fn an_echo_of_another_address_time_or_secret_proves_nothing() {
-        let mut guard = Guard::new([7; 32]);
+        let mut guard = Guard::new(&[7; 24]);
         guard.received(stranger(), 1);
         let other = "192.0.2.8:5683".parse().unwrap();
         let old = guard.echo(stranger(), NOW);
         for (echo, now) in [
             (guard.echo(other, NOW), NOW),
-            (Guard::new([8; 32]).echo(stranger(), NOW), NOW),
+            (Guard::new(&[8; 24]).echo(stranger(), NOW), NOW),
             (old.clone(), NOW + ECHO_AGE * 2),
             (old[..11].to_vec(), NOW),
             (guard.echo(stranger(), NOW + ECHO_AGE), NOW),
@@ -190,7 +189,7 @@ mod tests {
 
     #[test]
     fn whoever_is_here_is_no_stranger() {
-        let mut guard = Guard::new([7; 32]);
+        let mut guard = Guard::new(&[7; 24]);
         for here in ["127.0.0.1:9", "[::1]:9", "[::ffff:127.0.0.1]:9"].map(|here| here.parse().unwrap()) {
             assert!(guard.lets_out(here, 1 << 20, NOW) && !(0..10_000).any(|_| guard.is_too_much(here, NOW)));
         }
@@ -199,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_network_that_asks_too_much_waits_a_moment() {
-        let mut guard = Guard::new([7; 32]);
+        let mut guard = Guard::new(&[7; 24]);
         assert_eq!((0..1000).filter(|_| !guard.is_too_much(stranger(), NOW)).count(), 400);
         assert!(!guard.is_too_much(stranger(), NOW + Duration::from_secs(1)));
         assert!(!guard.is_too_much("192.0.3.1:1".parse().unwrap(), NOW), "another network has its own share");
@@ -207,7 +206,7 @@ mod tests {
 
     #[test]
     fn no_more_addresses_are_remembered_than_there_is_room_for() {
-        let mut guard = Guard::new([7; 32]);
+        let mut guard = Guard::new(&[7; 24]);
         for n in 0..20_000_u32 {
             let peer = SocketAddr::new(std::net::Ipv4Addr::from(0x0A00_0000 + n).into(), 5683);
             guard.received(peer, 10);

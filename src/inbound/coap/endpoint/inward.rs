@@ -13,6 +13,7 @@ use super::reply::Shape;
 use super::request::Request;
 use super::response::Response;
 use super::{Endpoint, ExchangeId, Open};
+use crate::access::is_this_machine;
 use crate::core::units::Now;
 
 /// Where an answer goes.
@@ -21,6 +22,15 @@ pub(super) struct Back {
     pub(super) key: MessageKey,
     pub(super) kind: Kind,
     pub(super) token: Token,
+    /// The classes of answers that its sender does not want (RFC 7967).
+    pub(super) no_response: u32,
+}
+
+impl Back {
+    /// Whether an answer of this code is wanted; to go on with the next block always is.
+    pub(super) fn is_wanted(self, code: Code) -> bool {
+        code == Code::CONTINUE || self.no_response & (1 << (code.class().max(1) - 1)) == 0
+    }
 }
 
 impl Endpoint {
@@ -34,7 +44,10 @@ impl Endpoint {
             Heard::Nothing | Heard::Senseless(..) => {}
             Heard::Ack(id) => self.take_acknowledgement(peer, id, now),
             Heard::Rst(id) => self.take_rejection(peer, id, now),
-            Heard::Request(incoming) => self.take_request(peer, incoming, now),
+            Heard::Request(incoming) => {
+                let key = MessageKey::of(peer, incoming.id, bytes);
+                self.take_request(key, incoming, now);
+            }
         }
     }
 
@@ -64,8 +77,9 @@ impl Endpoint {
         self.go_on(peer, now);
     }
 
-    fn take_request(&mut self, peer: SocketAddr, incoming: Incoming, now: Now) {
-        let back = Back { key: MessageKey { peer, id: incoming.id }, kind: incoming.kind, token: incoming.token };
+    fn take_request(&mut self, key: MessageKey, incoming: Incoming, now: Now) {
+        let (peer, no_response) = (key.peer, options::no_response(&incoming.packet));
+        let back = Back { key, kind: incoming.kind, token: incoming.token, no_response };
         match self.exchanges.known(back.key, now.since_start).cloned() {
             Some(Known::Answered(datagram)) if datagram.is_empty() => return,
             Some(Known::Answered(datagram)) => {
@@ -80,7 +94,7 @@ impl Endpoint {
             let response = Response { max_age: Some(1), ..Response::refusal(Code::TOO_MANY_REQUESTS, words) };
             return self.reply(back, &response, None, now);
         }
-        let acts = !Method::of(incoming.code).is_some_and(Method::only_looks);
+        let acts = is_this_machine(peer.ip()) && !Method::of(incoming.code).is_some_and(Method::only_looks);
         self.counted += 1;
         let exchange = ExchangeId(self.counted);
         self.exchanges.open(back.key, exchange, acts, now.since_start);
@@ -162,12 +176,10 @@ impl Endpoint {
 
     /// Hands a request to the application.
     fn ask(&mut self, back: Back, exchange: ExchangeId, read: Read, now: Now) {
-        let Read { request, etags, observe, block1, block2, wants_size, no_response, .. } = read;
+        let Read { request, etags, observe, block1, block2, wants_size, .. } = read;
         let is_get = request.method == Method::Get;
         let open = Open {
-            key: back.key,
-            kind: back.kind,
-            token: back.token,
+            back,
             is_acknowledged: false,
             is_get,
             observe,
@@ -177,13 +189,14 @@ impl Endpoint {
             block1: block1.filter(|_| !is_get),
             block2,
             wants_size,
-            no_response,
         };
         self.open.insert(exchange, open);
-        if self.open.len() > OPEN {
-            self.open.pop_first();
+        if back.kind == Kind::Con {
+            self.patience.insert(exchange, now.since_start + PATIENCE);
         }
-        self.patience.push_back((now.since_start + PATIENCE, exchange));
+        if let Some((given_up, _)) = (self.open.len() > OPEN).then(|| self.open.pop_first()).flatten() {
+            self.patience.remove(&given_up);
+        }
         self.asked.push_back((exchange, request));
     }
 
@@ -191,6 +204,7 @@ impl Endpoint {
     fn acknowledge_open(&mut self, back: Back, exchange: ExchangeId, now: Now) {
         let Some(open) = self.open.get_mut(&exchange).filter(|_| back.kind == Kind::Con) else { return };
         open.is_acknowledged = true;
+        self.patience.remove(&exchange);
         let acknowledgement = empty(Kind::Ack, back.key.id);
         // Should it be lost, the sender asks once more, perhaps when the answer has gone already.
         self.exchanges.answered(back.key, &acknowledgement);

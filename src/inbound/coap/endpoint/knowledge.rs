@@ -8,12 +8,13 @@ use std::time::Duration;
 use super::limits::SETTLED;
 use super::response::Response;
 
-/// One of the things that a subject shows, counted up with every change.
+/// One of the things that a subject shows. Versions count the changes of all of them together and never begin anew, so that a
+/// thing that went away and came back is not taken for the one that was there before.
 #[derive(Debug)]
 pub(super) struct Thing {
     /// What it is now.
     pub(super) response: Arc<Response>,
-    /// How often it became something else.
+    /// The change that made it what it is.
     pub(super) version: u64,
 }
 
@@ -46,20 +47,12 @@ struct Known {
 }
 
 impl Thing {
-    /// A thing as it is seen first.
+    /// Whether this is news beside what it is.
     #[must_use]
-    pub(super) const fn new(response: Arc<Response>) -> Thing {
-        Thing { response, version: 1 }
-    }
-
-    /// Takes what is shown now; whether that is news.
-    pub(super) fn take(&mut self, response: Arc<Response>) -> bool {
+    pub(super) fn differs_from(&self, response: &Arc<Response>) -> bool {
         let old = &*self.response;
-        let is_news = !Arc::ptr_eq(&self.response, &response)
-            && (old.code != response.code || old.format != response.format || old.body != response.body);
-        self.version += u64::from(is_news);
-        self.response = response;
-        is_news
+        !Arc::ptr_eq(&self.response, response)
+            && (old.code != response.code || old.format != response.format || old.body != response.body)
     }
 }
 
@@ -168,7 +161,7 @@ mod tests {
 
     #[test]
     fn whoever_was_shown_one_thing_is_told_the_others() {
-        let thing = |words: &str| Thing::new(Arc::new(Response::refusal(Code::CONTENT, words.to_owned())));
+        let thing = |words: &str| Thing { response: Arc::new(Response::refusal(Code::CONTENT, words.to_owned())), version: 1 };
         let things = [thing("robot"), thing("map"), thing("luggage")];
         let mut knowledge = Knowledge::of(&things, &things[1].response, true, Duration::ZERO);
         assert_eq!(order(&mut knowledge, &things), [0, 2]);

@@ -11,14 +11,15 @@ pub const HEAD: usize = 128;
 /// The largest body that is put together from blocks, or taken whole: a command is a few dozen bytes.
 pub const BODY: usize = 16 * 1024;
 
-/// Bodies that are being put together at once; the oldest gives way.
+/// Bodies that are being put together at once, and answers that are read on block by block; the oldest gives way. Others than
+/// this machine have so many places of their own.
 pub const ASSEMBLIES: usize = 64;
 
 /// How long a message id of a peer stands for the same message (RFC 7252, section 4.8.2).
 pub const EXCHANGE_LIFETIME: Duration = Duration::from_secs(247);
 
-/// Messages remembered with their answers, at most some 1.2 kB each; the oldest gives way. Those that only look have a table of
-/// their own, so that a flood of them does not drive out what was done.
+/// Messages remembered with their answers, at most some 1.2 kB each; the oldest gives way. What this machine asks to be done has
+/// a table of its own, so that no flood of looks, or of strangers, drives out what was done.
 pub const EXCHANGES: usize = 8192;
 
 /// Requests that wait for the application at once; the answer to the oldest is given up, not what it asked for.
@@ -45,6 +46,15 @@ pub const OBSERVERS: usize = 2048;
 
 /// Observations of one peer: each resource several times over.
 pub const OBSERVERS_OF_A_PEER: usize = 64;
+
+/// Of those so many may be held by others than this machine,
+pub const OBSERVERS_BEYOND: usize = 1024;
+
+/// and so many of these from one network, so that nobody takes all the places.
+pub const OBSERVERS_OF_A_NETWORK: usize = 256;
+
+/// The most bytes of path and query of something that is observed, which are kept as long as it is.
+pub const TARGET: usize = 256;
 
 /// The least time between two notifications of one observation: nobody who watches a robot needs more than fifty a second.
 pub const PACE: Duration = Duration::from_millis(20);

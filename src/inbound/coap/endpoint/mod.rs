@@ -35,10 +35,10 @@ pub mod response;
 pub use observe::SubjectId;
 
 use self::block::{Assemblies, Block, BodyKey};
-use self::exchange::{Exchanges, MessageKey};
+use self::exchange::Exchanges;
 use self::guard::Guard;
+use self::inward::Back;
 use self::kept::Kept;
-use self::message::{Kind, Token};
 use self::observe::Observers;
 use self::reliable::Reliable;
 use self::request::Request;
@@ -87,8 +87,8 @@ pub struct Endpoint {
     reliable: Reliable,
     observers: Observers,
     open: BTreeMap<ExchangeId, Open>,
-    /// Those whose sender is to be told that an answer takes longer, in the order of their times.
-    patience: VecDeque<(Duration, ExchangeId)>,
+    /// Those of them whose sender is to be told that the answer takes longer, each with when, in the order of their times.
+    patience: BTreeMap<ExchangeId, Duration>,
     counted: u64,
     /// The latest message id for each peer.
     ids: LinkedHashMap<SocketAddr, u16>,
@@ -100,9 +100,7 @@ pub struct Endpoint {
 /// What must be known of a request when its answer comes.
 #[derive(Debug)]
 struct Open {
-    key: MessageKey,
-    kind: Kind,
-    token: Token,
+    back: Back,
     /// Whether its sender was told already that the answer comes separately.
     is_acknowledged: bool,
     is_get: bool,
@@ -115,14 +113,14 @@ struct Open {
     block1: Option<Block>,
     block2: Option<Block>,
     wants_size: bool,
-    no_response: u32,
 }
 
 impl Endpoint {
     /// An endpoint all of whose chance comes from this secret: message ids, the spread of times, proofs of addresses.
     #[must_use]
     pub fn new(secret: [u8; 32]) -> Endpoint {
-        let seed = secret.iter().take(8).fold(0, |seed, byte| (seed << 8) | u64::from(*byte));
+        let (seed, secret) = secret.split_at(8);
+        let seed = seed.iter().fold(0, |seed, byte| (seed << 8) | u64::from(*byte));
         Endpoint {
             guard: Guard::new(secret),
             exchanges: Exchanges::default(),
@@ -131,7 +129,7 @@ impl Endpoint {
             reliable: Reliable::new(Stream::new(seed, "coap retransmission")),
             observers: Observers::default(),
             open: BTreeMap::new(),
-            patience: VecDeque::new(),
+            patience: BTreeMap::new(),
             counted: 0,
             ids: LinkedHashMap::new(),
             chance: Stream::new(seed, "coap message ids"),
@@ -142,6 +140,7 @@ impl Endpoint {
 
     /// Takes the application's answer to a request, at once or whenever it comes.
     pub fn handle_answer(&mut self, exchange: ExchangeId, answer: Answer, now: Now) {
+        self.patience.remove(&exchange);
         if let Some(open) = self.open.remove(&exchange) {
             self.answer(open, answer, now);
         }
@@ -176,7 +175,7 @@ impl Endpoint {
     /// When `handle_timeout` is to be called next, since the start.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
-        let slow = self.patience.front().map(|(due, _)| *due);
+        let slow = self.patience.first_key_value().map(|(_, due)| *due);
         [slow, self.reliable.timeout(), self.observers.timeout()].into_iter().flatten().min()
     }
 

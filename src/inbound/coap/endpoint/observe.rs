@@ -15,11 +15,14 @@ use std::time::Duration;
 use super::block::Block;
 use super::format::Format;
 use super::knowledge::{Knowledge, Lack, Thing};
-use super::limits::{BURST, CONFIRM_EVERY, OBSERVERS, OBSERVERS_OF_A_PEER, PACE, PACE_OF_A_PEER, PACE_UNKNOWN, READING};
+use super::limits::{
+    BURST, CONFIRM_EVERY, OBSERVERS, OBSERVERS_BEYOND, OBSERVERS_OF_A_NETWORK, OBSERVERS_OF_A_PEER, PACE, PACE_OF_A_PEER,
+    PACE_UNKNOWN, READING, TARGET,
+};
 use super::message::Token;
 use super::request::Request;
 use super::response::Response;
-use crate::access::Network;
+use crate::access::{Network, is_this_machine};
 use crate::core::units::Now;
 
 /// One observation.
@@ -76,6 +79,8 @@ struct Target {
 struct Subject {
     request: Arc<Request>,
     things: Vec<Thing>,
+    /// How often any of the things changed.
+    changes: u64,
     observers: BTreeSet<ObserverId>,
 }
 
@@ -125,8 +130,7 @@ impl Observers {
         is_sure: bool,
         now: Now,
     ) -> Option<u32> {
-        let of_this_peer = self.by_peer.get(&request.peer).map_or(0, Vec::len);
-        if self.observers.len() >= OBSERVERS || of_this_peer >= OBSERVERS_OF_A_PEER {
+        if !self.has_room_for(request) {
             return None;
         }
         let subject = self.subject(request);
@@ -199,18 +203,7 @@ impl Observers {
     /// is new, their turns come in groups, a millisecond apart.
     pub(super) fn change(&mut self, subject: SubjectId, things: Vec<Arc<Response>>, now: Duration) {
         let Some(known) = self.subjects.get_mut(&subject) else { return };
-        let mut is_news = false;
-        known.things.truncate(things.len());
-        for (place, response) in things.into_iter().enumerate() {
-            match known.things.get_mut(place) {
-                Some(thing) => is_news |= thing.take(response),
-                None => {
-                    known.things.push(Thing::new(response));
-                    is_news = true;
-                }
-            }
-        }
-        if is_news {
+        if known.take(things) {
             let observers: Vec<ObserverId> = known.observers.iter().copied().collect();
             for (place, observer) in observers.into_iter().enumerate() {
                 let millis = u64::try_from(place / BURST).unwrap_or(u64::MAX);
@@ -239,7 +232,7 @@ impl Observers {
             Lack::Unsure(thing) => (thing, false),
         };
         let (response, version) = (Arc::clone(&things[thing].response), things[thing].version);
-        let is_far = observer.away.is_none() && !Network::of(observer.peer.ip()).is_loopback();
+        let is_far = observer.away.is_none() && !is_this_machine(observer.peer.ip());
         let is_last = !response.code.is_success();
         let confirm = !is_news || is_far || is_last || at >= observer.confirmed + CONFIRM_EVERY;
         let (peer, token, exponent) = (observer.peer, observer.token, observer.exponent);
@@ -326,6 +319,22 @@ impl Observers {
         self.due.first().map(|(due, _)| *due)
     }
 
+    /// Whether one more observation is taken; those of others leave room for those of this machine.
+    fn has_room_for(&self, request: &Request) -> bool {
+        let of_this_peer = self.by_peer.get(&request.peer).map_or(0, Vec::len);
+        let target: usize = request.path.iter().chain(&request.queries).map(String::len).sum();
+        let has_room = self.observers.len() < OBSERVERS && of_this_peer < OBSERVERS_OF_A_PEER && target <= TARGET;
+        if !has_room || is_this_machine(request.peer.ip()) {
+            return has_room;
+        }
+        let network = Network::of(request.peer.ip());
+        let strangers = self.by_peer.iter().filter(|(peer, _)| !is_this_machine(peer.ip()));
+        let of = strangers.map(|(peer, theirs)| (Network::of(peer.ip()) == network, theirs.len()));
+        let (of_this_network, in_all) =
+            of.fold((0, 0), |(own, all), (is_own, count)| (own + if is_own { count } else { 0 }, all + count));
+        of_this_network < OBSERVERS_OF_A_NETWORK && in_all < OBSERVERS_BEYOND
+    }
+
     fn subject(&mut self, request: &Request) -> SubjectId {
         let target = Target::of(request);
         if let Some(id) = self.by_target.get(&target) {
@@ -333,7 +342,7 @@ impl Observers {
         }
         self.counted += 1;
         let id = SubjectId(self.counted);
-        let subject = Subject { request: Arc::new(request.clone()), things: Vec::new(), observers: BTreeSet::new() };
+        let subject = Subject { request: Arc::new(request.clone()), things: Vec::new(), changes: 0, observers: BTreeSet::new() };
         self.subjects.insert(id, subject);
         self.by_target.insert(target, id);
         id
@@ -373,6 +382,24 @@ impl Target {
     }
 }
 
+impl Subject {
+    /// Takes what it shows now; whether any of it is news.
+    fn take(&mut self, things: Vec<Arc<Response>>) -> bool {
+        let before = self.changes;
+        self.things.truncate(things.len());
+        for (place, response) in things.into_iter().enumerate() {
+            let is_news = self.things.get(place).is_none_or(|thing| thing.differs_from(&response));
+            self.changes += u64::from(is_news);
+            let changes = self.changes;
+            match self.things.get_mut(place) {
+                Some(thing) => *thing = Thing { response, version: if is_news { changes } else { thing.version } },
+                None => self.things.push(Thing { response, version: changes }),
+            }
+        }
+        self.changes > before
+    }
+}
+
 impl Observer {
     /// It is sent the first block of this, or all of it.
     fn begin(&mut self, response: &Arc<Response>) {
@@ -387,6 +414,6 @@ impl Observer {
         if self.is_reading {
             return READING;
         }
-        if Network::of(self.peer.ip()).is_loopback() { PACE } else { self.away.map_or(PACE_UNKNOWN, |away| away.max(PACE)) }
+        if is_this_machine(self.peer.ip()) { PACE } else { self.away.map_or(PACE_UNKNOWN, |away| away.max(PACE)) }
     }
 }

@@ -61,8 +61,6 @@ pub(super) struct Read {
     pub(super) size1: Option<u32>,
     /// Tells bodies to the same path apart.
     pub(super) request_tags: Vec<Vec<u8>>,
-    /// Classes of answers that are not wanted, as RFC 7967 numbers them.
-    pub(super) no_response: u32,
     /// What the client was asked to send back.
     pub(super) echo: Option<Vec<u8>>,
 }
@@ -117,10 +115,15 @@ pub(super) fn read(peer: SocketAddr, incoming: Incoming) -> Result<Read, Respons
         wants_size: number_of(&packet, SIZE2, 4).is_some(),
         size1: number_of(&packet, SIZE1, 4),
         request_tags: values(&packet, REQUEST_TAG).filter(|tag| tag.len() <= 8).cloned().collect(),
-        no_response: number_of(&packet, NO_RESPONSE, 1).unwrap_or(0),
         echo: values(&packet, ECHO).next().cloned(),
         request,
     })
+}
+
+/// The classes of answers that are not wanted, as RFC 7967 numbers them; 0 when all are.
+#[must_use]
+pub(super) fn no_response(packet: &Packet) -> u32 {
+    number_of(packet, NO_RESPONSE, 1).unwrap_or(0)
 }
 
 fn check_critical(packet: &Packet) -> Result<(), Response> {

@@ -30,17 +30,18 @@ impl Endpoint {
         if let Some(deed) = open.deed.take().filter(|_| response.body.len() > size) {
             self.kept.keep(*deed, Arc::clone(&response), now.since_start);
         }
-        let Open { key, kind, token, is_acknowledged, block1, block2, wants_size, no_response, .. } = open;
-        let back = Back { key, kind, token };
-        if no_response & (1 << (response.code.class().max(1) - 1)) != 0 {
-            return self.say_nothing(back, is_acknowledged, now);
-        }
+        let Open { back, is_acknowledged, block1, block2, wants_size, .. } = open;
         let shape = Shape { block1, block2, wants_size, observe, echo: None };
-        if is_acknowledged {
-            let packet = reply::packet(Kind::Con, 0, token, &response, &shape);
-            return self.send_separately(key.peer, packet, now);
+        if !is_acknowledged {
+            return self.send_reply(back, &response, &shape, now);
         }
-        self.send_reply(back, &response, &shape, now);
+        if back.is_wanted(response.code) {
+            let mut packet = reply::packet(Kind::Con, 0, back.token, &response, &shape);
+            if !self.guard.has_room(back.key.peer, written(&packet).len(), now.since_start) {
+                packet = self.challenging(back, now);
+            }
+            self.send_separately(back.key.peer, packet, now);
+        }
     }
 
     /// Answers a request that the application does not see.
@@ -50,17 +51,23 @@ impl Endpoint {
 
     /// 4.01: prove first that you hear what is sent to your address (RFC 9175, section 2.3).
     pub(super) fn challenge(&mut self, back: Back, now: Now) {
-        let echo = Some(self.guard.echo(back.key.peer, now.since_start));
-        let packet = |kind, id| {
-            let response = Response::new(Code::UNAUTHORIZED);
-            written(&reply::packet(kind, id, back.token, &response, &Shape { echo: echo.clone(), ..Shape::default() }))
-        };
-        let bytes = match back.kind {
-            Kind::Con => packet(Kind::Ack, back.key.id),
-            Kind::Non | Kind::Ack | Kind::Rst => packet(Kind::Non, self.next_id(back.key.peer)),
-        };
+        let (kind, id) = self.head_of_reply(back);
+        let bytes = with_head(self.challenging(back, now), kind, id);
         self.exchanges.answered(back.key, &bytes);
         self.transmit(back.key.peer, bytes, now);
+    }
+
+    fn challenging(&self, back: Back, now: Now) -> Packet {
+        let echo = Some(self.guard.echo(back.key.peer, now.since_start));
+        reply::packet(Kind::Con, 0, back.token, &Response::new(Code::UNAUTHORIZED), &Shape { echo, ..Shape::default() })
+    }
+
+    /// An acknowledgement carries the answer to what wants one; any other answer is a message of its own.
+    fn head_of_reply(&mut self, back: Back) -> (Kind, u16) {
+        match back.kind {
+            Kind::Con => (Kind::Ack, back.key.id),
+            Kind::Non | Kind::Ack | Kind::Rst => (Kind::Non, self.next_id(back.key.peer)),
+        }
     }
 
     /// Ends an observation, and what is on its way for it.
@@ -84,13 +91,12 @@ impl Endpoint {
 
     /// Tells senders whose answer takes longer that it will come.
     pub(super) fn acknowledge_slow(&mut self, now: Now) {
-        while let Some((_, exchange)) = self.patience.front().copied().filter(|(due, _)| *due <= now.since_start) {
-            self.patience.pop_front();
-            let Some(open) = self.open.get_mut(&exchange).filter(|open| open.kind == Kind::Con && !open.is_acknowledged) else {
-                continue;
-            };
+        while let Some((exchange, _)) = self.patience.first_key_value().filter(|(_, due)| **due <= now.since_start) {
+            let exchange = *exchange;
+            self.patience.remove(&exchange);
+            let Some(open) = self.open.get_mut(&exchange) else { continue };
             open.is_acknowledged = true;
-            let key = open.key;
+            let key = open.back.key;
             let acknowledgement = empty(Kind::Ack, key.id);
             self.exchanges.answered(key, &acknowledgement);
             self.transmit(key.peer, acknowledgement, now);
@@ -142,11 +148,8 @@ impl Endpoint {
             return self.observers.told(observer, notification, id, now.since_start);
         }
         let id = self.next_id(peer);
-        if self.transmit(peer, with_head(packet, Kind::Non, id), now) {
-            self.observers.told(observer, notification, id, now.since_start);
-        } else {
-            self.observers.remove(observer);
-        }
+        self.send_to_observer(peer, with_head(packet, Kind::Non, id));
+        self.observers.told(observer, notification, id, now.since_start);
     }
 
     fn repeat(&mut self, peer: SocketAddr, sent: Sent, now: Now) {
@@ -156,10 +159,7 @@ impl Endpoint {
             }
             About::Answer => None,
         };
-        let Some((observer, newer)) = newer else {
-            self.transmit(peer, sent.bytes, now);
-            return;
-        };
+        let Some((observer, newer)) = newer else { return self.send_about(peer, sent.about, sent.bytes, now) };
         let id = self.next_id(peer);
         let bytes = with_head(packet_of(&newer), Kind::Con, id);
         let about = if newer.sequence.is_some() {
@@ -170,14 +170,15 @@ impl Endpoint {
             About::Answer
         };
         self.reliable.replace(peer, id, about, bytes.clone());
-        self.transmit(peer, bytes, now);
+        self.send_about(peer, about, bytes, now);
     }
 
     /// Begins or ends an observation, as the request asks; the number that goes with its answer.
     fn observe(&mut self, open: &mut Open, answer: &Answer, now: Now) -> Option<u32> {
         let asks = open.observe.filter(|asks| open.is_get && *asks <= 1)?;
-        let peer = open.key.peer;
-        if let Some(before) = self.observers.find(peer, open.token) {
+        let Back { key, kind, token, .. } = open.back;
+        let peer = key.peer;
+        if let Some(before) = self.observers.find(peer, token) {
             self.forget(peer, before);
             self.go_on(peer, now);
         }
@@ -187,17 +188,17 @@ impl Endpoint {
             return None;
         }
         let exponent = open.block2.unwrap_or(Block::FIRST).exponent;
-        let is_sure = open.kind == Kind::Con && !open.is_acknowledged;
+        let is_sure = kind == Kind::Con && !open.is_acknowledged;
         let things = (&answer.response, answer.observed.clone());
-        self.observers.register((&request, open.token, exponent), things, is_sure, now)
+        self.observers.register((&request, token, exponent), things, is_sure, now)
     }
 
     pub(super) fn send_reply(&mut self, back: Back, response: &Response, shape: &Shape, now: Now) {
+        if !back.is_wanted(response.code) {
+            return self.say_nothing(back, now);
+        }
         let peer = back.key.peer;
-        let (kind, id) = match back.kind {
-            Kind::Con => (Kind::Ack, back.key.id),
-            Kind::Non | Kind::Ack | Kind::Rst => (Kind::Non, self.next_id(peer)),
-        };
+        let (kind, id) = self.head_of_reply(back);
         let bytes = written(&reply::packet(kind, id, back.token, response, shape));
         self.exchanges.answered(back.key, &bytes);
         if self.transmit(peer, bytes, now) {
@@ -211,12 +212,12 @@ impl Endpoint {
     }
 
     /// An answer that is not wanted: a message that asks for an acknowledgement gets that and no more.
-    fn say_nothing(&mut self, back: Back, is_acknowledged: bool, now: Now) {
-        if back.kind == Kind::Con && !is_acknowledged {
+    fn say_nothing(&mut self, back: Back, now: Now) {
+        if back.kind == Kind::Con {
             let acknowledgement = empty(Kind::Ack, back.key.id);
             self.exchanges.answered(back.key, &acknowledgement);
             self.transmit(back.key.peer, acknowledgement, now);
-        } else if back.kind == Kind::Non {
+        } else {
             self.exchanges.answered(back.key, &[]);
         }
     }
@@ -237,8 +238,22 @@ impl Endpoint {
         let id = self.next_id(peer);
         let bytes = with_head(packet, Kind::Con, id);
         self.reliable.sent(peer, id, about, bytes.clone(), now.since_start);
-        self.transmit(peer, bytes, now);
+        self.send_about(peer, about, bytes, now);
         id
+    }
+
+    fn send_about(&mut self, peer: SocketAddr, about: About, bytes: Vec<u8>, now: Now) {
+        match about {
+            About::Notification(..) => self.send_to_observer(peer, bytes),
+            About::Answer => {
+                self.transmit(peer, bytes, now);
+            }
+        }
+    }
+
+    /// An observer proved its address when it began, and is forgotten when it does not acknowledge any more.
+    fn send_to_observer(&mut self, peer: SocketAddr, bytes: Vec<u8>) {
+        self.out.push_back(Transmit { peer, bytes });
     }
 
     /// Puts a datagram on its way, if it may go there; whether it may.

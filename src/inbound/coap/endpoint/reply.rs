@@ -28,7 +28,11 @@ pub(super) struct Shape {
 #[must_use]
 pub(super) fn packet(kind: Kind, id: u16, token: Token, response: &Response, shape: &Shape) -> Packet {
     let length = response.body.len();
-    let Some((block, range)) = shape.block2.unwrap_or(Block::FIRST).within(length) else {
+    let wanted = shape.block2.unwrap_or(Block::FIRST);
+    // Only of what is there can a later block be asked for: of an error its beginning is sent, whatever was asked for.
+    let can_be_later = response.code.is_success() && length > 0;
+    let wanted = if can_be_later { wanted } else { Block { number: 0, ..wanted } };
+    let Some((block, range)) = wanted.within(length) else {
         let words = format!("there is no such block: the whole has {length} bytes");
         let past = Response::refusal(Code::BAD_REQUEST, words);
         return packet(kind, id, token, &past, &Shape { block2: None, ..shape.clone() });
