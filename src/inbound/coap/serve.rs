@@ -62,19 +62,21 @@ pub async fn serve(
 
 impl<A: Application> Driver<A> {
     fn tell_news(&mut self) {
+        let now = self.clock.now();
         for (subject, request) in self.endpoint.subjects() {
             if let Some(things) = application::things(&self.application, &request) {
-                self.endpoint.handle_change(subject, things, self.clock.now());
+                self.endpoint.handle_change(subject, things, now);
             }
         }
     }
 
     /// Takes requests to the application and datagrams to the network, until there are none.
     async fn settle(&mut self) {
+        let now = self.clock.now();
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             let is_one_too_many = self.under_way.is_full() && !self.application.is_urgent(&request);
             match if is_one_too_many { Said::Now(busy()) } else { application::answer(&self.application, &request) } {
-                Said::Now(answer) => self.endpoint.handle_answer(exchange, answer, self.clock.now()),
+                Said::Now(answer) => self.endpoint.handle_answer(exchange, answer, now),
                 Said::Later(answer) => self.under_way.add(exchange, answer),
             }
         }

@@ -59,18 +59,21 @@ impl Exchanges {
 
     /// What is known of this message, if it came before.
     #[must_use]
-    pub(super) fn known(&self, key: MessageKey, now: Duration) -> Option<&Known> {
-        let entry = self.looks.get(&key).or_else(|| self.acts.get(&key))?;
-        (now <= entry.0 + EXCHANGE_LIFETIME).then_some(&entry.1)
+    pub(super) fn known(&mut self, key: MessageKey, now: Duration) -> Option<&Known> {
+        // From here on the same id is another message.
+        for table in [&mut self.looks, &mut self.acts] {
+            while table.front().is_some_and(|(_, (since, _))| now > *since + EXCHANGE_LIFETIME) {
+                table.pop_front();
+            }
+        }
+        self.looks.get(&key).or_else(|| self.acts.get(&key)).map(|(_, known)| known)
     }
 
-    /// Remembers a message that is to be answered.
+    /// Remembers a message that is to be answered, of which nothing was known.
     pub(super) fn open(&mut self, key: MessageKey, exchange: ExchangeId, acts: bool, now: Duration) {
-        let (table, other) = if acts { (&mut self.acts, &mut self.looks) } else { (&mut self.looks, &mut self.acts) };
-        // The same id for another message, minutes later.
-        other.remove(&key);
+        let table = if acts { &mut self.acts } else { &mut self.looks };
         table.insert(key, (now, Known::Open(exchange)));
-        while table.len() > EXCHANGES || table.front().is_some_and(|(_, (since, _))| now > *since + EXCHANGE_LIFETIME) {
+        if table.len() > EXCHANGES {
             table.pop_front();
         }
     }
