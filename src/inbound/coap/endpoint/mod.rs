@@ -144,10 +144,6 @@ impl Endpoint {
         if let Some(open) = self.open.remove(&exchange) {
             self.answer(open, answer, now);
         }
-        // Most are answered at once: then nobody has to be told that it takes longer, and no time has to be waited for.
-        while self.patience.front().is_some_and(|(_, waits)| !self.open.contains_key(waits)) {
-            self.patience.pop_front();
-        }
     }
 
     /// Takes what the observers of a subject are to see now; what has not changed is not sent.
