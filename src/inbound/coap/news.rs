@@ -15,22 +15,26 @@ const PACE: Duration = Duration::from_millis(20);
 pub(super) struct News {
     states: watch::Receiver<Arc<Snapshot>>,
     clock: Clock,
-    next: Duration,
+    /// Until then nothing is said; `None` once that is over.
+    next: Option<Duration>,
 }
 
 impl News {
     /// News of these states, from now on.
     pub(super) fn of(states: watch::Receiver<Arc<Snapshot>>, clock: Clock) -> News {
-        News { states, clock, next: Duration::ZERO }
+        News { states, clock, next: None }
     }
 
     /// Waits for a state that is newer than at the last time; for ever, when none will come. May be dropped while it waits.
     pub(super) async fn come(&mut self) {
-        self.clock.reach(Some(self.next)).await;
+        if self.next.is_some() {
+            self.clock.reach(self.next).await;
+            self.next = None;
+        }
         if self.states.changed().await.is_err() {
             std::future::pending::<()>().await;
         }
-        self.next = self.clock.now().since_start + PACE;
+        self.next = Some(self.clock.now().since_start + PACE);
     }
 
     /// Says it once more: somebody observes what was looked up before, and may have changed since.

@@ -71,10 +71,11 @@ impl<A: Application> Driver<A> {
 
     /// Takes requests to the application and datagrams to the network, until there are none.
     async fn settle(&mut self) {
+        let now = self.clock.now();
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             let is_one_too_many = self.under_way.is_full() && !self.application.is_urgent(&request);
             match if is_one_too_many { Said::Now(busy()) } else { application::answer(&self.application, &request) } {
-                Said::Now(answer) => self.endpoint.handle_answer(exchange, answer, self.clock.now()),
+                Said::Now(answer) => self.endpoint.handle_answer(exchange, answer, now),
                 Said::Later(answer) => self.under_way.add(exchange, answer),
             }
         }
