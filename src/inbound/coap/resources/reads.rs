@@ -20,18 +20,21 @@ impl Resources {
         match shown.show {
             Show::Photo => self.photo(&snapshot, number, request),
             Show::Piece if snapshot.luggage(LuggageId(number)).is_none() => Ok(self.past_piece(number, shown.offers, request)),
-            show => {
+            show @ (Show::State | Show::Of(_) | Show::OldItems | Show::Piece | Show::Strategy | Show::Links) => {
                 let format = negotiated(shown.offers, request)?;
                 Ok(Said::Now(self.at_hand(show, number, format, &snapshot, request)))
             }
         }
     }
 
+    /// What is made of the snapshot alone; a photo is not.
     fn at_hand(&self, show: Show, number: u64, format: Format, snapshot: &Snapshot, request: &Request) -> Answer {
         match show {
             Show::Links => Answer::once(discovery::listing(&self.table, snapshot, &request.queries)),
             Show::OldItems => self.old.answer(snapshot, &self.kept),
-            show => self.kept.copies(show, number, format, snapshot).answer(),
+            show @ (Show::State | Show::Of(_) | Show::Piece | Show::Photo | Show::Strategy) => {
+                self.kept.copies(show, number, format, snapshot).answer()
+            }
         }
     }
 
