@@ -28,8 +28,9 @@ USER hallsweep
 # Keys, records and photos; a container without a volume of its own here forgets them with itself.
 ENV HALLSWEEP__STORE__FOLDER=/data
 VOLUME /data
-# CoAP is for the container alone, until HALLSWEEP__COAP__BIND=0.0.0.0:5683 and HALLSWEEP__COAP__OPEN_TO_OTHERS=true let everybody
-# who reaches the published port read (docs/settings.md).
+# 5683/udp is CoAP, and off for others by default: it listens on the container's own loopback, so that publishing the port alone
+# opens nothing. With HALLSWEEP__COAP__BIND=0.0.0.0:5683 and HALLSWEEP__COAP__OPEN_TO_OTHERS=true everybody who reaches the published
+# port can read everything, unencrypted, and command nothing (docs/settings.md).
 EXPOSE 8080 5683/udp
 HEALTHCHECK --interval=10s --timeout=5s --start-period=5s --retries=3 CMD ["hallsweep", "healthcheck"]
 ENTRYPOINT ["hallsweep"]

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use hallsweep::inbound::coap::endpoint::code::{Code, Method};
+use hallsweep::inbound::coap::endpoint::limits::ACK_TIMEOUT;
 
 use crate::rig::bench::{Bench, here};
 use crate::rig::client::ask::Ask;
@@ -131,27 +132,39 @@ fn td_coap_obs_10_plain_get_beside_an_observation() {
     notifies(&said[0], b"o10", "seen 1");
 }
 
+/// Sent again it may carry a newer state, under an id of its own (RFC 7641, section 4.5.2): then it comes in the place of the one
+/// before, when that is due to be sent again and not sooner, and that one never comes again.
 #[test]
 fn td_coap_obs_11_never_two_outstanding_to_one_observer() {
     let mut bench = Bench::new();
     observe(&mut bench, "/obs", b"o11");
     observe(&mut bench, "/obs-non", b"o11b");
-    let mut outstanding: Option<(u16, Vec<u8>)> = None;
+    let mut outstanding: Option<(Duration, Message)> = None;
+    let (mut replaced, mut repeated) = (Vec::new(), 0);
     for turn in 1..=60 {
         bench.change(|server| server.set("/obs", format!("seen {turn}")));
         bench.change(|server| server.set("/obs-non", format!("seen {turn}")));
-        for message in bench.wait_ms(if turn % 10 == 0 { 5_000 } else { 300 }) {
+        bench.wait(Duration::from_millis(if turn % 10 == 0 { 5_000 } else { 300 }));
+        for (at, message) in bench.take().into_iter().map(|out| (out.at, Message::decoded(&out.bytes))) {
             if message.kind != Kind::Con {
                 continue;
             }
-            let is_the_same = outstanding.as_ref().is_none_or(|(_, token)| *token == message.token);
-            assert!(is_the_same, "{message:?} beside {outstanding:?}");
-            outstanding = Some((message.id, message.token));
+            assert!(!replaced.contains(&message.id), "{message:?} was replaced");
+            if let Some((sent, before)) = &outstanding {
+                assert_eq!(message.token, before.token, "{message:?} beside {before:?}");
+                assert!(at >= *sent + ACK_TIMEOUT, "{message:?} beside {before:?}");
+                repeated += 1;
+                if message.id != before.id {
+                    replaced.push(before.id);
+                }
+            }
+            outstanding = Some((at, message));
         }
         if turn % 20 == 0 {
-            let (id, _) = outstanding.take().expect("after so long one wants an acknowledgement");
-            let next = bench.send(&Message::empty(Kind::Ack, id)).into_iter().find(|message| message.kind == Kind::Con);
-            outstanding = next.map(|message| (message.id, message.token));
+            let (_, message) = outstanding.take().expect("after so long one wants an acknowledgement");
+            let next = bench.send(&Message::empty(Kind::Ack, message.id)).into_iter().find(|message| message.kind == Kind::Con);
+            outstanding = next.map(|message| (bench.now, message));
         }
     }
+    assert!(repeated > 2 && !replaced.is_empty(), "{repeated} {replaced:?}");
 }
