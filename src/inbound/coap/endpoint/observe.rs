@@ -12,7 +12,6 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::block::Block;
 use super::format::Format;
 use super::knowledge::{Knowledge, Lack, Thing};
 use super::limits::{
@@ -24,6 +23,8 @@ use super::request::Request;
 use super::response::Response;
 use crate::access::{Network, is_this_machine};
 use crate::core::units::Now;
+
+mod reading;
 
 /// One observation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -275,36 +276,6 @@ impl Observers {
         self.schedule(id, now);
     }
 
-    /// What an observer was told of in a first block, for the further block that it asks for: as it was then, whatever has become
-    /// of it. `None` when this peer observes nothing of the kind.
-    pub(super) fn read_on(&mut self, request: &Request, block: Block, now: Duration) -> Option<Arc<Response>> {
-        let id = self.observer_of(request)?;
-        let observer = self.observers.get_mut(&id)?;
-        let begun = Arc::clone(observer.begun.as_ref()?);
-        if block.within(begun.body.len()).is_none_or(|(block, _)| !block.more) {
-            observer.is_reading = false;
-            self.schedule(id, now);
-        }
-        Some(begun)
-    }
-
-    /// A peer begins to read from the first block, apart from what it observes.
-    pub(super) fn read_anew(&mut self, request: &Request) {
-        let observer = self.observer_of(request).and_then(|id| self.observers.get_mut(&id));
-        if let Some(observer) = observer {
-            observer.begun = None;
-        }
-    }
-
-    /// The peer's observation of just this.
-    fn observer_of(&self, request: &Request) -> Option<ObserverId> {
-        let is_this = |id: &ObserverId| {
-            let subject = self.observers.get(id).and_then(|observer| self.subjects.get(&observer.subject));
-            subject.is_some_and(|subject| Target::of(&subject.request) == Target::of(request))
-        };
-        self.of_peer(request.peer).find(is_this)
-    }
-
     /// Lets every observer of a peer have its turn again, after something stood in the way.
     pub(super) fn wake(&mut self, peer: SocketAddr, now: Duration) {
         let ids: Vec<ObserverId> = self.of_peer(peer).collect();
@@ -401,14 +372,6 @@ impl Subject {
 }
 
 impl Observer {
-    /// It is sent the first block of this, or all of it.
-    fn begin(&mut self, response: &Arc<Response>) {
-        self.is_reading = Block { exponent: self.exponent, ..Block::FIRST }.size() < response.body.len();
-        if self.is_reading {
-            self.begun = Some(Arc::clone(response));
-        }
-    }
-
     /// The least time between two notifications to it.
     fn pace(&self) -> Duration {
         if self.is_reading {
