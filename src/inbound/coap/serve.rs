@@ -10,7 +10,7 @@ use super::application::{self, Application, Said};
 use super::endpoint::Endpoint;
 use super::news::News;
 use super::socket::Socket;
-use super::under_way::{UnderWay, busy};
+use super::under_way::{Sort, UnderWay, busy};
 use crate::core::world::snapshot::Snapshot;
 use crate::runtime::clock::Clock;
 
@@ -55,7 +55,7 @@ pub async fn serve(
                 driver.socket.read(|peer, bytes| driver.endpoint.handle_datagram(peer, bytes, now)).await;
             }
         }
-        driver.settle().await;
+        driver.settle();
     }
     let _ = tokio::time::timeout(GRACE, driver.finish()).await;
 }
@@ -70,25 +70,27 @@ impl<A: Application> Driver<A> {
         }
     }
 
-    /// Takes requests to the application and datagrams to the network, until there are none.
-    async fn settle(&mut self) {
+    /// Takes requests to the application and datagrams to the network, until there are none. A command too many is not begun.
+    fn settle(&mut self) {
         let now = self.clock.now();
         while let Some((exchange, request)) = self.endpoint.poll_request() {
-            let is_one_too_many = self.under_way.is_full() && !self.application.is_urgent(&request);
-            match if is_one_too_many { Said::Now(busy()) } else { application::answer(&self.application, &request) } {
+            let (sort, asked) = (Sort::of(request.method), &self.application);
+            let is_full = self.under_way.is_full(sort) && !asked.is_urgent(&request);
+            match if is_full && sort == Sort::Command { Said::Now(busy()) } else { application::answer(asked, &request) } {
                 Said::Now(answer) => self.endpoint.handle_answer(exchange, answer, now),
-                Said::Later(answer) => self.under_way.add(exchange, answer),
+                Said::Later(_) if is_full => self.endpoint.handle_answer(exchange, busy(), now),
+                Said::Later(answer) => self.under_way.add(exchange, sort, answer),
             }
         }
         while let Some(transmit) = self.endpoint.poll_transmit() {
-            self.socket.send(&transmit).await;
+            self.socket.send(&transmit);
         }
     }
 
     async fn finish(&mut self) {
         while let Some((exchange, answer)) = self.under_way.next().await {
             self.endpoint.handle_answer(exchange, answer, self.clock.now());
-            self.settle().await;
+            self.settle();
         }
     }
 }

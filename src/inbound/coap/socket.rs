@@ -74,9 +74,9 @@ impl Socket {
         }
     }
 
-    /// Sends a datagram; one that cannot be sent is lost, as others are on their way.
-    pub(super) async fn send(&self, transmit: &Transmit) {
-        if let Err(error) = self.udp.send_to(&transmit.bytes, transmit.peer).await {
+    /// Sends a datagram; one that cannot be sent, or not at once, is lost, as others are on their way: nobody waits for the network.
+    pub(super) fn send(&self, transmit: &Transmit) {
+        if let Err(error) = self.udp.try_send_to(&transmit.bytes, transmit.peer) {
             tracing::debug!(%error, peer = %transmit.peer, "a datagram could not be sent");
         }
     }

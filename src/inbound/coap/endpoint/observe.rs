@@ -12,19 +12,18 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::format::Format;
-use super::knowledge::{Knowledge, Lack, Thing};
+use super::block::Block;
+use super::knowledge::{Knowledge, Lack};
 use super::limits::{
     BURST, CONFIRM_EVERY, OBSERVERS, OBSERVERS_BEYOND, OBSERVERS_OF_A_NETWORK, OBSERVERS_OF_A_PEER, PACE, PACE_OF_A_PEER,
-    PACE_UNKNOWN, READING, TARGET,
+    PACE_UNKNOWN, READING, REFRESH, TARGET,
 };
 use super::message::Token;
 use super::request::Request;
 use super::response::Response;
+use super::subject::{Subject, Target};
 use crate::access::{Network, is_this_machine};
 use crate::core::units::Now;
-
-mod reading;
 
 /// One observation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -66,23 +65,6 @@ pub(super) struct Observers {
     counted: u64,
     /// The wall clock at the beginning, in milliseconds: sequences go on from there, also after a restart.
     began_ms: Option<i64>,
-}
-
-/// What two observers must have in common to be told the same.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-struct Target {
-    path: Vec<String>,
-    queries: Vec<String>,
-    accept: Option<Format>,
-}
-
-#[derive(Debug)]
-struct Subject {
-    request: Arc<Request>,
-    things: Vec<Thing>,
-    /// How often any of the things changed.
-    changes: u64,
-    observers: BTreeSet<ObserverId>,
 }
 
 #[derive(Debug)]
@@ -180,6 +162,12 @@ impl Observers {
         self.by_peer.get(&peer).into_iter().flatten().copied()
     }
 
+    /// Ends all observations, and says whose they were.
+    pub(super) fn clear(&mut self) -> Vec<(SocketAddr, Token)> {
+        let gone = std::mem::take(self).observers;
+        gone.into_values().map(|observer| (observer.peer, observer.token)).collect()
+    }
+
     /// Ends an observation.
     pub(super) fn remove(&mut self, id: ObserverId) {
         let Some(observer) = self.observers.remove(&id) else { return };
@@ -228,11 +216,14 @@ impl Observers {
         let observer = self.observers.get(&id)?;
         let things = &self.subjects.get(&observer.subject)?.things;
         let at = now.since_start;
-        let (thing, is_news) = match observer.knowledge.lack(things, at)? {
-            Lack::News(thing) => (thing, true),
-            Lack::Unsure(thing) => (thing, false),
+        let (thing, is_news) = match observer.knowledge.lack(things, at) {
+            Some(Lack::News(thing)) => (thing, true),
+            Some(Lack::Unsure(thing)) => (thing, false),
+            None if at >= observer.sent + REFRESH => (observer.knowledge.latest(), false),
+            None => return None,
         };
-        let (response, version) = (Arc::clone(&things[thing].response), things[thing].version);
+        let told = things.get(thing)?;
+        let (response, version) = (Arc::clone(&told.response), told.version);
         let is_far = observer.away.is_none() && !is_this_machine(observer.peer.ip());
         let is_last = !response.code.is_success();
         let confirm = !is_news || is_far || is_last || at >= observer.confirmed + CONFIRM_EVERY;
@@ -276,6 +267,36 @@ impl Observers {
         self.schedule(id, now);
     }
 
+    /// What an observer was told of in a first block, for the further block that it asks for: as it was then, whatever has become
+    /// of it. `None` when this peer observes nothing of the kind.
+    pub(super) fn read_on(&mut self, request: &Request, block: Block, now: Duration) -> Option<Arc<Response>> {
+        let id = self.observer_of(request)?;
+        let observer = self.observers.get_mut(&id)?;
+        let begun = Arc::clone(observer.begun.as_ref()?);
+        if block.within(begun.body.len()).is_none_or(|(block, _)| !block.more) {
+            observer.is_reading = false;
+            self.schedule(id, now);
+        }
+        Some(begun)
+    }
+
+    /// A peer begins to read from the first block, apart from what it observes.
+    pub(super) fn read_anew(&mut self, request: &Request) {
+        let observer = self.observer_of(request).and_then(|id| self.observers.get_mut(&id));
+        if let Some(observer) = observer {
+            observer.begun = None;
+        }
+    }
+
+    /// The peer's observation of just this.
+    fn observer_of(&self, request: &Request) -> Option<ObserverId> {
+        let is_this = |id: &ObserverId| {
+            let subject = self.observers.get(id).and_then(|observer| self.subjects.get(&observer.subject));
+            subject.is_some_and(|subject| Target::of(&subject.request) == Target::of(request))
+        };
+        self.of_peer(request.peer).find(is_this)
+    }
+
     /// Lets every observer of a peer have its turn again, after something stood in the way.
     pub(super) fn wake(&mut self, peer: SocketAddr, now: Duration) {
         let ids: Vec<ObserverId> = self.of_peer(peer).collect();
@@ -313,13 +334,14 @@ impl Observers {
         }
         self.counted += 1;
         let id = SubjectId(self.counted);
-        let subject = Subject { request: Arc::new(request.clone()), things: Vec::new(), changes: 0, observers: BTreeSet::new() };
+        let subject = Subject::new(request);
         self.subjects.insert(id, subject);
         self.by_target.insert(target, id);
         id
     }
 
-    /// Gives an observer its turn, not before `earliest`, if there is anything to tell it.
+    /// Gives an observer its turn, not before `earliest`: soon when there is something to tell it, else before what it has is out
+    /// of date.
     fn schedule(&mut self, id: ObserverId, earliest: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
         let Some(subject) = self.subjects.get(&observer.subject) else { return };
@@ -328,8 +350,8 @@ impl Observers {
         }
         let of_this_peer = self.by_peer.get(&observer.peer).map_or(1, Vec::len);
         let pace = observer.pace().max(PACE_OF_A_PEER * u32::try_from(of_this_peer).unwrap_or(u32::MAX));
-        let Some(due) = observer.knowledge.due(&subject.things, observer.sent, pace) else { return };
-        let due = due.max(earliest);
+        let due = observer.knowledge.due(&subject.things, observer.sent, pace);
+        let due = due.unwrap_or(observer.sent + REFRESH).max(earliest);
         observer.due = Some(due);
         self.due.insert((due, id));
     }
@@ -347,31 +369,15 @@ impl Observers {
     }
 }
 
-impl Target {
-    fn of(request: &Request) -> Target {
-        Target { path: request.path.clone(), queries: request.queries.clone(), accept: request.accept }
-    }
-}
-
-impl Subject {
-    /// Takes what it shows now; whether any of it is news.
-    fn take(&mut self, things: Vec<Arc<Response>>) -> bool {
-        let before = self.changes;
-        self.things.truncate(things.len());
-        for (place, response) in things.into_iter().enumerate() {
-            let is_news = self.things.get(place).is_none_or(|thing| thing.differs_from(&response));
-            self.changes += u64::from(is_news);
-            let changes = self.changes;
-            match self.things.get_mut(place) {
-                Some(thing) => *thing = Thing { response, version: if is_news { changes } else { thing.version } },
-                None => self.things.push(Thing { response, version: changes }),
-            }
-        }
-        self.changes > before
-    }
-}
-
 impl Observer {
+    /// It is sent the first block of this, or all of it.
+    fn begin(&mut self, response: &Arc<Response>) {
+        self.is_reading = Block { exponent: self.exponent, ..Block::FIRST }.size() < response.body.len();
+        if self.is_reading {
+            self.begun = Some(Arc::clone(response));
+        }
+    }
+
     /// The least time between two notifications to it.
     fn pace(&self) -> Duration {
         if self.is_reading {

@@ -21,7 +21,10 @@ impl Endpoint {
     /// Answers a request with what the application said.
     pub(super) fn answer(&mut self, mut open: Open, answer: Answer, now: Now) {
         let observe = self.observe(&mut open, &answer, now);
-        let mut response = answer.response;
+        let is_shown = |thing: &&Arc<Response>| thing.body == answer.response.body;
+        // What is observed is as fresh as a notification, which stays so until the next.
+        let watched = answer.observed.iter().find(is_shown).filter(|_| observe.is_some());
+        let mut response = Arc::clone(watched.unwrap_or(&answer.response));
         if open.is_get && response.code == Code::CONTENT && response.tag.is_some_and(|tag| open.etags.contains(&tag)) {
             let (tag, max_age) = (response.tag, response.max_age);
             response = Arc::new(Response { tag, max_age, ..Response::new(Code::VALID) });
@@ -58,8 +61,14 @@ impl Endpoint {
     }
 
     fn challenging(&self, back: Back, now: Now) -> Packet {
-        let echo = Some(self.guard.echo(back.key.peer, now.since_start));
-        reply::packet(Kind::Con, 0, back.token, &Response::new(Code::UNAUTHORIZED), &Shape { echo, ..Shape::default() })
+        let (peer, at) = (back.key.peer, now.since_start);
+        let shape = Shape { echo: Some(self.guard.echo(peer, at)), ..Shape::default() };
+        let packet = |words: &str| {
+            let response = Response::refusal(Code::UNAUTHORIZED, words.to_owned());
+            reply::packet(Kind::Con, 0, back.token, &response, &shape)
+        };
+        let worded = packet("send the Echo option back");
+        if self.guard.has_room(peer, written(&worded).len(), at) { worded } else { packet("") }
     }
 
     /// An acknowledgement carries the answer to what wants one; any other answer is a message of its own.
@@ -68,6 +77,13 @@ impl Endpoint {
             Kind::Con => (Kind::Ack, back.key.id),
             Kind::Non | Kind::Ack | Kind::Rst => (Kind::Non, self.next_id(back.key.peer)),
         }
+    }
+
+    /// An observer's last word, which nobody waits to be acknowledged.
+    pub(super) fn bid_farewell(&mut self, peer: SocketAddr, token: Token, farewell: &Response) {
+        let id = self.next_id(peer);
+        let packet = reply::packet(Kind::Non, id, token, farewell, &Shape::default());
+        self.send_to_observer(peer, written(&packet));
     }
 
     /// Ends an observation, and what is on its way for it.
