@@ -3,4 +3,4 @@
 #[path = "../../src/access/network.rs"]
 mod network;
 
-pub use network::Network;
+pub use network::{Network, is_this_machine};

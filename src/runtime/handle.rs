@@ -89,6 +89,14 @@ impl Handle {
         self.commands.send(Envelope::Refused(issuer, asked, refused)).await.map_err(|_| Gone)
     }
 
+    /// The same where nothing can be waited for: when the queue is full, it is only in the program's log.
+    pub fn note_refused_at_once(&self, issuer: Issuer, asked: String, refused: Refused) {
+        let note = Envelope::Refused(issuer, asked, refused);
+        if let Err(TrySendError::Full(Envelope::Refused(issuer, asked, refused))) = self.commands.try_send(note) {
+            tracing::warn!(%issuer, asked, %refused, "a refusal is not on record, because the queue of commands is full");
+        }
+    }
+
     /// The newest state.
     #[must_use]
     pub fn snapshot(&self) -> Arc<Snapshot> {

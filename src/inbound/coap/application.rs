@@ -5,9 +5,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::pin::Pin;
 use std::sync::Arc;
 
+use super::endpoint::Refusal;
 use super::endpoint::code::Code;
 use super::endpoint::request::Request;
 use super::endpoint::response::{Answer, Response};
+use crate::runtime::handle::Gone;
 
 /// What the application says to a request.
 pub enum Said {
@@ -26,6 +28,12 @@ pub trait Application: Send + 'static {
     /// What an observer of this request sees now; must not block.
     fn things(&self, request: &Request) -> Vec<Arc<Response>>;
 
+    /// Whether a request is a STOP, which is taken whatever is wrong with its body.
+    const IS_STOP: fn(&Request) -> bool;
+
+    /// Notes what the endpoint refused without asking; must not block.
+    fn note(&self, refusal: Refusal);
+
     /// Whether it is taken however much is under way already: a STOP.
     fn is_urgent(&self, request: &Request) -> bool;
 }
@@ -39,6 +47,11 @@ pub(super) fn answer(application: &impl Application, request: &Request) -> Said 
 /// Asks what observers see; nothing, when the application breaks over it.
 pub(super) fn things(application: &impl Application, request: &Request) -> Option<Vec<Arc<Response>>> {
     catch_unwind(AssertUnwindSafe(|| application.things(request))).ok()
+}
+
+/// 5.03: the last that observers hear.
+pub(super) fn farewell() -> Response {
+    Response::refusal(Code::UNAVAILABLE, Gone.to_string())
 }
 
 /// 5.00: a mistake in the program ended this request.

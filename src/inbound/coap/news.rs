@@ -1,10 +1,14 @@
-//! That there is a newer state: said to the loop of the door, and not too often. What is new in it is not here.
+//! That there is a newer state: said to the loop of the door, and not too often, and told to the endpoint. What is new in it is
+//! found out there.
 
 use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::sync::watch;
 
+use super::application::{self, Application};
+use super::endpoint::Endpoint;
+use crate::core::units::Now;
 use crate::core::world::snapshot::Snapshot;
 use crate::runtime::clock::Clock;
 
@@ -15,26 +19,39 @@ const PACE: Duration = Duration::from_millis(20);
 pub(super) struct News {
     states: watch::Receiver<Arc<Snapshot>>,
     clock: Clock,
-    next: Duration,
+    /// Until then nothing is said; `None` once that is over.
+    next: Option<Duration>,
 }
 
 impl News {
     /// News of these states, from now on.
     pub(super) fn of(states: watch::Receiver<Arc<Snapshot>>, clock: Clock) -> News {
-        News { states, clock, next: Duration::ZERO }
+        News { states, clock, next: None }
     }
 
     /// Waits for a state that is newer than at the last time; for ever, when none will come. May be dropped while it waits.
     pub(super) async fn come(&mut self) {
-        self.clock.reach(Some(self.next)).await;
+        if self.next.is_some() {
+            self.clock.reach(self.next).await;
+            self.next = None;
+        }
         if self.states.changed().await.is_err() {
             std::future::pending::<()>().await;
         }
-        self.next = self.clock.now().since_start + PACE;
+        self.next = Some(self.clock.now().since_start + PACE);
     }
 
     /// Says it once more: somebody observes what was looked up before, and may have changed since.
     pub(super) fn again(&mut self) {
         self.states.mark_changed();
+    }
+}
+
+/// Tells the endpoint what the observers of each subject see now.
+pub(super) fn tell(endpoint: &mut Endpoint, application: &impl Application, now: Now) {
+    for (subject, request) in endpoint.subjects() {
+        if let Some(things) = application::things(application, &request) {
+            endpoint.handle_change(subject, things, now);
+        }
     }
 }

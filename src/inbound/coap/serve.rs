@@ -8,7 +8,7 @@ use tokio::sync::watch;
 
 use super::application::{self, Application, Said};
 use super::endpoint::Endpoint;
-use super::news::News;
+use super::news::{self, News};
 use super::socket::Socket;
 use super::under_way::{Sort, UnderWay, busy};
 use crate::core::world::snapshot::Snapshot;
@@ -26,14 +26,15 @@ struct Driver<A> {
 }
 
 /// Serves until `shutdown`, then waits shortly for what is under way.
-pub async fn serve(
+pub async fn serve<A: Application>(
     socket: Socket,
     endpoint: Endpoint,
-    application: impl Application,
+    application: A,
     states: watch::Receiver<Arc<Snapshot>>,
     shutdown: impl Future<Output = ()>,
 ) {
     let clock = Clock::default();
+    let endpoint = endpoint.with_urgent(A::IS_STOP);
     let mut driver = Driver { socket, endpoint, application, under_way: UnderWay::default(), clock };
     let mut news = News::of(states, clock);
     tokio::pin!(shutdown);
@@ -49,7 +50,7 @@ pub async fn serve(
                 driver.endpoint.handle_answer(exchange, answer, clock.now());
             }
             () = clock.reach(due) => driver.endpoint.handle_timeout(clock.now()),
-            () = news.come() => driver.tell_news(),
+            () = news.come() => news::tell(&mut driver.endpoint, &driver.application, clock.now()),
             () = driver.socket.readable() => {
                 let now = clock.now();
                 driver.socket.read(|peer, bytes| driver.endpoint.handle_datagram(peer, bytes, now)).await;
@@ -61,15 +62,6 @@ pub async fn serve(
 }
 
 impl<A: Application> Driver<A> {
-    fn tell_news(&mut self) {
-        let now = self.clock.now();
-        for (subject, request) in self.endpoint.subjects() {
-            if let Some(things) = application::things(&self.application, &request) {
-                self.endpoint.handle_change(subject, things, now);
-            }
-        }
-    }
-
     /// Takes requests to the application and datagrams to the network, until there are none. A command too many is not begun.
     fn settle(&mut self) {
         let now = self.clock.now();
@@ -82,12 +74,17 @@ impl<A: Application> Driver<A> {
                 Said::Later(answer) => self.under_way.add(exchange, sort, answer),
             }
         }
+        while let Some(refusal) = self.endpoint.poll_refused() {
+            self.application.note(refusal);
+        }
         while let Some(transmit) = self.endpoint.poll_transmit() {
             self.socket.send(&transmit);
         }
     }
 
     async fn finish(&mut self) {
+        self.endpoint.close(&application::farewell());
+        self.settle();
         while let Some((exchange, answer)) = self.under_way.next().await {
             self.endpoint.handle_answer(exchange, answer, self.clock.now());
             self.settle();

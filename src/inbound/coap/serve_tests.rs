@@ -9,6 +9,7 @@ use tokio::sync::{Notify, Semaphore, oneshot};
 use tokio::task::JoinHandle;
 
 use super::*;
+use crate::inbound::coap::endpoint::Refusal;
 use crate::inbound::coap::endpoint::code::{Code, Method};
 use crate::inbound::coap::endpoint::format::Format;
 use crate::inbound::coap::endpoint::request::Request;
@@ -34,6 +35,10 @@ impl Obedient {
 }
 
 impl Application for Obedient {
+    const IS_STOP: fn(&Request) -> bool = |_| false;
+
+    fn note(&self, _: Refusal) {}
+
     fn answer(&self, request: &Request) -> Said {
         let go = Arc::clone(&self.go);
         match request.segments()[..] {

@@ -17,8 +17,9 @@ const ROOM: usize = 4 * 1024 * 1024;
 /// No datagram is longer, so that none is cut: what is too long is seen to be so.
 const LONGEST: usize = 64 * 1024;
 
-/// So many are read before anything is sent: an acknowledgement that waits makes a retransmission needless.
-const BATCH: usize = 64;
+/// So many are read before anything is sent: an acknowledgement that waits makes a retransmission needless. With more of them a
+/// request costs more, because the memory of so many at once is not at hand any more.
+const BATCH: usize = 8;
 
 /// A socket that fails is read again after this.
 const PAUSE: Duration = Duration::from_millis(1);

@@ -1,9 +1,10 @@
 //! Messages on the wire: what a datagram is, strictly, and how one is written, over the codec of coap-lite. The codec accepts
 //! versions, markers and empty messages that the RFC does not; the checks for these stand here. What options mean is not here.
 
-use coap_lite::{CoapOption, MessageClass, MessageType, Packet};
+use coap_lite::Packet;
 
 use super::code::Code;
+use super::limits::HEAD;
 
 /// How a message is sent (RFC 7252, section 4.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +56,18 @@ pub(super) struct Incoming {
     pub(super) packet: Packet,
 }
 
+impl Kind {
+    /// Where the first byte says so.
+    const fn bits(self) -> u8 {
+        match self {
+            Kind::Con => 0x00,
+            Kind::Non => 0x10,
+            Kind::Ack => 0x20,
+            Kind::Rst => 0x30,
+        }
+    }
+}
+
 impl Token {
     /// These bytes as a token, cut to 8.
     #[must_use]
@@ -100,42 +113,80 @@ pub(super) fn heard(bytes: &[u8]) -> Heard {
 #[must_use]
 pub(super) fn empty(kind: Kind, id: u16) -> Vec<u8> {
     let [high, low] = id.to_be_bytes();
-    let kind = match kind {
-        Kind::Con => 0x40,
-        Kind::Non => 0x50,
-        Kind::Ack => 0x60,
-        Kind::Rst => 0x70,
-    };
-    vec![kind, 0, high, low]
+    vec![0x40 | kind.bits(), 0, high, low]
 }
 
-/// The head of a message of ours.
-#[must_use]
-pub(super) fn headed(kind: Kind, code: Code, id: u16, token: Token) -> Packet {
-    let mut packet = Packet::new();
-    packet.header.set_type(match kind {
-        Kind::Con => MessageType::Confirmable,
-        Kind::Non => MessageType::NonConfirmable,
-        Kind::Ack => MessageType::Acknowledgement,
-        Kind::Rst => MessageType::Reset,
-    });
-    packet.header.code = MessageClass::from(code.0);
-    packet.header.message_id = id;
-    packet.set_token(token.bytes().to_vec());
-    packet
+/// A message of ours as it is put together, option by option in the order of their numbers; how it is sent is said at the end. It
+/// grows in one piece, where the codec would take three for each option.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Outgoing {
+    bytes: Vec<u8>,
+    /// The number of the latest option.
+    option: u16,
 }
 
-/// Adds an option with a number as its value, written as short as it can be.
-pub(super) fn add_number(packet: &mut Packet, option: u16, value: u32) {
-    let bytes = value.to_be_bytes();
-    let skipped = bytes.iter().take_while(|byte| **byte == 0).count();
-    packet.add_option(CoapOption::from(option), bytes[skipped..].to_vec());
+impl Outgoing {
+    /// A message without options and payload; there is room for a payload of this length.
+    #[must_use]
+    pub(super) fn new(code: Code, token: Token, payload: usize) -> Outgoing {
+        let mut bytes = Vec::with_capacity(HEAD + payload);
+        bytes.extend([0x40 | token.length, code.0, 0, 0]);
+        bytes.extend(token.bytes());
+        Outgoing { bytes, option: 0 }
+    }
+
+    /// Adds an option; none with a higher number may have been added before.
+    pub(super) fn add(&mut self, option: u16, value: &[u8]) {
+        debug_assert!(option >= self.option, "options stand in the order of their numbers");
+        let (delta, length) = (usize::from(option - self.option), value.len());
+        self.bytes.push(half(delta) << 4 | half(length));
+        for extended in [delta, length] {
+            match extended {
+                0..13 => {}
+                13..269 => self.bytes.push((extended - 13) as u8),
+                _ => self.bytes.extend(((extended - 269) as u16).to_be_bytes()),
+            }
+        }
+        self.bytes.extend(value);
+        self.option = option;
+    }
+
+    /// Adds an option with a number as its value, written as short as it can be.
+    pub(super) fn add_number(&mut self, option: u16, value: u32) {
+        let skipped = value.leading_zeros() / 8;
+        self.add(option, &value.to_be_bytes()[skipped as usize..]);
+    }
+
+    /// Adds what it carries, after all options.
+    pub(super) fn carry(&mut self, payload: &[u8]) {
+        if !payload.is_empty() {
+            self.bytes.push(0xFF);
+            self.bytes.extend(payload);
+        }
+    }
+
+    /// How long its datagram is.
+    #[must_use]
+    pub(super) fn length(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// The datagram, sent in this way and with this id.
+    #[must_use]
+    pub(super) fn datagram(mut self, kind: Kind, id: u16) -> Vec<u8> {
+        self.bytes[0] = self.bytes[0] & 0xCF | kind.bits();
+        self.bytes[2..4].copy_from_slice(&id.to_be_bytes());
+        self.bytes
+    }
 }
 
-/// The message as a datagram.
-#[must_use]
-pub(super) fn written(packet: &Packet) -> Vec<u8> {
-    packet.to_bytes_unlimited().expect("the codec refuses nothing but what is too long, and it was told no length")
+/// The four bits that an option's delta or length has in its first byte.
+const fn half(value: usize) -> u8 {
+    match value {
+        0..13 => value as u8,
+        13..269 => 13,
+        _ => 14,
+    }
 }
 
 const fn kind(first: u8) -> Kind {
@@ -171,6 +222,8 @@ const fn extended(value: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use coap_lite::CoapOption;
+
     use super::*;
 
     fn is_senseless(bytes: &[u8]) -> bool {
@@ -205,14 +258,17 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_again() {
-        let mut packet = headed(Kind::Non, Code(3), 77, Token::new(b"tok"));
-        packet.add_option(CoapOption::UriPath, vec![b'x'; 300]);
-        add_number(&mut packet, 258, 0x0001_0203);
-        add_number(&mut packet, 65000, 0);
-        packet.payload = b"payload".to_vec();
-        let Heard::Request(read) = heard(&written(&packet)) else { panic!("it is a request") };
+        let mut message = Outgoing::new(Code(3), Token::new(b"tok"), 7);
+        message.add(11, &[b'x'; 300]);
+        message.add(11, &[b'y'; 13]);
+        message.add_number(258, 0x0001_0203);
+        message.add_number(65000, 0);
+        message.carry(b"payload");
+        let Heard::Request(read) = heard(&message.datagram(Kind::Non, 77)) else { panic!("it is a request") };
         assert_eq!((read.kind, read.code, read.id, read.token), (Kind::Non, Code(3), 77, Token::new(b"tok")));
         assert_eq!(read.packet.payload, b"payload");
+        let paths = read.packet.get_option(CoapOption::UriPath).map(|paths| paths.iter().map(Vec::len).collect::<Vec<_>>());
+        assert_eq!(paths, Some(vec![300, 13]));
         assert_eq!(read.packet.get_first_option(CoapOption::from(258)), Some(&vec![1, 2, 3]));
         assert_eq!(read.packet.get_first_option(CoapOption::from(65000)), Some(&vec![]));
     }

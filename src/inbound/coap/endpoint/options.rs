@@ -188,11 +188,11 @@ fn block(packet: &Packet, number: u16) -> Result<Option<Block>, Response> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::message::{Kind, Token, add_number, headed};
+    use super::super::message::{Kind, Token};
     use super::*;
 
     fn packet(options: &[(u16, &[u8])]) -> Incoming {
-        let mut packet = headed(Kind::Con, Code(1), 1, Token::default());
+        let mut packet = Packet::new();
         for (number, value) in options {
             packet.add_option(CoapOption::from(*number), value.to_vec());
         }
@@ -231,12 +231,18 @@ mod tests {
 
     #[test]
     fn options_say_what_they_say() {
-        let mut incoming =
-            packet(&[(URI_PATH, b"luggage"), (URI_PATH, b"3"), (URI_QUERY, b"a=b"), (IF_MATCH, b""), (ETAG, b"t")]);
-        add_number(&mut incoming.packet, ACCEPT, 60);
-        add_number(&mut incoming.packet, OBSERVE, 0);
-        add_number(&mut incoming.packet, BLOCK2, (5000 << 4) | 6);
-        let read = read("127.0.0.1:1".parse().unwrap(), incoming).unwrap();
+        let block: u32 = (5000 << 4) | 6;
+        let options: [(u16, &[u8]); 8] = [
+            (URI_PATH, b"luggage"),
+            (URI_PATH, b"3"),
+            (URI_QUERY, b"a=b"),
+            (IF_MATCH, b""),
+            (ETAG, b"t"),
+            (ACCEPT, &[60]),
+            (OBSERVE, b""),
+            (BLOCK2, &block.to_be_bytes()[1..]),
+        ];
+        let read = read_of(&options);
         assert_eq!(read.request.path_text(), "/luggage/3");
         assert_eq!((read.request.accept, read.observe), (Some(Format::CBOR), Some(0)));
         assert_eq!(read.request.conditions.if_match, [None]);

@@ -3,13 +3,11 @@
 use std::net::SocketAddr;
 use std::sync::Arc;
 
-use coap_lite::Packet;
-
 use super::block::Block;
 use super::code::Code;
 use super::inward::Back;
 use super::limits::PEERS;
-use super::message::{Kind, Token, empty, headed, written};
+use super::message::{Kind, Outgoing, Token, empty};
 use super::observe::{Notification, ObserverId};
 use super::reliable::{About, Late, Sent};
 use super::reply::{self, Shape};
@@ -39,11 +37,11 @@ impl Endpoint {
             return self.send_reply(back, &response, &shape, now);
         }
         if back.is_wanted(response.code) {
-            let mut packet = reply::packet(Kind::Con, 0, back.token, &response, &shape);
-            if !self.guard.has_room(back.key.peer, written(&packet).len(), now.since_start) {
-                packet = self.challenging(back, now);
+            let mut message = reply::message(back.token, &response, &shape);
+            if !self.guard.has_room(back.key.peer, message.length(), now.since_start) {
+                message = self.challenging(back, now);
             }
-            self.send_separately(back.key.peer, packet, now);
+            self.send_separately(back.key.peer, message, now);
         }
     }
 
@@ -55,20 +53,20 @@ impl Endpoint {
     /// 4.01: prove first that you hear what is sent to your address (RFC 9175, section 2.3).
     pub(super) fn challenge(&mut self, back: Back, now: Now) {
         let (kind, id) = self.head_of_reply(back);
-        let bytes = with_head(self.challenging(back, now), kind, id);
+        let bytes = self.challenging(back, now).datagram(kind, id);
         self.exchanges.answered(back.key, &bytes);
         self.transmit(back.key.peer, bytes, now);
     }
 
-    fn challenging(&self, back: Back, now: Now) -> Packet {
+    fn challenging(&self, back: Back, now: Now) -> Outgoing {
         let (peer, at) = (back.key.peer, now.since_start);
         let shape = Shape { echo: Some(self.guard.echo(peer, at)), ..Shape::default() };
-        let packet = |words: &str| {
+        let message = |words: &str| {
             let response = Response::refusal(Code::UNAUTHORIZED, words.to_owned());
-            reply::packet(Kind::Con, 0, back.token, &response, &shape)
+            reply::message(back.token, &response, &shape)
         };
-        let worded = packet("send the Echo option back");
-        if self.guard.has_room(peer, written(&worded).len(), at) { worded } else { packet("") }
+        let worded = message("send the Echo option back");
+        if self.guard.has_room(peer, worded.length(), at) { worded } else { message("") }
     }
 
     /// An acknowledgement carries the answer to what wants one; any other answer is a message of its own.
@@ -82,8 +80,8 @@ impl Endpoint {
     /// An observer's last word, which nobody waits to be acknowledged.
     pub(super) fn bid_farewell(&mut self, peer: SocketAddr, token: Token, farewell: &Response) {
         let id = self.next_id(peer);
-        let packet = reply::packet(Kind::Non, id, token, farewell, &Shape::default());
-        self.send_to_observer(peer, written(&packet));
+        let message = reply::message(token, farewell, &Shape::default());
+        self.send_to_observer(peer, message.datagram(Kind::Non, id));
     }
 
     /// Ends an observation, and what is on its way for it.
@@ -98,8 +96,8 @@ impl Endpoint {
             return;
         }
         match self.reliable.next(peer) {
-            Some(packet) => {
-                self.send_confirmable(peer, packet, About::Answer, now);
+            Some(message) => {
+                self.send_confirmable(peer, message, About::Answer, now);
             }
             None => self.observers.wake(peer, now.since_start),
         }
@@ -153,18 +151,18 @@ impl Endpoint {
             // Its turn comes when what is on its way has arrived (`go_on`).
             return;
         }
-        let packet = packet_of(notification);
+        let message = message_of(notification);
         if notification.sequence.is_none() {
             self.observers.remove(observer);
-            return self.send_separately(peer, packet, now);
+            return self.send_separately(peer, message, now);
         }
         if notification.confirm {
             let about = About::Notification(observer, notification.thing, notification.version);
-            let id = self.send_confirmable(peer, packet, about, now);
+            let id = self.send_confirmable(peer, message, about, now);
             return self.observers.told(observer, notification, id, now.since_start);
         }
         let id = self.next_id(peer);
-        self.send_to_observer(peer, with_head(packet, Kind::Non, id));
+        self.send_to_observer(peer, message.datagram(Kind::Non, id));
         self.observers.told(observer, notification, id, now.since_start);
     }
 
@@ -177,7 +175,7 @@ impl Endpoint {
         };
         let Some((observer, newer)) = newer else { return self.send_about(peer, sent.about, sent.bytes, now) };
         let id = self.next_id(peer);
-        let bytes = with_head(packet_of(&newer), Kind::Con, id);
+        let bytes = message_of(&newer).datagram(Kind::Con, id);
         let about = if newer.sequence.is_some() {
             self.observers.told(observer, &newer, id, now.since_start);
             About::Notification(observer, newer.thing, newer.version)
@@ -215,7 +213,7 @@ impl Endpoint {
         }
         let peer = back.key.peer;
         let (kind, id) = self.head_of_reply(back);
-        let bytes = written(&reply::packet(kind, id, back.token, response, shape));
+        let bytes = reply::message(back.token, response, shape).datagram(kind, id);
         self.exchanges.answered(back.key, &bytes);
         if self.transmit(peer, bytes, now) {
             return;
@@ -239,20 +237,20 @@ impl Endpoint {
     }
 
     /// Sends an answer in a message of its own, when its turn comes.
-    fn send_separately(&mut self, peer: SocketAddr, packet: Packet, now: Now) {
+    fn send_separately(&mut self, peer: SocketAddr, message: Outgoing, now: Now) {
         if !self.reliable.is_busy(peer) {
-            self.send_confirmable(peer, packet, About::Answer, now);
+            self.send_confirmable(peer, message, About::Answer, now);
             return;
         }
-        if let Err(one_too_many) = self.reliable.wait(peer, packet) {
+        if let Err(one_too_many) = self.reliable.wait(peer, message) {
             let id = self.next_id(peer);
-            self.transmit(peer, with_head(*one_too_many, Kind::Non, id), now);
+            self.transmit(peer, one_too_many.datagram(Kind::Non, id), now);
         }
     }
 
-    fn send_confirmable(&mut self, peer: SocketAddr, packet: Packet, about: About, now: Now) -> u16 {
+    fn send_confirmable(&mut self, peer: SocketAddr, message: Outgoing, about: About, now: Now) -> u16 {
         let id = self.next_id(peer);
-        let bytes = with_head(packet, Kind::Con, id);
+        let bytes = message.datagram(Kind::Con, id);
         self.reliable.sent(peer, id, about, bytes.clone(), now.since_start);
         self.send_about(peer, about, bytes, now);
         id
@@ -296,16 +294,9 @@ impl Endpoint {
     }
 }
 
-/// The message of a notification, with any id.
-fn packet_of(notification: &Notification) -> Packet {
+fn message_of(notification: &Notification) -> Outgoing {
     let Notification { token, response, exponent, sequence, .. } = notification;
     let whole = response.body.len() <= 16 << exponent;
     let block2 = (!whole).then_some(Block { number: 0, more: false, exponent: *exponent });
-    reply::packet(Kind::Con, 0, *token, response, &Shape { block2, observe: *sequence, ..Shape::default() })
-}
-
-fn with_head(mut packet: Packet, kind: Kind, id: u16) -> Vec<u8> {
-    let token = Token::new(packet.get_token());
-    packet.header = headed(kind, Code(u8::from(packet.header.code)), id, token).header;
-    written(&packet)
+    reply::message(*token, response, &Shape { block2, observe: *sequence, ..Shape::default() })
 }

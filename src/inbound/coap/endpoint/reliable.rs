@@ -5,9 +5,8 @@ use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use coap_lite::Packet;
-
 use super::limits::{ACK_SPREAD, ACK_TIMEOUT, MAX_RETRANSMIT, WAITING};
+use super::message::Outgoing;
 use super::observe::ObserverId;
 use crate::core::rng::Stream;
 
@@ -57,7 +56,7 @@ pub(super) struct Reliable {
 struct Line {
     sent: Option<Sent>,
     /// Answers, their ids not given yet.
-    waiting: VecDeque<Packet>,
+    waiting: VecDeque<Outgoing>,
 }
 
 impl Reliable {
@@ -99,17 +98,17 @@ impl Reliable {
     ///
     /// # Errors
     /// Gives it back when too many wait.
-    pub(super) fn wait(&mut self, peer: SocketAddr, waiting: Packet) -> Result<(), Box<Packet>> {
+    pub(super) fn wait(&mut self, peer: SocketAddr, waiting: Outgoing) -> Result<(), Outgoing> {
         let line = self.lines.entry(peer).or_default();
         if line.waiting.len() >= WAITING {
-            return Err(Box::new(waiting));
+            return Err(waiting);
         }
         line.waiting.push_back(waiting);
         Ok(())
     }
 
     /// The next answer that waits for this peer, when nothing is on its way there.
-    pub(super) fn next(&mut self, peer: SocketAddr) -> Option<Packet> {
+    pub(super) fn next(&mut self, peer: SocketAddr) -> Option<Outgoing> {
         let line = self.lines.get_mut(&peer).filter(|line| line.sent.is_none())?;
         let next = line.waiting.pop_front();
         if next.is_none() {
@@ -169,10 +168,16 @@ impl Reliable {
 
 #[cfg(test)]
 mod tests {
+    use super::super::code::Code;
+    use super::super::message::Token;
     use super::*;
 
     fn peer() -> SocketAddr {
         "127.0.0.1:1".parse().unwrap()
+    }
+
+    fn answer() -> Outgoing {
+        Outgoing::new(Code::CONTENT, Token::default(), 0)
     }
 
     fn reliable() -> Reliable {
@@ -200,7 +205,7 @@ mod tests {
     fn an_acknowledgement_ends_it_and_lets_the_next_one_go() {
         let mut reliable = reliable();
         reliable.sent(peer(), 7, About::Answer, vec![1], Duration::ZERO);
-        assert!(reliable.wait(peer(), Packet::new()).is_ok());
+        assert!(reliable.wait(peer(), answer()).is_ok());
         assert!(reliable.next(peer()).is_none(), "one at a time");
         assert!(reliable.settled(peer(), 8).is_none(), "another id");
         assert!(reliable.settled(peer(), 7).is_some_and(|(_, once)| once));
@@ -212,6 +217,6 @@ mod tests {
     fn only_so_many_answers_wait_for_one_peer() {
         let mut reliable = reliable();
         reliable.sent(peer(), 7, About::Answer, vec![1], Duration::ZERO);
-        assert_eq!((0..100).filter(|_| reliable.wait(peer(), Packet::new()).is_ok()).count(), WAITING);
+        assert_eq!((0..100).filter(|_| reliable.wait(peer(), answer()).is_ok()).count(), WAITING);
     }
 }

@@ -28,11 +28,11 @@ use self::problem::Problem;
 use self::strangers::Strangers;
 use self::table::{Found, Table};
 use super::application::{Application, Said};
-use super::endpoint::code::Method;
 use super::endpoint::request::{Conditions, Request};
 use super::endpoint::response::{Answer, Response};
+use super::endpoint::{self, code::Method};
 use crate::access::Need;
-use crate::core::command::{self, Command, Refused};
+use crate::core::command::{self, Command, RefusalKind, Refused};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::handle::Handle;
 use crate::wire::fields::in_short;
@@ -68,6 +68,14 @@ impl Application for Resources {
 
     fn things(&self, request: &Request) -> Vec<Arc<Response>> {
         self.seen(request).unwrap_or_else(|problem| vec![Arc::new(problem.response(request))])
+    }
+
+    const IS_STOP: fn(&Request) -> bool = acts::is_stop;
+
+    /// Safety A6, as in `refused`.
+    fn note(&self, refusal: endpoint::Refusal) {
+        let kept = command::Refusal { code: "malformed", kind: RefusalKind::Mismatch, words: refusal.words };
+        self.handle.note_refused_at_once(caller::issuer(refusal.peer), in_short(&refusal.asked), Refused::Before(kept));
     }
 
     fn is_urgent(&self, request: &Request) -> bool {

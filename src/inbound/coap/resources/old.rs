@@ -62,8 +62,7 @@ fn items(snapshot: &Snapshot, kept: &Kept) -> Vec<(Revision, Copies)> {
 /// taken when old clients may drive.
 pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command, Problem> {
     let text = String::from_utf8_lossy(&request.payload);
-    let text = text.trim();
-    let word = text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text);
+    let word = bare(&text);
     let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Pending, verdict };
     let command = match word {
         "h" => return Ok(Command::Stop),
@@ -80,6 +79,17 @@ pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command
         return Err(Problem::refused(&refused, None).of(in_words(&command)));
     }
     Ok(command)
+}
+
+/// Whether a body is the word for STOP.
+pub(super) fn is_halt(body: &[u8]) -> bool {
+    bare(&String::from_utf8_lossy(body)) == "h"
+}
+
+/// A word without the blanks round it and the quotes of JSON.
+fn bare(text: &str) -> &str {
+    let text = text.trim();
+    text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text)
 }
 
 #[cfg(test)]

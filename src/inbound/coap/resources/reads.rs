@@ -20,7 +20,7 @@ impl Resources {
         match shown.show {
             Show::Photo => self.photo(&snapshot, number, request),
             Show::Piece if snapshot.luggage(LuggageId(number)).is_none() => Ok(self.past_piece(number, shown.offers, request)),
-            show => {
+            show @ (Show::Links | Show::OldItems | Show::State | Show::Of(_) | Show::Piece | Show::Strategy) => {
                 let format = negotiated(shown.offers, request)?;
                 Ok(Said::Now(self.at_hand(show, number, format, &snapshot, request)))
             }
@@ -31,7 +31,9 @@ impl Resources {
         match show {
             Show::Links => Answer::once(discovery::listing(&self.table, snapshot, &request.queries)),
             Show::OldItems => self.old.answer(snapshot, &self.kept),
-            show => self.kept.copies(show, number, format, snapshot).answer(),
+            Show::State | Show::Of(_) | Show::Piece | Show::Photo | Show::Strategy => {
+                self.kept.copies(show, number, format, snapshot).answer()
+            }
         }
     }
 
