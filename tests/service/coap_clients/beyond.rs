@@ -98,7 +98,7 @@ fn strangers_change_nothing() {
     let door = format!("coap://{}", program.coap());
     let before = program.until("the robot is there", |state| state["mission"]["holds"] == serde_json::json!([]));
     with_each(|client| {
-        let refused = |ask: Ask| client.ask(&door, &ask).refused("4.03", "use HTTP and a key");
+        let refused = |ask: Ask| client.ask(&door, &ask).refused("4.03", "use HTTP");
         refused(Ask::post("/commands/start", "{}").labelled(JSON));
         refused(Ask::post("/commands/stop", "{}").labelled(JSON));
         refused(Ask::put("/temperature", "{\"celsius\":31.5}").labelled(JSON));
