@@ -31,12 +31,16 @@ mod observe;
 mod observe_ends;
 #[path = "coap/observe_large.rs"]
 mod observe_large;
+#[path = "coap/observe_long.rs"]
+mod observe_long;
 #[path = "coap/observe_lossy.rs"]
 mod observe_lossy;
 #[path = "coap/observe_many.rs"]
 mod observe_many;
 #[path = "coap/observe_rules.rs"]
 mod observe_rules;
+#[path = "coap/refusals.rs"]
+mod refusals;
 #[path = "coap/reliability.rs"]
 mod reliability;
 #[path = "coap/repeats.rs"]

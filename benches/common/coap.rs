@@ -103,7 +103,11 @@ impl Coap {
     fn receive(&self) -> Result<Packet> {
         let mut buffer = [0; 2048];
         loop {
-            let length = self.socket.recv(&mut buffer)?;
+            let length = match self.socket.recv(&mut buffer) {
+                // A child of the same process has ended.
+                Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+                heard => heard?,
+            };
             let packet = Packet::from_bytes(&buffer[..length]).map_err(|error| Error::other(error.to_string()))?;
             if packet.header.get_type() == MessageType::Confirmable {
                 let [high, low] = packet.header.message_id.to_be_bytes();

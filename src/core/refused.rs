@@ -26,7 +26,7 @@ pub enum RefusalKind {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Refused {
     /// Holds stand that a movement command does not clear.
-    #[error("refused while held: {}", holds_in_words(.0))]
+    #[error("not possible while held: {}", holds_in_words(.0))]
     Held(Vec<Hold>),
     /// Somebody pressed STOP after the sender last looked.
     #[error("outdated: it was sent at epoch {sent}, but a STOP has since raised it to {now}; look again, then repeat it")]

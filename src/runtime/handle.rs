@@ -34,9 +34,9 @@ pub struct Handle {
     stops: Arc<Semaphore>,
 }
 
-/// The loop has ended; the program is shutting down.
+/// The loop has ended; the program is shutting down. `Display` is the sentence a person reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("hallsweep is shutting down")]
+#[error("hallsweep is shutting down: the robot has been halted; try again when it is back")]
 pub struct Gone;
 
 /// What became of a command: the core's answer, unless the program is shutting down.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::fields::{Body, Fields, in_short, needed};
-use crate::core::command::{Command, Move, TemperatureReport, Verdict};
+use crate::core::command::{Command, CommandId, Move, TemperatureReport, Verdict};
 use crate::core::explore::Strategy;
 use crate::core::units::{Cell, Celsius, Epoch};
 use crate::core::world::hall_map::REACH;
@@ -194,6 +194,12 @@ impl StrategyBody {
         Strategy::named(&self.name)
             .ok_or_else(|| Unusable(format!("there is no strategy {:?}: there are {}", in_short(&self.name), known.join(", "))))
     }
+}
+
+/// What is wrong with a command's own name that is none, or that was sent more than once; `place` says where the door takes it from.
+#[must_use]
+pub fn no_command_id(place: &str, name: &str) -> String {
+    format!("{place} is {:?}: send it once, 1 to {} visible ASCII characters", in_short(name), CommandId::MOST)
 }
 
 /// The command behind the one-letter words of old clients and of `move`; `h` is STOP.

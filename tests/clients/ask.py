@@ -1,6 +1,6 @@
-"""Asks with the library aiocoap what its command cannot: to go on observing (aiocoap-client 0.4.9 and later end an observation
-with its first notification), for a size of blocks, with options by number, and from an address that is to be proved by an Echo. Prints the code of each answer to standard error,
-and what it carries to standard output, a line each where it observes."""
+"""Asks with the library aiocoap what its command cannot: to go on observing (aiocoap-client 0.4.12 and later end an observation
+with its first answer), for a size of blocks, with options by number, and from an address that is to be proved by an Echo. Prints
+the code of each answer to standard error, and what it carries to standard output, a line each where it observes."""
 
 import argparse
 import asyncio

@@ -55,6 +55,17 @@ impl PhotoState {
     }
 }
 
+/// Why there is no photo of a piece to look at. `Display` is the sentence a person reads.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoPhoto {
+    /// The camera failed, and how.
+    #[error("there is no photo of luggage #{0}: {1}; take it again")]
+    Failed(LuggageId, String),
+    /// It was taken, and the record has it no more.
+    #[error("the photo of luggage #{0} is not kept")]
+    NotKept(LuggageId),
+}
+
 /// A verdict that stands.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Decision {
@@ -77,6 +88,17 @@ impl Luggage {
     #[must_use]
     pub const fn has_photo(&self) -> bool {
         matches!(self.photo, PhotoState::Taken { .. })
+    }
+
+    /// How often its photo was taken.
+    ///
+    /// # Errors
+    /// `Failed` when there is none.
+    pub fn take(&self) -> Result<u32, NoPhoto> {
+        match &self.photo {
+            PhotoState::Taken { take, .. } => Ok(*take),
+            PhotoState::Failed(reason) => Err(NoPhoto::Failed(self.id, reason.clone())),
+        }
     }
 
     /// Whether it was found dangerous.

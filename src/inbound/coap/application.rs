@@ -13,7 +13,8 @@ use super::endpoint::response::{Answer, Response};
 pub enum Said {
     /// The answer.
     Now(Answer),
-    /// What was asked for is begun, and the answer comes when this ends.
+    /// The answer comes when this ends. What a command asks for is begun; a look only begins when this is waited for, and may be
+    /// dropped instead.
     Later(Pin<Box<dyn Future<Output = Answer> + Send>>),
 }
 

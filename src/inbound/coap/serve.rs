@@ -10,12 +10,16 @@ use super::application::{self, Application, Said};
 use super::endpoint::Endpoint;
 use super::news::News;
 use super::socket::Socket;
-use super::under_way::{UnderWay, busy};
+use super::under_way::{Sort, UnderWay, busy};
+use crate::core::units::Now;
 use crate::core::world::snapshot::Snapshot;
 use crate::runtime::clock::Clock;
 
 /// So long requests under way are waited for at the end: within two seconds, with the HTTP door, which ends at the same time.
 const GRACE: Duration = Duration::from_millis(1500);
+
+/// So many datagrams are taken before anything else has its turn.
+const BATCH: usize = 64;
 
 struct Driver<A> {
     socket: Socket,
@@ -50,44 +54,55 @@ pub async fn serve(
             }
             () = clock.reach(due) => driver.endpoint.handle_timeout(clock.now()),
             () = news.come() => driver.tell_news(),
-            () = driver.socket.readable() => {
-                let now = clock.now();
-                driver.socket.read(|peer, bytes| driver.endpoint.handle_datagram(peer, bytes, now)).await;
-            }
+            () = driver.socket.readable() => driver.read().await,
         }
-        driver.settle().await;
+        driver.settle(clock.now());
     }
     let _ = tokio::time::timeout(GRACE, driver.finish()).await;
 }
 
 impl<A: Application> Driver<A> {
+    /// Takes what has come, each datagram with all that follows from it, but not for long. To read several before any is answered
+    /// would make a client send in bursts and everybody wait between them.
+    async fn read(&mut self) {
+        let now = self.clock.now();
+        for _ in 0..BATCH {
+            let Some((peer, bytes)) = self.socket.read().await else { return };
+            self.endpoint.handle_datagram(peer, bytes, now);
+            self.settle(now);
+        }
+    }
+
     fn tell_news(&mut self) {
+        let now = self.clock.now();
         for (subject, request) in self.endpoint.subjects() {
             if let Some(things) = application::things(&self.application, &request) {
-                self.endpoint.handle_change(subject, things, self.clock.now());
+                self.endpoint.handle_change(subject, things, now);
             }
         }
     }
 
-    /// Takes requests to the application and datagrams to the network, until there are none.
-    async fn settle(&mut self) {
-        let now = self.clock.now();
+    /// Takes requests to the application and datagrams to the network, until there are none. A command too many is not begun.
+    fn settle(&mut self, now: Now) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
-            let is_one_too_many = self.under_way.is_full() && !self.application.is_urgent(&request);
-            match if is_one_too_many { Said::Now(busy()) } else { application::answer(&self.application, &request) } {
+            let (sort, asked) = (Sort::of(request.method), &self.application);
+            let is_full = self.under_way.is_full(sort) && !asked.is_urgent(&request);
+            match if is_full && sort == Sort::Command { Said::Now(busy()) } else { application::answer(asked, &request) } {
                 Said::Now(answer) => self.endpoint.handle_answer(exchange, answer, now),
-                Said::Later(answer) => self.under_way.add(exchange, answer),
+                Said::Later(_) if is_full => self.endpoint.handle_answer(exchange, busy(), now),
+                Said::Later(answer) => self.under_way.add(exchange, sort, answer),
             }
         }
         while let Some(transmit) = self.endpoint.poll_transmit() {
-            self.socket.send(&transmit).await;
+            self.socket.send(&transmit);
         }
     }
 
     async fn finish(&mut self) {
         while let Some((exchange, answer)) = self.under_way.next().await {
-            self.endpoint.handle_answer(exchange, answer, self.clock.now());
-            self.settle().await;
+            let now = self.clock.now();
+            self.endpoint.handle_answer(exchange, answer, now);
+            self.settle(now);
         }
     }
 }

@@ -8,12 +8,16 @@ use tokio::task::{Id, JoinSet};
 
 use super::application::broken;
 use super::endpoint::ExchangeId;
-use super::endpoint::code::Code;
+use super::endpoint::code::{Code, Method};
 use super::endpoint::limits::OPEN;
 use super::endpoint::response::{Answer, Response};
 
-/// Requests under way at once, each a command or a look at the disk; urgent ones are taken all the same.
-const MOST: usize = 256;
+/// Commands under way at once; urgent ones are taken all the same.
+pub(super) const COMMANDS: usize = 256;
+
+/// Looks at the disk under way at once. They have places of their own: anybody may look, and a disk that hangs must not keep out
+/// commands.
+pub(super) const LOOKS: usize = 64;
 
 /// Whoever asks for one more is told to ask again after so many seconds.
 const BUSY_S: u32 = 2;
@@ -21,38 +25,64 @@ const BUSY_S: u32 = 2;
 /// Nobody waits longer for an answer (RFC 7252, section 4.8.2: MAX_TRANSMIT_WAIT).
 const PATIENCE: Duration = Duration::from_secs(93);
 
+/// What a request is, for the places there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sort {
+    /// It changes nothing, and nothing is begun before its future is waited for.
+    Look,
+    /// It may be begun as soon as the application has heard of it.
+    Command,
+}
+
 /// All of them.
 #[derive(Default)]
 pub(super) struct UnderWay {
     tasks: JoinSet<Answer>,
-    exchanges: HashMap<Id, ExchangeId>,
+    exchanges: HashMap<Id, (ExchangeId, Sort)>,
+    looks: usize,
+}
+
+impl Sort {
+    /// What a request of this method is.
+    pub(super) const fn of(method: Method) -> Sort {
+        match method {
+            Method::Get | Method::Fetch => Sort::Look,
+            Method::Post | Method::Put | Method::Delete | Method::Patch | Method::IPatch => Sort::Command,
+        }
+    }
 }
 
 impl UnderWay {
-    /// Whether no more are to be begun but urgent ones.
-    pub(super) fn is_full(&self) -> bool {
-        self.tasks.len() >= MOST
+    /// Whether no more of them are to be begun, but for urgent ones.
+    pub(super) fn is_full(&self, sort: Sort) -> bool {
+        match sort {
+            Sort::Look => self.looks >= LOOKS,
+            Sort::Command => self.tasks.len() - self.looks >= COMMANDS,
+        }
     }
 
     /// Waits for an answer in the background. Of urgent ones beyond what the endpoint remembers the answer is given up, and not
     /// what they asked for.
-    pub(super) fn add(&mut self, exchange: ExchangeId, answer: Pin<Box<dyn Future<Output = Answer> + Send>>) {
+    pub(super) fn add(&mut self, exchange: ExchangeId, sort: Sort, answer: Pin<Box<dyn Future<Output = Answer> + Send>>) {
         if self.tasks.len() < OPEN {
             let bounded = async { tokio::time::timeout(PATIENCE, answer).await.unwrap_or_else(|_| slow()) };
-            self.exchanges.insert(self.tasks.spawn(bounded).id(), exchange);
+            self.exchanges.insert(self.tasks.spawn(bounded).id(), (exchange, sort));
+            self.looks += usize::from(sort == Sort::Look);
         }
     }
 
     /// The next that is answered; `None` when none is under way. May be dropped while it waits.
     pub(super) async fn next(&mut self) -> Option<(ExchangeId, Answer)> {
         let (id, answer) = self.tasks.join_next_with_id().await?.unwrap_or_else(|error| (error.id(), broken()));
-        self.exchanges.remove(&id).map(|exchange| (exchange, answer))
+        let (exchange, sort) = self.exchanges.remove(&id)?;
+        self.looks -= usize::from(sort == Sort::Look);
+        Some((exchange, answer))
     }
 }
 
-/// 5.03: too many requests are under way.
+/// 5.03: too many such requests are under way.
 pub(super) fn busy() -> Answer {
-    unavailable(format!("{MOST} requests are under way: ask again in {BUSY_S} seconds"))
+    unavailable(format!("too many requests are under way: ask again in {BUSY_S} seconds"))
 }
 
 fn slow() -> Answer {

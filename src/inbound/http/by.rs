@@ -13,7 +13,7 @@ use crate::core::command::{self, Command, CommandId, Request};
 use crate::core::mission::in_words;
 use crate::core::units::Epoch;
 use crate::runtime::carry_out::Done;
-use crate::wire::fields::in_short;
+use crate::wire::command::no_command_id;
 
 /// The header in which a command's own name comes.
 const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
@@ -61,13 +61,7 @@ fn command_id(headers: &HeaderMap) -> Result<Option<CommandId>, Problem> {
     let mut values = headers.get_all(IDEMPOTENCY_KEY).iter();
     let Some(value) = values.next() else { return Ok(None) };
     let text = String::from_utf8_lossy(value.as_bytes());
-    let wrong = || {
-        Problem::malformed(format!(
-            "Idempotency-Key is {:?}: send it once, 1 to {} visible ASCII characters, bare or in quotes",
-            in_short(&text),
-            CommandId::MOST
-        ))
-    };
+    let wrong = || Problem::malformed(no_command_id("Idempotency-Key", &text) + ", bare or in quotes");
     if values.next().is_some() {
         return Err(wrong());
     }

@@ -6,8 +6,11 @@ use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 
 use crate::core::command::{Refusal, RefusalKind, Refused};
+use crate::core::units::LuggageId;
+use crate::core::world::luggage::NoPhoto;
 use crate::runtime::archive::Unreadable;
 use crate::runtime::carry_out::NotDone;
+use crate::runtime::handle::Gone;
 use crate::wire::fields::in_short;
 use crate::wire::luggage::LuggageJson;
 use crate::wire::problem::ProblemJson;
@@ -71,6 +74,11 @@ impl Problem {
         Problem::new(StatusCode::NOT_FOUND, "notFound", detail)
     }
 
+    /// 404: there is no such piece.
+    pub(super) fn no_luggage(number: u64) -> Problem {
+        Problem::not_found(Refused::UnknownLuggage(LuggageId(number)).to_string())
+    }
+
     /// 406: none of the formats there are is wanted.
     pub(super) fn not_acceptable(detail: String) -> Problem {
         Problem::new(StatusCode::NOT_ACCEPTABLE, "notAcceptable", detail)
@@ -108,8 +116,7 @@ impl Problem {
 
     /// 503: the program is ending.
     pub(super) fn closing() -> Problem {
-        let detail = "hallsweep is shutting down: the robot has been halted; try again when it is back".to_owned();
-        Problem::new(StatusCode::SERVICE_UNAVAILABLE, "shuttingDown", detail)
+        Problem::new(StatusCode::SERVICE_UNAVAILABLE, "shuttingDown", Gone.to_string())
     }
 
     /// 503: as many streams are open as there may be.
@@ -159,6 +166,12 @@ impl From<NotDone> for Problem {
     }
 }
 
+impl From<NoPhoto> for Problem {
+    fn from(none: NoPhoto) -> Problem {
+        Problem::not_found(none.to_string())
+    }
+}
+
 impl From<Unreadable> for Problem {
     fn from(unreadable: Unreadable) -> Problem {
         Problem::unreadable(unreadable.to_string())
@@ -192,7 +205,7 @@ mod tests {
     use super::*;
     use crate::core::command::{CODES, CommandId, Refusal, Verdict};
     use crate::core::mission::{Hold, PhaseName};
-    use crate::core::units::{AlarmId, Cell, Epoch, LuggageId};
+    use crate::core::units::{AlarmId, Cell, Epoch};
 
     /// One of each variant, in their order, and how the walk goes on; a new variant does not compile until it is added here.
     fn next(refused: Option<&Refused>) -> Option<Refused> {

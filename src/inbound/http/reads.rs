@@ -13,7 +13,7 @@ use super::etag::{conditional, tag};
 use super::problem::Problem;
 use super::reading::Number;
 use crate::core::units::LuggageId;
-use crate::core::world::luggage::{Luggage, PhotoState};
+use crate::core::world::luggage::{Luggage, NoPhoto};
 use crate::core::world::resource::Resource;
 use crate::core::world::snapshot::Snapshot;
 use crate::wire::luggage::LuggageJson;
@@ -61,14 +61,9 @@ pub(super) async fn luggage(State(door): State<Door>, Number(id): Number, header
 /// `GET luggage/{id}/photo`: the newest picture of a piece.
 pub(super) async fn photo(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     let snapshot = door.handle.snapshot();
-    let take = match &record(&door, &snapshot, id).await?.photo {
-        PhotoState::Taken { take, .. } => *take,
-        PhotoState::Failed(reason) => {
-            return Err(Problem::not_found(format!("there is no photo of luggage #{id}: {reason}; take it again")));
-        }
-    };
+    let take = record(&door, &snapshot, id).await?.take()?;
     let kept = door.archive.look_up(move |archive| archive.photo(LuggageId(id))).await?;
-    let photo = kept.ok_or_else(|| Problem::not_found(format!("the photo of luggage #{id} is not kept")))?;
+    let photo = kept.ok_or(NoPhoto::NotKept(LuggageId(id)))?;
     let tag = tag(&snapshot.run, format_args!("{id}.{take}"), "photo");
     let bytes = axum::body::Bytes::from_owner(photo.bytes);
     Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, photo.media_type)], bytes).into_response()))
@@ -88,7 +83,7 @@ async fn record(door: &Door, snapshot: &Snapshot, id: u64) -> Result<Arc<Luggage
         return Ok(Arc::clone(luggage));
     }
     let kept = door.archive.look_up(move |archive| archive.luggage(LuggageId(id))).await?.map(Arc::new);
-    kept.ok_or_else(|| Problem::not_found(format!("there is no luggage #{id}")))
+    kept.ok_or_else(|| Problem::no_luggage(id))
 }
 
 fn luggage_tag(snapshot: &Snapshot) -> String {

@@ -10,9 +10,11 @@ mod commanding;
 mod observer;
 mod observing;
 mod old_wire;
+mod on_the_wire;
 mod photos;
 mod reading;
 mod shown;
+mod tap;
 
 use client::Client;
 

@@ -111,6 +111,37 @@ fn aiocoap_observes_the_whole_state_through_a_mission() {
     everything_is_safe(Client::Aiocoap);
 }
 
+/// A hall whose map as one item takes more than a block: its rest is read as the map it was, whatever item changed since.
+fn a_large_model(client: Client) {
+    if !client.is_here() {
+        return;
+    }
+    let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("wide-{client:?}-{}.toml", std::process::id()));
+    let row = ".".repeat(60);
+    let hall = format!("name = \"wide\"\ndrawing = \"\"\"\nS{}\n{}\"\"\"\n", &row[1..], format!("{row}\n").repeat(10));
+    std::fs::write(&file, hall).expect("a folder of our own");
+    let program = serve(&file.display().to_string(), "max");
+    let door = door(&program);
+    let model = Observer::start(client, &door, Ask::get("/resourcemodel"));
+    client.ask(&door, &Ask::post("/commands/start", "{}").labelled(JSON)).accepted();
+    program.until_phase("explored");
+    let map = shown::map(&program);
+    assert!(map.len() > 1024, "{map}");
+    model.until_item("roomMap( ", "the map is as it stands", |item| item == map);
+    model.end();
+    std::fs::remove_file(file).expect("it is ours");
+}
+
+#[test]
+fn libcoap_observes_a_map_of_several_blocks() {
+    a_large_model(Client::Libcoap);
+}
+
+#[test]
+fn aiocoap_observes_a_map_of_several_blocks() {
+    a_large_model(Client::Aiocoap);
+}
+
 /// Sprint 3 of the seed: START and STOP on the page change the resource accordingly, and the page shows the same state.
 #[test]
 fn start_and_stop_on_the_page_change_what_is_observed() {

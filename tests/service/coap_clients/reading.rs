@@ -71,18 +71,6 @@ fn every_client_reads_without_confirmation() {
 }
 
 #[test]
-fn tokens_of_eight_bytes_come_back() {
-    if !Client::Libcoap.is_here() {
-        return;
-    }
-    let program = serve("empty-8x8", "max");
-    for token in ["", "a", "abcdefgh"] {
-        let reply = Client::Libcoap.ask(&door(&program), &Ask { token: Some(token), ..Ask::get("/robot").accept(JSON) });
-        assert_eq!(reply.json()["heading"], "south", "with the token `{token}`");
-    }
-}
-
-#[test]
 fn whoever_has_what_stands_is_told_so() {
     if !Client::Libcoap.is_here() {
         return;

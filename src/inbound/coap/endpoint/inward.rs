@@ -1,18 +1,19 @@
 //! The way in: from a datagram to a request for the application, or to what is answered without it. The way out is `outward`.
 
 use std::net::SocketAddr;
+use std::sync::Arc;
 
 use super::block::{Block, BodyKey, Taken, too_large};
 use super::code::{Code, Method};
 use super::exchange::{Known, MessageKey};
-use super::limits::{BODY, OPEN, PATIENCE};
+use super::limits::{BODY, OPEN, PATIENCE, REFUSED};
 use super::message::{Heard, Incoming, Kind, Token, empty, heard};
 use super::options::{self, Read};
 use super::reliable::About;
 use super::reply::Shape;
 use super::request::Request;
 use super::response::Response;
-use super::{Endpoint, ExchangeId, Open};
+use super::{Endpoint, ExchangeId, Open, Refusal};
 use crate::access::is_this_machine;
 use crate::core::units::Now;
 
@@ -94,7 +95,9 @@ impl Endpoint {
             let response = Response { max_age: Some(1), ..Response::refusal(Code::TOO_MANY_REQUESTS, words) };
             return self.reply(back, &response, None, now);
         }
-        let acts = is_this_machine(peer.ip()) && !Method::of(incoming.code).is_some_and(Method::only_looks);
+        let looks = Method::of(incoming.code).is_some_and(Method::only_looks);
+        let asked = (!looks).then(|| options::asked(&incoming));
+        let acts = is_this_machine(peer.ip()) && !looks;
         self.counted += 1;
         let exchange = ExchangeId(self.counted);
         self.exchanges.open(back.key, exchange, acts, now.since_start);
@@ -102,9 +105,10 @@ impl Endpoint {
             Ok(read) => self.take_read(back, exchange, read, now),
             // What cannot be understood and wants no acknowledgement is passed over (RFC 7252, section 5.4.1).
             Err(response) if back.kind == Kind::Non && response.code == Code::BAD_OPTION => {
-                self.exchanges.answered(back.key, &[])
+                self.note(peer, asked, &response);
+                self.exchanges.answered(back.key, &[]);
             }
-            Err(response) => self.reply(back, &response, None, now),
+            Err(response) => self.refuse(back, asked, response, None, now),
         }
     }
 
@@ -125,13 +129,31 @@ impl Endpoint {
                 let more = read.block1.map(|block| Block { more: true, ..block });
                 return self.reply(back, &Response::new(Code::CONTINUE), more, now);
             }
-            Err(response) => return self.reply(back, &response, read.block1, now),
+            Err(response) => {
+                let asked = format!("{} {}", read.request.method.name(), read.request.path_text());
+                return self.refuse(back, Some(asked), response, read.block1, now);
+            }
         }
         let is_get = read.request.method == Method::Get;
         if is_get && read.observe == Some(0) && !self.guard.is_proved(back.key.peer, now.since_start) {
             return self.challenge(back, now);
         }
         self.ask(back, exchange, read, now);
+    }
+
+    /// Refuses what the application does not see; who asked for a change reads that first.
+    fn refuse(&mut self, back: Back, asked: Option<String>, response: Response, block1: Option<Block>, now: Now) {
+        let words = String::from_utf8_lossy(&response.body).into_owned();
+        let worded = if asked.is_some() { format!("refused: {words}").into_bytes().into() } else { Arc::clone(&response.body) };
+        self.note(back.key.peer, asked, &response);
+        self.reply(back, &Response { body: worded, ..response }, block1, now);
+    }
+
+    /// Notes for the record what somebody of this machine wanted to change.
+    fn note(&mut self, peer: SocketAddr, asked: Option<String>, response: &Response) {
+        let Some(asked) = asked.filter(|_| is_this_machine(peer.ip()) && self.refused.len() < REFUSED) else { return };
+        let words = String::from_utf8_lossy(&response.body).into_owned();
+        self.refused.push_back(Refusal { peer, asked, words });
     }
 
     /// Whether this was a further block of what a notification began, and is answered.
@@ -160,6 +182,9 @@ impl Endpoint {
     /// Whether the whole body is there; it is in the request then.
     fn whole(&mut self, read: &mut Read, now: Now) -> Result<bool, Response> {
         let request = &mut read.request;
+        if (self.is_urgent)(request) {
+            return Ok(true);
+        }
         if request.payload.len() > BODY || read.size1.is_some_and(|size| size as usize > BODY) {
             return Err(too_large());
         }

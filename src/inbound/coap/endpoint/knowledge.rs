@@ -33,6 +33,8 @@ pub(super) struct Knowledge {
     things: Vec<Known>,
     /// Whose turn is next; things are told in their order, from here on and round again.
     next: usize,
+    /// What it was told last.
+    latest: usize,
 }
 
 /// What it knows of one thing.
@@ -64,7 +66,8 @@ impl Knowledge {
         let is_shown = |thing: &Thing| things.len() == 1 || thing.response.body == shown.body;
         let told = |thing: &Thing| Known { told: thing.version, at: now, sure: if is_sure { thing.version } else { 0 } };
         let known = |thing: &Thing| if is_shown(thing) { told(thing) } else { Known::default() };
-        Knowledge { things: things.iter().map(known).collect(), next: 0 }
+        let latest = things.iter().position(is_shown).unwrap_or(0);
+        Knowledge { things: things.iter().map(known).collect(), next: 0, latest }
     }
 
     /// What it is told now: the next news, else what it may have missed.
@@ -72,6 +75,12 @@ impl Knowledge {
     pub(super) fn lack(&self, things: &[Thing], now: Duration) -> Option<Lack> {
         let from_here = self.lack_within(things, self.next..things.len(), now);
         from_here.or_else(|| self.lack_within(things, 0..self.next.min(things.len()), now))
+    }
+
+    /// What it was told last.
+    #[must_use]
+    pub(super) const fn latest(&self) -> usize {
+        self.latest
     }
 
     /// When it is to be told something, the last time it was told anything having been `sent` and the pause after that `pace`.
@@ -91,6 +100,7 @@ impl Knowledge {
         (known.told, known.at) = (known.told.max(version), now);
         let has_news = (0..things.len()).any(|place| self.is_news(things, place));
         self.next = if has_news { place + 1 } else { 0 };
+        self.latest = place;
     }
 
     /// It said that it heard it.

@@ -78,6 +78,10 @@ pub const BURST: usize = 32;
 /// second because much changes every second, and an acknowledgement that is lost then holds up what comes after it.
 pub const SETTLED: Duration = Duration::from_millis(1500);
 
+/// Who observes what does not change is told it again, with a wish for an acknowledgement, before the 60 seconds of Max-Age are
+/// over: so it knows that it is not out of date, and who is gone does not keep a place.
+pub const REFRESH: Duration = Duration::from_secs(50);
+
 /// While it changes all the time, so often an acknowledgement is asked for all the same, and those who are gone are found out.
 /// RFC 7641, section 4.5, asks for one a day.
 pub const CONFIRM_EVERY: Duration = Duration::from_secs(30);
@@ -93,6 +97,9 @@ pub const PROVED: Duration = Duration::from_secs(3600);
 
 /// How old the Echo may be that proves an address (RFC 9175, section 2.4).
 pub const ECHO_AGE: Duration = Duration::from_secs(60);
+
+/// Refusals that wait to be put on record; more than that in one go are not.
+pub const REFUSED: usize = 64;
 
 /// Requests a second from one network beyond this machine: a photo in the smallest blocks takes half a minute.
 pub const RATE: f64 = 200.0;

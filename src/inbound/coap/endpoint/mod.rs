@@ -31,6 +31,7 @@ mod reliable;
 mod reply;
 pub mod request;
 pub mod response;
+mod subject;
 
 pub use observe::SubjectId;
 
@@ -57,6 +58,17 @@ pub struct Transmit {
     pub peer: SocketAddr,
     /// What.
     pub bytes: Vec<u8>,
+}
+
+/// A request that was refused before the application saw it, and wanted to change something.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// Who sent it.
+    pub peer: SocketAddr,
+    /// What it asked for, as `POST /commands/start`.
+    pub asked: String,
+    /// What it was told.
+    pub words: String,
 }
 
 /// How much the endpoint remembers; every number has its bound in `limits`.
@@ -94,6 +106,8 @@ pub struct Endpoint {
     ids: LinkedHashMap<SocketAddr, u16>,
     chance: Stream,
     asked: VecDeque<(ExchangeId, Request)>,
+    refused: VecDeque<Refusal>,
+    is_urgent: fn(&Request) -> bool,
     out: VecDeque<Transmit>,
 }
 
@@ -134,8 +148,17 @@ impl Endpoint {
             ids: LinkedHashMap::new(),
             chance: Stream::new(seed, "coap message ids"),
             asked: VecDeque::new(),
+            refused: VecDeque::new(),
+            is_urgent: |_| false,
             out: VecDeque::new(),
         }
+    }
+
+    /// With requests that are handed over as they are, whatever is wrong with their bodies: too large, or a block of which the
+    /// rest has not come.
+    #[must_use]
+    pub fn with_urgent(self, is_urgent: fn(&Request) -> bool) -> Endpoint {
+        Endpoint { is_urgent, ..self }
     }
 
     /// Takes the application's answer to a request, at once or whenever it comes.
@@ -151,6 +174,13 @@ impl Endpoint {
         self.observers.change(subject, things, now.since_start);
     }
 
+    /// Tells every observer that this is the end, and why.
+    pub fn close(&mut self, farewell: &Response) {
+        for (peer, token) in self.observers.clear() {
+            self.bid_farewell(peer, token, farewell);
+        }
+    }
+
     /// Does what is due.
     pub fn handle_timeout(&mut self, now: Now) {
         self.acknowledge_slow(now);
@@ -161,6 +191,11 @@ impl Endpoint {
     /// The next request for the application.
     pub fn poll_request(&mut self) -> Option<(ExchangeId, Request)> {
         self.asked.pop_front()
+    }
+
+    /// The next request that was refused before the application saw it, for the record.
+    pub fn poll_refused(&mut self) -> Option<Refusal> {
+        self.refused.pop_front()
     }
 
     /// The next datagram for the network.

@@ -13,15 +13,15 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::block::Block;
-use super::format::Format;
-use super::knowledge::{Knowledge, Lack, Thing};
+use super::knowledge::{Knowledge, Lack};
 use super::limits::{
     BURST, CONFIRM_EVERY, OBSERVERS, OBSERVERS_BEYOND, OBSERVERS_OF_A_NETWORK, OBSERVERS_OF_A_PEER, PACE, PACE_OF_A_PEER,
-    PACE_UNKNOWN, READING, TARGET,
+    PACE_UNKNOWN, READING, REFRESH, TARGET,
 };
 use super::message::Token;
 use super::request::Request;
 use super::response::Response;
+use super::subject::{Subject, Target};
 use crate::access::{Network, is_this_machine};
 use crate::core::units::Now;
 
@@ -65,23 +65,6 @@ pub(super) struct Observers {
     counted: u64,
     /// The wall clock at the beginning, in milliseconds: sequences go on from there, also after a restart.
     began_ms: Option<i64>,
-}
-
-/// What two observers must have in common to be told the same.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-struct Target {
-    path: Vec<String>,
-    queries: Vec<String>,
-    accept: Option<Format>,
-}
-
-#[derive(Debug)]
-struct Subject {
-    request: Arc<Request>,
-    things: Vec<Thing>,
-    /// How often any of the things changed.
-    changes: u64,
-    observers: BTreeSet<ObserverId>,
 }
 
 #[derive(Debug)]
@@ -179,6 +162,12 @@ impl Observers {
         self.by_peer.get(&peer).into_iter().flatten().copied()
     }
 
+    /// Ends all observations, and says whose they were.
+    pub(super) fn clear(&mut self) -> Vec<(SocketAddr, Token)> {
+        let gone = std::mem::take(self).observers;
+        gone.into_values().map(|observer| (observer.peer, observer.token)).collect()
+    }
+
     /// Ends an observation.
     pub(super) fn remove(&mut self, id: ObserverId) {
         let Some(observer) = self.observers.remove(&id) else { return };
@@ -227,11 +216,14 @@ impl Observers {
         let observer = self.observers.get(&id)?;
         let things = &self.subjects.get(&observer.subject)?.things;
         let at = now.since_start;
-        let (thing, is_news) = match observer.knowledge.lack(things, at)? {
-            Lack::News(thing) => (thing, true),
-            Lack::Unsure(thing) => (thing, false),
+        let (thing, is_news) = match observer.knowledge.lack(things, at) {
+            Some(Lack::News(thing)) => (thing, true),
+            Some(Lack::Unsure(thing)) => (thing, false),
+            None if at >= observer.sent + REFRESH => (observer.knowledge.latest(), false),
+            None => return None,
         };
-        let (response, version) = (Arc::clone(&things[thing].response), things[thing].version);
+        let told = things.get(thing)?;
+        let (response, version) = (Arc::clone(&told.response), told.version);
         let is_far = observer.away.is_none() && !is_this_machine(observer.peer.ip());
         let is_last = !response.code.is_success();
         let confirm = !is_news || is_far || is_last || at >= observer.confirmed + CONFIRM_EVERY;
@@ -342,13 +334,14 @@ impl Observers {
         }
         self.counted += 1;
         let id = SubjectId(self.counted);
-        let subject = Subject { request: Arc::new(request.clone()), things: Vec::new(), changes: 0, observers: BTreeSet::new() };
+        let subject = Subject::new(request);
         self.subjects.insert(id, subject);
         self.by_target.insert(target, id);
         id
     }
 
-    /// Gives an observer its turn, not before `earliest`, if there is anything to tell it.
+    /// Gives an observer its turn, not before `earliest`: soon when there is something to tell it, else before what it has is out
+    /// of date.
     fn schedule(&mut self, id: ObserverId, earliest: Duration) {
         let Some(observer) = self.observers.get_mut(&id) else { return };
         let Some(subject) = self.subjects.get(&observer.subject) else { return };
@@ -357,8 +350,8 @@ impl Observers {
         }
         let of_this_peer = self.by_peer.get(&observer.peer).map_or(1, Vec::len);
         let pace = observer.pace().max(PACE_OF_A_PEER * u32::try_from(of_this_peer).unwrap_or(u32::MAX));
-        let Some(due) = observer.knowledge.due(&subject.things, observer.sent, pace) else { return };
-        let due = due.max(earliest);
+        let due = observer.knowledge.due(&subject.things, observer.sent, pace);
+        let due = due.unwrap_or(observer.sent + REFRESH).max(earliest);
         observer.due = Some(due);
         self.due.insert((due, id));
     }
@@ -373,30 +366,6 @@ impl Observers {
         let observer = self.observers.get_mut(&id)?;
         observer.sequence = ticks.max(observer.sequence + 1);
         u32::try_from(observer.sequence & 0x00FF_FFFF).ok()
-    }
-}
-
-impl Target {
-    fn of(request: &Request) -> Target {
-        Target { path: request.path.clone(), queries: request.queries.clone(), accept: request.accept }
-    }
-}
-
-impl Subject {
-    /// Takes what it shows now; whether any of it is news.
-    fn take(&mut self, things: Vec<Arc<Response>>) -> bool {
-        let before = self.changes;
-        self.things.truncate(things.len());
-        for (place, response) in things.into_iter().enumerate() {
-            let is_news = self.things.get(place).is_none_or(|thing| thing.differs_from(&response));
-            self.changes += u64::from(is_news);
-            let changes = self.changes;
-            match self.things.get_mut(place) {
-                Some(thing) => *thing = Thing { response, version: if is_news { changes } else { thing.version } },
-                None => self.things.push(Thing { response, version: changes }),
-            }
-        }
-        self.changes > before
     }
 }
 

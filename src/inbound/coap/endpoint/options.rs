@@ -126,6 +126,21 @@ pub(super) fn no_response(packet: &Packet) -> u32 {
     number_of(packet, NO_RESPONSE, 1).unwrap_or(0)
 }
 
+/// What a request asks for in words, as far as it can be read: `POST /commands/start`.
+#[must_use]
+pub(super) fn asked(incoming: &Incoming) -> String {
+    let method = Method::of(incoming.code).map_or_else(|| incoming.code.to_string(), |method| method.name().to_owned());
+    let segments = values(&incoming.packet, URI_PATH).take(ASKED_SEGMENTS);
+    let path: String = segments.map(|segment| format!("/{}", String::from_utf8_lossy(segment))).collect();
+    format!("{method} {}", path.chars().take(ASKED_LETTERS).collect::<String>())
+}
+
+/// So many segments of a path,
+const ASKED_SEGMENTS: usize = 8;
+
+/// and so many letters are repeated: enough to know it again.
+const ASKED_LETTERS: usize = 60;
+
 fn check_critical(packet: &Packet) -> Result<(), Response> {
     let bad = |words: String| Err(Response::refusal(Code::BAD_OPTION, words));
     for (number, values) in packet.options().filter(|(number, _)| **number % 2 == 1) {

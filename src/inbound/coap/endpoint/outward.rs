@@ -7,7 +7,7 @@ use super::block::Block;
 use super::code::Code;
 use super::inward::Back;
 use super::limits::PEERS;
-use super::message::{Kind, Outgoing, empty};
+use super::message::{Kind, Outgoing, Token, empty};
 use super::observe::{Notification, ObserverId};
 use super::reliable::{About, Late, Sent};
 use super::reply::{self, Shape};
@@ -19,7 +19,10 @@ impl Endpoint {
     /// Answers a request with what the application said.
     pub(super) fn answer(&mut self, mut open: Open, answer: Answer, now: Now) {
         let observe = self.observe(&mut open, &answer, now);
-        let mut response = answer.response;
+        let is_shown = |thing: &&Arc<Response>| thing.body == answer.response.body;
+        // What is observed is as fresh as a notification, which stays so until the next.
+        let watched = answer.observed.iter().find(is_shown).filter(|_| observe.is_some());
+        let mut response = Arc::clone(watched.unwrap_or(&answer.response));
         if open.is_get && response.code == Code::CONTENT && response.tag.is_some_and(|tag| open.etags.contains(&tag)) {
             let (tag, max_age) = (response.tag, response.max_age);
             response = Arc::new(Response { tag, max_age, ..Response::new(Code::VALID) });
@@ -56,8 +59,14 @@ impl Endpoint {
     }
 
     fn challenging(&self, back: Back, now: Now) -> Outgoing {
-        let echo = Some(self.guard.echo(back.key.peer, now.since_start));
-        reply::message(back.token, &Response::new(Code::UNAUTHORIZED), &Shape { echo, ..Shape::default() })
+        let (peer, at) = (back.key.peer, now.since_start);
+        let shape = Shape { echo: Some(self.guard.echo(peer, at)), ..Shape::default() };
+        let message = |words: &str| {
+            let response = Response::refusal(Code::UNAUTHORIZED, words.to_owned());
+            reply::message(back.token, &response, &shape)
+        };
+        let worded = message("send the Echo option back");
+        if self.guard.has_room(peer, worded.length(), at) { worded } else { message("") }
     }
 
     /// An acknowledgement carries the answer to what wants one; any other answer is a message of its own.
@@ -66,6 +75,12 @@ impl Endpoint {
             Kind::Con => (Kind::Ack, back.key.id),
             Kind::Non | Kind::Ack | Kind::Rst => (Kind::Non, self.next_id(back.key.peer)),
         }
+    }
+
+    /// An observer's last word, which nobody waits to be acknowledged.
+    pub(super) fn bid_farewell(&mut self, peer: SocketAddr, token: Token, farewell: &Response) {
+        let id = self.next_id(peer);
+        self.send_to_observer(peer, reply::message(token, farewell, &Shape::default()).datagram(Kind::Non, id));
     }
 
     /// Ends an observation, and what is on its way for it.

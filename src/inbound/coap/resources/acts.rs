@@ -13,7 +13,7 @@ use crate::core::command::{Command, CommandId, LuggageRef};
 use crate::core::units::{AlarmId, Epoch, LuggageId};
 use crate::runtime::carry_out::Done;
 use crate::wire::answer::AnswerJson;
-use crate::wire::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody};
+use crate::wire::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody, no_command_id};
 use crate::wire::fields::in_short;
 
 /// Something that can be asked for.
@@ -115,10 +115,7 @@ pub(super) fn terms(act: Act, request: &Request) -> Result<Terms, Problem> {
             Problem::malformed(format!("a command has no query {:?}: its own name comes as {ID}=NAME", in_short(query)))
         })?;
         let named = CommandId::new(name).filter(|_| id.is_none());
-        id = Some(named.ok_or_else(|| {
-            let (name, most) = (in_short(name), CommandId::MOST);
-            Problem::malformed(format!("{ID} is {name:?}: send it once, 1 to {most} visible ASCII characters"))
-        })?);
+        id = Some(named.ok_or_else(|| Problem::malformed(no_command_id(ID, name)))?);
     }
     let form = if request.accept == Some(Format::PROBLEM) {
         None

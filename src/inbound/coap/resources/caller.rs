@@ -27,7 +27,7 @@ impl Caller {
             (Caller::Here, _) | (Caller::Beyond, Need::Nothing | Need::See) => Ok(()),
             // Short enough for three times the bytes of a request, which is all that may go to an address that is not proved.
             (Caller::Beyond, Need::Stop | Need::Act) => {
-                Err(Refused::NotAllowed("others only look over CoAP; use HTTP and a key".to_owned()))
+                Err(Refused::NotAllowed("commands only from loopback (127.0.0.1); use HTTP".to_owned()))
             }
         }
     }

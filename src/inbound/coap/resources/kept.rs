@@ -1,9 +1,10 @@
 //! What is shown, kept until it changes: a GET of what has not changed makes nothing anew, and all who observe a thing share one
 //! body. What is shown stands in `shows`.
 
-use std::collections::HashMap;
 use std::hash::Hasher;
 use std::sync::{Arc, Mutex, PoisonError};
+
+use hashlink::LinkedHashMap;
 
 use super::super::endpoint::format::Format;
 use super::super::endpoint::response::{Answer, Response, Tag};
@@ -12,13 +13,13 @@ use super::table::Show;
 use crate::core::units::Revision;
 use crate::core::world::snapshot::Snapshot;
 
-/// So many things are kept: every resource in every format and a few dozen pieces of luggage. When there are more, all are made
-/// anew as they are asked for.
+/// So many things are kept: every resource in every format and a few dozen pieces of luggage. When there are more, the one that
+/// was made first gives way.
 const MOST: usize = 128;
 
 /// Everything that is kept.
 #[derive(Default)]
-pub(super) struct Kept(Mutex<HashMap<Key, (Revision, Copies)>>);
+pub(super) struct Kept(Mutex<LinkedHashMap<Key, (Revision, Copies)>>);
 
 /// What, which of several, and in which format.
 type Key = (Show, u64, Format);
@@ -55,10 +56,10 @@ impl Kept {
         let tag = tag(&[snapshot.run.as_bytes(), &number.to_be_bytes(), &revision.0.to_be_bytes(), &format.0.to_be_bytes()]);
         let body = shows::body(show, number, format, snapshot);
         let copies = Copies::new(Response { tag: Some(tag), ..Response::content(format, body) });
-        if kept.len() >= MOST && !kept.contains_key(&key) {
-            kept.clear();
-        }
         kept.insert(key, (revision, copies.clone()));
+        if kept.len() > MOST {
+            kept.pop_front();
+        }
         copies
     }
 }
@@ -130,9 +131,10 @@ mod tests {
     #[test]
     fn no_number_of_things_that_are_asked_for_fills_the_memory() {
         let (kept, state) = (Kept::default(), searching());
-        for format in 0..10 * u16::try_from(MOST).unwrap() {
-            kept.copies(Show::Piece, 3, Format(format), &state);
-        }
-        assert!(kept.0.lock().unwrap().len() <= MOST);
+        let last = 10 * u16::try_from(MOST).unwrap();
+        let latest: Vec<Copies> = (0..=last).map(|format| kept.copies(Show::Piece, 3, Format(format), &state)).collect();
+        assert_eq!(kept.0.lock().unwrap().len(), MOST, "the others are kept when one gives way");
+        let before = kept.copies(Show::Piece, 3, Format(last - 1), &state);
+        assert!(Arc::ptr_eq(&before.plain, &latest[usize::from(last) - 1].plain));
     }
 }

@@ -12,6 +12,7 @@ mod photos;
 mod problem;
 mod reads;
 mod shows;
+mod strangers;
 mod table;
 #[cfg(test)]
 mod testing;
@@ -24,6 +25,7 @@ use self::kept::Kept;
 use self::old::OldModel;
 use self::photos::Photos;
 use self::problem::Problem;
+use self::strangers::Strangers;
 use self::table::{Found, Table};
 use super::application::{Application, Said};
 use super::endpoint::code::Method;
@@ -43,6 +45,7 @@ pub struct Resources {
     kept: Kept,
     old: OldModel,
     photos: Arc<Photos>,
+    strangers: Strangers,
     manual_driving: bool,
 }
 
@@ -52,7 +55,8 @@ impl Resources {
     pub fn new(handle: Handle, archive: Reader, manual_driving: bool) -> Resources {
         let kept = Kept::default();
         let old = OldModel::new(&handle.snapshot(), &kept);
-        Resources { handle, archive, table: Table::default(), kept, old, photos: Arc::default(), manual_driving }
+        let (table, photos, strangers) = (Table::default(), Arc::default(), Strangers::default());
+        Resources { handle, archive, table, kept, old, photos, strangers, manual_driving }
     }
 }
 
@@ -126,7 +130,10 @@ impl Resources {
         }
         let asked = problem.asked().unwrap_or_else(|| format!("{} {}", request.method.name(), in_short(&request.path_text())));
         if Caller::of(request.peer) == Caller::Beyond {
-            tracing::info!(from = %request.peer.ip(), asked, why = problem.detail(), "refused");
+            if let Some(refused) = self.strangers.one_more() {
+                let why = problem.detail();
+                tracing::info!(refused, from = %request.peer.ip(), asked, why, "strangers were refused; this is the latest");
+            }
             return Said::Now(answer);
         }
         let noted = self.handle.clone();

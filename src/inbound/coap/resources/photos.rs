@@ -5,12 +5,13 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::super::endpoint::format::Format;
-use super::super::endpoint::response::{Response, Tag};
+use super::super::endpoint::request::Request;
+use super::super::endpoint::response::{Answer, Response, Tag};
 use super::kept;
 use super::problem::Problem;
 use crate::core::event::Photo;
 use crate::core::units::LuggageId;
-use crate::core::world::luggage::{Luggage, PhotoState};
+use crate::core::world::luggage::{Luggage, NoPhoto};
 use crate::runtime::archive_reader::Reader;
 
 /// So many bytes of photos are kept, the last one always: some eighty photos of the simulated camera.
@@ -50,30 +51,24 @@ impl Photos {
 
 /// The tag of a piece's photo, as its record is now.
 pub(super) fn tag(piece: &Luggage) -> Tag {
-    let take = match piece.photo {
-        PhotoState::Taken { take, .. } => take,
-        PhotoState::Failed(_) => 0,
-    };
+    let take = piece.take().unwrap_or(0);
     kept::tag(&[&piece.id.0.to_be_bytes(), &take.to_be_bytes(), &piece.taken.unix_ms.to_be_bytes()])
 }
 
 /// The same, of a piece that has a photo.
 pub(super) fn tag_of_photo(piece: &Luggage) -> Result<Tag, Problem> {
-    match &piece.photo {
-        PhotoState::Taken { .. } => Ok(tag(piece)),
-        PhotoState::Failed(reason) => {
-            Err(Problem::not_found(format!("there is no photo of luggage #{}: {reason}; take it again", piece.id)))
-        }
-    }
+    piece.take()?;
+    Ok(tag(piece))
 }
 
-/// A photo for whoever wants plain bytes: there are clients that cannot take a format they have not heard of, and many know no
-/// pictures. Otherwise it stays what it is.
-pub(super) fn labelled(photo: Arc<Response>, wanted: Format) -> Arc<Response> {
-    if wanted != Format::BYTES || photo.format == Some(wanted) {
-        return photo;
-    }
-    Arc::new(Response { format: Some(wanted), ..(*photo).clone() })
+/// A photo as what it is, or as plain bytes for whoever wants these: there are clients that cannot take a format they have not
+/// heard of, and many know no pictures.
+pub(super) fn labelled(photo: Arc<Response>, request: &Request) -> Result<Answer, Problem> {
+    let offers: Vec<Format> = photo.format.into_iter().chain([Format::BYTES]).collect();
+    let wanted = request.negotiated(&offers).map_err(|response| Problem::not_acceptable(&response))?;
+    let is_so = photo.format == Some(wanted);
+    let response = if is_so { photo } else { Arc::new(Response { format: Some(wanted), ..(*photo).clone() }) };
+    Ok(Answer { response, observed: Vec::new() })
 }
 
 /// Reads a photo; without the tag its piece's record is read too.
@@ -86,16 +81,17 @@ pub(super) async fn read(archive: &Reader, id: LuggageId, present: Option<Tag>) 
         }
     };
     let photo = archive.look_up(move |archive| archive.photo(id)).await?;
-    let Photo { bytes, media_type } =
-        photo.ok_or_else(|| Problem::not_found(format!("the photo of luggage #{id} is not kept")))?;
+    let Photo { bytes, media_type } = photo.ok_or(NoPhoto::NotKept(id))?;
     let format = if media_type == "image/png" { Format::PNG } else { Format::BYTES };
     Ok(Response { tag: Some(tag), max_age: Some(0), ..Response::content(format, bytes) })
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::testing::get;
     use super::*;
     use crate::core::units::Cell;
+    use crate::core::world::luggage::PhotoState;
     use crate::wire::fixture::piece;
 
     fn photo(bytes: usize, tag: Tag) -> Response {
@@ -129,10 +125,19 @@ mod tests {
     #[test]
     fn a_photo_is_plain_bytes_for_whoever_wants_these() {
         let picture = Arc::new(photo(4, kept::tag(&[b"t"])));
-        let bytes = labelled(Arc::clone(&picture), Format::BYTES);
+        let wanted = |photo: &Arc<Response>, accept| {
+            labelled(Arc::clone(photo), &Request { accept, ..get("/luggage/3/photo") }).map(|answer| answer.response)
+        };
+        let bytes = wanted(&picture, Some(Format::BYTES)).unwrap();
         assert_eq!((bytes.format, bytes.tag), (Some(Format::BYTES), picture.tag));
         assert!(Arc::ptr_eq(&bytes.body, &picture.body), "and nothing is copied");
-        assert!(Arc::ptr_eq(&labelled(Arc::clone(&picture), Format::PNG), &picture));
+        for as_it_is in [None, Some(Format::PNG)] {
+            assert!(Arc::ptr_eq(&wanted(&picture, as_it_is).unwrap(), &picture));
+        }
+        let other = Arc::new(Response { format: Some(Format::BYTES), ..(*picture).clone() });
+        assert_eq!(wanted(&other, None).unwrap().format, Some(Format::BYTES));
+        let problem = wanted(&other, Some(Format::PNG)).unwrap_err();
+        assert_eq!(problem.refusal().code, "notAcceptable", "what is no PNG is not sent as one, nor as something else");
     }
 
     /// Safety A5.

@@ -10,9 +10,11 @@ use super::super::endpoint::response::Response;
 use super::shows;
 use super::table::Row;
 use crate::core::command::{Refusal, RefusalKind, Refused};
-use crate::core::world::luggage::Luggage;
+use crate::core::units::LuggageId;
+use crate::core::world::luggage::{Luggage, NoPhoto};
 use crate::runtime::archive::Unreadable;
 use crate::runtime::carry_out::NotDone;
+use crate::runtime::handle::Gone;
 use crate::wire::concise_problem;
 use crate::wire::fields::{Unread, Unusable, in_short};
 use crate::wire::problem::ProblemJson;
@@ -75,7 +77,7 @@ impl Problem {
 
     /// 4.04: there is no such piece.
     pub(super) fn no_luggage(number: u64) -> Problem {
-        Problem::not_found(format!("there is no luggage #{number}"))
+        Problem::not_found(Refused::UnknownLuggage(LuggageId(number)).to_string())
     }
 
     /// 4.05: what is there cannot be asked to do this.
@@ -156,12 +158,15 @@ impl From<NotDone> for Problem {
     fn from(not_done: NotDone) -> Problem {
         let problem = match not_done {
             NotDone::Refused(refused, luggage) => Problem::refused(&refused, luggage),
-            NotDone::Gone => {
-                let detail = "hallsweep is shutting down: the robot has been halted; try again when it is back".to_owned();
-                Problem::new(Code::UNAVAILABLE, "shuttingDown", RefusalKind::Unavailable, detail)
-            }
+            NotDone::Gone => Problem::new(Code::UNAVAILABLE, "shuttingDown", RefusalKind::Unavailable, Gone.to_string()),
         };
         Problem { is_for_record: false, ..problem }
+    }
+}
+
+impl From<NoPhoto> for Problem {
+    fn from(none: NoPhoto) -> Problem {
+        Problem::not_found(none.to_string())
     }
 }
 

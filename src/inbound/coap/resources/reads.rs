@@ -14,19 +14,25 @@ use crate::core::units::LuggageId;
 use crate::core::world::snapshot::Snapshot;
 
 impl Resources {
-    /// What a GET of this is answered with.
+    /// What a GET of this is answered with. Whether there is such a thing comes before the question in which format.
     pub(super) fn show(&self, shown: &Shown, number: u64, request: &Request) -> Result<Said, Problem> {
-        let format = request.negotiated(shown.offers).map_err(|response| Problem::not_acceptable(&response))?;
         let snapshot = self.handle.snapshot();
-        Ok(match shown.show {
-            Show::Links => Said::Now(Answer::once(discovery::listing(&self.table, &snapshot, &request.queries))),
-            Show::OldItems => Said::Now(self.old.answer(&snapshot, &self.kept)),
-            Show::Photo => self.photo(&snapshot, number, format, request)?,
-            Show::Piece if snapshot.luggage(LuggageId(number)).is_none() => self.past_piece(number, format, request),
-            show @ (Show::State | Show::Of(_) | Show::Piece | Show::Strategy) => {
-                Said::Now(self.kept.copies(show, number, format, &snapshot).answer())
+        match shown.show {
+            Show::Photo => self.photo(&snapshot, number, request),
+            Show::Piece if snapshot.luggage(LuggageId(number)).is_none() => Ok(self.past_piece(number, shown.offers, request)),
+            show => {
+                let format = negotiated(shown.offers, request)?;
+                Ok(Said::Now(self.at_hand(show, number, format, &snapshot, request)))
             }
-        })
+        }
+    }
+
+    fn at_hand(&self, show: Show, number: u64, format: Format, snapshot: &Snapshot, request: &Request) -> Answer {
+        match show {
+            Show::Links => Answer::once(discovery::listing(&self.table, snapshot, &request.queries)),
+            Show::OldItems => self.old.answer(snapshot, &self.kept),
+            show => self.kept.copies(show, number, format, snapshot).answer(),
+        }
     }
 
     /// What whoever observes this sees now.
@@ -34,18 +40,15 @@ impl Resources {
         let found = self.table.find(&request.path).ok_or_else(|| Problem::nothing_at(request))?;
         let shown = found.row.shows.as_ref().filter(|shown| shown.is_observable);
         let shown = shown.ok_or_else(|| Problem::no_method(request, found.row))?;
-        let format = request.negotiated(shown.offers).map_err(|response| Problem::not_acceptable(&response))?;
         let snapshot = self.handle.snapshot();
-        if shown.show == Show::OldItems {
-            return Ok(self.old.answer(&snapshot, &self.kept).observed);
-        }
         if shown.show == Show::Piece && snapshot.luggage(LuggageId(found.number)).is_none() {
             return Err(Problem::not_found(format!(
                 "luggage #{} is not of the present mission and changes no more: read it without observing it",
                 found.number
             )));
         }
-        Ok(vec![self.kept.copies(shown.show, found.number, format, &snapshot).watched])
+        let format = negotiated(shown.offers, request)?;
+        Ok(self.at_hand(shown.show, found.number, format, &snapshot, request).observed)
     }
 
     /// The tags of what is shown here, in every format.
@@ -64,34 +67,37 @@ impl Resources {
     }
 
     /// A piece of a mission that is over; it changes no more, so nobody can observe it.
-    fn past_piece(&self, number: u64, format: Format, request: &Request) -> Said {
+    fn past_piece(&self, number: u64, offers: &'static [Format], request: &Request) -> Said {
         let (archive, request) = (self.archive.clone(), request.clone());
+        let found = async move |request: &Request| {
+            let read = archive.look_up(move |archive| archive.luggage(LuggageId(number))).await?;
+            let piece = read.ok_or_else(|| Problem::no_luggage(number))?;
+            let format = negotiated(offers, request)?;
+            Ok(Response::content(format, shows::past_piece(&piece, format)))
+        };
         Said::Later(Box::pin(async move {
-            let read = archive.look_up(move |archive| archive.luggage(LuggageId(number))).await;
-            let found = read.map_err(Problem::from).and_then(|kept| kept.ok_or_else(|| Problem::no_luggage(number)));
-            Answer::once(match found {
-                Ok(piece) => Response::content(format, shows::past_piece(&piece, format)),
-                Err(problem) => problem.response(&request),
-            })
+            Answer::once(found(&request).await.unwrap_or_else(|problem: Problem| problem.response(&request)))
         }))
     }
 
     /// The newest photo of a piece, from among the last ones that were asked for or else from the disk.
-    fn photo(&self, snapshot: &Snapshot, number: u64, format: Format, request: &Request) -> Result<Said, Problem> {
+    fn photo(&self, snapshot: &Snapshot, number: u64, request: &Request) -> Result<Said, Problem> {
         let id = LuggageId(number);
         let present = snapshot.luggage(id).map(|piece| photos::tag_of_photo(piece)).transpose()?;
         if let Some(kept) = self.photos.kept(id, present) {
-            return Ok(Said::Now(Answer { response: photos::labelled(kept, format), observed: Vec::new() }));
+            return photos::labelled(kept, request).map(Said::Now);
         }
         let (archive, photos, request) = (self.archive.clone(), Arc::clone(&self.photos), request.clone());
         Ok(Said::Later(Box::pin(async move {
-            match photos::read(&archive, id, present).await {
-                Ok(response) => {
-                    let kept = photos.keep(id, present.is_none(), response);
-                    Answer { response: photos::labelled(kept, format), observed: Vec::new() }
-                }
-                Err(problem) => Answer::once(problem.response(&request)),
-            }
+            let read = photos::read(&archive, id, present).await;
+            let kept = read.map(|response| photos.keep(id, present.is_none(), response));
+            kept.and_then(|photo| photos::labelled(photo, &request))
+                .unwrap_or_else(|problem| Answer::once(problem.response(&request)))
         })))
     }
+}
+
+/// The format to answer in.
+fn negotiated(offers: &[Format], request: &Request) -> Result<Format, Problem> {
+    request.negotiated(offers).map_err(|response| Problem::not_acceptable(&response))
 }

@@ -97,13 +97,18 @@ impl Row {
         let mut ours = self.path.split('/').skip(1);
         for segment in path {
             match ours.next()? {
-                "{id}" => number = segment.parse().ok()?,
+                "{id}" => number = plain_number(segment)?,
                 other if other == segment => {}
                 _ => return None,
             }
         }
         ours.next().is_none().then_some(number)
     }
+}
+
+/// The number that a segment writes as we write it, so that a thing has one path: neither `+1` nor `01`.
+fn plain_number(segment: &str) -> Option<u64> {
+    segment.parse().ok().filter(|number: &u64| number.to_string() == segment)
 }
 
 /// What is no single resource.

@@ -49,11 +49,13 @@ fn a_path_is_found_whole_and_a_number_is_a_number() {
     let found = |path: &str| table.find(&get(path).path).map(|found| (found.row.path.clone(), found.number));
     assert_eq!(found("/luggage/7/photo"), Some(("/luggage/{id}/photo".to_owned(), 7)));
     assert_eq!(found("/luggage"), Some(("/luggage".to_owned(), 0)));
-    for nothing in
-        ["/", "/luggage/", "/luggage/x", "/luggage/-1", "/luggage/1/", "/luggage/{id}", "/robot/1", "/Robot", "//robot"]
-    {
+    for nothing in ["/", "/luggage/", "/luggage/1/", "/luggage/{id}", "/robot/1", "/Robot", "//robot"] {
         assert_eq!(found(nothing), None, "{nothing}");
     }
+    for no_number in ["x", "-1", "+1", "01", "00", "1 ", "٣"] {
+        assert_eq!(found(&format!("/luggage/{no_number}")), None, "{no_number}");
+    }
+    assert_eq!(found("/luggage/0").map(|(_, number)| number), Some(0));
     assert_eq!(found(&format!("/luggage/{}", "9".repeat(40))), None);
 }
 

@@ -275,7 +275,14 @@ async fn an_observed_piece_ends_with_its_mission_and_can_still_be_read() {
     assert_eq!(house.resources.things(&get("/luggage/3"))[0].code, Code::NOT_FOUND);
     let past = house.ask(get(&format!("/luggage/{PAST}"))).await;
     assert!(past.response.code == Code::CONTENT && past.observed.is_empty());
-    assert_eq!(code(&house, get("/luggage/71")).await, "4.04");
+    for missing in ["/luggage/71", "/luggage/71/photo", "/luggage/01"] {
+        assert_eq!(code(&house, get(missing)).await, "4.04");
+        let unavailable = accepting(Format::LINKS, get(missing));
+        assert_eq!(code(&house, unavailable).await, "4.04", "there is none in any format: {missing}");
+    }
+    for there in [format!("/luggage/{PAST}"), format!("/luggage/{PAST}/photo")] {
+        assert_eq!(code(&house, accepting(Format::LINKS, get(&there))).await, "4.06");
+    }
     assert_eq!(house.said(get(&format!("/luggage/{UNREADABLE}"))).await.0, "5.03");
 }
 

@@ -74,7 +74,7 @@ pub(super) async fn confirm_danger(State(door): State<Door>, caller: Caller, Num
     match snapshot.luggage(LuggageId(id)) {
         Some(luggage) => html(&parts::Confirm::danger(luggage)).into_response(),
         None => {
-            let why = Why::new("page", &format!("there is no luggage #{id}"));
+            let why = Why::new("page", Problem::no_luggage(id).detail());
             (StatusCode::NOT_FOUND, whole(&door, &caller, Some(why))).into_response()
         }
     }

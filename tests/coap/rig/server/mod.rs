@@ -34,7 +34,7 @@ pub(crate) enum Said {
 pub(crate) struct Server {
     /// What is at which path.
     pub(crate) things: BTreeMap<String, Thing>,
-    /// What `/model` shows: robot, map, luggage.
+    /// What `/model` shows: robot, map, luggage; one that is empty is not there.
     pub(crate) model: [String; 3],
     /// How long `/separate` takes.
     pub(crate) slow: Duration,
@@ -112,7 +112,8 @@ impl Server {
     /// What observers see now.
     pub(crate) fn things(&self, request: &Request) -> Vec<Arc<Response>> {
         if request.path_text() == "/model" {
-            return self.model.iter().map(|text| Arc::new(Response::content(Format::TEXT, text.as_bytes()))).collect();
+            let there = self.model.iter().filter(|text| !text.is_empty());
+            return there.map(|text| Arc::new(Response::content(Format::TEXT, text.as_bytes()))).collect();
         }
         let thing = self.things.get(&request.path_text());
         vec![Arc::new(thing.map_or_else(|| missing(request), |thing| thing.response(request)))]

@@ -1,0 +1,56 @@
+//! What others than this machine ask for and do not get: said in the program's log, and not more often than somebody reads it,
+//! because strangers must not be able to fill the disk. Whether something is refused is decided elsewhere.
+
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+use crate::runtime::clock::Clock;
+
+/// One line in so long, with how many there were; the first is said at once.
+const SILENCE: Duration = Duration::from_secs(10);
+
+/// How much was refused since the last line.
+#[derive(Default)]
+pub(super) struct Strangers {
+    clock: Clock,
+    count: Mutex<Count>,
+}
+
+#[derive(Default)]
+struct Count {
+    unsaid: u64,
+    next: Duration,
+}
+
+impl Strangers {
+    /// Counts one more that was refused: how many there were since that was last said, when it is to be said again.
+    pub(super) fn one_more(&self) -> Option<u64> {
+        self.count.lock().unwrap_or_else(PoisonError::into_inner).one_more(self.clock.now().since_start)
+    }
+}
+
+impl Count {
+    fn one_more(&mut self, now: Duration) -> Option<u64> {
+        self.unsaid = self.unsaid.saturating_add(1);
+        if now < self.next {
+            return None;
+        }
+        self.next = now + SILENCE;
+        Some(std::mem::take(&mut self.unsaid))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Safety A5.
+    #[test]
+    fn however_many_are_refused_there_is_a_line_in_ten_seconds_and_none_is_left_out_of_the_count() {
+        let mut count = Count::default();
+        let said: Vec<(u64, u64)> =
+            (0..25_000).filter_map(|ms| count.one_more(Duration::from_millis(ms)).map(|refused| (ms, refused))).collect();
+        assert_eq!(said, [(0, 1), (10_000, 10_000), (20_000, 10_000)]);
+        assert_eq!(count.one_more(Duration::from_secs(3600)), Some(5000), "the rest of them and this one");
+    }
+}
