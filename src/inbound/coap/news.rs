@@ -7,7 +7,7 @@ use std::time::Duration;
 use tokio::sync::watch;
 
 use super::application::{self, Application};
-use super::endpoint::Endpoint;
+use super::endpoint::{Endpoint, response::Answer};
 use crate::core::units::Now;
 use crate::core::world::snapshot::Snapshot;
 use crate::runtime::clock::Clock;
@@ -41,9 +41,11 @@ impl News {
         self.next = Some(self.clock.now().since_start + PACE);
     }
 
-    /// Says it once more: somebody observes what was looked up before, and may have changed since.
-    pub(super) fn again(&mut self) {
-        self.states.mark_changed();
+    /// Says it once more when this answer is observed: it was looked up before, and may have changed since.
+    pub(super) fn again_for(&mut self, answer: &Answer) {
+        if !answer.observed.is_empty() {
+            self.states.mark_changed();
+        }
     }
 }
 

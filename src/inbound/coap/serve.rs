@@ -9,8 +9,9 @@ use tokio::sync::watch;
 use super::application::{self, Application, Said};
 use super::endpoint::Endpoint;
 use super::news::{self, News};
-use super::socket::Socket;
+use super::socket::{BATCH, Socket};
 use super::under_way::{Sort, UnderWay, busy};
+use crate::core::units::Now;
 use crate::core::world::snapshot::Snapshot;
 use crate::runtime::clock::Clock;
 
@@ -44,27 +45,32 @@ pub async fn serve<A: Application>(
             biased;
             () = &mut shutdown => break,
             Some((exchange, answer)) = driver.under_way.next() => {
-                if !answer.observed.is_empty() {
-                    news.again();
-                }
+                news.again_for(&answer);
                 driver.endpoint.handle_answer(exchange, answer, clock.now());
             }
             () = clock.reach(due) => driver.endpoint.handle_timeout(clock.now()),
             () = news.come() => news::tell(&mut driver.endpoint, &driver.application, clock.now()),
-            () = driver.socket.readable() => {
-                let now = clock.now();
-                driver.socket.read(|peer, bytes| driver.endpoint.handle_datagram(peer, bytes, now)).await;
-            }
+            () = driver.socket.readable() => driver.read().await,
         }
-        driver.settle();
+        driver.settle(clock.now());
     }
     let _ = tokio::time::timeout(GRACE, driver.finish()).await;
 }
 
 impl<A: Application> Driver<A> {
-    /// Takes requests to the application and datagrams to the network, until there are none. A command too many is not begun.
-    fn settle(&mut self) {
+    /// Takes what has come, each datagram with all that follows from it, but not for long. To read several before any is answered
+    /// would make a client send in bursts and everybody wait between them.
+    async fn read(&mut self) {
         let now = self.clock.now();
+        for _ in 0..BATCH {
+            let Some((peer, bytes)) = self.socket.read().await else { return };
+            self.endpoint.handle_datagram(peer, bytes, now);
+            self.settle(now);
+        }
+    }
+
+    /// Takes requests to the application and datagrams to the network, until there are none. A command too many is not begun.
+    fn settle(&mut self, now: Now) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             let (sort, asked) = (Sort::of(request.method), &self.application);
             let is_full = self.under_way.is_full(sort) && !asked.is_urgent(&request);
@@ -74,9 +80,7 @@ impl<A: Application> Driver<A> {
                 Said::Later(answer) => self.under_way.add(exchange, sort, answer),
             }
         }
-        while let Some(refusal) = self.endpoint.poll_refused() {
-            self.application.note(refusal);
-        }
+        std::iter::from_fn(|| self.endpoint.poll_refused()).for_each(|refusal| self.application.note(refusal));
         while let Some(transmit) = self.endpoint.poll_transmit() {
             self.socket.send(&transmit);
         }
@@ -84,10 +88,10 @@ impl<A: Application> Driver<A> {
 
     async fn finish(&mut self) {
         self.endpoint.close(&application::farewell());
-        self.settle();
+        self.settle(self.clock.now());
         while let Some((exchange, answer)) = self.under_way.next().await {
             self.endpoint.handle_answer(exchange, answer, self.clock.now());
-            self.settle();
+            self.settle(self.clock.now());
         }
     }
 }

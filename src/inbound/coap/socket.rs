@@ -17,9 +17,8 @@ const ROOM: usize = 4 * 1024 * 1024;
 /// No datagram is longer, so that none is cut: what is too long is seen to be so.
 const LONGEST: usize = 64 * 1024;
 
-/// So many are read before anything is sent: an acknowledgement that waits makes a retransmission needless. With more of them a
-/// request costs more, because the memory of so many at once is not at hand any more.
-const BATCH: usize = 8;
+/// So many datagrams are taken before anything else has its turn.
+pub(super) const BATCH: usize = 64;
 
 /// A socket that fails is read again after this.
 const PAUSE: Duration = Duration::from_millis(1);
@@ -60,19 +59,18 @@ impl Socket {
         let _ = self.udp.readable().await;
     }
 
-    /// Reads what is there, but not for long.
-    pub(super) async fn read(&mut self, mut take: impl FnMut(SocketAddr, &[u8])) {
-        for _ in 0..BATCH {
-            match self.udp.try_recv_from(&mut self.buffer) {
-                Ok((length, peer)) => take(peer, &self.buffer[..length]),
-                Err(error) if error.kind() == ErrorKind::WouldBlock => return,
-                Err(error) => {
-                    // Somebody's port is closed, as some systems say here, or worse.
-                    tracing::debug!(%error, "a datagram could not be received");
-                    return tokio::time::sleep(PAUSE).await;
-                }
+    /// The next datagram, if one is there.
+    pub(super) async fn read(&mut self) -> Option<(SocketAddr, &[u8])> {
+        match self.udp.try_recv_from(&mut self.buffer) {
+            Ok((length, peer)) => return Some((peer, &self.buffer[..length])),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+            Err(error) => {
+                // Somebody's port is closed, as some systems say here, or worse.
+                tracing::debug!(%error, "a datagram could not be received");
+                tokio::time::sleep(PAUSE).await;
             }
         }
+        None
     }
 
     /// Sends a datagram; one that cannot be sent, or not at once, is lost, as others are on their way: nobody waits for the network.
