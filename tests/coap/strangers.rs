@@ -125,6 +125,22 @@ fn a_small_answer_is_had_without_a_proof() {
 }
 
 #[test]
+fn whoever_knows_no_echo_reads_in_blocks_of_16_bytes() {
+    let mut bench = Bench::new();
+    let mut body = Vec::new();
+    for number in 0.. {
+        let request = Message::get("/large", u16::try_from(number).unwrap()).token(b"to").block2((number, false, 0));
+        let answer = bench.ask_from(stranger(), &request);
+        answer.answers(&request, Code::CONTENT);
+        body.extend_from_slice(&answer.payload);
+        if !answer.block(option::BLOCK2).is_some_and(|(_, more, _)| more) {
+            break;
+        }
+    }
+    assert_eq!(body.len(), 1280);
+}
+
+#[test]
 fn what_a_stranger_asked_before_its_proof_is_not_done_twice() {
     let mut bench = Bench::new();
     let request = Message::con(Method::Post, 1).path("/large-post").payload([b'p'; 400]);
