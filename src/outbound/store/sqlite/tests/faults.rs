@@ -2,15 +2,17 @@
 
 use std::sync::Arc;
 use std::sync::mpsc;
+use std::thread;
 
 use rusqlite::TransactionBehavior;
 
+use super::super::archive::SqliteArchive;
 use super::super::desk::Desk;
 use super::super::folder::Folder;
 use super::super::marker::Marker;
 use super::super::pages::Pages;
-use super::super::writer::{Hand, Writer};
-use super::super::{QUEUE, Reading, connect, marker, open_with, recall, rows};
+use super::super::writer::{Hand, Patience, Writer, watch};
+use super::super::{Opened, QUEUE, Reading, SqliteStore, connect, look, marker, recall, rows};
 use super::testing::*;
 use crate::core::command::Verdict;
 use crate::core::effect::{Fact, Page};
@@ -79,24 +81,64 @@ fn a_full_queue_is_a_failure_and_not_a_wait() {
     assert_eq!(notes(&scratch).len(), 1);
 }
 
+/// A watchman who gives up any batch at once. He must look only while the disk hangs: the loaded disk of an ordinary machine takes
+/// longer than this for an ordinary page, which would rightly be said to be lost.
+const HURRY: Patience = Patience { looks: 3, ..HASTE };
+
 /// Safety R3: the failure is said although the disk has not answered yet, and ends by itself.
 #[test]
 fn a_disk_that_hangs_is_not_waited_for() {
     let scratch = Scratch::new();
-    let patience = super::super::Patience { looks: 3, ..HASTE };
-    let mut scribe = Scribe::new(open_with(&scratch.data(), patience).unwrap());
-    scribe.keep(begin(1));
+    Scribe::new(scratch.open()).keep(begin(1));
+    let mut scribe = Scribe::new(scratch.open_with(HURRY));
     let mut other = connect::writer(&Folder::new(&scratch.data())).unwrap();
     let hanging = other.transaction_with_behavior(TransactionBehavior::Immediate).unwrap();
     scribe.hand(vec![found(1, None), verdict(1, Verdict::Safe)]);
     let failed = scribe.until(|word| word.losses == 1);
     assert!(failed.failure.as_deref().is_some_and(|words| words.contains("does not answer")), "{failed:?}");
     drop(hanging);
+    let ended = scribe.until(|word| word.failure.is_none());
+    assert_eq!((ended.kept, ended.losses), (Seq(4), 1));
+    assert_eq!(scribe.opened.archive.luggage(LuggageId(1)), Ok(None), "it was said to be lost");
+    drop(scribe);
+    assert_eq!(notes(&scratch), Vec::<String>::new());
+    assert_eq!(scratch.open().recalled.map(|recalled| recalled.written), Some(Seq(4)));
+}
+
+/// Safety R3: the store that gave up a batch keeps the next one.
+#[test]
+fn what_is_handed_over_after_a_disk_hung_is_kept() {
+    let scratch = Scratch::new();
+    let folder = Folder::new(&scratch.data());
+    let (opened, desk) = store_at(&folder);
+    let mut scribe = Scribe::new(opened);
+    scribe.keep(begin(1));
+    let mut other = connect::writer(&folder).unwrap();
+    let hanging = other.transaction_with_behavior(TransactionBehavior::Immediate).unwrap();
+    scribe.hand(vec![found(1, None), verdict(1, Verdict::Safe)]);
+    let (end, ended) = mpsc::channel();
+    let failed = thread::scope(|scope| {
+        let (desk, folder) = (&desk, &folder);
+        scope.spawn(move || watch(desk, folder, &ended, HURRY));
+        let failed = scribe.until(|word| word.losses == 1);
+        drop(end);
+        failed
+    });
+    assert!(failed.failure.as_deref().is_some_and(|words| words.contains("does not answer")), "{failed:?}");
+    drop(hanging);
     scribe.until(|word| word.failure.is_none());
     assert_eq!(scribe.opened.archive.luggage(LuggageId(1)), Ok(None), "it was said to be lost");
-    scribe.keep(vec![found(1, None)]);
+    assert_eq!(scribe.keep(vec![found(1, None)]), Seq(7));
     drop(scribe);
-    assert_eq!(notes(&scratch).len(), 1);
+    assert_eq!(notes(&scratch), ["entries 5 to 6 were lost while the store could not write, and said to be lost"]);
+}
+
+/// A new store whose own watchman never gives up, and its desk, at which another one can look.
+fn store_at(folder: &Folder) -> (Opened, Arc<Desk>) {
+    let (hand, recalled, failure) = look(folder).unwrap();
+    let desk = Arc::new(Desk::new(Marker::new(folder), Seq(0), None));
+    let store = Box::new(SqliteStore::start(folder, Arc::clone(&desk), hand, Seq(0), HASTE).unwrap());
+    (Opened { store, archive: Arc::new(SqliteArchive::new(folder.clone())), recalled, failure }, desk)
 }
 
 /// A writer that is moved by hand.

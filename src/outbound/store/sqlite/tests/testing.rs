@@ -45,8 +45,13 @@ impl Scratch {
     /// Opens the store. A child that another test is just starting holds every open file of this process, and so the lock of a
     /// store that was closed a moment ago, until it is a program of its own: that moment is waited for.
     pub(super) fn open(&self) -> Opened {
+        self.open_with(HASTE)
+    }
+
+    /// The same, with another patience.
+    pub(super) fn open_with(&self, patience: Patience) -> Opened {
         for _ in 0..LOOKS {
-            match open_with(&self.data(), HASTE) {
+            match open_with(&self.data(), patience) {
                 Err(OpenError::InUse(_)) => std::thread::sleep(GLANCE),
                 opened => return opened.expect("the system lets it start"),
             }
@@ -91,8 +96,10 @@ impl Scribe {
     /// Waits until the word is as wanted.
     pub(super) fn until(&mut self, wanted: impl FnMut(&StoreWord) -> bool) -> StoreWord {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a small runtime");
+        let heard = self.word.clone();
         let waited = runtime.block_on(async { tokio::time::timeout(Duration::from_secs(60), self.word.wait_for(wanted)).await });
-        waited.expect("it comes to be within a minute").expect("the store lives").clone()
+        let word = waited.unwrap_or_else(|_| panic!("it does not come to be within a minute: {:?}", *heard.borrow()));
+        word.expect("the store lives").clone()
     }
 
     /// Hands a page over and waits until it is kept.
