@@ -28,9 +28,13 @@ impl Measured {
         median(self.turns.clone())
     }
 
+    fn best(&self) -> Duration {
+        self.turns.iter().min().copied().unwrap_or_default()
+    }
+
     /// What went wrong, when anything did, and how far the turns lie apart.
     fn remarks(&self) -> String {
-        let least = self.turns.iter().min().copied().unwrap_or_default();
+        let least = self.best();
         let most = self.turns.iter().max().copied().unwrap_or_default();
         let spread = format!("{} to {}", micros(least), micros(most));
         match (self.outcome.lost, self.outcome.wrong) {
@@ -48,6 +52,11 @@ pub(crate) fn median(mut turns: Vec<Duration>) -> Duration {
 /// A server's figure among several.
 pub(crate) fn of(measured: &[Measured], kind: Kind) -> Option<Duration> {
     measured.iter().find(|measured| measured.kind == kind).map(Measured::median)
+}
+
+/// A rival's best turn: a goal is held against that.
+pub(crate) fn best_of(measured: &[Measured], kind: Kind) -> Option<Duration> {
+    measured.iter().find(|measured| measured.kind == kind).map(Measured::best)
 }
 
 /// As `12.4 µs`.

@@ -1,5 +1,5 @@
-//! The load: confirmable GETs, many under way at once, every answer looked at. It never sleeps, so that no server pays for waking
-//! it, and is the same for all.
+//! The load: confirmable GETs, many at once, every answer looked at. It never sleeps, so that no server pays for waking it; and it
+//! sends faster than any server answers, so that none sleeps between two requests, whose waking would cost as much as they do.
 
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
 use std::time::{Duration, Instant};
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use crate::datagram::{Asking, CONTENT, GET, Told};
 
 /// So many clients ask at once in `gets`, one request each.
-const CLIENTS: usize = 32;
+pub(crate) const CLIENTS: usize = 64;
 
 /// So many clients ask at once in `peers`: fewer datagrams than a receive buffer of the usual size holds.
 const GROUP: u32 = 100;
@@ -53,19 +53,14 @@ impl Load {
         Load { server, expected: expected.to_vec(), requests, clients, port }
     }
 
-    /// So many requests from a few clients, always the same: each asks again when it has its answer.
+    /// So many requests from a few clients, always the same: all of them ask at once, and again when all have their answers.
     pub(crate) fn gets(&mut self, count: usize) -> Outcome {
-        // A turn may end in the middle of a row of clients; the next one begins with new ids for all.
-        self.requests.sent = self.requests.sent.next_multiple_of(CLIENTS as u32);
-        let mut waiting = [None; CLIENTS];
         let mut outcome = Outcome::default();
-        for turn in 0..count + CLIENTS {
-            let (client, waits) = (&self.clients[turn % CLIENTS], &mut waiting[turn % CLIENTS]);
-            if let Some(token) = waits.take() {
-                look(client, token, &self.expected, Instant::now() + PATIENCE, &mut outcome);
-            }
-            if turn < count {
-                *waits = Some(self.requests.send(client));
+        for _ in 0..count / CLIENTS {
+            let tokens: Vec<u32> = self.clients.iter().map(|client| self.requests.send(client)).collect();
+            let until = Instant::now() + PATIENCE;
+            for (client, token) in self.clients.iter().zip(tokens) {
+                look(client, token, &self.expected, until, &mut outcome);
             }
         }
         outcome
