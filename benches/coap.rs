@@ -26,7 +26,7 @@ mod stage;
 use std::time::Duration;
 
 use figures::{Measured, best_of, goal, median, micros, of};
-use load::{CLIENTS, Load, Outcome};
+use load::{CLIENTS, FEWEST, Load, Outcome};
 use server::{Kind, Server};
 use stage::{RESOURCE, photo, prepared, read, reading};
 
@@ -80,20 +80,22 @@ fn cost(server: &Server, work: impl FnOnce() -> Outcome) -> (Duration, Outcome) 
 }
 
 fn gets() {
-    println!("\nCPU per CON GET of 119 bytes, {TURNS} × {GETS} requests, {CLIENTS} at once:");
     let servers: Vec<_> = ALL.into_iter().filter_map(started).collect();
     let load = |(server, body): &(Server, Vec<u8>)| Load::new(server.address, read(server.kind), body);
     let mut loads: Vec<Load> = servers.iter().map(load).collect();
-    let mut measured: Vec<Measured> = servers.iter().map(|(server, _)| Measured::new(server.kind)).collect();
-    for _ in 0..TURNS {
-        for ((server, _), (load, measured)) in servers.iter().zip(loads.iter_mut().zip(&mut measured)) {
-            measured.add(cost(server, || load.gets(GETS)));
+    for clients in [FEWEST, CLIENTS] {
+        println!("\nCPU per CON GET of 119 bytes, {TURNS} × {GETS} requests, {clients} at once:");
+        let mut measured: Vec<Measured> = servers.iter().map(|(server, _)| Measured::new(server.kind)).collect();
+        for _ in 0..TURNS {
+            for ((server, _), (load, measured)) in servers.iter().zip(loads.iter_mut().zip(&mut measured)) {
+                measured.add(cost(server, || load.gets(GETS, clients)));
+            }
         }
+        figures::table(&measured, micros);
+        let own = of(&measured, Kind::Hallsweep);
+        goal("CPU per CON GET, of coap-rs", own, best_of(&measured, Kind::CoapRs), 0.60);
+        goal("CPU per CON GET, of libcoap", own, best_of(&measured, Kind::Libcoap), 0.65);
     }
-    figures::table(&measured, micros);
-    let own = of(&measured, Kind::Hallsweep);
-    goal("CPU per CON GET, of coap-rs", own, best_of(&measured, Kind::CoapRs), 0.60);
-    goal("CPU per CON GET, of libcoap", own, best_of(&measured, Kind::Libcoap), 0.65);
 }
 
 fn peers() {

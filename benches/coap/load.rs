@@ -1,13 +1,16 @@
-//! The load: confirmable GETs, many at once, every answer looked at. It never sleeps, so that no server pays for waking it; and it
-//! sends faster than any server answers, so that none sleeps between two requests, whose waking would cost as much as they do.
+//! The load: confirmable GETs, many at once, every answer looked at. It never sleeps, so that no server pays for waking it. How
+//! often a server itself sleeps between requests depends on how many ask at once and on what else the machine does.
 
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
 use std::time::{Duration, Instant};
 
 use crate::datagram::{Asking, CONTENT, GET, Told};
 
-/// So many clients ask at once in `gets`, one request each.
+/// As many clients as ask at once in `gets`, one request each.
 pub(crate) const CLIENTS: usize = 64;
+
+/// The fewest that ask at once anywhere.
+pub(crate) const FEWEST: usize = 32;
 
 /// So many clients ask at once in `peers`: fewer datagrams than a receive buffer of the usual size holds.
 const GROUP: u32 = 100;
@@ -53,13 +56,14 @@ impl Load {
         Load { server, expected: expected.to_vec(), requests, clients, port }
     }
 
-    /// So many requests from a few clients, always the same: all of them ask at once, and again when all have their answers.
-    pub(crate) fn gets(&mut self, count: usize) -> Outcome {
+    /// So many requests from so many clients, always the same: all of them ask at once, and again when all have their answers.
+    pub(crate) fn gets(&mut self, count: usize, clients: usize) -> Outcome {
         let mut outcome = Outcome::default();
-        for _ in 0..count / CLIENTS {
-            let tokens: Vec<u32> = self.clients.iter().map(|client| self.requests.send(client)).collect();
+        let clients = &self.clients[..clients];
+        for _ in 0..count / clients.len() {
+            let tokens: Vec<u32> = clients.iter().map(|client| self.requests.send(client)).collect();
             let until = Instant::now() + PATIENCE;
-            for (client, token) in self.clients.iter().zip(tokens) {
+            for (client, token) in clients.iter().zip(tokens) {
                 look(client, token, &self.expected, until, &mut outcome);
             }
         }
@@ -95,8 +99,8 @@ impl Requests {
     /// Sends one more; its token is its number.
     fn send(&mut self, socket: &UdpSocket) -> u32 {
         self.sent += 1;
-        // Requests of one client are at least `CLIENTS` apart, so that their ids differ until long after they are forgotten.
-        let _ = socket.send(self.asking.numbered((self.sent / CLIENTS as u32) as u16, self.sent));
+        // Requests of one client are at least so many apart, so that their ids differ until long after they are forgotten.
+        let _ = socket.send(self.asking.numbered((self.sent / FEWEST as u32) as u16, self.sent));
         self.sent
     }
 }
