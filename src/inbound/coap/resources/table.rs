@@ -93,6 +93,10 @@ impl Row {
 
     /// The number in a path that is this one, 0 where it has none; `None` when it is another.
     fn number(&self, path: &[String]) -> Option<u64> {
+        // Every path begins with a word, and most are told apart by it.
+        if !self.path[1..].starts_with(path.first()?) {
+            return None;
+        }
         let mut number = 0;
         let mut ours = self.path.split('/').skip(1);
         for segment in path {
