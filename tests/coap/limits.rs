@@ -128,3 +128,18 @@ fn observers_that_are_all_gone_are_all_found_out() {
     let sent = bench.take().len();
     assert!(sent <= 500 * 7, "each got its answer, a NON, a CON and four retransmissions: {sent}");
 }
+
+#[test]
+fn peers_that_acknowledge_nothing_are_only_so_many() {
+    let mut bench = Bench::new();
+    for n in 0..limits::LINES + 500 {
+        bench.deliver(peer(n), &Message::get("/separate", 1).encoded());
+        if n % 1000 == 0 {
+            bench.wait(Duration::from_millis(1_300));
+        }
+    }
+    bench.wait(Duration::from_millis(1_300));
+    assert!(bench.endpoint.counts().reliable <= limits::LINES, "{:?}", bench.endpoint.counts());
+    let nons = bench.take().into_iter().filter(|out| Message::decoded(&out.bytes).kind == Kind::Non).count();
+    assert!(nons >= 500, "the others went out without a wish for an acknowledgement: {nons}");
+}

@@ -41,6 +41,10 @@ pub const MAX_RETRANSMIT: u32 = 4;
 /// Separate answers that wait for the one before to be acknowledged, for one peer; more are sent without.
 pub const WAITING: usize = 32;
 
+/// Peers to whom something is on its way that they have not acknowledged, twice as many as can observe; what others are answered
+/// late goes out without a wish for an acknowledgement.
+pub const LINES: usize = 4096;
+
 /// Observations in all: every screen and device of a site.
 pub const OBSERVERS: usize = 2048;
 

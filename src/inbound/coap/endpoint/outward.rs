@@ -238,11 +238,13 @@ impl Endpoint {
 
     /// Sends an answer in a message of its own, when its turn comes.
     fn send_separately(&mut self, peer: SocketAddr, message: Outgoing, now: Now) {
-        if !self.reliable.is_busy(peer) {
+        let is_busy = self.reliable.is_busy(peer);
+        if !is_busy && !self.reliable.is_full() {
             self.send_confirmable(peer, message, About::Answer, now);
             return;
         }
-        if let Err(one_too_many) = self.reliable.wait(peer, message) {
+        let waits = if is_busy { self.reliable.wait(peer, message) } else { Err(message) };
+        if let Err(one_too_many) = waits {
             let id = self.next_id(peer);
             self.transmit(peer, one_too_many.datagram(Kind::Non, id), now);
         }

@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use super::limits::{ACK_SPREAD, ACK_TIMEOUT, MAX_RETRANSMIT, WAITING};
+use super::limits::{ACK_SPREAD, ACK_TIMEOUT, LINES, MAX_RETRANSMIT, WAITING};
 use super::message::Outgoing;
 use super::observe::ObserverId;
 use crate::core::rng::Stream;
@@ -70,6 +70,12 @@ impl Reliable {
     #[must_use]
     pub(super) fn count(&self) -> usize {
         self.lines.values().map(|line| line.waiting.len() + usize::from(line.sent.is_some())).sum()
+    }
+
+    /// Whether there is no room for one more peer.
+    #[must_use]
+    pub(super) fn is_full(&self) -> bool {
+        self.lines.len() >= LINES
     }
 
     /// Whether a message to this peer is on its way.
