@@ -7,5 +7,7 @@ pub mod clock;
 pub mod halt;
 pub mod handle;
 pub mod link;
+#[cfg(test)]
+pub(crate) mod obedient;
 pub mod store;
 pub mod task;

@@ -7,13 +7,11 @@ use std::time::Duration;
 use tokio::sync::watch;
 
 use super::application::{self, Application};
+use super::endpoint::limits::PACE;
 use super::endpoint::{Endpoint, response::Answer};
 use crate::core::units::Now;
 use crate::core::world::snapshot::Snapshot;
 use crate::runtime::clock::Clock;
-
-/// Observers are told of changes at most so often: nobody who watches a robot needs more than fifty a second.
-const PACE: Duration = Duration::from_millis(20);
 
 /// Where it is learned.
 pub(super) struct News {

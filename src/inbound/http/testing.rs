@@ -10,23 +10,23 @@ use axum::Router;
 use axum::body::{Body, to_bytes};
 use axum::http::{Request, Response, StatusCode};
 use serde_json::Value;
-use tokio::sync::{mpsc, watch};
+use tokio::sync::watch;
 use tower_service::Service;
 
 use super::gate::Peer;
 use super::{Access, Door, Hosts, router};
 use crate::access::{Keyring, Keys, OPERATOR, Role};
-use crate::core::command::{self, Accepted, Command, LuggageRef, Refused};
+use crate::core::command::{self, Refused};
 use crate::core::effect::Entry;
 use crate::core::event::Photo;
 use crate::core::standing::Standing;
-use crate::core::units::{Epoch, LuggageId, MissionId, Seq};
+use crate::core::units::{LuggageId, MissionId, Seq};
 use crate::core::world::luggage::Luggage;
 use crate::core::world::snapshot::Snapshot;
 use crate::runtime::archive::{Archive, MissionRecord, Unreadable};
 use crate::runtime::archive_reader::Reader;
-use crate::runtime::halt::Halter;
-use crate::runtime::handle::{COMMANDS, Envelope, Handle};
+pub(super) use crate::runtime::obedient::Noted;
+use crate::runtime::obedient::{Script, obedient};
 
 /// A door before a loop that does as it is told.
 pub(super) struct House {
@@ -36,9 +36,6 @@ pub(super) struct House {
     pub(super) given: Arc<Mutex<Vec<command::Request>>>,
     pub(super) noted: Arc<Mutex<Vec<Noted>>>,
 }
-
-/// What the door asked to be put on record: who, what, and why it was not taken.
-pub(super) type Noted = (command::Issuer, String, Refused);
 
 /// One picture for every piece, and the two missions of `past`.
 struct Pictures;
@@ -81,14 +78,9 @@ pub(super) fn house(snapshot: Snapshot) -> House {
 
 /// The same, with a door that lets in whom it is told to.
 pub(super) fn guarded_house(snapshot: Snapshot, access: Access) -> House {
-    let (commands, envelopes) = mpsc::channel(COMMANDS);
-    let publish = watch::Sender::new(Arc::new(snapshot));
-    let handle = Handle::new(commands, publish.subscribe(), Halter::new(Epoch(1)));
+    let (handle, Script { publish, refuse, given, noted }) = obedient(snapshot);
     let door = Door::new(handle, Reader::new(Arc::new(Pictures)), "airport", access);
-    let house = House { door, publish, refuse: Arc::default(), given: Arc::default(), noted: Arc::default() };
-    let kept = (Arc::clone(&house.refuse), Arc::clone(&house.given), Arc::clone(&house.noted));
-    tokio::spawn(answer(envelopes, house.publish.subscribe(), kept));
-    house
+    House { door, publish, refuse, given, noted }
 }
 
 /// The tokens of two keys.
@@ -103,38 +95,6 @@ pub(super) fn keys() -> (Keyring, Tokens) {
     let viewer = keys.add("lobby", Role::Viewer).unwrap().token.reveal().to_owned();
     let operator = keys.named(OPERATOR).unwrap().token.reveal().to_owned();
     (Keyring::of(keys), Tokens { operator, viewer })
-}
-
-/// What the loop obeys, and what it keeps.
-type Kept = (Arc<Mutex<Option<Refused>>>, Arc<Mutex<Vec<command::Request>>>, Arc<Mutex<Vec<Noted>>>);
-
-async fn answer(
-    mut envelopes: mpsc::Receiver<Envelope>,
-    snapshots: watch::Receiver<Arc<Snapshot>>,
-    (refuse, given, noted): Kept,
-) {
-    while let Some(envelope) = envelopes.recv().await {
-        let (request, answer) = match envelope {
-            Envelope::Command(request, answer) => (request, answer),
-            Envelope::Refused(issuer, asked, refused) => {
-                noted.lock().unwrap().push((issuer, asked, refused));
-                continue;
-            }
-        };
-        let luggage = about(&request.command, &snapshots.borrow());
-        given.lock().unwrap().push(request);
-        let refused = refuse.lock().unwrap().clone();
-        let (revision, epoch) = (snapshots.borrow().revision, snapshots.borrow().mission.epoch);
-        let accepted = Accepted { revision, epoch, luggage };
-        let _ = answer.send(refused.map_or(Ok(accepted), Err));
-    }
-}
-
-fn about(command: &Command, snapshot: &Snapshot) -> Option<LuggageId> {
-    match command.luggage()? {
-        LuggageRef::Id(id) => Some(id),
-        LuggageRef::Pending => snapshot.pending().map(|luggage| luggage.id),
-    }
 }
 
 impl House {

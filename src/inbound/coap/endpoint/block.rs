@@ -8,7 +8,8 @@ use std::time::Duration;
 use hashlink::LinkedHashMap;
 
 use super::code::{Code, Method};
-use super::limits::{ASSEMBLIES, BODY, EXCHANGE_LIFETIME};
+use super::exchange::is_over;
+use super::limits::{ASSEMBLIES, BLOCK, BODY};
 use super::response::Response;
 use crate::access::is_this_machine;
 
@@ -23,21 +24,15 @@ pub(super) struct Block {
     pub(super) exponent: u8,
 }
 
-/// The size exponent 7 is reserved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct BlockError;
-
 impl Block {
     /// The first block, as large as it can be.
-    pub(super) const FIRST: Block = Block { number: 0, more: false, exponent: 6 };
+    pub(super) const FIRST: Block = Block { number: 0, more: false, exponent: (BLOCK / 16).ilog2() as u8 };
 
-    /// The block that an option's value names.
-    ///
-    /// # Errors
-    /// The reserved size.
-    pub(super) const fn of(value: u32) -> Result<Block, BlockError> {
+    /// The block that an option's value names; `None` for the reserved size exponent 7.
+    #[must_use]
+    pub(super) fn of(value: u32) -> Option<Block> {
         let exponent = (value & 7) as u8;
-        if exponent == 7 { Err(BlockError) } else { Ok(Block { number: value >> 4, more: value & 8 != 0, exponent }) }
+        (exponent < 7).then_some(Block { number: value >> 4, more: value & 8 != 0, exponent })
     }
 
     /// The option's value.
@@ -110,7 +105,7 @@ impl Assemblies {
     /// 4.00 for a block that is not full although more follow, 4.08 when one is missing, 4.13 for a body that is too large.
     pub(super) fn take(&mut self, key: BodyKey, block: Block, bytes: &[u8], now: Duration) -> Result<Taken, Response> {
         let bodies = if is_this_machine(key.peer.ip()) { &mut self.here } else { &mut self.beyond };
-        let before = bodies.remove(&key).filter(|(since, _)| now <= *since + EXCHANGE_LIFETIME).map(|(_, body)| body);
+        let before = bodies.remove(&key).filter(|(since, _)| !is_over(*since, now)).map(|(_, body)| body);
         let mut body = if block.number == 0 { Vec::new() } else { before.unwrap_or_default() };
         if bytes.len() > block.size() || (block.more && bytes.len() < block.size()) {
             return Err(Response::refusal(
@@ -135,7 +130,7 @@ impl Assemblies {
             return Ok(Taken::Whole(body));
         }
         bodies.insert(key, (now, body));
-        while bodies.len() > ASSEMBLIES || bodies.front().is_some_and(|(_, (since, _))| now > *since + EXCHANGE_LIFETIME) {
+        while bodies.len() > ASSEMBLIES || bodies.front().is_some_and(|(_, (since, _))| is_over(*since, now)) {
             bodies.pop_front();
         }
         Ok(Taken::More)
@@ -150,6 +145,7 @@ pub(super) fn too_large() -> Response {
 
 #[cfg(test)]
 mod tests {
+    use super::super::limits::EXCHANGE_LIFETIME;
     use super::*;
 
     fn key() -> BodyKey {
@@ -169,8 +165,8 @@ mod tests {
     #[test]
     fn a_block_of_twenty_bits_is_read_and_written() {
         let last = Block { number: (1 << 20) - 1, more: true, exponent: 2 };
-        assert_eq!(Block::of(last.value()), Ok(last));
-        assert_eq!(Block::of(7), Err(BlockError));
+        assert_eq!(Block::of(last.value()), Some(last));
+        assert_eq!(Block::of(7), None);
     }
 
     #[test]

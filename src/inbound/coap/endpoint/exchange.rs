@@ -62,7 +62,7 @@ impl Exchanges {
     pub(super) fn known(&mut self, key: MessageKey, now: Duration) -> Option<&Known> {
         // From here on the same id is another message.
         for table in [&mut self.looks, &mut self.acts] {
-            while table.front().is_some_and(|(_, (since, _))| now > *since + EXCHANGE_LIFETIME) {
+            while table.front().is_some_and(|(_, (since, _))| is_over(*since, now)) {
                 table.pop_front();
             }
         }
@@ -87,6 +87,12 @@ impl Exchanges {
             }
         }
     }
+}
+
+/// Whether what a message began is over (RFC 7252, section 4.8.2), so that it need not be remembered any more.
+#[must_use]
+pub(super) fn is_over(since: Duration, now: Duration) -> bool {
+    now > since + EXCHANGE_LIFETIME
 }
 
 #[cfg(test)]

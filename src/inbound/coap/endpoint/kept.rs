@@ -7,7 +7,8 @@ use std::time::Duration;
 use hashlink::LinkedHashMap;
 
 use super::block::BodyKey;
-use super::limits::{ASSEMBLIES, EXCHANGE_LIFETIME};
+use super::exchange::is_over;
+use super::limits::ASSEMBLIES;
 use super::response::Response;
 
 /// Answers of which the last block may not have been read yet.
@@ -25,7 +26,7 @@ impl Kept {
     pub(super) fn keep(&mut self, key: BodyKey, answer: Arc<Response>, now: Duration) {
         self.0.remove(&key);
         self.0.insert(key, (now, answer));
-        while self.0.len() > ASSEMBLIES || self.0.front().is_some_and(|(_, (since, _))| is_old(*since, now)) {
+        while self.0.len() > ASSEMBLIES || self.0.front().is_some_and(|(_, (since, _))| is_over(*since, now)) {
             self.0.pop_front();
         }
     }
@@ -33,17 +34,14 @@ impl Kept {
     /// The answer to be read on.
     #[must_use]
     pub(super) fn find(&self, key: &BodyKey, now: Duration) -> Option<Arc<Response>> {
-        self.0.get(key).filter(|(since, _)| !is_old(*since, now)).map(|(_, answer)| Arc::clone(answer))
+        self.0.get(key).filter(|(since, _)| !is_over(*since, now)).map(|(_, answer)| Arc::clone(answer))
     }
-}
-
-fn is_old(since: Duration, now: Duration) -> bool {
-    now > since + EXCHANGE_LIFETIME
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::code::{Code, Method};
+    use super::super::limits::EXCHANGE_LIFETIME;
     use super::*;
 
     fn key(port: u16) -> BodyKey {

@@ -1,15 +1,16 @@
 //! What the options of a request say (RFC 7252, section 5.10, and those of the other RFCs), read once and strictly: a critical
 //! option that is unknown, repeated or of the wrong length is refused; an elective one is passed over.
 
+use std::net::SocketAddr;
+
 use coap_lite::{CoapOption, Packet};
 
-use super::block::{Block, BlockError};
+use super::block::Block;
 use super::code::{Code, Method};
 use super::format::Format;
 use super::message::Incoming;
 use super::request::{Conditions, Request};
 use super::response::{Response, Tag};
-use std::net::SocketAddr;
 
 /// Numbers of the options that are read or sent.
 pub(super) mod number {
@@ -181,9 +182,8 @@ fn format(number: u32) -> Option<Format> {
 
 fn block(packet: &Packet, number: u16) -> Result<Option<Block>, Response> {
     let Some(value) = number_of(packet, number, 3) else { return Ok(None) };
-    Block::of(value).map(Some).map_err(|BlockError| {
-        Response::refusal(Code::BAD_REQUEST, "a block has 16 to 1024 bytes: the size exponent 7 is reserved".to_owned())
-    })
+    let reserved = "a block has 16 to 1024 bytes: the size exponent 7 is reserved";
+    Block::of(value).map(Some).ok_or_else(|| Response::refusal(Code::BAD_REQUEST, reserved.to_owned()))
 }
 
 #[cfg(test)]

@@ -4,24 +4,23 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-use tokio::sync::{mpsc, watch};
+use tokio::sync::watch;
 
 use super::super::application::{Application, Said};
 use super::super::endpoint::code::Method;
 use super::super::endpoint::request::{Conditions, Request};
 use super::super::endpoint::response::Answer;
 use super::Resources;
-use crate::core::command::{self, Accepted, Command, Issuer, LuggageRef, Refused};
+use crate::core::command::{self, Refused};
 use crate::core::effect::Entry;
 use crate::core::event::Photo;
 use crate::core::standing::Standing;
-use crate::core::units::{Cell, Epoch, LuggageId, MissionId, Seq};
+use crate::core::units::{Cell, LuggageId, MissionId, Seq};
 use crate::core::world::luggage::Luggage;
 use crate::core::world::snapshot::Snapshot;
 use crate::runtime::archive::{Archive, MissionRecord, Unreadable};
 use crate::runtime::archive_reader::Reader;
-use crate::runtime::halt::Halter;
-use crate::runtime::handle::{COMMANDS, Envelope, Handle};
+use crate::runtime::obedient::{Noted, Script, obedient};
 use crate::wire::fixture::piece;
 
 /// A piece of a mission that is over.
@@ -36,7 +35,7 @@ pub(super) struct House {
     pub(super) publish: watch::Sender<Arc<Snapshot>>,
     refuse: Arc<Mutex<Option<Refused>>>,
     pub(super) given: Arc<Mutex<Vec<command::Request>>>,
-    noted: Arc<Mutex<Vec<(Issuer, String, Refused)>>>,
+    noted: Arc<Mutex<Vec<Noted>>>,
     pub(super) photos_read: Arc<AtomicUsize>,
 }
 
@@ -83,43 +82,11 @@ pub(super) fn house(snapshot: Snapshot) -> House {
 
 /// The same, in which they may or may not.
 pub(super) fn driven_house(snapshot: Snapshot, manual_driving: bool) -> House {
-    let (commands, envelopes) = mpsc::channel(COMMANDS);
-    let publish = watch::Sender::new(Arc::new(snapshot));
-    let handle = Handle::new(commands, publish.subscribe(), Halter::new(Epoch(1)));
+    let (handle, script) = obedient(snapshot);
     let photos_read = Arc::new(AtomicUsize::new(0));
     let archive = Reader::new(Arc::new(Pictures(Arc::clone(&photos_read))));
-    let resources = Resources::new(handle, archive, manual_driving);
-    let house = House { resources, publish, refuse: Arc::default(), given: Arc::default(), noted: Arc::default(), photos_read };
-    let kept = (Arc::clone(&house.refuse), Arc::clone(&house.given), Arc::clone(&house.noted));
-    tokio::spawn(obey(envelopes, house.publish.subscribe(), kept));
-    house
-}
-
-/// What the loop obeys, and what it keeps.
-type Kept = (Arc<Mutex<Option<Refused>>>, Arc<Mutex<Vec<command::Request>>>, Arc<Mutex<Vec<(Issuer, String, Refused)>>>);
-
-async fn obey(mut envelopes: mpsc::Receiver<Envelope>, snapshots: watch::Receiver<Arc<Snapshot>>, (refuse, given, noted): Kept) {
-    while let Some(envelope) = envelopes.recv().await {
-        let (request, answer) = match envelope {
-            Envelope::Command(request, answer) => (request, answer),
-            Envelope::Refused(issuer, asked, refused) => {
-                noted.lock().unwrap().push((issuer, asked, refused));
-                continue;
-            }
-        };
-        let luggage = about(&request.command, &snapshots.borrow());
-        given.lock().unwrap().push(request);
-        let refused = refuse.lock().unwrap().clone();
-        let (revision, epoch) = (snapshots.borrow().revision, snapshots.borrow().mission.epoch);
-        let _ = answer.send(refused.map_or(Ok(Accepted { revision, epoch, luggage }), Err));
-    }
-}
-
-fn about(command: &Command, snapshot: &Snapshot) -> Option<LuggageId> {
-    match command.luggage()? {
-        LuggageRef::Id(id) => Some(id),
-        LuggageRef::Pending => snapshot.pending().map(|luggage| luggage.id),
-    }
+    let Script { publish, refuse, given, noted } = script;
+    House { resources: Resources::new(handle, archive, manual_driving), publish, refuse, given, noted, photos_read }
 }
 
 impl House {
@@ -143,7 +110,7 @@ impl House {
     }
 
     /// What the door last asked to be put on record, if that was not looked at yet: who, what, and why it was not taken.
-    pub(super) async fn noted(&self) -> Option<(Issuer, String, Refused)> {
+    pub(super) async fn noted(&self) -> Option<Noted> {
         // The loop gets its turn before this goes on.
         tokio::task::yield_now().await;
         self.noted.lock().unwrap().pop()

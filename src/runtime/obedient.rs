@@ -1,0 +1,65 @@
+//! For the tests of the doors: a loop that takes every command, or refuses it, as it is told, and keeps what it was given. It knows
+//! no mission.
+
+use std::sync::{Arc, Mutex};
+
+use tokio::sync::{mpsc, watch};
+
+use super::halt::Halter;
+use super::handle::{COMMANDS, Envelope, Handle};
+use crate::core::command::{Accepted, Command, Issuer, LuggageRef, Refused, Request};
+use crate::core::units::{Epoch, LuggageId};
+use crate::core::world::snapshot::Snapshot;
+
+/// What a door asked to be put on record: who, what, and why it was not taken.
+pub(crate) type Noted = (Issuer, String, Refused);
+
+/// What the loop is told, and what it was given.
+#[derive(Clone)]
+pub(crate) struct Script {
+    /// The state that doors see.
+    pub(crate) publish: watch::Sender<Arc<Snapshot>>,
+    /// With what everything is refused from now on.
+    pub(crate) refuse: Arc<Mutex<Option<Refused>>>,
+    /// The commands.
+    pub(crate) given: Arc<Mutex<Vec<Request>>>,
+    /// What a door did not take.
+    pub(crate) noted: Arc<Mutex<Vec<Noted>>>,
+}
+
+/// Starts such a loop in this state. Must be called inside a runtime.
+pub(crate) fn obedient(snapshot: Snapshot) -> (Handle, Script) {
+    let (commands, envelopes) = mpsc::channel(COMMANDS);
+    let publish = watch::Sender::new(Arc::new(snapshot));
+    let handle = Handle::new(commands, publish.subscribe(), Halter::new(Epoch(1)));
+    let script = Script { publish, refuse: Arc::default(), given: Arc::default(), noted: Arc::default() };
+    tokio::spawn(script.clone().obey(envelopes));
+    (handle, script)
+}
+
+impl Script {
+    async fn obey(self, mut envelopes: mpsc::Receiver<Envelope>) {
+        while let Some(envelope) = envelopes.recv().await {
+            let (request, answer) = match envelope {
+                Envelope::Command(request, answer) => (request, answer),
+                Envelope::Refused(issuer, asked, refused) => {
+                    self.noted.lock().unwrap().push((issuer, asked, refused));
+                    continue;
+                }
+            };
+            let snapshot = Arc::clone(&self.publish.borrow());
+            let luggage = about(&request.command, &snapshot);
+            self.given.lock().unwrap().push(request);
+            let refused = self.refuse.lock().unwrap().clone();
+            let accepted = Accepted { revision: snapshot.revision, epoch: snapshot.mission.epoch, luggage };
+            let _ = answer.send(refused.map_or(Ok(accepted), Err));
+        }
+    }
+}
+
+fn about(command: &Command, snapshot: &Snapshot) -> Option<LuggageId> {
+    match command.luggage()? {
+        LuggageRef::Id(id) => Some(id),
+        LuggageRef::Pending => snapshot.pending().map(|luggage| luggage.id),
+    }
+}
