@@ -37,7 +37,7 @@ pub struct Cli {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub enum Task {
-    /// Run the robot, the console, the API and the CoAP resources until SIGINT or SIGTERM (the default).
+    /// Run the robot, the console, the API, the CoAP resources and the MQTT topics until SIGINT or SIGTERM (the default).
     Serve(Serve),
     /// Run one mission without doors at full speed, and print the map and what it came to.
     Explore(explore::Explore),
@@ -63,6 +63,9 @@ pub struct Serve {
     /// Where the CoAP resources are, over UDP; port 0 takes a free one, "none": no such door.
     #[arg(long, value_name = "ADDRESS:PORT")]
     coap: Option<String>,
+    /// Where our own MQTT broker listens, over TCP; port 0 takes a free one, "none": no such door.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    mqtt: Option<String>,
     /// How fast the simulated robot lives: 1 = as a person would watch it, "max" = without waiting.
     #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
     speed: Option<String>,
@@ -133,6 +136,7 @@ impl Serve {
             ("--hall", "hall.file", &self.hall),
             ("--http", "http.bind", &self.http),
             ("--coap", "coap.bind", &self.coap),
+            ("--mqtt", "mqtt.bind", &self.mqtt),
             ("--speed", "robot.speed", &self.speed),
             ("--seed", "robot.seed", &self.seed),
             ("--strategy", "mission.strategy", &self.strategy),
@@ -187,8 +191,8 @@ mod tests {
 
     #[test]
     fn every_flag_is_a_setting() {
-        let given = flags("hallsweep --hall h --http a --coap c --speed -1 --seed -2 --strategy s --data d");
-        assert_eq!(given.len(), 7);
+        let given = flags("hallsweep --hall h --http a --coap c --mqtt m --speed -1 --seed -2 --strategy s --data d");
+        assert_eq!(given.len(), 8);
         for (key, _) in given {
             assert!(crate::config::Key::named(key).is_some(), "{key} is no setting");
         }

@@ -15,11 +15,13 @@ mod error;
 mod folder;
 mod key;
 mod layers;
+mod mqtt;
 mod raw;
 
 pub use error::SettingsError;
 pub use key::{KEYS, Key};
 pub use layers::{DEFAULTS, Flag, Sources};
+pub use mqtt::{Broker, Login, MqttSettings, OtherBroker};
 
 /// Everything that can be set, with every value known to be usable.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +34,8 @@ pub struct Settings {
     pub http: HttpSettings,
     /// Where the CoAP resources are, over UDP; `None`: there is no such door.
     pub coap: Option<SocketAddr>,
+    /// The MQTT topics, and the broker they are at.
+    pub mqtt: MqttSettings,
     /// What clients of the original system may do.
     pub old_clients: OldClients,
     /// Where everything is kept that outlives the program; `None`: nothing is kept.

@@ -2,6 +2,7 @@
 //! It knows no door and no robot: a door shows it what a client brought, and is told who that is.
 
 mod attempts;
+mod caller;
 mod error;
 mod file;
 mod keyring;
@@ -14,6 +15,7 @@ mod testing;
 mod token;
 
 pub use attempts::Attempts;
+pub use caller::{Access, Caller};
 pub use error::AccessError;
 pub use file::{FILE, KeyFile};
 pub use keyring::{Keyring, Opened};

@@ -1,8 +1,8 @@
 //! How the door is opened: to everybody on this machine, or to whoever has a key. What is said of it is the command line's part.
 
-use crate::access::{AccessError, Keyring, Token};
+use crate::access::{Access, AccessError, Keyring, Token};
 use crate::config::{HttpSettings, Settings};
-use crate::inbound::http::{Access, Front, Tls, TlsError};
+use crate::inbound::http::{Front, Tls, TlsError};
 
 /// How one gets in.
 #[derive(Debug)]

@@ -11,6 +11,7 @@ use tracing_subscriber::EnvFilter;
 
 use super::error::SettingsError;
 use super::layers::Layers;
+use super::mqtt;
 use super::raw::{self, Raw};
 use super::{HttpSettings, OldClients, RobotSettings, Settings, Speed, TlsFiles, folder};
 use crate::core::command::TemperatureReport;
@@ -41,6 +42,7 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
         hall_origin: layers.origin("hall.file"),
         http: http(layers, &raw.http)?,
         coap: coap(layers, &raw.coap)?,
+        mqtt: mqtt::mqtt(layers, &raw.mqtt)?,
         old_clients: OldClients { manual_driving: raw.old_clients.manual_driving },
         store: store(layers, &raw.store)?,
         robot: robot(layers, &raw.robot)?,

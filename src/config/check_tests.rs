@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::*;
-use crate::config::{Flag, KEYS, Sources, load};
+use crate::config::{Broker, Flag, KEYS, Sources, load};
 
 fn environment(name: &str, value: &str) -> Sources {
     Sources { environment: vec![(name.to_owned(), value.to_owned())], ..Sources::default() }
@@ -257,6 +257,59 @@ fn coap_is_for_this_machine_unless_somebody_means_otherwise() {
         let mut meant = flag("--coap", "coap.bind", address);
         meant.environment = vec![("HALLSWEEP__COAP__OPEN_TO_OTHERS".into(), "true".into())];
         assert_eq!(load(&meant).expect("it is meant").coap, address.parse().ok());
+    }
+}
+
+/// Safety A1, A4.
+#[test]
+fn our_own_broker_asks_for_passwords_beyond_loopback_and_on_it_when_that_is_wanted() {
+    let broker = |sources: &Sources| load(sources).expect("good").mqtt.broker;
+    let own = |bind: &str, asks_for_keys| Some(Broker::Own { bind: bind.parse().expect("an address"), asks_for_keys });
+    assert_eq!(broker(&Sources::default()), own("127.0.0.1:1883", false));
+    assert_eq!(broker(&flag("--mqtt", "mqtt.bind", "none")), None);
+    for (bind, asks) in [("[::1]:1883", false), ("0.0.0.0:1883", true), ("192.0.2.7:0", true), ("[::]:1883", true)] {
+        assert_eq!(broker(&flag("--mqtt", "mqtt.bind", bind)), own(bind, asks));
+    }
+    assert_eq!(broker(&environment("HALLSWEEP__MQTT__REQUIRE_PASSWORD", "true")), own("127.0.0.1:1883", true));
+}
+
+#[test]
+fn another_broker_is_named_by_its_url() {
+    let broker = |url: &str| match load(&environment("HALLSWEEP__MQTT__BROKER", url)).map(|settings| settings.mqtt.broker) {
+        Ok(Some(Broker::Other(other))) => (other.host, other.port, other.is_encrypted),
+        other => panic!("{url}: {other:?}"),
+    };
+    assert_eq!(broker("mqtt://broker.example"), ("broker.example".into(), 1883, false));
+    assert_eq!(broker("mqtts://192.0.2.7/"), ("192.0.2.7".into(), 8883, true));
+    assert_eq!(broker("mqtt://[::1]:1884"), ("::1".into(), 1884, false));
+    for wrong in
+        ["broker.example", "http://a", "mqtt://", "mqtt://a:0", "mqtt://a:99999", "mqtt://a b", "mqtt://[::1", "mqtt://a/b"]
+    {
+        let said = message(&environment("HALLSWEEP__MQTT__BROKER", wrong));
+        assert!(said.starts_with("setting mqtt.broker") && said.contains("mqtt://HOST:PORT"), "{said}");
+    }
+}
+
+#[test]
+fn a_password_is_never_repeated() {
+    for (name, value) in [("HALLSWEEP__MQTT__BROKER", "mqtt://me:secret@a"), ("HALLSWEEP__MQTT__PASSWORD", "secret")] {
+        assert!(!message(&environment(name, value)).contains("secret"), "{name}");
+    }
+    let mut sources = environment("HALLSWEEP__MQTT__BROKER", "mqtt://a");
+    sources.environment.push(("HALLSWEEP__MQTT__NAME".into(), "me".into()));
+    sources.environment.push(("HALLSWEEP__MQTT__PASSWORD".into(), "secret".into()));
+    assert!(!format!("{:?}", load(&sources).expect("good")).contains("secret"));
+}
+
+#[test]
+fn topics_are_called_by_plain_words_and_old_ones_do_not_lie_among_new_ones() {
+    for (name, wrong) in [("PREFIX", "a//b"), ("PREFIX", "a/#"), ("PREFIX", ""), ("ID", "a/b"), ("ID", "ü"), ("OLD_PREFIX", "/a")]
+    {
+        let said = message(&environment(&format!("HALLSWEEP__MQTT__{name}"), wrong));
+        assert!(said.contains("no topic can be called so"), "{said}");
+    }
+    for among in ["hallsweep", "hallsweep/old"] {
+        assert!(message(&environment("HALLSWEEP__MQTT__OLD_PREFIX", among)).contains("among those of mqtt.prefix"), "{among}");
     }
 }
 

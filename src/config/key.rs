@@ -15,8 +15,12 @@ pub struct Key {
 const COAP_BIND: &str =
     "write ADDRESS:PORT with a number for an address, as 127.0.0.1:5683 or [::1]:5683, or none for no such door";
 
+/// What to write for the address of the MQTT door.
+const MQTT_BIND: &str =
+    "write ADDRESS:PORT with a number for an address, as 127.0.0.1:1883 or [::1]:1883, or none for no such door";
+
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 23] = [
+pub const KEYS: [Key; 33] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file"),
     text("http.bind", "write ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080"),
     value("http.require_token", "write true or false"),
@@ -28,6 +32,22 @@ pub const KEYS: [Key; 23] = [
     ),
     text("coap.bind", COAP_BIND),
     value("coap.open_to_others", "write true or false"),
+    text("mqtt.bind", MQTT_BIND),
+    value("mqtt.require_password", "write true or false"),
+    text(
+        "mqtt.broker",
+        "write mqtt://HOST:PORT or mqtts://HOST:PORT, and what it knows us by in mqtt.name and mqtt.password; or nothing",
+    ),
+    text("mqtt.name", "write the name by which the broker of mqtt.broker knows hallsweep, or nothing"),
+    text("mqtt.password", "write the password that goes with mqtt.name, or nothing"),
+    text(
+        "mqtt.certificates",
+        "name a PEM file of the certificates that are believed, for mqtts:// alone; or leave it empty for the system's",
+    ),
+    text("mqtt.prefix", "write 1 to 64 letters, digits, - or _, with single slashes between if need be, as hallsweep"),
+    text("mqtt.id", "write 1 to 64 letters, digits, - or _, as discovery"),
+    text("mqtt.old_prefix", "write 1 to 64 letters, digits, - or _, with single slashes between if need be, as unibo/qak"),
+    value("mqtt.home_assistant", "write true or false"),
     value("old_clients.manual_driving", "write true or false"),
     text("store.folder", "name a folder; or leave it empty for the usual one, or write none so that nothing is kept"),
     value("robot.speed", "write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting"),
@@ -105,6 +125,9 @@ mod tests {
             Key::advice_for_unknown("mission.order"),
             "in [mission] there are mission.strategy, mission.inspect_everything, mission.wall_lines"
         );
-        assert!(Key::advice_for_unknown("htpp.bind").starts_with("the sections are hall, http, coap, old_clients, store, robot"));
+        assert!(
+            Key::advice_for_unknown("htpp.bind")
+                .starts_with("the sections are hall, http, coap, mqtt, old_clients, store, robot")
+        );
     }
 }

@@ -92,6 +92,15 @@ impl Layers {
         }
     }
 
+    /// The same for a value that may hold a password: it is not repeated.
+    pub(super) fn wrong_unseen(&self, key: &str, problem: impl Into<String>) -> SettingsError {
+        let mut error = self.wrong(key, problem);
+        if let SettingsError::Wrong { value, .. } = &mut error {
+            *value = "(not shown)".to_owned();
+        }
+        error
+    }
+
     /// Where the value of a setting comes from.
     pub(super) fn origin(&self, key: &str) -> String {
         self.0.find_metadata(key).map_or("an unknown place", |metadata| metadata.name.as_ref()).to_owned()

@@ -2,11 +2,12 @@
 
 use serde::Deserialize;
 
-#[derive(Debug, Deserialize)]
+#[derive(Deserialize)]
 pub(super) struct Raw {
     pub(super) hall: Hall,
     pub(super) http: Http,
     pub(super) coap: Coap,
+    pub(super) mqtt: Mqtt,
     pub(super) old_clients: OldClients,
     pub(super) store: Store,
     pub(super) robot: Robot,
@@ -41,6 +42,20 @@ pub(super) enum Hosts {
 pub(super) struct Coap {
     pub(super) bind: String,
     pub(super) open_to_others: bool,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Mqtt {
+    pub(super) bind: String,
+    pub(super) require_password: bool,
+    pub(super) broker: String,
+    pub(super) name: String,
+    pub(super) password: String,
+    pub(super) certificates: String,
+    pub(super) prefix: String,
+    pub(super) id: String,
+    pub(super) old_prefix: String,
+    pub(super) home_assistant: bool,
 }
 
 #[derive(Debug, Deserialize)]

@@ -218,13 +218,15 @@ pub enum Door {
     Http,
     /// The CoAP resources.
     Coap,
+    /// The MQTT topics.
+    Mqtt,
     /// The command line itself (`hallsweep explore`) and tests of the core.
     Local,
 }
 
 impl Door {
     /// All of them.
-    pub const ALL: [Door; 4] = [Door::Console, Door::Http, Door::Coap, Door::Local];
+    pub const ALL: [Door; 5] = [Door::Console, Door::Http, Door::Coap, Door::Mqtt, Door::Local];
 
     /// The word for records.
     #[must_use]
@@ -233,6 +235,7 @@ impl Door {
             Door::Console => "console",
             Door::Http => "http",
             Door::Coap => "coap",
+            Door::Mqtt => "mqtt",
             Door::Local => "local",
         }
     }

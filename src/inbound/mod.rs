@@ -2,3 +2,4 @@
 
 pub mod coap;
 pub mod http;
+pub mod mqtt;

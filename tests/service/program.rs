@@ -58,8 +58,9 @@ pub(crate) fn hallsweep(arguments: &[&str]) -> Command {
         command.env_remove(name);
     }
     command.env("HALLSWEEP__LOG__FILTER", "warn");
-    // Every program has a port of its own for CoAP too.
+    // Every program has ports of its own for CoAP and MQTT too.
     command.env("HALLSWEEP__COAP__BIND", "127.0.0.1:0");
+    command.env("HALLSWEEP__MQTT__BIND", "127.0.0.1:0");
     // Nothing is left on the machine that runs the tests; those about what is kept name a folder of their own.
     command.env("HALLSWEEP__STORE__FOLDER", "none");
     command

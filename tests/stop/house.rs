@@ -14,13 +14,14 @@ use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::sync::{oneshot, watch};
 
+use hallsweep::access::Access;
 use hallsweep::core::event::{Capabilities, RobotEvent};
 use hallsweep::core::settings::Settings;
 use hallsweep::core::sweep::Sweep;
 use hallsweep::core::units::Epoch;
 use hallsweep::inbound::coap::endpoint::Endpoint;
 use hallsweep::inbound::coap::{self, Resources, Socket};
-use hallsweep::inbound::http::{self, Access, Door, Front};
+use hallsweep::inbound::http::{self, Door, Front};
 use hallsweep::outbound::store::memory::Memory;
 use hallsweep::runtime::archive_reader::Reader;
 use hallsweep::runtime::clock::Clock;

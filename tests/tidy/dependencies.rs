@@ -35,6 +35,7 @@ const RULES: [Rule; 12] = [
         crates: &[
             "askama",
             "axum",
+            "bytes",
             "coap_lite",
             "hashlink",
             "hmac",
@@ -44,6 +45,8 @@ const RULES: [Rule; 12] = [
             "hyper",
             "hyper_util",
             "jiff",
+            "rumqttc",
+            "rumqttd",
             "rustls",
             "serde",
             "serde_json",

@@ -6,9 +6,9 @@ use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderName};
 
 use super::Door;
-use super::gate::{Caller, Peer};
+use super::gate::{LetIn, Peer, allowed, issuer};
 use super::problem::Problem;
-use crate::access::Need;
+use crate::access::{Caller, Need};
 use crate::core::command::{self, Command, CommandId, Request};
 use crate::core::mission::in_words;
 use crate::core::units::Epoch;
@@ -30,7 +30,7 @@ impl FromRequestParts<Door> for By {
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, door: &Door) -> Result<By, Problem> {
-        let caller = Caller::from_request_parts(parts, door).await?;
+        let LetIn(caller) = LetIn::from_request_parts(parts, door).await?;
         let peer = Peer::from_request_parts(parts, door).await?;
         Ok(By { door: door.clone(), caller, peer, id: command_id(&parts.headers) })
     }
@@ -41,8 +41,8 @@ impl By {
     /// is wrong with a STOP keeps it from halting the robot.
     pub(super) async fn give(&self, by: command::Door, command: Command, epoch: Option<Epoch>) -> Result<Done, Problem> {
         let is_stop = command == Command::Stop;
-        let issuer = self.caller.issuer(by, self.peer);
-        if let Err(refused) = self.caller.check(if is_stop { Need::Stop } else { Need::Act }) {
+        let issuer = issuer(&self.caller, by, self.peer);
+        if let Err(refused) = allowed(&self.caller, if is_stop { Need::Stop } else { Need::Act }) {
             self.door.note_refused(issuer, in_words(&command), refused.clone()).await;
             return Err(Problem::refused(&refused, None));
         }

@@ -13,7 +13,7 @@ use futures_util::stream::{self, Stream, StreamExt};
 use serde::Serialize;
 
 use super::Door;
-use super::gate::Caller;
+use super::gate::LetIn;
 use super::problem::Problem;
 use super::watcher::{Wake, Watcher};
 use crate::core::units::Revision;
@@ -31,7 +31,7 @@ const PAUSE: Duration = Duration::from_millis(20);
 const RETRY: Duration = Duration::from_secs(1);
 
 /// `GET events`
-pub(super) async fn events(State(door): State<Door>, caller: Caller, headers: HeaderMap) -> Result<Response, Problem> {
+pub(super) async fn events(State(door): State<Door>, LetIn(caller): LetIn, headers: HeaderMap) -> Result<Response, Problem> {
     let (watcher, snapshot) = Watcher::open(&door, caller)?;
     let resumed = headers.get("last-event-id").and_then(|id| known_revision(id.to_str().ok()?, &snapshot));
     let first = first_event(&snapshot, resumed);

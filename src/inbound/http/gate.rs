@@ -15,18 +15,9 @@ use super::guard::is_for_people;
 use super::places::Place;
 use super::problem::{NotTaken, Problem};
 use super::sign_in::{COOKIE, Undone, sign_in_page};
-use crate::access::{Keyring, Need, Network, OPERATOR, Role, SignedIn, is_this_machine};
+use crate::access::{Access, Caller, Need, Network};
 use crate::core::command::{self, Issuer, Refused};
 use crate::wire::fields::in_short;
-
-/// Who is let in.
-#[derive(Clone, Debug)]
-pub enum Access {
-    /// Everybody on this machine, as the operator; nobody else.
-    Open,
-    /// Whoever has a key.
-    Keys(Keyring),
-}
 
 /// The other end of a connection. The accept loop puts it into every request.
 #[derive(Clone, Copy, Debug)]
@@ -37,14 +28,8 @@ pub(super) struct Peer {
     pub(super) is_encrypted: bool,
 }
 
-/// Who sent a request.
-#[derive(Clone, Debug)]
-pub(super) enum Caller {
-    /// Somebody on this machine, at an open door.
-    Here,
-    /// Somebody with a key.
-    Known(SignedIn),
-}
+/// Whoever sent a request, once the gate has let it through.
+pub(super) struct LetIn(pub(super) Caller);
 
 /// A gate that asks for this.
 #[derive(Clone)]
@@ -74,47 +59,22 @@ impl Gate {
     }
 }
 
-impl Caller {
-    /// The name for records.
-    pub(super) fn name(&self) -> Arc<str> {
-        match self {
-            Caller::Here => Arc::from(OPERATOR),
-            Caller::Known(signed_in) => Arc::clone(&signed_in.name),
-        }
-    }
+/// The sender of a command, as records name him.
+pub(super) fn issuer(caller: &Caller, door: command::Door, peer: Peer) -> Issuer {
+    Issuer { door, who: caller.name(), from: peer.name() }
+}
 
-    /// The sender of a command, as records name him.
-    pub(super) fn issuer(&self, door: command::Door, peer: Peer) -> Issuer {
-        Issuer { door, who: self.name(), from: peer.name() }
-    }
-
-    /// What may be done.
-    pub(super) const fn role(&self) -> Role {
-        match self {
-            Caller::Here => Role::Operator,
-            Caller::Known(signed_in) => signed_in.role,
-        }
-    }
-
-    /// Nothing when it may do what asks for `need`, else what to tell it.
-    pub(super) fn check(&self, need: Need) -> Result<(), Refused> {
-        if self.role().may(need) {
-            return Ok(());
-        }
-        Err(Refused::NotAllowed(format!(
-            "you are signed in as `{}`, a {}, who sees everything and may press STOP; this asks for an operator's key",
-            self.name(),
-            self.role().name()
-        )))
-    }
+/// Nothing when he may do what asks for `need`, else what to tell him.
+pub(super) fn allowed(caller: &Caller, need: Need) -> Result<(), Refused> {
+    caller.may(need).map_err(Refused::NotAllowed)
 }
 
 /// A route that was not put behind a gate lets nobody in.
-impl<S: Send + Sync> FromRequestParts<S> for Caller {
+impl<S: Send + Sync> FromRequestParts<S> for LetIn {
     type Rejection = Problem;
 
-    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Caller, Problem> {
-        parts.extensions.get().cloned().ok_or_else(Problem::not_signed_in)
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<LetIn, Problem> {
+        parts.extensions.get().cloned().map(LetIn).ok_or_else(Problem::not_signed_in)
     }
 }
 
@@ -134,11 +94,7 @@ impl Door {
 
     /// Whether somebody who was let in would be let in still.
     pub(super) fn still_knows(&self, caller: &Caller) -> bool {
-        match (&self.access, caller) {
-            (Access::Open, Caller::Here) => true,
-            (Access::Keys(keyring), Caller::Known(signed_in)) => keyring.still_knows(signed_in, self.now_s()),
-            (Access::Open, Caller::Known(_)) | (Access::Keys(_), Caller::Here) => false,
-        }
+        self.access.still_knows(caller, self.now_s())
     }
 
     /// Holds a refusal back: the longer, the more wrong keys came from there.
@@ -156,7 +112,7 @@ impl Door {
 
     fn caller(&self, peer: Peer, shown: &Shown) -> Option<Caller> {
         let keyring = match &self.access {
-            Access::Open => return is_this_machine(peer.address).then_some(Caller::Here),
+            Access::Open => return self.access.unasked(peer.address),
             Access::Keys(keyring) => keyring,
         };
         let signed_in = match shown {
@@ -180,8 +136,8 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
         }
         return stranger(peer, &request);
     };
-    let asked = asked(&request, need).map(|(by, asked)| (caller.issuer(by, peer), asked));
-    if let Err(refused) = caller.check(need) {
+    let asked = asked(&request, need).map(|(by, asked)| (issuer(&caller, by, peer), asked));
+    if let Err(refused) = allowed(&caller, need) {
         if let Some((issuer, asked)) = asked {
             door.note_refused(issuer, asked, refused.clone()).await;
         }

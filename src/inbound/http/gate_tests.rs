@@ -1,8 +1,8 @@
 //! What goes on record of what this door does not take. Who is let in where is walked in `routes_tests`.
 
+use crate::access::Access;
 use crate::core::command::{Door, Refused};
 use crate::core::units::{Epoch, LuggageId};
-use crate::inbound::http::Access;
 use crate::inbound::http::testing::{House, guarded_house, house, keys};
 use crate::wire::fixture::searching;
 

@@ -31,12 +31,11 @@ use std::sync::Arc;
 use axum::Router;
 use tokio::sync::{Semaphore, watch};
 
-pub use gate::Access;
 pub use guard::Hosts;
 pub use serve::{Front, serve};
 pub use tls::{Tls, TlsError};
 
-use crate::access::Attempts;
+use crate::access::{Access, Attempts};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;

@@ -3,9 +3,10 @@
 use std::fmt::Write;
 
 use super::*;
+use crate::access::Access;
 use crate::core::command::Command;
+use crate::inbound::http::testing;
 use crate::inbound::http::testing::{House, guarded_house, house, keys, read, text};
-use crate::inbound::http::{Access, testing};
 use crate::wire::fixture::searching;
 
 /// Sends what a row answers to, as somebody with this token.

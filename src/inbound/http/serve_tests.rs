@@ -8,8 +8,8 @@ use tokio::task::JoinHandle;
 use tokio::time::timeout;
 
 use super::*;
+use crate::access::Access;
 use crate::core::command::Command;
-use crate::inbound::http::Access;
 use crate::inbound::http::testing::{House, guarded_house, house, keys};
 use crate::wire::fixture::searching;
 

@@ -8,9 +8,10 @@ use axum::response::{Html, IntoResponse, Redirect, Response};
 use serde::Deserialize;
 
 use super::Door;
-use super::gate::{Access, Caller, Peer};
+use super::gate::{LetIn, Peer};
+
 use super::reading::Form;
-use crate::access::{Network, SESSION_S};
+use crate::access::{Access, Network, SESSION_S};
 
 /// The cookie's name.
 pub(super) const COOKIE: &str = "hallsweep";
@@ -88,7 +89,7 @@ impl Undone {
 pub(super) async fn page(
     State(door): State<Door>,
     peer: Peer,
-    caller: Result<Caller, super::problem::Problem>,
+    caller: Result<LetIn, super::problem::Problem>,
     asked: Result<Query<Asked>, axum::extract::rejection::QueryRejection>,
 ) -> Response {
     let asked = asked.map(|Query(asked)| asked).unwrap_or_default();

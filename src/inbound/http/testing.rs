@@ -14,8 +14,8 @@ use tokio::sync::watch;
 use tower_service::Service;
 
 use super::gate::Peer;
-use super::{Access, Door, Hosts, router};
-use crate::access::{Keyring, Keys, OPERATOR, Role};
+use super::{Door, Hosts, router};
+use crate::access::{Access, Keyring, Keys, OPERATOR, Role};
 use crate::core::command::{self, Refused};
 use crate::core::effect::Entry;
 use crate::core::event::Photo;

@@ -6,9 +6,9 @@ use std::time::Duration;
 
 use tokio::sync::{OwnedSemaphorePermit, watch};
 
-use super::gate::Caller;
 use super::problem::Problem;
 use super::{Door, STREAMS};
+use crate::access::Caller;
 use crate::core::world::snapshot::Snapshot;
 
 /// How often it is asked whether whoever looks may still look.

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::super::Door;
 use super::super::events::HEARTBEAT;
-use super::super::gate::Caller;
+use super::super::gate::LetIn;
 use super::super::problem::Problem;
 use super::super::watcher::{Wake, Watcher};
 use super::parts::PARTS;
@@ -53,7 +53,7 @@ struct Shown {
 }
 
 /// `GET console/live`
-pub(in crate::inbound::http) async fn live(State(door): State<Door>, caller: Caller) -> Result<Response, Problem> {
+pub(in crate::inbound::http) async fn live(State(door): State<Door>, LetIn(caller): LetIn) -> Result<Response, Problem> {
     let who = who(&door, &caller);
     let (watcher, snapshot) = Watcher::open(&door, caller)?;
     let (hall, clock) = (Arc::clone(&door.hall), door.clock);

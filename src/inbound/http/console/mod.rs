@@ -16,9 +16,10 @@ use axum::response::{Html, IntoResponse, Redirect, Response};
 use super::Door;
 use super::accept::preferred;
 use super::by::By;
-use super::gate::{Access, Caller};
+use super::gate::LetIn;
 use super::problem::Problem;
 use super::reading::{Form, Number};
+use crate::access::{Access, Caller};
 use crate::core::command;
 use crate::core::units::LuggageId;
 use crate::runtime::carry_out::Done;
@@ -38,7 +39,7 @@ pub(super) fn refused_page(door: &Door, caller: &Caller, button: &str, problem: 
 }
 
 /// `GET /`
-pub(super) async fn page(State(door): State<Door>, caller: Caller) -> Html<String> {
+pub(super) async fn page(State(door): State<Door>, LetIn(caller): LetIn) -> Html<String> {
     whole(&door, &caller, None)
 }
 
@@ -69,7 +70,7 @@ async fn answered(by: &By, headers: &HeaderMap, act: &str, fields: &Fields) -> R
 }
 
 /// `GET console/confirm/danger/{id}`
-pub(super) async fn confirm_danger(State(door): State<Door>, caller: Caller, Number(id): Number) -> Response {
+pub(super) async fn confirm_danger(State(door): State<Door>, LetIn(caller): LetIn, Number(id): Number) -> Response {
     let snapshot = door.handle.snapshot();
     match snapshot.luggage(LuggageId(id)) {
         Some(luggage) => html(&parts::Confirm::danger(luggage)).into_response(),

@@ -1,0 +1,81 @@
+//! Who is let in, and who somebody at a door is: everybody on this machine, or whoever has a key. What a client brings to say
+//! who it is, is each door's own matter.
+
+use std::net::IpAddr;
+use std::sync::Arc;
+
+use super::keyring::Keyring;
+use super::keys::{OPERATOR, SignedIn};
+use super::network::is_this_machine;
+use super::role::{Need, Role};
+
+/// Who is let in.
+#[derive(Clone, Debug)]
+pub enum Access {
+    /// Everybody on this machine, as the operator; nobody else.
+    Open,
+    /// Whoever has a key.
+    Keys(Keyring),
+}
+
+/// Somebody who was let in.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Caller {
+    /// Somebody on this machine, at an open door.
+    Here,
+    /// Somebody with a key.
+    Known(SignedIn),
+}
+
+impl Access {
+    /// Whoever comes from this address without showing anything.
+    #[must_use]
+    pub fn unasked(&self, address: IpAddr) -> Option<Caller> {
+        (matches!(self, Access::Open) && is_this_machine(address)).then_some(Caller::Here)
+    }
+
+    /// Whether somebody who was let in would be let in still; `now_s` in seconds since 1970.
+    #[must_use]
+    pub fn still_knows(&self, caller: &Caller, now_s: i64) -> bool {
+        match (self, caller) {
+            (Access::Open, Caller::Here) => true,
+            (Access::Keys(keyring), Caller::Known(signed_in)) => keyring.still_knows(signed_in, now_s),
+            (Access::Open, Caller::Known(_)) | (Access::Keys(_), Caller::Here) => false,
+        }
+    }
+}
+
+impl Caller {
+    /// The name for records.
+    #[must_use]
+    pub fn name(&self) -> Arc<str> {
+        match self {
+            Caller::Here => Arc::from(OPERATOR),
+            Caller::Known(signed_in) => Arc::clone(&signed_in.name),
+        }
+    }
+
+    /// What may be done.
+    #[must_use]
+    pub const fn role(&self) -> Role {
+        match self {
+            Caller::Here => Role::Operator,
+            Caller::Known(signed_in) => signed_in.role,
+        }
+    }
+
+    /// Nothing when it may do what asks for `need`.
+    ///
+    /// # Errors
+    /// Else the sentence to tell it.
+    pub fn may(&self, need: Need) -> Result<(), String> {
+        if self.role().may(need) {
+            return Ok(());
+        }
+        Err(format!(
+            "you are signed in as `{}`, a {}, who sees everything and may press STOP; this asks for an operator's key",
+            self.name(),
+            self.role().name()
+        ))
+    }
+}

@@ -1,0 +1,174 @@
+//! The settings of the MQTT door: a broker of our own or somebody else's, and how the topics are called.
+
+use std::fmt;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use super::error::SettingsError;
+use super::layers::Layers;
+use super::raw;
+
+/// The usual port of a broker.
+const PLAIN: u16 = 1883;
+
+/// The usual port of one that is reached by TLS.
+const ENCRYPTED: u16 = 8883;
+
+/// A prefix longer than this would leave too little of a topic.
+const LONGEST: usize = 64;
+
+/// The MQTT door.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MqttSettings {
+    /// Through which broker it speaks; `None`: there is no such door.
+    pub broker: Option<Broker>,
+    /// What all JSON topics begin with, as `hallsweep`.
+    pub prefix: String,
+    /// The name of this robot in topics, as `discovery`.
+    pub id: String,
+    /// What the topics of the original system begin with, as `unibo/qak`.
+    pub old_prefix: String,
+    /// Whether Home Assistant is told of the robot.
+    pub home_assistant: bool,
+}
+
+/// A broker.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Broker {
+    /// Our own.
+    Own {
+        /// Where it listens.
+        bind: SocketAddr,
+        /// Whether name and password are asked for: always beyond loopback, and on loopback when it is wanted.
+        asks_for_keys: bool,
+    },
+    /// Somebody else's.
+    Other(OtherBroker),
+}
+
+/// Somebody else's broker.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OtherBroker {
+    /// Its name or address.
+    pub host: String,
+    /// Its port.
+    pub port: u16,
+    /// Whether it is reached by TLS.
+    pub is_encrypted: bool,
+    /// By what it knows us, where it asks for that.
+    pub login: Option<Login>,
+    /// A PEM file of the certificates that are believed; `None`: those of the system.
+    pub certificates: Option<PathBuf>,
+}
+
+/// By what a broker knows us.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Login {
+    /// The name.
+    pub name: String,
+    /// The password.
+    pub password: String,
+}
+
+impl fmt::Debug for Login {
+    /// Without the password, which is in no log.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Login({:?})", self.name)
+    }
+}
+
+/// Checks the section.
+pub(super) fn mqtt(layers: &Layers, raw: &raw::Mqtt) -> Result<MqttSettings, SettingsError> {
+    let broker = match raw.broker.as_str() {
+        "" => own(layers, raw)?,
+        url => Some(Broker::Other(other(layers, raw, url)?)),
+    };
+    Ok(MqttSettings {
+        broker,
+        prefix: name(layers, "mqtt.prefix", &raw.prefix, true)?,
+        id: name(layers, "mqtt.id", &raw.id, false)?,
+        old_prefix: old_prefix(layers, raw)?,
+        home_assistant: raw.home_assistant,
+    })
+}
+
+fn own(layers: &Layers, raw: &raw::Mqtt) -> Result<Option<Broker>, SettingsError> {
+    for (key, value) in [("mqtt.name", &raw.name), ("mqtt.password", &raw.password), ("mqtt.certificates", &raw.certificates)] {
+        if !value.is_empty() {
+            return Err(layers.wrong_unseen(key, "it is for a broker of somebody else's, and mqtt.broker names none"));
+        }
+    }
+    if raw.bind == "none" {
+        return Ok(None);
+    }
+    let bind: SocketAddr = raw.bind.parse().map_err(|_| layers.wrong("mqtt.bind", "it is not an address with a port"))?;
+    let asks_for_keys = raw.require_password || !bind.ip().to_canonical().is_loopback();
+    Ok(Some(Broker::Own { bind, asks_for_keys }))
+}
+
+fn other(layers: &Layers, raw: &raw::Mqtt, url: &str) -> Result<OtherBroker, SettingsError> {
+    let wrong = |problem: &str| layers.wrong("mqtt.broker", problem);
+    let (is_encrypted, rest) = match url.split_once("://") {
+        Some(("mqtt", rest)) => (false, rest),
+        Some(("mqtts", rest)) => (true, rest),
+        Some(_) | None => return Err(wrong("it begins with neither mqtt:// nor mqtts://")),
+    };
+    let rest = rest.strip_suffix('/').unwrap_or(rest);
+    if rest.contains('@') {
+        return Err(layers.wrong_unseen("mqtt.broker", "name and password have settings of their own"));
+    }
+    let (host, port) = host_and_port(rest).ok_or_else(|| wrong("it names no host, or no port that can be"))?;
+    let port = port.unwrap_or(if is_encrypted { ENCRYPTED } else { PLAIN });
+    let certificates = (!raw.certificates.is_empty()).then(|| PathBuf::from(&raw.certificates));
+    if certificates.is_some() && !is_encrypted {
+        return Err(layers.wrong("mqtt.certificates", "mqtt.broker is not reached by TLS"));
+    }
+    Ok(OtherBroker { host, port, is_encrypted, login: login(layers, raw)?, certificates })
+}
+
+fn login(layers: &Layers, raw: &raw::Mqtt) -> Result<Option<Login>, SettingsError> {
+    match (raw.name.as_str(), raw.password.as_str()) {
+        ("", "") => Ok(None),
+        ("", _) => Err(layers.wrong("mqtt.name", "mqtt.password is set, and a password is of no use without a name")),
+        (name, password) => Ok(Some(Login { name: name.to_owned(), password: password.to_owned() })),
+    }
+}
+
+/// `host`, `host:1883`, `192.0.2.1`, `[::1]` or `[::1]:1883`.
+fn host_and_port(text: &str) -> Option<(String, Option<u16>)> {
+    let (host, port) = match text.strip_prefix('[') {
+        Some(rest) => {
+            let (host, after) = rest.split_once(']')?;
+            host.parse::<std::net::Ipv6Addr>().ok()?;
+            (host, if after.is_empty() { None } else { Some(after.strip_prefix(':')?) })
+        }
+        None => text.split_once(':').map_or((text, None), |(host, port)| (host, Some(port))),
+    };
+    let is_name = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'-' | b'_' | b':');
+    if host.is_empty() || !host.bytes().all(is_name) {
+        return None;
+    }
+    let port = port.map(|port| port.parse::<u16>().ok().filter(|port| *port > 0).ok_or(())).transpose().ok()?;
+    Some((host.to_owned(), port))
+}
+
+/// A word, or several with slashes between, that can begin topics and stand in the names that Home Assistant gives.
+fn name(layers: &Layers, key: &str, written: &str, slashes: bool) -> Result<String, SettingsError> {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_';
+    let mut words = written.split('/');
+    let are_plain = words.all(|word| !word.is_empty() && word.bytes().all(is_plain));
+    if written.len() > LONGEST || !are_plain || (!slashes && written.contains('/')) {
+        return Err(layers.wrong(key, "no topic can be called so"));
+    }
+    Ok(written.to_owned())
+}
+
+/// The old topics must not lie among the new ones, nor the other way round.
+fn old_prefix(layers: &Layers, raw: &raw::Mqtt) -> Result<String, SettingsError> {
+    let old = name(layers, "mqtt.old_prefix", &raw.old_prefix, true)?;
+    let (ours, theirs) = (format!("{}/", raw.prefix), format!("{old}/"));
+    if ours.starts_with(&theirs) || theirs.starts_with(&ours) {
+        return Err(layers.wrong("mqtt.old_prefix", "these topics would lie among those of mqtt.prefix"));
+    }
+    Ok(old)
+}

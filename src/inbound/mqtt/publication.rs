@@ -1,0 +1,28 @@
+//! One message that goes out, ready to be published. How it gets to a broker is not here.
+
+use bytes::Bytes;
+
+/// A message on its way out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Publication {
+    /// Where.
+    pub topic: String,
+    /// What.
+    pub payload: Bytes,
+    /// Whether a broker keeps it for whoever subscribes later.
+    pub retain: bool,
+}
+
+impl Publication {
+    /// The state of something: kept by the broker, so that a newcomer sees it at once.
+    #[must_use]
+    pub fn kept(topic: String, payload: impl Into<Bytes>) -> Publication {
+        Publication { topic, payload: payload.into(), retain: true }
+    }
+
+    /// Something that happened: for those who listen now.
+    #[must_use]
+    pub fn passing(topic: String, payload: impl Into<Bytes>) -> Publication {
+        Publication { topic, payload: payload.into(), retain: false }
+    }
+}
