@@ -1,5 +1,7 @@
 //! The MQTT door: the old topics, the JSON topics, and a broker of our own behind a gate, or somebody else's. It turns messages
 //! into commands and snapshots into messages; it decides nothing about the mission.
 
+pub mod home_assistant;
+pub mod news;
 pub mod publication;
 pub mod topics;
