@@ -4,4 +4,5 @@
 pub mod home_assistant;
 pub mod news;
 pub mod publication;
+pub mod qak;
 pub mod topics;
