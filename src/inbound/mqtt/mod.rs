@@ -2,4 +2,5 @@
 //! into commands and snapshots into messages; it decides nothing about the mission.
 
 pub mod publication;
+pub mod session;
 pub mod topics;
