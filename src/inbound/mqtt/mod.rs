@@ -2,7 +2,9 @@
 //! into commands and snapshots into messages; it decides nothing about the mission.
 
 mod engine;
+pub mod home_assistant;
 mod limits;
+pub mod news;
 pub mod publication;
 pub mod session;
 mod slots;

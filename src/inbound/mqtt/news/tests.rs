@@ -1,0 +1,1 @@
+//! What goes out, followed from state to state.
