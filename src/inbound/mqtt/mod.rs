@@ -5,6 +5,7 @@ mod engine;
 pub mod home_assistant;
 mod limits;
 pub mod news;
+pub mod orders;
 pub mod publication;
 pub mod session;
 mod slots;
