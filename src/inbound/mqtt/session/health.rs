@@ -1,7 +1,5 @@
 //! Whether the broker is well, as the session finds it, and when it is called ill. What is done about that is not decided here.
 
-use std::sync::Arc;
-
 use tokio::sync::watch;
 
 /// One echo may be missed, as when the machine is held for two seconds.
@@ -10,18 +8,15 @@ const MISSES: u32 = 2;
 /// A port that cannot be reached may be one that is just being opened.
 const TRIES: u32 = 3;
 
-/// How the broker is. An illness is told again while it lasts, each time as a change of the watch.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// How the broker is. An illness is told again while it lasts, each time as a change of the watch; why, is in the log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Health {
     /// Nothing is known yet.
     Unproven,
     /// It brought back what was sent to it; or, if it is somebody else's, it greeted us and took our subscription.
     Well,
     /// It does not, or it cannot be reached.
-    Ill {
-        /// What was found, for the log.
-        reason: Arc<str>,
-    },
+    Ill,
 }
 
 /// Counts what goes wrong, and tells whoever watches.
@@ -52,22 +47,22 @@ impl Chart {
         self.misses += 1;
         let is_ill = self.misses >= MISSES;
         if is_ill {
-            self.tell_ill(&format!("{MISSES} messages in a row did not come back in time"));
+            self.tell_ill();
         }
         is_ill
     }
 
-    /// It could not be reached, or was lost before it had proved anything.
-    pub(super) fn handle_lost(&mut self, reason: &str) {
+    /// It could not be reached, or it was lost.
+    pub(super) fn handle_lost(&mut self) {
         self.tries += 1;
         if self.tries >= TRIES {
-            self.tell_ill(&format!("it could not be reached {TRIES} times in a row, last: {reason}"));
+            self.tell_ill();
         }
     }
 
-    fn tell_ill(&mut self, reason: &str) {
+    fn tell_ill(&mut self) {
         (self.misses, self.tries) = (0, 0);
-        self.told.send_replace(Health::Ill { reason: reason.into() });
+        self.told.send_replace(Health::Ill);
     }
 }
 
@@ -81,7 +76,7 @@ mod tests {
     }
 
     fn is_ill(health: &watch::Receiver<Health>) -> bool {
-        matches!(*health.borrow(), Health::Ill { .. })
+        *health.borrow() == Health::Ill
     }
 
     #[test]
@@ -100,10 +95,10 @@ mod tests {
         let (mut chart, mut health) = chart();
         for _ in 0..3 {
             for _ in 0..2 {
-                chart.handle_lost("connection refused");
+                chart.handle_lost();
                 assert!(!health.has_changed().expect("it is told"));
             }
-            chart.handle_lost("connection refused");
+            chart.handle_lost();
             assert!(health.has_changed().expect("it is told") && is_ill(&health));
             health.mark_unchanged();
         }

@@ -9,8 +9,8 @@ mod ledger;
 mod line;
 mod link;
 mod lost;
+mod photos;
 mod pulse;
-mod stand_in;
 mod talk;
 mod times;
 mod tls;
@@ -21,37 +21,40 @@ pub use link::Link;
 pub use times::Times;
 pub use tls::{TlsError, believing};
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use tokio::sync::{mpsc, watch};
 
+use super::news::{News, OFFLINE};
+use super::orders::Sender;
 use super::publication::Publication;
+use super::topics::{PULSE, Topics};
 use crate::core::rng::Stream;
 use crate::core::world::snapshot::Snapshot;
+use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use backoff::Backoff;
 use health::Chart;
 use lost::Lost;
-use stand_in::{News, Orders};
 use talk::Talk;
-
-/// What stands on the topic of availability while the program is not there.
-const OFFLINE: &str = "offline";
 
 /// What a session is made of.
 pub struct Parts {
     /// Where the broker is.
     pub link: Link,
-    /// What is listened to.
+    /// Whose it is.
     pub hearing: Hearing,
-    /// What is said.
-    pub news: News,
-    /// Who takes commands.
-    pub orders: Orders,
-    /// The answers to commands.
-    pub answers: mpsc::Receiver<Publication>,
+    /// The topics of this robot.
+    pub topics: Topics,
+    /// Whether Home Assistant is told of it.
+    pub home_assistant: bool,
     /// The state.
     pub states: watch::Receiver<Arc<Snapshot>>,
+    /// The answers to commands.
+    pub answers: mpsc::Receiver<Publication>,
+    /// Where photos are read.
+    pub archive: Reader,
     /// Who is told how the broker is.
     pub health: watch::Sender<Health>,
     /// Where the spread of pauses and the words of the pulse come from.
@@ -63,15 +66,19 @@ pub struct Parts {
 /// A client that keeps its connection to a broker.
 pub struct Session {
     link: Link,
-    /// The broker's address, for the records of commands.
-    broker: Arc<str>,
     hearing: Hearing,
+    /// Whoever speaks at somebody else's broker.
+    sender: Sender,
+    topics: Topics,
+    home_assistant: bool,
     news: News,
-    orders: Orders,
-    answers: mpsc::Receiver<Publication>,
     states: watch::Receiver<Arc<Snapshot>>,
-    /// What may not have arrived on a connection that was lost.
-    unacknowledged: Vec<Publication>,
+    answers: mpsc::Receiver<Publication>,
+    archive: Reader,
+    /// What happened, was said on a connection that was lost, and may not have arrived.
+    again: VecDeque<Publication>,
+    /// How many old messages may not have arrived.
+    unacknowledged: u64,
     chart: Chart,
     backoff: Backoff,
     chance: Stream,
@@ -85,14 +92,17 @@ impl Session {
     #[must_use]
     pub fn new(parts: Parts) -> Session {
         Session {
-            broker: parts.link.to_string().into(),
+            news: News::new(parts.topics.clone(), parts.home_assistant),
+            sender: Sender::Unknown { broker: parts.link.host.as_str().into() },
             link: parts.link,
             hearing: parts.hearing,
-            news: parts.news,
-            orders: parts.orders,
-            answers: parts.answers,
+            topics: parts.topics,
+            home_assistant: parts.home_assistant,
             states: parts.states,
-            unacknowledged: Vec::new(),
+            answers: parts.answers,
+            archive: parts.archive,
+            again: VecDeque::new(),
+            unacknowledged: 0,
             chart: Chart::new(parts.health),
             backoff: Backoff::new(&parts.times, Stream::new(parts.seed, "mqtt pauses")),
             chance: Stream::new(parts.seed, "mqtt pulse"),
@@ -113,8 +123,8 @@ impl Session {
                 lost = talk.go_on() => lost,
             };
             let was_open = talk.is_open();
-            talk.end();
-            self.handle_lost(&lost, was_open);
+            let unacknowledged = talk.into_unacknowledged();
+            self.handle_lost(&lost, was_open, unacknowledged);
             let lasted = self.clock.now().since_start.saturating_sub(began);
             let pause = self.backoff.handle_ended(lasted, was_open);
             tokio::select! {
@@ -126,25 +136,51 @@ impl Session {
 
     /// What is said when the program ends, and by the broker when it is gone without a word.
     fn offline(&self) -> Publication {
-        Publication::kept(self.hearing.topics.availability(), OFFLINE)
+        Publication::kept(self.topics.availability(), OFFLINE)
     }
 
-    /// The broker has greeted us and answered our subscription.
+    fn filters(&self) -> Vec<String> {
+        self.hearing.filters(&self.topics, self.home_assistant)
+    }
+
+    /// What is to be said next, if anything is due.
+    fn poll_publication(&mut self) -> Option<Publication> {
+        self.again.pop_front().or_else(|| self.news.poll_publication(self.clock.now().since_start))
+    }
+
+    /// The broker has greeted us and answered our subscription: everything is said, as to somebody who knows nothing.
     fn handle_open(&mut self) {
         if std::mem::take(&mut self.is_lost) {
             tracing::info!(broker = %self.link, "the MQTT broker is back");
         }
-        if !self.hearing.is_own {
+        if matches!(self.hearing, Hearing::Other(_)) {
             self.chart.handle_proof();
         }
+        self.learn();
+        self.news.renew(std::mem::take(&mut self.unacknowledged));
     }
 
-    /// One line when it is lost, and none for the attempts after that.
-    fn handle_lost(&mut self, lost: &Lost, was_open: bool) {
-        self.chart.handle_lost(&lost.to_string());
-        if !std::mem::replace(&mut self.is_lost, true) {
+    /// The newest state.
+    fn learn(&mut self) {
+        let state = Arc::clone(&self.states.borrow_and_update());
+        self.news.handle_state(state);
+    }
+
+    /// One line in the log when it is lost, and none for the attempts after that. What may not have arrived is said again: what a
+    /// broker keeps, because all of that is said anew; the rest as it was.
+    fn handle_lost(&mut self, lost: &Lost, was_open: bool, unacknowledged: Vec<Publication>) {
+        self.chart.handle_lost();
+        let (numbered, others): (Vec<_>, Vec<_>) = unacknowledged.into_iter().partition(|said| self.news.is_numbered(said));
+        self.unacknowledged += numbered.len() as u64;
+        self.again.extend(others.into_iter().filter(|said| !said.retain && said.topic != PULSE));
+        if std::mem::replace(&mut self.is_lost, true) {
+            tracing::debug!(broker = %self.link, reason = %lost, "the MQTT broker still cannot be reached");
+        } else {
             let what = if was_open { "is lost" } else { "cannot be reached" };
             tracing::warn!(broker = %self.link, reason = %lost, "the MQTT broker {what}; it is tried again until it answers");
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,13 +5,14 @@ use std::time::Duration;
 
 use rumqttc::{Event, Outgoing, Packet, Publish, SubscribeReasonCode};
 
+use super::super::orders::Heard;
 use super::super::publication::Publication;
 use super::super::topics::{HOME_ASSISTANT_STATUS, PULSE};
-use super::Session;
 use super::conversation::Conversation;
 use super::line::Line;
 use super::lost::Lost;
-use super::stand_in::{Heard, Sender};
+use super::photos::{self, Reading};
+use super::{Hearing, Session};
 
 /// What Home Assistant says when it has started.
 const BIRTH: &[u8] = b"online";
@@ -21,15 +22,16 @@ pub(super) struct Talk<'a> {
     session: &'a mut Session,
     line: Line,
     conversation: Conversation,
+    reading: Reading,
 }
 
 impl Talk<'_> {
     /// Begins to connect.
     pub(super) fn begin(session: &mut Session) -> Talk<'_> {
         let line = Line::new(session.link.options(session.offline(), &session.times), &session.times);
-        let nonce = session.hearing.is_own.then(|| session.chance.number());
+        let nonce = matches!(session.hearing, Hearing::Own).then(|| session.chance.number());
         let conversation = Conversation::new(&session.times, nonce, session.clock.now().since_start);
-        Talk { session, line, conversation }
+        Talk { session, line, conversation, reading: Reading::default() }
     }
 
     /// Converses until the connection is lost. May be dropped while it waits.
@@ -46,9 +48,9 @@ impl Talk<'_> {
         self.conversation.is_open()
     }
 
-    /// The end of a connection that was lost: what may not have arrived is said again on the next.
-    pub(super) fn end(self) {
-        self.session.unacknowledged.extend(self.conversation.into_unacknowledged());
+    /// What may not have arrived, oldest first.
+    pub(super) fn into_unacknowledged(self) -> Vec<Publication> {
+        self.conversation.into_unacknowledged()
     }
 
     /// Says that the program ends, and waits, but not for long, until that has arrived.
@@ -68,7 +70,11 @@ impl Talk<'_> {
             event = self.line.next() => self.handle_event(event?),
             () = clock.reach(due) => self.handle_timeout(),
             Ok(()) = self.session.states.changed() => {
-                self.learn();
+                self.session.learn();
+                Ok(())
+            }
+            looked = self.reading.done() => {
+                photos::show(&mut self.session.news, looked);
                 Ok(())
             }
             Some(answer) = self.session.answers.recv(), if has_room => {
@@ -80,12 +86,14 @@ impl Talk<'_> {
 
     /// Publishes what is new, as long as there is room for it: what finds none is asked for later, and is newer then.
     fn speak(&mut self) {
-        let now = self.session.clock.now();
-        if let Some(beat) = self.conversation.poll_beat(now.since_start) {
+        if let Some(beat) = self.conversation.poll_beat(self.now()) {
             self.give(beat);
         }
+        if self.is_open() {
+            self.reading.begin(&mut self.session.news, &self.session.archive);
+        }
         while self.conversation.has_room() {
-            let Some(publication) = self.session.news.poll_publication(now) else { return };
+            let Some(publication) = self.session.poll_publication() else { return };
             self.give(publication);
         }
     }
@@ -97,17 +105,16 @@ impl Talk<'_> {
 
     fn give(&mut self, publication: Publication) {
         if self.line.publish(&publication) {
-            self.conversation.handle_given(publication, self.session.clock.now().since_start);
+            self.conversation.handle_given(publication, self.now());
         }
     }
 
-    fn learn(&mut self) {
-        let state = self.session.states.borrow_and_update().clone();
-        self.session.news.handle_state(&state, self.session.clock.now());
+    fn now(&self) -> Duration {
+        self.session.clock.now().since_start
     }
 
     fn handle_timeout(&mut self) -> Result<(), Lost> {
-        let is_missed = self.conversation.handle_timeout(self.session.clock.now().since_start)?;
+        let is_missed = self.conversation.handle_timeout(self.now())?;
         if is_missed && self.session.chart.handle_miss() { Err(Lost::NoEcho) } else { Ok(()) }
     }
 
@@ -121,14 +128,14 @@ impl Talk<'_> {
     }
 
     fn handle_packet(&mut self, packet: Packet) -> Result<(), Lost> {
-        let now = self.session.clock.now().since_start;
+        let now = self.now();
         if let Packet::Publish(publish) = packet {
             self.hear(&publish);
         } else if let Packet::PubAck(acknowledged) = packet {
             self.conversation.handle_acknowledged(acknowledged.pkid, now);
         } else if let Packet::ConnAck(_) = packet {
             self.conversation.handle_greeted(now);
-            if !self.line.subscribe(self.session.hearing.filters()) {
+            if !self.line.subscribe(self.session.filters()) {
                 return Err(Lost::Broken("no topic can be called so".to_owned()));
             }
         } else if let Packet::SubAck(answer) = packet {
@@ -137,17 +144,13 @@ impl Talk<'_> {
         Ok(())
     }
 
-    /// From here on everything is said, as to somebody who knows nothing.
     fn open(&mut self, answers: &[SubscribeReasonCode], now: Duration) {
-        for (filter, _) in
-            self.session.hearing.filters().iter().zip(answers).filter(|(_, code)| **code == SubscribeReasonCode::Failure)
-        {
-            tracing::warn!(broker = %self.session.link, filter, "the broker does not let us hear what is said there");
+        let filters = self.session.filters();
+        for (filter, _) in filters.iter().zip(answers).filter(|(_, code)| **code == SubscribeReasonCode::Failure) {
+            tracing::warn!(broker = %self.session.link, filter, "the MQTT broker does not let us hear what is said there");
         }
         self.conversation.handle_subscribed(now);
         self.session.handle_open();
-        self.learn();
-        self.session.news.renew(std::mem::take(&mut self.session.unacknowledged));
     }
 
     /// Only what is said now: what a broker has kept was said to somebody before us.
@@ -155,21 +158,15 @@ impl Talk<'_> {
         if self.conversation.is_repeated(said.pkid, said.dup) || said.retain {
             return;
         }
-        match said.topic.as_str() {
-            PULSE => {
-                if self.conversation.handle_echo(&said.payload) {
-                    self.session.chart.handle_proof();
-                }
+        let session = &mut *self.session;
+        match (said.topic.as_str(), &session.hearing) {
+            (HOME_ASSISTANT_STATUS, _) if said.payload == BIRTH => session.news.handle_birth(),
+            (PULSE, Hearing::Own) if self.conversation.handle_echo(&said.payload) => session.chart.handle_proof(),
+            (topic, Hearing::Other(orders)) => {
+                // What became of it is published by the orders themselves.
+                let _ = orders.take(&Heard { topic, payload: &said.payload }, &session.sender);
             }
-            HOME_ASSISTANT_STATUS => {
-                if said.payload == BIRTH {
-                    self.session.news.renew(Vec::new());
-                }
-            }
-            topic => {
-                let heard = Heard { topic, payload: &said.payload };
-                self.session.orders.take(&heard, &Sender::Unknown { broker: self.session.broker.clone() });
-            }
+            (_, Hearing::Own) => {}
         }
     }
 
@@ -190,7 +187,7 @@ impl Talk<'_> {
     /// Nothing is heard any more; only what has arrived is counted.
     fn handle_last(&mut self, event: Event) {
         if let Event::Incoming(Packet::PubAck(acknowledged)) = event {
-            self.conversation.handle_acknowledged(acknowledged.pkid, self.session.clock.now().since_start);
+            self.conversation.handle_acknowledged(acknowledged.pkid, self.now());
         } else if let Event::Outgoing(Outgoing::Publish(id)) = event {
             self.conversation.handle_sent(id);
         }
