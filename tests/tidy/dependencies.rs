@@ -48,6 +48,7 @@ const RULES: [Rule; 12] = [
             "rumqttc",
             "rumqttd",
             "rustls",
+            "rustls_native_certs",
             "serde",
             "serde_json",
             "socket2",
