@@ -68,7 +68,7 @@ pub enum AppError {
 fn what_to_do(port: Port, error: &std::io::Error) -> String {
     let flag = port.flag();
     if error.kind() == std::io::ErrorKind::AddrInUse {
-        let without = if port == Port::Coap { ", or do without with --coap none" } else { "" };
+        let without = if port == Port::Http { String::new() } else { format!(", or do without with {flag} none") };
         format!(
             "another program has this port: end it, or choose another with {flag}, as {flag} 127.0.0.1:0 for a free one{without}"
         )
@@ -91,7 +91,8 @@ mod tests {
             let address = "127.0.0.1:999".parse().expect("an address");
             AppError::Bind { port, address, error: error.into() }.to_string()
         };
-        for (port, name, flag) in [(Port::Http, "HTTP", "--http"), (Port::Coap, "CoAP", "--coap")] {
+        let doors = [(Port::Http, "HTTP", "--http"), (Port::Coap, "CoAP", "--coap"), (Port::Mqtt, "MQTT", "--mqtt")];
+        for (port, name, flag) in doors {
             let taken = said(port, ErrorKind::AddrInUse);
             assert!(taken.starts_with(&format!("cannot listen on 127.0.0.1:999 for {name}: ")), "{taken}");
             assert!(taken.contains(&format!("{flag} 127.0.0.1:0")), "{taken}");
