@@ -21,6 +21,7 @@ pub mod mission_record;
 pub mod old_clients;
 pub mod old_items;
 pub mod problem;
+pub mod result;
 pub mod robot;
 pub mod senml;
 pub mod state;

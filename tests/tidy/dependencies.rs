@@ -48,6 +48,7 @@ const RULES: [Rule; 12] = [
             "rumqttc",
             "rumqttd",
             "rustls",
+            "rustls_native_certs",
             "serde",
             "serde_json",
             "socket2",
@@ -73,7 +74,7 @@ const RULES: [Rule; 12] = [
     Rule {
         module: "app",
         modules: &["access", "config", "core", "inbound", "outbound", "runtime"],
-        crates: &["thiserror", "tokio", "tracing"],
+        crates: &["rlimit", "thiserror", "tokio", "tracing"],
     },
     Rule {
         module: "cli",

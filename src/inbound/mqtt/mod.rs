@@ -1,11 +1,18 @@
 //! The MQTT door: the old topics, the JSON topics, and a broker of our own behind a gate, or somebody else's. It turns messages
 //! into commands and snapshots into messages; it decides nothing about the mission.
 
+mod embedded;
 mod engine;
+pub mod gate;
+mod guests;
 pub mod home_assistant;
 mod limits;
 pub mod news;
+pub mod orders;
 pub mod publication;
+mod pump;
 pub mod qak;
+pub mod session;
 mod slots;
 pub mod topics;
+mod visitor;

@@ -180,20 +180,14 @@ impl Row {
     /// The command behind a CONTENT, or what is wrong with it.
     fn command(&self, content: &Term) -> Result<Command, String> {
         let content = unquoted(content);
-        let parts = match &content {
-            Term::Compound(name, parts) if name == self.id => parts.as_slice(),
-            Term::Atom(name) if name == self.id => &[],
-            Term::Atom(_) | Term::Number(_) | Term::Compound(..) if matches!(self.asks, Asks::Halt(_)) => &[],
-            other => return Err(self.other(other)),
-        };
-        match (&self.asks, parts) {
-            (Asks::Halt(command) | Asks::For(command), _) => Ok(command.clone()),
-            (Asks::Goto, [Term::Number(x), Term::Number(y)]) => match (x.text().parse(), y.text().parse()) {
+        match (&self.asks, parts_of(self.id, &content)) {
+            (Asks::Halt(command), _) | (Asks::For(command), Some(_)) => Ok(command.clone()),
+            (Asks::Goto, Some([Term::Number(x), Term::Number(y)])) => match (x.text().parse(), y.text().parse()) {
                 (Ok(x), Ok(y)) => goto(x, y).map_err(|unusable| unusable.to_string()),
                 _ => Err(self.other(&content)),
             },
-            (Asks::Move, [Term::Atom(word)]) => move_word(word).map_err(|unusable| unusable.to_string()),
-            (Asks::Goto | Asks::Move, _) => Err(self.other(&content)),
+            (Asks::Move, Some([Term::Atom(word)])) => move_word(word).map_err(|unusable| unusable.to_string()),
+            (Asks::For(_) | Asks::Goto | Asks::Move, _) => Err(self.other(&content)),
         }
     }
 
@@ -205,6 +199,15 @@ impl Row {
             Asks::Move => format!("{id}(w), or another move,"),
         };
         format!("{} stands where {expected} belongs", in_short(&content.to_string()))
+    }
+}
+
+/// What stands in the parentheses behind `id`; nothing, where there are none.
+fn parts_of<'a>(id: &str, content: &'a Term) -> Option<&'a [Term]> {
+    match content {
+        Term::Compound(name, parts) if name == id => Some(parts),
+        Term::Atom(name) if name == id => Some(&[]),
+        Term::Atom(_) | Term::Compound(..) | Term::Number(_) => None,
     }
 }
 

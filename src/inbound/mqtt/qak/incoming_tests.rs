@@ -164,9 +164,9 @@ fn heat_is_believed_whatever_its_message_says() {
 #[test]
 fn driving_is_for_those_who_were_let_in() {
     for (text, words) in [
-        ("msg(userCmd,dispatch,js,robotmind,userCmd(w),1)", "a move by hand forward"),
-        ("msg(robotCmd,dispatch,js,robotmind,robotCmd(x),1)", "a move by hand a little right"),
-        ("msg(startTest,dispatch,js,robotmind,startTest(1,2),1)", "driving to a cell (1, 2)"),
+        ("msg(userCmd,dispatch,js,robotmind,userCmd(w),1)", "move forward"),
+        ("msg(robotCmd,dispatch,js,robotmind,robotCmd(x),1)", "move a little right"),
+        ("msg(startTest,dispatch,js,robotmind,startTest(1,2),1)", "goto (1, 2)"),
     ] {
         let wrong = asked(text.as_bytes(), false).unwrap_err();
         assert_eq!((wrong.refused().code(), wrong.asked().as_str()), ("notAllowed", words));

@@ -71,7 +71,9 @@ impl Message {
         let no_text = |error: std::str::Utf8Error| Unreadable::NotText { at: error.valid_up_to() };
         match Term::parse(std::str::from_utf8(payload).map_err(no_text)?)? {
             Term::Compound(name, parts) if name == MSG => Message::of(parts),
-            other => Err(NoMessage::OtherTerm(in_short(&other.to_string()))),
+            other @ (Term::Atom(_) | Term::Number(_) | Term::Compound(..)) => {
+                Err(NoMessage::OtherTerm(in_short(&other.to_string())))
+            }
         }
     }
 
