@@ -21,6 +21,8 @@ mod kill;
 mod malformed;
 #[path = "service/missions.rs"]
 mod missions;
+#[path = "service/mqtt_clients/mod.rs"]
+mod mqtt_clients;
 #[path = "service/old_console.rs"]
 mod old_console;
 #[path = "service/program.rs"]
@@ -39,6 +41,8 @@ mod stops;
 mod store_faults;
 #[path = "service/stream.rs"]
 mod stream;
+#[path = "service/third_party.rs"]
+mod third_party;
 #[path = "service/tls.rs"]
 mod tls;
 #[path = "service/verdicts.rs"]
