@@ -3,8 +3,8 @@
 
 use std::time::Duration;
 
-use super::told::Hello;
 use super::talk::Talk;
+use super::told::Hello;
 use super::{AVAILABILITY, OURS, with_each};
 use crate::program::Program;
 
