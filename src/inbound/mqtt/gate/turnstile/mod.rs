@@ -7,6 +7,7 @@
 mod duplicates;
 mod ended;
 mod engine;
+mod flood;
 mod keeping;
 mod outstanding;
 mod publishing;
@@ -23,6 +24,7 @@ pub use self::ended::Ended;
 pub use self::subscribing::Session;
 
 use self::duplicates::Duplicates;
+use self::flood::Flood;
 use self::keeping::Deliveries;
 use self::outstanding::Outstanding;
 use self::refusals::Refusals;
@@ -30,6 +32,7 @@ use self::routes::Routes;
 use self::subscribing::Subscriptions;
 use super::budget::Budget;
 use super::frame::{Frame, Kind, Malformed, frame};
+use super::ledger::{Account, Ledger, Ledgers};
 use super::limits::{ANSWER_ROOM, CLIENT_ROOM, ENGINE_ROOM, GUEST_PACKET, HOUSE_PACKET, SILENCE};
 use super::packet::connect::Will;
 use super::packet::{ack, write};
@@ -46,13 +49,15 @@ pub struct Gatehouse {
     pub retained: Retained,
     /// What may still reach the engine.
     pub budget: Budget,
+    /// How far each subscriber is behind.
+    pub ledgers: Arc<Ledgers>,
 }
 
 impl Gatehouse {
     /// A gatehouse of a broker at which nothing was said yet.
     #[must_use]
     pub fn new(topics: Topics) -> Gatehouse {
-        Gatehouse { topics, retained: Retained::default(), budget: Budget::default() }
+        Gatehouse { topics, retained: Retained::default(), budget: Budget::default(), ledgers: Arc::default() }
     }
 }
 
@@ -98,6 +103,8 @@ pub struct Turnstile {
     to_engine: BytesMut,
     to_client: BytesMut,
     routes: Routes,
+    flood: Flood,
+    account: Account,
     duplicates: Duplicates,
     subscriptions: Subscriptions,
     outstanding: Outstanding,
@@ -113,7 +120,10 @@ impl Turnstile {
     #[must_use]
     pub fn new(terms: Terms, gatehouse: Arc<Gatehouse>, now: Duration) -> Turnstile {
         let one_and_a_half = Duration::from_millis(1500 * u64::from(terms.keep_alive_s));
+        let account = Account::open(&gatehouse.ledgers);
         let mut turnstile = Turnstile {
+            account,
+            flood: Flood::default(),
             guest: terms.guest,
             listener: terms.listener,
             gatehouse,
@@ -158,6 +168,7 @@ impl Turnstile {
             bytes.advance(read);
             self.heard_at = now;
         }
+        self.routes.settle();
         self.deliver();
         outcome
     }
@@ -218,6 +229,14 @@ impl Turnstile {
     #[must_use]
     pub fn wants_engine(&self) -> bool {
         self.to_client.len() < CLIENT_ROOM
+    }
+
+    /// The subscriber whom this client has to wait for before anything more is read from it; none, when it has not published in a
+    /// flood. The program itself waits for nobody.
+    pub fn poll_behind(&mut self, now: Duration) -> Option<Arc<Ledger>> {
+        let passed = self.routes.take_passed();
+        let is_flood = self.flood.handle_passed(passed, now) && self.guest != Guest::House;
+        if is_flood { self.routes.behind(now) } else { None }
     }
 
     /// When the client was silent for too long, if it stays so.
