@@ -55,15 +55,18 @@ fn packet() -> impl Strategy<Value = Vec<u8>> {
 /// What may reach the engine, and nothing else.
 fn is_harmless(bytes: &[u8]) -> bool {
     in_words(bytes);
-    packets(bytes).into_iter().all(|(kind, body)| match kind {
-        Kind::Publish => {
+    packets(bytes).into_iter().all(|(kind, body)| {
+        if kind == Kind::Publish {
             let length = usize::from(u16::from_be_bytes([body[0], body[1]]));
-            filter::topic(std::str::from_utf8(&body[2..2 + length]).unwrap()).is_ok()
+            return filter::topic(std::str::from_utf8(&body[2..2 + length]).unwrap()).is_ok();
         }
-        Kind::Subscribe => Filters::of_subscribe(body).unwrap().all(|(name, qos)| filter::filter(name).is_ok() && qos < Qos::Two),
-        Kind::Unsubscribe => Filters::of_unsubscribe(body).unwrap().all(|(name, _)| filter::filter(name).is_ok()),
-        Kind::Pingreq => true,
-        _ => false,
+        if kind == Kind::Subscribe {
+            return Filters::of_subscribe(body).unwrap().all(|(name, qos)| filter::filter(name).is_ok() && qos < Qos::Two);
+        }
+        if kind == Kind::Unsubscribe {
+            return Filters::of_unsubscribe(body).unwrap().all(|(name, _)| filter::filter(name).is_ok());
+        }
+        kind == Kind::Pingreq
     })
 }
 

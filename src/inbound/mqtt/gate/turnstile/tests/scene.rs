@@ -102,21 +102,20 @@ impl Scene {
 
 /// As the engine answers: an UNSUBACK for each filter.
 fn answer(kind: Kind, body: &[u8], out: &mut BytesMut) {
-    match kind {
-        Kind::Subscribe => {
-            let filters = Filters::of_subscribe(body).unwrap();
-            write::suback(out, filters.id, &filters.map(|(_, qos)| qos as u8).collect::<Vec<_>>());
-        }
-        Kind::Unsubscribe => {
-            let filters = Filters::of_unsubscribe(body).unwrap();
-            filters.for_each(|_| write::ack(out, Kind::Unsuback, filters.id));
-        }
-        Kind::Pingreq => out.extend_from_slice(&write::PINGRESP),
-        _ => {}
+    if kind == Kind::Subscribe {
+        let filters = Filters::of_subscribe(body).unwrap();
+        write::suback(out, filters.id, &filters.map(|(_, qos)| qos as u8).collect::<Vec<_>>());
+    }
+    if kind == Kind::Unsubscribe {
+        let filters = Filters::of_unsubscribe(body).unwrap();
+        filters.for_each(|_| write::ack(out, Kind::Unsuback, filters.id));
+    }
+    if kind == Kind::Pingreq {
+        out.extend_from_slice(&write::PINGRESP);
     }
 }
 
-/// A PUBLISH; with an id and without a duplicate's mark unless `first` says so.
+/// A PUBLISH; `first` is its first byte.
 pub(super) fn publish(first: u8, topic: &str, payload: &str, id: u16) -> BytesMut {
     let mut out = BytesMut::new();
     write::publish(&mut out, topic.as_bytes(), payload.as_bytes(), Qos::of(first >> 1 & 3).unwrap(), id, first & 1 != 0);
@@ -160,7 +159,10 @@ pub(super) fn in_words(mut bytes: &[u8]) -> Vec<String> {
             }
             Kind::Suback => format!("Suback {:?}", ack::read_suback(body).unwrap()),
             Kind::Pingreq | Kind::Pingresp => format!("{:?}", frame.kind),
-            _ => format!("{:?} {}", frame.kind, ack::read(body).unwrap()),
+            Kind::Connect | Kind::Connack | Kind::Disconnect => format!("{:?}", frame.kind),
+            Kind::Puback | Kind::Pubrec | Kind::Pubrel | Kind::Pubcomp | Kind::Unsuback => {
+                format!("{:?} {}", frame.kind, ack::read(body).unwrap())
+            }
         });
         bytes = rest;
     }
