@@ -86,4 +86,4 @@ pub const UNRELEASED: usize = 4096;
 pub const HANDLED: usize = 256;
 
 /// The longest silence of a client, whatever it announced. The engine's own patience must be longer.
-pub const SILENCE: Duration = Duration::from_hours(24);
+pub const SILENCE: Duration = Duration::from_secs(24 * 3600);

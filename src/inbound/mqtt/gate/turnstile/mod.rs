@@ -14,6 +14,8 @@ mod publishing;
 mod refusals;
 mod routes;
 mod subscribing;
+#[cfg(test)]
+mod tests;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -254,17 +256,20 @@ impl Turnstile {
     fn client_packet(&mut self, frame: &Frame, packet: &[u8]) -> Result<(), Ended> {
         let body = &packet[frame.head..];
         match frame.kind {
-            Kind::Publish => self.publish(frame, packet),
-            Kind::Puback => Ok(self.acknowledged(ack::read(body)?)),
-            Kind::Pubrel => Ok(self.released(ack::read(body)?)),
+            Kind::Publish => self.publish(frame, packet)?,
+            Kind::Puback => self.acknowledged(ack::read(body)?),
+            Kind::Pubrel => self.released(ack::read(body)?),
             // Nothing goes out at QoS 2, so that these answer nothing.
-            Kind::Pubrec | Kind::Pubcomp => Ok(ack::read(body).map(drop)?),
-            Kind::Subscribe => self.subscribe(body),
-            Kind::Unsubscribe => self.unsubscribe(body),
-            Kind::Pingreq => self.ping(body),
-            Kind::Disconnect => empty(body).and(Err(Ended::Left)),
-            Kind::Connect | Kind::Connack | Kind::Suback | Kind::Unsuback | Kind::Pingresp => Err(Ended::Unexpected(frame.kind)),
+            Kind::Pubrec | Kind::Pubcomp => drop(ack::read(body)?),
+            Kind::Subscribe => self.subscribe(body)?,
+            Kind::Unsubscribe => self.unsubscribe(body)?,
+            Kind::Pingreq => self.ping(body)?,
+            Kind::Disconnect => return empty(body).and(Err(Ended::Left)),
+            Kind::Connect | Kind::Connack | Kind::Suback | Kind::Unsuback | Kind::Pingresp => {
+                return Err(Ended::Unexpected(frame.kind));
+            }
         }
+        Ok(())
     }
 
     /// The client is answered here, at once; the engine gets one at a time, that it may know that somebody is there.
