@@ -1,3 +1,4 @@
-//! Of the doors, the CoAP endpoint alone: it reads datagrams from anywhere.
+//! Of the doors, what reads bytes from anywhere: the CoAP endpoint and the messages of the original system.
 
 pub mod coap;
+pub mod mqtt;

@@ -18,6 +18,7 @@ pub mod map;
 pub mod map_text;
 pub mod mission;
 pub mod mission_record;
+pub mod old_clients;
 pub mod old_items;
 pub mod problem;
 pub mod result;

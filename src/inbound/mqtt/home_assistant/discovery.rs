@@ -22,6 +22,7 @@ pub fn config(topics: &Topics, version: &str) -> Value {
         },
         "origin": {"name": "hallsweep", "sw_version": version},
         "availability_topic": topics.availability(),
+        "qos": 1,
         "components": components(topics),
     })
 }

@@ -2,6 +2,8 @@
 //! shows a robot that drives through a hall. When it is told stands in `news`.
 
 pub mod discovery;
+#[cfg(test)]
+mod tests;
 
 use serde_json::{Value, json};
 

@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::super::qak::outgoing;
 use super::pieces;
 use crate::core::units::{Cell, Pose, Revision};
 use crate::core::world::luggage::Luggage;
@@ -93,7 +94,7 @@ impl Old {
                 content
             }
         };
-        Some(outgoing::message(&content, self.number))
+        Some(outgoing::message(content, self.number))
     }
 
     /// The last `unacknowledged` messages count as never sent, and the newest of each item is said again.
@@ -156,30 +157,5 @@ fn shown(snapshot: &Snapshot) -> Option<&Arc<Luggage>> {
 fn bound<T>(waiting: &mut VecDeque<T>) {
     if waiting.len() > PIECES {
         waiting.pop_front();
-    }
-}
-
-/// Until `qak::outgoing` is here.
-mod outgoing {
-    use crate::core::world::luggage::Luggage;
-    use crate::core::world::snapshot::Snapshot;
-    use crate::wire::{map_text, old_items};
-
-    pub(super) fn robot(snapshot: &Snapshot) -> String {
-        let (robot, cell) = (&snapshot.robot, snapshot.robot.pose.cell);
-        let direction = old_items::direction(robot.pose.heading);
-        format!("content(robot(state({}),direction({direction}),position({},{})))", robot.state.name(), cell.x, cell.y)
-    }
-
-    pub(super) fn room_map(snapshot: &Snapshot) -> String {
-        format!("content(roomMap(state({})))", map_text::one_line(snapshot))
-    }
-
-    pub(super) fn luggage(luggage: &Luggage) -> String {
-        format!("content(luggage(state('{}')))", old_items::luggage_state(luggage))
-    }
-
-    pub(super) fn message(content: &str, number: u64) -> String {
-        format!("msg(modelContent,event,resourcemodel,none,{content},{number})")
     }
 }

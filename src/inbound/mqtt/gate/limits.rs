@@ -1,0 +1,70 @@
+//! Every bound of the gate, each with its reason. Bounds on how many may come in at once are the accept loop's.
+
+use std::time::Duration;
+
+/// The longest CONNECT: names and a will, which is a short message.
+pub const CONNECT: usize = 64 * 1024;
+
+/// The longest packet of a guest: a photo of a phone, scaled down, fits.
+pub const GUEST_PACKET: usize = 256 * 1024;
+
+/// The longest packet of the program itself, which publishes maps and photos. The engine must accept as much.
+pub const HOUSE_PACKET: usize = 2 * 1024 * 1024;
+
+/// The longest topic or filter, in bytes: the engine keeps every one that it ever saw.
+pub const TOPIC: usize = 512;
+
+/// The most levels of a topic or filter: the engine compares them level by level, for every message.
+pub const LEVELS: usize = 32;
+
+/// Filters held by one connection.
+pub const FILTERS: usize = 64;
+
+/// Topics that one connection publishes on: the engine counts them for each connection.
+pub const TOPICS: usize = 16 * 1024;
+
+/// Filters that ever reached an engine, which keeps a log for each until it ends.
+pub const ENGINE_FILTERS: usize = 4096;
+
+/// Topics that ever reached an engine, which remembers what each matched until it ends.
+pub const ENGINE_TOPICS: usize = 64 * 1024;
+
+/// Kept messages of the whole broker.
+pub const KEPT: usize = 8192;
+
+/// Their bytes in all, topics included.
+pub const KEPT_BYTES: usize = 32 * 1024 * 1024;
+
+/// What a kept message costs beside its topic and payload, about.
+pub const KEPT_COST: usize = 128;
+
+/// Kept messages of QoS 1 that a client has not acknowledged yet: what mosquitto allows, too.
+pub const KEPT_UNDER_WAY: usize = 20;
+
+/// The ids of kept messages: above the engine's, which are 1 to 100.
+pub const KEPT_IDS: std::ops::RangeInclusive<u16> = 1001..=2000;
+
+/// No further kept message is put before a client, and nothing more is read from the engine for it, while more than this waits for it.
+pub const CLIENT_ROOM: usize = 256 * 1024;
+
+/// No more is read from a client while more answers than this wait for it beside what the engine sent. A client behind a slow line is
+/// read all the same: it may be about to stop the robot.
+pub const ANSWER_ROOM: usize = CLIENT_ROOM + 2 * HOUSE_PACKET;
+
+/// No more is read from a client while more than this waits for the engine.
+pub const ENGINE_ROOM: usize = 512 * 1024;
+
+/// Messages of the engine that a client has not acknowledged: it sends 100 and waits; beyond twice that it is not itself.
+pub const OUTSTANDING: usize = 200;
+
+/// Answers of the engine to SUBSCRIBE and UNSUBSCRIBE that a client is waiting for.
+pub const PENDING: usize = 1024;
+
+/// Messages of QoS 2 that a client has not released.
+pub const UNRELEASED: usize = 4096;
+
+/// Commands by which a duplicate is known.
+pub const HANDLED: usize = 256;
+
+/// The longest silence of a client, whatever it announced. The engine's own patience must be longer.
+pub const SILENCE: Duration = Duration::from_hours(24);

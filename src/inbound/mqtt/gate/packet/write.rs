@@ -1,0 +1,113 @@
+//! Packets, written. Nobody here asks whether they are wise.
+
+use bytes::{BufMut, BytesMut};
+
+use super::Qos;
+use crate::inbound::mqtt::gate::frame::Kind;
+
+/// PINGREQ.
+pub const PINGREQ: [u8; 2] = [Kind::Pingreq.first_byte(), 0];
+
+/// PINGRESP.
+pub const PINGRESP: [u8; 2] = [Kind::Pingresp.first_byte(), 0];
+
+/// The code of a SUBACK for a filter that is refused.
+pub const REFUSED: u8 = 0x80;
+
+/// What a CONNACK says (section 3.2.2.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Welcome {
+    /// Come in.
+    Accepted = 0,
+    /// This version is not spoken.
+    Version,
+    /// No such client id.
+    ClientId,
+    /// The broker is not there, or full.
+    Unavailable,
+    /// Name or password are not known.
+    Login,
+    /// This may not be done: a forbidden will.
+    NotAllowed,
+}
+
+/// A CONNACK.
+#[must_use]
+pub const fn connack(welcome: Welcome, session_present: bool) -> [u8; 4] {
+    [Kind::Connack.first_byte(), 2, session_present as u8, welcome as u8]
+}
+
+/// A CONNECT to the engine: an id, by what it lets us in, and nothing that it could stumble over.
+pub fn connect(out: &mut BytesMut, client_id: &str, clean_session: bool, keep_alive_s: u16, (name, password): (&str, &str)) {
+    head(out, Kind::Connect.first_byte(), 16 + client_id.len() + name.len() + password.len());
+    text(out, "MQTT");
+    out.put_slice(&[4, 0xC0 | u8::from(clean_session) << 1]);
+    out.put_u16(keep_alive_s);
+    [client_id, name, password].into_iter().for_each(|field| text(out, field));
+}
+
+/// A PUBLISH; `id` is of no matter at QoS 0.
+pub fn publish(out: &mut BytesMut, topic: &[u8], payload: &[u8], qos: Qos, id: u16, retain: bool) {
+    let id_length = if qos == Qos::Zero { 0 } else { 2 };
+    let first = Kind::Publish.first_byte() | (qos as u8) << 1 | u8::from(retain);
+    out.reserve(5 + 2 + topic.len() + id_length + payload.len());
+    head(out, first, 2 + topic.len() + id_length + payload.len());
+    bytes(out, topic);
+    if qos != Qos::Zero {
+        out.put_u16(id);
+    }
+    out.put_slice(payload);
+}
+
+/// PUBACK, PUBREC, PUBREL, PUBCOMP or UNSUBACK.
+pub fn ack(out: &mut BytesMut, kind: Kind, id: u16) {
+    let [high, low] = id.to_be_bytes();
+    out.put_slice(&[kind.first_byte(), 2, high, low]);
+}
+
+/// A SUBACK with a code for each filter.
+pub fn suback(out: &mut BytesMut, id: u16, codes: &[u8]) {
+    head(out, Kind::Suback.first_byte(), 2 + codes.len());
+    out.put_u16(id);
+    out.put_slice(codes);
+}
+
+/// A SUBSCRIBE to these filters, of which there is at least one.
+pub fn subscribe(out: &mut BytesMut, id: u16, filters: &[(&str, Qos)]) {
+    head(out, Kind::Subscribe.first_byte(), 2 + filters.iter().map(|(filter, _)| 3 + filter.len()).sum::<usize>());
+    out.put_u16(id);
+    for (filter, qos) in filters {
+        text(out, filter);
+        out.put_u8(*qos as u8);
+    }
+}
+
+/// An UNSUBSCRIBE from these filters, of which there is at least one.
+pub fn unsubscribe(out: &mut BytesMut, id: u16, filters: &[&str]) {
+    head(out, Kind::Unsubscribe.first_byte(), 2 + filters.iter().map(|filter| 2 + filter.len()).sum::<usize>());
+    out.put_u16(id);
+    for filter in filters {
+        text(out, filter);
+    }
+}
+
+/// The first byte and the length of the body.
+fn head(out: &mut BytesMut, first: u8, mut length: usize) {
+    out.put_u8(first);
+    while length > 0x7F {
+        out.put_u8((length & 0x7F) as u8 | 0x80);
+        length >>= 7;
+    }
+    out.put_u8(length as u8);
+}
+
+fn text(out: &mut BytesMut, text: &str) {
+    bytes(out, text.as_bytes());
+}
+
+/// A length in two bytes, and as many bytes. What is written here came out of such a field, or is short.
+fn bytes(out: &mut BytesMut, bytes: &[u8]) {
+    out.put_u16(u16::try_from(bytes.len()).expect("it was read from a field of at most so many bytes, or is bounded by TOPIC"));
+    out.put_slice(bytes);
+}

@@ -1,0 +1,77 @@
+//! What the engine sends: messages, and answers to what the gate asked. Anything else is not it.
+
+use bytes::{Buf, BytesMut};
+
+use super::{Ended, Turnstile};
+use crate::inbound::mqtt::gate::frame::{Frame, Kind, frame};
+use crate::inbound::mqtt::gate::limits::HOUSE_PACKET;
+use crate::inbound::mqtt::gate::packet::{Qos, ack, publish};
+
+/// A message that goes out at QoS 1 is longer by its id than it was at QoS 0, and its length may need a byte more.
+const LONGEST: usize = HOUSE_PACKET + 3;
+
+impl Turnstile {
+    /// All whole packets from the head of what the engine sent. What goes to the client as it is, goes in runs.
+    pub(super) fn engine_packets(&mut self, bytes: &mut BytesMut) -> Result<(), Ended> {
+        let (mut read, mut run) = (0, 0);
+        let outcome = loop {
+            let frame = match frame(&bytes[read..], LONGEST) {
+                Ok(None) => break Ok(()),
+                Err(wrong) => break Err(Ended::EngineMalformed(wrong)),
+                Ok(Some(frame)) => frame,
+            };
+            let end = read + frame.length;
+            match self.is_for_client(&frame, &bytes[read..end]) {
+                Ok(true) => {}
+                Ok(false) => {
+                    self.to_client.extend_from_slice(&bytes[run..read]);
+                    run = end;
+                    if let Err(ended) = self.answered(&frame, &bytes[read + frame.head..end]) {
+                        break Err(ended);
+                    }
+                }
+                Err(ended) => break Err(ended),
+            }
+            read = end;
+        };
+        self.to_client.extend_from_slice(&bytes[run..read.max(run)]);
+        bytes.advance(read.max(run));
+        outcome
+    }
+
+    /// Whether this is a message for the client; its id is noted.
+    fn is_for_client(&mut self, frame: &Frame, packet: &[u8]) -> Result<bool, Ended> {
+        if frame.kind != Kind::Publish {
+            return Ok(false);
+        }
+        let publish = publish::read(frame, packet).map_err(Ended::EngineMalformed)?;
+        let is_seen = self.guest.may_see(publish.topic);
+        match publish.qos {
+            Qos::Zero => {}
+            Qos::One => self.outstanding.sent(publish.id, !is_seen)?,
+            Qos::Two => return Err(Ended::Engine("a message of QoS 2, for which nobody has asked")),
+        }
+        Ok(is_seen)
+    }
+
+    /// What is not for the client as it is.
+    fn answered(&mut self, frame: &Frame, body: &[u8]) -> Result<(), Ended> {
+        match frame.kind {
+            Kind::Publish => self.acknowledge(),
+            Kind::Suback => self.subscribed(ack::read_suback(body).map_err(Ended::EngineMalformed)?.1)?,
+            Kind::Unsuback => self.unsubscribed()?,
+            Kind::Pingresp => self.is_pinged = false,
+            Kind::Connect
+            | Kind::Connack
+            | Kind::Puback
+            | Kind::Pubrec
+            | Kind::Pubrel
+            | Kind::Pubcomp
+            | Kind::Subscribe
+            | Kind::Unsubscribe
+            | Kind::Pingreq
+            | Kind::Disconnect => return Err(Ended::Engine("an answer to what it was not asked")),
+        }
+        Ok(())
+    }
+}

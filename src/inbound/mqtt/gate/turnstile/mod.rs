@@ -1,0 +1,269 @@
+//! One connection after its CONNECT was accepted: bytes of the client go in and bytes for the engine come out, and the other way
+//! round. It reads no clock and no socket; whoever pumps the bytes does, and keeps each side from piling up.
+//!
+//! Clients are acknowledged here, at QoS 1 and 2; the engine gets their messages at QoS 0, which neither piles up acknowledgements
+//! in it nor ends the connection over a wrong one. A message is not safer in the engine's memory than on the way to it.
+
+mod duplicates;
+mod ended;
+mod engine;
+mod keeping;
+mod outstanding;
+mod publishing;
+mod refusals;
+mod routes;
+mod subscribing;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use bytes::{Buf, BytesMut};
+
+pub use self::ended::Ended;
+pub use self::subscribing::Session;
+
+use self::duplicates::Duplicates;
+use self::keeping::Deliveries;
+use self::outstanding::Outstanding;
+use self::refusals::Refusals;
+use self::routes::Routes;
+use self::subscribing::Subscriptions;
+use super::budget::Budget;
+use super::frame::{Frame, Kind, Malformed, frame};
+use super::limits::{ANSWER_ROOM, CLIENT_ROOM, ENGINE_ROOM, GUEST_PACKET, HOUSE_PACKET, SILENCE};
+use super::packet::connect::Will;
+use super::packet::{ack, write};
+use super::retained::Retained;
+use super::rights::Guest;
+use crate::inbound::mqtt::topics::Topics;
+
+/// What all connections of a broker share.
+#[derive(Debug)]
+pub struct Gatehouse {
+    /// Whose business each topic is.
+    pub topics: Topics,
+    /// The kept messages.
+    pub retained: Retained,
+    /// What may still reach the engine.
+    pub budget: Budget,
+}
+
+impl Gatehouse {
+    /// A gatehouse of a broker at which nothing was said yet.
+    #[must_use]
+    pub fn new(topics: Topics) -> Gatehouse {
+        Gatehouse { topics, retained: Retained::default(), budget: Budget::default() }
+    }
+}
+
+/// Whoever hears commands; one for each connection, since it knows whose they are.
+pub trait Listener: Send + Sync {
+    /// A message on the topic of a command, once, as it is sent, before anybody else gets it.
+    fn hear(&self, topic: &str, payload: &[u8]) -> Heard;
+}
+
+/// What is to be done with a message that was heard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Heard {
+    /// It goes on to whoever subscribed.
+    Pass,
+    /// Its sender may not say this: nobody gets it.
+    Forbidden,
+}
+
+/// With whom, and on what terms.
+pub struct Terms {
+    /// Who it is.
+    pub guest: Guest,
+    /// Who that is, for the log.
+    pub name: Arc<str>,
+    /// Who hears its commands.
+    pub listener: Arc<dyn Listener>,
+    /// From its CONNECT, in seconds; 0: as long as is allowed.
+    pub keep_alive_s: u16,
+    /// From its CONNECT, when [`Guest::may_leave_will`] allows it.
+    pub will: Option<Will>,
+    /// What is remembered of it from earlier connections.
+    pub session: Session,
+}
+
+/// One connection.
+pub struct Turnstile {
+    guest: Guest,
+    listener: Arc<dyn Listener>,
+    gatehouse: Arc<Gatehouse>,
+    will: Option<Will>,
+    silence: Duration,
+    heard_at: Duration,
+    to_engine: BytesMut,
+    to_client: BytesMut,
+    routes: Routes,
+    duplicates: Duplicates,
+    subscriptions: Subscriptions,
+    outstanding: Outstanding,
+    deliveries: Deliveries,
+    /// Whether the engine is to answer a PINGREQ.
+    is_pinged: bool,
+    refusals: Refusals,
+}
+
+impl Turnstile {
+    /// A connection that was just accepted, `now` on the clock of all later calls. A remembered session is subscribed again at once:
+    /// a new engine does not know of it, and the old one would not end such a subscription otherwise.
+    #[must_use]
+    pub fn new(terms: Terms, gatehouse: Arc<Gatehouse>, now: Duration) -> Turnstile {
+        let one_and_a_half = Duration::from_millis(1500 * u64::from(terms.keep_alive_s));
+        let mut turnstile = Turnstile {
+            guest: terms.guest,
+            listener: terms.listener,
+            gatehouse,
+            will: terms.will,
+            silence: if one_and_a_half.is_zero() { SILENCE } else { one_and_a_half.min(SILENCE) },
+            heard_at: now,
+            to_engine: BytesMut::new(),
+            to_client: BytesMut::new(),
+            routes: Routes::default(),
+            duplicates: Duplicates::default(),
+            subscriptions: Subscriptions::default(),
+            outstanding: Outstanding::default(),
+            deliveries: Deliveries::default(),
+            is_pinged: false,
+            refusals: Refusals::new(terms.name),
+        };
+        turnstile.resume(terms.session);
+        turnstile
+    }
+
+    /// Takes all whole packets from the head of what the client sent.
+    ///
+    /// # Errors
+    /// When the connection has come to its end; what was before that is done.
+    pub fn handle_client(&mut self, bytes: &mut BytesMut, now: Duration) -> Result<(), Ended> {
+        let limit = if self.guest == Guest::House { HOUSE_PACKET } else { GUEST_PACKET };
+        let mut read = 0;
+        let outcome = loop {
+            match frame(&bytes[read..], limit) {
+                Ok(None) => break Ok(()),
+                Err(wrong) => break Err(wrong.into()),
+                Ok(Some(frame)) => {
+                    let packet = &bytes[read..read + frame.length];
+                    read += frame.length;
+                    if let Err(ended) = self.client_packet(&frame, packet) {
+                        break Err(ended);
+                    }
+                }
+            }
+        };
+        if read > 0 {
+            bytes.advance(read);
+            self.heard_at = now;
+        }
+        self.deliver();
+        outcome
+    }
+
+    /// Takes all whole packets from the head of what the engine sent.
+    ///
+    /// # Errors
+    /// When the engine is not itself.
+    pub fn handle_engine(&mut self, bytes: &mut BytesMut) -> Result<(), Ended> {
+        let outcome = self.engine_packets(bytes);
+        self.deliver();
+        outcome
+    }
+
+    /// Something of [`Turnstile::to_client`] was taken: there may be more for it now.
+    pub fn handle_drained(&mut self) {
+        self.deliver();
+    }
+
+    /// The time of [`Turnstile::poll_timeout`] may have come.
+    ///
+    /// # Errors
+    /// `Ended::Idle` when it has.
+    pub fn handle_timeout(&mut self, now: Duration) -> Result<(), Ended> {
+        if now >= self.poll_timeout() { Err(Ended::Idle) } else { Ok(()) }
+    }
+
+    /// The connection has ended: a will that was left is put before the engine, if it still can be.
+    pub fn handle_end(&mut self, why: Ended) {
+        if let Some(will) = self.will.take().filter(|_| why != Ended::Left) {
+            self.publish_will(&will);
+        }
+    }
+
+    /// What is for the engine.
+    pub const fn to_engine(&mut self) -> &mut BytesMut {
+        &mut self.to_engine
+    }
+
+    /// What is for the client.
+    pub const fn to_client(&mut self) -> &mut BytesMut {
+        &mut self.to_client
+    }
+
+    /// What is for the engine, and what is for the client. All that is for the engine is to be sent before the connection to it is
+    /// closed, with nothing in front of that: a DISCONNECT could end the engine.
+    pub const fn outgoing(&mut self) -> (&mut BytesMut, &mut BytesMut) {
+        (&mut self.to_engine, &mut self.to_client)
+    }
+
+    /// Whether there is room for more from the client.
+    #[must_use]
+    pub fn wants_client(&self) -> bool {
+        self.to_engine.len() < ENGINE_ROOM && self.to_client.len() < ANSWER_ROOM
+    }
+
+    /// Whether there is room for more from the engine.
+    #[must_use]
+    pub fn wants_engine(&self) -> bool {
+        self.to_client.len() < CLIENT_ROOM
+    }
+
+    /// When the client was silent for too long, if it stays so.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Duration {
+        self.heard_at + self.silence
+    }
+
+    /// What is to be remembered of it, when it wants to be remembered.
+    #[must_use]
+    pub fn into_session(self) -> Session {
+        self.subscriptions.into_session(self.duplicates)
+    }
+
+    fn client_packet(&mut self, frame: &Frame, packet: &[u8]) -> Result<(), Ended> {
+        let body = &packet[frame.head..];
+        match frame.kind {
+            Kind::Publish => self.publish(frame, packet),
+            Kind::Puback => Ok(self.acknowledged(ack::read(body)?)),
+            Kind::Pubrel => Ok(self.released(ack::read(body)?)),
+            // Nothing goes out at QoS 2, so that these answer nothing.
+            Kind::Pubrec | Kind::Pubcomp => Ok(ack::read(body).map(drop)?),
+            Kind::Subscribe => self.subscribe(body),
+            Kind::Unsubscribe => self.unsubscribe(body),
+            Kind::Pingreq => self.ping(body),
+            Kind::Disconnect => empty(body).and(Err(Ended::Left)),
+            Kind::Connect | Kind::Connack | Kind::Suback | Kind::Unsuback | Kind::Pingresp => Err(Ended::Unexpected(frame.kind)),
+        }
+    }
+
+    /// The client is answered here, at once; the engine gets one at a time, that it may know that somebody is there.
+    fn ping(&mut self, body: &[u8]) -> Result<(), Ended> {
+        empty(body)?;
+        self.to_client.extend_from_slice(&write::PINGRESP);
+        if !self.is_pinged {
+            self.to_engine.extend_from_slice(&write::PINGREQ);
+            self.is_pinged = true;
+        }
+        Ok(())
+    }
+
+    fn deliver(&mut self) {
+        self.deliveries.fill(&self.gatehouse.retained, &mut self.to_client);
+    }
+}
+
+fn empty(body: &[u8]) -> Result<(), Ended> {
+    if body.is_empty() { Ok(()) } else { Err(Malformed::Trailing(body.len()).into()) }
+}

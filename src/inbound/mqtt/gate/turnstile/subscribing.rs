@@ -1,0 +1,210 @@
+//! SUBSCRIBE and UNSUBSCRIBE: which filters a client holds, what the engine is told of them, and one answer to the client for each
+//! packet. The engine answers in the order in which it is asked.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::fmt::Display;
+use std::sync::Arc;
+
+use super::duplicates::Duplicates;
+use super::{Ended, Turnstile};
+use crate::inbound::mqtt::gate::filter;
+use crate::inbound::mqtt::gate::frame::Kind;
+use crate::inbound::mqtt::gate::limits::{FILTERS, PENDING};
+use crate::inbound::mqtt::gate::packet::filters::Filters;
+use crate::inbound::mqtt::gate::packet::{Qos, write};
+
+/// What is remembered of a client between its connections.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Session {
+    /// The filters it holds, each with the QoS that was granted: 0 or 1.
+    pub filters: BTreeMap<Arc<str>, Qos>,
+    /// The ids of its messages of QoS 2 that it has not released, and by what such a message is known.
+    pub unreleased: BTreeMap<u16, u64>,
+}
+
+/// The filters that a client holds, and what it waits for.
+#[derive(Debug, Default)]
+pub(super) struct Subscriptions {
+    held: BTreeMap<Arc<str>, Held>,
+    pending: VecDeque<Pending>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    qos: Qos,
+    told: Told,
+}
+
+/// What the engine knows of a filter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Told {
+    Nothing,
+    AnotherQos,
+    All,
+}
+
+/// An answer of the engine's that is awaited.
+#[derive(Debug)]
+enum Pending {
+    /// A SUBACK: then the client gets this one, and what is kept for these filters.
+    Subscribed { answer: Option<(u16, Vec<u8>)>, filters: BTreeSet<Arc<str>> },
+    /// So many UNSUBACKs: then the client gets one.
+    Unsubscribed { answer: Option<u16>, left: usize },
+}
+
+impl Subscriptions {
+    pub(super) fn into_session(self, duplicates: Duplicates) -> Session {
+        let filters = self.held.into_iter().map(|(filter, held)| (filter, held.qos)).collect();
+        Session { filters, unreleased: duplicates.into_unreleased() }
+    }
+
+    fn told(&self, told: &[Told]) -> Vec<(Arc<str>, Qos)> {
+        let held = self.held.iter().filter(|(_, held)| told.contains(&held.told));
+        held.map(|(filter, held)| (Arc::clone(filter), held.qos)).collect()
+    }
+
+    fn wait(&mut self, pending: Pending) -> Result<(), Ended> {
+        if self.pending.len() >= PENDING {
+            return Err(Ended::TooMuch { what: "questions to which it has no answer yet", most: PENDING });
+        }
+        self.pending.push_back(pending);
+        Ok(())
+    }
+}
+
+impl Turnstile {
+    /// A remembered session.
+    pub(super) fn resume(&mut self, session: Session) {
+        self.duplicates = Duplicates::resumed(session.unreleased);
+        for (filter, qos) in &session.filters {
+            if let Err(why) = self.accept(filter, *qos) {
+                self.refusals.note(filter.as_bytes(), why);
+            }
+        }
+        self.tell_engine(1, None, BTreeSet::new()).expect("nothing is pending yet");
+    }
+
+    /// A SUBSCRIBE.
+    pub(super) fn subscribe(&mut self, body: &[u8]) -> Result<(), Ended> {
+        let filters = Filters::of_subscribe(body)?;
+        let (mut codes, mut accepted) = (Vec::new(), BTreeSet::new());
+        for (filter, qos) in filters {
+            match self.accept(filter, qos.min(Qos::One)) {
+                Ok((filter, qos)) => {
+                    accepted.insert(filter);
+                    codes.push(qos as u8);
+                }
+                Err(why) => {
+                    self.refusals.note(filter.as_bytes(), why);
+                    codes.push(write::REFUSED);
+                }
+            }
+        }
+        self.tell_engine(filters.id, Some((filters.id, codes)), accepted)
+    }
+
+    /// An UNSUBSCRIBE.
+    pub(super) fn unsubscribe(&mut self, body: &[u8]) -> Result<(), Ended> {
+        let filters = Filters::of_unsubscribe(body)?;
+        let mut known = Vec::new();
+        for (filter, _) in filters {
+            if self.subscriptions.held.remove(filter).is_some() {
+                self.deliveries.stop(filter);
+                known.push(filter);
+            }
+        }
+        if known.is_empty() {
+            write::ack(&mut self.to_client, Kind::Unsuback, filters.id);
+            return Ok(());
+        }
+        self.subscriptions.wait(Pending::Unsubscribed { answer: Some(filters.id), left: known.len() })?;
+        write::unsubscribe(&mut self.to_engine, filters.id, &known);
+        Ok(())
+    }
+
+    /// The engine has answered a SUBSCRIBE.
+    pub(super) fn subscribed(&mut self, codes: &[u8]) -> Result<(), Ended> {
+        let Some(Pending::Subscribed { answer, filters }) = self.subscriptions.pending.pop_front() else {
+            return Err(Ended::Engine("a SUBACK of nothing"));
+        };
+        if codes.contains(&write::REFUSED) {
+            return Err(Ended::Engine("a SUBACK that refuses a filter"));
+        }
+        self.answer(answer, filters);
+        Ok(())
+    }
+
+    /// The engine has ended a subscription.
+    pub(super) fn unsubscribed(&mut self) -> Result<(), Ended> {
+        let Some(Pending::Unsubscribed { answer, left }) = self.subscriptions.pending.front_mut() else {
+            return Err(Ended::Engine("an UNSUBACK of nothing"));
+        };
+        *left -= 1;
+        if *left > 0 {
+            return Ok(());
+        }
+        if let Some(id) = answer {
+            write::ack(&mut self.to_client, Kind::Unsuback, *id);
+        }
+        self.subscriptions.pending.pop_front();
+        Ok(())
+    }
+
+    /// Takes a filter, or says why not. When it is held at another QoS, that is changed.
+    fn accept(&mut self, filter: &str, qos: Qos) -> Result<(Arc<str>, Qos), Box<dyn Display>> {
+        filter::filter(filter).map_err(|unfit| Box::new(unfit) as Box<dyn Display>)?;
+        if !self.guest.may_subscribe(filter) {
+            return Err(Box::new("that is the program's own business"));
+        }
+        if let Some((name, held)) = self.subscriptions.held.get_key_value(filter) {
+            let told = if held.told == Told::All && held.qos != qos { Told::AnotherQos } else { held.told };
+            let name = Arc::clone(name);
+            self.subscriptions.held.insert(Arc::clone(&name), Held { qos, told });
+            return Ok((name, qos));
+        }
+        if self.subscriptions.held.len() >= FILTERS {
+            return Err(Box::new(format!("one connection holds at most {FILTERS} filters")));
+        }
+        if !self.gatehouse.budget.admits_filter(filter) {
+            return Err(Box::new("more filters than the engine can remember; a new engine is needed"));
+        }
+        let name: Arc<str> = Arc::from(filter);
+        self.subscriptions.held.insert(Arc::clone(&name), Held { qos, told: Told::Nothing });
+        Ok((name, qos))
+    }
+
+    /// Tells the engine what it does not know yet; when it knows all, the client is answered at once. The engine does not change the
+    /// QoS of a filter: such a one is let go and taken again.
+    fn tell_engine(&mut self, id: u16, answer: Option<(u16, Vec<u8>)>, filters: BTreeSet<Arc<str>>) -> Result<(), Ended> {
+        let (new, changed) =
+            (self.subscriptions.told(&[Told::Nothing, Told::AnotherQos]), self.subscriptions.told(&[Told::AnotherQos]));
+        if new.is_empty() {
+            self.answer(answer, filters);
+            return Ok(());
+        }
+        if !changed.is_empty() {
+            self.subscriptions.wait(Pending::Unsubscribed { answer: None, left: changed.len() })?;
+            let changed: Vec<&str> = changed.iter().map(|(filter, _)| &**filter).collect();
+            write::unsubscribe(&mut self.to_engine, id, &changed);
+        }
+        self.subscriptions.wait(Pending::Subscribed { answer, filters })?;
+        let new: Vec<(&str, Qos)> = new.iter().map(|(filter, qos)| (&**filter, *qos)).collect();
+        write::subscribe(&mut self.to_engine, id, &new);
+        for held in self.subscriptions.held.values_mut() {
+            held.told = Told::All;
+        }
+        Ok(())
+    }
+
+    /// Answers a SUBSCRIBE, and begins with what is kept for its filters.
+    fn answer(&mut self, answer: Option<(u16, Vec<u8>)>, filters: BTreeSet<Arc<str>>) {
+        if let Some((id, codes)) = answer {
+            write::suback(&mut self.to_client, id, &codes);
+        }
+        for filter in filters {
+            if let Some(held) = self.subscriptions.held.get(&filter) {
+                self.deliveries.start(filter, held.qos);
+            }
+        }
+    }
+}
