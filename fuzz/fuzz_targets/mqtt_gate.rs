@@ -9,14 +9,12 @@ use std::time::Duration;
 
 use bytes::BytesMut;
 use hallsweep_fuzz::access::Role;
-use hallsweep_fuzz::inbound::mqtt::gate::budget::Budget;
 use hallsweep_fuzz::inbound::mqtt::gate::filter;
 use hallsweep_fuzz::inbound::mqtt::gate::frame::{Kind, frame};
 use hallsweep_fuzz::inbound::mqtt::gate::limits::{CLIENT_ROOM, FILTERS, GUEST_PACKET, UNRELEASED};
 use hallsweep_fuzz::inbound::mqtt::gate::packet::connect::{self, Connect};
 use hallsweep_fuzz::inbound::mqtt::gate::packet::filters::Filters;
 use hallsweep_fuzz::inbound::mqtt::gate::packet::{Qos, ack, publish, write};
-use hallsweep_fuzz::inbound::mqtt::gate::retained::Retained;
 use hallsweep_fuzz::inbound::mqtt::gate::rights::Guest;
 use hallsweep_fuzz::inbound::mqtt::gate::turnstile::{Ended, Gatehouse, Heard, Listener, Session, Terms, Turnstile};
 use hallsweep_fuzz::inbound::mqtt::topics::Topics;
