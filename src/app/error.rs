@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use super::Port;
 use crate::access::AccessError;
 use crate::inbound::http::TlsError;
+use crate::inbound::mqtt;
 use crate::outbound::robot::sim::{DiaryError, HallError};
 use crate::outbound::store::sqlite::OpenError;
 
@@ -28,6 +29,12 @@ pub enum AppError {
     /// Connections cannot be encrypted as they are to be.
     #[error(transparent)]
     Tls(#[from] TlsError),
+    /// Somebody else's broker cannot be reached as it is to be.
+    #[error(transparent)]
+    MqttTls(#[from] mqtt::session::TlsError),
+    /// Our own broker cannot be had.
+    #[error(transparent)]
+    Mqtt(#[from] mqtt::EngineError),
     /// The port cannot be had.
     #[error("cannot listen on {address} for {}: {error}; {}", .port.name(), what_to_do(*.port, .error))]
     Bind {

@@ -22,16 +22,27 @@ pub fn run(flags: &Serve) -> Result<(), Failure> {
 /// Where it is, and how one gets in.
 fn announcement(settings: &Settings, doors: Doors, entry: &Entry) -> String {
     let coap = doors.coap.map(|coap| format!("\nIts CoAP resources are at coap://{coap}"));
-    let mqtt = mqtt(settings, doors).map(|mqtt| format!("\nIts MQTT topics are at {mqtt}"));
-    [Some(console(&settings.http, doors.http, entry)), coap, mqtt].into_iter().flatten().collect()
+    let mqtt = mqtt(settings, doors, entry).map(|mqtt| format!("\nIts MQTT topics are at {mqtt}"));
+    let console_entry = if settings.http.asks_for_keys { entry } else { &Entry::Open };
+    [Some(console(&settings.http, doors.http, console_entry)), coap, mqtt].into_iter().flatten().collect()
 }
 
-/// The broker at which its topics are, where there are any.
-fn mqtt(settings: &Settings, doors: Doors) -> Option<String> {
-    match settings.mqtt.broker.as_ref()? {
-        Broker::Own { .. } => doors.mqtt.map(|mqtt| format!("mqtt://{mqtt}")),
-        Broker::Other(other) => Some(other.to_string()),
-    }
+/// The broker at which its topics are, where there are any, and how one gets in if that is by a key.
+fn mqtt(settings: &Settings, doors: Doors, entry: &Entry) -> Option<String> {
+    let asks = match settings.mqtt.broker.as_ref()? {
+        Broker::Own { asks_for_keys, .. } => *asks_for_keys,
+        Broker::Other(other) => return Some(other.to_string()),
+    };
+    let at = format!("mqtt://{}", doors.mqtt?);
+    Some(match entry {
+        Entry::NewKey(token) | Entry::BriefKey(token) if asks && !settings.http.asks_for_keys => {
+            format!("{at}\nThere the user name is operator, and the password {}", token.reveal())
+        }
+        Entry::Key | Entry::NewKey(_) | Entry::BriefKey(_) if asks => {
+            format!("{at}\nThere the user name is that of a key, and the password its token.")
+        }
+        Entry::Open | Entry::Key | Entry::NewKey(_) | Entry::BriefKey(_) => at,
+    })
 }
 
 /// Where the console is, and how one gets in. A token is shown when it was just made, and then only here: never in the log.

@@ -9,8 +9,9 @@ use std::time::Duration;
 use rumqttd::protocol::v4::V4;
 use rumqttd::{ConnectionSettings, LinkType, Router, RouterConfig, Server, ServerSettings};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::oneshot;
+use tokio::sync::{oneshot, watch};
 
+use super::gate::limits::HOUSE_PACKET;
 use super::limits;
 use crate::access::Token;
 
@@ -23,6 +24,12 @@ const TRIES: usize = 5;
 /// So long one start may take; it takes a few milliseconds.
 const START_TIME: Duration = Duration::from_secs(5);
 
+/// How long the gate may take to enter, in milliseconds: it is at home.
+const CONNECT_TIME_MS: u16 = 5_000;
+
+/// What is taken beyond the longest packet: the engine is not to be stricter than the gate.
+const ROOM: usize = 1024;
+
 /// How often it is looked whether it listens.
 const GLANCE: Duration = Duration::from_millis(5);
 
@@ -32,7 +39,10 @@ const GLANCE: Duration = Duration::from_millis(5);
 pub(super) struct Engine {
     address: SocketAddr,
     secret: Token,
-    stop: oneshot::Sender<()>,
+    /// Its thread ends when this is dropped,
+    _stop: oneshot::Sender<()>,
+    /// and then this is closed.
+    alive: watch::Receiver<()>,
 }
 
 /// Why there is no engine.
@@ -71,12 +81,19 @@ impl Engine {
         (GATE, self.secret.reveal())
     }
 
+    /// Waits until its thread has ended, which it does not do by itself.
+    pub(super) fn ended(&self) -> impl Future<Output = ()> + use<> {
+        let mut alive = self.alive.clone();
+        async move { while alive.changed().await.is_ok() {} }
+    }
+
     /// Starts its threads. The crate binds the port itself, so one is looked for that is free just now.
     async fn begin() -> Result<Engine, EngineError> {
         let address = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).await?.local_addr()?;
         let secret = Token::draw().map_err(std::io::Error::other)?;
         let mut server = Server::new(settings(address, &secret), Router::new(0, router()).spawn(), V4);
         let (stop, stopped) = oneshot::channel::<()>();
+        let (living, alive) = watch::channel(());
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         std::thread::Builder::new().name("mqtt-engine".to_owned()).spawn(move || {
             let ended = runtime.block_on(async {
@@ -89,14 +106,15 @@ impl Engine {
                 tracing::warn!(%error, "the MQTT engine has ended");
             }
             // With the runtime all its connections end.
+            drop((runtime, living));
         })?;
-        Ok(Engine { address, secret, stop })
+        Ok(Engine { address, secret, _stop: stop, alive })
     }
 
     /// Waits until it listens; false when its thread has ended.
     async fn listens(&self) -> bool {
         while TcpStream::connect(self.address).await.is_err() {
-            if self.stop.is_closed() {
+            if self.alive.has_changed().is_err() {
                 return false;
             }
             tokio::time::sleep(GLANCE).await;
@@ -107,7 +125,8 @@ impl Engine {
 
 fn router() -> RouterConfig {
     RouterConfig {
-        max_connections: limits::CONNECTIONS + 1,
+        // With those that have left and are not cleared away yet.
+        max_connections: 2 * limits::PLACES,
         max_outgoing_packet_count: limits::BATCH,
         max_segment_size: limits::SEGMENT_BYTES,
         max_segment_count: limits::SEGMENTS,
@@ -123,9 +142,9 @@ fn settings(listen: SocketAddr, secret: &Token) -> ServerSettings {
         tls: None,
         next_connection_delay_ms: 0,
         connections: ConnectionSettings {
-            connection_timeout_ms: limits::CONNECT_TIME_MS,
-            max_payload_size: limits::HOUSE_PACKET,
-            max_inflight_count: limits::INFLIGHT,
+            connection_timeout_ms: CONNECT_TIME_MS,
+            max_payload_size: HOUSE_PACKET + ROOM,
+            max_inflight_count: limits::PACKETS,
             auth: Some(auth),
             external_auth: None,
             // A message that nobody has subscribed to is no mistake of its sender.

@@ -6,6 +6,7 @@ mod engine;
 pub mod gate;
 mod guests;
 pub mod home_assistant;
+mod identity;
 mod limits;
 pub mod news;
 pub mod orders;
@@ -16,3 +17,9 @@ pub mod session;
 mod slots;
 pub mod topics;
 mod visitor;
+
+pub use embedded::{Embedded, Ways};
+pub use engine::EngineError;
+pub use guests::House;
+pub use identity::HOUSE;
+pub use visitor::{Origin, Stream, Visitor};

@@ -8,6 +8,8 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
+use super::gate::turnstile::Session;
+
 /// Clients that are remembered while they are away. Whoever comes when all are taken is not.
 const REMEMBERED: usize = 128;
 
@@ -27,9 +29,6 @@ pub(super) struct Name {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Slots(Arc<Mutex<Table>>);
 
-/// The filters a client holds, with their quality of service.
-pub(super) type Filters = Vec<(String, u8)>;
-
 /// A client's place at the engine; free again when it is dropped.
 #[derive(Debug)]
 pub(super) struct Slot {
@@ -38,8 +37,8 @@ pub(super) struct Slot {
     number: usize,
     /// Whether the engine is to remember the client.
     pub(super) is_kept: bool,
-    /// What it had subscribed to when it left, if it is remembered.
-    pub(super) filters: Filters,
+    /// What is remembered of it; `None`: nothing is.
+    pub(super) session: Option<Session>,
     leave: watch::Receiver<bool>,
     _gone: watch::Sender<()>,
 }
@@ -61,7 +60,7 @@ struct Present {
 #[derive(Debug, Default)]
 struct Remembered {
     number: usize,
-    filters: Filters,
+    session: Session,
 }
 
 impl Slots {
@@ -92,9 +91,9 @@ impl Slots {
         let had = table.remembered.remove(&name);
         let is_kept = wants_memory && !name.client.is_empty() && (had.is_some() || table.remembered.len() < REMEMBERED);
         let number = had.as_ref().map_or_else(|| table.free(), |had| had.number);
-        let filters = had.filter(|_| is_kept).map(|had| had.filters).unwrap_or_default();
+        let session = had.filter(|_| is_kept).map(|had| had.session);
         if is_kept {
-            table.remembered.insert(name.clone(), Remembered { number, filters: Vec::new() });
+            table.remembered.insert(name.clone(), Remembered { number, session: Session::default() });
         }
         table.taken.insert(number);
         let (gone, gone_too) = watch::channel(());
@@ -103,7 +102,7 @@ impl Slots {
             table.present.insert(name.clone(), Present { number, leave, gone: gone_too });
         }
         drop(table);
-        Slot { slots: self.clone(), name, number, is_kept, filters, leave: asked, _gone: gone }
+        Slot { slots: self.clone(), name, number, is_kept, session, leave: asked, _gone: gone }
     }
 
     fn table(&self) -> MutexGuard<'_, Table> {
@@ -131,10 +130,10 @@ impl Slot {
         }
     }
 
-    /// Keeps what the client has subscribed to, for when it comes back.
-    pub(super) fn remember(&self, filters: Filters) {
+    /// Keeps what is to be remembered of the client, for when it comes back.
+    pub(super) fn remember(&self, session: Session) {
         if let Some(remembered) = self.slots.table().remembered.get_mut(&self.name).filter(|_| self.is_kept) {
-            remembered.filters = filters;
+            remembered.session = session;
         }
     }
 }
@@ -156,6 +155,7 @@ impl Drop for Slot {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::inbound::mqtt::gate::packet::Qos;
 
     fn name(client: &str) -> Name {
         Name { who: Arc::from("operator"), client: client.to_owned() }
@@ -194,19 +194,25 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn who_wants_to_be_remembered_gets_the_slot_and_the_filters_he_had() {
+    async fn who_wants_to_be_remembered_gets_the_slot_and_the_session_he_had() {
         let slots = Slots::default();
         let slot = slots.take(name("panel"), true).await;
-        slot.remember(vec![("a/#".to_owned(), 1)]);
+        assert_eq!(slot.session, None, "he was never here");
+        let session = Session { filters: [(Arc::from("a/#"), Qos::One)].into(), ..Session::default() };
+        slot.remember(session.clone());
         let id = slot.id();
         drop(slot);
         let between = slots.take(name("other"), false).await;
         assert_ne!(between.id(), id, "the slot is kept");
         let back = slots.take(name("panel"), true).await;
-        assert_eq!((back.id(), back.filters.as_slice()), (id.clone(), &[("a/#".to_owned(), 1)][..]));
+        assert_eq!((back.id(), back.session.clone()), (id.clone(), Some(session)));
         drop(back);
         let forgotten = slots.take(name("panel"), false).await;
-        assert_eq!((forgotten.id(), forgotten.filters.len()), (id.clone(), 0), "the engine is told to forget by the same name");
+        assert_eq!(
+            (forgotten.id(), forgotten.session.clone()),
+            (id.clone(), None),
+            "the engine is told to forget by the same name"
+        );
         drop(forgotten);
         assert_eq!(slots.take(name("next"), false).await.id(), id);
     }

@@ -16,6 +16,13 @@ impl<S: AsyncRead + AsyncWrite + Send + Unpin> Stream for S {}
 pub struct Visitor {
     /// What it says, and what it is told.
     pub stream: Box<dyn Stream>,
+    /// How it came.
+    pub origin: Origin,
+}
+
+/// How a client came, and what is known of it without its saying anything.
+#[derive(Clone, Debug)]
+pub struct Origin {
     /// Where it comes from.
     pub from: IpAddr,
     /// Who it is, if that is known without its saying so.
@@ -26,6 +33,6 @@ pub struct Visitor {
 
 impl fmt::Debug for Visitor {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Visitor").field("from", &self.from).field("caller", &self.caller).finish_non_exhaustive()
+        f.debug_struct("Visitor").field("origin", &self.origin).finish_non_exhaustive()
     }
 }

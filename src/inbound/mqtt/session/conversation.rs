@@ -64,10 +64,14 @@ impl Conversation {
         self.stage = Stage::Subscribing(now + self.times.greeting);
     }
 
-    /// The broker has answered our subscription.
-    pub(super) fn handle_subscribed(&mut self, now: Duration) {
-        self.stage = Stage::Open;
-        self.pulse = self.nonce.map(|nonce| Pulse::new(&self.times, nonce, now));
+    /// The broker has answered our subscription; whether that was waited for.
+    pub(super) fn handle_subscribed(&mut self, now: Duration) -> bool {
+        let is_due = matches!(self.stage, Stage::Subscribing(_));
+        if is_due {
+            self.stage = Stage::Open;
+            self.pulse = self.nonce.map(|nonce| Pulse::new(&self.times, nonce, now));
+        }
+        is_due
     }
 
     /// Something is published.
@@ -152,7 +156,8 @@ mod tests {
     fn open(nonce: Option<u64>) -> (Conversation, Times) {
         let (mut conversation, times) = conversation(nonce);
         conversation.handle_greeted(START);
-        conversation.handle_subscribed(START);
+        assert!(conversation.handle_subscribed(START));
+        assert!(!conversation.handle_subscribed(START), "once");
         (conversation, times)
     }
 
@@ -166,7 +171,7 @@ mod tests {
         waiting.handle_greeted(late - Duration::from_millis(1));
         assert!(waiting.handle_timeout(late).is_ok() && !waiting.has_room());
         assert!(matches!(waiting.handle_timeout(late + times.greeting), Err(Lost::NoGreeting(_))));
-        waiting.handle_subscribed(late);
+        assert!(waiting.handle_subscribed(late));
         assert!(waiting.has_room() && waiting.poll_timeout().is_none());
         assert!(waiting.handle_timeout(late + 9 * times.greeting).is_ok());
     }

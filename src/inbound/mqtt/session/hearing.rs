@@ -30,14 +30,14 @@ mod tests {
 
     use super::*;
     use crate::runtime::obedient::obedient;
+    use crate::wire::fixture::idle;
 
     #[tokio::test]
     async fn commands_are_heard_here_only_at_somebody_elses_broker() {
         let topics = Topics::new("hallsweep", "discovery", "unibo/qak");
         assert_eq!(Hearing::Own.filters(&topics, false), [PULSE]);
         assert_eq!(Hearing::Own.filters(&topics, true), [PULSE, HOME_ASSISTANT_STATUS]);
-        let sweep = Sweep::new(Settings::default(), Strategies::default(), "test".into());
-        let orders = Orders::new(obedient(sweep.snapshot()).0, topics.clone(), true, mpsc::channel(1).0);
+        let orders = Orders::new(obedient(idle()).0, topics.clone(), true, mpsc::channel(1).0);
         let commands = ["hallsweep/discovery/command", "hallsweep/discovery/command/+", "unibo/qak/+"];
         assert_eq!(Hearing::Other(orders.clone()).filters(&topics, false), commands);
         assert_eq!(Hearing::Other(orders).filters(&topics, true)[3], HOME_ASSISTANT_STATUS);

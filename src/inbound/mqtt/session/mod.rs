@@ -12,6 +12,10 @@ mod lost;
 mod photos;
 mod pulse;
 mod talk;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
 mod times;
 mod tls;
 
@@ -181,6 +185,3 @@ impl Session {
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

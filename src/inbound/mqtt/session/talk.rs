@@ -145,11 +145,13 @@ impl Talk<'_> {
     }
 
     fn open(&mut self, answers: &[SubscribeReasonCode], now: Duration) {
+        if !self.conversation.handle_subscribed(now) {
+            return;
+        }
         let filters = self.session.filters();
         for (filter, _) in filters.iter().zip(answers).filter(|(_, code)| **code == SubscribeReasonCode::Failure) {
             tracing::warn!(broker = %self.session.link, filter, "the MQTT broker does not let us hear what is said there");
         }
-        self.conversation.handle_subscribed(now);
         self.session.handle_open();
     }
 

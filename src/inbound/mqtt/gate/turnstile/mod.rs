@@ -48,6 +48,14 @@ pub struct Gatehouse {
     pub budget: Budget,
 }
 
+impl Gatehouse {
+    /// A gatehouse of a broker at which nothing was said yet.
+    #[must_use]
+    pub fn new(topics: Topics) -> Gatehouse {
+        Gatehouse { topics, retained: Retained::default(), budget: Budget::default() }
+    }
+}
+
 /// Whoever hears commands; one for each connection, since it knows whose they are.
 pub trait Listener: Send + Sync {
     /// A message on the topic of a command, once, as it is sent, before anybody else gets it.
@@ -184,15 +192,20 @@ impl Turnstile {
         }
     }
 
-    /// What is for the engine. All of it is to be sent before the connection to it is closed, with nothing in front of that: a
-    /// DISCONNECT could end the engine.
-    pub fn to_engine(&mut self) -> &mut BytesMut {
+    /// What is for the engine.
+    pub const fn to_engine(&mut self) -> &mut BytesMut {
         &mut self.to_engine
     }
 
     /// What is for the client.
-    pub fn to_client(&mut self) -> &mut BytesMut {
+    pub const fn to_client(&mut self) -> &mut BytesMut {
         &mut self.to_client
+    }
+
+    /// What is for the engine, and what is for the client. All that is for the engine is to be sent before the connection to it is
+    /// closed, with nothing in front of that: a DISCONNECT could end the engine.
+    pub const fn outgoing(&mut self) -> (&mut BytesMut, &mut BytesMut) {
+        (&mut self.to_engine, &mut self.to_client)
     }
 
     /// Whether there is room for more from the client.
