@@ -23,6 +23,8 @@ mod malformed;
 mod missions;
 #[path = "service/mqtt_attacks/mod.rs"]
 mod mqtt_attacks;
+#[path = "service/mqtt_external/mod.rs"]
+mod mqtt_external;
 #[path = "service/old_console.rs"]
 mod old_console;
 #[path = "service/program.rs"]
