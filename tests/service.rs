@@ -21,6 +21,8 @@ mod kill;
 mod malformed;
 #[path = "service/missions.rs"]
 mod missions;
+#[path = "service/mqtt_attacks/mod.rs"]
+mod mqtt_attacks;
 #[path = "service/mqtt_external/mod.rs"]
 mod mqtt_external;
 #[path = "service/old_console.rs"]
