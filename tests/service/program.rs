@@ -108,32 +108,24 @@ impl Program {
 
     /// Where its CoAP resources are, as it says after everything else.
     pub(crate) fn coap(&self) -> SocketAddr {
-        self.door(&self.coap)
+        self.announced(&self.coap)
     }
 
-    /// Where its MQTT topics are, as it says then.
+    /// Where its MQTT topics are, as it says after that.
     pub(crate) fn mqtt(&self) -> SocketAddr {
-        self.door(&self.mqtt)
-    }
-
-    /// Reads on until it has said where this door is.
-    fn door(&self, door: &OnceLock<SocketAddr>) -> SocketAddr {
-        loop {
-            if let Some(at) = door.get() {
-                break *at;
-            }
-            let line = self.says();
-            for (words, door) in [("coap://", &self.coap), ("mqtt://", &self.mqtt)] {
-                if let Some((_, at)) = line.split_once(words) {
-                    door.get_or_init(|| reached(at.parse().expect("an address with a port")));
-                }
-            }
-        }
+        self.announced(&self.mqtt)
     }
 
     /// The next line it prints after it has said where it is.
     pub(crate) fn says(&self) -> String {
-        self.said.lock().expect("nobody panics while listening").recv_timeout(PATIENCE).expect("the program says something more")
+        let said = self.said.lock().expect("nobody panics while listening");
+        let line = said.recv_timeout(PATIENCE).expect("the program says something more");
+        for (scheme, door) in [("coap://", &self.coap), ("mqtt://", &self.mqtt)] {
+            if let Some((_, at)) = line.split_once(scheme) {
+                door.get_or_init(|| reached(at.parse().expect("an address with a port")));
+            }
+        }
+        line
     }
 
     /// What it has printed since, up to its end; it must have ended.
@@ -251,6 +243,16 @@ impl Program {
             sleep(GLANCE);
         }
         None
+    }
+
+    /// Where a door is; its line is waited for.
+    fn announced(&self, door: &OnceLock<SocketAddr>) -> SocketAddr {
+        loop {
+            if let Some(at) = door.get() {
+                return *at;
+            }
+            self.says();
+        }
     }
 
     fn url(&self, path: &str) -> String {
