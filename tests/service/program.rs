@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 /// How long anything is waited for: far longer than it takes, even on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(60);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
 
 /// How often a state that is waited for is looked at.
 const GLANCE: Duration = Duration::from_millis(5);
@@ -111,7 +111,7 @@ impl Program {
         self.announced(&self.coap)
     }
 
-    /// Where its own MQTT broker is, as it says after that.
+    /// Where its MQTT topics are, as it says after that.
     pub(crate) fn mqtt(&self) -> SocketAddr {
         self.announced(&self.mqtt)
     }

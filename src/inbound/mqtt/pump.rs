@@ -1,6 +1,7 @@
 //! Moves bytes between a client, the gate and the engine, for as long as all three go on. It understands none of them: what is let
 //! through, and how much may wait, is said by the gate.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use bytes::BytesMut;
@@ -9,6 +10,8 @@ use tokio::net::TcpStream;
 use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
 
 use super::embedded::Running;
+use super::gate::ledger::Ledger;
+use super::gate::limits::PATIENCE;
 use super::gate::turnstile::{Ended, Turnstile};
 use super::identity::Identity;
 use super::slots::Slot;
@@ -42,13 +45,21 @@ struct Pump {
     clock: Clock,
     from_client: BytesMut,
     from_engine: BytesMut,
+    /// The client has published in a flood, and this subscriber does not keep up.
+    waiting: Option<Waiting>,
+}
+
+#[derive(Clone)]
+struct Waiting {
+    ledger: Arc<Ledger>,
+    until: Duration,
 }
 
 /// Runs until it has to end; why.
 pub(super) async fn run(turnstile: Turnstile, ends: Ends, mut slot: Slot, mut engine: Running, whose: Whose<'_>) -> Ended {
     let Ends { client, heard, engine: upstream } = ends;
     let (mut client, mut upstream) = (tokio::io::split(client), upstream.into_split());
-    let mut pump = Pump { turnstile, clock: whose.2, from_client: heard, from_engine: BytesMut::new() };
+    let mut pump = Pump { turnstile, clock: whose.2, from_client: heard, from_engine: BytesMut::new(), waiting: None };
     let ended = tokio::select! {
         ended = pump.flow(&mut client, &mut upstream) => ended,
         () = slot.wanted() => Ended::TakenOver,
@@ -80,7 +91,9 @@ impl Pump {
             if let Err(ended) = outcome {
                 return ended;
             }
-            let (hears_client, hears_engine) = (self.turnstile.wants_client(), self.turnstile.wants_engine());
+            let behind = self.behind();
+            let hears_client = behind.is_none() && self.turnstile.wants_client();
+            let hears_engine = self.turnstile.wants_engine();
             let silent_until = self.turnstile.poll_timeout();
             self.from_client.reserve(READ);
             self.from_engine.reserve(READ);
@@ -96,16 +109,47 @@ impl Pump {
                     went(read, Ended::Gone).and_then(|()| self.client_said())
                 }
                 read = engine.read_buf(&mut self.from_engine), if hears_engine => {
+                    acknowledge_at_once(engine);
                     went(read, Ended::EngineGone).and_then(|()| self.turnstile.handle_engine(&mut self.from_engine))
                 }
+                () = caught_up(behind.as_ref(), self.clock) => { self.waiting = None; Ok(()) }
                 () = self.clock.reach(Some(silent_until)) => self.turnstile.handle_timeout(self.clock.now().since_start),
             };
         }
     }
 
+    /// For whom nothing is read from the client, and until when.
+    fn behind(&mut self) -> Option<Waiting> {
+        let now = self.clock.now().since_start;
+        if self.waiting.is_none() {
+            self.waiting = self.turnstile.poll_behind(now).map(|ledger| Waiting { ledger, until: now + PATIENCE });
+        }
+        self.waiting.clone()
+    }
+
     fn client_said(&mut self) -> Result<(), Ended> {
         self.turnstile.handle_client(&mut self.from_client, self.clock.now().since_start)
     }
+}
+
+/// Waits until a subscriber has caught up, or was waited for long enough; for ever, when there is none to wait for.
+async fn caught_up(waiting: Option<&Waiting>, clock: Clock) {
+    let Some(Waiting { ledger, until }) = waiting else { return std::future::pending().await };
+    tokio::select! {
+        () = ledger.relieved() => {}
+        () = clock.reach(Some(*until)) => ledger.forgive(clock.now().since_start),
+    }
+}
+
+/// The engine holds its next small packet back until the system has acknowledged the last one, which may be 40 ms later unless it is
+/// told each time not to wait.
+fn acknowledge_at_once(engine: &OwnedReadHalf) {
+    #[cfg(target_os = "linux")]
+    if let Err(error) = engine.as_ref().set_quickack(true) {
+        tracing::debug!(%error, "small packets of the engine will be held back");
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = engine;
 }
 
 /// Whether anything went through.

@@ -94,7 +94,9 @@ mod tests {
         ledger.handle_given(said("a"), at(5));
         ledger.handle_given(said("b"), at(6));
         assert_eq!(ledger.owed_since(), Some(at(5)));
-        (ledger.handle_sent(1), ledger.handle_sent(2), ledger.handle_acknowledged(1, at(8)));
+        ledger.handle_sent(1);
+        ledger.handle_sent(2);
+        ledger.handle_acknowledged(1, at(8));
         assert_eq!(ledger.owed_since(), Some(at(8)));
         ledger.handle_acknowledged(2, at(9));
         assert!(ledger.is_settled() && ledger.owed_since().is_none());

@@ -69,10 +69,10 @@ fn of_the_system() -> Result<RootCertStore, TlsError> {
 }
 
 fn in_words(error: &pem::Error) -> String {
-    match error {
-        pem::Error::Io(error) => format!("it cannot be read: {error}"),
-        _ => "it is no PEM file, or a damaged one".to_owned(),
+    if let pem::Error::Io(error) = error {
+        return format!("it cannot be read: {error}");
     }
+    "it is no PEM file, or a damaged one".to_owned()
 }
 
 #[cfg(test)]
