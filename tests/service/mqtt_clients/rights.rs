@@ -45,10 +45,14 @@ fn whoever_shows_no_key_or_a_wrong_one_is_told_so() {
     let site = Site::new("mqtt-login");
     with_each_by_tcp(|client| {
         Talk::knock(client, &site.program, Hello::speaking()).until_refused(5);
+        // One each: whoever goes on showing wrong keys waits longer each time.
         let wrong = format!("{}0", &site.operator[1..]);
-        for (name, password) in [("operator", wrong.as_str()), ("lobby", &site.operator), ("nobody", &site.operator)] {
-            Talk::knock(client, &site.program, Hello::speaking().with_login(name, password)).until_refused(4);
-        }
+        let (name, password) = match client {
+            Client::Mosquitto => ("operator", &wrong),
+            Client::Paho => ("lobby", &site.operator),
+            Client::MqttJs | Client::MqttJsWeb => ("nobody", &site.operator),
+        };
+        Talk::knock(client, &site.program, Hello::speaking().with_login(name, password)).until_refused(4);
         Talk::begin(client, &site.program, Hello::speaking().with_login("operator", &site.operator)).leave();
     });
 }
