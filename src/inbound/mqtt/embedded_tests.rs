@@ -109,8 +109,9 @@ impl Broker {
             wanted.remove(&said.topic);
         }
         let mut newer = Snapshot::clone(&self.script.publish.borrow());
-        touch(&mut newer, newer.revision.0 + 1, &[Resource::Robot]);
-        let revision = format!("\"revision\":{}", newer.revision.0);
+        let next = newer.revision.0 + 1;
+        touch(&mut newer, next, &[Resource::Robot]);
+        let revision = format!("\"revision\":{next}");
         self.script.publish.send_replace(newer.into());
         loop {
             let said = client.hears_message().await;

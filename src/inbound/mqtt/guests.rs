@@ -217,9 +217,12 @@ async fn enter(engine: &Engine, slot: &Slot) -> std::io::Result<TcpStream> {
     write::connect(&mut hello, &slot.id(), !slot.is_kept, SILENCE_S, engine.login());
     upstream.write_all(&hello).await?;
     let mut answer = [0; 4];
-    upstream.read_exact(&mut answer).await?;
-    let is_welcome = answer[0] == Kind::Connack.first_byte() && answer[3] == Welcome::Accepted as u8;
-    if is_welcome { Ok(upstream) } else { Err(std::io::Error::other("the engine did not let the gate in")) }
+    let answered = upstream.read_exact(&mut answer).await;
+    if answered.is_ok() && answer[0] == Kind::Connack.first_byte() && answer[3] == Welcome::Accepted as u8 {
+        return Ok(upstream);
+    }
+    engine.lets_nobody_in();
+    Err(std::io::Error::other("the engine did not let the gate in"))
 }
 
 async fn refused(stream: &mut Box<dyn Stream>, welcome: Welcome) -> Sent {

@@ -76,9 +76,8 @@ pub(super) async fn run(turnstile: Turnstile, ends: Ends, mut slot: Slot, mut en
     let ended = if ended == Ended::Closing { pump.see_out(&mut client, &mut upstream).await } else { ended };
     pump.turnstile.handle_end(ended);
     let (to_engine, to_client) = pump.turnstile.outgoing();
-    let farewell = async {
+    let to_client = async {
         // Whoever is gone already hears nothing.
-        let _ = upstream.1.write_all(to_engine).await;
         let _ = client.1.write_all(to_client).await;
         let _ = client.1.shutdown().await;
         if ended == Ended::Closing {
@@ -87,6 +86,7 @@ pub(super) async fn run(turnstile: Turnstile, ends: Ends, mut slot: Slot, mut en
             while let Ok(1..) = client.0.read(&mut [0; 512]).await {}
         }
     };
+    let farewell = async { tokio::join!(to_client, leave(&mut upstream, to_engine)) };
     let _ = tokio::time::timeout(FAREWELL, farewell).await;
     slot.remember(pump.turnstile.into_session());
     ended
@@ -174,6 +174,15 @@ fn acknowledge_at_once(engine: &OwnedReadHalf) {
     }
     #[cfg(not(target_os = "linux"))]
     let _ = engine;
+}
+
+/// Sends the last words to the engine, and waits until it has closed the connection as well: one that hears of an end later than of the
+/// next client with the same number ends that one.
+async fn leave((engine, to_engine): &mut (OwnedReadHalf, OwnedWriteHalf), last_words: &[u8]) {
+    let _ = to_engine.write_all(last_words).await;
+    let _ = to_engine.shutdown().await;
+    let mut unheard = [0; 4096];
+    while let Ok(1..) = engine.read(&mut unheard).await {}
 }
 
 /// Whether anything went through.

@@ -5,12 +5,17 @@ use std::fs::File;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::sleep;
+use std::time::Duration;
 
 use super::client::Client;
-use crate::program::{Program, hallsweep};
+use crate::program::{Deadline, PATIENCE, Program, hallsweep};
 
 /// Where the state is.
 const STATE: &str = "hallsweep/discovery/state/temperature";
+
+/// How often something is tried that may take a moment.
+const GLANCE: Duration = Duration::from_millis(20);
 
 /// Every siege has a file of its own for what its program says.
 static SIEGES: AtomicUsize = AtomicUsize::new(0);
@@ -58,6 +63,20 @@ impl Siege {
                 break;
             }
         }
+    }
+
+    /// The screen has to come again, as often as it takes.
+    pub(crate) fn screen_comes_again(&mut self) {
+        let deadline = Deadline::within(PATIENCE);
+        self.screen = loop {
+            if let Some(screen) = Client::try_let_in(self.broker, "screen") {
+                break screen;
+            }
+            assert!(!deadline.has_passed(), "nobody is let in any more");
+            sleep(GLANCE);
+        };
+        assert_eq!(self.screen.subscribe(STATE, 1), 1);
+        self.is_served();
     }
 
     /// Nothing was lost: the screen is served still, a newcomer gets in and finds the state, the engine is the one that it was, and
