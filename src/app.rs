@@ -28,16 +28,20 @@ use crate::runtime::handle::Handle;
 use crate::runtime::link::link;
 use crate::runtime::task::Task;
 
+mod descriptors;
 mod elsewhere;
 mod entry;
 mod error;
 mod kept;
+mod mqtt;
 mod ports;
 mod signals;
 
 pub use entry::Entry;
+use entry::Opened;
 pub use error::AppError;
 use kept::Kept;
+use mqtt::Mqtt;
 use ports::Ports;
 pub use ports::{Doors, Port};
 
@@ -83,13 +87,14 @@ async fn serve_hall(
     announce: impl FnOnce(Doors, &Entry),
 ) -> Result<(), AppError> {
     let front = entry::front(&settings.http)?;
-    let Ports { http, coap, doors } = Ports::bind(settings).await?;
+    let descriptors = descriptors::raise();
+    let Ports { http, coap, mqtt, doors } = Ports::bind(settings).await?;
     let signalled = signals::listen().map_err(AppError::System)?;
     let secret = access::chance()?;
 
     let kept = Kept::open(settings, &hall)?;
     // Only now, when nothing else can refuse the start: a key that is made is also shown.
-    let (access, entry) = entry::access(settings)?;
+    let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
     let reader = Reader::new(Arc::clone(&kept.archive));
     let (closing, closed) = watch::channel(false);
@@ -100,9 +105,11 @@ async fn serve_hall(
         let resources = Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
         open_coap((socket, Endpoint::new(secret)), resources, handle.watch(), ending.subscribe())
     });
-    let door = Door::new(handle, reader, hall.name(), access);
+    let mqtt = Mqtt::open(settings, (mqtt, mqtt_access), handle.clone(), reader.clone(), ending.subscribe()).await?;
+    let door = Door::new(handle, reader, hall.name(), access).with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);
-    tracing::info!(http = %doors.http, coap = doors.coap.map(tracing::field::display), hall = hall.name(), "serving");
+    let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|address| address.map(tracing::field::display));
+    tracing::info!(http = %doors.http, coap = coap_at, mqtt = mqtt_at, hall = hall.name(), descriptors, "serving");
 
     let mut ended = None;
     let shutdown = async {
@@ -117,6 +124,9 @@ async fn serve_hall(
     if let Some(coap) = coap {
         // Its end is bounded; how it ended was said already.
         let _ = coap.await;
+    }
+    if let Some(mqtt) = mqtt {
+        mqtt.ended().await;
     }
     let by_itself = ended.is_some();
     closing.send_replace(true);

@@ -5,9 +5,12 @@ use std::io::IsTerminal;
 
 use tracing_subscriber::EnvFilter;
 
+/// The crate of the MQTT engine.
+const ENGINE: &str = "rumqttd";
+
 /// Starts writing log lines that pass `filter`, which `crate::config` has checked. A second call changes nothing.
 pub fn start(filter: &str) {
-    let filter = EnvFilter::builder().parse_lossy(filter);
+    let filter = EnvFilter::builder().parse_lossy(without_engine(filter));
     let coloured = std::io::stderr().is_terminal();
     let lines = tracing_subscriber::fmt().compact().with_env_filter(filter).with_ansi(coloured).with_writer(std::io::stderr);
     if lines.try_init().is_err() {
@@ -15,9 +18,27 @@ pub fn start(filter: &str) {
     }
 }
 
+/// The filter without the lines of the MQTT engine, unless it asks for them by name: they speak of connections by numbers of its
+/// own, and cost time with every message. What of it matters is said by the gate.
+fn without_engine(filter: &str) -> String {
+    if filter.contains(ENGINE) { filter.to_owned() } else { format!("{filter},{ENGINE}=off") }
+}
+
 /// Warns of environment variables that look like settings and are none.
 pub fn warn_of_ignored(variables: &[&str]) {
     for variable in variables {
         tracing::warn!(variable, "this environment variable is no setting: settings are written HALLSWEEP__SECTION__KEY");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mqtt_engine_is_silent_unless_it_is_asked_for() {
+        assert_eq!(without_engine("info"), "info,rumqttd=off");
+        assert_eq!(without_engine("info,rumqttd=warn"), "info,rumqttd=warn");
+        assert!(EnvFilter::builder().parse(without_engine("warn,hallsweep=debug")).is_ok());
     }
 }

@@ -27,7 +27,10 @@ impl Program {
         for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("HALLSWEEP_")) {
             command.env_remove(name);
         }
-        command.args(["serve", "--http", "127.0.0.1:0", "--coap", "127.0.0.1:0", "--data"]).arg(&folder).args(arguments);
+        command
+            .args(["serve", "--http", "127.0.0.1:0", "--coap", "127.0.0.1:0", "--mqtt", "127.0.0.1:0", "--data"])
+            .arg(&folder)
+            .args(arguments);
         let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
         let mut child = child.expect("the program was built for this benchmark");
         let mut line = String::new();

@@ -9,14 +9,12 @@ use std::time::Duration;
 
 use bytes::BytesMut;
 use hallsweep_fuzz::access::Role;
-use hallsweep_fuzz::inbound::mqtt::gate::budget::Budget;
 use hallsweep_fuzz::inbound::mqtt::gate::filter;
 use hallsweep_fuzz::inbound::mqtt::gate::frame::{Kind, frame};
 use hallsweep_fuzz::inbound::mqtt::gate::limits::{CLIENT_ROOM, FILTERS, GUEST_PACKET, UNRELEASED};
 use hallsweep_fuzz::inbound::mqtt::gate::packet::connect::{self, Connect};
 use hallsweep_fuzz::inbound::mqtt::gate::packet::filters::Filters;
 use hallsweep_fuzz::inbound::mqtt::gate::packet::{Qos, ack, publish, write};
-use hallsweep_fuzz::inbound::mqtt::gate::retained::Retained;
 use hallsweep_fuzz::inbound::mqtt::gate::rights::Guest;
 use hallsweep_fuzz::inbound::mqtt::gate::turnstile::{Ended, Gatehouse, Heard, Listener, Session, Terms, Turnstile};
 use hallsweep_fuzz::inbound::mqtt::topics::Topics;
@@ -63,7 +61,7 @@ impl Play {
     fn new(first: u8, connect: Option<Connect>) -> Play {
         let guest = [Guest::House, Guest::Somebody(Role::Operator), Guest::Somebody(Role::Viewer)][usize::from(first) % 3];
         let topics = Topics::new("h", "d", "q");
-        let gatehouse = Arc::new(Gatehouse { topics, retained: Retained::default(), budget: Budget::default() });
+        let gatehouse = Arc::new(Gatehouse::new(topics));
         for n in 0..200_u8 {
             gatehouse.retained.keep(&format!("k/{n}"), &vec![n; usize::from(first) * 16 + 1], Qos::One);
         }

@@ -1,4 +1,4 @@
-//! Of the doors, the CoAP endpoint and the gate of the MQTT door alone: they read bytes from anywhere.
+//! Of the doors, what reads bytes from anywhere: the CoAP endpoint, the gate of the MQTT door, and the messages of the original system.
 
 pub mod coap;
 pub mod mqtt;

@@ -1,7 +1,7 @@
 //! How the door is opened: to everybody on this machine, or to whoever has a key. What is said of it is the command line's part.
 
 use crate::access::{Access, AccessError, Keyring, Token};
-use crate::config::{HttpSettings, Settings};
+use crate::config::{Broker, HttpSettings, Settings};
 use crate::inbound::http::{Front, Tls, TlsError};
 
 /// How one gets in.
@@ -17,11 +17,29 @@ pub enum Entry {
     BriefKey(Token),
 }
 
-/// Who is let in, by these settings; a first key is made where there is none.
-pub(super) fn access(settings: &Settings) -> Result<(Access, Entry), AccessError> {
-    if !settings.http.asks_for_keys {
-        return Ok((Access::Open, Entry::Open));
+/// Who is let in where.
+pub(super) struct Opened {
+    /// At the console and the API.
+    pub(super) http: Access,
+    /// At our own MQTT broker, by TCP.
+    pub(super) mqtt: Access,
+    /// How one gets in where a key is asked for.
+    pub(super) entry: Entry,
+}
+
+/// Who is let in, by these settings; a first key is made where there is none and one is asked for.
+pub(super) fn access(settings: &Settings) -> Result<Opened, AccessError> {
+    let mqtt_asks = matches!(settings.mqtt.broker, Some(Broker::Own { asks_for_keys: true, .. }));
+    if !settings.http.asks_for_keys && !mqtt_asks {
+        return Ok(Opened { http: Access::Open, mqtt: Access::Open, entry: Entry::Open });
     }
+    let (keys, entry) = keys(settings)?;
+    let access = |asks| if asks { keys.clone() } else { Access::Open };
+    Ok(Opened { http: access(settings.http.asks_for_keys), mqtt: access(mqtt_asks), entry })
+}
+
+/// The keys there are.
+fn keys(settings: &Settings) -> Result<(Access, Entry), AccessError> {
     let (keyring, entry) = match &settings.store {
         None => {
             let keyring = Keyring::in_memory()?;

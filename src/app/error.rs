@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use super::Port;
 use crate::access::AccessError;
 use crate::inbound::http::TlsError;
+use crate::inbound::mqtt;
 use crate::outbound::robot::sim::{DiaryError, HallError};
 use crate::outbound::store::sqlite::OpenError;
 
@@ -28,6 +29,12 @@ pub enum AppError {
     /// Connections cannot be encrypted as they are to be.
     #[error(transparent)]
     Tls(#[from] TlsError),
+    /// Somebody else's broker cannot be reached as it is to be.
+    #[error(transparent)]
+    MqttTls(#[from] mqtt::session::TlsError),
+    /// Our own broker cannot be had.
+    #[error(transparent)]
+    Mqtt(#[from] mqtt::EngineError),
     /// The port cannot be had.
     #[error("cannot listen on {address} for {}: {error}; {}", .port.name(), what_to_do(*.port, .error))]
     Bind {
@@ -68,7 +75,7 @@ pub enum AppError {
 fn what_to_do(port: Port, error: &std::io::Error) -> String {
     let flag = port.flag();
     if error.kind() == std::io::ErrorKind::AddrInUse {
-        let without = if port == Port::Coap { ", or do without with --coap none" } else { "" };
+        let without = if port == Port::Http { String::new() } else { format!(", or do without with {flag} none") };
         format!(
             "another program has this port: end it, or choose another with {flag}, as {flag} 127.0.0.1:0 for a free one{without}"
         )
@@ -91,7 +98,8 @@ mod tests {
             let address = "127.0.0.1:999".parse().expect("an address");
             AppError::Bind { port, address, error: error.into() }.to_string()
         };
-        for (port, name, flag) in [(Port::Http, "HTTP", "--http"), (Port::Coap, "CoAP", "--coap")] {
+        let doors = [(Port::Http, "HTTP", "--http"), (Port::Coap, "CoAP", "--coap"), (Port::Mqtt, "MQTT", "--mqtt")];
+        for (port, name, flag) in doors {
             let taken = said(port, ErrorKind::AddrInUse);
             assert!(taken.starts_with(&format!("cannot listen on 127.0.0.1:999 for {name}: ")), "{taken}");
             assert!(taken.contains(&format!("{flag} 127.0.0.1:0")), "{taken}");

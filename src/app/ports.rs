@@ -5,7 +5,7 @@ use std::net::SocketAddr;
 use tokio::net::TcpListener;
 
 use super::AppError;
-use crate::config::Settings;
+use crate::config::{Broker, Settings};
 use crate::inbound::coap::Socket;
 
 /// Whose port it is.
@@ -15,6 +15,8 @@ pub enum Port {
     Http,
     /// That of the CoAP resources.
     Coap,
+    /// That of our own MQTT broker.
+    Mqtt,
 }
 
 impl Port {
@@ -24,6 +26,7 @@ impl Port {
         match self {
             Port::Http => "HTTP",
             Port::Coap => "CoAP",
+            Port::Mqtt => "MQTT",
         }
     }
 
@@ -33,6 +36,7 @@ impl Port {
         match self {
             Port::Http => "--http",
             Port::Coap => "--coap",
+            Port::Mqtt => "--mqtt",
         }
     }
 
@@ -42,6 +46,7 @@ impl Port {
         match self {
             Port::Http => 8080,
             Port::Coap => 5683,
+            Port::Mqtt => 1883,
         }
     }
 }
@@ -53,12 +58,15 @@ pub struct Doors {
     pub http: SocketAddr,
     /// The CoAP resources, where there are any.
     pub coap: Option<SocketAddr>,
+    /// Our own MQTT broker, where there is one.
+    pub mqtt: Option<SocketAddr>,
 }
 
 /// What is listened to.
 pub(super) struct Ports {
     pub(super) http: TcpListener,
     pub(super) coap: Option<Socket>,
+    pub(super) mqtt: Option<TcpListener>,
     /// Where they are.
     pub(super) doors: Doors,
 }
@@ -69,17 +77,21 @@ impl Ports {
     /// # Errors
     /// `AppError::Bind`: which cannot be had, and why.
     pub(super) async fn bind(settings: &Settings) -> Result<Ports, AppError> {
-        let (http, http_at) = http(settings.http.bind).await.map_err(refused(Port::Http, settings.http.bind))?;
-        let mut ports = Ports { http, coap: None, doors: Doors { http: http_at, coap: None } };
+        let (http, http_at) = tcp(settings.http.bind).await.map_err(refused(Port::Http, settings.http.bind))?;
+        let mut ports = Ports { http, coap: None, mqtt: None, doors: Doors { http: http_at, coap: None, mqtt: None } };
         if let Some(address) = settings.coap {
             let (socket, coap_at) = coap(address).await.map_err(refused(Port::Coap, address))?;
             (ports.coap, ports.doors.coap) = (Some(socket), Some(coap_at));
+        }
+        if let Some(Broker::Own { bind, .. }) = settings.mqtt.broker {
+            let (listener, mqtt_at) = tcp(bind).await.map_err(refused(Port::Mqtt, bind))?;
+            (ports.mqtt, ports.doors.mqtt) = (Some(listener), Some(mqtt_at));
         }
         Ok(ports)
     }
 }
 
-async fn http(address: SocketAddr) -> std::io::Result<(TcpListener, SocketAddr)> {
+async fn tcp(address: SocketAddr) -> std::io::Result<(TcpListener, SocketAddr)> {
     let listener = TcpListener::bind(address).await?;
     let address = listener.local_addr()?;
     Ok((listener, address))

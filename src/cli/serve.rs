@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 
 use super::{Failure, Serve, link};
 use crate::app::{self, Doors, Entry};
-use crate::config::HttpSettings;
+use crate::config::{Broker, HttpSettings, Settings};
 
 /// Serves until a signal ends it.
 ///
@@ -14,15 +14,35 @@ pub fn run(flags: &Serve) -> Result<(), Failure> {
     let settings = super::settings(&flags.sources())?;
     app::serve(&settings, |doors, entry| {
         // Whoever closed standard output does not want to know; the program serves all the same.
-        let _ = super::print(&announcement(&settings.http, doors, entry));
+        let _ = super::print(&announcement(&settings, doors, entry));
     })?;
     Ok(())
 }
 
 /// Where it is, and how one gets in.
-fn announcement(http: &HttpSettings, doors: Doors, entry: &Entry) -> String {
-    let console = console(http, doors.http, entry);
-    doors.coap.map_or(console.clone(), |coap| format!("{console}\nIts CoAP resources are at coap://{coap}"))
+fn announcement(settings: &Settings, doors: Doors, entry: &Entry) -> String {
+    let coap = doors.coap.map(|coap| format!("\nIts CoAP resources are at coap://{coap}"));
+    let mqtt = mqtt(settings, doors, entry).map(|mqtt| format!("\nIts MQTT topics are at {mqtt}"));
+    let console_entry = if settings.http.asks_for_keys { entry } else { &Entry::Open };
+    [Some(console(&settings.http, doors.http, console_entry)), coap, mqtt].into_iter().flatten().collect()
+}
+
+/// The broker at which its topics are, where there are any, and how one gets in if that is by a key.
+fn mqtt(settings: &Settings, doors: Doors, entry: &Entry) -> Option<String> {
+    let asks = match settings.mqtt.broker.as_ref()? {
+        Broker::Own { asks_for_keys, .. } => *asks_for_keys,
+        Broker::Other(other) => return Some(other.to_string()),
+    };
+    let at = format!("mqtt://{}", doors.mqtt?);
+    Some(match entry {
+        Entry::NewKey(token) | Entry::BriefKey(token) if asks && !settings.http.asks_for_keys => {
+            format!("{at}\nThere the user name is operator, and the password {}", token.reveal())
+        }
+        Entry::Key | Entry::NewKey(_) | Entry::BriefKey(_) if asks => {
+            format!("{at}\nThere the user name is that of a key, and the password its token.")
+        }
+        Entry::Open | Entry::Key | Entry::NewKey(_) | Entry::BriefKey(_) => at,
+    })
 }
 
 /// Where the console is, and how one gets in. A token is shown when it was just made, and then only here: never in the log.
@@ -49,10 +69,10 @@ mod tests {
 
     #[test]
     fn a_token_is_shown_only_when_it_was_just_made() {
-        let http = load(&Sources::default()).unwrap().http;
-        let doors = Doors { http: "0.0.0.0:8080".parse().unwrap(), coap: None };
+        let settings = load(&Sources::default()).unwrap();
+        let doors = Doors { http: "0.0.0.0:8080".parse().unwrap(), coap: None, mqtt: None };
         let token = Token::draw().unwrap();
-        let said = |entry: &Entry| announcement(&http, doors, entry);
+        let said = |entry: &Entry| announcement(&settings, doors, entry);
         assert_eq!(said(&Entry::Open), "hallsweep is at http://0.0.0.0:8080");
         assert!(said(&Entry::Key).contains("`hallsweep token`"));
         for entry in [Entry::NewKey(token.clone()), Entry::BriefKey(token.clone())] {
@@ -62,10 +82,21 @@ mod tests {
     }
 
     #[test]
-    fn the_last_line_says_where_the_coap_resources_are() {
-        let http = load(&Sources::default()).unwrap().http;
-        let doors = Doors { http: "127.0.0.1:8080".parse().unwrap(), coap: "127.0.0.1:40123".parse().ok() };
-        let expect = "hallsweep is at http://127.0.0.1:8080\nIts CoAP resources are at coap://127.0.0.1:40123";
-        assert_eq!(announcement(&http, doors, &Entry::Open), expect);
+    fn the_last_lines_say_where_the_other_doors_are() {
+        let settings = load(&Sources::default()).unwrap();
+        let (coap, mqtt) = ("127.0.0.1:40123".parse().ok(), "127.0.0.1:40124".parse().ok());
+        let doors = Doors { http: "127.0.0.1:8080".parse().unwrap(), coap, mqtt };
+        let expect = "hallsweep is at http://127.0.0.1:8080\nIts CoAP resources are at coap://127.0.0.1:40123\n\
+                      Its MQTT topics are at mqtt://127.0.0.1:40124";
+        assert_eq!(announcement(&settings, doors, &Entry::Open), expect);
+    }
+
+    #[test]
+    fn somebody_elses_broker_is_named_without_its_password() {
+        let set = |key: &str, value: &str| (format!("HALLSWEEP__MQTT__{key}"), value.to_owned());
+        let environment = vec![set("BROKER", "mqtts://[::1]"), set("NAME", "me"), set("PASSWORD", "secret")];
+        let settings = load(&Sources { environment, ..Sources::default() }).unwrap();
+        let doors = Doors { http: "127.0.0.1:8080".parse().unwrap(), coap: None, mqtt: None };
+        assert!(announcement(&settings, doors, &Entry::Open).ends_with("Its MQTT topics are at mqtts://[::1]:8883"));
     }
 }

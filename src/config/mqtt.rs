@@ -70,6 +70,15 @@ pub struct Login {
     pub password: String,
 }
 
+impl fmt::Display for OtherBroker {
+    /// As `mqtt://broker.example:1883`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let scheme = if self.is_encrypted { "mqtts" } else { "mqtt" };
+        let host = if self.host.contains(':') { format!("[{}]", self.host) } else { self.host.clone() };
+        write!(f, "{scheme}://{host}:{}", self.port)
+    }
+}
+
 impl fmt::Debug for Login {
     /// Without the password, which is in no log.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

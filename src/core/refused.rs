@@ -117,8 +117,8 @@ pub enum Refused {
 
 /// The codes with which a door itself refuses what somebody known asked for; tests in the doors hold them against
 /// their own.
-pub const AT_THE_DOOR: [(&str, RefusalKind); 9] = {
-    use RefusalKind::{Mismatch, Unknown};
+pub const AT_THE_DOOR: [(&str, RefusalKind); 10] = {
+    use RefusalKind::{Mismatch, Unavailable, Unknown};
     [
         ("malformed", Mismatch),
         ("unusable", Mismatch),
@@ -129,6 +129,7 @@ pub const AT_THE_DOOR: [(&str, RefusalKind); 9] = {
         ("notAcceptable", Mismatch),
         ("preconditionFailed", Mismatch),
         ("notFound", Unknown),
+        ("tooMany", Unavailable),
     ]
 };
 

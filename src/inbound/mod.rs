@@ -1,5 +1,8 @@
-//! The doors: how operators and programs reach hallsweep. No door knows another, and none knows an adapter.
+//! The doors: how operators and programs reach hallsweep. No door knows another, and none knows an adapter. What doors with
+//! connections have in common lies beside them: how many there may be, and how long a reader may stall.
 
 pub mod coap;
 pub mod http;
 pub mod mqtt;
+mod patience;
+mod places;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::fields::{Body, Fields, in_short, needed};
+use super::fields::{Body, Fields, Unread, in_short, needed};
 use crate::core::command::{Command, CommandId, Move, TemperatureReport, Verdict};
 use crate::core::explore::Strategy;
 use crate::core::units::{Cell, Celsius, Epoch};
@@ -202,6 +202,24 @@ pub fn no_command_id(place: &str, name: &str) -> String {
     format!("{place} is {:?}: send it once, 1 to {} visible ASCII characters", in_short(name), CommandId::MOST)
 }
 
+/// The command's own name, laid aside from the fields of its body, for doors at which it comes as `id` beside them.
+///
+/// # Errors
+/// When it is no name.
+pub fn id_aside(fields: &mut Fields) -> Result<Option<CommandId>, Unread> {
+    let Some(name) = fields.aside("id", Fields::text).map_err(Unread::Unusable)? else { return Ok(None) };
+    let id = CommandId::new(&name);
+    id.map(Some).ok_or_else(|| Unread::Malformed(no_command_id("id", &name)))
+}
+
+/// The number of what a command is about, laid aside from the fields of its body, for doors that have no paths.
+///
+/// # Errors
+/// When it is missing, or no number; `example` shows the whole body.
+pub fn number_aside(fields: &mut Fields, name: &'static str, example: &str) -> Result<u64, Unusable> {
+    needed(fields.aside(name, Fields::count)?, name, example)
+}
+
 /// The command behind the one-letter words of old clients and of `move`; `h` is STOP.
 ///
 /// # Errors
@@ -258,6 +276,25 @@ mod tests {
         assert_eq!(move_word("r"), move_word("d"));
         assert_eq!(move_word("h"), Ok(Command::Stop));
         assert!(move_word("W").is_err() && move_word("").is_err());
+    }
+
+    #[test]
+    fn a_name_and_a_number_may_stand_beside_the_fields_of_a_body() {
+        let mut fields = super::super::fields::fields(br#"{"luggage":3,"verdict":"safe","id":"k7"}"#).unwrap();
+        assert_eq!(id_aside(&mut fields).unwrap(), CommandId::new("k7"));
+        assert_eq!(number_aside(&mut fields, "luggage", "{\"luggage\":3}"), Ok(3));
+        assert_eq!(fields.read::<VerdictBody>().unwrap().verdict(), Ok(Verdict::Safe));
+        let missing = number_aside(&mut fields, "alarm", "{\"alarm\":2}").unwrap_err();
+        assert_eq!(missing.to_string(), "`alarm` is missing: send {\"alarm\":2}");
+    }
+
+    #[test]
+    fn a_name_that_is_none_is_said_to_be_none() {
+        let said = |json: &str| id_aside(&mut super::super::fields::fields(json.as_bytes()).unwrap());
+        assert_eq!(said("{}"), Ok(None));
+        assert_eq!(said(r#"{"id":null}"#), Ok(None));
+        assert!(matches!(said(r#"{"id":"two words"}"#), Err(Unread::Malformed(words)) if words.contains("1 to 128 visible")));
+        assert!(matches!(said(r#"{"id":7}"#), Err(Unread::Unusable(_))));
     }
 
     #[test]

@@ -38,18 +38,29 @@ pub trait Body: Sized {
 
 /// The fields of one body; none of them is there twice.
 #[derive(Debug, Default)]
-pub struct Fields(BTreeMap<String, Value>);
+pub struct Fields {
+    left: BTreeMap<String, Value>,
+    /// The names of those that were laid aside, for sentences that list what there is.
+    aside: Vec<&'static str>,
+}
 
 /// Reads a body from JSON.
 ///
 /// # Errors
 /// When it is no JSON, no object, or has other fields than this command.
 pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
+    fields(bytes)?.read().map_err(Unread::Unusable)
+}
+
+/// Reads the fields of a body from JSON, for doors at which a body carries more than a command has fields.
+///
+/// # Errors
+/// When it is no JSON, or no object.
+pub fn fields(bytes: &[u8]) -> Result<Fields, Unread> {
     let no_json = |error: serde_json::Error| Unread::Malformed(format!("the body is not JSON: {error}"));
     serde_json::from_slice::<IgnoredAny>(bytes).map_err(no_json)?;
-    let fields: Fields = serde_json::from_slice(bytes)
-        .map_err(|error| if error.is_data() { Unread::Unusable(not_an_object(bytes, &error)) } else { no_json(error) })?;
-    fields.read().map_err(Unread::Unusable)
+    serde_json::from_slice(bytes)
+        .map_err(|error| if error.is_data() { Unread::Unusable(not_an_object(bytes, &error)) } else { no_json(error) })
 }
 
 impl Fields {
@@ -85,15 +96,26 @@ impl Fields {
         self.field(name, "a number, as 21.5,", Value::as_f64)
     }
 
+    /// One field that is none of the command's own, as `read` takes it; the body is made of the others then.
+    ///
+    /// # Errors
+    /// As `read` says.
+    pub fn aside<T>(&mut self, name: &'static str, read: impl Fn(&Fields, &str) -> Result<T, Unusable>) -> Result<T, Unusable> {
+        let taken = read(self, name);
+        self.left.remove(name);
+        self.aside.push(name);
+        taken
+    }
+
     /// One more field.
     ///
     /// # Errors
     /// When it is there already.
     pub(super) fn put(&mut self, name: String, value: Value) -> Result<(), Unusable> {
-        if self.0.contains_key(&name) {
+        if self.left.contains_key(&name) {
             return Err(Unusable(format!("`{}` is there twice: send it once", in_short(&name))));
         }
-        self.0.insert(name, value);
+        self.left.insert(name, value);
         Ok(())
     }
 
@@ -101,18 +123,19 @@ impl Fields {
     ///
     /// # Errors
     /// When one is missing, unknown or of another kind.
-    pub(super) fn read<T: Body>(&self) -> Result<T, Unusable> {
+    pub fn read<T: Body>(&self) -> Result<T, Unusable> {
         self.only(T::FIELDS).and_then(|()| T::taken(self))
     }
 
     fn field<T>(&self, name: &str, kind: &str, read: impl Fn(&Value) -> Option<T>) -> Result<Option<T>, Unusable> {
-        let there = self.0.get(name).filter(|value| !value.is_null());
+        let there = self.left.get(name).filter(|value| !value.is_null());
         let wrong = |value: &Value| Unusable(format!("`{name}` is {}: {kind} belongs there", in_short(&value.to_string())));
         there.map(|value| read(value).ok_or_else(|| wrong(value))).transpose()
     }
 
     fn only(&self, known: &[&str]) -> Result<(), Unusable> {
-        let Some(unknown) = self.0.keys().find(|name| !known.contains(&name.as_str())) else { return Ok(()) };
+        let Some(unknown) = self.left.keys().find(|name| !known.contains(&name.as_str())) else { return Ok(()) };
+        let known = [known, &self.aside].concat();
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
         Err(Unusable(format!("this command has no field `{}`: its fields are {known}", in_short(unknown))))
     }
@@ -223,6 +246,19 @@ mod tests {
     #[test]
     fn null_means_absent_and_absent_is_no_mistake() {
         assert!(body::<Both>(br#"{"text":null}"#).is_ok() && body::<Both>(b" {} ").is_ok());
+    }
+
+    #[test]
+    fn what_is_laid_aside_is_no_field_of_the_body_and_still_one_that_may_be_sent() {
+        let read = |json: &str| {
+            let mut fields = fields(json.as_bytes()).unwrap();
+            (fields.aside("id", Fields::text), fields.read::<Both>().map(|_| ()))
+        };
+        assert_eq!(read(r#"{"id":"a-7","number":3}"#), (Ok(Some("a-7".to_owned())), Ok(())));
+        assert_eq!(read(r#"{"number":3}"#), (Ok(None), Ok(())));
+        let (id, body) = read(r#"{"id":7,"nummer":3}"#);
+        assert_eq!(id.unwrap_err().to_string(), "`id` is 7: a text in quotes belongs there");
+        assert!(body.unwrap_err().to_string().contains("no field `nummer`: its fields are text, number, id"));
     }
 
     #[test]

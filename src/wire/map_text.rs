@@ -1,4 +1,4 @@
-//! The hall map as the text of old clients (mission §6): a line per row, `|r, 1, X, `, or all in one line, `'r 1 X @1 1 X @'`.
+//! The hall map as the text of old clients (mission §6): a line per row, `|r, 1, X, `, or all in one line, `r 1 X @1 1 X @`.
 //! It begins at the least row and column that hold a visited cell; the borders north and west of them are implied.
 
 use super::map::{Plan, mark_char};
@@ -11,10 +11,10 @@ pub fn lines<'a>(plan: impl Into<Plan<'a>>) -> String {
     written(plan.into(), "|", ", ", "\n")
 }
 
-/// All rows in one quoted line, each cell followed by a blank, each row by `@`.
+/// All rows in one line, each cell followed by a blank, each row by `@`.
 #[must_use]
 pub fn one_line<'a>(plan: impl Into<Plan<'a>>) -> String {
-    format!("'{}'", written(plan.into(), "", " ", "@"))
+    written(plan.into(), "", " ", "@")
 }
 
 fn written(plan: Plan<'_>, open: &str, after_cell: &str, after_row: &str) -> String {
@@ -78,20 +78,20 @@ mod tests {
 
     #[test]
     fn the_one_line_form_ends_every_row_with_an_at() {
-        assert_eq!(one_line(&hall(&["11W", "11W"], Cell::HOME)), "'r 1 X @1 1 X @'");
+        assert_eq!(one_line(&hall(&["11W", "11W"], Cell::HOME)), "r 1 X @1 1 X @");
     }
 
     #[test]
     fn a_border_of_which_nothing_is_known_is_not_shown() {
-        assert_eq!(one_line(&hall(&["111", "111"], Cell::new(1, 1))), "'1 1 1 @1 r 1 @'");
-        assert_eq!(one_line(&hall(&["11", "WW"], Cell::HOME)), "'r 1 @X X @'");
+        assert_eq!(one_line(&hall(&["111", "111"], Cell::new(1, 1))), "1 1 1 @1 r 1 @");
+        assert_eq!(one_line(&hall(&["11", "WW"], Cell::HOME)), "r 1 @X X @");
     }
 
     #[test]
     fn the_corner_is_a_wall_only_between_two_walls() {
-        assert_eq!(one_line(&hall(&["1W", "W?"], Cell::HOME)), "'r X @X X @'");
-        assert_eq!(one_line(&hall(&["1L", "W?"], Cell::HOME)), "'r X @X 0 @'");
-        assert_eq!(one_line(&hall(&["11W", "W??"], Cell::HOME)), "'r 1 X @X 0 0 @'");
+        assert_eq!(one_line(&hall(&["1W", "W?"], Cell::HOME)), "r X @X X @");
+        assert_eq!(one_line(&hall(&["1L", "W?"], Cell::HOME)), "r X @X 0 @");
+        assert_eq!(one_line(&hall(&["11W", "W??"], Cell::HOME)), "r 1 X @X 0 0 @");
     }
 
     #[test]
@@ -100,6 +100,6 @@ mod tests {
         for (cell, mark) in [(Cell::new(-1, -2), Mark::Visited), (Cell::new(-2, -2), Mark::Wall)] {
             snapshot.map.mark(cell, mark, crate::core::units::Revision(3));
         }
-        assert_eq!(one_line(&snapshot), "'1 0 @0 0 @0 r @'");
+        assert_eq!(one_line(&snapshot), "1 0 @0 0 @0 r @");
     }
 }

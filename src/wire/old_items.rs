@@ -1,5 +1,5 @@
 //! The three items of the resource model as old clients know them (mission §8): what stands in each, and how the CoAP resource
-//! writes it. Which of them is sent when is the door's business.
+//! writes it. The MQTT door writes the same as terms. Which of them is sent when is the door's business.
 
 use super::map_text;
 use super::time::rfc3339;
@@ -19,7 +19,7 @@ pub fn robot(robot: &RobotView) -> String {
 /// As `roomMap( 'r 1 X @' )`.
 #[must_use]
 pub fn room_map(snapshot: &Snapshot) -> String {
-    format!("roomMap( {} )", map_text::one_line(snapshot))
+    format!("roomMap( '{}' )", map_text::one_line(snapshot))
 }
 
 /// As `luggage( state( 'photo 1, position: (0, 2), date: 2026-02-03T10:05:12.000+01:00' ) )`; `None` before there is any.

@@ -1,9 +1,10 @@
-//! What a refusal or an error looks like: RFC 9457 problem details with a fixed code beside the sentence.
-//! Which status a refusal gets is each door's own table.
+//! What a refusal or an error looks like: RFC 9457 problem details with a fixed code beside the sentence, and the status that each
+//! family of refusals has in them. Which code of its own protocol a door answers with is the door's table.
 
 use serde::Serialize;
 
 use super::luggage::LuggageJson;
+use crate::core::command::RefusalKind;
 
 /// One problem.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -24,6 +25,18 @@ pub struct ProblemJson {
     /// The record a refused verdict was about.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub luggage: Option<LuggageJson>,
+}
+
+/// The status of each family of refusals, as HTTP has it.
+#[must_use]
+pub const fn status_of(kind: RefusalKind) -> u16 {
+    match kind {
+        RefusalKind::Conflict => 409,
+        RefusalKind::Unknown => 404,
+        RefusalKind::Unavailable => 503,
+        RefusalKind::Mismatch => 422,
+        RefusalKind::Forbidden => 403,
+    }
 }
 
 impl ProblemJson {

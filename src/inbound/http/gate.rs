@@ -12,11 +12,11 @@ use axum::response::{IntoResponse, Redirect, Response};
 
 use super::Door;
 use super::guard::is_for_people;
-use super::places::Place;
 use super::problem::{NotTaken, Problem};
 use super::sign_in::{COOKIE, Undone, sign_in_page};
 use crate::access::{Access, Caller, Need, Network};
 use crate::core::command::{self, Issuer, Refused};
+use crate::inbound::places::Place;
 use crate::wire::fields::in_short;
 
 /// The other end of a connection. The accept loop puts it into every request.

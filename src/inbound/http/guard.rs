@@ -157,7 +157,7 @@ async fn same_origin(request: Request, next: Next) -> Response {
 }
 
 /// By what the browser says of the sender; older ones name only the origin, which is then compared with the host asked for.
-fn is_foreign(headers: &HeaderMap) -> bool {
+pub(super) fn is_foreign(headers: &HeaderMap) -> bool {
     let text = |name: HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("unreadable"));
     match text(HeaderName::from_static("sec-fetch-site")) {
         Some(site) => !matches!(site, "same-origin" | "none"),

@@ -11,9 +11,8 @@ mod events;
 mod gate;
 mod guard;
 mod missions;
+mod mqtt;
 mod old;
-mod patience;
-mod places;
 mod problem;
 mod query;
 mod reading;
@@ -32,6 +31,7 @@ use axum::Router;
 use tokio::sync::{Semaphore, watch};
 
 pub use guard::Hosts;
+pub use mqtt::{Hall, Visitor};
 pub use serve::{Front, serve};
 pub use tls::{Tls, TlsError};
 
@@ -54,6 +54,7 @@ pub struct Door {
     clock: Clock,
     access: Access,
     attempts: Arc<Attempts>,
+    mqtt: Option<Hall>,
 }
 
 impl Door {
@@ -70,7 +71,14 @@ impl Door {
             clock: Clock::default(),
             access,
             attempts: Arc::default(),
+            mqtt: None,
         }
+    }
+
+    /// The same, with a way to MQTT for web clients.
+    #[must_use]
+    pub fn with_mqtt(self, mqtt: Option<Hall>) -> Door {
+        Door { mqtt, ..self }
     }
 
     /// Ends every open stream at once, and every one opened from now on.

@@ -1,4 +1,4 @@
-//! Every refusal and error of this door as `application/problem+json`, and the one table from refusals to status codes.
+//! Every refusal and error of this door as `application/problem+json`. Which status a refusal gets stands in `crate::wire::problem`.
 //! Start at `Problem::refused` for the core's refusals; the other constructors are for requests that never reached it.
 
 use axum::Extension;
@@ -13,7 +13,7 @@ use crate::runtime::carry_out::NotDone;
 use crate::runtime::handle::Gone;
 use crate::wire::fields::in_short;
 use crate::wire::luggage::LuggageJson;
-use crate::wire::problem::ProblemJson;
+use crate::wire::problem::{ProblemJson, status_of};
 
 /// A request that was not carried out, and why.
 #[derive(Clone, Debug)]
@@ -31,21 +31,11 @@ pub(super) struct Said(pub(super) String);
 #[derive(Clone, Debug)]
 pub(super) struct NotTaken(pub(super) Refusal);
 
-/// The table: which status each family of refusals gets.
-pub(super) const fn status_of(kind: RefusalKind) -> StatusCode {
-    match kind {
-        RefusalKind::Conflict => StatusCode::CONFLICT,
-        RefusalKind::Unknown => StatusCode::NOT_FOUND,
-        RefusalKind::Unavailable => StatusCode::SERVICE_UNAVAILABLE,
-        RefusalKind::Mismatch => StatusCode::UNPROCESSABLE_ENTITY,
-        RefusalKind::Forbidden => StatusCode::FORBIDDEN,
-    }
-}
-
 impl Problem {
     /// The core refused, and has put that on record; `luggage` is the record the refused command was about.
     pub(super) fn refused(refused: &Refused, luggage: Option<LuggageJson>) -> Problem {
-        let mut problem = Problem::new(status_of(refused.kind()), refused.code(), refused.to_string());
+        let status = StatusCode::from_u16(status_of(refused.kind())).expect("the table has statuses of HTTP only");
+        let mut problem = Problem::new(status, refused.code(), refused.to_string());
         problem.body.luggage = luggage;
         problem.is_on_record = true;
         problem

@@ -9,7 +9,7 @@ use axum::middleware::from_fn_with_state;
 use axum::routing::{MethodFilter, MethodRouter, on};
 
 use super::gate::{Gate, gate};
-use super::{Door, assets, commands, console, events, missions, old, problem, reads, sign_in};
+use super::{Door, assets, commands, console, events, missions, mqtt, old, problem, reads, sign_in};
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
 
@@ -30,7 +30,7 @@ pub(super) fn table() -> Vec<Row> {
     [for_anybody(), interface(), page(), old_console()].into_iter().flatten().collect()
 }
 
-/// What one needs to sign in, and what says nothing of the hall.
+/// What one needs to sign in, what says nothing of the hall, and the way to a door that asks by itself.
 #[rustfmt::skip]
 fn for_anybody() -> Vec<Row> {
     vec![
@@ -43,6 +43,7 @@ fn for_anybody() -> Vec<Row> {
         get("/static/vendor/idiomorph.js", Nothing, assets::file),
         get("/static/icon.svg", Nothing, assets::file),
         get("/favicon.ico", Nothing, assets::file),
+        get("/mqtt", Nothing, mqtt::mqtt),
     ]
 }
 

@@ -21,11 +21,11 @@ use tokio::sync::watch;
 use tokio::task::JoinSet;
 
 use super::gate::Peer;
-use super::patience::Patient;
-use super::places::{PLACES, Place, Places, Request as Asked};
 use super::tls::Tls;
 use super::watcher::closed;
 use super::{Door, Hosts, router};
+use crate::inbound::patience::Patient;
+use crate::inbound::places::{PLACES, Place, Places, Request as Asked};
 
 /// How long a client may take to agree on encryption.
 const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
@@ -124,7 +124,7 @@ async fn encrypted(stream: TcpStream, place: &Arc<Place>, line: Line) {
 }
 
 /// Request after request, each with whoever is at the other end written into it.
-async fn talk(stream: impl AsyncRead + AsyncWrite + Unpin + Send, peer: Peer, place: &Arc<Place>, line: Line) {
+async fn talk(stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static, peer: Peer, place: &Arc<Place>, line: Line) {
     let Line { router, mut closing, .. } = line;
     let routes = TowerToHyperService::new(router);
     let service = service_fn(|mut request: Request<Incoming>| {
@@ -136,7 +136,7 @@ async fn talk(stream: impl AsyncRead + AsyncWrite + Unpin + Send, peer: Peer, pl
     });
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIME).max_buf_size(HEADER_BYTES);
-    let connection = http.serve_connection(TokioIo::new(stream), service);
+    let connection = http.serve_connection(TokioIo::new(stream), service).with_upgrades();
     tokio::pin!(connection);
     let ended = tokio::select! {
         ended = connection.as_mut() => ended,

@@ -1,6 +1,25 @@
 //! The MQTT door: the old topics, the JSON topics, and a broker of our own behind a gate, or somebody else's. It turns messages
 //! into commands and snapshots into messages; it decides nothing about the mission.
 
+mod embedded;
+mod engine;
 pub mod gate;
+mod guests;
+pub mod home_assistant;
+mod identity;
+mod limits;
+pub mod news;
+pub mod orders;
 pub mod publication;
+mod pump;
+pub mod qak;
+pub mod session;
+mod slots;
 pub mod topics;
+mod visitor;
+
+pub use embedded::{Embedded, Ways};
+pub use engine::EngineError;
+pub use guests::House;
+pub use identity::HOUSE;
+pub use visitor::{Origin, Stream, Visitor};

@@ -11,11 +11,12 @@ use super::kept::{Copies, Kept};
 use super::problem::Problem;
 use super::shows::{LUGGAGE, MAP, ROBOT, revision};
 use super::table::Show;
-use crate::core::command::{Command, LuggageRef, Refused, Verdict};
+use crate::core::command::{Command, LuggageRef, Verdict};
 use crate::core::mission::in_words;
 use crate::core::units::Revision;
 use crate::core::world::snapshot::Snapshot;
 use crate::wire::command::move_word;
+use crate::wire::old_clients;
 
 /// Which of the items changed last, as far as anybody looked.
 pub(super) struct OldModel(Mutex<Seen>);
@@ -73,11 +74,8 @@ pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command
     if let Some(other) = request.format.filter(|format| ![Format::TEXT, Format::JSON].contains(format)) {
         return Err(Problem::wrong_format(format!("the word is in {other}: send it as {}", Format::TEXT)));
     }
-    if matches!(command, Command::Move(_)) && !manual_driving {
-        let words = "old clients may not drive the robot here: set old_clients.manual_driving to let them; h halts it always";
-        let refused = Refused::NotAllowed(words.to_owned());
-        return Err(Problem::refused(&refused, None).of(in_words(&command)));
-    }
+    let may_drive = old_clients::may_drive(&command, manual_driving);
+    may_drive.map_err(|refused| Problem::refused(&refused, None).of(in_words(&command)))?;
     Ok(command)
 }
 

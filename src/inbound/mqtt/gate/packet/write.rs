@@ -38,13 +38,13 @@ pub const fn connack(welcome: Welcome, session_present: bool) -> [u8; 4] {
     [Kind::Connack.first_byte(), 2, session_present as u8, welcome as u8]
 }
 
-/// A CONNECT to the engine: an id, and nothing that it could stumble over.
-pub fn connect(out: &mut BytesMut, client_id: &str, clean_session: bool, keep_alive_s: u16) {
-    head(out, Kind::Connect.first_byte(), 12 + client_id.len());
+/// A CONNECT to the engine: an id, by what it lets us in, and nothing that it could stumble over.
+pub fn connect(out: &mut BytesMut, client_id: &str, clean_session: bool, keep_alive_s: u16, (name, password): (&str, &str)) {
+    head(out, Kind::Connect.first_byte(), 16 + client_id.len() + name.len() + password.len());
     text(out, "MQTT");
-    out.put_slice(&[4, u8::from(clean_session) << 1]);
+    out.put_slice(&[4, 0xC0 | u8::from(clean_session) << 1]);
     out.put_u16(keep_alive_s);
-    text(out, client_id);
+    [client_id, name, password].into_iter().for_each(|field| text(out, field));
 }
 
 /// A PUBLISH; `id` is of no matter at QoS 0.
@@ -142,8 +142,9 @@ mod tests {
     #[test]
     fn questions_to_the_engine_are_read_again() {
         let mut out = BytesMut::new();
-        connect(&mut out, "c17", true, 65_535);
+        connect(&mut out, "c17", true, 65_535, ("gate", "secret"));
         let connect = connect::read(body(&out)).unwrap();
+        assert_eq!((connect.name.as_deref(), connect.password.as_deref()), (Some("gate"), Some(&b"secret"[..])));
         assert_eq!((&*connect.client_id, connect.clean_session, connect.keep_alive_s), ("c17", true, 65_535));
         let mut out = BytesMut::new();
         subscribe(&mut out, 7, &[("a/+", Qos::One), ("b", Qos::Zero)]);

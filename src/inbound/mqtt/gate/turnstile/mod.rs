@@ -7,6 +7,7 @@
 mod duplicates;
 mod ended;
 mod engine;
+mod flood;
 mod keeping;
 mod outstanding;
 mod publishing;
@@ -25,6 +26,7 @@ pub use self::ended::Ended;
 pub use self::subscribing::Session;
 
 use self::duplicates::Duplicates;
+use self::flood::Flood;
 use self::keeping::Deliveries;
 use self::outstanding::Outstanding;
 use self::refusals::Refusals;
@@ -32,6 +34,7 @@ use self::routes::Routes;
 use self::subscribing::Subscriptions;
 use super::budget::Budget;
 use super::frame::{Frame, Kind, Malformed, frame};
+use super::ledger::{Account, Ledger, Ledgers};
 use super::limits::{ANSWER_ROOM, CLIENT_ROOM, ENGINE_ROOM, GUEST_PACKET, HOUSE_PACKET, SILENCE};
 use super::packet::connect::Will;
 use super::packet::{ack, write};
@@ -48,6 +51,16 @@ pub struct Gatehouse {
     pub retained: Retained,
     /// What may still reach the engine.
     pub budget: Budget,
+    /// How far each subscriber is behind.
+    pub ledgers: Arc<Ledgers>,
+}
+
+impl Gatehouse {
+    /// A gatehouse of a broker at which nothing was said yet.
+    #[must_use]
+    pub fn new(topics: Topics) -> Gatehouse {
+        Gatehouse { topics, retained: Retained::default(), budget: Budget::default(), ledgers: Arc::default() }
+    }
 }
 
 /// Whoever hears commands; one for each connection, since it knows whose they are.
@@ -92,6 +105,8 @@ pub struct Turnstile {
     to_engine: BytesMut,
     to_client: BytesMut,
     routes: Routes,
+    flood: Flood,
+    account: Account,
     duplicates: Duplicates,
     subscriptions: Subscriptions,
     outstanding: Outstanding,
@@ -107,7 +122,10 @@ impl Turnstile {
     #[must_use]
     pub fn new(terms: Terms, gatehouse: Arc<Gatehouse>, now: Duration) -> Turnstile {
         let one_and_a_half = Duration::from_millis(1500 * u64::from(terms.keep_alive_s));
+        let account = Account::open(&gatehouse.ledgers);
         let mut turnstile = Turnstile {
+            account,
+            flood: Flood::default(),
             guest: terms.guest,
             listener: terms.listener,
             gatehouse,
@@ -152,6 +170,7 @@ impl Turnstile {
             bytes.advance(read);
             self.heard_at = now;
         }
+        self.routes.settle();
         self.deliver();
         outcome
     }
@@ -186,15 +205,20 @@ impl Turnstile {
         }
     }
 
-    /// What is for the engine. All of it is to be sent before the connection to it is closed, with nothing in front of that: a
-    /// DISCONNECT could end the engine.
-    pub fn to_engine(&mut self) -> &mut BytesMut {
+    /// What is for the engine.
+    pub const fn to_engine(&mut self) -> &mut BytesMut {
         &mut self.to_engine
     }
 
     /// What is for the client.
-    pub fn to_client(&mut self) -> &mut BytesMut {
+    pub const fn to_client(&mut self) -> &mut BytesMut {
         &mut self.to_client
+    }
+
+    /// What is for the engine, and what is for the client. All that is for the engine is to be sent before the connection to it is
+    /// closed, with nothing in front of that: a DISCONNECT could end the engine.
+    pub const fn outgoing(&mut self) -> (&mut BytesMut, &mut BytesMut) {
+        (&mut self.to_engine, &mut self.to_client)
     }
 
     /// Whether there is room for more from the client.
@@ -207,6 +231,14 @@ impl Turnstile {
     #[must_use]
     pub fn wants_engine(&self) -> bool {
         self.to_client.len() < CLIENT_ROOM
+    }
+
+    /// The subscriber whom this client has to wait for before anything more is read from it; none, when it has not published in a
+    /// flood. The program itself waits for nobody.
+    pub fn poll_behind(&mut self, now: Duration) -> Option<Arc<Ledger>> {
+        let passed = self.routes.take_passed();
+        let is_flood = self.flood.handle_passed(passed, now) && self.guest != Guest::House;
+        if is_flood { self.routes.behind(now) } else { None }
     }
 
     /// When the client was silent for too long, if it stays so.

@@ -109,6 +109,7 @@ impl Turnstile {
         let mut known = Vec::new();
         for (filter, _) in filters {
             if self.subscriptions.held.remove(filter).is_some() {
+                self.account.strike(filter);
                 self.deliveries.stop(filter);
                 known.push(filter);
             }
@@ -203,6 +204,7 @@ impl Turnstile {
         }
         for filter in filters {
             if let Some(held) = self.subscriptions.held.get(&filter) {
+                self.account.enter(&filter);
                 self.deliveries.start(filter, held.qos);
             }
         }

@@ -6,11 +6,9 @@ use std::time::Duration;
 use bytes::BytesMut;
 
 use crate::access::Role;
-use crate::inbound::mqtt::gate::budget::Budget;
 use crate::inbound::mqtt::gate::frame::{Kind, frame};
 use crate::inbound::mqtt::gate::packet::filters::Filters;
 use crate::inbound::mqtt::gate::packet::{Qos, ack, publish, write};
-use crate::inbound::mqtt::gate::retained::Retained;
 use crate::inbound::mqtt::gate::rights::Guest;
 use crate::inbound::mqtt::gate::turnstile::{Ended, Gatehouse, Heard, Listener, Session, Terms, Turnstile};
 use crate::inbound::mqtt::topics::Topics;
@@ -39,7 +37,7 @@ pub(super) struct Scene {
 
 pub(super) fn gatehouse() -> Arc<Gatehouse> {
     let topics = Topics::new("hallsweep", "discovery", "unibo/qak");
-    Arc::new(Gatehouse { topics, retained: Retained::default(), budget: Budget::default() })
+    Arc::new(Gatehouse::new(topics))
 }
 
 pub(super) fn terms(guest: Guest, ear: Arc<Ear>) -> Terms {

@@ -1,0 +1,31 @@
+//! Messages of the original system: any bytes are a message that is printed and read again as the same, or a short sentence says
+//! why not; and what is asked for by them, too, is a command, nothing or a sentence. What the core makes of it is tested elsewhere.
+#![no_main]
+
+use hallsweep_fuzz::core::command::Command;
+use hallsweep_fuzz::inbound::mqtt::qak::incoming::{Asked, asked, is_stop};
+use hallsweep_fuzz::inbound::mqtt::qak::message::Message;
+use libfuzzer_sys::fuzz_target;
+
+/// The longest sentence, in bytes: it repeats little of the message.
+const SENTENCE: usize = 1024;
+
+fuzz_target!(|bytes: &[u8]| {
+    match Message::parse(bytes) {
+        Ok(message) => {
+            let printed = message.to_string();
+            assert!(printed.len() <= bytes.len(), "nothing is added: {printed}");
+            let again = Message::parse(printed.as_bytes()).expect("what was printed can be read");
+            assert_eq!(again, message);
+            assert_eq!(again.to_string(), printed);
+        }
+        Err(error) => assert!(error.to_string().len() <= SENTENCE, "{error}"),
+    }
+    for manual_driving in [false, true] {
+        let asked = asked(bytes, manual_driving);
+        assert_eq!(is_stop(bytes), asked == Ok(Asked::Command(Command::Stop)), "both see the same stops");
+        if let Err(wrong) = &asked {
+            assert!(wrong.to_string().len() <= SENTENCE && !wrong.asked().is_empty(), "{wrong}");
+        }
+    }
+});

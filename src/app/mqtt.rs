@@ -1,0 +1,182 @@
+//! The MQTT door, joined: our own session, and the broker it speaks to, which is our own or somebody else's. What is said and heard
+//! there is the door's business.
+
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+
+use tokio::net::TcpListener;
+use tokio::sync::{mpsc, watch};
+use tokio::task::JoinHandle;
+
+use super::AppError;
+use crate::access::{self, Access, Token};
+use crate::config::{Broker, MqttSettings, OtherBroker, Settings};
+use crate::inbound::http;
+use crate::inbound::mqtt::gate::turnstile::Gatehouse;
+use crate::inbound::mqtt::orders::Orders;
+use crate::inbound::mqtt::publication::Publication;
+use crate::inbound::mqtt::session::{Health, Hearing, Link, Parts, Session, Times, believing};
+use crate::inbound::mqtt::topics::Topics;
+use crate::inbound::mqtt::{Embedded, HOUSE, House, Origin, Visitor, Ways};
+use crate::runtime::archive_reader::Reader;
+use crate::runtime::handle::Handle;
+
+/// Answers to commands that wait to be published: as many as commands can be under way.
+const ANSWERS: usize = 256;
+
+/// Web clients that wait to be received: the broker is never busy for long.
+const VISITORS: usize = 16;
+
+/// The running door.
+pub(super) struct Mqtt {
+    session: JoinHandle<()>,
+    broker: Option<JoinHandle<()>>,
+    hall: Option<http::Hall>,
+}
+
+/// What both kinds of broker have in common.
+struct Common {
+    topics: Topics,
+    home_assistant: bool,
+    handle: Handle,
+    archive: Reader,
+    manual_driving: bool,
+    ending: watch::Receiver<bool>,
+}
+
+impl Mqtt {
+    /// Opens the door, if there is to be one: on `listener`, where it is our own broker's.
+    ///
+    /// # Errors
+    /// When our own broker cannot be had, or somebody else's cannot be trusted as it is to be.
+    pub(super) async fn open(
+        settings: &Settings,
+        (listener, access): (Option<TcpListener>, Access),
+        handle: Handle,
+        archive: Reader,
+        ending: watch::Receiver<bool>,
+    ) -> Result<Option<Mqtt>, AppError> {
+        let MqttSettings { broker, prefix, id, old_prefix, home_assistant } = &settings.mqtt;
+        let topics = Topics::new(prefix, id, old_prefix);
+        let (home_assistant, manual_driving) = (*home_assistant, settings.old_clients.manual_driving);
+        let common = Common { topics, home_assistant, handle, archive, manual_driving, ending };
+        match (broker, listener) {
+            (None, _) | (Some(Broker::Own { .. }), None) => Ok(None),
+            (Some(Broker::Own { .. }), Some(listener)) => own(common, listener, access).await.map(Some),
+            (Some(Broker::Other(other)), _) => other_broker(common, other).map(Some),
+        }
+    }
+
+    /// Where web clients are brought, when the broker is our own.
+    pub(super) fn hall(&self) -> Option<http::Hall> {
+        self.hall.clone()
+    }
+
+    /// Waits for its end: the session takes its leave, and then the broker ends.
+    pub(super) async fn ended(self) {
+        for task in [Some(self.session), self.broker].into_iter().flatten() {
+            if task.await.is_err() {
+                tracing::error!("a part of the MQTT door has ended by a mistake of its own");
+            }
+        }
+    }
+}
+
+impl Common {
+    fn orders(&self, answers: mpsc::Sender<Publication>) -> Orders {
+        Orders::new(self.handle.clone(), self.topics.clone(), self.manual_driving, answers)
+    }
+
+    /// The session through this link; it ends when the program does.
+    fn session(
+        self,
+        (link, hearing): (Link, Hearing),
+        answers: mpsc::Receiver<Publication>,
+        health: watch::Sender<Health>,
+    ) -> Result<JoinHandle<()>, AppError> {
+        let [a, b, c, d, e, f, g, h, ..] = access::chance()?;
+        let parts = Parts {
+            link,
+            hearing,
+            topics: self.topics,
+            home_assistant: self.home_assistant,
+            states: self.handle.watch(),
+            answers,
+            archive: self.archive,
+            health,
+            seed: u64::from_be_bytes([a, b, c, d, e, f, g, h]),
+            times: Times::default(),
+        };
+        let mut ending = self.ending;
+        let shutdown = async move { drop(ending.wait_for(|ending| *ending).await) };
+        Ok(tokio::spawn(Session::new(parts).run(shutdown)))
+    }
+}
+
+/// Our own broker, and our session at it.
+async fn own(common: Common, listener: TcpListener, access: Access) -> Result<Mqtt, AppError> {
+    let (answer, answers) = mpsc::channel(ANSWERS);
+    let (visit, visitors) = mpsc::channel(VISITORS);
+    let health = watch::Sender::new(Health::Unproven);
+    let secret = Token::draw()?;
+    let link = Link {
+        host: near(listener.local_addr().map_err(AppError::System)?).ip().to_string(),
+        port: listener.local_addr().map_err(AppError::System)?.port(),
+        tls: None,
+        login: Some((HOUSE.to_owned(), secret.reveal().to_owned())),
+        client_id: format!("hallsweep-{}", common.topics.id()),
+    };
+    let house = House::new(Gatehouse::new(common.topics.clone()), common.orders(answer), secret);
+    let broker = Embedded::start(house).await?;
+    let ways = Ways { listener, access, visitors, health: health.subscribe() };
+    let session = common.session((link, Hearing::Own), answers, health)?;
+    let (leave, left) = watch::channel(());
+    let session = tokio::spawn(async move {
+        let _leave = leave;
+        if session.await.is_err() {
+            tracing::error!("our own MQTT session has ended by a mistake of its own");
+        }
+    });
+    let broker = tokio::spawn(broker.serve(ways, gone(left)));
+    Ok(Mqtt { session, broker: Some(broker), hall: Some(hall(visit)) })
+}
+
+/// Waits until the session has taken its leave, so that its last words are passed on.
+async fn gone(mut left: watch::Receiver<()>) {
+    while left.changed().await.is_ok() {}
+}
+
+/// Our session at somebody else's broker.
+fn other_broker(common: Common, other: &OtherBroker) -> Result<Mqtt, AppError> {
+    let (answer, answers) = mpsc::channel(ANSWERS);
+    let tls = if other.is_encrypted { Some(believing(other.certificates.as_deref())?) } else { None };
+    let link = Link {
+        host: other.host.clone(),
+        port: other.port,
+        tls,
+        login: other.login.as_ref().map(|login| (login.name.clone(), login.password.clone())),
+        client_id: format!("hallsweep-{}", common.topics.id()),
+    };
+    let hearing = Hearing::Other(common.orders(answer));
+    let session = common.session((link, hearing), answers, watch::Sender::new(Health::Unproven))?;
+    Ok(Mqtt { session, broker: None, hall: None })
+}
+
+/// Where web clients are brought. One that finds the broker busy is sent away, and comes again.
+fn hall(visit: mpsc::Sender<Visitor>) -> http::Hall {
+    http::Hall::new(move |visitor: http::Visitor| {
+        let origin = Origin { from: visitor.from, caller: visitor.caller, access: visitor.access };
+        if visit.try_send(Visitor { stream: Box::new(visitor.stream), origin }).is_err() {
+            tracing::debug!("a web client found the MQTT broker busy");
+        }
+    })
+}
+
+/// An address at which this machine reaches itself, for one at which it listens.
+fn near(address: SocketAddr) -> SocketAddr {
+    let ip = match address.ip() {
+        IpAddr::V4(ip) if ip.is_unspecified() => Ipv4Addr::LOCALHOST.into(),
+        IpAddr::V6(ip) if ip.is_unspecified() => Ipv6Addr::LOCALHOST.into(),
+        ip @ (IpAddr::V4(_) | IpAddr::V6(_)) => ip,
+    };
+    SocketAddr::new(ip, address.port())
+}

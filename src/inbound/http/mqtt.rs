@@ -1,0 +1,135 @@
+//! `/mqtt`: MQTT over WebSocket, for web clients. The bytes in its messages are handed on as one stream; what is said in it is not
+//! this door's business, and neither is whom it lets in who shows nothing here.
+
+use std::fmt;
+use std::net::IpAddr;
+use std::sync::Arc;
+
+use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::extract::{Request, State};
+use axum::http::HeaderMap;
+use axum::response::{IntoResponse, Response};
+use bytes::BytesMut;
+use futures_util::stream::{SplitSink, SplitStream};
+use futures_util::{SinkExt, StreamExt};
+use tokio::io::{AsyncReadExt, AsyncWriteExt, DuplexStream, ReadHalf, WriteHalf};
+
+use super::Door;
+use super::gate::{LetIn, Peer, note_unrecorded};
+use super::guard::is_foreign;
+use super::problem::Problem;
+use crate::access::{Access, Caller};
+
+/// How web clients call what they speak (MQTT 3.1.1 §6).
+const PROTOCOL: &str = "mqtt";
+
+/// So much waits between the two streams, each way, in bytes.
+const BETWEEN: usize = 64 * 1024;
+
+/// The longest message of a client, in bytes: the longest packet of MQTT it may send, and something over.
+const LONGEST: usize = 512 * 1024;
+
+/// A web client that wants to speak MQTT.
+#[derive(Debug)]
+pub struct Visitor {
+    /// What it says, and what it is told.
+    pub stream: DuplexStream,
+    /// Where it comes from.
+    pub from: IpAddr,
+    /// Who it is, if it has signed in to the console.
+    pub caller: Option<Caller>,
+    /// Who is let in by this way.
+    pub access: Access,
+}
+
+/// Where web clients are brought.
+#[derive(Clone)]
+pub struct Hall(Arc<dyn Fn(Visitor) + Send + Sync>);
+
+impl Hall {
+    /// Brings them there.
+    pub fn new(receive: impl Fn(Visitor) + Send + Sync + 'static) -> Hall {
+        Hall(Arc::new(receive))
+    }
+}
+
+impl fmt::Debug for Hall {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Hall")
+    }
+}
+
+/// `GET mqtt`. A browser lets any page of the world open a WebSocket and sends the cookies along, so pages of other origins are
+/// refused here as they are when they post.
+pub(super) async fn mqtt(
+    State(door): State<Door>,
+    peer: Peer,
+    caller: Result<LetIn, Problem>,
+    headers: HeaderMap,
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+    request: Request,
+) -> Result<Response, Problem> {
+    let Some(Hall(receive)) = door.mqtt.clone() else {
+        return Err(Problem::not_found(
+            "there is no MQTT broker here: mqtt.bind is none, or mqtt.broker names another".to_owned(),
+        ));
+    };
+    if is_foreign(&headers) {
+        note_unrecorded(peer, request.method(), request.uri().path(), "a page of another origin sent it");
+        return Err(Problem::foreign(
+            "a page of another origin opened this: MQTT is for hallsweep's own page and for programs".into(),
+        ));
+    }
+    let unspoken =
+        || Problem::malformed(format!("here MQTT is spoken over WebSocket: connect to it with the subprotocol {PROTOCOL}"));
+    let upgrade = upgrade.map_err(|_| unspoken())?.protocols([PROTOCOL]);
+    if upgrade.selected_protocol().is_none() {
+        return Err(unspoken());
+    }
+    let (access, caller) = (door.access.clone(), caller.ok().map(|LetIn(caller)| caller));
+    let upgrade = upgrade.max_message_size(LONGEST).max_frame_size(LONGEST);
+    Ok(upgrade
+        .on_upgrade(async move |socket| {
+            let (ours, stream) = tokio::io::duplex(BETWEEN);
+            receive(Visitor { stream, from: peer.address, caller, access });
+            carry(socket, ours).await;
+        })
+        .into_response())
+}
+
+/// Carries bytes both ways until either side ends; neither way waits for the other.
+async fn carry(socket: WebSocket, stream: DuplexStream) {
+    let (from, to) = tokio::io::split(stream);
+    let (mut send, receive) = socket.split();
+    tokio::select! {
+        () = inward(receive, to) => {}
+        () = outward(from, &mut send) => {}
+    }
+    // Whoever is gone already needs no farewell.
+    let _ = send.send(Message::Close(None)).await;
+}
+
+async fn inward(mut socket: SplitStream<WebSocket>, mut to: WriteHalf<DuplexStream>) {
+    while let Some(Ok(message)) = socket.next().await {
+        let carried = match message {
+            Message::Binary(bytes) => to.write_all(&bytes).await.is_ok(),
+            Message::Ping(_) | Message::Pong(_) => true,
+            // Text is no MQTT (§6).
+            Message::Text(_) | Message::Close(_) => false,
+        };
+        if !carried {
+            return;
+        }
+    }
+}
+
+async fn outward(mut from: ReadHalf<DuplexStream>, socket: &mut SplitSink<WebSocket, Message>) {
+    let mut bytes = BytesMut::with_capacity(BETWEEN);
+    while let Ok(1..) = from.read_buf(&mut bytes).await {
+        if socket.send(Message::Binary(bytes.split().freeze())).await.is_err() {
+            return;
+        }
+        bytes.reserve(BETWEEN);
+    }
+}

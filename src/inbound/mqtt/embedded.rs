@@ -1,0 +1,143 @@
+//! Our own broker, from its start to its end: clients come in by TCP and by WebSocket and are shown to the gate; the engine behind it
+//! is started anew when the pulse says that it is ill. What a client may do is the gate's business.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{mpsc, watch};
+use tokio::task::JoinSet;
+
+use super::engine::{Engine, EngineError};
+use super::guests::House;
+use super::session::Health;
+use super::visitor::{Origin, Visitor};
+use crate::access::Access;
+use crate::inbound::patience::Patient;
+use crate::runtime::clock::Clock;
+
+/// How often it is looked whether the engine was shown too much.
+const GLANCE: Duration = Duration::from_secs(1);
+
+/// After an accept has failed (as with too many open files) the next is tried this much later.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
+
+/// An engine is not started anew sooner than this after the last time: an illness that does not end with it is another's.
+const REST: Duration = Duration::from_secs(5);
+
+/// The engine that messages are routed by just now.
+pub(super) type Running = watch::Receiver<Arc<Engine>>;
+
+/// How clients come to our own broker, and who says whether it is well.
+pub struct Ways {
+    /// By TCP,
+    pub listener: TcpListener,
+    /// where these are let in;
+    pub access: Access,
+    /// and by WebSocket.
+    pub visitors: mpsc::Receiver<Visitor>,
+    /// What our own session finds.
+    pub health: watch::Receiver<Health>,
+}
+
+/// A broker that has started.
+pub struct Embedded {
+    house: House,
+    engine: watch::Sender<Arc<Engine>>,
+    clock: Clock,
+    /// Until then the engine is left as it is.
+    rests_until: Duration,
+}
+
+impl Embedded {
+    /// Starts the engine for this house.
+    ///
+    /// # Errors
+    /// When there is no engine to be had.
+    pub async fn start(house: House) -> Result<Embedded, EngineError> {
+        let engine = watch::Sender::new(Arc::new(Engine::start().await?));
+        Ok(Embedded { house, engine, clock: Clock::default(), rests_until: Duration::ZERO })
+    }
+
+    /// Serves until `shutdown`; then every connection ends.
+    pub async fn serve(mut self, mut ways: Ways, shutdown: impl Future<Output = ()>) {
+        let mut guests = JoinSet::new();
+        tokio::pin!(shutdown);
+        loop {
+            tokio::select! {
+                biased;
+                () = &mut shutdown => break,
+                Some(_) = guests.join_next() => {}
+                why = self.ill(&mut ways.health) => self.renew(why).await,
+                accepted = ways.listener.accept() => match accepted {
+                    Ok((stream, address)) => self.receive(&mut guests, visitor(stream, address, &ways.access)),
+                    Err(error) => {
+                        tracing::warn!(%error, relieved = self.house.relieve(), "an MQTT connection could not be accepted");
+                        tokio::time::sleep(ACCEPT_PAUSE).await;
+                    }
+                },
+                Some(visitor) = ways.visitors.recv() => self.receive(&mut guests, visitor),
+            }
+        }
+    }
+
+    fn receive(&self, guests: &mut JoinSet<()>, visitor: Visitor) {
+        match self.house.place(visitor.origin.from) {
+            Some(place) => drop(guests.spawn(self.house.clone().entertain(visitor, place, self.engine.subscribe()))),
+            None => tracing::debug!(from = %visitor.origin.from, "an MQTT connection was refused: every place is taken"),
+        }
+    }
+
+    /// Waits until the engine has to be started anew; why.
+    async fn ill(&self, health: &mut watch::Receiver<Health>) -> &'static str {
+        self.clock.reach(Some(self.rests_until)).await;
+        let ended = self.engine.borrow().ended();
+        tokio::select! {
+            () = ended => "it has ended",
+            () = told_ill(health) => "it does not pass messages on",
+            () = self.worn_out() => "too many different topics were shown to it",
+        }
+    }
+
+    /// Waits until the engine was shown so much that another one is needed.
+    async fn worn_out(&self) {
+        while !self.house.is_worn_out() {
+            tokio::time::sleep(GLANCE).await;
+        }
+    }
+
+    /// Starts another engine in its place. Whoever was connected has to come again; what is kept is kept by the gate.
+    async fn renew(&mut self, why: &str) {
+        match Engine::start().await {
+            Ok(engine) => {
+                tracing::warn!(why, "the MQTT broker was started anew: its clients have to connect again");
+                self.house.renew();
+                self.engine.send_replace(Arc::new(engine));
+            }
+            Err(error) => tracing::error!(%error, why, "the MQTT broker is to be started anew, and cannot be"),
+        }
+        self.rests_until = self.clock.now().since_start + REST;
+    }
+}
+
+/// A client that came by TCP.
+fn visitor(stream: TcpStream, address: SocketAddr, access: &Access) -> Visitor {
+    if let Err(error) = stream.set_nodelay(true) {
+        tracing::debug!(%error, "small packets of a connection will be held back");
+    }
+    let origin = Origin { from: address.ip(), caller: None, access: access.clone() };
+    Visitor { stream: Box::new(Patient::new(stream)), origin }
+}
+
+/// Waits until our own session says that the broker is ill. It says so again while that lasts.
+async fn told_ill(health: &mut watch::Receiver<Health>) {
+    loop {
+        if health.changed().await.is_err() {
+            std::future::pending::<()>().await;
+        }
+        if *health.borrow_and_update() == Health::Ill {
+            return;
+        }
+    }
+}

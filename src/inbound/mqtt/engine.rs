@@ -1,0 +1,178 @@
+//! The engine that routes messages, behind one small handle: where it is, by what it is entered, and its end. It is rumqttd, which
+//! listens on a port of this machine alone and is not fit for an open one: whoever comes in from outside meets the gate instead,
+//! and only the gate knows how to enter. Whether it is well shows in the pulse of our own session, not here.
+
+use std::collections::HashMap;
+use std::net::{Ipv4Addr, SocketAddr};
+use std::time::Duration;
+
+use rumqttd::protocol::v4::V4;
+use rumqttd::{ConnectionSettings, LinkType, Router, RouterConfig, Server, ServerSettings};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{oneshot, watch};
+
+use super::gate::limits::HOUSE_PACKET;
+use super::limits;
+use crate::access::Token;
+
+/// By this name the gate enters.
+const GATE: &str = "gate";
+
+/// A port that was free and is taken a moment later is no reason to give up before so many tries.
+const TRIES: usize = 5;
+
+/// So long one start may take; it takes a few milliseconds.
+const START_TIME: Duration = Duration::from_secs(5);
+
+/// How long the gate may take to enter, in milliseconds: it is at home.
+const CONNECT_TIME_MS: u16 = 5_000;
+
+/// What is taken beyond the longest packet: the engine is not to be stricter than the gate.
+const ROOM: usize = 1024;
+
+/// How often it is looked whether it listens.
+const GLANCE: Duration = Duration::from_millis(5);
+
+/// A running engine; it ends when this is dropped. Its router's thread, should it live still, is left asleep: the crate has no word
+/// to end it.
+#[derive(Debug)]
+pub(super) struct Engine {
+    address: SocketAddr,
+    secret: Token,
+    /// Its thread ends when this is dropped,
+    _stop: oneshot::Sender<()>,
+    /// and then this is closed.
+    alive: watch::Receiver<()>,
+}
+
+/// Why there is no engine.
+#[derive(Debug, thiserror::Error)]
+pub enum EngineError {
+    /// The system gives no port, thread or chance.
+    #[error("the broker cannot be started: {0}")]
+    System(#[from] std::io::Error),
+    /// It did not begin to listen.
+    #[error("the broker does not answer on its own port")]
+    Silent,
+}
+
+impl Engine {
+    /// Starts one on a free port of this machine.
+    ///
+    /// # Errors
+    /// When the system refuses, or when it does not listen in time.
+    pub(super) async fn start() -> Result<Engine, EngineError> {
+        for _ in 0..TRIES {
+            let engine = Engine::begin().await?;
+            if tokio::time::timeout(START_TIME, engine.listens()).await == Ok(true) {
+                return Ok(engine);
+            }
+        }
+        Err(EngineError::Silent)
+    }
+
+    /// Where it listens.
+    pub(super) const fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Name and password by which it is entered.
+    pub(super) fn login(&self) -> (&str, &str) {
+        (GATE, self.secret.reveal())
+    }
+
+    /// Waits until its thread has ended, which it does not do by itself.
+    pub(super) fn ended(&self) -> impl Future<Output = ()> + use<> {
+        let mut alive = self.alive.clone();
+        async move { while alive.changed().await.is_ok() {} }
+    }
+
+    /// Starts its threads. The crate binds the port itself, so one is looked for that is free just now.
+    async fn begin() -> Result<Engine, EngineError> {
+        let address = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).await?.local_addr()?;
+        let secret = Token::draw().map_err(std::io::Error::other)?;
+        let mut server = Server::new(settings(address, &secret), Router::new(0, router()).spawn(), V4);
+        let (stop, stopped) = oneshot::channel::<()>();
+        let (living, alive) = watch::channel(());
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        std::thread::Builder::new().name("mqtt-engine".to_owned()).spawn(move || {
+            let ended = runtime.block_on(async {
+                tokio::select! {
+                    ended = server.start(LinkType::Remote) => ended,
+                    _ = stopped => Ok(()),
+                }
+            });
+            if let Err(error) = ended {
+                tracing::warn!(%error, "the MQTT engine has ended");
+            }
+            // With the runtime all its connections end.
+            drop((runtime, living));
+        })?;
+        Ok(Engine { address, secret, _stop: stop, alive })
+    }
+
+    /// Waits until it listens; false when its thread has ended.
+    async fn listens(&self) -> bool {
+        while TcpStream::connect(self.address).await.is_err() {
+            if self.alive.has_changed().is_err() {
+                return false;
+            }
+            tokio::time::sleep(GLANCE).await;
+        }
+        true
+    }
+}
+
+fn router() -> RouterConfig {
+    RouterConfig {
+        // With those that have left and are not cleared away yet.
+        max_connections: 2 * limits::PLACES,
+        max_outgoing_packet_count: limits::BATCH,
+        max_segment_size: limits::SEGMENT_BYTES,
+        max_segment_count: limits::SEGMENTS,
+        ..RouterConfig::default()
+    }
+}
+
+fn settings(listen: SocketAddr, secret: &Token) -> ServerSettings {
+    let auth = HashMap::from([(GATE.to_owned(), secret.reveal().to_owned())]);
+    ServerSettings {
+        name: "hallsweep".to_owned(),
+        listen,
+        tls: None,
+        next_connection_delay_ms: 0,
+        connections: ConnectionSettings {
+            connection_timeout_ms: CONNECT_TIME_MS,
+            max_payload_size: HOUSE_PACKET + ROOM,
+            max_inflight_count: limits::PACKETS,
+            auth: Some(auth),
+            external_auth: None,
+            // A message that nobody has subscribed to is no mistake of its sender.
+            dynamic_filters: false,
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn it_listens_on_this_machine_alone_and_ends_with_its_handle() {
+        let engine = Engine::start().await.expect("it starts");
+        let address = engine.address();
+        assert!(address.ip().is_loopback());
+        assert!(TcpStream::connect(address).await.is_ok());
+        drop(engine);
+        while TcpStream::connect(address).await.is_ok() {
+            tokio::time::sleep(GLANCE).await;
+        }
+    }
+
+    #[tokio::test]
+    async fn each_has_a_secret_of_its_own() {
+        let (one, other) = (Engine::start().await.expect("it starts"), Engine::start().await.expect("so does another"));
+        assert_ne!(one.login().1, other.login().1);
+        assert_ne!(one.address(), other.address());
+    }
+}

@@ -1,0 +1,130 @@
+//! What a message asks for, by its topic and its words: a command in JSON, a command's bare name, or a message of the original
+//! system. Whether its sender may have it, and what becomes of it, is decided elsewhere.
+
+use super::super::qak::incoming;
+use super::super::topics::{Place, Topics};
+use super::Heard;
+use super::problem::Problem;
+use super::read::{Asked, Read, bare, read, sized};
+use super::results::Reply;
+use super::table;
+use super::unknown::{UNKNOWN, Unknown};
+use crate::access::Need;
+use crate::core::command::Command;
+use crate::core::mission::in_words;
+use crate::wire::fields::in_short;
+
+/// The word that halts where bare words are taken, in whatever letters.
+const STOP: &str = "stop";
+
+/// The short one of the original system.
+const HALT: &str = "h";
+
+/// Which topics are heard, and how.
+#[derive(Debug)]
+pub(super) struct Ear {
+    topics: Topics,
+    manual_driving: bool,
+    unknown: Unknown,
+}
+
+/// What a message asks for, and where it is answered.
+#[derive(Debug)]
+pub(super) struct Order {
+    /// What is asked for.
+    pub(super) asked: Asked,
+    /// What its sender must be allowed, where no command can be made of it.
+    pub(super) need: Need,
+    /// In words for the record, where no command can be made of it.
+    pub(super) unread: String,
+    /// Where it is answered.
+    pub(super) reply: Reply,
+}
+
+impl Ear {
+    /// Hears the topics of a robot; `manual_driving` says whether old clients may drive it.
+    pub(super) fn new(topics: Topics, manual_driving: bool) -> Ear {
+        Ear { topics, manual_driving, unknown: Unknown::default() }
+    }
+
+    /// What a message asks for; `None` when it asks for nothing.
+    pub(super) fn order(&self, heard: &Heard<'_>) -> Option<Order> {
+        match self.topics.place(heard.topic) {
+            Place::Command(name) => Some(self.named(name, heard.payload)),
+            Place::Word => Some(self.word(heard.payload)),
+            Place::Old => self.old(heard.payload),
+            Place::Ours | Place::Elsewhere => None,
+        }
+    }
+
+    /// Whether messages of the original system are heard there.
+    pub(super) fn is_old(&self, topic: &str) -> bool {
+        self.topics.place(topic) == Place::Old
+    }
+
+    fn named(&self, name: &str, payload: &[u8]) -> Order {
+        let Some(row) = table::named(name) else {
+            return self.unknown(self.unknown.answered_as(name), name, Problem::no_command(name));
+        };
+        let Read { id, asked } = read(row, payload);
+        let reply = Reply { id, ..self.reply(row.name) };
+        Order { asked, need: row.need, unread: unread(name), reply }
+    }
+
+    fn word(&self, payload: &[u8]) -> Order {
+        let text = String::from_utf8_lossy(payload);
+        let word = bare(&text);
+        if word.eq_ignore_ascii_case(STOP) || word == HALT {
+            return self.named(STOP, &[]);
+        }
+        if let Err(problem) = sized(payload) {
+            return self.unknown(UNKNOWN, word, problem);
+        }
+        match table::named(word).filter(|row| row.is_word) {
+            Some(row) => self.named(row.name, &[]),
+            None => self.unknown(self.unknown.answered_as(word), word, Problem::no_word(word)),
+        }
+    }
+
+    /// Nothing is published in answer: the original system has no words for that.
+    fn old(&self, payload: &[u8]) -> Option<Order> {
+        let (asked, unread) = match incoming::asked(payload, self.manual_driving) {
+            Ok(incoming::Asked::Nothing) => return None,
+            Ok(incoming::Asked::Command(command)) => {
+                let words = in_words(&command);
+                (Ok((command, None)), words)
+            }
+            Err(wrong) => (Err(Problem::refused(&wrong.refused(), None)), wrong.asked()),
+        };
+        Some(Order { asked, need: Need::Act, unread, reply: Reply { topic: None, id: None } })
+    }
+
+    /// Anybody who may publish here may be told that there is no such command.
+    fn unknown(&self, answered_as: &str, name: &str, problem: Problem) -> Order {
+        Order { asked: Err(problem), need: Need::See, unread: unread(name), reply: self.reply(answered_as) }
+    }
+
+    fn reply(&self, name: &str) -> Reply {
+        Reply { topic: Some(self.topics.result(name)), id: None }
+    }
+}
+
+impl Order {
+    /// What its sender must be allowed: to stop for a STOP, however it is written, and to act for every other command.
+    pub(super) fn need(&self) -> Need {
+        match &self.asked {
+            Ok((Command::Stop, _)) => Need::Stop,
+            Ok(_) => Need::Act,
+            Err(_) => self.need,
+        }
+    }
+
+    /// In words for the record.
+    pub(super) fn in_words(&self) -> String {
+        self.asked.as_ref().map_or_else(|_| self.unread.clone(), |(command, _)| in_words(command))
+    }
+}
+
+fn unread(name: &str) -> String {
+    format!("command {}", in_short(name))
+}

@@ -1,0 +1,168 @@
+//! Moves bytes between a client, the gate and the engine, for as long as all three go on. It understands none of them: what is let
+//! through, and how much may wait, is said by the gate.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use bytes::BytesMut;
+use tokio::io::{AsyncReadExt, AsyncWriteExt, ReadHalf, WriteHalf};
+use tokio::net::TcpStream;
+use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
+
+use super::embedded::Running;
+use super::gate::ledger::Ledger;
+use super::gate::limits::PATIENCE;
+use super::gate::turnstile::{Ended, Turnstile};
+use super::identity::Identity;
+use super::slots::Slot;
+use super::visitor::Stream;
+use crate::access::Access;
+use crate::runtime::clock::Clock;
+
+/// So much is read at once, in bytes.
+const READ: usize = 64 * 1024;
+
+/// How often it is looked whether a client would be let in still: a key that was taken away is good for no longer than this.
+const GLANCE: Duration = Duration::from_millis(500);
+
+/// So long the last words of a connection may take to get to the other side.
+const FAREWELL: Duration = Duration::from_secs(1);
+
+/// The two ends of a connection.
+pub(super) struct Ends {
+    pub(super) client: Box<dyn Stream>,
+    /// What the client has sent already.
+    pub(super) heard: BytesMut,
+    pub(super) engine: TcpStream,
+}
+
+/// Whose connection it is.
+pub(super) type Whose<'a> = (&'a Identity, &'a Access, Clock);
+
+/// The gate in the middle, and what has come from both sides.
+struct Pump {
+    turnstile: Turnstile,
+    clock: Clock,
+    from_client: BytesMut,
+    from_engine: BytesMut,
+    /// The client has published in a flood, and this subscriber does not keep up.
+    waiting: Option<Waiting>,
+}
+
+#[derive(Clone)]
+struct Waiting {
+    ledger: Arc<Ledger>,
+    until: Duration,
+}
+
+/// Runs until it has to end; why.
+pub(super) async fn run(turnstile: Turnstile, ends: Ends, mut slot: Slot, mut engine: Running, whose: Whose<'_>) -> Ended {
+    let Ends { client, heard, engine: upstream } = ends;
+    let (mut client, mut upstream) = (tokio::io::split(client), upstream.into_split());
+    let mut pump = Pump { turnstile, clock: whose.2, from_client: heard, from_engine: BytesMut::new(), waiting: None };
+    let ended = tokio::select! {
+        ended = pump.flow(&mut client, &mut upstream) => ended,
+        () = slot.wanted() => Ended::TakenOver,
+        _ = engine.changed() => Ended::EngineGone,
+        () = shut_out(whose) => Ended::NotKnown,
+    };
+    pump.turnstile.handle_end(ended);
+    let (to_engine, to_client) = pump.turnstile.outgoing();
+    let farewell = async {
+        // Whoever is gone already hears nothing.
+        let _ = upstream.1.write_all(to_engine).await;
+        let _ = client.1.write_all(to_client).await;
+        let _ = client.1.shutdown().await;
+    };
+    let _ = tokio::time::timeout(FAREWELL, farewell).await;
+    slot.remember(pump.turnstile.into_session());
+    ended
+}
+
+impl Pump {
+    /// Moves bytes until something ends it.
+    async fn flow(
+        &mut self,
+        (client, to_client): &mut (ReadHalf<Box<dyn Stream>>, WriteHalf<Box<dyn Stream>>),
+        (engine, to_engine): &mut (OwnedReadHalf, OwnedWriteHalf),
+    ) -> Ended {
+        let mut outcome = self.client_said();
+        loop {
+            if let Err(ended) = outcome {
+                return ended;
+            }
+            let behind = self.behind();
+            let hears_client = behind.is_none() && self.turnstile.wants_client();
+            let hears_engine = self.turnstile.wants_engine();
+            let silent_until = self.turnstile.poll_timeout();
+            self.from_client.reserve(READ);
+            self.from_engine.reserve(READ);
+            let (for_engine, for_client) = self.turnstile.outgoing();
+            outcome = tokio::select! {
+                biased;
+                written = to_engine.write_buf(for_engine), if !for_engine.is_empty() => went(written, Ended::EngineGone),
+                written = to_client.write_buf(for_client), if !for_client.is_empty() => {
+                    self.turnstile.handle_drained();
+                    went(written, Ended::Gone)
+                }
+                read = client.read_buf(&mut self.from_client), if hears_client => {
+                    went(read, Ended::Gone).and_then(|()| self.client_said())
+                }
+                read = engine.read_buf(&mut self.from_engine), if hears_engine => {
+                    acknowledge_at_once(engine);
+                    went(read, Ended::EngineGone).and_then(|()| self.turnstile.handle_engine(&mut self.from_engine))
+                }
+                () = caught_up(behind.as_ref(), self.clock) => { self.waiting = None; Ok(()) }
+                () = self.clock.reach(Some(silent_until)) => self.turnstile.handle_timeout(self.clock.now().since_start),
+            };
+        }
+    }
+
+    /// For whom nothing is read from the client, and until when.
+    fn behind(&mut self) -> Option<Waiting> {
+        let now = self.clock.now().since_start;
+        if self.waiting.is_none() {
+            self.waiting = self.turnstile.poll_behind(now).map(|ledger| Waiting { ledger, until: now + PATIENCE });
+        }
+        self.waiting.clone()
+    }
+
+    fn client_said(&mut self) -> Result<(), Ended> {
+        self.turnstile.handle_client(&mut self.from_client, self.clock.now().since_start)
+    }
+}
+
+/// Waits until a subscriber has caught up, or was waited for long enough; for ever, when there is none to wait for.
+async fn caught_up(waiting: Option<&Waiting>, clock: Clock) {
+    let Some(Waiting { ledger, until }) = waiting else { return std::future::pending().await };
+    tokio::select! {
+        () = ledger.relieved() => {}
+        () = clock.reach(Some(*until)) => ledger.forgive(clock.now().since_start),
+    }
+}
+
+/// The engine holds its next small packet back until the system has acknowledged the last one, which may be 40 ms later unless it is
+/// told each time not to wait.
+fn acknowledge_at_once(engine: &OwnedReadHalf) {
+    #[cfg(target_os = "linux")]
+    if let Err(error) = engine.as_ref().set_quickack(true) {
+        tracing::debug!(%error, "small packets of the engine will be held back");
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = engine;
+}
+
+/// Whether anything went through.
+fn went(moved: std::io::Result<usize>, else_: Ended) -> Result<(), Ended> {
+    match moved {
+        Ok(1..) => Ok(()),
+        Ok(0) | Err(_) => Err(else_),
+    }
+}
+
+/// Waits until whoever was let in would not be any more.
+async fn shut_out((identity, access, clock): Whose<'_>) {
+    while identity.is_known(access, clock.now().wall.unix_ms.div_euclid(1000)) {
+        tokio::time::sleep(GLANCE).await;
+    }
+}

@@ -1,0 +1,255 @@
+//! What a message of the original system asks for (mission §8): one table from MSGIDs to commands, whether a message comes as an
+//! event or as a dispatch, and whoever sent it under whatever number. What becomes of the command is not decided here.
+
+use super::message::{Kind, Message, NoMessage};
+use super::term::{Term, is_in_word};
+use crate::core::command::{Command, LuggageRef, Refusal, Refused, TemperatureReport, Verdict};
+use crate::core::mission::in_words;
+use crate::wire::command::{goto, move_word};
+use crate::wire::fields::in_short;
+use crate::wire::old_clients::may_drive;
+
+/// What a message asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Asked {
+    /// This.
+    Command(Command),
+    /// Nothing of us: it is one that we publish ourselves, or that other actors say to each other.
+    Nothing,
+}
+
+/// Why nothing is done about a message. `Display` is the sentence for log and record.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Wrong {
+    /// It is no message, or not a whole one.
+    #[error(transparent)]
+    NoMessage(#[from] NoMessage),
+    /// Its MSGID is known, and its CONTENT asks for nothing that there is.
+    #[error("the CONTENT of {id} is wrong: {words}")]
+    Content {
+        /// The MSGID.
+        id: &'static str,
+        /// What stands there, and what belongs there.
+        words: String,
+    },
+    /// An old client may not ask for that here.
+    #[error("{refused}")]
+    Refused {
+        /// What it asked for.
+        command: Command,
+        /// Why not.
+        refused: Refused,
+    },
+}
+
+/// What a payload on one of the old topics asks for. One that is too long, or no message at all, is nothing where it begins as
+/// one whose MSGID is not ours: other actors may write to each other what they like.
+///
+/// # Errors
+/// When it is no message, when what a known message says makes no sense, or when driving is asked for and `manual_driving` does
+/// not allow it.
+pub fn asked(payload: &[u8], manual_driving: bool) -> Result<Asked, Wrong> {
+    if is_stop(payload) {
+        return Ok(Asked::Command(Command::Stop));
+    }
+    if beginning(payload).is_some_and(|id| known(&id).is_none()) {
+        return Ok(Asked::Nothing);
+    }
+    let message = Message::parse(payload)?;
+    match known(&message.id) {
+        Some(row) if message.kind != Kind::Reply => {
+            let command = row.command(&message.content).map_err(|words| Wrong::Content { id: row.id, words })?;
+            match may_drive(&command, manual_driving) {
+                Ok(()) => Ok(Asked::Command(command)),
+                Err(refused) => Err(Wrong::Refused { command, refused }),
+            }
+        }
+        Some(_) | None => Ok(Asked::Nothing),
+    }
+}
+
+/// Whether a payload asks for STOP, whatever else is wrong with it: no number, a sender that cannot be read, the end missing, too
+/// long. It looks at no more than the beginning, but for `userCmd` and `robotCmd`, whose CONTENT says it. (Safety S1.)
+#[must_use]
+pub fn is_stop(payload: &[u8]) -> bool {
+    let Some(id) = opening(payload) else { return false };
+    match known(&id).map(|row| &row.asks) {
+        Some(Asks::Halt(command)) => *command == Command::Stop,
+        Some(Asks::Move) => {
+            let letters: Vec<u8> = letters(payload).collect();
+            MOVES.iter().any(|name| holds(&letters, format!("{name}(h)").as_bytes()))
+        }
+        Some(Asks::For(_) | Asks::Goto) | None => false,
+    }
+}
+
+/// The table, a row a message, for the documentation.
+#[must_use]
+pub fn table_markdown() -> String {
+    let mut text = "| MSGID | CONTENT | asks for |\n|---|---|---|\n".to_owned();
+    for Row { id, asks } in &ROWS {
+        let (content, what) = match asks {
+            Asks::Halt(command) => ("anything".to_owned(), in_words(command)),
+            Asks::For(command) => (format!("`{id}`"), in_words(command)),
+            Asks::Goto => (format!("`{id}(X,Y)`"), "driving to the cell (X, Y), if old clients may drive".to_owned()),
+            Asks::Move => {
+                let what = "a move: `w` `s` `a` `l` `d` `r` `z` `x`, if old clients may drive; `h` is STOP, always";
+                (format!("`{id}(w)`"), what.to_owned())
+            }
+        };
+        text.push_str(&format!("| `{id}` | {content} | {what} |\n"));
+    }
+    text
+}
+
+impl Wrong {
+    /// What was asked for, in words for the record.
+    #[must_use]
+    pub fn asked(&self) -> String {
+        match self {
+            Wrong::NoMessage(_) => "a message".to_owned(),
+            Wrong::Content { id, .. } => (*id).to_owned(),
+            Wrong::Refused { command, .. } => in_words(command),
+        }
+    }
+
+    /// The refusal for the record.
+    #[must_use]
+    pub fn refused(&self) -> Refused {
+        match self {
+            Wrong::NoMessage(_) => Refused::Before(Refusal::named("malformed", self.to_string())),
+            Wrong::Content { .. } => Refused::Before(Refusal::named("unusable", self.to_string())),
+            Wrong::Refused { refused, .. } => refused.clone(),
+        }
+    }
+}
+
+/// A message that is known, and what it asks for.
+struct Row {
+    id: &'static str,
+    asks: Asks,
+}
+
+/// What a known message asks for, and what its CONTENT must be for that.
+enum Asks {
+    /// This, whatever the CONTENT is: nothing in it keeps a message that halts from halting.
+    Halt(Command),
+    /// This; the CONTENT is the MSGID again, perhaps with something in parentheses that nobody looks at, as the first sprint had it.
+    For(Command),
+    /// Driving to a cell, `MSGID(X,Y)`.
+    Goto,
+    /// A move, `MSGID(w)`; `h` is STOP.
+    Move,
+}
+
+const SAFE: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe };
+const DANGER: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger };
+
+/// The messages that are moves.
+const MOVES: [&str; 2] = ["userCmd", "robotCmd"];
+
+/// Every message that is known.
+const ROWS: [Row; 16] = [
+    row("startCmd", Asks::For(Command::Start)),
+    row("stopCmd", Asks::Halt(Command::Stop)),
+    row("backHomeCmd", Asks::For(Command::BackHome)),
+    row("temperatureOk", Asks::For(Command::Temperature(TemperatureReport::Ok))),
+    row("temperatureTooHigh", Asks::Halt(Command::Temperature(TemperatureReport::TooHigh))),
+    row("luggageSafe", Asks::For(SAFE)),
+    row("luggageDanger", Asks::For(DANGER)),
+    row("explore", Asks::For(Command::Start)),
+    row("stopExplore", Asks::Halt(Command::Stop)),
+    row("backHome", Asks::For(Command::BackHome)),
+    row("continueExplore", Asks::For(Command::Start)),
+    row("continueExploreAfterPhoto", Asks::For(SAFE)),
+    row("backHomeSinceBomb", Asks::For(DANGER)),
+    row("startTest", Asks::Goto),
+    row(MOVES[0], Asks::Move),
+    row(MOVES[1], Asks::Move),
+];
+
+const fn row(id: &'static str, asks: Asks) -> Row {
+    Row { id, asks }
+}
+
+fn known(id: &str) -> Option<&'static Row> {
+    const { &ROWS }.iter().find(|row| row.id == id)
+}
+
+impl Row {
+    /// The command behind a CONTENT, or what is wrong with it.
+    fn command(&self, content: &Term) -> Result<Command, String> {
+        let content = unquoted(content);
+        match (&self.asks, parts_of(self.id, &content)) {
+            (Asks::Halt(command), _) | (Asks::For(command), Some(_)) => Ok(command.clone()),
+            (Asks::Goto, Some([Term::Number(x), Term::Number(y)])) => match (x.text().parse(), y.text().parse()) {
+                (Ok(x), Ok(y)) => goto(x, y).map_err(|unusable| unusable.to_string()),
+                _ => Err(self.other(&content)),
+            },
+            (Asks::Move, Some([Term::Atom(word)])) => move_word(word).map_err(|unusable| unusable.to_string()),
+            (Asks::For(_) | Asks::Goto | Asks::Move, _) => Err(self.other(&content)),
+        }
+    }
+
+    fn other(&self, content: &Term) -> String {
+        let id = self.id;
+        let expected = match self.asks {
+            Asks::Halt(_) | Asks::For(_) => id.to_owned(),
+            Asks::Goto => format!("{id}(X,Y), two whole numbers,"),
+            Asks::Move => format!("{id}(w), or another move,"),
+        };
+        format!("{} stands where {expected} belongs", in_short(&content.to_string()))
+    }
+}
+
+/// What stands in the parentheses behind `id`; nothing, where there are none.
+fn parts_of<'a>(id: &str, content: &'a Term) -> Option<&'a [Term]> {
+    match content {
+        Term::Compound(name, parts) if name == id => Some(parts),
+        Term::Atom(name) if name == id => Some(&[]),
+        Term::Atom(_) | Term::Compound(..) | Term::Number(_) => None,
+    }
+}
+
+/// A CONTENT may as a whole be in quotes, `'startTest(1,2)'`.
+fn unquoted(content: &Term) -> Term {
+    let within = match content {
+        Term::Atom(text) => Term::parse(text).ok(),
+        Term::Number(_) | Term::Compound(..) => None,
+    };
+    within.unwrap_or_else(|| content.clone())
+}
+
+/// The MSGID with which a payload begins, where a comma follows it.
+fn beginning(payload: &[u8]) -> Option<String> {
+    let id = opening(payload)?;
+    (letters(payload).nth(OPENING.len() + id.len()) == Some(b',')).then_some(id)
+}
+
+/// How every message begins.
+const OPENING: &[u8] = b"msg(";
+
+/// A word is looked at so far, in bytes: longer than any MSGID that is known.
+const LONGEST: usize = 64;
+
+/// The word with which the first part of a message begins, quoted or not.
+fn opening(payload: &[u8]) -> Option<String> {
+    if !letters(payload).take(OPENING.len()).eq(OPENING.iter().copied()) {
+        return None;
+    }
+    let word = letters(payload).skip(OPENING.len()).map(char::from).take_while(|letter| is_in_word(*letter));
+    Some(word.take(LONGEST).collect())
+}
+
+/// A payload without blanks and quotes.
+fn letters(payload: &[u8]) -> impl Iterator<Item = u8> {
+    payload.iter().copied().filter(|letter| !letter.is_ascii_whitespace() && *letter != b'\'')
+}
+
+fn holds(letters: &[u8], word: &[u8]) -> bool {
+    letters.windows(word.len()).any(|window| window == word)
+}
+
+#[cfg(test)]
+#[path = "incoming_tests.rs"]
+mod tests;

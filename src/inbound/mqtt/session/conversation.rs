@@ -1,0 +1,212 @@
+//! Where one connection stands: greeted, subscribed, what the broker owes, which messages were heard already, and the deadlines of
+//! all that. It is told what happens and the time; it sends nothing.
+
+use std::collections::HashSet;
+use std::time::Duration;
+
+use super::super::publication::Publication;
+use super::ledger::Ledger;
+use super::lost::Lost;
+use super::pulse::Pulse;
+use super::times::Times;
+
+/// Where one connection stands.
+#[derive(Debug)]
+pub(super) struct Conversation {
+    stage: Stage,
+    times: Times,
+    ledger: Ledger,
+    /// Packet ids that were heard: at most as many as there are.
+    heard: HashSet<u16>,
+    /// From what its beats count on, and they themselves; only with our own broker.
+    nonce: Option<u64>,
+    pulse: Option<Pulse>,
+}
+
+/// How far it has come; a stage that waits, until when.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    Greeting(Duration),
+    Subscribing(Duration),
+    Open,
+}
+
+impl Conversation {
+    /// A connection that is about to be made; with beats that count on from `nonce`.
+    pub(super) fn new(times: &Times, nonce: Option<u64>, now: Duration) -> Conversation {
+        Conversation {
+            stage: Stage::Greeting(now + times.greeting),
+            times: *times,
+            ledger: Ledger::default(),
+            heard: HashSet::new(),
+            nonce,
+            pulse: None,
+        }
+    }
+
+    /// Whether we are greeted and subscribed.
+    pub(super) fn is_open(&self) -> bool {
+        self.stage == Stage::Open
+    }
+
+    /// Whether anything may be published.
+    pub(super) fn has_room(&self) -> bool {
+        self.is_open() && self.ledger.has_room()
+    }
+
+    /// Whether everything that was published is acknowledged.
+    pub(super) fn is_settled(&self) -> bool {
+        self.ledger.is_settled()
+    }
+
+    /// The broker greets us.
+    pub(super) fn handle_greeted(&mut self, now: Duration) {
+        self.stage = Stage::Subscribing(now + self.times.greeting);
+    }
+
+    /// The broker has answered our subscription; whether that was waited for.
+    pub(super) fn handle_subscribed(&mut self, now: Duration) -> bool {
+        let is_due = matches!(self.stage, Stage::Subscribing(_));
+        if is_due {
+            self.stage = Stage::Open;
+            self.pulse = self.nonce.map(|nonce| Pulse::new(&self.times, nonce, now));
+        }
+        is_due
+    }
+
+    /// Something is published.
+    pub(super) fn handle_given(&mut self, publication: Publication, now: Duration) {
+        self.ledger.handle_given(publication, now);
+    }
+
+    /// The next of what is published is on its way under this packet id.
+    pub(super) fn handle_sent(&mut self, id: u16) {
+        self.ledger.handle_sent(id);
+    }
+
+    /// The broker acknowledges.
+    pub(super) fn handle_acknowledged(&mut self, id: u16, now: Duration) {
+        self.ledger.handle_acknowledged(id, now);
+    }
+
+    /// Whether a message is one that was heard on this connection, sent again because our acknowledgement was late. A broker uses
+    /// its ids again, so that one alone tells nothing; and messages without (QoS 0) are never sent again.
+    pub(super) fn is_repeated(&mut self, id: u16, is_duplicate: bool) -> bool {
+        id != 0 && !self.heard.insert(id) && is_duplicate
+    }
+
+    /// The beat that is due.
+    pub(super) fn poll_beat(&mut self, now: Duration) -> Option<Publication> {
+        self.pulse.as_mut()?.poll_beat(now)
+    }
+
+    /// Whether this is the beat that was awaited.
+    pub(super) fn handle_echo(&mut self, payload: &[u8]) -> bool {
+        self.pulse.as_mut().is_some_and(|pulse| pulse.handle_echo(payload))
+    }
+
+    /// Whether a beat has not come back in time.
+    ///
+    /// # Errors
+    /// When the broker has been silent for too long.
+    pub(super) fn handle_timeout(&mut self, now: Duration) -> Result<bool, Lost> {
+        match self.stage {
+            Stage::Greeting(until) | Stage::Subscribing(until) if now >= until => {
+                return Err(Lost::NoGreeting(self.times.greeting));
+            }
+            Stage::Greeting(_) | Stage::Subscribing(_) | Stage::Open => {}
+        }
+        if self.settling_until().is_some_and(|until| now >= until) {
+            return Err(Lost::NoAcknowledgement(self.times.acknowledgement));
+        }
+        Ok(self.pulse.as_mut().is_some_and(|pulse| pulse.handle_timeout(now)))
+    }
+
+    /// When there is something to be done.
+    pub(super) fn poll_timeout(&self) -> Option<Duration> {
+        let stage = match self.stage {
+            Stage::Greeting(until) | Stage::Subscribing(until) => Some(until),
+            Stage::Open => None,
+        };
+        let pulse = self.pulse.as_ref().map(Pulse::poll_timeout);
+        [stage, self.settling_until(), pulse].into_iter().flatten().min()
+    }
+
+    /// What may not have arrived, oldest first.
+    pub(super) fn into_unacknowledged(self) -> Vec<Publication> {
+        self.ledger.into_unacknowledged()
+    }
+
+    fn settling_until(&self) -> Option<Duration> {
+        self.ledger.owed_since().map(|since| since + self.times.acknowledgement)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const START: Duration = Duration::from_secs(50);
+
+    fn conversation(nonce: Option<u64>) -> (Conversation, Times) {
+        let times = Times::default();
+        (Conversation::new(&times, nonce, START), times)
+    }
+
+    fn open(nonce: Option<u64>) -> (Conversation, Times) {
+        let (mut conversation, times) = conversation(nonce);
+        conversation.handle_greeted(START);
+        assert!(conversation.handle_subscribed(START));
+        assert!(!conversation.handle_subscribed(START), "once");
+        (conversation, times)
+    }
+
+    #[test]
+    fn a_broker_that_does_not_greet_or_does_not_answer_the_subscription_is_given_up() {
+        let (mut waiting, times) = conversation(None);
+        let late = START + times.greeting;
+        assert_eq!(waiting.poll_timeout(), Some(late));
+        assert!(waiting.handle_timeout(late - Duration::from_millis(1)).is_ok());
+        assert!(matches!(waiting.handle_timeout(late), Err(Lost::NoGreeting(_))));
+        waiting.handle_greeted(late - Duration::from_millis(1));
+        assert!(waiting.handle_timeout(late).is_ok() && !waiting.has_room());
+        assert!(matches!(waiting.handle_timeout(late + times.greeting), Err(Lost::NoGreeting(_))));
+        assert!(waiting.handle_subscribed(late));
+        assert!(waiting.has_room() && waiting.poll_timeout().is_none());
+        assert!(waiting.handle_timeout(late + 9 * times.greeting).is_ok());
+    }
+
+    #[test]
+    fn a_broker_that_acknowledges_nothing_is_given_up_and_one_that_acknowledges_slowly_is_not() {
+        let (mut conversation, times) = open(None);
+        for id in 1..=3 {
+            conversation.handle_given(Publication::passing("a".to_owned(), "1"), START);
+            conversation.handle_sent(id);
+        }
+        let almost = times.acknowledgement - Duration::from_millis(1);
+        conversation.handle_acknowledged(1, START + almost);
+        assert!(conversation.handle_timeout(START + 2 * almost).is_ok());
+        let late = START + almost + times.acknowledgement;
+        assert_eq!(conversation.poll_timeout(), Some(late));
+        assert!(matches!(conversation.handle_timeout(late), Err(Lost::NoAcknowledgement(_))));
+        assert_eq!(conversation.into_unacknowledged().len(), 2);
+    }
+
+    #[test]
+    fn only_a_duplicate_of_what_was_heard_is_repeated() {
+        let (mut conversation, _) = open(None);
+        assert!(!conversation.is_repeated(7, true), "it was lost the first time");
+        assert!(conversation.is_repeated(7, true));
+        assert!(!conversation.is_repeated(7, false), "the id is used again");
+        assert!(!conversation.is_repeated(0, true) && !conversation.is_repeated(0, true), "without an id");
+    }
+
+    #[test]
+    fn there_are_beats_with_our_own_broker_only_and_only_once_it_is_open() {
+        assert!(open(None).0.poll_beat(START).is_none());
+        assert!(conversation(Some(1)).0.poll_beat(START).is_none());
+        let (mut open, times) = open(Some(1));
+        assert!(open.poll_beat(START).is_some());
+        assert!(open.handle_timeout(START + times.echo).is_ok_and(|is_missed| is_missed));
+    }
+}

@@ -1,0 +1,51 @@
+//! Why there is no connection: words for the log. What follows is always the same, another attempt.
+
+use std::time::Duration;
+
+use rumqttc::{ConnectReturnCode, ConnectionError};
+
+/// Why there is no connection.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum Lost {
+    /// The broker answered, and lets us not in.
+    #[error("it refuses us: {0}")]
+    Refused(&'static str),
+    /// The network, or the protocol.
+    #[error("{0}")]
+    Broken(String),
+    /// It did not greet us in time.
+    #[error("it has not answered within {} s", .0.as_secs_f32())]
+    NoGreeting(Duration),
+    /// It did not acknowledge anything in time.
+    #[error("it has acknowledged nothing for {} s", .0.as_secs_f32())]
+    NoAcknowledgement(Duration),
+    /// It did not bring back what was sent to it.
+    #[error("what is sent to it does not come back")]
+    NoEcho,
+}
+
+impl From<ConnectionError> for Lost {
+    fn from(error: ConnectionError) -> Lost {
+        match error {
+            ConnectionError::ConnectionRefused(code) => Lost::Refused(in_words(code)),
+            ConnectionError::Io(error) => Lost::Broken(error.to_string()),
+            ConnectionError::NetworkTimeout
+            | ConnectionError::FlushTimeout
+            | ConnectionError::MqttState(_)
+            | ConnectionError::Tls(_)
+            | ConnectionError::NotConnAck(_)
+            | ConnectionError::RequestsDone => Lost::Broken(error.to_string()),
+        }
+    }
+}
+
+fn in_words(code: ConnectReturnCode) -> &'static str {
+    match code {
+        ConnectReturnCode::RefusedProtocolVersion => "it does not speak MQTT 3.1.1",
+        ConnectReturnCode::BadClientId => "it does not take our client id",
+        ConnectReturnCode::ServiceUnavailable => "it is not ready",
+        ConnectReturnCode::BadUserNamePassword => "it knows no such name and password; see mqtt.name and mqtt.password",
+        ConnectReturnCode::NotAuthorized => "it lets in only whom it knows; see mqtt.name and mqtt.password, and its own rules",
+        ConnectReturnCode::Success => "it answered CONNECT out of turn",
+    }
+}

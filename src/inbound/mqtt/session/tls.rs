@@ -1,0 +1,96 @@
+//! By which certificates somebody else's broker is believed, for `mqtts`. Our own broker is reached on loopback, without.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use rustls::crypto::ring;
+use rustls::pki_types::CertificateDer;
+use rustls::pki_types::pem::{self, PemObject};
+use rustls::{ClientConfig, RootCertStore};
+
+/// Why no broker could be believed.
+#[derive(Debug, thiserror::Error)]
+pub enum TlsError {
+    /// The file cannot be read, or does not hold what it should.
+    #[error(
+        "setting mqtt.certificates = {:?}: {problem}; name a PEM file with BEGIN CERTIFICATE in it, which the user who runs \
+         hallsweep can read, or leave it empty for the certificates of this system", .path.display().to_string()
+    )]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+    /// The system has none.
+    #[error(
+        "this system holds no certificate by which a broker could be believed{0}; install them (ca-certificates), or name a PEM \
+         file in mqtt.certificates"
+    )]
+    System(String),
+    /// rustls cannot do what is needed.
+    #[error("connections to a broker cannot be encrypted: {0}")]
+    Rustls(#[from] rustls::Error),
+}
+
+/// How a broker is reached by TLS 1.2 or 1.3, when its certificate leads to one of those in `file`, else to one of the system's.
+/// Reads files.
+///
+/// # Errors
+/// A file that cannot be read or holds no certificate; a system without any.
+pub fn believing(file: Option<&Path>) -> Result<Arc<ClientConfig>, TlsError> {
+    let roots = file.map_or_else(of_the_system, of_file)?;
+    let provider = Arc::new(ring::default_provider());
+    let versions = ClientConfig::builder_with_provider(provider).with_safe_default_protocol_versions()?;
+    Ok(Arc::new(versions.with_root_certificates(roots).with_no_client_auth()))
+}
+
+/// All certificates of the file; one that is damaged makes it wrong, since it was named on purpose.
+fn of_file(path: &Path) -> Result<RootCertStore, TlsError> {
+    let wrong = |problem: String| TlsError::File { path: path.to_owned(), problem };
+    let certificates = CertificateDer::pem_file_iter(path).and_then(Iterator::collect::<Result<Vec<_>, _>>);
+    let certificates = certificates.map_err(|error| wrong(in_words(&error)))?;
+    let mut roots = RootCertStore::empty();
+    for certificate in certificates {
+        roots.add(certificate).map_err(|error| wrong(format!("a certificate in it is damaged: {error}")))?;
+    }
+    if roots.is_empty() { Err(wrong("there is no certificate in it".to_owned())) } else { Ok(roots) }
+}
+
+/// Those of the system that can be read; old ones among them are often damaged, and not missed.
+fn of_the_system() -> Result<RootCertStore, TlsError> {
+    let found = rustls_native_certs::load_native_certs();
+    let mut roots = RootCertStore::empty();
+    let (added, _) = roots.add_parsable_certificates(found.certs);
+    if added > 0 {
+        return Ok(roots);
+    }
+    Err(TlsError::System(found.errors.first().map(|error| format!(" ({error})")).unwrap_or_default()))
+}
+
+fn in_words(error: &pem::Error) -> String {
+    if let pem::Error::Io(error) = error {
+        return format!("it cannot be read: {error}");
+    }
+    "it is no PEM file, or a damaged one".to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/service/tls");
+
+    #[test]
+    fn a_certificate_is_believed() {
+        assert!(believing(Some(&Path::new(FOLDER).join("test-only-certificate.pem"))).is_ok());
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_file_is_said_with_its_name_and_what_to_do() {
+        for (name, problem) in [("no-such.pem", "cannot be read"), ("test-only-key.pem", "there is no certificate in it")] {
+            let said = believing(Some(&Path::new(FOLDER).join(name))).err().map(|error| error.to_string()).unwrap_or_default();
+            assert!(["mqtt.certificates", name, problem, "BEGIN CERTIFICATE"].iter().all(|words| said.contains(words)), "{said}");
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The session alone, with a state made by hand, and a broker that is killed and started again.
+
+use std::sync::Arc;
+
+use hallsweep::core::explore::Strategy;
+use hallsweep::core::settings::Settings;
+use hallsweep::core::sweep::Sweep;
+use hallsweep::core::units::{Epoch, Revision};
+use hallsweep::core::world::resource::Resource;
+use hallsweep::core::world::snapshot::Snapshot;
+use hallsweep::inbound::mqtt::orders::Orders;
+use hallsweep::inbound::mqtt::session::{Health, Hearing, Link, Parts, Session, Times, believing};
+use hallsweep::inbound::mqtt::topics::Topics;
+use hallsweep::outbound::store::memory::Memory;
+use hallsweep::runtime::archive_reader::Reader;
+use hallsweep::runtime::halt::Halter;
+use hallsweep::runtime::handle::{Envelope, Handle};
+use tokio::runtime::Runtime;
+use tokio::sync::{mpsc, oneshot, watch};
+
+use super::broker::{Broker, CERTIFICATE, Kind, LOGIN};
+use super::ear::Ear;
+
+const ROBOT: &str = "hallsweep/discovery/state/robot";
+
+const AVAILABILITY: &str = "hallsweep/discovery/availability";
+
+/// A session and what it is told.
+struct House {
+    runtime: Runtime,
+    states: watch::Sender<Arc<Snapshot>>,
+    given: mpsc::Receiver<Envelope>,
+    health: watch::Receiver<Health>,
+    shutdown: oneshot::Sender<()>,
+    session: tokio::task::JoinHandle<()>,
+}
+
+impl House {
+    fn at(broker: &Broker, tls: bool) -> House {
+        let runtime = Runtime::new().expect("there are threads");
+        let (states, watched) = watch::channel(Sweep::new(Settings::default(), Strategy::default(), "test".into()).snapshot());
+        let (commands, given) = mpsc::channel(16);
+        let (answer, answers) = mpsc::channel(16);
+        let (told, health) = watch::channel(Health::Unproven);
+        let topics = Topics::new("hallsweep", "discovery", "unibo/qak");
+        let handle = Handle::new(commands, watched.clone(), Halter::new(Epoch(1)));
+        let session = Session::new(Parts {
+            link: Link {
+                host: "127.0.0.1".to_owned(),
+                port: broker.port(),
+                tls: tls.then(|| believing(Some(CERTIFICATE.as_ref())).expect("it is a certificate")),
+                login: Some((LOGIN.0.to_owned(), LOGIN.1.to_owned())),
+                client_id: "hallsweep-discovery".to_owned(),
+            },
+            hearing: Hearing::Other(Orders::new(handle, topics.clone(), false, answer)),
+            topics,
+            home_assistant: false,
+            states: watched,
+            answers,
+            archive: Reader::new(Arc::new(Memory::new())),
+            health: told,
+            seed: u64::from(broker.port()),
+            times: Times::default(),
+        });
+        let (shutdown, ended) = oneshot::channel::<()>();
+        let session = runtime.spawn(session.run(async {
+            let _ = ended.await;
+        }));
+        House { runtime, states, given, health, shutdown, session }
+    }
+
+    /// From now on the robot's sonar measures this.
+    fn measure(&self, distance_cm: u16) {
+        self.states.send_modify(|state| {
+            let mut newer = Snapshot::clone(state);
+            newer.robot.sonar_cm = Some(distance_cm);
+            newer.revision = Revision(newer.revision.0 + 1);
+            newer.revisions[Resource::Robot as usize] = newer.revision;
+            *state = Arc::new(newer);
+        });
+    }
+
+    /// Waits until a command has come.
+    fn is_given_something(&mut self) {
+        let given = self.runtime.block_on(self.given.recv());
+        assert!(matches!(given, Some(Envelope::Command(..))), "{given:?}");
+    }
+
+    /// Ends it.
+    fn end(self) {
+        self.shutdown.send(()).expect("it runs");
+        self.runtime.block_on(self.session).expect("it did not panic");
+    }
+}
+
+/// Whether the robot is shown with this sonar.
+fn measures(ear: &Ear, distance_cm: u16) {
+    ear.json(ROBOT, |robot| robot["sonar"] == distance_cm);
+}
+
+/// A broker that was killed hears, as soon as it is back, what the state is by then; and commands are heard there again.
+fn check(kind: Kind, name: &str) {
+    if !kind.is_here() {
+        return;
+    }
+    let mut broker = Broker::start(kind, name);
+    let mut house = House::at(&broker, false);
+    house.measure(11);
+    measures(&Ear::at(&broker, "hallsweep/#"), 11);
+    broker.kill();
+    (12..20).for_each(|distance_cm| house.measure(distance_cm));
+    broker.start_again();
+    measures(&Ear::at(&broker, "hallsweep/#"), 19);
+    Ear::at(&broker, AVAILABILITY).until("online", |said| &said.payload[..] == b"online");
+    let speaker = Ear::at(&broker, "nothing");
+    speaker.say("hallsweep/discovery/command/stop", "");
+    house.is_given_something();
+    assert_eq!(*house.health.borrow(), Health::Well);
+    house.end();
+    Ear::at(&broker, AVAILABILITY).until("offline", |said| &said.payload[..] == b"offline");
+}
+
+#[test]
+fn mosquitto_is_told_the_newest_state_when_it_is_back() {
+    check(Kind::Mosquitto, "session-mosquitto");
+}
+
+#[test]
+fn mosquitto_with_a_login_is_told_the_newest_state_when_it_is_back() {
+    check(Kind::MosquittoWithLogin, "session-login");
+}
+
+#[test]
+fn nats_is_told_the_newest_state_when_it_is_back() {
+    check(Kind::Nats, "session-nats");
+}
+
+#[test]
+fn a_broker_is_reached_by_tls_when_its_certificate_is_believed() {
+    if !Kind::MosquittoByTls.is_here() {
+        return;
+    }
+    let broker = Broker::start(Kind::MosquittoByTls, "session-tls");
+    let mut house = House::at(&broker, true);
+    let is_well = house.runtime.block_on(house.health.wait_for(|health| *health == Health::Well)).is_ok();
+    assert!(is_well, "{}", broker.log());
+    house.end();
+}
