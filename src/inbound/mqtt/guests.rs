@@ -150,7 +150,10 @@ impl House {
         mut engine: Running,
     ) -> Result<(), Sent> {
         let here = Arc::clone(&engine.borrow_and_update());
-        let Ok(Ok(upstream)) = tokio::time::timeout(ENGINE_TIME, enter(&here, &slot)).await else {
+        let entered = tokio::time::timeout(ENGINE_TIME, enter(&here, &slot)).await;
+        let Ok(Ok(upstream)) = entered else {
+            // An engine that was left before it had answered may let nobody in again.
+            here.lets_nobody_in();
             return Err(refused(&mut visitor.stream, Welcome::Unavailable).await);
         };
         visitor.stream.write_all(&write::connack(Welcome::Accepted, slot.session.is_some())).await?;
@@ -221,7 +224,6 @@ async fn enter(engine: &Engine, slot: &Slot) -> std::io::Result<TcpStream> {
     if answered.is_ok() && answer[0] == Kind::Connack.first_byte() && answer[3] == Welcome::Accepted as u8 {
         return Ok(upstream);
     }
-    engine.lets_nobody_in();
     Err(std::io::Error::other("the engine did not let the gate in"))
 }
 

@@ -77,8 +77,9 @@ impl Turnstile {
     pub(super) fn resume(&mut self, session: Session) {
         self.duplicates = Duplicates::resumed(session.unreleased);
         for (filter, qos) in &session.filters {
-            if let Err(why) = self.accept(filter, *qos) {
-                self.refusals.note(filter.as_bytes(), why);
+            match self.accept(filter, *qos) {
+                Ok((filter, _)) => self.account.enter(&filter),
+                Err(why) => self.refusals.note(filter.as_bytes(), why),
             }
         }
         self.tell_engine(1, None, BTreeSet::new()).expect("nothing is pending yet");
