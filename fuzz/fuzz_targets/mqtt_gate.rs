@@ -24,10 +24,9 @@ use libfuzzer_sys::fuzz_target;
 const ENGINE_IDS: u16 = 100;
 
 fuzz_target!(|bytes: &[u8]| {
-    let Some((&first, bytes)) = bytes.split_first() else { return };
-    let connect = connect::read(bytes).ok();
-    let mut play = Play::new(first, connect);
-    let mut rest = bytes;
+    let [first, length, bytes @ ..] = bytes else { return };
+    let (body, mut rest) = bytes.split_at(usize::from(*length).min(bytes.len()));
+    let mut play = Play::new(*first, connect::read(body).ok());
     while let Some(after) = play.step(rest) {
         rest = after;
     }

@@ -30,10 +30,13 @@ const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 /// An engine is not started anew sooner than this after the last time: an illness that does not end with it is another's.
 const REST: Duration = Duration::from_secs(5);
 
+/// So long the last words may take to reach the clients when the program ends; it is to end within two seconds.
+const LAST_WORDS: Duration = Duration::from_millis(500);
+
 /// So long after a start it is counted as usual how much memory is in use: what an engine before had is given back in milliseconds.
 const SETTLING: Duration = Duration::from_secs(1);
 
-/// The engine that messages are routed by just now.
+/// The engine that messages are routed by just now; closed when the program ends.
 pub(super) type Running = watch::Receiver<Arc<Engine>>;
 
 /// How clients come to our own broker, and who says whether it is well.
@@ -71,7 +74,7 @@ impl Embedded {
         Ok(Embedded { house, engine, clock: Clock::default(), rests_until: Duration::ZERO, settled_at: SETTLING, usual: 0 })
     }
 
-    /// Serves until `shutdown`; then every connection ends.
+    /// Serves until `shutdown`; then every connection ends, when what was said before that has reached its client.
     pub async fn serve(mut self, mut ways: Ways, shutdown: impl Future<Output = ()>) {
         let mut guests = JoinSet::new();
         let mut glances = tokio::time::interval(GLANCE);
@@ -97,6 +100,17 @@ impl Embedded {
                 },
                 Some(visitor) = ways.visitors.recv() => self.receive(&mut guests, visitor),
             }
+        }
+        self.close(guests).await;
+    }
+
+    /// Tells every connection that it ends, and waits for that; whoever takes long is cut off.
+    async fn close(self, mut guests: JoinSet<()>) {
+        let _last = Arc::clone(&self.engine.borrow());
+        drop(self.engine);
+        let ended = async { while guests.join_next().await.is_some() {} };
+        if tokio::time::timeout(LAST_WORDS, ended).await.is_err() {
+            tracing::debug!(cut = guests.len(), "some MQTT clients were cut off");
         }
     }
 

@@ -28,6 +28,9 @@ const GLANCE: Duration = Duration::from_millis(500);
 /// So long the last words of a connection may take to get to the other side.
 const FAREWELL: Duration = Duration::from_secs(1);
 
+/// How often it is looked, when the program ends, whether a client was told everything.
+const BREATH: Duration = Duration::from_millis(2);
+
 /// The two ends of a connection.
 pub(super) struct Ends {
     pub(super) client: Box<dyn Stream>,
@@ -35,6 +38,10 @@ pub(super) struct Ends {
     pub(super) heard: BytesMut,
     pub(super) engine: TcpStream,
 }
+
+/// The way to the client and back, and that to the engine.
+type ToClient = (ReadHalf<Box<dyn Stream>>, WriteHalf<Box<dyn Stream>>);
+type ToEngine = (OwnedReadHalf, OwnedWriteHalf);
 
 /// Whose connection it is.
 pub(super) type Whose<'a> = (&'a Identity, &'a Access, Clock);
@@ -63,15 +70,21 @@ pub(super) async fn run(turnstile: Turnstile, ends: Ends, mut slot: Slot, mut en
     let ended = tokio::select! {
         ended = pump.flow(&mut client, &mut upstream) => ended,
         () = slot.wanted() => Ended::TakenOver,
-        _ = engine.changed() => Ended::EngineGone,
+        changed = engine.changed() => if changed.is_ok() { Ended::EngineGone } else { Ended::Closing },
         () = shut_out(whose) => Ended::NotKnown,
     };
+    let ended = if ended == Ended::Closing { pump.see_out(&mut client, &mut upstream).await } else { ended };
     pump.turnstile.handle_end(ended);
     let (to_engine, to_client) = pump.turnstile.outgoing();
     let to_client = async {
         // Whoever is gone already hears nothing.
         let _ = client.1.write_all(to_client).await;
         let _ = client.1.shutdown().await;
+        if ended == Ended::Closing {
+            // The program goes on ending when this connection is closed; what is on its way is there only when the other side has
+            // closed it, too.
+            while let Ok(1..) = client.0.read(&mut [0; 512]).await {}
+        }
     };
     let farewell = async { tokio::join!(to_client, leave(&mut upstream, to_engine)) };
     let _ = tokio::time::timeout(FAREWELL, farewell).await;
@@ -80,12 +93,23 @@ pub(super) async fn run(turnstile: Turnstile, ends: Ends, mut slot: Slot, mut en
 }
 
 impl Pump {
+    /// The program ends: moves bytes until the client was told everything that was published for it, as that the program ends. Whoever
+    /// ends connections bounds the time for this.
+    async fn see_out(&mut self, client: &mut ToClient, engine: &mut ToEngine) -> Ended {
+        let ledger = self.turnstile.ledger();
+        let settled = async {
+            while !ledger.is_settled() {
+                tokio::time::sleep(BREATH).await;
+            }
+        };
+        tokio::select! {
+            ended = self.flow(client, engine) => ended,
+            () = settled => Ended::Closing,
+        }
+    }
+
     /// Moves bytes until something ends it.
-    async fn flow(
-        &mut self,
-        (client, to_client): &mut (ReadHalf<Box<dyn Stream>>, WriteHalf<Box<dyn Stream>>),
-        (engine, to_engine): &mut (OwnedReadHalf, OwnedWriteHalf),
-    ) -> Ended {
+    async fn flow(&mut self, (client, to_client): &mut ToClient, (engine, to_engine): &mut ToEngine) -> Ended {
         let mut outcome = self.client_said();
         loop {
             if let Err(ended) = outcome {

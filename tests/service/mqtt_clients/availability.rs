@@ -3,8 +3,8 @@
 
 use std::time::Duration;
 
-use super::told::Hello;
 use super::talk::Talk;
+use super::told::Hello;
 use super::{AVAILABILITY, OURS, with_each};
 use crate::program::Program;
 
@@ -20,6 +20,9 @@ fn everybody_is_told_that_the_program_is_there_and_that_it_ends() {
         program.signal("TERM");
         talk.until_newest(AVAILABILITY, "offline", |message| message.payload == "offline" && !message.kept);
         assert!(program.ended_within(PATIENCE).is_some_and(|status| status.success()));
+        let said: Vec<String> = talk.heard().into_iter().map(|message| message.payload).collect();
+        assert_eq!(said.last().map(String::as_str), Some("offline"), "{said:?}");
+        assert_eq!(said.iter().filter(|word| *word == "offline").count(), 1, "once: {said:?}");
     });
 }
 

@@ -93,7 +93,9 @@ fn mosquitto_sub(door: SocketAddr, hello: &Hello) -> Command {
     command.args(["-d", "-F", "%j", "-k", &hello.keepalive_s.to_string()]);
     let qos = hello.follow.iter().map(|(_, qos)| *qos).max().unwrap_or_default();
     command.args(["-q", &qos.to_string()]);
-    hello.follow.iter().for_each(|(filter, _)| drop(command.args(["-t", filter])));
+    for (filter, _) in &hello.follow {
+        command.args(["-t", filter]);
+    }
     if !hello.id.is_empty() {
         command.args(["-i", hello.id]);
     }

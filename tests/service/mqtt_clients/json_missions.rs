@@ -86,7 +86,7 @@ fn pending(luggage: &Value) -> Option<u64> {
     luggage.as_array()?.iter().find(|piece| piece["verdict"] == "pending")?["id"].as_u64()
 }
 
-/// One piece is safe and the next is dangerous; STOP and heat in between hold what they hold; the dangerous piece is fetched.
+/// One piece is safe and the next is dangerous; STOP and heat in between hold what they hold; the alarm is acknowledged.
 fn a_bomb_is_found(client: Client) {
     if !client.is_here() {
         return;
@@ -111,9 +111,7 @@ fn a_bomb_is_found(client: Client) {
     console.until_phase("bombLocated");
     let alarms = console.until_state("alarms", "an alarm", |alarms| alarms.as_array().is_some_and(|all| !all.is_empty()));
     console.accepted("acknowledge", json!({"alarm": alarms[0]["id"]}));
-    console.accepted("retrieve", json!({}));
-    console.until_phase("bagSecured");
-    program.until_phase("bagSecured");
+    program.until_phase("bombLocated");
     console.shows_what_stands(&program);
 }
 

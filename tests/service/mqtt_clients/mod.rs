@@ -3,20 +3,20 @@
 //!
 //! Where a client is absent its share is left out with a word; with `HALLSWEEP_REQUIRE_CLIENTS=1` it fails.
 
-//mod availability;
+mod availability;
 mod client;
-//mod doors;
+mod doors;
 mod json_missions;
-//mod kept;
+mod kept;
 mod old_missions;
 mod old_words;
-//mod once;
-//mod opening;
-//mod rights;
-//mod sessions;
+mod once;
+mod opening;
+mod rights;
+mod sessions;
 mod talk;
 mod told;
-//mod web;
+mod web;
 
 use client::Client;
 use told::Message;

@@ -41,11 +41,7 @@ impl<'a> Talk<'a> {
     /// Starts a client, and waits until it is let in and subscribed.
     pub(crate) fn begin(client: Client, program: &Program, hello: Hello<'a>) -> Talk<'a> {
         let talk = Talk::knock(client, program, hello);
-        if talk.hello.follow.is_empty() {
-            talk.until_word("Connected");
-        } else {
-            talk.until_word("Subscribed");
-        }
+        talk.until_word("Subscribed");
         talk
     }
 
@@ -98,6 +94,26 @@ impl<'a> Talk<'a> {
     pub(crate) fn until_newest(&self, topic: &str, wanted: &str, is_so: impl Fn(&Message) -> bool) -> Message {
         let newest = |heard: &[Message]| heard.iter().rfind(|message| message.topic == topic).filter(|it| is_so(it)).cloned();
         self.until(&format!("{topic}: {wanted}"), newest)
+    }
+
+    /// Waits until it says that it was refused for this reason, a return code of CONNACK.
+    pub(crate) fn until_refused(&self, code: u8) {
+        let reason = match code {
+            4 => "bad user name or password",
+            5 => "not authori",
+            other => panic!("no client has a sentence for {other} here"),
+        };
+        self.until_words(&format!("CONNACK {code}"), |words| {
+            let says = |word: &String| word.to_lowercase().replace("username", "user name");
+            words.iter().map(says).find(|word| word.contains("refused") && word.contains(reason)).map(drop)
+        });
+    }
+
+    /// What it was granted for each filter: a QoS, or 128.
+    pub(crate) fn granted(&self) -> Vec<u8> {
+        let word = self.until_word("Subscribed");
+        let codes = word.rsplit(": ").next().expect("codes").split(", ");
+        codes.map(|code| code.parse().expect("a code")).collect()
     }
 
     /// Waits until it says something of its connection that begins so, and returns that.

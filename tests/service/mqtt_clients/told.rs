@@ -47,9 +47,22 @@ impl<'a> Hello<'a> {
         Hello { id: "", remembered: false, login: None, keepalive_s: 60, will: None, headers: Vec::new(), follow }
     }
 
-    /// One that only publishes.
+    /// One that publishes, and follows only whether the program is there: mosquitto's command does not come to follow nothing.
     pub(crate) fn speaking() -> Hello<'a> {
-        Hello::following(&[], 0)
+        Hello::following(&[super::AVAILABILITY], 0)
+    }
+
+    /// One that is remembered under this id while it is away.
+    pub(crate) fn remembered(self, id: &'a str) -> Hello<'a> {
+        Hello { id, remembered: true, ..self }
+    }
+
+    pub(crate) fn with_will(self, will: Say<'a>) -> Hello<'a> {
+        Hello { will: Some(will), ..self }
+    }
+
+    pub(crate) fn with_headers(self, headers: &[(&'a str, &'a str)]) -> Hello<'a> {
+        Hello { headers: headers.to_vec(), ..self }
     }
 
     pub(crate) fn called(self, id: &'a str) -> Hello<'a> {

@@ -72,6 +72,12 @@ impl Ledger {
         self.lag.load(Ordering::Relaxed) > LAG && ms(now) >= self.forgiven_until_ms.load(Ordering::Relaxed)
     }
 
+    /// Whether everything that was published for it has come, as far as anybody knows.
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        self.lag.load(Ordering::Relaxed) <= 0
+    }
+
     /// Waits until it has caught up, or nobody waits for it any more.
     pub async fn relieved(&self) {
         loop {
@@ -98,6 +104,11 @@ impl Account {
     /// An account of somebody who holds no filter yet.
     pub(super) fn open(ledgers: &Arc<Ledgers>) -> Account {
         Account { ledger: Arc::default(), ledgers: Arc::clone(ledgers) }
+    }
+
+    /// What he is owed.
+    pub(super) fn ledger(&self) -> Arc<Ledger> {
+        Arc::clone(&self.ledger)
     }
 
     /// He holds a filter.
@@ -207,6 +218,17 @@ mod tests {
         ledger.forgive(NOW);
         fall_behind();
         assert!(ledger.is_behind(NOW + FORGIVEN), "he had kept up in between");
+    }
+
+    #[test]
+    fn it_is_settled_when_everything_has_come() {
+        let ledger = Ledger::default();
+        assert!(ledger.is_settled());
+        assert!(!ledger.owe(2) && !ledger.is_settled());
+        ledger.came(1);
+        assert!(!ledger.is_settled());
+        ledger.came(1);
+        assert!(ledger.is_settled());
     }
 
     #[test]

@@ -198,9 +198,10 @@ impl Turnstile {
         if now >= self.poll_timeout() { Err(Ended::Idle) } else { Ok(()) }
     }
 
-    /// The connection has ended: a will that was left is put before the engine, if it still can be.
+    /// The connection has ended: a will that was left is put before the engine, if it still can be. When the program ends, nobody is
+    /// to read it, and the client is not the one who has gone.
     pub fn handle_end(&mut self, why: Ended) {
-        if let Some(will) = self.will.take().filter(|_| why != Ended::Left) {
+        if let Some(will) = self.will.take().filter(|_| !matches!(why, Ended::Left | Ended::Closing)) {
             self.publish_will(&will);
         }
     }
@@ -239,6 +240,12 @@ impl Turnstile {
         let passed = self.routes.take_passed();
         let is_flood = self.flood.handle_passed(passed, now) && self.guest != Guest::House;
         if is_flood { self.routes.behind(now) } else { None }
+    }
+
+    /// What was published for this client and has not come yet.
+    #[must_use]
+    pub fn ledger(&self) -> Arc<Ledger> {
+        self.account.ledger()
     }
 
     /// When the client was silent for too long, if it stays so.

@@ -55,6 +55,13 @@ fn a_client_that_takes_its_leave_has_no_will() {
 }
 
 #[test]
+fn when_the_program_ends_no_will_is_published() {
+    let mut scene = with_will(OPERATOR, "a/will");
+    scene.turnstile.handle_end(Ended::Closing);
+    assert!(scene.engine_got().is_empty() && scene.gatehouse.retained.count() == 0);
+}
+
+#[test]
 fn a_forbidden_will_goes_nowhere() {
     for (guest, topic) in [
         (OPERATOR, STOP),
