@@ -43,7 +43,9 @@ fn empty_messages_under_many_filters_cost_little() {
     let mut holders = Vec::new();
     for n in 0..3 {
         let mut holder = siege.client(&format!("holder-{n}"));
-        for filter in [vec!["a/b/c", "a/b/+", "a/+/c", "a/+/+"], vec!["+/b/c", "+/b/+", "+/+/c", "+/+/+"], vec!["a/#", "#"]][n].iter() {
+        for filter in
+            [vec!["a/b/c", "a/b/+", "a/+/c", "a/+/+"], vec!["+/b/c", "+/b/+", "+/+/c", "+/+/+"], vec!["a/#", "#"]][n].iter()
+        {
             assert_eq!(holder.subscribe(filter, 0), 0);
         }
         holders.push(holder);

@@ -133,7 +133,9 @@ fn topics_that_the_engine_cannot_take_apart_are_acknowledged_and_go_nowhere() {
         client.subscribe(topic, 1);
     }
     client.publish("done", b"");
-    assert!(std::iter::from_fn(|| Some(listener.message().topic)).find(|topic| !topic.starts_with("hallsweep")).unwrap() == "done");
+    assert!(
+        std::iter::from_fn(|| Some(listener.message().topic)).find(|topic| !topic.starts_with("hallsweep")).unwrap() == "done"
+    );
     siege.stands();
 }
 
@@ -167,7 +169,8 @@ fn acknowledgements_of_nothing_and_in_any_order_are_borne() {
     for id in 1..=50 {
         other.say(&publish("muddle", &[0], 1, 0, id));
     }
-    let ids: Vec<u16> = (0..50).map(|_| client.until(0x32)).map(|came| u16::from_be_bytes([came.body[8], came.body[9]])).collect();
+    let ids: Vec<u16> =
+        (0..50).map(|_| client.until(0x32)).map(|came| u16::from_be_bytes([came.body[8], came.body[9]])).collect();
     for id in ids.iter().rev().chain(&ids) {
         client.say(&ack(PUBACK, *id));
         client.say(&ack(PUBCOMP, *id));

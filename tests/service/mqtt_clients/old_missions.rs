@@ -153,11 +153,10 @@ fn every_client_stops_a_robot_that_moves() {
     with_each(|client| {
         let program = Program::serve("empty-8x8", "4");
         let mut console = Console::of(client, &program);
-        let stops: [&dyn Fn(&mut Console); 3] = [
-            &|console| console.say("stopCmd"),
-            &|console| console.tell("robotmind", "stopCmd", "stopCmd"),
-            &|console| console.tell("robotmind", "userCmd", "userCmd(h)"),
-        ];
+        let stops: [&dyn Fn(&mut Console); 3] =
+            [&|console| console.say("stopCmd"), &|console| console.tell("robotmind", "stopCmd", "stopCmd"), &|console| {
+                console.tell("robotmind", "userCmd", "userCmd(h)")
+            }];
         for stop in stops {
             console.say("startCmd");
             program.until("it goes on", |state| !holds(state, "operator") && state["mission"]["phase"] == "exploring");
