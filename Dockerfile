@@ -31,7 +31,8 @@ VOLUME /data
 # 5683/udp is CoAP, and off for others by default: it listens on the container's own loopback, so that publishing the port alone
 # opens nothing. With HALLSWEEP__COAP__BIND=0.0.0.0:5683 and HALLSWEEP__COAP__OPEN_TO_OTHERS=true everybody who reaches the published
 # port can read everything, unencrypted, and command nothing (docs/settings.md).
-EXPOSE 8080 5683/udp
+# So it is with 1883, MQTT; with HALLSWEEP__MQTT__BIND=0.0.0.0:1883 whoever comes shows a key's name and token (docs/mqtt.md).
+EXPOSE 8080 1883 5683/udp
 HEALTHCHECK --interval=10s --timeout=5s --start-period=5s --retries=3 CMD ["hallsweep", "healthcheck"]
 ENTRYPOINT ["hallsweep"]
 # Inside the container nobody but the container itself reaches its loopback, so it listens on every address of the container,

@@ -10,6 +10,12 @@ mod coap;
 mod house;
 #[path = "stop/load.rs"]
 mod load;
+#[path = "../tests/service/mqtt_attacks/client.rs"]
+#[expect(dead_code, reason = "whoever presses STOP attacks nobody")]
+mod mqtt;
+#[path = "../tests/service/mqtt_attacks/packets.rs"]
+#[expect(dead_code, reason = "whoever presses STOP attacks nobody")]
+mod packets;
 #[path = "stop/tardy.rs"]
 mod tardy;
 
@@ -39,8 +45,9 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip_while(|word| word != load::WORD).collect();
-    if let [_, http, coap, ..] = &words[..] {
-        load::press(http, coap.parse().expect("the benchmark gives an address"));
+    if let [_, http, doors @ ..] = &words[..] {
+        let [coap, mqtt, ..] = doors else { panic!("the benchmark gives three addresses") };
+        load::press(http, [coap, mqtt].map(|door| door.parse().expect("the benchmark gives addresses")));
         return ExitCode::SUCCESS;
     }
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().expect("the system gives threads");
@@ -51,7 +58,7 @@ fn main() -> ExitCode {
         let _ = heard.send((halts.epoch.0, Instant::now()));
     }));
     let address = house.address.to_string();
-    let load = Load::start(&address, house.coap);
+    let load = Load::start(&address, [house.coap, house.mqtt]);
     std::thread::sleep(WARM_UP);
     let bench = Bench { address, house, halts, keeping };
     println!("STOP, request → robot port, with {}:", load::IN_WORDS);
@@ -61,12 +68,21 @@ fn main() -> ExitCode {
     let tell =
         |command: &str| ask::ask(&bench.address, "POST", &format!("/api/v1/commands/{command}"), "").expect("the door answers");
     let (slow, hung) = bench.both(STOPS, tell);
+    let mut by_mqtt = mqtt::Client::let_in(bench.house.mqtt, "operator");
+    by_mqtt.subscribe("hallsweep/discovery/command/+/result", 0);
+    let tell = |command: &str| {
+        by_mqtt.publish(&format!("hallsweep/discovery/command/{command}"), b"");
+        String::from_utf8_lossy(&by_mqtt.message().payload).into_owned()
+    };
+    let (slow_mqtt, hung_mqtt) = bench.both(2 * STOPS, tell);
     let bare = bench.bare_requests();
     drop(load);
     print("HTTP, slow store", slow, GOALS);
     print("HTTP, hung store", hung, GOALS);
     print("CoAP, slow store", slow_coap, GOALS);
     print("CoAP, hung store", hung_coap, GOALS);
+    print("MQTT, slow store", slow_mqtt, GOALS);
+    print("MQTT, hung store", hung_mqtt, GOALS);
     print("bare request", bare, "a bound: answered without the loop");
     let (began, late) = (bench.house.watched.began.load(Ordering::SeqCst), bench.house.watched.late.load(Ordering::SeqCst));
     println!("  {began} steps begun; {late} of them after a stop was answered (must be 0)");
@@ -77,9 +93,9 @@ fn main() -> ExitCode {
 struct Load(Child);
 
 impl Load {
-    fn start(http: &str, coap: SocketAddr) -> Load {
+    fn start(http: &str, [coap, mqtt]: [SocketAddr; 2]) -> Load {
         let own = std::env::current_exe().expect("the system knows which program this is");
-        let load = Command::new(own).args([load::WORD, http, &coap.to_string()]).stdin(Stdio::null()).spawn();
+        let load = Command::new(own).args([load::WORD, http, &coap.to_string(), &mqtt.to_string()]).stdin(Stdio::null()).spawn();
         Load(load.expect("this program starts a second time"))
     }
 }

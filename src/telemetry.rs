@@ -2,11 +2,15 @@
 //! What an operator must see is not here: that is the log of the state, which the console shows.
 
 use std::io::IsTerminal;
+use std::panic;
 
 use tracing_subscriber::EnvFilter;
 
 /// The crate of the MQTT engine.
 const ENGINE: &str = "rumqttd";
+
+/// How the thread of the MQTT engine's router is called, before its number.
+const ROUTER: &str = "router-";
 
 /// Starts writing log lines that pass `filter`, which `crate::config` has checked. A second call changes nothing.
 pub fn start(filter: &str) {
@@ -15,7 +19,22 @@ pub fn start(filter: &str) {
     let lines = tracing_subscriber::fmt().compact().with_env_filter(filter).with_ansi(coloured).with_writer(std::io::stderr);
     if lines.try_init().is_err() {
         tracing::debug!("log lines were being written already");
+        return;
     }
+    note_panics_of_engine();
+}
+
+/// The MQTT engine's router ends in a panic, and in no other way, whenever it ends: that is a line of the log, as its restart is. Every
+/// other panic is told as ever.
+fn note_panics_of_engine() {
+    let told = panic::take_hook();
+    panic::set_hook(Box::new(move |panicked| {
+        if std::thread::current().name().is_some_and(|name| name.starts_with(ROUTER)) {
+            tracing::debug!(%panicked, "the router of the MQTT engine has ended");
+        } else {
+            told(panicked);
+        }
+    }));
 }
 
 /// The filter without the lines of the MQTT engine, unless it asks for them by name: they speak of connections by numbers of its

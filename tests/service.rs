@@ -21,6 +21,10 @@ mod kill;
 mod malformed;
 #[path = "service/missions.rs"]
 mod missions;
+#[path = "service/mqtt_attacks/mod.rs"]
+mod mqtt_attacks;
+#[path = "service/mqtt_clients/mod.rs"]
+mod mqtt_clients;
 #[path = "service/mqtt_external/mod.rs"]
 mod mqtt_external;
 #[path = "service/old_console.rs"]
@@ -41,6 +45,8 @@ mod stops;
 mod store_faults;
 #[path = "service/stream.rs"]
 mod stream;
+#[path = "service/third_party.rs"]
+mod third_party;
 #[path = "service/tls.rs"]
 mod tls;
 #[path = "service/verdicts.rs"]

@@ -8,6 +8,12 @@ mod ask;
 mod coap;
 #[path = "stop/house.rs"]
 mod house;
+#[path = "service/mqtt_attacks/client.rs"]
+#[expect(dead_code, reason = "whoever presses STOP attacks nobody")]
+mod mqtt;
+#[path = "service/mqtt_attacks/packets.rs"]
+#[expect(dead_code, reason = "whoever presses STOP attacks nobody")]
+mod packets;
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -79,5 +85,23 @@ async fn no_step_begins_after_a_stop_was_answered_over_coap() {
     let house = House::open(Box::new(Memory::new()), |_| {}).await;
     let mut client = coap::Coap::at(house.coap);
     let tell = move |command: &str| client.ask("POST", &format!("commands/{command}"), "").expect("the door answers").text;
+    no_step_begins_late(&house, tell).await;
+}
+
+/// Safety S6.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn no_step_begins_after_a_stop_was_answered_over_mqtt() {
+    let house = House::open(Box::new(Memory::new()), |_| {}).await;
+    let broker = house.mqtt;
+    let coming = tokio::task::spawn_blocking(move || {
+        let mut client = mqtt::Client::let_in(broker, "operator");
+        assert_eq!(client.subscribe("hallsweep/discovery/command/+/result", 0), 0);
+        client
+    });
+    let mut client = coming.await.expect("the door lets a client in");
+    let tell = move |command: &str| {
+        client.publish(&format!("hallsweep/discovery/command/{command}"), b"");
+        String::from_utf8_lossy(&client.message().payload).into_owned()
+    };
     no_step_begins_late(&house, tell).await;
 }

@@ -1,20 +1,22 @@
 //! Clients of every kind at once, in a process of their own, until it is ended: readers, streams, commands, and some that behave
 //! badly. Only STOP and START are left to the benchmark.
 
-use std::io::{Read, Write};
+use std::io::{ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::thread::{sleep, spawn};
 use std::time::Duration;
 
 use crate::ask::ask;
 use crate::coap::Coap;
+use crate::mqtt::Client;
+use crate::packets;
 
 /// The word by which the benchmark starts itself as this.
 pub(crate) const WORD: &str = "load";
 
 /// What it comes to.
 pub(crate) const IN_WORDS: &str = "4 readers, 2 senders of commands, 32 streams, 4 stalled ones and 16 slow requests over HTTP, 2 readers \
-                                    and 16 observers over CoAP";
+                                    and 16 observers over CoAP, 2 publishers, 8 subscribers and 4 stalled ones over MQTT";
 
 /// A reader waits this long between two requests.
 const PAUSE: Duration = Duration::from_millis(5);
@@ -23,6 +25,9 @@ const PAUSE: Duration = Duration::from_millis(5);
 /// robot rests, so that more of them would leave nothing to stop.
 const COMMAND_PAUSE: Duration = Duration::from_millis(150);
 
+/// So many messages a publisher sends at once: with its pauses, some thousands a second.
+const BURST: usize = 20;
+
 /// One letter of a slow request comes so often.
 const LETTER: Duration = Duration::from_millis(500);
 
@@ -30,7 +35,7 @@ const LETTER: Duration = Duration::from_millis(500);
 const AGAIN: Duration = Duration::from_millis(100);
 
 /// Runs until the process is ended.
-pub(crate) fn press(address: &str, coap: SocketAddr) {
+pub(crate) fn press(address: &str, [coap, mqtt]: [SocketAddr; 2]) {
     let of = |count: usize, client: fn(&str) -> std::io::Result<()>| {
         for _ in 0..count {
             let address = address.to_owned();
@@ -44,6 +49,8 @@ pub(crate) fn press(address: &str, coap: SocketAddr) {
     of(16, dawdle);
     (0..2).for_each(|_| drop(spawn(move || again(|| read_over_coap(coap)))));
     (0..16).for_each(|_| drop(spawn(move || again(|| observe(coap)))));
+    (0..2).for_each(|n| drop(spawn(move || again(|| publish(mqtt, n)))));
+    (0..12).for_each(|n| drop(spawn(move || again(|| subscribe(mqtt, n, n < 8)))));
     loop {
         sleep(Duration::from_secs(60));
     }
@@ -65,6 +72,27 @@ fn read_over_coap(door: SocketAddr) -> std::io::Result<()> {
         sleep(PAUSE);
     }
     Ok(())
+}
+
+fn publish(door: SocketAddr, n: usize) -> std::io::Result<()> {
+    let mut client = Client::let_in(door, &format!("publisher-{n}"));
+    let burst = packets::publish(&format!("load/{n}"), &[b'x'; 100], 0, 0, 0).repeat(BURST);
+    while client.try_say(&burst) {
+        sleep(PAUSE);
+    }
+    Err(ErrorKind::BrokenPipe.into())
+}
+
+/// A subscriber to everything, or one that has stalled.
+fn subscribe(door: SocketAddr, n: usize, reads: bool) -> std::io::Result<()> {
+    let mut client = Client::let_in(door, &format!("subscriber-{n}"));
+    client.subscribe("#", 0);
+    while !reads || client.next().is_some() {
+        if !reads {
+            sleep(LETTER);
+        }
+    }
+    Err(ErrorKind::BrokenPipe.into())
 }
 
 fn observe(door: SocketAddr) -> std::io::Result<()> {

@@ -13,10 +13,10 @@ const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded")
 const BROWSER: (&str, &str) = ("accept", "text/html,application/xhtml+xml,*/*;q=0.8");
 
 /// A data folder that is gone when the test ends.
-struct Folder(PathBuf);
+pub(crate) struct Folder(PathBuf);
 
 impl Folder {
-    fn new(name: &str) -> Folder {
+    pub(crate) fn new(name: &str) -> Folder {
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("access-{name}-{}", std::process::id()));
         // There is none yet, unless a test before it was interrupted.
         let _ = std::fs::remove_dir_all(&path);
@@ -27,7 +27,7 @@ impl Folder {
         self.0.join("access.toml")
     }
 
-    fn command(&self, arguments: &[&str]) -> Command {
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = hallsweep(arguments);
         command.env("HALLSWEEP__STORE__FOLDER", &self.0);
         command
@@ -39,14 +39,14 @@ impl Folder {
     }
 
     /// What `hallsweep token` prints.
-    fn token(&self, arguments: &[&str]) -> String {
+    pub(crate) fn token(&self, arguments: &[&str]) -> String {
         let output = self.command(&[&["token"], arguments].concat()).output().expect("the program starts");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8_lossy(&output.stdout).into_owned()
     }
 
     /// The token of a key, as `hallsweep token` shows it.
-    fn token_of(&self, name: &str) -> String {
+    pub(crate) fn token_of(&self, name: &str) -> String {
         let shown = self.token(&[]);
         let key = shown.split(&format!("{name} (")).nth(1).expect("the key is shown");
         key.lines().nth(1).and_then(|line| line.split_whitespace().nth(1)).expect("its token is shown").to_owned()
@@ -82,7 +82,7 @@ fn commands(program: &Program, token: &str, command: &str) -> Answer {
 }
 
 /// Signs in, and returns the cookie.
-fn sign_in(program: &Program, token: &str) -> String {
+pub(crate) fn sign_in(program: &Program, token: &str) -> String {
     let answer = program.post_with("/sign-in", &[FORM, BROWSER], &format!("token={token}&next=/"));
     assert_eq!((answer.status, answer.header("location")), (303, "/"));
     answer.header("set-cookie").split(';').next().expect("a cookie").to_owned()

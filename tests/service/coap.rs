@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde_json::Value;
 
 #[path = "../../benches/common/coap.rs"]
-mod client;
+pub(crate) mod client;
 
 use client::{Coap, Reply};
 

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 /// How long anything is waited for: far longer than it takes, even on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(60);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
 
 /// How often a state that is waited for is looked at.
 const GLANCE: Duration = Duration::from_millis(5);
@@ -23,6 +23,7 @@ pub(crate) struct Program {
     child: Child,
     address: SocketAddr,
     coap: OnceLock<SocketAddr>,
+    mqtt: OnceLock<SocketAddr>,
     said: Mutex<mpsc::Receiver<String>>,
     agent: ureq::Agent,
 }
@@ -97,7 +98,7 @@ impl Program {
         std::thread::spawn(move || lines.map_while(Result::ok).for_each(|line| drop(say.send(line))));
         let config = ureq::Agent::config_builder().http_status_as_error(false).proxy(None).max_redirects(0);
         let config = config.timeout_global(Some(PATIENCE)).build();
-        Program { child, address, coap: OnceLock::new(), said: Mutex::new(said), agent: config.into() }
+        Program { child, address, coap: OnceLock::new(), mqtt: OnceLock::new(), said: Mutex::new(said), agent: config.into() }
     }
 
     /// Where it listens.
@@ -107,18 +108,24 @@ impl Program {
 
     /// Where its CoAP resources are, as it says after everything else.
     pub(crate) fn coap(&self) -> SocketAddr {
-        *self.coap.get_or_init(|| {
-            loop {
-                if let Some((_, at)) = self.says().split_once("coap://") {
-                    break reached(at.parse().expect("an address with a port"));
-                }
-            }
-        })
+        self.announced(&self.coap)
+    }
+
+    /// Where its MQTT topics are, as it says after that.
+    pub(crate) fn mqtt(&self) -> SocketAddr {
+        self.announced(&self.mqtt)
     }
 
     /// The next line it prints after it has said where it is.
     pub(crate) fn says(&self) -> String {
-        self.said.lock().expect("nobody panics while listening").recv_timeout(PATIENCE).expect("the program says something more")
+        let said = self.said.lock().expect("nobody panics while listening");
+        let line = said.recv_timeout(PATIENCE).expect("the program says something more");
+        for (scheme, door) in [("coap://", &self.coap), ("mqtt://", &self.mqtt)] {
+            if let Some((_, at)) = line.split_once(scheme) {
+                door.get_or_init(|| reached(at.parse().expect("an address with a port")));
+            }
+        }
+        line
     }
 
     /// What it has printed since, up to its end; it must have ended.
@@ -236,6 +243,16 @@ impl Program {
             sleep(GLANCE);
         }
         None
+    }
+
+    /// Where a door is; its line is waited for.
+    fn announced(&self, door: &OnceLock<SocketAddr>) -> SocketAddr {
+        loop {
+            if let Some(at) = door.get() {
+                return *at;
+            }
+            self.says();
+        }
     }
 
     fn url(&self, path: &str) -> String {

@@ -69,7 +69,7 @@ impl Replica {
 }
 
 /// The map with the changed cells.
-fn patched(older: &Value, newer: &Value) -> Value {
+pub(crate) fn patched(older: &Value, newer: &Value) -> Value {
     if newer["rows"].is_array() {
         return newer.clone();
     }

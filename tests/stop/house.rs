@@ -2,8 +2,8 @@
 //! had been answered; for the test of STOP and for its benchmark. The robot meets nothing: it is not about the search.
 //!
 //! ```text
-//!   client ─ HTTP, CoAP ─► door ─► loop ─► Wheels ─► Watched { began, late }
-//!                           └─ halt ─────────┘         ▲ standing: set by the client while the stop is answered and no START follows
+//!   client ─ HTTP, CoAP, MQTT ─► door ─► loop ─► Wheels ─► Watched { began, late }
+//!                                 └─ halt ─────────┘         ▲ standing: set by the client while the stop is answered and no START follows
 //! ```
 
 use std::net::SocketAddr;
@@ -30,6 +30,9 @@ use hallsweep::runtime::link::{RobotSide, Stamped, link};
 use hallsweep::runtime::store::Store;
 use hallsweep::runtime::task::Task;
 
+#[path = "broker.rs"]
+mod broker;
+
 /// How long a step or a turn takes: short, so that there are many beginnings.
 const STEP: Duration = Duration::from_millis(2);
 
@@ -50,6 +53,8 @@ pub(crate) struct House {
     pub(crate) address: SocketAddr,
     /// Where the CoAP door is.
     pub(crate) coap: SocketAddr,
+    /// Where the MQTT door is.
+    pub(crate) mqtt: SocketAddr,
     pub(crate) watched: Arc<Watched>,
     closing: watch::Sender<bool>,
     _door: oneshot::Sender<()>,
@@ -69,6 +74,7 @@ impl House {
         let reader = Reader::new(Arc::new(Memory::new()));
         let socket = Socket::bind(([127, 0, 0, 1], 0).into()).await.expect("this machine has a free port");
         let coap = socket.address().expect("a bound socket has an address");
+        let mqtt = broker::open(handle.clone(), closed.clone()).await;
         let (states, resources) = (handle.watch(), Resources::new(handle.clone(), reader.clone(), false));
         let mut until = closed.clone();
         let coap_ended = async move { drop(until.wait_for(|closing| *closing).await) };
@@ -79,7 +85,7 @@ impl House {
         tokio::spawn(coap::serve(socket, Endpoint::new([7; 32]), resources, states, coap_ended));
         tokio::spawn(Wheels { side, watched: Arc::clone(&watched) }.run());
         tokio::spawn(http::serve(listener, door, Front::default(), async { drop(ended.await) }));
-        House { address, coap, watched, closing, _door: end }
+        House { address, coap, mqtt, watched, closing, _door: end }
     }
 }
 

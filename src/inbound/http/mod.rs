@@ -31,7 +31,7 @@ use axum::Router;
 use tokio::sync::{Semaphore, watch};
 
 pub use guard::Hosts;
-pub use mqtt::{Hall, Visitor};
+pub use mqtt::{Carried, Hall, Visitor};
 pub use serve::{Front, serve};
 pub use tls::{Tls, TlsError};
 

@@ -2,8 +2,12 @@
 //! this door's business, and neither is whom it lets in who shows nothing here.
 
 use std::fmt;
+use std::io;
 use std::net::IpAddr;
+use std::pin::Pin;
 use std::sync::Arc;
+use std::task::{Context, Poll};
+use std::time::Duration;
 
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
@@ -13,7 +17,8 @@ use axum::response::{IntoResponse, Response};
 use bytes::BytesMut;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
-use tokio::io::{AsyncReadExt, AsyncWriteExt, DuplexStream, ReadHalf, WriteHalf};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt, DuplexStream, ReadBuf, ReadHalf, WriteHalf};
+use tokio::sync::oneshot;
 
 use super::Door;
 use super::gate::{LetIn, Peer, note_unrecorded};
@@ -30,17 +35,47 @@ const BETWEEN: usize = 64 * 1024;
 /// The longest message of a client, in bytes: the longest packet of MQTT it may send, and something over.
 const LONGEST: usize = 512 * 1024;
 
+/// So long what is left for a client may take to get to it after the broker has let go of it, and so long a farewell.
+const FAREWELL: Duration = Duration::from_secs(1);
+
 /// A web client that wants to speak MQTT.
 #[derive(Debug)]
 pub struct Visitor {
     /// What it says, and what it is told.
-    pub stream: DuplexStream,
+    pub stream: Carried,
     /// Where it comes from.
     pub from: IpAddr,
     /// Who it is, if it has signed in to the console.
     pub caller: Option<Caller>,
     /// Who is let in by this way.
     pub access: Access,
+}
+
+/// The broker's end of what is carried. When it is dropped, the connection ends, whether or not the client reads what is left for it.
+#[derive(Debug)]
+pub struct Carried {
+    stream: DuplexStream,
+    _held: oneshot::Sender<()>,
+}
+
+impl AsyncRead for Carried {
+    fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_read(cx, buf)
+    }
+}
+
+impl AsyncWrite for Carried {
+    fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        Pin::new(&mut self.stream).poll_write(cx, bytes)
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_flush(cx)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_shutdown(cx)
+    }
 }
 
 /// Where web clients are brought.
@@ -92,22 +127,29 @@ pub(super) async fn mqtt(
     Ok(upgrade
         .on_upgrade(async move |socket| {
             let (ours, stream) = tokio::io::duplex(BETWEEN);
-            receive(Visitor { stream, from: peer.address, caller, access });
-            carry(socket, ours).await;
+            let (held, let_go) = oneshot::channel();
+            receive(Visitor { stream: Carried { stream, _held: held }, from: peer.address, caller, access });
+            carry(socket, ours, let_go).await;
         })
         .into_response())
 }
 
-/// Carries bytes both ways until either side ends; neither way waits for the other.
-async fn carry(socket: WebSocket, stream: DuplexStream) {
+/// Carries bytes both ways until either side ends; neither way waits for the other. A client that reads slowly does not keep the
+/// connection longer than the broker does.
+async fn carry(socket: WebSocket, stream: DuplexStream, let_go: oneshot::Receiver<()>) {
     let (from, to) = tokio::io::split(stream);
     let (mut send, receive) = socket.split();
+    let late = async {
+        let _ = let_go.await;
+        tokio::time::sleep(FAREWELL).await;
+    };
     tokio::select! {
         () = inward(receive, to) => {}
         () = outward(from, &mut send) => {}
+        () = late => {}
     }
     // Whoever is gone already needs no farewell.
-    let _ = send.send(Message::Close(None)).await;
+    let _ = tokio::time::timeout(FAREWELL, send.send(Message::Close(None))).await;
 }
 
 async fn inward(mut socket: SplitStream<WebSocket>, mut to: WriteHalf<DuplexStream>) {

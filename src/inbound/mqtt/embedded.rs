@@ -8,17 +8,21 @@ use std::time::Duration;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
+use tokio::time::MissedTickBehavior;
 
 use super::engine::{Engine, EngineError};
 use super::guests::House;
+use super::limits::APPETITE;
+use super::memory;
 use super::session::Health;
 use super::visitor::{Origin, Visitor};
 use crate::access::Access;
 use crate::inbound::patience::Patient;
 use crate::runtime::clock::Clock;
 
-/// How often it is looked whether the engine was shown too much.
-const GLANCE: Duration = Duration::from_secs(1);
+/// How often it is looked whether the engine was shown too much, or has taken too much memory: in this time it takes some hundred
+/// mebibytes at the worst.
+const GLANCE: Duration = Duration::from_millis(250);
 
 /// After an accept has failed (as with too many open files) the next is tried this much later.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
@@ -26,7 +30,13 @@ const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 /// An engine is not started anew sooner than this after the last time: an illness that does not end with it is another's.
 const REST: Duration = Duration::from_secs(5);
 
-/// The engine that messages are routed by just now.
+/// So long the last words may take to reach the clients when the program ends; it is to end within two seconds.
+const LAST_WORDS: Duration = Duration::from_millis(500);
+
+/// So long after a start it is counted as usual how much memory is in use: what an engine before had is given back in milliseconds.
+const SETTLING: Duration = Duration::from_secs(1);
+
+/// The engine that messages are routed by just now; closed when the program ends.
 pub(super) type Running = watch::Receiver<Arc<Engine>>;
 
 /// How clients come to our own broker, and who says whether it is well.
@@ -48,6 +58,10 @@ pub struct Embedded {
     clock: Clock,
     /// Until then the engine is left as it is.
     rests_until: Duration,
+    /// Until then what is in use is usual;
+    settled_at: Duration,
+    /// how much that was, in bytes.
+    usual: usize,
 }
 
 impl Embedded {
@@ -57,12 +71,14 @@ impl Embedded {
     /// When there is no engine to be had.
     pub async fn start(house: House) -> Result<Embedded, EngineError> {
         let engine = watch::Sender::new(Arc::new(Engine::start().await?));
-        Ok(Embedded { house, engine, clock: Clock::default(), rests_until: Duration::ZERO })
+        Ok(Embedded { house, engine, clock: Clock::default(), rests_until: Duration::ZERO, settled_at: SETTLING, usual: 0 })
     }
 
-    /// Serves until `shutdown`; then every connection ends.
+    /// Serves until `shutdown`; then every connection ends, when what was said before that has reached its client.
     pub async fn serve(mut self, mut ways: Ways, shutdown: impl Future<Output = ()>) {
         let mut guests = JoinSet::new();
+        let mut glances = tokio::time::interval(GLANCE);
+        glances.set_missed_tick_behavior(MissedTickBehavior::Delay);
         tokio::pin!(shutdown);
         loop {
             tokio::select! {
@@ -70,6 +86,11 @@ impl Embedded {
                 () = &mut shutdown => break,
                 Some(_) = guests.join_next() => {}
                 why = self.ill(&mut ways.health) => self.renew(why).await,
+                _ = glances.tick() => {
+                    if let Some(why) = self.worn_out() {
+                        self.renew(why).await;
+                    }
+                }
                 accepted = ways.listener.accept() => match accepted {
                     Ok((stream, address)) => self.receive(&mut guests, visitor(stream, address, &ways.access)),
                     Err(error) => {
@@ -79,6 +100,17 @@ impl Embedded {
                 },
                 Some(visitor) = ways.visitors.recv() => self.receive(&mut guests, visitor),
             }
+        }
+        self.close(guests).await;
+    }
+
+    /// Tells every connection that it ends, and waits for that; whoever takes long is cut off.
+    async fn close(self, mut guests: JoinSet<()>) {
+        let _last = Arc::clone(&self.engine.borrow());
+        drop(self.engine);
+        let ended = async { while guests.join_next().await.is_some() {} };
+        if tokio::time::timeout(LAST_WORDS, ended).await.is_err() {
+            tracing::debug!(cut = guests.len(), "some MQTT clients were cut off");
         }
     }
 
@@ -92,19 +124,28 @@ impl Embedded {
     /// Waits until the engine has to be started anew; why.
     async fn ill(&self, health: &mut watch::Receiver<Health>) -> &'static str {
         self.clock.reach(Some(self.rests_until)).await;
-        let ended = self.engine.borrow().ended();
+        let (ended, shut) = {
+            let engine = self.engine.borrow();
+            (engine.ended(), engine.shut())
+        };
         tokio::select! {
             () = ended => "it has ended",
+            () = shut => "it lets nobody in",
             () = told_ill(health) => "it does not pass messages on",
-            () = self.worn_out() => "too many different topics were shown to it",
         }
     }
 
-    /// Waits until the engine was shown so much that another one is needed.
-    async fn worn_out(&self) {
-        while !self.house.is_worn_out() {
-            tokio::time::sleep(GLANCE).await;
+    /// Why another engine is needed, though this one is not ill.
+    fn worn_out(&mut self) -> Option<&'static str> {
+        let now = self.clock.now().since_start;
+        let in_use = memory::in_use().unwrap_or(0);
+        if now < self.settled_at {
+            self.usual = in_use;
         }
+        if in_use > self.usual + APPETITE {
+            return Some("it takes too much memory");
+        }
+        (now >= self.rests_until && self.house.is_worn_out()).then_some("too many different topics were shown to it")
     }
 
     /// Starts another engine in its place. Whoever was connected has to come again; what is kept is kept by the gate.
@@ -117,7 +158,8 @@ impl Embedded {
             }
             Err(error) => tracing::error!(%error, why, "the MQTT broker is to be started anew, and cannot be"),
         }
-        self.rests_until = self.clock.now().since_start + REST;
+        let now = self.clock.now().since_start;
+        (self.rests_until, self.settled_at) = (now + REST, now + SETTLING);
     }
 }
 
@@ -141,3 +183,7 @@ async fn told_ill(health: &mut watch::Receiver<Health>) {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "embedded_tests.rs"]
+mod tests;

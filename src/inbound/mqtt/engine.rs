@@ -4,10 +4,12 @@
 
 use std::collections::HashMap;
 use std::net::{Ipv4Addr, SocketAddr};
+use std::sync::Arc;
 use std::time::Duration;
 
+use rumqttd::local::LinkTx;
 use rumqttd::protocol::v4::V4;
-use rumqttd::{ConnectionSettings, LinkType, Router, RouterConfig, Server, ServerSettings};
+use rumqttd::{ConnectionId, ConnectionSettings, LinkType, Router, RouterConfig, Server, ServerSettings};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{oneshot, watch};
 
@@ -33,8 +35,13 @@ const ROOM: usize = 1024;
 /// How often it is looked whether it listens.
 const GLANCE: Duration = Duration::from_millis(5);
 
-/// A running engine; it ends when this is dropped. Its router's thread, should it live still, is left asleep: the crate has no word
-/// to end it.
+/// How often it is looked whether its router lives.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// A connection that there never is.
+const NOBODY: ConnectionId = ConnectionId::MAX;
+
+/// A running engine; it ends when this is dropped, and all that it remembers with it.
 #[derive(Debug)]
 pub(super) struct Engine {
     address: SocketAddr,
@@ -43,6 +50,8 @@ pub(super) struct Engine {
     _stop: oneshot::Sender<()>,
     /// and then this is closed.
     alive: watch::Receiver<()>,
+    /// Set when it did not let the gate in.
+    is_shut: watch::Sender<bool>,
 }
 
 /// Why there is no engine.
@@ -81,17 +90,35 @@ impl Engine {
         (GATE, self.secret.reveal())
     }
 
-    /// Waits until its thread has ended, which it does not do by itself.
+    /// Waits until one of its threads has ended, which they do not do by themselves.
     pub(super) fn ended(&self) -> impl Future<Output = ()> + use<> {
         let mut alive = self.alive.clone();
         async move { while alive.changed().await.is_ok() {} }
+    }
+
+    /// The gate was not let in.
+    pub(super) fn lets_nobody_in(&self) {
+        self.is_shut.send_replace(true);
+    }
+
+    /// Waits until it has not let the gate in, which lets it do all else.
+    pub(super) fn shut(&self) -> impl Future<Output = ()> + use<> {
+        let mut is_shut = self.is_shut.subscribe();
+        async move {
+            if is_shut.wait_for(|is_shut| *is_shut).await.is_err() {
+                std::future::pending::<()>().await;
+            }
+        }
     }
 
     /// Starts its threads. The crate binds the port itself, so one is looked for that is free just now.
     async fn begin() -> Result<Engine, EngineError> {
         let address = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).await?.local_addr()?;
         let secret = Token::draw().map_err(std::io::Error::other)?;
-        let mut server = Server::new(settings(address, &secret), Router::new(0, router()).spawn(), V4);
+        // By the port its thread is known: `router-1883`.
+        let router = Router::new(usize::from(address.port()), router()).spawn();
+        let mut last_word = LinkTx::new(NOBODY, router.clone(), Arc::default());
+        let mut server = Server::new(settings(address, &secret), router.clone(), V4);
         let (stop, stopped) = oneshot::channel::<()>();
         let (living, alive) = watch::channel(());
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
@@ -99,6 +126,7 @@ impl Engine {
             let ended = runtime.block_on(async {
                 tokio::select! {
                     ended = server.start(LinkType::Remote) => ended,
+                    () = ended(|| router.is_disconnected()) => Ok(()),
                     _ = stopped => Ok(()),
                 }
             });
@@ -107,8 +135,11 @@ impl Engine {
             }
             // With the runtime all its connections end.
             drop((runtime, living));
+            // The crate has no word to end the router's thread, which would keep all that it remembers: but it does not outlive a
+            // question for somebody who is not there. Whether it has ended already makes no difference.
+            let _ = last_word.shadow("");
         })?;
-        Ok(Engine { address, secret, _stop: stop, alive })
+        Ok(Engine { address, secret, _stop: stop, alive, is_shut: watch::Sender::new(false) })
     }
 
     /// Waits until it listens; false when its thread has ended.
@@ -120,6 +151,13 @@ impl Engine {
             tokio::time::sleep(GLANCE).await;
         }
         true
+    }
+}
+
+/// Waits until the router's thread has ended; nothing tells of that, so it is looked at.
+async fn ended(has_ended: impl Fn() -> bool) {
+    while !has_ended() {
+        tokio::time::sleep(LOOK).await;
     }
 }
 
@@ -165,6 +203,28 @@ mod tests {
         assert!(TcpStream::connect(address).await.is_ok());
         drop(engine);
         while TcpStream::connect(address).await.is_ok() {
+            tokio::time::sleep(GLANCE).await;
+        }
+    }
+
+    /// The threads of this program, by name.
+    #[cfg(target_os = "linux")]
+    fn threads() -> Vec<String> {
+        let tasks = std::fs::read_dir("/proc/self/task").expect("the system tells of threads");
+        // One may end between the two looks.
+        let names = tasks.filter_map(|task| std::fs::read_to_string(task.ok()?.path().join("comm")).ok());
+        names.map(|name| name.trim().to_owned()).collect()
+    }
+
+    /// What an engine remembers goes with it. Safety A5.
+    #[cfg(target_os = "linux")]
+    #[tokio::test]
+    async fn its_router_ends_with_its_handle() {
+        let engine = Engine::start().await.expect("it starts");
+        let router = format!("router-{}", engine.address().port());
+        assert!(threads().contains(&router), "{router}: {:?}", threads());
+        drop(engine);
+        while threads().contains(&router) {
             tokio::time::sleep(GLANCE).await;
         }
     }

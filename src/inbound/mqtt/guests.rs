@@ -150,7 +150,10 @@ impl House {
         mut engine: Running,
     ) -> Result<(), Sent> {
         let here = Arc::clone(&engine.borrow_and_update());
-        let Ok(Ok(upstream)) = tokio::time::timeout(ENGINE_TIME, enter(&here, &slot)).await else {
+        let entered = tokio::time::timeout(ENGINE_TIME, enter(&here, &slot)).await;
+        let Ok(Ok(upstream)) = entered else {
+            // An engine that was left before it had answered may let nobody in again.
+            here.lets_nobody_in();
             return Err(refused(&mut visitor.stream, Welcome::Unavailable).await);
         };
         visitor.stream.write_all(&write::connack(Welcome::Accepted, slot.session.is_some())).await?;
@@ -217,9 +220,11 @@ async fn enter(engine: &Engine, slot: &Slot) -> std::io::Result<TcpStream> {
     write::connect(&mut hello, &slot.id(), !slot.is_kept, SILENCE_S, engine.login());
     upstream.write_all(&hello).await?;
     let mut answer = [0; 4];
-    upstream.read_exact(&mut answer).await?;
-    let is_welcome = answer[0] == Kind::Connack.first_byte() && answer[3] == Welcome::Accepted as u8;
-    if is_welcome { Ok(upstream) } else { Err(std::io::Error::other("the engine did not let the gate in")) }
+    let answered = upstream.read_exact(&mut answer).await;
+    if answered.is_ok() && answer[0] == Kind::Connack.first_byte() && answer[3] == Welcome::Accepted as u8 {
+        return Ok(upstream);
+    }
+    Err(std::io::Error::other("the engine did not let the gate in"))
 }
 
 async fn refused(stream: &mut Box<dyn Stream>, welcome: Welcome) -> Sent {

@@ -25,3 +25,8 @@ pub(super) const SEGMENT_BYTES: usize = 1024 * 1024;
 
 /// and so many of them for each filter. A subscriber who lags further behind misses messages.
 pub(super) const SEGMENTS: usize = 4;
+
+/// So many bytes more than it had at first the program may have in use before the engine is taken for the cause and started anew. A
+/// segment is measured by what is said in it; small messages, each of which holds on to all that was read with it, may cost a
+/// thousand times that, and the engine forgets none of them before enough newer ones have come.
+pub(super) const APPETITE: usize = 512 * 1024 * 1024;

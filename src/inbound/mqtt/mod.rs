@@ -8,6 +8,7 @@ mod guests;
 pub mod home_assistant;
 mod identity;
 mod limits;
+mod memory;
 pub mod news;
 pub mod orders;
 pub mod publication;

@@ -4,10 +4,11 @@
 use std::process::{Command, Stdio};
 
 use super::ask::Ask;
-use super::client::{Client, left_out};
+use super::client::Client;
 use super::observer::Observer;
 use super::{JSON, TEXT, shown, with_each};
 use crate::program::{Program, hallsweep, run};
+use crate::third_party::left_out;
 
 /// An address beyond loopback, inside the namespace.
 const ADDRESS: &str = "10.83.0.1";
@@ -38,7 +39,7 @@ fn is_inside(test: &str) -> bool {
     };
     let possible = made("true", &[]).stderr(Stdio::null()).status().is_ok_and(|status| status.success());
     if !possible {
-        return left_out("a network namespace (as root, or with unprivileged ones allowed; apt-get install iproute2)");
+        return left_out("CoAP", "a network namespace (as root, or with unprivileged ones allowed; apt-get install iproute2)");
     }
     let this = std::env::current_exe().expect("a test knows its program");
     let name = format!("coap_clients::beyond::{test}");

@@ -1,11 +1,10 @@
 //! CoAP clients that others wrote, as users have them: libcoap's command from Debian, aiocoap from PyPI, node's coap-cli from npm.
 //! How each is found, asked, and read. What they are asked is the tests' business.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 use super::ask::{Ask, Reply};
+use crate::third_party::{PATIENCE_S, folder, left_out, patiently, python, runs};
 
 /// A client. Three, because each reads the RFCs in its own way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,10 +23,6 @@ impl Client {
 
     /// Whether it is there. When it is not, a word says what to install, or the test fails under `HALLSWEEP_REQUIRE_CLIENTS=1`.
     pub(crate) fn is_here(self) -> bool {
-        let runs = |command: &mut Command| {
-            let run = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status();
-            run.is_ok_and(|status| status.success())
-        };
         let (here, missing) = match self {
             // It has no `--version`; asked for nothing, it shows how it is used.
             Client::Libcoap => (
@@ -43,7 +38,7 @@ impl Client {
                 "coap-cli (apt-get install nodejs npm; npm --prefix tests/clients ci)",
             ),
         };
-        here || left_out(missing)
+        here || left_out("CoAP", missing)
     }
 
     /// Asks once, and waits for what it prints.
@@ -94,37 +89,6 @@ const LIBCOAP: &str = "coap-client-notls";
 
 /// Where npm puts it.
 const COAP_CLI: &str = "node_modules/coap-cli/index.js";
-
-/// A client waits for minutes for a server that is gone; a test does not.
-const PATIENCE_S: &str = "120";
-
-/// Says that a test is left out, and why; fails instead when everything must be there.
-pub(crate) fn left_out(missing: &str) -> bool {
-    let required = std::env::var("HALLSWEEP_REQUIRE_CLIENTS").is_ok_and(|value| value == "1");
-    assert!(!required, "the tests of the CoAP door need {missing}");
-    // Written past the test harness, which would keep it to itself.
-    writeln!(std::io::stderr(), "a test of the CoAP door is left out: it needs {missing}").expect("standard error is open");
-    false
-}
-
-/// The same command, ended after a while.
-pub(crate) fn patiently(command: &Command) -> Command {
-    let mut timeout = Command::new("timeout");
-    timeout.arg(PATIENCE_S).arg(command.get_program()).args(command.get_args());
-    timeout.envs(command.get_envs().filter_map(|(name, value)| Some((name, value?))));
-    timeout
-}
-
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/clients")
-}
-
-fn python() -> Command {
-    let mut python = Command::new("python3");
-    // The client warns about itself otherwise; and what it prints is read while it runs.
-    python.args(["-W", "ignore"]).env("PYTHONPATH", folder().join("python_modules")).env("PYTHONUNBUFFERED", "1");
-    python
-}
 
 fn libcoap(url: &str, ask: &Ask) -> Command {
     let mut command = Command::new(LIBCOAP);

@@ -13,7 +13,7 @@ mod old_wire;
 mod on_the_wire;
 mod photos;
 mod reading;
-mod shown;
+pub(crate) mod shown;
 mod tap;
 
 use client::Client;

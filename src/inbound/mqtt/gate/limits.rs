@@ -41,6 +41,25 @@ pub const KEPT_COST: usize = 128;
 /// Kept messages of QoS 1 that a client has not acknowledged yet: what mosquitto allows, too.
 pub const KEPT_UNDER_WAY: usize = 20;
 
+/// So many messages may be on their way to a subscriber before whoever publishes more is made to wait: twenty times less than the
+/// engine keeps, and enough that nobody waits for the other.
+pub const LAG: i64 = 2_000;
+
+/// It waits until they are no more than this.
+pub const RELIEF: i64 = 1_000;
+
+/// So long one publisher waits for one subscriber.
+pub const PATIENCE: Duration = Duration::from_millis(500);
+
+/// A subscriber that could not be waited for is not waited for during so long,
+pub const FORGIVEN: Duration = Duration::from_secs(10);
+
+/// and each time twice as long as the last time, but no longer than this.
+pub const FORGIVEN_LONGEST: Duration = Duration::from_secs(640);
+
+/// So many messages in a second are no flood: whoever publishes no more never waits for anybody, so that a STOP is read at once.
+pub const NO_FLOOD: u64 = 256;
+
 /// The ids of kept messages: above the engine's, which are 1 to 100.
 pub const KEPT_IDS: std::ops::RangeInclusive<u16> = 1001..=2000;
 
@@ -67,4 +86,4 @@ pub const UNRELEASED: usize = 4096;
 pub const HANDLED: usize = 256;
 
 /// The longest silence of a client, whatever it announced. The engine's own patience must be longer.
-pub const SILENCE: Duration = Duration::from_hours(24);
+pub const SILENCE: Duration = Duration::from_secs(24 * 3600);

@@ -14,6 +14,7 @@
 pub mod budget;
 pub mod filter;
 pub mod frame;
+pub mod ledger;
 pub mod limits;
 pub mod packet;
 pub mod retained;

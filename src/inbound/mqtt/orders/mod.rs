@@ -1,7 +1,7 @@
 //! Messages that command: from topic and payload to a command, and from what became of it to the result that is published. There
 //! are no sockets here, and no copies: what a broker had kept, and packets that came twice, were left out before.
 
-mod hearing;
+mod ear;
 mod problem;
 mod read;
 mod results;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use tokio::sync::mpsc;
 
-use self::hearing::{Hearing, Order};
+use self::ear::{Ear, Order};
 use self::problem::Problem;
 use self::results::Results;
 pub use self::results::UNDER_WAY;
@@ -49,7 +49,7 @@ pub enum Taken {
 #[derive(Clone, Debug)]
 pub struct Orders {
     handle: Handle,
-    hearing: Arc<Hearing>,
+    ear: Arc<Ear>,
     results: Results,
 }
 
@@ -57,15 +57,15 @@ impl Orders {
     /// Commands go to `handle`, results to `answers`; `manual_driving` says whether old clients may drive the robot.
     #[must_use]
     pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<Publication>) -> Orders {
-        Orders { handle, hearing: Arc::new(Hearing::new(topics, manual_driving)), results: Results::new(answers) }
+        Orders { handle, ear: Arc::new(Ear::new(topics, manual_driving)), results: Results::new(answers) }
     }
 
     /// Takes a message. Its command is given at the call, so that commands keep the order in which they came, and a STOP has
     /// halted the robot when this returns; its result is published later. Must be called inside a runtime.
     pub fn take(&self, heard: &Heard<'_>, sender: &Sender) -> Taken {
-        let Some(order) = self.hearing.order(heard) else {
+        let Some(order) = self.ear.order(heard) else {
             // Old clients believe what they hear on the old topics, so that not everybody may say something there.
-            let is_forbidden = self.hearing.is_old(heard.topic) && sender.may(Need::Act).is_err();
+            let is_forbidden = self.ear.is_old(heard.topic) && sender.may(Need::Act).is_err();
             return if is_forbidden { Taken::Forbidden } else { Taken::NotACommand };
         };
         if let Err(refused) = sender.may(order.need()) {

@@ -13,7 +13,7 @@ mod photos;
 mod pulse;
 mod talk;
 #[cfg(test)]
-mod testing;
+pub(super) mod testing;
 #[cfg(test)]
 mod tests;
 mod times;

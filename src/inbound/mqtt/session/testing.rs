@@ -7,7 +7,9 @@ use std::time::Duration;
 
 use bytes::BytesMut;
 use rumqttc::mqttbytes::Error;
-use rumqttc::{ConnAck, Connect, ConnectReturnCode, Packet, PubAck, Publish, QoS, SubAck, SubscribeReasonCode};
+use rumqttc::{
+    ConnAck, Connect, ConnectReturnCode, Packet, PubAck, Publish, QoS, SubAck, Subscribe, SubscribeFilter, SubscribeReasonCode,
+};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{mpsc, oneshot, watch};
@@ -49,23 +51,23 @@ pub(super) struct House {
 pub(super) struct Broker(TcpListener);
 
 /// One connection to it.
-pub(super) struct Peer {
+pub(in super::super) struct Peer {
     stream: TcpStream,
     buffer: BytesMut,
 }
 
 /// Waits for what must come.
-pub(super) async fn patiently<T>(what: impl Future<Output = T>) -> T {
+pub(in super::super) async fn patiently<T>(what: impl Future<Output = T>) -> T {
     tokio::time::timeout(PATIENCE, what).await.expect("it takes far too long")
 }
 
 /// The topics of all these tests.
-pub(super) fn topics() -> Topics {
+pub(in super::super) fn topics() -> Topics {
     Topics::new("hallsweep", "discovery", "unibo/qak")
 }
 
 /// A publication of somebody's, with a packet id.
-pub(super) fn publish(topic: &str, payload: &str, id: u16) -> Publish {
+pub(in super::super) fn publish(topic: &str, payload: &str, id: u16) -> Publish {
     let mut publish = Publish::new(topic, QoS::AtLeastOnce, payload);
     publish.pkid = id;
     publish
@@ -144,6 +146,35 @@ impl Broker {
 }
 
 impl Peer {
+    /// A client's end of a connection to this broker.
+    pub(in super::super) async fn come(broker: SocketAddr) -> Peer {
+        let stream = patiently(TcpStream::connect(broker)).await.expect("the broker listens");
+        Peer { stream, buffer: BytesMut::new() }
+    }
+
+    /// A client says who it is; what it is told, `None` when it is nothing.
+    pub(in super::super) async fn introduces(&mut self, connect: Packet) -> Option<ConnectReturnCode> {
+        self.says(connect).await;
+        match self.hears().await {
+            Some(Packet::ConnAck(answer)) => Some(answer.code),
+            Some(_) | None => None,
+        }
+    }
+
+    /// A client subscribes, and is granted it.
+    pub(in super::super) async fn asks_for(&mut self, filters: impl IntoIterator<Item = &str>) {
+        let filters = filters.into_iter().map(|filter| SubscribeFilter::new(filter.to_owned(), QoS::AtMostOnce));
+        let mut asked = Subscribe::new_many(filters);
+        asked.pkid = 1;
+        self.says(Packet::Subscribe(asked)).await;
+        while !matches!(patiently(self.hears()).await.expect("it is answered"), Packet::SubAck(_)) {}
+    }
+
+    /// The next message to a client.
+    pub(in super::super) async fn hears_message(&mut self) -> Publish {
+        self.unacknowledged(|_| true).await
+    }
+
     /// The next packet; `None` when the connection has ended.
     pub(super) async fn hears(&mut self) -> Option<Packet> {
         loop {
@@ -159,7 +190,7 @@ impl Peer {
     }
 
     /// Says this; whoever has gone does not hear it.
-    pub(super) async fn says(&mut self, packet: Packet) {
+    pub(in super::super) async fn says(&mut self, packet: Packet) {
         let mut bytes = BytesMut::new();
         packet.write(&mut bytes, LARGEST).expect("it is a packet");
         let _ = self.stream.write_all(&bytes).await;
@@ -215,13 +246,13 @@ impl Peer {
     }
 
     /// Waits until the other side has closed the connection.
-    pub(super) async fn is_left(&mut self) {
+    pub(in super::super) async fn is_left(&mut self) {
         while self.hears().await.is_some() {}
     }
 }
 
 /// One picture for every piece there is.
-struct Album;
+pub(in super::super) struct Album;
 
 impl Archive for Album {
     fn photo(&self, _: LuggageId) -> Result<Option<Photo>, Unreadable> {

@@ -113,3 +113,61 @@ fn will(fields: &mut Fields<'_>, flags: u8) -> Result<Will, Malformed> {
     let payload = Bytes::copy_from_slice(fields.bytes("will")?);
     Ok(Will { topic: topic.to_owned(), payload, qos: Qos::of(flags >> 3 & 3)?, retain: flags & 0x20 != 0 })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A body: protocol, level, flags, 60 s, and these fields.
+    fn body(protocol: &str, level: u8, flags: u8, fields: &[&[u8]]) -> Vec<u8> {
+        let field = |bytes: &[u8]| [&u16::try_from(bytes.len()).unwrap().to_be_bytes(), bytes].concat();
+        let fields = fields.iter().flat_map(|bytes| field(bytes));
+        [field(protocol.as_bytes()), vec![level, flags, 0, 60]].concat().into_iter().chain(fields).collect()
+    }
+
+    #[test]
+    fn all_of_a_connect_is_read() {
+        let connect = read(&body("MQTT", 4, 0xEC, &[b"id", b"a/b", b"gone", b"me", &[0xFF]])).unwrap();
+        assert_eq!((&*connect.client_id, connect.clean_session, connect.keep_alive_s), ("id", false, 60));
+        let will = Will { topic: "a/b".to_owned(), payload: Bytes::from("gone"), qos: Qos::One, retain: true };
+        assert_eq!((connect.will, connect.name.as_deref()), (Some(will), Some("me")));
+        assert_eq!(connect.password.as_deref(), Some(&[0xFF][..]));
+        assert!(read(&body("MQTT", 4, 2, &[b""])).unwrap().clean_session);
+    }
+
+    #[test]
+    fn another_version_is_told_in_its_own_words() {
+        let five = read(&body("MQTT", 5, 2, &[b"", b"x"])).unwrap_err();
+        assert_eq!((five, five.answer()), (NoConnect::Five, &[0x20, 3, 0, 0x84, 0][..]));
+        for (protocol, level) in [("MQIsdp", 3), ("MQTT", 3), ("MQTT", 6), ("MQTT", 0x84), ("MQIsdp", 4)] {
+            let other = read(&body(protocol, level, 2, &[b"id"])).unwrap_err();
+            assert_eq!((other, other.answer()), (NoConnect::Level(level), &[0x20, 2, 0, 1][..]));
+        }
+    }
+
+    #[test]
+    fn a_connect_that_is_wrong_anywhere_is_wrong() {
+        let wrong: [(Vec<u8>, Malformed); 13] = [
+            (body("HTTP", 4, 2, &[b"id"]), Malformed::Protocol),
+            (body("MQTT", 4, 3, &[b"id"]), Malformed::ConnectFlags(3)),
+            (body("MQTT", 4, 0x0A, &[b"id"]), Malformed::ConnectFlags(0x0A)),
+            (body("MQTT", 4, 0x22, &[b"id"]), Malformed::ConnectFlags(0x22)),
+            (body("MQTT", 4, 0x1E, &[b"id", b"a", b""]), Malformed::ConnectFlags(0x1E)),
+            (body("MQTT", 4, 0x42, &[b"id", b"p"]), Malformed::ConnectFlags(0x42)),
+            (body("MQTT", 4, 6, &[b"id", b"a/#", b""]), Malformed::Topic),
+            (body("MQTT", 4, 6, &[b"id", b"", b""]), Malformed::Topic),
+            (body("MQTT", 4, 6, &[b"id", b"a"]), Malformed::Short("will")),
+            (body("MQTT", 4, 2, &[&[0xC3]]), Malformed::Text("client id")),
+            (body("MQTT", 4, 2, &[b"a\0"]), Malformed::Text("client id")),
+            (body("MQTT", 4, 2, &[b"id", b"more"]), Malformed::Trailing(6)),
+            (body("MQTT", 4, 0x82, &[b"id"]), Malformed::Short("name")),
+        ];
+        for (body, expected) in wrong {
+            assert_eq!(read(&body), Err(expected.into()), "{body:?}");
+        }
+        let whole = body("MQTT", 4, 0xEC, &[b"id", b"a/b", b"gone", b"me", b"secret"]);
+        for end in 0..whole.len() {
+            assert!(read(&whole[..end]).is_err(), "{end}");
+        }
+    }
+}

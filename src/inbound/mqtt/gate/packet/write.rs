@@ -111,3 +111,57 @@ fn bytes(out: &mut BytesMut, bytes: &[u8]) {
     out.put_u16(u16::try_from(bytes.len()).expect("it was read from a field of at most so many bytes, or is bounded by TOPIC"));
     out.put_slice(bytes);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inbound::mqtt::gate::frame::frame;
+    use crate::inbound::mqtt::gate::packet::{connect, filters::Filters, publish as read};
+
+    fn body(out: &BytesMut) -> &[u8] {
+        let frame = frame(out, usize::MAX).unwrap().unwrap();
+        assert_eq!(frame.length, out.len());
+        &out[frame.head..]
+    }
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        for length in [0, 1, 120, 121, 122, 16_378, 16_379, 2_097_146, 2_097_147] {
+            for (qos, id, retain) in [(Qos::Zero, 0, true), (Qos::One, 1001, false), (Qos::Two, 9, true)] {
+                let mut out = BytesMut::new();
+                let payload = vec![7; length];
+                publish(&mut out, b"a/b", &payload, qos, id, retain);
+                let frame = frame(&out, usize::MAX).unwrap().unwrap();
+                assert_eq!(frame.length, out.len());
+                let expected = read::Publish { topic: b"a/b", payload: &payload, qos, id, is_duplicate: false, retain };
+                assert_eq!(read::read(&frame, &out), Ok(expected));
+            }
+        }
+    }
+
+    #[test]
+    fn questions_to_the_engine_are_read_again() {
+        let mut out = BytesMut::new();
+        connect(&mut out, "c17", true, 65_535, ("gate", "secret"));
+        let connect = connect::read(body(&out)).unwrap();
+        assert_eq!((connect.name.as_deref(), connect.password.as_deref()), (Some("gate"), Some(&b"secret"[..])));
+        assert_eq!((&*connect.client_id, connect.clean_session, connect.keep_alive_s), ("c17", true, 65_535));
+        let mut out = BytesMut::new();
+        subscribe(&mut out, 7, &[("a/+", Qos::One), ("b", Qos::Zero)]);
+        assert_eq!(Filters::of_subscribe(body(&out)).unwrap().collect::<Vec<_>>(), [("a/+", Qos::One), ("b", Qos::Zero)]);
+        let mut out = BytesMut::new();
+        unsubscribe(&mut out, 7, &["a/+"]);
+        assert_eq!(Filters::of_unsubscribe(body(&out)).unwrap().map(|(filter, _)| filter).collect::<Vec<_>>(), ["a/+"]);
+    }
+
+    #[test]
+    fn answers_are_as_the_standard_has_them() {
+        let mut out = BytesMut::new();
+        ack(&mut out, Kind::Pubrel, 0x0102);
+        suback(&mut out, 3, &[1, REFUSED]);
+        out.extend_from_slice(&connack(Welcome::Login, false));
+        out.extend_from_slice(&connack(Welcome::Accepted, true));
+        out.extend_from_slice(&PINGRESP);
+        assert_eq!(out[..], [0x62, 2, 1, 2, 0x90, 4, 0, 3, 1, 0x80, 0x20, 2, 0, 4, 0x20, 2, 1, 0, 0xD0, 0]);
+    }
+}

@@ -5,7 +5,7 @@ use crate::inbound::mqtt::gate::frame::{Kind, Malformed};
 /// Why a connection ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Ended {
-    /// The client took its leave: the only end that leaves no will.
+    /// The client took its leave: it leaves no will.
     #[error("the client took its leave")]
     Left,
     /// The connection is closed or broken.
@@ -34,7 +34,7 @@ pub enum Ended {
     /// Its key is not known any more.
     #[error("its key is not known any more")]
     NotKnown,
-    /// The program ends.
+    /// The program ends: wills are not published.
     #[error("the program ends")]
     Closing,
     /// The engine is gone.

@@ -13,7 +13,7 @@ const LONGEST: usize = HOUSE_PACKET + 3;
 impl Turnstile {
     /// All whole packets from the head of what the engine sent. What goes to the client as it is, goes in runs.
     pub(super) fn engine_packets(&mut self, bytes: &mut BytesMut) -> Result<(), Ended> {
-        let (mut read, mut run) = (0, 0);
+        let (mut read, mut run, mut came) = (0, 0, 0);
         let outcome = loop {
             let frame = match frame(&bytes[read..], LONGEST) {
                 Ok(None) => break Ok(()),
@@ -21,6 +21,7 @@ impl Turnstile {
                 Ok(Some(frame)) => frame,
             };
             let end = read + frame.length;
+            came += i64::from(frame.kind == Kind::Publish);
             match self.is_for_client(&frame, &bytes[read..end]) {
                 Ok(true) => {}
                 Ok(false) => {
@@ -36,6 +37,7 @@ impl Turnstile {
         };
         self.to_client.extend_from_slice(&bytes[run..read.max(run)]);
         bytes.advance(read.max(run));
+        self.account.came(came);
         outcome
     }
 

@@ -7,12 +7,15 @@
 mod duplicates;
 mod ended;
 mod engine;
+mod flood;
 mod keeping;
 mod outstanding;
 mod publishing;
 mod refusals;
 mod routes;
 mod subscribing;
+#[cfg(test)]
+mod tests;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,6 +26,7 @@ pub use self::ended::Ended;
 pub use self::subscribing::Session;
 
 use self::duplicates::Duplicates;
+use self::flood::Flood;
 use self::keeping::Deliveries;
 use self::outstanding::Outstanding;
 use self::refusals::Refusals;
@@ -30,6 +34,7 @@ use self::routes::Routes;
 use self::subscribing::Subscriptions;
 use super::budget::Budget;
 use super::frame::{Frame, Kind, Malformed, frame};
+use super::ledger::{Account, Ledger, Ledgers};
 use super::limits::{ANSWER_ROOM, CLIENT_ROOM, ENGINE_ROOM, GUEST_PACKET, HOUSE_PACKET, SILENCE};
 use super::packet::connect::Will;
 use super::packet::{ack, write};
@@ -46,13 +51,15 @@ pub struct Gatehouse {
     pub retained: Retained,
     /// What may still reach the engine.
     pub budget: Budget,
+    /// How far each subscriber is behind.
+    pub ledgers: Arc<Ledgers>,
 }
 
 impl Gatehouse {
     /// A gatehouse of a broker at which nothing was said yet.
     #[must_use]
     pub fn new(topics: Topics) -> Gatehouse {
-        Gatehouse { topics, retained: Retained::default(), budget: Budget::default() }
+        Gatehouse { topics, retained: Retained::default(), budget: Budget::default(), ledgers: Arc::default() }
     }
 }
 
@@ -98,6 +105,8 @@ pub struct Turnstile {
     to_engine: BytesMut,
     to_client: BytesMut,
     routes: Routes,
+    flood: Flood,
+    account: Account,
     duplicates: Duplicates,
     subscriptions: Subscriptions,
     outstanding: Outstanding,
@@ -113,7 +122,10 @@ impl Turnstile {
     #[must_use]
     pub fn new(terms: Terms, gatehouse: Arc<Gatehouse>, now: Duration) -> Turnstile {
         let one_and_a_half = Duration::from_millis(1500 * u64::from(terms.keep_alive_s));
+        let account = Account::open(&gatehouse.ledgers);
         let mut turnstile = Turnstile {
+            account,
+            flood: Flood::default(),
             guest: terms.guest,
             listener: terms.listener,
             gatehouse,
@@ -158,6 +170,7 @@ impl Turnstile {
             bytes.advance(read);
             self.heard_at = now;
         }
+        self.routes.settle();
         self.deliver();
         outcome
     }
@@ -185,9 +198,10 @@ impl Turnstile {
         if now >= self.poll_timeout() { Err(Ended::Idle) } else { Ok(()) }
     }
 
-    /// The connection has ended: a will that was left is put before the engine, if it still can be.
+    /// The connection has ended: a will that was left is put before the engine, if it still can be. When the program ends, nobody is
+    /// to read it, and the client is not the one who has gone.
     pub fn handle_end(&mut self, why: Ended) {
-        if let Some(will) = self.will.take().filter(|_| why != Ended::Left) {
+        if let Some(will) = self.will.take().filter(|_| !matches!(why, Ended::Left | Ended::Closing)) {
             self.publish_will(&will);
         }
     }
@@ -220,6 +234,20 @@ impl Turnstile {
         self.to_client.len() < CLIENT_ROOM
     }
 
+    /// The subscriber whom this client has to wait for before anything more is read from it; none, when it has not published in a
+    /// flood. The program itself waits for nobody.
+    pub fn poll_behind(&mut self, now: Duration) -> Option<Arc<Ledger>> {
+        let passed = self.routes.take_passed();
+        let is_flood = self.flood.handle_passed(passed, now) && self.guest != Guest::House;
+        if is_flood { self.routes.behind(now) } else { None }
+    }
+
+    /// What was published for this client and has not come yet.
+    #[must_use]
+    pub fn ledger(&self) -> Arc<Ledger> {
+        self.account.ledger()
+    }
+
     /// When the client was silent for too long, if it stays so.
     #[must_use]
     pub fn poll_timeout(&self) -> Duration {
@@ -235,17 +263,20 @@ impl Turnstile {
     fn client_packet(&mut self, frame: &Frame, packet: &[u8]) -> Result<(), Ended> {
         let body = &packet[frame.head..];
         match frame.kind {
-            Kind::Publish => self.publish(frame, packet),
-            Kind::Puback => Ok(self.acknowledged(ack::read(body)?)),
-            Kind::Pubrel => Ok(self.released(ack::read(body)?)),
+            Kind::Publish => self.publish(frame, packet)?,
+            Kind::Puback => self.acknowledged(ack::read(body)?),
+            Kind::Pubrel => self.released(ack::read(body)?),
             // Nothing goes out at QoS 2, so that these answer nothing.
-            Kind::Pubrec | Kind::Pubcomp => Ok(ack::read(body).map(drop)?),
-            Kind::Subscribe => self.subscribe(body),
-            Kind::Unsubscribe => self.unsubscribe(body),
-            Kind::Pingreq => self.ping(body),
-            Kind::Disconnect => empty(body).and(Err(Ended::Left)),
-            Kind::Connect | Kind::Connack | Kind::Suback | Kind::Unsuback | Kind::Pingresp => Err(Ended::Unexpected(frame.kind)),
+            Kind::Pubrec | Kind::Pubcomp => drop(ack::read(body)?),
+            Kind::Subscribe => self.subscribe(body)?,
+            Kind::Unsubscribe => self.unsubscribe(body)?,
+            Kind::Pingreq => self.ping(body)?,
+            Kind::Disconnect => return empty(body).and(Err(Ended::Left)),
+            Kind::Connect | Kind::Connack | Kind::Suback | Kind::Unsuback | Kind::Pingresp => {
+                return Err(Ended::Unexpected(frame.kind));
+            }
         }
+        Ok(())
     }
 
     /// The client is answered here, at once; the engine gets one at a time, that it may know that somebody is there.

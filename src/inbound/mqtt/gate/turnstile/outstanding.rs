@@ -29,7 +29,9 @@ impl Outstanding {
 
     /// What the engine is to be told next.
     pub(super) fn next(&mut self) -> Option<u16> {
-        self.0.pop_front_if(|(_, is_done)| *is_done).map(|(id, _)| id)
+        let (id, _) = *self.0.front().filter(|(_, is_done)| *is_done)?;
+        self.0.pop_front();
+        Some(id)
     }
 }
 

@@ -69,6 +69,7 @@ impl Turnstile {
     }
 
     fn pass_as_it_is(&mut self, publish: &Publish<'_>, packet: &[u8]) {
+        self.routes.passed();
         let start = self.to_engine.len();
         self.to_engine.extend_from_slice(packet);
         if publish.retain {
@@ -82,6 +83,7 @@ impl Turnstile {
             return Ok(());
         }
         self.duplicates.handled(publish, None)?;
+        self.routes.passed();
         write::publish(&mut self.to_engine, publish.topic, publish.payload, Qos::Zero, 0, false);
         if publish.retain {
             self.retain(publish);

@@ -1,10 +1,13 @@
 //! What becomes of a message by its topic. Each topic is judged once for a connection, and remembered by its print.
 
 use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Duration;
 
 use super::{Ended, Gatehouse};
 use crate::inbound::mqtt::gate::filter::{self, Unfit};
 use crate::inbound::mqtt::gate::frame::Malformed;
+use crate::inbound::mqtt::gate::ledger::{Ledger, Readers};
 use crate::inbound::mqtt::gate::limits::TOPICS;
 use crate::inbound::mqtt::gate::packet::text;
 use crate::inbound::mqtt::gate::rights::Guest;
@@ -38,8 +41,26 @@ pub(super) struct Routes {
     /// The topic before, since many clients have but one, and what became of it.
     last: Vec<u8>,
     last_route: Option<Route>,
-    /// Topics that reached the engine: `Pass` or `Hear`.
-    admitted: HashMap<u64, Route>,
+    /// The generation of ledgers that was looked at then.
+    generation: u64,
+    /// Topics that reached the engine: `Pass` or `Hear`, and who reads them.
+    admitted: HashMap<u64, Admitted>,
+    /// Who reads the topic before.
+    readers: Readers,
+    /// Messages on it that were passed on and are not in its readers' ledgers yet,
+    unsettled: i64,
+    /// and those of all topics, since somebody asked.
+    passed: u64,
+    /// Readers who were behind when something was published for them.
+    behind: Vec<Arc<Ledger>>,
+}
+
+#[derive(Debug)]
+struct Admitted {
+    route: Route,
+    readers: Readers,
+    /// The readers are those of this generation.
+    generation: u64,
 }
 
 impl Routes {
@@ -48,18 +69,60 @@ impl Routes {
     /// # Errors
     /// When the topic is none, or one too many.
     pub(super) fn route(&mut self, topic: &[u8], guest: Guest, gatehouse: &Gatehouse) -> Result<Route, Ended> {
-        if let Some(route) = self.last_route.filter(|_| self.last == topic) {
+        let generation = gatehouse.ledgers.generation();
+        if let Some(route) = self.last_route.filter(|_| self.generation == generation && self.last == topic) {
             return Ok(route);
         }
+        self.settle();
         let print = gatehouse.budget.print(topic);
-        let route = match self.admitted.get(&print) {
-            Some(route) => *route,
-            None => self.judge(topic, print, guest, gatehouse)?,
-        };
+        let known = self.admitted.get(&print).map(|admitted| admitted.route);
+        let route = known.map_or_else(|| self.judge(topic, print, guest, gatehouse), Ok)?;
+        self.generation = generation;
+        self.readers = self.readers_of(topic, print, gatehouse)?;
         self.last.clear();
         self.last.extend_from_slice(topic);
         self.last_route = Some(route);
         Ok(route)
+    }
+
+    /// A message on the topic of the last question was passed on to the engine.
+    pub(super) fn passed(&mut self) {
+        self.unsettled += 1;
+    }
+
+    /// Puts what was passed on into the ledgers of those who are to get it.
+    pub(super) fn settle(&mut self) {
+        let passed = std::mem::take(&mut self.unsettled);
+        if passed == 0 {
+            return;
+        }
+        self.passed += passed.unsigned_abs();
+        for reader in self.readers.iter() {
+            if reader.owe(passed) && !self.behind.iter().any(|known| Arc::ptr_eq(known, reader)) {
+                self.behind.push(Arc::clone(reader));
+            }
+        }
+    }
+
+    /// How many messages were passed on since this was asked.
+    pub(super) fn take_passed(&mut self) -> u64 {
+        std::mem::take(&mut self.passed)
+    }
+
+    /// One of the readers who are behind.
+    pub(super) fn behind(&mut self, now: Duration) -> Option<Arc<Ledger>> {
+        self.behind.retain(|reader| reader.is_behind(now));
+        self.behind.first().cloned()
+    }
+
+    /// Who reads a topic, looked up again when anything has changed.
+    fn readers_of(&mut self, topic: &[u8], print: u64, gatehouse: &Gatehouse) -> Result<Readers, Ended> {
+        let Some(admitted) = self.admitted.get_mut(&print) else { return Ok(Readers::default()) };
+        if admitted.generation != self.generation {
+            admitted.readers = gatehouse.ledgers.readers(text(topic, "topic")?);
+            admitted.generation = self.generation;
+        }
+        Ok(Arc::clone(&admitted.readers))
     }
 
     /// Whether a command that was heard can go on to the engine.
@@ -96,7 +159,8 @@ impl Routes {
         }
         let admits = gatehouse.budget.admits_topic(print);
         if admits {
-            self.admitted.insert(print, route);
+            // Who reads it is looked up before the first message is passed on.
+            self.admitted.insert(print, Admitted { route, readers: Readers::default(), generation: u64::MAX });
         }
         Ok(admits)
     }

@@ -77,8 +77,9 @@ impl Turnstile {
     pub(super) fn resume(&mut self, session: Session) {
         self.duplicates = Duplicates::resumed(session.unreleased);
         for (filter, qos) in &session.filters {
-            if let Err(why) = self.accept(filter, *qos) {
-                self.refusals.note(filter.as_bytes(), why);
+            match self.accept(filter, *qos) {
+                Ok((filter, _)) => self.account.enter(&filter),
+                Err(why) => self.refusals.note(filter.as_bytes(), why),
             }
         }
         self.tell_engine(1, None, BTreeSet::new()).expect("nothing is pending yet");
@@ -109,6 +110,7 @@ impl Turnstile {
         let mut known = Vec::new();
         for (filter, _) in filters {
             if self.subscriptions.held.remove(filter).is_some() {
+                self.account.strike(filter);
                 self.deliveries.stop(filter);
                 known.push(filter);
             }
@@ -203,6 +205,7 @@ impl Turnstile {
         }
         for filter in filters {
             if let Some(held) = self.subscriptions.held.get(&filter) {
+                self.account.enter(&filter);
                 self.deliveries.start(filter, held.qos);
             }
         }

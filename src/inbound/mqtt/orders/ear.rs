@@ -22,7 +22,7 @@ const HALT: &str = "h";
 
 /// Which topics are heard, and how.
 #[derive(Debug)]
-pub(super) struct Hearing {
+pub(super) struct Ear {
     topics: Topics,
     manual_driving: bool,
     unknown: Unknown,
@@ -41,10 +41,10 @@ pub(super) struct Order {
     pub(super) reply: Reply,
 }
 
-impl Hearing {
+impl Ear {
     /// Hears the topics of a robot; `manual_driving` says whether old clients may drive it.
-    pub(super) fn new(topics: Topics, manual_driving: bool) -> Hearing {
-        Hearing { topics, manual_driving, unknown: Unknown::default() }
+    pub(super) fn new(topics: Topics, manual_driving: bool) -> Ear {
+        Ear { topics, manual_driving, unknown: Unknown::default() }
     }
 
     /// What a message asks for; `None` when it asks for nothing.

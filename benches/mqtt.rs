@@ -1,0 +1,147 @@
+//! What the MQTT door can carry, printed beside its bare engine and beside mosquitto, all measured in this run and by the same load on
+//! loopback: messages a second to one and to ten subscribers at both qualities, how long single messages take, and memory after a
+//! million. A rival that is not to be had is left out; a goal that is missed is said and fails nothing.
+//! `cargo bench --bench mqtt -- latency` does that part alone; the others are `fan-out` and `memory`.
+#![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
+
+#[path = "mqtt/bare.rs"]
+mod bare;
+#[path = "mqtt/figures.rs"]
+mod figures;
+#[path = "mqtt/frame.rs"]
+mod frame;
+#[path = "mqtt/load.rs"]
+mod load;
+#[path = "mqtt/paced.rs"]
+mod paced;
+#[path = "mqtt/server.rs"]
+mod server;
+#[path = "mqtt/wire.rs"]
+mod wire;
+
+use std::time::Duration;
+
+use figures::{Measured, median};
+use load::Load;
+use server::{Kind, Server};
+
+/// Who is compared.
+const ALL: [Kind; 3] = [Kind::Hallsweep, Kind::Bare, Kind::Mosquitto];
+
+/// Every figure is the median of so many turns; all servers take turns, so that a machine that is busy meanwhile is so for all.
+const TURNS: usize = 5;
+
+/// How long messages are published in a turn.
+const TURN: Duration = Duration::from_secs(1);
+
+/// So many messages are under way to the slowest subscriber where the publisher waits: no server loses any of so few.
+const WINDOW: u64 = 2000;
+
+/// Messages a turn where each is looked at by itself.
+const SINGLE: usize = 1000;
+
+/// What memory is looked at after: so many messages to one subscriber, and as many to ten, all together.
+const MILLION: u64 = 1_000_000;
+
+/// More memory than this is too much, in MB, which are a million bytes.
+const MEMORY: f64 = 64.0;
+
+/// A million messages may take so long.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+    if let [bare, port] = &words[..]
+        && bare == "bare"
+    {
+        return bare::serve(port.parse().expect("the benchmark calls itself with a port"));
+    }
+    println!("MQTT on loopback, {} bytes a message; load average {}", load::LENGTH, figures::busy());
+    let parts: [(&str, fn()); 3] = [("fan-out", fan_out), ("latency", latency), ("memory", memory)];
+    for (name, part) in parts {
+        if words.is_empty() || words.iter().any(|word| word == name) {
+            part();
+        }
+    }
+    println!("load average at the end {}", figures::busy());
+}
+
+fn fan_out() {
+    let servers: Vec<Server> = ALL.into_iter().filter_map(Server::start).collect();
+    for window in [None, Some(WINDOW)] {
+        for (qos, subscribers) in [(0, 1), (0, 10), (1, 1), (1, 10)] {
+            let publisher = window.map_or("who waits for nobody".to_owned(), |most| format!("with at most {most} under way"));
+            println!("\nQoS {qos}, 1 → {subscribers}, a publisher {publisher}; messages that came, {TURNS} × {TURN:?}:");
+            let load = Load { qos, subscribers, messages: u64::MAX, lasting: TURN, window };
+            let measured = turns(&servers, load);
+            figures::table(&measured);
+            if window.is_some() {
+                figures::faster(&measured, Kind::Bare, 0.6);
+                continue;
+            }
+            if let Some(own) = figures::of(&measured, Kind::Hallsweep) {
+                figures::met("every message came", own.is_whole());
+            }
+            figures::faster(&measured, Kind::Mosquitto, 2.0);
+        }
+    }
+}
+
+fn turns(servers: &[Server], load: Load) -> Vec<Measured> {
+    let mut measured: Vec<Measured> = servers.iter().map(|server| Measured::new(server.kind)).collect();
+    for _ in 0..TURNS {
+        for (server, measured) in servers.iter().zip(&mut measured) {
+            let before = server.cpu();
+            let outcome = load::run(server.address, load);
+            measured.add(outcome, server.cpu().saturating_sub(before));
+        }
+    }
+    measured
+}
+
+fn latency() {
+    let servers: Vec<Server> = ALL.into_iter().filter_map(Server::start).collect();
+    for qos in [0, 1] {
+        println!("\nQoS {qos}, 500 single messages a second, from publisher to subscriber; {TURNS} × {SINGLE}:");
+        let mut worst: Vec<(Kind, Vec<f64>, Vec<f64>)> = servers.iter().map(|one| (one.kind, vec![], vec![])).collect();
+        for _ in 0..TURNS {
+            for (server, (kind, halves, most)) in servers.iter().zip(&mut worst) {
+                match paced::run(server.address, qos, SINGLE) {
+                    Ok(took) if took.len() == SINGLE => {
+                        halves.push(took[SINGLE / 2].as_secs_f64() * 1e6);
+                        most.push(took[SINGLE * 95 / 100].as_secs_f64() * 1e6);
+                    }
+                    failed => println!("  {}: {:?} of {SINGLE} came", kind.name(), failed.map(|took| took.len())),
+                }
+            }
+        }
+        for (kind, halves, most) in &worst {
+            println!("  {:<12} p50 {:>5.0} µs  p95 {:>5.0} µs  ({most:.0?})", kind.name(), median(halves), median(most));
+        }
+        let p95 = |wanted| worst.iter().find(|(kind, ..)| *kind == wanted).map(|(.., most)| median(most));
+        if let (Some(own), Some(other)) = (p95(Kind::Hallsweep), p95(Kind::Mosquitto)) {
+            figures::goal("p95, of mosquitto", own, other, 2.0);
+        }
+    }
+}
+
+fn memory() {
+    println!("\nmemory in MB: at first, after {MILLION} messages 1 → 1, after as many more 1 → 10, at its most:");
+    for kind in ALL {
+        let Some(server) = Server::start(kind) else { continue };
+        let mut looks = vec![server.memory().0];
+        for subscribers in [1, 10] {
+            let messages = MILLION / subscribers as u64;
+            let load = Load { qos: 0, subscribers, messages, lasting: PATIENCE, window: None };
+            if let Err(error) = load::run(server.address, load) {
+                println!("  {}: {error}", kind.name());
+            }
+            looks.push(server.memory().0);
+        }
+        let most = server.memory().1;
+        println!("  {:<12} {looks:>5.1?}  {most:>5.1}", kind.name());
+        if kind == Kind::Hallsweep {
+            figures::met(&format!("memory at its most: {most:.1} MB (at most {MEMORY})"), most <= MEMORY);
+        }
+    }
+}

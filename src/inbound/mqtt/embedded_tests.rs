@@ -1,0 +1,181 @@
+//! For `embedded`: engines that are ended by what is known to end them, from the inside, where no gate stands in between.
+
+use std::collections::HashSet;
+
+use rumqttc::{Connect, ConnectReturnCode, Login, Packet};
+use tokio::sync::oneshot;
+
+use super::super::identity::HOUSE;
+use super::super::orders::Orders;
+use super::super::session::testing::{Album, Peer, patiently, publish, topics};
+use super::super::session::{Hearing, Link, Parts, Session, Times};
+use super::*;
+use crate::access::Token;
+use crate::core::world::resource::Resource;
+use crate::core::world::snapshot::Snapshot;
+use crate::inbound::mqtt::gate::limits::{ENGINE_FILTERS, FILTERS};
+use crate::inbound::mqtt::gate::turnstile::Gatehouse;
+use crate::runtime::archive_reader::Reader;
+use crate::runtime::obedient::{Script, obedient};
+use crate::wire::fixture::{idle, touch};
+
+/// A broker with our own session at it.
+struct Broker {
+    address: SocketAddr,
+    engine: watch::Receiver<Arc<Engine>>,
+    health: watch::Sender<Health>,
+    script: Script,
+    _shutdown: oneshot::Sender<()>,
+}
+
+impl Broker {
+    async fn start() -> Broker {
+        let listener = TcpListener::bind("127.0.0.1:0").await.expect("there is a free port");
+        let address = listener.local_addr().expect("it is bound");
+        let (handle, script) = obedient(idle());
+        let (give, answers) = mpsc::channel(16);
+        let (told, secret) = (watch::Sender::new(Health::Unproven), Token::draw().expect("the system gives chance"));
+        let link = Link {
+            host: address.ip().to_string(),
+            port: address.port(),
+            tls: None,
+            login: Some((HOUSE.to_owned(), secret.reveal().to_owned())),
+            client_id: "hallsweep-discovery".to_owned(),
+        };
+        let house = House::new(Gatehouse::new(topics()), Orders::new(handle, topics(), true, give), secret);
+        let embedded = Embedded::start(house).await.expect("it starts");
+        let engine = embedded.engine.subscribe();
+        let (_, visitors) = mpsc::channel(1);
+        let ways = Ways { listener, access: Access::Open, visitors, health: told.subscribe() };
+        let (shutdown, ended) = oneshot::channel();
+        let session = Session::new(Parts {
+            link,
+            hearing: Hearing::Own,
+            topics: topics(),
+            home_assistant: true,
+            states: script.publish.subscribe(),
+            answers,
+            archive: Reader::new(Arc::new(Album)),
+            health: told.clone(),
+            seed: 1,
+            times: Times::default(),
+        });
+        tokio::spawn(session.run(std::future::pending()));
+        tokio::spawn(embedded.serve(ways, async { drop(ended.await) }));
+        Broker { address, engine, health: told, script, _shutdown: shutdown }
+    }
+
+    /// A client that gets in, sooner or later.
+    async fn client(&self) -> Peer {
+        self.client_named("client").await
+    }
+
+    async fn client_named(&self, id: &str) -> Peer {
+        loop {
+            let mut peer = Peer::come(self.address).await;
+            if peer.introduces(connect(id, None)).await == Some(ConnectReturnCode::Success) {
+                return peer;
+            }
+            // It is only just being started anew.
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+    }
+
+    /// What a newcomer is told; `None`: nothing.
+    async fn knock(&self) -> Option<ConnectReturnCode> {
+        Peer::come(self.address).await.introduces(connect("newcomer", None)).await
+    }
+
+    /// One who has come past the gate.
+    async fn burglar(&self, id: &str) -> Peer {
+        let (address, login) = {
+            let engine = self.engine.borrow();
+            (engine.address(), engine.login().1.to_owned())
+        };
+        let mut peer = Peer::come(address).await;
+        peer.introduces(connect(id, Some(Login::new("gate", login)))).await;
+        peer
+    }
+
+    /// The engine is started anew, and everything is as it was: whoever comes again finds every state, and hears of the next change.
+    async fn is_whole_again(&mut self) {
+        patiently(self.engine.changed()).await.expect("it runs");
+        let mut client = self.client().await;
+        client.asks_for(["hallsweep/#"]).await;
+        let mut wanted: HashSet<String> = Resource::ALL.map(|resource| topics().state(resource)).into();
+        while !wanted.is_empty() {
+            let said = client.hears_message().await;
+            assert!(said.retain || said.topic == topics().event(), "{said:?}");
+            wanted.remove(&said.topic);
+        }
+        let mut newer = Snapshot::clone(&self.script.publish.borrow());
+        let next = newer.revision.0 + 1;
+        touch(&mut newer, next, &[Resource::Robot]);
+        let revision = format!("\"revision\":{next}");
+        self.script.publish.send_replace(newer.into());
+        loop {
+            let said = client.hears_message().await;
+            if said.topic == topics().state(Resource::Robot) && String::from_utf8_lossy(&said.payload).contains(&revision) {
+                break;
+            }
+        }
+    }
+}
+
+fn connect(id: &str, login: Option<Login>) -> Packet {
+    let mut connect = Connect::new(id);
+    connect.login = login;
+    Packet::Connect(connect)
+}
+
+/// The router panics when a topic does not begin with an ASCII character.
+#[tokio::test]
+async fn an_engine_whose_router_has_ended_is_started_anew() {
+    let mut broker = Broker::start().await;
+    let mut client = broker.client().await;
+    let mut burglar = broker.burglar("burglar").await;
+    burglar.asks_for(["any"]).await;
+    burglar.says(Packet::Publish(publish("ü", "", 1))).await;
+    client.is_left().await;
+    broker.is_whole_again().await;
+}
+
+/// A client id with a wildcard, twice, poisons a lock, after which the engine lets nobody in and serves whoever is there.
+#[tokio::test]
+async fn an_engine_that_lets_nobody_in_is_started_anew() {
+    let mut broker = Broker::start().await;
+    let mut client = broker.client().await;
+    for _ in 0..2 {
+        broker.burglar("a+").await;
+    }
+    assert_ne!(broker.knock().await, Some(ConnectReturnCode::Success));
+    client.is_left().await;
+    broker.is_whole_again().await;
+}
+
+/// Safety A5.
+#[tokio::test]
+async fn an_engine_that_was_shown_more_than_it_can_remember_is_started_anew() {
+    let mut broker = Broker::start().await;
+    let mut holders = Vec::new();
+    for n in 0..ENGINE_FILTERS / FILTERS {
+        let mut holder = broker.client_named(&n.to_string()).await;
+        let filters: Vec<String> = (0..FILTERS).map(|filter| format!("{n}/{filter}")).collect();
+        holder.asks_for(filters.iter().map(String::as_str)).await;
+        holders.push(holder);
+    }
+    for holder in &mut holders {
+        holder.is_left().await;
+    }
+    broker.is_whole_again().await;
+}
+
+/// What our own session finds is believed, though the engine seems to run.
+#[tokio::test]
+async fn an_engine_that_is_called_ill_is_started_anew() {
+    let mut broker = Broker::start().await;
+    let mut client = broker.client().await;
+    broker.health.send_replace(Health::Ill);
+    client.is_left().await;
+    broker.is_whole_again().await;
+}

@@ -1,0 +1,176 @@
+//! What clients publish: where it goes, what is heard, what is kept and what is dropped, and that everything is acknowledged.
+
+use super::scene::{OPERATOR, STOP, Scene, VIEWER, publish};
+use crate::inbound::mqtt::gate::limits::{ENGINE_TOPICS, GUEST_PACKET, HANDLED, TOPICS, UNRELEASED};
+use crate::inbound::mqtt::gate::rights::Guest;
+use crate::inbound::mqtt::gate::turnstile::Ended;
+
+const NONE: [&str; 0] = [];
+
+#[test]
+fn messages_reach_the_engine_at_qos_0_and_not_to_be_kept_and_are_acknowledged_here() {
+    let mut scene = Scene::of(OPERATOR);
+    let script = [
+        publish(0x30, "a", "0", 0),
+        publish(0x31, "a", "1", 0),
+        publish(0x33, "a", "2", 7),
+        publish(0x35, "b", "3", 8),
+        publish(0x3D, "b", "3", 8),
+    ];
+    scene.client(&script.concat()).unwrap();
+    scene.client(&[0x62, 2, 0, 8]).unwrap();
+    assert_eq!(scene.engine_got(), ["Publish a=0 q0", "Publish a=1 q0", "Publish a=2 q0", "Publish b=3 q0"]);
+    assert_eq!(scene.client_got(), ["Puback 7", "Pubrec 8", "Pubrec 8", "Pubcomp 8"]);
+    scene.client(&publish(0x34, "b", "4", 8)).unwrap();
+    assert_eq!(scene.engine_got(), ["Publish b=4 q0"], "a released id is free again");
+}
+
+#[test]
+fn what_would_end_the_engine_never_reaches_it() {
+    let mut scene = Scene::of(OPERATOR);
+    let long = "a".repeat(513);
+    let deep = "a/".repeat(32);
+    for topic in ["é", "日本", "$SYS/a", "$share/a/b", "$", &long, &deep] {
+        scene.client(&publish(0x33, topic, "x", 7)).unwrap();
+        assert_eq!((scene.engine_got(), scene.client_got()), (vec![], vec!["Puback 7".to_owned()]), "{topic}");
+    }
+    assert_eq!(scene.gatehouse.retained.count(), 0);
+}
+
+#[test]
+fn a_forbidden_message_is_acknowledged_and_goes_nowhere() {
+    for (guest, topic) in
+        [(OPERATOR, "hallsweep/discovery/state/robot"), (VIEWER, "a"), (OPERATOR, "homeassistant/device/discovery/config")]
+    {
+        let mut scene = Scene::of(guest);
+        let script = [publish(0x31, topic, "x", 0), publish(0x33, topic, "x", 1), publish(0x35, topic, "x", 2)];
+        scene.client(&script.concat()).unwrap();
+        scene.client(&[0x62, 2, 0, 2]).unwrap();
+        assert_eq!(scene.engine_got(), NONE, "{topic}");
+        assert_eq!(scene.client_got(), ["Puback 1", "Pubrec 2", "Pubcomp 2"]);
+        assert_eq!(scene.gatehouse.retained.count(), 0);
+    }
+}
+
+#[test]
+fn a_command_is_heard_before_it_goes_on_and_never_kept() {
+    for guest in [OPERATOR, VIEWER] {
+        let mut scene = Scene::of(guest);
+        scene.client(&publish(0x31, STOP, "", 0)).unwrap();
+        scene.client(&publish(0x33, "unibo/qak/robotmind", "x", 3)).unwrap();
+        scene.client(&publish(0x30, "hallsweep/discovery/command", "forbidden", 0)).unwrap();
+        assert_eq!(
+            scene.heard(),
+            [format!("{STOP} "), "unibo/qak/robotmind x".into(), "hallsweep/discovery/command forbidden".into()]
+        );
+        assert_eq!(scene.engine_got(), [format!("Publish {STOP}= q0"), "Publish unibo/qak/robotmind=x q0".into()]);
+        assert_eq!(scene.gatehouse.retained.count(), 0);
+    }
+}
+
+#[test]
+fn the_program_itself_is_not_heard_and_may_keep_what_it_likes_but_commands() {
+    let mut scene = Scene::of(Guest::House);
+    let script = [publish(0x31, "hallsweep/discovery/state/robot", "x", 0), publish(0x31, "unibo/qak/events", "y", 0)];
+    scene.client(&script.concat()).unwrap();
+    assert!(scene.heard().is_empty());
+    assert_eq!(scene.engine_got(), ["Publish hallsweep/discovery/state/robot=x q0", "Publish unibo/qak/events=y q0"]);
+    assert_eq!(scene.gatehouse.retained.count(), 1);
+}
+
+#[test]
+fn a_command_that_was_heard_is_not_heard_again_only_when_it_is_truly_the_same_packet() {
+    let mut scene = Scene::of(OPERATOR);
+    let mut heard = |bytes: &[u8]| {
+        scene.client(bytes).unwrap();
+        scene.heard().len()
+    };
+    assert_eq!(heard(&publish(0x32, STOP, "a", 7)), 1);
+    assert_eq!(heard(&publish(0x3A, STOP, "a", 7)), 0, "the same, and marked");
+    assert_eq!(heard(&publish(0x32, STOP, "a", 7)), 1, "not marked");
+    assert_eq!(heard(&publish(0x3A, STOP, "b", 7)), 1, "marked, and something else");
+    assert_eq!(heard(&publish(0x3A, STOP, "b", 8)), 1, "marked, and of an id that was not there");
+    assert_eq!(heard(&publish(0x30, STOP, "b", 0)) + heard(&publish(0x30, STOP, "b", 0)), 2, "QoS 0 is always heard");
+    assert_eq!(scene.client_got().len(), 5, "all of QoS 1 are acknowledged");
+}
+
+#[test]
+fn a_command_of_qos_2_is_heard_once_until_it_is_released() {
+    let mut scene = Scene::of(OPERATOR);
+    scene.client(&[publish(0x34, STOP, "a", 7), publish(0x3C, STOP, "a", 7)].concat()).unwrap();
+    assert_eq!((scene.heard().len(), scene.engine_got().len()), (1, 1));
+    scene.client(&publish(0x34, STOP, "a", 7)).unwrap();
+    assert_eq!((scene.heard().len(), scene.engine_got().len()), (1, 0), "heard, as it is not marked; nobody else gets it twice");
+    scene.client(&[0x62, 2, 0, 7]).unwrap();
+    scene.client(&publish(0x3C, STOP, "a", 7)).unwrap();
+    assert_eq!((scene.heard().len(), scene.engine_got().len()), (1, 1), "a new one, whatever its mark");
+}
+
+#[test]
+fn a_command_of_qos_2_is_known_again_in_the_next_connection_of_a_session() {
+    let mut scene = Scene::of(OPERATOR);
+    scene.client(&publish(0x34, STOP, "a", 7)).unwrap();
+    let gatehouse = scene.gatehouse.clone();
+    let session = scene.turnstile.into_session();
+    let mut scene = Scene::in_house(&gatehouse, OPERATOR, |terms| terms.session = session);
+    scene.client(&publish(0x3C, STOP, "a", 7)).unwrap();
+    assert_eq!((scene.heard().len(), scene.client_got()), (0, vec!["Pubrec 7".to_owned()]));
+}
+
+#[test]
+fn what_is_remembered_of_commands_has_an_end() {
+    let mut scene = Scene::of(OPERATOR);
+    for id in 1..=2 * u16::try_from(HANDLED).unwrap() {
+        scene.client(&publish(0x32, STOP, "a", id)).unwrap();
+    }
+    scene.heard();
+    scene.client(&publish(0x3A, STOP, "a", 1)).unwrap();
+    assert_eq!(scene.heard().len(), 1, "forgotten, and so heard again");
+}
+
+#[test]
+fn nobody_leaves_too_much_unreleased_and_a_stop_is_heard_all_the_same() {
+    let mut scene = Scene::of(OPERATOR);
+    for id in 1..=u16::try_from(UNRELEASED).unwrap() {
+        scene.client(&publish(0x34, "a", "x", id)).unwrap();
+    }
+    let ended = scene.client(&publish(0x34, STOP, "", 60_000));
+    assert!(matches!(ended, Err(Ended::TooMuch { most: UNRELEASED, .. })), "{ended:?}");
+    assert_eq!(scene.heard().len(), 1);
+}
+
+#[test]
+fn one_connection_has_so_many_topics_and_a_stop_is_heard_all_the_same() {
+    let mut scene = Scene::of(OPERATOR);
+    for n in 0..TOPICS {
+        scene.client(&publish(0x30, &format!("a/{n}"), "", 0)).unwrap();
+    }
+    scene.client(&publish(0x30, "a/0", "", 0)).unwrap();
+    assert!(matches!(scene.client(&publish(0x30, STOP, "", 0)), Err(Ended::TooMuch { most: TOPICS, .. })));
+    assert_eq!(scene.heard().len(), 1);
+}
+
+#[test]
+fn an_engine_that_can_remember_no_more_gets_no_new_topics() {
+    let mut scene = Scene::of(OPERATOR);
+    for n in 0..ENGINE_TOPICS {
+        assert!(scene.gatehouse.budget.admits_topic(scene.gatehouse.budget.print(n)));
+    }
+    scene.client(&[publish(0x33, "new", "x", 7), publish(0x30, STOP, "x", 0)].concat()).unwrap();
+    assert_eq!((scene.engine_got(), scene.client_got()), (vec![], vec!["Puback 7".to_owned()]));
+    assert_eq!((scene.heard().len(), scene.gatehouse.retained.count()), (1, 0));
+    assert!(scene.gatehouse.budget.is_exhausted());
+}
+
+#[test]
+fn guests_send_packets_of_256_kib_and_the_program_larger_ones() {
+    let payload = "x".repeat(GUEST_PACKET);
+    let too_long = publish(0x30, "a", &payload, 0);
+    assert!(matches!(Scene::of(OPERATOR).client(&too_long), Err(Ended::Malformed(_))));
+    let mut house = Scene::of(Guest::House);
+    house.client(&too_long).unwrap();
+    assert_eq!(house.turnstile.to_engine().len(), too_long.len());
+    let fitting = publish(0x30, "a", &payload[..GUEST_PACKET - 7], 0);
+    assert_eq!(fitting.len(), GUEST_PACKET);
+    assert!(Scene::of(OPERATOR).client(&fitting).is_ok());
+}

@@ -1,0 +1,98 @@
+//! Many at once: clients that say nothing, over TCP and WebSocket, and clients of ever new names. Each newcomer gets in all the same.
+
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+
+use super::client::Client;
+use super::packets::{connect, subscribe};
+use super::siege::Siege;
+
+/// So many say nothing.
+const IDLE: usize = 300;
+
+/// What a web client says first.
+fn opening(host: SocketAddr) -> String {
+    format!(
+        "GET /mqtt HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n\
+         Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: mqtt\r\n\r\n"
+    )
+}
+
+/// A web client that was let through and says nothing.
+fn web_client(host: SocketAddr) -> TcpStream {
+    let mut stream = TcpStream::connect(host).expect("the program listens");
+    stream.set_read_timeout(Some(crate::program::PATIENCE)).expect("a wait is more than nothing");
+    stream.write_all(opening(host).as_bytes()).expect("the program takes it");
+    let mut answer = Vec::new();
+    while !answer.ends_with(b"\r\n\r\n") {
+        let mut byte = [0];
+        stream.read_exact(&mut byte).expect("an answer");
+        answer.extend(byte);
+    }
+    assert!(answer.starts_with(b"HTTP/1.1 101 "), "{}", String::from_utf8_lossy(&answer));
+    stream
+}
+
+/// A message of a web client: masked with nothing, which is a mask as well.
+fn framed(bytes: &[u8]) -> Vec<u8> {
+    let length = u8::try_from(bytes.len()).ok().filter(|length| *length < 126).expect("packets of this test are short");
+    [&[0x82, 0x80 | length, 0, 0, 0, 0], bytes].concat()
+}
+
+/// Safety A5.
+#[test]
+fn three_hundred_clients_that_say_nothing_keep_nobody_out() {
+    let mut siege = Siege::begin();
+    let mut idle: Vec<Client> = (0..IDLE).map(|_| Client::silent(siege.broker)).collect();
+    for (n, client) in idle.iter_mut().enumerate() {
+        // Some begin to say who they are.
+        client.say(&connect("slow", 60)[..n % 10]);
+    }
+    siege.stands();
+    let newcomers: Vec<Client> = (0..100).map(|n| siege.client(&n.to_string())).collect();
+    siege.stands();
+    drop((idle, newcomers));
+    siege.stands();
+}
+
+/// Safety A5.
+#[test]
+fn three_hundred_web_clients_that_say_nothing_keep_nobody_out() {
+    let mut siege = Siege::begin();
+    let http = siege.program.address();
+    let idle: Vec<TcpStream> = (0..IDLE).map(|_| web_client(http)).collect();
+    siege.stands();
+    let mut newcomer = web_client(http);
+    newcomer.write_all(&framed(&connect("web", 60))).expect("the program takes it");
+    newcomer.write_all(&framed(&subscribe(1, "hallsweep/discovery/availability", 0))).expect("the program takes it");
+    let mut answer = Vec::new();
+    while !answer.windows(6).any(|window| window == b"online") {
+        let mut byte = [0];
+        newcomer.read_exact(&mut byte).expect("the state comes");
+        answer.extend(byte);
+    }
+    assert!(answer.windows(4).any(|window| window == [0x20, 2, 0, 0]), "it was greeted: {answer:?}");
+    drop(idle);
+    siege.stands();
+}
+
+/// Safety A5.
+#[test]
+fn thousands_of_names_filters_and_topics_are_borne() {
+    let mut siege = Siege::begin();
+    for n in 0..2_000 {
+        let mut client = siege.client(&format!("client-{n}"));
+        if n % 50 == 0 {
+            for filter in 0..64 {
+                client.say(&subscribe(1, &format!("many/{n}/{filter}"), 1));
+            }
+        }
+        for topic in 0..10 {
+            client.publish(&format!("topics/{n}/{topic}"), b"x");
+        }
+        client.settle();
+    }
+    siege.stands();
+    let memory = siege.memory_mib();
+    assert!(memory < 150, "{memory} MiB");
+}

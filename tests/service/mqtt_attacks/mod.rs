@@ -1,0 +1,11 @@
+//! Attacks on our own broker: everything that is known to end or stop the engine behind the gate, and then everything at once.
+//! Whatever is done, a screen that was there before is served still. Which client sees what, is tested elsewhere.
+
+mod client;
+mod crowds;
+mod floods;
+mod kill_list;
+mod malformed;
+mod packets;
+mod siege;
+mod stops;

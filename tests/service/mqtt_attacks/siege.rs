@@ -1,0 +1,115 @@
+//! A program under attack, with a screen that was there before: whatever is done to the broker, the screen is served as before,
+//! others get in, and neither the program nor its engine had to begin anew.
+
+use std::fs::File;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::sleep;
+use std::time::Duration;
+
+use super::client::Client;
+use crate::program::{Deadline, PATIENCE, Program, hallsweep};
+
+/// Where the state is.
+const STATE: &str = "hallsweep/discovery/state/temperature";
+
+/// How often something is tried that may take a moment.
+pub(crate) const GLANCE: Duration = Duration::from_millis(20);
+
+/// Every siege has a file of its own for what its program says.
+static SIEGES: AtomicUsize = AtomicUsize::new(0);
+
+/// A program under attack.
+pub(crate) struct Siege {
+    pub(crate) program: Program,
+    pub(crate) broker: SocketAddr,
+    screen: Client,
+    said: PathBuf,
+    /// Degrees that were reported, each time others.
+    celsius: u32,
+}
+
+impl Siege {
+    /// Starts the program, and lets the screen come in.
+    pub(crate) fn begin() -> Siege {
+        let number = SIEGES.fetch_add(1, Ordering::Relaxed);
+        let said = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("siege-{}-{number}.log", std::process::id()));
+        let file = File::create(&said).expect("a file can be made");
+        let serve = ["serve", "--http", "127.0.0.1:0", "--seed", "1", "--hall", "empty-8x8", "--speed", "4"];
+        let program = Program::started(hallsweep(&serve).stderr(file));
+        let broker = program.mqtt();
+        let mut screen = Client::let_in(broker, "screen");
+        assert_eq!(screen.subscribe(STATE, 1), 1);
+        let mut siege = Siege { program, broker, screen, said, celsius: 10 };
+        siege.is_served();
+        siege
+    }
+
+    /// A client that was let in, with this id.
+    pub(crate) fn client(&self, client_id: &str) -> Client {
+        Client::let_in(self.broker, client_id)
+    }
+
+    /// The screen gets the next change of the state.
+    pub(crate) fn is_served(&mut self) {
+        self.celsius = if self.celsius < 20 { self.celsius + 1 } else { 10 };
+        let celsius = f64::from(self.celsius) + 0.25;
+        self.program.put("/api/v1/temperature", &format!("{{\"celsius\":{celsius}}}")).accepted();
+        loop {
+            let message = self.screen.message();
+            let state: serde_json::Value = serde_json::from_slice(&message.payload).expect("the state is JSON");
+            if state["celsius"] == celsius {
+                break;
+            }
+        }
+    }
+
+    /// The screen has to come again, as often as it takes.
+    pub(crate) fn screen_comes_again(&mut self) {
+        let deadline = Deadline::within(PATIENCE);
+        self.screen = loop {
+            if let Some(screen) = Client::try_let_in(self.broker, "screen") {
+                break screen;
+            }
+            assert!(!deadline.has_passed(), "nobody is let in any more");
+            sleep(GLANCE);
+        };
+        assert_eq!(self.screen.subscribe(STATE, 1), 1);
+        self.is_served();
+    }
+
+    /// Nothing was lost: the screen is served still, a newcomer gets in and finds the state, the engine is the one that it was, and
+    /// nothing broke.
+    pub(crate) fn stands(&mut self) {
+        self.is_served();
+        let mut newcomer = self.client("newcomer");
+        assert_eq!(newcomer.subscribe("hallsweep/discovery/#", 0), 0);
+        while newcomer.message().topic != STATE {}
+        let said = self.said();
+        for word in ["anew", "panicked", "has ended"] {
+            assert!(!said.contains(word), "{said}");
+        }
+    }
+
+    /// The memory that the program has in use, in MiB.
+    pub(crate) fn memory_mib(&self) -> u64 {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.program.id())).expect("it runs");
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).expect("the system says so");
+        line.split_whitespace().next().and_then(|kib| kib.parse::<u64>().ok()).expect("a number of KiB") / 1024
+    }
+
+    /// What the program has said on standard error.
+    pub(crate) fn said(&self) -> String {
+        std::fs::read_to_string(&self.said).expect("the file is there")
+    }
+}
+
+impl Drop for Siege {
+    fn drop(&mut self) {
+        // Left behind it harms nobody; a failed test leaves it to be read.
+        if !std::thread::panicking() {
+            let _ = std::fs::remove_file(&self.said);
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! STOP over MQTT under a flood: it halts, whoever shouts. How soon is measured in `benches`.
+
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::client::Client;
+use super::packets::publish;
+use super::siege::Siege;
+use crate::journal::holds;
+
+/// So many clients publish as fast as they can,
+const SHOUTING: usize = 4;
+
+/// and so often the robot is started and stopped meanwhile.
+const STOPS: usize = 20;
+
+/// Publishes until it is enough.
+fn shout(mut client: Client, n: usize, is_enough: &AtomicBool) {
+    let burst = publish(&format!("shouts/{n}"), &[b'x'; 100], 0, 0, 0).repeat(100);
+    let mut mouth = client.mouth();
+    while !is_enough.load(Ordering::SeqCst) {
+        mouth.write_all(&burst).expect("the broker takes it");
+    }
+    client.settle();
+}
+
+/// Safety S1.
+#[test]
+fn a_stop_halts_while_others_flood_the_broker_and_one_reads_nothing() {
+    let mut siege = Siege::begin();
+    let mut stalled = siege.client("stalled");
+    assert_eq!(stalled.subscribe("#", 1), 1);
+    let (mut operator, is_enough) = (siege.client("operator"), AtomicBool::new(false));
+    std::thread::scope(|scope| {
+        for n in 0..SHOUTING {
+            let (client, is_enough) = (siege.client(&format!("shouting-{n}")), &is_enough);
+            scope.spawn(move || shout(client, n, is_enough));
+        }
+        for n in 0..STOPS {
+            siege.program.command("start").accepted();
+            let old = "msg(stopCmd,event,webconsole,none,stopCmd(x),1)";
+            match n % 3 {
+                0 => operator.publish("hallsweep/discovery/command/stop", b""),
+                1 => operator.publish("hallsweep/discovery/command", b"stop"),
+                _ => operator.publish("unibo/qak/robotmind", old.as_bytes()),
+            }
+            siege.program.until("the operator's stop holds the robot", |state| holds(state, "operator"));
+        }
+        is_enough.store(true, Ordering::SeqCst);
+    });
+    siege.stands();
+}

@@ -1,0 +1,170 @@
+//! Whole missions over the old topics alone, driven and watched by one client: it knows the state by the words of the resource model
+//! and commands by the words of the old console. What it saw at the end is what stands.
+
+use serde_json::Value;
+
+use super::client::Client;
+use super::old_words::{EVENTS, check_numbers, event, luggage, map, newest, piece, robot};
+use super::talk::Talk;
+use super::told::{Hello, Say};
+use super::with_each;
+use crate::program::Program;
+
+/// An old console, and the program it works with.
+struct Console<'a> {
+    talk: Talk<'a>,
+    qos: u8,
+}
+
+impl Console<'_> {
+    fn of(client: Client, program: &Program) -> Console<'static> {
+        // As the old console did it; but what two processes publish keeps its order only if each is told that it has arrived.
+        let qos = u8::from(client == Client::Mosquitto);
+        Console { talk: Talk::begin(client, program, Hello::following(&[EVENTS], 0)), qos }
+    }
+
+    fn say(&mut self, name: &str) {
+        self.talk.say(Say::plain(EVENTS, &event(name)).at(self.qos));
+    }
+
+    fn tell(&mut self, actor: &str, name: &str, content: &str) {
+        let message = format!("msg({name},dispatch,js,{actor},{content},1)");
+        self.talk.say(Say::plain(&format!("unibo/qak/{actor}"), &message).at(self.qos));
+    }
+
+    /// Waits until this piece is shown.
+    fn until_piece(&self, number: u64) {
+        self.talk.until(&format!("luggage {number}"), |heard| (piece(heard) == Some(number)).then_some(()));
+    }
+
+    fn until_newest(&self, head: &str, wanted: &str) {
+        self.talk.until(wanted, |heard| (newest(heard, head) == Some(wanted)).then_some(()));
+    }
+
+    /// Waits until the robot stands at home.
+    fn until_home(&self) {
+        let is_home = |item: &str| item.contains("state(stopped)") && item.contains("position(0,0)");
+        self.talk.until("the robot at home", |heard| newest(heard, "robot").is_some_and(is_home).then_some(()));
+    }
+
+    /// The newest of each kind is what follows from the state that stands, to the byte, and no message was left out.
+    fn shows_what_stands(self, program: &Program) {
+        let state = program.json("state");
+        self.until_newest("robot", &robot(&state));
+        self.until_newest("roomMap", &map(program));
+        self.until_newest("luggage", &luggage(&state));
+        check_numbers(&self.talk.heard());
+        self.talk.leave();
+    }
+}
+
+fn holds(state: &Value, hold: &str) -> bool {
+    state["mission"]["holds"].as_array().is_some_and(|holds| holds.iter().any(|it| it == hold))
+}
+
+/// One piece is safe, the next is dangerous; STOP and heat in between hold what they hold.
+fn a_bomb_is_found(client: Client) {
+    if !client.is_here() {
+        return;
+    }
+    let program = Program::serve("seed", "max");
+    let mut console = Console::of(client, &program);
+    console.say("startCmd");
+    console.until_piece(1);
+    console.say("stopCmd");
+    console.say("luggageSafe");
+    let state = program.until("the verdict", |state| state["luggage"][0]["verdict"] == "safe");
+    assert!(holds(&state, "operator"), "{state:#}");
+    console.say("startCmd");
+    console.until_piece(2);
+    console.say("temperatureTooHigh");
+    console.say("luggageDanger");
+    console.say("startCmd");
+    let state = program.until_phase("returningWithAlarm");
+    assert!(holds(&state, "tooHigh"), "{state:#}");
+    console.say("temperatureOk");
+    console.say("startCmd");
+    console.until_home();
+    program.until_phase("bombLocated");
+    console.shows_what_stands(&program);
+}
+
+#[test]
+fn mosquitto_finds_a_bomb_over_the_old_topics() {
+    a_bomb_is_found(Client::Mosquitto);
+}
+
+#[test]
+fn paho_finds_a_bomb_over_the_old_topics() {
+    a_bomb_is_found(Client::Paho);
+}
+
+#[test]
+fn mqtt_js_finds_a_bomb_over_the_old_topics() {
+    a_bomb_is_found(Client::MqttJs);
+}
+
+#[test]
+fn mqtt_js_in_a_browser_finds_a_bomb_over_the_old_topics() {
+    a_bomb_is_found(Client::MqttJsWeb);
+}
+
+/// Everything is safe, and the robot is sent home once on the way.
+fn everything_is_safe(client: Client) {
+    if !client.is_here() {
+        return;
+    }
+    let program = Program::serve("seed", "max");
+    let mut console = Console::of(client, &program);
+    console.tell("robotmind", "startCmd", "startCmd");
+    console.until_piece(1);
+    console.say("backHomeCmd");
+    console.until_home();
+    program.until_phase("atHome");
+    console.tell("robotmind", "luggageSafe", "luggageSafe");
+    console.say("explore");
+    console.until_piece(2);
+    console.say("luggageSafe");
+    console.until_piece(3);
+    console.say("continueExploreAfterPhoto");
+    console.until_home();
+    program.until_phase("explored");
+    console.shows_what_stands(&program);
+}
+
+#[test]
+fn mosquitto_explores_a_hall_over_the_old_topics() {
+    everything_is_safe(Client::Mosquitto);
+}
+
+#[test]
+fn paho_explores_a_hall_over_the_old_topics() {
+    everything_is_safe(Client::Paho);
+}
+
+#[test]
+fn mqtt_js_explores_a_hall_over_the_old_topics() {
+    everything_is_safe(Client::MqttJs);
+}
+
+/// In both forms, and as the halt of the robot's own words.
+#[test]
+fn every_client_stops_a_robot_that_moves() {
+    with_each(|client| {
+        let program = Program::serve("empty-8x8", "4");
+        let mut console = Console::of(client, &program);
+        let stops: [&dyn Fn(&mut Console); 3] =
+            [&|console| console.say("stopCmd"), &|console| console.tell("robotmind", "stopCmd", "stopCmd"), &|console| {
+                console.tell("robotmind", "userCmd", "userCmd(h)")
+            }];
+        for stop in stops {
+            console.say("startCmd");
+            program.until("it goes on", |state| !holds(state, "operator") && state["mission"]["phase"] == "exploring");
+            console.talk.until("a robot that moves", |heard| newest(heard, "robot")?.contains("state(moving").then_some(()));
+            stop(&mut console);
+            let state = program.until("it stands", |state| holds(state, "operator") && state["robot"]["state"] == "stopped");
+            console.until_newest("robot", &robot(&state));
+        }
+        console.talk.leave();
+    });
+}

@@ -1,0 +1,58 @@
+//! A message commands once, when it is published: not as often as it is sent again, and not when somebody comes later.
+
+use serde_json::Value;
+
+use super::talk::Talk;
+use super::told::{Hello, Message, Say};
+use super::{AVAILABILITY, command, results, with_each};
+use crate::program::Program;
+
+/// How often STOP was given: the epoch counts that.
+fn stops(program: &Program) -> u64 {
+    program.json("state")["mission"]["epoch"].as_u64().expect("an epoch")
+}
+
+#[test]
+fn a_command_acts_once_at_every_qos() {
+    with_each(|client| {
+        let program = Program::serve("empty-8x8", "max");
+        let stop = command("stop");
+        let mut talk = Talk::begin(client, &program, Hello::following(&["hallsweep/discovery/command/stop/result"], 1));
+        for (given, qos) in [(1, 0), (2, 1), (3, 2)] {
+            talk.say(Say::plain(&stop, "").at(qos));
+            talk.until("a result of each", |heard| (results(heard, "stop").len() == given).then_some(()));
+        }
+        talk.say(Say::plain("unibo/qak/events", "msg(stopCmd,event,js,none,stopCmd,1)").at(2));
+        talk.say(Say::plain("unibo/qak/events", "msg(stopCmd,event,js,none,stopCmd,1)").at(1));
+        program.until("two more", |state| state["mission"]["epoch"].as_u64() >= Some(5));
+        talk.leave();
+        assert_eq!(stops(&program), 5);
+    });
+}
+
+/// Safety S4, for what a broker keeps: START when it is said, and never again.
+#[test]
+fn a_command_that_was_to_be_kept_acts_when_it_is_said_and_not_later() {
+    with_each(|client| {
+        let program = Program::serve("empty-8x8", "4");
+        let (start, events) = (command("start"), "unibo/qak/events");
+        let mut talk = Talk::begin(client, &program, Hello::speaking());
+        talk.say(Say::plain(&start, "").at(1).kept());
+        program.until_phase("exploring");
+        talk.say(Say::plain(&command("stop"), "").at(1).kept());
+        talk.say(Say::plain(events, "msg(stopCmd,event,js,none,stopCmd,1)").at(1).kept());
+        let stands = |state: &Value| state["mission"]["epoch"] == 2 && state["robot"]["state"] == "stopped";
+        program.until("both stops", stands);
+        talk.leave();
+        let filters = ["hallsweep/discovery/command/#", "unibo/#", AVAILABILITY];
+        let late = Talk::begin(client, &program, Hello::following(&filters, 1));
+        late.until_newest(AVAILABILITY, "online", |message| message.payload == "online");
+        late.leave();
+        let late = Talk::begin(client, &program, Hello::following(&filters, 1));
+        late.until_newest(AVAILABILITY, "online", |message| message.payload == "online");
+        let kept: Vec<Message> = late.heard().into_iter().filter(|message| message.kept).collect();
+        assert!(kept.iter().all(|message| message.topic == AVAILABILITY), "{kept:#?}");
+        late.leave();
+        assert!(stands(&program.json("state")), "nothing was carried out again");
+    });
+}

@@ -1,0 +1,169 @@
+//! Who gets in with which key, and what he may do there. That every pair of role and topic is as it should be is tested beside the
+//! gate; here each kind of refusal reaches real clients.
+
+use super::client::Client;
+use super::talk::Talk;
+use super::told::{Hello, Say};
+use super::{AVAILABILITY, OURS, command, results, with_each};
+use crate::access::Folder;
+use crate::program::Program;
+
+const ROBOT: &str = "hallsweep/discovery/state/robot";
+
+/// Keys, and a program whose MQTT door asks for them.
+struct Site {
+    folder: Folder,
+    program: Program,
+    operator: String,
+    viewer: String,
+}
+
+impl Site {
+    fn new(name: &str) -> Site {
+        let folder = Folder::new(name);
+        folder.token(&["add", "lobby", "--role", "viewer"]);
+        let (operator, viewer) = (folder.token_of("operator"), folder.token_of("lobby"));
+        let mut command = folder.command(&["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "4"]);
+        // The HTTP door is open, so that the state can be looked at; its own door to MQTT is not this test's.
+        let program = Program::started(command.env("HALLSWEEP__MQTT__REQUIRE_PASSWORD", "true"));
+        Site { folder, program, operator, viewer }
+    }
+}
+
+/// Clients that come by the port of MQTT itself.
+fn with_each_by_tcp(scenario: impl Fn(Client)) {
+    with_each(|client| {
+        if client != Client::MqttJsWeb {
+            scenario(client);
+        }
+    });
+}
+
+/// Safety A4.
+#[test]
+fn whoever_shows_no_key_or_a_wrong_one_is_told_so() {
+    let site = Site::new("mqtt-login");
+    with_each_by_tcp(|client| {
+        Talk::knock(client, &site.program, Hello::speaking()).until_refused(5);
+        // One each: whoever goes on showing wrong keys waits longer each time.
+        let wrong = format!("{}0", &site.operator[1..]);
+        let (name, password) = match client {
+            Client::Mosquitto => ("operator", &wrong),
+            Client::Paho => ("lobby", &site.operator),
+            Client::MqttJs | Client::MqttJsWeb => ("nobody", &site.operator),
+        };
+        Talk::knock(client, &site.program, Hello::speaking().with_login(name, password)).until_refused(4);
+        Talk::begin(client, &site.program, Hello::speaking().with_login("operator", &site.operator)).leave();
+    });
+}
+
+/// Safety A1: beyond loopback keys are asked for without being told to.
+#[test]
+fn a_broker_for_others_asks_for_keys() {
+    let folder = Folder::new("mqtt-others");
+    let mut command = folder.command(&["serve", "--http", "127.0.0.1:0", "--mqtt", "0.0.0.0:0", "--hall", "empty-8x8"]);
+    let program = Program::started(&mut command);
+    let operator = folder.token_of("operator");
+    with_each_by_tcp(|client| {
+        Talk::knock(client, &program, Hello::speaking()).until_refused(5);
+        Talk::begin(client, &program, Hello::speaking().with_login("operator", &operator)).leave();
+    });
+}
+
+/// Safety A1, A4, A6, S1.
+#[test]
+fn a_viewer_watches_and_stops_and_does_nothing_else() {
+    let site = Site::new("mqtt-viewer");
+    with_each_by_tcp(|client| {
+        let program = &site.program;
+        let epoch = program.json("state")["mission"]["epoch"].as_u64().expect("an epoch");
+        let mut viewer = Talk::begin(client, program, Hello::following(&[OURS], 1).with_login("lobby", &site.viewer));
+        viewer.until_newest(AVAILABILITY, "it sees", |message| message.payload == "online");
+        viewer.say(Say::plain(&command("start"), "{\"id\":\"v1\"}").at(1));
+        let refused = viewer.until("a refusal", |heard| results(heard, "start").into_iter().find(|it| it["id"] == "v1"));
+        assert_eq!(
+            (&refused["accepted"], &refused["status"], &refused["code"]),
+            (&false.into(), &403.into(), &"notAllowed".into())
+        );
+        viewer.say(Say::plain("unibo/qak/events", "msg(startCmd,event,js,none,startCmd,1)").at(1));
+        program.command("start").accepted();
+        viewer.say(Say::plain(&command("stop"), "").at(1));
+        viewer.until("a result", |heard| results(heard, "stop").into_iter().find(|it| it["accepted"] == true));
+        viewer.say(Say::plain("unibo/qak/events", "msg(stopCmd,event,js,none,stopCmd,1)").at(1));
+        viewer.say(Say::plain(&command("move"), "{\"move\":\"h\"}").at(1));
+        program.until("three stops", |state| state["mission"]["epoch"] == epoch + 3);
+        viewer.leave();
+    });
+    let events = site.program.json("missions/1/events").to_string();
+    assert!(events.contains("\"lobby\"") && events.contains("\"mqtt\""), "{events}");
+    drop(site.folder);
+}
+
+/// Safety A4: what is published where only the program speaks reaches nobody, and neither does what viewers publish.
+#[test]
+fn what_is_published_on_a_forbidden_topic_reaches_nobody() {
+    let site = Site::new("mqtt-topics");
+    with_each_by_tcp(|client| {
+        let login = |name| {
+            Hello::following(&[ROBOT, "site/#"], 1).with_login(name, if name == "lobby" { &site.viewer } else { &site.operator })
+        };
+        let mut operator = Talk::begin(client, &site.program, login("operator"));
+        let mut viewer = Talk::begin(client, &site.program, login("lobby"));
+        operator.say(Say::plain(ROBOT, "forged").at(1).kept());
+        for topic in [ROBOT, "site/lamp"] {
+            viewer.say(Say::plain(topic, "forged").at(1).kept());
+        }
+        operator.say(Say::plain("site/lamp", "true").at(1));
+        for talk in [operator, viewer] {
+            talk.until_newest("site/lamp", "what may be said", |message| message.payload == "true");
+            assert!(talk.heard().iter().all(|message| message.payload != "forged"));
+            talk.leave();
+        }
+        let late = Talk::begin(client, &site.program, login("operator"));
+        late.until_newest(ROBOT, "as it stands", |message| message.json() == site.program.json("state")["robot"]);
+        assert!(late.heard().iter().all(|message| message.payload != "forged"), "nothing forged is kept");
+        late.leave();
+    });
+}
+
+#[test]
+fn a_will_is_published_where_its_client_may_and_refused_elsewhere() {
+    let site = Site::new("mqtt-will");
+    with_each_by_tcp(|client| {
+        let operator = || Hello::speaking().with_login("operator", &site.operator);
+        let start = command("start");
+        for forbidden in [start.as_str(), "unibo/qak/events", ROBOT, AVAILABILITY] {
+            let will = Say::plain(forbidden, "offline").at(1);
+            Talk::knock(client, &site.program, operator().with_will(will)).until_refused(5);
+        }
+        let will = Say::plain("site/last", "gone").at(1);
+        let viewer = Hello::speaking().with_login("lobby", &site.viewer).with_will(will);
+        Talk::knock(client, &site.program, viewer).until_refused(5);
+
+        let follow = Hello { follow: vec![("site/#", 1)], ..operator() };
+        let mut witness = Talk::begin(client, &site.program, follow);
+        let left = Say::plain("site/left", "gone").at(1);
+        Talk::begin(client, &site.program, operator().with_will(left)).leave();
+        Talk::begin(client, &site.program, operator().with_will(will)).break_off();
+        witness.until_newest("site/last", "the will", |message| message.payload == "gone");
+        witness.say(Say::plain("site/end", "").at(1));
+        witness.until_newest("site/end", "the end", |_| true);
+        assert!(witness.heard().iter().all(|message| message.topic != "site/left"), "who takes its leave leaves no will");
+        witness.leave();
+    });
+}
+
+/// As MQTT Explorer does at once: `$SYS/#` is refused, and everything else is served.
+#[test]
+fn a_filter_that_cannot_be_had_is_refused_and_the_connection_lives() {
+    with_each(|client| {
+        let program = Program::serve("empty-8x8", "max");
+        let filters = ["$SYS/#", OURS, "hallsweep-pulse", "$share/group/site/#"];
+        let mut talk = Talk::begin(client, &program, Hello::following(&filters, 1));
+        assert_eq!(talk.granted(), [128, 1, 128, 128], "{client:?}");
+        talk.until_newest(AVAILABILITY, "it is served", |message| message.payload == "online");
+        talk.say(Say::plain(&command("stop"), "").at(1));
+        talk.until("a result", |heard| results(heard, "stop").pop());
+        talk.leave();
+    });
+}

@@ -1,0 +1,79 @@
+//! Clients that come back, and clients that come twice: what was said meanwhile is not lost, and one of two makes room.
+
+use super::client::Client;
+use super::talk::Talk;
+use super::told::{Hello, Say};
+use super::{AVAILABILITY, with_each};
+use crate::program::Program;
+
+const NEWS: &str = "site/news";
+
+#[test]
+fn a_client_that_is_remembered_gets_what_was_said_while_it_was_away() {
+    with_each(|client| {
+        let program = Program::serve("empty-8x8", "max");
+        let hello = || Hello::following(&[NEWS], 1).remembered("night-shift");
+        let mut writer = Talk::begin(client, &program, Hello::speaking());
+        let first = Talk::begin(client, &program, hello());
+        writer.say(Say::plain(NEWS, "0").at(1));
+        first.until_newest(NEWS, "it is there", |message| message.payload == "0");
+        first.leave();
+        writer.say_all(&[Say::plain(NEWS, "1").at(1), Say::plain(NEWS, "2").at(2)]);
+        let second = Talk::begin(client, &program, hello());
+        second.until_newest(NEWS, "said meanwhile", |message| message.payload == "2");
+        writer.say(Say::plain(NEWS, "3").at(1));
+        second.until_newest(NEWS, "said now", |message| message.payload == "3");
+        let heard: Vec<String> = second.heard().into_iter().map(|message| message.payload).collect();
+        assert_eq!(heard, ["1", "2", "3"], "{client:?}");
+        second.break_off();
+        writer.say(Say::plain(NEWS, "4").at(1));
+        let third = Talk::begin(client, &program, hello());
+        third.until_newest(NEWS, "said after it broke off", |message| message.payload == "4");
+        third.leave();
+    });
+}
+
+#[test]
+fn a_client_that_is_not_remembered_gets_what_is_said_from_now_on() {
+    with_each(|client| {
+        let program = Program::serve("empty-8x8", "max");
+        let hello = || Hello::following(&[NEWS], 1).called("passer-by");
+        let mut writer = Talk::begin(client, &program, Hello::speaking());
+        Talk::begin(client, &program, hello()).leave();
+        writer.say(Say::plain(NEWS, "1").at(1));
+        let again = Talk::begin(client, &program, hello());
+        writer.say(Say::plain(NEWS, "2").at(1));
+        again.until_newest(NEWS, "said now", |message| message.payload == "2");
+        assert_eq!(again.heard().len(), 1, "{client:?}");
+        again.leave();
+    });
+}
+
+/// The later one has the name, as section 3.1.4 of the standard has it.
+#[test]
+fn of_two_clients_with_one_id_the_later_stays() {
+    // Mosquitto's command would come back at once, and send the other away in its turn.
+    for client in [Client::Paho, Client::MqttJs, Client::MqttJsWeb].into_iter().filter(|client| client.is_here()) {
+        let program = Program::serve("empty-8x8", "max");
+        let hello = || Hello::following(&[NEWS, AVAILABILITY], 1).called("twin");
+        let first = Talk::begin(client, &program, hello());
+        let mut second = Talk::begin(client, &program, hello());
+        first.until_word("Closed");
+        second.say(Say::plain(NEWS, "for the later").at(1));
+        second.until_newest(NEWS, "it serves", |message| message.payload == "for the later");
+        assert!(first.heard().iter().all(|message| message.topic != NEWS));
+    }
+}
+
+/// A client may be silent for as long as it likes: keepalive 0 (section 3.1.2.10).
+#[test]
+fn a_client_without_a_keepalive_is_served() {
+    // Mosquitto's command knows no 0.
+    for client in [Client::Paho, Client::MqttJs, Client::MqttJsWeb].into_iter().filter(|client| client.is_here()) {
+        let program = Program::serve("empty-8x8", "max");
+        let mut silent = Talk::begin(client, &program, Hello { keepalive_s: 0, ..Hello::following(&[NEWS], 1) });
+        silent.say(Say::plain(NEWS, "heard").at(2));
+        silent.until_newest(NEWS, "it is served", |message| message.payload == "heard");
+        silent.leave();
+    }
+}
