@@ -33,6 +33,9 @@ const REST: Duration = Duration::from_secs(5);
 /// So long the last words may take to reach the clients when the program ends; it is to end within two seconds.
 const LAST_WORDS: Duration = Duration::from_millis(500);
 
+/// One that was shown too much is replaced no sooner than this after the last: in between, new topics and filters are refused.
+const WORN_REST: Duration = Duration::from_secs(600);
+
 /// So long after a start it is counted as usual how much memory is in use: what an engine before had is given back in milliseconds.
 const SETTLING: Duration = Duration::from_secs(1);
 
@@ -58,6 +61,8 @@ pub struct Embedded {
     clock: Clock,
     /// Until then the engine is left as it is.
     rests_until: Duration,
+    /// When it was last replaced for having been shown too much.
+    worn_at: Option<Duration>,
     /// Until then what is in use is usual;
     settled_at: Duration,
     /// how much that was, in bytes.
@@ -71,7 +76,7 @@ impl Embedded {
     /// When there is no engine to be had.
     pub async fn start(house: House) -> Result<Embedded, EngineError> {
         let engine = watch::Sender::new(Arc::new(Engine::start().await?));
-        Ok(Embedded { house, engine, clock: Clock::default(), rests_until: Duration::ZERO, settled_at: SETTLING, usual: 0 })
+        Ok(Embedded { house, engine, clock: Clock::default(), rests_until: Duration::ZERO, worn_at: None, settled_at: SETTLING, usual: 0 })
     }
 
     /// Serves until `shutdown`; then every connection ends, when what was said before that has reached its client.
@@ -145,7 +150,11 @@ impl Embedded {
         if in_use > self.usual + APPETITE {
             return Some("it takes too much memory");
         }
-        (now >= self.rests_until && self.house.is_worn_out()).then_some("too many different topics were shown to it")
+        let is_worn_out = self.house.is_worn_out() && self.worn_at.is_none_or(|last| now >= last + WORN_REST);
+        if is_worn_out {
+            self.worn_at = Some(now);
+        }
+        is_worn_out.then_some("too many different topics were shown to it")
     }
 
     /// Starts another engine in its place. Whoever was connected has to come again; what is kept is kept by the gate.
