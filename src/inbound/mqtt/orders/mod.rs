@@ -79,6 +79,12 @@ impl Orders {
         Taken::Taken
     }
 
+    /// Whether a message halts the robot, whoever sends it.
+    #[must_use]
+    pub fn is_stop(&self, heard: &Heard<'_>) -> bool {
+        self.ear.order(heard).is_some_and(|order| matches!(order.asked, Ok((Command::Stop, _))))
+    }
+
     /// Gives a command if there is room for one more, and a STOP always.
     fn give(&self, order: &Order, command: &Command, epoch: Option<Epoch>, sender: &Sender) {
         let place = self.results.place();
