@@ -76,7 +76,15 @@ impl Embedded {
     /// When there is no engine to be had.
     pub async fn start(house: House) -> Result<Embedded, EngineError> {
         let engine = watch::Sender::new(Arc::new(Engine::start().await?));
-        Ok(Embedded { house, engine, clock: Clock::default(), rests_until: Duration::ZERO, worn_at: None, settled_at: SETTLING, usual: 0 })
+        Ok(Embedded {
+            house,
+            engine,
+            clock: Clock::default(),
+            rests_until: Duration::ZERO,
+            worn_at: None,
+            settled_at: SETTLING,
+            usual: 0,
+        })
     }
 
     /// Serves until `shutdown`; then every connection ends, when what was said before that has reached its client.

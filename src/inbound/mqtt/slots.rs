@@ -248,7 +248,8 @@ mod tests {
         assert_eq!(slots.table().taken.len(), REMEMBERED);
         assert!(slots.take(name("1"), true).await.session.is_some());
         assert!(slots.take(name("0"), true).await.session.is_none(), "he was the first to go");
-        let here: Vec<_> = futures_util::future::join_all((0..REMEMBERED).map(|n| slots.take(name(&format!("here {n}")), true))).await;
+        let here: Vec<_> =
+            futures_util::future::join_all((0..REMEMBERED).map(|n| slots.take(name(&format!("here {n}")), true))).await;
         assert!(here.iter().all(|slot| slot.is_kept));
         assert!(!slots.take(name("one more"), true).await.is_kept, "nobody is away");
     }

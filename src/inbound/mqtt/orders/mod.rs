@@ -15,8 +15,8 @@ use std::sync::Arc;
 use tokio::sync::mpsc;
 
 use self::ear::{Ear, Order};
-use self::problem::Problem;
 use self::pace::Pace;
+use self::problem::Problem;
 use self::results::Results;
 pub use self::results::UNDER_WAY;
 pub use self::sender::Sender;
@@ -89,7 +89,7 @@ impl Orders {
         Taken::Taken
     }
 
-    /// Whether a message is a STOP.
+    /// Whether a message halts the robot, whoever sends it.
     #[must_use]
     pub fn is_stop(&self, heard: &Heard<'_>) -> bool {
         self.ear.order(heard).is_some_and(|order| order.is_stop())

@@ -258,7 +258,9 @@ impl Turnstile {
         while let Some(Ok(Some(frame))) = bytes.get(self.looked..).map(|rest| frame(rest, GUEST_PACKET)) {
             let packet = &bytes[self.looked..self.looked + frame.length];
             self.looked += frame.length;
-            if frame.kind == Kind::Publish && let Ok(publish) = publish::read(&frame, packet) {
+            if frame.kind == Kind::Publish
+                && let Ok(publish) = publish::read(&frame, packet)
+            {
                 self.hear_early(&publish);
             }
         }
