@@ -8,8 +8,8 @@ use std::time::Duration;
 use super::sender::Sender;
 use crate::access::Need;
 
-/// So many commands in a second: sixty sensors that report each second, and hands at some panels.
-const OPERATORS: u32 = 100;
+/// So many commands in a second: sixty sensors that report each second, hands at some panels, and a script in a hurry.
+const OPERATORS: u32 = 300;
 
 /// And of somebody whose commands are all refused.
 const VIEWERS: u32 = 10;

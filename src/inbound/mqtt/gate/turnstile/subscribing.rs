@@ -213,5 +213,7 @@ impl Turnstile {
                 self.deliveries.start(filter, held.qos);
             }
         }
+        // At once, so that it does not matter what came in the same piece behind it.
+        self.deliver();
     }
 }
