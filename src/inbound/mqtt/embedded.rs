@@ -33,9 +33,6 @@ const REST: Duration = Duration::from_secs(5);
 /// So long the last words may take to reach the clients when the program ends; it is to end within two seconds.
 const LAST_WORDS: Duration = Duration::from_millis(500);
 
-/// So long after a start it is counted as usual how much memory is in use: what an engine before had is given back in milliseconds.
-const SETTLING: Duration = Duration::from_secs(1);
-
 /// The engine that messages are routed by just now; closed when the program ends.
 pub(super) type Running = watch::Receiver<Arc<Engine>>;
 
@@ -58,9 +55,7 @@ pub struct Embedded {
     clock: Clock,
     /// Until then the engine is left as it is.
     rests_until: Duration,
-    /// Until then what is in use is usual;
-    settled_at: Duration,
-    /// how much that was, in bytes.
+    /// How many bytes the program had in use before this engine.
     usual: usize,
 }
 
@@ -70,8 +65,9 @@ impl Embedded {
     /// # Errors
     /// When there is no engine to be had.
     pub async fn start(house: House) -> Result<Embedded, EngineError> {
+        let usual = in_use();
         let engine = watch::Sender::new(Arc::new(Engine::start().await?));
-        Ok(Embedded { house, engine, clock: Clock::default(), rests_until: Duration::ZERO, settled_at: SETTLING, usual: 0 })
+        Ok(Embedded { house, engine, clock: Clock::default(), rests_until: Duration::ZERO, usual })
     }
 
     /// Serves until `shutdown`; then every connection ends, when what was said before that has reached its client.
@@ -136,20 +132,19 @@ impl Embedded {
     }
 
     /// Why another engine is needed, though this one is not ill.
-    fn worn_out(&mut self) -> Option<&'static str> {
-        let now = self.clock.now().since_start;
-        let in_use = memory::in_use().unwrap_or(0);
-        if now < self.settled_at {
-            self.usual = in_use;
-        }
-        if in_use > self.usual + APPETITE {
+    fn worn_out(&self) -> Option<&'static str> {
+        if in_use() > self.usual + APPETITE {
             return Some("it takes too much memory");
         }
-        (now >= self.rests_until && self.house.is_worn_out()).then_some("too many different topics were shown to it")
+        let is_due = self.clock.now().since_start >= self.rests_until && self.house.is_worn_out();
+        is_due.then_some("too many different topics were shown to it")
     }
 
-    /// Starts another engine in its place. Whoever was connected has to come again; what is kept is kept by the gate.
+    /// Ends the engine and starts another in its place. Whoever was connected has to come again; what is kept is kept by the gate.
     async fn renew(&mut self, why: &str) {
+        let end = self.engine.borrow().end();
+        end.await;
+        self.usual = in_use();
         match Engine::start().await {
             Ok(engine) => {
                 tracing::warn!(why, "the MQTT broker was started anew: its clients have to connect again");
@@ -158,9 +153,13 @@ impl Embedded {
             }
             Err(error) => tracing::error!(%error, why, "the MQTT broker is to be started anew, and cannot be"),
         }
-        let now = self.clock.now().since_start;
-        (self.rests_until, self.settled_at) = (now + REST, now + SETTLING);
+        self.rests_until = self.clock.now().since_start + REST;
     }
+}
+
+/// The memory in use, in bytes; 0 where the system does not tell.
+fn in_use() -> usize {
+    memory::in_use().unwrap_or(0)
 }
 
 /// A client that came by TCP.
