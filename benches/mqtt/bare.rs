@@ -25,7 +25,7 @@ pub(crate) fn serve(port: u16) {
     };
     let router = RouterConfig {
         max_connections: 1024,
-        max_outgoing_packet_count: 500,
+        max_outgoing_packet_count: 200,
         max_segment_size: 1024 * 1024,
         max_segment_count: 4,
         ..RouterConfig::default()

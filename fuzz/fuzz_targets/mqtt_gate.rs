@@ -41,6 +41,10 @@ impl Listener for Ear {
         assert!(topic.starts_with("h/d/command") || topic.starts_with("q/"), "{topic} is no place for commands");
         if payload.first() == Some(&b'f') { Heard::Forbidden } else { Heard::Pass }
     }
+
+    fn is_stop(&self, _: &str, payload: &[u8]) -> bool {
+        payload.first() == Some(&b's')
+    }
 }
 
 struct Play {

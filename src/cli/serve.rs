@@ -39,7 +39,7 @@ fn mqtt(settings: &Settings, doors: Doors, entry: &Entry) -> Option<String> {
             format!("{at}\nThere the user name is operator, and the password {}", token.reveal())
         }
         Entry::Key | Entry::NewKey(_) | Entry::BriefKey(_) if asks => {
-            format!("{at}\nThere the user name is that of a key, and the password its token.")
+            format!("{at}\nThere the user name is that of a key, and the password its token: `hallsweep token` shows them.")
         }
         Entry::Open | Entry::Key | Entry::NewKey(_) | Entry::BriefKey(_) => at,
     })
@@ -65,11 +65,16 @@ fn console(http: &HttpSettings, address: SocketAddr, entry: &Entry) -> String {
 mod tests {
     use super::*;
     use crate::access::Token;
-    use crate::config::{Sources, load};
+    use crate::config::{Flag, Sources, load};
+
+    fn set(settings: &[(&'static str, &str)]) -> Settings {
+        let flags = settings.iter().map(|(key, value)| Flag { flag: "", key, value: (*value).to_owned() }).collect();
+        load(&Sources { flags, ..Sources::default() }).unwrap()
+    }
 
     #[test]
     fn a_token_is_shown_only_when_it_was_just_made() {
-        let settings = load(&Sources::default()).unwrap();
+        let settings = set(&[("http.bind", "0.0.0.0:8080")]);
         let doors = Doors { http: "0.0.0.0:8080".parse().unwrap(), coap: None, mqtt: None };
         let token = Token::draw().unwrap();
         let said = |entry: &Entry| announcement(&settings, doors, entry);
@@ -79,6 +84,19 @@ mod tests {
             let link = format!("http://localhost:8080/sign-in?token={}", token.reveal());
             assert!(said(&entry).ends_with(&link), "{}", said(&entry));
         }
+    }
+
+    #[test]
+    fn where_a_password_is_asked_for_over_mqtt_alone_it_is_told_which() {
+        let settings = set(&[("mqtt.require_password", "true")]);
+        let mqtt = "127.0.0.1:1883".parse().ok();
+        let doors = Doors { http: "127.0.0.1:8080".parse().unwrap(), coap: None, mqtt };
+        let token = Token::draw().unwrap();
+        let new = announcement(&settings, doors, &Entry::NewKey(token.clone()));
+        assert!(new.starts_with("hallsweep is at http://127.0.0.1:8080\n") && !new.contains("sign-in"), "{new}");
+        assert!(new.ends_with(&format!("the user name is operator, and the password {}", token.reveal())), "{new}");
+        let later = announcement(&settings, doors, &Entry::Key);
+        assert!(later.ends_with("the user name is that of a key, and the password its token: `hallsweep token` shows them."));
     }
 
     #[test]

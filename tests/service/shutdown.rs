@@ -41,3 +41,11 @@ fn a_client_that_never_finishes_its_request_does_not_keep_it() {
     program.signal("TERM");
     assert!(program.ended_within(PROMISED).is_some_and(|status| status.success()), "it waits for a client that never ends");
 }
+
+#[test]
+fn an_mqtt_client_that_never_says_who_it_is_does_not_keep_it() {
+    let mut program = Program::serve("empty-8x8", "1");
+    let _stuck = std::net::TcpStream::connect(program.mqtt()).expect("the program listens");
+    program.signal("TERM");
+    assert!(program.ended_within(PROMISED).is_some_and(|status| status.success()));
+}

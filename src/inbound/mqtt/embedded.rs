@@ -33,6 +33,9 @@ const REST: Duration = Duration::from_secs(5);
 /// So long the last words may take to reach the clients when the program ends; it is to end within two seconds.
 const LAST_WORDS: Duration = Duration::from_millis(500);
 
+/// One that was shown too much is replaced no sooner than this after the last: in between, new topics and filters are refused.
+const WORN_REST: Duration = Duration::from_secs(600);
+
 /// The engine that messages are routed by just now; closed when the program ends.
 pub(super) type Running = watch::Receiver<Arc<Engine>>;
 
@@ -55,7 +58,9 @@ pub struct Embedded {
     clock: Clock,
     /// Until then the engine is left as it is.
     rests_until: Duration,
-    /// How many bytes the program had in use before this engine.
+    /// When it was last replaced for having been shown too much.
+    worn_at: Option<Duration>,
+    /// The fewest bytes that the program was seen to have in use since this engine began.
     usual: usize,
 }
 
@@ -65,9 +70,8 @@ impl Embedded {
     /// # Errors
     /// When there is no engine to be had.
     pub async fn start(house: House) -> Result<Embedded, EngineError> {
-        let usual = in_use();
         let engine = watch::Sender::new(Arc::new(Engine::start().await?));
-        Ok(Embedded { house, engine, clock: Clock::default(), rests_until: Duration::ZERO, usual })
+        Ok(Embedded { house, engine, clock: Clock::default(), rests_until: Duration::ZERO, worn_at: None, usual: usize::MAX })
     }
 
     /// Serves until `shutdown`; then every connection ends, when what was said before that has reached its client.
@@ -132,19 +136,27 @@ impl Embedded {
     }
 
     /// Why another engine is needed, though this one is not ill.
-    fn worn_out(&self) -> Option<&'static str> {
-        if in_use() > self.usual + APPETITE {
-            return Some("it takes too much memory");
+    fn worn_out(&mut self) -> Option<&'static str> {
+        if let Some(in_use) = memory::in_use() {
+            // What the engine before had is given back to the system a little later.
+            self.usual = self.usual.min(in_use);
+            if in_use > self.usual + APPETITE {
+                return Some("it takes too much memory");
+            }
         }
-        let is_due = self.clock.now().since_start >= self.rests_until && self.house.is_worn_out();
-        is_due.then_some("too many different topics were shown to it")
+        let now = self.clock.now().since_start;
+        let is_worn_out = self.house.is_worn_out() && self.worn_at.is_none_or(|last| now >= last + WORN_REST);
+        if is_worn_out {
+            self.worn_at = Some(now);
+        }
+        is_worn_out.then_some("too many different topics were shown to it")
     }
 
     /// Ends the engine and starts another in its place. Whoever was connected has to come again; what is kept is kept by the gate.
     async fn renew(&mut self, why: &str) {
         let end = self.engine.borrow().end();
         end.await;
-        self.usual = in_use();
+        self.usual = usize::MAX;
         match Engine::start().await {
             Ok(engine) => {
                 tracing::warn!(why, "the MQTT broker was started anew: its clients have to connect again");
@@ -155,11 +167,6 @@ impl Embedded {
         }
         self.rests_until = self.clock.now().since_start + REST;
     }
-}
-
-/// The memory in use, in bytes; 0 where the system does not tell.
-fn in_use() -> usize {
-    memory::in_use().unwrap_or(0)
 }
 
 /// A client that came by TCP.

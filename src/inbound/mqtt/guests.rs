@@ -150,7 +150,12 @@ impl House {
         mut engine: Running,
     ) -> Result<(), Sent> {
         let here = Arc::clone(&engine.borrow_and_update());
-        let Ok(Ok(upstream)) = tokio::time::timeout(ENGINE_TIME, enter(&here, &slot)).await else {
+        let entered = tokio::time::timeout(ENGINE_TIME, enter(&here, &slot)).await;
+        if entered.is_err() {
+            // An engine that was left before it had answered may let nobody in again.
+            here.lets_nobody_in();
+        }
+        let Ok(Ok(upstream)) = entered else {
             return Err(refused(&mut visitor.stream, Welcome::Unavailable).await);
         };
         visitor.stream.write_all(&write::connack(Welcome::Accepted, slot.session.is_some())).await?;
@@ -209,12 +214,21 @@ async fn introduction(stream: &mut Box<dyn Stream>, heard: &mut BytesMut) -> Res
     }
 }
 
-/// A way to the engine, which has let us in.
+/// A way to the engine, which has let us in. For a client that is to be remembered and was not, it first forgets whoever had the slot.
 async fn enter(engine: &Engine, slot: &Slot) -> std::io::Result<TcpStream> {
+    if slot.is_kept && slot.session.is_none() {
+        let mut before = knock(engine, slot, true).await?;
+        before.shutdown().await?;
+        while before.read(&mut [0; 64]).await? > 0 {}
+    }
+    knock(engine, slot, !slot.is_kept).await
+}
+
+async fn knock(engine: &Engine, slot: &Slot, is_clean: bool) -> std::io::Result<TcpStream> {
     let mut upstream = TcpStream::connect(engine.address()).await?;
     upstream.set_nodelay(true)?;
     let mut hello = BytesMut::new();
-    write::connect(&mut hello, &slot.id(), !slot.is_kept, SILENCE_S, engine.login());
+    write::connect(&mut hello, &slot.id(), is_clean, SILENCE_S, engine.login());
     upstream.write_all(&hello).await?;
     let mut answer = [0; 4];
     let answered = upstream.read_exact(&mut answer).await;

@@ -107,11 +107,19 @@ impl Listener for Ear {
             Taken::Forbidden => Heard::Forbidden,
         }
     }
+
+    fn is_stop(&self, topic: &str, payload: &[u8]) -> bool {
+        self.orders.is_stop(&orders::Heard { topic, payload })
+    }
 }
 
 impl Listener for Deaf {
     fn hear(&self, _: &str, _: &[u8]) -> Heard {
         Heard::Pass
+    }
+
+    fn is_stop(&self, _: &str, _: &[u8]) -> bool {
+        false
     }
 }
 

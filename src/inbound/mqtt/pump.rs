@@ -52,13 +52,13 @@ struct Pump {
     clock: Clock,
     from_client: BytesMut,
     from_engine: BytesMut,
-    /// The client has published in a flood, and this subscriber does not keep up.
+    /// The client has published in a flood, and these subscribers do not keep up.
     waiting: Option<Waiting>,
 }
 
 #[derive(Clone)]
 struct Waiting {
-    ledger: Arc<Ledger>,
+    ledgers: Arc<[Arc<Ledger>]>,
     until: Duration,
 }
 
@@ -116,7 +116,7 @@ impl Pump {
                 return ended;
             }
             let behind = self.behind();
-            let hears_client = behind.is_none() && self.turnstile.wants_client();
+            let hears_client = if behind.is_some() { self.from_client.len() < READ } else { self.turnstile.wants_client() };
             let hears_engine = self.turnstile.wants_engine();
             let silent_until = self.turnstile.poll_timeout();
             self.from_client.reserve(READ);
@@ -136,7 +136,10 @@ impl Pump {
                     acknowledge_at_once(engine);
                     went(read, Ended::EngineGone).and_then(|()| self.turnstile.handle_engine(&mut self.from_engine))
                 }
-                () = caught_up(behind.as_ref(), self.clock) => { self.waiting = None; Ok(()) }
+                () = caught_up(behind.as_ref(), self.clock) => {
+                    self.waiting = None;
+                    self.client_said()
+                }
                 () = self.clock.reach(Some(silent_until)) => self.turnstile.handle_timeout(self.clock.now().since_start),
             };
         }
@@ -146,22 +149,36 @@ impl Pump {
     fn behind(&mut self) -> Option<Waiting> {
         let now = self.clock.now().since_start;
         if self.waiting.is_none() {
-            self.waiting = self.turnstile.poll_behind(now).map(|ledger| Waiting { ledger, until: now + PATIENCE });
+            let ledgers = self.turnstile.poll_behind(now);
+            self.waiting = (!ledgers.is_empty()).then(|| Waiting { ledgers: ledgers.into(), until: now + PATIENCE });
         }
         self.waiting.clone()
     }
 
+    /// A client that has to wait is heard for a STOP alone; the rest stays where it is.
     fn client_said(&mut self) -> Result<(), Ended> {
+        if self.waiting.is_some() {
+            self.turnstile.handle_waiting(&self.from_client);
+            return Ok(());
+        }
         self.turnstile.handle_client(&mut self.from_client, self.clock.now().since_start)
     }
 }
 
-/// Waits until a subscriber has caught up, or was waited for long enough; for ever, when there is none to wait for.
+/// Waits until all subscribers have caught up, or were waited for long enough; for ever, when there is none to wait for.
 async fn caught_up(waiting: Option<&Waiting>, clock: Clock) {
-    let Some(Waiting { ledger, until }) = waiting else { return std::future::pending().await };
+    let Some(Waiting { ledgers, until }) = waiting else { return std::future::pending().await };
+    let all_relieved = async {
+        for ledger in ledgers.iter() {
+            ledger.relieved().await;
+        }
+    };
     tokio::select! {
-        () = ledger.relieved() => {}
-        () = clock.reach(Some(*until)) => ledger.forgive(clock.now().since_start),
+        () = all_relieved => {}
+        () = clock.reach(Some(*until)) => {
+            let now = clock.now().since_start;
+            ledgers.iter().filter(|ledger| ledger.is_behind(now)).for_each(|ledger| ledger.forgive(now));
+        }
     }
 }
 

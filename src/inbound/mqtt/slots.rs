@@ -10,7 +10,7 @@ use tokio::sync::watch;
 
 use super::gate::turnstile::Session;
 
-/// Clients that are remembered while they are away. Whoever comes when all are taken is not.
+/// Clients that are remembered while they are away; of more the one who has been away for longest is forgotten.
 const REMEMBERED: usize = 128;
 
 /// So long a newcomer of the same name waits for the other to leave.
@@ -34,6 +34,7 @@ pub(super) struct Slots(Arc<Mutex<Table>>);
 pub(super) struct Slot {
     slots: Slots,
     name: Name,
+    moment: u64,
     number: usize,
     /// Whether the engine is to remember the client.
     pub(super) is_kept: bool,
@@ -45,6 +46,8 @@ pub(super) struct Slot {
 
 #[derive(Debug, Default)]
 struct Table {
+    /// Counts whoever has come, so that one is not taken for another of the same name.
+    moments: u64,
     taken: BTreeSet<usize>,
     present: HashMap<Name, Present>,
     remembered: HashMap<Name, Remembered>,
@@ -52,57 +55,59 @@ struct Table {
 
 #[derive(Debug)]
 struct Present {
-    number: usize,
+    moment: u64,
     leave: watch::Sender<bool>,
     gone: watch::Receiver<()>,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Remembered {
+    moment: u64,
     number: usize,
-    session: Session,
+    session: Option<Session>,
 }
 
 impl Slots {
     /// A slot for a client that comes in; one of the same name is sent away first. `wants_memory`: what happens while it is away is
     /// to be kept for it.
     pub(super) async fn take(&self, name: Name, wants_memory: bool) -> Slot {
-        if !name.client.is_empty() {
-            while let Some(mut gone) = self.send_away(&name) {
-                // It ends when the other's end of the channel is dropped with its slot; one that hangs is left to itself.
-                if tokio::time::timeout(LEAVE_TIME, gone.changed()).await.is_err() {
-                    self.table().present.remove(&name);
-                }
+        loop {
+            let (moment, mut gone) = match self.enter(&name, wants_memory) {
+                Ok(slot) => return slot,
+                Err(present) => present,
+            };
+            // It ends when the other's end of the channel is dropped with its slot; one that hangs is left to itself, with all of it.
+            if tokio::time::timeout(LEAVE_TIME, gone.changed()).await.is_err() {
+                self.table().give_up(&name, moment);
             }
         }
-        self.enter(name, wants_memory)
     }
 
-    /// Asks the client of this name to leave; what ends when it has. `None` when nobody has this name.
-    fn send_away(&self, name: &Name) -> Option<watch::Receiver<()>> {
-        let table = self.table();
-        let present = table.present.get(name)?;
-        present.leave.send_replace(true);
-        Some(present.gone.clone())
-    }
-
-    fn enter(&self, name: Name, wants_memory: bool) -> Slot {
+    /// A slot, when nobody of this name is here; else he is asked to leave, and it is said when he came and what ends when he has gone.
+    fn enter(&self, name: &Name, wants_memory: bool) -> Result<Slot, (u64, watch::Receiver<()>)> {
         let mut table = self.table();
-        let had = table.remembered.remove(&name);
-        let is_kept = wants_memory && !name.client.is_empty() && (had.is_some() || table.remembered.len() < REMEMBERED);
+        if let Some(present) = table.present.get(name) {
+            present.leave.send_replace(true);
+            return Err((present.moment, present.gone.clone()));
+        }
+        table.moments += 1;
+        let moment = table.moments;
+        let is_named = !name.client.is_empty();
+        let had = table.remembered.remove(name);
+        let is_kept = wants_memory && is_named && (had.is_some() || table.has_memory());
         let number = had.as_ref().map_or_else(|| table.free(), |had| had.number);
-        let session = had.filter(|_| is_kept).map(|had| had.session);
+        let session = had.filter(|_| is_kept).and_then(|had| had.session);
         if is_kept {
-            table.remembered.insert(name.clone(), Remembered { number, session: Session::default() });
+            table.remembered.insert(name.clone(), Remembered { moment, number, session: None });
         }
         table.taken.insert(number);
         let (gone, gone_too) = watch::channel(());
         let (leave, asked) = watch::channel(false);
-        if !name.client.is_empty() {
-            table.present.insert(name.clone(), Present { number, leave, gone: gone_too });
+        if is_named {
+            table.present.insert(name.clone(), Present { moment, leave, gone: gone_too });
         }
         drop(table);
-        Slot { slots: self.clone(), name, number, is_kept, session, leave: asked, _gone: gone }
+        Ok(Slot { slots: self.clone(), name: name.clone(), moment, number, is_kept, session, leave: asked, _gone: gone })
     }
 
     fn table(&self) -> MutexGuard<'_, Table> {
@@ -111,6 +116,23 @@ impl Slots {
 }
 
 impl Table {
+    /// Whoever came then does not leave: he is not waited for, and what he has stays his until he does.
+    fn give_up(&mut self, name: &Name, moment: u64) {
+        self.present.retain(|known, present| known != name || present.moment != moment);
+        self.remembered.retain(|known, remembered| known != name || remembered.moment != moment);
+    }
+
+    /// Whether one more can be remembered; of those who are away the one who has been for longest gives way.
+    fn has_memory(&mut self) -> bool {
+        if self.remembered.len() < REMEMBERED {
+            return true;
+        }
+        let away = self.remembered.iter().filter(|(name, _)| !self.present.contains_key(*name));
+        let oldest = away.min_by_key(|(_, remembered)| remembered.moment).map(|(name, _)| name.clone());
+        let forgotten = oldest.and_then(|name| self.remembered.remove(&name));
+        forgotten.is_some_and(|forgotten| self.taken.remove(&forgotten.number))
+    }
+
     /// The least number that nobody has.
     fn free(&self) -> usize {
         (0..).zip(&self.taken).find(|(number, taken)| number != *taken).map_or(self.taken.len(), |(number, _)| number)
@@ -132,8 +154,9 @@ impl Slot {
 
     /// Keeps what is to be remembered of the client, for when it comes back.
     pub(super) fn remember(&self, session: Session) {
-        if let Some(remembered) = self.slots.table().remembered.get_mut(&self.name).filter(|_| self.is_kept) {
-            remembered.session = session;
+        let mut table = self.slots.table();
+        if let Some(remembered) = table.remembered.get_mut(&self.name).filter(|remembered| remembered.moment == self.moment) {
+            remembered.session = Some(session);
         }
     }
 }
@@ -141,12 +164,8 @@ impl Slot {
 impl Drop for Slot {
     fn drop(&mut self) {
         let mut table = self.slots.table();
-        let is_here = table.present.get(&self.name).is_some_and(|present| present.number == self.number);
-        if is_here {
-            table.present.remove(&self.name);
-        }
-        let is_remembered = table.remembered.get(&self.name).is_some_and(|remembered| remembered.number == self.number);
-        if !is_remembered {
+        table.present.retain(|_, present| present.moment != self.moment);
+        if !table.remembered.values().any(|remembered| remembered.moment == self.moment) {
             table.taken.remove(&self.number);
         }
     }
@@ -219,12 +238,35 @@ mod tests {
 
     /// Safety A5.
     #[tokio::test]
-    async fn only_so_many_are_remembered() {
+    async fn only_so_many_are_remembered_and_whoever_has_been_away_for_longest_is_forgotten() {
         let slots = Slots::default();
         for number in 0..=REMEMBERED {
             let slot = slots.take(name(&number.to_string()), true).await;
-            assert_eq!(slot.is_kept, number < REMEMBERED);
+            assert!(slot.is_kept);
+            slot.remember(Session::default());
         }
         assert_eq!(slots.table().taken.len(), REMEMBERED);
+        assert!(slots.take(name("1"), true).await.session.is_some());
+        assert!(slots.take(name("0"), true).await.session.is_none(), "he was the first to go");
+        let here: Vec<_> =
+            futures_util::future::join_all((0..REMEMBERED).map(|n| slots.take(name(&format!("here {n}")), true))).await;
+        assert!(here.iter().all(|slot| slot.is_kept));
+        assert!(!slots.take(name("one more"), true).await.is_kept, "nobody is away");
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn of_two_who_come_at_once_one_is_sent_away_and_none_of_them_shares_a_slot() {
+        let slots = Slots::default();
+        let (mut one, mut other) = (slots.take(name("panel"), true).await, None);
+        tokio::select! {
+            () = one.wanted() => drop(one),
+            slot = slots.take(name("panel"), true) => other = Some(slot),
+        }
+        assert!(other.is_none(), "the second waited until the first was asked to leave");
+        let hangs = slots.take(name("panel"), true).await;
+        let newer = slots.take(name("panel"), true).await;
+        assert_ne!(hangs.id(), newer.id(), "one that hangs keeps what it has");
+        drop(hangs);
+        assert!(slots.table().present.contains_key(&name("panel")));
     }
 }

@@ -102,6 +102,11 @@ impl Broker {
         }
     }
 
+    /// Which it is.
+    pub(crate) fn kind(&self) -> Kind {
+        self.kind
+    }
+
     /// Its port, on loopback.
     pub(crate) fn port(&self) -> u16 {
         self.port
@@ -111,6 +116,15 @@ impl Broker {
     pub(crate) fn url(&self) -> String {
         let scheme = if self.kind == Kind::MosquittoByTls { "mqtts" } else { "mqtt" };
         format!("{scheme}://127.0.0.1:{}", self.port)
+    }
+
+    /// Waits until it has written this.
+    pub(crate) fn until_it_says(&self, words: &str) {
+        let deadline = Deadline::within(PATIENCE);
+        while !self.log().contains(words) {
+            assert!(!deadline.has_passed(), "{:?} never wrote: {words}", self.kind);
+            sleep(GLANCE);
+        }
     }
 
     /// What it wrote.
@@ -130,7 +144,9 @@ impl Broker {
                 assert!(made.status().expect("it comes with mosquitto").success());
                 format!("{mosquitto}allow_anonymous false\npassword_file {folder}/logins\n")
             }
-            Kind::MosquittoByTls => format!("{mosquitto}allow_anonymous true\ncertfile {CERTIFICATE}\nkeyfile {KEY}\n"),
+            Kind::MosquittoByTls => {
+                format!("{mosquitto}allow_anonymous true\nlog_type all\ncertfile {CERTIFICATE}\nkeyfile {KEY}\n")
+            }
             Kind::Nats => format!(
                 "server_name: test\nhost: 127.0.0.1\nport: -1\njetstream {{ store_dir: \"{folder}\" }}\n\
                  mqtt {{ host: 127.0.0.1, port: {port} }}\n"

@@ -1,5 +1,6 @@
 //! Somebody at a broker who listens and speaks, by rumqttc as well: that other clients understand the same is tested elsewhere.
 
+use std::cell::RefCell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread::sleep;
@@ -22,23 +23,30 @@ const LARGEST: usize = 4 << 20;
 /// Somebody who listens.
 pub(crate) struct Ear {
     client: Client,
-    heard: mpsc::Receiver<Publish>,
+    coming: mpsc::Receiver<Publish>,
+    heard: RefCell<Vec<Publish>>,
 }
 
 impl Ear {
-    /// Connects, as often as it takes, and listens to this filter: first what the broker has kept, then what is said.
+    /// Connects, as often as it takes, and listens to this filter from then on: first what the broker has kept, then what is said.
     pub(crate) fn at(broker: &Broker, filter: &str) -> Ear {
         static EARS: AtomicUsize = AtomicUsize::new(0);
         let name = format!("ear-{}", EARS.fetch_add(1, Ordering::Relaxed));
         let mut options = MqttOptions::new(name, "127.0.0.1", broker.port());
         options.set_credentials(LOGIN.0, LOGIN.1).set_max_packet_size(LARGEST, LARGEST);
         let (client, mut connection) = Client::new(options, 100);
-        let (tell, heard) = mpsc::channel();
+        let (tell, coming) = mpsc::channel();
+        let (begin, begun) = mpsc::channel();
         let (speaker, filter) = (client.clone(), filter.to_owned());
         std::thread::spawn(move || {
             for event in connection.iter() {
                 let is_over = match event {
                     Ok(Event::Incoming(Packet::ConnAck(_))) => speaker.try_subscribe(&filter, QoS::AtLeastOnce).is_err(),
+                    Ok(Event::Incoming(Packet::SubAck(_))) => {
+                        // Nobody waits for it a second time.
+                        let _ = begin.send(());
+                        false
+                    }
                     Ok(Event::Incoming(Packet::Publish(publish))) => tell.send(publish).is_err(),
                     Ok(Event::Incoming(_) | Event::Outgoing(_)) => false,
                     Err(_) => {
@@ -51,21 +59,33 @@ impl Ear {
                 }
             }
         });
-        Ear { client, heard }
+        begun.recv_timeout(PATIENCE).expect("the broker takes a subscription");
+        Ear { client, coming, heard: RefCell::default() }
     }
 
-    /// The next message like this.
+    /// The next message.
+    pub(crate) fn next(&self, wanted: &str) -> Publish {
+        let next = self.coming.recv_timeout(PATIENCE);
+        next.unwrap_or_else(|error| panic!("never heard: {wanted} ({error})"))
+    }
+
+    /// The first message like this, of all that were heard and are to come: a state may be told before the result of the command
+    /// that led to it.
     pub(crate) fn until(&self, wanted: &str, is_it: impl Fn(&Publish) -> bool) -> Publish {
+        let mut heard = self.heard.borrow_mut();
+        let mut place = 0;
         loop {
-            match self.heard.recv_timeout(PATIENCE) {
-                Ok(publish) if is_it(&publish) => return publish,
-                Ok(_) => {}
-                Err(error) => panic!("never heard: {wanted} ({error})"),
+            if place == heard.len() {
+                heard.push(self.next(wanted));
             }
+            if is_it(&heard[place]) {
+                return heard[place].clone();
+            }
+            place += 1;
         }
     }
 
-    /// The next JSON on this topic that is like this.
+    /// The first JSON on this topic that is like this.
     pub(crate) fn json(&self, topic: &str, is_it: impl Fn(&Value) -> bool) -> Value {
         let read = |publish: &Publish| serde_json::from_slice::<Value>(&publish.payload).unwrap_or_default();
         read(&self.until(topic, |publish| publish.topic == topic && is_it(&read(publish))))

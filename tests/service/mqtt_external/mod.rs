@@ -5,4 +5,5 @@
 
 mod broker;
 mod ear;
+mod missions;
 mod session;

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use std::hash::{BuildHasher, RandomState};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::limits::{ENGINE_FILTERS, ENGINE_TOPICS};
+use super::limits::{ENGINE_FILTERS, ENGINE_TOPICS, VIEWERS_FILTERS};
 
 /// What may still reach the engine.
 #[derive(Debug, Default)]
@@ -37,6 +37,13 @@ impl Budget {
         let admits = admit(&mut spent.filters, print, ENGINE_FILTERS);
         spent.is_exhausted |= !admits;
         admits
+    }
+
+    /// The same for somebody who only looks: he may spend a part, and whatever he asks for, nobody needs another engine for it.
+    #[must_use]
+    pub fn admits_viewers_filter(&self, filter: &str) -> bool {
+        let print = self.print(filter);
+        admit(&mut self.spent().filters, print, VIEWERS_FILTERS)
     }
 
     /// Whether a message on the topic of this print may reach the engine; if so, it counts.
@@ -83,6 +90,15 @@ mod tests {
         assert!(budget.is_exhausted());
         budget.renew();
         assert!(budget.admits_filter("b") && !budget.is_exhausted());
+    }
+
+    /// Safety A5.
+    #[test]
+    fn whoever_only_looks_wears_no_engine_out() {
+        let budget = Budget::default();
+        let admitted = (0..2 * ENGINE_FILTERS).filter(|n| budget.admits_viewers_filter(&format!("a/{n}"))).count();
+        assert_eq!(admitted, VIEWERS_FILTERS);
+        assert!(!budget.is_exhausted() && budget.admits_filter("b") && budget.admits_viewers_filter("b"));
     }
 
     #[test]

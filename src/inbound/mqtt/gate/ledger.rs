@@ -14,7 +14,7 @@ use std::time::Duration;
 use tokio::sync::Notify;
 
 use super::filter::matches;
-use super::limits::{FORGIVEN, FORGIVEN_LONGEST, LAG, RELIEF};
+use super::limits::{FORGIVEN, FORGIVEN_LONGEST, LAG, LONG, RELIEF};
 
 /// What one subscriber is owed.
 #[derive(Debug, Default)]
@@ -41,6 +41,11 @@ pub struct Ledgers {
     /// Raised by every change, so that who looked before looks again.
     generation: AtomicU64,
     held: Mutex<Vec<(Arc<str>, Arc<Ledger>)>>,
+}
+
+/// What a message with so long a payload counts.
+pub(super) const fn weight(payload: usize) -> i64 {
+    1 + (payload / LONG) as i64
 }
 
 /// Those who get what is published on a topic: one for each filter of theirs that matches.

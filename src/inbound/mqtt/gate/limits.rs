@@ -26,6 +26,9 @@ pub const TOPICS: usize = 16 * 1024;
 /// Filters that ever reached an engine, which keeps a log for each until it ends.
 pub const ENGINE_FILTERS: usize = 4096;
 
+/// Of these, those that whoever only looks may spend.
+pub const VIEWERS_FILTERS: usize = ENGINE_FILTERS / 2;
+
 /// Topics that ever reached an engine, which remembers what each matched until it ends.
 pub const ENGINE_TOPICS: usize = 64 * 1024;
 
@@ -35,20 +38,29 @@ pub const KEPT: usize = 8192;
 /// Their bytes in all, topics included.
 pub const KEPT_BYTES: usize = 32 * 1024 * 1024;
 
+/// Beside these there is room for so many of the program's own, which has a dozen topics,
+pub const KEPT_OURS: usize = 256;
+
+/// and so many bytes: a large map, a photo, and what stands on the other topics.
+pub const KEPT_OURS_BYTES: usize = 16 * 1024 * 1024;
+
 /// What a kept message costs beside its topic and payload, about.
 pub const KEPT_COST: usize = 128;
 
 /// Kept messages of QoS 1 that a client has not acknowledged yet: what mosquitto allows, too.
 pub const KEPT_UNDER_WAY: usize = 20;
 
-/// So many messages may be on their way to a subscriber before whoever publishes more is made to wait: twenty times less than the
-/// engine keeps, and enough that nobody waits for the other.
+/// So many messages may be on their way to a subscriber before whoever publishes more is made to wait: a small part of what the
+/// engine keeps, and enough that nobody waits for the other. Long ones count for several.
 pub const LAG: i64 = 2_000;
+
+/// A message counts once more for each of so many bytes in it, so that long ones are no more than a mebibyte together.
+pub const LONG: usize = 512;
 
 /// It waits until they are no more than this.
 pub const RELIEF: i64 = 1_000;
 
-/// So long one publisher waits for one subscriber.
+/// So long a publisher waits for its subscribers, all of them together.
 pub const PATIENCE: Duration = Duration::from_millis(500);
 
 /// A subscriber that could not be waited for is not waited for during so long,

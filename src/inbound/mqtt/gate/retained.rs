@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use bytes::Bytes;
 
 use super::filter::{matches, stem};
-use super::limits::{KEPT, KEPT_BYTES, KEPT_COST};
+use super::limits::{KEPT, KEPT_BYTES, KEPT_COST, KEPT_OURS, KEPT_OURS_BYTES};
 use super::packet::Qos;
 
 /// The kept messages.
@@ -33,8 +33,18 @@ struct Shelf {
 }
 
 impl Retained {
-    /// Keeps a message in the place of the one that was there; an empty one takes that away. Whether there was room.
+    /// Keeps a message in the place of the one that was there; an empty one takes that away. Whether there was room: without it
+    /// nothing is kept there any more, since what was is not so now.
     pub fn keep(&self, topic: &str, payload: &[u8], qos: Qos) -> bool {
+        self.keep_within((topic, payload, qos), KEPT, KEPT_BYTES)
+    }
+
+    /// The same for what the program itself says, for which there is room however much others have kept.
+    pub fn keep_ours(&self, topic: &str, payload: &[u8], qos: Qos) -> bool {
+        self.keep_within((topic, payload, qos), KEPT + KEPT_OURS, KEPT_BYTES + KEPT_OURS_BYTES)
+    }
+
+    fn keep_within(&self, (topic, payload, qos): (&str, &[u8], Qos), most: usize, most_bytes: usize) -> bool {
         let mut shelf = self.shelf();
         let freed = shelf.kept.get(topic).map_or(0, |old| cost(old.topic.len(), old.payload.len()));
         if payload.is_empty() {
@@ -43,12 +53,14 @@ impl Retained {
             return true;
         }
         let bytes = shelf.bytes - freed + cost(topic.len(), payload.len());
-        let has_room = bytes <= KEPT_BYTES && (freed > 0 || shelf.kept.len() < KEPT);
+        let has_room = bytes <= most_bytes && (freed > 0 || shelf.kept.len() < most);
         if has_room {
             let topic: Arc<str> = Arc::from(topic);
             let message = Kept { topic: Arc::clone(&topic), payload: Bytes::copy_from_slice(payload), qos };
             shelf.kept.insert(topic, Arc::new(message));
             shelf.bytes = bytes;
+        } else if shelf.kept.remove(topic).is_some() {
+            shelf.bytes -= freed;
         }
         has_room
     }
@@ -140,5 +152,17 @@ mod tests {
         }
         assert!(retained.keep("b", b"", Qos::Zero));
         assert_eq!((retained.count(), retained.shelf().bytes), (0, 0));
+    }
+
+    /// Safety A5.
+    #[test]
+    fn what_the_program_says_has_room_whatever_others_have_kept_and_what_has_none_is_not_kept_as_it_was() {
+        let retained = Retained::default();
+        let mebibyte = vec![0; 1024 * 1024];
+        let kept = (0..40).filter(|n| retained.keep(&format!("a/{n}"), &mebibyte, Qos::Zero)).count();
+        assert!(kept < 40 && !retained.keep("a/39", b"more", Qos::Zero) || kept >= 31);
+        assert!(retained.keep_ours("state", &mebibyte, Qos::One) && retained.keep_ours("state", b"newer", Qos::One));
+        assert!(!retained.keep("a/0", &vec![0; 4 * mebibyte.len()], Qos::Zero));
+        assert!(retained.matching("a/0", None, 1).is_empty(), "what it said before is not so any more");
     }
 }

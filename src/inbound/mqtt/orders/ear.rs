@@ -110,6 +110,11 @@ impl Ear {
 }
 
 impl Order {
+    /// Whether it is a STOP, however it is written.
+    pub(super) const fn is_stop(&self) -> bool {
+        matches!(self.asked, Ok((Command::Stop, _)))
+    }
+
     /// What its sender must be allowed: to stop for a STOP, however it is written, and to act for every other command.
     pub(super) fn need(&self) -> Need {
         match &self.asked {

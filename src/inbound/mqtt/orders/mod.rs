@@ -2,6 +2,7 @@
 //! are no sockets here, and no copies: what a broker had kept, and packets that came twice, were left out before.
 
 mod ear;
+mod pace;
 mod problem;
 mod read;
 mod results;
@@ -14,6 +15,7 @@ use std::sync::Arc;
 use tokio::sync::mpsc;
 
 use self::ear::{Ear, Order};
+use self::pace::Pace;
 use self::problem::Problem;
 use self::results::Results;
 pub use self::results::UNDER_WAY;
@@ -23,6 +25,7 @@ use super::topics::Topics;
 use crate::access::Need;
 use crate::core::command::{Command, Refused, Request};
 use crate::core::units::Epoch;
+use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;
 
 /// A message that was published just now.
@@ -41,7 +44,8 @@ pub enum Taken {
     NotACommand,
     /// It asks for something; what becomes of that is published, and on record.
     Taken,
-    /// Its sender may not say this here. Where it asks for something, that is published and on record as well.
+    /// Its sender may not say this here; where it asks for something, that is published and on record as well. Or he says too much
+    /// at once, and nothing becomes of it.
     Forbidden,
 }
 
@@ -51,13 +55,16 @@ pub struct Orders {
     handle: Handle,
     ear: Arc<Ear>,
     results: Results,
+    pace: Arc<Pace>,
+    clock: Clock,
 }
 
 impl Orders {
     /// Commands go to `handle`, results to `answers`; `manual_driving` says whether old clients may drive the robot.
     #[must_use]
     pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<Publication>) -> Orders {
-        Orders { handle, ear: Arc::new(Ear::new(topics, manual_driving)), results: Results::new(answers) }
+        let ear = Arc::new(Ear::new(topics, manual_driving));
+        Orders { handle, ear, results: Results::new(answers), pace: Arc::default(), clock: Clock::default() }
     }
 
     /// Takes a message. Its command is given at the call, so that commands keep the order in which they came, and a STOP has
@@ -68,6 +75,9 @@ impl Orders {
             let is_forbidden = self.ear.is_old(heard.topic) && sender.may(Need::Act).is_err();
             return if is_forbidden { Taken::Forbidden } else { Taken::NotACommand };
         };
+        if !order.is_stop() && !self.pace.admits(sender, self.clock.now().since_start) {
+            return Taken::Forbidden;
+        }
         if let Err(refused) = sender.may(order.need()) {
             self.refuse(&order, &Problem::refused(&refused, None), sender);
             return Taken::Forbidden;
@@ -77,6 +87,12 @@ impl Orders {
             Err(problem) => self.refuse(&order, problem, sender),
         }
         Taken::Taken
+    }
+
+    /// Whether a message halts the robot, whoever sends it.
+    #[must_use]
+    pub fn is_stop(&self, heard: &Heard<'_>) -> bool {
+        self.ear.order(heard).is_some_and(|order| order.is_stop())
     }
 
     /// Gives a command if there is room for one more, and a STOP always.

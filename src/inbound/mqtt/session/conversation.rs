@@ -1,7 +1,8 @@
 //! Where one connection stands: greeted, subscribed, what the broker owes, which messages were heard already, and the deadlines of
 //! all that. It is told what happens and the time; it sends nothing.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
+use std::hash::{BuildHasher, RandomState};
 use std::time::Duration;
 
 use super::super::publication::Publication;
@@ -16,8 +17,9 @@ pub(super) struct Conversation {
     stage: Stage,
     times: Times,
     ledger: Ledger,
-    /// Packet ids that were heard: at most as many as there are.
-    heard: HashSet<u16>,
+    /// What was heard last under each packet id, of which there are not many, and how it is told from other things.
+    heard: HashMap<u16, u64>,
+    marks: RandomState,
     /// From what its beats count on, and they themselves; only with our own broker.
     nonce: Option<u64>,
     pulse: Option<Pulse>,
@@ -38,7 +40,8 @@ impl Conversation {
             stage: Stage::Greeting(now + times.greeting),
             times: *times,
             ledger: Ledger::default(),
-            heard: HashSet::new(),
+            heard: HashMap::new(),
+            marks: RandomState::new(),
             nonce,
             pulse: None,
         }
@@ -90,9 +93,11 @@ impl Conversation {
     }
 
     /// Whether a message is one that was heard on this connection, sent again because our acknowledgement was late. A broker uses
-    /// its ids again, so that one alone tells nothing; and messages without (QoS 0) are never sent again.
-    pub(super) fn is_repeated(&mut self, id: u16, is_duplicate: bool) -> bool {
-        id != 0 && !self.heard.insert(id) && is_duplicate
+    /// its ids again, and NATS calls a message a duplicate that it could not send the first time; so neither tells enough without
+    /// what is said. Messages without an id (QoS 0) are never sent again.
+    pub(super) fn is_repeated(&mut self, id: u16, is_duplicate: bool, said: (&str, &[u8])) -> bool {
+        let mark = self.marks.hash_one(said);
+        id != 0 && self.heard.insert(id, mark) == Some(mark) && is_duplicate
     }
 
     /// The beat that is due.
@@ -195,10 +200,12 @@ mod tests {
     #[test]
     fn only_a_duplicate_of_what_was_heard_is_repeated() {
         let (mut conversation, _) = open(None);
-        assert!(!conversation.is_repeated(7, true), "it was lost the first time");
-        assert!(conversation.is_repeated(7, true));
-        assert!(!conversation.is_repeated(7, false), "the id is used again");
-        assert!(!conversation.is_repeated(0, true) && !conversation.is_repeated(0, true), "without an id");
+        let (start, stop) = (("command", &b"start"[..]), ("command", &b"stop"[..]));
+        assert!(!conversation.is_repeated(7, true, start), "it was lost the first time");
+        assert!(conversation.is_repeated(7, true, start));
+        assert!(!conversation.is_repeated(7, false, start), "the id is used again");
+        assert!(!conversation.is_repeated(7, true, stop), "something else is said");
+        assert!(!conversation.is_repeated(0, true, start) && !conversation.is_repeated(0, true, start), "without an id");
     }
 
     #[test]

@@ -28,15 +28,24 @@ impl From<ConnectionError> for Lost {
     fn from(error: ConnectionError) -> Lost {
         match error {
             ConnectionError::ConnectionRefused(code) => Lost::Refused(in_words(code)),
-            ConnectionError::Io(error) => Lost::Broken(error.to_string()),
-            ConnectionError::NetworkTimeout
+            ConnectionError::Io(_)
+            | ConnectionError::NetworkTimeout
             | ConnectionError::FlushTimeout
             | ConnectionError::MqttState(_)
             | ConnectionError::Tls(_)
             | ConnectionError::NotConnAck(_)
-            | ConnectionError::RequestsDone => Lost::Broken(error.to_string()),
+            | ConnectionError::RequestsDone => Lost::Broken(root(&error)),
         }
     }
+}
+
+/// What is at the bottom of an error: the layers above only say through which hands it went.
+fn root(error: &dyn std::error::Error) -> String {
+    let mut deepest = error;
+    while let Some(source) = deepest.source() {
+        deepest = source;
+    }
+    deepest.to_string()
 }
 
 fn in_words(code: ConnectReturnCode) -> &'static str {
@@ -47,5 +56,23 @@ fn in_words(code: ConnectReturnCode) -> &'static str {
         ConnectReturnCode::BadUserNamePassword => "it knows no such name and password; see mqtt.name and mqtt.password",
         ConnectReturnCode::NotAuthorized => "it lets in only whom it knows; see mqtt.name and mqtt.password, and its own rules",
         ConnectReturnCode::Success => "it answered CONNECT out of turn",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Error, ErrorKind};
+
+    use rumqttc::{StateError, mqttbytes};
+
+    use super::*;
+
+    #[test]
+    fn what_is_at_the_bottom_is_said_and_what_the_user_can_mend() {
+        let reset = Error::new(ErrorKind::ConnectionReset, "reset by peer");
+        let deep = ConnectionError::MqttState(StateError::Deserialization(mqttbytes::Error::Io(reset)));
+        assert_eq!(Lost::from(deep).to_string(), "reset by peer");
+        let refused = Lost::from(ConnectionError::ConnectionRefused(ConnectReturnCode::BadUserNamePassword)).to_string();
+        assert!(refused.contains("mqtt.name") && refused.contains("mqtt.password"), "{refused}");
     }
 }

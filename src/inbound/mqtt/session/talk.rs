@@ -155,18 +155,23 @@ impl Talk<'_> {
         self.session.handle_open();
     }
 
-    /// Only what is said now: what a broker has kept was said to somebody before us.
+    /// Only what is said now, and once: what a broker has kept was said to somebody before us. A STOP is taken as often as it comes.
     fn hear(&mut self, said: &Publish) {
-        if self.conversation.is_repeated(said.pkid, said.dup) || said.retain {
+        let (topic, payload) = (said.topic.as_str(), &said.payload[..]);
+        let is_repeated = self.conversation.is_repeated(said.pkid, said.dup, (topic, payload));
+        if said.retain {
             return;
         }
         let session = &mut *self.session;
-        match (said.topic.as_str(), &session.hearing) {
-            (HOME_ASSISTANT_STATUS, _) if said.payload == BIRTH => session.news.handle_birth(),
-            (PULSE, Hearing::Own) if self.conversation.handle_echo(&said.payload) => session.chart.handle_proof(),
+        match (topic, &session.hearing) {
+            (HOME_ASSISTANT_STATUS, _) if payload == BIRTH => session.news.handle_birth(),
+            (PULSE, Hearing::Own) if self.conversation.handle_echo(payload) => session.chart.handle_proof(),
             (topic, Hearing::Other(orders)) => {
-                // What became of it is published by the orders themselves.
-                let _ = orders.take(&Heard { topic, payload: &said.payload }, &session.sender);
+                let heard = Heard { topic, payload };
+                if !is_repeated || orders.is_stop(&heard) {
+                    // What became of it is published by the orders themselves.
+                    let _ = orders.take(&heard, &session.sender);
+                }
             }
             (_, Hearing::Own) => {}
         }

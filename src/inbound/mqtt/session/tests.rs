@@ -60,6 +60,22 @@ async fn a_command_is_heard_once_and_what_was_kept_or_comes_again_is_not() {
     assert_eq!(given, [Command::Start, Command::Reset]);
 }
 
+/// Safety S1.
+#[tokio::test]
+async fn a_stop_is_taken_as_often_as_it_comes() {
+    let broker = Broker::open().await;
+    let house = others(&broker);
+    let (mut peer, ..) = broker.guest().await;
+    let stop = publish("unibo/qak/events", "msg(stopCmd,event,js,none,stopCmd,1)", 5);
+    let again = rumqttc::Publish { dup: true, ..stop.clone() };
+    for said in [stop, again, publish(&topics().command("reset"), "", 6)] {
+        peer.says(Packet::Publish(said)).await;
+    }
+    peer.until(&topics().result("reset")).await;
+    let given: Vec<_> = house.script.given.lock().unwrap().iter().map(|request| request.command.clone()).collect();
+    assert_eq!(given, [Command::Stop, Command::Stop, Command::Reset]);
+}
+
 #[tokio::test]
 async fn an_answer_that_may_not_have_arrived_is_said_again_and_old_messages_keep_their_numbers() {
     let broker = Broker::open().await;

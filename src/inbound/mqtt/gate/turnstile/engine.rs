@@ -4,6 +4,7 @@ use bytes::{Buf, BytesMut};
 
 use super::{Ended, Turnstile};
 use crate::inbound::mqtt::gate::frame::{Frame, Kind, frame};
+use crate::inbound::mqtt::gate::ledger::weight;
 use crate::inbound::mqtt::gate::limits::HOUSE_PACKET;
 use crate::inbound::mqtt::gate::packet::{Qos, ack, publish};
 
@@ -21,8 +22,7 @@ impl Turnstile {
                 Ok(Some(frame)) => frame,
             };
             let end = read + frame.length;
-            came += i64::from(frame.kind == Kind::Publish);
-            match self.is_for_client(&frame, &bytes[read..end]) {
+            match self.is_for_client(&frame, &bytes[read..end], &mut came) {
                 Ok(true) => {}
                 Ok(false) => {
                     self.to_client.extend_from_slice(&bytes[run..read]);
@@ -41,12 +41,13 @@ impl Turnstile {
         outcome
     }
 
-    /// Whether this is a message for the client; its id is noted.
-    fn is_for_client(&mut self, frame: &Frame, packet: &[u8]) -> Result<bool, Ended> {
+    /// Whether this is a message for the client; its id is noted, and what it counts.
+    fn is_for_client(&mut self, frame: &Frame, packet: &[u8], came: &mut i64) -> Result<bool, Ended> {
         if frame.kind != Kind::Publish {
             return Ok(false);
         }
         let publish = publish::read(frame, packet).map_err(Ended::EngineMalformed)?;
+        *came += weight(publish.payload.len());
         let is_seen = self.guest.may_see(publish.topic);
         match publish.qos {
             Qos::Zero => {}

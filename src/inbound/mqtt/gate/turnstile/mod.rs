@@ -17,6 +17,7 @@ mod subscribing;
 #[cfg(test)]
 mod tests;
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -37,7 +38,7 @@ use super::frame::{Frame, Kind, Malformed, frame};
 use super::ledger::{Account, Ledger, Ledgers};
 use super::limits::{ANSWER_ROOM, CLIENT_ROOM, ENGINE_ROOM, GUEST_PACKET, HOUSE_PACKET, SILENCE};
 use super::packet::connect::Will;
-use super::packet::{ack, write};
+use super::packet::{ack, publish, write};
 use super::retained::Retained;
 use super::rights::Guest;
 use crate::inbound::mqtt::topics::Topics;
@@ -67,6 +68,9 @@ impl Gatehouse {
 pub trait Listener: Send + Sync {
     /// A message on the topic of a command, once, as it is sent, before anybody else gets it.
     fn hear(&self, topic: &str, payload: &[u8]) -> Heard;
+
+    /// Whether such a message is a STOP, which is heard whatever was heard before, and ahead of everything.
+    fn is_stop(&self, topic: &str, payload: &[u8]) -> bool;
 }
 
 /// What is to be done with a message that was heard.
@@ -106,6 +110,10 @@ pub struct Turnstile {
     to_client: BytesMut,
     routes: Routes,
     flood: Flood,
+    /// So much of what waits to be taken was looked through for a STOP,
+    looked: usize,
+    /// and these were heard: their prints, in order.
+    early: VecDeque<u64>,
     account: Account,
     duplicates: Duplicates,
     subscriptions: Subscriptions,
@@ -126,6 +134,8 @@ impl Turnstile {
         let mut turnstile = Turnstile {
             account,
             flood: Flood::default(),
+            looked: 0,
+            early: VecDeque::new(),
             guest: terms.guest,
             listener: terms.listener,
             gatehouse,
@@ -166,6 +176,7 @@ impl Turnstile {
                 }
             }
         };
+        self.looked = 0;
         if read > 0 {
             bytes.advance(read);
             self.heard_at = now;
@@ -234,12 +245,25 @@ impl Turnstile {
         self.to_client.len() < CLIENT_ROOM
     }
 
-    /// The subscriber whom this client has to wait for before anything more is read from it; none, when it has not published in a
+    /// The subscribers whom this client has to wait for before anything more of it is taken; none, when it has not published in a
     /// flood. The program itself waits for nobody.
-    pub fn poll_behind(&mut self, now: Duration) -> Option<Arc<Ledger>> {
+    pub fn poll_behind(&mut self, now: Duration) -> Vec<Arc<Ledger>> {
         let passed = self.routes.take_passed();
         let is_flood = self.flood.handle_passed(passed, now) && self.guest != Guest::House;
-        if is_flood { self.routes.behind(now) } else { None }
+        if is_flood { self.routes.behind(now) } else { Vec::new() }
+    }
+
+    /// What has come from a client that has to wait: a STOP in it is heard at once. All of it is taken by `handle_client` later.
+    pub fn handle_waiting(&mut self, bytes: &[u8]) {
+        while let Some(Ok(Some(frame))) = bytes.get(self.looked..).map(|rest| frame(rest, GUEST_PACKET)) {
+            let packet = &bytes[self.looked..self.looked + frame.length];
+            self.looked += frame.length;
+            if frame.kind == Kind::Publish
+                && let Ok(publish) = publish::read(&frame, packet)
+            {
+                self.hear_early(&publish);
+            }
+        }
     }
 
     /// What was published for this client and has not come yet.

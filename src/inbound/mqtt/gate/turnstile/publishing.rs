@@ -8,6 +8,7 @@ use crate::inbound::mqtt::gate::limits::KEPT_IDS;
 use crate::inbound::mqtt::gate::packet::connect::Will;
 use crate::inbound::mqtt::gate::packet::publish::{self, Publish};
 use crate::inbound::mqtt::gate::packet::{Qos, text, write};
+use crate::inbound::mqtt::gate::rights::Guest;
 
 /// The flag of a PUBLISH that is to be kept.
 const RETAIN: u8 = 1;
@@ -62,6 +63,8 @@ impl Turnstile {
             self.refusals.note(will.topic.as_bytes(), "such a will");
             return;
         }
+        self.routes.passed(will.payload.len());
+        self.routes.settle();
         write::publish(&mut self.to_engine, will.topic.as_bytes(), &will.payload, Qos::Zero, 0, false);
         if will.retain {
             self.keep(&will.topic, &will.payload, will.qos);
@@ -69,7 +72,7 @@ impl Turnstile {
     }
 
     fn pass_as_it_is(&mut self, publish: &Publish<'_>, packet: &[u8]) {
-        self.routes.passed();
+        self.routes.passed(publish.payload.len());
         let start = self.to_engine.len();
         self.to_engine.extend_from_slice(packet);
         if publish.retain {
@@ -83,7 +86,7 @@ impl Turnstile {
             return Ok(());
         }
         self.duplicates.handled(publish, None)?;
-        self.routes.passed();
+        self.routes.passed(publish.payload.len());
         write::publish(&mut self.to_engine, publish.topic, publish.payload, Qos::Zero, 0, false);
         if publish.retain {
             self.retain(publish);
@@ -95,10 +98,15 @@ impl Turnstile {
     fn hear(&mut self, publish: &Publish<'_>) -> Result<(), Ended> {
         let topic = text(publish.topic, "topic")?;
         let print = self.gatehouse.budget.print((publish.topic, publish.payload));
-        if self.duplicates.was_heard(publish, print) {
+        let is_stop = self.listener.is_stop(topic, publish.payload);
+        if !is_stop && self.duplicates.was_heard(publish, print) {
             return Ok(());
         }
-        let heard = self.listener.hear(topic, publish.payload);
+        let was_early = is_stop && self.early.front() == Some(&print);
+        let heard = if was_early { Heard::Pass } else { self.listener.hear(topic, publish.payload) };
+        if was_early {
+            self.early.pop_front();
+        }
         let is_unreleased = self.duplicates.is_unreleased(publish);
         self.duplicates.handled(publish, Some(print))?;
         match heard {
@@ -106,11 +114,22 @@ impl Turnstile {
             Heard::Pass if is_unreleased => {}
             Heard::Pass => {
                 if self.routes.admits_command(topic, &self.gatehouse)? {
+                    self.routes.passed(publish.payload.len());
                     write::publish(&mut self.to_engine, publish.topic, publish.payload, Qos::Zero, 0, false);
                 }
             }
         }
         Ok(())
+    }
+
+    /// A STOP among what waits to be taken is heard at once, and not again when its turn comes (safety S1).
+    pub(super) fn hear_early(&mut self, publish: &Publish<'_>) {
+        let Ok(topic) = text(publish.topic, "topic") else { return };
+        let is_heard = is_for_commands(self.gatehouse.topics.place(topic)) && self.guest != Guest::House;
+        if is_heard && self.listener.is_stop(topic, publish.payload) {
+            self.early.push_back(self.gatehouse.budget.print((publish.topic, publish.payload)));
+            let _ = self.listener.hear(topic, publish.payload);
+        }
     }
 
     fn drop(&mut self, publish: &Publish<'_>, why: Dropped) -> Result<(), Ended> {
@@ -131,7 +150,9 @@ impl Turnstile {
         if is_for_commands(self.gatehouse.topics.place(topic)) || filter::topic(topic).is_err() {
             return;
         }
-        if !self.gatehouse.retained.keep(topic, payload, qos) {
+        let retained = &self.gatehouse.retained;
+        let is_ours = self.guest == Guest::House;
+        if !(if is_ours { retained.keep_ours(topic, payload, qos) } else { retained.keep(topic, payload, qos) }) {
             self.refusals.note(topic.as_bytes(), "it cannot be kept, there being too many kept messages; it was passed on");
         }
     }

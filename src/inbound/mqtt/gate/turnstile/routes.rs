@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::{Ended, Gatehouse};
 use crate::inbound::mqtt::gate::filter::{self, Unfit};
 use crate::inbound::mqtt::gate::frame::Malformed;
-use crate::inbound::mqtt::gate::ledger::{Ledger, Readers};
+use crate::inbound::mqtt::gate::ledger::{Ledger, Readers, weight};
 use crate::inbound::mqtt::gate::limits::TOPICS;
 use crate::inbound::mqtt::gate::packet::text;
 use crate::inbound::mqtt::gate::rights::Guest;
@@ -85,9 +85,9 @@ impl Routes {
         Ok(route)
     }
 
-    /// A message on the topic of the last question was passed on to the engine.
-    pub(super) fn passed(&mut self) {
-        self.unsettled += 1;
+    /// A message on the topic of the last question, with so long a payload, was passed on to the engine.
+    pub(super) fn passed(&mut self, payload: usize) {
+        self.unsettled += weight(payload);
     }
 
     /// Puts what was passed on into the ledgers of those who are to get it.
@@ -109,10 +109,10 @@ impl Routes {
         std::mem::take(&mut self.passed)
     }
 
-    /// One of the readers who are behind.
-    pub(super) fn behind(&mut self, now: Duration) -> Option<Arc<Ledger>> {
+    /// The readers who are behind.
+    pub(super) fn behind(&mut self, now: Duration) -> Vec<Arc<Ledger>> {
         self.behind.retain(|reader| reader.is_behind(now));
-        self.behind.first().cloned()
+        self.behind.clone()
     }
 
     /// Who reads a topic, looked up again when anything has changed.
@@ -131,7 +131,16 @@ impl Routes {
     /// When its topic is one too many.
     pub(super) fn admits_command(&mut self, topic: &str, gatehouse: &Gatehouse) -> Result<bool, Ended> {
         let print = gatehouse.budget.print(topic.as_bytes());
-        Ok(filter::topic(topic).is_ok() && (self.admitted.contains_key(&print) || self.admit(print, Route::Hear, gatehouse)?))
+        if filter::topic(topic).is_err() {
+            return Ok(false);
+        }
+        if !self.admitted.contains_key(&print) {
+            if !self.admit(print, Route::Hear, gatehouse)? {
+                return Ok(false);
+            }
+            self.readers = self.readers_of(topic.as_bytes(), print, gatehouse)?;
+        }
+        Ok(true)
     }
 
     fn judge(&mut self, topic: &[u8], print: u64, guest: Guest, gatehouse: &Gatehouse) -> Result<Route, Ended> {

@@ -7,11 +7,13 @@ use std::sync::Arc;
 
 use super::duplicates::Duplicates;
 use super::{Ended, Turnstile};
+use crate::access::Role;
 use crate::inbound::mqtt::gate::filter;
 use crate::inbound::mqtt::gate::frame::Kind;
 use crate::inbound::mqtt::gate::limits::{FILTERS, PENDING};
 use crate::inbound::mqtt::gate::packet::filters::Filters;
 use crate::inbound::mqtt::gate::packet::{Qos, write};
+use crate::inbound::mqtt::gate::rights::Guest;
 
 /// What is remembered of a client between its connections.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -77,8 +79,9 @@ impl Turnstile {
     pub(super) fn resume(&mut self, session: Session) {
         self.duplicates = Duplicates::resumed(session.unreleased);
         for (filter, qos) in &session.filters {
-            if let Err(why) = self.accept(filter, *qos) {
-                self.refusals.note(filter.as_bytes(), why);
+            match self.accept(filter, *qos) {
+                Ok((filter, _)) => self.account.enter(&filter),
+                Err(why) => self.refusals.note(filter.as_bytes(), why),
             }
         }
         self.tell_engine(1, None, BTreeSet::new()).expect("nothing is pending yet");
@@ -166,7 +169,9 @@ impl Turnstile {
         if self.subscriptions.held.len() >= FILTERS {
             return Err(Box::new(format!("one connection holds at most {FILTERS} filters")));
         }
-        if !self.gatehouse.budget.admits_filter(filter) {
+        let budget = &self.gatehouse.budget;
+        let only_looks = self.guest == Guest::Somebody(Role::Viewer);
+        if !(if only_looks { budget.admits_viewers_filter(filter) } else { budget.admits_filter(filter) }) {
             return Err(Box::new("more filters than the engine can remember; a new engine is needed"));
         }
         let name: Arc<str> = Arc::from(filter);

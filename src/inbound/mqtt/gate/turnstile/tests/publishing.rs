@@ -1,6 +1,6 @@
 //! What clients publish: where it goes, what is heard, what is kept and what is dropped, and that everything is acknowledged.
 
-use super::scene::{OPERATOR, STOP, Scene, VIEWER, publish};
+use super::scene::{OPERATOR, START, STOP, Scene, VIEWER, publish};
 use crate::inbound::mqtt::gate::limits::{ENGINE_TOPICS, GUEST_PACKET, HANDLED, TOPICS, UNRELEASED};
 use crate::inbound::mqtt::gate::rights::Guest;
 use crate::inbound::mqtt::gate::turnstile::Ended;
@@ -85,46 +85,72 @@ fn a_command_that_was_heard_is_not_heard_again_only_when_it_is_truly_the_same_pa
         scene.client(bytes).unwrap();
         scene.heard().len()
     };
-    assert_eq!(heard(&publish(0x32, STOP, "a", 7)), 1);
-    assert_eq!(heard(&publish(0x3A, STOP, "a", 7)), 0, "the same, and marked");
-    assert_eq!(heard(&publish(0x32, STOP, "a", 7)), 1, "not marked");
-    assert_eq!(heard(&publish(0x3A, STOP, "b", 7)), 1, "marked, and something else");
-    assert_eq!(heard(&publish(0x3A, STOP, "b", 8)), 1, "marked, and of an id that was not there");
-    assert_eq!(heard(&publish(0x30, STOP, "b", 0)) + heard(&publish(0x30, STOP, "b", 0)), 2, "QoS 0 is always heard");
+    assert_eq!(heard(&publish(0x32, START, "a", 7)), 1);
+    assert_eq!(heard(&publish(0x3A, START, "a", 7)), 0, "the same, and marked");
+    assert_eq!(heard(&publish(0x32, START, "a", 7)), 1, "not marked");
+    assert_eq!(heard(&publish(0x3A, START, "b", 7)), 1, "marked, and something else");
+    assert_eq!(heard(&publish(0x3A, START, "b", 8)), 1, "marked, and of an id that was not there");
+    assert_eq!(heard(&publish(0x30, START, "b", 0)) + heard(&publish(0x30, START, "b", 0)), 2, "QoS 0 is always heard");
     assert_eq!(scene.client_got().len(), 5, "all of QoS 1 are acknowledged");
 }
 
 #[test]
 fn a_command_of_qos_2_is_heard_once_until_it_is_released() {
     let mut scene = Scene::of(OPERATOR);
-    scene.client(&[publish(0x34, STOP, "a", 7), publish(0x3C, STOP, "a", 7)].concat()).unwrap();
+    scene.client(&[publish(0x34, START, "a", 7), publish(0x3C, START, "a", 7)].concat()).unwrap();
     assert_eq!((scene.heard().len(), scene.engine_got().len()), (1, 1));
-    scene.client(&publish(0x34, STOP, "a", 7)).unwrap();
+    scene.client(&publish(0x34, START, "a", 7)).unwrap();
     assert_eq!((scene.heard().len(), scene.engine_got().len()), (1, 0), "heard, as it is not marked; nobody else gets it twice");
     scene.client(&[0x62, 2, 0, 7]).unwrap();
-    scene.client(&publish(0x3C, STOP, "a", 7)).unwrap();
+    scene.client(&publish(0x3C, START, "a", 7)).unwrap();
     assert_eq!((scene.heard().len(), scene.engine_got().len()), (1, 1), "a new one, whatever its mark");
 }
 
 #[test]
 fn a_command_of_qos_2_is_known_again_in_the_next_connection_of_a_session() {
     let mut scene = Scene::of(OPERATOR);
-    scene.client(&publish(0x34, STOP, "a", 7)).unwrap();
+    scene.client(&publish(0x34, START, "a", 7)).unwrap();
     let gatehouse = scene.gatehouse.clone();
     let session = scene.turnstile.into_session();
     let mut scene = Scene::in_house(&gatehouse, OPERATOR, |terms| terms.session = session);
-    scene.client(&publish(0x3C, STOP, "a", 7)).unwrap();
+    scene.client(&publish(0x3C, START, "a", 7)).unwrap();
     assert_eq!((scene.heard().len(), scene.client_got()), (0, vec!["Pubrec 7".to_owned()]));
+}
+
+/// Safety S1.
+#[test]
+fn a_stop_is_heard_as_often_as_it_comes_whatever_was_heard_before() {
+    let mut scene = Scene::of(OPERATOR);
+    for first in [0x32, 0x3A, 0x34, 0x3C] {
+        scene.client(&publish(first, STOP, "a", 7)).unwrap();
+        assert_eq!(scene.heard().len(), 1, "{first:#x}");
+    }
+}
+
+/// Safety S1.
+#[test]
+fn a_stop_of_a_client_that_has_to_wait_is_heard_at_once_and_not_again_when_its_turn_comes() {
+    let mut scene = Scene::of(OPERATOR);
+    let waiting = [publish(0x30, "a", "x", 0), publish(0x30, STOP, "", 0), publish(0x30, START, "", 0)].concat();
+    scene.turnstile.handle_waiting(&waiting[..waiting.len() - 1]);
+    scene.turnstile.handle_waiting(&waiting);
+    assert_eq!(scene.heard(), [format!("{STOP} ")]);
+    assert!(scene.engine_got().is_empty(), "all the rest waits");
+    scene.client(&waiting).unwrap();
+    assert_eq!(scene.heard(), [format!("{START} ")]);
+    assert_eq!(scene.engine_got().len(), 3);
+    scene.client(&publish(0x30, STOP, "", 0)).unwrap();
+    assert_eq!(scene.heard().len(), 1, "another one");
 }
 
 #[test]
 fn what_is_remembered_of_commands_has_an_end() {
     let mut scene = Scene::of(OPERATOR);
     for id in 1..=2 * u16::try_from(HANDLED).unwrap() {
-        scene.client(&publish(0x32, STOP, "a", id)).unwrap();
+        scene.client(&publish(0x32, START, "a", id)).unwrap();
     }
     scene.heard();
-    scene.client(&publish(0x3A, STOP, "a", 1)).unwrap();
+    scene.client(&publish(0x3A, START, "a", 1)).unwrap();
     assert_eq!(scene.heard().len(), 1, "forgotten, and so heard again");
 }
 

@@ -15,6 +15,7 @@ use crate::inbound::mqtt::topics::Topics;
 
 pub(super) const OPERATOR: Guest = Guest::Somebody(Role::Operator);
 pub(super) const VIEWER: Guest = Guest::Somebody(Role::Viewer);
+pub(super) const START: &str = "hallsweep/discovery/command/start";
 pub(super) const STOP: &str = "hallsweep/discovery/command/stop";
 
 /// Hears commands, and forbids those that say so.
@@ -26,6 +27,10 @@ impl Listener for Ear {
         let payload = String::from_utf8_lossy(payload);
         self.0.lock().unwrap().push(format!("{topic} {payload}"));
         if payload == "forbidden" { Heard::Forbidden } else { Heard::Pass }
+    }
+
+    fn is_stop(&self, topic: &str, _: &[u8]) -> bool {
+        topic == STOP
     }
 }
 

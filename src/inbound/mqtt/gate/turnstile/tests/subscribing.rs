@@ -91,6 +91,7 @@ fn a_remembered_session_holds_its_filters_and_can_let_them_go() {
     let session = scene.turnstile.into_session();
     let mut scene = Scene::in_house(&gatehouse, OPERATOR, |terms| terms.session = session.clone());
     assert_eq!(scene.turnstile.to_engine()[..2], [0x82, 10]);
+    assert_eq!(gatehouse.ledgers.readers("a").len(), 1, "whoever floods waits for it as for others");
     scene.engine_answers();
     assert_eq!(scene.client_got(), NONE, "the client did not ask, and what is kept it has");
     scene.client(&unsubscribe(3, &["a"])).unwrap();

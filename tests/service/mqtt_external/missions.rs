@@ -1,0 +1,216 @@
+//! The whole program at somebody else's broker: a mission driven and watched by its messages alone, in JSON and in the old words, and
+//! a broker that is away in the middle of one.
+
+use std::time::Duration;
+
+use serde_json::{Value, json};
+
+use super::broker::{Broker, CERTIFICATE, Kind, LOGIN};
+use super::ear::Ear;
+use crate::program::{Program, hallsweep};
+
+/// Everything of this robot.
+const OURS: &str = "hallsweep/discovery/#";
+
+/// Everything of the original system.
+const OLD: &str = "unibo/qak/#";
+
+/// The program in this hall at this speed, with this broker.
+fn serve(broker: &Broker, hall: &str, speed: &str) -> Program {
+    let arguments = ["serve", "--http", "127.0.0.1:0", "--seed", "1", "--hall", hall, "--speed", speed];
+    let mut command = hallsweep(&arguments);
+    command.env("HALLSWEEP__MQTT__BROKER", broker.url());
+    if broker.kind() == Kind::MosquittoWithLogin {
+        command.env("HALLSWEEP__MQTT__NAME", LOGIN.0).env("HALLSWEEP__MQTT__PASSWORD", LOGIN.1);
+    }
+    if broker.kind() == Kind::MosquittoByTls {
+        command.env("HALLSWEEP__MQTT__CERTIFICATES", CERTIFICATE);
+    }
+    Program::started(&mut command)
+}
+
+/// Gives a command in JSON, and waits for its own result.
+fn give(ear: &Ear, name: &str, mut payload: Value, id: &str) -> Value {
+    payload["id"] = id.into();
+    ear.say(&format!("hallsweep/discovery/command/{name}"), &payload.to_string());
+    ear.json(&format!("hallsweep/discovery/command/{name}/result"), |result| result["id"] == id)
+}
+
+/// The same, which must be accepted.
+fn accepted(ear: &Ear, name: &str, payload: Value, id: &str) {
+    let result = give(ear, name, payload, id);
+    assert_eq!(result["accepted"], true, "{name}: {result}");
+}
+
+/// Whoever reads that it is there is heard.
+fn until_online(ear: &Ear) {
+    ear.until("online", |said| said.topic.ends_with("/availability") && &said.payload[..] == b"online");
+}
+
+fn until_phase(ear: &Ear, phase: &str) {
+    ear.json("hallsweep/discovery/state/mission", |mission| mission["phase"] == phase);
+}
+
+/// The number of the piece that waits for its verdict after this one.
+fn until_asked(ear: &Ear, after: u64) -> u64 {
+    let is_next = |piece: &&Value| piece["verdict"] == "pending" && piece["id"].as_u64().is_some_and(|id| id > after);
+    let waits = |pieces: &Value| pieces.as_array()?.iter().find(is_next)?["id"].as_u64();
+    let pieces = ear.json("hallsweep/discovery/state/luggage", |pieces| waits(pieces).is_some());
+    waits(&pieces).expect("it was there just now")
+}
+
+/// A search, a safe piece, a dangerous one, and the mission put away.
+fn over_json(kind: Kind, name: &str) {
+    if !kind.is_here() {
+        return;
+    }
+    let broker = Broker::start(kind, name);
+    let ear = Ear::at(&broker, OURS);
+    let _program = serve(&broker, "airport", "max");
+    until_online(&ear);
+    let refused = give(&ear, "retrieve", json!({}), "early");
+    assert_eq!((&refused["accepted"], &refused["status"]), (&json!(false), &json!(409)), "{refused}");
+    accepted(&ear, "start", json!({}), "a");
+    let first = until_asked(&ear, 0);
+    accepted(&ear, "verdict", json!({"luggage": first, "verdict": "safe"}), "b");
+    let second = until_asked(&ear, first);
+    accepted(&ear, "verdict", json!({"luggage": second, "verdict": "danger"}), "c");
+    until_phase(&ear, "bombLocated");
+    // Whoever comes now sees how things stand.
+    let late = Ear::at(&broker, "hallsweep/discovery/state/+");
+    let alarms = late.json("hallsweep/discovery/state/alarms", |alarms| alarms.as_array().is_some_and(|all| !all.is_empty()));
+    for (place, alarm) in alarms.as_array().expect("a list").iter().enumerate() {
+        accepted(&ear, "acknowledge", json!({"alarm": alarm["id"]}), &format!("d{place}"));
+    }
+    accepted(&ear, "reset", json!({}), "e");
+    until_phase(&Ear::at(&broker, OURS), "idle");
+}
+
+/// What the old console shows of the messages it hears: their contents, and their numbers without a gap.
+struct Console {
+    ear: Ear,
+    last: u64,
+}
+
+impl Console {
+    /// The next content like this.
+    fn until(&mut self, wanted: &str, is_it: impl Fn(&str) -> bool) -> String {
+        loop {
+            let said = self.ear.next(wanted);
+            if !said.payload.starts_with(b"msg(modelContent,") {
+                continue;
+            }
+            let text = String::from_utf8(said.payload.to_vec()).expect("it is text");
+            let (content, number) = text.strip_suffix(')').and_then(|text| text.rsplit_once(',')).expect("it is numbered");
+            assert_eq!((said.topic.as_str(), number), ("unibo/qak/events", (self.last + 1).to_string().as_str()), "{text}");
+            self.last += 1;
+            let content = content.strip_prefix("msg(modelContent,event,resourcemodel,none,").expect("as it always was");
+            if is_it(content) {
+                return content.to_owned();
+            }
+        }
+    }
+
+    /// An event, as the old buttons publish it.
+    fn event(&self, name: &str) {
+        self.ear.say("unibo/qak/events", &format!("msg({name},event,js,none,{name},1)"));
+    }
+
+    /// A dispatch, as others do.
+    fn dispatch(&self, name: &str) {
+        self.ear.say("unibo/qak/robotmind", &format!("msg({name},dispatch,js,robotmind,{name},1)"));
+    }
+}
+
+/// The same in the old words, of which every one has the same sender and number.
+fn over_old_topics(kind: Kind, name: &str) {
+    if !kind.is_here() {
+        return;
+    }
+    let broker = Broker::start(kind, name);
+    let mut console = Console { ear: Ear::at(&broker, OLD), last: 0 };
+    let program = serve(&broker, "airport", "max");
+    let at_home = |content: &str| content.starts_with("content(robot(state(stopped),") && content.contains("position(0,0)");
+    console.until("the robot at home", at_home);
+    console.event("startCmd");
+    console.until("the first piece", |content| content.starts_with("content(luggage("));
+    console.dispatch("luggageSafe");
+    console.until("the next piece", |content| content.starts_with("content(luggage("));
+    console.event("luggageDanger");
+    console.until("the robot at home again", at_home);
+    program.until_phase("bombLocated");
+}
+
+/// A broker that is killed in the middle of a mission is missed by nobody else; when it is back, everything stands there as it is by
+/// then, and commands are heard.
+fn away(kind: Kind, name: &str) {
+    if !kind.is_here() {
+        return;
+    }
+    let mut broker = Broker::start(kind, name);
+    let program = serve(&broker, "airport", "max");
+    let ear = Ear::at(&broker, OURS);
+    until_online(&ear);
+    accepted(&ear, "start", json!({}), "a");
+    let first = until_asked(&ear, 0);
+    drop(ear);
+    broker.kill();
+    program.verdict(first, "safe").accepted();
+    let second = program.until("the next piece", |state| state["luggage"][1]["verdict"] == "pending")["luggage"][1]["id"].clone();
+    broker.start_again();
+    let ear = Ear::at(&broker, OURS);
+    until_online(&ear);
+    let is_newest = |pieces: &Value| pieces[0]["verdict"] == "safe" && pieces[1]["id"] == second;
+    ear.json("hallsweep/discovery/state/luggage", is_newest);
+    accepted(&ear, "verdict", json!({"luggage": second, "verdict": "danger"}), "b");
+    until_phase(&ear, "bombLocated");
+}
+
+#[test]
+fn a_mission_runs_over_json_at_mosquitto() {
+    over_json(Kind::Mosquitto, "json-mosquitto");
+}
+
+#[test]
+fn a_mission_runs_over_json_at_mosquitto_with_a_login() {
+    over_json(Kind::MosquittoWithLogin, "json-login");
+}
+
+#[test]
+fn a_mission_runs_over_json_at_nats() {
+    over_json(Kind::Nats, "json-nats");
+}
+
+#[test]
+fn a_mission_runs_over_the_old_topics_at_mosquitto() {
+    over_old_topics(Kind::Mosquitto, "old-mosquitto");
+}
+
+#[test]
+fn a_mission_runs_over_the_old_topics_at_nats() {
+    over_old_topics(Kind::Nats, "old-nats");
+}
+
+#[test]
+fn a_mission_goes_on_while_mosquitto_is_away() {
+    away(Kind::Mosquitto, "away-mosquitto");
+}
+
+#[test]
+fn a_mission_goes_on_while_nats_is_away() {
+    away(Kind::Nats, "away-nats");
+}
+
+/// By TLS only the program speaks here: that it ends with its farewell shows in what mosquitto wrote.
+#[test]
+fn the_program_takes_leave_of_a_broker_it_reached_by_tls() {
+    if !Kind::MosquittoByTls.is_here() {
+        return;
+    }
+    let broker = Broker::start(Kind::MosquittoByTls, "leave-tls");
+    let mut program = serve(&broker, "empty-8x8", "max");
+    broker.until_it_says("Received PUBLISH from hallsweep-discovery");
+    program.signal("TERM");
+    assert!(program.ended_within(Duration::from_secs(60)).is_some_and(|status| status.success()));
+    broker.until_it_says("Received DISCONNECT from hallsweep-discovery");
+}
