@@ -36,9 +36,6 @@ const LAST_WORDS: Duration = Duration::from_millis(500);
 /// One that was shown too much is replaced no sooner than this after the last: in between, new topics and filters are refused.
 const WORN_REST: Duration = Duration::from_secs(600);
 
-/// So long after a start it is counted as usual how much memory is in use: what an engine before had is given back in milliseconds.
-const SETTLING: Duration = Duration::from_secs(1);
-
 /// The engine that messages are routed by just now; closed when the program ends.
 pub(super) type Running = watch::Receiver<Arc<Engine>>;
 
@@ -63,9 +60,7 @@ pub struct Embedded {
     rests_until: Duration,
     /// When it was last replaced for having been shown too much.
     worn_at: Option<Duration>,
-    /// Until then what is in use is usual;
-    settled_at: Duration,
-    /// how much that was, in bytes.
+    /// The fewest bytes that the program was seen to have in use since this engine began.
     usual: usize,
 }
 
@@ -76,15 +71,7 @@ impl Embedded {
     /// When there is no engine to be had.
     pub async fn start(house: House) -> Result<Embedded, EngineError> {
         let engine = watch::Sender::new(Arc::new(Engine::start().await?));
-        Ok(Embedded {
-            house,
-            engine,
-            clock: Clock::default(),
-            rests_until: Duration::ZERO,
-            worn_at: None,
-            settled_at: SETTLING,
-            usual: 0,
-        })
+        Ok(Embedded { house, engine, clock: Clock::default(), rests_until: Duration::ZERO, worn_at: None, usual: usize::MAX })
     }
 
     /// Serves until `shutdown`; then every connection ends, when what was said before that has reached its client.
@@ -150,14 +137,14 @@ impl Embedded {
 
     /// Why another engine is needed, though this one is not ill.
     fn worn_out(&mut self) -> Option<&'static str> {
+        if let Some(in_use) = memory::in_use() {
+            // What the engine before had is given back to the system a little later.
+            self.usual = self.usual.min(in_use);
+            if in_use > self.usual + APPETITE {
+                return Some("it takes too much memory");
+            }
+        }
         let now = self.clock.now().since_start;
-        let in_use = memory::in_use().unwrap_or(0);
-        if now < self.settled_at {
-            self.usual = in_use;
-        }
-        if in_use > self.usual + APPETITE {
-            return Some("it takes too much memory");
-        }
         let is_worn_out = self.house.is_worn_out() && self.worn_at.is_none_or(|last| now >= last + WORN_REST);
         if is_worn_out {
             self.worn_at = Some(now);
@@ -165,8 +152,11 @@ impl Embedded {
         is_worn_out.then_some("too many different topics were shown to it")
     }
 
-    /// Starts another engine in its place. Whoever was connected has to come again; what is kept is kept by the gate.
+    /// Ends the engine and starts another in its place. Whoever was connected has to come again; what is kept is kept by the gate.
     async fn renew(&mut self, why: &str) {
+        let end = self.engine.borrow().end();
+        end.await;
+        self.usual = usize::MAX;
         match Engine::start().await {
             Ok(engine) => {
                 tracing::warn!(why, "the MQTT broker was started anew: its clients have to connect again");
@@ -175,8 +165,7 @@ impl Embedded {
             }
             Err(error) => tracing::error!(%error, why, "the MQTT broker is to be started anew, and cannot be"),
         }
-        let now = self.clock.now().since_start;
-        (self.rests_until, self.settled_at) = (now + REST, now + SETTLING);
+        self.rests_until = self.clock.now().since_start + REST;
     }
 }
 

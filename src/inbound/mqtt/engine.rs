@@ -11,7 +11,7 @@ use rumqttd::local::LinkTx;
 use rumqttd::protocol::v4::V4;
 use rumqttd::{ConnectionId, ConnectionSettings, LinkType, Router, RouterConfig, Server, ServerSettings};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{oneshot, watch};
+use tokio::sync::watch;
 
 use super::gate::limits::HOUSE_PACKET;
 use super::limits;
@@ -26,13 +26,16 @@ const TRIES: usize = 5;
 /// So long one start may take; it takes a few milliseconds.
 const START_TIME: Duration = Duration::from_secs(5);
 
+/// So long its end may take: a gigabyte of small messages takes about one second.
+const END_TIME: Duration = Duration::from_secs(5);
+
 /// How long the gate may take to enter, in milliseconds: it is at home.
 const CONNECT_TIME_MS: u16 = 5_000;
 
 /// What is taken beyond the longest packet: the engine is not to be stricter than the gate.
 const ROOM: usize = 1024;
 
-/// How often it is looked whether it listens.
+/// How often it is looked whether it listens, or whether it has gone.
 const GLANCE: Duration = Duration::from_millis(5);
 
 /// How often it is looked whether its router lives.
@@ -46,10 +49,12 @@ const NOBODY: ConnectionId = ConnectionId::MAX;
 pub(super) struct Engine {
     address: SocketAddr,
     secret: Token,
-    /// Its thread ends when this is dropped,
-    _stop: oneshot::Sender<()>,
-    /// and then this is closed.
+    /// Its thread ends when this is changed or dropped;
+    stop: watch::Sender<()>,
+    /// then this is closed,
     alive: watch::Receiver<()>,
+    /// and this when the router has given back all it had.
+    gone: watch::Receiver<()>,
     /// Set when it did not let the gate in.
     is_shut: watch::Sender<bool>,
 }
@@ -96,6 +101,16 @@ impl Engine {
         async move { while alive.changed().await.is_ok() {} }
     }
 
+    /// Ends it, and waits, but not for long, until it has given back all it had.
+    pub(super) fn end(&self) -> impl Future<Output = ()> + use<> {
+        self.stop.send_replace(());
+        let mut gone = self.gone.clone();
+        async move {
+            // One that takes longer is left to itself.
+            let _ = tokio::time::timeout(END_TIME, async { while gone.changed().await.is_ok() {} }).await;
+        }
+    }
+
     /// The gate was not let in.
     pub(super) fn lets_nobody_in(&self) {
         self.is_shut.send_replace(true);
@@ -119,15 +134,15 @@ impl Engine {
         let router = Router::new(usize::from(address.port()), router()).spawn();
         let mut last_word = LinkTx::new(NOBODY, router.clone(), Arc::default());
         let mut server = Server::new(settings(address, &secret), router.clone(), V4);
-        let (stop, stopped) = oneshot::channel::<()>();
-        let (living, alive) = watch::channel(());
+        let (stop, mut stopped) = watch::channel(());
+        let ((living, alive), (there, gone)) = (watch::channel(()), watch::channel(()));
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         std::thread::Builder::new().name("mqtt-engine".to_owned()).spawn(move || {
             let ended = runtime.block_on(async {
                 tokio::select! {
                     ended = server.start(LinkType::Remote) => ended,
                     () = ended(|| router.is_disconnected()) => Ok(()),
-                    _ = stopped => Ok(()),
+                    _ = stopped.changed() => Ok(()),
                 }
             });
             if let Err(error) = ended {
@@ -136,10 +151,14 @@ impl Engine {
             // With the runtime all its connections end.
             drop((runtime, living));
             // The crate has no word to end the router's thread, which would keep all that it remembers: but it does not outlive a
-            // question for somebody who is not there. Whether it has ended already makes no difference.
-            let _ = last_word.shadow("");
+            // question for somebody who is not there. One that has much to do may not hear the first.
+            while !router.is_disconnected() {
+                let _ = last_word.shadow("");
+                std::thread::sleep(GLANCE);
+            }
+            drop(there);
         })?;
-        Ok(Engine { address, secret, _stop: stop, alive, is_shut: watch::Sender::new(false) })
+        Ok(Engine { address, secret, stop, alive, gone, is_shut: watch::Sender::new(false) })
     }
 
     /// Waits until it listens; false when its thread has ended.
@@ -226,7 +245,7 @@ mod tests {
         while !threads().contains(&router) {
             tokio::time::sleep(GLANCE).await;
         }
-        drop(engine);
+        engine.end().await;
         while threads().contains(&router) {
             tokio::time::sleep(GLANCE).await;
         }

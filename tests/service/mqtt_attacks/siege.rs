@@ -15,7 +15,7 @@ use crate::program::{Deadline, PATIENCE, Program, hallsweep};
 const STATE: &str = "hallsweep/discovery/state/temperature";
 
 /// How often something is tried that may take a moment.
-pub(crate) const GLANCE: Duration = Duration::from_millis(20);
+const GLANCE: Duration = Duration::from_millis(20);
 
 /// Every siege has a file of its own for what its program says.
 static SIEGES: AtomicUsize = AtomicUsize::new(0);
