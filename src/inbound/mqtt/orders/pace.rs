@@ -12,7 +12,7 @@ use crate::access::Need;
 const OPERATORS: u32 = 300;
 
 /// And of somebody whose commands are all refused.
-const VIEWERS: u32 = 10;
+const VIEWERS: u32 = 50;
 
 /// What each sender has said within the second that began then.
 #[derive(Debug, Default)]
