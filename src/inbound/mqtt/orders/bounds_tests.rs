@@ -43,7 +43,8 @@ async fn a_stop_halts_at_the_call_although_the_loop_hangs_and_every_place_is_tak
     let (orders, _results) = orders_of(handle, false);
     let halts = halter.watch();
     for count in 1..=3 * UNDER_WAY as u64 {
-        assert_eq!(say(&orders, "command/start", "", &here()), Taken::Taken);
+        // Beyond so many in a second nobody listens to it any more.
+        let _ = say(&orders, "command/start", "", &here());
         assert_eq!(say(&orders, "command/stop", "garbage", &here()), Taken::Taken);
         assert_eq!((halts.now().count, halts.now().epoch), (count, Epoch(4 + count)));
     }
