@@ -54,6 +54,8 @@ struct Pump {
     from_engine: BytesMut,
     /// The client has published in a flood, and these subscribers do not keep up.
     waiting: Option<Waiting>,
+    /// Nothing more comes from the client.
+    has_ended: bool,
 }
 
 #[derive(Clone)]
@@ -66,7 +68,8 @@ struct Waiting {
 pub(super) async fn run(turnstile: Turnstile, ends: Ends, mut slot: Slot, mut engine: Running, whose: Whose<'_>) -> Ended {
     let Ends { client, heard, engine: upstream } = ends;
     let (mut client, mut upstream) = (tokio::io::split(client), upstream.into_split());
-    let mut pump = Pump { turnstile, clock: whose.2, from_client: heard, from_engine: BytesMut::new(), waiting: None };
+    let mut pump =
+        Pump { turnstile, clock: whose.2, from_client: heard, from_engine: BytesMut::new(), waiting: None, has_ended: false };
     let ended = tokio::select! {
         ended = pump.flow(&mut client, &mut upstream) => ended,
         () = slot.wanted() => Ended::TakenOver,
@@ -116,7 +119,8 @@ impl Pump {
                 return ended;
             }
             let behind = self.behind();
-            let hears_client = if behind.is_some() { self.from_client.len() < READ } else { self.turnstile.wants_client() };
+            let is_looked_through = !self.has_ended && self.from_client.len() < READ;
+            let hears_client = if behind.is_some() { is_looked_through } else { self.turnstile.wants_client() };
             let hears_engine = self.turnstile.wants_engine();
             let silent_until = self.turnstile.poll_timeout();
             self.from_client.reserve(READ);
@@ -130,7 +134,9 @@ impl Pump {
                     went(written, Ended::Gone)
                 }
                 read = client.read_buf(&mut self.from_client), if hears_client => {
-                    went(read, Ended::Gone).and_then(|()| self.client_said())
+                    self.has_ended = matches!(read, Ok(0));
+                    // What a client has said that had to wait is taken before its end is.
+                    if self.has_ended && behind.is_some() { Ok(()) } else { went(read, Ended::Gone).and_then(|()| self.client_said()) }
                 }
                 read = engine.read_buf(&mut self.from_engine), if hears_engine => {
                     acknowledge_at_once(engine);

@@ -1,6 +1,6 @@
 //! More than anybody can take: what a client does not read costs the program little, and others nothing.
 
-use super::packets::publish;
+use super::packets::{packet, publish};
 use super::siege::Siege;
 
 /// So many bytes are published,
@@ -18,6 +18,28 @@ const ENGINE_MIB: u64 = 1_536;
 
 /// So often an engine is filled: what one took does not add to what the next takes.
 const ROUNDS: usize = 4;
+
+/// So many messages are more than wait anywhere at once.
+const MESSAGES: u32 = 30_000;
+
+#[test]
+fn whoever_floods_and_leaves_at_once_has_said_all_of_it_to_those_who_read() {
+    let siege = Siege::begin();
+    let mut reader = siege.client("reader");
+    assert_eq!(reader.subscribe("flood/#", 0), 0);
+    let mut publisher = siege.client("publisher");
+    let publisher = std::thread::spawn(move || {
+        for n in 0..MESSAGES {
+            publisher.say(&publish("flood/1", &n.to_be_bytes(), 0, 0, 0));
+        }
+        publisher.say(&packet(0xE0, &[]));
+        drop(publisher);
+    });
+    for n in 0..MESSAGES {
+        assert_eq!(reader.message().payload, n.to_be_bytes(), "message {n}");
+    }
+    publisher.join().expect("it has said everything");
+}
 
 /// Safety A5.
 #[test]
