@@ -1,12 +1,10 @@
 //! The ports of the doors: all of them are had before anything that is kept is opened, so that a port in use leaves no trace.
 
-use std::net::SocketAddr;
-
-use tokio::net::TcpListener;
+use std::io;
+use std::net::{SocketAddr, TcpListener, UdpSocket};
 
 use super::AppError;
 use crate::config::{Broker, Settings};
-use crate::inbound::coap::Socket;
 
 /// Whose port it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,9 +62,9 @@ pub struct Doors {
 
 /// What is listened to.
 pub(super) struct Ports {
-    pub(super) http: TcpListener,
-    pub(super) coap: Option<Socket>,
-    pub(super) mqtt: Option<TcpListener>,
+    pub(super) http: Vec<TcpListener>,
+    pub(super) coap: Vec<UdpSocket>,
+    pub(super) mqtt: Vec<TcpListener>,
     /// Where they are.
     pub(super) doors: Doors,
 }
@@ -76,33 +74,37 @@ impl Ports {
     ///
     /// # Errors
     /// `AppError::Bind`: which cannot be had, and why.
-    pub(super) async fn bind(settings: &Settings) -> Result<Ports, AppError> {
-        let (http, http_at) = tcp(settings.http.bind).await.map_err(refused(Port::Http, settings.http.bind))?;
-        let mut ports = Ports { http, coap: None, mqtt: None, doors: Doors { http: http_at, coap: None, mqtt: None } };
+    pub(super) fn bind(settings: &Settings) -> Result<Ports, AppError> {
+        let (http, http_at) = tcp(settings.http.bind).map_err(refused(Port::Http, settings.http.bind))?;
+        let doors = Doors { http: http_at, coap: None, mqtt: None };
+        let mut ports = Ports { http: vec![http], coap: Vec::new(), mqtt: Vec::new(), doors };
         if let Some(address) = settings.coap {
-            let (socket, coap_at) = coap(address).await.map_err(refused(Port::Coap, address))?;
-            (ports.coap, ports.doors.coap) = (Some(socket), Some(coap_at));
+            let (port, at) = udp(address).map_err(refused(Port::Coap, address))?;
+            ports.coap.push(port);
+            ports.doors.coap = Some(at);
         }
         if let Some(Broker::Own { bind, .. }) = settings.mqtt.broker {
-            let (listener, mqtt_at) = tcp(bind).await.map_err(refused(Port::Mqtt, bind))?;
-            (ports.mqtt, ports.doors.mqtt) = (Some(listener), Some(mqtt_at));
+            let (port, at) = tcp(bind).map_err(refused(Port::Mqtt, bind))?;
+            ports.mqtt.push(port);
+            ports.doors.mqtt = Some(at);
         }
         Ok(ports)
     }
 }
 
-async fn tcp(address: SocketAddr) -> std::io::Result<(TcpListener, SocketAddr)> {
-    let listener = TcpListener::bind(address).await?;
-    let address = listener.local_addr()?;
-    Ok((listener, address))
+fn tcp(address: SocketAddr) -> io::Result<(TcpListener, SocketAddr)> {
+    let port = TcpListener::bind(address)?;
+    port.set_nonblocking(true)?;
+    let address = port.local_addr()?;
+    Ok((port, address))
 }
 
-async fn coap(address: SocketAddr) -> std::io::Result<(Socket, SocketAddr)> {
-    let socket = Socket::bind(address).await?;
-    let address = socket.address()?;
-    Ok((socket, address))
+fn udp(address: SocketAddr) -> io::Result<(UdpSocket, SocketAddr)> {
+    let port = UdpSocket::bind(address)?;
+    let address = port.local_addr()?;
+    Ok((port, address))
 }
 
-fn refused(port: Port, address: SocketAddr) -> impl Fn(std::io::Error) -> AppError {
+fn refused(port: Port, address: SocketAddr) -> impl Fn(io::Error) -> AppError {
     move |error| AppError::Bind { port, address, error }
 }
