@@ -49,7 +49,7 @@ pub use error::AppError;
 use kept::Kept;
 use mqtt::Mqtt;
 use ports::Ports;
-pub use ports::{Doors, Port};
+pub use ports::{Doors, Place, Port};
 use threads::Threads;
 
 /// What is still busy this long after everything has ended (a photo being drawn) is left behind.
@@ -128,13 +128,19 @@ async fn serve_hall(
     let resources = || Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
     let coap = coap::open(coap, &threads.coap, resources, (secret, handle.watch(), ending.subscribe()))?;
     let mqtt_ports = listeners(mqtt, &threads.mqtt)?;
-    let mqtt =
-        Mqtt::open(settings, (mqtt_ports, doors.mqtt, mqtt_access), handle.clone(), reader.clone(), ending.subscribe()).await?;
+    let mqtt = Mqtt::open(
+        settings,
+        (mqtt_ports, doors.mqtt.map(|place| place.at), mqtt_access),
+        handle.clone(),
+        reader.clone(),
+        ending.subscribe(),
+    )
+    .await?;
     let http = listeners(http, &threads.http)?;
     let door = Door::new(handle, reader, hall.name(), access).with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);
-    let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|address| address.map(tracing::field::display));
-    tracing::info!(http = %doors.http, coap = coap_at, mqtt = mqtt_at, hall = hall.name(), descriptors, "serving");
+    let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|place| place.map(|place| tracing::field::display(place.at)));
+    tracing::info!(http = %doors.http.at, coap = coap_at, mqtt = mqtt_at, hall = hall.name(), descriptors, "serving");
 
     let mut ended = None;
     let shutdown = async {
