@@ -39,8 +39,8 @@ pub(crate) fn serve() {
         &settings,
         Box::new(move |side| Box::pin(Wheels { side, say: robot, stands: true }.run())),
         |doors, _| {
-            let (coap, mqtt) = (doors.coap.expect("every door is open"), doors.mqtt.expect("every door is open"));
-            let _ = say.send(format!("doors {} {coap} {mqtt}\n", doors.http));
+            let [coap, mqtt] = [doors.coap, doors.mqtt].map(|door| door.expect("every door is open").at);
+            let _ = say.send(format!("doors {} {coap} {mqtt}\n", doors.http.at));
         },
     );
     served.expect("it serves until it is ended");
