@@ -106,7 +106,8 @@ async fn serve_hall(
         open_coap((socket, Endpoint::new(secret)), resources, handle.watch(), ending.subscribe())
     });
     let mqtt = Mqtt::open(settings, (mqtt, mqtt_access), handle.clone(), reader.clone(), ending.subscribe()).await?;
-    let door = Door::new(handle, reader, hall.name(), access).with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
+    let door = Door::new(handle, reader, hall.name(), access).with_cells_of(hall.cell_m());
+    let door = door.with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);
     let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|address| address.map(tracing::field::display));
     tracing::info!(http = %doors.http, coap = coap_at, mqtt = mqtt_at, hall = hall.name(), descriptors, "serving");

@@ -55,6 +55,9 @@ pub struct Door {
     access: Access,
     attempts: Arc<Attempts>,
     mqtt: Option<Hall>,
+    /// The side of a cell, in metres, where it is known.
+    cell_m: Option<f64>,
+    began: Arc<console::Began>,
 }
 
 impl Door {
@@ -72,6 +75,8 @@ impl Door {
             access,
             attempts: Arc::default(),
             mqtt: None,
+            cell_m: None,
+            began: Arc::default(),
         }
     }
 
@@ -79,6 +84,12 @@ impl Door {
     #[must_use]
     pub fn with_mqtt(self, mqtt: Option<Hall>) -> Door {
         Door { mqtt, ..self }
+    }
+
+    /// The same, of a hall whose cells have sides of this many metres.
+    #[must_use]
+    pub fn with_cells_of(self, cell_m: f64) -> Door {
+        Door { cell_m: Some(cell_m), ..self }
     }
 
     /// Ends every open stream at once, and every one opened from now on.
