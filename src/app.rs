@@ -1,10 +1,13 @@
 //! The only file that names every adapter: opens the hall, binds the port, joins core, robot, store and door, and ends them
-//! in order. What each of them does is not here.
+//! in order. What each of them does is not here, and which threads there are stands in `threads`.
 //!
 //! ```text
-//!   signal ─► halt ─► the door drains its requests ─► the loop ends ─► the robot's task ends with its channel
+//!   signal ─► halt ─► the doors drain their requests ─► the loop ends ─► the robot's task ends with its channel
 //! ```
 
+use std::future::Future;
+use std::net::TcpListener;
+use std::pin::Pin;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -16,18 +19,20 @@ use crate::config::{self, Settings};
 use crate::core::mission::Hold;
 use crate::core::sweep::{Recalled, Sweep};
 use crate::core::units::Epoch;
-use crate::core::world::snapshot::Snapshot;
-use crate::inbound::coap::{self, Resources, Socket, endpoint::Endpoint};
+use crate::inbound::coap::Resources;
 use crate::inbound::http::{self, Door};
+use crate::inbound::listeners::Listeners;
 use crate::outbound::robot::sim::{self, Camera, Hall, SimSettings};
 use crate::outbound::store::stops;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use crate::runtime::halt::Halter;
 use crate::runtime::handle::Handle;
-use crate::runtime::link::link;
+use crate::runtime::link::{RobotSide, link};
 use crate::runtime::task::Task;
+use crate::runtime::threads::Thread;
 
+mod coap;
 mod descriptors;
 mod elsewhere;
 mod entry;
@@ -36,6 +41,7 @@ mod kept;
 mod mqtt;
 mod ports;
 mod signals;
+mod threads;
 
 pub use entry::Entry;
 use entry::Opened;
@@ -43,7 +49,8 @@ pub use error::AppError;
 use kept::Kept;
 use mqtt::Mqtt;
 use ports::Ports;
-pub use ports::{Doors, Port};
+pub use ports::{Doors, Place, Port};
+use threads::Threads;
 
 /// What is still busy this long after everything has ended (a photo being drawn) is left behind.
 const LEFT_BEHIND: Duration = Duration::from_millis(200);
@@ -51,15 +58,30 @@ const LEFT_BEHIND: Duration = Duration::from_millis(200);
 /// So long the robot is waited for before requests are answered.
 const FIRST_LINK: Duration = Duration::from_secs(2);
 
+/// What stands between the program and a robot: it takes the adapter's end of the link, and runs until the loop's end is gone.
+pub type Adapter = Box<dyn FnOnce(RobotSide) -> Pin<Box<dyn Future<Output = ()> + Send>> + Send>;
+
 /// Serves until SIGINT or SIGTERM. `announce` is told where, with the real ports, and how one gets in, as soon as requests are
 /// answered.
 ///
 /// # Errors
 /// A hall or keys that cannot be read, a port that cannot be had, a system that refuses, or a loop that ended by itself.
 pub fn serve(settings: &Settings, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
+    serve_with(settings, None, announce)
+}
+
+/// The same with another robot than the simulated one: what is measured at a robot's port is measured behind the real doors.
+///
+/// # Errors
+/// As for `serve`.
+pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
+    serve_with(settings, Some(robot), announce)
+}
+
+fn serve_with(settings: &Settings, robot: Option<Adapter>, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
     let simulation = simulation(settings, Camera::Rendered)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(AppError::System)?;
-    let served = runtime.block_on(serve_hall(settings, simulation, announce));
+    let served = runtime.block_on(serve_hall(settings, simulation, robot, announce));
     runtime.shutdown_timeout(LEFT_BEHIND);
     served
 }
@@ -84,11 +106,13 @@ pub fn simulation(settings: &Settings, camera: Camera) -> Result<(Arc<Hall>, Sim
 async fn serve_hall(
     settings: &Settings,
     (hall, sim): (Arc<Hall>, SimSettings),
+    robot: Option<Adapter>,
     announce: impl FnOnce(Doors, &Entry),
 ) -> Result<(), AppError> {
     let front = entry::front(&settings.http)?;
+    let threads = Threads::start()?;
     let descriptors = descriptors::raise();
-    let Ports { http, coap, mqtt, doors } = Ports::bind(settings).await?;
+    let Ports { http, coap, mqtt, doors } = Ports::bind(settings)?;
     let signalled = signals::listen().map_err(AppError::System)?;
     let secret = access::chance()?;
 
@@ -98,19 +122,26 @@ async fn serve_hall(
     let halter = Halter::new(kept.epoch());
     let reader = Reader::new(Arc::clone(&kept.archive));
     let (closing, closed) = watch::channel(false);
-    let (handle, mut task) = start(settings, (Arc::clone(&hall), sim), kept, &halter, closed).await;
+    let (handle, mut task) = start(settings, (Arc::clone(&hall), sim, robot), kept, (&halter, closed), &threads).await;
     find_robot(&handle).await;
     let ending = watch::Sender::new(false);
-    let coap = coap.map(|socket| {
-        let resources = Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
-        open_coap((socket, Endpoint::new(secret)), resources, handle.watch(), ending.subscribe())
-    });
-    let mqtt = Mqtt::open(settings, (mqtt, mqtt_access), handle.clone(), reader.clone(), ending.subscribe()).await?;
+    let resources = || Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
+    let coap = coap::open(coap, &threads.coap, resources, (secret, handle.watch(), ending.subscribe()))?;
+    let mqtt_ports = listeners(mqtt, &threads.mqtt)?;
+    let mqtt = Mqtt::open(
+        settings,
+        (mqtt_ports, doors.mqtt.map(|place| place.at), mqtt_access),
+        handle.clone(),
+        reader.clone(),
+        ending.subscribe(),
+    )
+    .await?;
+    let http = listeners(http, &threads.http)?;
     let door = Door::new(handle, reader, hall.name(), access).with_cells_of(hall.cell_m());
     let door = door.with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);
-    let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|address| address.map(tracing::field::display));
-    tracing::info!(http = %doors.http, coap = coap_at, mqtt = mqtt_at, hall = hall.name(), descriptors, "serving");
+    let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|place| place.map(|place| tracing::field::display(place.at)));
+    tracing::info!(http = %doors.http.at, coap = coap_at, mqtt = mqtt_at, hall = hall.name(), descriptors, "serving");
 
     let mut ended = None;
     let shutdown = async {
@@ -122,7 +153,7 @@ async fn serve_hall(
         ending.send_replace(true);
     };
     http::serve(http, door, front, shutdown).await;
-    if let Some(coap) = coap {
+    for coap in coap {
         // Its end is bounded; how it ended was said already.
         let _ = coap.await;
     }
@@ -138,20 +169,10 @@ async fn serve_hall(
     if by_itself || end.is_err() { Err(AppError::LoopEnded) } else { Ok(()) }
 }
 
-/// Opens the CoAP door until `ending` says so. A mistake that ends it is no reason to close the others.
-fn open_coap(
-    (socket, endpoint): (Socket, Endpoint),
-    resources: Resources,
-    states: watch::Receiver<Arc<Snapshot>>,
-    mut ending: watch::Receiver<bool>,
-) -> JoinHandle<()> {
-    let shutdown = async move { drop(ending.wait_for(|ending| *ending).await) };
-    let door = tokio::spawn(coap::serve(socket, endpoint, resources, states, shutdown));
-    tokio::spawn(async {
-        if door.await.is_err() {
-            tracing::error!("the CoAP door has ended by a mistake of its own: it is back when hallsweep is started again");
-        }
-    })
+/// Ports that are waited for on this thread.
+fn listeners(bound: Vec<TcpListener>, thread: &Thread) -> Result<Listeners, AppError> {
+    let _on_it = thread.handle().enter();
+    Listeners::new(bound).map_err(AppError::System)
 }
 
 /// Waits until the robot is linked, so that whoever reads where to find the program can press START at once. One that cannot be
@@ -167,14 +188,14 @@ async fn find_robot(handle: &Handle) {
 /// Starts the robot and the loop.
 async fn start(
     settings: &Settings,
-    (hall, sim): (Arc<Hall>, SimSettings),
+    (hall, sim, other): (Arc<Hall>, SimSettings, Option<Adapter>),
     mut kept: Kept,
-    halter: &Halter,
-    closed: watch::Receiver<bool>,
+    (halter, closed): (&Halter, watch::Receiver<bool>),
+    threads: &Threads,
 ) -> (Handle, JoinHandle<()>) {
     let clock = Clock::default();
     if let Some(stops) = kept.stops.take() {
-        tokio::spawn(stops::follow(stops, halter.clone()));
+        threads.core.handle().spawn(stops::follow(stops, halter.clone()));
     }
     let mut sweep = sweep(settings, kept.recalled.take(), halter.watch().now().epoch, &clock);
     let (link, side) = link(halter.watch());
@@ -183,9 +204,12 @@ async fn start(
         // The old one stays, so that robot and map are in the same hall at the next start as well.
         diary = None;
     }
-    tokio::spawn(sim::run(robot, side, clock, speed(settings.robot.speed), diary));
+    match other {
+        Some(adapter) => threads.robot.handle().spawn(adapter(side)),
+        None => threads.robot.handle().spawn(sim::run(robot, side, clock, speed(settings.robot.speed), diary)),
+    };
     let (handle, task) = Task::new(sweep, link, kept.store, clock, halter.clone());
-    (handle, tokio::spawn(task.run(closed)))
+    (handle, threads.core.handle().spawn(task.run(closed)))
 }
 
 /// The core as it was, or as it is at the very first start.

@@ -1,7 +1,7 @@
 // What people do at the console, and what they must see. Written against roles and visible names, as a person finds things.
 
 import { execFileSync } from 'node:child_process';
-import { appears, button, danger, fits, home, look, must, numberOf, phase, photoIsShown, safe, start, stop, until } from './person.mjs';
+import { appears, button, danger, fits, hits, home, look, must, numberOf, phase, photoIsShown, safe, start, stop, until } from './person.mjs';
 
 /** A button can be pressed as the page stands, without scrolling, and STOP does not lie over it. */
 async function inReach(page, locator) {
@@ -138,6 +138,7 @@ export const besideCoap = {
 };
 
 export const lost = {
+  browser: { timezoneId: 'Asia/Kathmandu' },
   tolerated: ['ERR_CONNECTION_REFUSED', 'ERR_INCOMPLETE_CHUNKED_ENCODING', 'ERR_CONNECTION_RESET', 'ERR_EMPTY_RESPONSE'],
   async play({ page, url, please, picture, patience }) {
     await page.goto(url);
@@ -147,6 +148,11 @@ export const lost = {
     await please('kill');
     await banner.waitFor({ state: 'visible', timeout: 15_000 });
     await picture('lost');
+    // The browser is elsewhere: what it says of time is the program's zone, like everything else on the page.
+    const [, hours, minutes] = /from (\d+):(\d+):\d+ \(UTC/.exec(await page.locator('#lost').innerText()) ?? [];
+    const here = new Date();
+    const apart = Math.abs(hours * 60 + Number(minutes) - here.getHours() * 60 - here.getMinutes());
+    must(Math.min(apart, 1440 - apart) <= 5, `the page says ${hours}:${minutes}, the program's clock says ${here}`);
     must(await stop(page).isEnabled(), 'STOP stays when the connection is lost');
     must(await start(page).isDisabled(), 'START would act blindly');
     await please('start');
@@ -293,7 +299,11 @@ const signedIn = {
     must(notice && notice.y + notice.height < page.viewportSize().height, 'a viewer is not told at once why the buttons are dead');
     const living = await page.locator('button:enabled:visible').allInnerTexts();
     must(living.length === 2 && /STOP/.test(living.join()) && /Sign out/.test(living.join()), `alive for a viewer: ${living}`);
+    await hits(page, 'the console of a viewer');
     await picture('viewer');
+    await page.goto(`${url}/sign-in?token=${OPERATOR}`);
+    await hits(page, 'the page where one signs in, for somebody who is signed in');
+    await page.goto(url);
 
     // What others do is seen, and the buttons stay dead when a piece arrives.
     const headers = { authorization: `Bearer ${OPERATOR}` };

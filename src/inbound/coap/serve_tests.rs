@@ -35,7 +35,7 @@ impl Obedient {
 }
 
 impl Application for Obedient {
-    const IS_STOP: fn(&Request) -> bool = |_| false;
+    const IS_STOP: fn(&Request) -> bool = |request| request.segments() == ["stop"];
 
     fn note(&self, _: Refusal) {}
 
@@ -62,10 +62,6 @@ impl Application for Obedient {
         }
         vec![Arc::new(self.revision())]
     }
-
-    fn is_urgent(&self, request: &Request) -> bool {
-        request.segments() == ["stop"]
-    }
 }
 
 /// A door that serves, and what moves it.
@@ -85,8 +81,9 @@ struct Client {
 }
 
 async fn house() -> House {
-    let socket = Socket::bind("127.0.0.1:0".parse().unwrap()).await.unwrap();
-    let address = socket.address().unwrap();
+    let socket = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    let address = socket.local_addr().unwrap();
+    let socket = Socket::new(socket).unwrap();
     let states = watch::Sender::new(Arc::new(searching()));
     let (closing, closed) = oneshot::channel();
     let go = Arc::new(Semaphore::new(0));

@@ -115,9 +115,9 @@ impl View<'_> {
         !self.snapshot.mission.holds.is_empty() && self.mood() != Mood::Calm && self.waiting().is_none()
     }
 
-    /// Whether the robot stands.
+    /// Whether the robot stands, as far as anybody knows.
     pub(super) fn is_still(&self) -> bool {
-        self.snapshot.robot.state == RobotState::Stopped
+        self.snapshot.robot.state == RobotState::Stopped && !self.snapshot.robot.halting
     }
 
     /// Whether anything has been searched yet.
@@ -274,6 +274,9 @@ impl View<'_> {
 
     /// The robot's state in words.
     pub(super) const fn robot_state(&self) -> &'static str {
+        if self.snapshot.robot.halting {
+            return "halting …";
+        }
         match self.snapshot.robot.state {
             RobotState::Stopped => "stands still",
             RobotState::MovingForward => "moves forward",
@@ -405,6 +408,20 @@ mod tests {
     }
 
     #[test]
+    fn a_robot_that_was_told_to_halt_is_halting_until_it_is_known_to_stand() {
+        let mut snapshot = searching();
+        for (state, halting, words, is_still) in [
+            (RobotState::MovingForward, false, "moves forward", false),
+            (RobotState::MovingForward, true, "halting …", false),
+            (RobotState::Stopped, true, "halting …", false),
+            (RobotState::Stopped, false, "stands still", true),
+        ] {
+            (snapshot.robot.state, snapshot.robot.halting) = (state, halting);
+            assert_eq!((view(&snapshot).robot_state(), view(&snapshot).is_still()), (words, is_still));
+        }
+    }
+
+    #[test]
     fn without_a_reading_nothing_is_said_to_be_ok_and_no_button_is_lit() {
         let mut snapshot = idle();
         assert_eq!(view(&snapshot).celsius(), "no reading");
@@ -454,7 +471,7 @@ mod tests {
             next.contains("Luggage #2 at column 1, row 2") && next.contains("acknowledge the alarm, then press RESET"),
             "{next}"
         );
-        snapshot.alarms.clear();
+        snapshot.alarms = std::sync::Arc::from([]);
         touch(&mut snapshot, 21, &[Resource::Alarms]);
         assert!(!view(&snapshot).next_step().unwrap().contains("acknowledge"));
     }
