@@ -61,6 +61,7 @@ function lost() {
   }
   // The next whole message renders every button as it then is.
   document.querySelectorAll("button:not([data-always])").forEach((control) => (control.disabled = true));
+  if (isDead(document.activeElement)) lead();
 }
 
 let retried = 0;
@@ -122,6 +123,7 @@ function show(message) {
   ahead = message.now - Date.now();
   at("hall").setAttribute("viewBox", message.view);
   const piece = at("inspect").dataset.luggage;
+  const here = document.activeElement;
   for (const [id, markup] of Object.entries(message.parts)) {
     if (id.startsWith("hall-") || id.startsWith("tile_")) draw(id, markup);
     else morph(id, markup);
@@ -134,6 +136,7 @@ function show(message) {
   at("revision").textContent = message.revision;
   if (at("inspect").dataset.luggage !== piece) otherPiece();
   if (answered && message.revision >= answered.revision) goOn();
+  else if (here !== document.body && isDead(here)) lead();
 }
 
 /** Another piece is under the verdict buttons: a click already on its way must not hit it. */
@@ -241,15 +244,20 @@ function accepted(form, button, revision) {
 let settling = null; // the button on which the keyboard was put: what a hand that presses twice hits there does not count
 let answered = null; // the button whose press was accepted, until the page shows what came of it
 
-/** A button that has done its work is dead or gone: the keyboard is then where the next act is, unless a person has moved on. */
+/** The page shows what came of a press: the keyboard goes where the next act is, unless a person has moved it meanwhile. */
 function goOn() {
   const here = document.activeElement;
-  const { button } = answered;
+  const isDone = [answered.button, asked].includes(here) && here.closest("#inspect, #actions");
   answered = null;
-  const isDone = here === document.body || here.matches(":disabled") || ([button, asked].includes(here) && here.closest("#inspect"));
-  if (!isDone) return;
+  if (here === document.body || isDead(here) || isDone) lead();
+}
+
+const isDead = (element) => !element.isConnected || element.matches(":disabled");
+
+/** Puts the keyboard where the next act is. */
+function lead() {
   // At a piece first comes its photo: a key that was pressed once too often decides nothing. While the robot moves it is STOP.
-  const piece = at("inspect").dataset.luggage && at("inspect").querySelector("a.photo, button:enabled");
+  const piece = root.dataset.live !== "lost" && at("inspect").dataset.luggage && at("inspect").querySelector("a.photo, button:enabled");
   const next = piece || document.querySelector("button.start.loud:enabled") || at("stop-button");
   next.focus({ preventScroll: next === at("stop-button") });
   settling = { button: next, until: performance.now() + SETTLE_MS };

@@ -184,7 +184,7 @@ export const steady = {
     await appears(page, safe(page), { patience });
     await picture('arrived');
     await stays(before, 'when a piece arrived');
-    const waits = page.locator('[data-since]');
+    const waits = page.locator('#inspect [data-since]');
     const first = await waits.innerText();
     await page.waitForTimeout(1500);
     must(await waits.innerText() !== first, `the time a piece waits stands still at ${first}`);
