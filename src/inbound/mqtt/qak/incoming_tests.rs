@@ -13,10 +13,9 @@ fn ask(text: &str) -> Result<Asked, Wrong> {
 
 /// What a message asks for that is published as an event and sent to the robot's mind, which must be the same.
 fn both(id: &str, content: &str) -> Command {
-    match both_ask(id, content) {
-        Asked::Command(command) => command,
-        other => panic!("{id}: {other:?}"),
-    }
+    let asked = both_ask(id, content);
+    let Asked::Command(command) = asked else { panic!("{id}: {asked:?}") };
+    command
 }
 
 fn both_ask(id: &str, content: &str) -> Asked {
