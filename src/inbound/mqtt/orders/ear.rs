@@ -5,7 +5,7 @@ use super::super::qak::incoming;
 use super::super::topics::{Place, Topics};
 use super::Heard;
 use super::problem::Problem;
-use super::read::{Asked, HALT, Read, bare, id_of_a_stop, read, says_halt, sized};
+use super::read::{Asked, Read, bare, id_of_a_stop, read, sized};
 use super::results::Reply;
 use super::table;
 use super::unknown::{UNKNOWN, Unknown};
@@ -13,9 +13,13 @@ use crate::access::Need;
 use crate::core::command::Command;
 use crate::core::mission::in_words;
 use crate::wire::fields::in_short;
+use crate::wire::halt::says_halt;
 
 /// The word that halts where bare words are taken, in whatever letters, and the name of that command.
 const STOP: &str = "stop";
+
+/// The short one of the original system.
+const HALT: &str = "h";
 
 /// The name of the command that may be one.
 const MOVE: &str = "move";
