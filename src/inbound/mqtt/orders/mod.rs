@@ -77,10 +77,17 @@ impl Orders {
     /// Takes a message. Its command is given at the call, so that commands keep the order in which they came, and a STOP has
     /// halted the robot when this returns; its result is published later. Must be called inside a runtime.
     pub fn take(&self, heard: &Heard<'_>, sender: &Sender) -> Taken {
-        let Some(mut order) = self.ear.order(heard) else { return self.ignore(heard, sender) };
-        if !order.is_stop() && !self.pace.admits(sender, self.clock.now().since_start) {
+        if self.halts(heard.topic.as_bytes(), heard.payload, sender) {
+            return Taken::Taken;
+        }
+        if self.ear.is_of_others(heard) {
+            return self.ignore(heard, sender);
+        }
+        // Before it is read: who says too much costs nobody the time to read it.
+        if !self.pace.admits(sender, self.clock.now().since_start) {
             return Taken::Forbidden;
         }
+        let Some(mut order) = self.ear.order(heard) else { return self.ignore(heard, sender) };
         if let Err(refused) = sender.may(order.need()) {
             // To others than its sender nothing is told of it.
             let silent = Order { reply: Reply { explained: None, ..order.reply.clone() }, ..order };
@@ -97,10 +104,17 @@ impl Orders {
         Taken::Taken
     }
 
-    /// Whether a message halts the robot, whoever sends it.
-    #[must_use]
-    pub fn is_stop(&self, heard: &Heard<'_>) -> bool {
-        self.ear.order(heard).is_some_and(|order| order.is_stop())
+    /// Halts the robot if a message names STOP, whatever else is wrong with it (safety S8); whether it does. No more of it need have come
+    /// than names it. Must be called inside a runtime.
+    pub fn halts(&self, topic: &[u8], payload: &[u8], sender: &Sender) -> bool {
+        if sender.may(Need::Stop).is_err() {
+            return false;
+        }
+        let stop = self.ear.stop(topic, payload);
+        if let Some(reply) = &stop {
+            self.give(reply, &Command::Stop, None, sender);
+        }
+        stop.is_some()
     }
 
     /// What asks for nothing. Old clients believe what they hear on the old topics, so that not everybody may say something there.

@@ -79,6 +79,12 @@ fn of_others(id: String) -> Asked {
     if id == MODEL_CONTENT { Asked::Nothing } else { Asked::Unknown(id) }
 }
 
+/// Whether a payload begins as a message whose MSGID is none of ours. It looks at no more than the beginning.
+#[must_use]
+pub fn is_of_others(payload: &[u8]) -> bool {
+    beginning(payload).is_some_and(|id| known(&id).is_none())
+}
+
 /// Whether a payload asks for STOP, whatever else is wrong with it: no number, a sender that cannot be read, the end missing, too
 /// long. It looks at no more than the beginning, but for those whose CONTENT says it, as `userCmd`. (Safety S1, S8.)
 #[must_use]
