@@ -172,17 +172,32 @@ async fn start(
     closed: watch::Receiver<bool>,
 ) -> (Handle, JoinHandle<()>) {
     let clock = Clock::default();
+    let in_doubt = kept.stop_in_doubt();
     if let Some(stops) = kept.stops.take() {
         tokio::spawn(stops::follow(stops, halter.clone()));
     }
     let mut sweep = sweep(settings, kept.recalled.take(), halter.watch().now().epoch, &clock);
+    if let Some(words) = &in_doubt {
+        tracing::warn!(words, "the robot is held");
+        sweep.note_damage(words, clock.now());
+    }
     let (link, side) = link(halter.watch());
-    let (robot, mut diary) = kept.robot(hall, sim);
+    let (robot, mut diary) = match kept.robot(hall, sim) {
+        Ok((robot, diary)) => (Some(robot), diary),
+        Err(lost) => {
+            tracing::error!(lost, "nobody knows where the simulated robot was left: it is not started");
+            (None, None)
+        }
+    };
     if kept.elsewhere && !elsewhere::put_down(&mut sweep, &mut *kept.store, &link, halter, &clock).await {
         // The old one stays, so that robot and map are in the same hall at the next start as well.
         diary = None;
     }
-    tokio::spawn(sim::run(robot, side, clock, speed(settings.robot.speed), diary));
+    match robot {
+        Some(robot) => drop(tokio::spawn(sim::run(robot, side, clock, speed(settings.robot.speed), diary))),
+        // The link stays down, and nobody is told that its adapter has ended.
+        None => drop(tokio::spawn(async move { side.reports.closed().await })),
+    }
     let (handle, task) = Task::new(sweep, link, kept.store, clock, halter.clone());
     (handle, tokio::spawn(task.run(closed)))
 }

@@ -1,7 +1,7 @@
 //! The only loop: takes halts, reports, commands and time to the core, and its effects to robots, store, doors.
 //! It decides nothing.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use tokio::sync::{mpsc, oneshot, watch};
@@ -15,7 +15,7 @@ use crate::core::command::{Accepted, Refused, Request};
 use crate::core::effect::{Effect, Order};
 use crate::core::event::{Event, RobotEvent, RobotId};
 use crate::core::sweep::Sweep;
-use crate::core::units::Ticket;
+use crate::core::units::{Seq, Ticket};
 use crate::core::world::snapshot::Snapshot;
 
 /// The loop, not yet running.
@@ -31,6 +31,8 @@ pub struct Task {
     commands: mpsc::Receiver<Envelope>,
     snapshots: watch::Sender<Arc<Snapshot>>,
     answers: BTreeMap<Ticket, oneshot::Sender<Answer>>,
+    /// The refusals that wait until they are on record (safety A6), in the order of their entries.
+    refusals: VecDeque<(Seq, oneshot::Sender<Answer>, Refused)>,
     /// Whether the store's last word was that it cannot write.
     store_failed: bool,
     /// How often the store has lost something, as far as the core was told.
@@ -62,6 +64,7 @@ impl Task {
             commands,
             snapshots,
             answers,
+            refusals: VecDeque::new(),
             store_failed: false,
             losses: 0,
             link_gone: false,
@@ -112,10 +115,7 @@ impl Task {
             Ok(ticket) => {
                 self.answers.insert(ticket, answer);
             }
-            Err(refused) => {
-                self.publish();
-                let _ = answer.send(Err(refused));
-            }
+            Err(refused) => self.refusals.push_back((self.sweep.written(), answer, refused)),
         }
     }
 
@@ -135,11 +135,23 @@ impl Task {
                     Effect::Answer(ticket, answer) => answers.push((ticket, answer)),
                 }
             }
-            if answers.is_empty() {
-                break self.publish();
-            }
             self.publish();
+            if answers.is_empty() {
+                break;
+            }
             self.deliver(&mut answers);
+        }
+        self.refuse();
+    }
+
+    /// Answers the refusals that are on record. While nothing can be recorded none waits: what was refused then is on record when
+    /// the store writes again.
+    fn refuse(&mut self) {
+        let kept = self.word.borrow().kept;
+        let due = self.refusals.iter().take_while(|(seq, ..)| *seq <= kept || self.store_failed).count();
+        for (_, answer, refused) in self.refusals.drain(..due) {
+            // Whoever asked may have gone away.
+            let _ = answer.send(Err(refused));
         }
     }
 
@@ -368,6 +380,31 @@ mod tests {
         word.send_modify(|word| word.kept = Seq(1000));
         starting.await.unwrap().unwrap().unwrap();
         assert!(robot.orders.try_recv().is_err(), "the stop came before the record of the start");
+    }
+
+    /// Safety A6: whoever hears of a refusal finds it in the journal, whenever the program dies; a store that fails makes nobody
+    /// wait.
+    #[tokio::test]
+    async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
+        let (handle, task, robot, word) = house_with(false);
+        let (handle, _robot, _close) = start((handle, task, robot)).await;
+        let refused = || {
+            let handle = handle.clone();
+            tokio::spawn(async move { handle.give(request(Command::Retrieve)).await })
+        };
+        let first = refused();
+        handle.watch().wait_for(|state| state.log.iter().any(|line| line.text.contains("refused"))).await.unwrap();
+        handle.give(request(Command::Stop)).await.unwrap().unwrap();
+        assert!(!first.is_finished(), "the stop does not wait, and the refusal does");
+        word.send_modify(|word| word.kept = Seq(1000));
+        assert!(first.await.unwrap().unwrap().is_err());
+
+        word.send_modify(|word| word.kept = Seq(0));
+        let second = refused();
+        tokio::task::yield_now().await;
+        word.send_modify(|word| (word.losses, word.failure) = (1, Some("the disk is full".into())));
+        assert!(second.await.unwrap().unwrap().is_err());
+        assert!(refused().await.unwrap().unwrap().is_err());
     }
 
     #[tokio::test]

@@ -42,7 +42,7 @@ use super::explore::Strategy;
 use super::explore::plan::Planner;
 use super::mission::{Hold, Input, Matter, Mission, in_words};
 use super::settings::Settings;
-use super::units::{Epoch, LuggageId, Now, Ticket};
+use super::units::{Epoch, LuggageId, Now, Seq, Ticket};
 use super::world::log::Tone;
 use super::world::model::World;
 use super::world::resource::Resource;
@@ -127,6 +127,12 @@ impl Sweep {
         self.outbox.record_command(now.wall, fact, None);
     }
 
+    /// Notes what an operator must know of the files in which this is kept (safety R5).
+    pub fn note_damage(&mut self, words: &str, now: Now) {
+        self.begin(now);
+        self.world.write(now.wall, Tone::Warning, words.to_owned());
+    }
+
     /// From now on this sensor must be heard at least every `patience`; until it is for the first time it counts as silent.
     pub fn watch_sensor(&mut self, sensor: Arc<str>, patience: Duration, now: Now) {
         self.begin(now);
@@ -186,6 +192,12 @@ impl Sweep {
             self.record_standing();
         }
         self.outbox.poll()
+    }
+
+    /// The last entry on its way to the store, or kept: a refusal is on record when this is kept.
+    #[must_use]
+    pub fn written(&self) -> Seq {
+        self.outbox.written()
     }
 
     /// When `handle_timeout` is to be called, counted from the start.
