@@ -1,10 +1,11 @@
 //! The only file that names every adapter: opens the hall, binds the port, joins core, robot, store and door, and ends them
-//! in order. What each of them does is not here.
+//! in order. What each of them does is not here, and which threads there are stands in `threads`.
 //!
 //! ```text
-//!   signal ─► halt ─► the door drains its requests ─► the loop ends ─► the robot's task ends with its channel
+//!   signal ─► halt ─► the doors drain their requests ─► the loop ends ─► the robot's task ends with its channel
 //! ```
 
+use std::net::TcpListener;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -16,9 +17,9 @@ use crate::config::{self, Settings};
 use crate::core::mission::Hold;
 use crate::core::sweep::{Recalled, Sweep};
 use crate::core::units::Epoch;
-use crate::core::world::snapshot::Snapshot;
-use crate::inbound::coap::{self, Resources, Socket, endpoint::Endpoint};
+use crate::inbound::coap::Resources;
 use crate::inbound::http::{self, Door};
+use crate::inbound::listeners::Listeners;
 use crate::outbound::robot::sim::{self, Camera, Hall, SimSettings};
 use crate::outbound::store::stops;
 use crate::runtime::archive_reader::Reader;
@@ -27,7 +28,9 @@ use crate::runtime::halt::Halter;
 use crate::runtime::handle::Handle;
 use crate::runtime::link::link;
 use crate::runtime::task::Task;
+use crate::runtime::threads::Thread;
 
+mod coap;
 mod descriptors;
 mod elsewhere;
 mod entry;
@@ -36,6 +39,7 @@ mod kept;
 mod mqtt;
 mod ports;
 mod signals;
+mod threads;
 
 pub use entry::Entry;
 use entry::Opened;
@@ -43,7 +47,8 @@ pub use error::AppError;
 use kept::Kept;
 use mqtt::Mqtt;
 use ports::Ports;
-pub use ports::{Doors, Port};
+pub use ports::{Doors, Place, Port};
+use threads::Threads;
 
 /// What is still busy this long after everything has ended (a photo being drawn) is left behind.
 const LEFT_BEHIND: Duration = Duration::from_millis(200);
@@ -87,29 +92,37 @@ async fn serve_hall(
     announce: impl FnOnce(Doors, &Entry),
 ) -> Result<(), AppError> {
     let front = entry::front(&settings.http)?;
+    let threads = Threads::start()?;
     let descriptors = descriptors::raise();
-    let Ports { http, coap, mqtt, doors } = Ports::bind(settings).await?;
+    let Ports { http, coap, mqtt, doors } = Ports::bind(settings)?;
     let signalled = signals::listen().map_err(AppError::System)?;
     let secret = access::chance()?;
 
-    let kept = Kept::open(settings, &hall)?;
+    let kept = Kept::open(settings, &hall, entry::unusable(settings))?;
     // Only now, when nothing else can refuse the start: a key that is made is also shown.
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
     let reader = Reader::new(Arc::clone(&kept.archive));
     let (closing, closed) = watch::channel(false);
-    let (handle, mut task) = start(settings, (Arc::clone(&hall), sim), kept, &halter, closed).await;
+    let (handle, mut task) = start(settings, (Arc::clone(&hall), sim), kept, (&halter, closed), &threads).await;
     find_robot(&handle).await;
     let ending = watch::Sender::new(false);
-    let coap = coap.map(|socket| {
-        let resources = Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
-        open_coap((socket, Endpoint::new(secret)), resources, handle.watch(), ending.subscribe())
-    });
-    let mqtt = Mqtt::open(settings, (mqtt, mqtt_access), handle.clone(), reader.clone(), ending.subscribe()).await?;
+    let resources = || Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
+    let coap = coap::open(coap, &threads.coap, resources, (secret, handle.watch(), ending.subscribe()))?;
+    let mqtt_ports = listeners(mqtt, &threads.mqtt)?;
+    let mqtt = Mqtt::open(
+        settings,
+        (mqtt_ports, doors.mqtt.map(|place| place.at), mqtt_access),
+        handle.clone(),
+        reader.clone(),
+        ending.subscribe(),
+    )
+    .await?;
+    let http = listeners(http, &threads.http)?;
     let door = Door::new(handle, reader, hall.name(), access).with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);
-    let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|address| address.map(tracing::field::display));
-    tracing::info!(http = %doors.http, coap = coap_at, mqtt = mqtt_at, hall = hall.name(), descriptors, "serving");
+    let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|place| place.map(|place| tracing::field::display(place.at)));
+    tracing::info!(http = %doors.http.at, coap = coap_at, mqtt = mqtt_at, hall = hall.name(), descriptors, "serving");
 
     let mut ended = None;
     let shutdown = async {
@@ -121,7 +134,7 @@ async fn serve_hall(
         ending.send_replace(true);
     };
     http::serve(http, door, front, shutdown).await;
-    if let Some(coap) = coap {
+    for coap in coap {
         // Its end is bounded; how it ended was said already.
         let _ = coap.await;
     }
@@ -137,20 +150,10 @@ async fn serve_hall(
     if by_itself || end.is_err() { Err(AppError::LoopEnded) } else { Ok(()) }
 }
 
-/// Opens the CoAP door until `ending` says so. A mistake that ends it is no reason to close the others.
-fn open_coap(
-    (socket, endpoint): (Socket, Endpoint),
-    resources: Resources,
-    states: watch::Receiver<Arc<Snapshot>>,
-    mut ending: watch::Receiver<bool>,
-) -> JoinHandle<()> {
-    let shutdown = async move { drop(ending.wait_for(|ending| *ending).await) };
-    let door = tokio::spawn(coap::serve(socket, endpoint, resources, states, shutdown));
-    tokio::spawn(async {
-        if door.await.is_err() {
-            tracing::error!("the CoAP door has ended by a mistake of its own: it is back when hallsweep is started again");
-        }
-    })
+/// Ports that are waited for on this thread.
+fn listeners(bound: Vec<TcpListener>, thread: &Thread) -> Result<Listeners, AppError> {
+    let _on_it = thread.handle().enter();
+    Listeners::new(bound).map_err(AppError::System)
 }
 
 /// Waits until the robot is linked, so that whoever reads where to find the program can press START at once. One that cannot be
@@ -168,13 +171,13 @@ async fn start(
     settings: &Settings,
     (hall, sim): (Arc<Hall>, SimSettings),
     mut kept: Kept,
-    halter: &Halter,
-    closed: watch::Receiver<bool>,
+    (halter, closed): (&Halter, watch::Receiver<bool>),
+    threads: &Threads,
 ) -> (Handle, JoinHandle<()>) {
     let clock = Clock::default();
     let in_doubt = kept.stop_in_doubt();
     if let Some(stops) = kept.stops.take() {
-        tokio::spawn(stops::follow(stops, halter.clone()));
+        threads.core.handle().spawn(stops::follow(stops, halter.clone()));
     }
     let mut sweep = sweep(settings, kept.recalled.take(), halter.watch().now().epoch, &clock);
     if let Some(words) = &in_doubt {
@@ -194,12 +197,12 @@ async fn start(
         diary = None;
     }
     match robot {
-        Some(robot) => drop(tokio::spawn(sim::run(robot, side, clock, speed(settings.robot.speed), diary))),
+        Some(robot) => drop(threads.robot.handle().spawn(sim::run(robot, side, clock, speed(settings.robot.speed), diary))),
         // The link stays down, and nobody is told that its adapter has ended.
-        None => drop(tokio::spawn(async move { side.reports.closed().await })),
+        None => drop(threads.robot.handle().spawn(async move { side.reports.closed().await })),
     }
     let (handle, task) = Task::new(sweep, link, kept.store, clock, halter.clone());
-    (handle, tokio::spawn(task.run(closed)))
+    (handle, threads.core.handle().spawn(task.run(closed)))
 }
 
 /// The core as it was, or as it is at the very first start.

@@ -38,12 +38,13 @@ pub(super) struct Kept {
 
 impl Kept {
     /// Opens the folder of the settings. A file of it that cannot be read or written is no error: the store says so, and the robot
-    /// is held (safety R5). A folder in use, or a mission in another hall, is one.
-    pub(super) fn open(settings: &Settings, hall: &Hall) -> Result<Kept, AppError> {
+    /// is held (safety R5): so also when the keys cannot be had, which is said by `keys`. A folder in use, or a mission in another
+    /// hall, is one.
+    pub(super) fn open(settings: &Settings, hall: &Hall, keys: Option<String>) -> Result<Kept, AppError> {
         let Some(folder) = &settings.store else { return Ok(Kept::nowhere()) };
         let found = Diary::open(folder, hall);
         let lost = found.as_ref().err().filter(|error| !matches!(error, DiaryError::OtherHall { .. })).map(ToString::to_string);
-        let beside: Vec<String> = [lost.clone(), Stops::unusable(folder)].into_iter().flatten().collect();
+        let beside: Vec<String> = [lost.clone(), Stops::unusable(folder), keys].into_iter().flatten().collect();
         let beside = (!beside.is_empty()).then(|| beside.join("; and "));
         let sqlite::Opened { store, archive, recalled, failure } = sqlite::open(folder, beside)?;
         let is_unread = failure.is_some() && recalled.is_none();

@@ -3,7 +3,6 @@
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 
-use tokio::net::TcpListener;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
 
@@ -11,6 +10,7 @@ use super::AppError;
 use crate::access::{self, Access, Token};
 use crate::config::{Broker, MqttSettings, OtherBroker, Settings};
 use crate::inbound::http;
+use crate::inbound::listeners::Listeners;
 use crate::inbound::mqtt::gate::turnstile::Gatehouse;
 use crate::inbound::mqtt::orders::Orders;
 use crate::inbound::mqtt::publication::Publication;
@@ -44,13 +44,13 @@ struct Common {
 }
 
 impl Mqtt {
-    /// Opens the door, if there is to be one: on `listener`, where it is our own broker's.
+    /// Opens the door, if there is to be one: at these ports, of which the first has the address `at`, where it is our own broker's.
     ///
     /// # Errors
     /// When our own broker cannot be had, or somebody else's cannot be trusted as it is to be.
     pub(super) async fn open(
         settings: &Settings,
-        (listener, access): (Option<TcpListener>, Access),
+        (listeners, at, access): (Listeners, Option<SocketAddr>, Access),
         handle: Handle,
         archive: Reader,
         ending: watch::Receiver<bool>,
@@ -59,9 +59,9 @@ impl Mqtt {
         let topics = Topics::new(prefix, id, old_prefix);
         let (home_assistant, manual_driving) = (*home_assistant, settings.old_clients.manual_driving);
         let common = Common { topics, home_assistant, handle, archive, manual_driving, ending };
-        match (broker, listener) {
+        match (broker, at) {
             (None, _) | (Some(Broker::Own { .. }), None) => Ok(None),
-            (Some(Broker::Own { .. }), Some(listener)) => own(common, listener, access).await.map(Some),
+            (Some(Broker::Own { .. }), Some(at)) => own(common, (listeners, at), access).await.map(Some),
             (Some(Broker::Other(other)), _) => other_broker(common, other).map(Some),
         }
     }
@@ -113,21 +113,21 @@ impl Common {
 }
 
 /// Our own broker, and our session at it.
-async fn own(common: Common, listener: TcpListener, access: Access) -> Result<Mqtt, AppError> {
+async fn own(common: Common, (listeners, at): (Listeners, SocketAddr), access: Access) -> Result<Mqtt, AppError> {
     let (answer, answers) = mpsc::channel(ANSWERS);
     let (visit, visitors) = mpsc::channel(VISITORS);
     let health = watch::Sender::new(Health::Unproven);
     let secret = Token::draw()?;
     let link = Link {
-        host: near(listener.local_addr().map_err(AppError::System)?).ip().to_string(),
-        port: listener.local_addr().map_err(AppError::System)?.port(),
+        host: near(at).ip().to_string(),
+        port: at.port(),
         tls: None,
         login: Some((HOUSE.to_owned(), secret.reveal().to_owned())),
         client_id: format!("hallsweep-{}", common.topics.id()),
     };
     let house = House::new(Gatehouse::new(common.topics.clone()), common.orders(answer), secret);
     let broker = Embedded::start(house).await?;
-    let ways = Ways { listener, access, visitors, health: health.subscribe() };
+    let ways = Ways { listeners, access, visitors, health: health.subscribe() };
     let session = common.session((link, Hearing::Own), answers, health)?;
     let (leave, left) = watch::channel(());
     let session = tokio::spawn(async move {

@@ -11,3 +11,4 @@ pub mod link;
 pub(crate) mod obedient;
 pub mod store;
 pub mod task;
+pub mod threads;

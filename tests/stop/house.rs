@@ -72,8 +72,9 @@ impl House {
         let (closing, closed) = watch::channel(false);
         let (end, ended) = oneshot::channel();
         let reader = Reader::new(Arc::new(Memory::new()));
-        let socket = Socket::bind(([127, 0, 0, 1], 0).into()).await.expect("this machine has a free port");
-        let coap = socket.address().expect("a bound socket has an address");
+        let socket = std::net::UdpSocket::bind("127.0.0.1:0").expect("this machine has a free port");
+        let coap = socket.local_addr().expect("a bound socket has an address");
+        let socket = Socket::new(socket).expect("it can be waited for");
         let mqtt = broker::open(handle.clone(), closed.clone()).await;
         let (states, resources) = (handle.watch(), Resources::new(handle.clone(), reader.clone(), false));
         let mut until = closed.clone();
@@ -84,7 +85,7 @@ impl House {
         tokio::spawn(task.run(closed));
         tokio::spawn(coap::serve(socket, Endpoint::new([7; 32]), resources, states, coap_ended));
         tokio::spawn(Wheels { side, watched: Arc::clone(&watched) }.run());
-        tokio::spawn(http::serve(listener, door, Front::default(), async { drop(ended.await) }));
+        tokio::spawn(http::serve(listener.into(), door, Front::default(), async { drop(ended.await) }));
         House { address, coap, mqtt, watched, closing, _door: end }
     }
 }

@@ -85,8 +85,9 @@ struct Client {
 }
 
 async fn house() -> House {
-    let socket = Socket::bind("127.0.0.1:0".parse().unwrap()).await.unwrap();
-    let address = socket.address().unwrap();
+    let socket = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    let address = socket.local_addr().unwrap();
+    let socket = Socket::new(socket).unwrap();
     let states = watch::Sender::new(Arc::new(searching()));
     let (closing, closed) = oneshot::channel();
     let go = Arc::new(Semaphore::new(0));

@@ -30,12 +30,13 @@ pub struct Socket {
 }
 
 impl Socket {
-    /// Binds a socket to this address; port 0 takes a free one.
+    /// The door's socket out of one that is bound. Must be called inside the runtime that is to wait for it.
     ///
     /// # Errors
-    /// The address is not this machine's, its port is taken, or the system gives no sockets.
-    pub async fn bind(address: SocketAddr) -> io::Result<Socket> {
-        let udp = UdpSocket::bind(address).await?;
+    /// The system does not let this runtime wait for it.
+    pub fn new(bound: std::net::UdpSocket) -> io::Result<Socket> {
+        bound.set_nonblocking(true)?;
+        let udp = UdpSocket::from_std(bound)?;
         let raw = SockRef::from(&udp);
         let asked = raw.set_recv_buffer_size(ROOM).and_then(|()| raw.set_send_buffer_size(ROOM));
         match asked.and_then(|()| Ok((raw.recv_buffer_size()?, raw.send_buffer_size()?))) {
@@ -43,14 +44,6 @@ impl Socket {
             Err(error) => tracing::debug!(%error, "there is no more room for datagrams than usual"),
         }
         Ok(Socket { udp, buffer: vec![0; LONGEST] })
-    }
-
-    /// Where it is, with the real port.
-    ///
-    /// # Errors
-    /// The system does not say.
-    pub fn address(&self) -> io::Result<SocketAddr> {
-        self.udp.local_addr()
     }
 
     /// Waits until there may be something to read.

@@ -1,5 +1,5 @@
 //! The accept loop: bounded connections, bounded handshake, header and write time, and an end within two seconds.
-//! The listener is bound, and the end decided, by whoever calls; whose connection gives way to another's is decided in `places`.
+//! The ports are bound, and the end decided, by whoever calls; whose connection gives way to another's is decided in `places`.
 
 use std::future::Future;
 use std::pin::Pin;
@@ -16,7 +16,7 @@ use hyper::{Request, Response};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::io::{AsyncRead, AsyncWrite};
-use tokio::net::{TcpListener, TcpStream};
+use tokio::net::TcpStream;
 use tokio::sync::watch;
 use tokio::task::JoinSet;
 
@@ -24,6 +24,7 @@ use super::gate::Peer;
 use super::tls::Tls;
 use super::watcher::closed;
 use super::{Door, Hosts, router};
+use crate::inbound::listeners::Listeners;
 use crate::inbound::patience::Patient;
 use crate::inbound::places::{PLACES, Place, Places, Request as Asked};
 
@@ -63,13 +64,12 @@ struct Line {
 }
 
 /// Serves until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do.
-pub async fn serve(listener: TcpListener, door: Door, front: Front, shutdown: impl Future<Output = ()>) {
-    serve_so_many(listener, door, front, &Places::new(PLACES), shutdown).await;
+pub async fn serve(listeners: Listeners, door: Door, front: Front, shutdown: impl Future<Output = ()>) {
+    serve_so_many(listeners, door, front, &Places::new(PLACES), shutdown).await;
 }
 
-async fn serve_so_many(listener: TcpListener, door: Door, front: Front, places: &Places, shutdown: impl Future<Output = ()>) {
-    let is_local = listener.local_addr().is_ok_and(|address| address.ip().is_loopback());
-    let router = router(&door, Hosts::new(is_local, &front.hosts));
+async fn serve_so_many(mut listeners: Listeners, door: Door, front: Front, places: &Places, shutdown: impl Future<Output = ()>) {
+    let router = router(&door, Hosts::new(listeners.are_local(), &front.hosts));
     let line = Line { router, tls: front.tls, closing: door.closing.subscribe() };
     let mut connections = JoinSet::new();
     tokio::pin!(shutdown);
@@ -78,7 +78,7 @@ async fn serve_so_many(listener: TcpListener, door: Door, front: Front, places: 
             biased;
             () = &mut shutdown => break,
             Some(_) = connections.join_next() => {}
-            accepted = listener.accept() => match accepted {
+            accepted = listeners.accept() => match accepted {
                 Ok((stream, address)) => match places.take(address.ip()) {
                     Some(place) => drop(connections.spawn(converse(stream, Arc::new(place), line.clone()))),
                     None => tracing::debug!(%address, "a connection was refused: every place is taken"),
@@ -92,7 +92,7 @@ async fn serve_so_many(listener: TcpListener, door: Door, front: Front, places: 
         }
     }
     door.close();
-    drop(listener);
+    drop(listeners);
     let drained = tokio::time::timeout(GRACE, async { while connections.join_next().await.is_some() {} }).await;
     if drained.is_err() {
         tracing::info!(open = connections.len(), "connections that would not end were cut");

@@ -3,6 +3,7 @@
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream as Client};
 
+use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 use tokio::time::timeout;
@@ -26,7 +27,7 @@ async fn served(house: &House, places: usize) -> Served {
     let (end, ended) = oneshot::channel::<()>();
     let door = house.door.clone();
     let serving = tokio::spawn(async move {
-        serve_so_many(listener, door, Front::default(), &Places::new(places), async { drop(ended.await) }).await;
+        serve_so_many(listener.into(), door, Front::default(), &Places::new(places), async { drop(ended.await) }).await;
     });
     Served { address, end, serving }
 }

@@ -5,7 +5,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::net::{TcpListener, TcpStream};
+use tokio::net::TcpStream;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
 use tokio::time::MissedTickBehavior;
@@ -17,6 +17,7 @@ use super::memory;
 use super::session::Health;
 use super::visitor::{Origin, Visitor};
 use crate::access::Access;
+use crate::inbound::listeners::Listeners;
 use crate::inbound::patience::Patient;
 use crate::runtime::clock::Clock;
 
@@ -42,7 +43,7 @@ pub(super) type Running = watch::Receiver<Arc<Engine>>;
 /// How clients come to our own broker, and who says whether it is well.
 pub struct Ways {
     /// By TCP,
-    pub listener: TcpListener,
+    pub listeners: Listeners,
     /// where these are let in;
     pub access: Access,
     /// and by WebSocket.
@@ -91,7 +92,7 @@ impl Embedded {
                         self.renew(why).await;
                     }
                 }
-                accepted = ways.listener.accept() => match accepted {
+                accepted = ways.listeners.accept() => match accepted {
                     Ok((stream, address)) => self.receive(&mut guests, visitor(stream, address, &ways.access)),
                     Err(error) => {
                         tracing::warn!(%error, relieved = self.house.relieve(), "an MQTT connection could not be accepted");

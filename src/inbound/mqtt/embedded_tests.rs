@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use rumqttc::{Connect, ConnectReturnCode, Login, Packet};
+use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 
 use super::*;
@@ -46,7 +47,7 @@ impl Broker {
         let embedded = Embedded::start(house).await.expect("it starts");
         let engine = embedded.engine.subscribe();
         let (_, visitors) = mpsc::channel(1);
-        let ways = Ways { listener, access: Access::Open, visitors, health: told.subscribe() };
+        let ways = Ways { listeners: listener.into(), access: Access::Open, visitors, health: told.subscribe() };
         let (shutdown, ended) = oneshot::channel();
         let session = Session::new(Parts {
             link,

@@ -1,0 +1,44 @@
+//! The CoAP door, opened at each of its ports: all of them are heard and answered on one thread. What is there to be asked for is the
+//! door's business.
+
+use std::net::UdpSocket;
+use std::sync::Arc;
+
+use tokio::sync::watch;
+use tokio::task::JoinHandle;
+
+use super::AppError;
+use crate::core::world::snapshot::Snapshot;
+use crate::inbound::coap::{self, Resources, Socket, endpoint::Endpoint};
+use crate::runtime::threads::Thread;
+
+/// A secret of the endpoint's, the states that are shown, and what says when it is over.
+pub(super) type Rest = ([u8; 32], watch::Receiver<Arc<Snapshot>>, watch::Receiver<bool>);
+
+/// Opens the door until `ending` says so; what ends with it. A mistake that ends it is no reason to close the others.
+///
+/// # Errors
+/// `AppError::System`: a port cannot be waited for.
+pub(super) fn open(
+    ports: Vec<UdpSocket>,
+    thread: &Thread,
+    resources: impl Fn() -> Resources,
+    (secret, states, ending): Rest,
+) -> Result<Vec<JoinHandle<()>>, AppError> {
+    let open = |port| {
+        let socket = {
+            let _on_it = thread.handle().enter();
+            Socket::new(port).map_err(AppError::System)?
+        };
+        let mut ending = ending.clone();
+        let shutdown = async move { drop(ending.wait_for(|ending| *ending).await) };
+        let door = coap::serve(socket, Endpoint::new(secret), resources(), states.clone(), shutdown);
+        let door = thread.handle().spawn(door);
+        Ok(tokio::spawn(async {
+            if door.await.is_err() {
+                tracing::error!("the CoAP door has ended by a mistake of its own: it is back when hallsweep is started again");
+            }
+        }))
+    };
+    ports.into_iter().map(open).collect()
+}

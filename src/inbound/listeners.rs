@@ -1,0 +1,95 @@
+//! Several TCP ports that are listened to like one, as that of `127.0.0.1` and that of `::1`. Who is let in, and who has to go when
+//! there are too many, is not here.
+
+use std::io;
+use std::net::SocketAddr;
+use std::task::Poll;
+
+use tokio::net::{TcpListener, TcpStream};
+use tokio::runtime::Handle;
+
+/// The ports of one door.
+#[derive(Debug)]
+pub struct Listeners {
+    ports: Vec<TcpListener>,
+    /// Whose turn it is, so that a crowd at one port keeps nobody waiting at another.
+    turn: usize,
+    thread: Handle,
+}
+
+impl Listeners {
+    /// Listens to ports that are bound and do not block. Must be called inside the runtime that is to wait for them.
+    ///
+    /// # Errors
+    /// The system does not let this runtime wait for one of them.
+    pub fn new(bound: Vec<std::net::TcpListener>) -> io::Result<Listeners> {
+        let ports = bound.into_iter().map(TcpListener::from_std).collect::<io::Result<_>>()?;
+        Ok(Listeners { ports, turn: 0, thread: Handle::current() })
+    }
+
+    /// The runtime that waits for them, on which what comes is heard (safety S7).
+    #[must_use]
+    pub const fn thread(&self) -> &Handle {
+        &self.thread
+    }
+
+    /// Whether all of them can be reached from this machine alone.
+    #[must_use]
+    pub fn are_local(&self) -> bool {
+        self.ports.iter().all(|port| port.local_addr().is_ok_and(|address| address.ip().to_canonical().is_loopback()))
+    }
+
+    /// The next connection, and where it comes from.
+    ///
+    /// # Errors
+    /// What the system says, as that there are too many open files.
+    pub async fn accept(&mut self) -> io::Result<(TcpStream, SocketAddr)> {
+        let Listeners { ports, turn, .. } = self;
+        std::future::poll_fn(|cx| {
+            for step in 0..ports.len() {
+                let asked = (*turn + step) % ports.len();
+                if let Poll::Ready(accepted) = ports[asked].poll_accept(cx) {
+                    *turn = asked + 1;
+                    return Poll::Ready(accepted);
+                }
+            }
+            Poll::Pending
+        })
+        .await
+    }
+}
+
+impl From<TcpListener> for Listeners {
+    /// Must be called inside the runtime that waits for it.
+    fn from(port: TcpListener) -> Listeners {
+        Listeners { ports: vec![port], turn: 0, thread: Handle::current() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Safety S9.
+    #[tokio::test]
+    async fn a_crowd_at_one_port_keeps_nobody_waiting_at_another() {
+        let bound = || {
+            let port = std::net::TcpListener::bind("127.0.0.1:0").expect("there is a free port");
+            port.set_nonblocking(true).expect("it need not block");
+            (port.local_addr().expect("it is bound"), port)
+        };
+        let [(one, first), (other, second)] = [bound(), bound()];
+        let mut listeners = Listeners::new(vec![first, second]).expect("they can be waited for");
+        assert!(listeners.are_local());
+        let mut crowd = Vec::new();
+        for _ in 0..5 {
+            crowd.push(TcpStream::connect(one).await.expect("it is listened to"));
+        }
+        let newcomer = TcpStream::connect(other).await.expect("it is listened to");
+        let mut came = Vec::new();
+        for _ in 0..2 {
+            came.push(listeners.accept().await.expect("somebody is there").1);
+        }
+        assert!(came.contains(&newcomer.local_addr().expect("it is connected")), "{came:?}");
+    }
+}
