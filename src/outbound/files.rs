@@ -61,14 +61,21 @@ fn open_unchecked(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     Ok(file)
 }
 
-/// Makes a folder for its owner alone, or for the group as well where the one above is the group's; and those above it.
+/// Makes a folder for its owner alone, and those above it.
 pub(super) fn make_folder(path: &Path) -> io::Result<()> {
     let mut builder = DirBuilder::new();
     #[cfg(unix)]
     std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
-    let is_new = !path.exists();
-    builder.recursive(true).create(path)?;
-    if is_new { share(path, &File::open(path)?) } else { Ok(()) }
+    builder.recursive(true).create(path)
+}
+
+/// Makes a folder in one that is there; for the group as well where that is the group's.
+pub(super) fn make_folder_within(path: &Path) -> io::Result<()> {
+    if path.is_dir() {
+        return Ok(());
+    }
+    make_folder(path)?;
+    share(path, &File::open(path)?)
 }
 
 /// Gives the group what the owner has, where the folder in which it stands is the group's to write to: what the mask of the
@@ -154,7 +161,7 @@ mod tests {
             fs::create_dir(&above).unwrap();
             fs::set_permissions(&above, fs::Permissions::from_mode(folder)).unwrap();
             open(&above.join("file"), OpenOptions::new().write(true).create(true)).unwrap();
-            make_folder(&above.join("inner")).unwrap();
+            make_folder_within(&above.join("inner")).unwrap();
             assert_eq!((mode(&above.join("file")), mode(&above.join("inner"))), (file, inner), "in {folder:o}");
             fs::set_permissions(above.join("file"), fs::Permissions::from_mode(0o640)).unwrap();
             open(&above.join("file"), OpenOptions::new().write(true)).unwrap();

@@ -221,7 +221,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::core::command::{Command, Door, Issuer};
+    use crate::core::command::{Command, Door, Issuer, TemperatureReport};
     use crate::core::effect::Page;
     use crate::core::event::Capabilities;
     use crate::core::mission::{Hold, PhaseName};
@@ -357,7 +357,6 @@ mod tests {
     /// Safety S2: heat halts as directly as a stop does.
     #[tokio::test]
     async fn heat_halts_past_the_queue_of_orders() {
-        use crate::core::command::TemperatureReport;
         let (handle, mut robot, _close) = running().await;
         handle.give(request(Command::Start)).await.unwrap().unwrap();
         let Stamped { halts, .. } = robot.orders.recv().await.expect("a start gives an order");
@@ -405,6 +404,22 @@ mod tests {
         word.send_modify(|word| (word.losses, word.failure) = (1, Some("the disk is full".into())));
         assert!(second.await.unwrap().unwrap().is_err());
         assert!(refused().await.unwrap().unwrap().is_err());
+    }
+
+    /// Safety V3: whoever waits for a record that was lost is told so, although the store writes again before the loop hears of it.
+    #[tokio::test]
+    async fn a_loss_that_is_over_already_is_told_all_the_same() {
+        let (handle, task, robot, word) = house_with(false);
+        let (handle, _robot, _close) = start((handle, task, robot)).await;
+        let waiting = tokio::spawn({
+            let handle = handle.clone();
+            async move { handle.give(request(Command::Temperature(TemperatureReport::Ok))).await }
+        });
+        handle.watch().wait_for(|state| state.log.iter().any(|line| line.text.contains("temperature OK"))).await.unwrap();
+        assert!(!waiting.is_finished());
+        word.send_modify(|word| word.losses = 1);
+        assert_eq!(waiting.await.unwrap().unwrap(), Err(Refused::NotKept));
+        assert!(handle.snapshot().log.iter().any(|line| line.text == Hold::Store.over_in_words()), "and it is over");
     }
 
     #[tokio::test]

@@ -180,7 +180,7 @@ fn a_damaged_photo_is_to_be_taken_again() {
         damage.apply(&photo(&folder.path().join("photos")));
         let program = started(&folder);
         let piece = program.until_asked();
-        assert!(program.json(&format!("luggage/{piece}"))["photo"]["error"].is_string(), "{damage:?}");
+        assert_eq!(program.json(&format!("luggage/{piece}"))["photo"]["state"], "failed", "{damage:?}");
         assert_eq!(program.read("/", &[]).status, 200);
         program.verdict(piece, "safe").problem(409);
     }

@@ -15,6 +15,9 @@ use crate::program::{Answer, Deadline, PATIENCE, Program, hallsweep};
 /// How often the program is killed unless `HALLSWEEP_KILLS` says otherwise.
 const KILLS: u64 = 200;
 
+/// What an operator does who only wants to get on: START, and verdicts.
+const SEARCH: u64 = 0;
+
 /// Of the pieces seen so far so many are looked up after each start; all of them at the end.
 const LOOKED_UP: usize = 12;
 
@@ -134,7 +137,7 @@ impl Ledger {
             if self.verdicts.len() > known || deadline.has_passed() {
                 break;
             }
-            self.work(program, dice, &format!("{life}-more-{n}")).expect("the program is running");
+            self.act(program, dice, &format!("{life}-more-{n}"), SEARCH).expect("the program is running");
         }
         program.command("stop").accepted();
         let mut state = program.until("it rests", |state| state["robot"]["state"] == "stopped");
@@ -153,13 +156,18 @@ impl Ledger {
         self.rest = Some(state);
     }
 
-    /// One thing an operator does; `None` when the program is gone.
+    /// One thing an operator does, at random; `None` when the program is gone.
     fn work(&mut self, program: &Program, dice: &mut Stream, key: &str) -> Option<()> {
+        let what = dice.below(12);
+        self.act(program, dice, key, what)
+    }
+
+    fn act(&mut self, program: &Program, dice: &mut Stream, key: &str, what: u64) -> Option<()> {
         let state = program.try_ask("GET", "/api/v1/state", "", "")?.json();
         self.look(&state);
         let pending = state["luggage"].as_array()?.iter().find(|piece| piece["verdict"] == "pending").cloned();
         let held = state["mission"]["holds"] != json!([]);
-        match (pending, dice.below(12)) {
+        match (pending, what) {
             (None, 0..=7) if !held => std::thread::sleep(Duration::from_millis(2)),
             (Some(piece), 0..=6) => self.decide(program, dice, key, piece["id"].as_u64()?)?,
             (Some(piece), 7) => self.fetch_photo(program, &piece)?,

@@ -104,6 +104,15 @@ impl Fault {
         }
     }
 
+    /// What whoever only reads is told of an entry that cannot be understood, beside those that can.
+    pub(super) fn words_of_an_entry(&self, folder: &Path) -> String {
+        match self {
+            Fault::Unparsed(seq, why) => format!("entry {seq} of the journal cannot be understood ({})", one_line(why)),
+            Fault::Damaged(detail) => one_line(detail),
+            other => other.words(folder, Then::StartAgain),
+        }
+    }
+
     /// What ails the disk, where it is the disk.
     fn trouble(&self) -> Option<Trouble> {
         match self {

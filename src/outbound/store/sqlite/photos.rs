@@ -29,7 +29,7 @@ pub(super) fn keep(folder: &Folder, photo: &Photo) -> Result<Picture, Fault> {
     let path = folder.photo(&picture);
     let shelf = path.parent().expect("a photo stands in a folder of its own two letters");
     if !holds(&path, &photo.bytes) {
-        files::make_folder(shelf)?;
+        [&folder.photos(), shelf].into_iter().try_for_each(files::make_folder_within)?;
         let unfinished = path.with_extension("unfinished");
         write(&unfinished, &photo.bytes).and_then(|()| std::fs::rename(&unfinished, &path)).inspect_err(|_| {
             // What is left of it would be in nobody's way, and the next photo of this name replaces it.
