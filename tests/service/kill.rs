@@ -166,7 +166,8 @@ impl Ledger {
         let state = program.try_ask("GET", "/api/v1/state", "", "")?.json();
         self.look(&state);
         let pending = state["luggage"].as_array()?.iter().find(|piece| piece["verdict"] == "pending").cloned();
-        let held = state["mission"]["holds"] != json!([]);
+        let at_rest = ["idle", "atHome", "explored"].iter().any(|phase| state["mission"]["phase"] == *phase);
+        let held = at_rest || state["mission"]["holds"] != json!([]);
         match (pending, what) {
             (None, 0..=7) if !held => std::thread::sleep(Duration::from_millis(2)),
             (Some(piece), 0..=6) => self.decide(program, dice, key, piece["id"].as_u64()?)?,

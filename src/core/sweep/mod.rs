@@ -18,6 +18,7 @@ mod records;
 mod refusals;
 mod repeats;
 mod reports;
+mod stops;
 mod view;
 mod vigil;
 
@@ -35,6 +36,7 @@ pub use self::repeats::IDS;
 use self::outbox::{Outbox, Waiting};
 use self::refusals::{Note, Refusals};
 use self::repeats::{Known, Outcome, Repeats, content};
+use self::stops::Stops;
 use self::view::Shown;
 use self::vigil::Vigil;
 use super::command::{Accepted, Command, Issuer, LuggageRef, Refusal, Refused, Request, TemperatureReport};
@@ -63,6 +65,7 @@ pub struct Sweep {
     vigil: Vigil,
     repeats: Repeats,
     refusals: Refusals,
+    stops: Stops,
     taken: Option<Arc<Snapshot>>,
 }
 
@@ -81,6 +84,7 @@ impl Sweep {
             vigil: Vigil::default(),
             repeats: Repeats::default(),
             refusals: Refusals::default(),
+            stops: Stops::default(),
             taken: None,
         }
     }
@@ -110,7 +114,7 @@ impl Sweep {
                 Err(refused)
             }
         };
-        self.pump();
+        self.go_on();
         answer
     }
 
@@ -180,7 +184,7 @@ impl Sweep {
                 self.record_anew();
             }
         }
-        self.pump();
+        self.go_on();
     }
 
     /// Time has passed; call it at `poll_timeout`.
@@ -193,8 +197,9 @@ impl Sweep {
         }
         if self.helm.due().is_some_and(|due| due <= now.since_start) {
             self.order_unanswered();
-            self.pump();
         }
+        self.answer_overdue_stops();
+        self.go_on();
     }
 
     /// The next thing to be done outside, oldest first.
@@ -216,7 +221,7 @@ impl Sweep {
     /// When `handle_timeout` is to be called, counted from the start.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
-        [self.helm.due(), self.vigil.due(), self.refusals.due()].into_iter().flatten().min()
+        [self.helm.due(), self.vigil.due(), self.stops.due(), self.refusals.due()].into_iter().flatten().min()
     }
 
     /// Everything that can be seen, at this moment; the same `Arc` until something changes.
@@ -252,14 +257,16 @@ impl Sweep {
         self.world.turn_page();
     }
 
-    /// Carries out an accepted command; it is answered once it is kept with all that followed from it. A stop never waits; and what
-    /// the table still accepts while the store cannot write is on record already, or need not be.
+    /// Carries out an accepted command; it is answered once it is kept with all that followed from it. A stop waits for no record; and
+    /// what the table still accepts while the store cannot write is on record already, or need not be.
     fn carry_out(&mut self, request: &Request, input: Input, step: Step, matter: &Matter) -> Ticket {
         self.apply(step, matter);
         let ticket = self.outbox.next_ticket();
         self.remember(request, Outcome::Open(ticket));
-        let waits = input != Input::Stop && !self.mission.holds.contains(Hold::Store) && !self.outbox.is_kept();
-        if waits {
+        let waits = !self.mission.holds.contains(Hold::Store) && !self.outbox.is_kept();
+        if input == Input::Stop {
+            self.answer_standing(ticket);
+        } else if waits {
             let seq = self.outbox.written();
             self.outbox.wait(Waiting { ticket, seq, luggage: matter.luggage, verdict: matter.verdict });
         } else {

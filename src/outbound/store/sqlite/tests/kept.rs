@@ -353,10 +353,17 @@ fn a_safe_that_a_danger_overtook_stands_there_as_refused() {
     let scratch = Scratch::new();
     let mut scribe = Scribe::new(scratch.open());
     scribe.keep([begin(1), vec![found(1, Some(photo("bag"))), found(2, Some(photo("box")))]].concat());
-    let said = |command: &str, luggage| {
+    let said = |words: &str, luggage| {
         let Fact::Command { issuer, .. } = command(None) else { unreachable!("it is a command") };
-        let (command, luggage) = (command.to_owned(), Some(LuggageId(luggage)));
-        Fact::Command { issuer, id: CommandId::new(&format!("id-{command}")), command, epoch: None, luggage, refused: None }
+        let (command, luggage) = (words.to_owned(), Some(LuggageId(luggage)));
+        Fact::Command {
+            issuer,
+            id: CommandId::new(&format!("of-{luggage:?}-{}", words.len()).replace(['(', ')', ' '], "")),
+            command,
+            epoch: None,
+            luggage,
+            refused: None,
+        }
     };
     scribe.keep(vec![said("safe #1", 1), verdict(1, Verdict::Safe)]);
     scribe.keep(vec![said("danger #1", 1), verdict(1, Verdict::Danger)]);
