@@ -20,6 +20,13 @@ pub(super) fn cookie_name(port: u16) -> Arc<str> {
     format!("hallsweep-{port}").into()
 }
 
+/// What is said of a token that nobody has.
+const UNKNOWN: &str = "This token is not known here: look whether it is whole, and whether it was replaced.";
+
+/// The same when nobody has any. Where the file is, strangers need not know.
+const UNUSABLE: &str = "The file of keys, access.toml, cannot be used, so nobody can sign in, and the robot is held: whoever runs \
+                        hallsweep finds in its log what is wrong and what to do.";
+
 /// A longer way back is not remembered.
 const LONGEST_PATH: usize = 512;
 
@@ -120,7 +127,7 @@ pub(super) async fn sign_in(
     let Access::Keys(keyring) = &door.access else { return Redirect::to(next).into_response() };
     let Some(session) = keyring.sign_in(sent.token.trim(), door.now_s()) else {
         door.hold_back(peer).await;
-        let why = "This token is not known here: look whether it is whole, and whether it was replaced.";
+        let why = if keyring.is_unusable() { UNUSABLE } else { UNKNOWN };
         return shown(StatusCode::FORBIDDEN, peer, SignIn { next, why, is_in: caller.is_ok(), ..SignIn::default() });
     };
     (cookie(&door, &session, SESSION_S, peer), Redirect::to(next)).into_response()

@@ -6,7 +6,7 @@ use axum::extract::State;
 use axum::response::Html;
 
 use super::super::Door;
-use super::super::missions::{MISSIONS, after, before, happened, kept, newest, wanted};
+use super::super::missions::{Kept, MISSIONS, after, before, happened, kept, newest, wanted};
 use super::super::problem::Problem;
 use super::super::query::Query;
 use super::super::reading::Number;
@@ -16,7 +16,7 @@ use crate::core::mission::PhaseName;
 use crate::core::standing::Standing;
 use crate::core::units::{MissionId, Seq, Wall};
 use crate::core::world::luggage::Luggage;
-use crate::runtime::archive::MissionRecord;
+use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
 use crate::wire::journal_words::{outcome, words};
 use crate::wire::luggage::photo_url;
 use crate::wire::time::{Zone, rfc3339};
@@ -40,13 +40,14 @@ pub(in crate::inbound::http) async fn one(
 ) -> Result<Html<String>, Problem> {
     query.only(&["after", "show"])?;
     let (after, show) = (after(&query)?, Show::of(query.word("show", &["all", "commands"])?));
-    let (record, standing) = kept(&door, id).await?;
+    let Kept { record, standing, damage } = kept(&door, id).await?;
     let (events, next) = match show {
         Show::Main => wanted(&door, id, after, EVENTS, is_main).await?,
         Show::Commands => wanted(&door, id, after, EVENTS, is_command).await?,
         Show::All => happened(&door, id, after, EVENTS).await?,
     };
-    Ok(html(&One { record, standing, show, after, events, next, zone: Zone::of(door.clock.now().wall) }))
+    let zone = Zone::of(door.clock.now().wall);
+    Ok(html(&One { record, standing, damage, show, after, events, next, zone }))
 }
 
 /// How much is shown of what happened.
@@ -107,9 +108,11 @@ struct List {
 struct One {
     record: MissionRecord,
     standing: Option<Standing>,
+    /// What of it cannot be understood, a sentence each.
+    damage: Vec<String>,
     show: Show,
     after: Seq,
-    events: Vec<(Seq, Entry)>,
+    events: Vec<Happened>,
     next: Option<Seq>,
     zone: Zone,
 }
@@ -161,7 +164,11 @@ impl One {
     }
 
     fn events(&self) -> Vec<Event> {
-        self.events.iter().map(|(seq, entry)| Event::of(*seq, entry, self.zone)).collect()
+        let event = |(seq, entry): &Happened| match entry {
+            Ok(entry) => Event::of(*seq, entry, self.zone),
+            Err(Unreadable(why)) => Event::unreadable(*seq, why),
+        };
+        self.events.iter().map(event).collect()
     }
 
     fn is_later_page(&self) -> bool {
@@ -185,6 +192,12 @@ impl One {
 }
 
 impl Event {
+    /// What stands in the place of an entry that cannot be understood.
+    fn unreadable(seq: Seq, why: &str) -> Event {
+        let nothing = String::new;
+        Event { seq, moment: nothing(), time: nothing(), what: why.to_owned(), by: None, outcome: nothing(), refused: true }
+    }
+
     fn of(seq: Seq, entry: &Entry, zone: Zone) -> Event {
         let mut event = Event {
             seq,
@@ -270,6 +283,7 @@ mod tests {
         let page = page(&house(searching()), "/missions/1").await;
         let hall = ["<svg id=\"hall\"", "class=\"wall\"", "class=\"piece danger\"", "<title>home</title>"];
         check(&page, &hall);
+        check(&page, &["What is missing here", "a mouse was at it"]);
         let decided = format!("decided {} by operator", here(TEN));
         check(&page, &["/api/v1/luggage/3/photo?take=1", &decided, "not decided"]);
     }
@@ -286,6 +300,9 @@ mod tests {
         );
         let commands = page(&house, "/missions/1?show=commands").await;
         assert!(commands.contains("RESET") && !commands.contains("held: stopped by the operator"));
+        for view in [&all, &commands] {
+            check(view, &["<li class=\"warning\"><span class=\"seq\">6</span> entry 6 of the journal cannot be understood"]);
+        }
         let steps = page(&house, "/missions/1?show=all").await;
         check(&steps, &["robot at (0, 0)", "START", "<b>Every step</b>"]);
         assert!(!all.contains("robot at (0, 0)") && all.contains("<b>What was done and found</b>"), "steps are a second view");
