@@ -96,12 +96,6 @@ impl Door {
         Door { mqtt, ..self }
     }
 
-    /// The same, of a hall whose cells have sides of this many metres.
-    #[must_use]
-    pub fn with_cells_of(self, cell_m: f64) -> Door {
-        Door { cell_m: Some(cell_m), ..self }
-    }
-
     /// The same at this port, by which the cookies of several instances on one host are told apart: browsers do not look at ports.
     fn at(self, port: u16) -> Door {
         Door { cookie: sign_in::cookie_name(port), ..self }
@@ -110,6 +104,12 @@ impl Door {
     /// The name of its session's cookie.
     fn cookie(&self) -> &str {
         &self.cookie
+    }
+
+    /// The same, of a hall whose cells have sides of this many metres.
+    #[must_use]
+    pub fn with_cells_of(self, cell_m: f64) -> Door {
+        Door { cell_m: Some(cell_m), ..self }
     }
 
     /// Ends every open stream at once, and every one opened from now on.
