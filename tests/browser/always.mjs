@@ -150,6 +150,7 @@ export const unconfirmed = {
         });
         await stop(page).click();
         await warning.waitFor();
+        await until(() => page.evaluate(() => globalThis.tried.length > 2), `on ${path} a third attempt by itself`, patience);
         for (const seconds of [16, 60, 3600]) {
           await page.clock.fastForward(seconds * 1000);
           await warning.waitFor();
