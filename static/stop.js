@@ -6,6 +6,7 @@ const CONFIRM_MS = 2000; // an attempt that is not answered by then is given up:
 const AGAIN_MS = 1000; // a new attempt begins at most so often by itself
 const SOON_MS = 400; // of an attempt that is answered sooner nothing is said
 const OVER_MS = 15000; // that a STOP was confirmed is old after this
+const COVERED_PX = 60; // a window of which so much is missing has a keyboard over it
 const ATTEMPTS = 4; // at once: a browser has six connections for all pages of a place
 
 let leaving = false;
@@ -111,6 +112,15 @@ const stopping = (() => {
     if (open && performance.now() - triedAt > AGAIN_MS) attempt();
   }
 
+  /** Two fingers, or a keyboard on the screen, make what is seen smaller than the page: STOP then lies along the lower edge of that. */
+  function follow() {
+    const { scale, offsetLeft, offsetTop, width, height } = visualViewport;
+    const isSmaller = scale > 1.05 || innerHeight - height * scale > COVERED_PX;
+    document.documentElement.classList.toggle("magnified", isSmaller);
+    form.style.width = isSmaller ? `${width * scale}px` : "";
+    form.style.transform = isSmaller ? `translate(${offsetLeft}px, ${offsetTop + height}px) scale(${1 / scale}) translateY(-100%)` : "";
+  }
+
   if (form) {
     document.documentElement.dataset.stop = "ready";
     form.addEventListener("submit", (event) => {
@@ -127,6 +137,7 @@ const stopping = (() => {
     document.addEventListener("keydown", (event) => {
       if (event.repeat && event.key === "Enter" && event.target.closest?.("button")) event.preventDefault();
     });
+    for (const what of ["resize", "scroll"]) globalThis.visualViewport?.addEventListener(what, follow);
     addEventListener("online", connected);
     document.addEventListener("visibilitychange", connected);
     if (wasOpen()) {

@@ -102,6 +102,12 @@ fn stop_is_on_every_page_without_scripts_and_halts() {
     play("reachPlain", &["--hall", "airport", "--speed", "max"]);
 }
 
+/// Safety S1.
+#[test]
+fn stop_is_on_the_part_of_a_page_that_two_fingers_have_made_larger() {
+    play("magnified", &["--hall", "airport", "--speed", "max"]);
+}
+
 #[test]
 fn the_robot_is_drawn_where_it_is() {
     play("drawn", &["--hall", "empty-8x8", "--speed", "10"]);

@@ -44,7 +44,9 @@ export async function appears(page, locator, { patience, reload = false }) {
 
 /** Waits until it is so. */
 export async function until(isSo, words, patience) {
-  for (const end = Date.now() + patience; !(await isSo()); ) must(Date.now() < end, `never seen: ${words}`);
+  for (const end = Date.now() + patience; !(await isSo()); await new Promise(setImmediate)) {
+    must(Date.now() < end, `never seen: ${words}`);
+  }
 }
 
 /** The number in a button's name. */
