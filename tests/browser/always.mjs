@@ -113,7 +113,7 @@ export const magnified = {
 
 /** What the browser itself says of a connection that is cut is no fault of the page. */
 const CUT = ['ERR_CONNECTION_REFUSED', 'ERR_CONNECTION_RESET', 'ERR_EMPTY_RESPONSE', 'ERR_INCOMPLETE_CHUNKED_ENCODING', 'ERR_CONNECTION_CLOSED',
-  'ERR_SOCKET_NOT_CONNECTED'];
+  'ERR_SOCKET_NOT_CONNECTED', 'ERR_FAILED'];
 
 /** A STOP whose connection is cut stays unconfirmed on the page however long that lasts, and is sent when the connection stands. */
 export const unconfirmed = {
