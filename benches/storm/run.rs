@@ -34,9 +34,6 @@ fn storm(row: &mut Row, floods: &[&Flood], is_nice: bool, each: usize) -> Result
         floods.iter().map(|flood| Sender::flood(flood.name, &house.doors, is_nice)).collect();
     let senders = senders?;
     std::thread::sleep(WARM_UP);
-    if std::env::var_os("STORM_HOLD").is_some() {
-        eprintln!("the program is process {}", house.id());
-    }
     let until = Instant::now() + LIMIT;
     row.stops = stops(&house, &mut operator, each, until);
     row.cut = operator.cut;
