@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::alarm::Alarm;
+use super::alarm::AlarmView;
 use super::hall_map::HallMap;
 use super::log::LogLine;
 use super::luggage::Luggage;
@@ -33,7 +33,7 @@ pub struct Snapshot {
     /// The temperature.
     pub temperature: TemperatureView,
     /// The alarms, oldest first.
-    pub alarms: Vec<Arc<Alarm>>,
+    pub alarms: Arc<[AlarmView]>,
     /// The latest log lines, oldest first.
     pub log: Arc<[Arc<LogLine>]>,
 }

@@ -378,7 +378,7 @@ mod tests {
             next.contains("Luggage #2 at column 1, row 2") && next.contains("acknowledge the alarm, then press RESET"),
             "{next}"
         );
-        snapshot.alarms.clear();
+        snapshot.alarms = std::sync::Arc::from([]);
         touch(&mut snapshot, 21, &[Resource::Alarms]);
         assert!(!view(&snapshot).next_step().unwrap().contains("acknowledge"));
     }
