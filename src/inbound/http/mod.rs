@@ -10,19 +10,24 @@ mod etag;
 mod events;
 mod gate;
 mod guard;
+mod hearing;
+mod lines;
 mod missions;
 mod mqtt;
 mod old;
+mod places;
 mod problem;
 mod query;
 mod reading;
 mod reads;
 mod routes;
+pub mod scanning;
 mod serve;
 mod sign_in;
 #[cfg(test)]
 mod testing;
 mod tls;
+mod vestibule;
 mod watcher;
 
 use std::sync::Arc;
@@ -31,6 +36,7 @@ use axum::Router;
 use tokio::sync::{Semaphore, watch};
 
 pub use guard::Hosts;
+use lines::Lines;
 pub use mqtt::{Carried, Hall, Visitor};
 pub use serve::{Front, serve};
 pub use tls::{Tls, TlsError};
@@ -54,6 +60,8 @@ pub struct Door {
     clock: Clock,
     access: Access,
     attempts: Arc<Attempts>,
+    strangers: Arc<Lines>,
+    cookie: Arc<str>,
     mqtt: Option<Hall>,
 }
 
@@ -71,6 +79,8 @@ impl Door {
             clock: Clock::default(),
             access,
             attempts: Arc::default(),
+            strangers: Arc::default(),
+            cookie: sign_in::cookie_name(0),
             mqtt: None,
         }
     }
@@ -81,6 +91,16 @@ impl Door {
         Door { mqtt, ..self }
     }
 
+    /// The same at this port, by which the cookies of several instances on one host are told apart: browsers do not look at ports.
+    fn at(self, port: u16) -> Door {
+        Door { cookie: sign_in::cookie_name(port), ..self }
+    }
+
+    /// The name of its session's cookie.
+    fn cookie(&self) -> &str {
+        &self.cookie
+    }
+
     /// Ends every open stream at once, and every one opened from now on.
     pub fn close(&self) {
         self.closing.send_replace(true);
@@ -89,5 +109,5 @@ impl Door {
 
 /// Every route, with what stands in front of all of them.
 pub fn router(door: &Door, hosts: Hosts) -> Router {
-    guard::guarded(routes::routes(door), hosts)
+    guard::guarded(routes::routes(door), hosts, door)
 }

@@ -1,6 +1,8 @@
 //! Signing in and out with a browser: a page with one field, and a cookie. It works without scripts, and nothing is signed in
 //! by a link alone: a token in the address only fills the field.
 
+use std::sync::Arc;
+
 use askama::Template;
 use axum::extract::{Query, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
@@ -13,8 +15,10 @@ use super::gate::{LetIn, Peer};
 use super::reading::Form;
 use crate::access::{Access, Network, SESSION_S};
 
-/// The cookie's name.
-pub(super) const COOKIE: &str = "hallsweep";
+/// The cookie's name, of the instance at this port.
+pub(super) fn cookie_name(port: u16) -> Arc<str> {
+    format!("hallsweep-{port}").into()
+}
 
 /// A longer way back is not remembered.
 const LONGEST_PATH: usize = 512;
@@ -111,12 +115,12 @@ pub(super) async fn sign_in(State(door): State<Door>, peer: Peer, Form(sent): Fo
         let why = "This token is not known here: look whether it is whole, and whether it was replaced.";
         return shown(StatusCode::FORBIDDEN, peer, SignIn { next, why, ..SignIn::default() });
     };
-    (cookie(&session, SESSION_S, peer), Redirect::to(next)).into_response()
+    (cookie(&door, &session, SESSION_S, peer), Redirect::to(next)).into_response()
 }
 
 /// `POST sign-out`
-pub(super) async fn sign_out(peer: Peer) -> Response {
-    (cookie("", 0, peer), Redirect::to("/sign-in")).into_response()
+pub(super) async fn sign_out(State(door): State<Door>, peer: Peer) -> Response {
+    (cookie(&door, "", 0, peer), Redirect::to("/sign-in")).into_response()
 }
 
 /// The address of the page, for somebody who wants to go to `next`.
@@ -135,9 +139,9 @@ fn shown(status: StatusCode, peer: Peer, page: SignIn) -> Response {
 }
 
 /// A cookie no script and no other site gets to see.
-fn cookie(session: &str, lasts_s: i64, peer: Peer) -> HeaderMap {
+fn cookie(door: &Door, session: &str, lasts_s: i64, peer: Peer) -> HeaderMap {
     let secure = if peer.is_encrypted { "; Secure" } else { "" };
-    let cookie = format!("{COOKIE}={session}; Path=/; Max-Age={lasts_s}; HttpOnly; SameSite=Strict{secure}");
+    let cookie = format!("{}={session}; Path=/; Max-Age={lasts_s}; HttpOnly; SameSite=Strict{secure}", door.cookie());
     let cookie = HeaderValue::from_str(&cookie).expect("a session is letters, digits, dots, - and _");
     HeaderMap::from_iter([(header::SET_COOKIE, cookie)])
 }
