@@ -3,7 +3,8 @@
 //! for the floods of MQTT also beside what mosquitto makes of the same. Everything is sent to loopback, and ends by itself.
 //!
 //! `cargo bench --bench storm` does all of it; `-- http-bodies` that flood alone, with a line for each way of STOP; `-- list` names
-//! them; `--stops 20` presses so often in each way; `--equal` gives the senders of the named floods the program's own priority.
+//! them; `--stops 20` presses so often in each way; `--equal` gives the senders of the named floods the program's own priority, and
+//! holds those of MQTT against mosquitto.
 #![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
 
 #[path = "storm/beside.rs"]
@@ -103,8 +104,13 @@ fn storm(words: &[String]) -> ExitCode {
 fn named(asked: &Asked) -> u8 {
     figures::head();
     let each = asked.each.unwrap_or(STOPS);
-    let judged = asked.floods.iter().map(|flood| judged(&run(flood.name, &[flood], !asked.is_equal, each), true));
-    judged.max().unwrap_or(0)
+    let judge = |flood: &&Flood| {
+        if asked.is_equal && flood.door == Door::Mqtt {
+            return beside(flood, each);
+        }
+        judged(&run(flood.name, &[flood], !asked.is_equal, each), true)
+    };
+    asked.floods.iter().map(judge).max().unwrap_or(0)
 }
 
 /// Without the storm, under each flood, under all of them, and beside mosquitto.

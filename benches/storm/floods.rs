@@ -35,10 +35,13 @@ const fn flood(door: Door, name: &'static str, begin: fn(&Arc<Course>)) -> Flood
 }
 
 /// All of them.
-pub(crate) const FLOODS: [Flood; 27] = [
+pub(crate) const FLOODS: [Flood; 31] = [
     flood(Door::Http, "http-bodies", http::bodies),
+    flood(Door::Http, "http-bodies-near", http::bodies_near),
     flood(Door::Http, "http-heads", http::heads),
+    flood(Door::Http, "http-heads-near", http::heads_near),
     flood(Door::Http, "http-silence", http::silence),
+    flood(Door::Http, "http-silence-near", http::silence_near),
     flood(Door::Http, "http-refused", http::refused),
     flood(Door::Http, "http-strangers", http::strangers),
     flood(Door::Http, "http-reads", http::reads),
@@ -55,6 +58,7 @@ pub(crate) const FLOODS: [Flood; 27] = [
     flood(Door::Mqtt, "mqtt-stalled", mqtt::stalled),
     flood(Door::Mqtt, "mqtt-deaf", mqtt::deaf),
     flood(Door::Mqtt, "mqtt-halves", mqtt::halves),
+    flood(Door::Mqtt, "mqtt-halves-near", mqtt::halves_near),
     flood(Door::Mqtt, "mqtt-comings", mqtt::comings),
     flood(Door::Http, "web-refused", web::refused),
     flood(Door::Http, "web-seats", web::seats),

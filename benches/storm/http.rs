@@ -30,9 +30,14 @@ pub(crate) fn connected(door: SocketAddr, source: Ipv4Addr, patience: Duration) 
     Ok(stream)
 }
 
-/// One of the loopback addresses from which strangers come; STOP comes from 127.0.0.1.
+/// One of six loopback addresses from which floods come; an operator comes from 127.0.0.1.
 pub(crate) fn somewhere(n: usize) -> Ipv4Addr {
-    Ipv4Addr::new(127, 0, 0, u8::try_from(2 + n % 60).expect("less than 62"))
+    Ipv4Addr::new(127, 0, 0, u8::try_from(2 + n % 6).expect("less than 8"))
+}
+
+/// The operator's own address.
+pub(crate) fn near(_: usize) -> Ipv4Addr {
+    Ipv4Addr::LOCALHOST
 }
 
 /// A request as bytes. A `body` is sent as JSON.

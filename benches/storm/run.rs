@@ -14,8 +14,9 @@ const WARM_UP: Duration = Duration::from_secs(2);
 /// After so long a START was refused for good, or the robot does not move, or a STOP does not come to it.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// A run is over after so long, however far it has come.
-const LIMIT: Duration = Duration::from_secs(120);
+/// A run is over after so long, however far it has come: this, and so much for each STOP of a way, many times what they take.
+const LIMIT: Duration = Duration::from_secs(30);
+const LIMIT_EACH: Duration = Duration::from_millis(300);
 
 /// Presses STOP so often in each way.
 pub(crate) fn run(what: &str, floods: &[&Flood], is_nice: bool, each: usize) -> Row {
@@ -34,10 +35,7 @@ fn storm(row: &mut Row, floods: &[&Flood], is_nice: bool, each: usize) -> Result
         floods.iter().map(|flood| Sender::flood(flood.name, &house.doors, is_nice)).collect();
     let senders = senders?;
     std::thread::sleep(WARM_UP);
-    if std::env::var_os("STORM_HOLD").is_some() {
-        eprintln!("the program is process {}", house.id());
-    }
-    let until = Instant::now() + LIMIT;
+    let until = Instant::now() + LIMIT + LIMIT_EACH * u32::try_from(each).unwrap_or(u32::MAX);
     row.stops = stops(&house, &mut operator, each, until);
     row.cut = operator.cut;
     row.memory_mib = house.memory_mib();

@@ -61,7 +61,7 @@ impl House {
             command.env(format!("HALLSWEEP__{door}__BIND"), "127.0.0.1:0");
         }
         command.env("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true").env("HALLSWEEP__MQTT__REQUIRE_PASSWORD", "true");
-        command.env("HALLSWEEP__STORE__FOLDER", &folder).env("HALLSWEEP__LOG__FILTER", filter());
+        command.env("HALLSWEEP__STORE__FOLDER", &folder).env("HALLSWEEP__LOG__FILTER", "info");
         let log = std::fs::File::create(folder.join("storm.log")).map_err(|error| error.to_string())?;
         let mut child = command.stderr(log).spawn().map_err(|error| error.to_string())?;
         let said = listen(child.stdout.take().expect("its output is piped"));
@@ -85,11 +85,6 @@ impl House {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap_or_default();
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or_default();
         line.trim().trim_end_matches(" kB").parse::<u64>().unwrap_or(0) / 1024
-    }
-
-    /// The number of its process.
-    pub(crate) fn id(&self) -> u32 {
-        self.child.id()
     }
 
     /// Lines of its log that no storm may cause.
@@ -203,11 +198,6 @@ fn nice(word: &str) -> Command {
     command.args(["-n", NICE]).arg(std::env::current_exe().expect("the system knows which program this is")).arg(word);
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
     command
-}
-
-/// What the program writes into its log, as it would: a storm may fill it.
-fn filter() -> String {
-    std::env::var("STORM_LOG").unwrap_or_else(|_| "info".to_owned())
 }
 
 /// Keys of both roles, in a new data folder.

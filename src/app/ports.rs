@@ -4,6 +4,8 @@
 use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, TcpListener, UdpSocket};
 
+use socket2::{Domain, Socket, Type};
+
 use super::AppError;
 use crate::config::{At, Bind, Broker, Settings};
 use crate::inbound::coap::beside;
@@ -83,6 +85,10 @@ pub(super) struct Ports {
 /// Why an address cannot be had.
 type NotHad = (SocketAddr, io::Error);
 
+/// So many connections may wait to be received, as far as the system allows: the system tells one that finds no room nothing, and it
+/// tries again after a second, which is too late for a STOP.
+const WAITING: i32 = 4096;
+
 /// A free port of one loopback address may be taken at the other; so often another one is tried.
 const TRIES: usize = 16;
 
@@ -155,8 +161,14 @@ fn at_all<P>(at: At, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -
 }
 
 fn tcp(address: SocketAddr) -> io::Result<(TcpListener, SocketAddr)> {
-    let port = TcpListener::bind(address)?;
+    let port = Socket::new(Domain::for_address(address), Type::STREAM, None)?;
+    // Where it means what it does on Unix: a port is free as soon as whoever had it has ended.
+    #[cfg(unix)]
+    port.set_reuse_address(true)?;
+    port.bind(&address.into())?;
+    port.listen(WAITING)?;
     port.set_nonblocking(true)?;
+    let port = TcpListener::from(port);
     let address = port.local_addr()?;
     Ok((port, address))
 }
@@ -187,11 +199,23 @@ fn with_loopback(mut ports: Vec<UdpSocket>, at: SocketAddr) -> Vec<UdpSocket> {
 #[cfg(test)]
 mod tests {
     use std::net::Ipv4Addr;
+    use std::time::Duration;
 
     use super::*;
 
     fn bind(at: At, is_chosen: bool) -> Result<(Vec<TcpListener>, Place), AppError> {
         open(Port::Mqtt, Bind { at, is_chosen }, tcp)
+    }
+
+    /// Safety S9: whoever comes while a door is busy with others waits in the system, and is not told to come again in a second.
+    #[test]
+    fn hundreds_of_connections_may_wait_to_be_received() {
+        let (_port, address) = tcp(SocketAddr::from(([127, 0, 0, 1], 0))).unwrap();
+        let come = |n| {
+            std::net::TcpStream::connect_timeout(&address, Duration::from_secs(30)).unwrap_or_else(|error| panic!("{n}: {error}"))
+        };
+        let waiting: Vec<_> = (0..500).map(come).collect();
+        assert_eq!(waiting.len(), 500);
     }
 
     #[test]

@@ -1,13 +1,13 @@
 //! Floods of the HTTP door, with a viewer's key and without one.
 
 use std::io::{self, ErrorKind, Read, Write};
-use std::net::TcpStream;
+use std::net::{Ipv4Addr, TcpStream};
 use std::sync::Arc;
 use std::thread::sleep;
 use std::time::Duration;
 
 use crate::course::Course;
-use crate::http::{Kept, connected, request, somewhere};
+use crate::http::{Kept, connected, near, request, somewhere};
 
 /// How long anything is waited for.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -22,32 +22,50 @@ const LOOK: Duration = Duration::from_millis(10);
 /// A slow sender says one letter in so many looks.
 const LETTER: usize = 50;
 
+/// Where a connection comes from, and with what it begins.
+type Source = fn(usize) -> Ipv4Addr;
+type Beginning = fn(&Course, usize) -> Vec<u8>;
+
 /// 2,000 connections that say what is in a body, and of the body one byte: a third without a key.
 pub(super) fn bodies(course: &Arc<Course>) {
-    course.clients(HOLDING, |course, n| {
-        hold(course, n, "", |course, n| {
-            let token = (n % 3 > 0).then_some(&*course.doors.viewer);
-            let mut head = request("POST", "/api/v1/commands/goto", course.doors.http, token, &"{".repeat(100));
-            head.truncate(head.len() - 99);
-            head
-        })
-    });
+    course.clients(HOLDING, |course, n| hold(course, n, "", (somewhere, body)));
+}
+
+/// The same from the operator's own address.
+pub(super) fn bodies_near(course: &Arc<Course>) {
+    course.clients(HOLDING, |course, n| hold(course, n, "", (near, body)));
 }
 
 /// 2,000 connections whose heads come letter by letter.
 pub(super) fn heads(course: &Arc<Course>) {
-    course.clients(HOLDING, |course, n| {
-        hold(course, n, "x", |course, n| {
-            let token = if n % 3 > 0 { &*course.doors.viewer } else { "" };
-            format!("GET /api/v1/state HTTP/1.1\r\nHost: {}\r\nAuthorization: Bearer {token}\r\nX-Slow: ", course.doors.http)
-                .into()
-        })
-    });
+    course.clients(HOLDING, |course, n| hold(course, n, "x", (somewhere, head)));
+}
+
+/// The same from the operator's own address.
+pub(super) fn heads_near(course: &Arc<Course>) {
+    course.clients(HOLDING, |course, n| hold(course, n, "x", (near, head)));
 }
 
 /// 2,000 connections on which nothing is said.
 pub(super) fn silence(course: &Arc<Course>) {
-    course.clients(HOLDING, |course, n| hold(course, n, "", |_, _| Vec::new()));
+    course.clients(HOLDING, |course, n| hold(course, n, "", (somewhere, |_, _| Vec::new())));
+}
+
+/// The same from the operator's own address.
+pub(super) fn silence_near(course: &Arc<Course>) {
+    course.clients(HOLDING, |course, n| hold(course, n, "", (near, |_, _| Vec::new())));
+}
+
+fn body(course: &Course, n: usize) -> Vec<u8> {
+    let token = (n % 3 > 0).then_some(&*course.doors.viewer);
+    let mut head = request("POST", "/api/v1/commands/goto", course.doors.http, token, &"{".repeat(100));
+    head.truncate(head.len() - 99);
+    head
+}
+
+fn head(course: &Course, n: usize) -> Vec<u8> {
+    let token = if n % 3 > 0 { &*course.doors.viewer } else { "" };
+    format!("GET /api/v1/state HTTP/1.1\r\nHost: {}\r\nAuthorization: Bearer {token}\r\nX-Slow: ", course.doors.http).into()
 }
 
 /// Commands that a viewer may not give, on kept connections.
@@ -135,7 +153,7 @@ fn again(course: &Course, n: usize, requests: &[Vec<u8>]) -> io::Result<()> {
 }
 
 /// Holds connections that begin with this and then say a letter now and then; one that was ended is opened anew.
-fn hold(course: &Course, thread: usize, letter: &str, begin: fn(&Course, usize) -> Vec<u8>) -> io::Result<()> {
+fn hold(course: &Course, thread: usize, letter: &str, (from, begin): (Source, Beginning)) -> io::Result<()> {
     let mut held: Vec<Option<TcpStream>> = (0..EACH).map(|_| None).collect();
     for look in 0_usize.. {
         for (place, stream) in held.iter_mut().enumerate() {
@@ -145,7 +163,7 @@ fn hold(course: &Course, thread: usize, letter: &str, begin: fn(&Course, usize) 
             match stream {
                 None => {
                     let n = thread * EACH + place;
-                    let mut opened = connected(course.doors.http, somewhere(n), PATIENCE)?;
+                    let mut opened = connected(course.doors.http, from(n), PATIENCE)?;
                     opened.write_all(&begin(course, n))?;
                     opened.set_nonblocking(true)?;
                     *stream = Some(opened);

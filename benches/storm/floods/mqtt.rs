@@ -8,7 +8,7 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use crate::course::{Course, OPERATOR, SECOND, VIEWER};
-use crate::http::somewhere;
+use crate::http::{near, somewhere};
 use crate::packets::{PINGREQ, PUBACK, RETAIN, SUBACK, UNSUBACK, connect, packet, publish, subscribe, text};
 use crate::wire::{Wire, login};
 
@@ -167,19 +167,19 @@ pub(super) fn deaf(course: &Arc<Course>) {
 
 /// Connections that never say who they are, or only half of it.
 pub(super) fn halves(course: &Arc<Course>) {
-    course.clients(4, |course, n| {
-        hold(
-            course,
-            100,
-            |course, seat| {
-                let mut wire = Wire::silent(course.doors.mqtt, somewhere(seat), PATIENCE)?;
-                let connect = connect(&format!("half-{seat}"), 60);
-                wire.say(&connect[..seat % connect.len()])?;
-                Ok(wire)
-            },
-            n,
-        )
-    });
+    course.clients(4, |course, n| hold(course, 100, |course, seat| half(course, somewhere(seat), seat), n));
+}
+
+/// The same from the operator's own address.
+pub(super) fn halves_near(course: &Arc<Course>) {
+    course.clients(4, |course, n| hold(course, 100, |course, seat| half(course, near(seat), seat), n));
+}
+
+fn half(course: &Course, from: Ipv4Addr, seat: usize) -> io::Result<Wire> {
+    let mut wire = Wire::silent(course.doors.mqtt, from, PATIENCE)?;
+    let connect = connect(&format!("half-{seat}"), 60);
+    wire.say(&connect[..seat % connect.len()])?;
+    Ok(wire)
 }
 
 /// Clients that come, are let in, and go.
