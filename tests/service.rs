@@ -13,6 +13,8 @@ mod commands;
 mod explore;
 #[path = "service/formats.rs"]
 mod formats;
+#[path = "service/http_attacks.rs"]
+mod http_attacks;
 #[path = "service/journal.rs"]
 mod journal;
 #[path = "service/kill.rs"]
