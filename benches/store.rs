@@ -54,7 +54,7 @@ fn flushes(folder: &Path) {
 
 /// One record after the other, each waited for.
 fn records(folder: &Path) {
-    let Opened { mut store, .. } = sqlite::open(&folder.join("records")).expect("the folder is ours");
+    let Opened { mut store, .. } = sqlite::open(&folder.join("records"), None).expect("the folder is ours");
     let mut word = store.word();
     let times = (0..RECORDS as u64).map(|n| {
         let start = Instant::now();
@@ -69,7 +69,7 @@ fn records(folder: &Path) {
 fn long_journal(folder: &Path) {
     let data = folder.join("long");
     let start = Instant::now();
-    let Opened { mut store, .. } = sqlite::open(&data).expect("the folder is ours");
+    let Opened { mut store, .. } = sqlite::open(&data, None).expect("the folder is ours");
     let mut word = store.word();
     for first in (1..LONG).step_by(1000) {
         store.record(Page { first: Seq(first), entries: (first..first + 1000).map(pose).collect() }, 0);
@@ -81,7 +81,7 @@ fn long_journal(folder: &Path) {
     println!("{LONG} entries written in {:.2?}", start.elapsed());
     drop(store);
     let start = Instant::now();
-    let opened = sqlite::open(&data).expect("the folder is ours");
+    let opened = sqlite::open(&data, None).expect("the folder is ours");
     println!("opened, all of them folded, in {:.2?}", start.elapsed());
     let mut store = opened.store;
     let mut word = store.word();
@@ -90,7 +90,7 @@ fn long_journal(folder: &Path) {
     until(&mut word, Seq(LONG + 1));
     drop(store);
     let start = Instant::now();
-    drop(sqlite::open(&data).expect("the folder is ours"));
+    drop(sqlite::open(&data, None).expect("the folder is ours"));
     println!("opened, from an entry that says everything, in {:.2?}", start.elapsed());
     let start = Instant::now();
     let findings = Reading::open(&data).and_then(|reading| reading.check()).expect("it can be read");

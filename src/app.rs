@@ -116,7 +116,7 @@ async fn serve_hall(
     let signalled = signals::listen().map_err(AppError::System)?;
     let secret = access::chance()?;
 
-    let kept = Kept::open(settings, &hall)?;
+    let kept = Kept::open(settings, &hall, entry::unusable(settings))?;
     // Only now, when nothing else can refuse the start: a key that is made is also shown.
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
@@ -128,16 +128,12 @@ async fn serve_hall(
     let resources = || Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
     let coap = coap::open(coap, &threads.coap, resources, (secret, handle.watch(), ending.subscribe()))?;
     let mqtt_ports = listeners(mqtt, &threads.mqtt)?;
-    let mqtt = Mqtt::open(
-        settings,
-        (mqtt_ports, doors.mqtt.map(|place| place.at), mqtt_access),
-        handle.clone(),
-        reader.clone(),
-        ending.subscribe(),
-    )
-    .await?;
+    let mqtt_at = doors.mqtt.map(|place| place.at);
+    let mqtt_ways = (mqtt_ports, mqtt_at, mqtt_access, threads.mqtt.handle().clone());
+    let mqtt = Mqtt::open(settings, mqtt_ways, handle.clone(), reader.clone(), ending.subscribe()).await?;
     let http = listeners(http, &threads.http)?;
-    let door = Door::new(handle, reader, hall.name(), access).with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
+    let door = Door::new(handle, reader, hall.name(), access).with_cells_of(hall.cell_m());
+    let door = door.with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);
     let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|place| place.map(|place| tracing::field::display(place.at)));
     tracing::info!(http = %doors.http.at, coap = coap_at, mqtt = mqtt_at, hall = hall.name(), descriptors, "serving");
@@ -193,20 +189,34 @@ async fn start(
     threads: &Threads,
 ) -> (Handle, JoinHandle<()>) {
     let clock = Clock::default();
+    let in_doubt = kept.stop_in_doubt();
     if let Some(stops) = kept.stops.take() {
         threads.core.handle().spawn(stops::follow(stops, halter.clone()));
     }
     let mut sweep = sweep(settings, kept.recalled.take(), halter.watch().now().epoch, &clock);
+    if let Some(words) = &in_doubt {
+        tracing::warn!(words, "the robot is held");
+        sweep.note_damage(words, clock.now());
+    }
     let (link, side) = link(halter.watch());
-    let (robot, mut diary) = kept.robot(hall, sim);
+    let (robot, mut diary) = match kept.robot(hall, sim) {
+        Ok((robot, diary)) => (Some(robot), diary),
+        Err(lost) => {
+            tracing::error!(lost, "nobody knows where the simulated robot was left: it is not started");
+            (None, None)
+        }
+    };
     if kept.elsewhere && !elsewhere::put_down(&mut sweep, &mut *kept.store, &link, halter, &clock).await {
         // The old one stays, so that robot and map are in the same hall at the next start as well.
         diary = None;
     }
-    match other {
-        Some(adapter) => threads.robot.handle().spawn(adapter(side)),
-        None => threads.robot.handle().spawn(sim::run(robot, side, clock, speed(settings.robot.speed), diary)),
-    };
+    let on = threads.robot.handle();
+    match (other, robot) {
+        (Some(adapter), _) => drop(on.spawn(adapter(side))),
+        (None, Some(robot)) => drop(on.spawn(sim::run(robot, side, clock, speed(settings.robot.speed), diary))),
+        // The link stays down, and nobody is told that its adapter has ended.
+        (None, None) => drop(on.spawn(async move { side.reports.closed().await })),
+    }
     let (handle, task) = Task::new(sweep, link, kept.store, clock, halter.clone());
     (handle, threads.core.handle().spawn(task.run(closed)))
 }

@@ -9,6 +9,8 @@ mod coap;
 mod coap_clients;
 #[path = "service/commands.rs"]
 mod commands;
+#[path = "service/damage.rs"]
+mod damage;
 #[path = "service/explore.rs"]
 mod explore;
 #[path = "service/formats.rs"]

@@ -9,7 +9,7 @@ pub enum AccessError {
     #[error("the system gives no random numbers, so no key can be made: {0}")]
     Chance(String),
     /// The file cannot be read.
-    #[error("the keys cannot be read from {}: {error}; make the file readable for the user who runs hallsweep", .path.display())]
+    #[error("the keys cannot be read from {}: {error}; make it a file that the user who runs hallsweep can read", .path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,

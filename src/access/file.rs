@@ -69,7 +69,7 @@ impl KeyFile {
     /// A file that cannot be read, that others can read, or that holds something else.
     pub fn read(&self) -> Result<Option<Keys>, AccessError> {
         let unreadable = |error| AccessError::Unreadable { path: self.0.clone(), error };
-        let file = match File::open(&self.0) {
+        let file = match open_plain(&self.0) {
             Ok(file) => file,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(unreadable(error)),
@@ -144,6 +144,18 @@ pub(super) fn written(keys: &Keys) -> String {
     let key = |key: &Key| WrittenKey { name: key.name.to_string(), role: key.role, token: key.token.reveal().to_owned() };
     let all = Written { key: keys.iter().map(key).collect() };
     format!("{HEADER}{}", toml::to_string(&all).expect("names, roles and tokens are strings, which TOML can hold"))
+}
+
+/// Opens a file, and nothing else of its name: a pipe would be waited at for ever, and a link that leads nowhere looks like a file
+/// that never was.
+fn open_plain(path: &Path) -> io::Result<File> {
+    match fs::metadata(path) {
+        Ok(there) if !there.is_file() => Err(io::Error::other("it is no plain file")),
+        Err(error) if error.kind() == io::ErrorKind::NotFound && fs::symlink_metadata(path).is_ok() => {
+            Err(io::Error::other("it is a link that leads nowhere"))
+        }
+        Ok(_) | Err(_) => File::open(path),
+    }
 }
 
 fn write_private(path: &Path, text: &str) -> io::Result<()> {

@@ -24,31 +24,37 @@ pub struct Opened {
     pub keyring: Keyring,
     /// Whether there were none before.
     pub is_new: bool,
+    /// Why those there are cannot be had: then nobody is known, until the file is mended.
+    pub unusable: Option<AccessError>,
 }
 
 impl Keyring {
     /// The keys in this data folder; without any, an operator's key is made. Changes of the file are followed from now on.
     ///
     /// # Errors
-    /// A file that cannot be read, is not private or holds something else; a folder that cannot be written.
+    /// A first key that cannot be made or kept.
     pub fn open(folder: &Path) -> Result<Opened, AccessError> {
         let file = KeyFile::within(folder);
         // Looked at before it is read: whatever changes in between is read once more.
         let seen = file.stamp().ok();
-        let kept = file.read()?;
-        let is_new = kept.is_none();
-        let keys = match kept {
-            Some(keys) => keys,
-            None => {
+        let kept = file.read();
+        let is_new = matches!(kept, Ok(None));
+        let (keys, unusable) = match kept {
+            Ok(Some(keys)) => (keys, None),
+            Ok(None) => {
                 let keys = Keys::first()?;
                 file.write(&keys)?;
-                keys
+                (keys, None)
+            }
+            Err(error) => {
+                tracing::error!(%error, "nobody can sign in");
+                (Keys::none(), Some(error))
             }
         };
         let keyring = Keyring::of(keys);
         let theirs = Arc::downgrade(&keyring.0);
         std::thread::spawn(move || follow(&theirs, Followed { file, seen }));
-        Ok(Opened { keyring, is_new })
+        Ok(Opened { keyring, is_new, unusable })
     }
 
     /// One operator's key that is kept nowhere.
@@ -63,6 +69,12 @@ impl Keyring {
     #[must_use]
     pub fn of(keys: Keys) -> Keyring {
         Keyring(Arc::new(Mutex::new(Arc::new(keys))))
+    }
+
+    /// Whether nobody has a key, because the file of them cannot be used.
+    #[must_use]
+    pub fn is_unusable(&self) -> bool {
+        self.keys().iter().next().is_none()
     }
 
     /// The keys as they are now.
@@ -215,12 +227,23 @@ mod tests {
         assert!(keyring.check(&token(&Keyring::of(keys))).is_some());
     }
 
+    /// Safety R5: nobody is let in by a guess, and no start fails; the mended file counts at once.
     #[test]
-    fn a_ruined_file_stops_the_start() {
+    fn a_ruined_file_lets_nobody_in_until_it_is_mended() {
         let folder = Folder::new("ruined");
-        Keyring::open(&folder.0).unwrap();
-        std::fs::write(folder.0.join(super::super::FILE), "nonsense").unwrap();
-        assert!(Keyring::open(&folder.0).unwrap_err().to_string().contains("access.toml"));
+        let token = token(&Keyring::open(&folder.0).unwrap().keyring);
+        let file = folder.0.join(super::super::FILE);
+        let whole = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, "nonsense").unwrap();
+        let Opened { keyring, is_new, unusable } = Keyring::open(&folder.0).unwrap();
+        assert!(!is_new && unusable.unwrap().to_string().contains("access.toml"));
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "nonsense", "it stays as it is");
+        for shown in [token.as_str(), "", "nonsense"] {
+            assert!(keyring.is_unusable() && keyring.check(shown).is_none() && keyring.session(shown, NOW).is_none());
+        }
+        std::fs::write(&file, whole).unwrap();
+        until("the mended file counts", || keyring.check(&token).is_some());
+        assert!(!keyring.is_unusable());
     }
 
     #[test]

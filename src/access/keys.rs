@@ -76,6 +76,11 @@ impl Keys {
         Ok(Keys(vec![Key::new(OPERATOR, Role::Operator, Token::draw()?)?]))
     }
 
+    /// No key at all: nobody is known.
+    pub(super) const fn none() -> Keys {
+        Keys(Vec::new())
+    }
+
     /// These keys.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! How the door is opened: to everybody on this machine, or to whoever has a key. What is said of it is the command line's part.
 
-use crate::access::{Access, AccessError, Keyring, Token};
+use crate::access::{Access, AccessError, KeyFile, Keyring, Token};
 use crate::config::{Broker, HttpSettings, Settings};
 use crate::inbound::http::{Front, Tls, TlsError};
 
@@ -11,6 +11,8 @@ pub enum Entry {
     Open,
     /// By a key that was made before.
     Key,
+    /// By none: the keys there are cannot be had, for this reason.
+    Unusable(String),
     /// By an operator's key that was just made and is kept.
     NewKey(Token),
     /// By an operator's key that was just made and is good until the program ends.
@@ -29,13 +31,25 @@ pub(super) struct Opened {
 
 /// Who is let in, by these settings; a first key is made where there is none and one is asked for.
 pub(super) fn access(settings: &Settings) -> Result<Opened, AccessError> {
-    let mqtt_asks = matches!(settings.mqtt.broker, Some(Broker::Own { asks_for_keys: true, .. }));
+    let mqtt_asks = mqtt_asks(settings);
     if !settings.http.asks_for_keys && !mqtt_asks {
         return Ok(Opened { http: Access::Open, mqtt: Access::Open, entry: Entry::Open });
     }
     let (keys, entry) = keys(settings)?;
     let access = |asks| if asks { keys.clone() } else { Access::Open };
     Ok(Opened { http: access(settings.http.asks_for_keys), mqtt: access(mqtt_asks), entry })
+}
+
+fn mqtt_asks(settings: &Settings) -> bool {
+    matches!(settings.mqtt.broker, Some(Broker::Own { asks_for_keys: true, .. }))
+}
+
+/// Why the keys cannot be had, where any are asked for and there are some: then nobody can press STOP there, and nothing is to
+/// move (safety R5).
+pub(super) fn unusable(settings: &Settings) -> Option<String> {
+    let folder = settings.store.as_ref().filter(|_| settings.http.asks_for_keys || mqtt_asks(settings))?;
+    let error = KeyFile::within(folder).read().err()?;
+    Some(format!("nobody can sign in: {error}; then start hallsweep again"))
 }
 
 /// The keys there are.
@@ -48,7 +62,11 @@ fn keys(settings: &Settings) -> Result<(Access, Entry), AccessError> {
         }
         Some(folder) => {
             let opened = Keyring::open(folder)?;
-            let entry = if opened.is_new { Entry::NewKey(first(&opened.keyring)?) } else { Entry::Key };
+            let entry = match opened.unusable {
+                Some(error) => Entry::Unusable(error.to_string()),
+                None if opened.is_new => Entry::NewKey(first(&opened.keyring)?),
+                None => Entry::Key,
+            };
             (opened.keyring, entry)
         }
     };

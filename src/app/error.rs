@@ -7,7 +7,7 @@ use super::Port;
 use crate::access::AccessError;
 use crate::inbound::http::TlsError;
 use crate::inbound::mqtt;
-use crate::outbound::robot::sim::{DiaryError, HallError};
+use crate::outbound::robot::sim::HallError;
 use crate::outbound::store::sqlite::OpenError;
 
 /// Why the program cannot begin, or not go on. `Display` is the line for whoever started it.
@@ -48,9 +48,6 @@ pub enum AppError {
     /// The data folder cannot be used.
     #[error(transparent)]
     Store(#[from] OpenError),
-    /// Nobody knows where the simulated robot was left.
-    #[error("where the simulated robot was left cannot be read: {0}")]
-    Diary(#[from] DiaryError),
     /// A mission is under way in another hall than the one asked for.
     #[error(
         "a mission is under way in another hall: the record in {} is of {remembered}, not of {given}; start with --hall {remembered} \

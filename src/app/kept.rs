@@ -16,6 +16,9 @@ use crate::outbound::store::stops::Stops;
 use crate::runtime::archive::Archive;
 use crate::runtime::store::Store;
 
+/// What became of looking for the robot's diary.
+type Found = Result<(Diary, Option<SimMemory>), DiaryError>;
+
 /// Where everything is kept, and what was there.
 pub(super) struct Kept {
     pub(super) store: Box<dyn Store>,
@@ -27,20 +30,28 @@ pub(super) struct Kept {
     pub(super) stops: Option<Stops>,
     /// Whether there may be a record that could not be read.
     is_unread: bool,
+    /// Why nobody knows where the robot is.
+    lost: Option<String>,
     diary: Option<Diary>,
     memory: Option<SimMemory>,
 }
 
 impl Kept {
-    /// Opens the folder of the settings. A record that cannot be read or written is no error: the store says so, and the robot
-    /// is held. A folder in use, or a robot of which nobody knows where it is, is one.
-    pub(super) fn open(settings: &Settings, hall: &Hall) -> Result<Kept, AppError> {
+    /// Opens the folder of the settings. A file of it that cannot be read or written is no error: the store says so, and the robot
+    /// is held (safety R5): so also when the keys cannot be had, which is said by `keys`. A folder in use, or a mission in another
+    /// hall, is one.
+    pub(super) fn open(settings: &Settings, hall: &Hall, keys: Option<String>) -> Result<Kept, AppError> {
         let Some(folder) = &settings.store else { return Ok(Kept::nowhere()) };
-        let sqlite::Opened { store, archive, recalled, failure } = sqlite::open(folder)?;
+        let found = Diary::open(folder, hall);
+        let lost = found.as_ref().err().filter(|error| !matches!(error, DiaryError::OtherHall { .. })).map(ToString::to_string);
+        let beside: Vec<String> = [lost.clone(), Stops::unusable(folder), keys].into_iter().flatten().collect();
+        let beside = (!beside.is_empty()).then(|| beside.join("; and "));
+        let sqlite::Opened { store, archive, recalled, failure } = sqlite::open(folder, beside)?;
         let is_unread = failure.is_some() && recalled.is_none();
         let recalled = recalled.map(|recalled| without_lost_photos(recalled, &*archive));
-        let mut kept = Kept { store, archive, recalled, elsewhere: false, stops: None, is_unread, diary: None, memory: None };
-        kept.find_robot(folder, hall)?;
+        let mut kept =
+            Kept { store, archive, recalled, elsewhere: false, stops: None, is_unread, lost, diary: None, memory: None };
+        kept.find_robot(found, folder, hall)?;
         kept.stops = Some(Stops::open(folder));
         Ok(kept)
     }
@@ -49,19 +60,37 @@ impl Kept {
     pub(super) fn epoch(&self) -> Epoch {
         let recorded = self.recalled.as_ref().map_or(Epoch::default(), |recalled| recalled.standing.epoch);
         let stopped = self.stops.as_ref().map_or(Epoch::default(), Stops::epoch);
+        if self.stop_in_doubt().is_some() {
+            return recorded.next();
+        }
         if stopped > recorded {
             tracing::warn!(epoch = stopped.0, "the last STOP did not get into the journal: it holds the robot still");
         }
         stopped.max(recorded)
     }
 
+    /// What is said when nobody knows whether the last STOP is on record: then the robot is held as by one.
+    pub(super) fn stop_in_doubt(&self) -> Option<String> {
+        let damaged = self.stops.as_ref().and_then(Stops::damaged)?;
+        Some(format!(
+            "{} was damaged and is begun anew: whether STOP was pressed last is not known, so the robot is held as by a STOP",
+            damaged.display()
+        ))
+    }
+
     /// The robot where it was left, and the diary in which it goes on writing.
-    pub(super) fn robot(&mut self, hall: Arc<Hall>, sim: SimSettings) -> (Sim, Option<Diary>) {
+    ///
+    /// # Errors
+    /// Why nobody knows where it is.
+    pub(super) fn robot(&mut self, hall: Arc<Hall>, sim: SimSettings) -> Result<(Sim, Option<Diary>), String> {
+        if let Some(lost) = self.lost.take() {
+            return Err(lost);
+        }
         let robot = match self.memory.take() {
             Some(memory) => Sim::remembering(hall, sim, memory),
             None => Sim::new(hall, sim),
         };
-        (robot, self.diary.take())
+        Ok((robot, self.diary.take()))
     }
 
     fn nowhere() -> Kept {
@@ -74,13 +103,14 @@ impl Kept {
             elsewhere: false,
             stops: None,
             is_unread: false,
+            lost: None,
             diary: None,
             memory: None,
         }
     }
 
-    fn find_robot(&mut self, folder: &Path, hall: &Hall) -> Result<(), AppError> {
-        let (diary, memory) = match Diary::open(folder, hall) {
+    fn find_robot(&mut self, found: Found, folder: &Path, hall: &Hall) -> Result<(), AppError> {
+        let (diary, memory) = match found {
             Ok(opened) => opened,
             // What nobody could read may be a mission in that hall: its robot is not forgotten.
             Err(DiaryError::OtherHall { .. }) if self.is_unread => return Ok(()),
@@ -91,7 +121,8 @@ impl Kept {
             Err(DiaryError::OtherHall { remembered, .. }) => {
                 return Err(AppError::OtherHall { folder: PathBuf::from(folder), remembered, given: hall.name().to_owned() });
             }
-            Err(error) => return Err(error.into()),
+            // It is `lost`.
+            Err(_) => return Ok(()),
         };
         (self.diary, self.memory) = (Some(diary), memory);
         Ok(())

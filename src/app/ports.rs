@@ -6,6 +6,7 @@ use std::net::{SocketAddr, TcpListener, UdpSocket};
 
 use super::AppError;
 use crate::config::{At, Bind, Broker, Settings};
+use crate::inbound::coap::beside;
 
 /// Whose port it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,6 +94,7 @@ impl Ports {
     pub(super) fn bind(settings: &Settings) -> Result<Ports, AppError> {
         let (http, http_at) = open(Port::Http, settings.http.bind, tcp)?;
         let coap = settings.coap.map(|bind| open(Port::Coap, bind, udp)).transpose()?;
+        let coap = coap.map(|(ports, place)| (with_loopback(ports, place.at), place));
         let mqtt = match settings.mqtt.broker {
             Some(Broker::Own { bind, .. }) => Some(open(Port::Mqtt, bind, tcp)?),
             Some(Broker::Other(_)) | None => None,
@@ -165,8 +167,27 @@ fn udp(address: SocketAddr) -> io::Result<(UdpSocket, SocketAddr)> {
     Ok((port, address))
 }
 
+/// A port that others reach hears this machine at sockets of its own, which no flood from elsewhere can fill (safety S7). What is
+/// sent to an address goes to the socket that is bound to just this one.
+fn with_loopback(mut ports: Vec<UdpSocket>, at: SocketAddr) -> Vec<UdpSocket> {
+    if at.ip().to_canonical().is_loopback() {
+        return ports;
+    }
+    for address in At::Localhost(at.port()).addresses() {
+        match ports.first().map(|first| beside(first, address)) {
+            Some(Ok(port)) => ports.push(port),
+            // Such a datagram comes to the port that is there, or to nobody.
+            Some(Err(error)) => tracing::warn!(%address, %error, "no socket of its own for CoAP from this machine"),
+            None => {}
+        }
+    }
+    ports
+}
+
 #[cfg(test)]
 mod tests {
+    use std::net::Ipv4Addr;
+
     use super::*;
 
     fn bind(at: At, is_chosen: bool) -> Result<(Vec<TcpListener>, Place), AppError> {
@@ -194,5 +215,37 @@ mod tests {
             let refused = bind(At::Localhost(port), true).expect_err("it is taken");
             assert!(matches!(refused, AppError::Bind { address, .. } if address.port() == port), "{refused}");
         }
+    }
+
+    /// Safety S7: a flood that nobody reads fills the socket it comes to, and not that of this machine.
+    #[test]
+    fn this_machine_has_a_socket_of_its_own_at_a_port_that_others_reach() {
+        let (first, at) = udp("0.0.0.0:0".parse().unwrap()).expect("a free port");
+        let ports = with_loopback(vec![first], at);
+        let own = ports.iter().find(|port| port.local_addr().unwrap().ip() == Ipv4Addr::LOCALHOST).expect("its own");
+        ports.iter().for_each(|port| port.set_nonblocking(true).unwrap());
+        let client = UdpSocket::bind("127.0.0.1:0").unwrap();
+        for _ in 0..10_000 {
+            // Every other address of this machine stands for one that others reach. What has no room any more is lost.
+            let _ = client.send_to(&[0; 1024], ("127.0.0.2", at.port()));
+        }
+        client.send_to(b"stop", ("127.0.0.1", at.port())).unwrap();
+        let mut heard = [0; 2048];
+        let length = own.recv(&mut heard).expect("it is there");
+        assert_eq!(&heard[..length], b"stop");
+        assert!(own.recv(&mut heard).is_err(), "and nothing else");
+        assert!(ports[0].recv(&mut heard).is_ok(), "which came to the other");
+        for taken in ["0.0.0.0", "127.0.0.1"] {
+            assert!(UdpSocket::bind((taken, at.port())).is_err(), "{taken}: nobody else has a part in it");
+            let elsewhere = UdpSocket::bind("127.0.0.1:0").unwrap();
+            let address = SocketAddr::new(taken.parse().unwrap(), at.port());
+            assert!(beside(&elsewhere, address).is_err(), "{taken}: not even who is ready to share");
+        }
+    }
+
+    #[test]
+    fn a_port_of_this_machine_alone_has_no_other_sockets() {
+        let (first, at) = udp("127.0.0.1:0".parse().unwrap()).expect("a free port");
+        assert_eq!(with_loopback(vec![first], at).len(), 1);
     }
 }

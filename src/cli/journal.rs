@@ -7,7 +7,7 @@ use clap::{Args, Subcommand};
 
 use super::Failure;
 use super::folder::Folder;
-use crate::core::units::MissionId;
+use crate::core::units::{MissionId, Seq};
 use crate::outbound::store::sqlite::{self, Findings, Reading};
 use crate::runtime::archive::Unreadable;
 use crate::wire::journal::{self, Line};
@@ -57,8 +57,8 @@ pub fn run(asked: &Journal) -> Result<(), Failure> {
     }
     let reading = Reading::open(&folder)?;
     match asked.what.clone().unwrap_or(What::Print(Which::default())) {
-        What::Print(which) => list(&reading, which, for_people),
-        What::Export(which) => list(&reading, which, journal::line),
+        What::Print(which) => list(&reading, which, for_people, |seq, why| format!("{seq:>8}    - {why}")),
+        What::Export(which) => list(&reading, which, journal::line, journal::unreadable),
         What::Check | What::Rebuild => tell(&reading.check()?),
     }
 }
@@ -73,18 +73,19 @@ fn nothing_kept() -> Failure {
     Failure::Run("the setting store.folder says none, so nothing is kept: name a folder with --data".to_owned())
 }
 
-/// Writes the entries, and at the end says how many of them could not be understood.
-fn list(reading: &Reading, which: Which, write: impl Fn(&Line) -> String) -> Result<(), Failure> {
+/// Writes the entries, in their place those that could not be understood, and says at the end how many these are.
+fn list(
+    reading: &Reading,
+    which: Which,
+    write: impl Fn(&Line) -> String,
+    unreadable: impl Fn(Seq, &str) -> String,
+) -> Result<(), Failure> {
     let mut out = BufWriter::new(io::stdout().lock());
-    let (mut written, mut unclear, mut first) = (Ok(()), 0_u64, None);
-    reading.lines(which.mission.map(MissionId), which.last, |line| {
-        match line {
-            Ok(line) => written = writeln!(out, "{}", write(&line)),
-            Err(words) => {
-                unclear += 1;
-                first.get_or_insert(words);
-            }
-        }
+    let (mut written, mut unclear) = (Ok(()), 0_u64);
+    reading.lines(which.mission.map(MissionId), which.last, |seq, line| {
+        unclear += u64::from(line.is_err());
+        let text = line.map_or_else(|why| unreadable(seq, &why), |line| write(&line));
+        written = writeln!(out, "{text}");
         written.is_ok()
     })?;
     match written.and_then(|()| out.flush()) {
@@ -92,7 +93,10 @@ fn list(reading: &Reading, which: Which, write: impl Fn(&Line) -> String) -> Res
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(()),
         written => written.map_err(|error| Failure::Run(format!("standard output cannot be written: {error}")))?,
     }
-    first.map_or(Ok(()), |words| Err(Failure::Run(format!("{unclear} entries are left out: {words}"))))
+    if unclear == 0 {
+        return Ok(());
+    }
+    Err(Failure::Run(format!("entries that cannot be understood: {unclear}; each stands in its place, with the reason")))
 }
 
 fn for_people(line: &Line) -> String {

@@ -45,7 +45,7 @@ fn mqtt(settings: &Settings, doors: Doors, entry: &Entry) -> Option<String> {
         Entry::Key | Entry::NewKey(_) | Entry::BriefKey(_) if asks => {
             format!("{at}\nThere the user name is that of a key, and the password its token: `hallsweep token` shows them.")
         }
-        Entry::Open | Entry::Key | Entry::NewKey(_) | Entry::BriefKey(_) => at,
+        Entry::Open | Entry::Key | Entry::NewKey(_) | Entry::BriefKey(_) | Entry::Unusable(_) => at,
     })
 }
 
@@ -60,6 +60,7 @@ fn console(http: &HttpSettings, place: Place, entry: &Entry) -> String {
     let at = format!("hallsweep is at {}://{}{}", link::scheme(http), place.at, gave_way(place, "--http"));
     match entry {
         Entry::Open => at,
+        Entry::Unusable(why) => format!("{at}\nIt asks for a key, and nobody can sign in: {why}"),
         Entry::Key => format!("{at}\nIt asks for a key: `hallsweep token` shows links to sign in with."),
         Entry::NewKey(token) => {
             format!("{at}\nIts first key was made just now. Sign in as operator: {}", link::sign_in(http, place.at, token))

@@ -210,7 +210,7 @@ impl std::fmt::Display for Issuer {
 }
 
 /// The ways into hallsweep.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Door {
     /// The page at `/`.
     Console,

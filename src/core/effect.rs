@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::command::{Accepted, CommandId, Issuer, Move, Refusal, Refused, Verdict};
 use super::event::{Photo, RobotId};
 use super::explore::{Search, Strategy};
-use super::mission::{Goal, Hold, Phase};
+use super::mission::{Goal, Hold, Input, Phase};
 use super::standing::Standing;
 use super::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, OrderId, Pose, Seq, Ticket, Wall};
 use super::world::hall_map::Mark;
@@ -93,6 +93,20 @@ pub struct Entry {
     pub wall: Wall,
     /// What happened.
     pub fact: Fact,
+}
+
+impl Fact {
+    /// The fact as it stands in the journal, when `verdict_on` says what each piece was found to be. Entries are never changed, and
+    /// a safe is one before it is final: one that was accepted of a piece that is dangerous was overtaken by the danger before it
+    /// was durable (safety V1), and so it was refused.
+    #[must_use]
+    pub fn as_it_was(self, verdict_on: impl FnOnce(LuggageId) -> Option<Verdict>) -> Fact {
+        let Fact::Command { issuer, id, command, epoch, luggage: Some(luggage), refused: None } = self else { return self };
+        let was_safe = command.split(' ').next() == Some(Input::Safe.in_words());
+        let overtaken = was_safe && verdict_on(luggage) == Some(Verdict::Danger);
+        let refused = overtaken.then(|| Refusal::from(&Refused::Decided { luggage, verdict: Verdict::Danger }));
+        Fact::Command { issuer, id, command, epoch, luggage: Some(luggage), refused }
+    }
 }
 
 /// What is worth keeping for good. `crate::core::standing` folds them into what stands.

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use crate::core::effect::Entry;
 use crate::core::event::Photo;
-use crate::core::explore::Strategy;
 use crate::core::standing::Standing;
 use crate::core::units::{LuggageId, MissionId, Seq, Wall};
 use crate::core::world::luggage::Luggage;
@@ -15,13 +14,25 @@ use crate::core::world::luggage::Luggage;
 #[error("the record cannot be read: {0}")]
 pub struct Unreadable(pub String);
 
+/// What of something is sound, and a sentence on each part of the record that is not: what follows from that part is not in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sound<T> {
+    /// What is sound.
+    pub of: T,
+    /// What is not, in words for an operator; a few of the sentences where there are many.
+    pub damage: Vec<String>,
+}
+
+/// An entry of the journal by its place; where it cannot be understood, why.
+pub type Happened = (Seq, Result<Entry, Unreadable>);
+
 /// A mission in one line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MissionRecord {
     /// Its number.
     pub id: MissionId,
-    /// The order of its search.
-    pub strategy: Strategy,
+    /// The order of its search, by its name.
+    pub strategy: Arc<str>,
     /// When it began.
     pub began: Wall,
     /// When it was put away; `None` while it is the present one.
@@ -66,11 +77,11 @@ pub trait Archive: Send + Sync {
     ///
     /// # Errors
     /// When the record cannot be read.
-    fn standing(&self, mission: MissionId) -> Result<Option<Standing>, Unreadable>;
+    fn standing(&self, mission: MissionId) -> Result<Option<Sound<Standing>>, Unreadable>;
 
     /// The entries of a mission after `after`, oldest first, at most `most`.
     ///
     /// # Errors
     /// When the record cannot be read.
-    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<(Seq, Entry)>, Unreadable>;
+    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable>;
 }

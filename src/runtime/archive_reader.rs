@@ -59,12 +59,11 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
-    use crate::core::effect::Entry;
     use crate::core::event::Photo;
     use crate::core::standing::Standing;
     use crate::core::units::{LuggageId, MissionId, Seq};
     use crate::core::world::luggage::Luggage;
-    use crate::runtime::archive::MissionRecord;
+    use crate::runtime::archive::{Happened, MissionRecord, Sound};
 
     /// There is nothing in it.
     struct Empty;
@@ -86,11 +85,11 @@ mod tests {
             Ok(None)
         }
 
-        fn standing(&self, _: MissionId) -> Result<Option<Standing>, Unreadable> {
+        fn standing(&self, _: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
             Ok(None)
         }
 
-        fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<(Seq, Entry)>, Unreadable> {
+        fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
             Ok(Vec::new())
         }
     }

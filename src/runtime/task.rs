@@ -1,7 +1,7 @@
 //! The only loop: takes halts, reports, commands and time to the core, and its effects to robots, store, doors.
 //! It decides nothing.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use tokio::sync::{mpsc, oneshot, watch};
@@ -15,7 +15,7 @@ use crate::core::command::{Accepted, Refused, Request};
 use crate::core::effect::{Effect, Order};
 use crate::core::event::{Event, RobotEvent, RobotId};
 use crate::core::sweep::Sweep;
-use crate::core::units::Ticket;
+use crate::core::units::{Seq, Ticket};
 use crate::core::world::snapshot::Snapshot;
 
 /// The loop, not yet running.
@@ -31,6 +31,8 @@ pub struct Task {
     commands: mpsc::Receiver<Envelope>,
     snapshots: watch::Sender<Arc<Snapshot>>,
     answers: BTreeMap<Ticket, oneshot::Sender<Answer>>,
+    /// The refusals that wait until they are on record (safety A6), in the order of their entries.
+    refusals: VecDeque<(Seq, oneshot::Sender<Answer>, Refused)>,
     /// Whether the store's last word was that it cannot write.
     store_failed: bool,
     /// How often the store has lost something, as far as the core was told.
@@ -62,6 +64,7 @@ impl Task {
             commands,
             snapshots,
             answers,
+            refusals: VecDeque::new(),
             store_failed: false,
             losses: 0,
             link_gone: false,
@@ -112,10 +115,7 @@ impl Task {
             Ok(ticket) => {
                 self.answers.insert(ticket, answer);
             }
-            Err(refused) => {
-                self.publish();
-                let _ = answer.send(Err(refused));
-            }
+            Err(refused) => self.refusals.push_back((self.sweep.written(), answer, refused)),
         }
     }
 
@@ -135,11 +135,23 @@ impl Task {
                     Effect::Answer(ticket, answer) => answers.push((ticket, answer)),
                 }
             }
-            if answers.is_empty() {
-                break self.publish();
-            }
             self.publish();
+            if answers.is_empty() {
+                break;
+            }
             self.deliver(&mut answers);
+        }
+        self.refuse();
+    }
+
+    /// Answers the refusals that are on record. While nothing can be recorded none waits: what was refused then is on record when
+    /// the store writes again.
+    fn refuse(&mut self) {
+        let kept = self.word.borrow().kept;
+        let due = self.refusals.iter().take_while(|(seq, ..)| *seq <= kept || self.store_failed).count();
+        for (_, answer, refused) in self.refusals.drain(..due) {
+            // Whoever asked may have gone away.
+            let _ = answer.send(Err(refused));
         }
     }
 

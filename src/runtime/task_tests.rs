@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use super::*;
-use crate::core::command::{Command, Door, Issuer};
+use crate::core::command::{Command, Door, Issuer, TemperatureReport};
 use crate::core::effect::{Action, Page};
 use crate::core::event::Capabilities;
 use crate::core::mission::{Hold, PhaseName};
@@ -145,7 +145,6 @@ async fn a_stop_between_an_order_and_its_sending_holds_the_robot() {
 /// Safety S2: heat halts as directly as a stop does.
 #[tokio::test]
 async fn heat_halts_past_the_queue_of_orders() {
-    use crate::core::command::TemperatureReport;
     let (handle, mut robot, _close) = running().await;
     handle.give(request(Command::Start)).await.unwrap().unwrap();
     let Stamped { halts, .. } = robot.orders.recv().await.expect("a start gives an order");
@@ -281,6 +280,47 @@ async fn a_photo_that_was_ordered_before_a_stop_goes_out_and_a_step_does_not() {
     assert_eq!((photo.action, halts), (Action::Photograph(stamp), robot.halts.now().count));
     task.send(order(Action::Recentre));
     assert!(robot.orders.try_recv().is_err());
+}
+
+/// Safety A6: whoever hears of a refusal finds it in the journal, whenever the program dies; a store that fails makes nobody
+/// wait.
+#[tokio::test]
+async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
+    let (handle, task, robot, word) = house_with(false);
+    let (handle, _robot, _close) = start((handle, task, robot)).await;
+    let refused = || {
+        let handle = handle.clone();
+        tokio::spawn(async move { handle.give(request(Command::Retrieve)).await })
+    };
+    let first = refused();
+    handle.watch().wait_for(|state| state.log.iter().any(|line| line.text.contains("refused"))).await.unwrap();
+    handle.give(request(Command::Stop)).await.unwrap().unwrap();
+    assert!(!first.is_finished(), "the stop does not wait, and the refusal does");
+    word.send_modify(|word| word.kept = Seq(1000));
+    assert!(first.await.unwrap().unwrap().is_err());
+
+    word.send_modify(|word| word.kept = Seq(0));
+    let second = refused();
+    tokio::task::yield_now().await;
+    word.send_modify(|word| (word.losses, word.failure) = (1, Some("the disk is full".into())));
+    assert!(second.await.unwrap().unwrap().is_err());
+    assert!(refused().await.unwrap().unwrap().is_err());
+}
+
+/// Safety V3: whoever waits for a record that was lost is told so, although the store writes again before the loop hears of it.
+#[tokio::test]
+async fn a_loss_that_is_over_already_is_told_all_the_same() {
+    let (handle, task, robot, word) = house_with(false);
+    let (handle, _robot, _close) = start((handle, task, robot)).await;
+    let waiting = tokio::spawn({
+        let handle = handle.clone();
+        async move { handle.give(request(Command::Temperature(TemperatureReport::Ok))).await }
+    });
+    handle.watch().wait_for(|state| state.log.iter().any(|line| line.text.contains("temperature OK"))).await.unwrap();
+    assert!(!waiting.is_finished());
+    word.send_modify(|word| word.losses = 1);
+    assert_eq!(waiting.await.unwrap().unwrap(), Err(Refused::NotKept));
+    assert!(handle.snapshot().log.iter().any(|line| line.text == Hold::Store.over_in_words()), "and it is over");
 }
 
 #[tokio::test]

@@ -16,7 +16,7 @@ pub struct MissionRecordJson {
     /// Its number.
     pub id: u64,
     /// The order of its search.
-    pub strategy: &'static str,
+    pub strategy: String,
     /// When it began, RFC 3339 with zone.
     pub began: String,
     /// When it was put away, or null while it is the present one.
@@ -66,6 +66,8 @@ pub struct MissionWholeJson {
     pub luggage: Vec<LuggageJson>,
     /// Its hall as far as it was known, or null when that is not kept.
     pub map: Option<MapJson>,
+    /// What of the record cannot be understood, a sentence each: what follows from it is not in here.
+    pub damage: Vec<String>,
 }
 
 impl Links {
@@ -78,19 +80,23 @@ impl Links {
 }
 
 impl MissionWholeJson {
-    /// A mission and what stood.
+    /// A mission and what stood, and what of that cannot be understood.
     #[must_use]
-    pub fn new(record: MissionRecordJson, standing: Option<&Standing>) -> MissionWholeJson {
+    pub fn new(record: MissionRecordJson, standing: Option<&Standing>, damage: Vec<String>) -> MissionWholeJson {
         let luggage = standing.into_iter().flat_map(|standing| standing.luggage.values());
         let luggage = luggage.map(|luggage| LuggageJson::from(&**luggage)).collect();
-        MissionWholeJson { record, luggage, map: standing.map(|standing| MapJson::from(Plan::from(standing))) }
+        MissionWholeJson { record, luggage, map: standing.map(|standing| MapJson::from(Plan::from(standing))), damage }
     }
 }
 
-/// Entries of a mission as one JSON object, `{"events":[…],"next":…}`, each as a line of the exported journal.
+/// Entries of a mission as one JSON object, `{"events":[…],"next":…}`, each as a line of the exported journal. Of one that cannot be
+/// understood the reason is given.
 #[must_use]
-pub fn events(mission: MissionId, entries: Vec<(Seq, Entry)>, next: Option<String>) -> String {
-    let line = |(seq, entry)| journal::line(&journal::Line { seq, mission: Some(mission), entry, picture: None });
+pub fn events(mission: MissionId, entries: Vec<(Seq, Result<Entry, String>)>, next: Option<String>) -> String {
+    let line = |(seq, entry): (Seq, Result<Entry, String>)| match entry {
+        Ok(entry) => journal::line(&journal::Line { seq, mission: Some(mission), entry, picture: None }),
+        Err(why) => journal::unreadable(seq, &why),
+    };
     let lines: Vec<String> = entries.into_iter().map(line).collect();
     format!("{{\"events\":[{}],\"next\":{}}}", lines.join(","), serde_json::Value::from(next))
 }
@@ -106,7 +112,7 @@ mod tests {
     fn record() -> MissionRecordJson {
         MissionRecordJson {
             id: 3,
-            strategy: "snail",
+            strategy: "snail".to_owned(),
             began: String::new(),
             archived: None,
             phase: "explored".to_owned(),
@@ -123,7 +129,7 @@ mod tests {
         standing.map = drawn(&["11W"], 1);
         let piece = piece(7, Cell::new(2, 0), None);
         standing.luggage.insert(piece.id, piece);
-        let json = serde_json::to_value(MissionWholeJson::new(record(), Some(&standing))).unwrap();
+        let json = serde_json::to_value(MissionWholeJson::new(record(), Some(&standing), Vec::new())).unwrap();
         assert_eq!((&json["id"], &json["luggage"][0]["id"]), (&3.into(), &7.into()));
         assert_eq!(json["luggage"][0]["photo"]["url"], "/api/v1/luggage/7/photo?take=1");
         assert_eq!(
@@ -136,19 +142,23 @@ mod tests {
 
     #[test]
     fn what_is_not_kept_is_null() {
-        let json = serde_json::to_value(MissionWholeJson::new(record(), None)).unwrap();
+        let json = serde_json::to_value(MissionWholeJson::new(record(), None, vec!["entry 3".to_owned()])).unwrap();
         assert_eq!((&json["map"], &json["luggage"]), (&serde_json::Value::Null, &serde_json::json!([])));
+        assert_eq!(json["damage"], serde_json::json!(["entry 3"]));
     }
 
     #[test]
     fn events_are_lines_of_the_journal_in_one_object() {
         let entries = vec![
-            (Seq(4), Entry { wall: TEN, fact: Fact::Pose(Pose::START) }),
-            (Seq(9), Entry { wall: TEN, fact: Fact::Led(true) }),
+            (Seq(4), Ok(Entry { wall: TEN, fact: Fact::Pose(Pose::START) })),
+            (Seq(7), Err("a \"mouse\" was at it".to_owned())),
+            (Seq(9), Ok(Entry { wall: TEN, fact: Fact::Led(true) })),
         ];
         let text = events(MissionId(3), entries, Some("/more?after=9".to_owned()));
         let json: serde_json::Value = serde_json::from_str(&text).unwrap();
-        assert_eq!((&json["events"][0]["seq"], &json["events"][1]["kind"]), (&4.into(), &"led".into()));
+        assert_eq!((&json["events"][0]["seq"], &json["events"][2]["kind"]), (&4.into(), &"led".into()));
+        let unreadable = serde_json::json!({"seq": 7, "kind": "unreadable", "why": "a \"mouse\" was at it"});
+        assert_eq!(json["events"][1], unreadable);
         assert_eq!((&json["events"][0]["mission"], &json["next"]), (&3.into(), &"/more?after=9".into()));
         let end: serde_json::Value = serde_json::from_str(&events(MissionId(3), Vec::new(), None)).unwrap();
         assert_eq!(end, serde_json::json!({"events": [], "next": null}));

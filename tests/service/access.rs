@@ -126,9 +126,8 @@ fn the_keys_are_private_and_refused_when_they_are_not() {
     let mode = |path: &Path| std::fs::metadata(path).expect("it is there").permissions().mode() & 0o777;
     assert_eq!((mode(&folder.file()), mode(&folder.0)), (0o600, 0o700));
     std::fs::set_permissions(folder.file(), std::fs::Permissions::from_mode(0o644)).expect("it is ours");
-    let output = folder.command(&["serve", "--http", "0.0.0.0:0"]).output().expect("the program starts");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.code() == Some(1) && said.contains("chmod 600") && said.contains("644"), "{said}");
+    let said = folder.serve().says();
+    assert!(said.contains("nobody can sign in") && said.contains("chmod 600") && said.contains("644"), "{said}");
     assert!(folder.refused(&[]).contains("chmod 600"));
 }
 

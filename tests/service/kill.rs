@@ -3,15 +3,20 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use hallsweep::core::rng::Stream;
 use serde_json::{Value, json};
 
-use crate::program::{Program, hallsweep};
+use crate::program::{Answer, Deadline, PATIENCE, Program, hallsweep};
 
 /// How often the program is killed unless `HALLSWEEP_KILLS` says otherwise.
 const KILLS: u64 = 200;
+
+/// What an operator does who only wants to get on: START, and verdicts.
+const SEARCH: u64 = 0;
 
 /// Of the pieces seen so far so many are looked up after each start; all of them at the end.
 const LOOKED_UP: usize = 12;
@@ -39,6 +44,7 @@ fn killed_at_any_moment_it_has_everything_that_was_acknowledged_and_nothing_twic
         }
     }
     eprintln!("{kills} kills, {}", ledger.in_words());
+    assert!(ledger.refused.len() as u64 > kills / 4, "hardly anything was refused");
     assert!(ledger.keys.len() as u64 > kills && ledger.verdicts.len() as u64 > kills / 20, "hardly anything was tried");
     ledger.audit(&folder);
     bring_to_the_end(&serve(&folder, &mut Stream::new(0, "end")));
@@ -78,6 +84,10 @@ struct Ledger {
     photos: BTreeMap<u64, Vec<u8>>,
     /// The ids of accepted commands, and the command.
     keys: BTreeMap<String, String>,
+    /// The ids of refused ones.
+    refused: BTreeMap<String, String>,
+    /// How often a command was accepted.
+    accepted: Arc<AtomicU64>,
     mission: u64,
     /// What stood when the program was killed at rest.
     rest: Option<Value>,
@@ -85,16 +95,26 @@ struct Ledger {
 
 impl Ledger {
     fn in_words(&self) -> String {
-        let (keys, luggage, verdicts) = (self.keys.len(), self.luggage.len(), self.verdicts.len());
-        format!("{keys} commands acknowledged, {luggage} pieces seen, {verdicts} verdicts acknowledged, mission {}", self.mission)
+        let (keys, refused) = (self.keys.len(), self.refused.len());
+        let (luggage, verdicts) = (self.luggage.len(), self.verdicts.len());
+        format!(
+            "{keys} commands acknowledged, {refused} refused, {luggage} pieces seen, {verdicts} verdicts acknowledged, mission {}",
+            self.mission
+        )
     }
 
-    /// Works at random until the program is gone.
+    /// Works at random until the program is gone: some moment after so many commands were accepted, however long that takes.
     fn work_until_killed(&mut self, program: &Program, dice: &mut Stream, life: u64) {
-        let moment = Duration::from_millis(dice.below(240));
+        let (least, moment) = (dice.below(6), Duration::from_millis(dice.below(60)));
         let kill = program.killer();
+        let accepted = Arc::clone(&self.accepted);
+        let enough = accepted.load(Ordering::Relaxed) + least;
         std::thread::scope(|scope| {
             scope.spawn(move || {
+                let deadline = Deadline::within(PATIENCE);
+                while accepted.load(Ordering::Relaxed) < enough && !deadline.has_passed() {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
                 std::thread::sleep(moment);
                 kill();
             });
@@ -107,10 +127,17 @@ impl Ledger {
         self.rest = None;
     }
 
-    /// Works at random, presses STOP, and looks once more at everything when nothing changes any more.
+    /// Works at random, in every third life until a verdict is acknowledged, presses STOP, and looks once more at everything when nothing changes any more.
     fn work_and_rest(&mut self, program: &Program, dice: &mut Stream, life: u64) {
         for n in 0..dice.below(12) {
             self.work(program, dice, &format!("{life}-{n}")).expect("the program is running");
+        }
+        let (known, deadline) = (self.verdicts.len(), Deadline::within(PATIENCE));
+        for n in (0..).take_while(|_| life % 3 == 0) {
+            if self.verdicts.len() > known || deadline.has_passed() {
+                break;
+            }
+            self.act(program, dice, &format!("{life}-more-{n}"), SEARCH).expect("the program is running");
         }
         program.command("stop").accepted();
         let mut state = program.until("it rests", |state| state["robot"]["state"] == "stopped");
@@ -129,13 +156,19 @@ impl Ledger {
         self.rest = Some(state);
     }
 
-    /// One thing an operator does; `None` when the program is gone.
+    /// One thing an operator does, at random; `None` when the program is gone.
     fn work(&mut self, program: &Program, dice: &mut Stream, key: &str) -> Option<()> {
+        let what = dice.below(12);
+        self.act(program, dice, key, what)
+    }
+
+    fn act(&mut self, program: &Program, dice: &mut Stream, key: &str, what: u64) -> Option<()> {
         let state = program.try_ask("GET", "/api/v1/state", "", "")?.json();
         self.look(&state);
         let pending = state["luggage"].as_array()?.iter().find(|piece| piece["verdict"] == "pending").cloned();
-        let held = state["mission"]["holds"] != json!([]);
-        match (pending, dice.below(12)) {
+        let at_rest = ["idle", "atHome", "explored"].iter().any(|phase| state["mission"]["phase"] == *phase);
+        let held = at_rest || state["mission"]["holds"] != json!([]);
+        match (pending, what) {
             (None, 0..=7) if !held => std::thread::sleep(Duration::from_millis(2)),
             (Some(piece), 0..=6) => self.decide(program, dice, key, piece["id"].as_u64()?)?,
             (Some(piece), 7) => self.fetch_photo(program, &piece)?,
@@ -157,10 +190,18 @@ impl Ledger {
 
     fn command(&mut self, program: &Program, method: &str, path: &str, key: &str, body: &str) -> Option<()> {
         let answer = program.try_ask(method, path, key, body)?;
-        if answer.status == 200 {
-            self.keys.insert(key.to_owned(), path.to_owned());
-        }
+        self.note(&answer, key, path);
         Some(())
+    }
+
+    /// Remembers how a command was answered.
+    fn note(&mut self, answer: &Answer, key: &str, what: &str) {
+        if answer.status == 200 {
+            self.keys.insert(key.to_owned(), what.to_owned());
+            self.accepted.fetch_add(1, Ordering::Relaxed);
+        } else if (400..500).contains(&answer.status) {
+            self.refused.insert(key.to_owned(), what.to_owned());
+        }
     }
 
     fn decide(&mut self, program: &Program, dice: &mut Stream, key: &str, id: u64) -> Option<()> {
@@ -169,8 +210,8 @@ impl Ledger {
         let answer = program.try_ask("POST", &format!("/api/v1/luggage/{id}/verdict"), key, &body)?;
         if answer.status == 200 {
             self.verdicts.insert(id, verdict.to_owned());
-            self.keys.insert(key.to_owned(), format!("verdict {id}"));
         }
+        self.note(&answer, key, &format!("verdict {id}"));
         Some(())
     }
 
@@ -235,7 +276,7 @@ impl Ledger {
         }
     }
 
-    /// The journal itself: no gap, every acknowledged command once, one verdict a piece.
+    /// The journal itself: no gap, every acknowledged command once and as it was answered, one verdict a piece.
     fn audit(&self, folder: &Folder) {
         let check = hallsweep(&["journal", "check", "--data", folder.text()]).output().expect("it runs");
         assert!(check.status.success(), "{}", String::from_utf8_lossy(&check.stdout));
@@ -249,6 +290,11 @@ impl Ledger {
         for key in self.keys.keys() {
             let found = lines.iter().filter(|line| line["id"] == key.as_str()).count();
             assert_eq!(found, 1, "the command {key} ({}) is in the journal {found} times", self.keys[key]);
+        }
+        for (key, what) in &self.refused {
+            let found: Vec<&Value> = lines.iter().filter(|line| line["id"] == key.as_str()).collect();
+            let is_refused = found.len() == 1 && found[0]["refused"]["code"].is_string();
+            assert!(is_refused, "the command {key} ({what}) was refused: {found:?}");
         }
         for (id, verdict) in &self.verdicts {
             let found: Vec<&Value> = lines.iter().filter(|line| line["kind"] == "verdict" && line["luggage"] == *id).collect();

@@ -38,6 +38,19 @@ fn a_safe_that_was_answered_503_never_takes_effect_and_a_danger_after_it_wins() 
     assert_eq!(bare.phase(), PhaseName::ReturningWithAlarm);
 }
 
+/// Safety V1: who said safe hears of the danger, and so does whoever looks at the log.
+#[test]
+fn a_safe_that_a_danger_overtakes_is_refused_and_the_log_says_so() {
+    let mut bare = Bare::at_a_bag();
+    bare.keeps = false;
+    let (safe, danger) = (bare.verdict(Verdict::Safe).unwrap(), bare.verdict(Verdict::Danger).unwrap());
+    bare.keep();
+    let decided = Refused::Decided { luggage: LuggageId(1), verdict: Verdict::Danger };
+    assert_eq!(bare.answer(safe), Some(Err(decided)));
+    assert!(matches!(bare.answer(danger), Some(Ok(_))));
+    assert!(bare.state().log.iter().any(|line| line.text.starts_with("a safe was overtaken, and so refused: luggage #1")));
+}
+
 #[test]
 fn a_piece_whose_record_was_lost_is_recorded_anew_when_the_store_is_back() {
     let mut bare = Bare::in_front_of(hallsweep::core::event::Obstacle::Unknown);

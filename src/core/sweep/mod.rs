@@ -15,6 +15,7 @@ mod outbox;
 mod phases;
 mod recall;
 mod records;
+mod refusals;
 mod repeats;
 mod reports;
 mod stops;
@@ -33,6 +34,7 @@ pub use self::recall::{Recalled, Remembered};
 pub use self::repeats::IDS;
 
 use self::outbox::{Outbox, Waiting};
+use self::refusals::{Note, Refusals};
 use self::repeats::{Known, Outcome, Repeats, content};
 use self::stops::Stops;
 use self::view::Shown;
@@ -44,7 +46,7 @@ use super::explore::Strategy;
 use super::explore::plan::Planner;
 use super::mission::{Hold, Input, Matter, Mission, in_words};
 use super::settings::Settings;
-use super::units::{Epoch, LuggageId, Now, Ticket};
+use super::units::{Epoch, LuggageId, Now, Seq, Ticket};
 use super::world::log::Tone;
 use super::world::model::World;
 use super::world::resource::Resource;
@@ -62,6 +64,7 @@ pub struct Sweep {
     outbox: Outbox,
     vigil: Vigil,
     repeats: Repeats,
+    refusals: Refusals,
     stops: Stops,
     taken: Option<Arc<Snapshot>>,
 }
@@ -80,6 +83,7 @@ impl Sweep {
             outbox: Outbox::default(),
             vigil: Vigil::default(),
             repeats: Repeats::default(),
+            refusals: Refusals::default(),
             stops: Stops::default(),
             taken: None,
         }
@@ -122,13 +126,26 @@ impl Sweep {
     }
 
     /// Notes a command that a door refused to take from its sender (safety A6): `asked` is what was asked for, as the door knows
-    /// it.
+    /// it. Of who is refused without end some share an entry.
     pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, now: Now) {
         self.begin(now);
-        self.world.write(now.wall, Tone::Warning, format!("{asked} refused, by {issuer}: {refused}"));
-        let refused = Some(Refusal::from(refused));
-        let fact = Fact::Command { issuer, id: None, command: asked, epoch: None, luggage: None, refused };
-        self.outbox.record_command(now.wall, fact, None);
+        let notes = self.refusals.come(Note { issuer, asked, refused: refused.clone() }, now.since_start);
+        self.write_refusals(notes);
+    }
+
+    fn write_refusals(&mut self, notes: Vec<Note>) {
+        for Note { issuer, asked, refused } in notes {
+            self.world.write(self.now.wall, Tone::Warning, format!("{asked} refused, by {issuer}: {refused}"));
+            let refused = Some(Refusal::from(&refused));
+            let fact = Fact::Command { issuer, id: None, command: asked, epoch: None, luggage: None, refused };
+            self.outbox.record_command(self.now.wall, fact, None);
+        }
+    }
+
+    /// Notes what an operator must know of the files in which this is kept (safety R5).
+    pub fn note_damage(&mut self, words: &str, now: Now) {
+        self.begin(now);
+        self.world.write(now.wall, Tone::Warning, words.to_owned());
     }
 
     /// From now on this sensor must be heard at least every `patience`; until it is for the first time it counts as silent.
@@ -173,6 +190,8 @@ impl Sweep {
     /// Time has passed; call it at `poll_timeout`.
     pub fn handle_timeout(&mut self, now: Now) {
         self.begin(now);
+        let notes = self.refusals.fall_due(now.since_start);
+        self.write_refusals(notes);
         while let Some(sensor) = self.vigil.falls_silent(now.since_start) {
             self.feed(Input::SensorSilent, &Matter { words: Some(sensor.to_string()), ..Matter::default() });
         }
@@ -193,10 +212,16 @@ impl Sweep {
         self.outbox.poll()
     }
 
+    /// The last entry on its way to the store, or kept: a refusal is on record when this is kept.
+    #[must_use]
+    pub fn written(&self) -> Seq {
+        self.outbox.written()
+    }
+
     /// When `handle_timeout` is to be called, counted from the start.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
-        [self.helm.due(), self.vigil.due(), self.stops.due()].into_iter().flatten().min()
+        [self.helm.due(), self.vigil.due(), self.stops.due(), self.refusals.due()].into_iter().flatten().min()
     }
 
     /// Everything that can be seen, at this moment; the same `Arc` until something changes.

@@ -128,6 +128,9 @@ impl Sweep {
                 (Some(luggage), Some(given), Some(verdict)) if given != verdict => Err(Refused::Decided { luggage, verdict }),
                 _ => Ok(Accepted { revision: self.world.revision(), epoch: self.mission.epoch, luggage: waiting.luggage }),
             };
+            if let Err(refused) = &answer {
+                self.world.write(self.now.wall, Tone::Warning, format!("a safe was overtaken, and so refused: {refused}"));
+            }
             self.send_answer(waiting.ticket, answer);
         }
     }

@@ -25,6 +25,9 @@ pub trait Application: Send + 'static {
     /// Takes a request. A command is given in here, so that commands keep the order in which they came; must not block.
     fn answer(&self, request: &Request) -> Said;
 
+    /// There is a newer state; must not block.
+    fn handle_change(&self) {}
+
     /// What an observer of this request sees now; must not block.
     fn things(&self, request: &Request) -> Vec<Arc<Response>>;
 
@@ -40,6 +43,12 @@ pub trait Application: Send + 'static {
 pub(super) fn answer(application: &impl Application, request: &Request) -> Said {
     let asked = AssertUnwindSafe(|| application.answer(request));
     catch_unwind(asked).unwrap_or_else(|_| Said::Now(broken()))
+}
+
+/// Says that there is a newer state.
+pub(super) fn changed(application: &impl Application) {
+    // What breaks over it was logged, and is no reason for the door to end.
+    let _ = catch_unwind(AssertUnwindSafe(|| application.handle_change()));
 }
 
 /// Asks what observers see; nothing, when the application breaks over it.

@@ -124,7 +124,9 @@ async fn for_people(request: Request, next: Next) -> Response {
     let (mut parts, _) = response.into_parts();
     parts.headers.remove(header::CONTENT_LENGTH);
     parts.headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8"));
-    let page = Astray { title: for_a_person(parts.status), detail };
+    // Under a name that is not ours STOP would be refused as well: nobody is to count on it there.
+    let may_stop = parts.status != StatusCode::MISDIRECTED_REQUEST;
+    let page = Astray { title: for_a_person(parts.status), detail, may_stop };
     let page = page.render().expect("the template only writes strings, which does not fail");
     Response::from_parts(parts, page.into())
 }
@@ -150,6 +152,7 @@ fn for_a_person(status: StatusCode) -> &'static str {
 struct Astray {
     title: &'static str,
     detail: String,
+    may_stop: bool,
 }
 
 /// A page of another origin may not press buttons here. Programs send neither header and pass.

@@ -11,10 +11,10 @@ use super::etag::by_content;
 use super::problem::Problem;
 use super::query::{MOST, Query};
 use super::reading::Number;
-use crate::core::effect::{Entry, Fact};
+use crate::core::effect::Fact;
 use crate::core::standing::Standing;
 use crate::core::units::{MissionId, Seq};
-use crate::runtime::archive::MissionRecord;
+use crate::runtime::archive::{Happened, MissionRecord, Sound};
 use crate::wire::map::{MapJson, Plan};
 use crate::wire::map_text;
 use crate::wire::mission_record::{Links, MissionListJson, MissionRecordJson, MissionWholeJson, events as events_json};
@@ -46,8 +46,8 @@ pub(super) async fn list(State(door): State<Door>, query: Query, headers: Header
 
 /// `GET missions/{id}`, with luggage and map.
 pub(super) async fn mission(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
-    let (record, standing) = kept(&door, id).await?;
-    Ok(by_content(&headers, JSON, json(&MissionWholeJson::new((&record).into(), standing.as_ref()))))
+    let Kept { record, standing, damage } = kept(&door, id).await?;
+    Ok(by_content(&headers, JSON, json(&MissionWholeJson::new((&record).into(), standing.as_ref(), damage))))
 }
 
 /// `GET missions/{id}/events`, oldest first.
@@ -61,6 +61,7 @@ pub(super) async fn events(
     let limit = query.count("limit", 1..=EVENTS)?.unwrap_or(EVENTS);
     let (entries, next) = happened(&door, id, after(&query)?, limit).await?;
     let next = next.map(|after| format!("{}?after={after}&limit={limit}", Links::of(MissionId(id)).events));
+    let entries = entries.into_iter().map(|(seq, entry)| (seq, entry.map_err(|unreadable| unreadable.0))).collect();
     Ok(by_content(&headers, JSON, events_json(MissionId(id), entries, next)))
 }
 
@@ -70,7 +71,7 @@ pub(super) async fn map(State(door): State<Door>, Number(id): Number, headers: H
     let Some(format) = preferred(&headers, &[JSON, "text/plain"]) else {
         return Err(Problem::not_acceptable("the map is there as application/json and as text/plain".to_owned()));
     };
-    let (_, standing) = kept(&door, id).await?;
+    let standing = kept(&door, id).await?.standing;
     let standing = standing.ok_or_else(|| Problem::not_found(format!("the map of mission {id} is not kept")))?;
     let mut response = match format == JSON {
         true => by_content(&headers, FORMATS[0], json(&MapJson::from(Plan::from(&standing)))),
@@ -104,16 +105,26 @@ pub(super) async fn newest(
     Ok((records, next))
 }
 
+/// A mission as it is kept.
+pub(super) struct Kept {
+    pub(super) record: MissionRecord,
+    /// What stood when it was put away, or stands now.
+    pub(super) standing: Option<Standing>,
+    /// What of that cannot be understood, a sentence each.
+    pub(super) damage: Vec<String>,
+}
+
 /// A mission, and what stood when it was put away or stands now.
-pub(super) async fn kept(door: &Door, id: u64) -> Result<(MissionRecord, Option<Standing>), Problem> {
+pub(super) async fn kept(door: &Door, id: u64) -> Result<Kept, Problem> {
     let mission = MissionId(id);
     let found = door.archive.look_up(move |archive| Ok((archive.mission(mission)?, archive.standing(mission)?))).await?;
-    let (record, standing) = found;
-    Ok((record.ok_or_else(|| unknown(id))?, standing))
+    let (record, sound) = found;
+    let (standing, damage) = sound.map_or((None, Vec::new()), |Sound { of, damage }| (Some(of), damage));
+    Ok(Kept { record: record.ok_or_else(|| unknown(id))?, standing, damage })
 }
 
 /// What happened in a mission after an entry, oldest first, and after which entry the next page begins.
-pub(super) async fn happened(door: &Door, id: u64, after: Seq, limit: u64) -> Result<(Vec<(Seq, Entry)>, Option<Seq>), Problem> {
+pub(super) async fn happened(door: &Door, id: u64, after: Seq, limit: u64) -> Result<(Vec<Happened>, Option<Seq>), Problem> {
     let (mission, limit) = (MissionId(id), count(limit));
     let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
         Some(_) => archive.entries(mission, after, limit + 1).map(Some),
@@ -126,19 +137,20 @@ pub(super) async fn happened(door: &Door, id: u64, after: Seq, limit: u64) -> Re
     Ok((entries, next))
 }
 
-/// What `is_wanted` of a mission's entries after one of them, at least so many where there are, and where to go on looking.
+/// What `is_wanted` of a mission's entries after one of them, and what cannot be understood; at least so many where there are, and
+/// where to go on looking.
 pub(super) async fn wanted(
     door: &Door,
     id: u64,
     after: Seq,
     least: u64,
     is_wanted: fn(&Fact) -> bool,
-) -> Result<(Vec<(Seq, Entry)>, Option<Seq>), Problem> {
+) -> Result<(Vec<Happened>, Option<Seq>), Problem> {
     let (mut found, mut from) = (Vec::new(), Some(after));
     for _ in 0..LOOKS {
         let Some(after) = from.filter(|_| found.len() < count(least)) else { break };
         let (entries, next) = happened(door, id, after, EVENTS).await?;
-        found.extend(entries.into_iter().filter(|(_, entry)| is_wanted(&entry.fact)));
+        found.extend(entries.into_iter().filter(|(_, entry)| entry.as_ref().map_or(true, |entry| is_wanted(&entry.fact))));
         from = next;
     }
     Ok((found, from))
@@ -160,7 +172,7 @@ impl From<&MissionRecord> for MissionRecordJson {
     fn from(record: &MissionRecord) -> MissionRecordJson {
         MissionRecordJson {
             id: record.id.0,
-            strategy: record.strategy.name(),
+            strategy: record.strategy.to_string(),
             began: rfc3339(record.began),
             archived: record.archived.map(rfc3339),
             phase: record.phase.to_string(),
@@ -228,10 +240,22 @@ mod tests {
             seen.extend(events.iter().filter_map(|event| event["seq"].as_u64()));
             next = page["next"].as_str().map(str::to_owned);
         }
-        assert_eq!(seen, [1, 2, 3, 4, 5]);
+        assert_eq!(seen, [1, 2, 3, 4, 5, 6]);
         let all = json(&house, "/api/v1/missions/1/events").await;
         assert_eq!((&all["events"][1]["who"], &all["events"][1]["from"]), (&"anna".into(), &"192.0.2.7".into()));
         assert_eq!(all["events"][2]["refused"]["code"], "moving");
+    }
+
+    #[tokio::test]
+    async fn what_is_damaged_is_said_beside_what_is_sound() {
+        let house = house(searching());
+        let mission = json(&house, "/api/v1/missions/1").await;
+        assert_eq!(mission["damage"], serde_json::json!(["entry 6 of the journal cannot be understood (a mouse was at it)"]));
+        assert!(mission["map"].is_object() && mission["luggage"][1]["id"].is_u64());
+        let all = json(&house, "/api/v1/missions/1/events").await;
+        assert_eq!((&all["events"][4]["kind"], &all["events"][5]["kind"]), (&"pose".into(), &"unreadable".into()));
+        assert!(all["events"][5]["why"].as_str().unwrap().contains("a mouse"), "{all}");
+        assert_eq!(json(&house, "/api/v1/missions/2").await["damage"], serde_json::json!([]));
     }
 
     #[tokio::test]

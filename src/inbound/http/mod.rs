@@ -65,6 +65,9 @@ pub struct Door {
     strangers: Arc<Lines>,
     cookie: Arc<str>,
     mqtt: Option<Hall>,
+    /// The side of a cell, in metres, where it is known.
+    cell_m: Option<f64>,
+    began: Arc<console::Began>,
 }
 
 impl Door {
@@ -84,6 +87,8 @@ impl Door {
             strangers: Arc::default(),
             cookie: sign_in::cookie_name(0),
             mqtt: None,
+            cell_m: None,
+            began: Arc::default(),
         }
     }
 
@@ -101,6 +106,12 @@ impl Door {
     /// The name of its session's cookie.
     fn cookie(&self) -> &str {
         &self.cookie
+    }
+
+    /// The same, of a hall whose cells have sides of this many metres.
+    #[must_use]
+    pub fn with_cells_of(self, cell_m: f64) -> Door {
+        Door { cell_m: Some(cell_m), ..self }
     }
 
     /// Ends every open stream at once, and every one opened from now on.

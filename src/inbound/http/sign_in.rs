@@ -20,6 +20,13 @@ pub(super) fn cookie_name(port: u16) -> Arc<str> {
     format!("hallsweep-{port}").into()
 }
 
+/// What is said of a token that nobody has.
+const UNKNOWN: &str = "This token is not known here: look whether it is whole, and whether it was replaced.";
+
+/// The same when nobody has any. Where the file is, strangers need not know.
+const UNUSABLE: &str = "The file of keys, access.toml, cannot be used, so nobody can sign in, and the robot is held: whoever runs \
+                        hallsweep finds in its log what is wrong and what to do.";
+
 /// A longer way back is not remembered.
 const LONGEST_PATH: usize = 512;
 
@@ -58,6 +65,8 @@ struct SignIn<'a> {
     undone: &'static str,
     why: &'static str,
     is_overheard: bool,
+    /// Somebody is signed in already, and may press STOP.
+    is_in: bool,
 }
 
 impl Undone {
@@ -98,22 +107,28 @@ pub(super) async fn page(
 ) -> Response {
     let asked = asked.map(|Query(asked)| asked).unwrap_or_default();
     let next = local(asked.next.as_deref());
-    let is_in = matches!(door.access, Access::Open) || (caller.is_ok() && asked.token.is_none());
-    if is_in {
+    let is_in = caller.is_ok();
+    if matches!(door.access, Access::Open) || (is_in && asked.token.is_none()) {
         return Redirect::to(next).into_response();
     }
     let undone = asked.undone.map_or("", Undone::in_words);
-    shown(StatusCode::OK, peer, SignIn { token: asked.token.as_deref().unwrap_or_default(), next, undone, ..SignIn::default() })
+    let token = asked.token.as_deref().unwrap_or_default();
+    shown(StatusCode::OK, peer, SignIn { token, next, undone, is_in, ..SignIn::default() })
 }
 
 /// `POST sign-in`
-pub(super) async fn sign_in(State(door): State<Door>, peer: Peer, Form(sent): Form<Sent>) -> Response {
+pub(super) async fn sign_in(
+    State(door): State<Door>,
+    peer: Peer,
+    caller: Result<LetIn, super::problem::Problem>,
+    Form(sent): Form<Sent>,
+) -> Response {
     let next = local(sent.next.as_deref());
     let Access::Keys(keyring) = &door.access else { return Redirect::to(next).into_response() };
     let Some(session) = keyring.sign_in(sent.token.trim(), door.now_s()) else {
         door.hold_back(peer).await;
-        let why = "This token is not known here: look whether it is whole, and whether it was replaced.";
-        return shown(StatusCode::FORBIDDEN, peer, SignIn { next, why, ..SignIn::default() });
+        let why = if keyring.is_unusable() { UNUSABLE } else { UNKNOWN };
+        return shown(StatusCode::FORBIDDEN, peer, SignIn { next, why, is_in: caller.is_ok(), ..SignIn::default() });
     };
     (cookie(&door, &session, SESSION_S, peer), Redirect::to(next)).into_response()
 }

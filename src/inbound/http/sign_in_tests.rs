@@ -46,6 +46,21 @@ async fn over_tls_the_cookie_is_for_tls_only() {
     assert!(cookie(&sign_out(State(house.door.clone()), peer).await).1.ends_with("; Secure"));
 }
 
+/// Safety S1.
+#[tokio::test]
+async fn whoever_is_signed_in_can_stop_from_the_page_where_one_signs_in_too() {
+    let (house, operator, viewer) = guarded();
+    let stop = "action=\"/console/stop\"";
+    let bearer = format!("Bearer {viewer}");
+    let known = [BROWSER, ("authorization", &bearer)];
+    let page = text(house.send("GET", &format!("/sign-in?token={operator}"), &known, "").await).await;
+    assert!(page.contains(stop), "{page}");
+    let refused = house.send("POST", "/sign-in", &[FORM, BROWSER, ("authorization", &bearer)], "token=wrong").await;
+    assert!(refused.status() == 403 && text(refused).await.contains(stop));
+    let page = text(house.send("GET", "/sign-in", &[BROWSER], "").await).await;
+    assert!(!page.contains(stop), "a stranger's STOP would not be taken: {page}");
+}
+
 #[tokio::test]
 async fn a_link_fills_the_field_and_signs_nobody_in() {
     let (house, operator, _) = guarded();

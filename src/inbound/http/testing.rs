@@ -17,13 +17,12 @@ use super::gate::Peer;
 use super::{Door, Hosts, router};
 use crate::access::{Access, Keyring, Keys, OPERATOR, Role};
 use crate::core::command::{self, Refused};
-use crate::core::effect::Entry;
 use crate::core::event::Photo;
 use crate::core::standing::Standing;
 use crate::core::units::{LuggageId, MissionId, Seq};
 use crate::core::world::luggage::Luggage;
 use crate::core::world::snapshot::Snapshot;
-use crate::runtime::archive::{Archive, MissionRecord, Unreadable};
+use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 pub(super) use crate::runtime::obedient::Noted;
 use crate::runtime::obedient::{Script, obedient};
@@ -61,14 +60,20 @@ impl Archive for Pictures {
         Ok(past::missions().into_iter().find(|record| record.id == mission))
     }
 
-    fn standing(&self, mission: MissionId) -> Result<Option<Standing>, Unreadable> {
-        Ok((mission == MissionId(1)).then(past::standing))
+    fn standing(&self, mission: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
+        Ok((mission == MissionId(1)).then(past::standing).map(|of| Sound { of, damage: vec![past::DAMAGE.to_owned()] }))
     }
 
-    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<(Seq, Entry)>, Unreadable> {
+    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
         let of_it = past::entries().into_iter().filter(|(seq, _)| mission == MissionId(1) && *seq > after);
         Ok(of_it.take(most).collect())
     }
+}
+
+/// The record of the mission that goes on.
+pub(super) fn present_mission() -> MissionRecord {
+    let [present, _] = past::missions();
+    present
 }
 
 /// A house in this state with an open door, whose loop accepts everything until told to refuse. Must be called inside a runtime.

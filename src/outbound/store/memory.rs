@@ -14,7 +14,7 @@ use crate::core::mission::Phase;
 use crate::core::standing::Standing;
 use crate::core::units::{LuggageId, MissionId, Seq, Wall};
 use crate::core::world::luggage::{Decision, Luggage};
-use crate::runtime::archive::{Archive, MissionRecord, Unreadable};
+use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
 use crate::runtime::store::{Store, StoreWord};
 
 /// How many entries are kept: some missions of a large hall, at about 100 bytes each.
@@ -148,7 +148,7 @@ impl Kept {
         let standing = ended.as_ref().map_or(&self.standing, |ended| &ended.standing);
         Some(MissionRecord {
             id,
-            strategy: *strategy,
+            strategy: strategy.name().into(),
             began: *began,
             archived: ended.as_ref().map(|ended| ended.wall),
             phase: Arc::from(standing.phase.name().name()),
@@ -172,6 +172,12 @@ impl Kept {
         if self.records.len() > RECORDS {
             self.records.pop_first();
         }
+    }
+
+    /// An entry as it stands there: a safe that a danger overtook as what it was.
+    fn as_it_was(&self, entry: Entry) -> Entry {
+        let verdict_on = |id| self.records.get(&id)?.verdict.as_ref().map(|decision| decision.verdict);
+        Entry { fact: entry.fact.as_it_was(verdict_on), ..entry }
     }
 
     /// Keeps a photo; that of the oldest piece gives way when there are too many.
@@ -214,16 +220,17 @@ impl Archive for Memory {
         Ok(self.lock().record(mission))
     }
 
-    fn standing(&self, mission: MissionId) -> Result<Option<Standing>, Unreadable> {
+    fn standing(&self, mission: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
         let kept = self.lock();
         let known = kept.missions.get(&mission);
-        Ok(known.map(|known| known.ended.as_ref().map_or(&kept.standing, |ended| &ended.standing).clone()))
+        let of = known.map(|known| known.ended.as_ref().map_or(&kept.standing, |ended| &ended.standing).clone());
+        Ok(of.map(|of| Sound { of, damage: Vec::new() }))
     }
 
-    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<(Seq, Entry)>, Unreadable> {
+    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
         let kept = self.lock();
         let of = kept.entries.iter().filter(|(seq, of, _)| *of == Some(mission) && *seq > after);
-        Ok(of.take(most).map(|(seq, _, entry)| (*seq, entry.clone())).collect())
+        Ok(of.take(most).map(|(seq, _, entry)| (*seq, Ok(kept.as_it_was(entry.clone())))).collect())
     }
 }
 
@@ -327,7 +334,7 @@ mod tests {
         assert_eq!((&*record.phase, record.luggage, record.archived.is_some()), ("exploring", 1, true));
         assert_eq!(memory.missions(None, 9).unwrap(), [record]);
         assert_eq!(memory.missions(Some(mission), 9).unwrap(), []);
-        let standing = memory.standing(mission).unwrap().expect("it was there");
+        let standing = memory.standing(mission).unwrap().expect("it was there").of;
         assert_eq!((standing.phase.clone(), standing.luggage.len()), (Phase::Exploring, 1));
         let places: Vec<u64> = Archive::entries(&memory, mission, Seq(1), 9).unwrap().iter().map(|(seq, _)| seq.0).collect();
         assert_eq!(places, [2, 3, 5]);

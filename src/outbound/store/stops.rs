@@ -10,14 +10,14 @@
 //! written is in the system's hands at once, and only a power cut may take the last seconds of it.
 
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use sha2::{Digest, Sha256};
 
-use super::sqlite::private_file;
 use crate::core::units::Epoch;
+use crate::outbound::files;
 use crate::runtime::halt::Halter;
 
 /// The name of the file in the data folder.
@@ -49,6 +49,8 @@ pub struct Stops {
     file: Option<File>,
     /// Whether it was said already that it cannot be written.
     is_failing: bool,
+    /// Whether what stood there could not be understood.
+    was_damaged: bool,
 }
 
 /// What the bytes of a file come to.
@@ -60,21 +62,36 @@ struct Found {
 }
 
 impl Stops {
+    /// Why the file in the folder `dir` cannot be had at all, in words that end with what to do; `None` where it can, or where
+    /// there is none yet. Nothing is changed.
+    #[must_use]
+    pub fn unusable(dir: &Path) -> Option<String> {
+        let (path, unfinished) = (dir.join(FILE), dir.join(FILE).with_extension("new"));
+        let unusable = |path: &Path, error: &io::Error| {
+            format!("{} cannot be used ({error}): move it away, then start hallsweep again", path.display())
+        };
+        match files::read(&path, SIZE) {
+            Ok(_) => None,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                files::check_plain(&unfinished).err().map(|error| unusable(&unfinished, &error))
+            }
+            Err(error) => Some(unusable(&path, &error)),
+        }
+    }
+
     /// The file in the folder `dir`, made with its full size when there is none. No fault of it is an error: the log says it, and
     /// it is tried again with the next stop. One that cannot be understood is begun anew.
     #[must_use]
     pub fn open(dir: &Path) -> Stops {
-        let mut stops = Stops { path: dir.join(FILE), epoch: Epoch(0), turn: 0, file: None, is_failing: false };
-        match read_bounded(&stops.path) {
+        let mut stops =
+            Stops { path: dir.join(FILE), epoch: Epoch(0), turn: 0, file: None, is_failing: false, was_damaged: false };
+        match files::read(&stops.path, SIZE) {
             Ok(bytes) => match understood(&bytes) {
                 Some(Found { epoch, line }) => {
                     (stops.epoch, stops.turn) = (epoch, 1 - line);
                     return stops;
                 }
-                None => tracing::warn!(
-                    file = %stops.path.display(),
-                    "the file beside the journal that remembers STOP cannot be understood; it is begun anew, and the journal alone counts"
-                ),
+                None => stops.was_damaged = true,
             },
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}
             Err(error) => {
@@ -93,6 +110,12 @@ impl Stops {
         self.epoch
     }
 
+    /// Where the file is, if what stood there could not be understood: nobody knows then whether the last stop is on record.
+    #[must_use]
+    pub fn damaged(&self) -> Option<&Path> {
+        self.was_damaged.then_some(&self.path)
+    }
+
     /// Writes an epoch down, unless a later one stands there already. When that fails the log says so, and it stays to be done.
     fn keep(&mut self, epoch: Epoch) {
         if epoch > self.epoch {
@@ -104,10 +127,10 @@ impl Stops {
     fn write(&mut self, epoch: Epoch) -> io::Result<()> {
         let mut file = match self.file.take() {
             Some(file) => file,
-            None => match File::options().write(true).open(&self.path) {
+            None => match files::open(&self.path, File::options().write(true)) {
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {
                     self.make()?;
-                    File::options().write(true).open(&self.path)?
+                    files::open(&self.path, File::options().write(true))?
                 }
                 opened => opened?,
             },
@@ -121,7 +144,7 @@ impl Stops {
     /// Makes the file whole or not at all. It is made once a folder, so here the disk is waited for.
     fn make(&mut self) -> io::Result<()> {
         let unfinished = self.path.with_extension("new");
-        let mut file = private_file().write(true).create(true).truncate(true).open(&unfinished)?;
+        let mut file = files::open(&unfinished, File::options().write(true).create(true).truncate(true))?;
         file.write_all(line(self.epoch).repeat(2).as_bytes())?;
         file.sync_all()?;
         std::fs::rename(&unfinished, &self.path)?;
@@ -168,13 +191,6 @@ pub async fn follow(mut stops: Stops, halter: Halter) {
             halts.raised().await;
         }
     }
-}
-
-/// The file's bytes, and one more than it may have when it is too long.
-fn read_bounded(path: &Path) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(SIZE);
-    File::open(path)?.take(SIZE as u64 + 1).read_to_end(&mut bytes)?;
-    Ok(bytes)
 }
 
 /// The greater epoch of those lines that are whole; `None` when none is, or when it is some other file.

@@ -108,6 +108,12 @@ pub fn line(line: &Line) -> String {
     })
 }
 
+/// The line that stands in the place of an entry that cannot be understood: its place, the kind `unreadable`, and why.
+#[must_use]
+pub fn unreadable(seq: Seq, why: &str) -> String {
+    format!("{{\"seq\":{seq},\"kind\":\"unreadable\",\"why\":{}}}", serde_json::Value::from(why))
+}
+
 /// Reads a line of the journal.
 ///
 /// # Errors

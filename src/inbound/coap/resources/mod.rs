@@ -69,6 +69,10 @@ impl Application for Resources {
         self.taken(request).unwrap_or_else(|problem| self.refused(request, &problem))
     }
 
+    fn handle_change(&self) {
+        self.old.look(&self.handle.snapshot(), &self.kept);
+    }
+
     fn things(&self, request: &Request) -> Vec<Arc<Response>> {
         self.seen(request).unwrap_or_else(|problem| vec![Arc::new(problem.response(request))])
     }

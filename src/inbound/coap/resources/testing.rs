@@ -12,13 +12,12 @@ use super::super::endpoint::request::{Conditions, Request};
 use super::super::endpoint::response::Answer;
 use super::Resources;
 use crate::core::command::{self, Refused};
-use crate::core::effect::Entry;
 use crate::core::event::Photo;
 use crate::core::standing::Standing;
 use crate::core::units::{Cell, LuggageId, MissionId, Seq};
 use crate::core::world::luggage::Luggage;
 use crate::core::world::snapshot::Snapshot;
-use crate::runtime::archive::{Archive, MissionRecord, Unreadable};
+use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Noted, Script, obedient};
 use crate::wire::fixture::piece;
@@ -65,11 +64,11 @@ impl Archive for Pictures {
         Ok(None)
     }
 
-    fn standing(&self, _: MissionId) -> Result<Option<Standing>, Unreadable> {
+    fn standing(&self, _: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
         Ok(None)
     }
 
-    fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<(Seq, Entry)>, Unreadable> {
+    fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
         Ok(Vec::new())
     }
 }

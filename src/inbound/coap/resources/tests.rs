@@ -342,6 +342,30 @@ async fn the_old_model_shows_the_robot_until_something_changes_and_then_that() {
 }
 
 #[tokio::test]
+async fn the_old_model_shows_what_changed_last_however_seldom_somebody_looks() {
+    let house = house(idle());
+    let shown = async || house.said(get("/resourcemodel")).await.1;
+    let moves = |state: &mut Snapshot| {
+        let is_forward = state.robot.state == RobotState::MovingForward;
+        state.robot.state = if is_forward { RobotState::Stopped } else { RobotState::MovingForward };
+    };
+    let finds = |state: &mut Snapshot| state.luggage = Arc::from([piece(1, Cell::new(0, 2), None)]);
+    change(&house, 2, &[Resource::Luggage], finds);
+    change(&house, 3, &[Resource::Robot, Resource::Mission], moves);
+    assert!(shown().await.starts_with("robot("), "the mission is no piece of luggage");
+    change(&house, 4, &[Resource::Robot], moves);
+    house.resources.handle_change();
+    change(&house, 5, &[Resource::Luggage], |state| state.luggage = Arc::from([piece(2, Cell::new(0, 3), None)]));
+    house.resources.handle_change();
+    change(&house, 6, &[Resource::Robot, Resource::Mission], |state| state.robot.sonar_cm = Some(7));
+    assert!(shown().await.starts_with("luggage("), "what is not shown of the robot hides nothing");
+    change(&house, 7, &[Resource::Robot], moves);
+    house.resources.handle_change();
+    change(&house, 8, &[Resource::Mission], |_| ());
+    assert!(shown().await.starts_with("robot("));
+}
+
+#[tokio::test]
 async fn an_old_client_is_answered_in_a_word() {
     let house = driven_house(searching(), true);
     let cases = [

@@ -7,18 +7,21 @@ use crate::core::explore::Strategy;
 use crate::core::mission::{Hold, Phase};
 use crate::core::standing::Standing;
 use crate::core::units::{LuggageId, MissionId, Pose, Seq, Wall};
-use crate::runtime::archive::MissionRecord;
+use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
 use crate::wire::fixture::{TEN, searching};
 
 /// A mission that cannot be read.
 pub(super) const UNREADABLE: MissionId = MissionId(99);
+
+/// What is wrong with the record of the first.
+pub(super) const DAMAGE: &str = "entry 6 of the journal cannot be understood (a mouse was at it)";
 
 /// Both, the newest first.
 pub(super) fn missions() -> [MissionRecord; 2] {
     let hour = |hours: i64| Wall { unix_ms: TEN.unix_ms + hours * 3_600_000, ..TEN };
     let first = MissionRecord {
         id: MissionId(1),
-        strategy: Strategy::Snail,
+        strategy: Strategy::Snail.name().into(),
         began: TEN,
         archived: Some(hour(1)),
         phase: "bombLocated".into(),
@@ -46,8 +49,8 @@ pub(super) fn standing() -> Standing {
     Standing { mission: MissionId(1), map: state.map, luggage, phase: Phase::BombLocated, ..Standing::first(Strategy::Snail) }
 }
 
-/// What happened in the first.
-pub(super) fn entries() -> Vec<(Seq, Entry)> {
+/// What happened in the first, and one entry that cannot be understood.
+pub(super) fn entries() -> Vec<Happened> {
     let command = |command: &str, refused: Option<Refused>| {
         let issuer = Issuer { door: Door::Console, who: "anna".into(), from: "192.0.2.7".into() };
         let refused = refused.as_ref().map(Refusal::from);
@@ -60,5 +63,6 @@ pub(super) fn entries() -> Vec<(Seq, Entry)> {
         Fact::Holds(vec![Hold::Operator]),
         Fact::Pose(Pose::START),
     ];
-    (1..).map(Seq).zip(facts.map(|fact| Entry { wall: TEN, fact })).collect()
+    let sound = facts.map(|fact| Ok(Entry { wall: TEN, fact }));
+    (1..).map(Seq).zip(sound.into_iter().chain([Err(Unreadable(DAMAGE.to_owned()))])).collect()
 }

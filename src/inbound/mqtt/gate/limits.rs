@@ -11,6 +11,9 @@ pub const GUEST_PACKET: usize = 256 * 1024;
 /// The longest packet of the program itself, which publishes maps and photos. The engine must accept as much.
 pub const HOUSE_PACKET: usize = 2 * 1024 * 1024;
 
+/// So many packets of a client are taken before it is looked whether others wait.
+pub const TURN: usize = 64;
+
 /// The longest topic or filter, in bytes: the engine keeps every one that it ever saw.
 pub const TOPIC: usize = 512;
 

@@ -19,4 +19,5 @@ pub mod limits;
 pub mod packet;
 pub mod retained;
 pub mod rights;
+pub mod stop_search;
 pub mod turnstile;

@@ -2,6 +2,7 @@
 //! are no sockets here, and no copies: what a broker had kept, and packets that came twice, were left out before.
 
 mod ear;
+mod nobody;
 mod pace;
 mod problem;
 mod read;
@@ -15,16 +16,20 @@ use std::sync::Arc;
 use tokio::sync::mpsc;
 
 use self::ear::{Ear, Order};
+use self::nobody::Nobody;
 use self::pace::Pace;
 use self::problem::Problem;
-use self::results::Results;
 pub use self::results::UNDER_WAY;
+use self::results::{Reply, Results};
 pub use self::sender::Sender;
 use super::publication::Publication;
 use super::topics::Topics;
 use crate::access::Need;
 use crate::core::command::{Command, Refused, Request};
+use crate::core::mission::PhaseName;
 use crate::core::units::Epoch;
+use crate::core::world::luggage::PhotoState;
+use crate::core::world::snapshot::Snapshot;
 use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;
 
@@ -56,6 +61,7 @@ pub struct Orders {
     ear: Arc<Ear>,
     results: Results,
     pace: Arc<Pace>,
+    nobody: Arc<Nobody>,
     clock: Clock,
 }
 
@@ -64,23 +70,32 @@ impl Orders {
     #[must_use]
     pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<Publication>) -> Orders {
         let ear = Arc::new(Ear::new(topics, manual_driving));
-        Orders { handle, ear, results: Results::new(answers), pace: Arc::default(), clock: Clock::default() }
+        let (pace, nobody) = (Arc::default(), Arc::default());
+        Orders { handle, ear, results: Results::new(answers), pace, nobody, clock: Clock::default() }
     }
 
     /// Takes a message. Its command is given at the call, so that commands keep the order in which they came, and a STOP has
     /// halted the robot when this returns; its result is published later. Must be called inside a runtime.
     pub fn take(&self, heard: &Heard<'_>, sender: &Sender) -> Taken {
-        let Some(order) = self.ear.order(heard) else {
-            // Old clients believe what they hear on the old topics, so that not everybody may say something there.
-            let is_forbidden = self.ear.is_old(heard.topic) && sender.may(Need::Act).is_err();
-            return if is_forbidden { Taken::Forbidden } else { Taken::NotACommand };
-        };
-        if !order.is_stop() && !self.pace.admits(sender, self.clock.now().since_start) {
+        if self.halts(heard.topic.as_bytes(), heard.payload, sender) {
+            return Taken::Taken;
+        }
+        if self.ear.is_of_others(heard) {
+            return self.ignore(heard, sender);
+        }
+        // Before it is read: who says too much costs nobody the time to read it.
+        if !self.pace.admits(sender, self.clock.now().since_start) {
             return Taken::Forbidden;
         }
+        let Some(mut order) = self.ear.order(heard) else { return self.ignore(heard, sender) };
         if let Err(refused) = sender.may(order.need()) {
-            self.refuse(&order, &Problem::refused(&refused, None), sender);
+            // To others than its sender nothing is told of it.
+            let silent = Order { reply: Reply { explained: None, ..order.reply.clone() }, ..order };
+            self.refuse(&silent, &Problem::refused(&refused, None), sender);
             return Taken::Forbidden;
+        }
+        if let Some(again) = order.goes_on.then(|| to_retake(&self.handle.snapshot())).flatten() {
+            order.asked = Ok((again, None));
         }
         match &order.asked {
             Ok((command, epoch)) => self.give(&order, command, *epoch, sender),
@@ -89,10 +104,34 @@ impl Orders {
         Taken::Taken
     }
 
-    /// Whether a message halts the robot, whoever sends it.
-    #[must_use]
-    pub fn is_stop(&self, heard: &Heard<'_>) -> bool {
-        self.ear.order(heard).is_some_and(|order| order.is_stop())
+    /// Halts the robot if a message names STOP, whatever else is wrong with it (safety S8); whether it does. No more of it need have come
+    /// than names it. Must be called inside a runtime.
+    pub fn halts(&self, topic: &[u8], payload: &[u8], sender: &Sender) -> bool {
+        if sender.may(Need::Stop).is_err() {
+            return false;
+        }
+        let stop = self.ear.stop(topic, payload);
+        if let Some(reply) = &stop {
+            self.give(reply, &Command::Stop, None, sender);
+        }
+        stop.is_some()
+    }
+
+    /// What asks for nothing. Old clients believe what they hear on the old topics, so that not everybody may say something there.
+    fn ignore(&self, heard: &Heard<'_>, sender: &Sender) -> Taken {
+        if self.ear.is_old(heard.topic) && sender.may(Need::Act).is_err() {
+            return Taken::Forbidden;
+        }
+        if let Some(id) = self.ear.unknown_to_all(heard) {
+            self.nobody.heard(&id, heard.payload, self.clock.now());
+        }
+        Taken::NotACommand
+    }
+
+    /// How many old messages nobody understood.
+    #[cfg(test)]
+    fn not_understood(&self) -> u64 {
+        self.nobody.count()
     }
 
     /// Gives a command if there is room for one more, and a STOP always.
@@ -113,6 +152,13 @@ impl Orders {
         self.handle.note_refused_at_once(sender.issuer(), order.in_words(), Refused::Before(problem.refusal()));
         self.results.refused(&order.reply, problem);
     }
+}
+
+/// What goes on where the robot stands before a piece whose photo has failed: the photo is taken again.
+fn to_retake(snapshot: &Snapshot) -> Option<Command> {
+    let piece = snapshot.mission.inspected.and_then(|id| snapshot.luggage(id)).filter(|piece| piece.is_pending())?;
+    let has_failed = matches!(piece.photo, PhotoState::Failed(_)) && snapshot.mission.phase == PhaseName::Inspecting;
+    has_failed.then_some(Command::RetakePhoto(piece.id))
 }
 
 #[cfg(test)]

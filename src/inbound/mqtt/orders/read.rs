@@ -99,7 +99,7 @@ fn fields_of(row: &Row, payload: &[u8]) -> Result<Fields, Problem> {
 }
 
 /// The name of a STOP, where it can be read.
-fn id_of_a_stop(payload: &[u8]) -> Option<CommandId> {
+pub(super) fn id_of_a_stop(payload: &[u8]) -> Option<CommandId> {
     let mut fields = fields(sized(payload).ok()?).ok()?;
     id_aside(&mut fields).ok().flatten()
 }

@@ -19,13 +19,12 @@ use super::super::orders::Orders;
 use super::super::topics::Topics;
 use super::link::LARGEST;
 use super::{Health, Hearing, Link, Parts, Session, Times};
-use crate::core::effect::Entry;
 use crate::core::event::Photo;
 use crate::core::standing::Standing;
 use crate::core::units::{LuggageId, MissionId, Seq};
 use crate::core::world::luggage::Luggage;
 use crate::core::world::snapshot::Snapshot;
-use crate::runtime::archive::{Archive, MissionRecord, Unreadable};
+use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Script, obedient};
 
@@ -271,11 +270,11 @@ impl Archive for Album {
         Ok(None)
     }
 
-    fn standing(&self, _: MissionId) -> Result<Option<Standing>, Unreadable> {
+    fn standing(&self, _: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
         Ok(None)
     }
 
-    fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<(Seq, Entry)>, Unreadable> {
+    fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
         Ok(Vec::new())
     }
 }

@@ -5,12 +5,13 @@
 //! system's hands at once and outlives `kill -9`; only a power cut may take the last seconds of it, as nothing is forced to the
 //! disk. What must outlive that is in the journal.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::fs::{self, File};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::hall::Hall;
 use super::memory::SimMemory;
+use crate::outbound::files;
 
 mod error;
 mod page;
@@ -44,9 +45,15 @@ impl Diary {
     pub fn open(dir: &Path, hall: &Hall) -> Result<(Diary, Option<SimMemory>), DiaryError> {
         let mut diary = Diary::begin_anew(dir, hall);
         let path = || diary.path.clone();
-        let bytes = match read_bounded(&diary.path) {
+        let bytes = match files::read(&diary.path, page::SIZE) {
             Ok(bytes) => bytes,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok((diary, None)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                let unfinished = unfinished(&diary.path);
+                return match files::check_plain(&unfinished) {
+                    Ok(()) => Ok((diary, None)),
+                    Err(error) => Err(DiaryError::Unreadable { path: unfinished, error }),
+                };
+            }
             Err(error) => return Err(DiaryError::Unreadable { path: path(), error }),
         };
         let Page { whose, turn, memory } = page::read(&bytes).map_err(|unread| match unread {
@@ -110,7 +117,7 @@ impl Diary {
         let turn = self.turn.wrapping_add(1);
         let mut file = match self.file.take() {
             Some(file) => file,
-            None => OpenOptions::new().write(true).open(&self.path)?,
+            None => files::open(&self.path, File::options().write(true))?,
         };
         file.seek(SeekFrom::Start(page::place(turn)))?;
         file.write_all(&page::slot(turn, memory))?;
@@ -122,19 +129,17 @@ impl Diary {
 /// Makes the file whole or not at all. It is made once a hall, so here the disk is waited for: a power cut then leaves a file
 /// that can be read.
 fn create(path: &Path, bytes: &[u8]) -> io::Result<File> {
-    let unfinished = path.with_extension("new");
-    let mut file = File::create(&unfinished)?;
+    let unfinished = unfinished(path);
+    let mut file = files::create(&unfinished)?;
     file.write_all(bytes)?;
     file.sync_all()?;
     fs::rename(&unfinished, path)?;
     Ok(file)
 }
 
-/// The file's bytes, and one more than it may have when it is too long.
-fn read_bounded(path: &Path) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(page::SIZE);
-    File::open(path)?.take(page::SIZE as u64 + 1).read_to_end(&mut bytes)?;
-    Ok(bytes)
+/// What the file is called until it is whole.
+fn unfinished(path: &Path) -> PathBuf {
+    path.with_extension("new")
 }
 
 #[cfg(test)]

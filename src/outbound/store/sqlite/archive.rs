@@ -12,13 +12,11 @@ use super::reading::unreadable;
 use super::rows::{self, Which};
 use super::{connect, photos, project, recall};
 use crate::core::command::Verdict;
-use crate::core::effect::Entry;
 use crate::core::event::Photo;
-use crate::core::explore::Strategy;
 use crate::core::standing::Standing;
 use crate::core::units::{LuggageId, MissionId, Seq, Wall};
 use crate::core::world::luggage::{Decision, Luggage};
-use crate::runtime::archive::{Archive, MissionRecord, Unreadable};
+use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
 use crate::wire::journal::{self, Picture};
 
 /// So many connections are kept for the next question: as many as are asked at once in a busy moment.
@@ -102,22 +100,25 @@ impl Archive for SqliteArchive {
         })
     }
 
-    fn standing(&self, mission: MissionId) -> Result<Option<Standing>, Unreadable> {
+    fn standing(&self, mission: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
         self.ask(|connection| {
             let sql = "SELECT archived_seq FROM missions WHERE id = ?1";
             let found = connection.prepare_cached(sql)?.query_row([whole(mission.0)?], |row| row.get::<_, Option<i64>>(0));
             let Some(archived) = found.optional()? else { return Ok(None) };
-            recall::standing_of(connection, mission, archived.map(|seq| Seq(count(seq)))).map(Some)
+            let words = |fault: &Fault| fault.words_of_an_entry(self.folder.path());
+            recall::standing_of(connection, mission, archived.map(|seq| Seq(count(seq))), words).map(Some)
         })
     }
 
-    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<(Seq, Entry)>, Unreadable> {
+    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
         self.ask(|connection| {
             let mut entries = Vec::new();
             let which = Which { after: Some(after), mission: Some(mission), most: Some(most), ..Which::default() };
-            rows::each(connection, which, |line| {
-                let line = line?;
-                entries.push((line.seq, line.entry));
+            rows::each(connection, which, |seq, line| {
+                entries.push((
+                    seq,
+                    line.map(|line| line.entry).map_err(|fault| Unreadable(fault.words_of_an_entry(self.folder.path()))),
+                ));
                 Ok(())
             })?;
             Ok(entries)
@@ -127,12 +128,11 @@ impl Archive for SqliteArchive {
 
 fn record(row: &Row<'_>) -> Result<MissionRecord, Fault> {
     let (id, strategy): (i64, String) = (row.get(0)?, row.get(1)?);
-    let unknown = || Fault::Damaged(format!("mission {id} has the strategy {strategy}, which there is not"));
     let archived: Option<i64> = row.get(4)?;
     let offset: Option<i32> = row.get(5)?;
     Ok(MissionRecord {
         id: MissionId(count(id)),
-        strategy: Strategy::named(&strategy).ok_or_else(unknown)?,
+        strategy: Arc::from(strategy),
         began: Wall { unix_ms: row.get(2)?, offset_s: row.get(3)? },
         archived: archived.map(|unix_ms| Wall { unix_ms, offset_s: offset.unwrap_or(0) }),
         phase: Arc::from(row.get::<_, String>(6)?),

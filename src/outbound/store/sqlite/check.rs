@@ -70,7 +70,7 @@ fn entries(connection: &Connection, folder: &Folder, findings: &mut Findings) ->
     let mut anew = Connection::open_in_memory()?;
     schema::bring_up_to_date(&mut anew)?;
     let mut before = Seq(0);
-    rows::each(connection, Which::default(), |line| {
+    rows::each(connection, Which::default(), |_, line| {
         findings.entries += 1;
         let line = match line {
             Ok(line) => line,

@@ -28,6 +28,8 @@ pub(super) enum Fault {
     OnlyLog,
     /// The journal has no entry, and there are photos.
     OnlyPhotos,
+    /// Something of this name cannot be the file that it should be; why.
+    Unusable(&'static str, String),
     /// This file was deleted or replaced while it was open.
     TakenAway(&'static str),
     /// It was written by a version that knows more; its format.
@@ -75,6 +77,7 @@ impl Fault {
             Fault::Damaged(_)
             | Fault::OnlyLog
             | Fault::OnlyPhotos
+            | Fault::Unusable(..)
             | Fault::TakenAway(_)
             | Fault::Newer(_)
             | Fault::Foreign
@@ -101,6 +104,15 @@ impl Fault {
         }
     }
 
+    /// What whoever only reads is told of an entry that cannot be understood, beside those that can.
+    pub(super) fn words_of_an_entry(&self, folder: &Path) -> String {
+        match self {
+            Fault::Unparsed(seq, why) => format!("entry {seq} of the journal cannot be understood ({})", one_line(why)),
+            Fault::Damaged(detail) => one_line(detail),
+            other => other.words(folder, Then::StartAgain),
+        }
+    }
+
     /// What ails the disk, where it is the disk.
     fn trouble(&self) -> Option<Trouble> {
         match self {
@@ -113,6 +125,7 @@ impl Fault {
             Fault::Damaged(_)
             | Fault::OnlyLog
             | Fault::OnlyPhotos
+            | Fault::Unusable(..)
             | Fault::TakenAway(_)
             | Fault::Newer(_)
             | Fault::Older(_)
@@ -147,6 +160,7 @@ impl Fault {
                 "the journal {file} has no entry, but photos are kept in {shown}; nothing is touched: put the journal that \
                  belongs to them back, or move {ALL} away together to begin anew, then start hallsweep again"
             ),
+            Fault::Unusable(name, why) => unusable(name, why, folder),
             Fault::TakenAway(name) => format!(
                 "{name} in {shown} was deleted or replaced while hallsweep was using it; nothing is recorded any more: end \
                  hallsweep, put the journal back, then start hallsweep again"
@@ -228,6 +242,18 @@ impl Trouble {
             Trouble::Slow => format!("the disk does not keep up: look after {folder}; {then}"),
         }
     }
+}
+
+/// What to do about a file that cannot be what its name says.
+fn unusable(name: &str, why: &str, folder: &Path) -> String {
+    let what = if name.starts_with("journal.db") || name == "photos" {
+        format!("it is left as it is: put the one that belongs there back, or move {ALL} away together to begin anew")
+    } else if name == "journal.lost" {
+        "move it away; what stands in the journal counts then, also what may have been answered as not recorded".to_owned()
+    } else {
+        "move it away".to_owned()
+    };
+    format!("{} cannot be used ({why}): {what}, then start hallsweep again", folder.join(name).display())
 }
 
 /// What SQLite says over several lines, as a few words.

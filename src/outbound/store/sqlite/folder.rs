@@ -7,11 +7,12 @@
 //!   photos/ab/cdef….png a photo, named by the digest of its bytes
 //! ```
 
-use std::fs::{DirBuilder, File, OpenOptions, TryLockError};
+use std::fs::{File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::fault::Fault;
+use crate::outbound::files;
 use crate::wire::journal::Picture;
 
 /// The folder, which may not be there yet.
@@ -92,9 +93,38 @@ impl Folder {
         files.any(|file| file.path().extension() != Some("unfinished".as_ref()))
     }
 
+    /// Fails when something has the name of one of these files that cannot be one (safety R5): SQLite would wait at a pipe for
+    /// ever, and say of a folder that the disk is ill.
+    pub(super) fn check_names(&self) -> Result<(), Fault> {
+        const JOURNAL: [&str; 3] = ["journal.db", "journal.db-wal", "journal.db-shm"];
+        const OTHERS: [&str; 2] = ["journal.lock", "journal.lost"];
+        let unusable = |name: &'static str| move |error: io::Error| Fault::Unusable(name, error.to_string());
+        for name in JOURNAL.into_iter().chain(OTHERS) {
+            files::check_plain(&self.0.join(name)).map_err(unusable(name))?;
+        }
+        files::check_folder(&self.photos()).map_err(unusable("photos"))?;
+        self.check_log()
+    }
+
+    /// SQLite passes over a log that does not begin like one, and would write over the entries in it.
+    fn check_log(&self) -> Result<(), Fault> {
+        const BEGINS: [[u8; 4]; 2] = [0x377f_0682_u32.to_be_bytes(), 0x377f_0683_u32.to_be_bytes()];
+        let bytes = match files::read(&self.write_ahead_log(), BEGINS[0].len()) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+            read => read?,
+        };
+        let begins = bytes.is_empty() || BEGINS.iter().any(|begins| bytes.starts_with(begins));
+        if begins { Ok(()) } else { Err(Fault::Unusable("journal.db-wal", "it does not begin as it should".to_owned())) }
+    }
+
     /// Which file the journal is just now.
     pub(super) fn journal_identity(&self) -> Result<Identity, Fault> {
         Ok(identity(&std::fs::metadata(self.journal())?))
+    }
+
+    /// Which file the lock is just now; `None` when there is none.
+    pub(super) fn lock_identity(&self) -> Option<Identity> {
+        std::fs::metadata(self.0.join("journal.lock")).ok().map(|file| identity(&file))
     }
 
     /// Creates what is not there yet: the folder for its owner alone, and an empty file for the journal, likewise. SQLite gives
@@ -102,7 +132,7 @@ impl Folder {
     pub(super) fn create(&self) -> Result<(), Fault> {
         self.create_path()?;
         if !self.journal().exists() {
-            private_file().write(true).create_new(true).open(self.journal())?.sync_all()?;
+            files::open(&self.journal(), File::options().write(true).create_new(true))?.sync_all()?;
         }
         sync_folder(&self.0)?;
         Ok(())
@@ -111,7 +141,7 @@ impl Folder {
     /// Creates the folder itself.
     pub(super) fn create_path(&self) -> Result<(), Fault> {
         if !self.0.is_dir() {
-            create_folder(&self.0)?;
+            files::make_folder(&self.0)?;
             sync_parent(&self.0)?;
         }
         Ok(())
@@ -120,7 +150,9 @@ impl Folder {
     /// Proves that so many bytes can be written to the folder and flushed.
     pub(super) fn prove_room(&self, bytes: usize) -> Result<(), Fault> {
         let path = self.0.join("room.unfinished");
-        let written = private_file().write(true).create(true).truncate(true).open(&path).and_then(|mut file| {
+        // One that a kill left behind, or a pipe that somebody put there, is none of anybody's.
+        let _ = std::fs::remove_file(&path);
+        let written = files::open(&path, File::options().write(true).create_new(true)).and_then(|mut file| {
             file.write_all(&vec![0; bytes])?;
             file.sync_all()
         });
@@ -129,16 +161,15 @@ impl Folder {
         Ok(written.and(removed)?)
     }
 
-    /// Takes the folder for this program alone. `None` where no lock can be made because nothing can be written there.
-    pub(super) fn lock(&self) -> Result<Option<Lock>, Fault> {
+    /// Takes the folder for this program alone. Without that nothing may be written there.
+    pub(super) fn lock(&self) -> Result<Lock, Fault> {
         let path = self.0.join("journal.lock");
-        let opened = private_file().read(true).write(true).create(true).truncate(false).open(&path);
-        let file = match opened.or_else(|_| File::open(&path)) {
-            Ok(file) => file,
-            Err(_) => return Ok(None),
-        };
+        files::check_plain(&path)?;
+        let opened = files::open(&path, File::options().read(true).write(true).create(true).truncate(false));
+        // Where nothing can be written, a lock that is there can still be held.
+        let file = opened.or_else(|error| File::open(&path).map_err(|_| error))?;
         match file.try_lock() {
-            Ok(()) => Ok(Some(Lock { file, path })),
+            Ok(()) => Ok(Lock { file, path }),
             Err(TryLockError::WouldBlock) => Err(Fault::InUse),
             Err(TryLockError::Error(error)) => Err(error.into()),
         }
@@ -163,22 +194,6 @@ fn extension(media_type: &str) -> &'static str {
         "image/jpeg" => "jpg",
         _ => "photo",
     }
-}
-
-/// How a file for its owner alone is opened.
-pub(in crate::outbound::store) fn private_file() -> OpenOptions {
-    let mut options = OpenOptions::new();
-    #[cfg(unix)]
-    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-    options
-}
-
-/// Creates a folder for its owner alone, and those above it.
-pub(super) fn create_folder(path: &Path) -> io::Result<()> {
-    let mut builder = DirBuilder::new();
-    #[cfg(unix)]
-    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
-    builder.recursive(true).create(path)
 }
 
 /// Makes the names in a folder last.

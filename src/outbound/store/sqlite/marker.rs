@@ -14,8 +14,9 @@ use std::sync::mpsc;
 use std::time::Duration;
 
 use super::fault::Fault;
-use super::folder::{Folder, private_file, sync_folder};
+use super::folder::{Folder, Identity, sync_folder};
 use crate::core::units::Seq;
+use crate::outbound::files;
 
 /// So long an announcement waits for the file: a disk that hangs even for these few bytes must not keep it from being said.
 const PATIENCE: Duration = Duration::from_millis(500);
@@ -30,22 +31,26 @@ const NOTHING: &str = "nothing was said to be lost";
 #[derive(Debug)]
 pub(super) struct Marker {
     folder: Folder,
+    /// The lock of the folder this was made for: whoever has moved that away and put another in its place must not find there what
+    /// this program has lost.
+    lock: Option<Identity>,
     /// How many threads are at putting it down.
     putting: Arc<AtomicUsize>,
 }
 
 impl Marker {
     pub(super) fn new(folder: &Folder) -> Marker {
-        Marker { folder: folder.clone(), putting: Arc::default() }
+        Marker { folder: folder.clone(), lock: folder.lock_identity(), putting: Arc::default() }
     }
 
     /// Says that everything after `kept` is lost, if that can be said in half a second. Else it is said when the disk lets it.
     pub(super) fn put(&self, kept: Seq) {
-        let (folder, putting) = (self.folder.clone(), Arc::clone(&self.putting));
+        let (folder, lock, putting) = (self.folder.clone(), self.lock, Arc::clone(&self.putting));
         let (done, waiting) = mpsc::channel::<()>();
         putting.fetch_add(1, Ordering::SeqCst);
         let put = std::thread::Builder::new().name("journal-marker".to_owned()).spawn(move || {
-            if let Err(error) = write(&folder, &text(Some(kept))) {
+            let is_ours = lock.is_none() || folder.lock_identity() == lock;
+            if let Some(error) = is_ours.then(|| write(&folder, &text(Some(kept)))).and_then(Result::err) {
                 tracing::warn!(%error, "what is lost could not be written down: a kill now may bring it back");
             }
             putting.fetch_sub(1, Ordering::SeqCst);
@@ -73,11 +78,19 @@ pub(super) fn clear(folder: &Folder) -> Result<(), Fault> {
 
 /// After which entry everything was said to be lost.
 pub(super) fn read(folder: &Folder) -> Result<Option<Seq>, Fault> {
-    match std::fs::read_to_string(folder.marker()) {
-        Ok(text) => Ok(lost_after(&text)),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(error.into()),
-    }
+    let bytes = match files::read(&folder.marker(), text(None).len()) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(error.into()),
+    };
+    let damaged = || Fault::Unusable("journal.lost", "it is damaged, so that what was said to be lost is not known".to_owned());
+    understood(&bytes).ok_or_else(damaged)
+}
+
+/// What a file with these bytes says; `None` when it is not one of ours. A kill may leave it empty when it has just been made.
+fn understood(bytes: &[u8]) -> Option<Option<Seq>> {
+    let said = std::str::from_utf8(bytes).ok()?;
+    if said.is_empty() || said == text(None) { Some(None) } else { lost_after(said).map(Some) }
 }
 
 /// Both texts are of one length, and each is written at once over the other: no kill leaves half of one.
@@ -92,7 +105,7 @@ fn lost_after(text: &str) -> Option<Seq> {
 }
 
 fn write(folder: &Folder, text: &str) -> io::Result<File> {
-    let mut file = private_file().write(true).create(true).truncate(false).open(folder.marker())?;
+    let mut file = files::open(&folder.marker(), File::options().write(true).create(true).truncate(false))?;
     file.write_all(text.as_bytes())?;
     Ok(file)
 }
@@ -104,10 +117,13 @@ mod tests {
     #[test]
     fn what_is_written_is_read_and_the_texts_cover_each_other() {
         for seq in [Seq(0), Seq(42), Seq(u64::MAX)] {
-            assert_eq!(lost_after(&text(Some(seq))), Some(seq));
+            assert_eq!(understood(text(Some(seq)).as_bytes()), Some(Some(seq)));
             assert_eq!(text(Some(seq)).len(), text(None).len());
         }
-        assert_eq!(lost_after(&text(None)), None);
-        assert_eq!((lost_after(""), lost_after("everything after entry 12")), (None, None));
+        assert_eq!((understood(text(None).as_bytes()), understood(b"")), (Some(None), Some(None)));
+        for damaged in ["everything after entry 12", "nothing", &"\0".repeat(text(None).len()), &format!("{}x", text(None))] {
+            assert_eq!(understood(damaged.as_bytes()), None, "{damaged}");
+        }
+        assert_eq!(understood(&[0xff; 9]), None);
     }
 }

@@ -39,7 +39,6 @@ pub use self::check::Findings;
 use self::desk::Desk;
 use self::fault::{Fault, Then};
 use self::folder::Folder;
-pub(super) use self::folder::private_file;
 use self::marker::Marker;
 use self::pages::Pages;
 pub use self::reading::{Reading, rebuild};
@@ -90,16 +89,25 @@ pub struct SqliteStore {
 }
 
 /// Opens the folder `path`, and creates it where there is none. No fault of the files is an error here: it is said by `failure`.
+/// `beside` is what ails other files that the program keeps there, in words that end with what to do: then nothing is written, so
+/// that nothing moves, until it is started again (safety R5).
 ///
 /// # Errors
 /// When another hallsweep uses the folder, or the system gives no threads.
-pub fn open(path: &Path) -> Result<Opened, OpenError> {
-    open_with(path, Patience::USUAL)
+pub fn open(path: &Path, beside: Option<String>) -> Result<Opened, OpenError> {
+    open_with(path, beside, Patience::USUAL)
 }
 
-fn open_with(path: &Path, patience: Patience) -> Result<Opened, OpenError> {
+fn open_with(path: &Path, beside: Option<String>, patience: Patience) -> Result<Opened, OpenError> {
     let folder = Folder::new(path);
-    let (hand, recalled, failure) = look(&folder).map_err(|fault| OpenError::InUse(fault.words(path, Then::GoesOn)))?;
+    let found = look(&folder).map_err(|fault| OpenError::InUse(fault.words(path, Then::GoesOn)))?;
+    let (hand, recalled, failure) = match (found, beside) {
+        (found, None) => found,
+        ((_, recalled, failure), Some(beside)) => {
+            let all: Vec<String> = [Some(beside), failure].into_iter().flatten().collect();
+            (Hand::Closed, recalled, Some(all.join("; and ")))
+        }
+    };
     let kept = recalled.as_ref().map_or(Seq(0), |recalled| recalled.written);
     let desk = Arc::new(Desk::new(Marker::new(&folder), kept, failure.as_deref()));
     let store = SqliteStore::start(&folder, desk, hand, kept, patience).map_err(OpenError::System)?;
@@ -114,8 +122,11 @@ fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fau
     let _ = folder.create_path();
     let lock = match folder.lock() {
         Err(Fault::InUse) => return Err(Fault::InUse),
-        other => other.unwrap_or(None),
+        other => other.ok(),
     };
+    if let Err(fault) = folder.check_names() {
+        return Ok((Hand::Closed, None, words(&fault, Then::StartAgain)));
+    }
     let recalled = match recall_up_to_date(folder) {
         // Somebody took the journal away, or SQLite did: a new one beside the photos of the old would hide that.
         Ok(None) if folder.has_photos() => return Ok((Hand::Closed, None, words(&Fault::OnlyPhotos, Then::StartAgain))),

@@ -19,7 +19,7 @@ pub(super) struct Pages {
     /// The mission to which the next entry belongs.
     under_way: Option<MissionId>,
     identity: Identity,
-    lock: Option<Lock>,
+    lock: Lock,
 }
 
 impl Pages {
@@ -27,7 +27,7 @@ impl Pages {
     pub(super) fn open(folder: &Folder, lock: Option<Lock>, kept: Seq, under_way: Option<MissionId>) -> Result<Pages, Fault> {
         folder.has_journal()?;
         folder.create()?;
-        let lock = lock.map_or_else(|| folder.lock(), |lock| Ok(Some(lock)))?;
+        let lock = lock.map_or_else(|| folder.lock(), Ok)?;
         let identity = folder.journal_identity()?;
         let mut connection = connect::writer(folder)?;
         schema::bring_up_to_date(&mut connection)?;
@@ -73,8 +73,7 @@ impl Pages {
                 other?;
             }
         }
-        let locked = self.lock.as_ref().is_none_or(Lock::is_in_place);
-        if locked { Ok(()) } else { Err(Fault::TakenAway("journal.lock")) }
+        if self.lock.is_in_place() { Ok(()) } else { Err(Fault::TakenAway("journal.lock")) }
     }
 
     /// Proves that something can be written: takes back whatever came after `kept`, because it was said to be lost, and puts that

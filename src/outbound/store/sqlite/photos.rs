@@ -9,12 +9,16 @@ use std::sync::Arc;
 use sha2::{Digest, Sha256};
 
 use super::fault::Fault;
-use super::folder::{Folder, create_folder, private_file, sync_folder};
+use super::folder::{Folder, sync_folder};
 use crate::core::event::Photo;
+use crate::outbound::files;
 use crate::wire::journal::Picture;
 
 /// The media types that a photo can have, for those read back.
 const MEDIA_TYPES: [&str; 2] = ["image/png", "image/jpeg"];
+
+/// No photo is larger: what has more bytes is none of ours.
+const LARGEST: usize = 64 * 1024 * 1024;
 
 /// What a photo of a type that this version does not know is called.
 const OTHER: &str = "application/octet-stream";
@@ -25,7 +29,7 @@ pub(super) fn keep(folder: &Folder, photo: &Photo) -> Result<Picture, Fault> {
     let path = folder.photo(&picture);
     let shelf = path.parent().expect("a photo stands in a folder of its own two letters");
     if !holds(&path, &photo.bytes) {
-        create_folder(shelf)?;
+        [&folder.photos(), shelf].into_iter().try_for_each(files::make_folder_within)?;
         let unfinished = path.with_extension("unfinished");
         write(&unfinished, &photo.bytes).and_then(|()| std::fs::rename(&unfinished, &path)).inspect_err(|_| {
             // What is left of it would be in nobody's way, and the next photo of this name replaces it.
@@ -42,7 +46,7 @@ pub(super) fn read(folder: &Folder, picture: &Picture) -> Result<Photo, Fault> {
     if !picture.is_sound() {
         return Err(Fault::Photo("has no digest on record"));
     }
-    let bytes = std::fs::read(folder.photo(picture)).map_err(|error| {
+    let bytes = files::read(&folder.photo(picture), LARGEST).map_err(|error| {
         let absent = error.kind() == io::ErrorKind::NotFound;
         if absent { Fault::Photo("is not there") } else { Fault::File(error) }
     })?;
@@ -54,14 +58,14 @@ pub(super) fn read(folder: &Folder, picture: &Picture) -> Result<Photo, Fault> {
 }
 
 fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file: File = private_file().write(true).create(true).truncate(true).open(path)?;
+    let mut file = files::open(path, File::options().write(true).create(true).truncate(true))?;
     file.write_all(bytes)?;
     file.sync_all()
 }
 
 /// Whether the photo is there already, whole: an operator may have taken the same twice, or a restart may repeat it.
 fn holds(path: &Path, bytes: &[u8]) -> bool {
-    std::fs::read(path).is_ok_and(|there| there == bytes)
+    files::read(path, bytes.len()).is_ok_and(|there| there == bytes)
 }
 
 fn digest(bytes: &[u8]) -> String {

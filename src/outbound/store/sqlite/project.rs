@@ -46,7 +46,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
 pub(super) fn rebuild(connection: &Connection) -> Result<u64, Fault> {
     connection.execute_batch("DELETE FROM luggage; DELETE FROM photos; DELETE FROM missions;")?;
     let mut entries = 0;
-    rows::each(connection, Which { milestones: true, ..Which::default() }, |line| {
+    rows::each(connection, Which { milestones: true, ..Which::default() }, |_, line| {
         entries += 1;
         project(connection, &line?)
     })?;

@@ -10,7 +10,7 @@ use super::fault::{Fault, Then};
 use super::folder::Folder;
 use super::rows::{self, Which};
 use super::{connect, project};
-use crate::core::units::MissionId;
+use crate::core::units::{MissionId, Seq};
 use crate::runtime::archive::Unreadable;
 use crate::wire::journal::Line;
 
@@ -34,7 +34,7 @@ impl Reading {
     }
 
     /// Walks over the entries, oldest first, of one mission or of all, all of them or the `last` ones, while `visit` says to go
-    /// on. What cannot be understood is given as a sentence.
+    /// on. Of what cannot be understood its place is given, and a sentence.
     ///
     /// # Errors
     /// When the journal cannot be read on.
@@ -42,13 +42,13 @@ impl Reading {
         &self,
         mission: Option<MissionId>,
         last: Option<u64>,
-        mut visit: impl FnMut(Result<Line, String>) -> bool,
+        mut visit: impl FnMut(Seq, Result<Line, String>) -> bool,
     ) -> Result<(), Unreadable> {
-        let words = |fault: Fault| fault.words(self.folder.path(), Then::StartAgain);
+        let words = |fault: Fault| fault.words_of_an_entry(self.folder.path());
         let mut walk = || {
             let after = last.map_or(Ok(None), |last| rows::before_the_last(&self.connection, mission, last))?;
-            rows::each(&self.connection, Which { after, mission, ..Which::default() }, |line| {
-                if visit(line.map_err(words)) { Ok(()) } else { Err(Fault::GivenUp) }
+            rows::each(&self.connection, Which { after, mission, ..Which::default() }, |seq, line| {
+                if visit(seq, line.map_err(words)) { Ok(()) } else { Err(Fault::GivenUp) }
             })
         };
         match walk() {

@@ -15,6 +15,7 @@ use crate::core::standing::Standing;
 use crate::core::sweep::{IDS, Recalled, Remembered};
 use crate::core::units::{MissionId, Seq};
 use crate::core::world::log::Tone;
+use crate::runtime::archive::Sound;
 use crate::wire::journal::Line;
 use crate::wire::journal_words;
 
@@ -23,6 +24,9 @@ const LATEST: usize = 60;
 
 /// found among so many of the last: between two of them a robot may have gone a long way.
 const LATEST_AMONG: u64 = 10_000;
+
+/// So many sentences are said about one mission's damage; of the rest, how many there are.
+const DAMAGES: usize = 8;
 
 /// So long a start waits for SQLite's own check; some 500 MB on a common disk. `hallsweep journal check` takes all the time.
 const CHECK_PATIENCE: Duration = Duration::from_secs(5);
@@ -54,31 +58,96 @@ fn remembered(entry: &Entry) -> Remembered {
 /// What stands after all entries up to `written`.
 fn standing(connection: &Connection, written: Seq) -> Result<Standing, Fault> {
     let mut standing = Standing::first(Strategy::default());
-    each_from_standing(connection, Some(written.next()), |line| standing.apply(&line.entry))?;
+    each_from_standing(connection, rows::last_standing(connection, Some(written.next()))?, Some(written.next()), |line| {
+        standing.apply(&line?.entry);
+        Ok(())
+    })?;
     Ok(standing)
 }
 
-/// What stood of a mission when the entry `before` put it away, or stands of it now.
-pub(super) fn standing_of(connection: &Connection, mission: MissionId, before: Option<Seq>) -> Result<Standing, Fault> {
+/// What stood of a mission when the entry `before` put it away, or stands of it now, as far as it can be understood; `words` makes
+/// sentences of the faults.
+pub(super) fn standing_of(
+    connection: &Connection,
+    mission: MissionId,
+    before: Option<Seq>,
+    words: impl Fn(&Fault) -> String,
+) -> Result<Sound<Standing>, Fault> {
     let mut standing = Standing::first(Strategy::default());
-    each_from_standing(connection, before, |line| {
+    let mut damage = Damage { words, said: Vec::new(), more: 0 };
+    let from = sound_standing(connection, before)?;
+    each_from_standing(connection, from, before, |line| {
+        let line = match line {
+            Ok(line) => line,
+            // SQLite itself does not get on: then nothing behind it is known either.
+            Err(fault @ Fault::Sql(_)) => return Err(fault),
+            Err(fault) => {
+                damage.say(&fault);
+                return Ok(());
+            }
+        };
         let begun = standing.under_way && standing.mission == mission;
         // The phase that follows on the mission is on record just before its end.
         if !(begun && line.mission != Some(mission) && matches!(line.entry.fact, Fact::Phase(_))) {
             standing.apply(&line.entry);
         }
+        Ok(())
     })?;
-    Ok(standing)
+    Ok(Sound { of: standing, damage: damage.all() })
 }
 
-/// Walks over the entries from the last one that says everything that stands.
-fn each_from_standing(connection: &Connection, before: Option<Seq>, mut visit: impl FnMut(&Line)) -> Result<(), Fault> {
-    let from = rows::last_standing(connection, before)?;
+/// The last entry before `before` that says everything that stands and can be understood: the walk begins there, and comes by
+/// those that cannot.
+fn sound_standing(connection: &Connection, before: Option<Seq>) -> Result<Option<Seq>, Fault> {
+    let mut from = rows::last_standing(connection, before)?;
+    while let Some(seq) = from {
+        let mut is_sound = false;
+        let one = Which { after: Some(Seq(seq.0.saturating_sub(1))), before: Some(seq.next()), ..Which::default() };
+        rows::each(connection, one, |_, line| {
+            is_sound = line.is_ok();
+            Ok(())
+        })?;
+        if is_sound {
+            break;
+        }
+        from = rows::last_standing(connection, from)?;
+    }
+    Ok(from)
+}
+
+/// Walks over the entries from this one that says everything that stands.
+fn each_from_standing(
+    connection: &Connection,
+    from: Option<Seq>,
+    before: Option<Seq>,
+    mut visit: impl FnMut(Result<Line, Fault>) -> Result<(), Fault>,
+) -> Result<(), Fault> {
     let after = from.map(|seq| Seq(seq.0.saturating_sub(1)));
-    rows::each(connection, Which { after, before, ..Which::default() }, |line| {
-        visit(&line?);
-        Ok(())
-    })
+    rows::each(connection, Which { after, before, ..Which::default() }, |_, line| visit(line))
+}
+
+/// The sentences about what cannot be understood.
+struct Damage<W> {
+    words: W,
+    said: Vec<String>,
+    more: usize,
+}
+
+impl<W: Fn(&Fault) -> String> Damage<W> {
+    fn say(&mut self, fault: &Fault) {
+        if self.said.len() < DAMAGES {
+            self.said.push((self.words)(fault));
+        } else {
+            self.more += 1;
+        }
+    }
+
+    fn all(mut self) -> Vec<String> {
+        if self.more > 0 {
+            self.said.push(format!("{} more entries cannot be understood: `hallsweep journal check` lists them", self.more));
+        }
+        self.said
+    }
 }
 
 /// The latest commands that carried an id, oldest first: as many as are remembered, however long ago they came.
@@ -86,7 +155,7 @@ fn repeatable(connection: &Connection, written: Seq) -> Result<Vec<Entry>, Fault
     let mut commands = Vec::new();
     let after = rows::before_the_last_named(connection, written, IDS as u64)?;
     let before = Some(written.next());
-    rows::each(connection, Which { after, before, named: true, ..Which::default() }, |line| {
+    rows::each(connection, Which { after, before, named: true, ..Which::default() }, |_, line| {
         commands.push(line?.entry);
         Ok(())
     })?;

@@ -4,8 +4,9 @@ use rusqlite::types::Value;
 use rusqlite::{Connection, OptionalExtension, Row, params, params_from_iter};
 
 use super::fault::{Fault, count, whole};
+use crate::core::command::Verdict;
 use crate::core::effect::Entry;
-use crate::core::units::{MissionId, Seq, Wall};
+use crate::core::units::{LuggageId, MissionId, Seq, Wall};
 use crate::wire::journal::{self, Line};
 
 /// The columns of an entry, in the order in which `line` takes them.
@@ -84,7 +85,7 @@ pub(super) fn latest(connection: &Connection, written: Seq, most: usize, searche
     let mut latest = Vec::new();
     while let Some(row) = rows.next()? {
         // These are for people to read: one that cannot be understood and does not count any more is passed over.
-        latest.extend(line(row).ok().map(|line| line.entry));
+        latest.extend(line(connection, row).1.ok().map(|line| line.entry));
     }
     latest.reverse();
     Ok(latest)
@@ -103,13 +104,14 @@ pub(super) fn before_the_last_named(connection: &Connection, written: Seq, count
 pub(super) fn each(
     connection: &Connection,
     which: Which,
-    mut visit: impl FnMut(Result<Line, Fault>) -> Result<(), Fault>,
+    mut visit: impl FnMut(Seq, Result<Line, Fault>) -> Result<(), Fault>,
 ) -> Result<(), Fault> {
     let (sql, values) = which.query()?;
     let mut statement = connection.prepare_cached(&sql)?;
     let mut rows = statement.query(params_from_iter(values))?;
     while let Some(row) = rows.next()? {
-        visit(line(row))?;
+        let (seq, line) = line(connection, row);
+        visit(seq, line)?;
     }
     Ok(())
 }
@@ -134,8 +136,14 @@ impl Which {
     }
 }
 
-fn line(row: &Row<'_>) -> Result<Line, Fault> {
-    let seq = Seq(count(row.get(0)?));
+/// The entry of a row, and its place.
+fn line(connection: &Connection, row: &Row<'_>) -> (Seq, Result<Line, Fault>) {
+    // The place is the key of the table, which is a number whatever else is damaged.
+    let seq = Seq(row.get(0).map_or(0, count));
+    (seq, understood(connection, row, seq))
+}
+
+fn understood(connection: &Connection, row: &Row<'_>, seq: Seq) -> Result<Line, Fault> {
     let mission: Option<i64> = row.get(1)?;
     let wall = Wall { unix_ms: row.get(2)?, offset_s: row.get(3)? };
     let body = row.get_ref(5)?.as_str().map_err(|error| Fault::Damaged(format!("entry {seq} holds no text: {error}")))?;
@@ -143,5 +151,15 @@ fn line(row: &Row<'_>) -> Result<Line, Fault> {
     if row.get_ref(4)?.as_str().ok() != Some(journal::kind(&fact)) {
         return Err(Fault::Damaged(format!("entry {seq} is not of the kind that it says")));
     }
+    // Where this cannot be asked the entry is given as it was written.
+    let fact = fact.as_it_was(|luggage| verdict_on(connection, luggage).ok().flatten());
     Ok(Line { seq, mission: mission.map(|mission| MissionId(count(mission))), entry: Entry { wall, fact }, picture })
+}
+
+/// What a piece was found to be in the end.
+fn verdict_on(connection: &Connection, luggage: LuggageId) -> Result<Option<Verdict>, Fault> {
+    let mut statement =
+        connection.prepare_cached("SELECT verdict = 'danger' FROM luggage WHERE id = ?1 AND verdict IS NOT NULL")?;
+    let dangerous: Option<bool> = statement.query_row([whole(luggage.0)?], |row| row.get(0)).optional()?;
+    Ok(dangerous.map(|dangerous| if dangerous { Verdict::Danger } else { Verdict::Safe }))
 }

@@ -7,7 +7,11 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum DiaryError {
     /// The file is there and cannot be read.
-    #[error("cannot read {} ({error}): give whoever runs hallsweep the right to read it", .path.display())]
+    #[error(
+        "cannot read {} ({error}): make it a file that whoever runs hallsweep can read, or move it away, and start again: \
+         without it the simulated robot is put down at home",
+        .path.display()
+    )]
     Unreadable {
         /// The file.
         path: PathBuf,

@@ -21,7 +21,7 @@ const KILLS: usize = 12;
 #[test]
 fn writes_until_it_is_killed() {
     let Some(folder) = std::env::var_os(FOLDER) else { return };
-    let mut scribe = Scribe::new(open(folder.as_ref()).expect("nobody else uses it"));
+    let mut scribe = Scribe::new(open(folder.as_ref(), None).expect("nobody else uses it"));
     let mut said = scribe.opened.store.word();
     let mut out = std::io::stderr();
     for number in scribe.until(|_| true).kept.0 + 1.. {

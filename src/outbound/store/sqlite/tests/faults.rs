@@ -81,6 +81,29 @@ fn a_full_queue_is_a_failure_and_not_a_wait() {
     assert_eq!(notes(&scratch).len(), 1);
 }
 
+/// Safety R3: whoever handed something over while a failure stood hears that it is lost, once, when the failure ends.
+#[test]
+fn pages_that_are_dropped_during_a_failure_are_one_more_loss() {
+    let scratch = Scratch::new();
+    drop(scratch.open());
+    let desk = Arc::new(Desk::new(Marker::new(&Folder::new(&scratch.data())), Seq(0), None));
+    let heard = || {
+        let word = desk.word().borrow().clone();
+        (word.losses, word.failure.is_some())
+    };
+    desk.fail(desk.begin(), "the disk is full");
+    assert_eq!(heard(), (1, true));
+    for _ in 0..3 {
+        desk.overflow("the disk does not keep up".to_owned());
+    }
+    assert_eq!(heard(), (1, true), "the failure that stands is one loss");
+    desk.recover();
+    assert_eq!(heard(), (2, false));
+    desk.fail(desk.begin(), "the disk is full");
+    desk.recover();
+    assert_eq!(heard(), (3, false), "nothing was dropped this time");
+}
+
 /// A watchman who gives up any batch at once. He must look only while the disk hangs: the loaded disk of an ordinary machine takes
 /// longer than this for an ordinary page, which would rightly be said to be lost.
 const HURRY: Patience = Patience { looks: 3, ..HASTE };

@@ -119,6 +119,26 @@ fn a_file_that_is_taken_away_while_it_is_used_is_noticed() {
     }
 }
 
+/// Whoever moves the folder away under a running program and begins a new one finds it as he made it: what the old program lost
+/// is not lost there.
+#[cfg(unix)]
+#[test]
+fn a_folder_put_in_the_place_of_the_one_in_use_is_not_written_to() {
+    let scratch = Scratch::new();
+    let mut old = Scribe::new(scratch.open());
+    old.keep(begin(1));
+    std::fs::rename(scratch.data(), scratch.data().with_extension("old")).unwrap();
+    let mut new = Scribe::new(scratch.open());
+    new.keep([begin(1), vec![found(1, None)]].concat());
+    drop(new);
+    let before = bytes(&scratch.data());
+    old.hand(vec![wall(1, 1)]);
+    old.until(|word| word.failure.is_some());
+    drop(old);
+    assert_eq!(bytes(&scratch.data()), before);
+    assert_eq!(scratch.open().recalled.map(|recalled| recalled.written), Some(Seq(5)));
+}
+
 #[test]
 fn a_journal_cut_short_is_left_as_it_is() {
     let scratch = some_journal();
@@ -187,7 +207,7 @@ fn a_journal_that_had_only_just_begun_is_begun_again() {
 fn two_hallsweeps_never_share_a_folder() {
     let scratch = Scratch::new();
     let first = scratch.open();
-    let second = open_with(&scratch.data(), HASTE);
+    let second = open_with(&scratch.data(), None, HASTE);
     let Err(OpenError::InUse(words)) = second.map(drop) else { panic!("both have it") };
     assert!(words.contains(&scratch.data().display().to_string()) && words.contains("--data"), "{words}");
     drop(first);

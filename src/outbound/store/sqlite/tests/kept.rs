@@ -4,14 +4,15 @@ use proptest::prelude::*;
 
 use super::super::{Reading, connect, folder::Folder, rebuild, rows, schema};
 use super::testing::*;
-use crate::core::command::Verdict;
+use crate::core::command::{CommandId, Verdict};
 use crate::core::effect::{Entry, Fact};
 use crate::core::explore::Strategy as Order;
 use crate::core::mission::Phase;
 use crate::core::standing::Standing;
 use crate::core::sweep::{IDS, Recalled};
-use crate::core::units::{LuggageId, MissionId, Seq};
-use crate::runtime::archive::Unreadable;
+use crate::core::units::{Cell, LuggageId, MissionId, Seq};
+use crate::core::world::log::Tone;
+use crate::runtime::archive::{Sound, Unreadable};
 use crate::wire::journal::{Line, arbitrary};
 use crate::wire::journal_words;
 
@@ -145,11 +146,11 @@ fn a_mission_that_is_over_is_read_as_it_ended() {
     assert_eq!(archive.mission(MissionId(1)).unwrap().as_ref(), Some(&missions[1]));
     assert_eq!(archive.mission(MissionId(3)), Ok(None));
 
-    let ended = archive.standing(MissionId(1)).unwrap().expect("there was a mission 1");
+    let ended = archive.standing(MissionId(1)).unwrap().expect("there was a mission 1").of;
     assert_eq!((ended.phase.name().name(), ended.under_way), ("inspecting", true));
     assert!(ended.luggage[&LuggageId(1)].is_dangerous());
     assert!(ended.map.at(crate::core::units::Cell::new(5, 5)).is_obstacle());
-    let now = archive.standing(MissionId(2)).unwrap().expect("there is a mission 2");
+    let now = archive.standing(MissionId(2)).unwrap().expect("there is a mission 2").of;
     assert_eq!((now.phase, now.luggage.len()), (Phase::Exploring, 1));
     assert_eq!(archive.standing(MissionId(3)), Ok(None));
     check_finds(&scratch, &[]);
@@ -171,7 +172,7 @@ fn the_entries_of_a_mission_are_read_page_by_page() {
     assert_eq!(places(1, 0, 100), [2, 3, 4, 5, 6, 8], "the phase after the mission is not its own");
     assert_eq!(places(1, 3, 2), [4, 5]);
     assert_eq!(places(2, 0, 100), [9, 10, 11, 12]);
-    assert_eq!(archive.entries(MissionId(2), Seq(11), 9).unwrap(), [(Seq(12), at_noon(Fact::Led(true)))]);
+    assert_eq!(archive.entries(MissionId(2), Seq(11), 9).unwrap(), [(Seq(12), Ok(at_noon(Fact::Led(true))))]);
 }
 
 /// However much has happened since: else a repeat would act again.
@@ -292,6 +293,108 @@ fn a_check_finds_what_is_missing_and_what_says_nothing() {
     check_finds(&scratch, &["entry 9 ", "entry 10 is not of the kind that it says"]);
 }
 
+/// Writes over what an entry says, as a bad disk would.
+fn damage(scratch: &Scratch, seq: Seq) {
+    let connection = connect::writer(&Folder::new(&scratch.data())).unwrap();
+    let sql = format!(
+        "DROP TRIGGER events_stay_as_they_are; UPDATE events SET body = 'mouse' WHERE seq = {seq};
+         CREATE TRIGGER events_stay_as_they_are BEFORE UPDATE ON events BEGIN SELECT raise(ABORT, 'the journal is never changed'); END"
+    );
+    connection.execute_batch(&sql).unwrap();
+}
+
+#[test]
+fn of_a_mission_with_a_damaged_entry_the_rest_is_shown_and_the_damage_said() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep([begin(1), vec![found(1, Some(photo("bag"))), verdict(1, Verdict::Danger)]].concat());
+    let lost = scribe.keep(vec![wall(4, 4)]);
+    scribe.keep(vec![wall(5, 5)]);
+    scribe.keep(archive(1));
+    let standing = Standing::first(Order::default());
+    let summed_up = scribe.keep(vec![Fact::Standing(Box::new(standing))]);
+    scribe.keep(begin(2));
+    let ended = scribe.keep([vec![wall(6, 6)], archive(2)].concat());
+    damage(&scratch, lost);
+    let kept = &scribe.opened.archive;
+    let Sound { of, damage: said } = kept.standing(MissionId(1)).unwrap().expect("there was a mission 1");
+    let at = |x| of.map.at(Cell::new(x, x)).is_obstacle();
+    assert_eq!((at(4), at(5), of.luggage.len()), (false, true, 1));
+    assert!(said.len() == 1 && said[0].starts_with(&format!("entry {lost} of the journal cannot be understood")), "{said:?}");
+    let entries = kept.entries(MissionId(1), Seq(0), 100).unwrap();
+    let damaged: Vec<Seq> = entries.iter().filter(|(_, entry)| entry.is_err()).map(|(seq, _)| *seq).collect();
+    assert_eq!((damaged, entries.len()), (vec![lost], 10));
+    assert_eq!(kept.missions(None, 9).map(|missions| missions.len()), Ok(2));
+    assert_eq!(kept.standing(MissionId(2)).unwrap().map(|sound| sound.damage), Some(Vec::new()), "the other has none");
+
+    // The entry at which reading would begin: it begins at an earlier one then.
+    damage(&scratch, summed_up);
+    let Sound { of, damage: said } = kept.standing(MissionId(2)).unwrap().expect("there was a mission 2");
+    assert!(of.map.at(Cell::new(6, 6)).is_obstacle());
+    assert_eq!(said.len(), 2, "what was passed on the way is said: {said:?}");
+
+    (lost.0 + 1..=ended.0).for_each(|seq| damage(&scratch, Seq(seq)));
+    let Sound { damage: said, .. } = kept.standing(MissionId(2)).unwrap().expect("there was a mission 2");
+    assert!(said.len() == 9 && said[8].contains("more entries cannot be understood"), "{said:?}");
+    let mut lines = Vec::new();
+    let reading = Reading::open(&scratch.data()).unwrap();
+    reading
+        .lines(None, None, |seq, line| {
+            lines.push((seq, line.is_ok()));
+            true
+        })
+        .unwrap();
+    assert_eq!(lines.iter().filter(|(_, is_sound)| !is_sound).count() as u64, ended.0 - lost.0 + 1);
+}
+
+/// Safety V1, A6: a safe that a danger overtook before it was durable was refused, and stands there so.
+#[test]
+fn a_safe_that_a_danger_overtook_stands_there_as_refused() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep([begin(1), vec![found(1, Some(photo("bag"))), found(2, Some(photo("box")))]].concat());
+    let said = |words: &str, luggage| {
+        let Fact::Command { issuer, .. } = command(None) else { unreachable!("it is a command") };
+        let (command, luggage) = (words.to_owned(), Some(LuggageId(luggage)));
+        Fact::Command {
+            issuer,
+            id: CommandId::new(&format!("of-{luggage:?}-{}", words.len()).replace(['(', ')', ' '], "")),
+            command,
+            epoch: None,
+            luggage,
+            refused: None,
+        }
+    };
+    scribe.keep(vec![said("safe #1", 1), verdict(1, Verdict::Safe)]);
+    scribe.keep(vec![said("danger #1", 1), verdict(1, Verdict::Danger)]);
+    scribe.keep(vec![said("safe #2", 2), verdict(2, Verdict::Safe)]);
+    let refusals = |facts: Vec<Fact>| -> Vec<(String, Option<&'static str>)> {
+        let of = |fact| match fact {
+            Fact::Command { command, refused, luggage: Some(_), .. } => Some((command, refused.map(|refused| refused.code))),
+            _ => None,
+        };
+        facts.into_iter().filter_map(of).collect()
+    };
+    let expected =
+        [("safe #1", Some("decided")), ("danger #1", None), ("safe #2", None)].map(|(words, code)| (words.to_owned(), code));
+    let entries = scribe.opened.archive.entries(MissionId(1), Seq(0), 100).unwrap();
+    assert_eq!(refusals(entries.into_iter().map(|(_, entry)| entry.unwrap().fact).collect()), expected);
+    let mut lines = Vec::new();
+    let reading = Reading::open(&scratch.data()).unwrap();
+    reading
+        .lines(None, None, |_, line| {
+            lines.push(line.unwrap().entry.fact);
+            true
+        })
+        .unwrap();
+    assert_eq!(refusals(lines), expected);
+    drop(scribe);
+    let recalled = scratch.open().recalled.unwrap();
+    assert_eq!(refusals(recalled.commands.into_iter().map(|entry| entry.fact).collect()), expected);
+    let warned = recalled.latest.iter().filter(|line| line.tone == Tone::Warning).count();
+    assert_eq!(warned, 1, "{:?}", recalled.latest);
+}
+
 #[test]
 fn entries_on_record_cannot_be_changed() {
     let scratch = Scratch::new();
@@ -312,8 +415,9 @@ fn lines_are_read_beside_a_running_program() {
     let reading = Reading::open(&scratch.data()).unwrap();
     let places = |mission: Option<u64>, last| {
         let mut places = Vec::new();
-        let visit = |line: Result<crate::wire::journal::Line, String>| {
-            places.push(line.unwrap().seq.0);
+        let visit = |seq: Seq, line: Result<crate::wire::journal::Line, String>| {
+            assert_eq!(line.unwrap().seq, seq);
+            places.push(seq.0);
             true
         };
         reading.lines(mission.map(MissionId), last, visit).unwrap();

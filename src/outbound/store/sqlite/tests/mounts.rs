@@ -148,7 +148,7 @@ fn a_folder_that_cannot_be_made_is_made_later() {
     let Some(disk) = Disk::mount(&above, 4096) else { return };
     disk.become_read_only();
     let data = above.join("below").join("data");
-    let opened = open_with(&data, HASTE).expect("nobody uses what is not there");
+    let opened = open_with(&data, None, HASTE).expect("nobody uses what is not there");
     assert!(opened.failure.as_deref().is_some_and(|words| words.contains("make it writable")), "{:?}", opened.failure);
     assert_eq!(opened.archive.missions(None, 5), Ok(Vec::new()));
     let mut scribe = Scribe::new(opened);

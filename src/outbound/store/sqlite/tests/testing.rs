@@ -51,7 +51,7 @@ impl Scratch {
     /// The same, with another patience.
     pub(super) fn open_with(&self, patience: Patience) -> Opened {
         for _ in 0..LOOKS {
-            match open_with(&self.data(), patience) {
+            match open_with(&self.data(), None, patience) {
                 Err(OpenError::InUse(_)) => std::thread::sleep(GLANCE),
                 opened => return opened.expect("the system lets it start"),
             }
