@@ -15,6 +15,8 @@ mod damage;
 mod explore;
 #[path = "service/formats.rs"]
 mod formats;
+#[path = "service/http_attacks.rs"]
+mod http_attacks;
 #[path = "service/journal.rs"]
 mod journal;
 #[path = "service/kill.rs"]

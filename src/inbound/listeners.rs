@@ -5,6 +5,7 @@ use std::io;
 use std::net::SocketAddr;
 use std::task::Poll;
 
+use socket2::SockRef;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::runtime::Handle;
 
@@ -23,6 +24,8 @@ impl Listeners {
     /// # Errors
     /// The system does not let this runtime wait for one of them.
     pub fn new(bound: Vec<std::net::TcpListener>) -> io::Result<Listeners> {
+        // As many newcomers may wait at each as the system lets.
+        bound.iter().try_for_each(|port| SockRef::from(port).listen(i32::MAX))?;
         let ports = bound.into_iter().map(TcpListener::from_std).collect::<io::Result<_>>()?;
         Ok(Listeners { ports, turn: 0, thread: Handle::current() })
     }

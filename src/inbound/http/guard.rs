@@ -204,6 +204,16 @@ mod tests {
         assert!(!foreign(&[("sec-fetch-site", "same-origin"), ("origin", "https://behind-a-proxy.example")]));
     }
 
+    #[test]
+    fn a_date_is_said_unless_the_clock_cannot_be_right() {
+        let said = |unix_ms| date(unix_ms).map(|date| date.to_str().unwrap().to_owned());
+        assert_eq!(said(1_770_109_512_250).as_deref(), Some("Tue, 03 Feb 2026 09:05:12 GMT"));
+        assert_eq!(said(0).as_deref(), Some("Thu, 01 Jan 1970 00:00:00 GMT"));
+        for wrong in [-1, i64::MIN, i64::MAX] {
+            assert_eq!(said(wrong), None, "{wrong}");
+        }
+    }
+
     #[tokio::test]
     async fn every_answer_of_every_kind_carries_the_security_headers() {
         let house = house(searching());

@@ -24,6 +24,7 @@ mod routes;
 pub mod scanning;
 mod serve;
 mod sign_in;
+mod streams;
 #[cfg(test)]
 mod testing;
 mod tls;
@@ -33,12 +34,13 @@ mod watcher;
 use std::sync::Arc;
 
 use axum::Router;
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::watch;
 
 pub use guard::Hosts;
 use lines::Lines;
 pub use mqtt::{Carried, Hall, Visitor};
 pub use serve::{Front, serve};
+use streams::Streams;
 pub use tls::{Tls, TlsError};
 
 use crate::access::{Access, Attempts};
@@ -55,7 +57,7 @@ pub struct Door {
     handle: Handle,
     archive: Reader,
     hall: Arc<str>,
-    streams: Arc<Semaphore>,
+    streams: Streams,
     closing: watch::Sender<bool>,
     clock: Clock,
     access: Access,
@@ -77,7 +79,7 @@ impl Door {
             handle,
             archive,
             hall: Arc::from(hall),
-            streams: Arc::new(Semaphore::new(STREAMS)),
+            streams: Streams::default(),
             closing: watch::Sender::new(false),
             clock: Clock::default(),
             access,

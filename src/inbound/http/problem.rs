@@ -111,7 +111,8 @@ impl Problem {
 
     /// 503: as many streams are open as there may be.
     pub(super) fn too_many_streams(most: usize) -> Problem {
-        let detail = format!("{most} event streams are open, and more are not served: close one, or read /api/v1/state");
+        let detail =
+            format!("{most} event streams are open, or this key has its share of them: close one, or read /api/v1/state");
         Problem::new(StatusCode::SERVICE_UNAVAILABLE, "tooManyStreams", detail)
     }
 

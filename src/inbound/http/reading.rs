@@ -3,20 +3,25 @@
 
 use std::time::Duration;
 
-use axum::body::Bytes;
+use axum::body::{Body, Bytes};
 use axum::extract::{FromRequest, FromRequestParts, Path, Request};
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderValue, header};
+use bytes::BytesMut;
+use futures_util::StreamExt;
 use serde::de::DeserializeOwned;
 
 use super::problem::Problem;
-use crate::wire::fields::{self, Body, Unread, in_short};
+use crate::wire::fields::{self, Body as Fields, Unread, in_short};
 
 /// The largest body that is read: a command is a few dozen bytes.
 pub(super) const BODY_BYTES: usize = 16 * 1024;
 
-/// How long a body may take to arrive.
-const BODY_TIME: Duration = Duration::from_secs(5);
+/// So long a body may take before it is looked at how fast it comes,
+const BODY_BEGIN: Duration = Duration::from_secs(2);
+
+/// and then so much of it must come in each second, in bytes: the largest is here or refused within six.
+const BODY_RATE: usize = 4 * 1024;
 
 /// A JSON body.
 pub(super) struct Json<T>(pub(super) T);
@@ -30,7 +35,7 @@ pub(super) struct Form<T>(pub(super) T);
 /// The number of a thing, from the path.
 pub(super) struct Number(pub(super) u64);
 
-impl<S: Send + Sync, T: Body> FromRequest<S> for Json<T> {
+impl<S: Send + Sync, T: Fields> FromRequest<S> for Json<T> {
     type Rejection = Problem;
 
     async fn from_request(request: Request, _: &S) -> Result<Json<T>, Problem> {
@@ -42,7 +47,7 @@ impl<S: Send + Sync, T: Body> FromRequest<S> for Json<T> {
     }
 }
 
-impl<S: Send + Sync, T: Body + Default> FromRequest<S> for OptionalJson<T> {
+impl<S: Send + Sync, T: Fields + Default> FromRequest<S> for OptionalJson<T> {
     type Rejection = Problem;
 
     async fn from_request(request: Request, _: &S) -> Result<OptionalJson<T>, Problem> {
@@ -57,7 +62,7 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Form<T> {
 
     async fn from_request(request: Request, state: &S) -> Result<Form<T>, Problem> {
         let (headers, body) = body_of(request).await?;
-        let mut whole = Request::new(axum::body::Body::from(body));
+        let mut whole = Request::new(Body::from(body));
         *whole.method_mut() = axum::http::Method::POST;
         let form = HeaderMap::from_iter([(header::CONTENT_TYPE, form_type(&headers)?)]);
         *whole.headers_mut() = form;
@@ -84,22 +89,42 @@ async fn body_of(request: Request) -> Result<(HeaderMap, Bytes), Problem> {
     if announced.is_some_and(|length| length > BODY_BYTES as u64) {
         return Err(too_large());
     }
-    let read = tokio::time::timeout(BODY_TIME, axum::body::to_bytes(body, BODY_BYTES)).await;
-    let read = read.map_err(|_| Problem::too_slow(format!("the body did not arrive within {} s", BODY_TIME.as_secs())))?;
-    let body = read.map_err(|error| unread(&error))?;
-    Ok((parts.headers, body))
+    Ok((parts.headers, read(body).await?))
 }
 
-fn unread(error: &axum::Error) -> Problem {
-    let words = error.to_string();
-    if words.contains("length limit") { too_large() } else { Problem::malformed(format!("the body could not be read: {words}")) }
+/// All of a body, unless it is too large or comes too slowly.
+async fn read(body: Body) -> Result<Bytes, Problem> {
+    let (mut pieces, mut read) = (body.into_data_stream(), BytesMut::new());
+    let (mut span, mut before) = (BODY_BEGIN, None);
+    loop {
+        let all = async {
+            while let Some(piece) = pieces.next().await {
+                let piece = piece.map_err(|error| Problem::malformed(format!("the body could not be read: {error}")))?;
+                if read.len() + piece.len() > BODY_BYTES {
+                    return Err(too_large());
+                }
+                read.extend_from_slice(&piece);
+            }
+            Ok(())
+        };
+        match tokio::time::timeout(span, all).await {
+            Ok(all) => return all.map(|()| read.freeze()),
+            Err(_) if before.is_some_and(|before| read.len() < before + BODY_RATE) => {
+                let begin = BODY_BEGIN.as_secs();
+                return Err(Problem::too_slow(format!(
+                    "the body came too slowly: after {begin} s, {BODY_RATE} bytes a second are the least"
+                )));
+            }
+            Err(_) => (span, before) = (Duration::from_secs(1), Some(read.len())),
+        }
+    }
 }
 
 fn too_large() -> Problem {
     Problem::too_large(format!("the body is larger than {BODY_BYTES} bytes: a command is a few dozen"))
 }
 
-fn json<T: Body>(headers: &HeaderMap, body: &[u8]) -> Result<T, Problem> {
+fn json<T: Fields>(headers: &HeaderMap, body: &[u8]) -> Result<T, Problem> {
     let media = media_type(headers)?.unwrap_or_else(|| "none".to_owned());
     if media != "application/json" && !(media.starts_with("application/") && media.ends_with("+json")) {
         return Err(Problem::wrong_type(format!("the content type is {}: send application/json", in_short(&media))));
@@ -132,5 +157,32 @@ fn media_type(headers: &HeaderMap) -> Result<Option<String>, Problem> {
             Err(Problem::wrong_type(format!("the charset is {}: send utf-8", in_short(charset))))
         }
         _ => Ok(Some(media)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use futures_util::stream;
+
+    /// What becomes of a body of so many pieces, each of this size and this much after the last.
+    async fn comes(pieces: usize, bytes: usize, after: Duration) -> Result<usize, u16> {
+        let body = Body::from_stream(stream::unfold(0, move |sent| async move {
+            tokio::time::sleep(after).await;
+            (sent < pieces).then(|| (Ok::<_, std::io::Error>(vec![b'x'; bytes]), sent + 1))
+        }));
+        read(body).await.map(|body| body.len()).map_err(|problem| problem.status().as_u16())
+    }
+
+    /// Safety S9, A5.
+    #[tokio::test(start_paused = true)]
+    async fn a_body_comes_at_a_least_rate_or_is_refused() {
+        let ms = Duration::from_millis;
+        assert_eq!(comes(4, 25, ms(400)).await, Ok(100), "a small one has some time");
+        assert_eq!(comes(16, 1024, ms(150)).await, Ok(16 * 1024));
+        assert_eq!(comes(100, 1, ms(500)).await, Err(408), "a byte now and then is no progress");
+        assert_eq!(comes(16, 1024, ms(900)).await, Err(408));
+        assert_eq!(comes(1, 100, Duration::MAX).await, Err(408));
+        assert_eq!(comes(17, 1024, ms(1)).await, Err(413));
     }
 }

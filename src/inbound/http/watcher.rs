@@ -4,9 +4,10 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::sync::{OwnedSemaphorePermit, watch};
+use tokio::sync::watch;
 
 use super::problem::Problem;
+use super::streams::Stream;
 use super::{Door, STREAMS};
 use crate::access::Caller;
 use crate::core::world::snapshot::Snapshot;
@@ -20,7 +21,7 @@ pub(super) struct Watcher {
     closing: watch::Receiver<bool>,
     door: Door,
     caller: Caller,
-    _place: OwnedSemaphorePermit,
+    _place: Stream,
 }
 
 /// What a stream wakes up for.
@@ -36,7 +37,7 @@ pub(super) enum Wake {
 impl Watcher {
     /// Opens a stream and takes the state it begins with.
     pub(super) fn open(door: &Door, caller: Caller) -> Result<(Watcher, Arc<Snapshot>), Problem> {
-        let place = Arc::clone(&door.streams).try_acquire_owned().map_err(|_| Problem::too_many_streams(STREAMS))?;
+        let place = door.streams.open(&caller, &door.access).ok_or_else(|| Problem::too_many_streams(STREAMS))?;
         let mut snapshots = door.handle.watch();
         let first = Arc::clone(&snapshots.borrow_and_update());
         let watcher = Watcher { snapshots, closing: door.closing.subscribe(), door: door.clone(), caller, _place: place };
