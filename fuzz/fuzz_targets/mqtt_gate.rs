@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use bytes::BytesMut;
 use hallsweep_fuzz::access::Role;
+use hallsweep_fuzz::inbound::mqtt::gate::budget::Payer;
 use hallsweep_fuzz::inbound::mqtt::gate::filter;
 use hallsweep_fuzz::inbound::mqtt::gate::frame::{Kind, frame};
 use hallsweep_fuzz::inbound::mqtt::gate::limits::{CLIENT_ROOM, FILTERS, GUEST_PACKET, UNRELEASED};
@@ -67,7 +68,7 @@ impl Play {
         let topics = Topics::new("h", "d", "q");
         let gatehouse = Arc::new(Gatehouse::new(topics));
         for n in 0..200_u8 {
-            gatehouse.retained.keep(&format!("k/{n}"), &vec![n; usize::from(first) * 16 + 1], Qos::One);
+            gatehouse.retained.keep(&Payer::Anybody, &format!("k/{n}"), &vec![n; usize::from(first) * 16 + 1], Qos::One);
         }
         let keep_alive_s = connect.as_ref().map_or(0, |connect| connect.keep_alive_s);
         let will = connect.and_then(|connect| connect.will);

@@ -63,6 +63,11 @@ impl Identity {
         }
     }
 
+    /// Whether its name is that of a key.
+    pub(super) const fn has_key(&self) -> bool {
+        matches!(self, Identity::Somebody(Caller::Known(_)))
+    }
+
     /// What the gate wants to know.
     pub(super) const fn guest(&self) -> Guest {
         match self {

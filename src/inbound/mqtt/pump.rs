@@ -125,6 +125,7 @@ impl Pump {
             let silent_until = self.turnstile.poll_timeout();
             self.from_client.reserve(READ);
             self.from_engine.reserve(READ);
+            let has_more = self.turnstile.wants_turn();
             let (for_engine, for_client) = self.turnstile.outgoing();
             outcome = tokio::select! {
                 biased;
@@ -145,6 +146,10 @@ impl Pump {
                 () = caught_up(behind.as_ref(), self.clock) => {
                     self.waiting = None;
                     self.client_said()
+                }
+                () = tokio::task::yield_now(), if has_more => {
+                    self.turnstile.handle_drained();
+                    Ok(())
                 }
                 () = self.clock.reach(Some(silent_until)) => self.turnstile.handle_timeout(self.clock.now().since_start),
             };

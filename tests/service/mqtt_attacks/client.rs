@@ -50,8 +50,13 @@ impl Client {
 
     /// A client that was let in, if it was.
     pub(crate) fn try_let_in(at: SocketAddr, client_id: &str) -> Option<Client> {
+        Client::try_connect(at, &connect(client_id, 60))
+    }
+
+    /// A client that was let in with this CONNECT, if it was.
+    pub(crate) fn try_connect(at: SocketAddr, connect: &[u8]) -> Option<Client> {
         let mut client = Client::silent(at);
-        client.say(&connect(client_id, 60));
+        client.say(connect);
         (client.next() == Some(Came { first: CONNACK, body: vec![0, 0] })).then_some(client)
     }
 
