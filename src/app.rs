@@ -110,8 +110,8 @@ async fn serve_hall(
     let resources = || Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
     let coap = coap::open(coap, &threads.coap, resources, (secret, handle.watch(), ending.subscribe()))?;
     let mqtt_ports = listeners(mqtt, &threads.mqtt)?;
-    let mqtt =
-        Mqtt::open(settings, (mqtt_ports, doors.mqtt, mqtt_access), handle.clone(), reader.clone(), ending.subscribe()).await?;
+    let mqtt_ways = (mqtt_ports, doors.mqtt, mqtt_access, threads.mqtt.handle().clone());
+    let mqtt = Mqtt::open(settings, mqtt_ways, handle.clone(), reader.clone(), ending.subscribe()).await?;
     let http = listeners(http, &threads.http)?;
     let door = Door::new(handle, reader, hall.name(), access).with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);

@@ -43,7 +43,7 @@ impl Listener for Ear {
         if payload.first() == Some(&b'f') { Heard::Forbidden } else { Heard::Pass }
     }
 
-    fn is_stop(&self, _: &str, payload: &[u8]) -> bool {
+    fn halts(&self, _: &[u8], payload: &[u8]) -> bool {
         payload.first() == Some(&b's')
     }
 }

@@ -3,6 +3,7 @@
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 
+use tokio::runtime::Handle as Runtime;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
 
@@ -44,13 +45,14 @@ struct Common {
 }
 
 impl Mqtt {
-    /// Opens the door, if there is to be one: at these ports, of which the first has the address `at`, where it is our own broker's.
+    /// Opens the door, if there is to be one: at these ports, of which the first has the address `at`, where it is our own broker's; what
+    /// clients say there is heard on `hearing`.
     ///
     /// # Errors
     /// When our own broker cannot be had, or somebody else's cannot be trusted as it is to be.
     pub(super) async fn open(
         settings: &Settings,
-        (listeners, at, access): (Listeners, Option<SocketAddr>, Access),
+        (listeners, at, access, hearing): (Listeners, Option<SocketAddr>, Access, Runtime),
         handle: Handle,
         archive: Reader,
         ending: watch::Receiver<bool>,
@@ -61,7 +63,7 @@ impl Mqtt {
         let common = Common { topics, home_assistant, handle, archive, manual_driving, ending };
         match (broker, at) {
             (None, _) | (Some(Broker::Own { .. }), None) => Ok(None),
-            (Some(Broker::Own { .. }), Some(at)) => own(common, (listeners, at), access).await.map(Some),
+            (Some(Broker::Own { .. }), Some(at)) => own(common, (listeners, at, hearing), access).await.map(Some),
             (Some(Broker::Other(other)), _) => other_broker(common, other).map(Some),
         }
     }
@@ -113,7 +115,11 @@ impl Common {
 }
 
 /// Our own broker, and our session at it.
-async fn own(common: Common, (listeners, at): (Listeners, SocketAddr), access: Access) -> Result<Mqtt, AppError> {
+async fn own(
+    common: Common,
+    (listeners, at, hearing): (Listeners, SocketAddr, Runtime),
+    access: Access,
+) -> Result<Mqtt, AppError> {
     let (answer, answers) = mpsc::channel(ANSWERS);
     let (visit, visitors) = mpsc::channel(VISITORS);
     let health = watch::Sender::new(Health::Unproven);
@@ -127,7 +133,7 @@ async fn own(common: Common, (listeners, at): (Listeners, SocketAddr), access: A
     };
     let house = House::new(Gatehouse::new(common.topics.clone()), common.orders(answer), secret);
     let broker = Embedded::start(house).await?;
-    let ways = Ways { listeners, access, visitors, health: health.subscribe() };
+    let ways = Ways { listeners, access, visitors, hearing, health: health.subscribe() };
     let session = common.session((link, Hearing::Own), answers, health)?;
     let (leave, left) = watch::channel(());
     let session = tokio::spawn(async move {
@@ -165,7 +171,7 @@ fn other_broker(common: Common, other: &OtherBroker) -> Result<Mqtt, AppError> {
 fn hall(visit: mpsc::Sender<Visitor>) -> http::Hall {
     http::Hall::new(move |visitor: http::Visitor| {
         let origin = Origin { from: visitor.from, caller: visitor.caller, access: visitor.access };
-        if visit.try_send(Visitor { stream: Box::new(visitor.stream), origin }).is_err() {
+        if visit.try_send(Visitor::over(visitor.stream, origin)).is_err() {
             tracing::debug!("a web client found the MQTT broker busy");
         }
     })

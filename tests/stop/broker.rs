@@ -33,7 +33,8 @@ pub(crate) async fn open(handle: Handle, closed: watch::Receiver<bool>) -> Socke
     let orders = Orders::new(handle.clone(), topics.clone(), false, answer);
     let broker = Embedded::start(House::new(Gatehouse::new(topics.clone()), orders, secret)).await.expect("an engine starts");
     let (_, visitors) = mpsc::channel(1);
-    let ways = Ways { listeners: listener.into(), access: Access::Open, visitors, health: health.subscribe() };
+    let hearing = tokio::runtime::Handle::current();
+    let ways = Ways { listeners: listener.into(), access: Access::Open, visitors, hearing, health: health.subscribe() };
     let session = Session::new(Parts {
         link,
         hearing: Hearing::Own,

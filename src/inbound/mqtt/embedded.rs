@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::net::TcpStream;
+use tokio::runtime::Handle;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
 use tokio::time::MissedTickBehavior;
@@ -48,6 +49,8 @@ pub struct Ways {
     pub access: Access,
     /// and by WebSocket.
     pub visitors: mpsc::Receiver<Visitor>,
+    /// Where what they say is heard, and nothing else is done (safety S7); the listeners wait there, too.
+    pub hearing: Handle,
     /// What our own session finds.
     pub health: watch::Receiver<Health>,
 }
@@ -75,9 +78,12 @@ impl Embedded {
         Ok(Embedded { house, engine, clock: Clock::default(), rests_until: Duration::ZERO, worn_at: None, usual: usize::MAX })
     }
 
-    /// Serves until `shutdown`; then every connection ends, when what was said before that has reached its client.
-    pub async fn serve(mut self, mut ways: Ways, shutdown: impl Future<Output = ()>) {
-        let mut guests = JoinSet::new();
+    /// Serves until `shutdown`; then every connection ends, when what was said before that has reached its client. All but the hearing
+    /// is done where this is called.
+    pub async fn serve(mut self, ways: Ways, shutdown: impl Future<Output = ()>) {
+        let Ways { listeners, access, visitors, mut health, hearing } = ways;
+        let reception = Reception { house: self.house.clone(), access, engine: self.engine.subscribe(), work: Handle::current() };
+        let reception = hearing.spawn(reception.receive(listeners, visitors));
         let mut glances = tokio::time::interval(GLANCE);
         glances.set_missed_tick_behavior(MissedTickBehavior::Delay);
         tokio::pin!(shutdown);
@@ -85,40 +91,19 @@ impl Embedded {
             tokio::select! {
                 biased;
                 () = &mut shutdown => break,
-                Some(_) = guests.join_next() => {}
-                why = self.ill(&mut ways.health) => self.renew(why).await,
+                why = self.ill(&mut health) => self.renew(why).await,
                 _ = glances.tick() => {
                     if let Some(why) = self.worn_out() {
                         self.renew(why).await;
                     }
                 }
-                accepted = ways.listeners.accept() => match accepted {
-                    Ok((stream, address)) => self.receive(&mut guests, visitor(stream, address, &ways.access)),
-                    Err(error) => {
-                        tracing::warn!(%error, relieved = self.house.relieve(), "an MQTT connection could not be accepted");
-                        tokio::time::sleep(ACCEPT_PAUSE).await;
-                    }
-                },
-                Some(visitor) = ways.visitors.recv() => self.receive(&mut guests, visitor),
             }
         }
-        self.close(guests).await;
-    }
-
-    /// Tells every connection that it ends, and waits for that; whoever takes long is cut off.
-    async fn close(self, mut guests: JoinSet<()>) {
+        // Every connection is told by this that it ends; the engine is there still, for what they have to say.
         let _last = Arc::clone(&self.engine.borrow());
         drop(self.engine);
-        let ended = async { while guests.join_next().await.is_some() {} };
-        if tokio::time::timeout(LAST_WORDS, ended).await.is_err() {
-            tracing::debug!(cut = guests.len(), "some MQTT clients were cut off");
-        }
-    }
-
-    fn receive(&self, guests: &mut JoinSet<()>, visitor: Visitor) {
-        match self.house.place(visitor.origin.from) {
-            Some(place) => drop(guests.spawn(self.house.clone().entertain(visitor, place, self.engine.subscribe()))),
-            None => tracing::debug!(from = %visitor.origin.from, "an MQTT connection was refused: every place is taken"),
+        if reception.await.is_err() {
+            tracing::error!("whoever listened to MQTT clients has ended by a mistake of its own");
         }
     }
 
@@ -171,13 +156,61 @@ impl Embedded {
     }
 }
 
+/// Lets clients in, on the thread that hears.
+struct Reception {
+    house: House,
+    access: Access,
+    engine: Running,
+    /// Where all else is done.
+    work: Handle,
+}
+
+impl Reception {
+    /// Lets clients in until there are no engines any more, and then waits until they have left; whoever takes long is cut off.
+    async fn receive(mut self, mut listeners: Listeners, mut visitors: mpsc::Receiver<Visitor>) {
+        let mut guests = JoinSet::new();
+        let mut engine = self.engine.clone();
+        loop {
+            tokio::select! {
+                biased;
+                changed = engine.changed() => if changed.is_err() { break },
+                Some(_) = guests.join_next() => {}
+                accepted = listeners.accept() => match accepted {
+                    Ok((stream, address)) => self.receive_one(&mut guests, visitor(stream, address, &self.access)),
+                    Err(error) => {
+                        tracing::warn!(%error, relieved = self.house.relieve(), "an MQTT connection could not be accepted");
+                        tokio::time::sleep(ACCEPT_PAUSE).await;
+                    }
+                },
+                Some(visitor) = visitors.recv() => self.receive_one(&mut guests, visitor),
+            }
+        }
+        drop(listeners);
+        let ended = async { while guests.join_next().await.is_some() {} };
+        if tokio::time::timeout(LAST_WORDS, ended).await.is_err() {
+            tracing::debug!(cut = guests.len(), "some MQTT clients were cut off");
+        }
+    }
+
+    fn receive_one(&mut self, guests: &mut JoinSet<()>, visitor: Visitor) {
+        match self.house.place(visitor.origin.from) {
+            Some(place) => {
+                let served = self.house.clone().entertain(visitor, place, (self.engine.clone(), self.work.clone()));
+                guests.spawn(served);
+            }
+            None => tracing::debug!(from = %visitor.origin.from, "an MQTT connection was refused: every place is taken"),
+        }
+    }
+}
+
 /// A client that came by TCP.
 fn visitor(stream: TcpStream, address: SocketAddr, access: &Access) -> Visitor {
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "small packets of a connection will be held back");
     }
     let origin = Origin { from: address.ip(), caller: None, access: access.clone() };
-    Visitor { stream: Box::new(Patient::new(stream)), origin }
+    let (reader, writer) = stream.into_split();
+    Visitor { reader: Box::new(reader), writer: Box::new(Patient::new(writer)), origin }
 }
 
 /// Waits until our own session says that the broker is ill. It says so again while that lasts.

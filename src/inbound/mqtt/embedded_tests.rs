@@ -8,6 +8,7 @@ use tokio::sync::oneshot;
 
 use super::*;
 use crate::access::Token;
+use crate::core::command::Command;
 use crate::core::world::resource::Resource;
 use crate::core::world::snapshot::Snapshot;
 use crate::inbound::mqtt::gate::limits::{ENGINE_FILTERS, FILTERS};
@@ -31,6 +32,11 @@ struct Broker {
 
 impl Broker {
     async fn start() -> Broker {
+        Broker::before(None).await
+    }
+
+    /// A broker before this engine, or one of its own.
+    async fn before(other: Option<Engine>) -> Broker {
         let listener = TcpListener::bind("127.0.0.1:0").await.expect("there is a free port");
         let address = listener.local_addr().expect("it is bound");
         let (handle, script) = obedient(idle());
@@ -46,8 +52,17 @@ impl Broker {
         let house = House::new(Gatehouse::new(topics()), Orders::new(handle, topics(), true, give), secret);
         let embedded = Embedded::start(house).await.expect("it starts");
         let engine = embedded.engine.subscribe();
+        if let Some(other) = other {
+            embedded.engine.send_replace(Arc::new(other));
+        }
         let (_, visitors) = mpsc::channel(1);
-        let ways = Ways { listeners: listener.into(), access: Access::Open, visitors, health: told.subscribe() };
+        let ways = Ways {
+            listeners: listener.into(),
+            access: Access::Open,
+            visitors,
+            hearing: Handle::current(),
+            health: told.subscribe(),
+        };
         let (shutdown, ended) = oneshot::channel();
         let session = Session::new(Parts {
             link,
@@ -85,6 +100,18 @@ impl Broker {
     /// What a newcomer is told; `None`: nothing.
     async fn knock(&self) -> Option<ConnectReturnCode> {
         Peer::come(self.address).await.introduces(connect("newcomer", None)).await
+    }
+
+    /// So many STOPs have come to the loop.
+    async fn halts(&self, so_many: usize) {
+        let given =
+            || self.script.given.lock().expect("nobody panicked").iter().filter(|given| given.command == Command::Stop).count();
+        patiently(async {
+            while given() < so_many {
+                tokio::task::yield_now().await;
+            }
+        })
+        .await;
     }
 
     /// One who has come past the gate.
@@ -149,9 +176,37 @@ async fn an_engine_that_lets_nobody_in_is_started_anew() {
     for _ in 0..2 {
         broker.burglar("a+").await;
     }
-    assert_ne!(broker.knock().await, Some(ConnectReturnCode::Success));
+    // The gate does not wait for the engine to welcome somebody, and learns behind him how that is.
+    assert_eq!(broker.knock().await, Some(ConnectReturnCode::Success));
     client.is_left().await;
     broker.is_whole_again().await;
+}
+
+/// Safety S1, S7: nothing that a client says first waits for the engine, its STOP least of all.
+#[tokio::test]
+async fn a_first_stop_halts_although_the_engine_hangs() {
+    let hangs = TcpListener::bind("127.0.0.1:0").await.expect("there is a free port");
+    let broker = Broker::before(Some(Engine::hanging(hangs.local_addr().expect("it is bound")))).await;
+    let stop = || Packet::Publish(publish("hallsweep/discovery/command/stop", "", 1));
+    let mut patient = Peer::come(broker.address).await;
+    assert_eq!(patient.introduces(connect("patient", None)).await, Some(ConnectReturnCode::Success));
+    patient.says(stop()).await;
+    broker.halts(1).await;
+    let mut hasty = Peer::come(broker.address).await;
+    hasty.says(connect("hasty", None)).await;
+    hasty.says(stop()).await;
+    broker.halts(2).await;
+    drop(hangs);
+}
+
+/// Safety S8: who asks is known, and what is asked; that the rest of the CONNECT is refused comes second.
+#[tokio::test]
+async fn a_stop_behind_a_connect_that_is_refused_halts() {
+    let broker = Broker::start().await;
+    let mut refused = Peer::come(broker.address).await;
+    refused.says(connect(&"x".repeat(257), None)).await;
+    refused.says(Packet::Publish(publish("hallsweep/discovery/command/stop", "", 1))).await;
+    broker.halts(1).await;
 }
 
 /// Safety A5.

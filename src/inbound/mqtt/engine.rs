@@ -85,6 +85,25 @@ impl Engine {
         Err(EngineError::Silent)
     }
 
+    /// One that lets whoever comes in wait for ever.
+    #[cfg(test)]
+    pub(super) fn hanging(address: SocketAddr) -> Engine {
+        let secret = Token::draw().expect("the system gives chance");
+        let never = || {
+            let (holds, seen) = watch::channel(());
+            std::mem::forget(holds);
+            seen
+        };
+        Engine {
+            address,
+            secret,
+            stop: watch::Sender::new(()),
+            alive: never(),
+            gone: never(),
+            is_shut: watch::Sender::new(false),
+        }
+    }
+
     /// Where it listens.
     pub(super) const fn address(&self) -> SocketAddr {
         self.address

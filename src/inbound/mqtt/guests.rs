@@ -1,5 +1,6 @@
-//! From a visitor to a guest: a client says who it is, is let in or told why not, gets its slot and its way to the engine, and is
-//! then served by the pump. What it may do as a guest is the gate's business.
+//! From a visitor to a guest. On the thread that hears, a client says who it is, and is heard for a STOP from then on, before anything
+//! else is decided; elsewhere it is let in or told why not, gets its way to the engine, and is served by the pump. What it may do as
+//! a guest is the gate's business.
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -8,6 +9,7 @@ use std::time::Duration;
 use bytes::{Buf, BytesMut};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
+use tokio::runtime::Handle;
 use tokio::sync::Semaphore;
 
 use super::embedded::Running;
@@ -16,20 +18,28 @@ use super::gate::frame::{Kind, Malformed, frame};
 use super::gate::limits::CONNECT;
 use super::gate::packet::connect::{self, Connect, NoConnect};
 use super::gate::packet::write::{self, Welcome};
-use super::gate::rights::Guest;
-use super::gate::turnstile::{Ended, Gatehouse, Terms, Turnstile};
+use super::gate::turnstile::{Ended, Gatehouse, Listener, Terms, Turnstile};
+use super::hearing::Hearing;
 use super::identity::{Identity, Unknown};
-use super::limits::{CONNECT_TIME, CONNECTIONS, PLACES};
+use super::limits::{CONNECT_TIME, LOBBY, PLACES};
 use super::orders::Orders;
-use super::pump::{self, Ends};
+use super::pump::{self, Ends, Upstream};
+use super::read_ahead::{Left, Pool, Taker, read_ahead};
+use super::seats::Seats;
 use super::slots::{Name, Slot, Slots};
-use super::visitor::{Origin, Stream, Visitor};
+use super::visitor::{Origin, Reader, Visitor, Writer};
 use crate::access::{Attempts, Network, Token};
 use crate::inbound::places::{Place, Places};
 use crate::runtime::clock::Clock;
 
 /// So long the engine may take to answer; it takes less than a millisecond.
 const ENGINE_TIME: Duration = Duration::from_secs(5);
+
+/// After so long it is tried again to get to an engine, if no other has come.
+const AGAIN: Duration = Duration::from_millis(100);
+
+/// So long a client that is sent away may take to read why.
+const FAREWELL: Duration = Duration::from_secs(1);
 
 /// How long the gate may be silent towards the engine, in seconds: the most there is, and longer than the longest silence of a client.
 const SILENCE_S: u16 = u16::MAX;
@@ -42,6 +52,8 @@ const CLIENT_ID: usize = 256;
 enum Sent {
     #[error("it did not say in time who it is")]
     Slow,
+    #[error("it gave way to a newer one before it had said who it is")]
+    GaveWay,
     #[error("its first packet is a {0:?}, not a CONNECT")]
     First(Kind),
     #[error(transparent)]
@@ -65,11 +77,23 @@ struct Rooms {
     orders: Orders,
     /// The password of our own session.
     secret: Token,
-    places: Places,
-    seats: Arc<Semaphore>,
+    /// Of those who have not said yet who they are.
+    lobby: Places,
+    seats: Seats,
+    /// What is read ahead of all clients.
+    pool: Pool,
     slots: Slots,
+    /// Ways to the engine.
+    ways: Arc<Semaphore>,
     attempts: Attempts,
     clock: Clock,
+}
+
+/// Somebody who has said who it is.
+struct Known {
+    connect: Connect,
+    identity: Identity,
+    origin: Origin,
 }
 
 impl House {
@@ -80,22 +104,24 @@ impl House {
             gatehouse: Arc::new(gatehouse),
             orders,
             secret,
-            places: Places::new(PLACES),
-            seats: Arc::new(Semaphore::new(CONNECTIONS)),
+            lobby: Places::new(LOBBY),
+            seats: Seats::default(),
+            pool: Pool::default(),
             slots: Slots::default(),
+            ways: Arc::new(Semaphore::new(PLACES)),
             attempts: Attempts::default(),
             clock: Clock::default(),
         }))
     }
 
-    /// A place for a connection from there; `None` when everybody here is known already.
-    pub(super) fn place(&self, from: IpAddr) -> Option<Arc<Place>> {
-        self.0.places.take(from).map(Arc::new)
+    /// A place for a connection from there, until it has said who it is; the oldest of the others may give way.
+    pub(super) fn place(&self, from: IpAddr) -> Option<Place> {
+        self.0.lobby.take(from)
     }
 
     /// Cuts some connections of strangers, when the system has no more descriptors; how many.
     pub(super) fn relieve(&self) -> usize {
-        self.0.places.relieve()
+        self.0.lobby.relieve()
     }
 
     /// Whether the engine was shown so much that another one is needed.
@@ -113,98 +139,122 @@ impl House {
         self.0.gatehouse.budget.renew();
     }
 
-    /// Serves a visitor to the end, or until its place is needed.
-    pub(super) async fn entertain(self, visitor: Visitor, place: Arc<Place>, engine: Running) {
+    /// Listens to a visitor to the end, on the thread that hears, while it is served on `work`.
+    pub(super) async fn entertain(self, visitor: Visitor, place: Place, (engine, work): (Running, Handle)) {
         let from = visitor.origin.from;
-        tokio::select! {
-            () = place.cut() => tracing::debug!(%from, "an MQTT connection gave way to a newer one"),
-            Err(sent) = self.converse(visitor, &place, engine) => tracing::debug!(%from, why = %sent, "an MQTT connection has ended"),
-        }
+        let sent = self.converse(visitor, place, (engine, work)).await;
+        tracing::debug!(%from, why = %sent, "an MQTT connection has ended");
     }
 
-    /// Never ends well: the error is why it ended.
-    async fn converse(&self, mut visitor: Visitor, place: &Arc<Place>, engine: Running) -> Result<(), Sent> {
-        let _asked = place.begin();
+    /// Why it ended.
+    async fn converse(&self, visitor: Visitor, place: Place, (engine, work): (Running, Handle)) -> Sent {
+        let Visitor { mut reader, writer, origin } = visitor;
         let mut heard = BytesMut::new();
-        let introduced = tokio::time::timeout(CONNECT_TIME, introduction(&mut visitor.stream, &mut heard)).await;
-        let connect = match introduced.map_err(|_| Sent::Slow)? {
-            Err(Sent::Unfit(unfit)) => return Err(told(&mut visitor.stream, unfit.answer(), Sent::Unfit(unfit)).await),
-            introduced => introduced?,
+        let introduced = tokio::select! {
+            biased;
+            // What has come already is read before a place is given up.
+            introduced = self.introduced(&mut reader, &mut heard, origin) => introduced,
+            () = place.cut() => Err(Sent::GaveWay),
         };
-        let identity = match self.admit(&connect, &visitor.origin).await {
-            Ok(identity) => identity,
-            Err(welcome) => return Err(refused(&mut visitor.stream, welcome).await),
+        let known = match introduced {
+            Ok(known) => known,
+            Err(sent) => return work.spawn(told(writer, sent)).await.unwrap_or(Sent::Ended(Ended::Gone)),
         };
-        place.known();
-        let seat = if identity.guest() == Guest::House { None } else { Some(Arc::clone(&self.0.seats).try_acquire_owned()) };
-        if matches!(seat, Some(Err(_))) {
-            tracing::warn!(from = %visitor.origin.from, most = CONNECTIONS, "an MQTT client was refused: there are too many");
-            return Err(refused(&mut visitor.stream, Welcome::Unavailable).await);
-        }
-        let name = Name { who: identity.name(), client: connect.client_id.clone() };
-        let slot = self.0.slots.take(name, !connect.clean_session).await;
-        self.serve(visitor, heard, (connect, identity), slot, engine).await
+        drop(place);
+        let (feeder, taker) = read_ahead(&self.0.pool);
+        let listener = known.identity.listener(&self.0.orders, known.origin.from);
+        let mut hearing = Hearing::new(Arc::clone(&listener), feeder, self.0.clock, work.clone());
+        hearing.begin(&heard).await;
+        drop(heard);
+        // Only now, when its STOP has halted, it is asked what else is wrong.
+        let served = work.spawn(self.clone().serve((writer, taker), known, listener, engine));
+        hearing.run(reader).await;
+        served.await.unwrap_or(Sent::Ended(Ended::Gone))
     }
 
-    async fn serve(
-        &self,
-        mut visitor: Visitor,
-        heard: BytesMut,
-        (connect, identity): (Connect, Identity),
-        slot: Slot,
-        mut engine: Running,
-    ) -> Result<(), Sent> {
-        let here = Arc::clone(&engine.borrow_and_update());
-        let entered = tokio::time::timeout(ENGINE_TIME, enter(&here, &slot)).await;
-        if entered.is_err() {
-            // An engine that was left before it had answered may let nobody in again.
-            here.lets_nobody_in();
-        }
-        let Ok(Ok(upstream)) = entered else {
-            return Err(refused(&mut visitor.stream, Welcome::Unavailable).await);
-        };
-        visitor.stream.write_all(&write::connack(Welcome::Accepted, slot.session.is_some())).await?;
-        tracing::debug!(from = %visitor.origin.from, who = %identity.name(), client = connect.client_id, "an MQTT client has come");
-        let terms = Terms {
-            guest: identity.guest(),
-            name: identity.name(),
-            has_key: identity.has_key(),
-            listener: identity.listener(&self.0.orders, visitor.origin.from),
-            keep_alive_s: connect.keep_alive_s,
-            will: connect.will,
-            session: slot.session.clone().unwrap_or_default(),
-        };
-        let turnstile = Turnstile::new(terms, Arc::clone(&self.0.gatehouse), self.0.clock.now().since_start);
-        let ends = Ends { client: visitor.stream, heard, engine: upstream };
-        Err(Sent::Ended(pump::run(turnstile, ends, slot, engine, (&identity, &visitor.origin.access, self.0.clock)).await))
-    }
-
-    /// Who it is, or what it is told. Whoever shows a wrong password waits for his answer, the longer the more often.
-    async fn admit(&self, connect: &Connect, origin: &Origin) -> Result<Identity, Welcome> {
-        let is_nameless = connect.client_id.is_empty() && !connect.clean_session;
-        if is_nameless || connect.client_id.len() > CLIENT_ID {
-            return Err(Welcome::ClientId);
-        }
-        let identity = match Identity::of(connect, origin, &self.0.secret) {
-            Ok(identity) => identity,
-            Err(Unknown::Nothing) => return Err(Welcome::NotAllowed),
+    /// Who a visitor says it is, if that is so. Whoever shows a wrong password waits for his answer, the longer the more often.
+    async fn introduced(&self, reader: &mut Reader, heard: &mut BytesMut, origin: Origin) -> Result<Known, Sent> {
+        let introduced = tokio::time::timeout(CONNECT_TIME, introduction(reader, heard)).await;
+        let connect = introduced.map_err(|_| Sent::Slow)??;
+        match Identity::of(&connect, &origin, &self.0.secret) {
+            Ok(identity) => Ok(Known { connect, identity, origin }),
+            Err(Unknown::Nothing) => Err(Sent::Refused(Welcome::NotAllowed)),
             Err(Unknown::Wrong) => {
                 let delay = self.0.attempts.wrong(Network::of(origin.from), self.0.clock.now().since_start);
                 tracing::warn!(from = %origin.from, delay_ms = delay.as_millis(), "a wrong name or password was shown over MQTT");
                 tokio::time::sleep(delay).await;
-                return Err(Welcome::Login);
+                Err(Sent::Refused(Welcome::Login))
             }
-        };
+        }
+    }
+
+    /// What is wrong with the CONNECT of somebody who is known.
+    fn refusal(&self, Known { connect, identity, .. }: &Known) -> Option<Welcome> {
+        let is_nameless = connect.client_id.is_empty() && !connect.clean_session;
+        if is_nameless || connect.client_id.len() > CLIENT_ID {
+            return Some(Welcome::ClientId);
+        }
         let is_allowed = |topic: &str| identity.guest().may_leave_will(self.0.gatehouse.topics.place(topic));
-        match &connect.will {
-            Some(will) if !is_allowed(&will.topic) => Err(Welcome::NotAllowed),
-            Some(_) | None => Ok(identity),
+        connect.will.as_ref().filter(|will| !is_allowed(&will.topic)).map(|_| Welcome::NotAllowed)
+    }
+
+    /// Serves a client to its end, and says why that came. Nothing of it waits for the engine, but what is to be done there.
+    async fn serve(self, ends: (Writer, Taker), known: Known, listener: Arc<dyn Listener>, engine: Running) -> Sent {
+        let (writer, taker) = ends;
+        if let Some(welcome) = self.refusal(&known) {
+            taker.leave(Left::HearsRest);
+            return told(writer, Sent::Refused(welcome)).await;
+        }
+        let Known { connect, identity, origin } = known;
+        let now = self.0.clock.now().since_start;
+        let seat = identity.holder().map(|holder| self.0.seats.take(holder, now));
+        let name = Name { who: identity.name(), client: connect.client_id.clone() };
+        // What is remembered of it is said with the greeting.
+        let remembered = if connect.clean_session { None } else { Some(self.0.slots.take(name.clone(), true).await) };
+        let session = remembered.as_ref().and_then(|slot| slot.session.clone());
+        tracing::debug!(from = %origin.from, who = %name.who, client = connect.client_id, "an MQTT client has come");
+        let greeting = write::connack(Welcome::Accepted, session.is_some());
+        let terms = Terms {
+            guest: identity.guest(),
+            name: identity.name(),
+            has_key: identity.has_key(),
+            listener,
+            keep_alive_s: connect.keep_alive_s,
+            will: connect.will,
+            session: session.unwrap_or_default(),
+        };
+        let mut turnstile = Turnstile::new(terms, Arc::clone(&self.0.gatehouse), now);
+        turnstile.to_client().extend_from_slice(&greeting);
+        let ends = Ends { client: writer, ahead: taker, seat };
+        let joining = self.clone().join((name, remembered), engine);
+        Sent::Ended(pump::run(turnstile, ends, joining, (&identity, &origin.access, self.0.clock)).await)
+    }
+
+    /// A way to the engine, or to the next one that lets us in.
+    async fn join(self, (name, slot): (Name, Option<Slot>), mut engine: Running) -> Result<Upstream, Ended> {
+        let Ok(way) = Arc::clone(&self.0.ways).acquire_owned().await else { return Err(Ended::Closing) };
+        let slot = match slot {
+            Some(slot) => slot,
+            None => self.0.slots.take(name, false).await,
+        };
+        loop {
+            let here = Arc::clone(&engine.borrow_and_update());
+            match tokio::time::timeout(ENGINE_TIME, enter(&here, &slot)).await {
+                Ok(Ok(stream)) => return Ok(Upstream { stream, slot, engine, way }),
+                Ok(Err(error)) => tracing::debug!(%error, "a client has no way to the MQTT engine yet"),
+                // One that was left before it had answered may let nobody in again.
+                Err(_) => here.lets_nobody_in(),
+            }
+            tokio::select! {
+                changed = engine.changed() => changed.map_err(|_| Ended::Closing)?,
+                () = tokio::time::sleep(AGAIN) => {}
+            }
         }
     }
 }
 
 /// The first packet of a client, which must be its CONNECT.
-async fn introduction(stream: &mut Box<dyn Stream>, heard: &mut BytesMut) -> Result<Connect, Sent> {
+async fn introduction(reader: &mut Reader, heard: &mut BytesMut) -> Result<Connect, Sent> {
     loop {
         if let Some(frame) = frame(heard, CONNECT)? {
             if frame.kind != Kind::Connect {
@@ -214,7 +264,7 @@ async fn introduction(stream: &mut Box<dyn Stream>, heard: &mut BytesMut) -> Res
             heard.advance(frame.length);
             return Ok(connect);
         }
-        if stream.read_buf(heard).await? == 0 {
+        if reader.read_buf(heard).await? == 0 {
             return Err(Sent::Ended(Ended::Gone));
         }
     }
@@ -245,13 +295,17 @@ async fn knock(engine: &Engine, slot: &Slot, is_clean: bool) -> std::io::Result<
     Err(std::io::Error::other("the engine did not let the gate in"))
 }
 
-async fn refused(stream: &mut Box<dyn Stream>, welcome: Welcome) -> Sent {
-    told(stream, &write::connack(welcome, false), Sent::Refused(welcome)).await
-}
-
 /// Tells a client why it is sent away. Whether it listens is its own matter.
-async fn told(stream: &mut Box<dyn Stream>, answer: &[u8], sent: Sent) -> Sent {
-    let _ = stream.write_all(answer).await;
-    let _ = stream.shutdown().await;
+async fn told(mut writer: Writer, sent: Sent) -> Sent {
+    let answer = match &sent {
+        Sent::Refused(welcome) => write::connack(*welcome, false).to_vec(),
+        Sent::Unfit(unfit) => unfit.answer().to_vec(),
+        Sent::Slow | Sent::GaveWay | Sent::First(_) | Sent::Malformed(_) | Sent::Broken(_) | Sent::Ended(_) => Vec::new(),
+    };
+    let farewell = async {
+        let _ = writer.write_all(&answer).await;
+        let _ = writer.shutdown().await;
+    };
+    let _ = tokio::time::timeout(FAREWELL, farewell).await;
     sent
 }

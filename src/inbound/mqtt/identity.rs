@@ -10,8 +10,9 @@ use super::gate::packet::connect::Connect;
 use super::gate::rights::Guest;
 use super::gate::turnstile::{Heard, Listener};
 use super::orders::{self, Orders, Sender, Taken};
+use super::seats::Holder;
 use super::visitor::Origin;
-use crate::access::{Access, Caller, Token};
+use crate::access::{Access, Caller, Need, Token};
 
 /// The name by which our own session comes. No key can have it.
 pub const HOUSE: &str = "$hallsweep";
@@ -68,6 +69,13 @@ impl Identity {
         matches!(self, Identity::Somebody(Caller::Known(_)))
     }
 
+    /// Whose seat it takes; our own session needs none.
+    pub(super) fn holder(&self) -> Option<Holder> {
+        let Identity::Somebody(caller) = self else { return None };
+        let has_share = matches!(caller, Caller::Known(_));
+        Some(Holder { who: caller.name(), is_viewer: caller.may(Need::Act).is_err(), has_share })
+    }
+
     /// What the gate wants to know.
     pub(super) const fn guest(&self) -> Guest {
         match self {
@@ -113,8 +121,8 @@ impl Listener for Ear {
         }
     }
 
-    fn is_stop(&self, topic: &str, payload: &[u8]) -> bool {
-        self.orders.is_stop(&orders::Heard { topic, payload })
+    fn halts(&self, topic: &[u8], payload: &[u8]) -> bool {
+        self.orders.halts(topic, payload, &self.sender)
     }
 }
 
@@ -123,7 +131,7 @@ impl Listener for Deaf {
         Heard::Pass
     }
 
-    fn is_stop(&self, _: &str, _: &[u8]) -> bool {
+    fn halts(&self, _: &[u8], _: &[u8]) -> bool {
         false
     }
 }

@@ -7,7 +7,10 @@ use std::time::Duration;
 /// towards the engine.
 pub(super) const CONNECTIONS: usize = 256;
 
-/// Connections at once, with those that have not said yet who they are: however many there are, a newcomer can say it.
+/// Connections at once that have not said yet who they are: however many there are, a newcomer can say it.
+pub(super) const LOBBY: usize = 64;
+
+/// All that may have a way to the engine at once, with those that are just leaving.
 pub(super) const PLACES: usize = CONNECTIONS + 64;
 
 /// How long a client may take to say who it is.
@@ -23,4 +26,22 @@ pub(super) const PACKETS: usize = 1_000;
 /// So many bytes more than it had at first, beside what is kept, the program may have in use before the engine is taken for the cause
 /// and started anew. It forgets no message before enough newer ones have come to the same filter, and each holds on to all that was
 /// read with it.
-pub(super) const APPETITE: usize = 64 * 1024 * 1024;
+pub(super) const APPETITE: usize = 48 * 1024 * 1024;
+
+/// Of all clients, those whom one key may bring: every screen of a large site.
+pub(super) const SHARE: usize = CONNECTIONS / 4;
+
+/// Of all clients, those who only look: the others are kept for operators who are not there yet.
+pub(super) const VIEWERS: usize = CONNECTIONS - SHARE;
+
+/// What one connection may cost, in bytes: what was read ahead of it, what waits for the engine, and what waits for its client.
+pub(super) const CONNECTION_BYTES: usize = 1024 * 1024;
+
+/// Of these, what is left to messages that come from the engine for it.
+pub(super) const ENGINE_PART: usize = 256 * 1024;
+
+/// What is read ahead of all connections together, in bytes,
+pub(super) const READ_AHEAD: usize = 32 * 1024 * 1024;
+
+/// beside what can always be read of each.
+pub(super) const ALWAYS_AHEAD: usize = 64 * 1024;

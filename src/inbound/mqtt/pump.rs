@@ -1,26 +1,32 @@
 //! Moves bytes between a client, the gate and the engine, for as long as all three go on. It understands none of them: what is let
-//! through, and how much may wait, is said by the gate.
+//! through, and how much may wait, is said by the gate. What the client says has been looked through for a STOP before it comes here,
+//! so that nothing here is urgent: it works in short turns, and others have theirs in between.
 
+use std::io;
+use std::pin::pin;
 use std::sync::Arc;
 use std::time::Duration;
 
 use bytes::BytesMut;
-use tokio::io::{AsyncReadExt, AsyncWriteExt, ReadHalf, WriteHalf};
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
+use tokio::sync::OwnedSemaphorePermit;
 
 use super::embedded::Running;
 use super::gate::ledger::Ledger;
-use super::gate::limits::PATIENCE;
+use super::gate::limits::{ANSWER_ROOM, PATIENCE};
 use super::gate::turnstile::{Ended, Turnstile};
 use super::identity::Identity;
+use super::read_ahead::{Left, READ, Taker};
+use super::seats::Seat;
 use super::slots::Slot;
-use super::visitor::Stream;
+use super::visitor::Writer;
 use crate::access::Access;
 use crate::runtime::clock::Clock;
 
-/// So much is read at once, in bytes.
-const READ: usize = 64 * 1024;
+/// After so long of one client's packets others have their turn.
+const TURN: Duration = Duration::from_millis(1);
 
 /// How often it is looked whether a client would be let in still: a key that was taken away is good for no longer than this.
 const GLANCE: Duration = Duration::from_millis(500);
@@ -31,31 +37,48 @@ const FAREWELL: Duration = Duration::from_secs(1);
 /// How often it is looked, when the program ends, whether a client was told everything.
 const BREATH: Duration = Duration::from_millis(2);
 
-/// The two ends of a connection.
+/// The client's end of a connection.
 pub(super) struct Ends {
-    pub(super) client: Box<dyn Stream>,
-    /// What the client has sent already.
-    pub(super) heard: BytesMut,
-    pub(super) engine: TcpStream,
+    pub(super) client: Writer,
+    /// What the client has sent.
+    pub(super) ahead: Taker,
+    /// Our own session has none.
+    pub(super) seat: Option<Seat>,
 }
 
-/// The way to the client and back, and that to the engine.
-type ToClient = (ReadHalf<Box<dyn Stream>>, WriteHalf<Box<dyn Stream>>);
-type ToEngine = (OwnedReadHalf, OwnedWriteHalf);
+/// A way to the engine.
+pub(super) struct Upstream {
+    pub(super) stream: TcpStream,
+    /// By what it knows the client.
+    pub(super) slot: Slot,
+    /// Which it is.
+    pub(super) engine: Running,
+    pub(super) way: OwnedSemaphorePermit,
+}
 
 /// Whose connection it is.
 pub(super) type Whose<'a> = (&'a Identity, &'a Access, Clock);
 
+/// The way to the engine, and back.
+type ToEngine = (OwnedReadHalf, OwnedWriteHalf);
+
 /// The gate in the middle, and what has come from both sides.
-struct Pump {
+struct Pump<'a> {
     turnstile: Turnstile,
+    client: Writer,
+    ahead: Taker,
+    seat: Option<&'a Seat>,
+    /// Not before the engine has let us in.
+    engine: Option<ToEngine>,
     clock: Clock,
     from_client: BytesMut,
+    /// Whole packets of the client may be there that were not taken in the last turn;
+    is_cut: bool,
+    /// others have their turn first.
+    is_long: bool,
     from_engine: BytesMut,
     /// The client has published in a flood, and these subscribers do not keep up.
     waiting: Option<Waiting>,
-    /// Nothing more comes from the client.
-    has_ended: bool,
 }
 
 #[derive(Clone)]
@@ -64,41 +87,71 @@ struct Waiting {
     until: Duration,
 }
 
-/// Runs until it has to end; why.
-pub(super) async fn run(turnstile: Turnstile, ends: Ends, mut slot: Slot, mut engine: Running, whose: Whose<'_>) -> Ended {
-    let Ends { client, heard, engine: upstream } = ends;
-    let (mut client, mut upstream) = (tokio::io::split(client), upstream.into_split());
-    let mut pump =
-        Pump { turnstile, clock: whose.2, from_client: heard, from_engine: BytesMut::new(), waiting: None, has_ended: false };
-    let ended = tokio::select! {
-        ended = pump.flow(&mut client, &mut upstream) => ended,
-        () = slot.wanted() => Ended::TakenOver,
-        changed = engine.changed() => if changed.is_ok() { Ended::EngineGone } else { Ended::Closing },
-        () = shut_out(whose) => Ended::NotKnown,
+/// Runs until it has to end, and says why. The client is served although `joining`, which finds the way to the engine, takes long.
+pub(super) async fn run(
+    turnstile: Turnstile,
+    Ends { client, ahead, seat }: Ends,
+    joining: impl Future<Output = Result<Upstream, Ended>>,
+    whose: Whose<'_>,
+) -> Ended {
+    let mut pump = Pump::new(turnstile, (client, ahead, seat.as_ref()), whose.2);
+    let (mut joining, mut shut_out) = (pin!(joining), pin!(shut_out(whose, seat.as_ref())));
+    let joined = tokio::select! {
+        ended = pump.flow() => Err(ended),
+        joined = &mut joining => Ok(joined),
+        ended = &mut shut_out => Err(ended),
     };
-    let ended = if ended == Ended::Closing { pump.see_out(&mut client, &mut upstream).await } else { ended };
-    pump.turnstile.handle_end(ended);
-    let (to_engine, to_client) = pump.turnstile.outgoing();
-    let to_client = async {
-        // Whoever is gone already hears nothing.
-        let _ = client.1.write_all(to_client).await;
-        let _ = client.1.shutdown().await;
-        if ended == Ended::Closing {
-            // The program goes on ending when this connection is closed; what is on its way is there only when the other side has
-            // closed it, too.
-            while let Ok(1..) = client.0.read(&mut [0; 512]).await {}
+    let is_joining = joined.is_err();
+    let (ended, mut slot, way) = match joined.and_then(|joined| joined) {
+        Err(ended) => (ended, None, None),
+        Ok(Upstream { stream, mut slot, mut engine, way }) => {
+            pump.engine = Some(stream.into_split());
+            let ended = tokio::select! {
+                ended = pump.flow() => ended,
+                () = slot.wanted() => Ended::TakenOver,
+                changed = engine.changed() => if changed.is_ok() { Ended::EngineGone } else { Ended::Closing },
+                ended = &mut shut_out => ended,
+            };
+            (ended, Some(slot), Some(way))
         }
     };
-    let farewell = async { tokio::join!(to_client, leave(&mut upstream, to_engine)) };
-    let _ = tokio::time::timeout(FAREWELL, farewell).await;
-    slot.remember(pump.turnstile.into_session());
+    let ended = if ended == Ended::Closing { pump.see_out().await } else { ended };
+    if let Some(seat) = &seat {
+        seat.give_back();
+    }
+    pump.ahead.leave(left(ended));
+    pump.turnstile.handle_end(ended);
+    let late = async { if is_joining { joining.await.ok() } else { None } };
+    if let Some(late) = pump.take_leave(ended, late).await {
+        slot = Some(late);
+    }
+    if let Some(slot) = slot {
+        slot.remember(pump.turnstile.into_session());
+    }
+    drop(way);
     ended
 }
 
-impl Pump {
+impl<'a> Pump<'a> {
+    fn new(turnstile: Turnstile, (client, ahead, seat): (Writer, Taker, Option<&'a Seat>), clock: Clock) -> Pump<'a> {
+        Pump {
+            turnstile,
+            client,
+            ahead,
+            seat,
+            engine: None,
+            clock,
+            from_client: BytesMut::new(),
+            is_cut: false,
+            is_long: false,
+            from_engine: BytesMut::new(),
+            waiting: None,
+        }
+    }
+
     /// The program ends: moves bytes until the client was told everything that was published for it, as that the program ends. Whoever
     /// ends connections bounds the time for this.
-    async fn see_out(&mut self, client: &mut ToClient, engine: &mut ToEngine) -> Ended {
+    async fn see_out(&mut self) -> Ended {
         let ledger = self.turnstile.ledger();
         let settled = async {
             while !ledger.is_settled() {
@@ -106,46 +159,80 @@ impl Pump {
             }
         };
         tokio::select! {
-            ended = self.flow(client, engine) => ended,
+            ended = self.flow() => ended,
             () = settled => Ended::Closing,
         }
     }
 
+    /// Says the last words to both sides. The engine is left only after it has let us in: one that was left before that may let nobody
+    /// in again. So a way to it that comes late is taken, and with it the slot that it was for.
+    async fn take_leave(&mut self, ended: Ended, late: impl Future<Output = Option<Upstream>>) -> Option<Slot> {
+        let (to_engine, to_client) = self.turnstile.outgoing();
+        let to_client = async {
+            // Whoever is gone already hears nothing.
+            let _ = self.client.write_all(to_client).await;
+            let _ = self.client.shutdown().await;
+            if ended == Ended::Closing {
+                // The program goes on ending when this connection is closed; what is on its way is there only when the other side has
+                // closed it, too.
+                self.ahead.ended().await;
+            }
+        };
+        let engine = self.engine.take();
+        let to_engine = async {
+            match engine {
+                Some(mut engine) => {
+                    leave(&mut engine, to_engine).await;
+                    None
+                }
+                None => {
+                    let Upstream { stream, slot, .. } = late.await?;
+                    leave(&mut stream.into_split(), to_engine).await;
+                    Some(slot)
+                }
+            }
+        };
+        let farewell = async { tokio::join!(to_client, to_engine).1 };
+        tokio::time::timeout(FAREWELL, farewell).await.ok().flatten()
+    }
+
     /// Moves bytes until something ends it.
-    async fn flow(&mut self, (client, to_client): &mut ToClient, (engine, to_engine): &mut ToEngine) -> Ended {
-        let mut outcome = self.client_said();
+    async fn flow(&mut self) -> Ended {
+        let mut outcome = Ok(());
         loop {
             if let Err(ended) = outcome {
                 return ended;
             }
             let behind = self.behind();
-            let is_looked_through = !self.has_ended && self.from_client.len() < READ;
-            let hears_client = if behind.is_some() { is_looked_through } else { self.turnstile.wants_client() };
-            let hears_engine = self.turnstile.wants_engine();
+            let hears_client = behind.is_none() && self.turnstile.wants_client();
+            let (is_unread, hears_engine) = (self.turnstile.is_unread(), self.turnstile.wants_engine() && self.engine.is_some());
             let silent_until = self.turnstile.poll_timeout();
-            self.from_client.reserve(READ);
-            self.from_engine.reserve(READ);
+            self.ahead.hold(self.turnstile.held() + self.from_client.len() + self.from_engine.len());
+            if hears_engine {
+                make_room(&mut self.from_engine);
+            }
             let has_more = self.turnstile.wants_turn();
             let (for_engine, for_client) = self.turnstile.outgoing();
+            let tells_engine = !for_engine.is_empty() && self.engine.is_some();
+            let (engine, to_engine) = self.engine.as_mut().map(|(read, write)| (read, write)).unzip();
             outcome = tokio::select! {
                 biased;
-                written = to_engine.write_buf(for_engine), if !for_engine.is_empty() => went(written, Ended::EngineGone),
-                written = to_client.write_buf(for_client), if !for_client.is_empty() => {
+                written = write_some(to_engine, for_engine), if tells_engine => went(written, Ended::EngineGone),
+                written = self.client.write_buf(for_client), if !for_client.is_empty() => {
                     self.turnstile.handle_drained();
+                    self.moves();
                     went(written, Ended::Gone)
                 }
-                read = client.read_buf(&mut self.from_client), if hears_client => {
-                    self.has_ended = matches!(read, Ok(0));
-                    // What a client has said that had to wait is taken before its end is.
-                    if self.has_ended && behind.is_some() { Ok(()) } else { went(read, Ended::Gone).and_then(|()| self.client_said()) }
+                has_ended = said(&self.ahead, self.is_cut || self.is_long, self.is_cut), if hears_client => {
+                    if has_ended { Err(Ended::Gone) } else { self.client_said() }
                 }
-                read = engine.read_buf(&mut self.from_engine), if hears_engine => {
-                    acknowledge_at_once(engine);
+                () = self.ahead.full(), if is_unread => Err(Ended::TooMuch { what: "bytes of answers unread", most: ANSWER_ROOM }),
+                read = read_some(engine, &mut self.from_engine), if hears_engine => {
                     went(read, Ended::EngineGone).and_then(|()| self.turnstile.handle_engine(&mut self.from_engine))
                 }
                 () = caught_up(behind.as_ref(), self.clock) => {
                     self.waiting = None;
-                    self.client_said()
+                    Ok(())
                 }
                 () = tokio::task::yield_now(), if has_more => {
                     self.turnstile.handle_drained();
@@ -156,7 +243,7 @@ impl Pump {
         }
     }
 
-    /// For whom nothing is read from the client, and until when.
+    /// For whom nothing is taken from the client, and until when.
     fn behind(&mut self) -> Option<Waiting> {
         let now = self.clock.now().since_start;
         if self.waiting.is_none() {
@@ -166,14 +253,73 @@ impl Pump {
         self.waiting.clone()
     }
 
-    /// A client that has to wait is heard for a STOP alone; the rest stays where it is.
+    /// Takes some of what the client has said, for no longer than a turn.
     fn client_said(&mut self) -> Result<(), Ended> {
-        if self.waiting.is_some() {
-            self.turnstile.handle_waiting(&self.from_client);
-            return Ok(());
+        let now = self.clock.now().since_start;
+        let before = self.from_client.len();
+        if !self.is_cut {
+            let turnstile = &mut self.turnstile;
+            self.ahead.take(&mut self.from_client, |begins| turnstile.handle_halted(begins));
         }
-        self.turnstile.handle_client(&mut self.from_client, self.clock.now().since_start)
+        self.is_long = self.from_client.len() - before >= READ / 2;
+        loop {
+            self.is_cut = self.turnstile.handle_turn(&mut self.from_client, now)?;
+            let is_over = self.clock.now().since_start >= now + TURN;
+            if !self.is_cut || is_over || !self.turnstile.wants_client() || self.behind().is_some() {
+                break;
+            }
+        }
+        self.moves();
+        Ok(())
     }
+
+    /// The client has said something, or read something.
+    fn moves(&self) {
+        if let Some(seat) = self.seat {
+            seat.moves(self.clock.now().since_start);
+        }
+    }
+}
+
+/// Whether nothing more is said by the client; else there is something to take. Whoever has said much lets others have their turn first.
+async fn said(ahead: &Taker, is_long: bool, is_there: bool) -> bool {
+    if is_long {
+        tokio::task::yield_now().await;
+    }
+    if is_there { false } else { ahead.come().await }
+}
+
+/// What is heard of a client from whom nothing more is taken.
+fn left(ended: Ended) -> Left {
+    if ended == Ended::NotKnown {
+        Left::Deaf
+    } else if ended == Ended::Closing {
+        Left::HearsOn
+    } else {
+        Left::HearsRest
+    }
+}
+
+/// Room for what is read at once; what one long message took is given back.
+fn make_room(buffer: &mut BytesMut) {
+    if buffer.is_empty() && buffer.capacity() > 4 * READ {
+        *buffer = BytesMut::new();
+    }
+    buffer.reserve(READ);
+}
+
+async fn write_some(to: Option<&mut OwnedWriteHalf>, bytes: &mut BytesMut) -> io::Result<usize> {
+    match to {
+        Some(to) => to.write_buf(bytes).await,
+        None => std::future::pending().await,
+    }
+}
+
+async fn read_some(from: Option<&mut OwnedReadHalf>, into: &mut BytesMut) -> io::Result<usize> {
+    let Some(from) = from else { return std::future::pending().await };
+    let read = from.read_buf(into).await;
+    acknowledge_at_once(from);
+    read
 }
 
 /// Waits until all subscribers have caught up, or were waited for long enough; for ever, when there is none to wait for.
@@ -206,7 +352,7 @@ fn acknowledge_at_once(engine: &OwnedReadHalf) {
 
 /// Sends the last words to the engine, and waits until it has closed the connection as well: one that hears of an end later than of the
 /// next client with the same number ends that one.
-async fn leave((engine, to_engine): &mut (OwnedReadHalf, OwnedWriteHalf), last_words: &[u8]) {
+async fn leave((engine, to_engine): &mut ToEngine, last_words: &[u8]) {
     let _ = to_engine.write_all(last_words).await;
     let _ = to_engine.shutdown().await;
     let mut unheard = [0; 4096];
@@ -214,16 +360,28 @@ async fn leave((engine, to_engine): &mut (OwnedReadHalf, OwnedWriteHalf), last_w
 }
 
 /// Whether anything went through.
-fn went(moved: std::io::Result<usize>, else_: Ended) -> Result<(), Ended> {
+fn went(moved: io::Result<usize>, else_: Ended) -> Result<(), Ended> {
     match moved {
         Ok(1..) => Ok(()),
         Ok(0) | Err(_) => Err(else_),
     }
 }
 
-/// Waits until whoever was let in would not be any more.
-async fn shut_out((identity, access, clock): Whose<'_>) {
-    while identity.is_known(access, clock.now().wall.unix_ms.div_euclid(1000)) {
-        tokio::time::sleep(GLANCE).await;
+/// Waits until whoever was let in has to go: its key is not known any more, or its seat is somebody else's.
+async fn shut_out((identity, access, clock): Whose<'_>, seat: Option<&Seat>) -> Ended {
+    let unknown = async {
+        while identity.is_known(access, clock.now().wall.unix_ms.div_euclid(1000)) {
+            tokio::time::sleep(GLANCE).await;
+        }
+    };
+    let given_up = async {
+        match seat {
+            Some(seat) => seat.given_up().await,
+            None => std::future::pending().await,
+        }
+    };
+    tokio::select! {
+        () = unknown => Ended::NotKnown,
+        () = given_up => Ended::GaveWay,
     }
 }

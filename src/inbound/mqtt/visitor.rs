@@ -7,15 +7,18 @@ use tokio::io::{AsyncRead, AsyncWrite};
 
 use crate::access::{Access, Caller};
 
-/// What a client says, and what it is told.
-pub trait Stream: AsyncRead + AsyncWrite + Send + Unpin {}
+/// What a client says. It is read on the thread that hears.
+pub type Reader = Box<dyn AsyncRead + Send + Unpin>;
 
-impl<S: AsyncRead + AsyncWrite + Send + Unpin> Stream for S {}
+/// What it is told. It is written where all else is done.
+pub type Writer = Box<dyn AsyncWrite + Send + Unpin>;
 
 /// A client that has come.
 pub struct Visitor {
-    /// What it says, and what it is told.
-    pub stream: Box<dyn Stream>,
+    /// What it says.
+    pub reader: Reader,
+    /// What it is told.
+    pub writer: Writer,
     /// How it came.
     pub origin: Origin,
 }
@@ -29,6 +32,14 @@ pub struct Origin {
     pub caller: Option<Caller>,
     /// Who is let in by the way it came.
     pub access: Access,
+}
+
+impl Visitor {
+    /// A client at the other end of this stream.
+    pub fn over(stream: impl AsyncRead + AsyncWrite + Send + 'static, origin: Origin) -> Visitor {
+        let (reader, writer) = tokio::io::split(stream);
+        Visitor { reader: Box::new(reader), writer: Box::new(writer), origin }
+    }
 }
 
 impl fmt::Debug for Visitor {

@@ -11,6 +11,9 @@ pub const GUEST_PACKET: usize = 256 * 1024;
 /// The longest packet of the program itself, which publishes maps and photos. The engine must accept as much.
 pub const HOUSE_PACKET: usize = 2 * 1024 * 1024;
 
+/// So many packets of a client are taken before it is looked whether others wait.
+pub const TURN: usize = 64;
+
 /// The longest topic or filter, in bytes: the engine keeps every one that it ever saw.
 pub const TOPIC: usize = 512;
 
@@ -90,6 +93,9 @@ pub const ENGINE_HOLDS: i64 = (SEGMENTS * SEGMENT_BYTES) as i64;
 /// So many bytes may be on their way to a subscriber before whoever publishes more is made to wait: a part of what the engine keeps,
 /// since several may publish at once, and enough that nobody waits for the other.
 pub const LAG: i64 = ENGINE_KEEPS / 4;
+
+/// So much of a client's may go to the engine before it is looked whether somebody lags: others may publish at the same time.
+pub const PIECE: i64 = LAG / 4;
 
 /// It waits until they are no more than this.
 pub const RELIEF: i64 = LAG / 2;

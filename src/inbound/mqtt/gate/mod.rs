@@ -20,4 +20,5 @@ pub mod packet;
 pub mod readers;
 pub mod retained;
 pub mod rights;
+pub mod stop_search;
 pub mod turnstile;

@@ -5,7 +5,7 @@ use super::super::qak::incoming;
 use super::super::topics::{Place, Topics};
 use super::Heard;
 use super::problem::Problem;
-use super::read::{Asked, Read, bare, read, sized};
+use super::read::{Asked, HALT, Read, bare, id_of_a_stop, read, says_halt, sized};
 use super::results::Reply;
 use super::table;
 use super::unknown::{UNKNOWN, Unknown};
@@ -14,11 +14,11 @@ use crate::core::command::Command;
 use crate::core::mission::in_words;
 use crate::wire::fields::in_short;
 
-/// The word that halts where bare words are taken, in whatever letters.
+/// The word that halts where bare words are taken, in whatever letters, and the name of that command.
 const STOP: &str = "stop";
 
-/// The short one of the original system.
-const HALT: &str = "h";
+/// The name of the command that may be one.
+const MOVE: &str = "move";
 
 /// Which topics are heard, and how.
 #[derive(Debug)]
@@ -45,6 +45,33 @@ impl Ear {
     /// Hears the topics of a robot; `manual_driving` says whether old clients may drive it.
     pub(super) fn new(topics: Topics, manual_driving: bool) -> Ear {
         Ear { topics, manual_driving, unknown: Unknown::default() }
+    }
+
+    /// The STOP that topic and payload name, whatever else is wrong with them: no text, wildcards, levels or letters too many.
+    pub(super) fn stop(&self, topic: &[u8], payload: &[u8]) -> Option<Order> {
+        let topic = String::from_utf8_lossy(topic);
+        self.stop_on(&topic, payload).or_else(|| self.stop_on(&tidied(&topic)?, payload))
+    }
+
+    fn stop_on(&self, topic: &str, payload: &[u8]) -> Option<Order> {
+        let reply = match self.topics.place(topic) {
+            Place::Command(name) if is_word(name, STOP) => self.reply(STOP),
+            Place::Command(name) if is_word(name, MOVE) && says_halt(payload) => self.reply(MOVE),
+            Place::Word if says_stop(payload) => self.reply(STOP),
+            Place::Old if incoming::is_stop(payload) => Reply { topic: None, id: None },
+            Place::Command(_) | Place::Word | Place::Old | Place::Ours | Place::Elsewhere => return None,
+        };
+        let id = if reply.topic.is_some() { id_of_a_stop(payload) } else { None };
+        Some(Order { asked: Ok((Command::Stop, None)), need: Need::Stop, unread: String::new(), reply: Reply { id, ..reply } })
+    }
+
+    /// Whether a message is certainly none of ours, seen without reading it: a message between others on the old topics.
+    pub(super) fn is_of_others(&self, heard: &Heard<'_>) -> bool {
+        match self.topics.place(heard.topic) {
+            Place::Command(_) | Place::Word => false,
+            Place::Old => incoming::is_of_others(heard.payload),
+            Place::Ours | Place::Elsewhere => true,
+        }
     }
 
     /// What a message asks for; `None` when it asks for nothing.
@@ -74,9 +101,6 @@ impl Ear {
     fn word(&self, payload: &[u8]) -> Order {
         let text = String::from_utf8_lossy(payload);
         let word = bare(&text);
-        if word.eq_ignore_ascii_case(STOP) || word == HALT {
-            return self.named(STOP, &[]);
-        }
         if let Err(problem) = sized(payload) {
             return self.unknown(UNKNOWN, word, problem);
         }
@@ -110,11 +134,6 @@ impl Ear {
 }
 
 impl Order {
-    /// Whether it is a STOP, however it is written.
-    pub(super) const fn is_stop(&self) -> bool {
-        matches!(self.asked, Ok((Command::Stop, _)))
-    }
-
     /// What its sender must be allowed: to stop for a STOP, however it is written, and to act for every other command.
     pub(super) fn need(&self) -> Need {
         match &self.asked {
@@ -128,6 +147,30 @@ impl Order {
     pub(super) fn in_words(&self) -> String {
         self.asked.as_ref().map_or_else(|_| self.unread.clone(), |(command, _)| in_words(command))
     }
+}
+
+fn is_word(text: &str, word: &str) -> bool {
+    text.eq_ignore_ascii_case(word)
+}
+
+/// Whether a bare word is STOP, with whatever stands round it but letters and digits.
+fn says_stop(payload: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(payload);
+    let word = text.trim_matches(|letter: char| !letter.is_alphanumeric());
+    is_word(word, STOP) || word == HALT
+}
+
+/// A topic that is none as its sender must have meant it: without wildcards, empty levels, and letters that nobody sees. `None` when it
+/// is plain.
+fn tidied(topic: &str) -> Option<String> {
+    let is_plain = |byte: u8| byte.is_ascii_graphic() && byte != b'+' && byte != b'#';
+    let has_empty_level = topic.starts_with('/') || topic.ends_with('/') || topic.contains("//");
+    if topic.bytes().all(is_plain) && !has_empty_level {
+        return None;
+    }
+    let is_seen = |letter: &char| letter.is_ascii_graphic() && !matches!(letter, '+' | '#');
+    let levels = topic.split('/').map(|level| level.chars().filter(is_seen).collect::<String>());
+    Some(levels.filter(|level| !level.is_empty()).collect::<Vec<_>>().join("/"))
 }
 
 fn unread(name: &str) -> String {

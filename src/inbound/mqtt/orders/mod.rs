@@ -70,14 +70,22 @@ impl Orders {
     /// Takes a message. Its command is given at the call, so that commands keep the order in which they came, and a STOP has
     /// halted the robot when this returns; its result is published later. Must be called inside a runtime.
     pub fn take(&self, heard: &Heard<'_>, sender: &Sender) -> Taken {
-        let Some(order) = self.ear.order(heard) else {
+        if self.halts(heard.topic.as_bytes(), heard.payload, sender) {
+            return Taken::Taken;
+        }
+        if self.ear.is_of_others(heard) {
             // Old clients believe what they hear on the old topics, so that not everybody may say something there.
             let is_forbidden = self.ear.is_old(heard.topic) && sender.may(Need::Act).is_err();
             return if is_forbidden { Taken::Forbidden } else { Taken::NotACommand };
-        };
-        if !order.is_stop() && !self.pace.admits(sender, self.clock.now().since_start) {
+        }
+        // Before it is read: who says too much costs nobody the time to read it.
+        if !self.pace.admits(sender, self.clock.now().since_start) {
             return Taken::Forbidden;
         }
+        let Some(order) = self.ear.order(heard) else {
+            let is_forbidden = sender.may(Need::Act).is_err();
+            return if is_forbidden { Taken::Forbidden } else { Taken::NotACommand };
+        };
         if let Err(refused) = sender.may(order.need()) {
             self.refuse(&order, &Problem::refused(&refused, None), sender);
             return Taken::Forbidden;
@@ -89,10 +97,17 @@ impl Orders {
         Taken::Taken
     }
 
-    /// Whether a message halts the robot, whoever sends it.
-    #[must_use]
-    pub fn is_stop(&self, heard: &Heard<'_>) -> bool {
-        self.ear.order(heard).is_some_and(|order| order.is_stop())
+    /// Halts the robot if a message names STOP, whatever else is wrong with it (safety S8); whether it does. No more of it need have come
+    /// than names it. Must be called inside a runtime.
+    pub fn halts(&self, topic: &[u8], payload: &[u8], sender: &Sender) -> bool {
+        if sender.may(Need::Stop).is_err() {
+            return false;
+        }
+        let stop = self.ear.stop(topic, payload);
+        if let Some(reply) = &stop {
+            self.give(reply, &Command::Stop, None, sender);
+        }
+        stop.is_some()
     }
 
     /// Gives a command if there is room for one more, and a STOP always.

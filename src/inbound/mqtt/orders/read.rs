@@ -12,7 +12,7 @@ use crate::wire::fields::{Body, Fields, fields};
 pub(super) const LARGEST: usize = 4 * 1024;
 
 /// The word that is STOP wherever a move is asked for.
-const HALT: &str = "h";
+pub(super) const HALT: &str = "h";
 
 /// The command that is asked for, and the epoch its sender saw.
 pub(super) type Asked = Result<(Command, Option<Epoch>), Problem>;
@@ -100,14 +100,28 @@ fn fields_of(row: &Row, payload: &[u8]) -> Result<Fields, Problem> {
     }
 }
 
-/// Whether a move is a STOP, whatever else is wrong with its payload: too long, fields that no move has, or the word alone.
-fn says_halt(payload: &[u8]) -> bool {
-    let word = fields(payload).ok().and_then(|fields| fields.text("move").ok().flatten());
-    word.as_deref() == Some(HALT) || bare(&String::from_utf8_lossy(payload)) == HALT
+/// What a payload holds, without blanks and quotes, when its move is STOP.
+const HALTS: &[u8] = b"move:h";
+
+/// Whether a move is a STOP, whatever else is wrong with its payload: too long, no JSON, fields that no move has, or the word alone.
+pub(super) fn says_halt(payload: &[u8]) -> bool {
+    let letters: Vec<u8> =
+        payload.iter().copied().filter(|letter| !letter.is_ascii_whitespace() && !matches!(letter, b'"' | b'\'')).collect();
+    let is_in_word = |at: usize| letters.get(at).is_some_and(|letter| letter.is_ascii_alphanumeric() || *letter == b'_');
+    let is_move = |at: usize| !is_in_word(at.wrapping_sub(1)) && !is_in_word(at + HALTS.len());
+    let says =
+        letters == HALT.as_bytes() || letters.windows(HALTS.len()).enumerate().any(|(at, window)| window == HALTS && is_move(at));
+    says || (payload.contains(&b'\\') && says_halt_in_json(payload))
+}
+
+/// The same of JSON that has escapes.
+fn says_halt_in_json(payload: &[u8]) -> bool {
+    let word = sized(payload).ok().and_then(|payload| fields(payload).ok()?.text("move").ok().flatten());
+    word.as_deref() == Some(HALT)
 }
 
 /// The name of a STOP, where it can be read.
-fn id_of_a_stop(payload: &[u8]) -> Option<CommandId> {
+pub(super) fn id_of_a_stop(payload: &[u8]) -> Option<CommandId> {
     let mut fields = fields(sized(payload).ok()?).ok()?;
     id_aside(&mut fields).ok().flatten()
 }

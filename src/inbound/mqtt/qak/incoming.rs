@@ -52,7 +52,7 @@ pub fn asked(payload: &[u8], manual_driving: bool) -> Result<Asked, Wrong> {
     if is_stop(payload) {
         return Ok(Asked::Command(Command::Stop));
     }
-    if beginning(payload).is_some_and(|id| known(&id).is_none()) {
+    if is_of_others(payload) {
         return Ok(Asked::Nothing);
     }
     let message = Message::parse(payload)?;
@@ -66,6 +66,12 @@ pub fn asked(payload: &[u8], manual_driving: bool) -> Result<Asked, Wrong> {
         }
         Some(_) | None => Ok(Asked::Nothing),
     }
+}
+
+/// Whether a payload begins as a message whose MSGID is none of ours. It looks at no more than the beginning.
+#[must_use]
+pub fn is_of_others(payload: &[u8]) -> bool {
+    beginning(payload).is_some_and(|id| known(&id).is_none())
 }
 
 /// Whether a payload asks for STOP, whatever else is wrong with it: no number, a sender that cannot be read, the end missing, too

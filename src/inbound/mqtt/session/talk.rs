@@ -168,8 +168,10 @@ impl Talk<'_> {
             (PULSE, Hearing::Own) if self.conversation.handle_echo(payload) => session.chart.handle_proof(),
             (topic, Hearing::Other(orders)) => {
                 let heard = Heard { topic, payload };
-                if !is_repeated || orders.is_stop(&heard) {
-                    // What became of it is published by the orders themselves.
+                // What became of it is published by the orders themselves.
+                if is_repeated {
+                    let _ = orders.halts(topic.as_bytes(), payload, &session.sender);
+                } else {
                     let _ = orders.take(&heard, &session.sender);
                 }
             }

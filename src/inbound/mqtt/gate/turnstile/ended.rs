@@ -31,6 +31,9 @@ pub enum Ended {
     /// Another connection has the same client id.
     #[error("another connection came with the same client id")]
     TakenOver,
+    /// Its place is somebody else's.
+    #[error("there were too many connections, and it gave way to a newer one")]
+    GaveWay,
     /// Its key is not known any more.
     #[error("its key is not known any more")]
     NotKnown,

@@ -36,9 +36,9 @@ use self::subscribing::Subscriptions;
 use super::budget::{Budget, Payer};
 use super::frame::{Frame, Kind, Malformed, frame};
 use super::ledger::{Account, Ledger};
-use super::limits::{ANSWER_ROOM, CLIENT_ROOM, ENGINE_ROOM, GUEST_PACKET, HOUSE_PACKET, QUIET, SILENCE};
+use super::limits::{ANSWER_ROOM, CLIENT_ROOM, ENGINE_ROOM, GUEST_PACKET, HOUSE_PACKET, QUIET, SILENCE, TURN};
 use super::packet::connect::Will;
-use super::packet::{ack, publish, write};
+use super::packet::{ack, write};
 use super::readers::Readers;
 use super::retained::Retained;
 use super::rights::Guest;
@@ -67,11 +67,11 @@ impl Gatehouse {
 
 /// Whoever hears commands; one for each connection, since it knows whose they are.
 pub trait Listener: Send + Sync {
-    /// A message on the topic of a command, once, as it is sent, before anybody else gets it.
-    fn hear(&self, topic: &str, payload: &[u8]) -> Heard;
+    /// Halts if this message names STOP, whatever else is wrong with it; whether it does.
+    fn halts(&self, topic: &[u8], payload: &[u8]) -> bool;
 
-    /// Whether such a message is a STOP, which is heard whatever was heard before, and ahead of everything.
-    fn is_stop(&self, topic: &str, payload: &[u8]) -> bool;
+    /// Any other message on the topic of a command, once, as it is sent, before anybody else gets it.
+    fn hear(&self, topic: &str, payload: &[u8]) -> Heard;
 }
 
 /// What is to be done with a message that was heard.
@@ -116,10 +116,10 @@ pub struct Turnstile {
     to_client: BytesMut,
     routes: Routes,
     flood: Flood,
-    /// So much of what waits to be taken was looked through for a STOP,
-    looked: usize,
-    /// and these were heard: their prints, in order.
-    early: VecDeque<u64>,
+    /// How many bytes of the client were taken since its CONNECT,
+    taken: u64,
+    /// and where the packets begin that halted already when they came, in order.
+    halted: VecDeque<u64>,
     account: Account,
     duplicates: Duplicates,
     subscriptions: Subscriptions,
@@ -145,8 +145,8 @@ impl Turnstile {
         let mut turnstile = Turnstile {
             account,
             flood: Flood::default(),
-            looked: 0,
-            early: VecDeque::new(),
+            taken: 0,
+            halted: VecDeque::new(),
             guest: terms.guest,
             payer,
             listener: terms.listener,
@@ -169,27 +169,45 @@ impl Turnstile {
         turnstile
     }
 
+    /// The packet that begins there, in bytes since the CONNECT, has halted the robot already: it is a STOP no more when its turn comes.
+    pub fn handle_halted(&mut self, begins: u64) {
+        self.halted.push_back(begins);
+    }
+
     /// Takes all whole packets from the head of what the client sent.
     ///
     /// # Errors
     /// When the connection has come to its end; what was before that is done.
     pub fn handle_client(&mut self, bytes: &mut BytesMut, now: Duration) -> Result<(), Ended> {
+        while self.handle_turn(bytes, now)? {}
+        Ok(())
+    }
+
+    /// Takes some whole packets from the head of what the client sent, no more than [`TURN`] of them; whether there may be more.
+    ///
+    /// # Errors
+    /// When the connection has come to its end; what was before that is done.
+    pub fn handle_turn(&mut self, bytes: &mut BytesMut, now: Duration) -> Result<bool, Ended> {
         let limit = if self.guest == Guest::House { HOUSE_PACKET } else { GUEST_PACKET };
-        let mut read = 0;
+        let (mut read, mut packets) = (0, 0);
         let outcome = loop {
+            if packets == TURN || self.routes.take_piece() {
+                break Ok(true);
+            }
             match frame(&bytes[read..], limit) {
-                Ok(None) => break Ok(()),
+                Ok(None) => break Ok(false),
                 Err(wrong) => break Err(wrong.into()),
                 Ok(Some(frame)) => {
                     let packet = &bytes[read..read + frame.length];
-                    read += frame.length;
-                    if let Err(ended) = self.client_packet(&frame, packet) {
+                    let outcome = self.client_packet(&frame, packet);
+                    (read, packets) = (read + frame.length, packets + 1);
+                    self.taken += frame.length as u64;
+                    if let Err(ended) = outcome {
                         break Err(ended);
                     }
                 }
             }
         };
-        self.looked = 0;
         if read > 0 {
             bytes.advance(read);
             self.heard_at = now;
@@ -258,7 +276,19 @@ impl Turnstile {
     /// Whether there is room for more from the client.
     #[must_use]
     pub fn wants_client(&self) -> bool {
-        self.to_engine.len() < ENGINE_ROOM && self.to_client.len() < ANSWER_ROOM
+        self.to_engine.len() < ENGINE_ROOM && !self.is_unread()
+    }
+
+    /// How many bytes of answers and messages wait for the client, and of messages for the engine.
+    #[must_use]
+    pub fn held(&self) -> usize {
+        self.to_engine.len() + self.to_client.len() + size_of::<u64>() * self.halted.len()
+    }
+
+    /// Whether more answers wait for the client than it may leave unread.
+    #[must_use]
+    pub fn is_unread(&self) -> bool {
+        self.to_client.len() >= ANSWER_ROOM
     }
 
     /// Whether there is room for more from the engine.
@@ -275,19 +305,6 @@ impl Turnstile {
         let passed = self.routes.take_passed();
         let is_flood = self.flood.handle_passed(passed, now) && self.guest != Guest::House;
         if is_flood { self.routes.behind(now) } else { Vec::new() }
-    }
-
-    /// What has come from a client that has to wait: a STOP in it is heard at once. All of it is taken by `handle_client` later.
-    pub fn handle_waiting(&mut self, bytes: &[u8]) {
-        while let Some(Ok(Some(frame))) = bytes.get(self.looked..).map(|rest| frame(rest, GUEST_PACKET)) {
-            let packet = &bytes[self.looked..self.looked + frame.length];
-            self.looked += frame.length;
-            if frame.kind == Kind::Publish
-                && let Ok(publish) = publish::read(&frame, packet)
-            {
-                self.hear_early(&publish);
-            }
-        }
     }
 
     /// What was published for this client and has not come yet.
@@ -331,7 +348,10 @@ impl Turnstile {
     /// The client is answered here, at once; the engine gets one at a time, that it may know that somebody is there.
     fn ping(&mut self, body: &[u8]) -> Result<(), Ended> {
         empty(body)?;
-        self.to_client.extend_from_slice(&write::PINGRESP);
+        // Whoever reads none of many answers does not miss one.
+        if self.to_client.len() < CLIENT_ROOM {
+            self.to_client.extend_from_slice(&write::PINGRESP);
+        }
         if !self.is_pinged {
             self.to_engine.extend_from_slice(&write::PINGREQ);
             self.is_pinged = true;

@@ -9,7 +9,6 @@ use crate::inbound::mqtt::gate::limits::{KEPT_IDS, PADDED};
 use crate::inbound::mqtt::gate::packet::connect::Will;
 use crate::inbound::mqtt::gate::packet::publish::{self, Publish};
 use crate::inbound::mqtt::gate::packet::{Qos, text, write};
-use crate::inbound::mqtt::gate::rights::Guest;
 
 impl Turnstile {
     /// A PUBLISH: `packet` is the whole of it. Whatever becomes of it, its sender is told that it has arrived (section 3.3.5).
@@ -99,15 +98,11 @@ impl Turnstile {
     fn hear(&mut self, publish: &Publish<'_>) -> Result<(), Ended> {
         let topic = text(publish.topic, "topic")?;
         let print = self.gatehouse.budget.print((publish.topic, publish.payload));
-        let is_stop = self.listener.is_stop(topic, publish.payload);
+        let is_stop = self.has_halted() || self.listener.halts(publish.topic, publish.payload);
         if !is_stop && self.duplicates.was_heard(publish, print) {
             return Ok(());
         }
-        let was_early = is_stop && self.early.front() == Some(&print);
-        let heard = if was_early { Heard::Pass } else { self.listener.hear(topic, publish.payload) };
-        if was_early {
-            self.early.pop_front();
-        }
+        let heard = if is_stop { Heard::Pass } else { self.listener.hear(topic, publish.payload) };
         let is_unreleased = self.duplicates.is_unreleased(publish);
         self.duplicates.handled(publish, Some(print))?;
         match heard {
@@ -121,14 +116,12 @@ impl Turnstile {
         Ok(())
     }
 
-    /// A STOP among what waits to be taken is heard at once, and not again when its turn comes (safety S1).
-    pub(super) fn hear_early(&mut self, publish: &Publish<'_>) {
-        let Ok(topic) = text(publish.topic, "topic") else { return };
-        let is_heard = is_for_commands(self.gatehouse.topics.place(topic)) && self.guest != Guest::House;
-        if is_heard && self.listener.is_stop(topic, publish.payload) {
-            self.early.push_back(self.gatehouse.budget.print((publish.topic, publish.payload)));
-            let _ = self.listener.hear(topic, publish.payload);
+    /// Whether the packet that is taken just now has halted already when it came: it does not twice.
+    fn has_halted(&mut self) -> bool {
+        while self.halted.front().is_some_and(|begins| *begins < self.taken) {
+            self.halted.pop_front();
         }
+        self.halted.front() == Some(&self.taken)
     }
 
     fn drop(&mut self, publish: &Publish<'_>, why: Dropped) -> Result<(), Ended> {

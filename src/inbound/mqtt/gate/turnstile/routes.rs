@@ -8,7 +8,7 @@ use crate::inbound::mqtt::gate::budget::Payer;
 use crate::inbound::mqtt::gate::filter::{self, Unfit};
 use crate::inbound::mqtt::gate::frame::Malformed;
 use crate::inbound::mqtt::gate::ledger::{Ledger, weight};
-use crate::inbound::mqtt::gate::limits::LONG;
+use crate::inbound::mqtt::gate::limits::{LONG, PIECE};
 use crate::inbound::mqtt::gate::packet::text;
 use crate::inbound::mqtt::gate::readers::Reader;
 use crate::inbound::mqtt::gate::rights::Guest;
@@ -59,8 +59,9 @@ pub(super) struct Routes {
     unsettled: i64,
     /// none of which was kept before this stamp.
     stamp: u64,
-    /// Messages that were passed on since somebody asked.
+    /// Messages that were passed on since somebody asked, and their bytes.
     passed: u64,
+    piece: i64,
     /// Readers who were behind when something was published for them.
     behind: Vec<Arc<Ledger>>,
 }
@@ -106,6 +107,7 @@ impl Routes {
     pub(super) fn passed(&mut self, payload: usize) {
         let bytes = weight(self.topic.len(), payload);
         self.passed += 1 + (payload / LONG) as u64;
+        self.piece += bytes;
         self.unsettled += bytes;
     }
 
@@ -121,6 +123,15 @@ impl Routes {
                 self.behind.push(Arc::clone(&reader.ledger));
             }
         }
+    }
+
+    /// Whether so much was passed on since this was asked that it is to be looked whether somebody lags.
+    pub(super) const fn take_piece(&mut self) -> bool {
+        let is_piece = self.piece >= PIECE;
+        if is_piece {
+            self.piece = 0;
+        }
+        is_piece
     }
 
     /// How many messages were passed on since this was asked.

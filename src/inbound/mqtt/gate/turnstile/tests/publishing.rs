@@ -132,20 +132,19 @@ fn a_stop_is_heard_as_often_as_it_comes_whatever_was_heard_before() {
     }
 }
 
-/// Safety S1.
+/// Safety S1: in the first wait for readers and in the second.
 #[test]
-fn a_stop_of_a_client_that_has_to_wait_is_heard_at_once_and_not_again_when_its_turn_comes() {
+fn a_stop_that_halted_when_it_came_does_not_halt_again_when_its_turn_comes() {
     let mut scene = Scene::of(OPERATOR);
-    let waiting = [publish(0x30, "a", "x", 0), publish(0x30, STOP, "", 0), publish(0x30, START, "", 0)].concat();
-    scene.turnstile.handle_waiting(&waiting[..waiting.len() - 1]);
-    scene.turnstile.handle_waiting(&waiting);
-    assert_eq!(scene.heard(), [format!("{STOP} ")]);
-    assert!(scene.engine_got().is_empty(), "all the rest waits");
-    scene.client(&waiting).unwrap();
-    assert_eq!(scene.heard(), [format!("{START} ")]);
-    assert_eq!(scene.engine_got().len(), 3);
-    scene.client(&publish(0x30, STOP, "", 0)).unwrap();
-    assert_eq!(scene.heard().len(), 1, "another one");
+    let [other, stop, start] = [publish(0x30, "a", "x", 0), publish(0x30, STOP, "", 0), publish(0x30, START, "", 0)];
+    let waiting = [&other[..], &stop, &start, &stop].concat();
+    for round in 0..2 {
+        let begins = round * u64::try_from(waiting.len()).unwrap();
+        scene.turnstile.handle_halted(begins + other.len() as u64);
+        scene.client(&waiting).unwrap();
+        assert_eq!(scene.heard(), [format!("{START} "), format!("{STOP} ")], "one of the two had halted in round {round}");
+        assert_eq!(scene.engine_got().len(), 4, "everybody is told of both");
+    }
 }
 
 #[test]

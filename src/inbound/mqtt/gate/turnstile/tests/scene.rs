@@ -29,8 +29,12 @@ impl Listener for Ear {
         if payload == "forbidden" { Heard::Forbidden } else { Heard::Pass }
     }
 
-    fn is_stop(&self, topic: &str, _: &[u8]) -> bool {
-        topic == STOP
+    fn halts(&self, topic: &[u8], payload: &[u8]) -> bool {
+        let is_stop = topic == STOP.as_bytes();
+        if is_stop {
+            self.0.lock().unwrap().push(format!("{STOP} {}", String::from_utf8_lossy(payload)));
+        }
+        is_stop
     }
 }
 

@@ -1,0 +1,305 @@
+//! What has come from a client and waits for its turn: the thread that hears puts it here when it has looked through it for a STOP, and
+//! the connection's own task takes it. It has two ends, and a bound for each connection and for all of them.
+
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use bytes::BytesMut;
+use tokio::sync::Notify;
+
+use super::limits::{ALWAYS_AHEAD, CONNECTION_BYTES, ENGINE_PART, READ_AHEAD};
+
+/// So much is read at once, in bytes.
+pub(super) const READ: usize = 64 * 1024;
+
+/// What a STOP costs here, in bytes: where it begins is remembered.
+const STOP_COST: usize = size_of::<u64>();
+
+/// What waits of all connections, in bytes. Cheap to clone.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pool(Arc<AtomicUsize>);
+
+/// The end of the thread that hears.
+#[derive(Debug)]
+pub(super) struct Feeder(Arc<Shared>);
+
+/// The end of the task that takes it.
+#[derive(Debug)]
+pub(super) struct Taker(Arc<Shared>);
+
+#[derive(Debug)]
+struct Shared {
+    state: Mutex<State>,
+    /// Something has come, or the end, or there is no room for more.
+    come: Notify,
+    /// There may be room again, or nobody takes anything any more.
+    room: Notify,
+    pool: Pool,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    /// In pieces of at most `READ` bytes, so that each gives back its memory when it is taken.
+    pieces: VecDeque<BytesMut>,
+    bytes: usize,
+    /// Where the packets begin that have halted already.
+    halted: Vec<u64>,
+    /// So much of the client waits elsewhere, in bytes.
+    held: usize,
+    has_ended: bool,
+    left: Option<Left>,
+}
+
+/// What the hearing side does when nobody takes anything any more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Left {
+    /// It listens to what has come already, and ends.
+    HearsRest,
+    /// It listens until the client ends the connection.
+    HearsOn,
+    /// It listens to nobody.
+    Deaf,
+}
+
+/// The two ends for a new connection.
+pub(super) fn read_ahead(pool: &Pool) -> (Feeder, Taker) {
+    let shared = Shared { state: Mutex::default(), come: Notify::new(), room: Notify::new(), pool: pool.clone() };
+    let shared = Arc::new(shared);
+    (Feeder(Arc::clone(&shared)), Taker(shared))
+}
+
+impl Feeder {
+    /// Waits until there is room, and says how much: no more than is read at once.
+    ///
+    /// # Errors
+    /// When nobody takes anything any more.
+    pub(super) async fn room(&self) -> Result<usize, Left> {
+        loop {
+            {
+                let state = self.0.state();
+                if let Some(left) = state.left {
+                    return Err(left);
+                }
+                let room = self.0.room_in(&state);
+                if room > 0 {
+                    return Ok(room.min(READ));
+                }
+            }
+            self.0.room.notified().await;
+        }
+    }
+
+    /// Waits until nobody takes anything any more.
+    pub(super) async fn left(&self) -> Left {
+        loop {
+            if let Some(left) = self.0.state().left {
+                return left;
+            }
+            self.0.room.notified().await;
+        }
+    }
+
+    /// These have come, and the packets that begin there have halted.
+    pub(super) fn put(&self, bytes: &[u8], halted: &[u64]) {
+        let mut state = self.0.state();
+        if state.left.is_some() {
+            return;
+        }
+        match state.pieces.back_mut() {
+            Some(piece) if piece.len() + bytes.len() <= READ => piece.extend_from_slice(bytes),
+            Some(_) | None => state.pieces.push_back(BytesMut::from(bytes)),
+        }
+        state.bytes += bytes.len();
+        state.halted.extend_from_slice(halted);
+        drop(state);
+        self.0.pool.0.fetch_add(bytes.len(), Ordering::Relaxed);
+        self.0.come.notify_one();
+    }
+
+    /// Nothing more comes.
+    pub(super) fn end(&self) {
+        self.0.state().has_ended = true;
+        self.0.come.notify_one();
+    }
+}
+
+impl Drop for Feeder {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+impl Taker {
+    /// Moves the next piece to the end of `into`, and says to `halted` where the packets begin that have halted; false when nothing is
+    /// there.
+    pub(super) fn take(&self, into: &mut BytesMut, halted: impl FnMut(u64)) -> bool {
+        let mut state = self.0.state();
+        state.halted.drain(..).for_each(halted);
+        let Some(piece) = state.pieces.pop_front() else { return false };
+        state.bytes -= piece.len();
+        drop(state);
+        self.0.pool.0.fetch_sub(piece.len(), Ordering::Relaxed);
+        if into.is_empty() {
+            *into = piece;
+        } else {
+            into.extend_from_slice(&piece);
+        }
+        true
+    }
+
+    /// Waits until something is there, or nothing comes any more: whether the latter.
+    pub(super) async fn come(&self) -> bool {
+        self.wait(|state| (!state.pieces.is_empty()).then_some(false).or(state.has_ended.then_some(true))).await
+    }
+
+    /// Waits until there is room for no more.
+    pub(super) async fn full(&self) {
+        self.wait(|state| (self.0.room_in(state) == 0).then_some(())).await;
+    }
+
+    /// So much of this client waits elsewhere; what may wait here is less by that.
+    pub(super) fn hold(&self, held: usize) {
+        let mut state = self.0.state();
+        state.held = held;
+        if self.0.room_in(&state) > 0 {
+            self.0.room.notify_one();
+        }
+    }
+
+    /// Nothing is taken any more.
+    pub(super) fn leave(&self, left: Left) {
+        let mut state = self.0.state();
+        self.0.pool.0.fetch_sub(state.bytes, Ordering::Relaxed);
+        (state.pieces, state.bytes) = (VecDeque::new(), 0);
+        state.left.get_or_insert(left);
+        drop(state);
+        self.0.room.notify_one();
+    }
+
+    /// Waits until nothing comes any more.
+    pub(super) async fn ended(&self) {
+        self.wait(|state| state.has_ended.then_some(())).await;
+    }
+
+    async fn wait<T>(&self, is_so: impl Fn(&State) -> Option<T>) -> T {
+        loop {
+            if let Some(so) = is_so(&self.0.state()) {
+                return so;
+            }
+            self.0.come.notified().await;
+        }
+    }
+}
+
+impl Drop for Taker {
+    fn drop(&mut self) {
+        self.leave(Left::HearsRest);
+    }
+}
+
+impl Shared {
+    /// How much more may come.
+    fn room_in(&self, state: &State) -> usize {
+        let is_lent_out = self.pool.0.load(Ordering::Relaxed) >= READ_AHEAD;
+        let own = CONNECTION_BYTES.saturating_sub(ENGINE_PART + state.held);
+        let most = if is_lent_out { ALWAYS_AHEAD } else { own.max(ALWAYS_AHEAD) };
+        most.saturating_sub(state.bytes + STOP_COST * state.halted.len())
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn taken(taker: &Taker) -> (Vec<u8>, Vec<u64>) {
+        let (mut bytes, mut halted) = (BytesMut::new(), Vec::new());
+        while taker.take(&mut bytes, |begins| halted.push(begins)) {}
+        (bytes.to_vec(), halted)
+    }
+
+    /// Puts as much as there is room for; how much.
+    async fn fill(feeder: &Feeder) -> usize {
+        let mut put = 0;
+        loop {
+            let room = tokio::select! {
+                biased;
+                room = feeder.room() => room.expect("somebody takes it"),
+                () = std::future::ready(()) => return put,
+            };
+            feeder.put(&vec![7; room], &[]);
+            put += room;
+        }
+    }
+
+    #[tokio::test]
+    async fn what_is_put_is_taken_in_order_and_then_comes_the_end() {
+        let (feeder, taker) = read_ahead(&Pool::default());
+        feeder.put(b"ab", &[0]);
+        feeder.put(b"c", &[]);
+        assert!(!taker.come().await);
+        assert_eq!(taken(&taker), (b"abc".to_vec(), vec![0]));
+        feeder.put(b"d", &[3]);
+        drop(feeder);
+        assert!(!taker.come().await, "what came before the end is taken before it");
+        assert_eq!(taken(&taker), (b"d".to_vec(), vec![3]));
+        assert!(taker.come().await);
+    }
+
+    /// Safety A5.
+    #[tokio::test]
+    async fn what_waits_here_and_elsewhere_has_one_bound() {
+        let pool = Pool::default();
+        let (feeder, taker) = read_ahead(&pool);
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART);
+        taker.full().await;
+        taken(&taker);
+        taker.hold(CONNECTION_BYTES - ENGINE_PART - 2 * READ);
+        assert_eq!(fill(&feeder).await, 2 * READ);
+        taken(&taker);
+        taker.hold(2 * CONNECTION_BYTES);
+        assert_eq!(fill(&feeder).await, ALWAYS_AHEAD, "something can always come");
+        taker.leave(Left::HearsRest);
+        assert_eq!(pool.0.load(Ordering::Relaxed), 0);
+        assert_eq!(feeder.room().await, Err(Left::HearsRest));
+    }
+
+    /// Safety A5, S9.
+    #[tokio::test]
+    async fn what_waits_of_all_has_a_bound_that_leaves_room_for_each() {
+        let pool = Pool::default();
+        let mut greedy = Vec::new();
+        while pool.0.load(Ordering::Relaxed) < READ_AHEAD {
+            let (feeder, taker) = read_ahead(&pool);
+            fill(&feeder).await;
+            greedy.push((feeder, taker));
+        }
+        let (feeder, taker) = read_ahead(&pool);
+        assert_eq!(fill(&feeder).await, ALWAYS_AHEAD);
+        drop(greedy);
+        taken(&taker);
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART);
+    }
+
+    /// Safety A5: a stop costs more here than its bytes.
+    #[tokio::test]
+    async fn what_is_remembered_of_stops_counts() {
+        let (feeder, _taker) = read_ahead(&Pool::default());
+        feeder.put(&[7; 8], &[0; 1000]);
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART - 8 - 1000 * STOP_COST);
+    }
+
+    #[tokio::test]
+    async fn what_nobody_takes_any_more_is_not_kept() {
+        let pool = Pool::default();
+        let (feeder, taker) = read_ahead(&pool);
+        taker.leave(Left::Deaf);
+        drop(taker);
+        feeder.put(b"abc", &[0]);
+        assert_eq!((feeder.left().await, pool.0.load(Ordering::Relaxed)), (Left::Deaf, 0));
+    }
+}

@@ -1,0 +1,239 @@
+//! Who may stay: so many clients at once, of whom each key has its share, and those who only look leave some to operators who are not
+//! there yet. Nobody is turned away: where there is no seat left, one of whoever has most is given up, the one that has made no
+//! progress for longest (safety S9). Connections that have not said who they are have no seat yet.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use tokio::sync::Notify;
+
+use super::limits::{CONNECTIONS, SHARE, VIEWERS};
+
+/// Whose seat it is.
+#[derive(Clone, Debug)]
+pub(super) struct Holder {
+    /// The name of the key.
+    pub(super) who: Arc<str>,
+    /// Whether he only looks.
+    pub(super) is_viewer: bool,
+    /// Whether he has shown a key, and so has a share; where nobody shows one, all are one.
+    pub(super) has_share: bool,
+}
+
+/// All seats. Cheap to clone.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Seats(Arc<Mutex<Table>>);
+
+#[derive(Debug, Default)]
+struct Table {
+    given: u64,
+    taken: HashMap<u64, Taken>,
+}
+
+#[derive(Debug)]
+struct Taken {
+    holder: Holder,
+    progress_ms: Arc<AtomicU64>,
+    give_way: Arc<Notify>,
+}
+
+/// A seat; free again when it is dropped.
+#[derive(Debug)]
+pub(super) struct Seat {
+    seats: Seats,
+    number: u64,
+    progress_ms: Arc<AtomicU64>,
+    give_way: Arc<Notify>,
+}
+
+impl Seats {
+    /// A seat for whoever comes in `now`; somebody may have to give way for it.
+    pub(super) fn take(&self, holder: Holder, now: Duration) -> Seat {
+        let (progress_ms, give_way) = (Arc::new(AtomicU64::new(ms(now))), Arc::default());
+        let mut table = self.table();
+        if let Some(taken) = table.least_needed(&holder).and_then(|number| table.taken.remove(&number)) {
+            taken.give_way.notify_one();
+        }
+        table.given += 1;
+        let number = table.given;
+        let taken = Taken { holder, progress_ms: Arc::clone(&progress_ms), give_way: Arc::clone(&give_way) };
+        table.taken.insert(number, taken);
+        drop(table);
+        Seat { seats: self.clone(), number, progress_ms, give_way }
+    }
+
+    fn table(&self) -> MutexGuard<'_, Table> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Table {
+    /// The seat that is given up for a newcomer; `None` while there is one for him.
+    fn least_needed(&self, newcomer: &Holder) -> Option<u64> {
+        let own = self.count(|holder| holder.who == newcomer.who);
+        if newcomer.has_share && own >= SHARE {
+            return self.stillest(|holder| holder.who == newcomer.who);
+        }
+        let is_among: fn(&Holder) -> bool = if newcomer.is_viewer && self.count(|holder| holder.is_viewer) >= VIEWERS {
+            |holder| holder.is_viewer
+        } else if self.taken.len() >= CONNECTIONS {
+            |_| true
+        } else {
+            return None;
+        };
+        let mut counts: HashMap<&str, usize> = HashMap::new();
+        for taken in self.taken.values().filter(|taken| is_among(&taken.holder)) {
+            *counts.entry(&taken.holder.who).or_default() += 1;
+        }
+        let (greediest, most) = counts.into_iter().max_by_key(|(_, count)| *count)?;
+        let gives = if own >= most { &*newcomer.who } else { greediest };
+        self.stillest(|holder| &*holder.who == gives)
+    }
+
+    fn count(&self, is_among: impl Fn(&Holder) -> bool) -> usize {
+        self.taken.values().filter(|taken| is_among(&taken.holder)).count()
+    }
+
+    /// The seat of these in which nothing has happened for longest.
+    fn stillest(&self, is_among: impl Fn(&Holder) -> bool) -> Option<u64> {
+        let among = self.taken.iter().filter(|(_, taken)| is_among(&taken.holder));
+        among.min_by_key(|(number, taken)| (taken.progress_ms.load(Ordering::Relaxed), **number)).map(|(number, _)| *number)
+    }
+}
+
+impl Seat {
+    /// Something has happened in it.
+    pub(super) fn moves(&self, now: Duration) {
+        self.progress_ms.store(ms(now), Ordering::Relaxed);
+    }
+
+    /// It is free again, though its client is still taking its leave.
+    pub(super) fn give_back(&self) {
+        self.seats.table().taken.remove(&self.number);
+    }
+
+    /// Waits until it is somebody else's.
+    pub(super) async fn given_up(&self) {
+        self.give_way.notified().await;
+    }
+}
+
+impl Drop for Seat {
+    fn drop(&mut self) {
+        self.give_back();
+    }
+}
+
+fn ms(duration: Duration) -> u64 {
+    u64::try_from(duration.as_millis()).unwrap_or(u64::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn viewer(who: &str) -> Holder {
+        Holder { who: Arc::from(who), is_viewer: true, has_share: true }
+    }
+
+    fn operator(who: &str) -> Holder {
+        Holder { is_viewer: false, ..viewer(who) }
+    }
+
+    fn here() -> Holder {
+        Holder { has_share: false, ..operator("operator") }
+    }
+
+    /// So many seats, taken one millisecond after the other.
+    fn crowd(seats: &Seats, holder: &Holder, count: usize) -> Vec<Seat> {
+        (0..count).map(|n| seats.take(holder.clone(), Duration::from_millis(n as u64))).collect()
+    }
+
+    /// How many of these are somebody else's now.
+    async fn lost(crowd: &[Seat]) -> usize {
+        let mut lost = 0;
+        for seat in crowd {
+            tokio::select! {
+                biased;
+                () = seat.given_up() => {
+                    seat.give_way.notify_one();
+                    lost += 1;
+                }
+                () = std::future::ready(()) => {}
+            }
+        }
+        lost
+    }
+
+    const NOW: Duration = Duration::from_secs(100);
+
+    /// Safety S9.
+    #[tokio::test]
+    async fn whoever_has_his_share_gives_up_one_of_his_own() {
+        for holder in [viewer("screen"), operator("panel")] {
+            let seats = Seats::default();
+            let others = crowd(&seats, &operator("others"), SHARE);
+            let own = crowd(&seats, &holder, SHARE);
+            own[0].moves(NOW);
+            let _newcomer = seats.take(holder, NOW);
+            assert_eq!((lost(&own).await, lost(&own[1..2]).await, lost(&others).await), (1, 1, 0));
+        }
+    }
+
+    /// Safety S9.
+    #[tokio::test]
+    async fn viewers_together_leave_seats_to_operators_and_to_each_other() {
+        let seats = Seats::default();
+        let keys = VIEWERS / SHARE + 2;
+        let crowds: Vec<_> = (0..keys).map(|key| crowd(&seats, &viewer(&key.to_string()), SHARE)).collect();
+        assert_eq!(seats.table().taken.len(), VIEWERS);
+        let operators = crowd(&seats, &operator("operator"), CONNECTIONS - VIEWERS);
+        let mut before = 0;
+        for crowd in &crowds {
+            before += lost(crowd).await;
+        }
+        assert_eq!(before, keys * SHARE - VIEWERS, "no operator has driven one away");
+        let late = seats.take(viewer("late"), NOW);
+        assert_eq!((lost(&[late]).await, lost(&operators).await), (0, 0));
+    }
+
+    /// Safety S9.
+    #[tokio::test]
+    async fn when_all_seats_are_taken_whoever_has_most_gives_way_to_any_newcomer() {
+        let seats = Seats::default();
+        let mut crowds: Vec<_> = (0..3).map(|key| crowd(&seats, &operator(&key.to_string()), SHARE - 1)).collect();
+        crowds.push(crowd(&seats, &operator("most"), SHARE));
+        let few = crowd(&seats, &viewer("few"), 3);
+        assert_eq!(seats.table().taken.len(), CONNECTIONS);
+        let one = seats.take(viewer("few"), NOW);
+        assert_eq!((lost(&crowds[3]).await, lost(&few).await), (1, 0));
+        let newcomers = [one, seats.take(operator("new"), NOW)];
+        let lost = lost(&newcomers).await + lost(&few).await;
+        assert_eq!(lost, 0, "it was one of those who have as many as he who had most");
+        assert_eq!(seats.table().taken.len(), CONNECTIONS);
+    }
+
+    /// Safety S9: where nobody signs in.
+    #[tokio::test]
+    async fn without_keys_nobody_has_a_share_and_the_stillest_gives_way() {
+        let seats = Seats::default();
+        let all = crowd(&seats, &here(), CONNECTIONS);
+        assert_eq!(lost(&all).await, 0);
+        for seat in &all[..CONNECTIONS - 1] {
+            seat.moves(NOW);
+        }
+        let _newcomer = seats.take(here(), NOW);
+        assert_eq!((lost(&all).await, lost(&all[CONNECTIONS - 1..]).await), (1, 1));
+    }
+
+    #[tokio::test]
+    async fn a_seat_that_is_left_is_free() {
+        let seats = Seats::default();
+        for _ in 0..3 {
+            assert_eq!(lost(&crowd(&seats, &here(), CONNECTIONS)).await, 0);
+        }
+        assert!(seats.table().taken.is_empty());
+    }
+}
