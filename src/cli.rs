@@ -107,7 +107,7 @@ impl Healthcheck {
         // Nothing is kept by asking, so a user without a home can ask too.
         let nothing = Flag { flag: "of healthcheck", key: "store.folder", value: "none".to_owned() };
         let settings = config::load(&sources(self.config.clone(), http.into_iter().chain([nothing]).collect()))?;
-        let bind = settings.http.bind;
+        let bind = settings.http.bind.at.first();
         Ok(match bind.ip() {
             IpAddr::V4(ip) if ip.is_unspecified() => SocketAddr::new(Ipv4Addr::LOCALHOST.into(), bind.port()),
             IpAddr::V6(ip) if ip.is_unspecified() => SocketAddr::new(Ipv6Addr::LOCALHOST.into(), bind.port()),

@@ -1,7 +1,6 @@
 //! The settings of the program, complete and checked before anything starts: defaults ← file ← environment ← flags.
 //! What a setting does is decided where it is used; here it is only read, and refused when it is wrong.
 
-use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -9,6 +8,7 @@ use std::time::Duration;
 use crate::core::explore::Strategy;
 use crate::core::settings::Settings as CoreSettings;
 
+mod bind;
 mod check;
 mod environment;
 mod error;
@@ -18,6 +18,7 @@ mod layers;
 mod mqtt;
 mod raw;
 
+pub use bind::{At, Bind};
 pub use error::SettingsError;
 pub use key::{KEYS, Key};
 pub use layers::{DEFAULTS, Flag, Sources};
@@ -33,7 +34,7 @@ pub struct Settings {
     /// The console and the API.
     pub http: HttpSettings,
     /// Where the CoAP resources are, over UDP; `None`: there is no such door.
-    pub coap: Option<SocketAddr>,
+    pub coap: Option<Bind>,
     /// The MQTT topics, and the broker they are at.
     pub mqtt: MqttSettings,
     /// What clients of the original system may do.
@@ -58,7 +59,7 @@ pub struct Settings {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HttpSettings {
     /// Where they listen.
-    pub bind: SocketAddr,
+    pub bind: Bind,
     /// Whether a key is asked for: always beyond loopback, and on loopback when it is wanted.
     pub asks_for_keys: bool,
     /// Names under which they are reached, beside the machine's own for itself.

@@ -42,9 +42,22 @@ fn drive(watched: &Watched, steps: u64) {
     }
 }
 
+/// Safety S8: the state that the answer names says that the robot stands, or that it is halting. It may be newer by now, and
+/// nobody has pressed START since.
+fn stands(address: &str, answer: &str) {
+    let json = |text: &str| {
+        let body = text.find('{').map_or("", |begins| &text[begins..]);
+        serde_json::from_str::<serde_json::Value>(body).expect("the door answers in JSON")
+    };
+    let state = json(&ask::ask(address, "GET", "/api/v1/state", "").expect("the door answers"));
+    assert!(json(answer)["revision"].as_u64() <= state["revision"].as_u64(), "{answer}: {state}");
+    let robot = &state["robot"];
+    assert!(robot["state"] == "stopped" || robot["halting"] == true, "{answer}: {robot}");
+}
+
 /// Presses START and STOP; how far the robot comes in between differs from one time to the next, and often is nowhere. `tell`
 /// gives a command and returns its answer.
-fn press(watched: &Watched, mut tell: impl FnMut(&str) -> String) {
+fn press(watched: &Watched, address: &str, mut tell: impl FnMut(&str) -> String) {
     let mut accepted = |command: &str| {
         let answer = tell(command);
         assert!(answer.contains("\"accepted\":true"), "{command}: {answer}");
@@ -57,13 +70,14 @@ fn press(watched: &Watched, mut tell: impl FnMut(&str) -> String) {
         let answer = accepted("stop");
         watched.standing.store(true, Ordering::SeqCst);
         assert!(answer.contains(&format!("\"epoch\":{n}")), "stop {n}: {answer}");
+        stands(address, &answer);
         assert_eq!(watched.late.load(Ordering::SeqCst), 0, "after stop {n} was answered a step began");
     }
 }
 
 async fn no_step_begins_late(house: &House, tell: impl FnMut(&str) -> String + Send + 'static) {
-    let watched = Arc::clone(&house.watched);
-    tokio::task::spawn_blocking(move || press(&watched, tell)).await.expect("every stop held the robot");
+    let (watched, address) = (Arc::clone(&house.watched), house.address.to_string());
+    tokio::task::spawn_blocking(move || press(&watched, &address, tell)).await.expect("every stop held the robot");
     let (began, late) = (house.watched.began.load(Ordering::SeqCst), house.watched.late.load(Ordering::SeqCst));
     assert!(began >= STOPS, "only {began} steps were begun: that proves little");
     assert_eq!(late, 0, "a step began after the last stop was answered");

@@ -77,7 +77,7 @@ fn what_to_do(port: Port, error: &std::io::Error) -> String {
     if error.kind() == std::io::ErrorKind::AddrInUse {
         let without = if port == Port::Http { String::new() } else { format!(", or do without with {flag} none") };
         format!(
-            "another program has this port: end it, or choose another with {flag}, as {flag} 127.0.0.1:0 for a free one{without}"
+            "another program has this port: end it, or choose another with {flag}, as {flag} localhost:0 for a free one{without}"
         )
     } else if error.kind() == std::io::ErrorKind::PermissionDenied {
         format!("ports below 1024 are for privileged programs: choose a higher one with {flag}")
@@ -102,7 +102,7 @@ mod tests {
         for (port, name, flag) in doors {
             let taken = said(port, ErrorKind::AddrInUse);
             assert!(taken.starts_with(&format!("cannot listen on 127.0.0.1:999 for {name}: ")), "{taken}");
-            assert!(taken.contains(&format!("{flag} 127.0.0.1:0")), "{taken}");
+            assert!(taken.contains(&format!("{flag} localhost:0")), "{taken}");
             assert!(said(port, ErrorKind::PermissionDenied).ends_with(&format!("choose a higher one with {flag}")));
             let foreign = said(port, ErrorKind::AddrNotAvailable);
             assert!(foreign.contains(&format!("of this machine with {flag}, as 127.0.0.1:{}", port.usual())), "{foreign}");

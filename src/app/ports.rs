@@ -1,10 +1,12 @@
-//! The ports of the doors: all of them are had before anything that is kept is opened, so that a port in use leaves no trace.
+//! The ports of the doors: all of them are had before anything that is kept is opened, so that a port in use leaves no trace. How a
+//! port is asked for stands in the settings.
 
-use std::io;
+use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, TcpListener, UdpSocket};
 
 use super::AppError;
-use crate::config::{Broker, Settings};
+use crate::config::{At, Bind, Broker, Settings};
+use crate::inbound::coap::beside;
 
 /// Whose port it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,11 +55,20 @@ impl Port {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Doors {
     /// The console and the API.
-    pub http: SocketAddr,
+    pub http: Place,
     /// The CoAP resources, where there are any.
-    pub coap: Option<SocketAddr>,
+    pub coap: Option<Place>,
     /// Our own MQTT broker, where there is one.
-    pub mqtt: Option<SocketAddr>,
+    pub mqtt: Option<Place>,
+}
+
+/// Where a door is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Its first address.
+    pub at: SocketAddr,
+    /// The port it would have had, if another program did not have it.
+    pub instead_of: Option<u16>,
 }
 
 /// What is listened to.
@@ -69,27 +80,78 @@ pub(super) struct Ports {
     pub(super) doors: Doors,
 }
 
+/// Why an address cannot be had.
+type NotHad = (SocketAddr, io::Error);
+
+/// A free port of one loopback address may be taken at the other; so often another one is tried.
+const TRIES: usize = 16;
+
 impl Ports {
     /// Binds every port of the settings.
     ///
     /// # Errors
     /// `AppError::Bind`: which cannot be had, and why.
     pub(super) fn bind(settings: &Settings) -> Result<Ports, AppError> {
-        let (http, http_at) = tcp(settings.http.bind).map_err(refused(Port::Http, settings.http.bind))?;
-        let doors = Doors { http: http_at, coap: None, mqtt: None };
-        let mut ports = Ports { http: vec![http], coap: Vec::new(), mqtt: Vec::new(), doors };
-        if let Some(address) = settings.coap {
-            let (port, at) = udp(address).map_err(refused(Port::Coap, address))?;
-            ports.coap.push(port);
-            ports.doors.coap = Some(at);
-        }
-        if let Some(Broker::Own { bind, .. }) = settings.mqtt.broker {
-            let (port, at) = tcp(bind).map_err(refused(Port::Mqtt, bind))?;
-            ports.mqtt.push(port);
-            ports.doors.mqtt = Some(at);
-        }
-        Ok(ports)
+        let (http, http_at) = open(Port::Http, settings.http.bind, tcp)?;
+        let coap = settings.coap.map(|bind| open(Port::Coap, bind, udp)).transpose()?;
+        let coap = coap.map(|(ports, place)| (with_loopback(ports, place.at), place));
+        let mqtt = match settings.mqtt.broker {
+            Some(Broker::Own { bind, .. }) => Some(open(Port::Mqtt, bind, tcp)?),
+            Some(Broker::Other(_)) | None => None,
+        };
+        let ((coap, coap_at), (mqtt, mqtt_at)) = (coap.unzip(), mqtt.unzip());
+        let doors = Doors { http: http_at, coap: coap_at, mqtt: mqtt_at };
+        Ok(Ports { http, coap: coap.unwrap_or_default(), mqtt: mqtt.unwrap_or_default(), doors })
     }
+}
+
+/// Binds a door's port at all its addresses. One that nobody has chosen gives way to a free one when it is taken.
+fn open<P>(port: Port, bind: Bind, one: impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<(Vec<P>, Place), AppError> {
+    let (bound, instead_of) = match at_all(bind.at, &one) {
+        Err((_, error)) if error.kind() == ErrorKind::AddrInUse && !bind.is_chosen => {
+            (at_a_free_one(bind.at, &one), Some(bind.at.first().port()))
+        }
+        Err((_, error)) if error.kind() == ErrorKind::AddrInUse && bind.at.first().port() == 0 => {
+            (at_a_free_one(bind.at, &one), None)
+        }
+        bound => (bound, None),
+    };
+    let (ports, addresses): (Vec<P>, Vec<SocketAddr>) =
+        bound.map_err(|(address, error)| AppError::Bind { port, address, error })?.into_iter().unzip();
+    let at = addresses.first().copied().unwrap_or(bind.at.first());
+    if let Some(taken) = instead_of {
+        tracing::warn!(door = port.name(), taken, %at, "another program has the usual port of a door: it is at a free one");
+    }
+    Ok((ports, Place { at, instead_of }))
+}
+
+fn at_a_free_one<P>(at: At, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<Vec<(P, SocketAddr)>, NotHad> {
+    let mut last = at_all(at.with_port(0), one);
+    for _ in 1..TRIES {
+        if last.is_ok() {
+            break;
+        }
+        last = at_all(at.with_port(0), one);
+    }
+    last
+}
+
+/// Binds one port at each of these addresses. A machine may have no second one.
+fn at_all<P>(at: At, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<Vec<(P, SocketAddr)>, NotHad> {
+    let mut bound: Vec<(P, SocketAddr)> = Vec::new();
+    for mut address in at.addresses() {
+        if let Some((_, first)) = bound.first() {
+            address.set_port(first.port());
+        }
+        match one(address) {
+            Ok(port) => bound.push(port),
+            Err(error) if !bound.is_empty() && error.kind() != ErrorKind::AddrInUse => {
+                tracing::debug!(%address, %error, "this machine has no such address");
+            }
+            Err(error) => return Err((address, error)),
+        }
+    }
+    Ok(bound)
 }
 
 fn tcp(address: SocketAddr) -> io::Result<(TcpListener, SocketAddr)> {
@@ -105,6 +167,85 @@ fn udp(address: SocketAddr) -> io::Result<(UdpSocket, SocketAddr)> {
     Ok((port, address))
 }
 
-fn refused(port: Port, address: SocketAddr) -> impl Fn(io::Error) -> AppError {
-    move |error| AppError::Bind { port, address, error }
+/// A port that others reach hears this machine at sockets of its own, which no flood from elsewhere can fill (safety S7). What is
+/// sent to an address goes to the socket that is bound to just this one.
+fn with_loopback(mut ports: Vec<UdpSocket>, at: SocketAddr) -> Vec<UdpSocket> {
+    if at.ip().to_canonical().is_loopback() {
+        return ports;
+    }
+    for address in At::Localhost(at.port()).addresses() {
+        match ports.first().map(|first| beside(first, address)) {
+            Some(Ok(port)) => ports.push(port),
+            // Such a datagram comes to the port that is there, or to nobody.
+            Some(Err(error)) => tracing::warn!(%address, %error, "no socket of its own for CoAP from this machine"),
+            None => {}
+        }
+    }
+    ports
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::Ipv4Addr;
+
+    use super::*;
+
+    fn bind(at: At, is_chosen: bool) -> Result<(Vec<TcpListener>, Place), AppError> {
+        open(Port::Mqtt, Bind { at, is_chosen }, tcp)
+    }
+
+    #[test]
+    fn localhost_is_listened_to_at_both_addresses_by_one_port() {
+        let (ports, place) = bind(At::Localhost(0), true).expect("a free port");
+        let at: Vec<_> = ports.iter().map(|port| port.local_addr().expect("it is bound")).collect();
+        assert_eq!((at[0], place.instead_of), (place.at, None));
+        assert!(at.iter().all(|address| address.port() == place.at.port() && address.ip().is_loopback()), "{at:?}");
+        let has_six = TcpListener::bind("[::1]:0").is_ok();
+        assert_eq!(at.len(), if has_six { 2 } else { 1 });
+    }
+
+    #[test]
+    fn a_port_that_nobody_has_chosen_gives_way_and_one_that_was_chosen_does_not() {
+        for taken_at in ["127.0.0.1:0", "[::1]:0"] {
+            let Ok(taken) = TcpListener::bind(taken_at) else { continue };
+            let port = taken.local_addr().expect("it is bound").port();
+            let (ports, place) = bind(At::Localhost(port), false).expect("another port");
+            assert_eq!(place.instead_of, Some(port));
+            assert!(place.at.port() != port && !ports.is_empty());
+            let refused = bind(At::Localhost(port), true).expect_err("it is taken");
+            assert!(matches!(refused, AppError::Bind { address, .. } if address.port() == port), "{refused}");
+        }
+    }
+
+    /// Safety S7: a flood that nobody reads fills the socket it comes to, and not that of this machine.
+    #[test]
+    fn this_machine_has_a_socket_of_its_own_at_a_port_that_others_reach() {
+        let (first, at) = udp("0.0.0.0:0".parse().unwrap()).expect("a free port");
+        let ports = with_loopback(vec![first], at);
+        let own = ports.iter().find(|port| port.local_addr().unwrap().ip() == Ipv4Addr::LOCALHOST).expect("its own");
+        ports.iter().for_each(|port| port.set_nonblocking(true).unwrap());
+        let client = UdpSocket::bind("127.0.0.1:0").unwrap();
+        for _ in 0..10_000 {
+            // Every other address of this machine stands for one that others reach. What has no room any more is lost.
+            let _ = client.send_to(&[0; 1024], ("127.0.0.2", at.port()));
+        }
+        client.send_to(b"stop", ("127.0.0.1", at.port())).unwrap();
+        let mut heard = [0; 2048];
+        let length = own.recv(&mut heard).expect("it is there");
+        assert_eq!(&heard[..length], b"stop");
+        assert!(own.recv(&mut heard).is_err(), "and nothing else");
+        assert!(ports[0].recv(&mut heard).is_ok(), "which came to the other");
+        for taken in ["0.0.0.0", "127.0.0.1"] {
+            assert!(UdpSocket::bind((taken, at.port())).is_err(), "{taken}: nobody else has a part in it");
+            let elsewhere = UdpSocket::bind("127.0.0.1:0").unwrap();
+            let address = SocketAddr::new(taken.parse().unwrap(), at.port());
+            assert!(beside(&elsewhere, address).is_err(), "{taken}: not even who is ready to share");
+        }
+    }
+
+    #[test]
+    fn a_port_of_this_machine_alone_has_no_other_sockets() {
+        let (first, at) = udp("127.0.0.1:0".parse().unwrap()).expect("a free port");
+        assert_eq!(with_loopback(vec![first], at).len(), 1);
+    }
 }

@@ -1,9 +1,7 @@
 //! `hallsweep serve`: starts the program and says where it is, and how one gets in.
 
-use std::net::SocketAddr;
-
 use super::{Failure, Serve, link};
-use crate::app::{self, Doors, Entry};
+use crate::app::{self, Doors, Entry, Place};
 use crate::config::{Broker, HttpSettings, Settings};
 
 /// Serves until a signal ends it.
@@ -21,7 +19,7 @@ pub fn run(flags: &Serve) -> Result<(), Failure> {
 
 /// Where it is, and how one gets in.
 fn announcement(settings: &Settings, doors: Doors, entry: &Entry) -> String {
-    let coap = doors.coap.map(|coap| format!("\nIts CoAP resources are at coap://{coap}"));
+    let coap = doors.coap.map(|coap| format!("\nIts CoAP resources are at coap://{}{}", coap.at, gave_way(coap, "--coap")));
     let mqtt = mqtt(settings, doors, entry).map(|mqtt| format!("\nIts MQTT topics are at {mqtt}"));
     let console_entry = if settings.http.asks_for_keys { entry } else { &Entry::Open };
     [Some(console(&settings.http, doors.http, console_entry)), coap, mqtt].into_iter().flatten().collect()
@@ -33,7 +31,13 @@ fn mqtt(settings: &Settings, doors: Doors, entry: &Entry) -> Option<String> {
         Broker::Own { asks_for_keys, .. } => *asks_for_keys,
         Broker::Other(other) => return Some(other.to_string()),
     };
-    let at = format!("mqtt://{}", doors.mqtt?);
+    let place = doors.mqtt?;
+    let other = place.instead_of.map(|port| {
+        format!(
+            "\nTo use the broker at port {port} instead: HALLSWEEP__MQTT__BROKER=mqtt://localhost:{port}, as docs/mqtt.md says"
+        )
+    });
+    let at = format!("mqtt://{}{}{}", place.at, gave_way(place, "--mqtt"), other.unwrap_or_default());
     Some(match entry {
         Entry::NewKey(token) | Entry::BriefKey(token) if asks && !settings.http.asks_for_keys => {
             format!("{at}\nThere the user name is operator, and the password {}", token.reveal())
@@ -45,18 +49,24 @@ fn mqtt(settings: &Settings, doors: Doors, entry: &Entry) -> Option<String> {
     })
 }
 
+/// Says that a door is elsewhere than usual, and how to choose where.
+fn gave_way(place: Place, flag: &str) -> String {
+    let taken = |port| format!(" (another program has port {port}; {flag} localhost:PORT chooses one)");
+    place.instead_of.map(taken).unwrap_or_default()
+}
+
 /// Where the console is, and how one gets in. A token is shown when it was just made, and then only here: never in the log.
-fn console(http: &HttpSettings, address: SocketAddr, entry: &Entry) -> String {
-    let at = format!("hallsweep is at {}://{address}", link::scheme(http));
+fn console(http: &HttpSettings, place: Place, entry: &Entry) -> String {
+    let at = format!("hallsweep is at {}://{}{}", link::scheme(http), place.at, gave_way(place, "--http"));
     match entry {
         Entry::Open => at,
         Entry::Key => format!("{at}\nIt asks for a key: `hallsweep token` shows links to sign in with."),
         Entry::NewKey(token) => {
-            format!("{at}\nIts first key was made just now. Sign in as operator: {}", link::sign_in(http, address, token))
+            format!("{at}\nIts first key was made just now. Sign in as operator: {}", link::sign_in(http, place.at, token))
         }
         Entry::BriefKey(token) => format!(
             "{at}\nNothing is kept (store.folder = \"none\"), so its key is good until it ends. Sign in as operator: {}",
-            link::sign_in(http, address, token)
+            link::sign_in(http, place.at, token)
         ),
     }
 }
@@ -67,6 +77,10 @@ mod tests {
     use crate::access::Token;
     use crate::config::{Flag, Sources, load};
 
+    fn at(address: &str) -> Place {
+        Place { at: address.parse().unwrap(), instead_of: None }
+    }
+
     fn set(settings: &[(&'static str, &str)]) -> Settings {
         let flags = settings.iter().map(|(key, value)| Flag { flag: "", key, value: (*value).to_owned() }).collect();
         load(&Sources { flags, ..Sources::default() }).unwrap()
@@ -75,7 +89,7 @@ mod tests {
     #[test]
     fn a_token_is_shown_only_when_it_was_just_made() {
         let settings = set(&[("http.bind", "0.0.0.0:8080")]);
-        let doors = Doors { http: "0.0.0.0:8080".parse().unwrap(), coap: None, mqtt: None };
+        let doors = Doors { http: at("0.0.0.0:8080"), coap: None, mqtt: None };
         let token = Token::draw().unwrap();
         let said = |entry: &Entry| announcement(&settings, doors, entry);
         assert_eq!(said(&Entry::Open), "hallsweep is at http://0.0.0.0:8080");
@@ -89,8 +103,7 @@ mod tests {
     #[test]
     fn where_a_password_is_asked_for_over_mqtt_alone_it_is_told_which() {
         let settings = set(&[("mqtt.require_password", "true")]);
-        let mqtt = "127.0.0.1:1883".parse().ok();
-        let doors = Doors { http: "127.0.0.1:8080".parse().unwrap(), coap: None, mqtt };
+        let doors = Doors { http: at("127.0.0.1:8080"), coap: None, mqtt: Some(at("127.0.0.1:1883")) };
         let token = Token::draw().unwrap();
         let new = announcement(&settings, doors, &Entry::NewKey(token.clone()));
         assert!(new.starts_with("hallsweep is at http://127.0.0.1:8080\n") && !new.contains("sign-in"), "{new}");
@@ -102,8 +115,8 @@ mod tests {
     #[test]
     fn the_last_lines_say_where_the_other_doors_are() {
         let settings = load(&Sources::default()).unwrap();
-        let (coap, mqtt) = ("127.0.0.1:40123".parse().ok(), "127.0.0.1:40124".parse().ok());
-        let doors = Doors { http: "127.0.0.1:8080".parse().unwrap(), coap, mqtt };
+        let (coap, mqtt) = (Some(at("127.0.0.1:40123")), Some(at("127.0.0.1:40124")));
+        let doors = Doors { http: at("127.0.0.1:8080"), coap, mqtt };
         let expect = "hallsweep is at http://127.0.0.1:8080\nIts CoAP resources are at coap://127.0.0.1:40123\n\
                       Its MQTT topics are at mqtt://127.0.0.1:40124";
         assert_eq!(announcement(&settings, doors, &Entry::Open), expect);
@@ -114,7 +127,25 @@ mod tests {
         let set = |key: &str, value: &str| (format!("HALLSWEEP__MQTT__{key}"), value.to_owned());
         let environment = vec![set("BROKER", "mqtts://[::1]"), set("NAME", "me"), set("PASSWORD", "secret")];
         let settings = load(&Sources { environment, ..Sources::default() }).unwrap();
-        let doors = Doors { http: "127.0.0.1:8080".parse().unwrap(), coap: None, mqtt: None };
+        let doors = Doors { http: at("127.0.0.1:8080"), coap: None, mqtt: None };
         assert!(announcement(&settings, doors, &Entry::Open).ends_with("Its MQTT topics are at mqtts://[::1]:8883"));
+    }
+
+    #[test]
+    fn a_door_that_gave_way_says_so_and_how_the_broker_that_is_there_is_used() {
+        let settings = load(&Sources::default()).unwrap();
+        let instead = |address: &str, port| Place { instead_of: Some(port), ..at(address) };
+        let doors = Doors {
+            http: instead("127.0.0.1:40001", 8080),
+            coap: Some(instead("127.0.0.1:40002", 5683)),
+            mqtt: Some(instead("127.0.0.1:40003", 1883)),
+        };
+        assert_eq!(
+            announcement(&settings, doors, &Entry::Open),
+            "hallsweep is at http://127.0.0.1:40001 (another program has port 8080; --http localhost:PORT chooses one)\n\
+             Its CoAP resources are at coap://127.0.0.1:40002 (another program has port 5683; --coap localhost:PORT chooses one)\n\
+             Its MQTT topics are at mqtt://127.0.0.1:40003 (another program has port 1883; --mqtt localhost:PORT chooses one)\n\
+             To use the broker at port 1883 instead: HALLSWEEP__MQTT__BROKER=mqtt://localhost:1883, as docs/mqtt.md says"
+        );
     }
 }

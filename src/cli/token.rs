@@ -110,12 +110,12 @@ fn none_yet(file: &KeyFile) -> Failure {
 fn shown<'a>(http: &HttpSettings, file: &KeyFile, keys: impl Iterator<Item = &'a Key>) -> String {
     let key = |key: &Key| {
         let (name, role, token) = (&key.name, key.role.name(), key.token.reveal());
-        format!("{name} ({role})\n  token  {token}\n  link   {}\n", link::sign_in(http, http.bind, &key.token))
+        format!("{name} ({role})\n  token  {token}\n  link   {}\n", link::sign_in(http, http.bind.at.first(), &key.token))
     };
     let keys: String = keys.map(key).collect();
     let asked = if http.asks_for_keys { "" } else { ", and asked for only beyond loopback or with http.require_token = true" };
     let whose =
-        format!("The links are for {}, the address of these settings: another is named with --http or --config", http.bind);
+        format!("The links are for {}, the address of these settings: another is named with --http or --config", http.bind.at);
     format!("{keys}Kept in {}{asked}.\n{whose}.", file.path().display())
 }
 

@@ -1,6 +1,5 @@
 //! Turns written settings into usable ones, or says which is wrong. Whether a hall file can be opened shows when it is opened.
 
-use std::net::SocketAddr;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,6 +8,7 @@ use std::time::Duration;
 use figment::value::{Num, Value};
 use tracing_subscriber::EnvFilter;
 
+use super::bind::{At, Bind};
 use super::error::SettingsError;
 use super::layers::Layers;
 use super::mqtt;
@@ -80,7 +80,7 @@ fn hall(layers: &Layers, raw: &raw::Hall) -> Result<String, SettingsError> {
 }
 
 fn http(layers: &Layers, raw: &raw::Http) -> Result<HttpSettings, SettingsError> {
-    let bind = address(layers, "http.bind", &raw.bind)?;
+    let bind = bind(layers, "http.bind", &raw.bind)?;
     let hosts = match &raw.hosts {
         raw::Hosts::Several(names) => names.clone(),
         raw::Hosts::Single(name) => vec![name.clone()],
@@ -88,25 +88,27 @@ fn http(layers: &Layers, raw: &raw::Http) -> Result<HttpSettings, SettingsError>
     if let Some(wrong) = hosts.iter().find(|name| !is_host(name)) {
         return Err(layers.wrong("http.hosts", format!("{wrong:?} is not the name of a host")));
     }
-    let asks_for_keys = raw.require_token || !bind.ip().is_loopback();
+    let asks_for_keys = raw.require_token || !bind.at.is_local();
     Ok(HttpSettings { bind, asks_for_keys, hosts, tls: tls(layers, raw)? })
 }
 
-fn address(layers: &Layers, key: &str, written: &str) -> Result<SocketAddr, SettingsError> {
-    written.parse().map_err(|_| layers.wrong(key, "it is not an address with a port"))
+/// Where a door listens.
+pub(super) fn bind(layers: &Layers, key: &str, written: &str) -> Result<Bind, SettingsError> {
+    let at = At::read(written).ok_or_else(|| layers.wrong(key, "it is not an address with a port"))?;
+    Ok(Bind { at, is_chosen: layers.is_chosen(key) })
 }
 
 /// There are no keys for CoAP: beyond loopback it shows everything to whoever reaches it, and that must be meant.
-fn coap(layers: &Layers, raw: &raw::Coap) -> Result<Option<SocketAddr>, SettingsError> {
+fn coap(layers: &Layers, raw: &raw::Coap) -> Result<Option<Bind>, SettingsError> {
     if raw.bind == "none" {
         return Ok(None);
     }
-    let bind = address(layers, "coap.bind", &raw.bind)?;
-    if raw.open_to_others || bind.ip().to_canonical().is_loopback() {
+    let bind = bind(layers, "coap.bind", &raw.bind)?;
+    if raw.open_to_others || bind.at.is_local() {
         return Ok(Some(bind));
     }
     let problem = "everybody who reaches this address could read everything there, unencrypted and without a key";
-    let advice = "write an address of this machine alone, as 127.0.0.1:5683, or none for no such door; or set \
+    let advice = "write an address of this machine alone, as localhost:5683, or none for no such door; or set \
                   coap.open_to_others = true if that is meant";
     Err(layers.wrong_with_advice("coap.bind", problem, advice))
 }

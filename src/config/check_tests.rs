@@ -44,7 +44,7 @@ fn the_defaults_are_complete_and_are_what_the_core_would_choose() {
     let settings = load(&Sources::default()).expect("the defaults are good");
     assert_eq!(settings.core, CoreSettings::default());
     assert_eq!(settings.strategy, Strategy::default());
-    assert_eq!(settings.http.bind, "127.0.0.1:8080".parse().expect("an address"));
+    assert_eq!(settings.http.bind, Bind { at: At::Localhost(8080), is_chosen: false });
     assert_eq!(settings.robot.speed, Speed::Times(1.0));
 }
 
@@ -162,7 +162,7 @@ fn a_wrong_value_is_shown_as_it_was_given_and_told_in_words_for_people() {
         assert!(said.starts_with(&format!("setting {key} = {expect}")), "{said}");
     }
     let file = File::new("number", "[http]\nbind = 8080\n");
-    assert!(message(&file.sources()).contains("): it is a number; write ADDRESS:PORT"), "{}", message(&file.sources()));
+    assert!(message(&file.sources()).contains("): it is a number; write localhost:PORT"), "{}", message(&file.sources()));
 }
 
 #[test]
@@ -183,7 +183,7 @@ fn a_wrong_value_is_named_with_its_origin_and_what_to_do() {
     assert_eq!(
         said,
         "setting http.bind = \"8080\" (from flag --http): it is not an address with a port; \
-         write ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080"
+         write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080"
     );
 }
 
@@ -226,13 +226,23 @@ fn every_kind_of_wrong_value_is_refused() {
     }
 }
 
+/// Somebody has set this address.
+fn chosen(address: &str) -> Option<Bind> {
+    Some(Bind { at: At::read(address)?, is_chosen: true })
+}
+
 /// Safety A1.
 #[test]
 fn keys_are_asked_for_beyond_loopback_and_on_it_when_that_is_wanted() {
     let asks = |sources: &Sources| load(sources).expect("a good address").http.asks_for_keys;
-    for (address, expect) in
-        [("127.0.0.1:0", false), ("[::1]:0", false), ("0.0.0.0:0", true), ("192.0.2.1:80", true), ("[::]:0", true)]
-    {
+    for (address, expect) in [
+        ("localhost:0", false),
+        ("127.0.0.1:0", false),
+        ("[::1]:0", false),
+        ("0.0.0.0:0", true),
+        ("192.0.2.1:80", true),
+        ("[::]:0", true),
+    ] {
         assert_eq!(asks(&flag("--http", "http.bind", address)), expect, "{address}");
     }
     assert!(asks(&environment("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true")));
@@ -245,18 +255,18 @@ fn keys_are_asked_for_beyond_loopback_and_on_it_when_that_is_wanted() {
 #[test]
 fn coap_is_for_this_machine_unless_somebody_means_otherwise() {
     let coap = |address: &str| load(&flag("--coap", "coap.bind", address));
-    assert_eq!(load(&Sources::default()).expect("good").coap, "127.0.0.1:5683".parse().ok());
+    assert_eq!(load(&Sources::default()).expect("good").coap, Some(Bind { at: At::Localhost(5683), is_chosen: false }));
     assert_eq!(coap("none").expect("no door").coap, None);
     for address in ["127.0.0.1:0", "127.9.9.9:5683", "[::1]:5683", "[::ffff:127.0.0.1]:5683"] {
-        assert_eq!(coap(address).expect(address).coap, address.parse().ok());
+        assert_eq!(coap(address).expect(address).coap, chosen(address));
     }
     for address in ["0.0.0.0:5683", "192.0.2.7:5683", "[::]:5683"] {
         let said = coap(address).expect_err(address).to_string();
         assert!(said.starts_with(&format!("setting coap.bind = {address:?} (from flag --coap): everybody")), "{said}");
-        assert!(said.contains("coap.open_to_others = true") && said.contains("127.0.0.1:5683"), "{said}");
+        assert!(said.contains("coap.open_to_others = true") && said.contains("localhost:5683"), "{said}");
         let mut meant = flag("--coap", "coap.bind", address);
         meant.environment = vec![("HALLSWEEP__COAP__OPEN_TO_OTHERS".into(), "true".into())];
-        assert_eq!(load(&meant).expect("it is meant").coap, address.parse().ok());
+        assert_eq!(load(&meant).expect("it is meant").coap, chosen(address));
     }
 }
 
@@ -264,13 +274,14 @@ fn coap_is_for_this_machine_unless_somebody_means_otherwise() {
 #[test]
 fn our_own_broker_asks_for_passwords_beyond_loopback_and_on_it_when_that_is_wanted() {
     let broker = |sources: &Sources| load(sources).expect("good").mqtt.broker;
-    let own = |bind: &str, asks_for_keys| Some(Broker::Own { bind: bind.parse().expect("an address"), asks_for_keys });
-    assert_eq!(broker(&Sources::default()), own("127.0.0.1:1883", false));
+    let own = |bind: &str, asks_for_keys| Some(Broker::Own { bind: chosen(bind).expect("an address"), asks_for_keys });
+    let usual = |asks_for_keys| Some(Broker::Own { bind: Bind { at: At::Localhost(1883), is_chosen: false }, asks_for_keys });
+    assert_eq!(broker(&Sources::default()), usual(false));
     assert_eq!(broker(&flag("--mqtt", "mqtt.bind", "none")), None);
     for (bind, asks) in [("[::1]:1883", false), ("0.0.0.0:1883", true), ("192.0.2.7:0", true), ("[::]:1883", true)] {
         assert_eq!(broker(&flag("--mqtt", "mqtt.bind", bind)), own(bind, asks));
     }
-    assert_eq!(broker(&environment("HALLSWEEP__MQTT__REQUIRE_PASSWORD", "true")), own("127.0.0.1:1883", true));
+    assert_eq!(broker(&environment("HALLSWEEP__MQTT__REQUIRE_PASSWORD", "true")), usual(true));
 }
 
 #[test]

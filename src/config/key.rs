@@ -12,17 +12,15 @@ pub struct Key {
 }
 
 /// What to write for the address of the CoAP door.
-const COAP_BIND: &str =
-    "write ADDRESS:PORT with a number for an address, as 127.0.0.1:5683 or [::1]:5683, or none for no such door";
+const COAP_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:5683 or [::1]:5683, or none for no such door";
 
 /// What to write for the address of the MQTT door.
-const MQTT_BIND: &str =
-    "write ADDRESS:PORT with a number for an address, as 127.0.0.1:1883 or [::1]:1883, or none for no such door";
+const MQTT_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:1883 or [::1]:1883, or none for no such door";
 
 /// Every setting, in the order of `config/default.toml`.
 pub const KEYS: [Key; 33] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file"),
-    text("http.bind", "write ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080"),
+    text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080"),
     value("http.require_token", "write true or false"),
     value("http.hosts", "write names without a port in a list, as [\"hall.example\"]"),
     text("http.tls_certificate", "name a PEM file with the certificate, and http.tls_key too; or leave both empty"),

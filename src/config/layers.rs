@@ -21,6 +21,9 @@ use super::key::Key;
 /// The bottom layer, which names every setting.
 pub const DEFAULTS: &str = include_str!("../../config/default.toml");
 
+/// Where the values come from that nobody has set.
+const BY_DEFAULT: &str = "config/default.toml";
+
 /// Where settings are read from.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
@@ -101,6 +104,11 @@ impl Layers {
         error
     }
 
+    /// Whether somebody has set it; otherwise it is as it is by default.
+    pub(super) fn is_chosen(&self, key: &str) -> bool {
+        self.origin(key) != BY_DEFAULT
+    }
+
     /// Where the value of a setting comes from.
     pub(super) fn origin(&self, key: &str) -> String {
         self.0.find_metadata(key).map_or("an unknown place", |metadata| metadata.name.as_ref()).to_owned()
@@ -119,7 +127,7 @@ fn written(value: &Value) -> String {
 impl Layer {
     fn defaults() -> Layer {
         let values = toml::from_str(DEFAULTS).expect("config/default.toml is part of the program and a test reads it");
-        Layer { origin: "config/default.toml".to_owned(), values }
+        Layer { origin: BY_DEFAULT.to_owned(), values }
     }
 
     fn file(path: &Path) -> Result<Layer, SettingsError> {

@@ -1,9 +1,10 @@
 //! The settings of the MQTT door: a broker of our own or somebody else's, and how the topics are called.
 
 use std::fmt;
-use std::net::SocketAddr;
 use std::path::PathBuf;
 
+use super::bind::Bind;
+use super::check::bind;
 use super::error::SettingsError;
 use super::layers::Layers;
 use super::raw;
@@ -38,7 +39,7 @@ pub enum Broker {
     /// Our own.
     Own {
         /// Where it listens.
-        bind: SocketAddr,
+        bind: Bind,
         /// Whether name and password are asked for: always beyond loopback, and on loopback when it is wanted.
         asks_for_keys: bool,
     },
@@ -110,8 +111,8 @@ fn own(layers: &Layers, raw: &raw::Mqtt) -> Result<Option<Broker>, SettingsError
     if raw.bind == "none" {
         return Ok(None);
     }
-    let bind: SocketAddr = raw.bind.parse().map_err(|_| layers.wrong("mqtt.bind", "it is not an address with a port"))?;
-    let asks_for_keys = raw.require_password || !bind.ip().to_canonical().is_loopback();
+    let bind = bind(layers, "mqtt.bind", &raw.bind)?;
+    let asks_for_keys = raw.require_password || !bind.at.is_local();
     Ok(Some(Broker::Own { bind, asks_for_keys }))
 }
 

@@ -1,11 +1,13 @@
 //! The only place where the real clock is read.
 #![expect(clippy::disallowed_methods, reason = "somebody has to look at the clock, and it is done here")]
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use tokio::time::Instant;
 
 use crate::core::units::{Now, Wall};
 
-/// The real clock, counted from when it was made.
+/// The real clock, counted from when it was made. Where a test lets time stand, it stands with it.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     start: Instant,
@@ -28,8 +30,8 @@ impl Clock {
 
     /// The instant at which `since_start` is reached, for timers.
     #[must_use]
-    pub fn instant(&self, since_start: Duration) -> tokio::time::Instant {
-        tokio::time::Instant::from_std(self.start + since_start)
+    pub fn instant(&self, since_start: Duration) -> Instant {
+        self.start + since_start
     }
 
     /// Waits until `since_start` is reached; for ever, when there is nothing to wait for.

@@ -56,8 +56,8 @@ impl Handle {
     }
 
     /// Gives a command: it is stamped and queued at the call, so that commands keep the order in which they were given, and a
-    /// stop halts the robots whatever becomes of the future. The future is its answer; for a stop it ends when that is written
-    /// down where it outlives the program, if the disk takes it at once (safety S4). Only when the queue is full a command other
+    /// stop halts the robots whatever becomes of the future. The future is its answer; for a stop it ends when the robot stands and
+    /// the stop is written down where it outlives the program, or a tenth of a second later (safety S4, S8). Only when the queue is full a command other
     /// than a stop is queued by its future. Must be called inside a runtime.
     ///
     /// # Errors
@@ -73,11 +73,14 @@ impl Handle {
             if let Some(Waiting { commands, envelope }) = waiting {
                 commands.send(envelope).await.map_err(|_| Gone)?;
             }
-            let answer = answered.await.map_err(|_| Gone)?;
-            if let Some(epoch) = stop {
-                halter.until_noted(epoch).await;
-            }
-            Ok(answer)
+            let noted = async {
+                if let Some(epoch) = stop {
+                    halter.until_noted(epoch).await;
+                }
+            };
+            // Both waits of a stop are bounded, and neither is for the other's sake.
+            let (answer, ()) = tokio::join!(answered, noted);
+            answer.map_err(|_| Gone)
         }
     }
 

@@ -3,13 +3,15 @@
 use serde::Serialize;
 
 use super::time::rfc3339;
-use crate::core::world::alarm::Alarm;
+use crate::core::world::alarm::AlarmView;
 
 /// One alarm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AlarmJson {
-    /// Its number.
-    pub id: u64,
+    /// Its number; null until it is on record.
+    pub id: Option<u64>,
+    /// Whether it is on record. It is shown at once; it can be acknowledged when it is.
+    pub recorded: bool,
     /// When it was raised, RFC 3339.
     pub raised: String,
     /// What it says to an operator.
@@ -29,11 +31,12 @@ pub struct Acknowledgement {
     pub at: String,
 }
 
-impl From<&Alarm> for AlarmJson {
-    fn from(alarm: &Alarm) -> AlarmJson {
+impl From<&AlarmView> for AlarmJson {
+    fn from(alarm: &AlarmView) -> AlarmJson {
         let acknowledged = alarm.acknowledged.as_ref();
         AlarmJson {
-            id: alarm.id.0,
+            id: alarm.id.map(|id| id.0),
+            recorded: alarm.is_recorded(),
             raised: rfc3339(alarm.raised),
             text: alarm.text.clone(),
             luggage: alarm.luggage.map(|id| id.0),

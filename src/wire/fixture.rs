@@ -7,7 +7,7 @@ use crate::core::command::Verdict;
 use crate::core::explore::Strategy;
 use crate::core::mission::PhaseName;
 use crate::core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, Wall};
-use crate::core::world::alarm::Alarm;
+use crate::core::world::alarm::AlarmView;
 use crate::core::world::hall_map::{HallMap, Mark};
 use crate::core::world::log::{LogLine, Tone};
 use crate::core::world::luggage::{Decision, Luggage, PhotoState};
@@ -28,6 +28,7 @@ pub(crate) fn idle() -> Snapshot {
         mission: idle_mission(),
         robot: RobotView {
             state: RobotState::Stopped,
+            halting: false,
             pose: Pose::START,
             off_centre: false,
             sonar_cm: None,
@@ -42,7 +43,7 @@ pub(crate) fn idle() -> Snapshot {
             cool: degrees(24.0),
             hot: Vec::new(),
         },
-        alarms: Vec::new(),
+        alarms: Arc::from([]),
         log: Arc::from([]),
     }
 }
@@ -61,7 +62,7 @@ pub(crate) fn searching() -> Snapshot {
     snapshot.mission.route = Arc::from([Cell::new(2, 3), Cell::new(3, 3)]);
     snapshot.mission.trail = Arc::from([Cell::new(0, 0), Cell::new(1, 0), Cell::new(2, 0), Cell::new(2, 1), Cell::new(2, 2)]);
     snapshot.mission.inspected = Some(LuggageId(3));
-    snapshot.mission.progress = Progress { visited: 15, unknown: 4, percent: 78 };
+    snapshot.mission.progress = Progress { visited: 15, unknown: 4 };
     snapshot.mission.refusals.start = Some("luggage #3 waits for its verdict: answer safe or danger first".to_owned());
     snapshot.temperature.celsius = Some(degrees(21.4));
     snapshot.luggage = Arc::from([
@@ -70,8 +71,8 @@ pub(crate) fn searching() -> Snapshot {
         piece(3, Cell::new(3, 2), None),
     ]);
     let text = "luggage #2 is dangerous".to_owned();
-    let alarm = Alarm { id: AlarmId(1), raised: TEN, text, luggage: Some(LuggageId(2)), acknowledged: None };
-    snapshot.alarms = vec![Arc::new(alarm)];
+    let alarm = AlarmView { id: Some(AlarmId(1)), raised: TEN, text, luggage: Some(LuggageId(2)), acknowledged: None };
+    snapshot.alarms = Arc::from([alarm]);
     write(&mut snapshot, Tone::Info, "exploration began");
     write(&mut snapshot, Tone::Alarm, "luggage #2 is dangerous");
     write(&mut snapshot, Tone::Info, "luggage #3 found at (3, 2)");

@@ -4,7 +4,7 @@
 use super::map_text;
 use super::time::rfc3339;
 use crate::core::units::Heading;
-use crate::core::world::luggage::Luggage;
+use crate::core::world::luggage::{Luggage, PhotoState};
 use crate::core::world::robot::RobotView;
 use crate::core::world::snapshot::Snapshot;
 
@@ -29,11 +29,12 @@ pub fn luggage(snapshot: &Snapshot) -> Option<String> {
     Some(format!("luggage( state( '{}' ) )", luggage_state(shown)))
 }
 
-/// What is said of a piece: the number of its photo, the bag's cell, and when the photo was taken.
+/// What is said of a piece: the number of its photo, and whether that has failed, the bag's cell, and when the photo was taken.
 #[must_use]
 pub fn luggage_state(luggage: &Luggage) -> String {
     let cell = luggage.cell;
-    format!("photo {}, position: ({}, {}), date: {}", luggage.id, cell.x, cell.y, rfc3339(luggage.taken))
+    let failed = if matches!(luggage.photo, PhotoState::Failed(_)) { " failed" } else { "" };
+    format!("photo {}{failed}, position: ({}, {}), date: {}", luggage.id, cell.x, cell.y, rfc3339(luggage.taken))
 }
 
 /// The old word for a heading.
@@ -80,6 +81,12 @@ mod tests {
         state.luggage = Arc::from([piece(1, Cell::new(0, 2), None)]);
         let item = "luggage( state( 'photo 1, position: (0, 2), date: 2026-02-03T10:00:00.000+01:00' ) )";
         assert_eq!(luggage(&state).as_deref(), Some(item));
+    }
+
+    #[test]
+    fn a_photo_that_failed_is_not_told_as_one_that_is_there() {
+        let failed = Luggage { photo: PhotoState::Failed("lens".to_owned()), ..Luggage::clone(&piece(1, Cell::new(0, 2), None)) };
+        assert!(luggage_state(&failed).starts_with("photo 1 failed, position: (0, 2), date: "));
     }
 
     #[test]

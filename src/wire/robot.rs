@@ -28,6 +28,8 @@ pub struct RobotJson {
     pub revision: u64,
     /// `stopped`, `movingForward`, `movingBackward`, `rotateLeft`, `rotateRight`, `takingPhoto` or `sendingPhoto`.
     pub state: &'static str,
+    /// Whether it was told to halt and has not said since that it stands.
+    pub halting: bool,
     /// `north`, `east`, `south` or `west`.
     pub heading: &'static str,
     /// The cell it stands in.
@@ -48,6 +50,7 @@ impl RobotJson {
         RobotJson {
             revision: revision.0,
             state: robot.state.name(),
+            halting: robot.halting,
             heading: robot.pose.heading.name(),
             position: Place { x: cell.x, y: cell.y },
             off_centre: robot.off_centre,

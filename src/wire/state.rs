@@ -78,7 +78,7 @@ pub fn luggage(snapshot: &Snapshot) -> Vec<LuggageJson> {
 /// The alarms of this snapshot, oldest first.
 #[must_use]
 pub fn alarms(snapshot: &Snapshot) -> Vec<AlarmJson> {
-    snapshot.alarms.iter().map(|alarm| AlarmJson::from(&**alarm)).collect()
+    snapshot.alarms.iter().map(AlarmJson::from).collect()
 }
 
 /// The log lines at hand with a number above `number`, oldest first.
@@ -97,11 +97,11 @@ mod tests {
         let json = serde_json::to_value(StateJson::from(&searching())).unwrap();
         assert_eq!(json["mission"]["phase"], "inspecting");
         assert_eq!(json["mission"]["goal"], serde_json::json!({"x": 4, "y": 4}));
-        assert_eq!(json["mission"]["progress"], serde_json::json!({"visited": 15, "unknown": 4, "percent": 78}));
+        assert_eq!(json["mission"]["progress"], serde_json::json!({"visited": 15, "unknown": 4, "percent": null}));
         assert_eq!(json["mission"]["refusals"]["backHome"], "not possible while idle");
         assert_eq!(
             json["robot"],
-            serde_json::json!({"revision": 20, "state": "stopped", "heading": "east", "position": {"x": 2, "y": 2},
+            serde_json::json!({"revision": 20, "state": "stopped", "halting": false, "heading": "east", "position": {"x": 2, "y": 2},
                 "offCentre": false, "sonar": 42, "led": "blinking"})
         );
         assert_eq!(
@@ -115,7 +115,11 @@ mod tests {
                 "photo": {"state": "taken", "url": "/api/v1/luggage/3/photo?take=1", "bytes": 4, "take": 1, "reason": null}})
         );
         assert_eq!(json["luggage"][0]["decided"]["by"], "operator");
-        assert_eq!(json["alarms"][0]["acknowledged"], serde_json::Value::Null);
+        assert_eq!(
+            json["alarms"][0],
+            serde_json::json!({"id": 1, "recorded": true, "raised": "2026-02-03T10:00:00.000+01:00",
+                "text": "luggage #2 is dangerous", "luggage": 2, "acknowledged": null})
+        );
         assert_eq!(json["log"][0]["number"], 1);
     }
 

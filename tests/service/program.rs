@@ -89,7 +89,7 @@ impl Program {
         let mut lines = BufReader::new(child.stdout.take().expect("standard output is a pipe")).lines();
         let announced = lines.find_map(|line| {
             let line = line.ok()?;
-            ANNOUNCED.iter().find_map(|words| line.strip_prefix(words))?.parse().ok()
+            ANNOUNCED.iter().find_map(|words| line.strip_prefix(words))?.split(' ').next()?.parse().ok()
         });
         let bound: SocketAddr = announced.expect("the program says where it is");
         let address = reached(bound);
@@ -122,7 +122,8 @@ impl Program {
         let line = said.recv_timeout(PATIENCE).expect("the program says something more");
         for (scheme, door) in [("coap://", &self.coap), ("mqtt://", &self.mqtt)] {
             if let Some((_, at)) = line.split_once(scheme) {
-                door.get_or_init(|| reached(at.parse().expect("an address with a port")));
+                let at = at.split(' ').next().and_then(|at| at.parse().ok());
+                door.get_or_init(|| reached(at.expect("an address with a port")));
             }
         }
         line

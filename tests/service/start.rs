@@ -1,8 +1,8 @@
 //! Starting: settings that are refused, a port that is taken, the health check.
 
-use std::net::TcpListener;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, TcpListener, TcpStream, UdpSocket};
 
-use crate::program::{Program, hallsweep, run};
+use crate::program::{PATIENCE, Program, hallsweep, run};
 
 fn refused(arguments: &[&str], code: i32) -> String {
     let output = run(arguments);
@@ -83,7 +83,57 @@ fn a_port_that_is_taken_is_named_with_what_to_do() {
     let taken = TcpListener::bind("127.0.0.1:0").expect("a free port");
     let address = taken.local_addr().expect("a bound port").to_string();
     let said = refused(&["serve", "--http", &address], 1);
-    assert!(said.contains(&address) && said.contains("--http 127.0.0.1:0"), "{said}");
+    assert!(said.contains(&address) && said.contains("--http localhost:0"), "{said}");
+}
+
+/// Whoever has a web server and a broker running sees a console all the same, at the first start.
+#[test]
+fn a_usual_port_that_is_taken_gives_way_and_that_is_said() {
+    let ports = [("HTTP", 8080), ("MQTT", 1883)];
+    // Where somebody else has it already, that is as good.
+    let _taken: Vec<_> = ports.iter().map(|(_, port)| TcpListener::bind(("127.0.0.1", *port))).collect();
+    let _taken_too = UdpSocket::bind("127.0.0.1:5683");
+    let mut command = hallsweep(&["serve", "--hall", "empty-8x8"]);
+    command.env_remove("HALLSWEEP__COAP__BIND").env_remove("HALLSWEEP__MQTT__BIND");
+    let program = Program::started(&mut command);
+    assert_ne!(program.address().port(), 8080);
+    assert_eq!(program.read("/healthz", &[]).status, 200);
+    let [coap, mqtt, broker] = [program.says(), program.says(), program.says()];
+    assert!(coap.contains("another program has port 5683; --coap localhost:PORT"), "{coap}");
+    assert!(mqtt.contains("another program has port 1883; --mqtt localhost:PORT"), "{mqtt}");
+    assert!(broker.contains("HALLSWEEP__MQTT__BROKER=mqtt://localhost:1883"), "{broker}");
+}
+
+/// Old clients say `localhost`, which may mean either.
+#[test]
+fn localhost_is_both_of_its_addresses_at_every_door() {
+    let mut command = hallsweep(&["serve", "--http", "localhost:0", "--hall", "empty-8x8"]);
+    command.env("HALLSWEEP__COAP__BIND", "localhost:0").env("HALLSWEEP__MQTT__BIND", "localhost:0");
+    let program = Program::started(&mut command);
+    for address in [program.address(), program.mqtt()] {
+        for ip in loopbacks() {
+            assert!(TcpStream::connect((ip, address.port())).is_ok(), "{ip} {address}");
+        }
+    }
+    for ip in loopbacks() {
+        let socket = UdpSocket::bind((ip, 0)).expect("a free port");
+        socket.connect((ip, program.coap().port())).expect("it is this machine's");
+        socket.set_read_timeout(Some(PATIENCE)).expect("it is no zero");
+        // A ping (RFC 7252, section 4.3) is answered with a reset.
+        socket.send(&[0x40, 0, 0x12, 0x34]).expect("it is sent");
+        let mut answer = [0; 16];
+        assert_eq!(
+            socket.recv(&mut answer).map(|length| answer[..length].to_vec()).expect("an answer"),
+            [0x70, 0, 0x12, 0x34],
+            "{ip}"
+        );
+    }
+}
+
+/// What this machine calls itself.
+fn loopbacks() -> Vec<IpAddr> {
+    let both: [IpAddr; 2] = [Ipv4Addr::LOCALHOST.into(), Ipv6Addr::LOCALHOST.into()];
+    both.into_iter().filter(|ip| UdpSocket::bind((*ip, 0)).is_ok()).collect()
 }
 
 #[test]

@@ -165,9 +165,9 @@ impl Bare {
         self.event(Event::Recorded(self.written));
     }
 
-    /// Lets time pass until the open order counts as unanswered.
+    /// Lets time pass until the answer of a stop has waited long enough, or the open order counts as unanswered.
     pub(crate) fn wait_in_vain(&mut self) {
-        let due = self.sweep.poll_timeout().expect("an order is under way");
+        let due = self.sweep.poll_timeout().expect("something is due");
         self.seconds = due.as_secs() + 1;
         self.sweep.handle_timeout(self.now());
         self.drain();

@@ -21,6 +21,7 @@ mod rules_holds;
 mod rules_luggage;
 mod rules_phases;
 mod rules_restart;
+mod rules_stops;
 mod rules_store;
 mod seeds_early;
 mod seeds_luggage;

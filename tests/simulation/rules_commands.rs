@@ -248,6 +248,7 @@ fn while_the_store_is_down_only_a_stop_is_accepted() {
     assert!(bare.holds().contains(&Hold::TooHigh), "the button counts although it is not on record");
     assert!(bare.state().alarms[0].acknowledged.is_none());
     let stop = bare.give(Command::Stop).unwrap();
+    bare.halted();
     assert!(bare.answer(stop).unwrap().is_ok());
     let again = bare.verdict(Verdict::Danger).expect("it is on record already");
     assert!(bare.answer(again).unwrap().is_ok());

@@ -122,8 +122,9 @@ impl Sweep {
     pub(super) fn send_halt(&mut self) {
         if let Some(order) = self.outbox.halt(RobotId::Discovery) {
             self.helm.close(order.id);
-            self.world.touch(Resource::Robot);
         }
+        self.helm.halt();
+        self.world.touch(Resource::Robot);
     }
 
     fn led(&mut self, blinks: bool) {

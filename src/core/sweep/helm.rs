@@ -20,6 +20,8 @@ pub(super) struct Helm {
     /// An order that was given up: its answer may still come.
     overdue: Option<Order>,
     last: OrderId,
+    /// It was told to halt, or cannot be reached, and has not said since that it stands.
+    halting: bool,
     /// What the robot will be seen doing when it recentres: the opposite of what took it off centre.
     way_back: Option<RobotState>,
 }
@@ -41,19 +43,53 @@ impl Helm {
         self.open.is_some_and(|open| open.order.action.is_motion())
     }
 
-    /// A new open order.
+    /// Whether the robot may still be moving although it was told to halt, or its link was lost (safety S8).
+    pub(super) const fn is_halting(&self) -> bool {
+        self.halting
+    }
+
+    /// The robot is told to halt.
+    pub(super) fn halt(&mut self) {
+        self.halting |= self.may_be_moving();
+    }
+
+    /// The robot's link is lost; true when it was on the move. It halts by itself, and says so when it is back.
+    pub(super) fn lose(&mut self) -> bool {
+        self.capabilities = None;
+        let halting = self.halting || self.may_be_moving();
+        let was_moving = self.drop_open().is_some_and(|order| order.action.is_motion());
+        (self.overdue, self.halting) = (None, halting);
+        was_moving
+    }
+
+    /// The robot's link is up: it stands, unless it has an order.
+    pub(super) fn link_up(&mut self, can: Capabilities) {
+        self.capabilities = Some(can);
+        self.halting &= self.is_moving();
+    }
+
+    /// Whether a motion that was ordered has not been answered, however late it is.
+    fn may_be_moving(&self) -> bool {
+        self.is_moving() || self.overdue.is_some_and(|order| order.action.is_motion())
+    }
+
+    /// A new open order. It begins after whatever the robot was told before; who gives one after a fault has looked after it.
     pub(super) fn give(&mut self, action: Action, epoch: Epoch, since_start: Duration) -> Order {
         self.last = self.last.next();
         let order = Order { id: self.last, action, epoch, deadline: self.deadline(action) };
         self.open = Some(Open { order, sent: since_start });
+        self.halting = false;
         order
     }
 
     /// Closes the open order, or the one that was given up, if it is this one; an answer to any other is out of date.
     pub(super) fn close(&mut self, id: OrderId) -> Option<Order> {
-        if let Some(overdue) = self.overdue.take_if(|order| order.id == id) {
-            return Some(overdue);
-        }
+        let order = self.overdue.take_if(|order| order.id == id).or_else(|| self.close_open(id))?;
+        self.halting &= self.may_be_moving();
+        Some(order)
+    }
+
+    fn close_open(&mut self, id: OrderId) -> Option<Order> {
         let open = self.open.take_if(|open| open.order.id == id)?;
         self.overdue = None;
         if let Action::Move(step) = open.order.action {

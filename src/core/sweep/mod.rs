@@ -17,6 +17,7 @@ mod recall;
 mod records;
 mod repeats;
 mod reports;
+mod stops;
 mod view;
 mod vigil;
 
@@ -33,6 +34,7 @@ pub use self::repeats::IDS;
 
 use self::outbox::{Outbox, Waiting};
 use self::repeats::{Known, Outcome, Repeats, content};
+use self::stops::Stops;
 use self::view::Shown;
 use self::vigil::Vigil;
 use super::command::{Accepted, Command, Issuer, LuggageRef, Refusal, Refused, Request, TemperatureReport};
@@ -60,6 +62,7 @@ pub struct Sweep {
     outbox: Outbox,
     vigil: Vigil,
     repeats: Repeats,
+    stops: Stops,
     taken: Option<Arc<Snapshot>>,
 }
 
@@ -77,6 +80,7 @@ impl Sweep {
             outbox: Outbox::default(),
             vigil: Vigil::default(),
             repeats: Repeats::default(),
+            stops: Stops::default(),
             taken: None,
         }
     }
@@ -106,7 +110,7 @@ impl Sweep {
                 Err(refused)
             }
         };
-        self.pump();
+        self.go_on();
         answer
     }
 
@@ -163,7 +167,7 @@ impl Sweep {
                 self.record_anew();
             }
         }
-        self.pump();
+        self.go_on();
     }
 
     /// Time has passed; call it at `poll_timeout`.
@@ -174,8 +178,9 @@ impl Sweep {
         }
         if self.helm.due().is_some_and(|due| due <= now.since_start) {
             self.order_unanswered();
-            self.pump();
         }
+        self.answer_overdue_stops();
+        self.go_on();
     }
 
     /// The next thing to be done outside, oldest first.
@@ -191,7 +196,7 @@ impl Sweep {
     /// When `handle_timeout` is to be called, counted from the start.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
-        [self.helm.due(), self.vigil.due()].into_iter().flatten().min()
+        [self.helm.due(), self.vigil.due(), self.stops.due()].into_iter().flatten().min()
     }
 
     /// Everything that can be seen, at this moment; the same `Arc` until something changes.
@@ -227,14 +232,16 @@ impl Sweep {
         self.world.turn_page();
     }
 
-    /// Carries out an accepted command; it is answered once it is kept with all that followed from it. A stop never waits; and what
-    /// the table still accepts while the store cannot write is on record already, or need not be.
+    /// Carries out an accepted command; it is answered once it is kept with all that followed from it. A stop waits for no record; and
+    /// what the table still accepts while the store cannot write is on record already, or need not be.
     fn carry_out(&mut self, request: &Request, input: Input, step: Step, matter: &Matter) -> Ticket {
         self.apply(step, matter);
         let ticket = self.outbox.next_ticket();
         self.remember(request, Outcome::Open(ticket));
-        let waits = input != Input::Stop && !self.mission.holds.contains(Hold::Store) && !self.outbox.is_kept();
-        if waits {
+        let waits = !self.mission.holds.contains(Hold::Store) && !self.outbox.is_kept();
+        if input == Input::Stop {
+            self.answer_standing(ticket);
+        } else if waits {
             let seq = self.outbox.written();
             self.outbox.wait(Waiting { ticket, seq, luggage: matter.luggage, verdict: matter.verdict });
         } else {

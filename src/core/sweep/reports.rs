@@ -63,16 +63,14 @@ impl Sweep {
     }
 
     fn link_up(&mut self, can: Capabilities) {
-        self.helm.capabilities = Some(can);
+        self.helm.link_up(can);
+        self.world.touch(Resource::Robot);
         self.feed(Input::LinkUp, &Matter::default());
     }
 
     /// The robot halts by itself; where exactly it stands is not known before it is recentred.
     fn link_lost(&mut self, words: String) {
-        self.helm.capabilities = None;
-        if let Some(order) = self.helm.drop_open() {
-            self.world.robot.off_centre |= order.action.is_motion();
-        }
+        self.world.robot.off_centre |= self.helm.lose();
         self.world.touch(Resource::Robot);
         self.feed(Input::LinkLost, &Matter { words: Some(words), ..Matter::default() });
     }

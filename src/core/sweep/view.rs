@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use super::Sweep;
 use crate::core::explore::plan::cells_along;
-use crate::core::mission::{Goal, Hold, Input, Matter, Phase, PhaseName, Stage};
+use crate::core::mission::{Goal, Hold, Input, Matter, Phase, Stage};
 use crate::core::units::Cell;
+use crate::core::world::alarm::AlarmView;
 use crate::core::world::resource::Resource;
 use crate::core::world::robot::{RobotState, RobotView};
 use crate::core::world::snapshot::{MissionView, Progress, Refusals, Snapshot};
@@ -20,7 +21,7 @@ pub(super) struct Shown {
 
 impl Sweep {
     pub(super) fn shown(&self) -> Shown {
-        let robot = RobotView { state: self.robot_state(), ..self.world.robot };
+        let robot = RobotView { state: self.robot_state(), halting: self.helm.is_halting(), ..self.world.robot };
         Shown { mission: self.mission_view(), robot, temperature: self.temperature_view() }
     }
 
@@ -39,7 +40,7 @@ impl Sweep {
             map: self.world.map.clone(),
             luggage: same(Resource::Luggage).map_or_else(luggage, |taken| Arc::clone(&taken.luggage)),
             temperature: shown.temperature,
-            alarms: self.world.alarms.clone(),
+            alarms: self.world.alarms.iter().map(|alarm| AlarmView::recorded(alarm)).collect(),
             log: same(Resource::Log).map_or_else(|| self.world.log.lines(), |taken| Arc::clone(&taken.log)),
         }
     }
@@ -102,10 +103,7 @@ impl Sweep {
     fn progress(&self) -> Progress {
         let visited = self.world.map.visited();
         let unknown = self.world.map.frontier().len() + self.world.map.uninspected();
-        let explored = self.phase_name() == PhaseName::Explored;
-        let share = (visited * 100 / (visited + unknown).max(1)).min(99);
-        let percent = if explored { 100 } else { u8::try_from(share).unwrap_or(99) };
-        Progress { visited, unknown, percent }
+        Progress { visited, unknown }
     }
 
     fn refusals(&self) -> Refusals {

@@ -47,8 +47,15 @@ impl World {
     /// A robot at home in a hall of which nothing is known.
     #[must_use]
     pub fn new(run: Arc<str>, settings: &Settings) -> World {
-        let robot =
-            RobotView { state: RobotState::Stopped, pose: Pose::START, off_centre: false, sonar_cm: None, led_blinking: false };
+        let robot = RobotView {
+            state: RobotState::Stopped,
+            halting: false,
+            pose: Pose::START,
+            off_centre: false,
+            sonar_cm: None,
+            led_blinking: false,
+        };
+
         World {
             run,
             robot,

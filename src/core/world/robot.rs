@@ -7,6 +7,8 @@ use crate::core::units::Pose;
 pub struct RobotView {
     /// What it does just now.
     pub state: RobotState,
+    /// Whether it was told to halt, or its link was lost on the move, and it has not said since that it stands (safety S8).
+    pub halting: bool,
     /// Where it stands: the cell and heading of its last completed order.
     pub pose: Pose,
     /// Whether it stands away from that cell's centre (after a halt in mid-step).

@@ -25,23 +25,30 @@ pub trait Application: Send + 'static {
     /// Takes a request. A command is given in here, so that commands keep the order in which they came; must not block.
     fn answer(&self, request: &Request) -> Said;
 
+    /// There is a newer state; must not block.
+    fn handle_change(&self) {}
+
     /// What an observer of this request sees now; must not block.
     fn things(&self, request: &Request) -> Vec<Arc<Response>>;
 
-    /// Whether a request is a STOP, which is taken whatever is wrong with its body.
+    /// Whether a request is a STOP of somebody who may press it here, by its method, path and payload alone: it is taken whatever
+    /// is wrong with the rest, and however much is under way already (safety S8).
     const IS_STOP: fn(&Request) -> bool;
 
     /// Notes what the endpoint refused without asking; must not block.
     fn note(&self, refusal: Refusal);
-
-    /// Whether it is taken however much is under way already: a STOP.
-    fn is_urgent(&self, request: &Request) -> bool;
 }
 
 /// Asks for an answer; a mistake of the application ends this request alone (safety A7).
 pub(super) fn answer(application: &impl Application, request: &Request) -> Said {
     let asked = AssertUnwindSafe(|| application.answer(request));
     catch_unwind(asked).unwrap_or_else(|_| Said::Now(broken()))
+}
+
+/// Says that there is a newer state.
+pub(super) fn changed(application: &impl Application) {
+    // What breaks over it was logged, and is no reason for the door to end.
+    let _ = catch_unwind(AssertUnwindSafe(|| application.handle_change()));
 }
 
 /// Asks what observers see; nothing, when the application breaks over it.

@@ -13,4 +13,4 @@ mod under_way;
 pub use application::{Application, Said};
 pub use resources::Resources;
 pub use serve::serve;
-pub use socket::Socket;
+pub use socket::{Socket, beside};

@@ -49,6 +49,7 @@ impl News {
 
 /// Tells the endpoint what the observers of each subject see now.
 pub(super) fn tell(endpoint: &mut Endpoint, application: &impl Application, now: Now) {
+    application::changed(application);
     for (subject, request) in endpoint.subjects() {
         if let Some(things) = application::things(application, &request) {
             endpoint.handle_change(subject, things, now);

@@ -18,6 +18,9 @@ use crate::runtime::clock::Clock;
 /// So long requests under way are waited for at the end: within two seconds, with the HTTP door, which ends at the same time.
 const GRACE: Duration = Duration::from_millis(1500);
 
+/// So long one socket is read before another has its turn.
+const TURN: Duration = Duration::from_millis(2);
+
 struct Driver<A> {
     socket: Socket,
     endpoint: Endpoint,
@@ -35,7 +38,7 @@ pub async fn serve<A: Application>(
     shutdown: impl Future<Output = ()>,
 ) {
     let clock = Clock::default();
-    let endpoint = endpoint.with_urgent(A::IS_STOP);
+    let endpoint = endpoint.with_stop(A::IS_STOP);
     let mut driver = Driver { socket, endpoint, application, under_way: UnderWay::default(), clock };
     let mut news = News::of(states, clock);
     tokio::pin!(shutdown);
@@ -58,22 +61,28 @@ pub async fn serve<A: Application>(
 }
 
 impl<A: Application> Driver<A> {
-    /// Takes what has come, each datagram with all that follows from it, but not for long. To read several before any is answered
-    /// would make a client send in bursts and everybody wait between them.
+    /// Takes what has come, each datagram with all that follows from it, but not for long: then the other sockets of this thread
+    /// have their turns (safety S7). To read several before any is answered would make a client send in bursts and everybody wait
+    /// between them.
     async fn read(&mut self) {
-        let now = self.clock.now();
+        let began = self.clock.now().since_start;
         for _ in 0..BATCH {
+            let now = self.clock.now();
+            if now.since_start > began + TURN {
+                break;
+            }
             let Some((peer, bytes)) = self.socket.read().await else { return };
             self.endpoint.handle_datagram(peer, bytes, now);
             self.settle(now);
         }
+        tokio::task::yield_now().await;
     }
 
     /// Takes requests to the application and datagrams to the network, until there are none. A command too many is not begun.
     fn settle(&mut self, now: Now) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             let (sort, asked) = (Sort::of(request.method), &self.application);
-            let is_full = self.under_way.is_full(sort) && !asked.is_urgent(&request);
+            let is_full = self.under_way.is_full(sort) && !A::IS_STOP(&request);
             match if is_full && sort == Sort::Command { Said::Now(busy()) } else { application::answer(asked, &request) } {
                 Said::Now(answer) => self.endpoint.handle_answer(exchange, answer, now),
                 Said::Later(_) if is_full => self.endpoint.handle_answer(exchange, busy(), now),

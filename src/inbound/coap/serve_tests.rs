@@ -35,7 +35,7 @@ impl Obedient {
 }
 
 impl Application for Obedient {
-    const IS_STOP: fn(&Request) -> bool = |_| false;
+    const IS_STOP: fn(&Request) -> bool = |request| request.segments() == ["stop"];
 
     fn note(&self, _: Refusal) {}
 
@@ -62,10 +62,6 @@ impl Application for Obedient {
         }
         vec![Arc::new(self.revision())]
     }
-
-    fn is_urgent(&self, request: &Request) -> bool {
-        request.segments() == ["stop"]
-    }
 }
 
 /// A door that serves, and what moves it.
@@ -84,7 +80,7 @@ struct Client {
     id: u16,
 }
 
-async fn house() -> House {
+fn house() -> House {
     let socket = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
     let address = socket.local_addr().unwrap();
     let socket = Socket::new(socket).unwrap();
@@ -157,7 +153,7 @@ fn code(packet: &Packet) -> Code {
 /// Safety A7.
 #[tokio::test]
 async fn a_mistake_of_the_application_ends_one_request_and_no_more() {
-    let house = house().await;
+    let house = house();
     let mut client = house.client().await;
     for path in ["panic", "panic/later", "panic"] {
         let answer = client.ask(Method::Post, path).await;
@@ -181,7 +177,7 @@ async fn fill(client: &mut Client, method: Method, places: usize) {
 /// Safety S1, A5.
 #[tokio::test]
 async fn when_many_commands_are_under_way_others_are_asked_to_wait_and_stop_is_taken() {
-    let house = house().await;
+    let house = house();
     let mut client = house.client().await;
     fill(&mut client, Method::Post, COMMANDS).await;
     let mut other = house.client().await;
@@ -201,7 +197,7 @@ async fn when_many_commands_are_under_way_others_are_asked_to_wait_and_stop_is_t
 /// Safety A5.
 #[tokio::test]
 async fn looks_that_hang_keep_out_neither_commands_nor_what_is_at_hand() {
-    let house = house().await;
+    let house = house();
     let mut client = house.client().await;
     fill(&mut client, Method::Get, LOOKS).await;
     let mut other = house.client().await;
@@ -217,7 +213,7 @@ async fn looks_that_hang_keep_out_neither_commands_nor_what_is_at_hand() {
 
 #[tokio::test]
 async fn observers_see_every_change_that_lasts() {
-    let house = house().await;
+    let house = house();
     let mut client = house.client().await;
     let token = client.send(Method::Get, "revision", |packet| packet.add_option(CoapOption::Observe, Vec::new())).await;
     let first = client.next().await;
@@ -237,7 +233,7 @@ async fn observers_see_every_change_that_lasts() {
 /// Safety A7.
 #[tokio::test]
 async fn no_datagram_ends_the_loop_and_none_is_taken_for_a_shorter_one() {
-    let house = house().await;
+    let house = house();
     let mut client = house.client().await;
     for garbage in [&[][..], &[0xFF], &[0x40, 0x01], &[0x4F; 40]] {
         client.socket.send(garbage).await.unwrap();
@@ -256,7 +252,7 @@ async fn no_datagram_ends_the_loop_and_none_is_taken_for_a_shorter_one() {
 
 #[tokio::test]
 async fn what_is_under_way_is_answered_before_the_end() {
-    let house = house().await;
+    let house = house();
     let mut client = house.client().await;
     client.send(Method::Post, "hang", |_| {}).await;
     assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT, "so the one before was begun");
@@ -268,7 +264,7 @@ async fn what_is_under_way_is_answered_before_the_end() {
 
 #[tokio::test]
 async fn the_end_does_not_wait_for_what_hangs() {
-    let house = house().await;
+    let house = house();
     let mut client = house.client().await;
     client.send(Method::Post, "hang", |_| {}).await;
     assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT, "so the one before was begun");

@@ -5,7 +5,7 @@ use std::io::{self, ErrorKind};
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use socket2::SockRef;
+use socket2::{Domain, SockRef, Type};
 use tokio::net::UdpSocket;
 
 use super::endpoint::Transmit;
@@ -72,4 +72,19 @@ impl Socket {
             tracing::debug!(%error, peer = %transmit.peer, "a datagram could not be sent");
         }
     }
+}
+
+/// Binds the same port at one more address of those that the first socket may hear. Both share it for this moment alone, so that
+/// no other program can join them.
+///
+/// # Errors
+/// The address is not there, or taken by another program.
+pub fn beside(first: &std::net::UdpSocket, address: SocketAddr) -> io::Result<std::net::UdpSocket> {
+    let (first, second) = (SockRef::from(first), socket2::Socket::new(Domain::for_address(address), Type::DGRAM, None)?);
+    first.set_reuse_address(true)?;
+    second.set_reuse_address(true)?;
+    let bound = second.bind(&address.into());
+    first.set_reuse_address(false)?;
+    second.set_reuse_address(false)?;
+    bound.map(|()| second.into())
 }

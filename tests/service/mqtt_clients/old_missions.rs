@@ -4,11 +4,11 @@
 use serde_json::Value;
 
 use super::client::Client;
-use super::old_words::{EVENTS, check_numbers, event, luggage, map, newest, piece, robot};
+use super::old_words::{EVENTS, check_numbers, event, luggage, map, model, newest, piece, robot};
 use super::talk::Talk;
 use super::told::{Hello, Say};
 use super::with_each;
-use crate::program::Program;
+use crate::program::{Program, hallsweep};
 
 /// An old console, and the program it works with.
 struct Console<'a> {
@@ -145,6 +145,47 @@ fn paho_explores_a_hall_over_the_old_topics() {
 #[test]
 fn mqtt_js_explores_a_hall_over_the_old_topics() {
     everything_is_safe(Client::MqttJs);
+}
+
+/// The old console with a camera that fails now and then: it is told so, and why SAFE is not taken; what goes on takes the photo again.
+#[test]
+fn a_hall_is_explored_over_the_old_topics_although_the_camera_fails() {
+    with_each(|client| {
+        let mut command = hallsweep(&["serve", "--http", "127.0.0.1:0", "--seed", "1", "--hall", "seed", "--speed", "max"]);
+        let program = Program::started(command.env("HALLSWEEP__ROBOT__PHOTO_FAILURE_RATE", "0.6"));
+        let mut console = Console::of(client, &program);
+        console.say("startAppl");
+        let (mut refused, mut seen) = (0, 0);
+        for number in 1..=3 {
+            // What is told of a piece, since the console last acted.
+            let told = |console: &Console, seen: usize| {
+                console.talk.until("what is told of a piece", |heard| {
+                    let told: Vec<&str> =
+                        model(heard).into_iter().map(|(content, _)| content).filter(|it| it.contains("luggage(")).collect();
+                    (told.len() > seen).then(|| (told[seen].to_owned(), seen + 1))
+                })
+            };
+            loop {
+                let (piece, next) = told(&console, seen);
+                seen = next;
+                if !piece.contains(&format!("photo {number} failed")) {
+                    assert!(piece.contains(&format!("photo {number},")), "{piece}");
+                    break;
+                }
+                console.say("luggageSafe");
+                let (why, next) = told(&console, seen);
+                assert!(why.contains("refused: ") && why.contains("no usable photo") && why.contains("continueExplore"), "{why}");
+                (seen, refused) = (next, refused + 1);
+                console.say("continueExplore");
+            }
+            console.say("continueExploreAfterPhoto");
+        }
+        console.until_home();
+        let state = program.until_phase("explored");
+        assert!(state["luggage"].as_array().unwrap().iter().all(|piece| piece["verdict"] == "safe"), "{state:#}");
+        assert!(refused > 0, "the camera has failed");
+        console.shows_what_stands(&program);
+    });
 }
 
 /// In both forms, and as the halt of the robot's own words.

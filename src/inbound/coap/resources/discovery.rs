@@ -29,7 +29,7 @@ fn links(row: &Row, snapshot: &Snapshot) -> Vec<Link> {
     if row.path.starts_with("/luggage/{id}") {
         snapshot.luggage.iter().map(|piece| each(piece.id.0)).collect()
     } else if row.path.starts_with("/alarms/{id}") {
-        snapshot.alarms.iter().map(|alarm| each(alarm.id.0)).collect()
+        snapshot.alarms.iter().filter_map(|alarm| alarm.id).map(|id| each(id.0)).collect()
     } else {
         vec![link(row, &row.path, None)]
     }

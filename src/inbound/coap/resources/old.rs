@@ -2,7 +2,7 @@
 //! observer gets the newest of each; and the bare words by which these clients command. How an item is written stands in
 //! `crate::wire::old_items`.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::super::endpoint::format::Format;
 use super::super::endpoint::request::Request;
@@ -14,11 +14,13 @@ use super::table::Show;
 use crate::core::command::{Command, LuggageRef, Verdict};
 use crate::core::mission::in_words;
 use crate::core::units::Revision;
+use crate::core::world::resource::Resource;
 use crate::core::world::snapshot::Snapshot;
 use crate::wire::command::move_word;
 use crate::wire::old_clients;
 
-/// Which of the items changed last, as far as anybody looked.
+/// Which of the items changed last. It is looked at each newer state, so that what follows a change without changing an item does
+/// not hide which it was.
 pub(super) struct OldModel(Mutex<Seen>);
 
 struct Seen {
@@ -33,28 +35,40 @@ impl OldModel {
         OldModel(Mutex::new(Seen { items, latest: 0 }))
     }
 
-    /// The item that changed last, and all of them for observers, in the order robot, map, luggage. Of several that changed at
-    /// once the last in this order counts as the latest.
+    /// Sees what has changed since the last look.
+    pub(super) fn look(&self, snapshot: &Snapshot, kept: &Kept) {
+        drop(self.seen(snapshot, kept));
+    }
+
+    /// The item that changed last, and all of them for observers, in the order robot, map, luggage.
     pub(super) fn answer(&self, snapshot: &Snapshot, kept: &Kept) -> Answer {
+        let seen = self.seen(snapshot, kept);
+        let shown = seen.items.get(seen.latest).unwrap_or(&seen.items[0]).plain.clone();
+        let observed = seen.items.iter().map(|item| item.watched.clone()).collect();
+        Answer { response: shown, observed }
+    }
+
+    /// Of several items that changed since the last look it is the one whose own part of the state changed last; of those that
+    /// changed at once, the last in this order, as observers are told of them.
+    fn seen(&self, snapshot: &Snapshot, kept: &Kept) -> MutexGuard<'_, Seen> {
         let now = items(snapshot, kept);
         let mut seen = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let before = &seen.items;
         let is_new = |at: usize, item: &Copies| before.get(at).is_none_or(|old| old.watched.body != item.watched.body);
         let changed = now.iter().enumerate().filter(|(at, (_, item))| is_new(*at, item));
         let latest = changed.max_by_key(|(at, (revision, _))| (*revision, *at)).map_or(seen.latest, |(at, _)| at);
-        let items: Vec<Copies> = now.into_iter().map(|(_, item)| item).collect();
-        let shown = items.get(latest).unwrap_or(&items[0]).plain.clone();
-        let observed = items.iter().map(|item| item.watched.clone()).collect();
-        *seen = Seen { items, latest };
-        Answer { response: shown, observed }
+        *seen = Seen { items: now.into_iter().map(|(_, item)| item).collect(), latest };
+        seen
     }
 }
 
-/// The items there are, each with the revision at which what it shows last changed; never none.
+/// The items there are, each with the revision at which its own part of the state last changed; never none.
 fn items(snapshot: &Snapshot, kept: &Kept) -> Vec<(Revision, Copies)> {
     let there = if snapshot.luggage.is_empty() { &[ROBOT, MAP][..] } else { &[ROBOT, MAP, LUGGAGE] };
     let show = Show::OldItems;
-    let item = |number| (revision(show, number, snapshot), kept.copies(show, number, Format::TEXT, snapshot));
+    // The mission says which piece is shown, and changes for many other reasons.
+    let own = |number| if number == LUGGAGE { snapshot.revision_of(Resource::Luggage) } else { revision(show, number, snapshot) };
+    let item = |number| (own(number), kept.copies(show, number, Format::TEXT, snapshot));
     there.iter().copied().map(item).collect()
 }
 
@@ -77,11 +91,6 @@ pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command
     let may_drive = old_clients::may_drive(&command, manual_driving);
     may_drive.map_err(|refused| Problem::refused(&refused, None).of(in_words(&command)))?;
     Ok(command)
-}
-
-/// Whether a body is the word for STOP.
-pub(super) fn is_halt(body: &[u8]) -> bool {
-    bare(&String::from_utf8_lossy(body)) == "h"
 }
 
 /// A word without the blanks round it and the quotes of JSON.

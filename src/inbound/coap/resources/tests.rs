@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 
 use super::testing::{House, PAST, UNREADABLE, driven_house, get, house, post, put};
 use super::*;
-use crate::core::command::{LuggageRef, Move, TemperatureReport, Verdict};
+use crate::core::command::{Command, LuggageRef, Move, TemperatureReport, Verdict};
 use crate::core::explore::Strategy;
 use crate::core::mission::in_words;
 use crate::core::units::{AlarmId, Cell, Epoch, LuggageId};
@@ -182,24 +182,23 @@ async fn a_stop_reads_nothing_of_its_request() {
     }
 }
 
-/// Safety S1: it is taken however much is under way already.
-#[tokio::test]
-async fn a_stop_is_urgent_and_nothing_else_is() {
-    let house = house(searching());
-    let is_urgent = |request| house.resources.is_urgent(&request);
+/// Safety S1, S8: it is taken however much is under way already.
+#[test]
+fn a_stop_is_known_by_its_path_and_word_and_nothing_else_is_one() {
+    let is_stop = |request| Resources::IS_STOP(&request);
     for stop in [
         post("/commands/stop", "{not json"),
         post("/commands/move", r#"{"move":"h"}"#),
         put("/resourcemodel", "h"),
         labelled(Format(9999), b" h ".to_vec(), post("/resourcemodel", "")),
     ] {
-        assert!(is_urgent(stop.clone()), "{stop:?}");
-        assert!(!is_urgent(Request { peer: "192.0.2.7:1".parse().unwrap(), ..stop }), "others may not stop here");
+        assert!(is_stop(stop.clone()), "{stop:?}");
+        assert!(!is_stop(Request { peer: "192.0.2.7:1".parse().unwrap(), ..stop }), "others may not stop here");
     }
     for other in
         [post("/commands/move", r#"{"move":"w"}"#), put("/resourcemodel", "safe"), get("/commands/stop"), get("/nothing")]
     {
-        assert!(!is_urgent(other.clone()), "{other:?}");
+        assert!(!is_stop(other.clone()), "{other:?}");
     }
 }
 
@@ -340,6 +339,30 @@ async fn the_old_model_shows_the_robot_until_something_changes_and_then_that() {
     let observed = words(&house.ask(get("/resourcemodel")).await);
     assert_eq!((observed.len(), observed[2].as_str()), (3, luggage));
     assert_eq!(house.resources.things(&get("/resourcemodel")).len(), 3);
+}
+
+#[tokio::test]
+async fn the_old_model_shows_what_changed_last_however_seldom_somebody_looks() {
+    let house = house(idle());
+    let shown = async || house.said(get("/resourcemodel")).await.1;
+    let moves = |state: &mut Snapshot| {
+        let is_forward = state.robot.state == RobotState::MovingForward;
+        state.robot.state = if is_forward { RobotState::Stopped } else { RobotState::MovingForward };
+    };
+    let finds = |state: &mut Snapshot| state.luggage = Arc::from([piece(1, Cell::new(0, 2), None)]);
+    change(&house, 2, &[Resource::Luggage], finds);
+    change(&house, 3, &[Resource::Robot, Resource::Mission], moves);
+    assert!(shown().await.starts_with("robot("), "the mission is no piece of luggage");
+    change(&house, 4, &[Resource::Robot], moves);
+    house.resources.handle_change();
+    change(&house, 5, &[Resource::Luggage], |state| state.luggage = Arc::from([piece(2, Cell::new(0, 3), None)]));
+    house.resources.handle_change();
+    change(&house, 6, &[Resource::Robot, Resource::Mission], |state| state.robot.sonar_cm = Some(7));
+    assert!(shown().await.starts_with("luggage("), "what is not shown of the robot hides nothing");
+    change(&house, 7, &[Resource::Robot], moves);
+    house.resources.handle_change();
+    change(&house, 8, &[Resource::Mission], |_| ());
+    assert!(shown().await.starts_with("robot("));
 }
 
 #[tokio::test]

@@ -10,7 +10,7 @@ use super::*;
 use crate::core::command::Verdict;
 use crate::core::event::Photo;
 use crate::core::units::Wall;
-use crate::core::world::alarm::Alarm;
+use crate::core::world::alarm::AlarmView;
 use crate::inbound::mqtt::news::News;
 use crate::inbound::mqtt::topics::{Place, Topics};
 use crate::wire::fixture::{TEN, idle, piece, searching};
@@ -159,7 +159,7 @@ fn an_alarm_stands_until_it_is_seen_and_a_danger_until_it_is_secured() {
     assert!(!state(&snapshot).alarm);
     let seen = |who: Option<(Arc<str>, Wall)>| {
         let text = "a parcel was lost".to_owned();
-        vec![Arc::new(Alarm { id: crate::core::units::AlarmId(1), raised: TEN, text, luggage: None, acknowledged: who })]
+        Arc::from([AlarmView { id: None, raised: TEN, text, luggage: None, acknowledged: who }])
     };
     snapshot.alarms = seen(None);
     assert!(state(&snapshot).alarm);

@@ -21,6 +21,7 @@ use self::household::Household;
 use self::old::Old;
 use self::states::States;
 use super::publication::Publication;
+use super::qak::outgoing;
 use super::topics::Topics;
 use crate::core::event::Photo;
 use crate::core::world::resource::Resource;
@@ -120,10 +121,10 @@ impl News {
         }
     }
 
-    /// Whether this is an old message, which carries our SEQNUM: how many of these were not acknowledged is what `renew` asks for.
+    /// Whether this is an old message that carries our SEQNUM: how many of these were not acknowledged is what `renew` asks for.
     #[must_use]
     pub fn is_numbered(&self, publication: &Publication) -> bool {
-        publication.topic == self.topics.old_events()
+        publication.topic == self.topics.old_events() && outgoing::is_counted(&publication.payload)
     }
 
     /// Home Assistant has started: it is told of the robot again.

@@ -5,7 +5,7 @@ use super::super::qak::incoming;
 use super::super::topics::{Place, Topics};
 use super::Heard;
 use super::problem::Problem;
-use super::read::{Asked, HALT, Read, bare, id_of_a_stop, read, says_halt, sized};
+use super::read::{Asked, Read, bare, id_of_a_stop, read, sized};
 use super::results::Reply;
 use super::table;
 use super::unknown::{UNKNOWN, Unknown};
@@ -13,9 +13,13 @@ use crate::access::Need;
 use crate::core::command::Command;
 use crate::core::mission::in_words;
 use crate::wire::fields::in_short;
+use crate::wire::halt::says_halt;
 
 /// The word that halts where bare words are taken, in whatever letters, and the name of that command.
 const STOP: &str = "stop";
+
+/// The short one of the original system.
+const HALT: &str = "h";
 
 /// The name of the command that may be one.
 const MOVE: &str = "move";
@@ -37,6 +41,8 @@ pub(super) struct Order {
     pub(super) need: Need,
     /// In words for the record, where no command can be made of it.
     pub(super) unread: String,
+    /// Whether it asks for whatever there is to go on with.
+    pub(super) goes_on: bool,
     /// Where it is answered.
     pub(super) reply: Reply,
 }
@@ -58,11 +64,12 @@ impl Ear {
             Place::Command(name) if is_word(name, STOP) => self.reply(STOP),
             Place::Command(name) if is_word(name, MOVE) && says_halt(payload) => self.reply(MOVE),
             Place::Word if says_stop(payload) => self.reply(STOP),
-            Place::Old if incoming::is_stop(payload) => Reply { topic: None, id: None },
+            Place::Old if incoming::is_stop(payload) => Reply { topic: None, id: None, explained: None },
             Place::Command(_) | Place::Word | Place::Old | Place::Ours | Place::Elsewhere => return None,
         };
         let id = if reply.topic.is_some() { id_of_a_stop(payload) } else { None };
-        Some(Order { asked: Ok((Command::Stop, None)), need: Need::Stop, unread: String::new(), reply: Reply { id, ..reply } })
+        let reply = Reply { id, ..reply };
+        Some(Order { asked: Ok((Command::Stop, None)), need: Need::Stop, unread: String::new(), goes_on: false, reply })
     }
 
     /// Whether a message is certainly none of ours, seen without reading it: a message between others on the old topics.
@@ -89,13 +96,21 @@ impl Ear {
         self.topics.place(topic) == Place::Old
     }
 
+    /// The MSGID of a message that is none of ours.
+    pub(super) fn unknown_to_all(&self, heard: &Heard<'_>) -> Option<String> {
+        match self.is_old(heard.topic).then(|| incoming::asked(heard.payload, self.manual_driving))? {
+            Ok(incoming::Asked::Unknown(id)) => Some(id),
+            Ok(incoming::Asked::Command(_) | incoming::Asked::GoOn | incoming::Asked::Nothing) | Err(_) => None,
+        }
+    }
+
     fn named(&self, name: &str, payload: &[u8]) -> Order {
         let Some(row) = table::named(name) else {
             return self.unknown(self.unknown.answered_as(name), name, Problem::no_command(name));
         };
         let Read { id, asked } = read(row, payload);
         let reply = Reply { id, ..self.reply(row.name) };
-        Order { asked, need: row.need, unread: unread(name), reply }
+        Order { asked, need: row.need, unread: unread(name), goes_on: false, reply }
     }
 
     fn word(&self, payload: &[u8]) -> Order {
@@ -110,26 +125,31 @@ impl Ear {
         }
     }
 
-    /// Nothing is published in answer: the original system has no words for that.
+    /// Nothing is published in answer: the original system has no words for that. Only why a verdict is not taken is told, because
+    /// an old console waits for it with a photo before it that may be none.
     fn old(&self, payload: &[u8]) -> Option<Order> {
-        let (asked, unread) = match incoming::asked(payload, self.manual_driving) {
-            Ok(incoming::Asked::Nothing) => return None,
+        let (asked, unread, goes_on) = match incoming::asked(payload, self.manual_driving) {
+            Ok(incoming::Asked::Nothing | incoming::Asked::Unknown(_)) => return None,
+            Ok(incoming::Asked::GoOn) => (Ok((Command::Start, None)), in_words(&Command::Start), true),
             Ok(incoming::Asked::Command(command)) => {
                 let words = in_words(&command);
-                (Ok((command, None)), words)
+                (Ok((command, None)), words, false)
             }
-            Err(wrong) => (Err(Problem::refused(&wrong.refused(), None)), wrong.asked()),
+            Err(wrong) => (Err(Problem::refused(&wrong.refused(), None)), wrong.asked(), false),
         };
-        Some(Order { asked, need: Need::Act, unread, reply: Reply { topic: None, id: None } })
+        let is_explained = goes_on || matches!(asked, Ok((Command::Verdict { .. }, _)));
+        let explained = is_explained.then(|| self.topics.old_events());
+        Some(Order { asked, need: Need::Act, unread, goes_on, reply: Reply { topic: None, id: None, explained } })
     }
 
     /// Anybody who may publish here may be told that there is no such command.
     fn unknown(&self, answered_as: &str, name: &str, problem: Problem) -> Order {
-        Order { asked: Err(problem), need: Need::See, unread: unread(name), reply: self.reply(answered_as) }
+        let reply = self.reply(answered_as);
+        Order { asked: Err(problem), need: Need::See, unread: unread(name), goes_on: false, reply }
     }
 
     fn reply(&self, name: &str) -> Reply {
-        Reply { topic: Some(self.topics.result(name)), id: None }
+        Reply { topic: Some(self.topics.result(name)), id: None, explained: None }
     }
 }
 

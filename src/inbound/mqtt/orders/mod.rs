@@ -2,6 +2,7 @@
 //! are no sockets here, and no copies: what a broker had kept, and packets that came twice, were left out before.
 
 mod ear;
+mod nobody;
 mod pace;
 mod problem;
 mod read;
@@ -15,16 +16,20 @@ use std::sync::Arc;
 use tokio::sync::mpsc;
 
 use self::ear::{Ear, Order};
+use self::nobody::Nobody;
 use self::pace::Pace;
 use self::problem::Problem;
-use self::results::Results;
 pub use self::results::UNDER_WAY;
+use self::results::{Reply, Results};
 pub use self::sender::Sender;
 use super::publication::Publication;
 use super::topics::Topics;
 use crate::access::Need;
 use crate::core::command::{Command, Refused, Request};
+use crate::core::mission::PhaseName;
 use crate::core::units::Epoch;
+use crate::core::world::luggage::PhotoState;
+use crate::core::world::snapshot::Snapshot;
 use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;
 
@@ -56,6 +61,7 @@ pub struct Orders {
     ear: Arc<Ear>,
     results: Results,
     pace: Arc<Pace>,
+    nobody: Arc<Nobody>,
     clock: Clock,
 }
 
@@ -64,7 +70,8 @@ impl Orders {
     #[must_use]
     pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<Publication>) -> Orders {
         let ear = Arc::new(Ear::new(topics, manual_driving));
-        Orders { handle, ear, results: Results::new(answers), pace: Arc::default(), clock: Clock::default() }
+        let (pace, nobody) = (Arc::default(), Arc::default());
+        Orders { handle, ear, results: Results::new(answers), pace, nobody, clock: Clock::default() }
     }
 
     /// Takes a message. Its command is given at the call, so that commands keep the order in which they came, and a STOP has
@@ -74,21 +81,21 @@ impl Orders {
             return Taken::Taken;
         }
         if self.ear.is_of_others(heard) {
-            // Old clients believe what they hear on the old topics, so that not everybody may say something there.
-            let is_forbidden = self.ear.is_old(heard.topic) && sender.may(Need::Act).is_err();
-            return if is_forbidden { Taken::Forbidden } else { Taken::NotACommand };
+            return self.ignore(heard, sender);
         }
         // Before it is read: who says too much costs nobody the time to read it.
         if !self.pace.admits(sender, self.clock.now().since_start) {
             return Taken::Forbidden;
         }
-        let Some(order) = self.ear.order(heard) else {
-            let is_forbidden = sender.may(Need::Act).is_err();
-            return if is_forbidden { Taken::Forbidden } else { Taken::NotACommand };
-        };
+        let Some(mut order) = self.ear.order(heard) else { return self.ignore(heard, sender) };
         if let Err(refused) = sender.may(order.need()) {
-            self.refuse(&order, &Problem::refused(&refused, None), sender);
+            // To others than its sender nothing is told of it.
+            let silent = Order { reply: Reply { explained: None, ..order.reply.clone() }, ..order };
+            self.refuse(&silent, &Problem::refused(&refused, None), sender);
             return Taken::Forbidden;
+        }
+        if let Some(again) = order.goes_on.then(|| to_retake(&self.handle.snapshot())).flatten() {
+            order.asked = Ok((again, None));
         }
         match &order.asked {
             Ok((command, epoch)) => self.give(&order, command, *epoch, sender),
@@ -110,6 +117,23 @@ impl Orders {
         stop.is_some()
     }
 
+    /// What asks for nothing. Old clients believe what they hear on the old topics, so that not everybody may say something there.
+    fn ignore(&self, heard: &Heard<'_>, sender: &Sender) -> Taken {
+        if self.ear.is_old(heard.topic) && sender.may(Need::Act).is_err() {
+            return Taken::Forbidden;
+        }
+        if let Some(id) = self.ear.unknown_to_all(heard) {
+            self.nobody.heard(&id, heard.payload, self.clock.now());
+        }
+        Taken::NotACommand
+    }
+
+    /// How many old messages nobody understood.
+    #[cfg(test)]
+    fn not_understood(&self) -> u64 {
+        self.nobody.count()
+    }
+
     /// Gives a command if there is room for one more, and a STOP always.
     fn give(&self, order: &Order, command: &Command, epoch: Option<Epoch>, sender: &Sender) {
         let place = self.results.place();
@@ -128,6 +152,13 @@ impl Orders {
         self.handle.note_refused_at_once(sender.issuer(), order.in_words(), Refused::Before(problem.refusal()));
         self.results.refused(&order.reply, problem);
     }
+}
+
+/// What goes on where the robot stands before a piece whose photo has failed: the photo is taken again.
+fn to_retake(snapshot: &Snapshot) -> Option<Command> {
+    let piece = snapshot.mission.inspected.and_then(|id| snapshot.luggage(id)).filter(|piece| piece.is_pending())?;
+    let has_failed = matches!(piece.photo, PhotoState::Failed(_)) && snapshot.mission.phase == PhaseName::Inspecting;
+    has_failed.then_some(Command::RetakePhoto(piece.id))
 }
 
 #[cfg(test)]

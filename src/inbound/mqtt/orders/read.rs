@@ -7,12 +7,10 @@ use crate::core::command::{Command, CommandId, LuggageRef};
 use crate::core::units::{AlarmId, Epoch, LuggageId};
 use crate::wire::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody, id_aside, number_aside};
 use crate::wire::fields::{Body, Fields, fields};
+use crate::wire::halt::says_halt;
 
 /// Larger payloads are no commands: a command is a few dozen bytes.
 pub(super) const LARGEST: usize = 4 * 1024;
-
-/// The word that is STOP wherever a move is asked for.
-pub(super) const HALT: &str = "h";
 
 /// The command that is asked for, and the epoch its sender saw.
 pub(super) type Asked = Result<(Command, Option<Epoch>), Problem>;
@@ -98,26 +96,6 @@ fn fields_of(row: &Row, payload: &[u8]) -> Result<Fields, Problem> {
         (true, false) => Err(Problem::malformed("the payload is empty: this command needs JSON, see docs/mqtt.md".to_owned())),
         (false, _) => Ok(fields(payload)?),
     }
-}
-
-/// What a payload holds, without blanks and quotes, when its move is STOP.
-const HALTS: &[u8] = b"move:h";
-
-/// Whether a move is a STOP, whatever else is wrong with its payload: too long, no JSON, fields that no move has, or the word alone.
-pub(super) fn says_halt(payload: &[u8]) -> bool {
-    let letters: Vec<u8> =
-        payload.iter().copied().filter(|letter| !letter.is_ascii_whitespace() && !matches!(letter, b'"' | b'\'')).collect();
-    let is_in_word = |at: usize| letters.get(at).is_some_and(|letter| letter.is_ascii_alphanumeric() || *letter == b'_');
-    let is_move = |at: usize| !is_in_word(at.wrapping_sub(1)) && !is_in_word(at + HALTS.len());
-    let says =
-        letters == HALT.as_bytes() || letters.windows(HALTS.len()).enumerate().any(|(at, window)| window == HALTS && is_move(at));
-    says || (payload.contains(&b'\\') && says_halt_in_json(payload))
-}
-
-/// The same of JSON that has escapes.
-fn says_halt_in_json(payload: &[u8]) -> bool {
-    let word = sized(payload).ok().and_then(|payload| fields(payload).ok()?.text("move").ok().flatten());
-    word.as_deref() == Some(HALT)
 }
 
 /// The name of a STOP, where it can be read.

@@ -9,6 +9,7 @@ use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
 
 use super::super::publication::Publication;
+use super::super::qak::outgoing;
 use super::problem::Problem;
 use crate::core::command::CommandId;
 use crate::runtime::carry_out::{Done, NotDone};
@@ -20,6 +21,9 @@ pub const UNDER_WAY: usize = 256;
 
 /// Nobody waits longer for a result: as long as at the CoAP door.
 const PATIENCE: Duration = Duration::from_secs(93);
+
+/// What is refused because there is no photo to judge by.
+const NO_PHOTO: &str = "noPhoto";
 
 /// Where results go, and the places of those that are waited for. Cheap to clone.
 #[derive(Clone, Debug)]
@@ -35,6 +39,8 @@ pub(super) struct Reply {
     pub(super) topic: Option<String>,
     /// The command's own name.
     pub(super) id: Option<CommandId>,
+    /// Where an old client is told why not.
+    pub(super) explained: Option<String>,
 }
 
 impl Results {
@@ -70,6 +76,11 @@ impl Results {
             Some(topic) => self.publish(topic, reply, problem.shape()),
             None => tracing::info!(why = problem.detail(), "a message of an old client was refused"),
         }
+        if let Some(topic) = &reply.explained {
+            let way_out = if problem.shape().code == NO_PHOTO { " (continueExplore takes it again)" } else { "" };
+            let why = format!("{}{way_out}", problem.detail());
+            self.send(topic, outgoing::message(outgoing::why_not(&why), outgoing::ANSWER).into_bytes());
+        }
     }
 
     fn accepted(&self, reply: &Reply, done: &Done) {
@@ -81,6 +92,10 @@ impl Results {
     fn publish(&self, topic: &str, reply: &Reply, said: &impl Serialize) {
         let result = ResultJson { id: reply.id.as_ref().map(CommandId::text), said };
         let payload = serde_json::to_vec(&result).expect("answers and problems are texts, numbers and maps of them");
+        self.send(topic, payload);
+    }
+
+    fn send(&self, topic: &str, payload: Vec<u8>) {
         let sent = self.answers.try_send(Publication::passing(topic.to_owned(), payload));
         if let Err(TrySendError::Full(_)) = sent {
             tracing::warn!(topic, "a result is not published, because as many as there is room for wait to be sent");

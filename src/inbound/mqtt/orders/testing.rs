@@ -94,6 +94,11 @@ impl House {
         next(&mut self.results).await
     }
 
+    /// The next message, as it is published.
+    pub(super) async fn told(&mut self) -> Publication {
+        self.results.recv().await.expect("somebody may still answer")
+    }
+
     /// Whether nothing is published that was not looked at.
     pub(super) async fn is_silent(&mut self) -> bool {
         self.settled().await;

@@ -7,6 +7,7 @@ use super::*;
 use crate::core::command::{LuggageRef, Move, TemperatureReport, Verdict};
 use crate::core::explore::Strategy;
 use crate::core::units::{AlarmId, Cell, LuggageId};
+use crate::core::world::luggage::Luggage;
 use crate::wire::fixture::{degrees, searching};
 
 const OLD: &str = "unibo/qak/events";
@@ -299,6 +300,64 @@ async fn messages_of_the_original_system_command_and_are_answered_by_none() {
     house.refuse(Refused::Moving);
     assert_eq!(house.say(OLD, event("startCmd")), Taken::Taken);
     assert!(house.is_silent().await);
+}
+
+/// An old console waits for its verdict with a photo before it that may be none.
+#[tokio::test]
+async fn an_old_console_is_told_why_a_verdict_is_not_taken() {
+    let mut house = house(searching());
+    house.refuse(Refused::NoPhoto(LuggageId(3)));
+    for verdict in ["luggageSafe", "continueExploreAfterPhoto"] {
+        assert_eq!(house.say(OLD, event(verdict)), Taken::Taken);
+        let told = house.told().await;
+        let why = "refused: luggage #3 has no usable photo: take it again, or answer danger (continueExplore takes it again)";
+        let message = format!("msg(modelContent,event,resourcemodel,none,content(luggage(state('{why}'))),0)");
+        assert_eq!((told.topic.as_str(), String::from_utf8_lossy(&told.payload)), (OLD, message.into()));
+        assert!(!told.retain);
+    }
+    assert_eq!(say(&house.orders, OLD, event("luggageSafe"), &viewer()), Taken::Forbidden);
+    assert!(house.is_silent().await, "others hear nothing of what a viewer may not");
+}
+
+#[tokio::test]
+async fn to_go_on_is_to_take_a_photo_again_that_has_failed_and_else_to_start() {
+    let failed = |phase| {
+        let mut state = searching();
+        let piece = Luggage { photo: PhotoState::Failed("lens".to_owned()), ..Luggage::clone(&state.luggage[2]) };
+        state.luggage = [state.luggage[0].clone(), state.luggage[1].clone(), Arc::new(piece)].into();
+        state.mission.phase = phase;
+        state
+    };
+    for (state, command) in [
+        (searching(), Command::Start),
+        (failed(PhaseName::Inspecting), Command::RetakePhoto(LuggageId(3))),
+        // It is driven back to after START.
+        (failed(PhaseName::AtHome), Command::Start),
+    ] {
+        let house = house(state);
+        assert_eq!(house.say(OLD, event("continueExplore")), Taken::Taken);
+        assert_eq!(house.last().await.command, command);
+        assert_eq!(house.say(OLD, event("startCmd")), Taken::Taken);
+        assert_eq!(house.last().await.command, Command::Start, "the others mean what they say");
+    }
+}
+
+/// Mission 8.
+#[tokio::test]
+async fn an_old_message_that_nobody_understands_is_counted_and_no_other() {
+    let house = house(searching());
+    let sonar = "msg(sonar,event,basicrobot,none,sonar(12),9)";
+    for _ in 0..3 {
+        assert_eq!(house.say(OLD, sonar), Taken::NotACommand);
+    }
+    assert_eq!(house.say("unibo/qak/robotmind", "msg(dance,dispatch,js,robotmind,dance,1)"), Taken::NotACommand);
+    assert_eq!(house.orders.not_understood(), 4);
+    let pretended = "msg(modelContent,event,resourcemodel,none,content(robot(state(stopped))),7)";
+    assert_eq!(house.say(OLD, pretended), Taken::NotACommand, "we hear ourselves");
+    assert_eq!(house.say("state/robot", sonar), Taken::NotACommand);
+    house.say(OLD, event("startCmd"));
+    house.say(OLD, "nonsense");
+    assert_eq!(house.orders.not_understood(), 4, "these were understood, refused, or are not for here");
 }
 
 #[tokio::test]

@@ -2,6 +2,7 @@
 //! event or as a dispatch, and whoever sent it under whatever number. What becomes of the command is not decided here.
 
 use super::message::{Kind, Message, NoMessage};
+use super::outgoing::MODEL_CONTENT;
 use super::term::{Term, is_in_word};
 use crate::core::command::{Command, LuggageRef, Refusal, Refused, TemperatureReport, Verdict};
 use crate::core::mission::in_words;
@@ -14,8 +15,12 @@ use crate::wire::old_clients::may_drive;
 pub enum Asked {
     /// This.
     Command(Command),
-    /// Nothing of us: it is one that we publish ourselves, or that other actors say to each other.
+    /// To go on: to take the photo again where that has failed, else START.
+    GoOn,
+    /// Nothing of us: it is one that we publish ourselves, or an answer to somebody.
     Nothing,
+    /// Nothing that is known, under this MSGID: other actors may say it to each other.
+    Unknown(String),
 }
 
 /// Why nothing is done about a message. `Display` is the sentence for log and record.
@@ -42,7 +47,7 @@ pub enum Wrong {
     },
 }
 
-/// What a payload on one of the old topics asks for. One that is too long, or no message at all, is nothing where it begins as
+/// What a payload on one of the old topics asks for. One that is too long, or no message at all, is unknown where it begins as
 /// one whose MSGID is not ours: other actors may write to each other what they like.
 ///
 /// # Errors
@@ -52,20 +57,26 @@ pub fn asked(payload: &[u8], manual_driving: bool) -> Result<Asked, Wrong> {
     if is_stop(payload) {
         return Ok(Asked::Command(Command::Stop));
     }
-    if is_of_others(payload) {
-        return Ok(Asked::Nothing);
+    if let Some(id) = beginning(payload).filter(|id| known(id).is_none()) {
+        return Ok(of_others(id));
     }
     let message = Message::parse(payload)?;
-    match known(&message.id) {
-        Some(row) if message.kind != Kind::Reply => {
-            let command = row.command(&message.content).map_err(|words| Wrong::Content { id: row.id, words })?;
-            match may_drive(&command, manual_driving) {
-                Ok(()) => Ok(Asked::Command(command)),
-                Err(refused) => Err(Wrong::Refused { command, refused }),
-            }
-        }
-        Some(_) | None => Ok(Asked::Nothing),
+    let Some(row) = known(&message.id) else { return Ok(of_others(message.id)) };
+    if message.kind == Kind::Reply {
+        return Ok(Asked::Nothing);
     }
+    let command = row.command(&message.content).map_err(|words| Wrong::Content { id: row.id, words })?;
+    if matches!(row.asks, Asks::GoOn) {
+        return Ok(Asked::GoOn);
+    }
+    match may_drive(&command, manual_driving) {
+        Ok(()) => Ok(Asked::Command(command)),
+        Err(refused) => Err(Wrong::Refused { command, refused }),
+    }
+}
+
+fn of_others(id: String) -> Asked {
+    if id == MODEL_CONTENT { Asked::Nothing } else { Asked::Unknown(id) }
 }
 
 /// Whether a payload begins as a message whose MSGID is none of ours. It looks at no more than the beginning.
@@ -75,17 +86,17 @@ pub fn is_of_others(payload: &[u8]) -> bool {
 }
 
 /// Whether a payload asks for STOP, whatever else is wrong with it: no number, a sender that cannot be read, the end missing, too
-/// long. It looks at no more than the beginning, but for `userCmd` and `robotCmd`, whose CONTENT says it. (Safety S1.)
+/// long. It looks at no more than the beginning, but for those whose CONTENT says it, as `userCmd`. (Safety S1, S8.)
 #[must_use]
 pub fn is_stop(payload: &[u8]) -> bool {
     let Some(id) = opening(payload) else { return false };
     match known(&id).map(|row| &row.asks) {
         Some(Asks::Halt(command)) => *command == Command::Stop,
-        Some(Asks::Move) => {
+        Some(Asks::Move | Asks::Change) => {
             let letters: Vec<u8> = letters(payload).collect();
-            MOVES.iter().any(|name| holds(&letters, format!("{name}(h)").as_bytes()))
+            MOVES.iter().any(|beginning| says_halt_behind(&letters, beginning))
         }
-        Some(Asks::For(_) | Asks::Goto) | None => false,
+        Some(Asks::For(_) | Asks::GoOn | Asks::Goto) | None => false,
     }
 }
 
@@ -99,8 +110,13 @@ pub fn table_markdown() -> String {
             Asks::For(command) => (format!("`{id}`"), in_words(command)),
             Asks::Goto => (format!("`{id}(X,Y)`"), "driving to the cell (X, Y), if old clients may drive".to_owned()),
             Asks::Move => {
-                let what = "a move: `w` `s` `a` `l` `d` `r` `z` `x`, if old clients may drive; `h` is STOP, always";
+                let what = "a move: `w` `s` `a` `l` `d` `r` `z` `x`, if old clients may drive; `h` and `stop` are STOP, always";
                 (format!("`{id}(w)`"), what.to_owned())
+            }
+            Asks::GoOn => (format!("`{id}`"), "taking the photo again where it has failed, else START".to_owned()),
+            Asks::Change => {
+                let what = "the same moves, `h` and `stop` being STOP; with `luggage`, `safe` or `danger`";
+                (format!("`{id}(robot,w)`, `{id}(luggage,safe)`"), what.to_owned())
             }
         };
         text.push_str(&format!("| `{id}` | {content} | {what} |\n"));
@@ -146,16 +162,23 @@ enum Asks {
     Goto,
     /// A move, `MSGID(w)`; `h` is STOP.
     Move,
+    /// To go on.
+    GoOn,
+    /// A move, `MSGID(robot,w)`, or a verdict, `MSGID(luggage,safe)`.
+    Change,
 }
 
 const SAFE: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe };
 const DANGER: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger };
 
-/// The messages that are moves.
-const MOVES: [&str; 2] = ["userCmd", "robotCmd"];
+/// How the contents begin that are moves.
+const MOVES: [&str; 3] = ["userCmd(", "robotCmd(", "modelChange(robot,"];
+
+/// The moves that are STOP.
+const HALTS: [&str; 2] = ["h", "stop"];
 
 /// Every message that is known.
-const ROWS: [Row; 16] = [
+const ROWS: [Row; 20] = [
     row("startCmd", Asks::For(Command::Start)),
     row("stopCmd", Asks::Halt(Command::Stop)),
     row("backHomeCmd", Asks::For(Command::BackHome)),
@@ -166,12 +189,16 @@ const ROWS: [Row; 16] = [
     row("explore", Asks::For(Command::Start)),
     row("stopExplore", Asks::Halt(Command::Stop)),
     row("backHome", Asks::For(Command::BackHome)),
-    row("continueExplore", Asks::For(Command::Start)),
+    row("continueExplore", Asks::GoOn),
     row("continueExploreAfterPhoto", Asks::For(SAFE)),
     row("backHomeSinceBomb", Asks::For(DANGER)),
     row("startTest", Asks::Goto),
-    row(MOVES[0], Asks::Move),
-    row(MOVES[1], Asks::Move),
+    row("userCmd", Asks::Move),
+    row("robotCmd", Asks::Move),
+    row("modelChange", Asks::Change),
+    row("startAppl", Asks::For(Command::Start)),
+    row("stopAppl", Asks::Halt(Command::Stop)),
+    row("reachBag", Asks::For(Command::Retrieve)),
 ];
 
 const fn row(id: &'static str, asks: Asks) -> Row {
@@ -188,21 +215,29 @@ impl Row {
         let content = unquoted(content);
         match (&self.asks, parts_of(self.id, &content)) {
             (Asks::Halt(command), _) | (Asks::For(command), Some(_)) => Ok(command.clone()),
+            (Asks::GoOn, Some(_)) => Ok(Command::Start),
             (Asks::Goto, Some([Term::Number(x), Term::Number(y)])) => match (x.text().parse(), y.text().parse()) {
                 (Ok(x), Ok(y)) => goto(x, y).map_err(|unusable| unusable.to_string()),
                 _ => Err(self.other(&content)),
             },
             (Asks::Move, Some([Term::Atom(word)])) => move_word(word).map_err(|unusable| unusable.to_string()),
-            (Asks::For(_) | Asks::Goto | Asks::Move, _) => Err(self.other(&content)),
+            (Asks::Change, Some([Term::Atom(of), Term::Atom(word)])) => match (of.as_str(), word.as_str()) {
+                ("robot", word) => move_word(word).map_err(|unusable| unusable.to_string()),
+                ("luggage", "safe") => Ok(SAFE),
+                ("luggage", "danger") => Ok(DANGER),
+                _ => Err(self.other(&content)),
+            },
+            (Asks::For(_) | Asks::GoOn | Asks::Goto | Asks::Move | Asks::Change, _) => Err(self.other(&content)),
         }
     }
 
     fn other(&self, content: &Term) -> String {
         let id = self.id;
         let expected = match self.asks {
-            Asks::Halt(_) | Asks::For(_) => id.to_owned(),
+            Asks::Halt(_) | Asks::For(_) | Asks::GoOn => id.to_owned(),
             Asks::Goto => format!("{id}(X,Y), two whole numbers,"),
             Asks::Move => format!("{id}(w), or another move,"),
+            Asks::Change => format!("{id}(robot,w), or another move, or {id}(luggage,safe) or {id}(luggage,danger)"),
         };
         format!("{} stands where {expected} belongs", in_short(&content.to_string()))
     }
@@ -252,8 +287,13 @@ fn letters(payload: &[u8]) -> impl Iterator<Item = u8> {
     payload.iter().copied().filter(|letter| !letter.is_ascii_whitespace() && *letter != b'\'')
 }
 
-fn holds(letters: &[u8], word: &[u8]) -> bool {
-    letters.windows(word.len()).any(|window| window == word)
+/// Whether a move that is STOP follows where a content begins so.
+fn says_halt_behind(letters: &[u8], beginning: &str) -> bool {
+    let starts = letters.windows(beginning.len()).enumerate().filter(|(_, window)| *window == beginning.as_bytes());
+    starts.map(|(start, _)| &letters[start + beginning.len()..]).any(|rest| {
+        let end = rest.iter().position(|letter| !is_in_word(char::from(*letter))).unwrap_or(rest.len());
+        HALTS.iter().any(|halt| halt.as_bytes() == &rest[..end])
+    })
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use crate::core::world::snapshot::Snapshot;
 use crate::wire::{map_text, old_items};
 
 /// What every message of the resource model is called.
-const MODEL_CONTENT: &str = "modelContent";
+pub(super) const MODEL_CONTENT: &str = "modelContent";
 
 /// `content(robot(state(movingForward),direction(downDir),position(0,0)))`.
 #[must_use]
@@ -33,6 +33,25 @@ pub fn room_map(snapshot: &Snapshot) -> Term {
 #[must_use]
 pub fn luggage(luggage: &Luggage) -> Term {
     content("luggage", [state(old_items::luggage_state(luggage))])
+}
+
+/// `content(luggage(state('refused: luggage #3 has no usable photo')))`: why a verdict was not taken, where a piece is shown.
+#[must_use]
+pub fn why_not(words: &str) -> Term {
+    let mut text = format!("refused: {words}");
+    while text.contains("))") {
+        text = text.replace("))", ") )");
+    }
+    content("luggage", [state(text)])
+}
+
+/// The number of a message that answers somebody: it is none of those that are counted.
+pub const ANSWER: u64 = 0;
+
+/// Whether a message that `message` has made is one of those that are counted.
+#[must_use]
+pub fn is_counted(message: &[u8]) -> bool {
+    !message.ends_with(format!(",{ANSWER})").as_bytes())
 }
 
 /// `msg(modelContent,event,resourcemodel,none,CONTENT,NUMBER)`.
@@ -98,6 +117,13 @@ mod tests {
         let state = "state('photo 1, position: (0, 2), date: 2026-02-03T10:00:00.000+01:00'";
         assert_eq!(text, format!("msg(modelContent,event,resourcemodel,none,content(luggage({state}))),3)"));
         assert_eq!(shown(&text), state);
+    }
+
+    #[test]
+    fn an_old_console_shows_why_a_verdict_was_not_taken() {
+        let text = message(why_not("no photo (the lens (left)) is covered))): take it again"), ANSWER);
+        assert_eq!(shown(&text), "state('refused: no photo (the lens (left) ) is covered) ) ): take it again'");
+        assert!(!is_counted(text.as_bytes()) && is_counted(message(room_map(&idle()), 10).as_bytes()));
     }
 
     #[test]

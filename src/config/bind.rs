@@ -1,0 +1,108 @@
+//! Where a door listens: one address, or both of those by which a machine calls itself `localhost`. Which of its ports are to be had
+//! shows when they are bound.
+
+use std::fmt;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+
+/// How both loopback addresses of this machine are called in a setting.
+const LOCALHOST: &str = "localhost";
+
+/// Where a door listens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bind {
+    /// At which addresses.
+    pub at: At,
+    /// Whether somebody has said so. A port that nobody has chosen gives way when another program has it.
+    pub is_chosen: bool,
+}
+
+/// At which addresses, and at which port of them; 0 is a free one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum At {
+    /// At `127.0.0.1` and at `::1`: clients that say `localhost` may mean either.
+    Localhost(u16),
+    /// At one alone.
+    Address(SocketAddr),
+}
+
+impl At {
+    /// `localhost:8080`, `127.0.0.1:8080` or `[::1]:8080`.
+    #[must_use]
+    pub(super) fn read(written: &str) -> Option<At> {
+        match written.split_once(':') {
+            Some((LOCALHOST, port)) => port.parse().ok().map(At::Localhost),
+            _ => written.parse().ok().map(At::Address),
+        }
+    }
+
+    /// All of its addresses; the first is the one that is shown.
+    #[must_use]
+    pub fn addresses(self) -> Vec<SocketAddr> {
+        match self {
+            At::Localhost(port) => {
+                let both: [IpAddr; 2] = [Ipv4Addr::LOCALHOST.into(), Ipv6Addr::LOCALHOST.into()];
+                both.map(|ip| SocketAddr::new(ip, port)).to_vec()
+            }
+            At::Address(address) => vec![address],
+        }
+    }
+
+    /// The address that is shown.
+    #[must_use]
+    pub const fn first(self) -> SocketAddr {
+        match self {
+            At::Localhost(port) => SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port),
+            At::Address(address) => address,
+        }
+    }
+
+    /// Whether it is reached from this machine alone.
+    #[must_use]
+    pub fn is_local(self) -> bool {
+        self.first().ip().to_canonical().is_loopback()
+    }
+
+    /// The same with another port.
+    #[must_use]
+    pub const fn with_port(self, port: u16) -> At {
+        match self {
+            At::Localhost(_) => At::Localhost(port),
+            At::Address(address) => At::Address(SocketAddr::new(address.ip(), port)),
+        }
+    }
+}
+
+impl fmt::Display for At {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            At::Localhost(port) => write!(f, "{LOCALHOST}:{port}"),
+            At::Address(address) => write!(f, "{address}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn localhost_means_both_of_its_addresses() {
+        let at = At::read("localhost:8080").expect("it is one");
+        assert_eq!(at.addresses().iter().map(ToString::to_string).collect::<Vec<_>>(), ["127.0.0.1:8080", "[::1]:8080"]);
+        assert_eq!((at.to_string(), at.first(), at.is_local()), ("localhost:8080".into(), at.addresses()[0], true));
+        for wrong in ["localhost", "localhost:", "localhost:65536", "elsewhere:80", "8080", ""] {
+            assert_eq!(At::read(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn one_address_is_one_address() {
+        for (written, is_local) in
+            [("127.0.0.1:1", true), ("[::1]:1", true), ("[::ffff:127.0.0.1]:1", true), ("0.0.0.0:1", false)]
+        {
+            let at = At::read(written).expect("it is one");
+            assert_eq!((at.to_string().as_str(), at.addresses().len(), at.is_local()), (written, 1, is_local));
+            assert_eq!(at.with_port(7).first().port(), 7);
+        }
+    }
+}

@@ -1,0 +1,297 @@
+//! The loop with a robot and a store that the test answers for, mostly in simulated time.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use super::*;
+use crate::core::command::{Command, Door, Issuer};
+use crate::core::effect::{Action, Page};
+use crate::core::event::Capabilities;
+use crate::core::mission::{Hold, PhaseName};
+use crate::core::settings::Settings;
+use crate::core::units::{Epoch, Seq};
+use crate::core::world::robot::RobotState;
+use crate::runtime::link::{RobotSide, link};
+
+/// Keeps nothing, but says that it did: at once, or when the test lets it.
+struct Forgetful {
+    word: watch::Sender<StoreWord>,
+    at_once: Arc<AtomicBool>,
+}
+
+impl Store for Forgetful {
+    fn record(&mut self, page: Page, _losses: u64) {
+        if self.at_once.load(Ordering::SeqCst) {
+            self.word.send_modify(|word| word.kept = page.last());
+        }
+    }
+
+    fn word(&self) -> watch::Receiver<StoreWord> {
+        self.word.subscribe()
+    }
+}
+
+fn request(command: Command) -> Request {
+    Request::new(command, Issuer::operator(Door::Local))
+}
+
+fn house() -> (Handle, Task, RobotSide) {
+    let (handle, task, robot, _) = house_with(true);
+    (handle, task, robot)
+}
+
+fn house_with(at_once: bool) -> (Handle, Task, RobotSide, watch::Sender<StoreWord>) {
+    house_keeping(&Arc::new(AtomicBool::new(at_once)))
+}
+
+fn house_keeping(at_once: &Arc<AtomicBool>) -> (Handle, Task, RobotSide, watch::Sender<StoreWord>) {
+    let word = watch::Sender::new(StoreWord::default());
+    let store = Forgetful { word: word.clone(), at_once: Arc::clone(at_once) };
+    let halter = Halter::new(Epoch(0));
+    let (loop_side, robot_side) = link(halter.watch());
+    let sweep = Sweep::new(Settings::default(), Default::default(), "test".into());
+    let (handle, task) = Task::new(sweep, loop_side, Box::new(store), Clock::default(), halter);
+    (handle, task, robot_side, word)
+}
+
+async fn running() -> (Handle, RobotSide, watch::Sender<bool>) {
+    start(house()).await
+}
+
+async fn start((handle, task, robot): (Handle, Task, RobotSide)) -> (Handle, RobotSide, watch::Sender<bool>) {
+    let (close, closing) = watch::channel(false);
+    tokio::spawn(task.run(closing));
+    let second = Duration::from_secs(1);
+    let can = Capabilities { step: second, turn: second, photo: second, nudges: false };
+    robot.reports.send(RobotEvent::LinkUp(can)).await.unwrap();
+    (handle, robot, close)
+}
+
+#[tokio::test]
+async fn whoever_was_answered_sees_what_was_done() {
+    let (handle, _robot, _close) = running().await;
+    let accepted = handle.give(request(Command::Start)).await.unwrap().unwrap();
+    let state = handle.snapshot();
+    assert!(state.revision >= accepted.revision);
+    assert_eq!(state.mission.phase, PhaseName::Exploring);
+}
+
+/// Safety S1: it works while the loop does not come round to its commands.
+#[tokio::test]
+async fn a_stop_reaches_the_robot_although_the_loop_hangs_and_its_queue_is_full() {
+    let (handle, _hanging, mut robot) = house();
+    for _ in 0..=COMMANDS {
+        let handle = handle.clone();
+        tokio::spawn(async move { handle.give(request(Command::Start)).await });
+    }
+    tokio::task::yield_now().await;
+    let stopping = handle.clone();
+    tokio::spawn(async move { stopping.give(request(Command::Stop)).await });
+    assert_eq!(robot.halts.raised().await.epoch, Epoch(1));
+}
+
+/// Safety S6: no step begins after the stop was answered.
+#[tokio::test(start_paused = true)]
+async fn no_order_is_given_after_a_stop_was_answered() {
+    let (handle, mut robot, _close) = running().await;
+    for n in 1..=200 {
+        handle.give(request(Command::Start)).await.unwrap().unwrap();
+        handle.give(request(Command::Stop)).await.unwrap().unwrap();
+        assert_eq!(robot.halts.now().epoch, Epoch(n));
+        assert!(handle.snapshot().mission.holds.contains(&Hold::Operator));
+        while let Ok(Stamped { order, halts }) = robot.orders.try_recv() {
+            assert!(halts < robot.halts.now().count, "stop {n}: {order:?} could still begin");
+            robot.reports.send(RobotEvent::Halted(order.id, false)).await.unwrap();
+        }
+    }
+}
+
+/// Safety S6, with somebody else pressing START all the while.
+#[tokio::test(start_paused = true)]
+async fn a_start_that_crosses_a_stop_begins_nothing_after_the_stop_was_answered() {
+    let (handle, mut robot, _close) = running().await;
+    for n in 1..=200 {
+        let starting = tokio::spawn({
+            let handle = handle.clone();
+            async move { handle.give(request(Command::Start)).await }
+        });
+        handle.give(request(Command::Stop)).await.unwrap().unwrap();
+        let stopped_at = robot.halts.now().count;
+        let held = handle.snapshot().mission.holds.contains(&Hold::Operator);
+        while let Ok(Stamped { order, halts }) = robot.orders.try_recv() {
+            assert!(halts < stopped_at || !held, "stop {n}: {order:?} could still begin");
+            robot.reports.send(RobotEvent::Halted(order.id, false)).await.unwrap();
+        }
+        let _ = starting.await;
+    }
+}
+
+/// A stop that is raised while the loop is about to send an order: the loop comes to rest, and the robot gets nothing.
+#[tokio::test]
+async fn a_stop_between_an_order_and_its_sending_holds_the_robot() {
+    let (_handle, mut task, mut robot) = house();
+    let second = Duration::from_secs(1);
+    let can = Capabilities { step: second, turn: second, photo: second, nudges: false };
+    task.take_report(Some(RobotEvent::LinkUp(can)));
+    task.settle();
+    let start = task.sweep.handle_command(request(Command::Start), task.clock.now());
+    assert!(start.is_ok());
+    task.halter.stop();
+    task.settle();
+    assert!(robot.orders.try_recv().is_err());
+    assert!(task.sweep.snapshot().mission.holds.contains(&Hold::Operator));
+}
+
+/// Safety S2: heat halts as directly as a stop does.
+#[tokio::test]
+async fn heat_halts_past_the_queue_of_orders() {
+    use crate::core::command::TemperatureReport;
+    let (handle, mut robot, _close) = running().await;
+    handle.give(request(Command::Start)).await.unwrap().unwrap();
+    let Stamped { halts, .. } = robot.orders.recv().await.expect("a start gives an order");
+    handle.give(request(Command::Temperature(TemperatureReport::TooHigh))).await.unwrap().unwrap();
+    assert!(robot.halts.now().count > halts);
+}
+
+/// Safety S2 and V3: the answer waits for the record, however late it comes, and so does the robot.
+#[tokio::test]
+async fn a_store_that_answers_late_delays_start_but_not_stop() {
+    let (handle, task, robot, word) = house_with(false);
+    let (handle, mut robot, _close) = start((handle, task, robot)).await;
+    let starting = tokio::spawn({
+        let handle = handle.clone();
+        async move { handle.give(request(Command::Start)).await }
+    });
+    handle.watch().wait_for(|state| state.mission.phase == PhaseName::Exploring).await.unwrap();
+    handle.give(request(Command::Stop)).await.unwrap().unwrap();
+    assert!(!starting.is_finished());
+    word.send_modify(|word| word.kept = Seq(1000));
+    starting.await.unwrap().unwrap().unwrap();
+    assert!(robot.orders.try_recv().is_err(), "the stop came before the record of the start");
+}
+
+/// A robot on the move, with a store that keeps at once or, from now on, hangs; and its order.
+async fn moving(hangs: bool) -> (Handle, RobotSide, watch::Sender<bool>, Order) {
+    let at_once = Arc::new(AtomicBool::new(true));
+    let (handle, task, robot, _word) = house_keeping(&at_once);
+    let (handle, mut robot, close) = start((handle, task, robot)).await;
+    give(&handle, Command::Start).await.unwrap().unwrap();
+    let Stamped { order, .. } = robot.orders.recv().await.expect("a start gives an order");
+    at_once.store(!hangs, Ordering::SeqCst);
+    (handle, robot, close, order)
+}
+
+fn give(handle: &Handle, command: Command) -> impl Future<Output = crate::runtime::handle::Given> + use<> {
+    handle.give(request(command))
+}
+
+const TENTH: Duration = Duration::from_millis(100);
+
+/// Safety S8: whatever the store does.
+#[tokio::test(start_paused = true)]
+async fn the_answer_to_a_stop_waits_until_the_robot_stands_and_its_state_says_so() {
+    for hangs in [false, true] {
+        let (handle, robot, _close, order) = moving(hangs).await;
+        let mut stopping = Box::pin(give(&handle, Command::Stop));
+        assert!(tokio::time::timeout(TENTH * 9 / 10, &mut stopping).await.is_err(), "the robot does not stand yet");
+        let before = handle.snapshot();
+        assert!(before.robot.halting && before.robot.state != RobotState::Stopped);
+        robot.reports.send(RobotEvent::Halted(order.id, true)).await.unwrap();
+        let stopped = tokio::time::timeout(TENTH / 100, stopping).await.expect("it is answered when it stands");
+        let after = handle.snapshot();
+        assert_eq!(after.revision, stopped.unwrap().unwrap().revision);
+        assert!(after.revision > before.revision);
+        assert_eq!((after.robot.halting, after.robot.state), (false, RobotState::Stopped));
+    }
+}
+
+/// Safety S8: a robot that does not obey costs the answer a tenth of a second, and its state says that it does not stand.
+#[tokio::test(start_paused = true)]
+async fn the_answer_to_a_stop_comes_although_the_robot_does_not_obey() {
+    for hangs in [false, true] {
+        let (handle, _robot, _close, _) = moving(hangs).await;
+        for _ in 0..2 {
+            let clock = Clock::default();
+            let stopped = give(&handle, Command::Stop).await.unwrap().unwrap();
+            let took = clock.now().since_start;
+            assert!((TENTH..TENTH + Duration::from_millis(5)).contains(&took), "{took:?}");
+            let state = handle.snapshot();
+            assert!(state.robot.halting && state.revision >= stopped.revision);
+        }
+    }
+}
+
+/// Safety S4: an answered stop is written down where it outlives the program, if that can be done at once.
+#[tokio::test(start_paused = true)]
+async fn the_answer_to_a_stop_waits_until_it_is_noted() {
+    let (handle, task, robot) = house();
+    let halter = task.halter.clone();
+    halter.note(Some(Epoch(0)));
+    let (handle, _robot, _close) = start((handle, task, robot)).await;
+    let mut stopping = Box::pin(give(&handle, Command::Stop));
+    assert!(tokio::time::timeout(TENTH / 2, &mut stopping).await.is_err(), "it is not noted yet");
+    halter.note(Some(Epoch(1)));
+    tokio::time::timeout(TENTH / 100, stopping).await.expect("it is noted").unwrap().unwrap();
+}
+
+/// Safety S8: the two waits of a stop's answer go on at the same time.
+#[tokio::test(start_paused = true)]
+async fn a_robot_and_a_disk_that_do_not_obey_cost_the_answer_a_tenth_of_a_second_together() {
+    let (handle, mut task, mut robot) = house();
+    task.halter.note(Some(Epoch(0)));
+    let second = Duration::from_secs(1);
+    task.take_report(Some(RobotEvent::LinkUp(Capabilities { step: second, turn: second, photo: second, nudges: false })));
+    let (handle, _close) = {
+        let (close, closing) = watch::channel(false);
+        tokio::spawn(task.run(closing));
+        (handle, close)
+    };
+    give(&handle, Command::Start).await.unwrap().unwrap();
+    robot.orders.recv().await.expect("a start gives an order");
+    let clock = Clock::default();
+    give(&handle, Command::Stop).await.unwrap().unwrap();
+    let took = clock.now().since_start;
+    assert!((TENTH..TENTH + Duration::from_millis(5)).contains(&took), "{took:?}");
+}
+
+/// Safety S8: nothing new begins before the robot stands, and whoever stopped is told of a state in which it does.
+#[tokio::test(start_paused = true)]
+async fn a_start_while_the_robot_halts_begins_when_it_stands() {
+    let (handle, mut robot, _close, order) = moving(false).await;
+    let stopping = tokio::spawn(give(&handle, Command::Stop));
+    robot.halts.raised().await;
+    give(&handle, Command::Start).await.unwrap().unwrap();
+    assert!(robot.orders.try_recv().is_err(), "the robot does not stand yet");
+    let before = handle.snapshot().revision;
+    robot.reports.send(RobotEvent::Halted(order.id, true)).await.unwrap();
+    let stopped = stopping.await.unwrap().unwrap().unwrap().revision;
+    assert!(robot.orders.recv().await.is_some(), "then it goes on");
+    assert!(before < stopped && stopped < handle.snapshot().revision, "the state in between is the one in which it stands");
+}
+
+/// A photo is no motion: one that was ordered before a stop goes out.
+#[tokio::test]
+async fn a_photo_that_was_ordered_before_a_stop_goes_out_and_a_step_does_not() {
+    let (_handle, mut task, mut robot) = house();
+    let stamp = crate::core::effect::Stamp { pose: crate::core::units::Pose::START, wall: Default::default() };
+    let order = |action| Order { id: Default::default(), action, epoch: Epoch(0), deadline: TENTH };
+    task.halter.stop();
+    task.send(order(Action::Photograph(stamp)));
+    let Stamped { order: photo, halts } = robot.orders.try_recv().expect("the photo");
+    assert_eq!((photo.action, halts), (Action::Photograph(stamp), robot.halts.now().count));
+    task.send(order(Action::Recentre));
+    assert!(robot.orders.try_recv().is_err());
+}
+
+#[tokio::test]
+async fn a_robot_whose_adapter_ends_is_a_lost_link_and_that_is_said_once() {
+    let (handle, robot, _close) = running().await;
+    let mut states = handle.watch();
+    states.wait_for(|state| !state.mission.holds.contains(&Hold::RobotLink)).await.unwrap();
+    drop(robot);
+    let lost = states.wait_for(|state| state.mission.holds.contains(&Hold::RobotLink)).await.unwrap().revision;
+    for _ in 0..100 {
+        tokio::task::yield_now().await;
+    }
+    assert_eq!(handle.snapshot().revision, lost);
+}
