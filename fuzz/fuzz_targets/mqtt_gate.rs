@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use bytes::BytesMut;
 use hallsweep_fuzz::access::Role;
+use hallsweep_fuzz::inbound::mqtt::gate::budget::Payer;
 use hallsweep_fuzz::inbound::mqtt::gate::filter;
 use hallsweep_fuzz::inbound::mqtt::gate::frame::{Kind, frame};
 use hallsweep_fuzz::inbound::mqtt::gate::limits::{CLIENT_ROOM, FILTERS, GUEST_PACKET, UNRELEASED};
@@ -50,6 +51,8 @@ impl Listener for Ear {
 struct Play {
     turnstile: Turnstile,
     gatehouse: Arc<Gatehouse>,
+    /// Reads everything: what nobody reads does not reach the engine.
+    _reader: Turnstile,
     now: Duration,
     from_client: BytesMut,
     from_engine: BytesMut,
@@ -67,13 +70,37 @@ impl Play {
         let topics = Topics::new("h", "d", "q");
         let gatehouse = Arc::new(Gatehouse::new(topics));
         for n in 0..200_u8 {
-            gatehouse.retained.keep(&format!("k/{n}"), &vec![n; usize::from(first) * 16 + 1], Qos::One);
+            gatehouse.retained.keep(&Payer::Anybody, &format!("k/{n}"), &vec![n; usize::from(first) * 16 + 1], Qos::One);
         }
         let keep_alive_s = connect.as_ref().map_or(0, |connect| connect.keep_alive_s);
         let will = connect.and_then(|connect| connect.will);
-        let terms =
-            Terms { guest, name: "fuzz".into(), listener: Arc::new(Ear), keep_alive_s, will, session: Session::default() };
+        let terms = Terms {
+            guest,
+            name: "fuzz".into(),
+            has_key: first & 4 != 0,
+            listener: Arc::new(Ear),
+            keep_alive_s,
+            will,
+            session: Session::default(),
+        };
+        let mut reader = Turnstile::new(
+            Terms {
+                guest: Guest::House,
+                name: "reader".into(),
+                has_key: false,
+                listener: Arc::new(Ear),
+                keep_alive_s: 0,
+                will: None,
+                session: Session::default(),
+            },
+            Arc::clone(&gatehouse),
+            Duration::ZERO,
+        );
+        let mut everything = BytesMut::new();
+        write::subscribe(&mut everything, 1, &[("#", Qos::Zero)]);
+        reader.handle_client(&mut everything, Duration::ZERO).expect("it may");
         Play {
+            _reader: reader,
             turnstile: Turnstile::new(terms, Arc::clone(&gatehouse), Duration::ZERO),
             gatehouse,
             now: Duration::ZERO,
@@ -168,8 +195,8 @@ impl Play {
             let body = &packet[frame.head..];
             match frame.kind {
                 Kind::Publish => {
-                    assert_eq!(packet[0], 0x30, "only QoS 0, and nothing to be kept");
-                    let publish = publish::read(&frame, packet).expect("it is a PUBLISH");
+                    assert!(matches!(packet[0], 0x30 | 0x38), "only QoS 0, padded or not, and nothing to be kept");
+                    let publish = publish::read_padded(&frame, packet).expect("it is a PUBLISH");
                     let topic = std::str::from_utf8(publish.topic).expect("topics are UTF-8");
                     assert!(!topic.is_empty() && !topic.contains(['+', '#', '\0']), "{topic:?}");
                     assert_eq!(filter::topic(topic), Ok(()), "{topic:?}");

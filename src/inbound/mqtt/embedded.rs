@@ -22,9 +22,9 @@ use crate::inbound::listeners::Listeners;
 use crate::inbound::patience::Patient;
 use crate::runtime::clock::Clock;
 
-/// How often it is looked whether the engine was shown too much, or has taken too much memory: in this time it takes some hundred
-/// mebibytes at the worst.
-const GLANCE: Duration = Duration::from_millis(250);
+/// How often it is looked whether the engine was shown too much, or has taken too much memory: in this time it takes some ten mebibytes
+/// at the worst.
+const GLANCE: Duration = Duration::from_millis(50);
 
 /// After an accept has failed (as with too many open files) the next is tried this much later.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
@@ -124,6 +124,7 @@ impl Embedded {
     /// Why another engine is needed, though this one is not ill.
     fn worn_out(&mut self) -> Option<&'static str> {
         if let Some(in_use) = memory::in_use() {
+            let in_use = in_use.saturating_sub(self.house.kept_bytes());
             // What the engine before had is given back to the system a little later.
             self.usual = self.usual.min(in_use);
             if in_use > self.usual + APPETITE {

@@ -214,7 +214,7 @@ async fn a_stop_behind_a_connect_that_is_refused_halts() {
 async fn an_engine_that_was_shown_more_than_it_can_remember_is_started_anew() {
     let mut broker = Broker::start().await;
     let mut holders = Vec::new();
-    for n in 0..ENGINE_FILTERS / FILTERS {
+    for n in 0..=ENGINE_FILTERS / FILTERS {
         let mut holder = broker.client_named(&n.to_string()).await;
         let filters: Vec<String> = (0..FILTERS).map(|filter| format!("{n}/{filter}")).collect();
         holder.asks_for(filters.iter().map(String::as_str)).await;

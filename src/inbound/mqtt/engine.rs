@@ -13,7 +13,7 @@ use rumqttd::{ConnectionId, ConnectionSettings, LinkType, Router, RouterConfig, 
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::watch;
 
-use super::gate::limits::HOUSE_PACKET;
+use super::gate::limits::{HOUSE_PACKET, SEGMENT_BYTES, SEGMENTS};
 use super::limits;
 use crate::access::Token;
 
@@ -204,8 +204,8 @@ fn router() -> RouterConfig {
         // With those that have left and are not cleared away yet.
         max_connections: 2 * limits::PLACES,
         max_outgoing_packet_count: limits::BATCH,
-        max_segment_size: limits::SEGMENT_BYTES,
-        max_segment_count: limits::SEGMENTS,
+        max_segment_size: SEGMENT_BYTES,
+        max_segment_count: SEGMENTS,
         ..RouterConfig::default()
     }
 }

@@ -129,6 +129,11 @@ impl House {
         self.0.gatehouse.budget.is_exhausted()
     }
 
+    /// How many bytes are kept, which is no doing of the engine's.
+    pub(super) fn kept_bytes(&self) -> usize {
+        self.0.gatehouse.retained.bytes()
+    }
+
     /// There is another engine, which knows nothing yet.
     pub(super) fn renew(&self) {
         self.0.gatehouse.budget.renew();
@@ -212,6 +217,7 @@ impl House {
         let terms = Terms {
             guest: identity.guest(),
             name: identity.name(),
+            has_key: identity.has_key(),
             listener,
             keep_alive_s: connect.keep_alive_s,
             will: connect.will,

@@ -64,6 +64,11 @@ impl Identity {
         }
     }
 
+    /// Whether its name is that of a key.
+    pub(super) const fn has_key(&self) -> bool {
+        matches!(self, Identity::Somebody(Caller::Known(_)))
+    }
+
     /// Whose seat it takes; our own session needs none.
     pub(super) fn holder(&self) -> Option<Holder> {
         let Identity::Somebody(caller) = self else { return None };

@@ -23,16 +23,10 @@ pub(super) const BATCH: u64 = 200;
 /// How many packets of one client the engine takes at a time.
 pub(super) const PACKETS: usize = 1_000;
 
-/// The engine keeps messages in segments of this size, in bytes, for subscribers who lag,
-pub(super) const SEGMENT_BYTES: usize = 1024 * 1024;
-
-/// and so many of them for each filter. A subscriber who lags further behind misses messages.
-pub(super) const SEGMENTS: usize = 4;
-
-/// So many bytes more than it had at first the program may have in use before the engine is taken for the cause and started anew. A
-/// segment is measured by what is said in it; small messages, each of which holds on to all that was read with it, may cost a
-/// thousand times that, and the engine forgets none of them before enough newer ones have come.
-pub(super) const APPETITE: usize = 512 * 1024 * 1024;
+/// So many bytes more than it had at first, beside what is kept, the program may have in use before the engine is taken for the cause
+/// and started anew. It forgets no message before enough newer ones have come to the same filter, and each holds on to all that was
+/// read with it.
+pub(super) const APPETITE: usize = 64 * 1024 * 1024;
 
 /// Of all clients, those whom one key may bring: every screen of a large site.
 pub(super) const SHARE: usize = CONNECTIONS / 4;

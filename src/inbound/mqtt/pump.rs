@@ -211,6 +211,7 @@ impl<'a> Pump<'a> {
             if hears_engine {
                 make_room(&mut self.from_engine);
             }
+            let has_more = self.turnstile.wants_turn();
             let (for_engine, for_client) = self.turnstile.outgoing();
             let tells_engine = !for_engine.is_empty() && self.engine.is_some();
             let (engine, to_engine) = self.engine.as_mut().map(|(read, write)| (read, write)).unzip();
@@ -231,6 +232,10 @@ impl<'a> Pump<'a> {
                 }
                 () = caught_up(behind.as_ref(), self.clock) => {
                     self.waiting = None;
+                    Ok(())
+                }
+                () = tokio::task::yield_now(), if has_more => {
+                    self.turnstile.handle_drained();
                     Ok(())
                 }
                 () = self.clock.reach(Some(silent_until)) => self.turnstile.handle_timeout(self.clock.now().since_start),

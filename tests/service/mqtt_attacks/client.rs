@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::time::Duration;
 
-use super::packets::{CONNACK, PINGREQ, PINGRESP, SUBACK, connect, publish, subscribe};
+use super::packets::{CONNACK, PINGREQ, PINGRESP, SUBACK, publish, subscribe};
 
 /// How long anything is waited for: far longer than it takes, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -43,15 +43,10 @@ impl Client {
         Client { stream, heard: Vec::new() }
     }
 
-    /// A client that was let in.
-    pub(crate) fn let_in(at: SocketAddr, client_id: &str) -> Client {
-        Client::try_let_in(at, client_id).expect("a client is let in")
-    }
-
-    /// A client that was let in, if it was.
-    pub(crate) fn try_let_in(at: SocketAddr, client_id: &str) -> Option<Client> {
+    /// A client that was let in with this CONNECT, if it was.
+    pub(crate) fn try_connect(at: SocketAddr, connect: &[u8]) -> Option<Client> {
         let mut client = Client::silent(at);
-        client.say(&connect(client_id, 60));
+        client.say(connect);
         (client.next() == Some(Came { first: CONNACK, body: vec![0, 0] })).then_some(client)
     }
 

@@ -7,5 +7,7 @@ mod floods;
 mod kill_list;
 mod malformed;
 mod packets;
+mod shares;
 mod siege;
+mod stalled;
 mod stops;

@@ -43,6 +43,11 @@ pub(crate) fn connect(client_id: &str, keep_alive_s: u16) -> Vec<u8> {
     connect_with(4, 2, keep_alive_s, &text(client_id))
 }
 
+/// A CONNECT of whoever has this key.
+pub(crate) fn connect_as(client_id: &str, (name, token): (&str, &str)) -> Vec<u8> {
+    connect_with(4, 0xC2, 60, &[text(client_id), text(name), text(token)].concat())
+}
+
 /// A CONNECT of this level of the protocol, with these flags and all that follows the keep alive.
 pub(crate) fn connect_with(level: u8, flags: u8, keep_alive_s: u16, rest: &[u8]) -> Vec<u8> {
     packet(0x10, &[&text("MQTT")[..], &[level, flags], &keep_alive_s.to_be_bytes(), rest].concat())
@@ -52,6 +57,12 @@ pub(crate) fn connect_with(level: u8, flags: u8, keep_alive_s: u16, rest: &[u8])
 pub(crate) fn publish(topic: &str, payload: &[u8], qos: u8, flags: u8, id: u16) -> Vec<u8> {
     let id = if qos == 0 { Vec::new() } else { id.to_be_bytes().to_vec() };
     packet(0x30 | qos << 1 | flags, &[&text(topic)[..], &id, payload].concat())
+}
+
+/// A SUBSCRIBE to several filters, at QoS 0.
+pub(crate) fn subscribe_all(id: u16, filters: &[String]) -> Vec<u8> {
+    let filters = filters.iter().flat_map(|filter| [&text(filter)[..], &[0]].concat());
+    packet(0x82, &id.to_be_bytes().into_iter().chain(filters).collect::<Vec<u8>>())
 }
 
 /// A SUBSCRIBE to one filter.

@@ -4,12 +4,18 @@
 use std::fs::File;
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::sleep;
 use std::time::Duration;
 
 use super::client::Client;
+use super::packets::{connect, connect_as};
+use crate::access::Folder;
 use crate::program::{Deadline, PATIENCE, Program, hallsweep};
+
+/// The program.
+const SERVE: [&str; 9] = ["serve", "--http", "127.0.0.1:0", "--seed", "1", "--hall", "empty-8x8", "--speed", "4"];
 
 /// Where the state is.
 const STATE: &str = "hallsweep/discovery/state/temperature";
@@ -26,6 +32,8 @@ pub(crate) struct Siege {
     pub(crate) broker: SocketAddr,
     screen: Client,
     said: PathBuf,
+    /// The key of the screen and of newcomers, where one is asked for.
+    key: Option<(String, String)>,
     /// Degrees that were reported, each time others.
     celsius: u32,
 }
@@ -33,22 +41,32 @@ pub(crate) struct Siege {
 impl Siege {
     /// Starts the program, and lets the screen come in.
     pub(crate) fn begin() -> Siege {
+        Siege::of(&mut hallsweep(&SERVE), None)
+    }
+
+    /// The same where keys are asked for, which are in this folder; the screen has that of the operator.
+    pub(crate) fn with_keys(folder: &Folder) -> Siege {
+        let mut command = folder.command(&SERVE);
+        let key = ("operator".to_owned(), folder.token_of("operator"));
+        Siege::of(command.env("HALLSWEEP__MQTT__REQUIRE_PASSWORD", "true"), Some(key))
+    }
+
+    fn of(command: &mut Command, key: Option<(String, String)>) -> Siege {
         let number = SIEGES.fetch_add(1, Ordering::Relaxed);
         let said = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("siege-{}-{number}.log", std::process::id()));
         let file = File::create(&said).expect("a file can be made");
-        let serve = ["serve", "--http", "127.0.0.1:0", "--seed", "1", "--hall", "empty-8x8", "--speed", "4"];
-        let program = Program::started(hallsweep(&serve).stderr(file));
+        let program = Program::started(command.stderr(file));
         let broker = program.mqtt();
-        let mut screen = Client::let_in(broker, "screen");
+        let mut screen = come(broker, "screen", key.as_ref()).expect("the screen is let in");
         assert_eq!(screen.subscribe(STATE, 1), 1);
-        let mut siege = Siege { program, broker, screen, said, celsius: 10 };
+        let mut siege = Siege { program, broker, screen, said, key, celsius: 10 };
         siege.is_served();
         siege
     }
 
     /// A client that was let in, with this id.
     pub(crate) fn client(&self, client_id: &str) -> Client {
-        Client::let_in(self.broker, client_id)
+        come(self.broker, client_id, self.key.as_ref()).expect("a client is let in")
     }
 
     /// The screen gets the next change of the state.
@@ -69,7 +87,7 @@ impl Siege {
     pub(crate) fn screen_comes_again(&mut self) {
         let deadline = Deadline::within(PATIENCE);
         self.screen = loop {
-            if let Some(screen) = Client::try_let_in(self.broker, "screen") {
+            if let Some(screen) = come(self.broker, "screen", self.key.as_ref()) {
                 break screen;
             }
             assert!(!deadline.has_passed(), "nobody is let in any more");
@@ -103,6 +121,12 @@ impl Siege {
     pub(crate) fn said(&self) -> String {
         std::fs::read_to_string(&self.said).expect("the file is there")
     }
+}
+
+/// A client that was let in, with this key where one is asked for.
+fn come(broker: SocketAddr, client_id: &str, key: Option<&(String, String)>) -> Option<Client> {
+    let connect = key.map_or_else(|| connect(client_id, 60), |(name, token)| connect_as(client_id, (name, token)));
+    Client::try_connect(broker, &connect)
 }
 
 impl Drop for Siege {

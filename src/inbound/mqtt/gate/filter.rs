@@ -2,6 +2,9 @@
 
 use super::limits::{LEVELS, TOPIC};
 
+/// The character after the slash, in the order of bytes.
+const AFTER_SLASH: char = '0';
+
 /// Why the gate does not take a topic or a filter, though the standard may allow it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unfit {
@@ -74,6 +77,54 @@ pub fn stem(filter: &str) -> &str {
         Some(wildcard) => filter[..wildcard].strip_suffix('/').unwrap_or(""),
         None => filter,
     }
+}
+
+/// Where to look next among topics in the order of their bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// This topic matches.
+    Here,
+    /// None before this one does.
+    From(String),
+    /// No later one does.
+    Nowhere,
+}
+
+/// Whether a filter matches this topic; if not, where the next one can be that it matches. So whoever looks goes level by level, as
+/// in a tree, and passes over what lies between.
+#[must_use]
+pub fn look(filter: &str, topic: &str) -> Next {
+    if topic.starts_with('$') && filter.starts_with(['+', '#']) {
+        // Behind all of these.
+        return Next::From("%".to_owned());
+    }
+    let mut wanted_levels = filter.split('/').peekable();
+    let (mut start, mut rest) = (0, Some(topic));
+    while let Some(wanted) = wanted_levels.next() {
+        if wanted == "#" {
+            return Next::Here;
+        }
+        let Some(here) = rest else { return Next::From(format!("{topic}\0")) };
+        let (level, after) = here.split_once('/').map_or((here, None), |(level, after)| (level, Some(after)));
+        if wanted != "+" && wanted != level {
+            let above = &topic[..start];
+            let itself = format!("{above}{wanted}");
+            if topic < itself.as_str() {
+                return Next::From(itself);
+            }
+            let below = format!("{itself}/");
+            let may_be_below = wanted_levels.peek().is_some() && topic < below.as_str();
+            return if may_be_below { Next::From(below) } else { behind(above) };
+        }
+        start += level.len() + 1;
+        rest = after;
+    }
+    if rest.is_none() { Next::Here } else { behind(&topic[..start]) }
+}
+
+/// Behind everything below these levels, which end with a slash.
+fn behind(levels: &str) -> Next {
+    levels.strip_suffix('/').map_or(Next::Nowhere, |above| Next::From(format!("{above}{AFTER_SLASH}")))
 }
 
 fn measure(text: &str) -> Result<(), Unfit> {

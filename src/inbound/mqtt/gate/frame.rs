@@ -1,6 +1,8 @@
 //! Where packets begin and end in a stream of bytes (MQTT 3.1.1, section 2.2), and what can be wrong with one. What is in a packet
 //! is read in `packet`.
 
+use super::limits::PACKET_FILTERS;
+
 /// The kinds of packets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
@@ -76,6 +78,9 @@ pub enum Malformed {
     /// A SUBSCRIBE or UNSUBSCRIBE of nothing.
     #[error("a packet names no filter, or an empty one")]
     Filters,
+    /// A SUBSCRIBE or UNSUBSCRIBE of too many.
+    #[error("a packet names more than {PACKET_FILTERS} filters")]
+    ManyFilters,
     /// Flags of a CONNECT that contradict each other.
     #[error("the flags {0:#04x} of a CONNECT contradict each other")]
     ConnectFlags(u8),

@@ -23,45 +23,82 @@ pub const LEVELS: usize = 32;
 /// Filters held by one connection.
 pub const FILTERS: usize = 64;
 
-/// Topics that one connection publishes on: the engine counts them for each connection.
-pub const TOPICS: usize = 16 * 1024;
+/// Filters in one packet: more than a connection may hold, so that each is answered, and few enough to be read at once.
+pub const PACKET_FILTERS: usize = 256;
 
-/// Filters that ever reached an engine, which keeps a log for each until it ends.
+/// Filters of guests that ever reached an engine, which keeps a log for each until it ends.
 pub const ENGINE_FILTERS: usize = 4096;
 
-/// Of these, those that whoever only looks may spend.
+/// Of these, those that whoever only looks may spend,
 pub const VIEWERS_FILTERS: usize = ENGINE_FILTERS / 2;
 
-/// Topics that ever reached an engine, which remembers what each matched until it ends.
+/// and those of one operator's key.
+pub const SHARE_FILTERS: usize = 2048;
+
+/// Topics of guests that ever reached an engine, which remembers what each matched until it ends. What nobody reads does not reach it.
 pub const ENGINE_TOPICS: usize = 64 * 1024;
 
-/// Kept messages of the whole broker.
+/// Of these, those that whoever only looks may spend,
+pub const VIEWERS_TOPICS: usize = 8 * 1024;
+
+/// and those of one operator's key.
+pub const SHARE_TOPICS: usize = 16 * 1024;
+
+/// A viewer's key has so small a part of an operator's.
+pub const VIEWERS_SHARE: usize = 16;
+
+/// Kept messages of all guests,
 pub const KEPT: usize = 8192;
 
-/// Their bytes in all, topics included.
+/// and their bytes, topics included;
 pub const KEPT_BYTES: usize = 32 * 1024 * 1024;
 
-/// Beside these there is room for so many of the program's own, which has a dozen topics,
+/// of these one key may have so many,
+pub const KEPT_SHARE: usize = 4096;
+
+/// and so many bytes.
+pub const KEPT_SHARE_BYTES: usize = 8 * 1024 * 1024;
+
+/// Kept messages of the program itself, which has a dozen topics,
 pub const KEPT_OURS: usize = 256;
 
-/// and so many bytes: a large map, a photo, and what stands on the other topics.
-pub const KEPT_OURS_BYTES: usize = 16 * 1024 * 1024;
+/// and their bytes: a large map, a photo, and what stands on the other topics.
+pub const KEPT_OURS_BYTES: usize = 8 * 1024 * 1024;
 
 /// What a kept message costs beside its topic and payload, about.
 pub const KEPT_COST: usize = 128;
 
+/// Among the kept messages so many places are looked at for one client before it is another one's turn.
+pub const KEPT_STEPS: usize = 512;
+
 /// Kept messages of QoS 1 that a client has not acknowledged yet: what mosquitto allows, too.
 pub const KEPT_UNDER_WAY: usize = 20;
 
-/// So many messages may be on their way to a subscriber before whoever publishes more is made to wait: a small part of what the
-/// engine keeps, and enough that nobody waits for the other. Long ones count for several.
-pub const LAG: i64 = 2_000;
+/// The engine keeps messages for each filter in segments of this size, in bytes. Small ones: what is in them is given back only with
+/// the whole of it, and a message of a few bytes costs many times what it counts. A long message has one to itself.
+pub const SEGMENT_BYTES: usize = 16 * 1024;
 
-/// A message counts once more for each of so many bytes in it, so that long ones are no more than a mebibyte together.
-pub const LONG: usize = 512;
+/// It keeps so many segments for each filter.
+pub const SEGMENTS: usize = 8;
+
+/// A message that counts less is padded on its way through the engine: what it holds of each beside its bytes is more than this.
+pub const PADDED: usize = 96;
+
+/// A subscriber that is no further behind than this has lost nothing,
+pub const ENGINE_KEEPS: i64 = ((SEGMENTS - 1) * SEGMENT_BYTES) as i64;
+
+/// and nobody has more than this before him.
+pub const ENGINE_HOLDS: i64 = (SEGMENTS * SEGMENT_BYTES) as i64;
+
+/// So many bytes may be on their way to a subscriber before whoever publishes more is made to wait: a part of what the engine keeps,
+/// since several may publish at once, and enough that nobody waits for the other.
+pub const LAG: i64 = ENGINE_KEEPS / 4;
+
+/// So much of a client's may go to the engine before it is looked whether somebody lags: others may publish at the same time.
+pub const PIECE: i64 = LAG / 4;
 
 /// It waits until they are no more than this.
-pub const RELIEF: i64 = 1_000;
+pub const RELIEF: i64 = LAG / 2;
 
 /// So long a publisher waits for its subscribers, all of them together.
 pub const PATIENCE: Duration = Duration::from_millis(500);
@@ -71,6 +108,15 @@ pub const FORGIVEN: Duration = Duration::from_secs(10);
 
 /// and each time twice as long as the last time, but no longer than this.
 pub const FORGIVEN_LONGEST: Duration = Duration::from_secs(640);
+
+/// After so long without that it counts as the first time again.
+pub const MENDED: Duration = Duration::from_secs(60);
+
+/// When nothing has come from the engine for so long, nothing will: whatever else was published is lost.
+pub const QUIET: Duration = Duration::from_millis(500);
+
+/// A message counts once more in a flood for each of so many bytes in it.
+pub const LONG: usize = 512;
 
 /// So many messages in a second are no flood: whoever publishes no more never waits for anybody, so that a STOP is read at once.
 pub const NO_FLOOD: u64 = 256;
@@ -88,8 +134,11 @@ pub const ANSWER_ROOM: usize = CLIENT_ROOM + 2 * HOUSE_PACKET;
 /// No more is read from a client while more than this waits for the engine.
 pub const ENGINE_ROOM: usize = 512 * 1024;
 
-/// Messages of the engine that a client has not acknowledged: it sends 100 and waits; beyond twice that it is not itself.
-pub const OUTSTANDING: usize = 200;
+/// So many messages the engine sends to a client before it waits for an acknowledgement;
+pub const ENGINE_WINDOW: usize = 100;
+
+/// beyond twice that it is not itself.
+pub const OUTSTANDING: usize = 2 * ENGINE_WINDOW;
 
 /// Answers of the engine to SUBSCRIBE and UNSUBSCRIBE that a client is waiting for.
 pub const PENDING: usize = 1024;

@@ -17,6 +17,7 @@ pub mod frame;
 pub mod ledger;
 pub mod limits;
 pub mod packet;
+pub mod readers;
 pub mod retained;
 pub mod rights;
 pub mod stop_search;

@@ -1,19 +1,25 @@
-//! The kept messages of the whole broker: the last one of each topic that was to be kept, bounded in number and bytes. The engine knows
-//! none of them. Who may put one here, and how they come to a subscriber, stands in the turnstile.
+//! The kept messages of the whole broker: the last one of each topic that was to be kept, bounded in number and bytes, for all and for
+//! each key. The engine knows none of them. Who may put one here, and how they come to a subscriber, stands in the turnstile.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Bound;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bytes::Bytes;
 
-use super::filter::{matches, stem};
-use super::limits::{KEPT, KEPT_BYTES, KEPT_COST, KEPT_OURS, KEPT_OURS_BYTES};
+use super::budget::Payer;
+use super::filter::{Next, look, stem};
+use super::limits::{KEPT, KEPT_BYTES, KEPT_COST, KEPT_OURS, KEPT_OURS_BYTES, KEPT_SHARE, KEPT_SHARE_BYTES};
 use super::packet::Qos;
 
 /// The kept messages.
 #[derive(Debug, Default)]
-pub struct Retained(Mutex<Shelf>);
+pub struct Retained {
+    shelf: Mutex<Shelf>,
+    /// That of the latest one.
+    stamp: AtomicU64,
+}
 
 /// A kept message.
 #[derive(Debug, PartialEq, Eq)]
@@ -24,58 +30,81 @@ pub struct Kept {
     pub payload: Bytes,
     /// And at what QoS.
     pub qos: Qos,
+    /// Later ones have higher ones.
+    stamp: u64,
+}
+
+/// How far what is kept for one filter was gone through. Topics that come and go meanwhile do not matter.
+#[derive(Debug)]
+pub struct Walk {
+    filter: Arc<str>,
+    /// Only what was kept after this.
+    since: u64,
+    /// The next topic is this one or a later one; `None`: there is none.
+    from: Option<String>,
 }
 
 #[derive(Debug, Default)]
 struct Shelf {
-    kept: BTreeMap<Arc<str>, Arc<Kept>>,
+    kept: BTreeMap<Arc<str>, Entry>,
+    /// What each key keeps; it has no line here when that is nothing.
+    shares: HashMap<Arc<str>, Used>,
+    guests: Used,
+    ours: Used,
+}
+
+#[derive(Debug)]
+struct Entry {
+    kept: Arc<Kept>,
+    payer: Payer,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Used {
+    count: usize,
     bytes: usize,
 }
 
 impl Retained {
     /// Keeps a message in the place of the one that was there; an empty one takes that away. Whether there was room: without it
     /// nothing is kept there any more, since what was is not so now.
-    pub fn keep(&self, topic: &str, payload: &[u8], qos: Qos) -> bool {
-        self.keep_within((topic, payload, qos), KEPT, KEPT_BYTES)
-    }
-
-    /// The same for what the program itself says, for which there is room however much others have kept.
-    pub fn keep_ours(&self, topic: &str, payload: &[u8], qos: Qos) -> bool {
-        self.keep_within((topic, payload, qos), KEPT + KEPT_OURS, KEPT_BYTES + KEPT_OURS_BYTES)
-    }
-
-    fn keep_within(&self, (topic, payload, qos): (&str, &[u8], Qos), most: usize, most_bytes: usize) -> bool {
+    pub fn keep(&self, payer: &Payer, topic: &str, payload: &[u8], qos: Qos) -> bool {
         let mut shelf = self.shelf();
-        let freed = shelf.kept.get(topic).map_or(0, |old| cost(old.topic.len(), old.payload.len()));
+        shelf.remove(topic);
         if payload.is_empty() {
-            shelf.kept.remove(topic);
-            shelf.bytes -= freed;
             return true;
         }
-        let bytes = shelf.bytes - freed + cost(topic.len(), payload.len());
-        let has_room = bytes <= most_bytes && (freed > 0 || shelf.kept.len() < most);
-        if has_room {
-            let topic: Arc<str> = Arc::from(topic);
-            let message = Kept { topic: Arc::clone(&topic), payload: Bytes::copy_from_slice(payload), qos };
-            shelf.kept.insert(topic, Arc::new(message));
-            shelf.bytes = bytes;
-        } else if shelf.kept.remove(topic).is_some() {
-            shelf.bytes -= freed;
-        }
-        has_room
+        // Whoever reads it without the lock does so to know what came later, and that has a higher one in any case.
+        let stamp = self.stamp.fetch_add(1, Ordering::AcqRel) + 1;
+        let topic: Arc<str> = Arc::from(topic);
+        shelf.put(payer, Kept { topic, payload: Bytes::copy_from_slice(payload), qos, stamp })
     }
 
-    /// At most so many of those that a filter matches, in the order of their topics, from behind a topic on.
-    #[must_use]
-    pub fn matching(&self, filter: &str, behind: Option<&str>, most: usize) -> Vec<Arc<Kept>> {
+    /// The next one of a walk, which goes on for no more steps than there are left; without one it is over, or they are used up.
+    pub fn next(&self, walk: &mut Walk, steps: &mut usize) -> Option<Arc<Kept>> {
         let shelf = self.shelf();
-        if !filter.contains(['+', '#']) {
-            return shelf.kept.get(filter).filter(|_| behind.is_none()).cloned().into_iter().collect();
+        while *steps > 0 {
+            let from = walk.from.take()?;
+            *steps -= 1;
+            let (topic, entry) = shelf.kept.range::<str, _>((Bound::Included(from.as_str()), Bound::Unbounded)).next()?;
+            match look(&walk.filter, topic) {
+                Next::Nowhere => return None,
+                Next::From(later) => walk.from = Some(later),
+                Next::Here => {
+                    walk.from = Some(format!("{topic}\0"));
+                    if entry.kept.stamp > walk.since {
+                        return Some(Arc::clone(&entry.kept));
+                    }
+                }
+            }
         }
-        let stem = stem(filter);
-        let from = behind.map_or(Bound::Included(stem), Bound::Excluded);
-        let near = shelf.kept.range::<str, _>((from, Bound::Unbounded)).take_while(|(topic, _)| topic.starts_with(stem));
-        near.filter(|(topic, _)| matches(filter, topic)).take(most).map(|(_, kept)| Arc::clone(kept)).collect()
+        None
+    }
+
+    /// What is kept from now on is later than this.
+    #[must_use]
+    pub fn stamp(&self) -> u64 {
+        self.stamp.load(Ordering::Acquire)
     }
 
     /// How many there are.
@@ -84,85 +113,106 @@ impl Retained {
         self.shelf().kept.len()
     }
 
+    /// And their bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let shelf = self.shelf();
+        shelf.guests.bytes + shelf.ours.bytes
+    }
+
     fn shelf(&self) -> MutexGuard<'_, Shelf> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.shelf.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-const fn cost(topic: usize, payload: usize) -> usize {
-    KEPT_COST + topic + payload
+impl Kept {
+    fn cost(&self) -> usize {
+        KEPT_COST + self.topic.len() + self.payload.len()
+    }
+}
+
+impl Walk {
+    /// From the first one on, of those that were kept after this stamp.
+    #[must_use]
+    pub fn new(filter: Arc<str>, since: u64) -> Walk {
+        let from = Some(stem(&filter).to_owned());
+        Walk { filter, since, from }
+    }
+
+    /// For which filter.
+    #[must_use]
+    pub fn filter(&self) -> &str {
+        &self.filter
+    }
+
+    /// Whether it has come to its end.
+    #[must_use]
+    pub const fn is_over(&self) -> bool {
+        self.from.is_none()
+    }
+}
+
+impl Shelf {
+    fn remove(&mut self, topic: &str) {
+        let Some(Entry { kept, payer }) = self.kept.remove(topic) else { return };
+        let bytes = kept.cost();
+        self.pool(&payer).take_off(bytes);
+        if let Payer::Key { name, .. } = &payer
+            && let Some(share) = self.shares.get_mut(name)
+        {
+            share.take_off(bytes);
+            if share.count == 0 {
+                self.shares.remove(name);
+            }
+        }
+    }
+
+    /// Whether there was room in the pool, and in the payer's share of it.
+    fn put(&mut self, payer: &Payer, kept: Kept) -> bool {
+        let bytes = kept.cost();
+        let (count_most, bytes_most) = match payer {
+            Payer::House => (KEPT_OURS, KEPT_OURS_BYTES),
+            Payer::Anybody | Payer::Key { .. } => (KEPT, KEPT_BYTES),
+        };
+        let share = match payer {
+            Payer::House | Payer::Anybody => Used::default(),
+            Payer::Key { name, .. } => self.shares.get(name).copied().unwrap_or_default(),
+        };
+        if !self.pool(payer).has_room(bytes, count_most, bytes_most) || !share.has_room(bytes, KEPT_SHARE, KEPT_SHARE_BYTES) {
+            return false;
+        }
+        self.pool(payer).add(bytes);
+        if let Payer::Key { name, .. } = payer {
+            self.shares.entry(Arc::clone(name)).or_default().add(bytes);
+        }
+        self.kept.insert(Arc::clone(&kept.topic), Entry { kept: Arc::new(kept), payer: payer.clone() });
+        true
+    }
+
+    const fn pool(&mut self, payer: &Payer) -> &mut Used {
+        match payer {
+            Payer::House => &mut self.ours,
+            Payer::Anybody | Payer::Key { .. } => &mut self.guests,
+        }
+    }
+}
+
+impl Used {
+    const fn has_room(self, bytes: usize, count_most: usize, bytes_most: usize) -> bool {
+        self.count < count_most && self.bytes + bytes <= bytes_most
+    }
+
+    const fn add(&mut self, bytes: usize) {
+        self.count += 1;
+        self.bytes += bytes;
+    }
+
+    const fn take_off(&mut self, bytes: usize) {
+        self.count -= 1;
+        self.bytes -= bytes;
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn topics(retained: &Retained, filter: &str) -> Vec<String> {
-        retained.matching(filter, None, usize::MAX).iter().map(|kept| kept.topic.to_string()).collect()
-    }
-
-    #[test]
-    fn the_last_of_each_topic_is_kept_and_an_empty_one_takes_it_away() {
-        let retained = Retained::default();
-        for (topic, payload) in [("a", "1"), ("a/b", "2"), ("a", "3"), ("ab", "4"), ("b/a", "5")] {
-            assert!(retained.keep(topic, payload.as_bytes(), Qos::One));
-        }
-        assert_eq!(topics(&retained, "a/#"), ["a", "a/b"]);
-        assert_eq!(topics(&retained, "+"), ["a", "ab"]);
-        assert_eq!(topics(&retained, "#"), ["a", "a/b", "ab", "b/a"]);
-        assert_eq!(&retained.matching("a", None, 1)[0].payload[..], b"3");
-        assert!(retained.keep("a", b"", Qos::Zero) && retained.keep("never", b"", Qos::Zero));
-        assert_eq!(topics(&retained, "#"), ["a/b", "ab", "b/a"]);
-    }
-
-    #[test]
-    fn it_is_gone_through_piece_by_piece() {
-        let retained = Retained::default();
-        for n in 0..100 {
-            assert!(retained.keep(&format!("a/{n:02}/b"), b"x", Qos::Zero));
-        }
-        let mut behind: Option<Arc<str>> = None;
-        let mut seen = 0;
-        while let Some(last) = retained.matching("a/+/b", behind.as_deref(), 7).last() {
-            seen += retained.matching("a/+/b", behind.as_deref(), 7).len();
-            behind = Some(Arc::clone(&last.topic));
-        }
-        assert_eq!(seen, 100);
-        assert!(retained.matching("a/00/b", Some("a/00/b"), 7).is_empty());
-    }
-
-    #[test]
-    fn there_is_an_end_to_their_number_and_what_is_there_can_still_change() {
-        let retained = Retained::default();
-        let kept = (0..KEPT + 10).filter(|n| retained.keep(&format!("a/{n}"), b"x", Qos::Zero)).count();
-        assert_eq!((kept, retained.count()), (KEPT, KEPT));
-        assert!(retained.keep("a/0", b"y", Qos::Zero) && !retained.keep("b", b"y", Qos::Zero));
-        assert!(retained.keep("a/0", b"", Qos::Zero) && retained.keep("b", b"y", Qos::Zero));
-    }
-
-    #[test]
-    fn there_is_an_end_to_their_bytes() {
-        let retained = Retained::default();
-        let mebibyte = vec![7; 1 << 20];
-        let kept = (0..40).filter(|n| retained.keep(&format!("a/{n}"), &mebibyte, Qos::Zero)).count();
-        assert_eq!(kept, 31);
-        assert!(retained.keep("a/0", b"x", Qos::Zero) && retained.keep("b", &mebibyte, Qos::Zero));
-        for n in 0..40 {
-            assert!(retained.keep(&format!("a/{n}"), b"", Qos::Zero));
-        }
-        assert!(retained.keep("b", b"", Qos::Zero));
-        assert_eq!((retained.count(), retained.shelf().bytes), (0, 0));
-    }
-
-    /// Safety A5.
-    #[test]
-    fn what_the_program_says_has_room_whatever_others_have_kept_and_what_has_none_is_not_kept_as_it_was() {
-        let retained = Retained::default();
-        let mebibyte = vec![0; 1024 * 1024];
-        let kept = (0..40).filter(|n| retained.keep(&format!("a/{n}"), &mebibyte, Qos::Zero)).count();
-        assert!(kept < 40 && !retained.keep("a/39", b"more", Qos::Zero) || kept >= 31);
-        assert!(retained.keep_ours("state", &mebibyte, Qos::One) && retained.keep_ours("state", b"newer", Qos::One));
-        assert!(!retained.keep("a/0", &vec![0; 4 * mebibyte.len()], Qos::Zero));
-        assert!(retained.matching("a/0", None, 1).is_empty(), "what it said before is not so any more");
-    }
-}
+#[path = "retained_tests.rs"]
+mod tests;

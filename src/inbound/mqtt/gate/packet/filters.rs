@@ -2,6 +2,7 @@
 
 use super::{Fields, Qos};
 use crate::inbound::mqtt::gate::frame::Malformed;
+use crate::inbound::mqtt::gate::limits::PACKET_FILTERS;
 
 /// The filters of a SUBSCRIBE with the QoS that is wanted for each, or of an UNSUBSCRIBE.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +38,9 @@ impl<'a> Filters<'a> {
         while !unread.fields.rest().is_empty() {
             unread.one()?;
             count += 1;
+            if count > PACKET_FILTERS {
+                return Err(Malformed::ManyFilters);
+            }
         }
         if count == 0 { Err(Malformed::Filters) } else { Ok(filters) }
     }
@@ -84,6 +88,15 @@ mod tests {
         for (body, wrong) in cases {
             assert_eq!(Filters::of_subscribe(body).unwrap_err(), wrong, "{body:?}");
         }
+    }
+
+    /// Safety S7.
+    #[test]
+    fn a_packet_has_so_many_filters_and_more_are_not_even_read() {
+        let of = |count: usize| [&[0, 7][..], &[0, 1, b'a'].repeat(count)].concat();
+        assert_eq!(Filters::of_unsubscribe(&of(PACKET_FILTERS)).unwrap().count(), PACKET_FILTERS);
+        let nonsense_behind = [of(PACKET_FILTERS + 1), vec![0, 1, 0xFF]].concat();
+        assert_eq!(Filters::of_unsubscribe(&nonsense_behind).unwrap_err(), Malformed::ManyFilters);
     }
 
     #[test]

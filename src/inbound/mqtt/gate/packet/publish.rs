@@ -36,6 +36,24 @@ pub fn read<'a>(frame: &Frame, packet: &'a [u8]) -> Result<Publish<'a>, Malforme
     Ok(Publish { topic, payload: fields.rest(), qos, id, is_duplicate, retain: frame.flags & 1 != 0 })
 }
 
+/// The flag of a PUBLISH that is padded on its way through the engine, which takes it for that of a duplicate and passes it on.
+pub const PADDED: u8 = 8;
+
+/// Reads a PUBLISH of the engine, without its padding.
+///
+/// # Errors
+/// When it is none.
+pub fn read_padded<'a>(frame: &Frame, packet: &'a [u8]) -> Result<Publish<'a>, Malformed> {
+    let is_padded = frame.flags & PADDED != 0;
+    let mut publish = read(&Frame { flags: frame.flags & !PADDED, ..*frame }, packet)?;
+    if is_padded {
+        let padding = publish.payload.last().map_or(0, |padding| usize::from(*padding));
+        let length = publish.payload.len().checked_sub(padding).filter(|_| padding > 0).ok_or(Malformed::Short("padding"))?;
+        publish.payload = &publish.payload[..length];
+    }
+    Ok(publish)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,6 +3,7 @@
 use bytes::{BufMut, BytesMut};
 
 use super::Qos;
+use super::publish::{PADDED, Publish};
 use crate::inbound::mqtt::gate::frame::Kind;
 
 /// PINGREQ.
@@ -10,6 +11,9 @@ pub const PINGREQ: [u8; 2] = [Kind::Pingreq.first_byte(), 0];
 
 /// PINGRESP.
 pub const PINGRESP: [u8; 2] = [Kind::Pingresp.first_byte(), 0];
+
+/// The flag of a PUBLISH that may have been sent before.
+const DUPLICATE: u8 = 8;
 
 /// The code of a SUBACK for a filter that is refused.
 pub const REFUSED: u8 = 0x80;
@@ -58,6 +62,28 @@ pub fn publish(out: &mut BytesMut, topic: &[u8], payload: &[u8], qos: Qos, id: u
         out.put_u16(id);
     }
     out.put_slice(payload);
+}
+
+/// A PUBLISH that was read, and whether it may have been sent before.
+pub fn publish_again(out: &mut BytesMut, publish: &Publish<'_>, is_duplicate: bool) {
+    let start = out.len();
+    self::publish(out, publish.topic, publish.payload, publish.qos, publish.id, publish.retain);
+    if is_duplicate {
+        out[start] |= DUPLICATE;
+    }
+}
+
+/// A PUBLISH of QoS 0 for the engine; a short one is padded to so many bytes of payload, and marked as what no client can send.
+pub fn publish_padded(out: &mut BytesMut, topic: &[u8], payload: &[u8], length: usize) {
+    let Some(padding) = length.checked_sub(payload.len()).and_then(|padding| u8::try_from(padding).ok()).filter(|it| *it > 0)
+    else {
+        return publish(out, topic, payload, Qos::Zero, 0, false);
+    };
+    head(out, Kind::Publish.first_byte() | PADDED, 2 + topic.len() + length);
+    bytes(out, topic);
+    out.put_slice(payload);
+    out.put_bytes(0, usize::from(padding) - 1);
+    out.put_u8(padding);
 }
 
 /// PUBACK, PUBREC, PUBREL, PUBCOMP or UNSUBACK.

@@ -6,10 +6,19 @@ use super::{Ended, Turnstile};
 use crate::inbound::mqtt::gate::frame::{Frame, Kind, frame};
 use crate::inbound::mqtt::gate::ledger::weight;
 use crate::inbound::mqtt::gate::limits::HOUSE_PACKET;
-use crate::inbound::mqtt::gate::packet::{Qos, ack, publish};
+use crate::inbound::mqtt::gate::packet::publish::{self, Publish};
+use crate::inbound::mqtt::gate::packet::{Qos, ack, write};
 
 /// A message that goes out at QoS 1 is longer by its id than it was at QoS 0, and its length may need a byte more.
 const LONGEST: usize = HOUSE_PACKET + 3;
+
+/// What of a packet is for the client.
+enum ForClient<'a> {
+    AsItIs,
+    /// A message that had to be padded, or that it may know.
+    Changed(Publish<'a>, bool),
+    Nothing,
+}
 
 impl Turnstile {
     /// All whole packets from the head of what the engine sent. What goes to the client as it is, goes in runs.
@@ -22,9 +31,14 @@ impl Turnstile {
                 Ok(Some(frame)) => frame,
             };
             let end = read + frame.length;
-            match self.is_for_client(&frame, &bytes[read..end], &mut came) {
-                Ok(true) => {}
-                Ok(false) => {
+            match self.for_client(&frame, &bytes[read..end], &mut came) {
+                Ok(ForClient::AsItIs) => {}
+                Ok(ForClient::Changed(publish, is_duplicate)) => {
+                    self.to_client.extend_from_slice(&bytes[run..read]);
+                    run = end;
+                    write::publish_again(&mut self.to_client, &publish, is_duplicate);
+                }
+                Ok(ForClient::Nothing) => {
                     self.to_client.extend_from_slice(&bytes[run..read]);
                     run = end;
                     if let Err(ended) = self.answered(&frame, &bytes[read + frame.head..end]) {
@@ -37,24 +51,34 @@ impl Turnstile {
         };
         self.to_client.extend_from_slice(&bytes[run..read.max(run)]);
         bytes.advance(read.max(run));
-        self.account.came(came);
+        if came > 0 {
+            self.account.ledger().came(came);
+            self.quiet_at = None;
+        }
         outcome
     }
 
-    /// Whether this is a message for the client; its id is noted, and what it counts.
-    fn is_for_client(&mut self, frame: &Frame, packet: &[u8], came: &mut i64) -> Result<bool, Ended> {
+    /// What of this is for the client; its id is noted, and what it counts.
+    fn for_client<'a>(&mut self, frame: &Frame, packet: &'a [u8], came: &mut i64) -> Result<ForClient<'a>, Ended> {
         if frame.kind != Kind::Publish {
-            return Ok(false);
+            return Ok(ForClient::Nothing);
         }
-        let publish = publish::read(frame, packet).map_err(Ended::EngineMalformed)?;
-        *came += weight(publish.payload.len());
+        let publish = publish::read_padded(frame, packet).map_err(Ended::EngineMalformed)?;
+        *came += weight(publish.topic.len(), publish.payload.len());
         let is_seen = self.guest.may_see(publish.topic);
-        match publish.qos {
-            Qos::Zero => {}
-            Qos::One => self.outstanding.sent(publish.id, !is_seen)?,
+        let is_duplicate = match publish.qos {
+            Qos::Zero => false,
+            Qos::One => {
+                let print = is_seen.then(|| self.gatehouse.budget.print((publish.topic, publish.payload)));
+                self.outstanding.sent(publish.id, print)?
+            }
             Qos::Two => return Err(Ended::Engine("a message of QoS 2, for which nobody has asked")),
-        }
-        Ok(is_seen)
+        };
+        Ok(match is_seen {
+            false => ForClient::Nothing,
+            true if is_duplicate || frame.flags & publish::PADDED != 0 => ForClient::Changed(publish, is_duplicate),
+            true => ForClient::AsItIs,
+        })
     }
 
     /// What is not for the client as it is.

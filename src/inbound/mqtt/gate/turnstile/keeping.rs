@@ -6,12 +6,9 @@ use std::sync::Arc;
 
 use bytes::BytesMut;
 
-use crate::inbound::mqtt::gate::limits::{CLIENT_ROOM, KEPT_IDS, KEPT_UNDER_WAY};
+use crate::inbound::mqtt::gate::limits::{CLIENT_ROOM, KEPT_IDS, KEPT_STEPS, KEPT_UNDER_WAY};
 use crate::inbound::mqtt::gate::packet::{Qos, write};
-use crate::inbound::mqtt::gate::retained::{Kept, Retained};
-
-/// How many are looked up at a time.
-const AT_A_TIME: usize = 64;
+use crate::inbound::mqtt::gate::retained::{Kept, Retained, Walk};
 
 /// What is on its way.
 #[derive(Debug, Default)]
@@ -24,24 +21,32 @@ pub(super) struct Deliveries {
     is_held_up: bool,
 }
 
-/// What is kept for one filter, from behind a topic on.
+/// What is kept for one filter.
 #[derive(Debug)]
 struct Delivery {
-    filter: Arc<str>,
+    walk: Walk,
     qos: Qos,
-    behind: Option<Arc<Kept>>,
+    /// Whether the client has not asked for it just now, but missed it: then it is not said that it was kept.
+    is_missed: bool,
 }
 
 impl Deliveries {
     /// All that is kept for a filter is to go out, at no more than this QoS.
     pub(super) fn start(&mut self, filter: Arc<str>, qos: Qos) {
         self.stop(&filter);
-        self.waiting.push_back(Delivery { filter, qos, behind: None });
+        self.waiting.push_back(Delivery { walk: Walk::new(filter, 0), qos, is_missed: false });
+    }
+
+    /// All that was kept for a filter after this stamp goes out anew, unless all of it is on its way anyhow.
+    pub(super) fn repeat(&mut self, filter: Arc<str>, qos: Qos, since: u64) {
+        if !self.waiting.iter().any(|delivery| delivery.walk.filter() == &*filter) {
+            self.waiting.push_back(Delivery { walk: Walk::new(filter, since), qos, is_missed: true });
+        }
     }
 
     /// Nothing more is to go out for a filter.
     pub(super) fn stop(&mut self, filter: &str) {
-        self.waiting.retain(|delivery| &*delivery.filter != filter);
+        self.waiting.retain(|delivery| delivery.walk.filter() != filter);
     }
 
     /// The client acknowledged one.
@@ -51,35 +56,37 @@ impl Deliveries {
         self.is_held_up &= self.under_way.len() > KEPT_UNDER_WAY / 2;
     }
 
-    /// Puts before the client what there is room for.
+    /// Whether there may be more for a client that has room.
+    pub(super) fn goes_on(&self) -> bool {
+        !self.waiting.is_empty() && !self.is_held_up
+    }
+
+    /// Puts before the client what there is room for, and what is found in one turn.
     pub(super) fn fill(&mut self, retained: &Retained, out: &mut BytesMut) {
-        while !self.is_held_up && out.len() < CLIENT_ROOM {
-            let Some(delivery) = self.waiting.front() else { return };
-            let (qos, behind) = (delivery.qos, delivery.behind.as_ref().map(|kept| &*kept.topic));
-            let found = retained.matching(&delivery.filter, behind, AT_A_TIME);
-            let gone = found.iter().take_while(|kept| out.len() < CLIENT_ROOM && self.send(kept, qos, out)).count();
-            if let Some(delivery) = self.waiting.front_mut().filter(|_| gone > 0) {
-                delivery.behind = found.get(gone - 1).cloned();
+        let mut steps = KEPT_STEPS;
+        while steps > 0 && out.len() < CLIENT_ROOM {
+            let Some(delivery) = self.waiting.front_mut() else { return };
+            if delivery.qos > Qos::Zero && self.under_way.len() >= KEPT_UNDER_WAY {
+                self.is_held_up = true;
             }
-            if found.is_empty() {
+            if self.is_held_up {
+                return;
+            }
+            let (qos, is_missed) = (delivery.qos, delivery.is_missed);
+            let found = retained.next(&mut delivery.walk, &mut steps);
+            if delivery.walk.is_over() {
                 self.waiting.pop_front();
+            }
+            if let Some(kept) = found {
+                self.send(&kept, qos, is_missed, out);
             }
         }
     }
 
-    /// Puts one before the client, unless it must wait for an acknowledgement.
-    fn send(&mut self, kept: &Kept, granted: Qos, out: &mut BytesMut) -> bool {
+    fn send(&mut self, kept: &Kept, granted: Qos, is_missed: bool, out: &mut BytesMut) {
         let qos = kept.qos.min(granted);
-        let id = match qos {
-            Qos::Zero => 0,
-            Qos::One | Qos::Two if self.under_way.len() >= KEPT_UNDER_WAY => {
-                self.is_held_up = true;
-                return false;
-            }
-            Qos::One | Qos::Two => self.next_id(),
-        };
-        write::publish(out, kept.topic.as_bytes(), &kept.payload, qos, id, true);
-        true
+        let id = if qos == Qos::Zero { 0 } else { self.next_id() };
+        write::publish(out, kept.topic.as_bytes(), &kept.payload, qos, id, !is_missed);
     }
 
     /// An id that is not under way.

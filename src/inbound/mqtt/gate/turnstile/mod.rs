@@ -33,12 +33,13 @@ use self::outstanding::Outstanding;
 use self::refusals::Refusals;
 use self::routes::Routes;
 use self::subscribing::Subscriptions;
-use super::budget::Budget;
+use super::budget::{Budget, Payer};
 use super::frame::{Frame, Kind, Malformed, frame};
-use super::ledger::{Account, Ledger, Ledgers};
-use super::limits::{ANSWER_ROOM, CLIENT_ROOM, ENGINE_ROOM, GUEST_PACKET, HOUSE_PACKET, SILENCE, TURN};
+use super::ledger::{Account, Ledger};
+use super::limits::{ANSWER_ROOM, CLIENT_ROOM, ENGINE_ROOM, GUEST_PACKET, HOUSE_PACKET, QUIET, SILENCE, TURN};
 use super::packet::connect::Will;
 use super::packet::{ack, write};
+use super::readers::Readers;
 use super::retained::Retained;
 use super::rights::Guest;
 use crate::inbound::mqtt::topics::Topics;
@@ -52,15 +53,15 @@ pub struct Gatehouse {
     pub retained: Retained,
     /// What may still reach the engine.
     pub budget: Budget,
-    /// How far each subscriber is behind.
-    pub ledgers: Arc<Ledgers>,
+    /// Who reads what, and how far each is behind.
+    pub readers: Arc<Readers>,
 }
 
 impl Gatehouse {
     /// A gatehouse of a broker at which nothing was said yet.
     #[must_use]
     pub fn new(topics: Topics) -> Gatehouse {
-        Gatehouse { topics, retained: Retained::default(), budget: Budget::default(), ledgers: Arc::default() }
+        Gatehouse { topics, retained: Retained::default(), budget: Budget::default(), readers: Arc::default() }
     }
 }
 
@@ -86,8 +87,10 @@ pub enum Heard {
 pub struct Terms {
     /// Who it is.
     pub guest: Guest,
-    /// Who that is, for the log.
+    /// Who that is, for the log,
     pub name: Arc<str>,
+    /// and whether that is the name of a key, which has its shares.
+    pub has_key: bool,
     /// Who hears its commands.
     pub listener: Arc<dyn Listener>,
     /// From its CONNECT, in seconds; 0: as long as is allowed.
@@ -101,11 +104,14 @@ pub struct Terms {
 /// One connection.
 pub struct Turnstile {
     guest: Guest,
+    payer: Payer,
     listener: Arc<dyn Listener>,
     gatehouse: Arc<Gatehouse>,
     will: Option<Will>,
     silence: Duration,
     heard_at: Duration,
+    /// Messages are owed to the client; when none has come until then, none will.
+    quiet_at: Option<Duration>,
     to_engine: BytesMut,
     to_client: BytesMut,
     routes: Routes,
@@ -130,18 +136,25 @@ impl Turnstile {
     #[must_use]
     pub fn new(terms: Terms, gatehouse: Arc<Gatehouse>, now: Duration) -> Turnstile {
         let one_and_a_half = Duration::from_millis(1500 * u64::from(terms.keep_alive_s));
-        let account = Account::open(&gatehouse.ledgers);
+        let account = Account::open(&gatehouse.readers);
+        let payer = match terms.guest {
+            Guest::House => Payer::House,
+            Guest::Somebody(role) if terms.has_key => Payer::Key { name: Arc::clone(&terms.name), role },
+            Guest::Somebody(_) => Payer::Anybody,
+        };
         let mut turnstile = Turnstile {
             account,
             flood: Flood::default(),
             taken: 0,
             halted: VecDeque::new(),
             guest: terms.guest,
+            payer,
             listener: terms.listener,
             gatehouse,
             will: terms.will,
             silence: if one_and_a_half.is_zero() { SILENCE } else { one_and_a_half.min(SILENCE) },
             heard_at: now,
+            quiet_at: None,
             to_engine: BytesMut::new(),
             to_client: BytesMut::new(),
             routes: Routes::default(),
@@ -178,7 +191,7 @@ impl Turnstile {
         let limit = if self.guest == Guest::House { HOUSE_PACKET } else { GUEST_PACKET };
         let (mut read, mut packets) = (0, 0);
         let outcome = loop {
-            if packets == TURN {
+            if packets == TURN || self.routes.take_piece() {
                 break Ok(true);
             }
             match frame(&bytes[read..], limit) {
@@ -219,12 +232,21 @@ impl Turnstile {
         self.deliver();
     }
 
+    /// Whether [`Turnstile::handle_drained`] has more to do now, though nothing was taken: the rest waits for its turn.
+    #[must_use]
+    pub fn wants_turn(&self) -> bool {
+        self.to_client.len() < CLIENT_ROOM && self.deliveries.goes_on()
+    }
+
     /// The time of [`Turnstile::poll_timeout`] may have come.
     ///
     /// # Errors
-    /// `Ended::Idle` when it has.
+    /// `Ended::Idle` when the client was silent for too long.
     pub fn handle_timeout(&mut self, now: Duration) -> Result<(), Ended> {
-        if now >= self.poll_timeout() { Err(Ended::Idle) } else { Ok(()) }
+        if self.quiet_at.is_some_and(|quiet_at| now >= quiet_at) {
+            self.catch_up();
+        }
+        if now >= self.heard_at + self.silence { Err(Ended::Idle) } else { Ok(()) }
     }
 
     /// The connection has ended: a will that was left is put before the engine, if it still can be. When the program ends, nobody is
@@ -275,9 +297,11 @@ impl Turnstile {
         self.to_client.len() < CLIENT_ROOM
     }
 
-    /// The subscribers whom this client has to wait for before anything more of it is taken; none, when it has not published in a
+    /// To be asked whenever something has happened, with the time: the subscribers whom this client has to wait for before anything more of it is taken; none, when it has not published in a
     /// flood. The program itself waits for nobody.
     pub fn poll_behind(&mut self, now: Duration) -> Vec<Arc<Ledger>> {
+        let is_owed = !self.account.ledger().is_even() && self.wants_engine() && self.outstanding.has_room();
+        self.quiet_at = is_owed.then(|| self.quiet_at.unwrap_or(now + QUIET));
         let passed = self.routes.take_passed();
         let is_flood = self.flood.handle_passed(passed, now) && self.guest != Guest::House;
         if is_flood { self.routes.behind(now) } else { Vec::new() }
@@ -289,16 +313,17 @@ impl Turnstile {
         self.account.ledger()
     }
 
-    /// When the client was silent for too long, if it stays so.
+    /// When the client was silent for too long, or the engine for so long that nothing more will come, if they stay so.
     #[must_use]
     pub fn poll_timeout(&self) -> Duration {
-        self.heard_at + self.silence
+        let idle_at = self.heard_at + self.silence;
+        self.quiet_at.map_or(idle_at, |quiet_at| quiet_at.min(idle_at))
     }
 
     /// What is to be remembered of it, when it wants to be remembered.
     #[must_use]
     pub fn into_session(self) -> Session {
-        self.subscriptions.into_session(self.duplicates)
+        self.subscriptions.into_session(self.duplicates, self.outstanding, self.account)
     }
 
     fn client_packet(&mut self, frame: &Frame, packet: &[u8]) -> Result<(), Ended> {
@@ -332,6 +357,16 @@ impl Turnstile {
             self.is_pinged = true;
         }
         Ok(())
+    }
+
+    /// What of its messages was lost is known now: of each topic it gets the newest that is kept, as somebody who was here all the time.
+    fn catch_up(&mut self) {
+        self.quiet_at = None;
+        let Some(since) = self.account.ledger().settle() else { return };
+        for (filter, qos) in self.subscriptions.held() {
+            self.deliveries.repeat(Arc::clone(filter), qos, since);
+        }
+        self.deliver();
     }
 
     fn deliver(&mut self) {

@@ -1,24 +1,20 @@
 //! PUBLISH of a client, its will, and its acknowledgements. Which topics are whose stands in `routes`.
 
-use super::routes::{Dropped, Route, is_for_commands};
+use super::routes::{Dropped, Route, Way, is_for_commands};
 use super::{Ended, Heard, Turnstile};
 use crate::inbound::mqtt::gate::filter;
 use crate::inbound::mqtt::gate::frame::{Frame, Kind};
-use crate::inbound::mqtt::gate::limits::KEPT_IDS;
+use crate::inbound::mqtt::gate::ledger::COUNTED;
+use crate::inbound::mqtt::gate::limits::{KEPT_IDS, PADDED};
 use crate::inbound::mqtt::gate::packet::connect::Will;
 use crate::inbound::mqtt::gate::packet::publish::{self, Publish};
 use crate::inbound::mqtt::gate::packet::{Qos, text, write};
-use crate::inbound::mqtt::gate::rights::Guest;
-
-/// The flag of a PUBLISH that is to be kept.
-const RETAIN: u8 = 1;
 
 impl Turnstile {
     /// A PUBLISH: `packet` is the whole of it. Whatever becomes of it, its sender is told that it has arrived (section 3.3.5).
     pub(super) fn publish(&mut self, frame: &Frame, packet: &[u8]) -> Result<(), Ended> {
         let publish = publish::read(frame, packet)?;
         match self.routes.route(publish.topic, self.guest, &self.gatehouse)? {
-            Route::Pass if publish.qos == Qos::Zero => self.pass_as_it_is(&publish, packet),
             Route::Pass => self.pass(&publish)?,
             Route::Hear => self.hear(&publish)?,
             Route::Drop(why) => self.drop(&publish, why)?,
@@ -63,22 +59,8 @@ impl Turnstile {
             self.refusals.note(will.topic.as_bytes(), "such a will");
             return;
         }
-        self.routes.passed(will.payload.len());
+        self.forward(will.topic.as_bytes(), &will.payload, will.retain.then_some(will.qos));
         self.routes.settle();
-        write::publish(&mut self.to_engine, will.topic.as_bytes(), &will.payload, Qos::Zero, 0, false);
-        if will.retain {
-            self.keep(&will.topic, &will.payload, will.qos);
-        }
-    }
-
-    fn pass_as_it_is(&mut self, publish: &Publish<'_>, packet: &[u8]) {
-        self.routes.passed(publish.payload.len());
-        let start = self.to_engine.len();
-        self.to_engine.extend_from_slice(packet);
-        if publish.retain {
-            self.to_engine[start] &= !RETAIN;
-            self.retain(publish);
-        }
     }
 
     fn pass(&mut self, publish: &Publish<'_>) -> Result<(), Ended> {
@@ -86,12 +68,30 @@ impl Turnstile {
             return Ok(());
         }
         self.duplicates.handled(publish, None)?;
-        self.routes.passed(publish.payload.len());
-        write::publish(&mut self.to_engine, publish.topic, publish.payload, Qos::Zero, 0, false);
-        if publish.retain {
-            self.retain(publish);
-        }
+        self.forward(publish.topic, publish.payload, publish.retain.then_some(publish.qos));
         Ok(())
+    }
+
+    /// A message on the topic of the last route goes on to whoever reads it, and is kept, if it is to be kept at a QoS. Kept first: a
+    /// newcomer that nobody knew of yet finds it there.
+    fn forward(&mut self, topic: &[u8], payload: &[u8], retain: Option<Qos>) {
+        if self.routes.way(&self.payer, &self.gatehouse) == Way::Shut {
+            return self.refusals.note(topic, Dropped::Budget);
+        }
+        if let Some(qos) = retain
+            && let Ok(topic) = text(topic, "topic")
+        {
+            self.keep(topic, payload, qos);
+        }
+        match self.routes.way(&self.payer, &self.gatehouse) {
+            Way::Unread => {}
+            Way::Shut => self.refusals.note(topic, Dropped::Budget),
+            Way::Open => {
+                self.routes.passed(payload.len());
+                let length = PADDED.saturating_sub(COUNTED + topic.len());
+                write::publish_padded(&mut self.to_engine, topic, payload, length);
+            }
+        }
     }
 
     /// What may be a command is heard before anything can go wrong with it: a stop is heard even when there is no room left for it.
@@ -108,12 +108,10 @@ impl Turnstile {
         match heard {
             Heard::Forbidden => self.refusals.note(publish.topic, Dropped::Forbidden),
             Heard::Pass if is_unreleased => {}
-            Heard::Pass => {
-                if self.routes.admits_command(topic, &self.gatehouse)? {
-                    self.routes.passed(publish.payload.len());
-                    write::publish(&mut self.to_engine, publish.topic, publish.payload, Qos::Zero, 0, false);
-                }
-            }
+            Heard::Pass => match filter::topic(topic) {
+                Ok(()) => self.forward(publish.topic, publish.payload, None),
+                Err(unfit) => self.refusals.note(publish.topic, unfit),
+            },
         }
         Ok(())
     }
@@ -134,19 +132,11 @@ impl Turnstile {
         Ok(())
     }
 
-    fn retain(&mut self, publish: &Publish<'_>) {
-        if let Ok(topic) = text(publish.topic, "topic") {
-            self.keep(topic, publish.payload, publish.qos);
-        }
-    }
-
     fn keep(&mut self, topic: &str, payload: &[u8], qos: Qos) {
         if is_for_commands(self.gatehouse.topics.place(topic)) || filter::topic(topic).is_err() {
             return;
         }
-        let retained = &self.gatehouse.retained;
-        let is_ours = self.guest == Guest::House;
-        if !(if is_ours { retained.keep_ours(topic, payload, qos) } else { retained.keep(topic, payload, qos) }) {
+        if !self.gatehouse.retained.keep(&self.payer, topic, payload, qos) {
             self.refusals.note(topic.as_bytes(), "it cannot be kept, there being too many kept messages; it was passed on");
         }
     }

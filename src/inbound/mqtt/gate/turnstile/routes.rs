@@ -1,15 +1,16 @@
-//! What becomes of a message by its topic. Each topic is judged once for a connection, and remembered by its print.
+//! What becomes of a message by its topic, and who gets it.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
 
 use super::{Ended, Gatehouse};
+use crate::inbound::mqtt::gate::budget::Payer;
 use crate::inbound::mqtt::gate::filter::{self, Unfit};
 use crate::inbound::mqtt::gate::frame::Malformed;
-use crate::inbound::mqtt::gate::ledger::{Ledger, Readers, weight};
-use crate::inbound::mqtt::gate::limits::TOPICS;
+use crate::inbound::mqtt::gate::ledger::{Ledger, weight};
+use crate::inbound::mqtt::gate::limits::{LONG, PIECE};
 use crate::inbound::mqtt::gate::packet::text;
+use crate::inbound::mqtt::gate::readers::Reader;
 use crate::inbound::mqtt::gate::rights::Guest;
 use crate::inbound::mqtt::topics::Place;
 
@@ -31,77 +32,106 @@ pub(super) enum Dropped {
     Forbidden,
     #[error(transparent)]
     Unfit(Unfit),
-    #[error("more topics than the engine can remember; a new engine is needed")]
+    #[error("more topics than there are for its sender")]
     Budget,
 }
 
-/// The topics of a connection.
-#[derive(Debug, Default)]
-pub(super) struct Routes {
-    /// The topic before, since many clients have but one, and what became of it.
-    last: Vec<u8>,
-    last_route: Option<Route>,
-    /// The generation of ledgers that was looked at then.
-    generation: u64,
-    /// Topics that reached the engine: `Pass` or `Hear`, and who reads them.
-    admitted: HashMap<u64, Admitted>,
-    /// Who reads the topic before.
-    readers: Readers,
-    /// Messages on it that were passed on and are not in its readers' ledgers yet,
-    unsettled: i64,
-    /// and those of all topics, since somebody asked.
-    passed: u64,
-    /// Readers who were behind when something was published for them.
-    behind: Vec<Arc<Ledger>>,
+/// Whether there is a way to those who read a topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    /// Nobody reads it: the engine need not know of it.
+    Unread,
+    /// Through the engine.
+    Open,
+    /// It is one topic too many for its sender.
+    Shut,
 }
 
-#[derive(Debug)]
-struct Admitted {
-    route: Route,
-    readers: Readers,
-    /// The readers are those of this generation.
-    generation: u64,
+/// The topic before, since many clients have but one, and what became of it.
+#[derive(Debug, Default)]
+pub(super) struct Routes {
+    topic: Vec<u8>,
+    route: Option<Route>,
+    /// Of it, as of this generation of readers.
+    way: Option<(Way, u64)>,
+    readers: Vec<Reader>,
+    /// Bytes on it that were passed on and are not in its readers' ledgers yet,
+    unsettled: i64,
+    /// none of which was kept before this stamp.
+    stamp: u64,
+    /// Messages that were passed on since somebody asked, and their bytes.
+    passed: u64,
+    piece: i64,
+    /// Readers who were behind when something was published for them.
+    behind: Vec<Arc<Ledger>>,
 }
 
 impl Routes {
     /// What becomes of a message on this topic.
     ///
     /// # Errors
-    /// When the topic is none, or one too many.
+    /// When the topic is none.
     pub(super) fn route(&mut self, topic: &[u8], guest: Guest, gatehouse: &Gatehouse) -> Result<Route, Ended> {
-        let generation = gatehouse.ledgers.generation();
-        if let Some(route) = self.last_route.filter(|_| self.generation == generation && self.last == topic) {
+        if let Some(route) = self.route.filter(|_| self.topic == topic) {
             return Ok(route);
         }
         self.settle();
-        let print = gatehouse.budget.print(topic);
-        let known = self.admitted.get(&print).map(|admitted| admitted.route);
-        let route = known.map_or_else(|| self.judge(topic, print, guest, gatehouse), Ok)?;
-        self.generation = generation;
-        self.readers = self.readers_of(topic, print, gatehouse)?;
-        self.last.clear();
-        self.last.extend_from_slice(topic);
-        self.last_route = Some(route);
+        let route = judge(topic, guest, gatehouse)?;
+        self.topic.clear();
+        self.topic.extend_from_slice(topic);
+        (self.route, self.way) = (Some(route), None);
         Ok(route)
+    }
+
+    /// Whether there is a way for the topic of the last question, as of now.
+    pub(super) fn way(&mut self, payer: &Payer, gatehouse: &Gatehouse) -> Way {
+        if self.unsettled == 0 {
+            self.stamp = gatehouse.retained.stamp();
+        }
+        let generation = gatehouse.readers.generation();
+        if let Some((way, _)) = self.way.filter(|(_, known)| *known == generation) {
+            return way;
+        }
+        self.settle();
+        self.readers = std::str::from_utf8(&self.topic).map(|topic| gatehouse.readers.of(topic)).unwrap_or_default();
+        let way = match &self.readers[..] {
+            [] => Way::Unread,
+            [..] if gatehouse.budget.admits_topic(payer, &self.topic) => Way::Open,
+            [..] => Way::Shut,
+        };
+        self.way = Some((way, generation));
+        way
     }
 
     /// A message on the topic of the last question, with so long a payload, was passed on to the engine.
     pub(super) fn passed(&mut self, payload: usize) {
-        self.unsettled += weight(payload);
+        let bytes = weight(self.topic.len(), payload);
+        self.passed += 1 + (payload / LONG) as u64;
+        self.piece += bytes;
+        self.unsettled += bytes;
     }
 
     /// Puts what was passed on into the ledgers of those who are to get it.
     pub(super) fn settle(&mut self) {
-        let passed = std::mem::take(&mut self.unsettled);
-        if passed == 0 {
+        let unsettled = std::mem::take(&mut self.unsettled);
+        if unsettled == 0 {
             return;
         }
-        self.passed += passed.unsigned_abs();
-        for reader in self.readers.iter() {
-            if reader.owe(passed) && !self.behind.iter().any(|known| Arc::ptr_eq(known, reader)) {
-                self.behind.push(Arc::clone(reader));
+        for reader in self.readers.iter().filter(|reader| reader.is_owed) {
+            let is_behind = reader.ledger.owe(unsettled, self.stamp);
+            if is_behind && !self.behind.iter().any(|known| Arc::ptr_eq(known, &reader.ledger)) {
+                self.behind.push(Arc::clone(&reader.ledger));
             }
         }
+    }
+
+    /// Whether so much was passed on since this was asked that it is to be looked whether somebody lags.
+    pub(super) const fn take_piece(&mut self) -> bool {
+        let is_piece = self.piece >= PIECE;
+        if is_piece {
+            self.piece = 0;
+        }
+        is_piece
     }
 
     /// How many messages were passed on since this was asked.
@@ -114,65 +144,21 @@ impl Routes {
         self.behind.retain(|reader| reader.is_behind(now));
         self.behind.clone()
     }
+}
 
-    /// Who reads a topic, looked up again when anything has changed.
-    fn readers_of(&mut self, topic: &[u8], print: u64, gatehouse: &Gatehouse) -> Result<Readers, Ended> {
-        let Some(admitted) = self.admitted.get_mut(&print) else { return Ok(Readers::default()) };
-        if admitted.generation != self.generation {
-            admitted.readers = gatehouse.ledgers.readers(text(topic, "topic")?);
-            admitted.generation = self.generation;
-        }
-        Ok(Arc::clone(&admitted.readers))
+fn judge(topic: &[u8], guest: Guest, gatehouse: &Gatehouse) -> Result<Route, Ended> {
+    let topic = text(topic, "topic")?;
+    if topic.is_empty() || topic.contains(['+', '#']) {
+        return Err(Malformed::Topic.into());
     }
-
-    /// Whether a command that was heard can go on to the engine.
-    ///
-    /// # Errors
-    /// When its topic is one too many.
-    pub(super) fn admits_command(&mut self, topic: &str, gatehouse: &Gatehouse) -> Result<bool, Ended> {
-        let print = gatehouse.budget.print(topic.as_bytes());
-        if filter::topic(topic).is_err() {
-            return Ok(false);
-        }
-        if !self.admitted.contains_key(&print) {
-            if !self.admit(print, Route::Hear, gatehouse)? {
-                return Ok(false);
-            }
-            self.readers = self.readers_of(topic.as_bytes(), print, gatehouse)?;
-        }
-        Ok(true)
+    let place = gatehouse.topics.place(topic);
+    if is_for_commands(place) && guest != Guest::House {
+        return Ok(Route::Hear);
     }
-
-    fn judge(&mut self, topic: &[u8], print: u64, guest: Guest, gatehouse: &Gatehouse) -> Result<Route, Ended> {
-        let topic = text(topic, "topic")?;
-        if topic.is_empty() || topic.contains(['+', '#']) {
-            return Err(Malformed::Topic.into());
-        }
-        let place = gatehouse.topics.place(topic);
-        if is_for_commands(place) && guest != Guest::House {
-            return Ok(Route::Hear);
-        }
-        if !guest.may_publish(place) {
-            return Ok(Route::Drop(Dropped::Forbidden));
-        }
-        if let Err(unfit) = filter::topic(topic) {
-            return Ok(Route::Drop(Dropped::Unfit(unfit)));
-        }
-        let admitted = self.admit(print, Route::Pass, gatehouse)?;
-        Ok(if admitted { Route::Pass } else { Route::Drop(Dropped::Budget) })
+    if !guest.may_publish(place) {
+        return Ok(Route::Drop(Dropped::Forbidden));
     }
-
-    fn admit(&mut self, print: u64, route: Route, gatehouse: &Gatehouse) -> Result<bool, Ended> {
-        if self.admitted.len() >= TOPICS {
-            return Err(Ended::TooMuch { what: "topics", most: TOPICS });
-        }
-        let admits = gatehouse.budget.admits_topic(print);
-        if admits {
-            // Who reads it is looked up before the first message is passed on.
-            self.admitted.insert(print, Admitted { route, readers: Readers::default(), generation: u64::MAX });
-        }
-        Ok(admits)
-    }
+    Ok(filter::topic(topic).map_or_else(|unfit| Route::Drop(Dropped::Unfit(unfit)), |()| Route::Pass))
 }
 
 /// Whether commands are taken there. Nothing is ever kept there: a command is for now.

@@ -6,14 +6,14 @@ use std::fmt::Display;
 use std::sync::Arc;
 
 use super::duplicates::Duplicates;
+use super::outstanding::Outstanding;
 use super::{Ended, Turnstile};
-use crate::access::Role;
 use crate::inbound::mqtt::gate::filter;
-use crate::inbound::mqtt::gate::frame::Kind;
+use crate::inbound::mqtt::gate::frame::{Kind, Malformed};
+use crate::inbound::mqtt::gate::ledger::Account;
 use crate::inbound::mqtt::gate::limits::{FILTERS, PENDING};
 use crate::inbound::mqtt::gate::packet::filters::Filters;
 use crate::inbound::mqtt::gate::packet::{Qos, write};
-use crate::inbound::mqtt::gate::rights::Guest;
 
 /// What is remembered of a client between its connections.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -22,6 +22,32 @@ pub struct Session {
     pub filters: BTreeMap<Arc<str>, Qos>,
     /// The ids of its messages of QoS 2 that it has not released, and by what such a message is known.
     pub unreleased: BTreeMap<u16, u64>,
+    /// By what messages are known that were sent and that it has not acknowledged.
+    pub unacknowledged: Vec<u64>,
+    /// While it is away, what it reads is to reach the engine.
+    pub absence: Absence,
+}
+
+/// Somebody who comes again, and holds his filters until this is dropped.
+#[derive(Clone, Debug, Default)]
+pub struct Absence {
+    _account: Option<Arc<Account>>,
+}
+
+/// What is remembered of a client is the same whether he is away or not.
+impl PartialEq for Absence {
+    fn eq(&self, _: &Absence) -> bool {
+        true
+    }
+}
+
+impl Eq for Absence {}
+
+impl From<Account> for Absence {
+    fn from(mut account: Account) -> Absence {
+        account.leave();
+        Absence { _account: Some(Arc::new(account)) }
+    }
 }
 
 /// The filters that a client holds, and what it waits for.
@@ -55,9 +81,15 @@ enum Pending {
 }
 
 impl Subscriptions {
-    pub(super) fn into_session(self, duplicates: Duplicates) -> Session {
+    pub(super) fn into_session(self, duplicates: Duplicates, outstanding: Outstanding, account: Account) -> Session {
         let filters = self.held.into_iter().map(|(filter, held)| (filter, held.qos)).collect();
-        Session { filters, unreleased: duplicates.into_unreleased() }
+        let unacknowledged = outstanding.into_unacknowledged();
+        Session { filters, unreleased: duplicates.into_unreleased(), unacknowledged, absence: account.into() }
+    }
+
+    /// The filters it holds, with their QoS.
+    pub(super) fn held(&self) -> impl Iterator<Item = (&Arc<str>, Qos)> {
+        self.held.iter().map(|(filter, held)| (filter, held.qos))
     }
 
     fn told(&self, told: &[Told]) -> Vec<(Arc<str>, Qos)> {
@@ -78,9 +110,10 @@ impl Turnstile {
     /// A remembered session.
     pub(super) fn resume(&mut self, session: Session) {
         self.duplicates = Duplicates::resumed(session.unreleased);
+        self.outstanding = Outstanding::resumed(session.unacknowledged);
         for (filter, qos) in &session.filters {
             match self.accept(filter, *qos) {
-                Ok((filter, _)) => self.account.enter(&filter),
+                Ok((filter, _)) => self.account.hold(&filter),
                 Err(why) => self.refusals.note(filter.as_bytes(), why),
             }
         }
@@ -89,7 +122,7 @@ impl Turnstile {
 
     /// A SUBSCRIBE.
     pub(super) fn subscribe(&mut self, body: &[u8]) -> Result<(), Ended> {
-        let filters = Filters::of_subscribe(body)?;
+        let filters = self.few(Filters::of_subscribe(body))?;
         let (mut codes, mut accepted) = (Vec::new(), BTreeSet::new());
         for (filter, qos) in filters {
             match self.accept(filter, qos.min(Qos::One)) {
@@ -108,7 +141,7 @@ impl Turnstile {
 
     /// An UNSUBSCRIBE.
     pub(super) fn unsubscribe(&mut self, body: &[u8]) -> Result<(), Ended> {
-        let filters = Filters::of_unsubscribe(body)?;
+        let filters = self.few(Filters::of_unsubscribe(body))?;
         let mut known = Vec::new();
         for (filter, _) in filters {
             if self.subscriptions.held.remove(filter).is_some() {
@@ -124,6 +157,14 @@ impl Turnstile {
         self.subscriptions.wait(Pending::Unsubscribed { answer: Some(filters.id), left: known.len() })?;
         write::unsubscribe(&mut self.to_engine, filters.id, &known);
         Ok(())
+    }
+
+    /// A packet with more filters than are taken ends the connection, and that is said.
+    fn few<'a>(&mut self, filters: Result<Filters<'a>, Malformed>) -> Result<Filters<'a>, Ended> {
+        if let Err(wrong @ Malformed::ManyFilters) = filters {
+            self.refusals.note(b"", wrong);
+        }
+        Ok(filters?)
     }
 
     /// The engine has answered a SUBSCRIBE.
@@ -169,12 +210,11 @@ impl Turnstile {
         if self.subscriptions.held.len() >= FILTERS {
             return Err(Box::new(format!("one connection holds at most {FILTERS} filters")));
         }
-        let budget = &self.gatehouse.budget;
-        let only_looks = self.guest == Guest::Somebody(Role::Viewer);
-        if !(if only_looks { budget.admits_viewers_filter(filter) } else { budget.admits_filter(filter) }) {
-            return Err(Box::new("more filters than the engine can remember; a new engine is needed"));
+        if !self.gatehouse.budget.admits_filter(&self.payer, filter) {
+            return Err(Box::new("more filters than there are for its sender"));
         }
         let name: Arc<str> = Arc::from(filter);
+        self.account.ask(&name);
         self.subscriptions.held.insert(Arc::clone(&name), Held { qos, told: Told::Nothing });
         Ok((name, qos))
     }
@@ -209,7 +249,7 @@ impl Turnstile {
         }
         for filter in filters {
             if let Some(held) = self.subscriptions.held.get(&filter) {
-                self.account.enter(&filter);
+                self.account.hold(&filter);
                 self.deliveries.start(filter, held.qos);
             }
         }

@@ -1,6 +1,9 @@
 //! What comes from the engine, and what it is told of it.
 
-use super::scene::{OPERATOR, Scene, publish, subscribe};
+use std::time::Duration;
+
+use super::scene::{OPERATOR, Scene, gatehouse, publish, subscribe};
+use crate::inbound::mqtt::gate::limits::{QUIET, SEGMENT_BYTES, SEGMENTS};
 use crate::inbound::mqtt::gate::packet::Qos;
 use crate::inbound::mqtt::gate::rights::Guest;
 use crate::inbound::mqtt::gate::turnstile::Ended;
@@ -82,4 +85,64 @@ fn the_engine_is_pinged_once_at_a_time_and_the_client_is_answered_at_once() {
     assert_eq!(scene.client_got(), NONE);
     scene.client(&[0xC0, 0]).unwrap();
     assert_eq!(scene.engine_got(), ["Pingreq"]);
+}
+
+/// As MQTT-3.3.1-1 has it: whoever may have got a message already is told so.
+#[test]
+fn what_was_not_acknowledged_comes_marked_in_the_next_connection_of_a_session() {
+    let gatehouse = gatehouse();
+    let mut scene = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+    scene.subscribe(&[("a", Qos::One)]);
+    scene.engine(&[publish(0x32, "a", "1", 1), publish(0x32, "a", "2", 2), publish(0x32, "a", "2", 3)].concat()).unwrap();
+    scene.client(&[0x40, 2, 0, 1]).unwrap();
+    let session = scene.turnstile.into_session();
+    let mut scene = Scene::in_house(&gatehouse, OPERATOR, |terms| terms.session = session);
+    scene.engine_answers();
+    let again = [publish(0x32, "a", "2", 1), publish(0x32, "a", "2", 2), publish(0x32, "a", "3", 3), publish(0x32, "a", "2", 4)];
+    scene.engine(&again.concat()).unwrap();
+    let expected = ["Publish a=2 q1 #1 again", "Publish a=2 q1 #2 again", "Publish a=3 q1 #3", "Publish a=2 q1 #4"];
+    assert_eq!(scene.client_got(), expected);
+}
+
+/// What the engine lost of a client's messages it gets once more as it is now, when nothing else comes.
+#[test]
+fn whoever_missed_messages_gets_the_newest_of_each_topic_when_the_engine_has_no_more() {
+    let gatehouse = gatehouse();
+    let mut reader = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+    let mut writer = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+    writer.client(&[publish(0x31, "a/old", "old", 0), publish(0x31, "elsewhere", "x", 0)].concat()).unwrap();
+    reader.subscribe(&[("a/#", Qos::One)]);
+    let long = "x".repeat(SEGMENT_BYTES);
+    writer.client(&publish(0x31, "a/state", "1", 0)).unwrap();
+    for _ in 0..2 * SEGMENTS {
+        writer.client(&publish(0x30, "a/noise", &long, 0)).unwrap();
+    }
+    writer.client(&[publish(0x31, "a/state", "2", 0), publish(0x31, "elsewhere", "y", 0)].concat()).unwrap();
+    let at = Duration::from_secs;
+    assert!(reader.turnstile.poll_behind(at(10)).is_empty() && reader.turnstile.poll_timeout() == at(10) + QUIET);
+    reader.engine(&publish(0x30, "a/noise", &long, 0)).unwrap();
+    reader.client_got();
+    assert!(
+        reader.turnstile.poll_behind(at(11)).is_empty() && reader.turnstile.poll_timeout() == at(11) + QUIET,
+        "something came"
+    );
+    reader.turnstile.handle_timeout(at(11)).unwrap();
+    assert_eq!(reader.client_got(), NONE, "there may be more");
+    reader.turnstile.handle_timeout(at(11) + QUIET).unwrap();
+    assert_eq!(reader.client_got(), ["Publish a/state=2 q0"], "not said to be kept, and nothing that it knows");
+    assert!(reader.turnstile.poll_behind(at(13)).is_empty() && reader.turnstile.poll_timeout() > at(60), "that was all");
+}
+
+#[test]
+fn whoever_missed_nothing_gets_nothing_twice() {
+    let gatehouse = gatehouse();
+    let mut reader = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+    let mut writer = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+    reader.subscribe(&[("a/#", Qos::One)]);
+    for n in 0..SEGMENTS - 1 {
+        writer.client(&publish(0x31, &format!("a/{n}"), &"x".repeat(SEGMENT_BYTES), 0)).unwrap();
+    }
+    reader.turnstile.poll_behind(Duration::from_secs(10));
+    reader.turnstile.handle_timeout(Duration::from_secs(20)).unwrap();
+    assert_eq!(reader.client_got(), NONE);
 }

@@ -3,13 +3,14 @@
 use std::collections::BTreeSet;
 
 use super::scene::{OPERATOR, Scene, publish, subscribe, unsubscribe};
+use crate::inbound::mqtt::gate::budget::Payer;
 use crate::inbound::mqtt::gate::limits::{CLIENT_ROOM, KEPT_UNDER_WAY};
 use crate::inbound::mqtt::gate::packet::Qos;
 
 fn scene_with(count: usize, payload: &str, qos: Qos) -> Scene {
     let scene = Scene::of(OPERATOR);
     for n in 0..count {
-        assert!(scene.gatehouse.retained.keep(&format!("a/{n:04}/b"), payload.as_bytes(), qos));
+        assert!(scene.gatehouse.retained.keep(&Payer::Anybody, &format!("a/{n:04}/b"), payload.as_bytes(), qos));
     }
     scene
 }
@@ -56,7 +57,10 @@ fn five_thousand_kept_topics_on_one_wildcard_all_arrive_at_qos_1() {
 #[test]
 fn the_lesser_qos_counts_and_kept_messages_say_that_they_are() {
     let mut scene = Scene::of(OPERATOR);
-    assert!(scene.gatehouse.retained.keep("a", b"0", Qos::Zero) && scene.gatehouse.retained.keep("b", b"2", Qos::Two));
+    assert!(
+        scene.gatehouse.retained.keep(&Payer::Anybody, "a", b"0", Qos::Zero)
+            && scene.gatehouse.retained.keep(&Payer::Anybody, "b", b"2", Qos::Two)
+    );
     let got = scene.subscribe(&[("+", Qos::Two)]);
     assert_eq!(got, ["Suback (1, [1])", "Publish a=0 q0 kept", "Publish b=2 q1 #1001 kept"]);
     assert_eq!(scene.subscribe(&[("b", Qos::Zero)])[1..], ["Publish b=2 q0 kept"]);

@@ -1,9 +1,14 @@
 //! What clients publish: where it goes, what is heard, what is kept and what is dropped, and that everything is acknowledged.
 
-use super::scene::{OPERATOR, START, STOP, Scene, VIEWER, publish};
-use crate::inbound::mqtt::gate::limits::{ENGINE_TOPICS, GUEST_PACKET, HANDLED, TOPICS, UNRELEASED};
+use std::sync::Arc;
+
+use super::scene::{OPERATOR, START, STOP, Scene, VIEWER, gatehouse, publish, subscribe};
+use crate::inbound::mqtt::gate::budget::Payer;
+use crate::inbound::mqtt::gate::limits::{ENGINE_TOPICS, GUEST_PACKET, HANDLED, PADDED, SHARE_TOPICS, UNRELEASED, VIEWERS_SHARE};
+use crate::inbound::mqtt::gate::packet::Qos;
 use crate::inbound::mqtt::gate::rights::Guest;
-use crate::inbound::mqtt::gate::turnstile::Ended;
+use crate::inbound::mqtt::gate::turnstile::{Ended, Gatehouse};
+use crate::inbound::mqtt::topics::Topics;
 
 const NONE: [&str; 0] = [];
 
@@ -164,22 +169,85 @@ fn nobody_leaves_too_much_unreleased_and_a_stop_is_heard_all_the_same() {
     assert_eq!(scene.heard().len(), 1);
 }
 
+/// Safety A5, S9 and S1.
 #[test]
-fn one_connection_has_so_many_topics_and_a_stop_is_heard_all_the_same() {
-    let mut scene = Scene::of(OPERATOR);
-    for n in 0..TOPICS {
+fn a_key_has_so_many_topics_the_rest_is_acknowledged_and_dropped_and_a_stop_is_heard_all_the_same() {
+    let gatehouse = gatehouse();
+    let mut scene = Scene::in_house(&gatehouse, OPERATOR, |terms| terms.has_key = true);
+    for n in 0..SHARE_TOPICS {
         scene.client(&publish(0x30, &format!("a/{n}"), "", 0)).unwrap();
     }
-    scene.client(&publish(0x30, "a/0", "", 0)).unwrap();
-    assert!(matches!(scene.client(&publish(0x30, STOP, "", 0)), Err(Ended::TooMuch { most: TOPICS, .. })));
-    assert_eq!(scene.heard().len(), 1);
+    assert_eq!(scene.engine_got().len(), SHARE_TOPICS);
+    for n in SHARE_TOPICS..75_000 {
+        scene.client(&publish(0x33, &format!("a/{n}"), "x", 7)).unwrap();
+        assert_eq!(scene.client_got(), ["Puback 7"]);
+    }
+    assert_eq!((scene.engine_got().len(), gatehouse.retained.count()), (0, 0));
+    scene.client(&[publish(0x30, STOP, "", 0), publish(0x30, "a/0", "", 0)].concat()).unwrap();
+    assert_eq!((scene.heard().len(), scene.engine_got()), (1, vec!["Publish a/0= q0".to_owned()]));
+    assert!(!gatehouse.budget.is_exhausted());
+    let mut other = Scene::in_house(&gatehouse, OPERATOR, |terms| (terms.has_key, terms.name) = (true, "another".into()));
+    other.client(&publish(0x30, "b", "", 0)).unwrap();
+    assert_eq!(other.engine_got().len(), 1, "another key has its own");
+}
+
+/// Safety A5: not even topics of commands, of which a viewer may name as many as he likes.
+#[test]
+fn a_viewer_wears_no_engine_out_with_topics_that_he_may_not_publish_on_or_may() {
+    let gatehouse = gatehouse();
+    let mut scene = Scene::in_house(&gatehouse, VIEWER, |terms| terms.has_key = true);
+    for n in 0..75_000 {
+        let (mine, old, command) = (format!("a/{n}"), format!("unibo/qak/{n}"), format!("hallsweep/discovery/command/{n}"));
+        let said = [publish(0x30, &mine, "", 0), publish(0x30, &old, "", 0), publish(0x30, &command, "forbidden", 0)];
+        scene.client(&said.concat()).unwrap();
+    }
+    assert_eq!((scene.engine_got().len(), scene.heard().len()), (SHARE_TOPICS / VIEWERS_SHARE, 150_000));
+    assert!(!gatehouse.budget.is_exhausted());
+}
+
+#[test]
+fn what_nobody_reads_does_not_reach_the_engine_and_is_kept_all_the_same() {
+    let gatehouse = Arc::new(Gatehouse::new(Topics::new("hallsweep", "discovery", "unibo/qak")));
+    let mut scene = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+    let said = [publish(0x31, "a", "1", 0), publish(0x33, "b", "2", 7), publish(0x30, STOP, "", 0)].concat();
+    scene.client(&said).unwrap();
+    assert_eq!((scene.engine_got(), scene.client_got(), scene.heard().len()), (vec![], vec!["Puback 7".to_owned()], 1));
+    assert_eq!(gatehouse.retained.count(), 2);
+    let mut reader = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+    reader.client(&subscribe(1, &[("a", Qos::Zero)])).unwrap();
+    scene.client(&said).unwrap();
+    assert_eq!(scene.engine_got(), ["Publish a=1 q0"], "also while the engine has not answered the newcomer");
+    reader.engine_answers();
+    let session = reader.turnstile.into_session();
+    scene.client(&said).unwrap();
+    assert_eq!(scene.engine_got(), ["Publish a=1 q0"], "and for somebody who is remembered");
+    drop(session);
+    scene.client(&said).unwrap();
+    assert_eq!(scene.engine_got(), NONE, "until he is forgotten");
+}
+
+/// What the engine holds of a message beside its bytes is to be no more than the bytes that it counts.
+#[test]
+fn short_messages_are_padded_on_their_way_through_the_engine_and_nobody_sees_it() {
+    let mut scene = Scene::of(OPERATOR);
+    for length in [0, 1, 80, 90, 91, 92, 300] {
+        let payload = "x".repeat(length);
+        scene.client(&publish(0x30, "a", &payload, 0)).unwrap();
+        let through = std::mem::take(scene.turnstile.to_engine());
+        assert!(through.len() >= PADDED, "{length}");
+        scene.engine(&through).unwrap();
+        assert_eq!(scene.turnstile.to_client()[..], publish(0x30, "a", &payload, 0)[..], "{length}");
+        scene.turnstile.to_client().clear();
+    }
+    assert!(matches!(scene.engine(&[0x38, 3, 0, 1, b'a']), Err(Ended::EngineMalformed(_))), "padding without an end");
+    assert!(matches!(scene.engine(&[0x38, 4, 0, 1, b'a', 9]), Err(Ended::EngineMalformed(_))), "more than there is");
 }
 
 #[test]
 fn an_engine_that_can_remember_no_more_gets_no_new_topics() {
     let mut scene = Scene::of(OPERATOR);
     for n in 0..ENGINE_TOPICS {
-        assert!(scene.gatehouse.budget.admits_topic(scene.gatehouse.budget.print(n)));
+        assert!(scene.gatehouse.budget.admits_topic(&Payer::Anybody, format!("b/{n}").as_bytes()));
     }
     scene.client(&[publish(0x33, "new", "x", 7), publish(0x30, STOP, "x", 0)].concat()).unwrap();
     assert_eq!((scene.engine_got(), scene.client_got()), (vec![], vec!["Puback 7".to_owned()]));

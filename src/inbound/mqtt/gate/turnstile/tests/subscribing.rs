@@ -1,6 +1,7 @@
 //! What clients subscribe to: what the engine is told, and that each packet has one answer.
 
 use super::scene::{OPERATOR, Scene, VIEWER, gatehouse, subscribe, unsubscribe};
+use crate::inbound::mqtt::gate::budget::Payer;
 use crate::inbound::mqtt::gate::limits::{ENGINE_FILTERS, FILTERS, PENDING};
 use crate::inbound::mqtt::gate::packet::Qos;
 use crate::inbound::mqtt::gate::turnstile::Ended;
@@ -77,7 +78,7 @@ fn a_connection_holds_so_many_filters() {
 fn an_engine_that_can_remember_no_more_gets_no_new_filters() {
     let mut scene = Scene::of(OPERATOR);
     for n in 0..ENGINE_FILTERS {
-        assert!(scene.gatehouse.budget.admits_filter(&format!("b/{n}")));
+        assert!(scene.gatehouse.budget.admits_filter(&Payer::Anybody, &format!("b/{n}")));
     }
     assert_eq!(scene.subscribe(&[("a", Qos::Zero), ("b/7", Qos::Zero)]), ["Suback (1, [128, 0])"]);
 }
@@ -87,11 +88,15 @@ fn a_remembered_session_holds_its_filters_and_can_let_them_go() {
     let gatehouse = gatehouse();
     let mut scene = Scene::in_house(&gatehouse, OPERATOR, |_| {});
     scene.subscribe(&[("a", Qos::One), ("b", Qos::Zero)]);
-    assert!(gatehouse.retained.keep("a", b"x", Qos::One));
+    assert!(gatehouse.retained.keep(&Payer::Anybody, "a", b"x", Qos::One));
     let session = scene.turnstile.into_session();
     let mut scene = Scene::in_house(&gatehouse, OPERATOR, |terms| terms.session = session.clone());
     assert_eq!(scene.turnstile.to_engine()[..2], [0x82, 10]);
-    assert_eq!(gatehouse.ledgers.readers("a").len(), 1, "whoever floods waits for it as for others");
+    assert_eq!(
+        gatehouse.readers.of("a").iter().filter(|reader| reader.is_owed).count(),
+        1,
+        "whoever floods waits for it as for others"
+    );
     scene.engine_answers();
     assert_eq!(scene.client_got(), NONE, "the client did not ask, and what is kept it has");
     scene.client(&unsubscribe(3, &["a"])).unwrap();

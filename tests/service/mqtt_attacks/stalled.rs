@@ -1,0 +1,84 @@
+//! Subscribers that do not read, beside others that do: the one who does not loses its own messages alone, and finds the newest when it
+//! reads again.
+
+use super::client::Client;
+use super::packets::{RETAIN, publish};
+use super::siege::Siege;
+
+/// So many messages are published,
+const MESSAGES: usize = 60_000;
+
+/// by so many at once.
+const PUBLISHERS: usize = 2;
+
+/// Those who read, and as many who do not.
+const READERS: usize = 3;
+
+/// Messages of a kibibyte: more than waits anywhere for one who does not read.
+const NOISE: usize = 20_000;
+
+/// Publishes all numbers of one of the publishers.
+fn flood(mut client: Client, of: usize) {
+    let mine: Vec<usize> = (0..MESSAGES).filter(|n| n % PUBLISHERS == of).collect();
+    for numbers in mine.chunks(100) {
+        let said = numbers.iter().flat_map(|n| publish(&format!("flood/{of}"), format!("{n:0100}").as_bytes(), 0, 0, 0));
+        client.say(&said.collect::<Vec<u8>>());
+    }
+    client.settle();
+}
+
+/// Safety A5.
+#[test]
+fn those_who_read_miss_nothing_beside_those_who_do_not() {
+    let mut siege = Siege::begin();
+    let come = |n: usize, what: &str, qos: u8| {
+        let mut client = siege.client(&format!("{what}-{n}"));
+        assert_eq!(client.subscribe("flood/#", qos), qos);
+        client
+    };
+    let stalled: Vec<Client> = (0..READERS).map(|n| come(n, "stalled", u8::from(n > 0))).collect();
+    let readers: Vec<Client> = (0..READERS).map(|n| come(n, "reader", 0)).collect();
+    let reading = readers.into_iter().map(|mut reader| {
+        std::thread::spawn(move || {
+            let mut next = [0, 1];
+            for _ in 0..MESSAGES {
+                let message = reader.message();
+                let number: usize = String::from_utf8_lossy(&message.payload).parse().expect("a number");
+                let expected = &mut next[number % PUBLISHERS];
+                assert_eq!(number, *expected, "none is missing, and all in order");
+                *expected += PUBLISHERS;
+            }
+        })
+    });
+    let reading: Vec<_> = reading.collect();
+    let publishers = (0..PUBLISHERS).map(|of| (siege.client(&format!("publisher-{of}")), of));
+    let publishing: Vec<_> = publishers.map(|(client, of)| std::thread::spawn(move || flood(client, of))).collect();
+    for thread in publishing.into_iter().chain(reading) {
+        thread.join().expect("everything was said and heard");
+    }
+    siege.stands();
+    drop(stalled);
+}
+
+#[test]
+fn whoever_fell_behind_gets_the_newest_of_each_topic_when_it_reads_again() {
+    let siege = Siege::begin();
+    let mut late = siege.client("late");
+    assert_eq!(late.subscribe("late/#", 0), 0);
+    let mut publisher = siege.client("publisher");
+    let noise = publish("late/noise", &[b'x'; 1024], 0, 0, 0).repeat(100);
+    let mut make_noise = || (0..NOISE / 100).for_each(|_| publisher.say(&noise));
+    make_noise();
+    let mut teller = siege.client("teller");
+    teller.say(&publish("late/state", b"newest", 0, RETAIN, 0));
+    teller.settle();
+    make_noise();
+    publisher.settle();
+    let told = loop {
+        let message = late.message();
+        if message.topic == "late/state" {
+            break message;
+        }
+    };
+    assert!(told.payload == b"newest" && !told.is_kept, "as somebody who was here all the time: {told:?}");
+}
