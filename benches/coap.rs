@@ -1,6 +1,7 @@
 //! What the CoAP door costs, printed beside libcoap's example server, coap-rs and a bare bound, all measured in this run and by
 //! the same load on loopback: CPU per confirmable GET, with few and with very many peers, 50 kB in blocks, and how long a change
-//! takes to 500 observers. A rival that is not to be had is left out; a goal that is missed is said and fails nothing.
+//! takes to 500 observers. A rival that is not to be had is left out; without hallsweep, or with a goal missed that was met before,
+//! it ends with an exit code that says so.
 //! `cargo bench --bench coap -- peers` does that part alone; the others are `gets`, `blocks` and `fan-out`.
 #![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
 
@@ -14,6 +15,8 @@ mod datagram;
 mod fan_out;
 #[path = "coap/figures.rs"]
 mod figures;
+#[path = "common/goals.rs"]
+mod goals;
 #[path = "coap/load.rs"]
 mod load;
 #[path = "coap/rivals.rs"]
@@ -23,9 +26,10 @@ mod server;
 #[path = "coap/stage.rs"]
 mod stage;
 
+use std::process::ExitCode;
 use std::time::Duration;
 
-use figures::{Measured, best_of, goal, median, micros, of};
+use figures::{Measured, best_of, median, micros, of, share};
 use load::{CLIENTS, FEWEST, Load, Outcome};
 use server::{Kind, Server};
 use stage::{RESOURCE, photo, prepared, read, reading};
@@ -38,6 +42,9 @@ const TURNS: usize = 5;
 
 /// Requests a turn.
 const GETS: usize = 32_000;
+
+/// With the fewest at once hallsweep took so much of coap-rs's and of libcoap's CPU when that was first measured, at most.
+const BEFORE: (f64, f64) = (0.66, 0.80);
 
 /// Requests a turn from few and from many peers: one from each of the many.
 const PEER_GETS: u32 = 30_000;
@@ -52,7 +59,7 @@ const PEER_LIMIT: Duration = Duration::from_secs(5);
 /// Transfers a turn.
 const TRANSFERS: usize = 200;
 
-fn main() {
+fn main() -> ExitCode {
     rivals::build();
     println!("CoAP on loopback; load average {}", figures::busy());
     let parts: [(&str, fn()); 4] = [("gets", gets), ("peers", peers), ("blocks", block_wise), ("fan-out", fan_out)];
@@ -62,7 +69,11 @@ fn main() {
             part();
         }
     }
+    if !named.is_empty() && !parts.iter().any(|(name, _)| named.iter().any(|word| word == name)) {
+        goals::left_out(&named.join(" "), true, "no part is called so");
+    }
     println!("load average at the end {}", figures::busy());
+    goals::exit()
 }
 
 /// Starts a server, and says how it answers a GET of what is read.
@@ -93,8 +104,15 @@ fn gets() {
         }
         figures::table(&measured, micros);
         let own = of(&measured, Kind::Hallsweep);
-        goal("CPU per CON GET, of coap-rs", own, best_of(&measured, Kind::CoapRs), 0.60);
-        goal("CPU per CON GET, of libcoap", own, best_of(&measured, Kind::Libcoap), 0.65);
+        for (rival, goal, before) in [(Kind::CoapRs, 0.60, BEFORE.0), (Kind::Libcoap, 0.65, BEFORE.1)] {
+            let what = format!("CPU per CON GET with {clients} at once, of {}", rival.name());
+            match share(&what, own, best_of(&measured, rival)) {
+                // With few at once a part of it is waking up, and the goal was missed from the beginning.
+                Some(ratio) if clients == FEWEST => goals::known(&what, ratio, goal, before),
+                Some(ratio) => goals::at_most(&what, ratio, goal),
+                None => {}
+            }
+        }
     }
 }
 
@@ -114,7 +132,8 @@ fn peers() {
         }
         figures::peers(&few, &many, &memory);
         if kind == Kind::Hallsweep {
-            goal("30,000 peers, of 100 peers", Some(many.median()), Some(few.median()), 1.2);
+            let ratio = many.median().as_secs_f64() / few.median().as_secs_f64().max(1e-9);
+            goals::at_most("30,000 peers, of 100 peers", ratio, 1.2);
         }
     }
 }
@@ -148,8 +167,11 @@ fn fan_out() {
         measured.push((kind, last, complete));
     }
     let last = |wanted| measured.iter().find(|(kind, ..)| *kind == wanted).map(|(_, last, _)| *last);
-    goal("change → last of 500, of libcoap", last(Kind::Hallsweep), last(Kind::Libcoap), 0.1);
+    let what = "change → last of 500, of libcoap";
+    if let Some(ratio) = share(what, last(Kind::Hallsweep), last(Kind::Libcoap)) {
+        goals::at_most(what, ratio, 0.1);
+    }
     if let Some((.., complete)) = measured.iter().find(|(kind, ..)| *kind == Kind::Hallsweep) {
-        figures::met("every round complete", *complete == rounds as usize);
+        goals::met("every round complete", *complete == rounds as usize);
     }
 }

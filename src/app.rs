@@ -5,7 +5,9 @@
 //!   signal ─► halt ─► the doors drain their requests ─► the loop ends ─► the robot's task ends with its channel
 //! ```
 
+use std::future::Future;
 use std::net::TcpListener;
+use std::pin::Pin;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -26,7 +28,7 @@ use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use crate::runtime::halt::Halter;
 use crate::runtime::handle::Handle;
-use crate::runtime::link::link;
+use crate::runtime::link::{RobotSide, link};
 use crate::runtime::task::Task;
 use crate::runtime::threads::Thread;
 
@@ -56,15 +58,30 @@ const LEFT_BEHIND: Duration = Duration::from_millis(200);
 /// So long the robot is waited for before requests are answered.
 const FIRST_LINK: Duration = Duration::from_secs(2);
 
+/// What stands between the program and a robot: it takes the adapter's end of the link, and runs until the loop's end is gone.
+pub type Adapter = Box<dyn FnOnce(RobotSide) -> Pin<Box<dyn Future<Output = ()> + Send>> + Send>;
+
 /// Serves until SIGINT or SIGTERM. `announce` is told where, with the real ports, and how one gets in, as soon as requests are
 /// answered.
 ///
 /// # Errors
 /// A hall or keys that cannot be read, a port that cannot be had, a system that refuses, or a loop that ended by itself.
 pub fn serve(settings: &Settings, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
+    serve_with(settings, None, announce)
+}
+
+/// The same with another robot than the simulated one: what is measured at a robot's port is measured behind the real doors.
+///
+/// # Errors
+/// As for `serve`.
+pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
+    serve_with(settings, Some(robot), announce)
+}
+
+fn serve_with(settings: &Settings, robot: Option<Adapter>, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
     let simulation = simulation(settings, Camera::Rendered)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(AppError::System)?;
-    let served = runtime.block_on(serve_hall(settings, simulation, announce));
+    let served = runtime.block_on(serve_hall(settings, simulation, robot, announce));
     runtime.shutdown_timeout(LEFT_BEHIND);
     served
 }
@@ -89,6 +106,7 @@ pub fn simulation(settings: &Settings, camera: Camera) -> Result<(Arc<Hall>, Sim
 async fn serve_hall(
     settings: &Settings,
     (hall, sim): (Arc<Hall>, SimSettings),
+    robot: Option<Adapter>,
     announce: impl FnOnce(Doors, &Entry),
 ) -> Result<(), AppError> {
     let front = entry::front(&settings.http)?;
@@ -104,7 +122,7 @@ async fn serve_hall(
     let halter = Halter::new(kept.epoch());
     let reader = Reader::new(Arc::clone(&kept.archive));
     let (closing, closed) = watch::channel(false);
-    let (handle, mut task) = start(settings, (Arc::clone(&hall), sim), kept, (&halter, closed), &threads).await;
+    let (handle, mut task) = start(settings, (Arc::clone(&hall), sim, robot), kept, (&halter, closed), &threads).await;
     find_robot(&handle).await;
     let ending = watch::Sender::new(false);
     let resources = || Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
@@ -119,7 +137,8 @@ async fn serve_hall(
     )
     .await?;
     let http = listeners(http, &threads.http)?;
-    let door = Door::new(handle, reader, hall.name(), access).with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
+    let door = Door::new(handle, reader, hall.name(), access).with_cells_of(hall.cell_m());
+    let door = door.with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);
     let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|place| place.map(|place| tracing::field::display(place.at)));
     tracing::info!(http = %doors.http.at, coap = coap_at, mqtt = mqtt_at, hall = hall.name(), descriptors, "serving");
@@ -169,7 +188,7 @@ async fn find_robot(handle: &Handle) {
 /// Starts the robot and the loop.
 async fn start(
     settings: &Settings,
-    (hall, sim): (Arc<Hall>, SimSettings),
+    (hall, sim, other): (Arc<Hall>, SimSettings, Option<Adapter>),
     mut kept: Kept,
     (halter, closed): (&Halter, watch::Receiver<bool>),
     threads: &Threads,
@@ -185,7 +204,10 @@ async fn start(
         // The old one stays, so that robot and map are in the same hall at the next start as well.
         diary = None;
     }
-    threads.robot.handle().spawn(sim::run(robot, side, clock, speed(settings.robot.speed), diary));
+    match other {
+        Some(adapter) => threads.robot.handle().spawn(adapter(side)),
+        None => threads.robot.handle().spawn(sim::run(robot, side, clock, speed(settings.robot.speed), diary)),
+    };
     let (handle, task) = Task::new(sweep, link, kept.store, clock, halter.clone());
     (handle, threads.core.handle().spawn(task.run(closed)))
 }

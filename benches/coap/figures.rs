@@ -1,8 +1,9 @@
-//! Figures as people read them: medians of turns, ratios to hallsweep's own, goals that are met or missed.
+//! Figures as people read them: medians of turns, ratios to hallsweep's own.
 
 use std::time::Duration;
 
 use crate::fan_out::{OBSERVERS, Round};
+use crate::goals;
 use crate::load::Outcome;
 use crate::server::Kind;
 
@@ -106,16 +107,14 @@ pub(crate) fn fan_out(kind: Kind, last: Duration, rounds: &[Round], cpu: Duratio
     );
 }
 
-/// A figure beside another: at most so many times it.
-pub(crate) fn goal(what: &str, own: Option<Duration>, other: Option<Duration>, at_most: f64) {
-    let (Some(own), Some(other)) = (own, other) else { return };
-    let ratio = ratio(own, other);
-    met(&format!("{what}: {ratio:.2} (at most {at_most})"), ratio <= at_most);
-}
-
-/// A goal as it turned out.
-pub(crate) fn met(what: &str, is_met: bool) {
-    println!("  goal {what}: {}", if is_met { "met" } else { "missed" });
+/// How many times a rival's figure hallsweep's is, for the goal of that name; `None`, with a printed word, when either is not there.
+/// Of hallsweep that was said where it was left out.
+pub(crate) fn share(what: &str, own: Option<Duration>, other: Option<Duration>) -> Option<f64> {
+    let share = own.zip(other).map(|(own, other)| ratio(own, other));
+    if share.is_none() {
+        goals::not_judged(what);
+    }
+    share
 }
 
 /// How busy the machine is: its load average.

@@ -10,6 +10,7 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use crate::client::Client;
+use crate::goals;
 
 /// How a server of Rust says where it is.
 const ANNOUNCED: &str = "coap://";
@@ -44,6 +45,11 @@ impl Kind {
             Kind::Bare => "bare bound",
         }
     }
+
+    /// Says why it is not measured.
+    pub(crate) fn left_out(self, why: &str) {
+        goals::left_out(self.name(), self == Kind::Hallsweep, why);
+    }
 }
 
 /// A running server.
@@ -55,7 +61,7 @@ pub(crate) struct Server {
 }
 
 impl Server {
-    /// Starts it; `None`, with a printed word, when it is not to be had.
+    /// Starts it; `None`, with a printed word, when it is not to be had: for hallsweep that is a failure.
     pub(crate) fn start(kind: Kind) -> Option<Server> {
         static STARTED: AtomicU32 = AtomicU32::new(0);
         let number = STARTED.fetch_add(1, Ordering::Relaxed);
@@ -63,12 +69,12 @@ impl Server {
         let port = free_port();
         let mut command = command(kind, port, &folder);
         let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
-        let child = child.inspect_err(|error| println!("  {} is left out: {:?}: {error}", kind.name(), command.get_program()));
+        let child = child.inspect_err(|error| kind.left_out(&format!("{:?}: {error}", command.get_program())));
         let address = SocketAddr::from(([127, 0, 0, 1], port));
         let mut server = Server { kind, address, child: child.ok()?, folder };
         let is_there = server.announced() && server.answers();
         if !is_there {
-            println!("  {} is left out: it started and does not answer", kind.name());
+            kind.left_out("it started and does not answer");
         }
         is_there.then_some(server)
     }
@@ -141,7 +147,9 @@ fn command(kind: Kind, port: u16, folder: &Path) -> Command {
             for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("HALLSWEEP_")) {
                 command.env_remove(name);
             }
-            command.args(["serve", "--http", "127.0.0.1:0", "--coap", "127.0.0.1:0", "--speed", "max", "--data"]).arg(folder);
+            // Several of them run at once: each has ports of its own at every door.
+            let free = "127.0.0.1:0";
+            command.args(["serve", "--http", free, "--coap", free, "--mqtt", free, "--speed", "max", "--data"]).arg(folder);
         }
         Kind::Libcoap => drop(command.args(["-A", "127.0.0.1", "-d", "10", "-p", &port.to_string()])),
         Kind::LibcoapNon => drop(command.args(["-N", "-A", "127.0.0.1", "-d", "10", "-p", &port.to_string()])),

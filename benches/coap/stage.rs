@@ -34,7 +34,7 @@ pub(crate) fn prepared(server: &Server) -> Option<Vec<u8>> {
     match client.get(read(server.kind)) {
         Some((CONTENT, body)) if is_set => Some(body),
         got => {
-            println!("  {} is left out: PUT {RESOURCE} gives {answer:?}, GET {got:?}", server.kind.name());
+            server.kind.left_out(&format!("PUT {RESOURCE} gives {answer:?}, GET {got:?}"));
             None
         }
     }
@@ -61,7 +61,7 @@ pub(crate) fn photo(server: &Server) -> Option<(&'static str, Vec<u8>)> {
     let bytes = client.blocks(path, BLOCKS);
     let is_whole = bytes.len() == BLOCKS as usize * BLOCK;
     if !is_whole {
-        println!("  {} is left out: {path} gave {} bytes of 50 kB", server.kind.name(), bytes.len());
+        server.kind.left_out(&format!("{path} gave {} bytes of 50 kB", bytes.len()));
     }
     is_whole.then_some((path, bytes))
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 use coap_lite::{CoapOption, MessageClass, MessageType, Packet};
 
 /// After so long without an answer a request is sent again.
-const WAIT: Duration = Duration::from_secs(2);
+const WAIT: Duration = Duration::from_secs(1);
 
 /// So often it is sent.
 const TRIES: u32 = 10;

@@ -1,7 +1,8 @@
-//! Figures as people read them: medians of turns with how far these lie apart, goals that are met or missed.
+//! Figures as people read them: medians of turns with how far these lie apart.
 
 use std::time::Duration;
 
+use crate::goals;
 use crate::load::Outcome;
 use crate::server::Kind;
 
@@ -79,20 +80,12 @@ pub(crate) fn of(measured: &[Measured], kind: Kind) -> Option<&Measured> {
 
 /// hallsweep's messages a second: at least so many times those of another.
 pub(crate) fn faster(measured: &[Measured], than: Kind, at_least: f64) {
-    let (Some(own), Some(other)) = (of(measured, Kind::Hallsweep), of(measured, than)) else { return };
+    let what = format!("messages a second, of {}", than.name());
+    let (Some(own), Some(other)) = (of(measured, Kind::Hallsweep), of(measured, than)) else {
+        return goals::not_judged(&what);
+    };
     let ratio = median(&own.rates) / median(&other.rates).max(1e-9);
-    met(&format!("messages a second, of {}: {ratio:.2} (at least {at_least})", than.name()), ratio >= at_least);
-}
-
-/// A figure beside another: at most so many times it.
-pub(crate) fn goal(what: &str, own: f64, other: f64, at_most: f64) {
-    let ratio = own / other.max(1e-9);
-    met(&format!("{what}: {ratio:.2} (at most {at_most})"), ratio <= at_most);
-}
-
-/// A goal as it turned out.
-pub(crate) fn met(what: &str, is_met: bool) {
-    println!("  goal {what}: {}", if is_met { "met" } else { "missed" });
+    goals::met(&format!("{what}: {ratio:.2} (at least {at_least})"), ratio >= at_least);
 }
 
 /// How busy the machine is: its load average.

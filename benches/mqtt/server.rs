@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-use crate::paced;
+use crate::{goals, paced};
 
 /// How hallsweep says where its topics are.
 const ANNOUNCED: &str = "mqtt://";
@@ -38,6 +38,11 @@ impl Kind {
             Kind::Mosquitto => "mosquitto",
         }
     }
+
+    /// Says why it is not measured.
+    pub(crate) fn left_out(self, why: &str) {
+        goals::left_out(self.name(), self == Kind::Hallsweep, why);
+    }
 }
 
 /// A running server.
@@ -49,7 +54,7 @@ pub(crate) struct Server {
 }
 
 impl Server {
-    /// Starts it; `None`, with a printed word, when it is not to be had.
+    /// Starts it; `None`, with a printed word, when it is not to be had: for hallsweep that is a failure.
     pub(crate) fn start(kind: Kind) -> Option<Server> {
         static STARTED: AtomicU32 = AtomicU32::new(0);
         let number = STARTED.fetch_add(1, Ordering::Relaxed);
@@ -58,12 +63,12 @@ impl Server {
         let port = TcpListener::bind("127.0.0.1:0").and_then(|listener| listener.local_addr()).expect("a free port").port();
         let mut command = command(kind, port, &folder);
         let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
-        let child = child.inspect_err(|error| println!("  {} is left out: {:?}: {error}", kind.name(), command.get_program()));
+        let child = child.inspect_err(|error| kind.left_out(&format!("{:?}: {error}", command.get_program())));
         let address = SocketAddr::from(([127, 0, 0, 1], port));
         let mut server = Server { kind, address, child: child.ok()?, folder };
         let is_there = server.announced() && server.serves();
         if !is_there {
-            println!("  {} is left out: it started and does not serve", kind.name());
+            kind.left_out("it started and does not serve");
         }
         is_there.then_some(server)
     }

@@ -1,9 +1,11 @@
 //! A CoAP endpoint, an application that answers in every way there is, at once or late, and two peers, one on this machine and one
 //! beyond it, that send anything at any time. Whatever they do: nothing breaks, every datagram that goes out is a message and not
-//! too long, an address that proved nothing gets at most three times what came from it, and what is remembered stays bounded.
+//! too long, an address that proved nothing gets at most three times what came from it, what is remembered stays bounded, and a STOP
+//! from this machine is handed over once, whatever is wrong with it, and none from elsewhere (safety S8).
 //! Whether the answers are the right ones is tested elsewhere.
 #![no_main]
 
+use std::collections::HashMap;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,7 +14,8 @@ use coap_lite::{CoapOption, Packet};
 use hallsweep_fuzz::core::units::{Now, Wall};
 use hallsweep_fuzz::inbound::coap::endpoint::code::Code;
 use hallsweep_fuzz::inbound::coap::endpoint::format::Format;
-use hallsweep_fuzz::inbound::coap::endpoint::limits::{AMPLIFICATION, ASSEMBLIES, BLOCK, HEAD, OBSERVERS_OF_A_PEER, WAITING};
+use hallsweep_fuzz::inbound::coap::endpoint::limits::{AMPLIFICATION, ASSEMBLIES, BLOCK, EXCHANGE_LIFETIME, HEAD, OBSERVERS_OF_A_PEER, WAITING};
+use hallsweep_fuzz::inbound::coap::endpoint::request::Request;
 use hallsweep_fuzz::inbound::coap::endpoint::response::{Answer, Response, Tag};
 use hallsweep_fuzz::inbound::coap::endpoint::{Endpoint, ExchangeId};
 use libfuzzer_sys::fuzz_target;
@@ -20,6 +23,10 @@ use libfuzzer_sys::fuzz_target;
 /// The peers: how many there are, and the one whose datagrams are counted.
 const PEERS: usize = 2;
 const BEYOND: usize = 1;
+const HERE: usize = 0;
+
+/// The path that is STOP.
+const STOP: &str = "stop";
 
 /// The option by which a peer proves its address (RFC 9175).
 const ECHO: u16 = 252;
@@ -57,12 +64,16 @@ struct Play {
     may_be_proved: bool,
     /// The latest Echo that went to each peer.
     echoes: [Vec<u8>; PEERS],
+    /// The STOPs that came from this machine, and when each first did.
+    stops: HashMap<Vec<u8>, Duration>,
+    /// How many were handed over.
+    pressed: usize,
 }
 
 impl Play {
     fn new() -> Play {
         Play {
-            endpoint: Endpoint::new([7; 32]),
+            endpoint: Endpoint::new([7; 32]).with_stop(is_stop),
             now: Duration::from_secs(1000),
             waiting: Vec::new(),
             at_once: Some(0),
@@ -71,6 +82,8 @@ impl Play {
             sent: 0,
             may_be_proved: false,
             echoes: Default::default(),
+            stops: HashMap::new(),
+            pressed: 0,
         }
     }
 
@@ -100,8 +113,19 @@ impl Play {
                 Packet::from_bytes(datagram).ok().and_then(|packet| packet.get_first_option(CoapOption::from(ECHO)).cloned());
             self.may_be_proved |= echo.is_some_and(|echo| echo == self.echoes[BEYOND]);
         }
+        let is_new = self.stops.get(datagram).is_none_or(|since| self.now > *since + EXCHANGE_LIFETIME);
+        let is_press = peer != BEYOND && is_new && names_stop(datagram);
+        if is_press {
+            self.stops.insert(datagram.to_vec(), self.now);
+        }
+        let before = self.pressed;
         self.endpoint.handle_datagram(address(peer), datagram, self.clock());
         self.settle();
+        let pressed = self.pressed - before;
+        assert!(pressed <= 1, "one press is one STOP");
+        // The path may be in what only a lenient reader finds; and what reads on in an answer is no press.
+        assert!(pressed == 1 || !is_press, "{datagram:?} must halt");
+        assert!(pressed == 0 || may_stop(peer, datagram), "{datagram:?} must not halt");
     }
 
     /// A peer sends back what it was asked to, with a request to observe.
@@ -149,6 +173,7 @@ impl Play {
     /// Answers what is to be answered at once, and looks at everything that goes out.
     fn settle(&mut self) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
+            self.pressed += usize::from(is_stop(&request));
             assert!(request.payload.len() <= 16 * 1024, "no body is larger than a command may be");
             match self.at_once {
                 Some(how) => self.endpoint.handle_answer(exchange, answer(how, self.state), self.clock()),
@@ -188,6 +213,26 @@ impl Play {
         let unix_ms = 1_770_000_000_000 + i64::try_from(self.now.as_millis()).expect("hours, not ages");
         Now { since_start: self.now, wall: Wall { unix_ms, offset_s: 3600 } }
     }
+}
+
+/// What the application takes for a STOP.
+fn is_stop(request: &Request) -> bool {
+    request.path == [STOP] && request.peer == address(HERE) && !request.method.only_looks()
+}
+
+/// Whether a datagram that the codec can read names it, and does not read on in an answer.
+fn names_stop(datagram: &[u8]) -> bool {
+    let Ok(packet) = Packet::from_bytes(datagram) else { return false };
+    let path = packet.get_option(CoapOption::UriPath);
+    let is_named = path.is_some_and(|path| path.len() == 1 && path.front().is_some_and(|word| word == STOP.as_bytes()));
+    is_named && packet.get_option(CoapOption::Block2).is_none() && may_stop(HERE, datagram)
+}
+
+/// Whether a datagram may halt at all.
+fn may_stop(peer: usize, datagram: &[u8]) -> bool {
+    let [first, code, ..] = datagram else { return false };
+    let is_request = first >> 6 == 1 && first >> 4 & 3 <= 1 && *code < 32;
+    peer == HERE && is_request && *code != 1 && *code != 5
 }
 
 /// The next datagram: as long as the next bytes say, or as what is left.

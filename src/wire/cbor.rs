@@ -33,7 +33,8 @@ pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
     fields.read().map_err(Unread::Unusable)
 }
 
-fn fields(decoder: &mut Decoder<'_>) -> Result<Fields, Unread> {
+/// Reads the fields of a body; what follows it is left in the decoder.
+pub(super) fn fields(decoder: &mut Decoder<'_>) -> Result<Fields, Unread> {
     let kind = decoder.datatype().map_err(no_cbor)?;
     if !matches!(kind, Type::Map | Type::MapIndef) {
         return Err(unusable(format!(

@@ -10,6 +10,7 @@ pub mod concise_problem;
 pub mod fields;
 #[cfg(test)]
 pub(crate) mod fixture;
+pub mod halt;
 pub mod journal;
 pub mod journal_words;
 pub mod log;

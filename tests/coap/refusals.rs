@@ -46,14 +46,14 @@ fn no_more_refusals_wait_than_there_is_room_for() {
     assert_eq!(noted, limits::REFUSED);
 }
 
-/// Safety S1.
+/// Safety S1, S8.
 #[test]
-fn what_is_urgent_is_handed_over_whatever_is_wrong_with_its_body() {
+fn a_stop_is_handed_over_whatever_is_wrong_with_its_body() {
     fn is_stop(request: &Request) -> bool {
         request.path == ["stop"]
     }
     let mut bench = Bench::new();
-    bench.endpoint = std::mem::replace(&mut bench.endpoint, Bench::seeded(2).endpoint).with_urgent(is_stop);
+    bench.endpoint = std::mem::replace(&mut bench.endpoint, Bench::seeded(2).endpoint).with_stop(is_stop);
     let stop = |id| Message::con(Method::Post, id).path("/stop");
     for request in [
         stop(1).block1(block(0, true)).payload([b'x'; 16]),

@@ -28,14 +28,12 @@ pub trait Application: Send + 'static {
     /// What an observer of this request sees now; must not block.
     fn things(&self, request: &Request) -> Vec<Arc<Response>>;
 
-    /// Whether a request is a STOP, which is taken whatever is wrong with its body.
+    /// Whether a request is a STOP of somebody who may press it here, by its method, path and payload alone: it is taken whatever
+    /// is wrong with the rest, and however much is under way already (safety S8).
     const IS_STOP: fn(&Request) -> bool;
 
     /// Notes what the endpoint refused without asking; must not block.
     fn note(&self, refusal: Refusal);
-
-    /// Whether it is taken however much is under way already: a STOP.
-    fn is_urgent(&self, request: &Request) -> bool;
 }
 
 /// Asks for an answer; a mistake of the application ends this request alone (safety A7).

@@ -35,7 +35,7 @@ pub async fn serve<A: Application>(
     shutdown: impl Future<Output = ()>,
 ) {
     let clock = Clock::default();
-    let endpoint = endpoint.with_urgent(A::IS_STOP);
+    let endpoint = endpoint.with_stop(A::IS_STOP);
     let mut driver = Driver { socket, endpoint, application, under_way: UnderWay::default(), clock };
     let mut news = News::of(states, clock);
     tokio::pin!(shutdown);
@@ -73,7 +73,7 @@ impl<A: Application> Driver<A> {
     fn settle(&mut self, now: Now) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             let (sort, asked) = (Sort::of(request.method), &self.application);
-            let is_full = self.under_way.is_full(sort) && !asked.is_urgent(&request);
+            let is_full = self.under_way.is_full(sort) && !A::IS_STOP(&request);
             match if is_full && sort == Sort::Command { Said::Now(busy()) } else { application::answer(asked, &request) } {
                 Said::Now(answer) => self.endpoint.handle_answer(exchange, answer, now),
                 Said::Later(_) if is_full => self.endpoint.handle_answer(exchange, busy(), now),

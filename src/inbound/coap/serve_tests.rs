@@ -35,7 +35,7 @@ impl Obedient {
 }
 
 impl Application for Obedient {
-    const IS_STOP: fn(&Request) -> bool = |_| false;
+    const IS_STOP: fn(&Request) -> bool = |request| request.segments() == ["stop"];
 
     fn note(&self, _: Refusal) {}
 
@@ -61,10 +61,6 @@ impl Application for Obedient {
             panic!("an unlucky number");
         }
         vec![Arc::new(self.revision())]
-    }
-
-    fn is_urgent(&self, request: &Request) -> bool {
-        request.segments() == ["stop"]
     }
 }
 

@@ -13,7 +13,7 @@ use super::reliable::About;
 use super::reply::Shape;
 use super::request::Request;
 use super::response::Response;
-use super::{Endpoint, ExchangeId, Open, Refusal};
+use super::{Endpoint, ExchangeId, HALTED, Open, Refusal, lenient};
 use crate::access::is_this_machine;
 use crate::core::units::Now;
 
@@ -39,17 +39,40 @@ impl Endpoint {
     pub fn handle_datagram(&mut self, peer: SocketAddr, bytes: &[u8], now: Now) {
         self.guard.received(peer, bytes.len());
         match heard(bytes) {
-            Heard::Senseless(Kind::Con, id) => {
-                self.transmit(peer, empty(Kind::Rst, id), now);
-            }
-            Heard::Nothing | Heard::Senseless(..) => {}
+            Heard::Nothing => {}
+            Heard::Senseless(kind, id) => self.take_senseless(MessageKey::of(peer, id, bytes), kind, bytes, now),
             Heard::Ack(id) => self.take_acknowledgement(peer, id, now),
             Heard::Rst(id) => self.take_rejection(peer, id, now),
             Heard::Request(incoming) => {
                 let key = MessageKey::of(peer, incoming.id, bytes);
-                self.take_request(key, incoming, now);
+                self.take_request(key, incoming, bytes, now);
             }
         }
+    }
+
+    /// What breaks the grammar is rejected, and may name a STOP all the same, each time that it is not a repetition.
+    fn take_senseless(&mut self, key: MessageKey, kind: Kind, bytes: &[u8], now: Now) {
+        let is_new = self.exchanges.known(key, now.since_start).is_none();
+        if let Some(stop) = self.stop_in(key.peer, bytes).filter(|_| is_new) {
+            let exchange = self.open_exchange(key, true, now);
+            self.exchanges.answered(key, &[]);
+            self.asked.push_back((exchange, stop));
+        }
+        if kind == Kind::Con {
+            self.transmit(key.peer, empty(Kind::Rst, key.id), now);
+        }
+    }
+
+    /// The STOP that a datagram names, whatever else is wrong with it.
+    fn stop_in(&self, peer: SocketAddr, bytes: &[u8]) -> Option<Request> {
+        lenient::requests(peer, bytes).find(self.is_stop)
+    }
+
+    fn open_exchange(&mut self, key: MessageKey, acts: bool, now: Now) -> ExchangeId {
+        self.counted += 1;
+        let exchange = ExchangeId(self.counted);
+        self.exchanges.open(key, exchange, acts, now.since_start);
+        exchange
     }
 
     fn take_acknowledgement(&mut self, peer: SocketAddr, id: u16, now: Now) {
@@ -78,7 +101,7 @@ impl Endpoint {
         self.go_on(peer, now);
     }
 
-    fn take_request(&mut self, key: MessageKey, incoming: Incoming, now: Now) {
+    fn take_request(&mut self, key: MessageKey, incoming: Incoming, bytes: &[u8], now: Now) {
         let (peer, no_response) = (key.peer, options::no_response(&incoming.packet));
         let back = Back { key, kind: incoming.kind, token: incoming.token, no_response };
         match self.exchanges.known(back.key, now.since_start).cloned() {
@@ -98,27 +121,40 @@ impl Endpoint {
         let looks = Method::of(incoming.code).is_some_and(Method::only_looks);
         let asked = (!looks).then(|| options::asked(&incoming));
         let acts = is_this_machine(peer.ip()) && !looks;
-        self.counted += 1;
-        let exchange = ExchangeId(self.counted);
-        self.exchanges.open(back.key, exchange, acts, now.since_start);
-        match options::read(peer, incoming) {
-            Ok(read) => self.take_read(back, exchange, read, now),
-            // What cannot be understood and wants no acknowledgement is passed over (RFC 7252, section 5.4.1).
-            Err(response) if back.kind == Kind::Non && response.code == Code::BAD_OPTION => {
-                self.note(peer, asked, &response);
-                self.exchanges.answered(back.key, &[]);
+        let exchange = self.open_exchange(back.key, acts, now);
+        let response = match options::read(peer, incoming) {
+            Ok(read) => return self.take_read(back, exchange, read, now),
+            Err(response) => response,
+        };
+        let (response, asked) = match self.stop_in(peer, bytes) {
+            // That it has halted is on record; that it was refused as well would be read as if it had not.
+            Some(stop) => {
+                self.asked.push_back((exchange, stop));
+                (halted(&response), None)
             }
-            Err(response) => self.refuse(back, asked, response, None, now),
+            None => (response, asked),
+        };
+        // What cannot be understood and wants no acknowledgement is passed over (RFC 7252, section 5.4.1).
+        if back.kind == Kind::Non && response.code == Code::BAD_OPTION {
+            self.note(peer, asked, &response);
+            return self.exchanges.answered(back.key, &[]);
         }
+        self.refuse(back, asked, response, None, now);
     }
 
     fn take_read(&mut self, back: Back, exchange: ExchangeId, mut read: Read, now: Now) {
         if let Some(echo) = &read.echo {
             self.guard.echoed(back.key.peer, echo, now.since_start);
         }
-        let reads_on = read.block1.is_none() && read.block2.is_some_and(|block| block.number > 0);
-        if reads_on && !read.request.method.only_looks() {
-            return self.read_on(back, &read, now);
+        let later = read.block2.filter(|block| read.block1.is_none() && block.number > 0 && !read.request.method.only_looks());
+        let is_stop = (self.is_stop)(&read.request);
+        if let Some(block) =
+            later.filter(|block| !is_stop || self.kept.is_next(&deed(&read.request, &[]), *block, now.since_start))
+        {
+            return self.read_on(back, &read, block, now);
+        }
+        if is_stop {
+            return self.ask(back, exchange, read, now);
         }
         if read.request.method == Method::Get && read.observe != Some(1) && self.observes_on(back, &read, now) {
             return;
@@ -170,9 +206,9 @@ impl Endpoint {
     }
 
     /// Another block of the answer to what was done already.
-    fn read_on(&mut self, back: Back, read: &Read, now: Now) {
-        let shape = Shape { block2: read.block2, wants_size: read.wants_size, ..Shape::default() };
-        if let Some(answer) = self.kept.find(&deed(&read.request, &[]), now.since_start) {
+    fn read_on(&mut self, back: Back, read: &Read, block: Block, now: Now) {
+        let shape = Shape { block2: Some(block), wants_size: read.wants_size, ..Shape::default() };
+        if let Some(answer) = self.kept.read(&deed(&read.request, &[]), block, now.since_start) {
             return self.send_reply(back, &answer, &shape, now);
         }
         let words = "there is no answer to read on: do it again, from its first block".to_owned();
@@ -182,9 +218,6 @@ impl Endpoint {
     /// Whether the whole body is there; it is in the request then.
     fn whole(&mut self, read: &mut Read, now: Now) -> Result<bool, Response> {
         let request = &mut read.request;
-        if (self.is_urgent)(request) {
-            return Ok(true);
-        }
         if request.payload.len() > BODY || read.size1.is_some_and(|size| size as usize > BODY) {
             return Err(too_large());
         }
@@ -235,6 +268,12 @@ impl Endpoint {
         self.exchanges.answered(back.key, &acknowledgement);
         self.transmit(back.key.peer, acknowledgement, now);
     }
+}
+
+/// A refusal of what was a STOP: whoever reads it must not think that nothing has halted.
+fn halted(response: &Response) -> Response {
+    let words = format!("refused: {HALTED}; {}", String::from_utf8_lossy(&response.body));
+    Response { body: words.into_bytes().into(), ..response.clone() }
 }
 
 /// By what the bodies of a request and of its answer are known, while they come and go in blocks.

@@ -6,14 +6,22 @@ use std::time::Duration;
 
 use hashlink::LinkedHashMap;
 
-use super::block::BodyKey;
+use super::block::{Block, BodyKey};
 use super::exchange::is_over;
 use super::limits::ASSEMBLIES;
 use super::response::Response;
 
 /// Answers of which the last block may not have been read yet.
 #[derive(Debug, Default)]
-pub(super) struct Kept(LinkedHashMap<BodyKey, (Duration, Arc<Response>)>);
+pub(super) struct Kept(LinkedHashMap<BodyKey, Answered>);
+
+#[derive(Debug)]
+struct Answered {
+    since: Duration,
+    answer: Arc<Response>,
+    /// Where the block begins that was not read yet.
+    next: usize,
+}
 
 impl Kept {
     /// How many there are.
@@ -22,20 +30,35 @@ impl Kept {
         self.0.len()
     }
 
-    /// Keeps the answer to a request, in the place of the one to an earlier request of the same peer for the same.
-    pub(super) fn keep(&mut self, key: BodyKey, answer: Arc<Response>, now: Duration) {
+    /// Keeps the answer to a request, of which this block is sent now, in the place of the one to an earlier request of the same
+    /// peer for the same.
+    pub(super) fn keep(&mut self, key: BodyKey, answer: Arc<Response>, block: Block, now: Duration) {
         self.0.remove(&key);
-        self.0.insert(key, (now, answer));
-        while self.0.len() > ASSEMBLIES || self.0.front().is_some_and(|(_, (since, _))| is_over(*since, now)) {
+        self.0.insert(key, Answered { since: now, answer, next: end(block) });
+        while self.0.len() > ASSEMBLIES || self.0.front().is_some_and(|(_, kept)| is_over(kept.since, now)) {
             self.0.pop_front();
         }
     }
 
-    /// The answer to be read on.
+    /// Whether a request for this block goes on where the last one ended: it is none that begins anew.
     #[must_use]
-    pub(super) fn find(&self, key: &BodyKey, now: Duration) -> Option<Arc<Response>> {
-        self.0.get(key).filter(|(since, _)| !is_over(*since, now)).map(|(_, answer)| Arc::clone(answer))
+    pub(super) fn is_next(&self, key: &BodyKey, block: Block, now: Duration) -> bool {
+        let kept = self.0.get(key).filter(|kept| !is_over(kept.since, now));
+        kept.is_some_and(|kept| kept.next == end(block) - block.size() && kept.next < kept.answer.body.len())
     }
+
+    /// The answer of which this block is read now.
+    #[must_use]
+    pub(super) fn read(&mut self, key: &BodyKey, block: Block, now: Duration) -> Option<Arc<Response>> {
+        let kept = self.0.get_mut(key).filter(|kept| !is_over(kept.since, now))?;
+        kept.next = end(block);
+        Some(Arc::clone(&kept.answer))
+    }
+}
+
+/// Where the next block begins; a number has 20 bits and a size 11.
+fn end(block: Block) -> usize {
+    (block.number as usize + 1) * block.size()
 }
 
 #[cfg(test)]
@@ -56,19 +79,34 @@ mod tests {
     #[test]
     fn the_latest_answer_is_kept_for_its_lifetime() {
         let mut kept = Kept::default();
-        kept.keep(key(1), answer("old"), Duration::ZERO);
-        kept.keep(key(1), answer("new"), Duration::from_secs(1));
-        assert_eq!(kept.find(&key(1), EXCHANGE_LIFETIME), Some(answer("new")));
-        assert_eq!(kept.find(&key(1), EXCHANGE_LIFETIME * 2), None);
-        assert_eq!(kept.find(&key(2), Duration::ZERO), None);
+        kept.keep(key(1), answer("old"), Block::FIRST, Duration::ZERO);
+        kept.keep(key(1), answer("new"), Block::FIRST, Duration::from_secs(1));
+        assert_eq!(kept.read(&key(1), Block::FIRST, EXCHANGE_LIFETIME), Some(answer("new")));
+        assert_eq!(kept.read(&key(1), Block::FIRST, EXCHANGE_LIFETIME * 2), None);
+        assert_eq!(kept.read(&key(2), Block::FIRST, Duration::ZERO), None);
+    }
+
+    #[test]
+    fn only_the_block_behind_the_last_one_goes_on_reading() {
+        let mut kept = Kept::default();
+        let block = |number| Block { number, more: false, exponent: 0 };
+        let is_next = |kept: &Kept, number| kept.is_next(&key(1), block(number), Duration::ZERO);
+        assert!(!is_next(&kept, 1));
+        kept.keep(key(1), answer(&"x".repeat(40)), block(0), Duration::ZERO);
+        assert!(is_next(&kept, 1) && !is_next(&kept, 0) && !is_next(&kept, 2));
+        assert!(kept.read(&key(1), block(1), Duration::ZERO).is_some());
+        assert!(!is_next(&kept, 1) && is_next(&kept, 2));
+        assert!(!kept.is_next(&key(1), block(2), EXCHANGE_LIFETIME * 2));
+        assert!(kept.read(&key(1), block(2), Duration::ZERO).is_some());
+        assert!(!is_next(&kept, 3), "there is no more");
     }
 
     #[test]
     fn no_more_answers_are_kept_than_there_is_room_for() {
         let mut kept = Kept::default();
-        (0..500).for_each(|port| kept.keep(key(port), answer("x"), Duration::ZERO));
+        (0..500).for_each(|port| kept.keep(key(port), answer("x"), Block::FIRST, Duration::ZERO));
         assert_eq!(kept.count(), ASSEMBLIES);
-        kept.keep(key(500), answer("x"), EXCHANGE_LIFETIME * 2);
+        kept.keep(key(500), answer("x"), Block::FIRST, EXCHANGE_LIFETIME * 2);
         assert_eq!(kept.count(), 1, "the old ones are let go");
     }
 }

@@ -22,6 +22,7 @@ mod guard;
 mod inward;
 mod kept;
 mod knowledge;
+mod lenient;
 pub mod limits;
 mod message;
 mod observe;
@@ -46,6 +47,9 @@ use self::request::Request;
 use self::response::{Answer, Response, Tag};
 use crate::core::rng::Stream;
 use crate::core::units::Now;
+
+/// What whoever pressed STOP is told first, where his request is refused.
+pub const HALTED: &str = "halted all the same";
 
 /// A request that waits for the application's answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -107,7 +111,7 @@ pub struct Endpoint {
     chance: Stream,
     asked: VecDeque<(ExchangeId, Request)>,
     refused: VecDeque<Refusal>,
-    is_urgent: fn(&Request) -> bool,
+    is_stop: fn(&Request) -> bool,
     out: VecDeque<Transmit>,
 }
 
@@ -149,16 +153,17 @@ impl Endpoint {
             chance: Stream::new(seed, "coap message ids"),
             asked: VecDeque::new(),
             refused: VecDeque::new(),
-            is_urgent: |_| false,
+            is_stop: |_| false,
             out: VecDeque::new(),
         }
     }
 
-    /// With requests that are handed over as they are, whatever is wrong with their bodies: too large, or a block of which the
-    /// rest has not come.
+    /// With requests that are handed over once each, whatever is wrong with them (safety S8): those that this finds to be a STOP
+    /// by who sent them, and by as much of their method, path and payload as can be read. One that has to be refused is handed
+    /// over and refused; what the application answers to it is not sent.
     #[must_use]
-    pub fn with_urgent(self, is_urgent: fn(&Request) -> bool) -> Endpoint {
-        Endpoint { is_urgent, ..self }
+    pub fn with_stop(self, is_stop: fn(&Request) -> bool) -> Endpoint {
+        Endpoint { is_stop, ..self }
     }
 
     /// Takes the application's answer to a request, at once or whenever it comes.

@@ -27,9 +27,9 @@ impl Endpoint {
             let (tag, max_age) = (response.tag, response.max_age);
             response = Arc::new(Response { tag, max_age, ..Response::new(Code::VALID) });
         }
-        let size = open.block2.unwrap_or(Block::FIRST).size();
-        if let Some(deed) = open.deed.take().filter(|_| response.body.len() > size) {
-            self.kept.keep(*deed, Arc::clone(&response), now.since_start);
+        let block = open.block2.unwrap_or(Block::FIRST);
+        if let Some(deed) = open.deed.take().filter(|_| response.body.len() > block.size()) {
+            self.kept.keep(*deed, Arc::clone(&response), block, now.since_start);
         }
         let Open { back, is_acknowledged, block1, block2, wants_size, .. } = open;
         let shape = Shape { block1, block2, wants_size, observe, echo: None };

@@ -1,7 +1,7 @@
 //! What can be asked to be done: each act's need, the command it becomes, and how an accepted one is answered. Giving it to the
 //! core is `Resources`' business; the old resource's words are in `old`.
 
-use super::super::endpoint::code::{Code, Method};
+use super::super::endpoint::code::Code;
 use super::super::endpoint::format::Format;
 use super::super::endpoint::request::Request;
 use super::super::endpoint::response::Response;
@@ -80,7 +80,7 @@ impl Terms {
     }
 }
 
-/// The command that a request asks for, and the epoch its sender saw. STOP reads nothing of it.
+/// The command that a request asks for, and the epoch its sender saw. What halts was found before (`stop`).
 pub(super) fn command(
     act: Act,
     number: u64,
@@ -103,15 +103,6 @@ pub(super) fn command(
         Act::Acknowledge => optional::<EpochBody>(request).map(|_| (Command::Acknowledge(AlarmId(number)), None)),
         Act::Strategy => Ok((Command::ChooseStrategy(body::<StrategyBody>(request)?.strategy()?), None)),
         Act::Temperature => Ok((Command::Temperature(body::<TemperatureBody>(request)?.report()?), None)),
-    }
-}
-
-/// Whether a request is a STOP by its path and the word it begins with, whatever is wrong with the rest.
-pub(super) fn is_stop(request: &Request) -> bool {
-    match (request.method, request.segments().as_slice()) {
-        (Method::Post, ["commands", "stop"]) => true,
-        (Method::Post | Method::Put, ["resourcemodel"]) => old::is_halt(&request.payload),
-        _ => false,
     }
 }
 

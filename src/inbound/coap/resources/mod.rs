@@ -12,6 +12,7 @@ mod photos;
 mod problem;
 mod reads;
 mod shows;
+mod stop;
 mod strangers;
 mod table;
 #[cfg(test)]
@@ -19,7 +20,7 @@ mod testing;
 
 use std::sync::Arc;
 
-use self::acts::{Act, Terms};
+use self::acts::Act;
 use self::caller::Caller;
 use self::kept::Kept;
 use self::old::OldModel;
@@ -31,8 +32,7 @@ use super::application::{Application, Said};
 use super::endpoint::request::{Conditions, Request};
 use super::endpoint::response::{Answer, Response};
 use super::endpoint::{self, code::Method};
-use crate::access::Need;
-use crate::core::command::{self, Command, RefusalKind, Refused};
+use crate::core::command::{self, RefusalKind, Refused};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::handle::Handle;
 use crate::wire::fields::in_short;
@@ -63,6 +63,9 @@ impl Resources {
 impl Application for Resources {
     /// Must be called inside a runtime.
     fn answer(&self, request: &Request) -> Said {
+        if stop::is_stop(request) {
+            return self.stop(request);
+        }
         self.taken(request).unwrap_or_else(|problem| self.refused(request, &problem))
     }
 
@@ -70,20 +73,12 @@ impl Application for Resources {
         self.seen(request).unwrap_or_else(|problem| vec![Arc::new(problem.response(request))])
     }
 
-    const IS_STOP: fn(&Request) -> bool = acts::is_stop;
+    const IS_STOP: fn(&Request) -> bool = stop::is_stop;
 
     /// Safety A6, as in `refused`.
     fn note(&self, refusal: endpoint::Refusal) {
         let kept = command::Refusal { code: "malformed", kind: RefusalKind::Mismatch, words: refusal.words };
         self.handle.note_refused_at_once(caller::issuer(refusal.peer), in_short(&refusal.asked), Refused::Before(kept));
-    }
-
-    fn is_urgent(&self, request: &Request) -> bool {
-        let found = self.table.find(&request.path).filter(|_| Caller::of(request.peer) == Caller::Here);
-        let act = found.and_then(|found| found.row.act(request.method));
-        act.filter(|act| act.need() == Need::Stop).is_some_and(|act| {
-            acts::command(act, 0, request, self.manual_driving).is_ok_and(|(command, _)| command == Command::Stop)
-        })
     }
 }
 
@@ -97,15 +92,12 @@ impl Resources {
         }
     }
 
-    /// A stop is given whatever else is wrong with its request.
     fn act(&self, act: Act, found: &Found<'_>, request: &Request) -> Result<Said, Problem> {
         let caller = Caller::of(request.peer);
         caller.check(act.need()).map_err(|refused| Problem::refused(&refused, None))?;
         let (command, epoch) = acts::command(act, found.number, request, self.manual_driving)?;
-        let terms = match acts::terms(act, request).and_then(|terms| self.may_change(found, request).map(|()| terms)) {
-            Err(_) if command == Command::Stop => Terms::plain(act),
-            terms => terms?,
-        };
+        let terms = acts::terms(act, request)?;
+        self.may_change(found, request)?;
         let asked = command::Request { id: terms.id, epoch, ..command::Request::new(command, caller::issuer(request.peer)) };
         let (given, request) = (self.handle.carry_out(asked), request.clone());
         Ok(Said::Later(Box::pin(async move {

@@ -79,11 +79,6 @@ pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command
     Ok(command)
 }
 
-/// Whether a body is the word for STOP.
-pub(super) fn is_halt(body: &[u8]) -> bool {
-    bare(&String::from_utf8_lossy(body)) == "h"
-}
-
 /// A word without the blanks round it and the quotes of JSON.
 fn bare(text: &str) -> &str {
     let text = text.trim();

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::super::endpoint::HALTED;
 use super::super::endpoint::code::{Code, Method};
 use super::super::endpoint::format::Format;
 use super::super::endpoint::request::Request;
@@ -100,6 +101,11 @@ impl Problem {
     /// 4.15: a body in this format is not read here.
     pub(super) fn wrong_format(detail: String) -> Problem {
         Problem::new(Code::UNSUPPORTED_FORMAT, "unsupportedMediaType", RefusalKind::Mismatch, detail)
+    }
+
+    /// The same of a STOP: whoever reads it must not think that nothing has halted.
+    pub(super) fn although_halted(self) -> Problem {
+        Problem { detail: format!("{HALTED}; {}", self.detail), ..self }
     }
 
     /// The sentence a person reads.

@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 
 use super::testing::{House, PAST, UNREADABLE, driven_house, get, house, post, put};
 use super::*;
-use crate::core::command::{LuggageRef, Move, TemperatureReport, Verdict};
+use crate::core::command::{Command, LuggageRef, Move, TemperatureReport, Verdict};
 use crate::core::explore::Strategy;
 use crate::core::mission::in_words;
 use crate::core::units::{AlarmId, Cell, Epoch, LuggageId};
@@ -182,24 +182,23 @@ async fn a_stop_reads_nothing_of_its_request() {
     }
 }
 
-/// Safety S1: it is taken however much is under way already.
-#[tokio::test]
-async fn a_stop_is_urgent_and_nothing_else_is() {
-    let house = house(searching());
-    let is_urgent = |request| house.resources.is_urgent(&request);
+/// Safety S1, S8: it is taken however much is under way already.
+#[test]
+fn a_stop_is_known_by_its_path_and_word_and_nothing_else_is_one() {
+    let is_stop = |request| Resources::IS_STOP(&request);
     for stop in [
         post("/commands/stop", "{not json"),
         post("/commands/move", r#"{"move":"h"}"#),
         put("/resourcemodel", "h"),
         labelled(Format(9999), b" h ".to_vec(), post("/resourcemodel", "")),
     ] {
-        assert!(is_urgent(stop.clone()), "{stop:?}");
-        assert!(!is_urgent(Request { peer: "192.0.2.7:1".parse().unwrap(), ..stop }), "others may not stop here");
+        assert!(is_stop(stop.clone()), "{stop:?}");
+        assert!(!is_stop(Request { peer: "192.0.2.7:1".parse().unwrap(), ..stop }), "others may not stop here");
     }
     for other in
         [post("/commands/move", r#"{"move":"w"}"#), put("/resourcemodel", "safe"), get("/commands/stop"), get("/nothing")]
     {
-        assert!(!is_urgent(other.clone()), "{other:?}");
+        assert!(!is_stop(other.clone()), "{other:?}");
     }
 }
 

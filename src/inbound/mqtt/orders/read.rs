@@ -7,12 +7,10 @@ use crate::core::command::{Command, CommandId, LuggageRef};
 use crate::core::units::{AlarmId, Epoch, LuggageId};
 use crate::wire::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody, id_aside, number_aside};
 use crate::wire::fields::{Body, Fields, fields};
+use crate::wire::halt::says_halt;
 
 /// Larger payloads are no commands: a command is a few dozen bytes.
 pub(super) const LARGEST: usize = 4 * 1024;
-
-/// The word that is STOP wherever a move is asked for.
-const HALT: &str = "h";
 
 /// The command that is asked for, and the epoch its sender saw.
 pub(super) type Asked = Result<(Command, Option<Epoch>), Problem>;
@@ -98,12 +96,6 @@ fn fields_of(row: &Row, payload: &[u8]) -> Result<Fields, Problem> {
         (true, false) => Err(Problem::malformed("the payload is empty: this command needs JSON, see docs/mqtt.md".to_owned())),
         (false, _) => Ok(fields(payload)?),
     }
-}
-
-/// Whether a move is a STOP, whatever else is wrong with its payload: too long, fields that no move has, or the word alone.
-fn says_halt(payload: &[u8]) -> bool {
-    let word = fields(payload).ok().and_then(|fields| fields.text("move").ok().flatten());
-    word.as_deref() == Some(HALT) || bare(&String::from_utf8_lossy(payload)) == HALT
 }
 
 /// The name of a STOP, where it can be read.

@@ -1,0 +1,151 @@
+//! The storm: whatever a viewer can do to every door, honest clients beside it, and an operator's STOP in five ways, each while the
+//! robot moves. Measured is request → robot port, in a program as `app` opens it, beside a run without the storm (safety S6, S7, S9);
+//! for the floods of MQTT also beside what mosquitto makes of the same. Everything is sent to loopback, and ends by itself.
+//!
+//! `cargo bench --bench storm` does all of it; `-- http-bodies` that flood alone, with a line for each way of STOP; `-- list` names
+//! them; `--stops 20` presses so often in each way; `--equal` gives the senders of the named floods the program's own priority.
+#![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
+
+#[path = "storm/beside.rs"]
+mod beside;
+#[path = "storm/clock.rs"]
+mod clock;
+#[path = "common/coap.rs"]
+mod coap;
+#[path = "storm/course.rs"]
+mod course;
+#[path = "storm/figures.rs"]
+mod figures;
+#[path = "storm/floods.rs"]
+mod floods;
+#[path = "storm/honest.rs"]
+mod honest;
+#[path = "storm/house.rs"]
+mod house;
+#[path = "storm/http.rs"]
+mod http;
+#[path = "../tests/service/mqtt_attacks/packets.rs"]
+#[expect(dead_code, reason = "these floods do without some")]
+mod packets;
+#[path = "storm/run.rs"]
+mod run;
+#[path = "storm/stage.rs"]
+mod stage;
+#[path = "storm/stops.rs"]
+mod stops;
+#[path = "storm/wire.rs"]
+mod wire;
+
+use std::process::ExitCode;
+
+use course::Doors;
+use figures::{P99, Row, WORST};
+use floods::{Door, FLOODS, Flood};
+use run::run;
+
+/// STOPs in each way: without the storm and in all of it, and under each flood alone.
+const STOPS: usize = 300;
+const STOPS_ALONE: usize = 60;
+
+/// What it has come to: a goal was missed, or a part of it did not run.
+const MISSED: u8 = 1;
+const NOT_RUN: u8 = 2;
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        [house::WORD] => house::serve(),
+        [stage::FLOOD, name, ..] => stage::flood(name, Doors::read(&words[2..])),
+        [stage::HONEST, ..] => stage::look_on(Doors::read(&words[1..])),
+        ["list"] => FLOODS.iter().for_each(|flood| println!("{}", flood.name)),
+        _ => return storm(&words),
+    }
+    ExitCode::SUCCESS
+}
+
+/// What was asked for on the command line.
+struct Asked {
+    floods: Vec<&'static Flood>,
+    each: Option<usize>,
+    is_equal: bool,
+}
+
+impl Asked {
+    fn read(words: &[String]) -> Result<Asked, String> {
+        let mut asked = Asked { floods: Vec::new(), each: None, is_equal: false };
+        let mut words = words.iter();
+        while let Some(word) = words.next() {
+            match word.as_str() {
+                "--equal" => asked.is_equal = true,
+                "--stops" => asked.each = Some(words.next().and_then(|n| n.parse().ok()).ok_or("--stops wants a number")?),
+                name => asked.floods.push(floods::named(name).ok_or_else(|| format!("no flood is called {name}: try list"))?),
+            }
+        }
+        Ok(asked)
+    }
+}
+
+fn storm(words: &[String]) -> ExitCode {
+    let asked = match Asked::read(words) {
+        Ok(asked) => asked,
+        Err(why) => {
+            println!("{why}");
+            return ExitCode::from(NOT_RUN);
+        }
+    };
+    println!("STOP, request → robot port; goals: p99 ≤ {P99:?}, worst ≤ {WORST:?}, every STOP halts and is answered");
+    let code = if asked.floods.is_empty() { whole(&asked) } else { named(&asked) };
+    println!("{}", ["every goal is met", "a goal is missed", "a part did not run"][usize::from(code)]);
+    ExitCode::from(code)
+}
+
+/// The floods that were asked for, each alone.
+fn named(asked: &Asked) -> u8 {
+    figures::head();
+    let each = asked.each.unwrap_or(STOPS);
+    let judged = asked.floods.iter().map(|flood| judged(&run(flood.name, &[flood], !asked.is_equal, each), true));
+    judged.max().unwrap_or(0)
+}
+
+/// Without the storm, under each flood, under all of them, and beside mosquitto.
+fn whole(asked: &Asked) -> u8 {
+    let (many, few) = (asked.each.unwrap_or(STOPS), asked.each.unwrap_or(STOPS_ALONE));
+    figures::head();
+    let mut codes = vec![judged(&run("no storm", &[], true, many), true)];
+    println!("senders at nice 10:");
+    codes.extend(FLOODS.iter().map(|flood| judged(&run(flood.name, &[flood], true, few), false)));
+    codes.push(judged(&run("all at once", &FLOODS.each_ref(), true, many), true));
+    println!("senders at equal priority, STOP over MQTT beside single messages through mosquitto, p50, p99 and worst in ms:");
+    codes.extend(FLOODS.iter().filter(|flood| flood.door == Door::Mqtt).map(|flood| beside(flood, few)));
+    codes.into_iter().max().unwrap_or(0)
+}
+
+/// Prints a run, and says what it has come to.
+fn judged(row: &Row, by_way: bool) -> u8 {
+    row.print(by_way);
+    let misses = row.misses();
+    misses.iter().for_each(|miss| println!("      {miss}"));
+    match (&row.failed, misses.is_empty() && row.shortcomings().is_empty()) {
+        (Some(_), _) => NOT_RUN,
+        (None, true) => 0,
+        (None, false) => MISSED,
+    }
+}
+
+fn beside(flood: &Flood, each: usize) -> u8 {
+    let row = run(flood.name, &[flood], false, each);
+    if let Some(why) = &row.failed {
+        println!("  {:<18} did not run: {why}", flood.name);
+        return NOT_RUN;
+    }
+    row.shortcomings().iter().for_each(|shortcoming| println!("      {shortcoming}"));
+    let doors = Doors::nowhere();
+    match beside::mosquitto(flood, &doors, 5 * each) {
+        Err(why) => {
+            println!("  {:<18} did not run: {why}", flood.name);
+            NOT_RUN
+        }
+        Ok(other) if figures::beside(&row, &other) && row.shortcomings().is_empty() => 0,
+        Ok(_) => MISSED,
+    }
+}

@@ -1,0 +1,71 @@
+//! THE TABLE of floods: what a viewer, or somebody without a key, can do to each door. How each is done stands beside this file.
+
+use std::sync::Arc;
+
+use crate::course::Course;
+
+#[path = "floods/coap.rs"]
+mod coap;
+#[path = "floods/http.rs"]
+mod http;
+#[path = "floods/mqtt.rs"]
+mod mqtt;
+#[path = "floods/web.rs"]
+mod web;
+
+/// Which door.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Door {
+    Http,
+    Mqtt,
+    Coap,
+}
+
+/// One way to flood one door.
+pub(crate) struct Flood {
+    /// The word by which it is asked for alone.
+    pub(crate) name: &'static str,
+    pub(crate) door: Door,
+    /// Begins it; it goes on until its course is over.
+    pub(crate) begin: fn(&Arc<Course>),
+}
+
+const fn flood(door: Door, name: &'static str, begin: fn(&Arc<Course>)) -> Flood {
+    Flood { name, door, begin }
+}
+
+/// All of them.
+pub(crate) const FLOODS: [Flood; 27] = [
+    flood(Door::Http, "http-bodies", http::bodies),
+    flood(Door::Http, "http-heads", http::heads),
+    flood(Door::Http, "http-silence", http::silence),
+    flood(Door::Http, "http-refused", http::refused),
+    flood(Door::Http, "http-strangers", http::strangers),
+    flood(Door::Http, "http-reads", http::reads),
+    flood(Door::Http, "http-pipelines", http::pipelines),
+    flood(Door::Http, "http-streams", http::streams),
+    flood(Door::Http, "http-comings", http::comings),
+    flood(Door::Mqtt, "mqtt-refused", mqtt::refused),
+    flood(Door::Mqtt, "mqtt-terms", mqtt::terms),
+    flood(Door::Mqtt, "mqtt-pings", mqtt::pings),
+    flood(Door::Mqtt, "mqtt-unsubscribe", mqtt::unsubscribe),
+    flood(Door::Mqtt, "mqtt-filters", mqtt::filters),
+    flood(Door::Mqtt, "mqtt-topics", mqtt::topics),
+    flood(Door::Mqtt, "mqtt-seats", mqtt::seats),
+    flood(Door::Mqtt, "mqtt-stalled", mqtt::stalled),
+    flood(Door::Mqtt, "mqtt-deaf", mqtt::deaf),
+    flood(Door::Mqtt, "mqtt-halves", mqtt::halves),
+    flood(Door::Mqtt, "mqtt-comings", mqtt::comings),
+    flood(Door::Http, "web-refused", web::refused),
+    flood(Door::Http, "web-seats", web::seats),
+    flood(Door::Http, "web-halves", web::halves),
+    flood(Door::Coap, "coap-gets", coap::gets),
+    flood(Door::Coap, "coap-refused", coap::refused),
+    flood(Door::Coap, "coap-malformed", coap::malformed),
+    flood(Door::Coap, "coap-observers", coap::observers),
+];
+
+/// The one of this name.
+pub(crate) fn named(name: &str) -> Option<&'static Flood> {
+    FLOODS.iter().find(|flood| flood.name == name)
+}

@@ -1,0 +1,167 @@
+//! Floods of the HTTP door, with a viewer's key and without one.
+
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::TcpStream;
+use std::sync::Arc;
+use std::thread::sleep;
+use std::time::Duration;
+
+use crate::course::Course;
+use crate::http::{Kept, connected, request, somewhere};
+
+/// How long anything is waited for.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Connections that are held at once: threads, and connections of each.
+const HOLDING: usize = 4;
+const EACH: usize = 500;
+
+/// A look at all held connections of a thread comes so long after the last.
+const LOOK: Duration = Duration::from_millis(10);
+
+/// A slow sender says one letter in so many looks.
+const LETTER: usize = 50;
+
+/// 2,000 connections that say what is in a body, and of the body one byte: a third without a key.
+pub(super) fn bodies(course: &Arc<Course>) {
+    course.clients(HOLDING, |course, n| {
+        hold(course, n, "", |course, n| {
+            let token = (n % 3 > 0).then_some(&*course.doors.viewer);
+            let mut head = request("POST", "/api/v1/commands/goto", course.doors.http, token, &"{".repeat(100));
+            head.truncate(head.len() - 99);
+            head
+        })
+    });
+}
+
+/// 2,000 connections whose heads come letter by letter.
+pub(super) fn heads(course: &Arc<Course>) {
+    course.clients(HOLDING, |course, n| {
+        hold(course, n, "x", |course, n| {
+            let token = if n % 3 > 0 { &*course.doors.viewer } else { "" };
+            format!("GET /api/v1/state HTTP/1.1\r\nHost: {}\r\nAuthorization: Bearer {token}\r\nX-Slow: ", course.doors.http)
+                .into()
+        })
+    });
+}
+
+/// 2,000 connections on which nothing is said.
+pub(super) fn silence(course: &Arc<Course>) {
+    course.clients(HOLDING, |course, n| hold(course, n, "", |_, _| Vec::new()));
+}
+
+/// Commands that a viewer may not give, on kept connections.
+pub(super) fn refused(course: &Arc<Course>) {
+    course.clients(32, |course, n| {
+        let goto = request("POST", "/api/v1/commands/goto", course.doors.http, Some(&course.doors.viewer), r#"{"x":1,"y":1}"#);
+        again(course, n, &[goto])
+    });
+}
+
+/// Commands of somebody without a key, or with a wrong one.
+pub(super) fn strangers(course: &Arc<Course>) {
+    course.clients(32, |course, n| {
+        let command = |token| request("POST", "/api/v1/commands/start", course.doors.http, token, "");
+        again(course, n, &[command(None), command(Some("wrong"))])
+    });
+}
+
+/// All that can be read, on kept connections.
+pub(super) fn reads(course: &Arc<Course>) {
+    course.clients(32, |course, n| {
+        let paths = ["state", "map", "missions", "luggage", "missions/1/events"].map(|name| format!("/api/v1/{name}"));
+        let read = |path: &String| request("GET", path, course.doors.http, Some(&course.doors.viewer), "");
+        again(course, n, &paths.each_ref().map(read))
+    });
+}
+
+/// Requests one behind the other whose answers nobody reads.
+pub(super) fn pipelines(course: &Arc<Course>) {
+    course.clients(64, |course, n| {
+        let mut stream = connected(course.doors.http, somewhere(n), PATIENCE)?;
+        let (key, door) = (Some(&*course.doors.viewer), course.doors.http);
+        let asked = if n.is_multiple_of(2) {
+            request("GET", "/api/v1/state", door, key, "")
+        } else {
+            request("POST", "/api/v1/commands/goto", door, key, r#"{"x":1,"y":1}"#)
+        };
+        let many = asked.repeat(100);
+        while course.goes_on() {
+            match stream.write_all(&many) {
+                Ok(()) => course.did(100),
+                // Nobody takes any more: so it stays, until somebody ends it.
+                Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => course.did(1),
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    });
+}
+
+/// Streams that are opened, read once and closed.
+pub(super) fn streams(course: &Arc<Course>) {
+    course.clients(32, |course, n| {
+        let mut stream = connected(course.doors.http, somewhere(n), PATIENCE)?;
+        let path = if n.is_multiple_of(2) { "/api/v1/events" } else { "/console/live" };
+        stream.write_all(&request("GET", path, course.doors.http, Some(&course.doors.viewer), ""))?;
+        stream.read_exact(&mut [0; 64])?;
+        course.did(1);
+        Ok(())
+    });
+}
+
+/// Connections that come and go, as fast as the system makes them.
+pub(super) fn comings(course: &Arc<Course>) {
+    course.clients(16, |course, n| {
+        let stream = connected(course.doors.http, somewhere(n), PATIENCE)?;
+        // No place of the system is held by what is over.
+        socket2::SockRef::from(&stream).set_linger(Some(Duration::ZERO))?;
+        course.did(1);
+        Ok(())
+    });
+}
+
+/// Asks this, one after the other, as fast as answers come.
+fn again(course: &Course, n: usize, requests: &[Vec<u8>]) -> io::Result<()> {
+    let mut kept = Kept::to(course.doors.http, somewhere(n), PATIENCE)?;
+    for request in requests.iter().cycle() {
+        if !course.goes_on() {
+            break;
+        }
+        kept.ask(request)?;
+        course.did(1);
+    }
+    Ok(())
+}
+
+/// Holds connections that begin with this and then say a letter now and then; one that was ended is opened anew.
+fn hold(course: &Course, thread: usize, letter: &str, begin: fn(&Course, usize) -> Vec<u8>) -> io::Result<()> {
+    let mut held: Vec<Option<TcpStream>> = (0..EACH).map(|_| None).collect();
+    for look in 0_usize.. {
+        for (place, stream) in held.iter_mut().enumerate() {
+            if !course.goes_on() {
+                return Ok(());
+            }
+            match stream {
+                None => {
+                    let n = thread * EACH + place;
+                    let mut opened = connected(course.doors.http, somewhere(n), PATIENCE)?;
+                    opened.write_all(&begin(course, n))?;
+                    opened.set_nonblocking(true)?;
+                    *stream = Some(opened);
+                    course.did(1);
+                }
+                Some(open) => {
+                    let speaks = !letter.is_empty() && look % LETTER == place % LETTER;
+                    let is_told = !speaks || open.write_all(letter.as_bytes()).is_ok();
+                    let waits = open.read(&mut [0; 1024]).is_err_and(|error| error.kind() == ErrorKind::WouldBlock);
+                    if !is_told || !waits {
+                        *stream = None;
+                    }
+                }
+            }
+        }
+        sleep(LOOK);
+    }
+    Ok(())
+}

@@ -1,0 +1,165 @@
+//! What a datagram asks for, as far as it can be read: for requests that a strict reader refuses, because they may name a STOP, which
+//! halts whatever is wrong with it (safety S8). Which request is a STOP is the application's business; how it is refused, `inward`'s.
+
+use std::net::SocketAddr;
+
+use super::code::{Code, Method};
+use super::limits::BODY;
+use super::options::number::URI_PATH;
+use super::request::{Conditions, Request};
+
+/// Where the token begins.
+const HEADER: usize = 4;
+
+/// The byte between options and payload.
+const MARKER: u8 = 0xFF;
+
+/// The longest token there is (RFC 7252, section 3).
+const TOKEN: usize = 8;
+
+/// What a datagram of this version may ask for, read once for every length that its token may have: the one that it says, in the
+/// sense of RFC 7252 or of RFC 8974, and any other. Nothing that only looks, and nothing that is no request, is read.
+pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = Request> {
+    let (code, said) = (bytes.get(1).copied().map_or(Code::CONTENT, Code), bytes.first().map_or(0, |first| first & 0x0F));
+    let acts = code.class() == 0 && !Method::of(code).is_some_and(Method::only_looks);
+    // A code that stands for no method is one that asks for something to be done.
+    let method = Method::of(code).unwrap_or(Method::Post);
+    let tokens = acts.then(|| said_lengths(said, bytes)).into_iter().flatten().chain((0..=TOKEN).filter(move |_| acts));
+    tokens.filter_map(move |token| bytes.get(HEADER + token..)).map(move |rest| request(peer, method, rest))
+}
+
+/// The lengths of the token, with what may stand before it, that these four bits may mean.
+fn said_lengths(bits: u8, bytes: &[u8]) -> [usize; 2] {
+    let extended = match (bits, bytes.get(HEADER..)) {
+        (13, Some([more, ..])) => Some(1 + 13 + usize::from(*more)),
+        (14, Some([high, low, ..])) => Some(2 + 269 + usize::from(u16::from_be_bytes([*high, *low]))),
+        _ => None,
+    };
+    [usize::from(bits), extended.unwrap_or(usize::from(bits))]
+}
+
+/// What stands behind the token, up to where it makes no sense any more. What follows from there on is taken for a payload, from
+/// the last marker on if there is one: an old word may stand there.
+fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Request {
+    let (mut path, mut number) = (Vec::new(), 0_usize);
+    let payload = loop {
+        match rest {
+            [] => break rest,
+            [MARKER, payload @ ..] => break payload,
+            _ => {}
+        }
+        let Some((delta, value, after)) = option(rest) else {
+            break rest.iter().rposition(|byte| *byte == MARKER).map_or(rest, |marker| &rest[marker + 1..]);
+        };
+        number = number.saturating_add(delta);
+        if number == usize::from(URI_PATH) {
+            path.push(String::from_utf8_lossy(value).into_owned());
+        }
+        rest = after;
+    };
+    // What is longer than any body can be is not looked at: its word stands at the beginning.
+    let payload = payload[..payload.len().min(BODY)].to_vec();
+    Request { peer, method, path, queries: Vec::new(), format: None, accept: None, conditions: Conditions::default(), payload }
+}
+
+/// The first of some options: by how much its number is higher, its value as far as it came, and what follows. `None` for one
+/// that is reserved, or of which the head is cut.
+fn option(bytes: &[u8]) -> Option<(usize, &[u8], &[u8])> {
+    let (head, rest) = bytes.split_first()?;
+    let (delta, rest) = extended(head >> 4, rest)?;
+    let (length, rest) = extended(head & 0x0F, rest)?;
+    let (value, after) = rest.split_at(length.min(rest.len()));
+    Some((delta, value, after))
+}
+
+fn extended(half: u8, rest: &[u8]) -> Option<(usize, &[u8])> {
+    match (half, rest) {
+        (0..13, rest) => Some((usize::from(half), rest)),
+        (13, [more, rest @ ..]) => Some((13 + usize::from(*more), rest)),
+        (14, [high, low, rest @ ..]) => Some((269 + usize::from(u16::from_be_bytes([*high, *low])), rest)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::message::{Kind, Outgoing, Token};
+    use super::*;
+
+    fn peer() -> SocketAddr {
+        "127.0.0.1:40000".parse().unwrap()
+    }
+
+    /// A message with options, all of it before its payload.
+    fn message(code: u8, token: &[u8], options: &[(u16, &[u8])], payload: &[u8]) -> Vec<u8> {
+        let mut message = Outgoing::new(Code(code), Token::new(token), 0);
+        options.iter().for_each(|(number, value)| message.add(*number, value));
+        message.carry(payload);
+        message.datagram(Kind::Con, 1)
+    }
+
+    /// Whether one of the ways to read it has this path and payload.
+    fn reads(bytes: &[u8], path: &[&str], payload: &[u8]) -> bool {
+        requests(peer(), bytes).any(|request| request.path == path && request.payload == payload)
+    }
+
+    const STOP: [(u16, &[u8]); 2] = [(URI_PATH, b"commands"), (URI_PATH, b"stop")];
+    const PATH: [&str; 2] = ["commands", "stop"];
+
+    #[test]
+    fn what_is_sound_is_read_as_it_is() {
+        let options = [STOP[0], STOP[1], (15, &b"id=1"[..]), (2049, &[0; 300])];
+        assert!(reads(&message(2, b"tokn", &options, b"body"), &PATH, b"body"));
+    }
+
+    #[test]
+    fn a_path_is_read_whatever_breaks_the_grammar_behind_it() {
+        let sound = message(2, b"", &STOP, b"");
+        for broken in
+            [&b"\xFF"[..], b"\xF0", b"\x0F", b"\xD0", b"\xE0\x00", b"\x45abc", b"\x0E\xFF\xFF", b"\xE0\xFF\xFF\xE0\xFF\xFF"]
+        {
+            let bytes = [&sound[..], broken].concat();
+            assert!(requests(peer(), &bytes).any(|request| request.path.starts_with(&PATH.map(str::to_owned))), "{broken:?}");
+        }
+        assert!(reads(&sound[..sound.len() - 1], &["commands", "sto"], b""), "what is cut is read as far as it came");
+    }
+
+    #[test]
+    fn a_token_of_any_length_is_passed_over() {
+        for bits in 0..16_u8 {
+            for token in [0, 3, 8, usize::from(bits)] {
+                let mut bytes = message(2, b"", &STOP, b"");
+                bytes[0] |= bits;
+                bytes.splice(4..4, vec![0x33; token]);
+                assert!(reads(&bytes, &PATH, b""), "{bits} said, {token} there");
+            }
+        }
+        let long = |bits: u8, length: &[u8], token: usize| {
+            let mut bytes = message(2, b"", &STOP, b"");
+            bytes[0] |= bits;
+            bytes.splice(4..4, [length, &vec![0x33; token]].concat());
+            bytes
+        };
+        assert!(reads(&long(13, &[7], 20), &PATH, b"") && reads(&long(14, &[0, 1], 270), &PATH, b""), "RFC 8974");
+    }
+
+    #[test]
+    fn a_payload_is_found_behind_what_breaks_the_grammar_and_without_its_marker() {
+        let sound = message(3, b"t", &[(URI_PATH, b"resourcemodel")], b"");
+        for tail in [&b"\xFFh"[..], b"\xF0\x01\xFFh", b"\xFEh\xFFh"] {
+            assert!(reads(&[&sound[..], tail].concat(), &["resourcemodel"], b"h"), "{tail:?}");
+        }
+        assert!(reads(&[&sound[..], b"\xF0h"].concat(), &["resourcemodel"], b"\xF0h"));
+    }
+
+    #[test]
+    fn what_only_looks_and_what_is_no_request_is_not_read() {
+        for code in 0..=255 {
+            let count = requests(peer(), &message(code, b"", &STOP, b"")).count();
+            assert_eq!(count > 0, code < 32 && code != 1 && code != 5, "{code}");
+        }
+        for short in [&b""[..], b"\x40", b"\x40\x02", b"\x40\x02\x00"] {
+            assert_eq!(requests(peer(), short).count(), 0);
+        }
+    }
+}
