@@ -6,12 +6,7 @@ use super::Sweep;
 use super::on_record::View;
 use crate::core::command::Refused;
 use crate::core::explore::plan::cells_along;
-<<<<<<< HEAD
 use crate::core::mission::{Hold, Input, Matter, PhaseName, Stage};
-=======
-use crate::core::mission::{Goal, Hold, Input, Matter, Phase, Stage};
-use crate::core::units::Cell;
->>>>>>> origin/main
 use crate::core::world::alarm::AlarmView;
 use crate::core::world::resource::Resource;
 use crate::core::world::robot::{RobotState, RobotView};
@@ -128,19 +123,10 @@ impl Sweep {
     }
 
     fn progress(&self) -> Progress {
-<<<<<<< HEAD
         let map = self.shown_map();
         let visited = map.visited();
         let unknown = map.frontier().len() + map.uninspected();
-        let explored = self.on_record.shown.phase == PhaseName::Explored;
-        let share = (visited * 100 / (visited + unknown).max(1)).min(99);
-        let percent = if explored { 100 } else { u8::try_from(share).unwrap_or(99) };
-        Progress { visited, unknown, percent }
-=======
-        let visited = self.world.map.visited();
-        let unknown = self.world.map.frontier().len() + self.world.map.uninspected();
         Progress { visited, unknown }
->>>>>>> origin/main
     }
 
     /// What each button would be refused with, as far as it is on record.
