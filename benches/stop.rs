@@ -72,7 +72,8 @@ fn main() -> ExitCode {
     let tell =
         |command: &str| ask::ask(&bench.address, "POST", &format!("/api/v1/commands/{command}"), "").expect("the door answers");
     let (slow, hung) = bench.both(STOPS, tell);
-    let mut by_mqtt = mqtt::Client::let_in(bench.house.mqtt, "operator");
+    let mut by_mqtt =
+        mqtt::Client::try_connect(bench.house.mqtt, &packets::connect("operator", 60)).expect("the door lets a client in");
     by_mqtt.subscribe("hallsweep/discovery/command/+/result", 0);
     let tell = |command: &str| {
         by_mqtt.publish(&format!("hallsweep/discovery/command/{command}"), b"");

@@ -108,7 +108,7 @@ async fn no_step_begins_after_a_stop_was_answered_over_mqtt() {
     let house = House::open(Box::new(Memory::new()), |_| {}).await;
     let broker = house.mqtt;
     let coming = tokio::task::spawn_blocking(move || {
-        let mut client = mqtt::Client::let_in(broker, "operator");
+        let mut client = mqtt::Client::try_connect(broker, &packets::connect("operator", 60)).expect("the door lets a client in");
         assert_eq!(client.subscribe("hallsweep/discovery/command/+/result", 0), 0);
         client
     });

@@ -75,7 +75,8 @@ fn read_over_coap(door: SocketAddr) -> std::io::Result<()> {
 }
 
 fn publish(door: SocketAddr, n: usize) -> std::io::Result<()> {
-    let mut client = Client::let_in(door, &format!("publisher-{n}"));
+    let mut client =
+        Client::try_connect(door, &packets::connect(&format!("publisher-{n}"), 60)).expect("the door lets a client in");
     let burst = packets::publish(&format!("load/{n}"), &[b'x'; 100], 0, 0, 0).repeat(BURST);
     while client.try_say(&burst) {
         sleep(PAUSE);
@@ -85,7 +86,8 @@ fn publish(door: SocketAddr, n: usize) -> std::io::Result<()> {
 
 /// A subscriber to everything, or one that has stalled.
 fn subscribe(door: SocketAddr, n: usize, reads: bool) -> std::io::Result<()> {
-    let mut client = Client::let_in(door, &format!("subscriber-{n}"));
+    let mut client =
+        Client::try_connect(door, &packets::connect(&format!("subscriber-{n}"), 60)).expect("the door lets a client in");
     client.subscribe("#", 0);
     while !reads || client.next().is_some() {
         if !reads {

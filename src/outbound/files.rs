@@ -118,7 +118,7 @@ mod tests {
     impl Scratch {
         fn new(name: &str) -> Scratch {
             let path = std::env::temp_dir().join(format!("hallsweep-files-{}-{name}", std::process::id()));
-            fs::create_dir(&path).unwrap();
+            fs::create_dir(&path).expect("the folder of temporary files takes it");
             Scratch(path)
         }
     }
@@ -130,7 +130,7 @@ mod tests {
     }
 
     fn mode(path: &Path) -> u32 {
-        fs::metadata(path).unwrap().permissions().mode() & 0o777
+        fs::metadata(path).expect("it is there").permissions().mode() & 0o777
     }
 
     /// Safety R5.

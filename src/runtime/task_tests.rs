@@ -161,9 +161,10 @@ async fn a_store_that_answers_late_delays_start_but_not_stop() {
         let handle = handle.clone();
         async move { handle.give(request(Command::Start)).await }
     });
-    handle.watch().wait_for(|state| state.mission.phase == PhaseName::Exploring).await.unwrap();
+    tokio::task::yield_now().await;
     handle.give(request(Command::Stop)).await.unwrap().unwrap();
     assert!(!starting.is_finished());
+    assert_eq!(handle.snapshot().mission.phase, PhaseName::Idle, "what is not on record is not shown");
     word.send_modify(|word| word.kept = Seq(1000));
     starting.await.unwrap().unwrap().unwrap();
     assert!(robot.orders.try_recv().is_err(), "the stop came before the record of the start");

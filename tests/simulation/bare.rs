@@ -4,13 +4,15 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use hallsweep::core::command::{Accepted, Command, Door, Issuer, LuggageRef, Move, Refused, Request, Verdict};
-use hallsweep::core::effect::{Action, Effect, Fact, Order};
+use hallsweep::core::effect::{Action, Effect, Entry, Fact, Order};
 use hallsweep::core::event::{Capabilities, Event, Obstacle, Photo, Piece, RobotEvent, RobotId};
 use hallsweep::core::mission::{Hold, PhaseName};
 use hallsweep::core::settings::Settings;
 use hallsweep::core::sweep::Sweep;
 use hallsweep::core::units::{Cell, LuggageId, Now, Seq, Ticket, Wall};
 use hallsweep::core::world::snapshot::Snapshot;
+
+use crate::shown::Record;
 
 /// The core, and what came out of it.
 pub(crate) struct Bare {
@@ -20,6 +22,9 @@ pub(crate) struct Bare {
     pub(crate) effects: Vec<Effect>,
     pub(crate) answers: Vec<(Ticket, Result<Accepted, Refused>)>,
     order: Option<Order>,
+    /// What is kept, in this life.
+    pub(crate) record: Record,
+    on_the_way: Vec<Entry>,
     pub(crate) written: Seq,
     /// Whether records are kept as soon as they come.
     pub(crate) keeps: bool,
@@ -29,7 +34,17 @@ impl Bare {
     /// Before the link is up.
     pub(crate) fn unlinked() -> Bare {
         let sweep = Sweep::new(Settings::default(), Default::default(), "bare".into());
-        Bare { sweep, seconds: 0, effects: Vec::new(), answers: Vec::new(), order: None, written: Seq(0), keeps: true }
+        Bare {
+            sweep,
+            seconds: 0,
+            effects: Vec::new(),
+            answers: Vec::new(),
+            order: None,
+            record: Record::empty(),
+            on_the_way: Vec::new(),
+            written: Seq(0),
+            keeps: true,
+        }
     }
 
     /// A linked robot at home.
@@ -74,6 +89,14 @@ impl Bare {
     }
 
     pub(crate) fn event(&mut self, event: Event) {
+        match event {
+            Event::StoreFailed(_) => {
+                self.on_the_way.clear();
+                self.record.is_whole = false;
+            }
+            Event::Recorded(_) => self.record.keep(&std::mem::take(&mut self.on_the_way)),
+            _ => {}
+        }
         self.sweep.handle_event(event, self.now());
         self.drain();
     }
@@ -165,6 +188,13 @@ impl Bare {
         self.event(Event::Recorded(self.written));
     }
 
+    /// Keeps everything, what follows from its being kept too.
+    pub(crate) fn keep_all(&mut self) {
+        for _ in 0..3 {
+            self.keep();
+        }
+    }
+
     /// Lets time pass until the answer of a stop has waited long enough, or the open order counts as unanswered.
     pub(crate) fn wait_in_vain(&mut self) {
         let due = self.sweep.poll_timeout().expect("something is due");
@@ -203,7 +233,9 @@ impl Bare {
                 Effect::Order(_, order) => self.order = Some(*order),
                 Effect::Record(page) => {
                     self.written = page.last();
+                    self.on_the_way.extend(page.entries.iter().cloned());
                     if self.keeps {
+                        self.record.keep(&std::mem::take(&mut self.on_the_way));
                         self.sweep.handle_event(Event::Recorded(page.last()), self.now());
                     }
                 }

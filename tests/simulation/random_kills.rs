@@ -1,4 +1,4 @@
-//! Safety R1 and R2: random operators in random halls, over a store that keeps late, and the program killed at random moments, in
+//! Safety R1, R2 and R4: random operators in random halls, over a store that keeps late, and the program killed at random moments, in
 //! the middle of steps and photos and between a record and its word. Whatever was seen or answered is there after the start,
 //! nothing is there twice, nothing moves before a START, and the mission can be brought to its end. A failure prints its seed.
 
@@ -15,6 +15,7 @@ use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings, Truth};
 
 use crate::halls;
 use crate::mortal::Mortal;
+use crate::shown::Record;
 
 #[test]
 fn whenever_the_program_is_killed_it_goes_on_from_where_it_was() {
@@ -24,9 +25,11 @@ fn whenever_the_program_is_killed_it_goes_on_from_where_it_was() {
         let settings = SimSettings { unknown_rate: 0.1, photo_failure_rate: 0.2, ..SimSettings::new(seed, Camera::Stub) };
         let mut mortal = Mortal::born(Arc::clone(&hall), settings);
         let mut seen = Seen::default();
+        let mut record = Record::empty();
         for _ in 0..dice.below(12) {
-            live(&mut mortal, &mut seen, &mut dice);
+            live(&mut mortal, &mut seen, &mut record, &mut dice, seed);
             mortal = mortal.killed(dice.below(4) as usize);
+            record.look(&mut mortal, seed);
             seen.check(&mut mortal, seed);
             stands_still(&mut mortal, seed);
         }
@@ -36,7 +39,7 @@ fn whenever_the_program_is_killed_it_goes_on_from_where_it_was() {
 }
 
 /// Some commands, some time, some pages kept.
-fn live(mortal: &mut Mortal, seen: &mut Seen, dice: &mut Stream) {
+fn live(mortal: &mut Mortal, seen: &mut Seen, record: &mut Record, dice: &mut Stream, seed: u64) {
     for _ in 0..dice.below(30) {
         match dice.below(4) {
             0 => {
@@ -45,12 +48,22 @@ fn live(mortal: &mut Mortal, seen: &mut Seen, dice: &mut Stream) {
             }
             1 => (0..dice.below(20)).for_each(|_| {
                 mortal.keep_one();
+                record.look(mortal, seed);
             }),
             _ => (0..dice.below(12)).for_each(|_| {
                 mortal.advance();
+                record.look(mortal, seed);
             }),
         }
         seen.look(mortal);
+        record.look(mortal, seed);
+    }
+}
+
+impl Record {
+    fn look(&mut self, mortal: &mut Mortal, seed: u64) {
+        self.keep_from(&mortal.disk);
+        self.check(&mortal.state(), seed);
     }
 }
 
@@ -146,6 +159,7 @@ fn bring_to_the_end(mortal: &mut Mortal, seen: &mut Seen, seed: u64) {
         mortal.keep_all();
         let state = mortal.state();
         if matches!(state.mission.phase, PhaseName::Explored | PhaseName::BombLocated) {
+            mortal.keep_all();
             assert!(state.robot.pose.cell == Cell::HOME && !mortal.sim.led(), "seed {seed}: away from home, or blinking");
             seen.look(mortal);
             return;

@@ -69,7 +69,8 @@ fn from_outside(dice: &mut Stream, bare: &mut Bare) {
         }
         1 | 2 => bare.link_up(),
         3 => bare.event(Event::StoreFailed("disk full".to_owned())),
-        _ => bare.event(Event::StoreRestored),
+        _ if bare.state().mission.store_failure.is_some() => bare.event(Event::StoreRestored),
+        _ => {}
     }
 }
 
@@ -95,6 +96,7 @@ fn answer(dice: &mut Stream, bare: &mut Bare) {
 
 fn check(bare: &mut Bare, seed: u64) {
     let state = bare.state();
+    bare.record.check(&state, seed);
     let at_home = matches!(state.mission.phase, PhaseName::AtHome | PhaseName::BombLocated | PhaseName::Explored);
     let is_home = state.robot.pose.cell == Cell::HOME && !state.robot.off_centre;
     assert!(!at_home || is_home, "seed {seed}: {:?} away from home", state.mission.phase);

@@ -100,7 +100,7 @@ fn a_verdict_that_is_sent_twice_before_it_is_kept_is_recorded_once() {
     let first = bare.ask(named("v", verdict(Verdict::Safe))).unwrap();
     let again = bare.ask(named("v", verdict(Verdict::Safe))).unwrap();
     assert_eq!((bare.answer(first), bare.answer(again)), (None, None));
-    bare.keep();
+    bare.keep_all();
     assert!(bare.answer(first).unwrap().is_ok());
     assert_eq!(bare.answer(first), bare.answer(again));
     let verdicts = bare.effects.iter().filter(|effect| records(effect, |fact| matches!(fact, Fact::Verdict { .. })));
@@ -120,7 +120,7 @@ fn of_two_verdicts_at_the_same_moment_one_wins_and_the_other_is_told_so() {
         bare.keeps = false;
         let first = bare.ask(by("anna", "1", verdict(early)));
         let second = bare.ask(by("ben", "1", verdict(late)));
-        bare.keep();
+        bare.keep_all();
         let answers = [(first, early), (second, late)].map(|(given, said)| {
             (given.and_then(|ticket| bare.answer(ticket).expect("every accepted command is answered")), said)
         });

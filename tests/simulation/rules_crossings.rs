@@ -82,6 +82,7 @@ fn every_hold_that_ends_a_drive_also_raises_operator() {
         bare.halted();
         bare.give(Command::Goto(Cell::new(0, 3))).unwrap();
         end(&mut bare);
+        bare.event(Event::StoreRestored);
         assert_eq!(bare.phase(), PhaseName::Exploring);
         assert!(bare.holds().contains(&Hold::Operator) && bare.holds().contains(&Hold::AwaitingStart), "{:?}", bare.holds());
     }

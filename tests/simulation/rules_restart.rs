@@ -213,6 +213,8 @@ fn a_danger_on_record_alarms_after_a_restart_although_nobody_was_told_before() {
     let pending = until_pending(&mut mortal);
     mortal.give(Command::Verdict { luggage: LuggageRef::Id(pending), verdict: Verdict::Danger }).unwrap();
     let mut mortal = mortal.killed(1);
+    assert!(mortal.state().luggage(pending).unwrap().is_dangerous(), "that is on record");
+    mortal.keep_all();
     let state = mortal.state();
     assert_eq!(state.mission.phase, PhaseName::ReturningWithAlarm);
     assert!(state.luggage(pending).unwrap().is_dangerous() && !state.robot.led_blinking);

@@ -57,14 +57,14 @@ pub(super) fn silence_near(course: &Arc<Course>) {
 }
 
 fn body(course: &Course, n: usize) -> Vec<u8> {
-    let token = (n % 3 > 0).then_some(&*course.doors.viewer);
+    let token = (!n.is_multiple_of(3)).then_some(&*course.doors.viewer);
     let mut head = request("POST", "/api/v1/commands/goto", course.doors.http, token, &"{".repeat(100));
     head.truncate(head.len() - 99);
     head
 }
 
 fn head(course: &Course, n: usize) -> Vec<u8> {
-    let token = if n % 3 > 0 { &*course.doors.viewer } else { "" };
+    let token = if !n.is_multiple_of(3) { &*course.doors.viewer } else { "" };
     format!("GET /api/v1/state HTTP/1.1\r\nHost: {}\r\nAuthorization: Bearer {token}\r\nX-Slow: ", course.doors.http).into()
 }
 

@@ -62,7 +62,8 @@ impl Sweep {
     }
 
     pub(super) fn empty_map(&mut self) {
-        let revision = self.world.touch(Resource::Map);
+        self.keep_map_shown();
+        let revision = self.world.touch(Resource::Mission);
         self.world.map = HallMap::new(Cell::HOME, revision);
         self.world.pieces.clear();
         self.mission.blocked.clear();
@@ -132,7 +133,11 @@ impl Sweep {
             self.world.robot.led_blinking = blinks;
             self.world.touch(Resource::Robot);
             self.outbox.record(self.now.wall, Fact::Led(blinks));
-            self.outbox.send(Effect::Led(RobotId::Discovery, blinks));
+            // That it blinks shows a mission: it begins to when that is on record.
+            if !blinks {
+                self.on_record.put_out();
+                self.outbox.send(Effect::Led(RobotId::Discovery, false));
+            }
         }
     }
 
@@ -156,7 +161,7 @@ impl Sweep {
             return;
         };
         *alarm = Arc::new(Alarm { acknowledged: Some((Arc::clone(&issuer.who), self.now.wall)), ..Alarm::clone(alarm) });
-        self.world.touch(Resource::Alarms);
+        self.world.touch(Resource::Mission);
         self.outbox.record(self.now.wall, Fact::AlarmAcknowledged(id, Arc::clone(&issuer.who)));
     }
 
@@ -210,9 +215,7 @@ impl Sweep {
         self.mission.restart_search();
         self.world.luggage.clear();
         self.world.alarms.retain(|alarm| alarm.acknowledged.is_none());
-        for resource in [Resource::Mission, Resource::Luggage, Resource::Alarms] {
-            self.world.touch(resource);
-        }
+        self.world.touch(Resource::Mission);
     }
 
     /// Takes the cells that were found blocked after they had been free for free once more: somebody may have cleared the way.

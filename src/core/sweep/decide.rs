@@ -93,9 +93,7 @@ impl Sweep {
                 bars(!holds.is_empty(), Refused::Held(holds))
             }
             Bar::StoreDown => bars(self.mission.holds.contains(Hold::Store), Refused::StoreDown),
-            Bar::UnknownAlarm => {
-                matter.alarm.filter(|id| self.world.alarms.iter().all(|alarm| alarm.id != *id)).map(Refused::UnknownAlarm)
-            }
+            Bar::UnknownAlarm => matter.alarm.filter(|id| !self.is_on_record(*id)).map(Refused::UnknownAlarm),
             Bar::NoRetrievalRobot => Some(Refused::NoRetrievalRobot),
             Bar::UnknownSensor => {
                 let sensor = matter.reading.as_ref().map(|(sensor, _)| sensor);
@@ -196,11 +194,6 @@ impl Sweep {
             FaultCause::Unanswered | FaultCause::Robot(_) => self.helm.capabilities.is_none(),
         };
         stands.then_some(cause)
-    }
-
-    /// Why a command of an operator would be refused just now.
-    pub(super) fn would_refuse(&self, input: Input, matter: &Matter) -> Option<String> {
-        self.decide(input, matter).err().map(|(refused, _)| refused.to_string())
     }
 
     /// The phase that stands, by name.

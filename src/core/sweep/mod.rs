@@ -11,6 +11,7 @@ mod acts;
 mod decide;
 mod helm;
 mod motion;
+mod on_record;
 mod outbox;
 mod phases;
 mod recall;
@@ -33,6 +34,7 @@ use self::helm::Helm;
 pub use self::recall::{Recalled, Remembered};
 pub use self::repeats::IDS;
 
+use self::on_record::OnRecord;
 use self::outbox::{Outbox, Waiting};
 use self::refusals::{Note, Refusals};
 use self::repeats::{Known, Outcome, Repeats, content};
@@ -66,6 +68,7 @@ pub struct Sweep {
     repeats: Repeats,
     refusals: Refusals,
     stops: Stops,
+    on_record: OnRecord,
     taken: Option<Arc<Snapshot>>,
 }
 
@@ -85,6 +88,7 @@ impl Sweep {
             repeats: Repeats::default(),
             refusals: Refusals::default(),
             stops: Stops::default(),
+            on_record: OnRecord::first(strategy),
             taken: None,
         }
     }
@@ -171,6 +175,7 @@ impl Sweep {
             Event::Recorded(seq) => self.kept(seq),
             Event::StoreFailed(words) => {
                 self.world.store_failure = Some(words.clone());
+                self.show_nothing_lost();
                 self.feed(Input::StoreFailed, &Matter { words: Some(words), ..Matter::default() });
                 self.withdraw_unkept();
             }
@@ -226,6 +231,7 @@ impl Sweep {
 
     /// Everything that can be seen, at this moment; the same `Arc` until something changes.
     pub fn snapshot(&mut self) -> Arc<Snapshot> {
+        self.look();
         let current = self.taken.as_ref().filter(|taken| taken.revision == self.world.revision());
         if let Some(taken) = current {
             return Arc::clone(taken);
@@ -255,6 +261,7 @@ impl Sweep {
     fn begin(&mut self, now: Now) {
         self.now = now;
         self.world.turn_page();
+        self.look();
     }
 
     /// Carries out an accepted command; it is answered once it is kept with all that followed from it. A stop waits for no record; and
@@ -268,7 +275,7 @@ impl Sweep {
             self.answer_standing(ticket);
         } else if waits {
             let seq = self.outbox.written();
-            self.outbox.wait(Waiting { ticket, seq, luggage: matter.luggage, verdict: matter.verdict });
+            self.outbox.wait(Waiting { ticket, seq, luggage: matter.luggage, verdict: matter.verdict, decided: false });
         } else {
             self.answer(ticket, matter.luggage);
         }

@@ -53,6 +53,8 @@ pub(super) struct Waiting {
     pub(super) luggage: Option<LuggageId>,
     /// The verdict it gave, if it gave one: another may have won by then.
     pub(super) verdict: Option<crate::core::command::Verdict>,
+    /// Whether that verdict is kept, and what waits is what followed from it.
+    pub(super) decided: bool,
 }
 
 impl Outbox {
@@ -144,6 +146,11 @@ impl Outbox {
     /// The last entry on its way to the store, or kept.
     pub(super) const fn written(&self) -> Seq {
         self.written
+    }
+
+    /// The last entry that is kept.
+    pub(super) const fn kept(&self) -> Seq {
+        self.kept
     }
 
     /// Whether everything is kept that became of the mission so far. The robot waits for it before each move, so that a kill can

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::Sweep;
+use super::on_record::OnRecord;
 use super::outbox::Outbox;
 use crate::core::effect::{Effect, Entry, Fact};
 use crate::core::event::RobotId;
@@ -50,9 +51,10 @@ impl Sweep {
         sweep.repeats.recall(&commands);
         sweep.begin(now);
         for Remembered { wall, tone, text } in latest {
-            sweep.world.write(wall, tone, text);
+            sweep.world.log.put(wall, tone, text);
         }
         sweep.take_up(standing);
+        sweep.on_record = OnRecord::of(sweep.mission_as_it_is());
         sweep.note_start();
         sweep.world.write(now.wall, Tone::Info, "the program was started again; everything is as it was".to_owned());
         sweep.feed(Input::Restarted, &Matter::default());

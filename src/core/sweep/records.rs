@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::Sweep;
+use super::outbox::Waiting;
 use crate::core::command::{Accepted, Refused, Verdict};
 use crate::core::effect::Fact;
 use crate::core::event::Photo;
@@ -76,6 +77,7 @@ impl Sweep {
     /// Everything up to `seq` is kept: what waited for it happens now, in order.
     pub(super) fn kept(&mut self, seq: Seq) {
         self.outbox.keep(seq);
+        self.show_kept();
         let (kept, waiting): (Vec<Recording>, _) =
             std::mem::take(&mut self.mission.recording).into_iter().partition(|recording| recording.seq <= seq);
         self.mission.recording = waiting;
@@ -96,7 +98,7 @@ impl Sweep {
         let known = self.world.luggage.get(&id).map(Arc::clone);
         let verdict = known.as_ref().and_then(|known| known.verdict.clone());
         self.world.luggage.insert(id, Arc::new(Luggage { verdict, ..luggage }));
-        self.world.touch(Resource::Luggage);
+        self.world.touch(Resource::Mission);
         let text = if known.is_some() {
             format!("luggage #{id} photographed again")
         } else {
@@ -112,7 +114,7 @@ impl Sweep {
         let Some(luggage) = self.world.luggage.get_mut(&deciding.luggage) else { return };
         let verdict = deciding.decision.verdict;
         *luggage = Arc::new(Luggage { verdict: Some(deciding.decision), ..Luggage::clone(luggage) });
-        self.world.touch(Resource::Luggage);
+        self.world.touch(Resource::Mission);
         let input = match verdict {
             Verdict::Safe => Input::SafeRecorded,
             Verdict::Danger => Input::DangerRecorded,
@@ -123,16 +125,25 @@ impl Sweep {
     /// Answers what waited for a record that is kept now.
     fn answer_due(&mut self) {
         for waiting in self.outbox.due() {
-            let stands = waiting.luggage.and_then(|id| self.verdict_kept(id));
-            let answer = match (waiting.luggage, waiting.verdict, stands) {
-                (Some(luggage), Some(given), Some(verdict)) if given != verdict => Err(Refused::Decided { luggage, verdict }),
-                _ => Ok(Accepted { revision: self.world.revision(), epoch: self.mission.epoch, luggage: waiting.luggage }),
-            };
-            if let Err(refused) = &answer {
-                self.world.write(self.now.wall, Tone::Warning, format!("a safe was overtaken, and so refused: {refused}"));
+            if waiting.verdict.is_some() && !waiting.decided && !self.outbox.is_kept() {
+                // What follows from the verdict is shown together with it.
+                self.outbox.wait(Waiting { seq: self.outbox.written(), decided: true, ..waiting });
+                continue;
             }
-            self.send_answer(waiting.ticket, answer);
+            self.answer_kept(waiting);
         }
+    }
+
+    fn answer_kept(&mut self, waiting: Waiting) {
+        let stands = waiting.luggage.and_then(|id| self.verdict_kept(id));
+        let answer = match (waiting.luggage, waiting.verdict, stands) {
+            (Some(luggage), Some(given), Some(verdict)) if given != verdict => Err(Refused::Decided { luggage, verdict }),
+            _ => Ok(Accepted { revision: self.world.revision(), epoch: self.mission.epoch, luggage: waiting.luggage }),
+        };
+        if let Err(refused) = &answer {
+            self.world.write(self.now.wall, Tone::Warning, format!("a safe was overtaken, and so refused: {refused}"));
+        }
+        self.send_answer(waiting.ticket, answer);
     }
 
     /// The store has failed: verdicts on their way are withdrawn, a danger among them alarms all the same, and whoever waits
@@ -144,6 +155,10 @@ impl Sweep {
             }
         }
         for waiting in self.outbox.give_up() {
+            if waiting.decided {
+                self.answer_kept(waiting);
+                continue;
+            }
             let refused = if waiting.verdict.is_some() { Refused::StoreDown } else { Refused::NotKept };
             self.send_answer(waiting.ticket, Err(refused));
         }
@@ -154,6 +169,7 @@ impl Sweep {
         let wall = self.now.wall;
         self.outbox.repeat_commands();
         self.record_standing();
+        self.show_from(self.outbox.written());
         for mut recording in std::mem::take(&mut self.mission.recording) {
             recording.seq = self.outbox.record(wall, recording.fact.clone());
             self.mission.recording.push(recording);

@@ -177,6 +177,13 @@ impl HallMap {
         true
     }
 
+    /// Nobody has seen this map before this revision: all of it counts as changed then.
+    pub fn show_first_at(&mut self, revision: Revision) {
+        for tile in self.tiles.iter_mut().flatten() {
+            Arc::make_mut(tile).revision = revision;
+        }
+    }
+
     /// The unknown cells next to visited ones, by column and row.
     #[must_use]
     pub fn frontier(&self) -> &BTreeSet<Cell> {

@@ -100,10 +100,11 @@ impl World {
         self.revisions
     }
 
-    /// Writes a log line.
+    /// Writes a log line: a warning at once, what follows from a command or a find when that is on record (safety R4).
     pub fn write(&mut self, wall: Wall, tone: Tone, text: String) {
-        self.log.write(wall, tone, text);
-        self.touch(Resource::Log);
+        if self.log.write(wall, tone, text) {
+            self.touch(Resource::Log);
+        }
     }
 
     /// Raises an alarm; `None` when the same one is already there and not yet seen.

@@ -106,11 +106,10 @@ impl Fault {
 
     /// What whoever only reads is told of an entry that cannot be understood, beside those that can.
     pub(super) fn words_of_an_entry(&self, folder: &Path) -> String {
-        match self {
-            Fault::Unparsed(seq, why) => format!("entry {seq} of the journal cannot be understood ({})", one_line(why)),
-            Fault::Damaged(detail) => one_line(detail),
-            other => other.words(folder, Then::StartAgain),
+        if let Fault::Unparsed(seq, why) = self {
+            return format!("entry {seq} of the journal cannot be understood ({})", one_line(why));
         }
+        if let Fault::Damaged(detail) = self { one_line(detail) } else { self.words(folder, Then::StartAgain) }
     }
 
     /// What ails the disk, where it is the disk.

@@ -369,9 +369,9 @@ fn a_safe_that_a_danger_overtook_stands_there_as_refused() {
     scribe.keep(vec![said("danger #1", 1), verdict(1, Verdict::Danger)]);
     scribe.keep(vec![said("safe #2", 2), verdict(2, Verdict::Safe)]);
     let refusals = |facts: Vec<Fact>| -> Vec<(String, Option<&'static str>)> {
-        let of = |fact| match fact {
-            Fact::Command { command, refused, luggage: Some(_), .. } => Some((command, refused.map(|refused| refused.code))),
-            _ => None,
+        let of = |fact| {
+            let Fact::Command { command, refused, luggage: Some(_), .. } = fact else { return None };
+            Some((command, refused.map(|refused| refused.code)))
         };
         facts.into_iter().filter_map(of).collect()
     };

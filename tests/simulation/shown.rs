@@ -1,0 +1,97 @@
+//! Safety R4, for any state and any journal: what is shown of mission, phase, pieces and verdicts is on record, and a number that was
+//! shown never means another thing, over all the lives of a program.
+
+use std::collections::BTreeMap;
+
+use hallsweep::core::effect::{Entry, Fact};
+use hallsweep::core::mission::PhaseName;
+use hallsweep::core::standing::Standing;
+use hallsweep::core::units::{AlarmId, Cell, LuggageId, MissionId};
+use hallsweep::core::world::snapshot::Snapshot;
+
+/// The journal as far as it is kept, and what was shown of numbers so far.
+pub(crate) struct Record {
+    standing: Standing,
+    entries: usize,
+    /// Where in the journal each mission began.
+    began: BTreeMap<MissionId, usize>,
+    missions: BTreeMap<MissionId, usize>,
+    luggage: BTreeMap<LuggageId, Cell>,
+    alarms: BTreeMap<AlarmId, String>,
+    /// What stood at some time.
+    stood: Vec<(MissionId, PhaseName)>,
+    /// Whether everything is on record that stood when the store last failed.
+    pub(crate) is_whole: bool,
+}
+
+impl Record {
+    pub(crate) fn empty() -> Record {
+        Record {
+            standing: Standing::first(Default::default()),
+            entries: 0,
+            began: BTreeMap::new(),
+            missions: BTreeMap::new(),
+            luggage: BTreeMap::new(),
+            alarms: BTreeMap::new(),
+            stood: vec![(MissionId(0), PhaseName::Idle)],
+            is_whole: true,
+        }
+    }
+
+    /// These are kept too.
+    pub(crate) fn keep<'a>(&mut self, entries: impl IntoIterator<Item = &'a Entry>) {
+        for entry in entries {
+            self.standing.apply(entry);
+            self.is_whole |= matches!(entry.fact, Fact::Standing(_));
+            if let Fact::MissionBegan(mission, _) = entry.fact {
+                let before = self.began.insert(mission, self.entries);
+                assert!(before.is_none(), "mission {mission:?} began twice");
+            }
+            self.entries += 1;
+            let stands = (self.standing.mission, self.standing.phase.name());
+            if !self.stood.contains(&stands) {
+                self.stood.push(stands);
+            }
+        }
+    }
+
+    /// Everything after these entries, of all that were kept in all lives.
+    pub(crate) fn keep_from(&mut self, disk: &[Entry]) {
+        let known = self.entries;
+        self.keep(&disk[known..]);
+    }
+
+    pub(crate) fn check(&mut self, state: &Snapshot, seed: u64) {
+        let (mission, stands) = (&state.mission, &self.standing);
+        let failing = mission.store_failure.is_some() || !self.is_whole;
+        // While the store fails what is shown stays behind what is on record.
+        if failing {
+            let stood = |phase| self.stood.contains(&(mission.id, phase));
+            assert!(mission.phase == PhaseName::Fault || stood(mission.phase), "seed {seed}: {:?} never stood", mission.phase);
+            return;
+        }
+        assert_eq!(mission.id, stands.mission, "seed {seed}: a mission is shown that is not on record");
+        if mission.phase != PhaseName::Fault {
+            assert_eq!(mission.phase, stands.phase.name(), "seed {seed}: a phase is shown that is not on record");
+        }
+        assert_eq!(mission.strategy, stands.strategy, "seed {seed}");
+        for piece in state.luggage.iter() {
+            let kept = stands.luggage.get(&piece.id).unwrap_or_else(|| panic!("seed {seed}: {:?} is not on record", piece.id));
+            assert_eq!((piece.cell, piece.pose), (kept.cell, kept.pose), "seed {seed}: {:?}", piece.id);
+            assert!(piece.verdict.is_none() || piece.verdict == kept.verdict, "seed {seed}: a verdict is not on record");
+            let meant = *self.luggage.entry(piece.id).or_insert(piece.cell);
+            assert_eq!(meant, piece.cell, "seed {seed}: {:?} is another piece now", piece.id);
+        }
+        for alarm in state.alarms.iter() {
+            let Some(id) = alarm.id else { continue };
+            let kept = stands.alarms.iter().find(|kept| kept.id == id);
+            assert_eq!(kept.map(|kept| &kept.text), Some(&alarm.text), "seed {seed}: {id:?} is not on record");
+            let meant = self.alarms.entry(id).or_insert_with(|| alarm.text.clone());
+            assert_eq!(*meant, alarm.text, "seed {seed}: {id:?} is another alarm now");
+        }
+        if let Some(place) = self.began.get(&mission.id) {
+            let meant = *self.missions.entry(mission.id).or_insert(*place);
+            assert_eq!(meant, *place, "seed {seed}: {:?} is another mission now", mission.id);
+        }
+    }
+}
