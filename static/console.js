@@ -1,5 +1,6 @@
 // The console's script: it keeps the page fresh from one event stream and sends its forms without reloading.
 // Everything it does also works without it; it knows no rule of the mission, and what it shows comes rendered from the server.
+// STOP itself is in stop.js, which every page has.
 "use strict";
 
 const SILENCE_MS = 3000; // the server speaks every second: after three the page is not to be believed
@@ -8,8 +9,7 @@ const LOOK_MS = 900; // a page without a stream of its own looks this often
 const STREAMS = 3; // pages of one browser that keep a stream
 const SETTLE_MS = 500; // verdict buttons are dead this long when the piece under them changes
 const WHY_MS = 15000; // a reason of a refusal is old after this
-const STOP_MS = 2000; // a STOP that is not confirmed by then is said to be unconfirmed
-const SEND_MS = 8000; // anything else may wait for the store
+const SEND_MS = 8000; // a command may wait for the store
 const GLANCE_MS = 5000; // a page nobody looks at keeps its title true by looking this often
 
 const at = (id) => document.getElementById(id);
@@ -19,7 +19,7 @@ const root = document.documentElement;
 
 let stream = null;
 let heard = performance.now();
-let heardAt = new Date();
+let heardAt = Date.now();
 let settledAt = 0;
 
 /** Opens the stream anew; its first message holds everything, so whatever was missed is caught up with. */
@@ -41,17 +41,10 @@ async function refused() {
   if (answer?.status === 401) signIn("watching");
 }
 
-let leaving = false;
-
-/** To the page where one signs in; it says what was not done. A later reason does not take the place of an earlier one. */
-function signIn(undone) {
-  if (!leaving) location.assign(`/sign-in?undone=${undone}`);
-  leaving = true;
-}
-
 function alive() {
+  stopping.connected();
   heard = performance.now();
-  heardAt = new Date();
+  heardAt = Date.now();
   if (root.dataset.live !== "on") {
     root.dataset.live = "on";
     at("lost").hidden = true;
@@ -62,12 +55,13 @@ function alive() {
 function lost() {
   if (root.dataset.live !== "lost") {
     root.dataset.live = "lost";
-    at("lost-since").textContent = heardAt.toLocaleTimeString("en-GB");
+    at("lost-since").textContent = `${clockTime(heardAt)} (${at("zone").textContent})`;
     at("lost").hidden = false;
     unask();
   }
   // The next whole message renders every button as it then is.
   document.querySelectorAll("button:not([data-always])").forEach((control) => (control.disabled = true));
+  if (isDead(document.activeElement)) lead();
 }
 
 let retried = 0;
@@ -85,6 +79,12 @@ setInterval(() => {
 }, 250);
 
 let ahead = 0; // the server's clock before this one's, in milliseconds
+
+/** A moment by this clock as the server's clock shows it, in its zone, like every other time on the page. */
+function clockTime(moment) {
+  const zone = at("zone").dataset;
+  return new Date(moment + ahead + Number(zone.offset) * 1000).toISOString().slice(11, 19);
+}
 
 /** How long each piece has waited by now. */
 function waits() {
@@ -123,6 +123,7 @@ function show(message) {
   ahead = message.now - Date.now();
   at("hall").setAttribute("viewBox", message.view);
   const piece = at("inspect").dataset.luggage;
+  const here = document.activeElement;
   for (const [id, markup] of Object.entries(message.parts)) {
     if (id.startsWith("hall-") || id.startsWith("tile_")) draw(id, markup);
     else morph(id, markup);
@@ -134,6 +135,8 @@ function show(message) {
   if (document.title !== message.title) document.title = message.title;
   at("revision").textContent = message.revision;
   if (at("inspect").dataset.luggage !== piece) otherPiece();
+  if (answered && message.revision >= answered.revision) goOn();
+  else if (here !== document.body && isDead(here)) lead();
 }
 
 /** Another piece is under the verdict buttons: a click already on its way must not hit it. */
@@ -193,9 +196,10 @@ document.addEventListener("change", (event) => {
 document.addEventListener("submit", (event) => {
   const form = event.target;
   if (form.id === "who") leaving = true;
-  if (!form.action.includes("/console/")) return;
+  if (form.id === "stop" || !form.action.includes("/console/")) return;
   event.preventDefault();
   if (form.closest("#inspect") && performance.now() < settledAt) return;
+  if (settling && event.submitter === settling.button && performance.now() < settling.until) return;
   if (form.dataset.confirm) return ask(form);
   if (form.closest("#confirm")) unask();
   send(form, new URLSearchParams(new FormData(form, event.submitter)), event.submitter);
@@ -203,45 +207,60 @@ document.addEventListener("submit", (event) => {
 
 const sending = new Set();
 
-/** Sends a form; a refusal is written beside the button that was pressed. A STOP is never held back by another one. */
+/** Sends a form; a refusal is written beside the button that was pressed. */
 async function send(form, fields, button) {
-  const isStop = form.id === "stop";
   const { action, dataset: { why } } = form;
   const what = `${action} ${fields.get("id") ?? ""}`;
-  if (sending.has(what) && !isStop) return;
+  if (sending.has(what)) return;
   sending.add(what);
-  if (!isStop) button?.setAttribute("aria-busy", "true");
+  button?.setAttribute("aria-busy", "true");
   tell(why, "");
-  const slow = isStop && setTimeout(() => tell(why, "STOP is on its way…"), 400);
   try {
-    const signal = AbortSignal.timeout(isStop ? STOP_MS : SEND_MS);
+    const signal = AbortSignal.timeout(SEND_MS);
     const answer = await fetch(action, { method: "POST", body: fields, headers: { accept: "application/json" }, signal });
     const said = await answer.json();
-    clearTimeout(slow);
-    if (answer.status === 401) signIn(isStop ? "stop" : "command");
+    if (answer.status === 401) signIn("command");
     else if (!answer.ok) tell(why, said.detail ?? `It was refused (${answer.status}).`);
-    else accepted(form);
+    else accepted(form, button, said.revision);
   } catch (error) {
-    clearTimeout(slow);
-    tell(why, unheard(isStop, error.name === "TimeoutError"));
+    tell(why, error.name === "TimeoutError"
+      ? "No answer came. It may still be carried out: look at the robot before you try again."
+      : "No connection: it did not get through.");
   } finally {
     sending.delete(what);
     button?.removeAttribute("aria-busy");
   }
 }
 
-/** What to do when no answer came: a robot of which nobody knows is treated as one that moves. */
-function unheard(isStop, isLate) {
-  if (isStop) return `STOP is not confirmed: ${isLate ? "no answer came" : "there is no connection"}. Use the robot's own switch, and press STOP again.`;
-  if (isLate) return "No answer came. It may still be carried out: look at the robot before you try again.";
-  return "No connection: it did not get through.";
-}
-
-/** What was refused before is history, and what was typed has been sent. */
-function accepted(form) {
-  for (const place of document.querySelectorAll(".why:not(:empty)")) place.textContent = "";
+/** What was refused before is history, and what was typed has been sent. What is said beside STOP is not this script's. */
+function accepted(form, button, revision) {
+  for (const place of document.querySelectorAll(".why:not(:empty, #why-stop)")) place.textContent = "";
   for (const select of form.querySelectorAll("select")) delete select.dataset.touched;
   if (form.querySelector("input:not([type=hidden])")) form.reset();
+  answered = { button, revision };
+  if (Number(at("revision").textContent) >= revision) goOn();
+}
+
+let settling = null; // the button on which the keyboard was put: what a hand that presses twice hits there does not count
+let answered = null; // the button whose press was accepted, until the page shows what came of it
+
+/** The page shows what came of a press: the keyboard goes where the next act is, unless a person has moved it meanwhile. */
+function goOn() {
+  const here = document.activeElement;
+  const isDone = [answered.button, asked].includes(here) && here.closest("#inspect, #actions");
+  answered = null;
+  if (here === document.body || isDead(here) || isDone) lead();
+}
+
+const isDead = (element) => !element.isConnected || element.matches(":disabled");
+
+/** Puts the keyboard where the next act is. */
+function lead() {
+  // At a piece first comes its photo: a key that was pressed once too often decides nothing. While the robot moves it is STOP.
+  const piece = root.dataset.live !== "lost" && at("inspect").dataset.luggage && at("inspect").querySelector("a.photo, button:enabled");
+  const next = piece || document.querySelector("button.start.loud:enabled") || at("stop-button");
+  next.focus({ preventScroll: next === at("stop-button") });
+  settling = { button: next, until: performance.now() + SETTLE_MS };
 }
 
 const fading = new Map();
@@ -251,7 +270,7 @@ function tell(button, words) {
   const place = at(`why-${button}`) ?? at("why-page");
   place.textContent = words;
   clearTimeout(fading.get(place.id));
-  if (words && !words.endsWith("…")) fading.set(place.id, setTimeout(() => tell(button, ""), WHY_MS));
+  if (words) fading.set(place.id, setTimeout(() => tell(button, ""), WHY_MS));
 }
 
 /** Asks before the act, not after it. */
@@ -286,13 +305,8 @@ function unask() {
 
 at("confirm-no").addEventListener("click", unask);
 
-// Escape is STOP, whatever is open or typed; a question that is open is thereby taken back.
-document.addEventListener("keydown", (event) => {
-  if (event.key !== "Escape" || event.repeat) return;
-  event.preventDefault();
-  unask();
-  at("stop").requestSubmit();
-}, { capture: true });
+// Escape is STOP; a question that is open is thereby taken back.
+document.addEventListener("keydown", (event) => event.key === "Escape" && unask(), { capture: true });
 
 // ---- reading the picture -------------------------------------------------------------------------------------------------
 

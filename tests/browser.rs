@@ -84,6 +84,34 @@ fn a_stop_that_is_not_confirmed_is_said_to_be_so() {
     play("hung", &["--hall", "empty-8x8", "--speed", "1"]);
 }
 
+/// Safety S10.
+#[test]
+fn a_stop_that_is_not_confirmed_stays_so_until_the_connection_stands_and_is_sent_then() {
+    play("unconfirmed", &["--hall", "empty-8x8", "--speed", "1"]);
+}
+
+/// Safety S1, S10.
+#[test]
+fn stop_is_on_every_page_on_every_screen_at_any_scroll() {
+    play("reach", &["--hall", "airport", "--speed", "max"]);
+}
+
+/// Safety S1.
+#[test]
+fn stop_is_on_every_page_without_scripts_and_halts() {
+    play("reachPlain", &["--hall", "airport", "--speed", "max"]);
+}
+
+#[test]
+fn the_robot_is_drawn_where_it_is() {
+    play("drawn", &["--hall", "empty-8x8", "--speed", "10"]);
+}
+
+#[test]
+fn the_keyboard_is_where_the_next_act_is() {
+    play("keyboard", &["--hall", "airport", "--speed", "max"]);
+}
+
 #[test]
 fn people_sign_in_and_a_viewer_can_only_stop() {
     play_with_keys("signedIn");

@@ -33,6 +33,12 @@ impl Listeners {
         &self.thread
     }
 
+    /// The number of the first of them.
+    #[must_use]
+    pub fn port(&self) -> u16 {
+        self.ports.first().and_then(|port| port.local_addr().ok()).map_or(0, |address| address.port())
+    }
+
     /// Whether all of them can be reached from this machine alone.
     #[must_use]
     pub fn are_local(&self) -> bool {

@@ -7,14 +7,13 @@ use std::task::{Context, Poll};
 use std::time::Duration;
 
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
-use tokio::net::TcpStream;
 use tokio::time::{Sleep, sleep};
 
 /// A reader that takes nothing for this long is gone.
 const STALL: Duration = Duration::from_secs(15);
 
 /// A stream with patience.
-pub(super) struct Patient<S = TcpStream> {
+pub(super) struct Patient<S> {
     stream: S,
     stalled: Option<Pin<Box<Sleep>>>,
 }

@@ -10,10 +10,6 @@ use tokio::sync::Notify;
 
 use crate::access::Network;
 
-/// Connections open at once: every stream there may be, and twice as many for requests beside them. A process has 1,024
-/// descriptors by default, and files need some too.
-pub(super) const PLACES: usize = 768;
-
 /// One network in so many parts of all places may have its part full; this machine itself is not so bounded.
 const PARTS: usize = 4;
 

@@ -6,7 +6,7 @@ use std::fmt::Display;
 use super::time::rfc3339;
 use crate::core::command::Refusal;
 use crate::core::effect::{Entry, Fact};
-use crate::core::mission::{Phase, Stage};
+use crate::core::mission::{Hold, Phase, Stage};
 use crate::core::world::hall_map::Mark;
 use crate::core::world::luggage::{Luggage, PhotoState};
 
@@ -34,7 +34,8 @@ fn said(fact: &Fact) -> String {
             format!("mission {mission} put away, bombs left: {}", list(left.iter().map(|id| format!("#{id}"))))
         }
         Fact::Phase(phase) => format!("phase: {}", in_words(phase)),
-        Fact::Holds(holds) => format!("held by: {}", list(holds.iter().map(|hold| hold.name()))),
+        Fact::Holds(holds) if holds.is_empty() => "nothing holds the robot".to_owned(),
+        Fact::Holds(holds) => format!("held: {}", list(holds.iter().map(cause))),
         Fact::Epoch(epoch) => format!("stopped: epoch {epoch}"),
         Fact::Goal(goal, _) => goal.map_or_else(|| "no goal".to_owned(), |goal| format!("goal {}", goal.cell())),
         Fact::Pose(pose) => format!("robot at {}, facing {}", pose.cell, pose.heading.name()),
@@ -75,9 +76,16 @@ fn in_words(phase: &Phase) -> String {
     }
 }
 
+/// Why the robot was held, without what was to be done about it then.
+fn cause(hold: &Hold) -> &'static str {
+    let words = hold.in_words();
+    words.find([':', ';']).map_or(words, |end| &words[..end])
+}
+
 fn luggage(record: &Luggage) -> String {
     let photo = match &record.photo {
-        PhotoState::Taken { bytes, take } => format!("photo {take} of {bytes} bytes"),
+        PhotoState::Taken { take: 1, .. } => "photographed".to_owned(),
+        PhotoState::Taken { take, .. } => format!("photographed, take {take}"),
         PhotoState::Failed(reason) => format!("no photo: {reason}"),
     };
     let Luggage { id, cell, pose, .. } = record;
@@ -93,7 +101,7 @@ fn list<T: Display>(things: impl IntoIterator<Item = T>) -> String {
 mod tests {
     use super::*;
     use crate::core::command::{Door, Issuer, Refused};
-    use crate::core::mission::{FaultCause, Hold, Inspection};
+    use crate::core::mission::{FaultCause, Inspection};
     use crate::core::units::{Cell, LuggageId, Pose, Wall};
     use crate::wire::fixture::piece;
 
@@ -109,8 +117,8 @@ mod tests {
 
     #[test]
     fn an_entry_is_one_line() {
-        check(Fact::Holds(vec![Hold::Operator, Hold::AwaitingStart]), "held by: operator, awaitingStart");
-        check(Fact::Holds(Vec::new()), "held by: none");
+        check(Fact::Holds(vec![Hold::Operator, Hold::AwaitingStart]), "held: stopped by the operator, waiting for START");
+        check(Fact::Holds(Vec::new()), "nothing holds the robot");
         check(Fact::Pose(Pose::START), "robot at (0, 0), facing south");
         check(Fact::Mark(Cell::new(1, 2), Mark::Wall), "cell (1, 2): wall");
         check(Fact::AlarmRaised(Default::default(), None, "two\nlines".to_owned()), "alarm 0 raised: two lines");
@@ -129,7 +137,7 @@ mod tests {
     #[test]
     fn luggage_is_told_without_the_words_of_a_programming_language() {
         let record = piece(3, Cell::new(6, 2), None);
-        let expect = "luggage #3 at (6, 2), seen from (5, 2) facing east; photo 1 of 4 bytes";
+        let expect = "luggage #3 at (6, 2), seen from (5, 2) facing east; photographed";
         check(Fact::Luggage { record, photo: None }, expect);
     }
 

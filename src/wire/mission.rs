@@ -46,8 +46,8 @@ pub struct ProgressJson {
     pub visited: usize,
     /// What is to be looked at next: unknown cells beside visited ones, and obstacles still to be inspected.
     pub unknown: usize,
-    /// 100 only when the hall is explored.
-    pub percent: u8,
+    /// 100 when nothing is open, else null: what the hall will come to nobody knows before.
+    pub percent: Option<u8>,
 }
 
 /// What each button would be refused with; null where it would not be.
@@ -101,7 +101,7 @@ impl MissionJson {
 
 impl From<Progress> for ProgressJson {
     fn from(progress: Progress) -> ProgressJson {
-        ProgressJson { visited: progress.visited, unknown: progress.unknown, percent: progress.percent }
+        ProgressJson { visited: progress.visited, unknown: progress.unknown, percent: progress.percent() }
     }
 }
 

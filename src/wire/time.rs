@@ -25,6 +25,48 @@ pub fn date_and_time(wall: Wall) -> String {
     zoned(wall).strftime("%-d %b %Y, %H:%M:%S").to_string()
 }
 
+/// The one zone of a page: a moment of any other is shown in it, and the page names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Zone {
+    offset_s: i32,
+}
+
+impl Zone {
+    /// The zone of this moment.
+    #[must_use]
+    pub const fn of(wall: Wall) -> Zone {
+        Zone { offset_s: wall.offset_s }
+    }
+
+    /// As `UTC+01:00`.
+    #[must_use]
+    pub fn name(self) -> String {
+        format!("UTC{}", zoned(Wall { unix_ms: 0, offset_s: self.offset_s }).strftime("%:z"))
+    }
+
+    /// East of Greenwich, in seconds.
+    #[must_use]
+    pub const fn offset_s(self) -> i32 {
+        self.offset_s
+    }
+
+    /// As `10:05:12`.
+    #[must_use]
+    pub fn clock_time(self, wall: Wall) -> String {
+        clock_time(self.shown(wall))
+    }
+
+    /// As `3 Feb 2026, 10:05:12`.
+    #[must_use]
+    pub fn date_and_time(self, wall: Wall) -> String {
+        date_and_time(self.shown(wall))
+    }
+
+    const fn shown(self, wall: Wall) -> Wall {
+        Wall { offset_s: self.offset_s, ..wall }
+    }
+}
+
 /// A moment or an offset beyond what a calendar can show is shown as the calendar's nearest.
 fn zoned(wall: Wall) -> jiff::Zoned {
     let nearest = if wall.unix_ms < 0 { Timestamp::MIN } else { Timestamp::MAX };
@@ -43,6 +85,17 @@ mod tests {
         assert_eq!(rfc3339(wall), "2026-02-03T10:05:12.250+01:00");
         assert_eq!(clock_time(wall), "10:05:12");
         assert_eq!(date_and_time(wall), "3 Feb 2026, 10:05:12");
+    }
+
+    #[test]
+    fn a_page_shows_the_moments_of_every_zone_in_its_own() {
+        let zone = Zone::of(Wall { unix_ms: 0, offset_s: 3600 });
+        let elsewhere = Wall { unix_ms: 1_770_109_512_250, offset_s: -12_600 };
+        assert_eq!(zone.name(), "UTC+01:00");
+        assert_eq!(
+            (zone.clock_time(elsewhere), zone.date_and_time(elsewhere)),
+            ("10:05:12".into(), "3 Feb 2026, 10:05:12".into())
+        );
     }
 
     #[test]

@@ -1,13 +1,15 @@
 // Plays one scenario: `node play.mjs SCENARIO URL CHROMIUM SHOTS`. Exit code 0 when a person would have been content.
-// The scenarios are in scenarios.mjs; here a browser is opened, watched for what no page may do, and closed.
+// The scenarios are in scenarios.mjs and, those about STOP and the keyboard, in always.mjs; here a browser is opened, watched for what no page may do, and closed.
 
 import { mkdirSync } from 'node:fs';
 import { createInterface } from 'node:readline';
 import { chromium } from 'playwright-core';
-import * as scenarios from './scenarios.mjs';
+import * as always from './always.mjs';
+import { relay } from './relay.mjs';
+import * as missions from './scenarios.mjs';
 
 const [name, url, executablePath, shots] = process.argv.slice(2);
-const scenario = scenarios[name];
+const scenario = { ...missions, ...always }[name];
 const patience = 60_000;
 
 const lines = createInterface({ input: process.stdin })[Symbol.asyncIterator]();
@@ -25,7 +27,7 @@ async function coap(request) {
 }
 
 /** Notes everything a page of ours must never do. */
-function watch(page, faults, tolerated) {
+function watch(page, faults, tolerated, origins) {
   page.on('pageerror', (error) => faults.push(`an error in the page: ${error}`));
   page.on('console', (message) => {
     const text = message.text();
@@ -33,7 +35,7 @@ function watch(page, faults, tolerated) {
   });
   page.on('request', (request) => {
     const { protocol, origin } = new URL(request.url());
-    if (protocol !== 'data:' && origin !== url) faults.push(`a request to another origin: ${request.url()}`);
+    if (protocol !== 'data:' && !origins.includes(origin)) faults.push(`a request to another origin: ${request.url()}`);
   });
 }
 
@@ -44,6 +46,8 @@ const browser = await chromium.launch({
     '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage'],
 });
 const faults = [];
+const origins = [url];
+const relays = [];
 let page;
 let shot = 0;
 try {
@@ -53,14 +57,22 @@ try {
   await page.exposeFunction('hallsweepViolation', (what) => faults.push(`against the content policy: ${what}`));
   await page.addInitScript(() => document.addEventListener('securitypolicyviolation',
     (event) => globalThis.hallsweepViolation(`${event.violatedDirective} ${event.blockedURI}`)));
-  watch(page, faults, scenario.tolerated ?? []);
+  watch(page, faults, scenario.tolerated ?? [], origins);
   const picture = async (what) => page.screenshot({ path: `${shots}/${name}-${++shot}-${what}.png` });
-  await scenario.play({ page, url, please, coap, picture, patience });
+  /** Another way to the program, which can be cut. */
+  const network = async () => {
+    const one = await relay(url);
+    relays.push(one);
+    origins.push(one.url);
+    return one;
+  };
+  await scenario.play({ page, url, please, coap, picture, patience, network });
 } catch (error) {
   faults.push(String(error));
   await page?.screenshot({ path: `${shots}/${name}-failed.png` }).catch(() => {});
 } finally {
   await browser.close();
+  relays.forEach((one) => one.close());
   process.stdin.destroy();
 }
 faults.forEach((fault) => console.log(`${name}: ${fault}`));

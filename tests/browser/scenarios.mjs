@@ -1,78 +1,7 @@
 // What people do at the console, and what they must see. Written against roles and visible names, as a person finds things.
 
 import { execFileSync } from 'node:child_process';
-
-const button = (page, name) => page.getByRole('button', { name });
-const stop = (page) => button(page, /^STOP/);
-const start = (page) => button(page, /\bSTART\b/).first();
-const home = (page) => button(page, /BACK HOME/);
-const safe = (page) => button(page, /SAFE #\d+/).first();
-const danger = (page) => button(page, /DANGER #\d+/).first();
-
-/** A person looks before pressing; the page counts on it, and ignores what comes sooner after another piece has come up. */
-const look = (page) => page.waitForTimeout(700);
-
-/** Fails with these words unless it is so. */
-function must(isSo, words) {
-  if (!isSo) throw new Error(words);
-}
-
-/** Waits until the phase reads like this; pages without scripts are loaded again and again, as a person would. */
-async function phase(page, pattern, { patience, reload = false }) {
-  const shown = page.locator('#phase, .phase').filter({ hasText: pattern });
-  for (const end = Date.now() + patience; ; ) {
-    try {
-      await shown.first().waitFor({ timeout: reload ? 250 : patience });
-      return;
-    } catch (error) {
-      if (!reload || Date.now() > end) throw error;
-      await page.reload();
-    }
-  }
-}
-
-/** Waits for a button in the same way. */
-async function appears(page, locator, { patience, reload = false }) {
-  for (const end = Date.now() + patience; ; ) {
-    try {
-      await locator.waitFor({ timeout: reload ? 250 : patience });
-      return;
-    } catch (error) {
-      if (!reload || Date.now() > end) throw error;
-      await page.reload();
-    }
-  }
-}
-
-/** Waits until it is so. */
-async function until(isSo, words, patience) {
-  for (const end = Date.now() + patience; !(await isSo()); ) must(Date.now() < end, `never seen: ${words}`);
-}
-
-/** The number in a button's name. */
-async function numberOf(locator) {
-  return Number(/#(\d+)/.exec(await locator.innerText())[1]);
-}
-
-/** The photo of the piece that waits is shown, large and whole. */
-async function photoIsShown(page, id) {
-  const photo = page.locator(`img[src*="/luggage/${id}/photo"]`).first();
-  await photo.waitFor();
-  await photo.evaluate((image) => image.decode());
-  const width = await photo.evaluate((image) => image.naturalWidth);
-  must(width >= 640, `the photo is ${width} pixels wide`);
-}
-
-/** The page fits the screen, and STOP is on it, large enough to be hit. */
-async function fits(page) {
-  const { wide, high, need } = await page.evaluate(() => (
-    { wide: innerWidth, high: innerHeight, need: document.documentElement.scrollWidth }));
-  must(need <= wide, `the page is ${need} pixels wide, the screen ${wide}`);
-  const box = await stop(page).boundingBox();
-  must(box && box.x >= 0 && box.y >= 0 && box.x + box.width <= wide + 1 && box.y + box.height <= high + 1,
-    `STOP is not on the screen: ${JSON.stringify(box)}`);
-  must(box.height >= 44 && box.width >= 44, `STOP is too small: ${JSON.stringify(box)}`);
-}
+import { appears, button, danger, fits, hits, home, look, must, numberOf, phase, photoIsShown, safe, start, stop, until } from './person.mjs';
 
 /** A button can be pressed as the page stands, without scrolling, and STOP does not lie over it. */
 async function inReach(page, locator) {
@@ -209,6 +138,7 @@ export const besideCoap = {
 };
 
 export const lost = {
+  browser: { timezoneId: 'Asia/Kathmandu' },
   tolerated: ['ERR_CONNECTION_REFUSED', 'ERR_INCOMPLETE_CHUNKED_ENCODING', 'ERR_CONNECTION_RESET', 'ERR_EMPTY_RESPONSE'],
   async play({ page, url, please, picture, patience }) {
     await page.goto(url);
@@ -218,6 +148,11 @@ export const lost = {
     await please('kill');
     await banner.waitFor({ state: 'visible', timeout: 15_000 });
     await picture('lost');
+    // The browser is elsewhere: what it says of time is the program's zone, like everything else on the page.
+    const [, hours, minutes] = /from (\d+):(\d+):\d+ \(UTC/.exec(await page.locator('#lost').innerText()) ?? [];
+    const here = new Date();
+    const apart = Math.abs(hours * 60 + Number(minutes) - here.getHours() * 60 - here.getMinutes());
+    must(Math.min(apart, 1440 - apart) <= 5, `the page says ${hours}:${minutes}, the program's clock says ${here}`);
     must(await stop(page).isEnabled(), 'STOP stays when the connection is lost');
     must(await start(page).isDisabled(), 'START would act blindly');
     await please('start');
@@ -249,7 +184,7 @@ export const steady = {
     await appears(page, safe(page), { patience });
     await picture('arrived');
     await stays(before, 'when a piece arrived');
-    const waits = page.locator('[data-since]');
+    const waits = page.locator('#inspect [data-since]');
     const first = await waits.innerText();
     await page.waitForTimeout(1500);
     must(await waits.innerText() !== first, `the time a piece waits stands still at ${first}`);
@@ -364,7 +299,11 @@ const signedIn = {
     must(notice && notice.y + notice.height < page.viewportSize().height, 'a viewer is not told at once why the buttons are dead');
     const living = await page.locator('button:enabled:visible').allInnerTexts();
     must(living.length === 2 && /STOP/.test(living.join()) && /Sign out/.test(living.join()), `alive for a viewer: ${living}`);
+    await hits(page, 'the console of a viewer');
     await picture('viewer');
+    await page.goto(`${url}/sign-in?token=${OPERATOR}`);
+    await hits(page, 'the page where one signs in, for somebody who is signed in');
+    await page.goto(url);
 
     // What others do is seen, and the buttons stay dead when a piece arrives.
     const headers = { authorization: `Bearer ${OPERATOR}` };

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Sweep;
 use crate::core::explore::plan::cells_along;
-use crate::core::mission::{Goal, Hold, Input, Matter, Phase, PhaseName, Stage};
+use crate::core::mission::{Goal, Hold, Input, Matter, Phase, Stage};
 use crate::core::units::Cell;
 use crate::core::world::alarm::AlarmView;
 use crate::core::world::resource::Resource;
@@ -103,10 +103,7 @@ impl Sweep {
     fn progress(&self) -> Progress {
         let visited = self.world.map.visited();
         let unknown = self.world.map.frontier().len() + self.world.map.uninspected();
-        let explored = self.phase_name() == PhaseName::Explored;
-        let share = (visited * 100 / (visited + unknown).max(1)).min(99);
-        let percent = if explored { 100 } else { u8::try_from(share).unwrap_or(99) };
-        Progress { visited, unknown, percent }
+        Progress { visited, unknown }
     }
 
     fn refusals(&self) -> Refusals {

@@ -99,8 +99,14 @@ pub struct Progress {
     pub visited: usize,
     /// What is to be looked at next: unknown cells beside visited ones, and obstacles still to be inspected.
     pub unknown: usize,
-    /// Visited in percent of both, and 100 only when the hall is explored.
-    pub percent: u8,
+}
+
+impl Progress {
+    /// How much of the hall is searched: 100, or nothing while anything is open, because what it will come to nobody knows.
+    #[must_use]
+    pub const fn percent(self) -> Option<u8> {
+        if self.visited > 0 && self.unknown == 0 { Some(100) } else { None }
+    }
 }
 
 /// Why each of the operator's buttons would be refused just now; `None` where it would not.

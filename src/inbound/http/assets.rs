@@ -16,7 +16,7 @@ struct Asset {
     text: &'static str,
 }
 
-static ASSETS: [Asset; 5] = [
+static ASSETS: [Asset; 6] = [
     Asset {
         path: "/static/console.css",
         media_type: "text/css; charset=utf-8",
@@ -26,6 +26,11 @@ static ASSETS: [Asset; 5] = [
         path: "/static/console.js",
         media_type: "text/javascript; charset=utf-8",
         text: include_str!("../../../static/console.js"),
+    },
+    Asset {
+        path: "/static/stop.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/stop.js"),
     },
     Asset {
         path: "/static/vendor/idiomorph.js",

@@ -7,6 +7,7 @@ use axum::http::{HeaderMap, HeaderName};
 
 use super::Door;
 use super::gate::{LetIn, Peer, allowed, issuer};
+use super::hearing::Pressed;
 use super::problem::Problem;
 use crate::access::{Caller, Need};
 use crate::core::command::{self, Command, CommandId, Request};
@@ -16,13 +17,14 @@ use crate::runtime::carry_out::Done;
 use crate::wire::command::no_command_id;
 
 /// The header in which a command's own name comes.
-const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
+pub(super) const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
 
 /// A door, and who stands in it.
 pub(super) struct By {
     pub(super) door: Door,
     pub(super) caller: Caller,
     peer: Peer,
+    pressed: Option<Pressed>,
     id: Result<Option<CommandId>, Problem>,
 }
 
@@ -32,7 +34,8 @@ impl FromRequestParts<Door> for By {
     async fn from_request_parts(parts: &mut Parts, door: &Door) -> Result<By, Problem> {
         let LetIn(caller) = LetIn::from_request_parts(parts, door).await?;
         let peer = Peer::from_request_parts(parts, door).await?;
-        Ok(By { door: door.clone(), caller, peer, id: command_id(&parts.headers) })
+        let pressed = parts.extensions.remove();
+        Ok(By { door: door.clone(), caller, peer, pressed, id: command_id(&parts.headers) })
     }
 }
 
@@ -41,6 +44,9 @@ impl By {
     /// is wrong with a STOP keeps it from halting the robot.
     pub(super) async fn give(&self, by: command::Door, command: Command, epoch: Option<Epoch>) -> Result<Done, Problem> {
         let is_stop = command == Command::Stop;
+        if let Some(given) = self.pressed.as_ref().filter(|_| is_stop).and_then(Pressed::take) {
+            return Ok(given.await?);
+        }
         let issuer = issuer(&self.caller, by, self.peer);
         if let Err(refused) = allowed(&self.caller, if is_stop { Need::Stop } else { Need::Act }) {
             self.door.note_refused(issuer, in_words(&command), refused.clone()).await;
@@ -52,12 +58,14 @@ impl By {
             Err(problem) => return Err(problem.clone()),
         };
         let request = Request { id, epoch, ..Request::new(command, issuer) };
-        Ok(self.door.handle.carry_out(request).await?)
+        // In a task of its own: what was taken is carried out although its sender goes.
+        let carried_out = tokio::spawn(self.door.handle.carry_out(request));
+        Ok(carried_out.await.map_err(|_| Problem::internal())??)
     }
 }
 
 /// The command's own name: bare, or quoted as the header's draft wants it (a structured string, RFC 9651).
-fn command_id(headers: &HeaderMap) -> Result<Option<CommandId>, Problem> {
+pub(super) fn command_id(headers: &HeaderMap) -> Result<Option<CommandId>, Problem> {
     let mut values = headers.get_all(IDEMPOTENCY_KEY).iter();
     let Some(value) = values.next() else { return Ok(None) };
     let text = String::from_utf8_lossy(value.as_bytes());

@@ -13,10 +13,9 @@ use axum::response::{IntoResponse, Redirect, Response};
 use super::Door;
 use super::guard::is_for_people;
 use super::problem::{NotTaken, Problem};
-use super::sign_in::{COOKIE, Undone, sign_in_page};
+use super::sign_in::{Undone, sign_in_page};
 use crate::access::{Access, Caller, Need, Network};
 use crate::core::command::{self, Issuer, Refused};
-use crate::inbound::places::Place;
 use crate::wire::fields::in_short;
 
 /// The other end of a connection. The accept loop puts it into every request.
@@ -100,7 +99,7 @@ impl Door {
     /// Holds a refusal back: the longer, the more wrong keys came from there.
     pub(super) async fn hold_back(&self, peer: Peer) {
         let delay = self.attempts.wrong(Network::of(peer.address), self.clock.now().since_start);
-        tracing::warn!(from = %peer.address, delay_ms = delay.as_millis(), "a wrong key was shown");
+        self.log_stranger(|| tracing::warn!(from = %peer.address, delay_ms = delay.as_millis(), "a wrong key was shown"));
         tokio::time::sleep(delay).await;
     }
 
@@ -108,6 +107,23 @@ impl Door {
     pub(super) async fn note_refused(&self, issuer: Issuer, asked: String, refused: Refused) {
         // A program that is ending has nobody left to tell.
         let _ = self.handle.note_refused(issuer, asked, refused).await;
+    }
+
+    /// Writes a line about a stranger, unless there were too many of late.
+    fn log_stranger(&self, write: impl FnOnce()) {
+        self.strangers.write(self.clock.now().since_start, write);
+    }
+
+    /// Puts into the log what may not be in the journal: what strangers send, who must not be able to fill the disk.
+    pub(super) fn note_unrecorded(&self, peer: Peer, method: &Method, path: &str, why: &str) {
+        let (from, path) = (peer.name(), in_short(path));
+        self.log_stranger(|| tracing::info!(%from, %method, %path, why, "refused"));
+    }
+
+    /// Whoever one of the keys in these headers belongs to, be there wrong ones beside it.
+    pub(super) fn caller_by_any(&self, peer: Peer, headers: &HeaderMap) -> Option<Caller> {
+        let by_token = tokens(headers).find_map(|token| self.caller(peer, &Shown::Token(token)));
+        by_token.or_else(|| self.caller(peer, &Shown::Sessions(sessions(headers, self.cookie()))))
     }
 
     fn caller(&self, peer: Peer, shown: &Shown) -> Option<Caller> {
@@ -126,7 +142,7 @@ impl Door {
 
 /// Lets a request through to its route when whoever sent it may; tells everybody else what is missing.
 pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mut request: Request, next: Next) -> Response {
-    let shown = shown(request.headers());
+    let shown = shown(request.headers(), door.cookie());
     let Some(caller) = door.caller(peer, &shown) else {
         if need == Need::Nothing {
             return next.run(request).await;
@@ -134,7 +150,7 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
         if matches!(shown, Shown::Token(_)) {
             door.hold_back(peer).await;
         }
-        return stranger(peer, &request);
+        return stranger(&door, peer, &request);
     };
     let asked = asked(&request, need).map(|(by, asked)| (issuer(&caller, by, peer), asked));
     if let Err(refused) = allowed(&caller, need) {
@@ -142,9 +158,6 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
             door.note_refused(issuer, asked, refused.clone()).await;
         }
         return Problem::refused(&refused, None).into_response();
-    }
-    if let Some(place) = request.extensions().get::<Arc<Place>>() {
-        place.known();
     }
     request.extensions_mut().insert(caller);
     let mut response = next.run(request).await;
@@ -162,21 +175,19 @@ fn asked(request: &Request, need: Need) -> Option<(command::Door, String)> {
         return None;
     }
     let path = request.uri().path();
-    let by = if path.starts_with("/console/") { command::Door::Console } else { command::Door::Http };
-    Some((by, format!("{} {}", request.method(), in_short(path))))
+    Some((by_path(path), format!("{} {}", request.method(), in_short(path))))
 }
 
-/// Puts into the log what may not be in the journal: what strangers send, who must not be able to fill the disk.
-pub(super) fn note_unrecorded(peer: Peer, method: &Method, path: &str, why: &str) {
-    let (from, path) = (peer.name(), in_short(path));
-    tracing::info!(%from, %method, %path, why, "refused");
+/// By which door a path leads, as records name it.
+pub(super) fn by_path(path: &str) -> command::Door {
+    if path.starts_with("/console/") { command::Door::Console } else { command::Door::Http }
 }
 
 /// A person is led to the page where one signs in, and from there back, or is told there that what he pressed was not done; a
 /// program is told what to send.
-fn stranger(peer: Peer, request: &Request) -> Response {
+fn stranger(door: &Door, peer: Peer, request: &Request) -> Response {
     if *request.method() != Method::GET {
-        note_unrecorded(peer, request.method(), request.uri().path(), "nobody is signed in");
+        door.note_unrecorded(peer, request.method(), request.uri().path(), "nobody is signed in");
     }
     if is_for_people(request.uri().path(), request.headers()) {
         let path = request.uri().path();
@@ -189,22 +200,34 @@ fn stranger(peer: Peer, request: &Request) -> Response {
 }
 
 /// A bearer token counts alone; any other kind of authorization is a proxy's business, and the cookie counts then.
-fn shown(headers: &HeaderMap) -> Shown {
-    let token = headers.get(header::AUTHORIZATION).and_then(|value| {
+fn shown(headers: &HeaderMap, cookie: &str) -> Shown {
+    if let Some(token) = tokens(headers).next() {
+        return Shown::Token(token);
+    }
+    let ours = sessions(headers, cookie);
+    if ours.is_empty() { Shown::Nothing } else { Shown::Sessions(ours) }
+}
+
+fn tokens(headers: &HeaderMap) -> impl Iterator<Item = String> {
+    let shown = headers.get_all(header::AUTHORIZATION).iter();
+    let bearers = shown.filter_map(|value| {
         let (scheme, token) = value.to_str().ok()?.split_once(' ')?;
         scheme.eq_ignore_ascii_case("bearer").then(|| token.trim().to_owned())
     });
-    if let Some(token) = token {
-        return Shown::Token(token);
-    }
+    bearers.take(TOKENS)
+}
+
+fn sessions(headers: &HeaderMap, cookie: &str) -> Vec<String> {
     let cookies = headers.get_all(header::COOKIE).iter().filter_map(|value| value.to_str().ok());
     let pairs = cookies.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));
-    let ours: Vec<String> = pairs.filter(|(name, _)| *name == COOKIE).map(|(_, value)| value.to_owned()).take(SESSIONS).collect();
-    if ours.is_empty() { Shown::Nothing } else { Shown::Sessions(ours) }
+    pairs.filter(|(name, _)| *name == cookie).map(|(_, value)| value.to_owned()).take(SESSIONS).collect()
 }
 
 /// Cookies of our name that are looked at: one, and one that somebody set for another path.
 const SESSIONS: usize = 2;
+
+/// Tokens that are looked at when they are heard.
+const TOKENS: usize = 4;
 
 #[cfg(test)]
 #[path = "gate_tests.rs"]

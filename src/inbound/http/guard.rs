@@ -1,6 +1,7 @@
 //! What stands in front of every route: security headers, refusal of other hosts' names and other origins' posts, pages for
 //! people in place of problems, compression, and the catching of panics. It knows no route.
 
+use std::borrow::Cow;
 use std::net::IpAddr;
 use std::sync::Arc;
 
@@ -15,8 +16,9 @@ use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::set_header::SetResponseHeaderLayer;
 
+use super::Door;
 use super::accept::preferred;
-use super::gate::{Peer, note_unrecorded};
+use super::gate::Peer;
 use super::problem::{Problem, Said};
 use crate::wire::fields::in_short;
 
@@ -59,6 +61,13 @@ impl Hosts {
         }
     }
 
+    /// The first name a request calls this program by that is none of its own: `named` in its target, else in its headers.
+    pub(super) fn stranger(&self, named: Option<&str>, headers: &HeaderMap) -> Option<String> {
+        let hosts = headers.get_all(header::HOST).iter().map(|name| String::from_utf8_lossy(name.as_bytes()));
+        let mut names = named.map(Cow::Borrowed).into_iter().chain(hosts);
+        names.find(|name| !self.knows(name)).map(Cow::into_owned)
+    }
+
     fn advice(&self) -> &'static str {
         if self.is_local {
             "while hallsweep listens on this machine alone, call it localhost or by 127.0.0.1; behind a proxy, list the names \
@@ -75,14 +84,16 @@ fn plain(name: &str) -> String {
 }
 
 /// The routes behind their guard. Compression leaves event streams and pictures alone.
-pub(super) fn guarded(routes: Router, hosts: Hosts) -> Router {
+pub(super) fn guarded(routes: Router, hosts: Hosts, door: &Door) -> Router {
+    let clock = door.clock;
     let guarded = routes
-        .layer(from_fn(same_origin))
+        .layer(from_fn_with_state(door.clone(), same_origin))
         .layer(from_fn_with_state(hosts, own_name))
         .layer(from_fn(for_people))
         .layer(CatchPanicLayer::custom(|_: Box<dyn std::any::Any + Send>| Problem::internal().into_response()))
         .layer(CompressionLayer::new())
-        .layer(SetResponseHeaderLayer::if_not_present(header::CACHE_CONTROL, HeaderValue::from_static("no-cache")));
+        .layer(SetResponseHeaderLayer::if_not_present(header::CACHE_CONTROL, HeaderValue::from_static("no-cache")))
+        .layer(SetResponseHeaderLayer::if_not_present(header::DATE, move |_: &Response| date(clock.now().wall.unix_ms)));
     SECURITY.into_iter().fold(guarded, |router, (name, value)| {
         router.layer(SetResponseHeaderLayer::overriding(name, HeaderValue::from_static(value)))
     })
@@ -90,10 +101,7 @@ pub(super) fn guarded(routes: Router, hosts: Hosts) -> Router {
 
 /// Whoever asks for this program by a name that is not its own was led here by somebody else.
 async fn own_name(State(hosts): State<Hosts>, request: Request, next: Next) -> Response {
-    let named = request.uri().authority().map(|authority| authority.as_str().to_owned());
-    let headers = request.headers().get_all(header::HOST).iter();
-    let mut names = named.into_iter().chain(headers.map(|name| String::from_utf8_lossy(name.as_bytes()).into_owned()));
-    match names.find(|name| !hosts.knows(name)) {
+    match hosts.stranger(request.uri().authority().map(Authority::as_str), request.headers()) {
         None => next.run(request).await,
         Some(name) => Problem::misdirected(format!("this is not {:?}: {}", in_short(&name), hosts.advice())).into_response(),
     }
@@ -116,7 +124,9 @@ async fn for_people(request: Request, next: Next) -> Response {
     let (mut parts, _) = response.into_parts();
     parts.headers.remove(header::CONTENT_LENGTH);
     parts.headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8"));
-    let page = Astray { title: for_a_person(parts.status), detail };
+    // Under a name that is not ours STOP would be refused as well: nobody is to count on it there.
+    let may_stop = parts.status != StatusCode::MISDIRECTED_REQUEST;
+    let page = Astray { title: for_a_person(parts.status), detail, may_stop };
     let page = page.render().expect("the template only writes strings, which does not fail");
     Response::from_parts(parts, page.into())
 }
@@ -142,15 +152,16 @@ fn for_a_person(status: StatusCode) -> &'static str {
 struct Astray {
     title: &'static str,
     detail: String,
+    may_stop: bool,
 }
 
 /// A page of another origin may not press buttons here. Programs send neither header and pass.
-async fn same_origin(request: Request, next: Next) -> Response {
+async fn same_origin(State(door): State<Door>, request: Request, next: Next) -> Response {
     if matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS) || !is_foreign(request.headers()) {
         return next.run(request).await;
     }
     if let Some(peer) = request.extensions().get::<Peer>() {
-        note_unrecorded(*peer, request.method(), request.uri().path(), "a page of another origin sent it");
+        door.note_unrecorded(*peer, request.method(), request.uri().path(), "a page of another origin sent it");
     }
     Problem::foreign("a page of another origin sent this: commands are taken from hallsweep's own page and from programs".into())
         .into_response()
@@ -158,14 +169,20 @@ async fn same_origin(request: Request, next: Next) -> Response {
 
 /// By what the browser says of the sender; older ones name only the origin, which is then compared with the host asked for.
 pub(super) fn is_foreign(headers: &HeaderMap) -> bool {
-    let text = |name: HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("unreadable"));
-    match text(HeaderName::from_static("sec-fetch-site")) {
-        Some(site) => !matches!(site, "same-origin" | "none"),
-        None => match text(header::ORIGIN) {
-            Some(origin) => origin.split_once("://").map(|(_, host)| host) != text(header::HOST),
-            None => false,
-        },
+    let texts = |name: HeaderName| headers.get_all(name).iter().map(|value| value.to_str().unwrap_or("unreadable"));
+    let mut sites = texts(HeaderName::from_static("sec-fetch-site")).peekable();
+    if sites.peek().is_some() {
+        return sites.any(|site| !matches!(site, "same-origin" | "none"));
     }
+    let host = texts(header::HOST).next();
+    texts(header::ORIGIN).any(|origin| origin.split_once("://").map(|(_, host)| host) != host)
+}
+
+/// The header `Date` (RFC 9110, section 6.6.1); none when no clock can be right that says so.
+fn date(unix_ms: i64) -> Option<HeaderValue> {
+    let now = jiff::Timestamp::from_millisecond(unix_ms).ok().filter(|_| unix_ms >= 0)?;
+    let text = jiff::fmt::rfc2822::DateTimePrinter::new().timestamp_to_rfc9110_string(&now).ok()?;
+    HeaderValue::from_str(&text).ok()
 }
 
 #[cfg(test)]

@@ -10,19 +10,24 @@ mod etag;
 mod events;
 mod gate;
 mod guard;
+mod hearing;
+mod lines;
 mod missions;
 mod mqtt;
 mod old;
+mod places;
 mod problem;
 mod query;
 mod reading;
 mod reads;
 mod routes;
+pub mod scanning;
 mod serve;
 mod sign_in;
 #[cfg(test)]
 mod testing;
 mod tls;
+mod vestibule;
 mod watcher;
 
 use std::sync::Arc;
@@ -31,6 +36,7 @@ use axum::Router;
 use tokio::sync::{Semaphore, watch};
 
 pub use guard::Hosts;
+use lines::Lines;
 pub use mqtt::{Carried, Hall, Visitor};
 pub use serve::{Front, serve};
 pub use tls::{Tls, TlsError};
@@ -54,7 +60,12 @@ pub struct Door {
     clock: Clock,
     access: Access,
     attempts: Arc<Attempts>,
+    strangers: Arc<Lines>,
+    cookie: Arc<str>,
     mqtt: Option<Hall>,
+    /// The side of a cell, in metres, where it is known.
+    cell_m: Option<f64>,
+    began: Arc<console::Began>,
 }
 
 impl Door {
@@ -71,7 +82,11 @@ impl Door {
             clock: Clock::default(),
             access,
             attempts: Arc::default(),
+            strangers: Arc::default(),
+            cookie: sign_in::cookie_name(0),
             mqtt: None,
+            cell_m: None,
+            began: Arc::default(),
         }
     }
 
@@ -79,6 +94,22 @@ impl Door {
     #[must_use]
     pub fn with_mqtt(self, mqtt: Option<Hall>) -> Door {
         Door { mqtt, ..self }
+    }
+
+    /// The same at this port, by which the cookies of several instances on one host are told apart: browsers do not look at ports.
+    fn at(self, port: u16) -> Door {
+        Door { cookie: sign_in::cookie_name(port), ..self }
+    }
+
+    /// The name of its session's cookie.
+    fn cookie(&self) -> &str {
+        &self.cookie
+    }
+
+    /// The same, of a hall whose cells have sides of this many metres.
+    #[must_use]
+    pub fn with_cells_of(self, cell_m: f64) -> Door {
+        Door { cell_m: Some(cell_m), ..self }
     }
 
     /// Ends every open stream at once, and every one opened from now on.
@@ -89,5 +120,5 @@ impl Door {
 
 /// Every route, with what stands in front of all of them.
 pub fn router(door: &Door, hosts: Hosts) -> Router {
-    guard::guarded(routes::routes(door), hosts)
+    guard::guarded(routes::routes(door), hosts, door)
 }

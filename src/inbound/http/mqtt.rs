@@ -21,7 +21,7 @@ use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt, DuplexStream
 use tokio::sync::oneshot;
 
 use super::Door;
-use super::gate::{LetIn, Peer, note_unrecorded};
+use super::gate::{LetIn, Peer};
 use super::guard::is_foreign;
 use super::problem::Problem;
 use crate::access::{Access, Caller};
@@ -111,7 +111,7 @@ pub(super) async fn mqtt(
         ));
     };
     if is_foreign(&headers) {
-        note_unrecorded(peer, request.method(), request.uri().path(), "a page of another origin sent it");
+        door.note_unrecorded(peer, request.method(), request.uri().path(), "a page of another origin sent it");
         return Err(Problem::foreign(
             "a page of another origin opened this: MQTT is for hallsweep's own page and for programs".into(),
         ));

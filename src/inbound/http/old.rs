@@ -21,7 +21,7 @@ pub(super) async fn give(by: By, uri: Uri, headers: HeaderMap) -> Response {
     let wants_page = preferred(&headers, &["application/json", "text/html"]) == Some("text/html");
     match given {
         Ok(_) if wants_page => Redirect::to("/").into_response(),
-        Err(problem) if wants_page => console::refused_page(&by.door, &by.caller, "old", &problem),
+        Err(problem) if wants_page => console::refused_page(&by.door, &by.caller, "old", &problem).await,
         Ok(answer) => answer,
         Err(problem) => problem.into_response(),
     }

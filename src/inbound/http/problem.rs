@@ -115,6 +115,13 @@ impl Problem {
         Problem::new(StatusCode::SERVICE_UNAVAILABLE, "tooManyStreams", detail)
     }
 
+    /// 503: nobody gives way to one more connection; a STOP was heard before.
+    pub(super) fn no_place(has_halted: bool) -> Problem {
+        let so = if has_halted { "; the STOP that came with it has halted the robot" } else { "" };
+        let detail = format!("every place for a connection is taken by others who are at it{so}: try again in a moment");
+        Problem::new(StatusCode::SERVICE_UNAVAILABLE, "noPlace", detail)
+    }
+
     /// 500: a mistake in the program ended this request, and this request only.
     pub(super) fn internal() -> Problem {
         let detail = "a mistake in hallsweep ended this request; its log says more".to_owned();
@@ -124,6 +131,11 @@ impl Problem {
     /// The sentence a person reads.
     pub(super) fn detail(&self) -> &str {
         &self.body.detail
+    }
+
+    /// What a program reads.
+    pub(super) fn json(&self) -> String {
+        serde_json::to_string(&self.body).expect("a problem is strings and numbers, which JSON can hold")
     }
 
     /// The status.
@@ -170,7 +182,7 @@ impl From<Unreadable> for Problem {
 
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
-        let body = serde_json::to_vec(&self.body).expect("a problem is strings and numbers, which JSON can hold");
+        let body = self.json();
         let media_type = HeaderValue::from_static("application/problem+json");
         let said = Said(self.body.detail.clone());
         let mut response = (self.status, Extension(said), [(header::CONTENT_TYPE, media_type)], body).into_response();

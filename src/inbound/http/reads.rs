@@ -5,7 +5,7 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, header};
-use axum::response::{IntoResponse, Response};
+use axum::response::{IntoResponse, Redirect, Response};
 
 use super::Door;
 use super::accept::preferred;
@@ -58,15 +58,21 @@ pub(super) async fn luggage(State(door): State<Door>, Number(id): Number, header
     Ok(conditional(&headers, &luggage_tag(&snapshot), || Json(LuggageJson::from(&*luggage)).into_response()))
 }
 
-/// `GET luggage/{id}/photo`: the newest picture of a piece.
+/// `GET luggage/{id}/photo`: the newest picture of a piece. A browser that opens it by itself is led to its page, because a bare
+/// picture has no STOP on it.
 pub(super) async fn photo(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
+    if preferred(&headers, &["image/*", "text/html"]) == Some("text/html") {
+        return Ok(([(header::VARY, "accept")], Redirect::to(&format!("/luggage/{id}"))).into_response());
+    }
     let snapshot = door.handle.snapshot();
     let take = record(&door, &snapshot, id).await?.take()?;
     let kept = door.archive.look_up(move |archive| archive.photo(LuggageId(id))).await?;
     let photo = kept.ok_or(NoPhoto::NotKept(LuggageId(id)))?;
     let tag = tag(&snapshot.run, format_args!("{id}.{take}"), "photo");
     let bytes = axum::body::Bytes::from_owner(photo.bytes);
-    Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, photo.media_type)], bytes).into_response()))
+    let mut response = conditional(&headers, &tag, || ([(header::CONTENT_TYPE, photo.media_type)], bytes).into_response());
+    response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
+    Ok(response)
 }
 
 /// `GET /healthz`: `ok` and the revision, as long as the loop behind the door lives.
@@ -78,7 +84,7 @@ pub(super) async fn health(State(door): State<Door>) -> Result<String, Problem> 
 }
 
 /// The record of a piece of this mission, or of one that is over.
-async fn record(door: &Door, snapshot: &Snapshot, id: u64) -> Result<Arc<Luggage>, Problem> {
+pub(super) async fn record(door: &Door, snapshot: &Snapshot, id: u64) -> Result<Arc<Luggage>, Problem> {
     if let Some(luggage) = snapshot.luggage(LuggageId(id)) {
         return Ok(Arc::clone(luggage));
     }

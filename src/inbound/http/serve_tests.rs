@@ -3,6 +3,8 @@
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream as Client};
 
+use std::net::Shutdown;
+
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
@@ -10,7 +12,8 @@ use tokio::time::timeout;
 
 use super::*;
 use crate::access::Access;
-use crate::core::command::Command;
+use crate::core::command::Door::Local;
+use crate::core::command::{Command, Issuer, Request};
 use crate::inbound::http::testing::{House, guarded_house, house, keys};
 use crate::wire::fixture::searching;
 
@@ -27,7 +30,8 @@ async fn served(house: &House, places: usize) -> Served {
     let (end, ended) = oneshot::channel::<()>();
     let door = house.door.clone();
     let serving = tokio::spawn(async move {
-        serve_so_many(listener.into(), door, Front::default(), &Places::new(places), async { drop(ended.await) }).await;
+        let end = async { drop(ended.await) };
+        serve_so_many(listener.into(), door, Front::default(), (places, places.min(WAITING)), end).await;
     });
     Served { address, end, serving }
 }
@@ -53,6 +57,27 @@ fn is_closed(client: &mut Client) -> bool {
     matches!(client.read(&mut [0]), Ok(0))
         || client.read(&mut [0]).is_err_and(|error| error.kind() == std::io::ErrorKind::ConnectionReset)
 }
+
+/// Waits until so many STOPs have come to the loop, and fails when there are more.
+async fn stops(house: &House, expect: usize) {
+    let count = || house.given.lock().unwrap().iter().filter(|given| given.command == Command::Stop).count();
+    let come = async {
+        while count() < expect {
+            tokio::time::sleep(Duration::from_millis(1)).await;
+        }
+    };
+    timeout(Duration::from_secs(30), come).await.unwrap_or_else(|_| panic!("{} of {expect} STOPs came", count()));
+    // Records go through the loop's queue in order.
+    assert!(house.door.handle.give(Request::new(Command::Reset, Issuer::operator(Local))).await.is_ok());
+    assert_eq!(count(), expect, "one press is one STOP");
+}
+
+/// A STOP by this route with these headers and this body.
+fn press(route: &str, headers: &str, body: &str) -> String {
+    format!("POST {route} HTTP/1.1\r\nHost: localhost\r\n{headers}\r\n{body}")
+}
+
+const ROUTES: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
 
 const LOOK: &str = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
 const WATCH: &str = "GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n";
@@ -116,12 +141,150 @@ async fn whoever_is_let_in_and_looks_on_is_not_cut_for_a_newcomer() {
     for client in &mut watching {
         assert_eq!(answered(client), "HTTP/1.1 200");
     }
-    assert_eq!(answered(&mut client(address, LOOK)), "", "there is no place left");
+    assert_eq!(answered(&mut client(address, LOOK)), "HTTP/1.1 503", "there is no place left");
+    let mut refused = String::new();
+    client(address, STOP).read_to_string(&mut refused).expect("an answer in order");
+    assert!(refused.starts_with("HTTP/1.1 503") && refused.contains("has halted the robot"), "{refused}");
+    stops(&house, 1).await;
     drop(watching.pop());
     // The place is free as soon as the door has seen that its client is gone.
     let mut tries = (0..500).map(|_| answered(&mut client(address, LOOK)));
     assert!(tries.any(|answer| answer == "HTTP/1.1 200"));
     for client in &mut watching {
         assert!(client.read(&mut [0; 64]).is_ok_and(|read| read > 0), "they look on");
+    }
+}
+
+/// Safety S8.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_stop_whose_sender_has_nothing_more_to_say_halts_and_is_answered() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    for number in 0..40 {
+        let mut client = client(address, &press(ROUTES[number % 4], "Content-Length: 0\r\n", ""));
+        client.shutdown(Shutdown::Write).unwrap();
+        let answer = answered(&mut client);
+        assert!(answer == "HTTP/1.1 200" || answer == "HTTP/1.1 303", "{number}: {answer}");
+    }
+    stops(&house, 40).await;
+}
+
+/// Safety S8, A6.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_stop_whose_sender_hangs_up_at_once_halts_and_is_recorded() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    for number in 0..40 {
+        drop(client(address, &press(ROUTES[number % 4], "Content-Length: 0\r\n", "")));
+    }
+    stops(&house, 40).await;
+}
+
+/// Safety S8.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn so_does_one_that_only_its_body_says_is_a_stop() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let bodies = [
+        ("/api/v1/commands/move", "application/json", r#"{"move":"h"}"#),
+        ("/console/move", "application/x-www-form-urlencoded", "move=h"),
+    ];
+    for number in 0..40 {
+        let (route, media, body) = bodies[number % 2];
+        let headers = format!("Content-Type: {media}\r\nContent-Length: {}\r\n", body.len());
+        // Its answers to what is before it cannot be written when it comes to it.
+        let before = LOOK.repeat(number % 3);
+        let client = client(address, &(before + &press(route, &headers, body)));
+        if number % 4 < 2 {
+            client.shutdown(Shutdown::Write).unwrap();
+        }
+    }
+    stops(&house, 40).await;
+}
+
+/// Safety S8.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_stop_halts_behind_whatever_is_not_answered_yet() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let stop = press("/h", "", "");
+    let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n";
+    let mut open = Vec::new();
+    for (number, before) in [LOOK.repeat(20), WATCH.to_owned(), stop.repeat(3), upgrade.to_owned()].iter().enumerate() {
+        open.push(client(address, &format!("{before}{stop}")));
+        stops(&house, [1, 2, 6, 7][number]).await;
+    }
+    assert_eq!(answered(&mut open[1]), "HTTP/1.1 200", "and the stream goes on");
+}
+
+/// Safety S8.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_stop_halts_before_its_body_comes() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let mut open = Vec::new();
+    let cases = [
+        ("Content-Length: 1000000000\r\n", ""),
+        ("Content-Length: 100\r\n", "{"),
+        ("Content-Length: 100\r\nExpect: 100-continue\r\n", ""),
+        ("Transfer-Encoding: chunked\r\n", ""),
+        ("Transfer-Encoding: chunked\r\n", "5\r\nab"),
+        ("Transfer-Encoding: nonsense\r\n", ""),
+        ("Content-Length: 1\r\nContent-Length: 2\r\n", "x"),
+    ];
+    for (number, (headers, body)) in cases.into_iter().enumerate() {
+        open.push(client(address, &press(ROUTES[number % 4], headers, body)));
+        stops(&house, number + 1).await;
+    }
+    for client in &mut open {
+        assert!(answered(client).starts_with("HTTP/1.1 "), "and it is answered");
+    }
+}
+
+/// Safety S8: what hyper gives up on is heard to its end.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_stop_with_a_head_that_is_refused_halts() {
+    let (keyring, tokens) = keys();
+    let house = guarded_house(searching(), Access::Keys(keyring));
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let key = format!("Authorization: Bearer {}\r\n", tokens.viewer);
+    let cases = [
+        (format!("X: {}\r\n{key}", "x".repeat(70_000)), "431"),
+        (format!("X: {}\r\n{key}", "x".repeat(700_000)), "431"),
+        (format!("{}{key}", "X: y\r\n".repeat(200)), "431"),
+        (format!("no header\r\n{key}"), "400"),
+        (format!("\u{1}: \u{2}\r\n{key}"), "400"),
+    ];
+    for (number, (headers, status)) in cases.into_iter().enumerate() {
+        let mut client = client(address, &press("/h", &headers, ""));
+        assert_eq!(answered(&mut client), format!("HTTP/1.1 {status}"));
+        stops(&house, number + 1).await;
+    }
+}
+
+/// Safety S9.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn bodies_that_do_not_come_keep_no_stop_out() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let half = "POST /api/v1/commands/goto HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{";
+    let mut half_said = Vec::new();
+    for number in 0..10 {
+        half_said.extend((0..20).map(|_| client(address, half)));
+        assert_eq!(answered(&mut client(address, STOP)), "HTTP/1.1 200", "{number}");
+    }
+    stops(&house, 10).await;
+}
+
+/// Safety A5.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn heads_longer_than_the_bound_are_refused_and_shorter_ones_are_not() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    for (filler, status) in [(65_000, "200"), (66_000, "431"), (70_000, "431")] {
+        let look = LOOK.replace("Host", &format!("X: {}\r\nHost", "x".repeat(filler)));
+        assert_eq!(answered(&mut client(address, &look)), format!("HTTP/1.1 {status}"), "{filler}");
+        // And so on a connection that has had an answer.
+        assert_eq!(answered(&mut client(address, &format!("{LOOK}{look}"))), "HTTP/1.1 200");
     }
 }

@@ -1,6 +1,8 @@
 //! Signing in and out with a browser: a page with one field, and a cookie. It works without scripts, and nothing is signed in
 //! by a link alone: a token in the address only fills the field.
 
+use std::sync::Arc;
+
 use askama::Template;
 use axum::extract::{Query, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
@@ -13,8 +15,10 @@ use super::gate::{LetIn, Peer};
 use super::reading::Form;
 use crate::access::{Access, Network, SESSION_S};
 
-/// The cookie's name.
-pub(super) const COOKIE: &str = "hallsweep";
+/// The cookie's name, of the instance at this port.
+pub(super) fn cookie_name(port: u16) -> Arc<str> {
+    format!("hallsweep-{port}").into()
+}
 
 /// A longer way back is not remembered.
 const LONGEST_PATH: usize = 512;
@@ -54,6 +58,8 @@ struct SignIn<'a> {
     undone: &'static str,
     why: &'static str,
     is_overheard: bool,
+    /// Somebody is signed in already, and may press STOP.
+    is_in: bool,
 }
 
 impl Undone {
@@ -94,29 +100,35 @@ pub(super) async fn page(
 ) -> Response {
     let asked = asked.map(|Query(asked)| asked).unwrap_or_default();
     let next = local(asked.next.as_deref());
-    let is_in = matches!(door.access, Access::Open) || (caller.is_ok() && asked.token.is_none());
-    if is_in {
+    let is_in = caller.is_ok();
+    if matches!(door.access, Access::Open) || (is_in && asked.token.is_none()) {
         return Redirect::to(next).into_response();
     }
     let undone = asked.undone.map_or("", Undone::in_words);
-    shown(StatusCode::OK, peer, SignIn { token: asked.token.as_deref().unwrap_or_default(), next, undone, ..SignIn::default() })
+    let token = asked.token.as_deref().unwrap_or_default();
+    shown(StatusCode::OK, peer, SignIn { token, next, undone, is_in, ..SignIn::default() })
 }
 
 /// `POST sign-in`
-pub(super) async fn sign_in(State(door): State<Door>, peer: Peer, Form(sent): Form<Sent>) -> Response {
+pub(super) async fn sign_in(
+    State(door): State<Door>,
+    peer: Peer,
+    caller: Result<LetIn, super::problem::Problem>,
+    Form(sent): Form<Sent>,
+) -> Response {
     let next = local(sent.next.as_deref());
     let Access::Keys(keyring) = &door.access else { return Redirect::to(next).into_response() };
     let Some(session) = keyring.sign_in(sent.token.trim(), door.now_s()) else {
         door.hold_back(peer).await;
         let why = "This token is not known here: look whether it is whole, and whether it was replaced.";
-        return shown(StatusCode::FORBIDDEN, peer, SignIn { next, why, ..SignIn::default() });
+        return shown(StatusCode::FORBIDDEN, peer, SignIn { next, why, is_in: caller.is_ok(), ..SignIn::default() });
     };
-    (cookie(&session, SESSION_S, peer), Redirect::to(next)).into_response()
+    (cookie(&door, &session, SESSION_S, peer), Redirect::to(next)).into_response()
 }
 
 /// `POST sign-out`
-pub(super) async fn sign_out(peer: Peer) -> Response {
-    (cookie("", 0, peer), Redirect::to("/sign-in")).into_response()
+pub(super) async fn sign_out(State(door): State<Door>, peer: Peer) -> Response {
+    (cookie(&door, "", 0, peer), Redirect::to("/sign-in")).into_response()
 }
 
 /// The address of the page, for somebody who wants to go to `next`.
@@ -135,9 +147,9 @@ fn shown(status: StatusCode, peer: Peer, page: SignIn) -> Response {
 }
 
 /// A cookie no script and no other site gets to see.
-fn cookie(session: &str, lasts_s: i64, peer: Peer) -> HeaderMap {
+fn cookie(door: &Door, session: &str, lasts_s: i64, peer: Peer) -> HeaderMap {
     let secure = if peer.is_encrypted { "; Secure" } else { "" };
-    let cookie = format!("{COOKIE}={session}; Path=/; Max-Age={lasts_s}; HttpOnly; SameSite=Strict{secure}");
+    let cookie = format!("{}={session}; Path=/; Max-Age={lasts_s}; HttpOnly; SameSite=Strict{secure}", door.cookie());
     let cookie = HeaderValue::from_str(&cookie).expect("a session is letters, digits, dots, - and _");
     HeaderMap::from_iter([(header::SET_COOKIE, cookie)])
 }

@@ -42,7 +42,23 @@ async fn a_token_becomes_a_cookie_that_no_script_and_no_other_site_sees() {
 #[tokio::test]
 async fn over_tls_the_cookie_is_for_tls_only() {
     let peer = Peer { address: std::net::Ipv4Addr::LOCALHOST.into(), is_encrypted: true };
-    assert!(cookie(&sign_out(peer).await).1.ends_with("; Secure"));
+    let (house, ..) = guarded();
+    assert!(cookie(&sign_out(State(house.door.clone()), peer).await).1.ends_with("; Secure"));
+}
+
+/// Safety S1.
+#[tokio::test]
+async fn whoever_is_signed_in_can_stop_from_the_page_where_one_signs_in_too() {
+    let (house, operator, viewer) = guarded();
+    let stop = "action=\"/console/stop\"";
+    let bearer = format!("Bearer {viewer}");
+    let known = [BROWSER, ("authorization", &bearer)];
+    let page = text(house.send("GET", &format!("/sign-in?token={operator}"), &known, "").await).await;
+    assert!(page.contains(stop), "{page}");
+    let refused = house.send("POST", "/sign-in", &[FORM, BROWSER, ("authorization", &bearer)], "token=wrong").await;
+    assert!(refused.status() == 403 && text(refused).await.contains(stop));
+    let page = text(house.send("GET", "/sign-in", &[BROWSER], "").await).await;
+    assert!(!page.contains(stop), "a stranger's STOP would not be taken: {page}");
 }
 
 #[tokio::test]
@@ -92,7 +108,7 @@ async fn whoever_signed_out_is_asked_again() {
     let out = house.send("POST", "/sign-out", &[FORM, BROWSER, ("cookie", &cookie)], "").await;
     assert_eq!((out.status().as_u16(), location(&out)), (303, "/sign-in"));
     let (gone, set) = self::cookie(&out);
-    assert!(gone == "hallsweep=" && set.contains("Max-Age=0"), "{set}");
+    assert!(gone == "hallsweep-0=" && set.contains("Max-Age=0"), "{set}");
     assert_eq!(location(&house.send("GET", "/", &[BROWSER, ("cookie", &gone)], "").await), "/sign-in");
 }
 
@@ -105,7 +121,7 @@ async fn whoever_pressed_something_and_is_not_signed_in_any_more_reads_that_it_w
         ("/h", "STOP was not given"),
         ("/console/danger", "What you pressed was not carried out"),
     ] {
-        let led = house.send("POST", path, &[FORM, BROWSER, ("cookie", "hallsweep=old")], "id=3").await;
+        let led = house.send("POST", path, &[FORM, BROWSER, ("cookie", "hallsweep-0=old")], "id=3").await;
         let page = text(house.send("GET", location(&led), &[BROWSER], "").await).await;
         assert!(page.contains(words), "{path}: {page}");
     }
@@ -167,4 +183,37 @@ fn the_way_back_never_leads_away() {
         assert_eq!(local(Some(away)), "/", "{away:?}");
     }
     assert_eq!(sign_in_page("/a?b&next=//c"), "/sign-in");
+}
+
+/// Safety A2.
+#[tokio::test]
+async fn an_expired_session_cookie_is_refused() {
+    let (keyring, tokens) = keys();
+    let house = guarded_house(searching(), Access::Keys(keyring.clone()));
+    for (began_s, status) in [(-SESSION_S + 60, 200), (-SESSION_S, 401), (-2 * SESSION_S, 401)] {
+        let session = keyring.sign_in(&tokens.operator, house.door.now_s() + began_s).unwrap();
+        let cookie = format!("hallsweep-0={session}");
+        assert_eq!(house.send("GET", "/api/v1/state", &[("cookie", &cookie)], "").await.status(), status, "{began_s} s");
+        let stop = house.send("POST", "/api/v1/commands/stop", &[("cookie", &cookie)], "").await;
+        assert_eq!(stop.status(), status, "{began_s} s");
+    }
+    assert_eq!(house.given.lock().unwrap().len(), 1, "one STOP was taken");
+}
+
+#[tokio::test]
+async fn instances_at_several_ports_of_one_host_leave_each_others_sessions_alone() {
+    let (keyring, tokens) = keys();
+    let mut house = guarded_house(searching(), Access::Keys(keyring));
+    let form = format!("token={}", tokens.operator);
+    let mut jar = String::new();
+    for port in [8080, 8081] {
+        house.door = house.door.clone().at(port);
+        let (cookie, _) = cookie(&house.send("POST", "/sign-in", &[FORM], &form).await);
+        assert!(cookie.starts_with(&format!("hallsweep-{port}=")), "{cookie}");
+        jar = format!("{jar}{}{cookie}", if jar.is_empty() { "" } else { "; " });
+    }
+    for (port, status) in [(8080, 200), (8081, 200), (8082, 401)] {
+        house.door = house.door.clone().at(port);
+        assert_eq!(house.send("GET", "/api/v1/state", &[("cookie", &jar)], "").await.status(), status, "{port}");
+    }
 }

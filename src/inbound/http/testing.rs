@@ -71,6 +71,12 @@ impl Archive for Pictures {
     }
 }
 
+/// The record of the mission that goes on.
+pub(super) fn present_mission() -> MissionRecord {
+    let [present, _] = past::missions();
+    present
+}
+
 /// A house in this state with an open door, whose loop accepts everything until told to refuse. Must be called inside a runtime.
 pub(super) fn house(snapshot: Snapshot) -> House {
     guarded_house(snapshot, Access::Open)

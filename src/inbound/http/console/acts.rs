@@ -53,6 +53,8 @@ impl Fields {
             ("safe" | "danger" | "retake", Some(_)) => "verdict".to_owned(),
             ("acknowledge", Some(id)) => format!("alarm-{id}"),
             ("move" | "goto", _) => "drive".to_owned(),
+            // What is said beside STOP is its script's.
+            ("stop", _) => "page".to_owned(),
             _ => act.to_owned(),
         }
     }

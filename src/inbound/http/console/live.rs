@@ -20,8 +20,8 @@ use super::super::gate::LetIn;
 use super::super::problem::Problem;
 use super::super::watcher::{Wake, Watcher};
 use super::parts::PARTS;
-use super::view::{View, Who};
-use super::{UNBUFFERED, hall, who};
+use super::view::{Place, View, Who};
+use super::{UNBUFFERED, began, hall, who};
 use crate::core::units::Wall;
 use crate::core::world::snapshot::Snapshot;
 
@@ -56,16 +56,19 @@ struct Shown {
 pub(in crate::inbound::http) async fn live(State(door): State<Door>, LetIn(caller): LetIn) -> Result<Response, Problem> {
     let who = who(&door, &caller);
     let (watcher, snapshot) = Watcher::open(&door, caller)?;
-    let (hall, clock) = (Arc::clone(&door.hall), door.clock);
     let events = stream::unfold((watcher, Shown::default(), Some(snapshot)), move |(mut watcher, mut shown, first)| {
-        let (hall, who) = (Arc::clone(&hall), who.clone());
+        let (door, who) = (door.clone(), who.clone());
         async move {
             let wake = match first {
                 Some(snapshot) => Wake::Changed(snapshot),
                 None => watcher.next(PAUSE, HEARTBEAT).await,
             };
             let event = match wake {
-                Wake::Changed(snapshot) => message(&shown.update(snapshot, &hall, who, clock.now().wall)),
+                Wake::Changed(snapshot) => {
+                    let began = began::began(&door, snapshot.mission.id).await;
+                    let hall = Place { name: &door.hall, cell_m: door.cell_m };
+                    message(&shown.update(snapshot, hall, began, who, door.clock.now().wall))
+                }
                 Wake::Quiet => Event::default().event("tick").data("alive"),
                 Wake::Closed => return None,
             };
@@ -82,8 +85,8 @@ fn message(message: &Message) -> Event {
 
 impl Shown {
     /// What this page lacks of a snapshot; from now on it shows it.
-    fn update(&mut self, snapshot: Arc<Snapshot>, hall: &str, who: Option<Who>, now: Wall) -> Message {
-        let view = View { snapshot: &snapshot, hall, who, why: None, now };
+    fn update(&mut self, snapshot: Arc<Snapshot>, hall: Place<'_>, began: Option<Wall>, who: Option<Who>, now: Wall) -> Message {
+        let view = View { snapshot: &snapshot, hall, began, who, why: None, now };
         let older = self.older.take();
         let mut parts = tiles(older.as_deref(), &snapshot);
         for part in &PARTS {
@@ -137,9 +140,11 @@ mod tests {
     use crate::core::world::resource::Resource;
     use crate::wire::fixture::{TEN, idle, searching, touch};
 
+    const AIRPORT: Place<'static> = Place { name: "airport", cell_m: None };
+
     #[test]
     fn the_first_message_has_every_part_and_every_tile() {
-        let message = Shown::default().update(Arc::new(searching()), "airport", None, TEN);
+        let message = Shown::default().update(Arc::new(searching()), AIRPORT, None, None, TEN);
         assert!(message.whole);
         assert_eq!(message.parts.len(), PARTS.len() + 1);
         for (id, html) in &message.parts {
@@ -154,11 +159,11 @@ mod tests {
             snapshot.map.mark(Cell::new(x, 40), Mark::Wall, Revision(20));
         }
         let mut shown = Shown::default();
-        shown.update(Arc::new(snapshot.clone()), "airport", None, TEN);
+        shown.update(Arc::new(snapshot.clone()), AIRPORT, None, None, TEN);
         snapshot.map.mark(Cell::new(4, 1), Mark::Visited, Revision(21));
         snapshot.robot.pose.cell = Cell::new(4, 1);
         touch(&mut snapshot, 21, &[Resource::Map, Resource::Robot]);
-        let message = shown.update(Arc::new(snapshot), "airport", None, TEN);
+        let message = shown.update(Arc::new(snapshot), AIRPORT, None, None, TEN);
         let ids: Vec<&str> = message.parts.keys().map(String::as_str).collect();
         assert_eq!(ids, ["hall-frontier", "hall-layer", "hall-robot", "robot", "tile_0_0"]);
         assert!(serde_json::to_string(&message).unwrap().len() < 8_000);
@@ -169,18 +174,18 @@ mod tests {
         let mut snapshot = searching();
         snapshot.map.mark(Cell::new(100, 0), Mark::Wall, Revision(20));
         let mut shown = Shown::default();
-        shown.update(Arc::new(snapshot), "airport", None, TEN);
+        shown.update(Arc::new(snapshot), AIRPORT, None, None, TEN);
         let mut emptied = idle();
         touch(&mut emptied, 21, &Resource::ALL);
-        assert_eq!(shown.update(Arc::new(emptied), "airport", None, TEN).parts["tile_3_0"], "");
+        assert_eq!(shown.update(Arc::new(emptied), AIRPORT, None, None, TEN).parts["tile_3_0"], "");
     }
 
     #[test]
     fn what_looks_the_same_is_not_sent_again() {
         let mut snapshot = searching();
         let mut shown = Shown::default();
-        shown.update(Arc::new(snapshot.clone()), "airport", None, TEN);
+        shown.update(Arc::new(snapshot.clone()), AIRPORT, None, None, TEN);
         touch(&mut snapshot, 21, &Resource::ALL);
-        assert!(shown.update(Arc::new(snapshot), "airport", None, TEN).parts.is_empty());
+        assert!(shown.update(Arc::new(snapshot), AIRPORT, None, None, TEN).parts.is_empty());
     }
 }

@@ -19,7 +19,7 @@ use crate::core::world::luggage::Luggage;
 use crate::runtime::archive::MissionRecord;
 use crate::wire::journal_words::{outcome, words};
 use crate::wire::luggage::photo_url;
-use crate::wire::time::{date_and_time, rfc3339};
+use crate::wire::time::{Zone, rfc3339};
 
 /// Events on a page: a few screens.
 const EVENTS: u64 = 200;
@@ -29,7 +29,7 @@ pub(in crate::inbound::http) async fn list(State(door): State<Door>, query: Quer
     query.only(&["before"])?;
     let before = before(&query)?;
     let (missions, next) = newest(&door, before, MISSIONS).await?;
-    Ok(html(&List { missions, before, next }))
+    Ok(html(&List { missions, before, next, zone: Zone::of(door.clock.now().wall) }))
 }
 
 /// `GET missions/{id}`
@@ -46,7 +46,7 @@ pub(in crate::inbound::http) async fn one(
         Show::Commands => wanted(&door, id, after, EVENTS, is_command).await?,
         Show::All => happened(&door, id, after, EVENTS).await?,
     };
-    Ok(html(&One { record, standing, show, after, events, next }))
+    Ok(html(&One { record, standing, show, after, events, next, zone: Zone::of(door.clock.now().wall) }))
 }
 
 /// How much is shown of what happened.
@@ -98,6 +98,7 @@ struct List {
     missions: Vec<MissionRecord>,
     before: Option<MissionId>,
     next: Option<MissionId>,
+    zone: Zone,
 }
 
 /// One mission, and a page of what happened in it.
@@ -110,6 +111,7 @@ struct One {
     after: Seq,
     events: Vec<(Seq, Entry)>,
     next: Option<Seq>,
+    zone: Zone,
 }
 
 /// One line of what happened.
@@ -127,7 +129,7 @@ struct Event {
 
 impl List {
     fn time(&self, wall: &Wall) -> String {
-        date_and_time(*wall)
+        self.zone.date_and_time(*wall)
     }
 
     fn came_to(&self, record: &MissionRecord) -> String {
@@ -137,7 +139,7 @@ impl List {
 
 impl One {
     fn time(&self, wall: &Wall) -> String {
-        date_and_time(*wall)
+        self.zone.date_and_time(*wall)
     }
 
     fn came_to(&self) -> String {
@@ -159,7 +161,7 @@ impl One {
     }
 
     fn events(&self) -> Vec<Event> {
-        self.events.iter().map(|(seq, entry)| Event::of(*seq, entry)).collect()
+        self.events.iter().map(|(seq, entry)| Event::of(*seq, entry, self.zone)).collect()
     }
 
     fn is_later_page(&self) -> bool {
@@ -183,11 +185,11 @@ impl One {
 }
 
 impl Event {
-    fn of(seq: Seq, entry: &Entry) -> Event {
+    fn of(seq: Seq, entry: &Entry, zone: Zone) -> Event {
         let mut event = Event {
             seq,
             moment: rfc3339(entry.wall),
-            time: date_and_time(entry.wall),
+            time: zone.date_and_time(entry.wall),
             what: String::new(),
             by: None,
             outcome: String::new(),
@@ -209,10 +211,10 @@ fn came_to(record: &MissionRecord) -> String {
     let phase = PhaseName::ALL.into_iter().find(|phase| phase.name() == &*record.phase);
     let words = phase.map_or(&*record.phase, |phase| phase.in_words());
     let came_to = match (record.archived, phase) {
+        (_, Some(PhaseName::Explored)) => "The whole hall was searched".to_owned(),
+        (_, Some(PhaseName::BombLocated)) => "A bomb was located".to_owned(),
+        (_, Some(PhaseName::BagSecured)) => "The bomb was fetched and secured".to_owned(),
         (None, _) => format!("Under way: {words}"),
-        (Some(_), Some(PhaseName::Explored)) => "The whole hall was searched".to_owned(),
-        (Some(_), Some(PhaseName::BombLocated)) => "A bomb was located".to_owned(),
-        (Some(_), Some(PhaseName::BagSecured)) => "The bomb was fetched and secured".to_owned(),
         (Some(_), _) => format!("Put away while {words}"),
     };
     let left: Vec<String> = record.left.iter().map(|luggage| format!("#{luggage}")).collect();
@@ -222,12 +224,21 @@ fn came_to(record: &MissionRecord) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::super::testing::{House, house, text};
-    use crate::wire::fixture::searching;
+    use crate::core::units::Wall;
+    use crate::runtime::archive::MissionRecord;
+    use crate::runtime::clock::Clock;
+    use crate::wire::fixture::{TEN, searching};
+    use crate::wire::time::Zone;
 
     async fn page(house: &House, path: &str) -> String {
         let response = house.get(path).await;
         assert_eq!(response.status(), 200, "{path}");
         text(response).await
+    }
+
+    /// A moment as a page of this machine shows it.
+    fn here(wall: Wall) -> String {
+        Zone::of(Clock::default().now().wall).date_and_time(wall)
     }
 
     fn check(page: &str, wanted: &[&str]) {
@@ -239,11 +250,12 @@ mod tests {
     #[tokio::test]
     async fn the_list_says_what_each_mission_came_to() {
         let page = page(&house(searching()), "/missions").await;
+        let began = here(TEN);
         check(
             &page,
             &[
                 "href=\"/missions/1\"",
-                "3 Feb 2026, 10:00:00",
+                &began,
                 "A bomb was located; luggage #2 was left in place",
                 "Under way: exploring",
                 "href=\"/\"",
@@ -258,7 +270,8 @@ mod tests {
         let page = page(&house(searching()), "/missions/1").await;
         let hall = ["<svg id=\"hall\"", "class=\"wall\"", "class=\"piece danger\"", "<title>home</title>"];
         check(&page, &hall);
-        check(&page, &["/api/v1/luggage/3/photo?take=1", "decided 3 Feb 2026, 10:00:00 by operator", "not decided"]);
+        let decided = format!("decided {} by operator", here(TEN));
+        check(&page, &["/api/v1/luggage/3/photo?take=1", &decided, "not decided"]);
     }
 
     /// Safety A6.
@@ -267,14 +280,19 @@ mod tests {
         let house = house(searching());
         let all = page(&house, "/missions/1").await;
         check(&all, &["START <span class=\"by\">by anna (console, 192.0.2.7):</span> <b class=\"accepted\">accepted</b>"]);
-        check(&all, &["<b class=\"refused\">refused: the robot is moving: press STOP first</b>", "held by: operator"]);
+        check(
+            &all,
+            &["<b class=\"refused\">refused: the robot is moving: press STOP first</b>", "held: stopped by the operator"],
+        );
         let commands = page(&house, "/missions/1?show=commands").await;
-        assert!(commands.contains("RESET") && !commands.contains("held by: operator"));
+        assert!(commands.contains("RESET") && !commands.contains("held: stopped by the operator"));
         let steps = page(&house, "/missions/1?show=all").await;
         check(&steps, &["robot at (0, 0)", "START", "<b>Every step</b>"]);
         assert!(!all.contains("robot at (0, 0)") && all.contains("<b>What was done and found</b>"), "steps are a second view");
         let later = page(&house, "/missions/1?after=3").await;
-        assert!(!later.contains("anna") && later.contains("held by: operator") && later.contains("From the beginning"));
+        assert!(
+            !later.contains("anna") && later.contains("held: stopped by the operator") && later.contains("From the beginning")
+        );
     }
 
     #[tokio::test]
@@ -282,9 +300,10 @@ mod tests {
         let house = house(searching());
         for path in ["/missions", "/missions?before=2", "/missions/1", "/missions/2", "/missions/1?show=all&after=2"] {
             let page = page(&house, path).await;
-            for unwanted in ["style=", "<style", "<script", "onclick", "http://", "https://"] {
+            for unwanted in ["style=", "<style", "onclick", "http://", "https://"] {
                 assert!(!page.contains(unwanted), "{unwanted} in {path}");
             }
+            assert_eq!(page.matches("<script").count(), page.matches("<script src=\"/static/stop.js\" defer>").count(), "{path}");
         }
     }
 
@@ -301,5 +320,15 @@ mod tests {
             assert_eq!(response.status(), status, "{path}");
             assert!(text(response).await.contains(words), "{path}");
         }
+    }
+
+    #[test]
+    fn a_search_that_has_come_to_its_end_is_not_listed_as_under_way() {
+        let record = super::super::super::testing::present_mission();
+        let came_to = |phase: &str| super::came_to(&MissionRecord { phase: phase.into(), ..record.clone() });
+        assert_eq!(came_to("explored"), "The whole hall was searched");
+        assert_eq!(came_to("bombLocated"), "A bomb was located");
+        assert_eq!(came_to("bagSecured"), "The bomb was fetched and secured");
+        assert_eq!(came_to("returningHome"), "Under way: returning home");
     }
 }

@@ -2,10 +2,12 @@
 //! without a script; the script only saves the reloading. What may be done is the core's business: the page shows its refusals.
 
 mod acts;
+mod began;
 mod hall;
 mod live;
 pub(super) mod missions;
 mod parts;
+pub(super) mod photo;
 mod view;
 
 use askama::Template;
@@ -26,21 +28,22 @@ use crate::runtime::carry_out::Done;
 use crate::wire::answer::AnswerJson;
 use acts::Fields;
 use parts::Page;
-use view::{View, Who, Why};
+use view::{Place, View, Who, Why};
 
+pub(super) use began::Began;
 pub(super) use live::live;
 
 /// The page again, with the reason in words beside the button that was pressed.
-pub(super) fn refused_page(door: &Door, caller: &Caller, button: &str, problem: &Problem) -> Response {
+pub(super) async fn refused_page(door: &Door, caller: &Caller, button: &str, problem: &Problem) -> Response {
     let why = Why::new(button, problem.detail());
-    let mut response = (problem.status(), whole(door, caller, Some(why))).into_response();
+    let mut response = (problem.status(), whole(door, caller, Some(why)).await).into_response();
     problem.tell_gate(&mut response);
     response
 }
 
 /// `GET /`
 pub(super) async fn page(State(door): State<Door>, LetIn(caller): LetIn) -> Html<String> {
-    whole(&door, &caller, None)
+    whole(&door, &caller, None).await
 }
 
 /// `POST console/start` and every other form but STOP's.
@@ -63,7 +66,7 @@ async fn answered(by: &By, headers: &HeaderMap, act: &str, fields: &Fields) -> R
         Ok(Done { accepted, snapshot }) if by_script => axum::Json(AnswerJson::new(accepted, &snapshot)).into_response(),
         Ok(_) => Redirect::to("/").into_response(),
         Err(problem) if by_script => problem.into_response(),
-        Err(problem) => refused_page(&by.door, &by.caller, &fields.button(act), &problem),
+        Err(problem) => refused_page(&by.door, &by.caller, &fields.button(act), &problem).await,
     };
     response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
     response
@@ -76,7 +79,7 @@ pub(super) async fn confirm_danger(State(door): State<Door>, LetIn(caller): LetI
         Some(luggage) => html(&parts::Confirm::danger(luggage)).into_response(),
         None => {
             let why = Why::new("page", Problem::no_luggage(id).detail());
-            (StatusCode::NOT_FOUND, whole(&door, &caller, Some(why))).into_response()
+            (StatusCode::NOT_FOUND, whole(&door, &caller, Some(why)).await).into_response()
         }
     }
 }
@@ -86,9 +89,11 @@ pub(super) async fn confirm_reset() -> Html<String> {
     html(&parts::Confirm::reset())
 }
 
-fn whole(door: &Door, caller: &Caller, why: Option<Why>) -> Html<String> {
+async fn whole(door: &Door, caller: &Caller, why: Option<Why>) -> Html<String> {
     let snapshot = door.handle.snapshot();
-    let view = View { snapshot: &snapshot, hall: &door.hall, who: who(door, caller), why, now: door.clock.now().wall };
+    let began = began::began(door, snapshot.mission.id).await;
+    let hall = Place { name: &door.hall, cell_m: door.cell_m };
+    let view = View { snapshot: &snapshot, hall, began, who: who(door, caller), why, now: door.clock.now().wall };
     html(&Page::new(&view))
 }
 
@@ -133,11 +138,59 @@ mod tests {
             "action=\"/console/acknowledge\"",
             "name=\"epoch\" value=\"1\"",
             "<svg id=\"hall\"",
-            "78 %",
+            "15 cells</b> searched",
+            "4 places still open",
+            "<b data-since=\"1770109200000\">",
             "title=\"luggage #3 waits for its verdict: answer safe or danger first\"",
         ] {
             assert!(page.contains(wanted), "{wanted}");
         }
+    }
+
+    /// Safety S10.
+    #[tokio::test]
+    async fn every_page_has_a_stop_that_works_without_a_script_and_the_script_that_does_not_let_it_go() {
+        let house = house(searching());
+        let browser = [("accept", "text/html,application/xhtml+xml,*/*;q=0.8")];
+        let pages = ["/", "/missions", "/missions/1", "/missions/9", "/luggage/3", "/luggage/99", "/console/confirm/reset"];
+        for path in pages.into_iter().chain(["/console/confirm/danger/3", "/nowhere", "/api/v1/luggage/3/photo"]) {
+            let mut response = house.send("GET", path, &browser, "").await;
+            if let Some(next) = response.headers().get("location").cloned() {
+                response = house.send("GET", next.to_str().unwrap(), &browser, "").await;
+            }
+            let page = text(response).await;
+            assert!(page.contains("<form id=\"stop\" method=\"post\" action=\"/console/stop\">"), "{path}: {page}");
+            assert!(page.contains("<script src=\"/static/stop.js\" defer>") && page.matches("<h1").count() == 1, "{path}");
+        }
+    }
+
+    #[tokio::test]
+    async fn a_page_that_another_name_led_to_has_no_stop_because_it_would_be_refused() {
+        let house = house(searching());
+        let browser = [("accept", "text/html"), ("host", "elsewhere.example")];
+        let response = house.send("GET", "/", &browser, "").await;
+        assert_eq!(response.status(), 421);
+        assert!(!text(response).await.contains("/console/stop"));
+    }
+
+    #[tokio::test]
+    async fn a_photo_opened_by_itself_is_a_page_and_a_program_gets_the_picture() {
+        let house = house(searching());
+        let photo = "/api/v1/luggage/3/photo?take=1";
+        let opened = house.send("GET", photo, &[("accept", "text/html,image/avif,*/*;q=0.8")], "").await;
+        assert_eq!((opened.status().as_u16(), &opened.headers()["location"]), (303, &"/luggage/3".parse().unwrap()));
+        for accept in ["*/*", "image/avif,image/webp,image/*,*/*;q=0.8", "image/png"] {
+            let picture = house.send("GET", photo, &[("accept", accept)], "").await;
+            assert_eq!(
+                (picture.status().as_u16(), &picture.headers()["content-type"]),
+                (200, &"image/png".parse().unwrap()),
+                "{accept}"
+            );
+            assert!(picture.headers().get_all("vary").iter().any(|vary| vary == "accept"));
+        }
+        let page = text(house.get("/luggage/3").await).await;
+        assert!(page.contains(&format!("src=\"{photo}\"")) && page.contains("Times are in UTC"), "{page}");
+        assert!(text(house.get("/").await).await.contains("href=\"/luggage/3\" target"));
     }
 
     #[tokio::test]

@@ -11,7 +11,7 @@ use crate::core::world::log::LogLine;
 use crate::core::world::luggage::{Luggage, PhotoState};
 use crate::core::world::resource::Resource;
 use crate::wire::luggage::photo_url;
-use crate::wire::time::{clock_time, date_and_time, rfc3339};
+use crate::wire::time::rfc3339;
 
 /// Lines of the log on the page; the interface has more.
 const LINES: usize = 40;
@@ -81,7 +81,7 @@ impl<'a> Page<'a> {
     }
 
     fn made(&self) -> String {
-        date_and_time(self.v.now)
+        self.v.zone().date_and_time(self.v.now)
     }
 
     fn tiles(&self) -> String {
@@ -174,7 +174,7 @@ impl Inspect<'_> {
         format!(
             "The bag is at {cell}; seen from {from}, facing {}; {}",
             luggage.pose.heading.name(),
-            date_and_time(luggage.taken)
+            self.v.zone().date_and_time(luggage.taken)
         )
     }
 
@@ -210,20 +210,20 @@ impl Gallery<'_> {
     }
 
     fn time(&self, wall: &Wall) -> String {
-        clock_time(*wall)
+        self.v.zone().clock_time(*wall)
     }
 }
 
 impl Alarms<'_> {
     fn time(&self, wall: &Wall) -> String {
-        clock_time(*wall)
+        self.v.zone().clock_time(*wall)
     }
 }
 
 impl Log<'_> {
     fn lines(&self) -> Vec<(&LogLine, String, String)> {
         let latest = self.v.snapshot.log.iter().rev().take(LINES);
-        latest.map(|line| (&**line, rfc3339(line.wall), clock_time(line.wall))).collect()
+        latest.map(|line| (&**line, rfc3339(line.wall), self.v.zone().clock_time(line.wall))).collect()
     }
 }
 

@@ -11,15 +11,26 @@ use crate::core::world::luggage::Luggage;
 use crate::core::world::robot::RobotState;
 use crate::core::world::snapshot::Snapshot;
 use crate::core::world::temperature::{OPERATOR, TemperatureStatus};
+use crate::wire::time::Zone;
 
 /// A snapshot, and what is to be said to the one who pressed a button.
 pub(super) struct View<'a> {
     pub(super) snapshot: &'a Snapshot,
-    pub(super) hall: &'a str,
+    pub(super) hall: Place<'a>,
+    /// When the present mission began, where that is known.
+    pub(super) began: Option<Wall>,
     /// Who looks; `None` where nobody is asked who he is.
     pub(super) who: Option<Who>,
     pub(super) why: Option<Why>,
     pub(super) now: Wall,
+}
+
+/// What is known of the hall beforehand.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place<'a> {
+    pub(super) name: &'a str,
+    /// The side of a cell, in metres, where it is known.
+    pub(super) cell_m: Option<f64>,
 }
 
 /// Somebody who is signed in.
@@ -104,14 +115,46 @@ impl View<'_> {
         !self.snapshot.mission.holds.is_empty() && self.mood() != Mood::Calm && self.waiting().is_none()
     }
 
-    /// Whether the robot stands.
+    /// Whether the robot stands, as far as anybody knows.
     pub(super) fn is_still(&self) -> bool {
-        self.snapshot.robot.state == RobotState::Stopped
+        self.snapshot.robot.state == RobotState::Stopped && !self.snapshot.robot.halting
     }
 
     /// Whether anything has been searched yet.
     pub(super) fn is_begun(&self) -> bool {
         self.snapshot.mission.phase != PhaseName::Idle || self.snapshot.mission.progress.visited > 1
+    }
+
+    /// What was searched, as `41 cells, 25.6 m²`.
+    pub(super) fn searched(&self) -> String {
+        let visited = self.snapshot.mission.progress.visited;
+        let cells = format!("{visited} {}", if visited == 1 { "cell" } else { "cells" });
+        let Some(side) = self.hall.cell_m else { return cells };
+        let visited = u32::try_from(visited).unwrap_or(u32::MAX);
+        format!("{cells}, {:.1} m²", f64::from(visited) * side * side)
+    }
+
+    /// What is still open, in words: how much there will be behind it nobody knows.
+    pub(super) fn open(&self) -> String {
+        match self.snapshot.mission.progress.unknown {
+            0 => "nothing is open: the hall is searched".to_owned(),
+            1 => "1 place still open".to_owned(),
+            open => format!("{open} places still open"),
+        }
+    }
+
+    /// When the mission began that goes on, so that its time is counted; one that is over has none.
+    pub(super) fn counts_since(&self) -> Option<Wall> {
+        let is_over = matches!(
+            self.snapshot.mission.phase,
+            PhaseName::Idle | PhaseName::BombLocated | PhaseName::BagSecured | PhaseName::Explored
+        );
+        self.began.filter(|_| !is_over)
+    }
+
+    /// The zone of every time on the page.
+    pub(super) const fn zone(&self) -> Zone {
+        Zone::of(self.now)
     }
 
     /// What holds the robot, in words, each with what to do about it.
@@ -231,6 +274,9 @@ impl View<'_> {
 
     /// The robot's state in words.
     pub(super) const fn robot_state(&self) -> &'static str {
+        if self.snapshot.robot.halting {
+            return "halting …";
+        }
         match self.snapshot.robot.state {
             RobotState::Stopped => "stands still",
             RobotState::MovingForward => "moves forward",
@@ -242,15 +288,18 @@ impl View<'_> {
         }
     }
 
-    /// The reading that matters: the hottest of those that are too hot, else the last; or a dash of the same width.
+    /// The reading that matters: the hottest of those that are too hot, else the last; or that there is none.
     pub(super) fn celsius(&self) -> String {
         let hottest = self.hot().iter().map(|(_, reading)| *reading).max_by(|a, b| a.degrees().total_cmp(&b.degrees()));
-        hottest.or(self.snapshot.temperature.celsius).map_or_else(|| "– °C".to_owned(), |celsius| celsius.to_string())
+        hottest.or(self.snapshot.temperature.celsius).map_or_else(|| "no reading".to_owned(), |celsius| celsius.to_string())
     }
 
     /// What the temperature means, in words.
     pub(super) fn temperature_words(&self) -> &'static str {
         match self.snapshot.temperature.status {
+            TemperatureStatus::Ok if self.snapshot.temperature.celsius.is_none() => {
+                "no thermometer was read: nobody says how warm it is"
+            }
             TemperatureStatus::Ok => "ok",
             TemperatureStatus::TooHigh if self.declared_too_high() => "too high by an operator's word: press OK to take it back",
             TemperatureStatus::TooHigh => "too high: nothing moves",
@@ -277,21 +326,20 @@ impl View<'_> {
         self.snapshot.mission.holds.contains(&Hold::TooHigh)
     }
 
-    /// How long a piece has waited, as `0:14`.
-    pub(super) fn waited(&self, luggage: &Luggage) -> String {
-        let seconds = self.now.unix_ms.saturating_sub(luggage.taken.unix_ms).max(0) / 1000;
+    /// Whether a reading, and no button, says that it is not too hot.
+    pub(super) fn reads_ok(&self) -> bool {
+        self.snapshot.temperature.status == TemperatureStatus::Ok && self.snapshot.temperature.celsius.is_some()
+    }
+
+    /// How long ago a moment was, as `0:14`.
+    pub(super) fn gone(&self, since: &Wall) -> String {
+        let seconds = self.now.unix_ms.saturating_sub(since.unix_ms).max(0) / 1000;
         format!("{}:{:02}", seconds / 60, seconds % 60)
     }
 
     /// How many alarms nobody has seen yet.
     pub(super) fn unseen_alarms(&self) -> usize {
         self.snapshot.alarms.iter().filter(|alarm| alarm.acknowledged.is_none()).count()
-    }
-
-    /// Cells known to be there: visited ones and those still to be visited.
-    pub(super) const fn cells(&self) -> usize {
-        let progress = self.snapshot.mission.progress;
-        progress.visited + progress.unknown
     }
 }
 
@@ -314,10 +362,12 @@ fn capital(words: &str) -> String {
 mod tests {
     use super::*;
     use crate::core::world::resource::Resource;
+    use crate::core::world::snapshot::Progress;
     use crate::wire::fixture::{TEN, degrees, idle, searching, touch};
 
     fn view(snapshot: &Snapshot) -> View<'_> {
-        View { snapshot, hall: "airport", who: None, why: None, now: Wall { unix_ms: TEN.unix_ms + 74_900, ..TEN } }
+        let hall = Place { name: "airport", cell_m: Some(0.5) };
+        View { snapshot, hall, began: Some(TEN), who: None, why: None, now: Wall { unix_ms: TEN.unix_ms + 74_900, ..TEN } }
     }
 
     #[test]
@@ -327,7 +377,7 @@ mod tests {
         assert_eq!(view.mood(), Mood::Held);
         assert_eq!(view.announcement(), "Luggage #3 waits for your verdict. Luggage #2 is dangerous.");
         assert_eq!(view.title(), "‖ luggage #3 waits for your verdict · hallsweep");
-        assert_eq!(view.waited(&snapshot.luggage[2]), "1:14");
+        assert_eq!(view.gone(&snapshot.luggage[2].taken), "1:14");
     }
 
     #[test]
@@ -355,6 +405,49 @@ mod tests {
                 "An operator reported 31.5 °C. It counts until a reading of 24.0 °C or less is reported."
             ]
         );
+    }
+
+    #[test]
+    fn a_robot_that_was_told_to_halt_is_halting_until_it_is_known_to_stand() {
+        let mut snapshot = searching();
+        for (state, halting, words, is_still) in [
+            (RobotState::MovingForward, false, "moves forward", false),
+            (RobotState::MovingForward, true, "halting …", false),
+            (RobotState::Stopped, true, "halting …", false),
+            (RobotState::Stopped, false, "stands still", true),
+        ] {
+            (snapshot.robot.state, snapshot.robot.halting) = (state, halting);
+            assert_eq!((view(&snapshot).robot_state(), view(&snapshot).is_still()), (words, is_still));
+        }
+    }
+
+    #[test]
+    fn without_a_reading_nothing_is_said_to_be_ok_and_no_button_is_lit() {
+        let mut snapshot = idle();
+        assert_eq!(view(&snapshot).celsius(), "no reading");
+        assert!(!view(&snapshot).temperature_words().contains("ok") && !view(&snapshot).reads_ok());
+        snapshot.temperature.celsius = Some(degrees(21.0));
+        assert!(view(&snapshot).temperature_words() == "ok" && view(&snapshot).reads_ok());
+        snapshot.temperature.status = TemperatureStatus::TooHigh;
+        assert!(!view(&snapshot).reads_ok(), "OK is not lit while it is too hot");
+        snapshot.temperature.status = TemperatureStatus::Stale;
+        assert!(!view(&snapshot).reads_ok(), "nor while the sensor is silent");
+    }
+
+    #[test]
+    fn progress_says_what_was_searched_and_what_is_open_and_counts_until_it_is_over() {
+        let mut snapshot = searching();
+        assert_eq!(
+            (view(&snapshot).searched().as_str(), view(&snapshot).open().as_str()),
+            ("15 cells, 3.8 m²", "4 places still open")
+        );
+        let unmeasured = View { hall: Place { name: "airport", cell_m: None }, ..view(&snapshot) };
+        assert_eq!(unmeasured.searched(), "15 cells");
+        assert_eq!(view(&snapshot).counts_since(), Some(TEN));
+        snapshot.mission.progress = Progress { visited: 19, unknown: 0 };
+        snapshot.mission.phase = PhaseName::Explored;
+        assert!(view(&snapshot).open().starts_with("nothing is open"));
+        assert_eq!(view(&snapshot).counts_since(), None);
     }
 
     #[test]

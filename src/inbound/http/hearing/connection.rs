@@ -1,0 +1,334 @@
+//! One connection, from its first byte to its end: it is encrypted where connections are, waits in the vestibule until its first
+//! head has come, gets a place or is told that there is none, and is heard on whatever becomes of its requests. Everything here
+//! runs on the thread that hears.
+
+use std::pin::Pin;
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Router;
+use bytes::{Buf, BytesMut};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
+use tokio::net::TcpStream;
+use tokio::runtime::Handle;
+use tokio::sync::{Notify, watch};
+use tokio::time::{Sleep, sleep, timeout};
+
+use super::judge::Judge;
+use super::talk::{Shared, Talk};
+use crate::inbound::http::Door;
+use crate::inbound::http::gate::Peer;
+use crate::inbound::http::guard::Hosts;
+use crate::inbound::http::places::{Claim, Place, Places};
+use crate::inbound::http::problem::Problem;
+use crate::inbound::http::scanning::{BodyLength, Heard, Scanner, names};
+use crate::inbound::http::tls::Tls;
+use crate::inbound::http::vestibule::{Guest, Vestibule};
+use crate::inbound::http::watcher::closed;
+use crate::inbound::patience::Patient;
+
+/// How long a client may take to agree on encryption.
+const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
+
+/// How long a client may take over a request's headers, and how long it may be silent between two requests.
+pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
+
+/// How long a request's line and headers may be together; longer ones are answered with 431.
+pub(super) const HEADER_BYTES: usize = 64 * 1024;
+
+/// So much is read at once, in bytes; others have their turn after so many of these, and after so many heads.
+const TURN: usize = 16 * 1024;
+const TURNS: usize = 4;
+const HEADS: usize = 32;
+
+/// After the last answer a connection is heard on so long, and so far in bytes, for the end of a head that is coming, and so that the
+/// answer gets to the client.
+const LINGER_TIME: Duration = Duration::from_secs(5);
+const LINGER_BYTES: usize = 1024 * 1024;
+
+/// What every connection has in common.
+#[derive(Clone)]
+pub(in crate::inbound::http) struct Line {
+    pub(in crate::inbound::http) door: Door,
+    pub(in crate::inbound::http) hosts: Hosts,
+    pub(in crate::inbound::http) router: Router,
+    pub(in crate::inbound::http) tls: Option<Tls>,
+    pub(in crate::inbound::http) places: Places,
+    pub(in crate::inbound::http) vestibule: Vestibule,
+    /// Where requests are carried out.
+    pub(in crate::inbound::http) work: Handle,
+    pub(in crate::inbound::http) closing: watch::Receiver<bool>,
+}
+
+/// One connection, to its end or until its place is needed. What a client does wrong with it is the client's business.
+pub(in crate::inbound::http) async fn converse(stream: TcpStream, line: Line) {
+    let Ok(address) = stream.peer_addr() else { return };
+    let peer = Peer { address: address.ip(), is_encrypted: line.tls.is_some() };
+    let cut = Arc::new(Notify::new());
+    let guest = line.vestibule.enter(peer.address, Arc::clone(&cut));
+    tokio::select! {
+        () = cut.notified() => tracing::debug!("a connection gave way to a newer one"),
+        () = encrypted(stream, peer, (guest, Arc::clone(&cut)), line) => {}
+    }
+}
+
+/// Agrees on encryption, where there is any, and then hears.
+async fn encrypted(stream: TcpStream, peer: Peer, guest: (Guest, Arc<Notify>), line: Line) {
+    if let Err(error) = stream.set_nodelay(true) {
+        tracing::debug!(%error, "small packets of a connection will be held back");
+    }
+    let Some(Tls(acceptor)) = line.tls.clone() else {
+        let (from, to) = stream.into_split();
+        return Connection::new(from, to, peer, guest, line).hear().await;
+    };
+    match timeout(HANDSHAKE_TIME, acceptor.accept(stream)).await {
+        Ok(Ok(stream)) => {
+            let (from, to) = tokio::io::split(stream);
+            Connection::new(from, to, peer, guest, line).hear().await;
+        }
+        Ok(Err(error)) => tracing::debug!(%error, "a client could not agree on encryption"),
+        Err(_) => tracing::debug!("a client did not agree on encryption in time"),
+    }
+}
+
+struct Connection<R, W> {
+    from: R,
+    /// Until somebody talks to the client.
+    to: Option<W>,
+    cut: Arc<Notify>,
+    guest: Option<Guest>,
+    place: Option<Arc<Place>>,
+    talk: Option<Talk>,
+    line: Line,
+    judge: Judge,
+    shared: Arc<Shared>,
+    scanner: Scanner,
+    /// Of whom the first head was.
+    claim: Option<Claim>,
+    /// What was read and not handed on, and how much of it the scanner has seen.
+    read: BytesMut,
+    scanned: usize,
+    /// What was read since others had their turn.
+    turn: usize,
+    /// Ends when the first head must have come.
+    late: Pin<Box<Sleep>>,
+}
+
+/// How reading has gone on.
+enum Read {
+    More,
+    End,
+    /// Nothing more is answered.
+    Over,
+}
+
+impl<R, W> Connection<R, W>
+where
+    R: AsyncRead + Unpin + Send,
+    W: AsyncWrite + Unpin + Send + 'static,
+{
+    fn new(from: R, to: W, peer: Peer, (guest, cut): (Guest, Arc<Notify>), line: Line) -> Connection<R, W> {
+        Connection {
+            from,
+            to: Some(to),
+            cut,
+            guest: Some(guest),
+            place: None,
+            talk: None,
+            judge: Judge { door: line.door.clone(), hosts: line.hosts.clone(), peer },
+            scanner: Scanner::new(line.door.cookie()),
+            line,
+            shared: Shared::new(),
+            claim: None,
+            read: BytesMut::new(),
+            scanned: 0,
+            turn: 0,
+            late: Box::pin(sleep(HEADER_TIME)),
+        }
+    }
+
+    /// Hears until there is nothing more to hear.
+    async fn hear(mut self) {
+        loop {
+            let handed_over = self.scan().await;
+            if self.talk.is_none() && self.is_to_begin() && !self.begin() {
+                return self.refuse().await;
+            }
+            if let Some(talk) = &mut self.talk {
+                if talk.to.write_all(&self.read[..self.scanned]).await.is_err() {
+                    return self.linger().await;
+                }
+                self.read.advance(self.scanned);
+                self.scanned = 0;
+                if let Some(number) = handed_over {
+                    if self.is_handed_over(number).await {
+                        return self.carry().await;
+                    }
+                    continue;
+                }
+            }
+            match self.read_more().await {
+                Read::More => {}
+                Read::Over => return self.linger().await,
+                Read::End => break,
+            }
+        }
+        if let Some(talk) = self.talk.take() {
+            talk.ended(&self.shared).await;
+        }
+    }
+
+    /// Hears what was read; ends early behind a request that may hand the connection over, and says its number.
+    async fn scan(&mut self) -> Option<u64> {
+        let (mut heads, mut may_hand_over) = (0, false);
+        while self.scanned < self.read.len() {
+            let (taken, heard) = self.scanner.take(&self.read[self.scanned..]);
+            self.scanned += taken;
+            let is_whole = match heard {
+                None => false,
+                Some(Heard::Body) => {
+                    self.tell(|place| place.received());
+                    true
+                }
+                Some(Heard::Head(head)) => {
+                    let has_body = head.body != BodyLength::Known(0);
+                    let (claim, given) = self.judge.hear(&head);
+                    if let Some(given) = given {
+                        self.shared.keep(self.scanner.heads() - 1, given);
+                    }
+                    self.tell(|place| place.asked(claim.clone(), has_body));
+                    self.claim.get_or_insert(claim);
+                    may_hand_over = head.wants_upgrade && names::is_upgrade(&head.target);
+                    heads += 1;
+                    !has_body
+                }
+            };
+            if is_whole && may_hand_over {
+                return Some(self.scanner.heads() - 1);
+            }
+            if heads == HEADS {
+                heads = 0;
+                tokio::task::yield_now().await;
+            }
+        }
+        None
+    }
+
+    fn tell(&self, what: impl FnOnce(&Place)) {
+        if let Some(place) = &self.place {
+            what(place);
+        }
+    }
+
+    /// Whether there is something to answer: a head, or what can be none.
+    fn is_to_begin(&self) -> bool {
+        self.claim.is_some() || self.read.len() >= HEADER_BYTES || self.scanner.is_no_request()
+    }
+
+    /// Takes a place and begins to talk; `false` when there is none.
+    fn begin(&mut self) -> bool {
+        let claim = self.claim.clone().unwrap_or_else(|| Claim::new(self.judge.peer.address, None));
+        let Some(place) = self.line.places.take(claim.clone(), Arc::clone(&self.cut)) else { return false };
+        for _ in 0..self.scanner.heads() {
+            place.asked(claim.clone(), !self.scanner.is_between());
+        }
+        let (place, to) = (Arc::new(place), self.to.take());
+        self.guest = None;
+        self.talk = to.map(|to| Talk::begin(to, (self.judge.peer, &place), &self.line, &self.shared));
+        self.place = Some(place);
+        true
+    }
+
+    /// A request that may hand the connection over was heard: nobody knows what comes next before it is answered.
+    async fn is_handed_over(&mut self, number: u64) -> bool {
+        let Some(talk) = &mut self.talk else { return false };
+        tokio::select! {
+            is_handed_over = self.shared.hands_over(number) => is_handed_over,
+            _ = &mut talk.over => false,
+        }
+    }
+
+    /// Carries bytes of another protocol, whose places are its own matter.
+    async fn carry(mut self) {
+        self.place = None;
+        let Some(Talk { to, over, .. }) = &mut self.talk else { return };
+        let carried = async {
+            to.write_all(&self.read).await?;
+            tokio::io::copy(&mut self.from, to).await?;
+            to.shutdown().await
+        };
+        tokio::select! {
+            // What the other side has left to say is none of hearing.
+            _ = carried => {}
+            _ = &mut *over => return,
+        }
+        drop(over.await);
+    }
+
+    /// Reads one turn.
+    async fn read_more(&mut self) -> Read {
+        if self.turn >= TURNS * TURN {
+            self.turn = 0;
+            tokio::task::yield_now().await;
+        }
+        self.read.reserve(TURN);
+        let mut closing = self.line.closing.clone();
+        let read = match &mut self.talk {
+            Some(talk) => tokio::select! {
+                biased;
+                read = self.from.read_buf(&mut self.read) => read,
+                _ = &mut talk.over => return Read::Over,
+            },
+            None => tokio::select! {
+                biased;
+                read = self.from.read_buf(&mut self.read) => read,
+                () = &mut self.late => return Read::End,
+                () = closed(&mut closing) => return Read::End,
+            },
+        };
+        match read {
+            Ok(0) | Err(_) => Read::End,
+            Ok(bytes) => {
+                self.turn += bytes;
+                Read::More
+            }
+        }
+    }
+
+    /// Nothing more is answered: what was begun is heard to its end, and the answer gets to whoever still sends.
+    async fn linger(mut self) {
+        drop(self.talk.take());
+        let mut closing = self.line.closing.clone();
+        let heard_on = async {
+            let mut left = LINGER_BYTES;
+            while left > 0 {
+                // Nobody waits to be handed a connection that is over.
+                while self.scan().await.is_some() {}
+                self.read.clear();
+                self.scanned = 0;
+                let Ok(bytes @ 1..) = self.from.read_buf(&mut self.read).await else { return };
+                left = left.saturating_sub(bytes);
+            }
+        };
+        tokio::select! {
+            _ = timeout(LINGER_TIME, heard_on) => {}
+            () = closed(&mut closing) => {}
+        }
+    }
+
+    /// Says that there is no place; a STOP has been heard all the same.
+    async fn refuse(mut self) {
+        let body = Problem::no_place(self.shared.has_heard()).json();
+        let answer = format!(
+            "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/problem+json\r\nContent-Length: {}\r\n\
+             Connection: close\r\nRetry-After: 1\r\n\r\n{body}",
+            body.len()
+        );
+        if let Some(to) = self.to.take() {
+            let mut to = Patient::new(to);
+            // Whoever does not take it is not waited for.
+            let _ = timeout(LINGER_TIME, async { drop((to.write_all(answer.as_bytes()).await, to.shutdown().await)) }).await;
+        }
+        self.linger().await;
+    }
+}

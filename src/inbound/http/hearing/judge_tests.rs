@@ -1,0 +1,317 @@
+//! Safety S8: a STOP with any single fault halts; one that is excepted never does, whatever fault is beside it.
+
+use std::net::Ipv4Addr;
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::sample::select;
+
+use super::*;
+use crate::access::{Access, SESSION_S};
+use crate::core::command;
+use crate::inbound::http::scanning::{Heard, Scanner};
+use crate::inbound::http::testing::{House, Tokens, guarded_house, house, keys};
+use crate::wire::fixture::searching;
+
+/// A request by its lines.
+#[derive(Clone, Debug)]
+struct Sent {
+    method: Vec<u8>,
+    target: Vec<u8>,
+    version: Vec<u8>,
+    fields: Vec<Vec<u8>>,
+    /// What ends the request's line and each of the fields.
+    ends: Vec<Vec<u8>>,
+    body: Vec<u8>,
+}
+
+/// What can be wrong with a STOP that is still a STOP of whoever may stop.
+#[derive(Clone, Debug)]
+enum Fault {
+    Method(String),
+    Query(Vec<u8>),
+    Target(&'static str),
+    Version(Vec<u8>),
+    LineEnd(usize, &'static str),
+    /// A line at this place.
+    Line(usize, Vec<u8>),
+    Again(usize),
+    /// The value of this line begins in the next.
+    Folded(usize),
+    SpaceBeforeColon(usize),
+    EmptyLinesBefore(usize),
+    Body(Vec<u8>),
+    Long(usize, usize),
+}
+
+impl Sent {
+    fn stop(route: &str, credential: &str) -> Sent {
+        let fields = ["Host: localhost:8080", credential, "User-Agent: test", "Content-Length: 0"];
+        Sent {
+            method: b"POST".to_vec(),
+            target: route.into(),
+            version: b"HTTP/1.1".to_vec(),
+            fields: fields.iter().filter(|field| !field.is_empty()).map(|field| field.as_bytes().to_vec()).collect(),
+            ends: vec![b"\r\n".to_vec(); 6],
+            body: Vec::new(),
+        }
+    }
+
+    fn insert(&mut self, place: usize, line: Vec<u8>) {
+        let place = place % (self.fields.len() + 1);
+        self.fields.insert(place, line);
+        self.ends.insert(place + 1, b"\r\n".to_vec());
+    }
+
+    fn with(mut self, fault: Fault) -> Sent {
+        let lines = self.fields.len();
+        match fault {
+            Fault::Method(method) => self.method = method.into_bytes(),
+            Fault::Query(query) => self.target.extend([b"?".to_vec(), query].concat()),
+            Fault::Target(form) => {
+                let route = String::from_utf8_lossy(&self.target).into_owned();
+                self.target = form.replace("/ROUTE", &route).replace("/UPPER", &route.to_uppercase()).into_bytes();
+            }
+            Fault::Version(version) => self.version = version,
+            // What is no line end of HTTP before the empty line would be none of the head.
+            Fault::LineEnd(line, "\r") => self.ends[line % lines] = b"\r".to_vec(),
+            Fault::LineEnd(line, end) => self.ends[line % (lines + 1)] = end.into(),
+            Fault::Line(place, line) => self.insert(place, line),
+            Fault::Again(line) => self.insert(line + 1, self.fields[line % lines].clone()),
+            Fault::Folded(line) => {
+                let colon = self.colon(line);
+                self.fields[line % lines].splice(colon + 1..=colon + 1, b"\r\n\t ".to_vec());
+            }
+            Fault::SpaceBeforeColon(line) => {
+                let colon = self.colon(line);
+                self.fields[line % lines].insert(colon, b' ');
+            }
+            Fault::EmptyLinesBefore(lines) => self.method.splice(0..0, b"\r\n".repeat(lines)).for_each(drop),
+            Fault::Body(body) => self.body = body,
+            Fault::Long(place, length) => self.insert(place, [b"X-Long: ".to_vec(), vec![b'x'; length]].concat()),
+        }
+        self
+    }
+
+    fn colon(&self, line: usize) -> usize {
+        let line = &self.fields[line % self.fields.len()];
+        line.iter().position(|byte| *byte == b':').expect("it was sent with one")
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let first = [&*self.method, b" ", &*self.target, b" ", &*self.version].concat();
+        let lines = std::iter::once(&first).chain(&self.fields).zip(&self.ends);
+        let mut bytes: Vec<u8> = lines.flat_map(|(line, end)| [&**line, &**end].concat()).collect();
+        bytes.extend_from_slice(b"\r\n");
+        bytes.extend_from_slice(&self.body);
+        bytes
+    }
+}
+
+fn judge(house: &House) -> Judge {
+    let peer = Peer { address: Ipv4Addr::LOCALHOST.into(), is_encrypted: false };
+    Judge { door: house.door.clone(), hosts: Hosts::new(true, &[]), peer }
+}
+
+/// Whether the first request in these bytes, come in pieces of this size, halts.
+fn halts(judge: &Judge, bytes: &[u8], piece: usize) -> bool {
+    let mut scanner = Scanner::new(judge.door.cookie());
+    for mut piece in bytes.chunks(piece) {
+        while !piece.is_empty() {
+            let (taken, heard) = scanner.take(piece);
+            piece = &piece[taken..];
+            if let Some(Heard::Head(head)) = heard {
+                return judge.hear(&head).1.is_some();
+            }
+        }
+    }
+    panic!("no head has ended in {:?}", String::from_utf8_lossy(bytes))
+}
+
+const ROUTES: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
+
+fn line() -> impl Strategy<Value = Vec<u8>> {
+    let no_end = |byte: &u8| !matches!(byte, b'\r' | b'\n');
+    vec(any::<u8>().prop_filter("it is one line", no_end), 1..200)
+        .prop_filter("it is a line of its own", |line| !matches!(line[0], b' ' | b'\t'))
+}
+
+/// A header of which nothing hangs, whatever its value.
+fn header_line() -> impl Strategy<Value = Vec<u8>> {
+    let names = [
+        "Content-Length",
+        "Transfer-Encoding",
+        "Expect",
+        "Connection",
+        "Upgrade",
+        "Content-Type",
+        "Accept",
+        "Idempotency-Key",
+        "Cookie",
+        "Content-Encoding",
+        "TE",
+        "Trailer",
+        "X-Forwarded-Host",
+        "Forwarded",
+        "Referer",
+        "X",
+        "",
+    ];
+    let known =
+        ["0", "5", "-1", "1, 2", "chunked", "gzip", "100-continue", "close", "h2c", "websocket", "hallsweep-0=wrong", "\u{fc}"];
+    let value = prop_oneof![line(), select(known.to_vec()).prop_map(|value| value.into())];
+    let name = select(names.to_vec());
+    (name, value).prop_map(|(name, value): (&str, Vec<u8>)| [name.as_bytes(), b": ", &*value].concat())
+}
+
+fn fault() -> impl Strategy<Value = Fault> {
+    let method = prop_oneof![
+        select(vec!["PUT", "DELETE", "post", "Stop", "BREW", "PATCH", "CONNECT", "P\u{f6}ST", "\u{1}"]).prop_map(str::to_owned),
+        "[A-Z]{5,40}"
+    ];
+    let targets = select(vec![
+        "/ROUTE/",
+        "//ROUTE",
+        "/UPPER",
+        "/.//ROUTE",
+        "http://localhost:8080/ROUTE",
+        "HTTPS://127.0.0.1/ROUTE/",
+        "/ROUTE;a=b",
+        "/ROUTE#now",
+    ]);
+    prop_oneof![
+        method.prop_filter("not safe", |method| !matches!(method.as_str(), "TRACE" | "OPTIONS")).prop_map(Fault::Method),
+        line().prop_map(Fault::Query),
+        targets.prop_map(Fault::Target),
+        line().prop_map(Fault::Version),
+        (any::<usize>(), select(vec!["\n", "\r\r\n", "\r", "  \r\n", "\t\n"])).prop_map(|(line, end)| Fault::LineEnd(line, end)),
+        (any::<usize>(), line()).prop_map(|(place, line)| Fault::Line(place, line)),
+        (any::<usize>(), header_line()).prop_map(|(place, line)| Fault::Line(place, line)),
+        (any::<usize>(), select(vec!["Authorization: Bearer wrong", "Authorization: Basic eDp5", "Authorization:"]))
+            .prop_map(|(place, line)| Fault::Line(place, line.into())),
+        (0..1_000usize).prop_map(Fault::Again),
+        any::<usize>().prop_map(Fault::Folded),
+        any::<usize>().prop_map(Fault::SpaceBeforeColon),
+        (1..5usize).prop_map(Fault::EmptyLinesBefore),
+        vec(any::<u8>(), 0..300).prop_map(Fault::Body),
+        (any::<usize>(), 0..300_000usize).prop_map(|(place, length)| Fault::Long(place, length)),
+    ]
+}
+
+/// Why a request never halts, and what makes it so.
+type Exception = (&'static str, fn(Sent, &str) -> Sent);
+
+/// All there are.
+fn excepted() -> Vec<Exception> {
+    fn adds(mut sent: Sent, line: &str) -> Sent {
+        sent.insert(0, line.into());
+        sent
+    }
+    fn without_key(mut sent: Sent) -> Sent {
+        sent.fields[1] = b"X-Nothing: here".to_vec();
+        sent
+    }
+    vec![
+        ("a foreign host", |sent, _| adds(sent, "Host: rebound.example")),
+        ("an address that is not of this machine", |sent, _| adds(sent, "Host: 192.0.2.1:8080")),
+        ("a foreign host in the target", |mut sent, _| {
+            sent.target = [b"http://rebound.example".to_vec(), sent.target].concat();
+            sent
+        }),
+        ("a foreign origin", |sent, _| adds(sent, "Origin: http://elsewhere.example")),
+        ("no origin at all", |sent, _| adds(sent, "Origin: null")),
+        ("a foreign page", |sent, _| adds(sent, "Sec-Fetch-Site: cross-site")),
+        ("a page of another port", |sent, _| adds(sent, "Sec-Fetch-Site: same-site")),
+        ("no key", |sent, _| without_key(sent)),
+        ("a wrong key", |sent, _| adds(without_key(sent), "Authorization: Bearer wrong")),
+        ("an expired session", |sent, expired| adds(without_key(sent), &format!("Cookie: {expired}"))),
+        ("a safe method", |mut sent, _| {
+            sent.method = b"GET".to_vec();
+            sent
+        }),
+        ("another safe method", |mut sent, _| {
+            sent.method = b"OPTIONS".to_vec();
+            sent
+        }),
+    ]
+}
+
+/// A door with keys, what lets a viewer stop, and a session that is over. The loop runs as long as the runtime.
+fn guarded() -> (House, [String; 2], String) {
+    let (keyring, Tokens { viewer, .. }) = keys();
+    let house = guarded_house(searching(), Access::Keys(keyring.clone()));
+    let session = |now_s| format!("hallsweep-0={}", keyring.sign_in(&viewer, now_s).unwrap());
+    let now_s = house.door.now_s();
+    let credentials = [format!("Authorization: Bearer {viewer}"), format!("Cookie: a=b; {}; c=d", session(now_s))];
+    (house, credentials, session(now_s - SESSION_S))
+}
+
+fn check(cases: u32, property: impl Fn(&Judge, &[String; 2], &str, (usize, usize, Fault, usize)) -> Result<(), TestCaseError>) {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    let _inside = runtime.enter();
+    let (house, credentials, expired) = guarded();
+    let judge = judge(&house);
+    let mut runner = proptest::test_runner::TestRunner::new(ProptestConfig { cases, ..ProptestConfig::default() });
+    let every = (0..ROUTES.len(), 0..credentials.len(), fault(), select(vec![1, 7, 1000, usize::MAX]));
+    runner.run(&every, |case| property(&judge, &credentials, &expired, case)).unwrap_or_else(|error| panic!("{error}"));
+}
+
+/// Safety S8.
+#[test]
+fn any_single_fault_that_is_added_to_a_stop_leaves_it_halting() {
+    check(3000, |judge, credentials, _, (route, credential, fault, piece)| {
+        let bytes = Sent::stop(ROUTES[route], &credentials[credential]).with(fault).bytes();
+        prop_assert!(halts(judge, &bytes, piece), "{}", String::from_utf8_lossy(&bytes));
+        Ok(())
+    });
+}
+
+/// Safety S8, A1, A2.
+#[test]
+fn what_is_excepted_never_halts_whatever_fault_is_beside_it() {
+    check(1500, |judge, credentials, expired, (route, credential, fault, piece)| {
+        for (why, except) in excepted() {
+            // A fault of the method or of the target would take the place of the exception.
+            if matches!(fault, Fault::Method(_) | Fault::Target(_)) && why.contains("method") | why.contains("target") {
+                continue;
+            }
+            let bytes = except(Sent::stop(ROUTES[route], &credentials[credential]), expired).with(fault.clone()).bytes();
+            prop_assert!(!halts(judge, &bytes, piece), "{why}: {}", String::from_utf8_lossy(&bytes));
+        }
+        Ok(())
+    });
+}
+
+/// Safety S8: as it is answered, so it is heard.
+#[tokio::test]
+async fn who_may_stop_without_a_key_is_on_this_machine() {
+    let house = house(searching());
+    let mut judge = judge(&house);
+    let stop = Sent::stop("/h", "").bytes();
+    assert!(halts(&judge, &stop, 9));
+    assert!(halts(&judge, b"POST /h HTTP/1.0\n\n", 9), "no host is no foreign one");
+    assert!(halts(&judge, b"POST /h HTTP/1.1\r\nHost: localhost\r\nOrigin: http://localhost\r\n\r\n", 9));
+    judge.peer.address = Ipv4Addr::new(192, 0, 2, 1).into();
+    assert!(!halts(&judge, &stop, 9));
+}
+
+/// Safety A6.
+#[tokio::test]
+async fn a_stop_that_was_heard_is_on_record_with_who_from_where_and_by_which_door() {
+    let (house, [token, _], _) = guarded();
+    let judge = judge(&house);
+    for (route, door) in
+        ROUTES.into_iter().zip([command::Door::Http, command::Door::Console, command::Door::Http, command::Door::Http])
+    {
+        let mut sent = Sent::stop(route, &token);
+        sent.insert(0, b"Idempotency-Key: \"press-7\"".to_vec());
+        let mut scanner = Scanner::new(judge.door.cookie());
+        let Some(Heard::Head(head)) = scanner.take(&sent.bytes()).1 else { panic!("a head") };
+        let (claim, given) = judge.hear(&head);
+        assert!(given.expect("it halts").await.is_ok());
+        let given = house.last();
+        assert_eq!((given.command, &*given.issuer.who, &*given.issuer.from), (Command::Stop, "lobby", "127.0.0.1"));
+        assert_eq!((given.issuer.door, given.id.map(|id| id.text().to_owned())), (door, Some("press-7".to_owned())));
+        assert_ne!(claim, Claim::new(judge.peer.address, None), "the place is the viewer's");
+    }
+}

@@ -1,0 +1,291 @@
+//! Request after request with hyper, from the bytes that were heard; each gets whoever is at the other end, and the STOP that was
+//! heard in it, written into it. A client that is gone is answered into nothing, so that what it sent before is carried out.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::pin::Pin;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::{Context, Poll};
+use std::time::Duration;
+
+use axum::body::{Body, Bytes};
+use axum::http::{StatusCode, header};
+use hyper::body::{Frame, Incoming, SizeHint};
+use hyper::server::conn::http1;
+use hyper::service::{Service, service_fn};
+use hyper::{Request, Response};
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use tokio::io::{AsyncRead, AsyncWrite, DuplexStream, ReadBuf};
+use tokio::sync::{Notify, oneshot, watch};
+use tokio::task::JoinSet;
+
+use super::connection::{HEADER_BYTES, HEADER_TIME, Line};
+use super::judge::Given;
+use crate::inbound::http::gate::Peer;
+use crate::inbound::http::places::Place;
+use crate::inbound::http::watcher::closed;
+use crate::inbound::patience::Patient;
+
+/// So much waits between hearing and hyper, in bytes.
+const PIPE: usize = 64 * 1024;
+
+/// STOPs that were heard on one connection and wait for hyper to come to their requests: as many as there is room for in the pipe
+/// and in hyper's buffer. Of more the requests give a STOP themselves.
+const PRESSES: usize = (PIPE + HEADER_BYTES) / "POST /h HTTP/1.1\n\n".len();
+
+/// So long after a client is gone what it has sent is carried out; an endless answer ends then.
+const GONE_TIME: Duration = Duration::from_secs(2);
+
+/// The STOP that was heard in a request; taken by its handler.
+#[derive(Clone)]
+pub(in crate::inbound::http) struct Pressed(Arc<Mutex<Option<Given>>>);
+
+/// What hearing and talking tell each other.
+pub(super) struct Shared {
+    presses: Mutex<BTreeMap<u64, Given>>,
+    /// How many requests have got the head of their answer, and whether the last of them hands the connection over.
+    answered: watch::Sender<(u64, bool)>,
+    /// Whether an answer without an end has begun.
+    is_endless: watch::Sender<bool>,
+}
+
+/// A conversation on another runtime; it ends when this is dropped.
+pub(super) struct Talk {
+    /// Where the bytes go that were heard.
+    pub(super) to: DuplexStream,
+    /// Ends when nothing more can be answered.
+    pub(super) over: oneshot::Receiver<()>,
+    task: JoinSet<()>,
+}
+
+impl Pressed {
+    /// What becomes of the STOP.
+    pub(in crate::inbound::http) fn take(&self) -> Option<Given> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}
+
+impl Shared {
+    pub(super) fn new() -> Arc<Shared> {
+        Arc::new(Shared {
+            presses: Mutex::default(),
+            answered: watch::Sender::new((0, false)),
+            is_endless: watch::Sender::default(),
+        })
+    }
+
+    /// Keeps a STOP for the request of this number.
+    pub(super) fn keep(&self, number: u64, given: Given) {
+        let mut presses = self.presses();
+        if presses.len() < PRESSES {
+            presses.insert(number, given);
+        }
+    }
+
+    /// Whether a STOP waits for its request.
+    pub(super) fn has_heard(&self) -> bool {
+        !self.presses().is_empty()
+    }
+
+    /// Whether the request of this number has handed the connection over; waits for its answer.
+    pub(super) async fn hands_over(&self, number: u64) -> bool {
+        let mut answered = self.answered.subscribe();
+        answered.wait_for(|(answered, _)| *answered > number).await.is_ok_and(|answered| answered.1)
+    }
+
+    fn take(&self, number: u64) -> Option<Pressed> {
+        let mut presses = self.presses();
+        let later = presses.split_off(&number);
+        *presses = later;
+        let given = presses.remove(&number)?;
+        Some(Pressed(Arc::new(Mutex::new(Some(given)))))
+    }
+
+    fn presses(&self) -> MutexGuard<'_, BTreeMap<u64, Given>> {
+        self.presses.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Talk {
+    /// Begins to talk, where the routes are carried out.
+    pub(super) fn begin<W>(to: W, (peer, place): (Peer, &Arc<Place>), line: &Line, shared: &Arc<Shared>) -> Talk
+    where
+        W: AsyncWrite + Unpin + Send + 'static,
+    {
+        let (ours, theirs) = tokio::io::duplex(PIPE);
+        let (held, over) = oneshot::channel();
+        let gone = Arc::new(Notify::new());
+        let wire = Wire { from: theirs, to: Patient::new(to), gone: Arc::clone(&gone), is_gone: false, _held: held };
+        let mut task = JoinSet::new();
+        task.spawn_on(talk(wire, (peer, Arc::clone(place)), line.clone(), Arc::clone(shared), gone), &line.work);
+        Talk { to: ours, over, task }
+    }
+
+    /// Says that nothing more comes, and waits until everything is answered. Whoever looks on and hangs up is taken to be gone.
+    pub(super) async fn ended(self, shared: &Shared) {
+        let Talk { to, over: _over, mut task } = self;
+        drop(to);
+        let mut is_endless = shared.is_endless.subscribe();
+        tokio::select! {
+            _ = task.join_next() => {}
+            _ = is_endless.wait_for(|is_endless| *is_endless) => {}
+        }
+    }
+}
+
+async fn talk<W>(wire: Wire<W>, (peer, place): (Peer, Arc<Place>), line: Line, shared: Arc<Shared>, gone: Arc<Notify>)
+where
+    W: AsyncWrite + Unpin + Send + 'static,
+{
+    let Line { router, mut closing, .. } = line;
+    let routes = TowerToHyperService::new(router);
+    let numbers = AtomicU64::new(0);
+    let service = service_fn(|mut request: Request<Incoming>| {
+        let number = numbers.fetch_add(1, Ordering::Relaxed);
+        request.extensions_mut().insert(peer);
+        if let Some(pressed) = shared.take(number) {
+            request.extensions_mut().insert(pressed);
+        }
+        let asked = Asked(Arc::clone(&place));
+        let (answer, shared) = (routes.call(request), Arc::clone(&shared));
+        async move {
+            let answer = answer.await;
+            answer.map(|response: Response<Body>| {
+                if is_stream(&response) {
+                    asked.0.watches();
+                    shared.is_endless.send_replace(true);
+                }
+                shared.answered.send_replace((number + 1, response.status() == StatusCode::SWITCHING_PROTOCOLS));
+                response.map(|body| Answer { body, asked })
+            })
+        }
+    });
+    let mut http = http1::Builder::new();
+    http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIME);
+    // hyper's own date ends the connection when the clock is set before 1970; the guard has one that does not.
+    http.max_header_size(HEADER_BYTES).max_buf_size(HEADER_BYTES).half_close(true).auto_date_header(false);
+    let connection = http.serve_connection(TokioIo::new(wire), service).with_upgrades();
+    tokio::pin!(connection);
+    let late = async {
+        gone.notified().await;
+        tokio::time::sleep(GONE_TIME).await;
+    };
+    let ended = tokio::select! {
+        ended = connection.as_mut() => ended,
+        () = late => Ok(()),
+        () = closed(&mut closing) => {
+            connection.as_mut().graceful_shutdown();
+            connection.await
+        }
+    };
+    if let Err(error) = ended {
+        tracing::debug!(%error, "a connection broke");
+    }
+}
+
+fn is_stream(response: &Response<Body>) -> bool {
+    let media = response.headers().get(header::CONTENT_TYPE);
+    media.is_some_and(|media| media.as_bytes().starts_with(b"text/event-stream"))
+}
+
+/// A request under way.
+struct Asked(Arc<Place>);
+
+impl Drop for Asked {
+    fn drop(&mut self) {
+        self.0.answered();
+    }
+}
+
+/// The body of an answer; its request is over when all of it is on its way.
+struct Answer {
+    body: Body,
+    asked: Asked,
+}
+
+impl hyper::body::Body for Answer {
+    type Data = Bytes;
+    type Error = axum::Error;
+
+    fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        let frame = Pin::new(&mut self.body).poll_frame(cx);
+        if frame.is_ready() {
+            self.asked.0.sends();
+        }
+        frame
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.body.size_hint()
+    }
+}
+
+/// What was heard, and the way back to the client. When it is gone, answers are taken and forgotten.
+struct Wire<W> {
+    from: DuplexStream,
+    to: Patient<W>,
+    gone: Arc<Notify>,
+    is_gone: bool,
+    _held: oneshot::Sender<()>,
+}
+
+impl<W> Wire<W> {
+    fn forgiven<T>(&mut self, written: Poll<io::Result<T>>, instead: T) -> Poll<io::Result<T>> {
+        let Poll::Ready(Err(error)) = written else { return written };
+        tracing::debug!(%error, "a client was gone before its answer");
+        self.is_gone = true;
+        self.gone.notify_one();
+        Poll::Ready(Ok(instead))
+    }
+}
+
+impl<W: Unpin> AsyncRead for Wire<W> {
+    fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.from).poll_read(cx, buf)
+    }
+}
+
+impl<W: AsyncWrite + Unpin> AsyncWrite for Wire<W> {
+    fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        if self.is_gone {
+            return Poll::Ready(Ok(bytes.len()));
+        }
+        let written = Pin::new(&mut self.to).poll_write(cx, bytes);
+        self.forgiven(written, bytes.len())
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        if self.is_gone {
+            return Poll::Ready(Ok(()));
+        }
+        let flushed = Pin::new(&mut self.to).poll_flush(cx);
+        self.forgiven(flushed, ())
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        if self.is_gone {
+            return Poll::Ready(Ok(()));
+        }
+        let shut = Pin::new(&mut self.to).poll_shutdown(cx);
+        self.forgiven(shut, ())
+    }
+
+    fn poll_write_vectored(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bufs: &[io::IoSlice<'_>]) -> Poll<io::Result<usize>> {
+        let all = bufs.iter().map(|buf| buf.len()).sum();
+        if self.is_gone {
+            return Poll::Ready(Ok(all));
+        }
+        let written = Pin::new(&mut self.to).poll_write_vectored(cx, bufs);
+        self.forgiven(written, all)
+    }
+
+    fn is_write_vectored(&self) -> bool {
+        self.to.is_write_vectored()
+    }
+}

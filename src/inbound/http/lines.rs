@@ -1,0 +1,62 @@
+//! So many lines about strangers and no more: whoever has no key must not be able to fill the log. What a line says is the
+//! business of whoever writes it.
+
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+/// Lines in one span of time: enough to see who tries what.
+const MOST: u32 = 20;
+
+/// The span.
+const SPAN: Duration = Duration::from_secs(60);
+
+/// The lines of late.
+#[derive(Debug, Default)]
+pub(super) struct Lines(Mutex<Late>);
+
+#[derive(Debug, Default)]
+struct Late {
+    since: Duration,
+    written: u32,
+    left_out: u64,
+}
+
+impl Lines {
+    /// Writes a line at `now`, since the start of the program, unless there were as many as there may be; how many were left out is
+    /// said before the next that is written.
+    pub(super) fn write(&self, now: Duration, write: impl FnOnce()) {
+        let left_out = {
+            let mut late = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            if now.saturating_sub(late.since) >= SPAN {
+                *late = Late { since: now, written: 0, left_out: late.left_out };
+            }
+            if late.written == MOST {
+                late.left_out += 1;
+                return;
+            }
+            late.written += 1;
+            std::mem::take(&mut late.left_out)
+        };
+        if left_out > 0 {
+            tracing::warn!(left_out, "more of what strangers tried is not in the log");
+        }
+        write();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Safety A5: the log of what strangers try is bounded.
+    #[test]
+    fn a_flood_of_strangers_writes_so_many_lines_a_minute() {
+        let (lines, mut written) = (Lines::default(), 0);
+        for ms in 0..180_000 {
+            lines.write(Duration::from_millis(ms), || written += 1);
+        }
+        assert_eq!(written, 3 * MOST);
+        let late = lines.0.lock().unwrap();
+        assert_eq!(late.left_out, 60_000 - u64::from(MOST), "those of the last minute are still to be told");
+    }
+}

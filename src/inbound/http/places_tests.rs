@@ -1,0 +1,180 @@
+//! Who gives way to whom.
+
+use super::*;
+use crate::access::Keyring;
+
+const HERE: &str = "127.0.0.1";
+
+/// Somebody with a place, or none if he has lost it.
+struct Somebody {
+    place: Option<Place>,
+    claim: Claim,
+    cut: Arc<Notify>,
+}
+
+fn open(most: usize) -> Places {
+    Places::new(most, &Access::Open)
+}
+
+fn keyed(most: usize) -> Places {
+    Places::new(most, &Access::Keys(Keyring::in_memory().unwrap()))
+}
+
+/// Comes from there with a request; `who` is the name of the key, an operator's when it says so.
+fn comes(places: &Places, from: &str, who: &str) -> Somebody {
+    let who = (!who.is_empty()).then(|| (Arc::from(who), who.starts_with("operator")));
+    let claim = Claim { network: Network::of(from.parse().unwrap()), who };
+    let cut = Arc::new(Notify::new());
+    let place = places.take(claim.clone(), Arc::clone(&cut));
+    Somebody { place, claim, cut }
+}
+
+impl Somebody {
+    fn place(&self) -> &Place {
+        self.place.as_ref().expect("there was a place")
+    }
+
+    /// A request of his whose body is still to come.
+    fn dribbles(self) -> Somebody {
+        self.place().asked(self.claim.clone(), true);
+        self
+    }
+
+    /// A request of his that is being answered.
+    fn asks(self) -> Somebody {
+        self.place().asked(self.claim.clone(), false);
+        self
+    }
+
+    async fn is_cut(&self) -> bool {
+        tokio::select! {
+            biased;
+            () = self.cut.notified() => true,
+            () = std::future::ready(()) => false,
+        }
+    }
+}
+
+/// Safety S9.
+#[tokio::test]
+async fn whoever_makes_least_progress_gives_way() {
+    let places = open(5);
+    let answered = comes(&places, HERE, "operator").asks();
+    let dribbling = comes(&places, HERE, "operator").dribbles();
+    let resting = comes(&places, HERE, "operator").asks();
+    let sending = comes(&places, HERE, "operator").asks();
+    let watching = comes(&places, HERE, "operator").asks();
+    watching.place().watches();
+    resting.place().answered();
+    answered.place().sends();
+    sending.place().sends();
+    answered.place().sends();
+    let mut newcomers = Vec::new();
+    for gives_way in [&resting, &dribbling, &sending, &answered] {
+        assert!(!gives_way.is_cut().await);
+        newcomers.push(comes(&places, HERE, "operator").asks());
+        newcomers.iter().for_each(|newcomer| newcomer.place().sends());
+        assert!(gives_way.is_cut().await);
+    }
+    assert!(!watching.is_cut().await, "an endless answer does not give way");
+}
+
+/// Safety S9: what comes slowly is no progress, however often something of it comes.
+#[tokio::test]
+async fn two_thousand_bodies_that_do_not_come_keep_nobody_out() {
+    let places = open(100);
+    let mut dribbling = Vec::new();
+    for _ in 0..2000 {
+        dribbling.push(comes(&places, HERE, "operator").dribbles());
+    }
+    for _ in 0..300 {
+        let newcomer = comes(&places, HERE, "operator").asks();
+        newcomer.place().sends();
+        assert!(!newcomer.is_cut().await);
+        dribbling.push(comes(&places, HERE, "operator").dribbles());
+        assert!(!newcomer.is_cut().await, "nor does it take the place of who asks");
+    }
+}
+
+/// Safety S9.
+#[tokio::test]
+async fn one_key_has_its_share_from_wherever_it_comes() {
+    let places = keyed(8);
+    let mut viewer = Vec::new();
+    for number in 0..20 {
+        viewer.push(comes(&places, &format!("192.0.2.{number}"), "lobby").asks());
+    }
+    let mut kept = 0;
+    for of_viewer in &viewer {
+        kept += usize::from(!of_viewer.is_cut().await);
+    }
+    assert_eq!(kept, 2, "a fourth of eight");
+    viewer.iter().rev().take(2).for_each(|of_viewer| of_viewer.place().watches());
+    assert!(comes(&places, "192.0.2.99", "lobby").place.is_none(), "whoever looks on does not give way to his own either");
+    assert!(comes(&places, "192.0.2.99", "operator").place.is_some());
+}
+
+/// Safety S9.
+#[tokio::test]
+async fn one_network_has_its_share_but_this_machine() {
+    let places = keyed(8);
+    let mut theirs = Vec::new();
+    for number in 0..8 {
+        theirs.push(comes(&places, "192.0.2.1", &format!("viewer{number}")).asks());
+    }
+    assert!(theirs[5].is_cut().await && !theirs[6].is_cut().await && !theirs[7].is_cut().await);
+    let here: Vec<_> = (0..4).map(|number| comes(&places, HERE, &format!("viewer{number}")).asks()).collect();
+    for of_here in &here {
+        assert!(!of_here.is_cut().await, "a proxy is the way of many");
+    }
+}
+
+/// Safety S9.
+#[tokio::test]
+async fn some_places_are_kept_for_operators_who_are_not_there_yet() {
+    let places = keyed(16);
+    let mut viewers = Vec::new();
+    for number in 0..40 {
+        viewers.push(comes(&places, &format!("192.0.2.{number}"), &format!("viewer{number}")).asks());
+    }
+    let mut kept = 0;
+    for viewer in &viewers {
+        kept += usize::from(!viewer.is_cut().await);
+    }
+    assert_eq!(kept, 14);
+    let operators = [comes(&places, HERE, "operator"), comes(&places, HERE, "operator-2")];
+    assert!(operators.iter().all(|operator| operator.place.is_some()));
+    for viewer in &viewers[26..] {
+        assert!(!viewer.is_cut().await, "nobody had to give way");
+    }
+}
+
+/// Safety S9, A5.
+#[tokio::test]
+async fn strangers_give_way_before_anybody_who_is_known() {
+    let places = keyed(8);
+    let known = comes(&places, HERE, "lobby").asks();
+    known.place().answered();
+    let strangers: Vec<_> = (0..6).map(|_| comes(&places, HERE, "").asks()).collect();
+    let _newcomer = comes(&places, HERE, "operator").asks();
+    let _another = comes(&places, HERE, "operator").asks();
+    assert!(strangers[0].is_cut().await && !known.is_cut().await);
+}
+
+#[tokio::test]
+async fn a_system_without_descriptors_is_relieved_of_all_but_lookers_on() {
+    let places = open(40);
+    let all: Vec<_> = (0..40).map(|_| comes(&places, HERE, "operator").asks()).collect();
+    all.iter().take(20).for_each(|somebody| somebody.place().watches());
+    assert_eq!([places.relieve(), places.relieve(), places.relieve()], [RELIEF, 4, 0]);
+}
+
+#[tokio::test]
+async fn a_place_that_is_left_is_free() {
+    let places = open(1);
+    for _ in 0..3 {
+        let somebody = comes(&places, HERE, "operator").asks();
+        assert!(!somebody.is_cut().await);
+    }
+    assert_eq!(places.relieve(), 0, "nobody is here");
+}

@@ -1,0 +1,323 @@
+//! One head as it comes: of all its lines only what names STOP, who asks, and how long the body is are kept, each bounded.
+//! White space, line ends and names are taken as leniently as can be without taking one header for another.
+//!
+//! ```text
+//!   POST /api/v1/commands/stop?now HTTP/1.1        method, target up to its query
+//!   Host: localhost                                kept fields, up to FIELDS different values of each
+//!    folded                                        goes on with the line before
+//!   Cookie: a=b; hallsweep-8080=…                  pair by pair, of which only ours are kept
+//!   X-Anything: …                                  passes by
+//! ```
+
+/// What is kept of a method or of a value, and of a target: the longest token, name or session is shorter.
+const TEXT: usize = 1024;
+
+/// The longest name of a header that is looked at.
+const NAME: usize = 32;
+
+/// Different values of one header that are kept.
+const FIELDS: usize = 4;
+
+/// A header that is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Field {
+    /// By which name this program was called.
+    Host,
+    /// Of which page it was sent.
+    Origin,
+    /// Whether that is one of ours, in the browser's words.
+    SecFetchSite,
+    /// A key.
+    Authorization,
+    /// A session: the pair of the cookie that is ours.
+    Cookie,
+    /// The name of a command.
+    IdempotencyKey,
+}
+
+/// How long a request's body is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BodyLength {
+    /// So many bytes.
+    Known(u64),
+    /// As its chunks say.
+    Chunked,
+    /// What the head says of it cannot be.
+    Unknown,
+}
+
+/// What is kept of a head.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Head {
+    /// What is to be done.
+    pub method: Vec<u8>,
+    /// With what, up to its query.
+    pub target: Vec<u8>,
+    /// Who asks, in the order in which it came.
+    pub fields: Vec<(Field, Vec<u8>)>,
+    /// Whether something of the host or the origin was not kept, so that nobody can say that they are ours.
+    pub is_in_doubt: bool,
+    /// Its body.
+    pub body: BodyLength,
+    /// Whether another protocol is wished for.
+    pub wants_upgrade: bool,
+}
+
+/// A head that is coming.
+#[derive(Debug)]
+pub(super) struct HeadReader {
+    cookie: String,
+    head: Head,
+    part: Part,
+    /// A carriage return has come: a line feed, or whatever else comes, ends the line.
+    after_cr: bool,
+    /// Nothing of this line has come.
+    is_new_line: bool,
+    line: Line,
+    /// The last `Transfer-Encoding`, and whether it ends in `chunked`.
+    is_chunked: Option<bool>,
+    length: Option<u64>,
+}
+
+/// A header's line, as far as it is kept.
+#[derive(Debug, Default)]
+struct Line {
+    name: Vec<u8>,
+    value: Vec<u8>,
+    what: Option<Named>,
+    is_in_value: bool,
+    is_long: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Named {
+    Kept(Field),
+    ContentLength,
+    TransferEncoding,
+    Upgrade,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    Method,
+    Target,
+    /// The query and the version.
+    Rest,
+    Fields,
+}
+
+impl HeadReader {
+    pub(super) fn new(cookie: &str) -> HeadReader {
+        HeadReader {
+            cookie: cookie.to_owned(),
+            head: Head::default(),
+            part: Part::Method,
+            after_cr: false,
+            is_new_line: true,
+            line: Line::default(),
+            is_chunked: None,
+            length: None,
+        }
+    }
+
+    /// Whether what has come cannot begin a method (RFC 9110, section 5.6.2).
+    pub(super) fn is_no_method(&self) -> bool {
+        let first = self.head.method.first();
+        first.is_some_and(|byte| !byte.is_ascii_graphic() || b"\"(),/:;<=>?@[\\]{}".contains(byte))
+    }
+
+    /// What is kept so far, in bytes.
+    #[cfg(test)]
+    pub(super) fn memory(&self) -> usize {
+        let fields = self.head.fields.iter().map(|(_, value)| value.capacity()).sum::<usize>();
+        fields
+            + self.head.method.capacity()
+            + self.head.target.capacity()
+            + self.line.name.capacity()
+            + self.line.value.capacity()
+    }
+
+    /// One byte; the head, when this was its last.
+    pub(super) fn push(&mut self, byte: u8) -> Option<Head> {
+        match byte {
+            b'\n' if self.is_new_line && self.part == Part::Fields => {
+                self.end_field();
+                return Some(self.end());
+            }
+            b'\n' => self.end_line(),
+            b'\r' => {
+                self.after_cr = true;
+                return None;
+            }
+            _ => {
+                if self.after_cr && !self.is_new_line {
+                    self.end_line();
+                }
+                self.put(byte);
+            }
+        }
+        self.after_cr = false;
+        None
+    }
+
+    fn end_line(&mut self) {
+        self.is_new_line = true;
+        if self.part != Part::Fields && !self.head.method.is_empty() {
+            self.part = Part::Fields;
+        }
+    }
+
+    fn put(&mut self, byte: u8) {
+        let begins_line = std::mem::take(&mut self.is_new_line);
+        let is_space = matches!(byte, b' ' | b'\t');
+        match self.part {
+            Part::Method if is_space => {
+                if !self.head.method.is_empty() {
+                    self.part = Part::Target;
+                }
+            }
+            Part::Method => drop(keep(&mut self.head.method, byte)),
+            Part::Target if is_space => {
+                if !self.head.target.is_empty() {
+                    self.part = Part::Rest;
+                }
+            }
+            Part::Target if matches!(byte, b'?' | b'#' | b';') => self.part = Part::Rest,
+            Part::Target => drop(keep(&mut self.head.target, byte)),
+            Part::Rest => {}
+            Part::Fields => {
+                if begins_line && !is_space {
+                    self.end_field();
+                }
+                self.put_in_field(byte);
+            }
+        }
+    }
+
+    fn put_in_field(&mut self, byte: u8) {
+        let line = &mut self.line;
+        if !line.is_in_value {
+            if byte == b':' {
+                line.is_in_value = true;
+                line.what = named(&line.name);
+            } else if line.name.len() <= NAME {
+                line.name.push(byte);
+            }
+            return;
+        }
+        match line.what {
+            None => {}
+            Some(Named::Kept(Field::Cookie)) if byte == b';' => {
+                self.keep_pair();
+                self.line.value.clear();
+                self.line.is_long = false;
+            }
+            Some(_) => line.is_long |= keep(&mut line.value, byte).is_none(),
+        }
+    }
+
+    /// A line of the fields is over, and the next does not go on with it.
+    fn end_field(&mut self) {
+        match self.line.what {
+            None => {}
+            Some(Named::Kept(Field::Cookie)) => self.keep_pair(),
+            Some(Named::Kept(field)) => {
+                let (value, is_long) = (self.line.value.trim_ascii().to_vec(), self.line.is_long);
+                self.keep_field(field, value, is_long);
+            }
+            Some(Named::ContentLength) => self.content_length(),
+            Some(Named::TransferEncoding) => {
+                let last = self.line.value.rsplit(|byte| *byte == b',').next().unwrap_or_default();
+                let is_chunked = last.trim_ascii().eq_ignore_ascii_case(b"chunked");
+                self.is_chunked = Some(is_chunked && !self.line.is_long && self.line.value.is_ascii());
+            }
+            Some(Named::Upgrade) => self.head.wants_upgrade = true,
+        }
+        self.line = Line::default();
+    }
+
+    fn keep_pair(&mut self) {
+        let pair = self.line.value.trim_ascii();
+        let is_ours = pair.strip_prefix(self.cookie.as_bytes()).is_some_and(|rest| rest.first() == Some(&b'='));
+        if is_ours && !self.line.is_long {
+            let pair = pair.to_vec();
+            self.keep_field(Field::Cookie, pair, false);
+        }
+    }
+
+    fn keep_field(&mut self, field: Field, value: Vec<u8>, is_long: bool) {
+        let of_it = self.head.fields.iter().filter(|(other, _)| *other == field);
+        let is_lost = is_long || of_it.clone().count() >= FIELDS;
+        if of_it.clone().any(|(_, other)| *other == value) && !is_long {
+            return;
+        }
+        if !is_lost {
+            self.head.fields.push((field, value));
+        } else if matches!(field, Field::Host | Field::Origin | Field::SecFetchSite) {
+            self.head.is_in_doubt = true;
+        }
+    }
+
+    /// As hyper takes it: digits, the same each time, and of no account behind a `Transfer-Encoding`.
+    fn content_length(&mut self) {
+        if self.is_chunked.is_some() {
+            return;
+        }
+        let digits = self.line.value.trim_ascii();
+        let value = digits.iter().try_fold(0u64, |sum, byte| {
+            let digit = char::from(*byte).to_digit(10)?;
+            sum.checked_mul(10)?.checked_add(u64::from(digit))
+        });
+        let value = value.filter(|_| !digits.is_empty() && !self.line.is_long);
+        match (value, self.length) {
+            (Some(value), None) => self.length = Some(value),
+            (Some(value), Some(before)) if value == before => {}
+            (Some(_) | None, _) => self.head.body = BodyLength::Unknown,
+        }
+    }
+
+    fn end(&mut self) -> Head {
+        let fresh = HeadReader::new(&self.cookie);
+        let HeadReader { mut head, is_chunked, length, .. } = std::mem::replace(self, fresh);
+        head.body = match (head.body, is_chunked) {
+            (BodyLength::Unknown, _) | (_, Some(false)) => BodyLength::Unknown,
+            (_, Some(true)) => BodyLength::Chunked,
+            (_, None) => BodyLength::Known(length.unwrap_or(0)),
+        };
+        head
+    }
+}
+
+impl Default for Head {
+    fn default() -> Head {
+        Head {
+            method: Vec::new(),
+            target: Vec::new(),
+            fields: Vec::new(),
+            is_in_doubt: false,
+            body: BodyLength::Known(0),
+            wants_upgrade: false,
+        }
+    }
+}
+
+/// Nothing when there is no room for it.
+fn keep(text: &mut Vec<u8>, byte: u8) -> Option<()> {
+    (text.len() < TEXT).then(|| text.push(byte))
+}
+
+fn named(name: &[u8]) -> Option<Named> {
+    const NAMES: [(&[u8], Named); 9] = [
+        (b"host", Named::Kept(Field::Host)),
+        (b"origin", Named::Kept(Field::Origin)),
+        (b"sec-fetch-site", Named::Kept(Field::SecFetchSite)),
+        (b"authorization", Named::Kept(Field::Authorization)),
+        (b"cookie", Named::Kept(Field::Cookie)),
+        (b"idempotency-key", Named::Kept(Field::IdempotencyKey)),
+        (b"content-length", Named::ContentLength),
+        (b"transfer-encoding", Named::TransferEncoding),
+        (b"upgrade", Named::Upgrade),
+    ];
+    let name = name.trim_ascii();
+    NAMES.iter().find(|(known, _)| name.eq_ignore_ascii_case(known)).map(|(_, named)| *named)
+}

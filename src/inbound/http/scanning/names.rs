@@ -1,0 +1,131 @@
+//! What names STOP: the routes that are STOP whatever is sent there, by any method but those that change nothing. A target with a
+//! fault (a slash too many, another case, escapes, a query, a whole address) names the same. What a body says is not heard here.
+
+/// The routes that are STOP, as the table of routes has them.
+pub const STOPS: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
+
+/// The methods that change nothing (RFC 9110, section 9.2.1).
+const SAFE: [&[u8]; 4] = [b"GET", b"HEAD", b"OPTIONS", b"TRACE"];
+
+/// Which route of STOP a request names.
+#[must_use]
+pub fn stop(method: &[u8], target: &[u8]) -> Option<&'static str> {
+    if SAFE.iter().any(|safe| method.eq_ignore_ascii_case(safe)) {
+        return None;
+    }
+    let (_, path) = parts(target);
+    STOPS.into_iter().find(|route| is_at(path, route))
+}
+
+/// Whether a target is the one where connections are handed over to another protocol.
+#[must_use]
+pub fn is_upgrade(target: &[u8]) -> bool {
+    is_at(parts(target).1, "/mqtt")
+}
+
+/// The host that a target names, when it is a whole address (RFC 9112, section 3.2.2), and the path.
+#[must_use]
+pub fn parts(target: &[u8]) -> (Option<&[u8]>, &[u8]) {
+    let slash = target.iter().position(|byte| *byte == b'/').unwrap_or(target.len());
+    let Some(rest) = target[slash..].strip_prefix(b"//").filter(|_| target[..slash].ends_with(b":")) else {
+        return (None, target);
+    };
+    let end = rest.iter().position(|byte| *byte == b'/').unwrap_or(rest.len());
+    (Some(&rest[..end]), &rest[end..])
+}
+
+fn is_at(path: &[u8], route: &str) -> bool {
+    let mut wanted = route.split('/').filter(|segment| !segment.is_empty());
+    let mut named = path.split(|byte| *byte == b'/').map(unescaped).filter(|segment| !segment.is_empty() && segment != b".");
+    loop {
+        match (named.next(), wanted.next()) {
+            (None, None) => return true,
+            (Some(named), Some(wanted)) if named.eq_ignore_ascii_case(wanted.as_bytes()) => {}
+            (Some(_) | None, _) => return false,
+        }
+    }
+}
+
+/// A segment without its escapes (RFC 3986, section 2.1).
+fn unescaped(segment: &[u8]) -> Vec<u8> {
+    let mut plain = Vec::with_capacity(segment.len());
+    let mut rest = segment;
+    while let Some((&byte, behind)) = rest.split_first() {
+        let digit = |place: usize| behind.get(place).and_then(|byte| char::from(*byte).to_digit(16));
+        match (byte, digit(0), digit(1)) {
+            (b'%', Some(high), Some(low)) => {
+                plain.extend(u8::try_from(high * 16 + low));
+                rest = &behind[2..];
+            }
+            (_, _, _) => {
+                plain.push(byte);
+                rest = behind;
+            }
+        }
+    }
+    plain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::access::Need;
+    use crate::inbound::http::routes::table;
+
+    /// Safety S1, S8.
+    #[test]
+    fn every_route_that_is_stop_names_it_and_no_other_does() {
+        let is_said_by_body = |path: &str| path.ends_with("/move");
+        for row in table() {
+            let is_stop = row.need == Need::Stop && !is_said_by_body(row.path);
+            assert_eq!(stop(b"POST", row.path.as_bytes()), is_stop.then_some(row.path), "{}", row.path);
+            for method in ["GET", "HEAD", "OPTIONS", "TRACE", "get"] {
+                assert_eq!(stop(method.as_bytes(), row.path.as_bytes()), None, "{method} changes nothing");
+            }
+        }
+    }
+
+    /// Safety S8.
+    #[test]
+    fn a_target_with_a_fault_names_stop_all_the_same() {
+        for target in [
+            "/api/v1/commands/stop/",
+            "//api/v1//commands/stop",
+            "api/v1/commands/stop",
+            "/API/v1/commands/Stop",
+            "/./api/v1/commands/stop",
+            "/api/v1/commands/%73top",
+            "/api/v1/commands/st%6Fp",
+            "http://localhost/api/v1/commands/stop",
+            "https://127.0.0.1:8080/api/v1/commands/stop/",
+        ] {
+            assert_eq!(stop(b"POST", target.as_bytes()), Some(STOPS[0]), "{target}");
+        }
+        for method in ["PUT", "DELETE", "post", "FETCH", "", "\u{7f}"] {
+            assert_eq!(stop(method.as_bytes(), b"/h"), Some("/h"), "{method:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_named_is_not_stop() {
+        for target in [
+            "",
+            "/",
+            "*",
+            "/stop",
+            "/api/v1/commands",
+            "/api/v1/commands/stop/now",
+            "/hh",
+            "/%68%68",
+            "/%",
+            "http://h",
+            "http://h/",
+            "//h/x",
+        ] {
+            assert_eq!(stop(b"POST", target.as_bytes()), None, "{target}");
+        }
+        assert_eq!(parts(b"http://a.example:80/h"), (Some(&b"a.example:80"[..]), &b"/h"[..]));
+        assert_eq!(parts(b"/x://h"), (None, &b"/x://h"[..]));
+        assert!(is_upgrade(b"/mqtt") && is_upgrade(b"http://localhost/mqtt") && !is_upgrade(b"/"));
+    }
+}

@@ -1,0 +1,113 @@
+//! Follows the requests of a connection, byte by byte, before anything judges them: where a head ends, what it names and who
+//! asks, how long its body is, where the next one begins. It is lenient, because a STOP with a fault is still a STOP; where hyper
+//! takes a request, both agree on its length. It reads no socket, keeps little however long a head is, and decides nothing.
+
+use super::body::Chunks;
+use super::head::{BodyLength, Head, HeadReader};
+
+/// What a byte has brought to its end.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Heard {
+    /// A head: what it names and who asks has come.
+    Head(Head),
+    /// The body of the request whose head was heard last. A request without a body has no such end.
+    Body,
+}
+
+/// One connection's requests.
+#[derive(Debug)]
+pub struct Scanner {
+    head: HeadReader,
+    at: At,
+    heads: u64,
+}
+
+#[derive(Debug)]
+enum At {
+    Head,
+    /// So many bytes of a body are to come.
+    Body(u64),
+    Chunks(Chunks),
+    /// Nobody can say where the next request begins, and hyper ends such a connection.
+    Lost,
+}
+
+impl Scanner {
+    /// Before the first byte; `cookie` is the name of the cookies that say who asks.
+    #[must_use]
+    pub fn new(cookie: &str) -> Scanner {
+        Scanner { head: HeadReader::new(cookie), at: At::Head, heads: 0 }
+    }
+
+    /// Takes bytes up to the first that brings something to its end, and says how many it took.
+    pub fn take(&mut self, bytes: &[u8]) -> (usize, Option<Heard>) {
+        let mut taken = 0;
+        while let Some(&byte) = bytes.get(taken) {
+            let heard = match &mut self.at {
+                At::Head => {
+                    taken += 1;
+                    self.head.push(byte).map(|head| self.begin_body(head))
+                }
+                At::Body(left) => {
+                    let here = usize::try_from(*left).unwrap_or(usize::MAX).min(bytes.len() - taken);
+                    taken += here;
+                    *left -= here as u64;
+                    (*left == 0).then_some(Heard::Body)
+                }
+                At::Chunks(chunks) => {
+                    let (here, ended) = chunks.take(&bytes[taken..]);
+                    taken += here;
+                    match ended {
+                        Some(Ok(())) => Some(Heard::Body),
+                        Some(Err(())) => {
+                            self.at = At::Lost;
+                            None
+                        }
+                        None => None,
+                    }
+                }
+                At::Lost => return (bytes.len(), None),
+            };
+            if let Some(heard) = heard {
+                if heard == Heard::Body {
+                    self.at = At::Head;
+                }
+                return (taken, Some(heard));
+            }
+        }
+        (taken, None)
+    }
+
+    /// How many heads have ended.
+    #[must_use]
+    pub fn heads(&self) -> u64 {
+        self.heads
+    }
+
+    /// Whether no body is on its way.
+    #[must_use]
+    pub fn is_between(&self) -> bool {
+        matches!(self.at, At::Head)
+    }
+
+    /// Whether the first byte of a head is none of any method: no server waits for the end of that.
+    #[must_use]
+    pub fn is_no_request(&self) -> bool {
+        matches!(self.at, At::Head) && self.head.is_no_method()
+    }
+
+    fn begin_body(&mut self, head: Head) -> Heard {
+        self.heads += 1;
+        self.at = match head.body {
+            BodyLength::Known(0) => At::Head,
+            BodyLength::Known(length) => At::Body(length),
+            BodyLength::Chunked => At::Chunks(Chunks::default()),
+            BodyLength::Unknown => At::Lost,
+        };
+        Heard::Head(head)
+    }
+}
+
+#[cfg(test)]
+#[path = "scanner_tests.rs"]
+mod tests;

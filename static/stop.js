@@ -1,0 +1,138 @@
+// STOP, on every page of ours. Without this script it is a plain form. With it nothing is reloaded, and a STOP that was not
+// confirmed stays on the page and is tried again until it is (safety S10). What else a page does stands in console.js.
+"use strict";
+
+const CONFIRM_MS = 2000; // an attempt that is not answered by then is given up: the STOP is unconfirmed
+const AGAIN_MS = 1000; // a new attempt begins at most so often by itself
+const SOON_MS = 400; // of an attempt that is answered sooner nothing is said
+const OVER_MS = 15000; // that a STOP was confirmed is old after this
+const ATTEMPTS = 4; // at once: a browser has six connections for all pages of a place
+
+let leaving = false;
+
+/** To the page where one signs in; it says what was not done. A later reason does not take the place of an earlier one. */
+function signIn(undone) {
+  if (!leaving) location.assign(`/sign-in?undone=${undone}`);
+  leaving = true;
+}
+
+const stopping = (() => {
+  const form = document.getElementById("stop");
+  const place = document.getElementById("why-stop");
+  const key = "hallsweep-stop"; // a page that is loaded anew finds an unconfirmed STOP under this
+  let pressed = 0; // how often it was pressed here
+  let open = false; // whether a press is not confirmed yet
+  let underWay = 0;
+  let triedAt = -Infinity;
+  let again, soon, over;
+
+  /** A press is confirmed by an attempt that began after it, not by one that was on its way already. */
+  function press() {
+    pressed += 1;
+    open = true;
+    remember(true);
+    if (underWay < ATTEMPTS) attempt();
+  }
+
+  async function attempt() {
+    const press = pressed;
+    underWay += 1;
+    triedAt = performance.now();
+    clearTimeout(again);
+    clearTimeout(soon);
+    if (!place.textContent) soon = setTimeout(() => open && say("STOP is on its way…"), SOON_MS);
+    const failure = await failed();
+    underWay -= 1;
+    if (failure === "401") return giveUp();
+    if (!open || (failure === null && press === pressed)) return confirmed();
+    clearTimeout(soon);
+    clearTimeout(again);
+    if (failure !== null) say(`STOP is not confirmed: ${failure}. Use the robot's own switch. This page goes on trying.`);
+    again = setTimeout(attempt, failure === null ? 0 : AGAIN_MS);
+  }
+
+  /** Sends it: null when the robot's program has confirmed it, else why not. */
+  async function failed() {
+    try {
+      const signal = AbortSignal.timeout(CONFIRM_MS);
+      const answer = await fetch(form.action, { method: "POST", headers: { accept: "application/json" }, keepalive: true, signal });
+      if (answer.status === 401) return "401";
+      const said = await answer.json();
+      return answer.ok && said.accepted ? null : `hallsweep says: ${said.detail ?? answer.status}`;
+    } catch (error) {
+      return error.name === "TimeoutError" ? "no answer came" : "there is no connection";
+    }
+  }
+
+  function confirmed() {
+    if (!open) return;
+    const wasLate = place.textContent.includes("not confirmed");
+    open = false;
+    remember(false);
+    clearTimeout(again);
+    clearTimeout(soon);
+    // The console shows by itself what holds the robot; other pages do not, and whoever was in doubt is told anywhere.
+    say(wasLate || !document.getElementById("bar") ? "STOP is confirmed." : "", true);
+    over = setTimeout(() => say(""), OVER_MS);
+  }
+
+  /** Nobody is signed in any more: the page for that says that STOP was not given. */
+  function giveUp() {
+    open = false;
+    remember(false);
+    signIn("stop");
+  }
+
+  function say(words, isDone = false) {
+    clearTimeout(over);
+    place.classList.toggle("done", isDone);
+    if (place.textContent !== words) place.textContent = words;
+  }
+
+  function remember(isOpen) {
+    try {
+      if (isOpen) sessionStorage.setItem(key, "unconfirmed");
+      else sessionStorage.removeItem(key);
+    } catch {
+      // Without a memory it is tried for as long as this page is open.
+    }
+  }
+
+  function wasOpen() {
+    try {
+      return sessionStorage.getItem(key) !== null;
+    } catch {
+      return false;
+    }
+  }
+
+  /** The connection stands, by whatever sign: an unconfirmed STOP does not wait for its turn. */
+  function connected() {
+    if (open && performance.now() - triedAt > AGAIN_MS) attempt();
+  }
+
+  if (form) {
+    document.documentElement.dataset.stop = "ready";
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      press();
+    });
+    // Escape is STOP, whatever is open or typed.
+    document.addEventListener("keydown", (event) => {
+      if (event.key !== "Escape" || event.repeat) return;
+      event.preventDefault();
+      press();
+    }, { capture: true });
+    // A key that is held down presses a button once.
+    document.addEventListener("keydown", (event) => {
+      if (event.repeat && event.key === "Enter" && event.target.closest?.("button")) event.preventDefault();
+    });
+    addEventListener("online", connected);
+    document.addEventListener("visibilitychange", connected);
+    if (wasOpen()) {
+      say("STOP is not confirmed: the page was left before. Use the robot's own switch. This page goes on trying.");
+      press();
+    }
+  }
+  return { connected };
+})();

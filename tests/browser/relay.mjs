@@ -1,0 +1,50 @@
+// The network between the browser and the program, which a scenario can cut and mend: a relay of bytes on a port of its own.
+
+import { createServer, connect } from 'node:net';
+
+/** Relays to this program; `cut` refuses and ends everything, `hold` takes what comes and passes nothing on, `mend` ends both. */
+export async function relay(program) {
+  const { hostname, port } = new URL(program);
+  const open = new Set();
+  let isHeld = false;
+  const take = (near) => {
+    open.add(near);
+    near.on('error', () => {}).on('close', () => open.delete(near));
+    if (isHeld) return near.resume();
+    const far = connect(Number(port), hostname);
+    far.on('error', () => near.destroy()).on('close', () => near.destroy());
+    near.on('close', () => far.destroy());
+    return near.pipe(far).pipe(near);
+  };
+  let server;
+  let own = 0;
+  const listen = () => new Promise((done) => {
+    server = createServer(take).listen(own, '127.0.0.1', () => {
+      own = server.address().port;
+      done();
+    });
+  });
+  const end = () => open.forEach((near) => near.destroy());
+  await listen();
+  return {
+    url: `http://127.0.0.1:${own}`,
+    async cut() {
+      const closed = new Promise((done) => server.close(done));
+      end();
+      await closed;
+    },
+    async hold() {
+      isHeld = true;
+      end();
+    },
+    async mend() {
+      end();
+      isHeld = false;
+      if (!server.listening) await listen();
+    },
+    close() {
+      end();
+      server.close();
+    },
+  };
+}
