@@ -9,3 +9,4 @@ mod malformed;
 mod packets;
 mod siege;
 mod stops;
+mod viewers;

@@ -43,6 +43,11 @@ pub(crate) fn connect(client_id: &str, keep_alive_s: u16) -> Vec<u8> {
     connect_with(4, 2, keep_alive_s, &text(client_id))
 }
 
+/// The same of somebody with a key.
+pub(crate) fn connect_as(client_id: &str, (name, token): (&str, &str)) -> Vec<u8> {
+    connect_with(4, 0xC2, 60, &[text(client_id), text(name), text(token)].concat())
+}
+
 /// A CONNECT of this level of the protocol, with these flags and all that follows the keep alive.
 pub(crate) fn connect_with(level: u8, flags: u8, keep_alive_s: u16, rest: &[u8]) -> Vec<u8> {
     packet(0x10, &[&text("MQTT")[..], &[level, flags], &keep_alive_s.to_be_bytes(), rest].concat())
