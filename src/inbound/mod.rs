@@ -1,5 +1,5 @@
 //! The doors: how operators and programs reach hallsweep. No door knows another, and none knows an adapter. What doors with
-//! connections have in common lies beside them: the ports they listen to, how many connections there may be, and how long a reader may
+//! connections have in common lies beside them: the ports they listen to, and how long a reader may
 //! stall.
 
 pub mod coap;
@@ -7,4 +7,3 @@ pub mod http;
 pub mod listeners;
 pub mod mqtt;
 mod patience;
-mod places;

@@ -133,7 +133,7 @@ impl Ledger {
             self.work(program, dice, &format!("{life}-{n}")).expect("the program is running");
         }
         let (known, deadline) = (self.verdicts.len(), Deadline::within(PATIENCE));
-        for n in (0..).take_while(|_| life % 3 == 0) {
+        for n in (0..).take_while(|_| life.is_multiple_of(3)) {
             if self.verdicts.len() > known || deadline.has_passed() {
                 break;
             }

@@ -167,7 +167,7 @@ struct Reception {
 
 impl Reception {
     /// Lets clients in until there are no engines any more, and then waits until they have left; whoever takes long is cut off.
-    async fn receive(mut self, mut listeners: Listeners, mut visitors: mpsc::Receiver<Visitor>) {
+    async fn receive(self, mut listeners: Listeners, mut visitors: mpsc::Receiver<Visitor>) {
         let mut guests = JoinSet::new();
         let mut engine = self.engine.clone();
         loop {
@@ -192,14 +192,9 @@ impl Reception {
         }
     }
 
-    fn receive_one(&mut self, guests: &mut JoinSet<()>, visitor: Visitor) {
-        match self.house.place(visitor.origin.from) {
-            Some(place) => {
-                let served = self.house.clone().entertain(visitor, place, (self.engine.clone(), self.work.clone()));
-                guests.spawn(served);
-            }
-            None => tracing::debug!(from = %visitor.origin.from, "an MQTT connection was refused: every place is taken"),
-        }
+    fn receive_one(&self, guests: &mut JoinSet<()>, visitor: Visitor) {
+        let place = self.house.place(visitor.origin.from);
+        guests.spawn(self.house.clone().entertain(visitor, place, (self.engine.clone(), self.work.clone())));
     }
 }
 

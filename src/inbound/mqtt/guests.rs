@@ -22,6 +22,7 @@ use super::gate::turnstile::{Ended, Gatehouse, Listener, Terms, Turnstile};
 use super::hearing::Hearing;
 use super::identity::{Identity, Unknown};
 use super::limits::{CONNECT_TIME, LOBBY, PLACES};
+use super::lobby::{Lobby, Place};
 use super::orders::Orders;
 use super::pump::{self, Ends, Upstream};
 use super::read_ahead::{Left, Pool, Taker, read_ahead};
@@ -29,7 +30,6 @@ use super::seats::Seats;
 use super::slots::{Name, Slot, Slots};
 use super::visitor::{Origin, Reader, Visitor, Writer};
 use crate::access::{Attempts, Network, Token};
-use crate::inbound::places::{Place, Places};
 use crate::runtime::clock::Clock;
 
 /// So long the engine may take to answer; it takes less than a millisecond.
@@ -78,7 +78,7 @@ struct Rooms {
     /// The password of our own session.
     secret: Token,
     /// Of those who have not said yet who they are.
-    lobby: Places,
+    lobby: Lobby,
     seats: Seats,
     /// What is read ahead of all clients.
     pool: Pool,
@@ -104,7 +104,7 @@ impl House {
             gatehouse: Arc::new(gatehouse),
             orders,
             secret,
-            lobby: Places::new(LOBBY),
+            lobby: Lobby::new(LOBBY),
             seats: Seats::default(),
             pool: Pool::default(),
             slots: Slots::default(),
@@ -115,7 +115,7 @@ impl House {
     }
 
     /// A place for a connection from there, until it has said who it is; the oldest of the others may give way.
-    pub(super) fn place(&self, from: IpAddr) -> Option<Place> {
+    pub(super) fn place(&self, from: IpAddr) -> Place {
         self.0.lobby.take(from)
     }
 

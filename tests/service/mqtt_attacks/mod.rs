@@ -11,3 +11,4 @@ mod shares;
 mod siege;
 mod stalled;
 mod stops;
+mod viewers;

@@ -127,12 +127,12 @@ pub const KEPT_IDS: std::ops::RangeInclusive<u16> = 1001..=2000;
 /// No further kept message is put before a client, and nothing more is read from the engine for it, while more than this waits for it.
 pub const CLIENT_ROOM: usize = 256 * 1024;
 
-/// No more is read from a client while more answers than this wait for it beside what the engine sent. A client behind a slow line is
-/// read all the same: it may be about to stop the robot.
-pub const ANSWER_ROOM: usize = CLIENT_ROOM + 2 * HOUSE_PACKET;
+/// No more is taken from a client while more than this waits for it. Its STOPs are heard all the same; one that goes on sending, and
+/// reads none of it, is sent away.
+pub const ANSWER_ROOM: usize = 512 * 1024;
 
-/// No more is read from a client while more than this waits for the engine.
-pub const ENGINE_ROOM: usize = 512 * 1024;
+/// No more is taken from a client while more than this waits for the engine.
+pub const ENGINE_ROOM: usize = 128 * 1024;
 
 /// So many messages the engine sends to a client before it waits for an acknowledgement;
 pub const ENGINE_WINDOW: usize = 100;

@@ -1,0 +1,142 @@
+//! What somebody may try who has a viewer's key: floods of all that is refused, more connections than there are places. A STOP halts
+//! beside it, from whoever comes and from whoever is there. How soon is measured in `benches`.
+
+use std::io::Write;
+use std::net::SocketAddr;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::client::{Came, Client};
+use super::packets::{CONNACK, PINGREQ, connect_as, packet, publish, subscribe, text};
+use crate::access::Folder;
+use crate::journal::holds;
+use crate::program::Program;
+
+const STOP: &str = "hallsweep/discovery/command/stop";
+
+/// More connections than the broker has places.
+const CROWD: usize = 300;
+
+/// Keys, and a program whose MQTT door asks for them.
+struct Site {
+    program: Program,
+    operator: String,
+    viewer: String,
+    _folder: Folder,
+}
+
+impl Site {
+    fn new(name: &str) -> Site {
+        let folder = Folder::new(name);
+        folder.token(&["add", "lobby", "--role", "viewer"]);
+        let (operator, viewer) = (folder.token_of("operator"), folder.token_of("lobby"));
+        let mut command = folder.command(&["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "4"]);
+        let program = Program::started(command.env("HALLSWEEP__MQTT__REQUIRE_PASSWORD", "true"));
+        Site { program, operator, viewer, _folder: folder }
+    }
+
+    fn broker(&self) -> SocketAddr {
+        self.program.mqtt()
+    }
+
+    fn viewer(&self, id: &str) -> Client {
+        let mut client = Client::silent(self.broker());
+        client.say(&connect_as(id, ("lobby", &self.viewer)));
+        assert_eq!(client.next(), Some(Came { first: CONNACK, body: vec![0, 0] }));
+        client
+    }
+
+    fn operator(&self, id: &str) -> Client {
+        let mut client = Client::silent(self.broker());
+        client.say(&connect_as(id, ("operator", &self.operator)));
+        assert_eq!(client.next(), Some(Came { first: CONNACK, body: vec![0, 0] }));
+        client
+    }
+
+    /// The robot is started, and halts at what is done then.
+    fn halts(&self, stop: impl FnOnce()) {
+        self.program.command("start").accepted();
+        self.program.until("nothing holds the robot", |state| !holds(state, "operator"));
+        stop();
+        self.program.until("the stop holds the robot", |state| holds(state, "operator"));
+    }
+}
+
+/// What a viewer floods the broker with.
+fn floods() -> Vec<(&'static str, Vec<u8>)> {
+    let filters: Vec<u8> = (0..20_000).flat_map(|n| text(&n.to_string())).collect();
+    let deep: Vec<u8> = (0..64).flat_map(|n| [text(&format!("{}z{n}", "+/".repeat(16))), vec![0]].concat()).collect();
+    let term = format!("msg(startCmd,event,{},none,startCmd,1)", "f(".repeat(30) + &"x".repeat(4000) + &")".repeat(30));
+    vec![
+        ("refused commands", publish("hallsweep/discovery/command/start", b"{}", 1, 0, 7).repeat(1000)),
+        ("refused terms", publish("unibo/qak/robotmind", term.as_bytes(), 0, 0, 0).repeat(20)),
+        ("pings", PINGREQ.repeat(10_000)),
+        ("filters let go of", packet(0xA2, &[&[0, 1][..], &filters].concat())),
+        ("deep filters", packet(0x82, &[&[0, 1][..], &deep].concat())),
+        ("subscriptions", (0..500).flat_map(|n| subscribe(1, &format!("a/{}", n % 70), 0)).collect()),
+    ]
+}
+
+/// Safety S1, S7: from a newcomer, from one who is there, and over HTTP.
+#[test]
+fn a_stop_halts_whatever_a_viewer_floods_the_broker_with() {
+    let site = Site::new("viewer-floods");
+    let mut kept = site.viewer("kept");
+    for (what, flood) in floods() {
+        let is_enough = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            for n in 0..2 {
+                let (site, flood, is_enough) = (&site, &flood, &is_enough);
+                scope.spawn(move || {
+                    let mut client = site.viewer(&format!("flood-{n}"));
+                    while !is_enough.load(Ordering::SeqCst) {
+                        // Whoever reads no answers is sent away, and comes again.
+                        if client.mouth().write_all(flood).is_err() {
+                            client = site.viewer(&format!("flood-{n}"));
+                        }
+                    }
+                });
+            }
+            site.halts(|| kept.publish(STOP, what.as_bytes()));
+            site.halts(|| site.viewer("newcomer").publish(STOP, b""));
+            site.halts(|| {
+                site.program.command("stop").accepted();
+            });
+            is_enough.store(true, Ordering::SeqCst);
+        });
+    }
+}
+
+/// Safety S9.
+#[test]
+fn one_viewer_with_three_hundred_connections_keeps_nobody_out() {
+    let site = Site::new("viewer-crowd");
+    let mut before = site.operator("before");
+    let crowd: Vec<Client> = (0..CROWD).map(|n| site.viewer(&n.to_string())).collect();
+    site.halts(|| before.publish(STOP, b""));
+    let mut newcomers: Vec<Client> = (0..20).map(|n| site.operator(&format!("operator-{n}"))).collect();
+    for newcomer in &mut newcomers {
+        newcomer.settle();
+    }
+    site.halts(|| newcomers[0].publish(STOP, b""));
+    site.halts(|| site.viewer("last").publish(STOP, b""));
+    before.settle();
+    drop(crowd);
+}
+
+/// Safety S1: subscribers who read nothing are waited for, and the flood with them; its end is not.
+#[test]
+fn a_stop_behind_its_senders_own_flood_halts_although_subscribers_read_nothing() {
+    let site = Site::new("own-flood");
+    let mut stalled: Vec<Client> = (0..2).map(|n| site.operator(&format!("stalled-{n}"))).collect();
+    for stalled in &mut stalled {
+        assert_eq!(stalled.subscribe("#", 1), 1);
+    }
+    let mut sender = site.operator("sender");
+    let flood = publish("sensors/door", &[7; 1000], 0, 0, 0).repeat(4 * 1024);
+    for _ in 0..3 {
+        site.halts(|| {
+            sender.say(&flood);
+            sender.publish(STOP, b"");
+        });
+    }
+}
