@@ -45,6 +45,8 @@ fn a_safe_that_a_danger_overtakes_is_refused_and_the_log_says_so() {
     bare.keeps = false;
     let (safe, danger) = (bare.verdict(Verdict::Safe).unwrap(), bare.verdict(Verdict::Danger).unwrap());
     bare.keep();
+    // And what follows from the danger, with which it is answered.
+    bare.keep();
     let decided = Refused::Decided { luggage: LuggageId(1), verdict: Verdict::Danger };
     assert_eq!(bare.answer(safe), Some(Err(decided)));
     assert!(matches!(bare.answer(danger), Some(Ok(_))));
