@@ -140,7 +140,7 @@ impl Sweep {
                 self.on_record.push(looked.1, view);
                 // A button that is refused now is not offered any longer, although why is not on record yet.
                 if buttons {
-                    self.on_record.looked.0 = self.world.touch(Resource::Mission);
+                    self.world.touch(Resource::Mission);
                 }
             }
         }
