@@ -19,7 +19,7 @@ pub enum Hold {
     Store,
     /// The program was started again.
     Restart,
-    /// An alarm must be acknowledged first.
+    /// Danger was said and could not be recorded: that must be acknowledged, or danger put on record, first.
     Alarm,
     /// The cause of a hold may be gone, but nobody has said START since.
     AwaitingStart,
@@ -66,7 +66,7 @@ impl Hold {
             Hold::RobotLink => "the robot cannot be reached: mend the link first",
             Hold::Store => "nothing can be recorded: mend the disk first",
             Hold::Restart => "the program was started again; everything is as it was",
-            Hold::Alarm => "an alarm must be acknowledged first",
+            Hold::Alarm => "a danger could not be recorded: say danger again, or acknowledge its alarm first",
             Hold::AwaitingStart => "waiting for START",
         }
     }
@@ -82,7 +82,7 @@ impl Hold {
             Hold::RobotLink => "the robot is reached",
             Hold::Store => "everything is recorded again",
             Hold::Restart => "going on after the restart",
-            Hold::Alarm => "the alarm is acknowledged",
+            Hold::Alarm => "the danger is on record, or its alarm acknowledged",
             Hold::AwaitingStart => "started",
         }
     }

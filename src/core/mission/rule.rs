@@ -138,9 +138,9 @@ pub enum Act {
     Clear(Hold),
     /// The LED ends blinking.
     LedOff,
-    /// Alarm the console: a piece is dangerous.
+    /// Alarm the console: a piece is dangerous. Ends the hold `alarm` if it stood for this.
     AlarmDanger,
-    /// Alarm the console: a danger was said but could not be recorded.
+    /// Alarm the console, and raise `alarm`: a danger was said but could not be recorded.
     AlarmUnrecorded,
     /// Turn to the photo of the piece.
     FacePiece,
@@ -158,7 +158,7 @@ pub enum Act {
     NoteReading,
     /// The same, and the sensor is not silent.
     HearSensor,
-    /// Note who has seen the alarm.
+    /// Note who has seen the alarm. Ends the hold `alarm` if it stood for this.
     Acknowledge,
     /// Search by this strategy from the next mission on.
     ChooseStrategy,
@@ -180,7 +180,8 @@ impl Act {
             Act::Raise(hold) => return format!("halt, raise `{}`", hold.name()),
             Act::Clear(hold) => return format!("clear `{}`", hold.name()),
             Act::LedOff => "LED off",
-            Act::AlarmDanger | Act::AlarmUnrecorded => "alarm the console",
+            Act::AlarmDanger => "alarm the console, end `alarm`",
+            Act::AlarmUnrecorded => "alarm the console, raise `alarm`",
             Act::FacePiece => "take the photo",
             Act::Retake => "take the photo again",
             Act::RecordPiece => "record the piece",
@@ -188,7 +189,7 @@ impl Act {
             Act::AskOperator => "ask the operator",
             Act::RecordVerdict => "record the verdict",
             Act::NoteReading | Act::HearSensor => "compare with the threshold",
-            Act::Acknowledge => "note who has seen it",
+            Act::Acknowledge => "note who has seen it, end `alarm`",
             Act::ChooseStrategy => "choose it",
             Act::Archive => "archive the mission",
             Act::RetryBlocked => "try blocked cells again",

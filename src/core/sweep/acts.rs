@@ -29,7 +29,10 @@ impl Sweep {
             Act::Raise(hold) => self.raise(hold, matter.words.as_deref()),
             Act::Clear(hold) => self.clear(hold),
             Act::LedOff => self.led(false),
-            Act::AlarmDanger => self.alarm_about(matter.luggage, "dangerous"),
+            Act::AlarmDanger => {
+                self.alarm_about(matter.luggage, "dangerous");
+                self.end_alarm_hold();
+            }
             Act::AlarmUnrecorded => matter.luggage.map_or((), |id| self.alarm_unrecorded(id)),
             Act::FacePiece => self.set_stage(Stage::TakingPhoto),
             Act::Retake => self.retake(matter),
@@ -150,9 +153,20 @@ impl Sweep {
         }
     }
 
-    /// A danger was said that could not be recorded: it alarms all the same.
+    /// A danger was said that could not be recorded: it alarms all the same, and nobody's SAFE or START lets the robot go on before
+    /// somebody has seen that, or danger is on record.
     pub(super) fn alarm_unrecorded(&mut self, luggage: LuggageId) {
         self.alarm_about(Some(luggage), "said to be dangerous, but that could not be recorded");
+        self.raise(Hold::Alarm, None);
+    }
+
+    /// The hold ends when of every piece that alarms danger is on record, or the alarm was seen.
+    pub(super) fn end_alarm_hold(&mut self) {
+        let dangerous = |id: LuggageId| self.world.luggage.get(&id).is_some_and(|luggage| luggage.is_dangerous());
+        let unseen = self.world.alarms.iter().filter(|alarm| alarm.acknowledged.is_none());
+        if unseen.filter_map(|alarm| alarm.luggage).all(dangerous) {
+            self.clear(Hold::Alarm);
+        }
     }
 
     fn acknowledge(&mut self, matter: &Matter) {
@@ -163,6 +177,7 @@ impl Sweep {
         *alarm = Arc::new(Alarm { acknowledged: Some((Arc::clone(&issuer.who), self.now.wall)), ..Alarm::clone(alarm) });
         self.world.touch(Resource::Mission);
         self.outbox.record(self.now.wall, Fact::AlarmAcknowledged(id, Arc::clone(&issuer.who)));
+        self.end_alarm_hold();
     }
 
     fn note_reading(&mut self, matter: &Matter) {

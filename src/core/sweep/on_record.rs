@@ -95,6 +95,12 @@ impl OnRecord {
         self.ahead.is_empty() && self.floor != NEVER
     }
 
+    /// How many views wait for their record.
+    #[cfg(test)]
+    pub(super) fn waiting(&self) -> usize {
+        self.ahead.len()
+    }
+
     /// The LED ends blinking, at once.
     pub(super) fn put_out(&mut self) {
         self.lit = false;
@@ -128,8 +134,14 @@ impl Sweep {
         if looked != self.on_record.looked {
             self.on_record.looked = looked;
             let view = self.mission_as_it_is();
-            if view != *self.on_record.latest() {
+            let latest = self.on_record.latest();
+            if view != *latest {
+                let buttons = view.refusals != latest.refusals;
                 self.on_record.push(looked.1, view);
+                // A button that is refused now is not offered any longer, although why is not on record yet.
+                if buttons {
+                    self.on_record.looked.0 = self.world.touch(Resource::Mission);
+                }
             }
         }
         self.show_kept();

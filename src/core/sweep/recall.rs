@@ -142,6 +142,7 @@ impl Sweep {
                 self.feed(Input::SafeRecorded, &about(&luggage));
             }
         }
+        self.end_alarm_hold();
     }
 
     fn is_alarmed_about(&self, luggage: LuggageId) -> bool {

@@ -1,4 +1,8 @@
-//! Walks every pair of phase and input, under every kind of hold, and checks that the sweep does what the table says.
+//! Moments of a sweep that no door can bring about at will. What every pair of phase and input leads to is in `by_hand`, what is
+//! shown meanwhile in `shown`.
+
+mod by_hand;
+mod shown;
 
 use std::time::Duration;
 
@@ -6,7 +10,7 @@ use super::*;
 use crate::core::command::{Command, Door, Issuer, LuggageRef, Move, TemperatureReport, Verdict};
 use crate::core::effect::Action;
 use crate::core::event::{Capabilities, Obstacle, RobotEvent};
-use crate::core::mission::{FaultCause, Hold, Holds, Inspection, Phase, PhaseName, Stage, To};
+use crate::core::mission::{FaultCause, Hold, Holds, Inspection, Phase, PhaseName, Stage};
 use crate::core::units::{AlarmId, Cell, Celsius, OrderId, Pose, Seq, Wall};
 use crate::core::world::luggage::{Luggage, PhotoState};
 
@@ -123,66 +127,6 @@ fn command(input: Input) -> Option<Command> {
         | Input::StoreRestored
         | Input::Restarted => return None,
     })
-}
-
-/// Where the table's answer leads, the interruption taken off where it leads back.
-fn expected(sweep: &Sweep, to: To, depth: usize) -> PhaseName {
-    match (to, depth) {
-        (To::Stay, _) | (_, 1..) => sweep.mission.phase.name(),
-        (To::Phase(name), 0) => name,
-        (To::Interrupted, 0) => sweep.mission.phase.underlying().name(),
-    }
-}
-
-const HOLDS: [&[Hold]; 5] =
-    [&[], &[Hold::Operator, Hold::AwaitingStart], &[Hold::TooHigh], &[Hold::Temperature, Hold::AwaitingStart], &[Hold::Store]];
-
-/// Safety S5: whatever is asked, nothing moves past the gate while anything holds.
-#[test]
-fn every_command_in_every_phase_does_what_the_table_says() {
-    for name in PhaseName::ALL {
-        for input in Input::COMMANDS {
-            for holds in HOLDS {
-                let mut sweep = sweep_in(name, holds);
-                let given = command(input).expect("every input of COMMANDS is a command");
-                let request = Request::new(given, Issuer::operator(Door::Local));
-                let (asked, matter) = Matter::of(&request.command, &request.issuer, Some(LuggageId(1)));
-                assert_eq!(asked, input);
-                let says = sweep.decide(input, &matter).map(|step| expected(&sweep, step.to, step.depth));
-                let before = sweep.mission.clone();
-                let does = sweep.handle_command(request, now(1));
-                let pair = format!("{name:?} × {input:?} under {holds:?}");
-                match (says, does) {
-                    (Ok(phase), Ok(_)) => assert!(sweep.mission.phase.name() == phase || sweep.world.is_home(), "{pair}"),
-                    (Err((says, acts)), Err(does)) => {
-                        assert_eq!(says, does, "{pair}");
-                        assert_eq!(before.phase, sweep.mission.phase, "{pair}");
-                        // What is done all the same only makes it safer: holds are raised, and none is cleared.
-                        let cleared = before.holds.to_vec().into_iter().any(|hold| !sweep.mission.holds.contains(hold));
-                        assert!(!cleared && (!acts.is_empty() || before.holds == sweep.mission.holds), "{pair}");
-                    }
-                    (says, does) => panic!("{pair}: the table says {says:?}, the sweep does {does:?}"),
-                }
-                let moves = settle(&mut sweep).into_iter().any(Action::is_motion);
-                assert!(!moves || sweep.mission.holds.is_empty(), "{pair}: moved while held");
-            }
-        }
-    }
-}
-
-#[test]
-fn every_event_in_every_phase_does_what_the_table_says() {
-    for name in PhaseName::ALL {
-        for input in Input::EVENTS {
-            let mut sweep = sweep_in(name, &[Hold::Operator]);
-            let matter = Matter { luggage: Some(LuggageId(1)), words: Some("a test".to_owned()), ..Matter::default() };
-            let step = sweep.decide(input, &matter).expect("events are never refused");
-            let phase = expected(&sweep, step.to, step.depth);
-            sweep.feed(input, &matter);
-            assert_eq!(sweep.mission.phase.name(), phase, "{name:?} × {input:?}");
-            assert!(!settle(&mut sweep).into_iter().any(Action::is_motion), "{name:?} × {input:?}: moved while held");
-        }
-    }
 }
 
 #[test]

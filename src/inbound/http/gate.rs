@@ -86,6 +86,11 @@ impl<S: Send + Sync> FromRequestParts<S> for Peer {
 }
 
 impl Door {
+    /// Whether answers can say when they were made: no machine's clock is right before 1970.
+    pub(super) fn can_date(&self) -> bool {
+        self.now_s() >= 0
+    }
+
     /// Now, in seconds since 1970, for sessions.
     pub(super) fn now_s(&self) -> i64 {
         self.clock.now().wall.unix_ms.div_euclid(1000)

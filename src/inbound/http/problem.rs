@@ -123,6 +123,13 @@ impl Problem {
         Problem::new(StatusCode::SERVICE_UNAVAILABLE, "noPlace", detail)
     }
 
+    /// 503: this machine's clock stands where no answer can be dated; a STOP was heard before.
+    pub(super) fn no_date(has_halted: bool) -> Problem {
+        let so = if has_halted { "; the STOP that came with it has halted the robot" } else { "" };
+        let detail = format!("the clock of the machine stands before 1970, and nothing is served until it is set{so}");
+        Problem::new(StatusCode::SERVICE_UNAVAILABLE, "noDate", detail)
+    }
+
     /// 500: a mistake in the program ended this request, and this request only.
     pub(super) fn internal() -> Problem {
         let detail = "a mistake in hallsweep ended this request; its log says more".to_owned();

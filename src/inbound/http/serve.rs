@@ -49,6 +49,11 @@ async fn serve_so_many(
     (places, waiting): (usize, usize),
     shutdown: impl Future<Output = ()>,
 ) {
+    if !door.can_date() {
+        tracing::error!(
+            "the clock of this machine stands before 1970: set it, no page is served before; STOP is heard all the same"
+        );
+    }
     let door = door.at(listeners.port());
     let hosts = Hosts::new(listeners.are_local(), &front.hosts);
     let line = Line {

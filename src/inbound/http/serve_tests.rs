@@ -15,6 +15,7 @@ use crate::access::Access;
 use crate::core::command::Door::Local;
 use crate::core::command::{Command, Issuer, Request};
 use crate::inbound::http::testing::{House, guarded_house, house, keys};
+use crate::runtime::clock::Clock;
 use crate::wire::fixture::searching;
 
 /// A door that is served until it is told to end.
@@ -352,4 +353,19 @@ async fn an_operators_kept_connection_stays_whatever_strangers_and_viewers_send(
         assert!(read > 0, "the connection was cut");
         answers.extend_from_slice(&bytes[..read]);
     }
+}
+
+/// Safety S1, R5.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn before_1970_it_is_said_that_the_clock_is_wrong_and_a_stop_halts_all_the_same() {
+    let mut house = house(searching());
+    house.door.clock = Clock::off_by(-(house.door.now_s() + 3600) * 1000);
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    for (asked, is_stop) in [(LOOK, false), (STOP, true)] {
+        let mut answer = String::new();
+        client(address, asked).read_to_string(&mut answer).expect("an answer in order");
+        assert!(answer.starts_with("HTTP/1.1 503") && answer.contains("noDate") && answer.contains("before 1970"), "{answer}");
+        assert_eq!(answer.contains("has halted the robot"), is_stop, "{answer}");
+    }
+    stops(&house, 1).await;
 }

@@ -153,8 +153,11 @@ where
     async fn hear(mut self) {
         loop {
             let handed_over = self.scan().await;
-            if self.talk.is_none() && self.is_to_begin() && !self.begin() {
-                return self.refuse().await;
+            if self.talk.is_none()
+                && self.is_to_begin()
+                && let Err(problem) = self.begin()
+            {
+                return self.refuse(&problem).await;
             }
             if let Some(talk) = &mut self.talk {
                 if talk.to.write_all(&self.read[..self.scanned]).await.is_err() {
@@ -227,11 +230,16 @@ where
         self.claim.is_some() || self.read.len() >= HEADER_BYTES || self.scanner.is_no_request()
     }
 
-    /// Takes a place and begins to talk; `false` when there is none.
-    fn begin(&mut self) -> bool {
+    /// Takes a place and begins to talk, or says why not.
+    fn begin(&mut self) -> Result<(), Problem> {
+        let has_heard = self.shared.has_heard();
+        // hyper would panic.
+        if !self.line.door.can_date() {
+            return Err(Problem::no_date(has_heard));
+        }
         let claim = self.claim.clone().unwrap_or_else(|| Claim::new(self.judge.peer.address, None));
         let cut = Arc::clone(&self.cut);
-        let Some(place) = self.line.places.take(claim.clone(), self.shared.has_heard(), cut) else { return false };
+        let place = self.line.places.take(claim.clone(), has_heard, cut).ok_or_else(|| Problem::no_place(has_heard))?;
         for _ in 0..self.scanner.heads() {
             place.asked(claim.clone(), !self.scanner.is_between());
         }
@@ -239,7 +247,7 @@ where
         self.guest = None;
         self.talk = to.map(|to| Talk::begin(to, (self.judge.peer, &place), &self.line, &self.shared));
         self.place = Some(place);
-        true
+        Ok(())
     }
 
     /// A request that may hand the connection over was heard: nobody knows what comes next before it is answered.
@@ -322,9 +330,9 @@ where
         }
     }
 
-    /// Says that there is no place; a STOP has been heard all the same.
-    async fn refuse(mut self) {
-        let body = Problem::no_place(self.shared.has_heard()).json();
+    /// Says why nothing is answered; a STOP has been heard all the same.
+    async fn refuse(mut self, problem: &Problem) {
+        let body = problem.json();
         let answer = format!(
             "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/problem+json\r\nContent-Length: {}\r\n\
              Connection: close\r\nRetry-After: 1\r\n\r\n{body}",

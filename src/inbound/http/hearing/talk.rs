@@ -164,7 +164,8 @@ where
     });
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIME);
-    // The guard says the date. A clock before 1970 ends the connection all the same: hyper looks at it behind every head, and panics.
+    // The guard says the date. hyper looks at the clock behind every head all the same, and panics before 1970:
+    // hearing begins no talk then.
     http.max_header_size(HEADER_BYTES).max_buf_size(HEADER_BYTES).half_close(true).auto_date_header(false);
     let connection = http.serve_connection(TokioIo::new(wire), service).with_upgrades();
     tokio::pin!(connection);

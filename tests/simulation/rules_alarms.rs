@@ -1,0 +1,199 @@
+//! Mission §4 and safety R1 on what must not be passed over: danger that could not be recorded, alarms nobody has seen, faults whose
+//! cause stands; and on what is still known after the store failed or the program died.
+
+use std::sync::Arc;
+
+use hallsweep::core::command::{Command, CommandId, Door, Issuer, Refused, Request, TemperatureReport, Verdict};
+use hallsweep::core::effect::{Effect, Fact};
+use hallsweep::core::event::{Event, Obstacle};
+use hallsweep::core::mission::{FaultCause, Hold, Phase, PhaseName};
+use hallsweep::core::settings::Settings;
+use hallsweep::core::standing::Standing;
+use hallsweep::core::sweep::{IDS, Recalled, Sweep};
+use hallsweep::core::units::{AlarmId, Cell, LuggageId, Now, Pose, Revision, Seq};
+use hallsweep::core::world::hall_map::Mark;
+
+use crate::bare::Bare;
+
+/// A program that begins with what stands.
+fn reborn(standing: Standing) -> Bare {
+    let recalled = Recalled { standing, written: Seq(1000), commands: Vec::new(), latest: Vec::new() };
+    let mut bare = Bare::unlinked();
+    bare.sweep = Sweep::recall(Settings::default(), "reborn".into(), recalled, Now::default());
+    bare.link_up();
+    bare
+}
+
+fn named(id: &str, command: Command) -> Request {
+    Request { id: CommandId::new(id), ..Request::new(command, Issuer::operator(Door::Http)) }
+}
+
+/// In front of a piece that somebody called dangerous while nothing could be recorded; now it can be.
+fn danger_was_lost() -> Bare {
+    let mut bare = Bare::at_a_bag();
+    bare.event(Event::StoreFailed("disk full".to_owned()));
+    assert_eq!(bare.verdict(Verdict::Danger), Err(Refused::StoreDown));
+    bare.event(Event::StoreRestored);
+    bare.keep();
+    bare
+}
+
+/// Mission §4: somebody else's SAFE and START do not pass over a danger that was said.
+#[test]
+fn danger_that_could_not_be_recorded_holds_the_robot_until_its_alarm_is_acknowledged() {
+    let mut bare = danger_was_lost();
+    assert_eq!(bare.holds(), [Hold::Alarm, Hold::AwaitingStart]);
+    bare.verdict(Verdict::Safe).unwrap();
+    assert_eq!(bare.phase(), PhaseName::Exploring);
+    for command in [Command::Start, Command::BackHome, Command::Goto(Cell::HOME)] {
+        assert_eq!(bare.give(command), Err(Refused::Held(vec![Hold::Alarm])));
+    }
+    assert_eq!(bare.order(), None);
+    bare.give(Command::Acknowledge(AlarmId(1))).unwrap();
+    assert_eq!((bare.holds(), bare.order()), (vec![Hold::AwaitingStart], None), "clearing a hold moves nothing");
+    bare.give(Command::Start).unwrap();
+    assert!(bare.order().is_some());
+}
+
+#[test]
+fn danger_that_is_said_again_and_recorded_ends_the_hold() {
+    let mut bare = danger_was_lost();
+    bare.verdict(Verdict::Danger).unwrap();
+    assert_eq!((bare.phase(), bare.holds()), (PhaseName::ReturningWithAlarm, vec![Hold::AwaitingStart]));
+    bare.give(Command::Start).unwrap();
+    assert!(bare.order().is_some());
+}
+
+#[test]
+fn a_danger_whose_record_fails_on_its_way_holds_too() {
+    let mut bare = Bare::at_a_bag();
+    bare.keeps = false;
+    bare.verdict(Verdict::Danger).unwrap();
+    bare.event(Event::StoreFailed("disk full".to_owned()));
+    assert_eq!(bare.holds(), [Hold::Store, Hold::Alarm, Hold::AwaitingStart]);
+}
+
+/// Safety R1.
+#[test]
+fn the_hold_of_an_alarm_stands_after_a_restart() {
+    let mut bare = reborn(danger_was_lost().sweep.standing());
+    assert_eq!(bare.holds(), [Hold::Restart, Hold::Alarm, Hold::AwaitingStart]);
+    bare.verdict(Verdict::Safe).unwrap();
+    assert_eq!(bare.give(Command::Start), Err(Refused::Held(vec![Hold::Alarm])));
+    bare.give(Command::Acknowledge(AlarmId(1))).unwrap();
+    bare.give(Command::Start).unwrap();
+}
+
+/// Safety R1.
+#[test]
+fn an_unacknowledged_alarm_stands_after_a_restart_and_an_acknowledged_one_stays_so() {
+    let mut bare = Bare::at_a_bag();
+    bare.verdict(Verdict::Danger).unwrap();
+    let mut bare = reborn(bare.sweep.standing());
+    let alarms = bare.state().alarms.to_vec();
+    assert_eq!((alarms.len(), alarms[0].id, alarms[0].luggage), (1, Some(AlarmId(1)), Some(LuggageId(1))));
+    assert!(alarms[0].acknowledged.is_none());
+    assert_eq!(bare.give(Command::Reset), Err(Refused::BombUnfetched(LuggageId(1))));
+    bare.give(Command::Acknowledge(AlarmId(1))).unwrap();
+    assert!(reborn(bare.sweep.standing()).state().alarms[0].acknowledged.is_some());
+}
+
+/// Safety A6: each of them, in order, once.
+#[test]
+fn every_command_lost_with_the_store_is_recorded_again() {
+    let mut bare = Bare::linked();
+    bare.keeps = false;
+    let commands = [Command::Start, Command::Retrieve, Command::Stop, Command::Reset, Command::Start, Command::BackHome];
+    for (n, command) in commands.into_iter().enumerate() {
+        let _ = bare.ask(named(&format!("c{n}"), command));
+    }
+    bare.event(Event::StoreFailed("disk full".to_owned()));
+    bare.effects.clear();
+    bare.event(Event::StoreRestored);
+    let pages = bare.effects.iter().filter_map(|effect| match effect {
+        Effect::Record(page) => Some(&page.entries),
+        _ => None,
+    });
+    let ids: Vec<_> = pages
+        .flatten()
+        .filter_map(|entry| match &entry.fact {
+            Fact::Command { id: Some(id), .. } => Some(id.text().to_owned()),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(ids, ["c0", "c1", "c2", "c3", "c4", "c5"]);
+}
+
+/// Mission §4, rule 4: the robot is home already.
+#[test]
+fn danger_on_a_piece_without_a_photo_after_the_end_of_the_search_locates_the_bomb() {
+    let mut bare = Bare::in_front_of(Obstacle::Unknown);
+    bare.photo_fails();
+    let ended = Standing { phase: Phase::Explored, pose: Pose::START, led_blinking: false, ..bare.sweep.standing() };
+    let mut bare = reborn(ended);
+    assert_eq!(bare.verdict(Verdict::Safe), Err(Refused::NoPhoto(LuggageId(1))));
+    bare.verdict(Verdict::Danger).unwrap();
+    assert_eq!(bare.phase(), PhaseName::BombLocated);
+    assert_eq!(bare.state().alarms.len(), 1);
+}
+
+/// Mission §4, rule 2.
+#[test]
+fn start_is_refused_while_the_cause_of_a_fault_stands_and_goes_back_once_it_is_gone() {
+    let mut standing = Standing::first(Default::default());
+    let fault = Phase::Fault { cause: FaultCause::NoWayHome, interrupted: Box::new(Phase::ReturningHome) };
+    standing.pose = Pose { cell: Cell::new(0, 2), ..Pose::START };
+    (standing.phase, standing.under_way) = (fault, true);
+    standing.map.mark(Cell::new(0, 2), Mark::Visited, Revision(1));
+    let mut bare = reborn(standing.clone());
+    assert!(matches!(bare.give(Command::Start), Err(Refused::FaultStands(_))));
+    assert_eq!((bare.phase(), bare.order()), (PhaseName::Fault, None));
+    standing.map.mark(Cell::new(0, 1), Mark::Visited, Revision(1));
+    let mut bare = reborn(standing);
+    bare.give(Command::Start).unwrap();
+    assert_eq!(bare.phase(), PhaseName::ReturningHome);
+}
+
+/// Mission §4: refused with the reasons.
+#[test]
+fn retrieve_while_held_names_the_hold() {
+    let mut bare = Bare::at_home_with_a_pending_bag();
+    bare.verdict(Verdict::Danger).unwrap();
+    assert_eq!(bare.phase(), PhaseName::BombLocated);
+    assert_eq!(bare.give(Command::Retrieve), Err(Refused::NoRetrievalRobot));
+    bare.give(Command::Temperature(TemperatureReport::TooHigh)).unwrap();
+    assert_eq!(bare.give(Command::Retrieve), Err(Refused::Held(vec![Hold::TooHigh])));
+}
+
+#[test]
+fn exactly_1024_commands_are_remembered() {
+    assert_eq!(IDS, 1024);
+    let mut bare = Bare::linked();
+    let ok = || Command::Temperature(TemperatureReport::Ok);
+    for n in 0..1024 {
+        bare.ask(named(&format!("id-{n}"), ok())).unwrap();
+    }
+    assert!(matches!(bare.ask(named("id-0", Command::BackHome)), Err(Refused::OtherContent(_))), "the oldest is known");
+    bare.ask(named("one-more", ok())).unwrap();
+    assert!(matches!(bare.ask(named("id-1", Command::BackHome)), Err(Refused::OtherContent(_))));
+    assert!(matches!(bare.ask(named("id-0", Command::BackHome)), Err(Refused::NotInPhase(_))), "the oldest gave way");
+}
+
+/// Safety R2: only a robot that may have been on its way has to find the centre of its cell.
+#[test]
+fn killed_at_rest_it_is_not_off_centre() {
+    let off_centre = |standing| {
+        let recalled = Recalled { standing, written: Seq(1000), commands: Vec::new(), latest: Vec::new() };
+        Sweep::recall(Settings::default(), Arc::from("reborn"), recalled, Now::default()).snapshot().robot.off_centre
+    };
+    let inspecting = Bare::at_a_bag().sweep.standing();
+    assert!(!off_centre(inspecting.clone()));
+    for phase in [Phase::Idle, Phase::AtHome, Phase::BombLocated, Phase::BagSecured, Phase::Explored] {
+        let standing = Standing { phase, ..inspecting.clone() };
+        assert!(!off_centre(standing.clone()), "{:?}", standing.phase);
+    }
+    for phase in [Phase::Exploring, Phase::ReturningHome, Phase::ReturningWithAlarm, Phase::Retrieving] {
+        let standing = Standing { phase, ..inspecting.clone() };
+        assert!(off_centre(standing.clone()), "{:?}", standing.phase);
+    }
+}
