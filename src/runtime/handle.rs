@@ -21,8 +21,9 @@ const STOPS: usize = COMMANDS;
 pub enum Envelope {
     /// A command, and where its answer goes.
     Command(Request, oneshot::Sender<Result<Accepted, Refused>>),
-    /// What a door refused to take from somebody, for the record: who, what was asked for, and why not.
-    Refused(Issuer, String, Refused),
+    /// What a door refused to take from somebody, for the record: who, what was asked for, and why not; and who waits until it is
+    /// there, if anybody does.
+    Refused(Issuer, String, Refused, Option<oneshot::Sender<Result<Accepted, Refused>>>),
 }
 
 /// The doors' end: commands in, snapshots out.
@@ -84,18 +85,22 @@ impl Handle {
         }
     }
 
-    /// Puts on record that a door refused to take a command from somebody (safety A6).
+    /// Puts on record that a door refused to take a command from somebody (safety A6), and waits until it is there. There is no
+    /// wait while nothing can be recorded, nor for what shares an entry with others.
     ///
     /// # Errors
     /// `Gone` when the program is shutting down.
     pub async fn note_refused(&self, issuer: Issuer, asked: String, refused: Refused) -> Result<(), Gone> {
-        self.commands.send(Envelope::Refused(issuer, asked, refused)).await.map_err(|_| Gone)
+        let (answer, answered) = oneshot::channel();
+        let note = Envelope::Refused(issuer, asked, refused, Some(answer));
+        self.commands.send(note).await.map_err(|_| Gone)?;
+        answered.await.map(drop).map_err(|_| Gone)
     }
 
     /// The same where nothing can be waited for: when the queue is full, it is only in the program's log.
     pub fn note_refused_at_once(&self, issuer: Issuer, asked: String, refused: Refused) {
-        let note = Envelope::Refused(issuer, asked, refused);
-        if let Err(TrySendError::Full(Envelope::Refused(issuer, asked, refused))) = self.commands.try_send(note) {
+        let note = Envelope::Refused(issuer, asked, refused, None);
+        if let Err(TrySendError::Full(Envelope::Refused(issuer, asked, refused, _))) = self.commands.try_send(note) {
             tracing::warn!(%issuer, asked, %refused, "a refusal is not on record, because the queue of commands is full");
         }
     }
@@ -147,6 +152,7 @@ mod tests {
     use crate::core::settings::Settings;
     use crate::core::sweep::Sweep;
     use crate::core::units::Epoch;
+    use crate::runtime::within::within;
 
     /// A handle before a loop that does not run, and what would come to the loop.
     fn house() -> (Handle, mpsc::Receiver<Envelope>, Halter) {
@@ -198,7 +204,7 @@ mod tests {
             assert_eq!(next(&mut envelopes).map(|request| request.command), Some(Command::Start));
         }
         drop(waiting);
-        let stop = envelopes.recv().await;
+        let stop = within("the stop", envelopes.recv()).await;
         assert!(matches!(stop, Some(Envelope::Command(Request { command: Command::Stop, .. }, _))), "{stop:?}");
     }
 
@@ -210,11 +216,11 @@ mod tests {
         let reset = tokio::spawn(waiting.pop().expect("the last one"));
         let mut last = None;
         for _ in 0..=COMMANDS {
-            last = envelopes.recv().await;
+            last = within("what was queued", envelopes.recv()).await;
         }
         let Some(Envelope::Command(Request { command: Command::Reset, .. }, _)) = last.take() else { panic!("{last:?}") };
         drop(last);
-        assert_eq!(reset.await.expect("it did not panic"), Err(Gone), "nobody answered it");
+        assert_eq!(within("its answer", reset).await.expect("it did not panic"), Err(Gone), "nobody answered it");
     }
 
     #[tokio::test]

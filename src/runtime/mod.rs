@@ -12,3 +12,5 @@ pub(crate) mod obedient;
 pub mod store;
 pub mod task;
 pub mod threads;
+#[cfg(test)]
+pub(crate) mod within;

@@ -11,7 +11,7 @@ use super::halt::{HaltWatch, Halter};
 use super::handle::{COMMANDS, Envelope, Handle};
 use super::link::{RobotLink, Stamped};
 use super::store::{Store, StoreWord};
-use crate::core::command::{Accepted, Refused, Request};
+use crate::core::command::{Accepted, Issuer, Refused, Request};
 use crate::core::effect::{Effect, Order};
 use crate::core::event::{Event, RobotEvent, RobotId};
 use crate::core::sweep::Sweep;
@@ -106,7 +106,18 @@ impl Task {
     fn take(&mut self, envelope: Envelope) {
         match envelope {
             Envelope::Command(request, answer) => self.take_command(request, answer),
-            Envelope::Refused(issuer, asked, refused) => self.sweep.note_refused(issuer, asked, &refused, self.clock.now()),
+            Envelope::Refused(issuer, asked, refused, answer) => self.note_refused(issuer, asked, refused, answer),
+        }
+    }
+
+    fn note_refused(&mut self, issuer: Issuer, asked: String, refused: Refused, answer: Option<oneshot::Sender<Answer>>) {
+        let noted = self.sweep.note_refused(issuer, asked, &refused, self.clock.now());
+        let Some(answer) = answer else { return };
+        if let Some(seq) = noted {
+            self.refusals.push_back((seq, answer, refused));
+        } else {
+            // Whoever asked may have gone away.
+            let _ = answer.send(Err(refused));
         }
     }
 

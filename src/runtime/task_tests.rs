@@ -11,7 +11,9 @@ use crate::core::mission::{Hold, PhaseName};
 use crate::core::settings::Settings;
 use crate::core::units::{Epoch, Seq};
 use crate::core::world::robot::RobotState;
+use crate::runtime::handle::Given;
 use crate::runtime::link::{RobotSide, link};
+use crate::runtime::within::within;
 
 /// Keeps nothing, but says that it did: at once, or when the test lets it.
 struct Forgetful {
@@ -33,6 +35,33 @@ impl Store for Forgetful {
 
 fn request(command: Command) -> Request {
     Request::new(command, Issuer::operator(Door::Local))
+}
+
+/// Gives a command at the call; the future is its answer.
+fn give(handle: &Handle, command: Command) -> impl Future<Output = Given> + use<> {
+    let answer = handle.give(request(command.clone()));
+    async move { within(&format!("the answer to {command:?}"), answer).await }
+}
+
+/// The same in a task.
+fn giving(handle: &Handle, command: Command) -> tokio::task::JoinHandle<Given> {
+    let handle = handle.clone();
+    tokio::spawn(async move { give(&handle, command).await })
+}
+
+/// The next order that goes to the robot.
+async fn ordered(robot: &mut RobotSide) -> Stamped {
+    within("an order", robot.orders.recv()).await.expect("the loop runs")
+}
+
+/// Waits for a state.
+async fn seen(handle: &Handle, what: &str, is_so: impl FnMut(&Arc<Snapshot>) -> bool) -> Arc<Snapshot> {
+    Arc::clone(&*within(what, handle.watch().wait_for(is_so)).await.expect("the loop runs"))
+}
+
+/// Whether the console's log says this.
+fn says(words: &str) -> impl Fn(&Arc<Snapshot>) -> bool {
+    move |state| state.log.iter().any(|line| line.text.contains(words))
 }
 
 fn house() -> (Handle, Task, RobotSide) {
@@ -70,7 +99,7 @@ async fn start((handle, task, robot): (Handle, Task, RobotSide)) -> (Handle, Rob
 #[tokio::test]
 async fn whoever_was_answered_sees_what_was_done() {
     let (handle, _robot, _close) = running().await;
-    let accepted = handle.give(request(Command::Start)).await.unwrap().unwrap();
+    let accepted = give(&handle, Command::Start).await.unwrap().unwrap();
     let state = handle.snapshot();
     assert!(state.revision >= accepted.revision);
     assert_eq!(state.mission.phase, PhaseName::Exploring);
@@ -81,13 +110,11 @@ async fn whoever_was_answered_sees_what_was_done() {
 async fn a_stop_reaches_the_robot_although_the_loop_hangs_and_its_queue_is_full() {
     let (handle, _hanging, mut robot) = house();
     for _ in 0..=COMMANDS {
-        let handle = handle.clone();
-        tokio::spawn(async move { handle.give(request(Command::Start)).await });
+        giving(&handle, Command::Start);
     }
     tokio::task::yield_now().await;
-    let stopping = handle.clone();
-    tokio::spawn(async move { stopping.give(request(Command::Stop)).await });
-    assert_eq!(robot.halts.raised().await.epoch, Epoch(1));
+    giving(&handle, Command::Stop);
+    assert_eq!(within("the halt", robot.halts.raised()).await.epoch, Epoch(1));
 }
 
 /// Safety S6: no step begins after the stop was answered.
@@ -95,8 +122,8 @@ async fn a_stop_reaches_the_robot_although_the_loop_hangs_and_its_queue_is_full(
 async fn no_order_is_given_after_a_stop_was_answered() {
     let (handle, mut robot, _close) = running().await;
     for n in 1..=200 {
-        handle.give(request(Command::Start)).await.unwrap().unwrap();
-        handle.give(request(Command::Stop)).await.unwrap().unwrap();
+        give(&handle, Command::Start).await.unwrap().unwrap();
+        give(&handle, Command::Stop).await.unwrap().unwrap();
         assert_eq!(robot.halts.now().epoch, Epoch(n));
         assert!(handle.snapshot().mission.holds.contains(&Hold::Operator));
         while let Ok(Stamped { order, halts }) = robot.orders.try_recv() {
@@ -111,11 +138,8 @@ async fn no_order_is_given_after_a_stop_was_answered() {
 async fn a_start_that_crosses_a_stop_begins_nothing_after_the_stop_was_answered() {
     let (handle, mut robot, _close) = running().await;
     for n in 1..=200 {
-        let starting = tokio::spawn({
-            let handle = handle.clone();
-            async move { handle.give(request(Command::Start)).await }
-        });
-        handle.give(request(Command::Stop)).await.unwrap().unwrap();
+        let starting = giving(&handle, Command::Start);
+        give(&handle, Command::Stop).await.unwrap().unwrap();
         let stopped_at = robot.halts.now().count;
         let held = handle.snapshot().mission.holds.contains(&Hold::Operator);
         while let Ok(Stamped { order, halts }) = robot.orders.try_recv() {
@@ -146,9 +170,9 @@ async fn a_stop_between_an_order_and_its_sending_holds_the_robot() {
 #[tokio::test]
 async fn heat_halts_past_the_queue_of_orders() {
     let (handle, mut robot, _close) = running().await;
-    handle.give(request(Command::Start)).await.unwrap().unwrap();
-    let Stamped { halts, .. } = robot.orders.recv().await.expect("a start gives an order");
-    handle.give(request(Command::Temperature(TemperatureReport::TooHigh))).await.unwrap().unwrap();
+    give(&handle, Command::Start).await.unwrap().unwrap();
+    let Stamped { halts, .. } = ordered(&mut robot).await;
+    give(&handle, Command::Temperature(TemperatureReport::TooHigh)).await.unwrap().unwrap();
     assert!(robot.halts.now().count > halts);
 }
 
@@ -157,12 +181,9 @@ async fn heat_halts_past_the_queue_of_orders() {
 async fn a_store_that_answers_late_delays_start_but_not_stop() {
     let (handle, task, robot, word) = house_with(false);
     let (handle, mut robot, _close) = start((handle, task, robot)).await;
-    let starting = tokio::spawn({
-        let handle = handle.clone();
-        async move { handle.give(request(Command::Start)).await }
-    });
+    let starting = giving(&handle, Command::Start);
     tokio::task::yield_now().await;
-    handle.give(request(Command::Stop)).await.unwrap().unwrap();
+    give(&handle, Command::Stop).await.unwrap().unwrap();
     assert!(!starting.is_finished());
     assert_eq!(handle.snapshot().mission.phase, PhaseName::Idle, "what is not on record is not shown");
     word.send_modify(|word| word.kept = Seq(1000));
@@ -176,13 +197,9 @@ async fn moving(hangs: bool) -> (Handle, RobotSide, watch::Sender<bool>, Order) 
     let (handle, task, robot, _word) = house_keeping(&at_once);
     let (handle, mut robot, close) = start((handle, task, robot)).await;
     give(&handle, Command::Start).await.unwrap().unwrap();
-    let Stamped { order, .. } = robot.orders.recv().await.expect("a start gives an order");
+    let Stamped { order, .. } = ordered(&mut robot).await;
     at_once.store(!hangs, Ordering::SeqCst);
     (handle, robot, close, order)
-}
-
-fn give(handle: &Handle, command: Command) -> impl Future<Output = crate::runtime::handle::Given> + use<> {
-    handle.give(request(command))
 }
 
 const TENTH: Duration = Duration::from_millis(100);
@@ -247,7 +264,7 @@ async fn a_robot_and_a_disk_that_do_not_obey_cost_the_answer_a_tenth_of_a_second
         (handle, close)
     };
     give(&handle, Command::Start).await.unwrap().unwrap();
-    robot.orders.recv().await.expect("a start gives an order");
+    ordered(&mut robot).await;
     let clock = Clock::default();
     give(&handle, Command::Stop).await.unwrap().unwrap();
     let took = clock.now().since_start;
@@ -259,13 +276,13 @@ async fn a_robot_and_a_disk_that_do_not_obey_cost_the_answer_a_tenth_of_a_second
 async fn a_start_while_the_robot_halts_begins_when_it_stands() {
     let (handle, mut robot, _close, order) = moving(false).await;
     let stopping = tokio::spawn(give(&handle, Command::Stop));
-    robot.halts.raised().await;
+    within("the halt", robot.halts.raised()).await;
     give(&handle, Command::Start).await.unwrap().unwrap();
     assert!(robot.orders.try_recv().is_err(), "the robot does not stand yet");
     let before = handle.snapshot().revision;
     robot.reports.send(RobotEvent::Halted(order.id, true)).await.unwrap();
     let stopped = stopping.await.unwrap().unwrap().unwrap().revision;
-    assert!(robot.orders.recv().await.is_some(), "then it goes on");
+    ordered(&mut robot).await;
     assert!(before < stopped && stopped < handle.snapshot().revision, "the state in between is the one in which it stands");
 }
 
@@ -289,13 +306,10 @@ async fn a_photo_that_was_ordered_before_a_stop_goes_out_and_a_step_does_not() {
 async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
     let (handle, task, robot, word) = house_with(false);
     let (handle, _robot, _close) = start((handle, task, robot)).await;
-    let refused = || {
-        let handle = handle.clone();
-        tokio::spawn(async move { handle.give(request(Command::Retrieve)).await })
-    };
+    let refused = || giving(&handle, Command::Retrieve);
     let first = refused();
-    handle.watch().wait_for(|state| state.log.iter().any(|line| line.text.contains("refused"))).await.unwrap();
-    handle.give(request(Command::Stop)).await.unwrap().unwrap();
+    seen(&handle, "the refusal", says("refused")).await;
+    give(&handle, Command::Stop).await.unwrap().unwrap();
     assert!(!first.is_finished(), "the stop does not wait, and the refusal does");
     word.send_modify(|word| word.kept = Seq(1000));
     assert!(first.await.unwrap().unwrap().is_err());
@@ -308,29 +322,54 @@ async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
     assert!(refused().await.unwrap().unwrap().is_err());
 }
 
+/// Safety A6: the same of what a door refuses. What shares an entry with others is answered at once, and what nobody waits for is
+/// recorded like the rest.
+#[tokio::test]
+async fn what_a_door_refuses_is_answered_when_it_is_on_record_unless_it_shares_an_entry() {
+    let (handle, task, robot, word) = house_with(false);
+    let (handle, _robot, _close) = start((handle, task, robot)).await;
+    let issuer = Issuer { who: "lobby".into(), ..Issuer::operator(Door::Http) };
+    let refused = Refused::NotAllowed("lobby may only look".to_owned());
+    let note = || {
+        let (handle, issuer, refused) = (handle.clone(), issuer.clone(), refused.clone());
+        tokio::spawn(async move { handle.note_refused(issuer, "START".to_owned(), refused).await })
+    };
+    handle.note_refused_at_once(issuer.clone(), "HELP".to_owned(), refused.clone());
+    let waiting: Vec<_> = (1..60).map(|_| note()).collect();
+    let all = |state: &Arc<Snapshot>| state.log.iter().filter(|line| line.text.contains("by lobby")).count() == 60;
+    seen(&handle, "sixty notes", all).await;
+    within("the answer to one that shares an entry", note()).await.unwrap().unwrap();
+    give(&handle, Command::Stop).await.unwrap().unwrap();
+    assert!(waiting.iter().all(|one| !one.is_finished()), "the stop does not wait, and they do");
+    word.send_modify(|word| word.kept = Seq(1000));
+    for one in waiting {
+        within("the answer to one on record", one).await.unwrap().unwrap();
+    }
+}
+
 /// Safety V3: whoever waits for a record that was lost is told so, although the store writes again before the loop hears of it.
 #[tokio::test]
 async fn a_loss_that_is_over_already_is_told_all_the_same() {
     let (handle, task, robot, word) = house_with(false);
     let (handle, _robot, _close) = start((handle, task, robot)).await;
-    let waiting = tokio::spawn({
-        let handle = handle.clone();
-        async move { handle.give(request(Command::Temperature(TemperatureReport::Ok))).await }
-    });
-    handle.watch().wait_for(|state| state.log.iter().any(|line| line.text.contains("temperature OK"))).await.unwrap();
+    let waiting = giving(&handle, Command::Temperature(TemperatureReport::Ok));
+    // What is accepted is not shown before it is on record; a refusal that came after it is.
+    giving(&handle, Command::Retrieve);
+    seen(&handle, "the refusal", says("refused")).await;
     assert!(!waiting.is_finished());
     word.send_modify(|word| word.losses = 1);
     assert_eq!(waiting.await.unwrap().unwrap(), Err(Refused::NotKept));
-    assert!(handle.snapshot().log.iter().any(|line| line.text == Hold::Store.over_in_words()), "and it is over");
+    word.send_modify(|word| word.kept = Seq(1000));
+    seen(&handle, "the end of it", says(Hold::Store.over_in_words())).await;
 }
 
 #[tokio::test]
 async fn a_robot_whose_adapter_ends_is_a_lost_link_and_that_is_said_once() {
     let (handle, robot, _close) = running().await;
-    let mut states = handle.watch();
-    states.wait_for(|state| !state.mission.holds.contains(&Hold::RobotLink)).await.unwrap();
+    let is_lost = |state: &Arc<Snapshot>| state.mission.holds.contains(&Hold::RobotLink);
+    seen(&handle, "the link", |state| !is_lost(state)).await;
     drop(robot);
-    let lost = states.wait_for(|state| state.mission.holds.contains(&Hold::RobotLink)).await.unwrap().revision;
+    let lost = seen(&handle, "the link's end", is_lost).await.revision;
     for _ in 0..100 {
         tokio::task::yield_now().await;
     }

@@ -130,11 +130,13 @@ impl Sweep {
     }
 
     /// Notes a command that a door refused to take from its sender (safety A6): `asked` is what was asked for, as the door knows
-    /// it. Of who is refused without end some share an entry.
-    pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, now: Now) {
+    /// it. Its place in the journal; of who is refused without end some share an entry, which has none yet.
+    pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, now: Now) -> Option<Seq> {
         self.begin(now);
         let notes = self.refusals.come(Note { issuer, asked, refused: refused.clone() }, now.since_start);
+        let is_written = !notes.is_empty();
         self.write_refusals(notes);
+        is_written.then(|| self.outbox.written())
     }
 
     fn write_refusals(&mut self, notes: Vec<Note>) {

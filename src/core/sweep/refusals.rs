@@ -11,7 +11,7 @@ use crate::core::command::{Door, Issuer, Refused};
 /// So many refusals of one sender by one door are put on record one by one: more than a person presses in a minute,
 const BURST: u32 = 60;
 
-/// and after these one entry in so long: at most 2 MB a day.
+/// and after these one entry in so long.
 const EVERY: Duration = Duration::from_secs(10);
 
 /// So many senders are told apart: more than there are keys, at each of the doors.

@@ -26,6 +26,7 @@ use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadabl
 use crate::runtime::archive_reader::Reader;
 pub(super) use crate::runtime::obedient::Noted;
 use crate::runtime::obedient::{Script, obedient};
+use crate::runtime::within::within;
 
 /// A door before a loop that does as it is told.
 pub(super) struct House {
@@ -112,7 +113,7 @@ impl House {
         let peer = Peer { address: Ipv4Addr::LOCALHOST.into(), is_encrypted: false };
         let request = request.extension(peer).body(Body::from(body.to_owned())).unwrap();
         let mut router: Router = router(&self.door, Hosts::new(false, &[]));
-        router.call(request).await.unwrap()
+        within("the head of the answer", router.call(request)).await.unwrap()
     }
 
     /// `GET`.

@@ -15,10 +15,11 @@ use crate::inbound::mqtt::gate::limits::{ENGINE_FILTERS, FILTERS};
 use crate::inbound::mqtt::gate::turnstile::Gatehouse;
 use crate::inbound::mqtt::identity::HOUSE;
 use crate::inbound::mqtt::orders::Orders;
-use crate::inbound::mqtt::session::testing::{Album, Peer, patiently, publish, topics};
+use crate::inbound::mqtt::session::testing::{Album, Peer, publish, topics};
 use crate::inbound::mqtt::session::{Hearing, Link, Parts, Session, Times};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Script, obedient};
+use crate::runtime::within::within;
 use crate::wire::fixture::{idle, touch};
 
 /// A broker with our own session at it.
@@ -87,14 +88,17 @@ impl Broker {
     }
 
     async fn client_named(&self, id: &str) -> Peer {
-        loop {
-            let mut peer = Peer::come(self.address).await;
-            if peer.introduces(connect(id, None)).await == Some(ConnectReturnCode::Success) {
-                return peer;
+        within("a place", async {
+            loop {
+                let mut peer = Peer::come(self.address).await;
+                if peer.introduces(connect(id, None)).await == Some(ConnectReturnCode::Success) {
+                    return peer;
+                }
+                // It is only just being started anew.
+                tokio::time::sleep(Duration::from_millis(20)).await;
             }
-            // It is only just being started anew.
-            tokio::time::sleep(Duration::from_millis(20)).await;
-        }
+        })
+        .await
     }
 
     /// What a newcomer is told; `None`: nothing.
@@ -106,7 +110,7 @@ impl Broker {
     async fn halts(&self, so_many: usize) {
         let given =
             || self.script.given.lock().expect("nobody panicked").iter().filter(|given| given.command == Command::Stop).count();
-        patiently(async {
+        within("the stops", async {
             while given() < so_many {
                 tokio::task::yield_now().await;
             }
@@ -127,7 +131,7 @@ impl Broker {
 
     /// The engine is started anew, and everything is as it was: whoever comes again finds every state, and hears of the next change.
     async fn is_whole_again(&mut self) {
-        patiently(self.engine.changed()).await.expect("it runs");
+        within("another engine", self.engine.changed()).await.expect("it runs");
         let mut client = self.client().await;
         client.asks_for(["hallsweep/#"]).await;
         let mut wanted: HashSet<String> = Resource::ALL.map(|resource| topics().state(resource)).into();

@@ -14,6 +14,7 @@ use crate::inbound::mqtt::orders::Orders;
 use crate::inbound::mqtt::read_ahead::{Pool, Taker, read_ahead};
 use crate::inbound::mqtt::topics::Topics;
 use crate::runtime::obedient::{Script, obedient};
+use crate::runtime::within::within;
 use crate::wire::fixture::searching;
 
 /// A client that is listened to, before a loop that does as it is told.
@@ -178,9 +179,12 @@ async fn a_stop_in_what_was_read_ahead_or_is_left_behind_halts_although_nothing_
     let (reader, _writer) = tokio::io::split(stream);
     tokio::spawn(hearing.run(Box::new(reader)));
     let given = async |so_many| {
-        while script.given.lock().unwrap().len() < so_many {
-            tokio::task::yield_now().await;
-        }
+        within("so many stops", async {
+            while script.given.lock().unwrap().len() < so_many {
+                tokio::task::yield_now().await;
+            }
+        })
+        .await;
     };
     for waits in 1..=2 {
         client.write_all(&[&flood[..], &stop].concat()).await.unwrap();

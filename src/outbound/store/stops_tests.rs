@@ -6,6 +6,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::runtime::halt::Halter;
+use crate::runtime::within::within;
 
 /// A folder of one test.
 struct Scratch(PathBuf);
@@ -105,13 +106,16 @@ async fn what_could_not_be_written_is_written_as_soon_as_it_can_be() {
     assert_eq!(halter.stop(), Epoch(42));
     tokio::time::sleep(10 * WRITTEN_AGAIN).await;
     std::fs::create_dir(&folder).unwrap();
-    while !folder.join(FILE).exists() {
-        tokio::time::sleep(WRITTEN_AGAIN).await;
-    }
-    halter.stop();
-    while Stops::open(&folder).epoch() < Epoch(43) {
-        tokio::time::sleep(WRITTEN_AGAIN).await;
-    }
+    let written = async {
+        while !folder.join(FILE).exists() {
+            tokio::time::sleep(WRITTEN_AGAIN).await;
+        }
+        halter.stop();
+        while Stops::open(&folder).epoch() < Epoch(43) {
+            tokio::time::sleep(WRITTEN_AGAIN).await;
+        }
+    };
+    within("both stops in the file", written).await;
     following.abort();
 }
 
@@ -125,7 +129,7 @@ async fn a_stop_that_was_noted_stands_in_the_file() {
     tokio::task::yield_now().await;
     for _ in 0..100 {
         let epoch = halter.stop();
-        halter.until_noted(epoch).await;
+        within("the note", halter.until_noted(epoch)).await;
         assert_eq!(Stops::open(&scratch.0).epoch(), epoch);
     }
     following.abort();

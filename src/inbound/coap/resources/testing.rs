@@ -20,6 +20,7 @@ use crate::core::world::snapshot::Snapshot;
 use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Noted, Script, obedient};
+use crate::runtime::within::within;
 use crate::wire::fixture::piece;
 
 /// A piece of a mission that is over.
@@ -93,7 +94,7 @@ impl House {
     pub(super) async fn ask(&self, request: Request) -> Answer {
         match self.resources.answer(&request) {
             Said::Now(answer) => answer,
-            Said::Later(answer) => answer.await,
+            Said::Later(answer) => within("the answer", answer).await,
         }
     }
 

@@ -18,6 +18,7 @@ use crate::runtime::handle::{COMMANDS, Envelope};
 use crate::runtime::link::link;
 use crate::runtime::store::{Store, StoreWord};
 use crate::runtime::task::Task;
+use crate::runtime::within::within;
 use crate::wire::fixture::searching;
 
 /// A loop that does not come round to its commands.
@@ -66,7 +67,7 @@ async fn only_so_many_commands_are_under_way_and_one_more_is_told_so() {
     say(&orders, "command/stop", "", &here());
     assert_eq!(halter.watch().now().count, 1);
 
-    let Some(Envelope::Command(_, answer)) = envelopes.recv().await else { panic!("a command was given") };
+    let Some(Envelope::Command(_, answer)) = within("a command", envelopes.recv()).await else { panic!("a command was given") };
     answer.send(Err(Refused::Moving)).unwrap();
     assert_eq!(next(&mut results).await.1["code"], "moving");
     // The place is given back in the same turn of the task that has published the result.

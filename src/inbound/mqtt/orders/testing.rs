@@ -11,6 +11,7 @@ use crate::inbound::mqtt::publication::Publication;
 use crate::inbound::mqtt::topics::Topics;
 use crate::runtime::handle::Handle;
 use crate::runtime::obedient::{Noted, Script, obedient};
+use crate::runtime::within::within;
 
 /// More results than any test leaves unread.
 const ROOM: usize = 1024;
@@ -71,7 +72,7 @@ pub(super) fn say(orders: &Orders, topic: &str, payload: impl AsRef<[u8]>, sende
 
 /// The next result: its topic without the prefix, and what it says.
 pub(super) async fn next(results: &mut mpsc::Receiver<Publication>) -> (String, Value) {
-    let publication = results.recv().await.expect("somebody may still answer");
+    let publication = within("a result", results.recv()).await.expect("somebody may still answer");
     assert!(!publication.retain, "a result is for those who listen now");
     let topic = publication.topic.strip_prefix(BASE).expect("results are ours").to_owned();
     (topic, serde_json::from_slice(&publication.payload).expect("a result is JSON"))
@@ -96,7 +97,7 @@ impl House {
 
     /// The next message, as it is published.
     pub(super) async fn told(&mut self) -> Publication {
-        self.results.recv().await.expect("somebody may still answer")
+        within("a message", self.results.recv()).await.expect("somebody may still answer")
     }
 
     /// Whether nothing is published that was not looked at.

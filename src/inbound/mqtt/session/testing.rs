@@ -3,7 +3,6 @@
 
 use std::net::SocketAddr;
 use std::sync::Arc;
-use std::time::Duration;
 
 use bytes::BytesMut;
 use rumqttc::mqttbytes::Error;
@@ -27,9 +26,7 @@ use crate::core::world::snapshot::Snapshot;
 use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Script, obedient};
-
-/// How long anything is waited for: far longer than it takes.
-const PATIENCE: Duration = Duration::from_secs(60);
+use crate::runtime::within::within;
 
 /// Whose broker it is.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -53,11 +50,6 @@ pub(super) struct Broker(TcpListener);
 pub(in super::super) struct Peer {
     stream: TcpStream,
     buffer: BytesMut,
-}
-
-/// Waits for what must come.
-pub(in super::super) async fn patiently<T>(what: impl Future<Output = T>) -> T {
-    tokio::time::timeout(PATIENCE, what).await.expect("it takes far too long")
 }
 
 /// The topics of all these tests.
@@ -112,12 +104,12 @@ impl House {
 
     /// Waits until it has ended.
     pub(super) async fn ended(self) {
-        patiently(self.session).await.expect("it did not panic");
+        within("its end", self.session).await.expect("it did not panic");
     }
 
     /// Waits until the broker is found to be so.
     pub(super) async fn finds(&mut self, wanted: Health) {
-        patiently(self.health.wait_for(|health| *health == wanted)).await.expect("it runs");
+        within(&format!("{wanted:?}"), self.health.wait_for(|health| *health == wanted)).await.expect("it runs");
     }
 }
 
@@ -132,7 +124,7 @@ impl Broker {
 
     /// The next connection.
     pub(super) async fn peer(&self) -> Peer {
-        let (stream, _) = patiently(self.0.accept()).await.expect("somebody connects");
+        let (stream, _) = within("somebody", self.0.accept()).await.expect("somebody connects");
         Peer { stream, buffer: BytesMut::new() }
     }
 
@@ -147,7 +139,7 @@ impl Broker {
 impl Peer {
     /// A client's end of a connection to this broker.
     pub(in super::super) async fn come(broker: SocketAddr) -> Peer {
-        let stream = patiently(TcpStream::connect(broker)).await.expect("the broker listens");
+        let stream = within("the broker", TcpStream::connect(broker)).await.expect("the broker listens");
         Peer { stream, buffer: BytesMut::new() }
     }
 
@@ -166,7 +158,7 @@ impl Peer {
         let mut asked = Subscribe::new_many(filters);
         asked.pkid = 1;
         self.says(Packet::Subscribe(asked)).await;
-        while !matches!(patiently(self.hears()).await.expect("it is answered"), Packet::SubAck(_)) {}
+        while !matches!(within("an answer", self.hears()).await.expect("it is answered"), Packet::SubAck(_)) {}
     }
 
     /// The next message to a client.
@@ -182,7 +174,7 @@ impl Peer {
                 Err(Error::InsufficientBytes(_)) => {}
                 Err(error) => panic!("no client says this: {error}"),
             }
-            if patiently(self.stream.read_buf(&mut self.buffer)).await.unwrap_or(0) == 0 {
+            if within("a packet", self.stream.read_buf(&mut self.buffer)).await.unwrap_or(0) == 0 {
                 return None;
             }
         }

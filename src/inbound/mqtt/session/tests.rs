@@ -5,7 +5,7 @@ use std::time::Duration;
 use rumqttc::{ConnectReturnCode, Packet, PubAck};
 
 use super::super::topics::{HOME_ASSISTANT_STATUS, PULSE};
-use super::testing::{Broker, House, Whose, patiently, publish, topics};
+use super::testing::{Broker, House, Whose, publish, topics};
 use super::{Health, Times};
 use crate::core::command::Command;
 use crate::core::world::resource::Resource;
@@ -195,7 +195,7 @@ async fn the_end_does_not_wait_for_a_broker_that_is_not_there() {
     let (mut peer, ..) = broker.guest().await;
     peer.unacknowledged(|_| true).await;
     house.shut_down();
-    patiently(house.ended()).await;
+    house.ended().await;
     drop((broker, peer));
 }
 

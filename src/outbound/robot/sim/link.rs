@@ -228,6 +228,7 @@ mod tests {
     use crate::core::units::{Epoch, Pose, Wall};
     use crate::runtime::halt::Halter;
     use crate::runtime::link::{REPORTS, RobotLink, link};
+    use crate::runtime::within::within;
 
     struct Test {
         link: RobotLink,
@@ -247,8 +248,12 @@ mod tests {
             let halter = Halter::new(Epoch(0));
             let (mut link, side) = link(halter.watch());
             let task = tokio::spawn(run(sim, side, Clock::default(), speed, diary));
-            let Some(RobotEvent::Stands(whereabouts)) = link.reports.recv().await else { panic!("first it says where it is") };
-            let Some(RobotEvent::LinkUp(capabilities)) = link.reports.recv().await else { panic!("then the link comes up") };
+            let Some(RobotEvent::Stands(whereabouts)) = within("where it is", link.reports.recv()).await else {
+                panic!("first it says where it is")
+            };
+            let Some(RobotEvent::LinkUp(capabilities)) = within("the link", link.reports.recv()).await else {
+                panic!("then the link comes up")
+            };
             (Test { link, halter, task, capabilities }, whereabouts)
         }
 
@@ -260,7 +265,7 @@ mod tests {
         /// The answer to the order under way, past what the sonar says.
         async fn answer(&mut self) -> RobotEvent {
             loop {
-                let event = self.link.reports.recv().await.expect("the robot is running");
+                let event = within("the robot's answer", self.link.reports.recv()).await.expect("the robot is running");
                 if !matches!(event, RobotEvent::Sonar(_)) {
                     return event;
                 }
@@ -369,7 +374,7 @@ mod tests {
                 tokio::time::sleep(Duration::from_millis(1)).await;
             }
         };
-        tokio::time::timeout(Duration::from_secs(30), seen).await.expect("it is written within a moment");
+        within("what is to be remembered", seen).await;
     }
 
     /// Safety R2.
@@ -440,6 +445,6 @@ mod tests {
     async fn it_ends_when_the_loop_is_gone() {
         let Test { link, task, .. } = Test::begin(&["S"], Speed::Times(1.0)).await;
         drop(link);
-        tokio::time::timeout(Duration::from_secs(5), task).await.expect("it ends by itself").unwrap();
+        within("its end", task).await.unwrap();
     }
 }
