@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use super::Turnstile;
 use crate::inbound::mqtt::gate::limits::{NO_FLOOD, STILL, STILL_SHORTEST};
 
 /// What it has published of late.
@@ -39,6 +40,29 @@ impl Flood {
         }
         let still = STILL / (1 << self.in_vain.min(16));
         if still < STILL_SHORTEST { Duration::ZERO } else { still }
+    }
+}
+
+impl Turnstile {
+    /// To be told whenever something has happened: whoever publishes for this client waits for it no longer than for one who reads.
+    pub fn note_room(&self, now: Duration) {
+        self.account.ledger().note_still(!self.wants_engine(), !self.outstanding.has_room(), now);
+    }
+
+    /// Until when it waits for those of [`Turnstile::poll_behind`], if they do not catch up before: then it is to be asked again.
+    #[must_use]
+    pub fn waits_until(&mut self, now: Duration) -> Duration {
+        now + self.flood.still(now).max(STILL_SHORTEST)
+    }
+
+    /// It has waited until then for those who are behind still. Whoever was waited for long enough is not waited for during a while.
+    pub fn handle_waited(&mut self, now: Duration) {
+        let still = self.flood.still(now);
+        let behind = self.routes.behind(now);
+        // For all of them together it has waited once.
+        if behind.iter().filter(|reader| reader.forgive(now, still)).count() > 0 {
+            self.flood.handle_waited(now);
+        }
     }
 }
 

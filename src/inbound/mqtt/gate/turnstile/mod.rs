@@ -36,7 +36,7 @@ use self::subscribing::Subscriptions;
 use super::budget::{Budget, Payer};
 use super::frame::{Frame, Kind, Malformed, frame};
 use super::ledger::{Account, Ledger};
-use super::limits::{ANSWER_ROOM, CLIENT_ROOM, ENGINE_ROOM, GUEST_PACKET, HOUSE_PACKET, QUIET, SILENCE, STILL_SHORTEST, TURN};
+use super::limits::{ANSWER_ROOM, CLIENT_ROOM, ENGINE_ROOM, GUEST_PACKET, HOUSE_PACKET, QUIET, SILENCE, TURN};
 use super::packet::connect::Will;
 use super::packet::{ack, write};
 use super::readers::Readers;
@@ -314,27 +314,6 @@ impl Turnstile {
             behind.retain(|reader| !reader.forgive(now, still));
         }
         behind
-    }
-
-    /// To be told whenever something has happened: whoever publishes for this client waits for it no longer than for one who reads.
-    pub fn note_room(&self, now: Duration) {
-        self.account.ledger().note_still(!self.wants_engine(), !self.outstanding.has_room(), now);
-    }
-
-    /// Until when it waits for those of [`Turnstile::poll_behind`], if they do not catch up before: then it is to be asked again.
-    #[must_use]
-    pub fn waits_until(&mut self, now: Duration) -> Duration {
-        now + self.flood.still(now).max(STILL_SHORTEST)
-    }
-
-    /// It has waited until then for those who are behind still. Whoever was waited for long enough is not waited for during a while.
-    pub fn handle_waited(&mut self, now: Duration) {
-        let still = self.flood.still(now);
-        let behind = self.routes.behind(now);
-        // For all of them together it has waited once.
-        if behind.iter().filter(|reader| reader.forgive(now, still)).count() > 0 {
-            self.flood.handle_waited(now);
-        }
     }
 
     /// What was published for this client and has not come yet.
