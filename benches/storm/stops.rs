@@ -53,7 +53,7 @@ pub(crate) struct Operator {
 impl Operator {
     /// Comes in by every door.
     pub(crate) fn come(doors: &Doors, patience: Duration) -> io::Result<Operator> {
-        let (kept, mqtt, coap) = (http(doors, patience)?, listening(doors, patience)?, Coap::at(doors.coap));
+        let (kept, mqtt, coap) = (kept(doors, patience)?, listening(doors, patience)?, Coap::at(doors.coap));
         Ok(Operator { doors: doors.clone(), patience, kept, mqtt, coap, pressed: 0, cut: 0 })
     }
 
@@ -64,7 +64,7 @@ impl Operator {
             Ok(answer) => accepted(&answer.body),
             Err(error) => {
                 self.cut += 1;
-                self.kept = http(&self.doors, self.patience)?;
+                self.kept = kept(&self.doors, self.patience)?;
                 Err(error)
             }
         }
@@ -83,7 +83,7 @@ impl Operator {
         if pressed.is_err() && matches!(way, Way::HttpKept | Way::MqttKept) {
             self.cut += 1;
             match way {
-                Way::HttpKept => self.kept = http(&self.doors, self.patience)?,
+                Way::HttpKept => self.kept = kept(&self.doors, self.patience)?,
                 Way::HttpFresh | Way::Coap | Way::MqttKept | Way::MqttFresh => self.mqtt = listening(&self.doors, self.patience)?,
             }
         }
@@ -101,6 +101,13 @@ impl Operator {
 
 fn http(doors: &Doors, patience: Duration) -> io::Result<Kept> {
     Kept::to(doors.http, Ipv4Addr::LOCALHOST, patience)
+}
+
+/// A connection on which the operator has asked before: of one on which nothing was said nobody knows whose it is.
+fn kept(doors: &Doors, patience: Duration) -> io::Result<Kept> {
+    let mut kept = http(doors, patience)?;
+    kept.ask(&request("GET", "/api/v1/state", doors.http, Some(&doors.operator), ""))?;
+    Ok(kept)
 }
 
 /// A client of the broker that hears what became of its STOP.

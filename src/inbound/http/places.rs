@@ -11,7 +11,7 @@ use tokio::sync::Notify;
 use crate::access::{Access, Caller, Network, Role};
 
 /// Connections open at once: every stream there may be, and half as many again for requests beside them. A process has 1,024
-/// descriptors by default, and the vestibule, the other doors and files need some too.
+/// descriptors by default, and the vestibule, those who linger, the other doors and files need some too.
 pub(super) const PLACES: usize = 640;
 
 /// Where keys tell people apart, one key, and one network but this machine itself, has one in so many of all places,
@@ -19,6 +19,10 @@ const PARTS: usize = 4;
 
 /// and one in so many is kept for operators, who may not be there yet.
 const KEPT: usize = 8;
+
+/// A connection that was cut is closed where answers are made, which may be late: so many may be on their way out before nobody else is
+/// let in, and as many again for whoever says STOP and for operators. So what a flood opens and loses costs no more than this.
+const LEAVING: usize = 32;
 
 /// So many connections are cut at once when the system has no more descriptors: newcomers wait meanwhile, and files are to be
 /// opened too.
@@ -33,6 +37,8 @@ struct Taken {
     has_shares: bool,
     /// Counts everything that happens here, so that what is older has the lesser number.
     moments: u64,
+    /// Places that were given and not left, those that were cut included.
+    held: usize,
     seats: HashMap<u64, Seat>,
 }
 
@@ -83,6 +89,15 @@ impl Claim {
         self.who.as_ref().is_some_and(|(_, is_operator)| *is_operator)
     }
 
+    /// Strangers, then viewers, then operators.
+    const fn rank(&self) -> u8 {
+        match &self.who {
+            None => 0,
+            Some((_, false)) => 1,
+            Some((_, true)) => 2,
+        }
+    }
+
     fn has_key_of(&self, other: &Claim) -> bool {
         self.who.is_some() && self.who == other.who
     }
@@ -92,15 +107,18 @@ impl Places {
     /// So many places, all free. Where nobody signs in there are no shares.
     pub(super) fn new(most: usize, access: &Access) -> Places {
         let has_shares = matches!(access, Access::Keys(_));
-        Places(Arc::new(Mutex::new(Taken { most, has_shares, moments: 0, seats: HashMap::new() })))
+        Places(Arc::new(Mutex::new(Taken { most, has_shares, moments: 0, held: 0, seats: HashMap::new() })))
     }
 
-    /// A place; somebody else's, who is told by `cut`, when none is free. `None` when nobody can give way.
-    pub(super) fn take(&self, claim: Claim, cut: Arc<Notify>) -> Option<Place> {
+    /// A place; somebody else's, who is told by `cut`, when none is free. `None` when nobody can give way, or too many who had to have
+    /// not gone yet.
+    pub(super) fn take(&self, claim: Claim, says_stop: bool, cut: Arc<Notify>) -> Option<Place> {
         let mut taken = self.taken();
-        if !taken.make_room(&claim) {
+        let leaving = if says_stop || taken.has_shares && claim.is_operator() { 2 * LEAVING } else { LEAVING };
+        if taken.held >= taken.most + leaving || !taken.make_room(&claim) {
             return None;
         }
+        taken.held += 1;
         let number = taken.moment();
         let seat = Seat { claim, open: 0, is_receiving: false, is_watching: false, since: number, cut };
         taken.seats.insert(number, seat);
@@ -125,10 +143,10 @@ impl Taken {
         self.moments
     }
 
-    /// Whoever has his share full takes the place of one of his own.
+    /// Whoever has his share full takes the place of one of his own, and nobody but an operator takes an operator's.
     fn make_room(&mut self, claim: &Claim) -> bool {
-        let most = self.most;
-        if self.has_shares {
+        let (most, has_shares) = (self.most, self.has_shares);
+        if has_shares {
             let of_key = |seat: &Seat| seat.claim.has_key_of(claim);
             let of_network = |seat: &Seat| seat.claim.network == claim.network;
             let of_all = |seat: &Seat| !seat.claim.is_operator();
@@ -139,7 +157,7 @@ impl Taken {
                 return false;
             }
         }
-        self.bounded(most, |_| true)
+        self.seats.len() < most || self.cut(|seat| !has_shares || claim.is_operator() || !seat.claim.is_operator())
     }
 
     /// Whether there is room for one more of these, after one of them gave way if need be.
@@ -147,10 +165,19 @@ impl Taken {
         self.seats.values().filter(|seat| of_these(seat)).count() < most || self.cut(of_these)
     }
 
-    /// Cuts the connection that gives way first among these; `false` when none does. Strangers go before anybody else.
+    /// A connection has shown another key than before: when there are too many of that now, one of them gives way.
+    fn keep_share(&mut self, claim: &Claim) {
+        let of_key = |seat: &Seat| seat.claim.has_key_of(claim);
+        if self.has_shares && self.seats.values().filter(|seat| of_key(seat)).count() > self.most / PARTS {
+            self.cut(of_key);
+        }
+    }
+
+    /// Cuts the connection that gives way first among these; `false` when none does. Strangers go before anybody else, and
+    /// operators go last.
     fn cut(&mut self, among: impl Fn(&Seat) -> bool) -> bool {
         let yielding = self.seats.iter().filter(|(_, seat)| seat.stage() != Stage::Watching && among(seat));
-        let first = yielding.min_by_key(|(_, seat)| (seat.claim.who.is_some(), seat.stage(), seat.since));
+        let first = yielding.min_by_key(|(_, seat)| (seat.claim.rank(), seat.stage(), seat.since));
         let Some(seat) = first.map(|(number, _)| *number).and_then(|number| self.seats.remove(&number)) else { return false };
         seat.cut.notify_one();
         true
@@ -171,10 +198,15 @@ impl Seat {
 impl Place {
     /// A head has come, whose body follows or not. A body that comes slowly is no progress.
     pub(super) fn asked(&self, claim: Claim, has_body: bool) {
+        let mut is_another = false;
         self.change(true, |seat| {
-            (seat.claim, seat.is_receiving) = (claim, has_body);
+            is_another = claim.who.is_some() && claim.who != seat.claim.who;
+            (seat.claim, seat.is_receiving) = (claim.clone(), has_body);
             seat.open += 1;
         });
+        if is_another {
+            self.places.taken().keep_share(&claim);
+        }
     }
 
     /// The whole body has come.
@@ -214,7 +246,9 @@ impl Place {
 
 impl Drop for Place {
     fn drop(&mut self) {
-        self.places.taken().seats.remove(&self.number);
+        let mut taken = self.places.taken();
+        taken.held -= 1;
+        taken.seats.remove(&self.number);
     }
 }
 

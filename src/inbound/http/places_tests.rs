@@ -1,5 +1,7 @@
 //! Who gives way to whom.
 
+use std::collections::VecDeque;
+
 use super::*;
 use crate::access::Keyring;
 
@@ -25,7 +27,7 @@ fn comes(places: &Places, from: &str, who: &str) -> Somebody {
     let who = (!who.is_empty()).then(|| (Arc::from(who), who.starts_with("operator")));
     let claim = Claim { network: Network::of(from.parse().unwrap()), who };
     let cut = Arc::new(Notify::new());
-    let place = places.take(claim.clone(), Arc::clone(&cut));
+    let place = places.take(claim.clone(), false, Arc::clone(&cut));
     Somebody { place, claim, cut }
 }
 
@@ -83,15 +85,21 @@ async fn whoever_makes_least_progress_gives_way() {
 #[tokio::test]
 async fn two_thousand_bodies_that_do_not_come_keep_nobody_out() {
     let places = open(100);
-    let mut dribbling = Vec::new();
+    let mut dribbling = VecDeque::new();
     for _ in 0..2000 {
-        dribbling.push(comes(&places, HERE, "operator").dribbles());
+        dribbling.push_back(comes(&places, HERE, "operator").dribbles());
+        if dribbling[0].is_cut().await {
+            drop(dribbling.pop_front());
+        }
     }
+    assert_eq!(dribbling.len(), 100);
     for _ in 0..300 {
         let newcomer = comes(&places, HERE, "operator").asks();
         newcomer.place().sends();
         assert!(!newcomer.is_cut().await);
-        dribbling.push(comes(&places, HERE, "operator").dribbles());
+        assert!(dribbling[0].is_cut().await, "one of them went for him");
+        drop(dribbling.pop_front());
+        dribbling.push_back(comes(&places, HERE, "operator").dribbles());
         assert!(!newcomer.is_cut().await, "nor does it take the place of who asks");
     }
 }
@@ -177,4 +185,64 @@ async fn a_place_that_is_left_is_free() {
         assert!(!somebody.is_cut().await);
     }
     assert_eq!(places.relieve(), 0, "nobody is here");
+}
+
+/// Safety S9.
+#[tokio::test]
+async fn an_operator_who_rests_gives_way_to_no_viewer_and_no_stranger() {
+    let places = keyed(8);
+    let operators = [comes(&places, HERE, "operator").asks(), comes(&places, HERE, "operator-2").asks()];
+    operators.iter().for_each(|operator| operator.place().answered());
+    let mut others = Vec::new();
+    for number in 0..20 {
+        others.push(comes(&places, &format!("192.0.2.{number}"), &format!("viewer{number}")).asks());
+    }
+    others.extend((20..30).map(|number| comes(&places, &format!("192.0.2.{number}"), "").dribbles()));
+    for operator in &operators {
+        assert!(!operator.is_cut().await);
+    }
+    let third = comes(&places, HERE, "operator-3");
+    assert!(third.place.is_some() && !operators[0].is_cut().await);
+}
+
+/// Safety S9.
+#[tokio::test]
+async fn a_system_without_descriptors_is_relieved_of_operators_last() {
+    let places = keyed(24);
+    let operators: Vec<_> = (0..4).map(|number| comes(&places, HERE, &format!("operator{number}")).asks()).collect();
+    operators.iter().for_each(|operator| operator.place().answered());
+    let _viewers: Vec<_> = (0..16).map(|number| comes(&places, HERE, &format!("viewer{number}")).asks()).collect();
+    assert_eq!(places.relieve(), RELIEF);
+    for operator in &operators {
+        assert!(!operator.is_cut().await);
+    }
+}
+
+/// Safety S9.
+#[tokio::test]
+async fn a_key_that_is_shown_later_counts_for_its_share_too() {
+    let places = keyed(8);
+    let connections: Vec<_> = (0..6).map(|_| comes(&places, HERE, "").asks()).collect();
+    let lobby = Claim { who: Some((Arc::from("lobby"), false)), ..connections[0].claim.clone() };
+    connections.iter().for_each(|connection| connection.place().asked(lobby.clone(), false));
+    let mut kept = 0;
+    for connection in &connections {
+        kept += usize::from(!connection.is_cut().await);
+    }
+    assert_eq!(kept, 2, "a fourth of eight");
+}
+
+/// Safety S9, A5: what was cut and is not closed yet is bounded too.
+#[tokio::test]
+async fn when_too_many_were_cut_and_are_not_gone_only_who_says_stop_gets_a_place() {
+    let places = open(4);
+    let mut all: Vec<_> = (0..4 + LEAVING).map(|_| comes(&places, HERE, "operator").asks()).collect();
+    let newcomer = comes(&places, HERE, "operator");
+    assert!(newcomer.place.is_none());
+    assert!(!all[LEAVING].is_cut().await, "nobody has to give way for who is not let in");
+    let stop = |cut: &Arc<Notify>| places.take(newcomer.claim.clone(), true, Arc::clone(cut));
+    let stops: Vec<_> = (0..=LEAVING).map(|_| stop(&newcomer.cut)).collect();
+    assert_eq!(stops.iter().flatten().count(), LEAVING);
+    drop((stops, all.remove(0)));
+    assert!(comes(&places, HERE, "operator").place.is_some(), "one has gone");
 }

@@ -11,7 +11,7 @@ use tokio::task::JoinSet;
 use super::hearing::{Line, converse};
 use super::places::{PLACES, Places};
 use super::tls::Tls;
-use super::vestibule::{Vestibule, WAITING};
+use super::vestibule::{LINGERING, Vestibule, WAITING};
 use super::{Door, Hosts, router};
 use crate::inbound::listeners::Listeners;
 
@@ -57,6 +57,7 @@ async fn serve_so_many(
         tls: front.tls,
         places: Places::new(places, &door.access),
         vestibule: Vestibule::new(waiting),
+        lingering: Vestibule::new(waiting.min(LINGERING)),
         work: Handle::current(),
         closing: door.closing.subscribe(),
         door: door.clone(),
@@ -82,8 +83,8 @@ async fn listen(mut listeners: Listeners, line: Line, mut ended: oneshot::Receiv
             _ = &mut ended => break,
             Some(_) = connections.join_next() => {}
             accepted = listeners.accept() => match accepted {
-                Ok((stream, _)) => {
-                    connections.spawn(converse(stream, line.clone()));
+                Ok(newcomer) => {
+                    connections.spawn(converse(newcomer, line.clone()));
                     newcomers += 1;
                 }
                 Err(error) => {

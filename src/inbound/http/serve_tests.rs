@@ -288,3 +288,68 @@ async fn heads_longer_than_the_bound_are_refused_and_shorter_ones_are_not() {
         assert_eq!(answered(&mut client(address, &format!("{LOOK}{look}"))), "HTTP/1.1 200");
     }
 }
+
+/// Safety S8: whatever became of a request that might have handed the connection over.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_stop_behind_an_upgrade_that_is_refused_and_over_halts() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nno header\r\n\r\n";
+    for number in 1..=20 {
+        let mut client = client(address, upgrade);
+        let mut refused = String::new();
+        client.read_to_string(&mut refused).expect("an answer in order");
+        assert!(refused.starts_with("HTTP/1.1 400"), "{refused}");
+        client.write_all(press("/h", "", "").as_bytes()).unwrap();
+        stops(&house, number).await;
+    }
+}
+
+/// Safety A5, S9: of those who get no further answer so many are heard on, and the oldest makes room.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn whoever_lingers_makes_room_for_who_lingers_later() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let mut lingering = Vec::new();
+    for _ in 0..30 {
+        let mut client = client(address, "GET / HTTP/1.1\r\nno header\r\n\r\n");
+        let mut refused = String::new();
+        client.read_to_string(&mut refused).expect("an answer in order");
+        lingering.push(client);
+    }
+    for ended in &mut lingering[..10] {
+        // Nobody is there to take it.
+        let _ = ended.write_all(press("/h", "", "").as_bytes());
+    }
+    lingering[29].write_all(press("/h", "", "").as_bytes()).unwrap();
+    stops(&house, 1).await;
+}
+
+/// Safety S9.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn an_operators_kept_connection_stays_whatever_strangers_and_viewers_send() {
+    let (keyring, tokens) = keys();
+    let house = guarded_house(searching(), Access::Keys(keyring));
+    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let asks = |what: &str, token: &str| what.replace("Host", &format!("Authorization: Bearer {token}\r\nHost"));
+    let mut kept = client(address, &asks(LOOK, &tokens.operator));
+    assert_eq!(answered(&mut kept), "HTTP/1.1 200");
+    let half = "POST /api/v1/commands/goto HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{";
+    let mut others = Vec::new();
+    for _ in 0..30 {
+        others.push(client(address, ""));
+        others.push(client(address, "GET /api/v1/state HTTP/1.1\r\nHost: localhost\r\nX-Slow: x"));
+        others.push(client(address, half));
+        others.push(client(address, &asks(half, &tokens.viewer)));
+        others.push(client(address, &asks(LOOK, &tokens.viewer)));
+    }
+    kept.write_all(asks(STOP, &tokens.operator).as_bytes()).unwrap();
+    stops(&house, 1).await;
+    let mut answers = Vec::new();
+    while !String::from_utf8_lossy(&answers).contains("\"accepted\":true") {
+        let mut bytes = [0; 1024];
+        let read = kept.read(&mut bytes).unwrap();
+        assert!(read > 0, "the connection was cut");
+        answers.extend_from_slice(&bytes[..read]);
+    }
+}

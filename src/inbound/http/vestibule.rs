@@ -1,5 +1,6 @@
-//! Where connections wait that have said nothing yet: as many as there is room for, each until its first head has come, and the
-//! oldest of whoever has most of them gives way. So a newcomer's STOP is heard although every place is taken.
+//! Where connections are without a place: as many as there is room for, and the oldest of whoever has most of them gives way. In one
+//! wait those that have said nothing yet, each until its first head has come, so that a newcomer's STOP is heard although every place
+//! is taken; in another linger those that get no further answer.
 
 use std::collections::BTreeMap;
 use std::net::IpAddr;
@@ -11,6 +12,9 @@ use crate::access::Network;
 
 /// So many wait at once: a head comes within a moment, or whoever sends it has this many newcomers' time.
 pub(super) const WAITING: usize = 128;
+
+/// So many linger at once.
+pub(super) const LINGERING: usize = 64;
 
 /// The vestibule. Cheap to clone.
 #[derive(Clone)]

@@ -2,6 +2,7 @@
 //! head has come, gets a place or is told that there is none, and is heard on whatever becomes of its requests. Everything here
 //! runs on the thread that hears.
 
+use std::net::SocketAddr;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::time::Duration;
@@ -55,14 +56,15 @@ pub(in crate::inbound::http) struct Line {
     pub(in crate::inbound::http) tls: Option<Tls>,
     pub(in crate::inbound::http) places: Places,
     pub(in crate::inbound::http) vestibule: Vestibule,
+    /// Where those are heard on who get no further answer.
+    pub(in crate::inbound::http) lingering: Vestibule,
     /// Where requests are carried out.
     pub(in crate::inbound::http) work: Handle,
     pub(in crate::inbound::http) closing: watch::Receiver<bool>,
 }
 
 /// One connection, to its end or until its place is needed. What a client does wrong with it is the client's business.
-pub(in crate::inbound::http) async fn converse(stream: TcpStream, line: Line) {
-    let Ok(address) = stream.peer_addr() else { return };
+pub(in crate::inbound::http) async fn converse((stream, address): (TcpStream, SocketAddr), line: Line) {
     let peer = Peer { address: address.ip(), is_encrypted: line.tls.is_some() };
     let cut = Arc::new(Notify::new());
     let guest = line.vestibule.enter(peer.address, Arc::clone(&cut));
@@ -228,7 +230,8 @@ where
     /// Takes a place and begins to talk; `false` when there is none.
     fn begin(&mut self) -> bool {
         let claim = self.claim.clone().unwrap_or_else(|| Claim::new(self.judge.peer.address, None));
-        let Some(place) = self.line.places.take(claim.clone(), Arc::clone(&self.cut)) else { return false };
+        let cut = Arc::clone(&self.cut);
+        let Some(place) = self.line.places.take(claim.clone(), self.shared.has_heard(), cut) else { return false };
         for _ in 0..self.scanner.heads() {
             place.asked(claim.clone(), !self.scanner.is_between());
         }
@@ -244,7 +247,7 @@ where
         let Some(talk) = &mut self.talk else { return false };
         tokio::select! {
             is_handed_over = self.shared.hands_over(number) => is_handed_over,
-            _ = &mut talk.over => false,
+            _ = talk.over.changed() => false,
         }
     }
 
@@ -260,9 +263,9 @@ where
         tokio::select! {
             // What the other side has left to say is none of hearing.
             _ = carried => {}
-            _ = &mut *over => return,
+            _ = over.changed() => return,
         }
-        drop(over.await);
+        drop(over.changed().await);
     }
 
     /// Reads one turn.
@@ -279,7 +282,7 @@ where
             Some(talk) => tokio::select! {
                 biased;
                 read = self.from.read_buf(&mut self.read) => read,
-                _ = &mut talk.over => return Read::Over,
+                _ = talk.over.changed() => return Read::Over,
             },
             None => tokio::select! {
                 biased;
@@ -297,9 +300,12 @@ where
         }
     }
 
-    /// Nothing more is answered: what was begun is heard to its end, and the answer gets to whoever still sends.
+    /// Nothing more is answered: what was begun is heard to its end, and the answer gets to whoever still sends. The place is free
+    /// for others meanwhile; of those who linger the oldest makes room.
     async fn linger(mut self) {
         drop(self.talk.take());
+        (self.guest, self.place) = (None, None);
+        let _lingering = self.line.lingering.enter(self.judge.peer.address, Arc::clone(&self.cut));
         let mut closing = self.line.closing.clone();
         let heard_on = async {
             let mut left = LINGER_BYTES;

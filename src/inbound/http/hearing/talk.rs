@@ -18,7 +18,7 @@ use hyper::{Request, Response};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::io::{AsyncRead, AsyncWrite, DuplexStream, ReadBuf};
-use tokio::sync::{Notify, oneshot, watch};
+use tokio::sync::{Notify, watch};
 use tokio::task::JoinSet;
 
 use super::connection::{HEADER_BYTES, HEADER_TIME, Line};
@@ -55,8 +55,8 @@ pub(super) struct Shared {
 pub(super) struct Talk {
     /// Where the bytes go that were heard.
     pub(super) to: DuplexStream,
-    /// Ends when nothing more can be answered.
-    pub(super) over: oneshot::Receiver<()>,
+    /// Closed when nothing more can be answered; nothing is ever sent.
+    pub(super) over: watch::Receiver<()>,
     task: JoinSet<()>,
 }
 
@@ -115,7 +115,7 @@ impl Talk {
         W: AsyncWrite + Unpin + Send + 'static,
     {
         let (ours, theirs) = tokio::io::duplex(PIPE);
-        let (held, over) = oneshot::channel();
+        let (held, over) = watch::channel(());
         let gone = Arc::new(Notify::new());
         let wire = Wire { from: theirs, to: Patient::new(to), gone: Arc::clone(&gone), is_gone: false, _held: held };
         let mut task = JoinSet::new();
@@ -164,7 +164,7 @@ where
     });
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIME);
-    // hyper's own date ends the connection when the clock is set before 1970; the guard has one that does not.
+    // The guard says the date. A clock before 1970 ends the connection all the same: hyper looks at it behind every head, and panics.
     http.max_header_size(HEADER_BYTES).max_buf_size(HEADER_BYTES).half_close(true).auto_date_header(false);
     let connection = http.serve_connection(TokioIo::new(wire), service).with_upgrades();
     tokio::pin!(connection);
@@ -232,7 +232,7 @@ struct Wire<W> {
     to: Patient<W>,
     gone: Arc<Notify>,
     is_gone: bool,
-    _held: oneshot::Sender<()>,
+    _held: watch::Sender<()>,
 }
 
 impl<W> Wire<W> {
