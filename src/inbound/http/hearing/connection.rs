@@ -277,8 +277,6 @@ where
         self.read.reserve(TURN);
         let mut closing = self.line.closing.clone();
         let read = match &mut self.talk {
-            // It ended while it was waited for, to know who gets what comes next.
-            Some(talk) if talk.over.is_terminated() => return Read::Over,
             Some(talk) => tokio::select! {
                 biased;
                 read = self.from.read_buf(&mut self.read) => read,
