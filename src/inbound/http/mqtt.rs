@@ -32,6 +32,9 @@ const PROTOCOL: &str = "mqtt";
 /// So much waits between the two streams, each way, in bytes.
 const BETWEEN: usize = 64 * 1024;
 
+/// So much of a client's is read at once, in bytes: that room is taken for each, whether or not it says anything.
+const READ: usize = 4 * 1024;
+
 /// The longest message of a client, in bytes: the longest packet of MQTT it may send, and something over.
 const LONGEST: usize = 512 * 1024;
 
@@ -123,7 +126,7 @@ pub(super) async fn mqtt(
         return Err(unspoken());
     }
     let (access, caller) = (door.access.clone(), caller.ok().map(|LetIn(caller)| caller));
-    let upgrade = upgrade.max_message_size(LONGEST).max_frame_size(LONGEST);
+    let upgrade = upgrade.read_buffer_size(READ).max_message_size(LONGEST).max_frame_size(LONGEST);
     Ok(upgrade
         .on_upgrade(async move |socket| {
             let (ours, stream) = tokio::io::duplex(BETWEEN);
@@ -167,11 +170,12 @@ async fn inward(mut socket: SplitStream<WebSocket>, mut to: WriteHalf<DuplexStre
 }
 
 async fn outward(mut from: ReadHalf<DuplexStream>, socket: &mut SplitSink<WebSocket, Message>) {
-    let mut bytes = BytesMut::with_capacity(BETWEEN);
-    while let Ok(1..) = from.read_buf(&mut bytes).await {
+    let mut bytes = BytesMut::with_capacity(READ);
+    while let Ok(read @ 1..) = from.read_buf(&mut bytes).await {
         if socket.send(Message::Binary(bytes.split().freeze())).await.is_err() {
             return;
         }
-        bytes.reserve(BETWEEN);
+        // Whoever is told much is told it in fewer messages.
+        bytes.reserve(if read < READ { READ } else { BETWEEN });
     }
 }

@@ -4,6 +4,7 @@
 
 use std::net::IpAddr;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use bytes::{Buf, BytesMut};
@@ -226,17 +227,19 @@ impl House {
         let mut turnstile = Turnstile::new(terms, Arc::clone(&self.0.gatehouse), now);
         turnstile.to_client().extend_from_slice(&greeting);
         let ends = Ends { client: writer, ahead: taker, seat };
-        let joining = self.clone().join((name, remembered), engine);
-        Sent::Ended(pump::run(turnstile, ends, joining, (&identity, &origin.access, self.0.clock)).await)
+        let waits = AtomicBool::new(remembered.is_none());
+        let joining = self.clone().join((name, remembered), engine, &waits);
+        Sent::Ended(pump::run(turnstile, ends, (joining, &waits), (&identity, &origin.access, self.0.clock)).await)
     }
 
-    /// A way to the engine, or to the next one that lets us in.
-    async fn join(self, (name, slot): (Name, Option<Slot>), mut engine: Running) -> Result<Upstream, Ended> {
+    /// A way to the engine, or to the next one that lets us in. `waits` is true for as long as nothing is lost when this is dropped.
+    async fn join(self, (name, slot): (Name, Option<Slot>), mut engine: Running, waits: &AtomicBool) -> Result<Upstream, Ended> {
         let Ok(way) = Arc::clone(&self.0.ways).acquire_owned().await else { return Err(Ended::Closing) };
         let slot = match slot {
             Some(slot) => slot,
             None => self.0.slots.take(name, false).await,
         };
+        waits.store(false, Ordering::Relaxed);
         loop {
             let here = Arc::clone(&engine.borrow_and_update());
             match tokio::time::timeout(ENGINE_TIME, enter(&here, &slot)).await {

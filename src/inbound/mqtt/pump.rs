@@ -5,6 +5,7 @@
 use std::io;
 use std::pin::pin;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use bytes::BytesMut;
@@ -15,7 +16,7 @@ use tokio::sync::OwnedSemaphorePermit;
 
 use super::embedded::Running;
 use super::gate::ledger::Ledger;
-use super::gate::limits::{ANSWER_ROOM, PATIENCE};
+use super::gate::limits::ANSWER_ROOM;
 use super::gate::turnstile::{Ended, Turnstile};
 use super::identity::Identity;
 use super::read_ahead::{Left, READ, Taker};
@@ -27,6 +28,9 @@ use crate::runtime::clock::Clock;
 
 /// After so long of one client's packets others have their turn.
 const TURN: Duration = Duration::from_millis(1);
+
+/// So much room there is for what the engine sends, in bytes, while no more than that comes at once.
+const FEW: usize = 4 * 1024;
 
 /// How often it is looked whether a client would be let in still: a key that was taken away is good for no longer than this.
 const GLANCE: Duration = Duration::from_millis(500);
@@ -87,11 +91,12 @@ struct Waiting {
     until: Duration,
 }
 
-/// Runs until it has to end, and says why. The client is served although `joining`, which finds the way to the engine, takes long.
+/// Runs until it has to end, and says why. The client is served although `joining`, which finds the way to the engine, takes long; a
+/// client that is gone is not kept for it while it only `waits`.
 pub(super) async fn run(
     turnstile: Turnstile,
     Ends { client, ahead, seat }: Ends,
-    joining: impl Future<Output = Result<Upstream, Ended>>,
+    (joining, waits): (impl Future<Output = Result<Upstream, Ended>>, &AtomicBool),
     whose: Whose<'_>,
 ) -> Ended {
     let mut pump = Pump::new(turnstile, (client, ahead, seat.as_ref()), whose.2);
@@ -101,7 +106,7 @@ pub(super) async fn run(
         joined = &mut joining => Ok(joined),
         ended = &mut shut_out => Err(ended),
     };
-    let is_joining = joined.is_err();
+    let is_joining = joined.is_err() && !waits.load(Ordering::Relaxed);
     let (ended, mut slot, way) = match joined.and_then(|joined| joined) {
         Err(ended) => (ended, None, None),
         Ok(Upstream { stream, mut slot, mut engine, way }) => {
@@ -198,7 +203,7 @@ impl<'a> Pump<'a> {
 
     /// Moves bytes until something ends it.
     async fn flow(&mut self) -> Ended {
-        let mut outcome = Ok(());
+        let (mut outcome, mut read) = (Ok(()), 0);
         loop {
             if let Err(ended) = outcome {
                 return ended;
@@ -209,7 +214,7 @@ impl<'a> Pump<'a> {
             let silent_until = self.turnstile.poll_timeout();
             self.ahead.hold(self.turnstile.held() + self.from_client.len() + self.from_engine.len());
             if hears_engine {
-                make_room(&mut self.from_engine);
+                make_room(&mut self.from_engine, read);
             }
             let has_more = self.turnstile.wants_turn();
             let (for_engine, for_client) = self.turnstile.outgoing();
@@ -227,11 +232,15 @@ impl<'a> Pump<'a> {
                     if has_ended { Err(Ended::Gone) } else { self.client_said() }
                 }
                 () = self.ahead.full(), if is_unread => Err(Ended::TooMuch { what: "bytes of answers unread", most: ANSWER_ROOM }),
-                read = read_some(engine, &mut self.from_engine), if hears_engine => {
-                    went(read, Ended::EngineGone).and_then(|()| self.turnstile.handle_engine(&mut self.from_engine))
+                came = read_some(engine, &mut self.from_engine), if hears_engine => {
+                    read = came.as_ref().copied().unwrap_or_default();
+                    went(came, Ended::EngineGone).and_then(|()| self.turnstile.handle_engine(&mut self.from_engine))
                 }
-                () = caught_up(behind.as_ref(), self.clock) => {
+                in_vain = caught_up(behind.as_ref(), self.clock) => {
                     self.waiting = None;
+                    if in_vain {
+                        self.turnstile.handle_waited(self.clock.now().since_start);
+                    }
                     Ok(())
                 }
                 () = tokio::task::yield_now(), if has_more => {
@@ -248,7 +257,10 @@ impl<'a> Pump<'a> {
         let now = self.clock.now().since_start;
         if self.waiting.is_none() {
             let ledgers = self.turnstile.poll_behind(now);
-            self.waiting = (!ledgers.is_empty()).then(|| Waiting { ledgers: ledgers.into(), until: now + PATIENCE });
+            let until = self.turnstile.waits_until(now);
+            self.waiting = (!ledgers.is_empty()).then(|| Waiting { ledgers: ledgers.into(), until });
+        } else {
+            self.turnstile.note_room(now);
         }
         self.waiting.clone()
     }
@@ -300,12 +312,14 @@ fn left(ended: Ended) -> Left {
     }
 }
 
-/// Room for what is read at once; what one long message took is given back.
-fn make_room(buffer: &mut BytesMut) {
-    if buffer.is_empty() && buffer.capacity() > 4 * READ {
+/// Room for what is read at once, more of it while much comes; what one long message took is given back, and what a burst took when
+/// that is over.
+fn make_room(buffer: &mut BytesMut, read: usize) {
+    let room = if read < FEW { FEW } else { READ };
+    if buffer.is_empty() && buffer.capacity() > 4 * room {
         *buffer = BytesMut::new();
     }
-    buffer.reserve(READ);
+    buffer.reserve(room);
 }
 
 async fn write_some(to: Option<&mut OwnedWriteHalf>, bytes: &mut BytesMut) -> io::Result<usize> {
@@ -322,8 +336,9 @@ async fn read_some(from: Option<&mut OwnedReadHalf>, into: &mut BytesMut) -> io:
     read
 }
 
-/// Waits until all subscribers have caught up, or were waited for long enough; for ever, when there is none to wait for.
-async fn caught_up(waiting: Option<&Waiting>, clock: Clock) {
+/// Waits until all subscribers have caught up, or it is time to look who does not read: whether the latter. For ever, when there is none
+/// to wait for.
+async fn caught_up(waiting: Option<&Waiting>, clock: Clock) -> bool {
     let Some(Waiting { ledgers, until }) = waiting else { return std::future::pending().await };
     let all_relieved = async {
         for ledger in ledgers.iter() {
@@ -331,11 +346,8 @@ async fn caught_up(waiting: Option<&Waiting>, clock: Clock) {
         }
     };
     tokio::select! {
-        () = all_relieved => {}
-        () = clock.reach(Some(*until)) => {
-            let now = clock.now().since_start;
-            ledgers.iter().filter(|ledger| ledger.is_behind(now)).for_each(|ledger| ledger.forgive(now));
-        }
+        () = all_relieved => false,
+        () = clock.reach(Some(*until)) => true,
     }
 }
 

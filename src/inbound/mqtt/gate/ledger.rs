@@ -35,6 +35,8 @@ pub struct Ledger {
     relief: Notify,
     /// Since when it was behind whenever somebody looked, in milliseconds on the clock of all connections; 0: it is not.
     behind_since_ms: AtomicU64,
+    /// Since when its client keeps more from coming, on the same clock; 0: it takes what comes.
+    still_since_ms: AtomicU64,
     /// Until then nobody waits for it;
     forgiven_until_ms: AtomicU64,
     /// that was for so long;
@@ -67,6 +69,7 @@ impl Default for Ledger {
             filters: AtomicI64::default(),
             relief: Notify::new(),
             behind_since_ms: zero(),
+            still_since_ms: zero(),
             forgiven_until_ms: zero(),
             forgiven_for_ms: zero(),
             forgiven_at_ms: zero(),
@@ -141,12 +144,27 @@ impl Ledger {
         }
     }
 
-    /// Somebody waited for it long enough. If it was behind all that time, it is not waited for during a while, longer each time; one
-    /// that had caught up in between is waited for again.
-    pub fn forgive(&self, now: Duration) {
-        let since = self.behind_since_ms.load(Ordering::Relaxed);
-        if since == 0 || ms(now).saturating_sub(since) < ms(PATIENCE) {
-            return;
+    /// Whether its client keeps more from coming: as much waits for it as may wait, however little of that it takes now and then, or
+    /// it has acknowledged nothing since it was first said so.
+    pub(super) fn note_still(&self, is_full: bool, is_unacknowledged: bool, now: Duration) {
+        match (is_full, is_unacknowledged) {
+            (true, _) => self.still_since_ms.store(1, Ordering::Relaxed),
+            (false, true) => {
+                let _ = self.still_since_ms.compare_exchange(0, ms(now).max(1), Ordering::Relaxed, Ordering::Relaxed);
+            }
+            (false, false) => self.still_since_ms.store(0, Ordering::Relaxed),
+        }
+    }
+
+    /// Somebody waited for it, and waits `still` for one who does not read. If it was behind for so long, or for as long as anybody is
+    /// waited for, it is not waited for during a while, longer each time; one that had caught up in between is waited for again.
+    /// Whether that is so.
+    pub(super) fn forgive(&self, now: Duration, still: Duration) -> bool {
+        let lasts = |since: u64, time: Duration| since != 0 && ms(now).saturating_sub(since) >= ms(time);
+        let behind_since = self.behind_since_ms.load(Ordering::Relaxed);
+        let is_still = lasts(self.still_since_ms.load(Ordering::Relaxed), still) && lasts(behind_since, still);
+        if !is_still && !lasts(behind_since, PATIENCE) {
+            return false;
         }
         let (last, at) = (self.forgiven_for_ms.load(Ordering::Relaxed), self.forgiven_at_ms.swap(ms(now), Ordering::Relaxed));
         let is_mended = ms(now) > at + last + ms(MENDED);
@@ -155,6 +173,7 @@ impl Ledger {
         self.forgiven_until_ms.store(ms(now) + next, Ordering::Relaxed);
         self.behind_since_ms.store(0, Ordering::Relaxed);
         self.relief.notify_waiters();
+        true
     }
 
     /// It has caught up. Whoever was forgiven once is waited for again at once, whoever was so several times in a while only later:
@@ -234,6 +253,7 @@ fn ms(duration: Duration) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::inbound::mqtt::gate::limits::STILL;
 
     const NOW: Duration = Duration::from_secs(100);
 
@@ -241,7 +261,7 @@ mod tests {
     fn stall(ledger: &Ledger, until: Duration) {
         ledger.owe(LAG + 1, 0);
         assert!(ledger.is_behind(until - PATIENCE));
-        ledger.forgive(until);
+        assert!(ledger.forgive(until, STILL));
     }
 
     #[tokio::test]
@@ -276,10 +296,35 @@ mod tests {
         assert!(ledger.owe(LAG + 1, 0) && ledger.is_behind(NOW));
         ledger.came(LAG + 1);
         assert!(ledger.owe(LAG + 1, 0) && ledger.is_behind(NOW + PATIENCE / 2));
-        ledger.forgive(NOW + PATIENCE);
+        assert!(!ledger.forgive(NOW + PATIENCE, STILL));
         assert!(ledger.is_behind(NOW + PATIENCE), "it reads, and is waited for");
-        ledger.forgive(NOW + PATIENCE + PATIENCE / 2);
+        assert!(ledger.forgive(NOW + PATIENCE + PATIENCE / 2, STILL));
         assert!(!ledger.is_behind(NOW + 2 * PATIENCE), "now it does not");
+    }
+
+    /// Safety S1: what stands behind a flood does not wait long for one who does not read, and no healthy one is taken for such a one.
+    #[test]
+    fn whoever_does_not_read_is_waited_for_only_a_moment() {
+        let behind = || {
+            let ledger = Ledger::default();
+            assert!(ledger.owe(LAG + 1, 0) && ledger.is_behind(NOW));
+            ledger
+        };
+        let almost = NOW + STILL - Duration::from_millis(1);
+        let slow = behind();
+        assert!(!slow.forgive(NOW + STILL, STILL), "the engine may be the slow one");
+        let full = behind();
+        full.note_still(true, false, almost);
+        assert!(!full.forgive(almost, STILL) && full.forgive(NOW + STILL, STILL), "a trickle out of a full room is no reading");
+        let silent = behind();
+        silent.note_still(false, true, NOW);
+        silent.note_still(false, true, almost);
+        assert!(!silent.forgive(almost, STILL) && silent.forgive(NOW + STILL, STILL));
+        let answering = behind();
+        answering.note_still(false, true, NOW);
+        answering.note_still(false, false, almost);
+        answering.note_still(false, true, almost);
+        assert!(!answering.forgive(NOW + STILL, STILL), "it has acknowledged some in between");
     }
 
     #[test]

@@ -48,10 +48,22 @@ pub const SHARE_TOPICS: usize = 16 * 1024;
 pub const VIEWERS_SHARE: usize = 16;
 
 /// Kept messages of all guests,
-pub const KEPT: usize = 8192;
+pub const KEPT: usize = 10 * 1024;
 
 /// and their bytes, topics included;
 pub const KEPT_BYTES: usize = 32 * 1024 * 1024;
+
+/// so many of the places,
+pub const KEPT_RESERVE: usize = 2048;
+
+/// and of the bytes, are for keys that keep little,
+pub const KEPT_RESERVE_BYTES: usize = 8 * 1024 * 1024;
+
+/// which is less than so much, in messages,
+pub const KEPT_LITTLE: usize = 256;
+
+/// and in bytes;
+pub const KEPT_LITTLE_BYTES: usize = 1024 * 1024;
 
 /// of these one key may have so many,
 pub const KEPT_SHARE: usize = 4096;
@@ -100,8 +112,15 @@ pub const PIECE: i64 = LAG / 4;
 /// It waits until they are no more than this.
 pub const RELIEF: i64 = LAG / 2;
 
-/// So long a publisher waits for its subscribers, all of them together.
+/// So long a publisher waits for a subscriber who reads, though too slowly,
 pub const PATIENCE: Duration = Duration::from_millis(500);
+
+/// and so long for one who does not read: a STOP may stand behind what the publisher has said. When several stop reading one after the
+/// other, it waits for each half as long as for the one before,
+pub const STILL: Duration = Duration::from_millis(40);
+
+/// and for none any more when that would be less than this.
+pub const STILL_SHORTEST: Duration = Duration::from_millis(1);
 
 /// A subscriber that could not be waited for is not waited for during so long,
 pub const FORGIVEN: Duration = Duration::from_secs(10);

@@ -10,7 +10,10 @@ use bytes::Bytes;
 
 use super::budget::Payer;
 use super::filter::{Next, look, stem};
-use super::limits::{KEPT, KEPT_BYTES, KEPT_COST, KEPT_OURS, KEPT_OURS_BYTES, KEPT_SHARE, KEPT_SHARE_BYTES};
+use super::limits::{
+    KEPT, KEPT_BYTES, KEPT_COST, KEPT_LITTLE, KEPT_LITTLE_BYTES, KEPT_OURS, KEPT_OURS_BYTES, KEPT_RESERVE, KEPT_RESERVE_BYTES,
+    KEPT_SHARE, KEPT_SHARE_BYTES,
+};
 use super::packet::Qos;
 
 /// The kept messages.
@@ -170,13 +173,16 @@ impl Shelf {
     /// Whether there was room in the pool, and in the payer's share of it.
     fn put(&mut self, payer: &Payer, kept: Kept) -> bool {
         let bytes = kept.cost();
-        let (count_most, bytes_most) = match payer {
-            Payer::House => (KEPT_OURS, KEPT_OURS_BYTES),
-            Payer::Anybody | Payer::Key { .. } => (KEPT, KEPT_BYTES),
-        };
         let share = match payer {
             Payer::House | Payer::Anybody => Used::default(),
             Payer::Key { name, .. } => self.shares.get(name).copied().unwrap_or_default(),
+        };
+        let (count_most, bytes_most) = match payer {
+            Payer::House => (KEPT_OURS, KEPT_OURS_BYTES),
+            Payer::Key { .. } if !share.has_room(bytes, KEPT_LITTLE, KEPT_LITTLE_BYTES) => {
+                (KEPT - KEPT_RESERVE, KEPT_BYTES - KEPT_RESERVE_BYTES)
+            }
+            Payer::Anybody | Payer::Key { .. } => (KEPT, KEPT_BYTES),
         };
         if !self.pool(payer).has_room(bytes, count_most, bytes_most) || !share.has_room(bytes, KEPT_SHARE, KEPT_SHARE_BYTES) {
             return false;

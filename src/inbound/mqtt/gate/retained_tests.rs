@@ -156,6 +156,23 @@ fn a_key_keeps_its_share_and_leaves_others_theirs() {
     assert!(!retained.keep(&greedy, "a/newer", b"y", Qos::Zero));
 }
 
+/// Safety S9: however much some keys keep, there is room for others who keep little, in places and in bytes.
+#[test]
+fn keys_that_keep_much_leave_room_for_those_that_keep_little() {
+    let (short, long): (&[u8], &[u8]) = (b"x", &[7; 100 * 1024]);
+    for (payload, most) in [(short, KEPT - KEPT_RESERVE), (long, (KEPT_BYTES - KEPT_RESERVE_BYTES) / long.len())] {
+        let retained = Retained::default();
+        let keep = |who: &str| {
+            let payer = key(who);
+            (0..KEPT_SHARE).filter(|n| retained.keep(&payer, &format!("{who}/{n}"), payload, Qos::Zero)).count()
+        };
+        let kept: usize = ["a", "b", "c", "d"].map(keep).iter().sum();
+        assert!(kept <= most + 2 * KEPT_LITTLE && kept + 10 > most, "{kept}, and at most {most} by those who keep much");
+        let little = KEPT_LITTLE.min(KEPT_LITTLE_BYTES / (payload.len() + KEPT_COST + 10));
+        assert_eq!(keep("late"), little);
+    }
+}
+
 /// Safety A5.
 #[test]
 fn the_bytes_of_a_key_are_bounded_too_and_come_back() {

@@ -300,11 +300,20 @@ impl Turnstile {
     /// To be asked whenever something has happened, with the time: the subscribers whom this client has to wait for before anything more of it is taken; none, when it has not published in a
     /// flood. The program itself waits for nobody.
     pub fn poll_behind(&mut self, now: Duration) -> Vec<Arc<Ledger>> {
+        self.note_room(now);
         let is_owed = !self.account.ledger().is_even() && self.wants_engine() && self.outstanding.has_room();
         self.quiet_at = is_owed.then(|| self.quiet_at.unwrap_or(now + QUIET));
         let passed = self.routes.take_passed();
         let is_flood = self.flood.handle_passed(passed, now) && self.guest != Guest::House;
-        if is_flood { self.routes.behind(now) } else { Vec::new() }
+        if !is_flood {
+            return Vec::new();
+        }
+        let still = self.flood.still(now);
+        let mut behind = self.routes.behind(now);
+        if still.is_zero() {
+            behind.retain(|reader| !reader.forgive(now, still));
+        }
+        behind
     }
 
     /// What was published for this client and has not come yet.

@@ -3,6 +3,7 @@
 mod chunks;
 mod ends;
 mod engine_side;
+mod flooding;
 mod kept;
 mod publishing;
 mod scene;
