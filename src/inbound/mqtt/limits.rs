@@ -26,7 +26,7 @@ pub(super) const PACKETS: usize = 1_000;
 /// So many bytes more than it had at first, beside what is kept, the program may have in use before the engine is taken for the cause
 /// and started anew. It forgets no message before enough newer ones have come to the same filter, and each holds on to all that was
 /// read with it.
-pub(super) const APPETITE: usize = 64 * 1024 * 1024;
+pub(super) const APPETITE: usize = 160 * 1024 * 1024;
 
 /// Of all clients, those whom one key may bring: every screen of a large site.
 pub(super) const SHARE: usize = CONNECTIONS / 4;

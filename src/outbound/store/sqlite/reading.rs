@@ -46,6 +46,8 @@ impl Reading {
     ) -> Result<(), Unreadable> {
         let words = |fault: Fault| fault.words_of_an_entry(self.folder.path());
         let mut walk = || {
+            // Both looks see the same entries, though a running program writes on.
+            let _unchanging = self.connection.unchecked_transaction()?;
             let after = last.map_or(Ok(None), |last| rows::before_the_last(&self.connection, mission, last))?;
             rows::each(&self.connection, Which { after, mission, ..Which::default() }, |seq, line| {
                 if visit(seq, line.map_err(words)) { Ok(()) } else { Err(Fault::GivenUp) }
