@@ -37,10 +37,10 @@ impl Default for Times {
             shortest_pause: Duration::from_millis(100),
             // and after hours it is found within these and a greeting: in less than 5 s.
             longest_pause: Duration::from_secs(3),
-            // With one miss forgiven, a broker that hangs is found within 9 s: one pause and two echoes that do not come.
+            // With one miss forgiven, a broker that hangs is found within 15 s: one pause and two echoes that do not come.
             beat: Duration::from_secs(5),
-            // On loopback it takes a millisecond; on a machine with far too much to do, a hundred times that.
-            echo: Duration::from_secs(2),
+            // On loopback it takes a millisecond; on a machine with far too much to do, a flood at every door, seconds.
+            echo: Duration::from_secs(5),
             // The program has ended within two seconds, and others take leave as well.
             farewell: Duration::from_secs(1),
         }
