@@ -22,8 +22,7 @@ use super::gate::packet::write::{self, Welcome};
 use super::gate::turnstile::{Ended, Gatehouse, Listener, Terms, Turnstile};
 use super::hearing::Hearing;
 use super::identity::{Identity, Unknown};
-use super::limits::{CONNECT_TIME, LOBBY, PLACES};
-use super::lobby::{Lobby, Place};
+use super::limits::{CONNECT_TIME, PLACES, WAITING};
 use super::orders::Orders;
 use super::pump::{self, Ends, Upstream};
 use super::read_ahead::{Left, Pool, Taker, read_ahead};
@@ -31,6 +30,7 @@ use super::seats::Seats;
 use super::slots::{Name, Slot, Slots};
 use super::visitor::{Origin, Reader, Visitor, Writer};
 use crate::access::{Attempts, Network, Token};
+use crate::inbound::vestibule::{Vestibule, Waiting};
 use crate::runtime::clock::Clock;
 
 /// So long the engine may take to answer; it takes less than a millisecond.
@@ -79,7 +79,7 @@ struct Rooms {
     /// The password of our own session.
     secret: Token,
     /// Of those who have not said yet who they are.
-    lobby: Lobby,
+    vestibule: Vestibule,
     seats: Seats,
     /// What is read ahead of all clients.
     pool: Pool,
@@ -105,7 +105,7 @@ impl House {
             gatehouse: Arc::new(gatehouse),
             orders,
             secret,
-            lobby: Lobby::new(LOBBY),
+            vestibule: Vestibule::new(WAITING),
             seats: Seats::default(),
             pool: Pool::default(),
             slots: Slots::default(),
@@ -115,14 +115,14 @@ impl House {
         }))
     }
 
-    /// A place for a connection from there, until it has said who it is; the oldest of the others may give way.
-    pub(super) fn place(&self, from: IpAddr) -> Place {
-        self.0.lobby.take(from)
+    /// Lets a connection from there wait until it has said who it is; another one may have to make room.
+    pub(super) fn let_wait(&self, from: IpAddr) -> Waiting {
+        self.0.vestibule.enter(from, Arc::default())
     }
 
     /// Cuts some connections of strangers, when the system has no more descriptors; how many.
     pub(super) fn relieve(&self) -> usize {
-        self.0.lobby.relieve()
+        self.0.vestibule.relieve()
     }
 
     /// Whether the engine was shown so much that another one is needed.
@@ -141,27 +141,27 @@ impl House {
     }
 
     /// Listens to a visitor to the end, on the thread that hears, while it is served on `work`.
-    pub(super) async fn entertain(self, visitor: Visitor, place: Place, (engine, work): (Running, Handle)) {
+    pub(super) async fn entertain(self, visitor: Visitor, waiting: Waiting, (engine, work): (Running, Handle)) {
         let from = visitor.origin.from;
-        let sent = self.converse(visitor, place, (engine, work)).await;
+        let sent = self.converse(visitor, waiting, (engine, work)).await;
         tracing::debug!(%from, why = %sent, "an MQTT connection has ended");
     }
 
     /// Why it ended.
-    async fn converse(&self, visitor: Visitor, place: Place, (engine, work): (Running, Handle)) -> Sent {
+    async fn converse(&self, visitor: Visitor, waiting: Waiting, (engine, work): (Running, Handle)) -> Sent {
         let Visitor { mut reader, writer, origin } = visitor;
         let mut heard = BytesMut::new();
         let introduced = tokio::select! {
             biased;
-            // What has come already is read before a place is given up.
+            // What has come already is read before room is made.
             introduced = self.introduced(&mut reader, &mut heard, origin) => introduced,
-            () = place.cut() => Err(Sent::GaveWay),
+            () = waiting.cut() => Err(Sent::GaveWay),
         };
         let known = match introduced {
             Ok(known) => known,
             Err(sent) => return work.spawn(told(writer, sent)).await.unwrap_or(Sent::Ended(Ended::Gone)),
         };
-        drop(place);
+        drop(waiting);
         let (feeder, taker) = read_ahead(&self.0.pool);
         let listener = known.identity.listener(&self.0.orders, known.origin.from);
         let mut hearing = Hearing::new(Arc::clone(&listener), feeder, self.0.clock, work.clone());
