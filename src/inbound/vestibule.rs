@@ -52,6 +52,16 @@ impl Vestibule {
         Waiting { number, vestibule: self.clone(), cut }
     }
 
+    /// Lets a connection from there do its `last`, until that is done or it has to make room.
+    pub(super) async fn linger(&self, address: IpAddr, last: impl Future<Output = ()>) {
+        let waiting = self.enter(address, Arc::default());
+        tokio::select! {
+            biased;
+            () = last => {}
+            () = waiting.cut() => {}
+        }
+    }
+
     /// Cuts some connections, when the system has no more descriptors, and says how many.
     pub(super) fn relieve(&self) -> usize {
         let mut crowd = self.crowd();
@@ -93,6 +103,7 @@ impl Drop for Waiting {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::runtime::within::within;
 
     fn crowd<'a>(vestibule: &Vestibule, from: impl IntoIterator<Item = &'a str>) -> Vec<Waiting> {
         from.into_iter().map(|address| vestibule.enter(address.parse().unwrap(), Arc::default())).collect()
@@ -136,6 +147,22 @@ mod tests {
         let newcomer = crowd(&vestibule, ["192.0.2.1"]);
         let flock = crowd(&vestibule, ["127.0.0.1"; 20]);
         assert_eq!((gone(&before).await.len(), gone(&newcomer).await.len(), gone(&flock).await.len()), (4, 0, 17));
+    }
+
+    /// Safety A5.
+    #[tokio::test]
+    async fn whoever_lingers_does_so_until_it_is_done_or_has_to_make_room() {
+        let vestibule = Vestibule::new(1);
+        let address = "192.0.2.1".parse().unwrap();
+        vestibule.linger(address, std::future::ready(())).await;
+        let endless = tokio::spawn({
+            let vestibule = vestibule.clone();
+            async move { vestibule.linger(address, std::future::pending()).await }
+        });
+        tokio::task::yield_now().await;
+        assert!(!endless.is_finished());
+        let _newcomer = vestibule.enter(address, Arc::default());
+        within("it makes room", endless).await.unwrap();
     }
 
     #[tokio::test]

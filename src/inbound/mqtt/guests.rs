@@ -22,11 +22,11 @@ use super::gate::packet::write::{self, Welcome};
 use super::gate::turnstile::{Ended, Gatehouse, Listener, Terms, Turnstile};
 use super::hearing::Hearing;
 use super::identity::{Identity, Unknown};
-use super::limits::{CONNECT_TIME, PLACES, WAITING};
+use super::limits::{CONNECT_TIME, LEAVING, PLACES, WAITING};
 use super::orders::Orders;
 use super::pump::{self, Ends, Upstream};
 use super::read_ahead::{Left, Pool, Taker, read_ahead};
-use super::seats::Seats;
+use super::seats::{Seats, given_up};
 use super::slots::{Name, Slot, Slots};
 use super::visitor::{Origin, Reader, Visitor, Writer};
 use crate::access::{Attempts, Network, Token};
@@ -80,6 +80,8 @@ struct Rooms {
     secret: Token,
     /// Of those who have not said yet who they are.
     vestibule: Vestibule,
+    /// Of those who are on their way out.
+    leaving: Vestibule,
     seats: Seats,
     /// What is read ahead of all clients.
     pool: Pool,
@@ -106,6 +108,7 @@ impl House {
             orders,
             secret,
             vestibule: Vestibule::new(WAITING),
+            leaving: Vestibule::new(LEAVING),
             seats: Seats::default(),
             pool: Pool::default(),
             slots: Slots::default(),
@@ -150,7 +153,7 @@ impl House {
     /// Why it ended.
     async fn converse(&self, visitor: Visitor, waiting: Waiting, (engine, work): (Running, Handle)) -> Sent {
         let Visitor { mut reader, writer, origin } = visitor;
-        let mut heard = BytesMut::new();
+        let (from, mut heard) = (origin.from, BytesMut::new());
         let introduced = tokio::select! {
             biased;
             // What has come already is read before room is made.
@@ -159,7 +162,7 @@ impl House {
         };
         let known = match introduced {
             Ok(known) => known,
-            Err(sent) => return work.spawn(told(writer, sent)).await.unwrap_or(Sent::Ended(Ended::Gone)),
+            Err(sent) => return work.spawn(self.clone().tell(from, writer, sent)).await.unwrap_or(Sent::Ended(Ended::Gone)),
         };
         drop(waiting);
         let (feeder, taker) = read_ahead(&self.0.pool);
@@ -204,14 +207,22 @@ impl House {
         let (writer, taker) = ends;
         if let Some(welcome) = self.refusal(&known) {
             taker.leave(Left::HearsRest);
-            return told(writer, Sent::Refused(welcome)).await;
+            return self.tell(known.origin.from, writer, Sent::Refused(welcome)).await;
         }
         let Known { connect, identity, origin } = known;
         let now = self.0.clock.now().since_start;
         let seat = identity.holder().map(|holder| self.0.seats.take(holder, now));
         let name = Name { who: identity.name(), client: connect.client_id.clone() };
         // What is remembered of it is said with the greeting.
-        let remembered = if connect.clean_session { None } else { Some(self.0.slots.take(name.clone(), true).await) };
+        let remembered = if connect.clean_session {
+            None
+        } else {
+            tokio::select! {
+                biased;
+                slot = self.0.slots.take(name.clone(), true) => Some(slot),
+                () = given_up(seat.as_ref()) => return self.tell(origin.from, writer, Sent::Ended(Ended::GaveWay)).await,
+            }
+        };
         let session = remembered.as_ref().and_then(|slot| slot.session.clone());
         tracing::debug!(from = %origin.from, who = %name.who, client = connect.client_id, "an MQTT client has come");
         let greeting = write::connack(Welcome::Accepted, session.is_some());
@@ -226,10 +237,25 @@ impl House {
         };
         let mut turnstile = Turnstile::new(terms, Arc::clone(&self.0.gatehouse), now);
         turnstile.to_client().extend_from_slice(&greeting);
-        let ends = Ends { client: writer, ahead: taker, seat };
+        let ends = Ends { client: writer, ahead: taker, seat, leaving: (self.0.leaving.clone(), origin.from) };
         let waits = AtomicBool::new(remembered.is_none());
         let joining = self.clone().join((name, remembered), engine, &waits);
         Sent::Ended(pump::run(turnstile, ends, (joining, &waits), (&identity, &origin.access, self.0.clock)).await)
+    }
+
+    /// Tells a client why it is sent away. Whether it listens is its own matter.
+    async fn tell(self, from: IpAddr, mut writer: Writer, sent: Sent) -> Sent {
+        let answer = match &sent {
+            Sent::Refused(welcome) => write::connack(*welcome, false).to_vec(),
+            Sent::Unfit(unfit) => unfit.answer().to_vec(),
+            Sent::Slow | Sent::GaveWay | Sent::First(_) | Sent::Malformed(_) | Sent::Broken(_) | Sent::Ended(_) => Vec::new(),
+        };
+        let farewell = async {
+            let _ = writer.write_all(&answer).await;
+            let _ = writer.shutdown().await;
+        };
+        let _ = tokio::time::timeout(FAREWELL, self.0.leaving.linger(from, farewell)).await;
+        sent
     }
 
     /// A way to the engine, or to the next one that lets us in. `waits` is true for as long as nothing is lost when this is dropped.
@@ -298,17 +324,6 @@ async fn knock(engine: &Engine, slot: &Slot, is_clean: bool) -> std::io::Result<
     Err(std::io::Error::other("the engine did not let the gate in"))
 }
 
-/// Tells a client why it is sent away. Whether it listens is its own matter.
-async fn told(mut writer: Writer, sent: Sent) -> Sent {
-    let answer = match &sent {
-        Sent::Refused(welcome) => write::connack(*welcome, false).to_vec(),
-        Sent::Unfit(unfit) => unfit.answer().to_vec(),
-        Sent::Slow | Sent::GaveWay | Sent::First(_) | Sent::Malformed(_) | Sent::Broken(_) | Sent::Ended(_) => Vec::new(),
-    };
-    let farewell = async {
-        let _ = writer.write_all(&answer).await;
-        let _ = writer.shutdown().await;
-    };
-    let _ = tokio::time::timeout(FAREWELL, farewell).await;
-    sent
-}
+#[cfg(test)]
+#[path = "guests_tests.rs"]
+mod tests;

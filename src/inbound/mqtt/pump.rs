@@ -3,6 +3,7 @@
 //! so that nothing here is urgent: it works in short turns, and others have theirs in between.
 
 use std::io;
+use std::net::IpAddr;
 use std::pin::pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,10 +21,11 @@ use super::gate::limits::ANSWER_ROOM;
 use super::gate::turnstile::{Ended, Turnstile};
 use super::identity::Identity;
 use super::read_ahead::{Left, READ, Taker};
-use super::seats::Seat;
+use super::seats::{Seat, given_up};
 use super::slots::Slot;
 use super::visitor::Writer;
 use crate::access::Access;
+use crate::inbound::vestibule::Vestibule;
 use crate::runtime::clock::Clock;
 
 /// After so long of one client's packets others have their turn.
@@ -48,6 +50,8 @@ pub(super) struct Ends {
     pub(super) ahead: Taker,
     /// Our own session has none.
     pub(super) seat: Option<Seat>,
+    /// Where those are who leave, and from where this one came.
+    pub(super) leaving: (Vestibule, IpAddr),
 }
 
 /// A way to the engine.
@@ -95,7 +99,7 @@ struct Waiting {
 /// client that is gone is not kept for it while it only `waits`.
 pub(super) async fn run(
     turnstile: Turnstile,
-    Ends { client, ahead, seat }: Ends,
+    Ends { client, ahead, seat, leaving }: Ends,
     (joining, waits): (impl Future<Output = Result<Upstream, Ended>>, &AtomicBool),
     whose: Whose<'_>,
 ) -> Ended {
@@ -127,7 +131,7 @@ pub(super) async fn run(
     pump.ahead.leave(left(ended));
     pump.turnstile.handle_end(ended);
     let late = async { if is_joining { joining.await.ok() } else { None } };
-    if let Some(late) = pump.take_leave(ended, late).await {
+    if let Some(late) = pump.take_leave(ended, late, leaving).await {
         slot = Some(late);
     }
     if let Some(slot) = slot {
@@ -171,16 +175,27 @@ impl<'a> Pump<'a> {
 
     /// Says the last words to both sides. The engine is left only after it has let us in: one that was left before that may let nobody
     /// in again. So a way to it that comes late is taken, and with it the slot that it was for.
-    async fn take_leave(&mut self, ended: Ended, late: impl Future<Output = Option<Upstream>>) -> Option<Slot> {
+    async fn take_leave(
+        &mut self,
+        ended: Ended,
+        late: impl Future<Output = Option<Upstream>>,
+        (leaving, from): (Vestibule, IpAddr),
+    ) -> Option<Slot> {
         let (to_engine, to_client) = self.turnstile.outgoing();
-        let to_client = async {
+        let (client, ahead) = (&mut self.client, &self.ahead);
+        let told = async {
             // Whoever is gone already hears nothing.
-            let _ = self.client.write_all(to_client).await;
-            let _ = self.client.shutdown().await;
+            let _ = client.write_all(to_client).await;
+            let _ = client.shutdown().await;
+        };
+        let to_client = async {
             if ended == Ended::Closing {
+                told.await;
                 // The program goes on ending when this connection is closed; what is on its way is there only when the other side has
                 // closed it, too.
-                self.ahead.ended().await;
+                ahead.ended().await;
+            } else {
+                leaving.linger(from, told).await;
             }
         };
         let engine = self.engine.take();
@@ -386,14 +401,8 @@ async fn shut_out((identity, access, clock): Whose<'_>, seat: Option<&Seat>) -> 
             tokio::time::sleep(GLANCE).await;
         }
     };
-    let given_up = async {
-        match seat {
-            Some(seat) => seat.given_up().await,
-            None => std::future::pending().await,
-        }
-    };
     tokio::select! {
         () = unknown => Ended::NotKnown,
-        () = given_up => Ended::GaveWay,
+        () = given_up(seat) => Ended::GaveWay,
     }
 }
