@@ -111,7 +111,7 @@ pub(super) async fn run(
         ended = &mut shut_out => Err(ended),
     };
     let is_joining = joined.is_err() && !waits.load(Ordering::Relaxed);
-    let (ended, mut slot, way) = match joined.and_then(|joined| joined) {
+    let (ended, slot, way) = match joined.and_then(|joined| joined) {
         Err(ended) => (ended, None, None),
         Ok(Upstream { stream, mut slot, mut engine, way }) => {
             pump.engine = Some(stream.into_split());
@@ -131,10 +131,7 @@ pub(super) async fn run(
     pump.ahead.leave(left(ended));
     pump.turnstile.handle_end(ended);
     let late = async { if is_joining { joining.await.ok() } else { None } };
-    if let Some(late) = pump.take_leave(ended, late, leaving).await {
-        slot = Some(late);
-    }
-    if let Some(slot) = slot {
+    if let Some(slot) = pump.take_leave(ended, late, leaving).await.or(slot) {
         slot.remember(pump.turnstile.into_session());
     }
     drop(way);
@@ -182,25 +179,22 @@ impl<'a> Pump<'a> {
         (leaving, from): (Vestibule, IpAddr),
     ) -> Option<Slot> {
         let (to_engine, to_client) = self.turnstile.outgoing();
-        let (client, ahead) = (&mut self.client, &self.ahead);
         let told = async {
             // Whoever is gone already hears nothing.
-            let _ = client.write_all(to_client).await;
-            let _ = client.shutdown().await;
+            let _ = self.client.write_all(to_client).await;
+            let _ = self.client.shutdown().await;
         };
         let to_client = async {
-            if ended == Ended::Closing {
-                told.await;
-                // The program goes on ending when this connection is closed; what is on its way is there only when the other side has
-                // closed it, too.
-                ahead.ended().await;
-            } else {
-                leaving.linger(from, told).await;
+            if ended != Ended::Closing {
+                return leaving.linger(from, told).await;
             }
+            told.await;
+            // The program goes on ending when this connection is closed; what is on its way is there only when the other side has
+            // closed it, too.
+            self.ahead.ended().await;
         };
-        let engine = self.engine.take();
         let to_engine = async {
-            match engine {
+            match self.engine.take() {
                 Some(mut engine) => {
                     leave(&mut engine, to_engine).await;
                     None
@@ -338,10 +332,8 @@ fn make_room(buffer: &mut BytesMut, read: usize) {
 }
 
 async fn write_some(to: Option<&mut OwnedWriteHalf>, bytes: &mut BytesMut) -> io::Result<usize> {
-    match to {
-        Some(to) => to.write_buf(bytes).await,
-        None => std::future::pending().await,
-    }
+    let Some(to) = to else { return std::future::pending().await };
+    to.write_buf(bytes).await
 }
 
 async fn read_some(from: Option<&mut OwnedReadHalf>, into: &mut BytesMut) -> io::Result<usize> {
