@@ -1,6 +1,7 @@
 //! What a datagram asks for, as far as it can be read: for requests that a strict reader refuses, because they may name a STOP, which
 //! halts whatever is wrong with it (safety S8). Which request is a STOP is the application's business; how it is refused, `inward`'s.
 
+use std::iter;
 use std::net::SocketAddr;
 
 use super::code::{Code, Method};
@@ -17,38 +18,46 @@ const MARKER: u8 = 0xFF;
 /// The longest token there is (RFC 7252, section 3).
 const TOKEN: usize = 8;
 
+/// So many options are read at most: what comes in one datagram must not take long.
+const OPTIONS: usize = 128;
+
+/// Whether what has this code may ask for something to be done. A code that stands for no method does.
+pub(super) fn acts(code: Code) -> bool {
+    code.class() == 0 && !Method::of(code).is_some_and(Method::only_looks)
+}
+
 /// What a datagram of this version may ask for, read once for every length that its token may have: the one that it says, in the
 /// sense of RFC 7252 or of RFC 8974, and any other. Nothing that only looks, and nothing that is no request, is read.
 pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = Request> {
     let (code, said) = (bytes.get(1).copied().map_or(Code::CONTENT, Code), bytes.first().map_or(0, |first| first & 0x0F));
-    let acts = code.class() == 0 && !Method::of(code).is_some_and(Method::only_looks);
-    // A code that stands for no method is one that asks for something to be done.
     let method = Method::of(code).unwrap_or(Method::Post);
-    let tokens = acts.then(|| said_lengths(said, bytes)).into_iter().flatten().chain((0..=TOKEN).filter(move |_| acts));
+    let tokens = acts(code).then(|| token_lengths(said, bytes)).into_iter().flatten();
     tokens.filter_map(move |token| bytes.get(HEADER + token..)).map(move |rest| request(peer, method, rest))
 }
 
-/// The lengths of the token, with what may stand before it, that these four bits may mean.
-fn said_lengths(bits: u8, bytes: &[u8]) -> [usize; 2] {
+/// The lengths that the token may have, with what may stand before it: what these four bits may mean, then any other.
+fn token_lengths(bits: u8, bytes: &[u8]) -> impl Iterator<Item = usize> + use<> {
+    let said = usize::from(bits);
     let extended = match (bits, bytes.get(HEADER..)) {
         (13, Some([more, ..])) => Some(1 + 13 + usize::from(*more)),
         (14, Some([high, low, ..])) => Some(2 + 269 + usize::from(u16::from_be_bytes([*high, *low]))),
         _ => None,
     };
-    [usize::from(bits), extended.unwrap_or(usize::from(bits))]
+    iter::once(said).chain(extended).chain((0..=TOKEN).filter(move |length| *length != said))
 }
 
-/// What stands behind the token, up to where it makes no sense any more. What follows from there on is taken for a payload, from
+/// What stands behind the token, up to where it makes no sense or no end any more. What follows from there on is taken for a payload, from
 /// the last marker on if there is one: an old word may stand there.
 fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Request {
-    let (mut path, mut number) = (Vec::new(), 0_usize);
+    let (mut path, mut number, mut read) = (Vec::new(), 0_usize, 0);
     let payload = loop {
         match rest {
             [] => break rest,
             [MARKER, payload @ ..] => break payload,
             _ => {}
         }
-        let Some((delta, value, after)) = option(rest) else {
+        read += 1;
+        let Some((delta, value, after)) = option(rest).filter(|_| read <= OPTIONS) else {
             break rest.iter().rposition(|byte| *byte == MARKER).map_or(rest, |marker| &rest[marker + 1..]);
         };
         number = number.saturating_add(delta);
