@@ -22,6 +22,7 @@ pub mod session;
 mod slots;
 mod suspicion;
 pub mod topics;
+mod upstream;
 mod visitor;
 
 pub use embedded::{Embedded, Ways};

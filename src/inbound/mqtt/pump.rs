@@ -9,12 +9,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use bytes::BytesMut;
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
-use tokio::net::TcpStream;
-use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::io::AsyncWriteExt;
+use tokio::sync::Semaphore;
 
-use super::embedded::Running;
 use super::gate::ledger::Ledger;
 use super::gate::limits::ANSWER_ROOM;
 use super::gate::turnstile::{Ended, Turnstile};
@@ -22,6 +19,7 @@ use super::identity::Identity;
 use super::read_ahead::{Left, READ, Taker};
 use super::seats::Seat;
 use super::slots::Slot;
+use super::upstream::{ToEngine, Upstream, leave, read_some, write_some};
 use super::visitor::Writer;
 use crate::access::Access;
 use crate::runtime::clock::Clock;
@@ -55,21 +53,8 @@ pub(super) struct Ends {
     pub(super) late: Arc<Semaphore>,
 }
 
-/// A way to the engine.
-pub(super) struct Upstream {
-    pub(super) stream: TcpStream,
-    /// By what it knows the client.
-    pub(super) slot: Slot,
-    /// Which it is.
-    pub(super) engine: Running,
-    pub(super) way: OwnedSemaphorePermit,
-}
-
 /// Whose connection it is.
 pub(super) type Whose<'a> = (&'a Identity, &'a Access, Clock);
-
-/// The way to the engine, and back.
-type ToEngine = (OwnedReadHalf, OwnedWriteHalf);
 
 /// The gate in the middle, and what has come from both sides.
 struct Pump<'a> {
@@ -335,20 +320,6 @@ fn make_room(buffer: &mut BytesMut, read: usize) {
     buffer.reserve(room);
 }
 
-async fn write_some(to: Option<&mut OwnedWriteHalf>, bytes: &mut BytesMut) -> io::Result<usize> {
-    match to {
-        Some(to) => to.write_buf(bytes).await,
-        None => std::future::pending().await,
-    }
-}
-
-async fn read_some(from: Option<&mut OwnedReadHalf>, into: &mut BytesMut) -> io::Result<usize> {
-    let Some(from) = from else { return std::future::pending().await };
-    let read = from.read_buf(into).await;
-    acknowledge_at_once(from);
-    read
-}
-
 /// Waits until all subscribers have caught up, or it is time to look who does not read: whether the latter. For ever, when there is none
 /// to wait for.
 async fn caught_up(waiting: Option<&Waiting>, clock: Clock) -> bool {
@@ -362,26 +333,6 @@ async fn caught_up(waiting: Option<&Waiting>, clock: Clock) -> bool {
         () = all_relieved => false,
         () = clock.reach(Some(*until)) => true,
     }
-}
-
-/// The engine holds its next small packet back until the system has acknowledged the last one, which may be 40 ms later unless it is
-/// told each time not to wait.
-fn acknowledge_at_once(engine: &OwnedReadHalf) {
-    #[cfg(target_os = "linux")]
-    if let Err(error) = engine.as_ref().set_quickack(true) {
-        tracing::debug!(%error, "small packets of the engine will be held back");
-    }
-    #[cfg(not(target_os = "linux"))]
-    let _ = engine;
-}
-
-/// Sends the last words to the engine, and waits until it has closed the connection as well: one that hears of an end later than of the
-/// next client with the same number ends that one.
-async fn leave((engine, to_engine): &mut ToEngine, last_words: &[u8]) {
-    let _ = to_engine.write_all(last_words).await;
-    let _ = to_engine.shutdown().await;
-    let mut unheard = [0; 4096];
-    while let Ok(1..) = engine.read(&mut unheard).await {}
 }
 
 /// Whether anything went through.

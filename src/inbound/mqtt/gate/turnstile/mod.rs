@@ -285,19 +285,6 @@ impl Turnstile {
         (&mut self.to_engine, &mut self.to_client)
     }
 
-    /// Whether messages wait for the engine.
-    #[must_use]
-    pub fn has_messages(&self) -> bool {
-        let mut rest = &self.to_engine[..];
-        while let Ok(Some(packet)) = frame(rest, HOUSE_PACKET) {
-            if packet.kind == Kind::Publish {
-                return true;
-            }
-            rest = &rest[packet.length..];
-        }
-        false
-    }
-
     /// Whether there is room for more from the client.
     #[must_use]
     pub fn wants_client(&self) -> bool {
