@@ -167,6 +167,16 @@ mod tests {
             assert!(reads(&[&sound[..], tail].concat(), &["resourcemodel"], b"h"), "{tail:?}");
         }
         assert!(reads(&[&sound[..], b"\xF0h"].concat(), &["resourcemodel"], b"\xF0h"));
+        assert!(reads(&[&sound[..], b"\xFFh\xFFx"].concat(), &["resourcemodel"], b"h\xFFx"), "the first marker is one");
+    }
+
+    /// Safety S7.
+    #[test]
+    fn no_more_than_so_many_options_are_read() {
+        let many = message(2, b"", &[(URI_PATH, &b""[..]); 60_000], b"");
+        assert!(requests(peer(), &many).all(|request| request.path.len() <= OPTIONS));
+        let behind = [[(1, &b"x"[..]); 100].as_slice(), &STOP].concat();
+        assert!(reads(&message(2, b"", &behind, b""), &PATH, b""));
     }
 
     #[test]
