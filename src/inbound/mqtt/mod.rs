@@ -20,6 +20,7 @@ mod read_ahead;
 mod seats;
 pub mod session;
 mod slots;
+mod suspicion;
 pub mod topics;
 mod visitor;
 

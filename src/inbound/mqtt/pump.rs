@@ -12,7 +12,7 @@ use bytes::BytesMut;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
-use tokio::sync::OwnedSemaphorePermit;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::embedded::Running;
 use super::gate::ledger::Ledger;
@@ -35,8 +35,11 @@ const FEW: usize = 4 * 1024;
 /// How often it is looked whether a client would be let in still: a key that was taken away is good for no longer than this.
 const GLANCE: Duration = Duration::from_millis(500);
 
-/// So long the last words of a connection may take to get to the other side.
+/// So long the last words of a connection may take to get to the other side,
 const FAREWELL: Duration = Duration::from_secs(1);
+
+/// and so long the messages of a client that left before it had a way to the engine.
+const LATE: Duration = Duration::from_secs(5);
 
 /// How often it is looked, when the program ends, whether a client was told everything.
 const BREATH: Duration = Duration::from_millis(2);
@@ -48,6 +51,8 @@ pub(super) struct Ends {
     pub(super) ahead: Taker,
     /// Our own session has none.
     pub(super) seat: Option<Seat>,
+    /// Room for those who have left and whose messages wait for a way to the engine.
+    pub(super) late: Arc<Semaphore>,
 }
 
 /// A way to the engine.
@@ -91,11 +96,11 @@ struct Waiting {
     until: Duration,
 }
 
-/// Runs until it has to end, and says why. The client is served although `joining`, which finds the way to the engine, takes long; a
-/// client that is gone is not kept for it while it only `waits`.
+/// Runs until it has to end, and says why. The client is served although `joining`, which finds the way to the engine, takes long; for
+/// a client that is gone and has published nothing it is not waited for while it only `waits`.
 pub(super) async fn run(
     turnstile: Turnstile,
-    Ends { client, ahead, seat }: Ends,
+    Ends { client, ahead, seat, late }: Ends,
     (joining, waits): (impl Future<Output = Result<Upstream, Ended>>, &AtomicBool),
     whose: Whose<'_>,
 ) -> Ended {
@@ -106,7 +111,8 @@ pub(super) async fn run(
         joined = &mut joining => Ok(joined),
         ended = &mut shut_out => Err(ended),
     };
-    let is_joining = joined.is_err() && !waits.load(Ordering::Relaxed);
+    let has_not_joined = joined.is_err();
+    let is_joining = has_not_joined && !waits.load(Ordering::Relaxed);
     let (ended, mut slot, way) = match joined.and_then(|joined| joined) {
         Err(ended) => (ended, None, None),
         Ok(Upstream { stream, mut slot, mut engine, way }) => {
@@ -126,8 +132,10 @@ pub(super) async fn run(
     }
     pump.ahead.leave(left(ended));
     pump.turnstile.handle_end(ended);
-    let late = async { if is_joining { joining.await.ok() } else { None } };
-    if let Some(late) = pump.take_leave(ended, late).await {
+    let room = (has_not_joined && pump.turnstile.has_messages()).then(|| late.try_acquire_owned().ok()).flatten();
+    let patience = if room.is_some() { LATE } else { FAREWELL };
+    let joined = async { if is_joining || room.is_some() { joining.await.ok() } else { None } };
+    if let Some(late) = pump.take_leave(ended, joined, patience).await {
         slot = Some(late);
     }
     if let Some(slot) = slot {
@@ -171,7 +179,12 @@ impl<'a> Pump<'a> {
 
     /// Says the last words to both sides. The engine is left only after it has let us in: one that was left before that may let nobody
     /// in again. So a way to it that comes late is taken, and with it the slot that it was for.
-    async fn take_leave(&mut self, ended: Ended, late: impl Future<Output = Option<Upstream>>) -> Option<Slot> {
+    async fn take_leave(
+        &mut self,
+        ended: Ended,
+        late: impl Future<Output = Option<Upstream>>,
+        patience: Duration,
+    ) -> Option<Slot> {
         let (to_engine, to_client) = self.turnstile.outgoing();
         let to_client = async {
             // Whoever is gone already hears nothing.
@@ -198,7 +211,7 @@ impl<'a> Pump<'a> {
             }
         };
         let farewell = async { tokio::join!(to_client, to_engine).1 };
-        tokio::time::timeout(FAREWELL, farewell).await.ok().flatten()
+        tokio::time::timeout(patience, farewell).await.ok().flatten()
     }
 
     /// Moves bytes until something ends it.

@@ -87,7 +87,7 @@ impl Turnstile {
             Way::Unread => {}
             Way::Shut => self.refusals.note(topic, Dropped::Budget),
             Way::Open => {
-                self.routes.passed(payload.len());
+                self.routes.passed(payload.len(), &self.gatehouse);
                 let length = PADDED.saturating_sub(COUNTED + topic.len());
                 write::publish_padded(&mut self.to_engine, topic, payload, length);
             }
