@@ -82,6 +82,12 @@ fn commands_that_came_before_a_stop_are_taken_before_it_and_those_that_came_afte
 #[test]
 fn what_is_no_stop_waits_for_its_turn() {
     let mut bench = bench();
+    let of_another_version = [b"\x80\x02".to_vec(), Message::con(Method::Post, 5).path("/stop").encoded()[2..].to_vec()].concat();
+    bench.hear(here(), &Message::con(Method::Put, 6).path("/create1").encoded());
+    bench.hear(here(), &of_another_version);
+    assert_eq!(bench.server.asked.len(), 0, "no command is overtaken either");
+    catch_up(&mut bench);
+    bench.server.asked.clear();
     for (id, method) in [(1, Method::Get), (2, Method::Fetch)] {
         bench.hear(here(), &Message::con(method, id).path("/stop").encoded());
     }

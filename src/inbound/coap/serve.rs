@@ -21,15 +21,20 @@ const GRACE: Duration = Duration::from_millis(1500);
 /// So long datagrams are answered before more are heard, and before the other sockets of this thread have their turns (safety S7).
 const TURN: Duration = Duration::from_millis(1);
 
-/// So many datagrams, and so many bytes, are heard in one turn: more than any flood sends while a turn is answered.
+/// So many datagrams, and so many bytes, are heard before the other sockets of this thread have their turns.
 const HEARD: usize = 2048;
 const HEARD_BYTES: usize = 1024 * 1024;
+
+/// So often in a row it is heard and not answered, until all that has come is heard: more than the system keeps for a socket.
+const HEARINGS: u32 = 8;
 
 struct Driver<A> {
     socket: Socket,
     endpoint: Endpoint,
     application: A,
     under_way: UnderWay,
+    /// How often in a row it was heard and not answered.
+    hearings: u32,
     clock: Clock,
 }
 
@@ -43,7 +48,7 @@ pub async fn serve<A: Application>(
 ) {
     let clock = Clock::default();
     let endpoint = endpoint.with_stop(A::IS_STOP);
-    let mut driver = Driver { socket, endpoint, application, under_way: UnderWay::default(), clock };
+    let mut driver = Driver { socket, endpoint, application, under_way: UnderWay::default(), hearings: 0, clock };
     let mut news = News::of(states, clock);
     tokio::pin!(shutdown);
     loop {
@@ -69,8 +74,11 @@ impl<A: Application> Driver<A> {
     /// whatever others send (safety S1, S7).
     async fn turn(&mut self) {
         if self.endpoint.is_behind() || !self.answer_as_they_come().await {
-            self.hear().await;
-            self.catch_up();
+            self.hearings += 1;
+            if self.hear().await || self.hearings >= HEARINGS {
+                self.hearings = 0;
+                self.catch_up();
+            }
         }
         tokio::task::yield_now().await;
     }
@@ -91,17 +99,19 @@ impl<A: Application> Driver<A> {
         false
     }
 
-    async fn hear(&mut self) {
+    /// Whether that was all that has come.
+    async fn hear(&mut self) -> bool {
         let (now, mut bytes_heard) = (self.clock.now(), 0);
         for _ in 0..HEARD {
-            let Some((peer, bytes)) = self.socket.read().await else { return };
+            let Some((peer, bytes)) = self.socket.read().await else { return true };
             bytes_heard += bytes.len();
             self.endpoint.hear(peer, bytes, now);
             self.settle(now);
             if bytes_heard > HEARD_BYTES {
-                return;
+                break;
             }
         }
+        false
     }
 
     fn catch_up(&mut self) {

@@ -32,7 +32,7 @@ pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = R
     let (code, said) = (bytes.get(1).copied().map_or(Code::CONTENT, Code), bytes.first().map_or(0, |first| first & 0x0F));
     let method = Method::of(code).unwrap_or(Method::Post);
     let tokens = acts(code).then(|| token_lengths(said, bytes)).into_iter().flatten();
-    tokens.filter_map(move |token| bytes.get(HEADER + token..)).map(move |rest| request(peer, method, rest))
+    tokens.filter_map(move |token| request(peer, method, bytes.get(HEADER + token..)?))
 }
 
 /// The lengths that the token may have, with what may stand before it: what these four bits may mean, then any other.
@@ -46,29 +46,37 @@ fn token_lengths(bits: u8, bytes: &[u8]) -> impl Iterator<Item = usize> + use<> 
     iter::once(said).chain(extended).chain((0..=TOKEN).filter(move |length| *length != said))
 }
 
-/// What stands behind the token, up to where it makes no sense or no end any more. What follows from there on is taken for a payload, from
-/// the last marker on if there is one: an old word may stand there.
-fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Request {
-    let (mut path, mut number, mut read) = (Vec::new(), 0_usize, 0);
-    let payload = loop {
-        match rest {
-            [] => break rest,
-            [MARKER, payload @ ..] => break payload,
-            _ => {}
-        }
-        read += 1;
-        let Some((delta, value, after)) = option(rest).filter(|_| read <= OPTIONS) else {
-            break rest.iter().rposition(|byte| *byte == MARKER).map_or(rest, |marker| &rest[marker + 1..]);
-        };
+/// What stands behind the token, up to where it makes no sense or no end any more; nothing when it names no path. What follows from
+/// there on is taken for a payload, from the last marker on if there is one: an old word may stand there.
+fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Option<Request> {
+    let (mut path, mut number) = (Vec::new(), 0_usize);
+    for _ in 0..OPTIONS {
+        let Some((delta, value, after)) = option(rest) else { break };
         number = number.saturating_add(delta);
         if number == usize::from(URI_PATH) {
             path.push(String::from_utf8_lossy(value).into_owned());
         }
         rest = after;
+    }
+    if path.is_empty() {
+        return None;
+    }
+    let payload = match rest {
+        [MARKER, payload @ ..] => payload,
+        _ => rest.iter().rposition(|byte| *byte == MARKER).map_or(rest, |marker| &rest[marker + 1..]),
     };
     // What is longer than any body can be is not looked at: its word stands at the beginning.
     let payload = payload[..payload.len().min(BODY)].to_vec();
-    Request { peer, method, path, queries: Vec::new(), format: None, accept: None, conditions: Conditions::default(), payload }
+    Some(Request {
+        peer,
+        method,
+        path,
+        queries: Vec::new(),
+        format: None,
+        accept: None,
+        conditions: Conditions::default(),
+        payload,
+    })
 }
 
 /// The first of some options: by how much its number is higher, its value as far as it came, and what follows. `None` for one
@@ -159,6 +167,16 @@ mod tests {
             assert!(reads(&[&sound[..], tail].concat(), &["resourcemodel"], b"h"), "{tail:?}");
         }
         assert!(reads(&[&sound[..], b"\xF0h"].concat(), &["resourcemodel"], b"\xF0h"));
+        assert!(reads(&[&sound[..], b"\xFFh\xFFx"].concat(), &["resourcemodel"], b"h\xFFx"), "the first marker is one");
+    }
+
+    /// Safety S7.
+    #[test]
+    fn no_more_than_so_many_options_are_read() {
+        let many = message(2, b"", &[(URI_PATH, &b""[..]); 60_000], b"");
+        assert!(requests(peer(), &many).all(|request| request.path.len() <= OPTIONS));
+        let behind = [[(1, &b"x"[..]); 100].as_slice(), &STOP].concat();
+        assert!(reads(&message(2, b"", &behind, b""), &PATH, b""));
     }
 
     #[test]

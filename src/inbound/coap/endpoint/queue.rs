@@ -87,6 +87,16 @@ mod tests {
         assert_eq!(queue.left, 10_000);
     }
 
+    #[test]
+    fn whoever_was_answered_has_room_again() {
+        let mut queue = Queue::of(100 * (WAITING_HEAD + 1));
+        let fill = |queue: &mut Queue| (0..100).for_each(|n| queue.push(peer(1), &[n]));
+        fill(&mut queue);
+        (0..49).for_each(|_| assert!(queue.next().is_some()));
+        fill(&mut queue);
+        assert_eq!(taken(&mut queue).len(), 50);
+    }
+
     /// Safety S9, A5.
     #[test]
     fn a_flood_loses_its_own_and_takes_neither_the_room_nor_the_turn_of_others() {
