@@ -19,6 +19,8 @@ mod core_methods;
 mod core_options;
 #[path = "coap/core_separate.rs"]
 mod core_separate;
+#[path = "coap/flood.rs"]
+mod flood;
 #[path = "coap/limits.rs"]
 mod limits;
 #[path = "coap/links.rs"]

@@ -39,7 +39,7 @@ fn a_refused_change_says_so_and_is_for_the_record() {
 #[test]
 fn no_more_refusals_wait_than_there_is_room_for() {
     let mut bench = Bench::new();
-    for id in 0..500 {
+    for id in 0..2000 {
         bench.send(&Message::non(Method::Put, id).path("/test").with(65_001, b""));
     }
     let noted = std::iter::from_fn(|| bench.endpoint.poll_refused()).count();

@@ -104,7 +104,12 @@ fn cook(seed: u64) {
         account.may_be_proved |= message.values(option::ECHO).iter().any(|echo| echo.len() > 4);
         let bytes = if chance.happens(0.5) { spoilt(message.encoded(), &mut chance) } else { message.encoded() };
         account.received += bytes.len();
-        bench.deliver(peer, &bytes);
+        if chance.happens(0.5) {
+            bench.hear(peer, &bytes);
+        } else {
+            bench.take_turn();
+            bench.deliver(peer, &bytes);
+        }
         if chance.happens(0.1) {
             let wait_ms = [1, 30, 600, 4_000, 300_000][usize::try_from(chance.below(5)).unwrap()];
             bench.wait(Duration::from_millis(wait_ms));

@@ -201,3 +201,24 @@ fn a_stranger_that_observes_is_told_at_the_pace_of_its_distance() {
     let con = said.iter().find(|message| message.kind == Kind::Con).expect("the first asks how far away it is");
     assert_eq!(con.text(), "seen 1");
 }
+
+/// Safety S9, A5.
+#[test]
+fn strangers_drive_out_no_body_of_this_machine_and_no_memory_of_what_it_did() {
+    let mut bench = Bench::new();
+    let begun = Message::con(Method::Put, 1).path("/large-update").block1((0, true, 0)).payload([b'a'; 16]);
+    assert_eq!(bench.ask(&begun).code, Code::CONTINUE);
+    let done = Message::con(Method::Put, 2).path("/test").payload("once");
+    let answer = bench.ask(&done);
+    for n in 0..10_000_u16 {
+        let [network, host] = (n / 100).to_be_bytes();
+        let peer = SocketAddr::from(([198, 18 + network, host, 1], 40_000 + n % 100));
+        bench.deliver(peer, &Message { id: n, ..begun.clone() }.encoded());
+    }
+    bench.take();
+    bench.server.asked.clear();
+    assert_eq!(bench.ask(&done), answer);
+    assert_eq!(bench.server.asked.len(), 0, "it is not done twice");
+    let last = Message::con(Method::Put, 3).path("/large-update").block1((1, false, 0)).payload("b");
+    assert_eq!(bench.ask(&last).code, Code::CHANGED);
+}

@@ -9,7 +9,7 @@ use hallsweep::core::event::{Capabilities, Event, Obstacle, Photo, Piece, RobotE
 use hallsweep::core::mission::{Hold, PhaseName};
 use hallsweep::core::settings::Settings;
 use hallsweep::core::sweep::Sweep;
-use hallsweep::core::units::{Cell, LuggageId, Now, Seq, Ticket, Wall};
+use hallsweep::core::units::{Cell, Epoch, LuggageId, Now, Seq, Ticket, Wall};
 use hallsweep::core::world::snapshot::Snapshot;
 
 use crate::shown::Record;
@@ -105,6 +105,14 @@ impl Bare {
     pub(crate) fn watch_silent(&mut self, sensor: &str) {
         self.sweep.watch_sensor(sensor.into(), Duration::from_secs(3600), self.now());
         self.drain();
+    }
+
+    /// Somebody presses STOP: it halts ahead of the queue of commands, and who it was follows. Which stop that is.
+    pub(crate) fn raise(&mut self) -> Epoch {
+        let raised = self.state().mission.epoch.next();
+        self.sweep.handle_halt(raised, self.now());
+        self.drain();
+        raised
     }
 
     pub(crate) fn robot(&mut self, report: RobotEvent) {

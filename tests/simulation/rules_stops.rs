@@ -1,7 +1,7 @@
 //! Safety S8: after a halt `robot.halting` is true until the robot stands, nothing new begins until then, and a stop is answered
 //! with a revision of which one or the other is so.
 
-use hallsweep::core::command::Command;
+use hallsweep::core::command::{Command, Door, Issuer, Request};
 use hallsweep::core::effect::Effect;
 use hallsweep::core::event::{Event, RobotEvent};
 use hallsweep::core::mission::PhaseName;
@@ -62,6 +62,27 @@ fn a_stop_is_answered_when_the_robot_stands_or_after_a_tenth_of_a_second() {
     bare.wait_in_vain();
     let revision = bare.answer(ticket).expect("it has waited long enough").unwrap().revision;
     assert!(is_halting(&mut bare) && revision <= bare.state().revision);
+}
+
+/// Who pressed it may come late, behind a crowd of other commands.
+#[test]
+fn a_stop_that_has_halted_does_not_undo_the_start_that_was_given_after_it() {
+    let mut bare = driving();
+    let raised = bare.raise();
+    assert!(is_halting(&mut bare));
+    bare.halted();
+    bare.give(Command::Start).expect("it stands, and is held by nothing else");
+    assert!(bare.order().is_some());
+    let stop = Request { epoch: Some(raised), ..Request::new(Command::Stop, Issuer::operator(Door::Mqtt)) };
+    let ticket = bare.ask(stop.clone()).expect("it is on record");
+    let state = bare.state();
+    assert!(state.mission.holds.is_empty() && bare.order().is_some(), "the START stands");
+    assert!(state.log.iter().any(|entry| entry.text.contains("STOP, by")));
+    bare.done();
+    assert!(bare.answer(ticket).is_some_and(|answer| answer.is_ok()));
+    let again = Request { epoch: Some(raised.next()), ..stop };
+    bare.ask(again).expect("a stop is never refused");
+    assert!(!bare.state().mission.holds.is_empty(), "another one does");
 }
 
 #[test]

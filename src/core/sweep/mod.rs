@@ -269,7 +269,11 @@ impl Sweep {
     /// Carries out an accepted command; it is answered once it is kept with all that followed from it. A stop waits for no record; and
     /// what the table still accepts while the store cannot write is on record already, or need not be.
     fn carry_out(&mut self, request: &Request, input: Input, step: Step, matter: &Matter) -> Ticket {
-        self.apply(step, matter);
+        // What a stop does was done when it was raised, ahead of the queue; a START that was given since then stands.
+        let is_done = input == Input::Stop && matter.epoch.is_some_and(|raised| raised <= self.mission.epoch);
+        if !is_done {
+            self.apply(step, matter);
+        }
         let ticket = self.outbox.next_ticket();
         self.remember(request, Outcome::Open(ticket));
         let waits = !self.mission.holds.contains(Hold::Store) && !self.outbox.is_kept();

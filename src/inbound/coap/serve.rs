@@ -18,14 +18,23 @@ use crate::runtime::clock::Clock;
 /// So long requests under way are waited for at the end: within two seconds, with the HTTP door, which ends at the same time.
 const GRACE: Duration = Duration::from_millis(1500);
 
-/// So long one socket is read before another has its turn.
-const TURN: Duration = Duration::from_millis(2);
+/// So long datagrams are answered before more are heard, and before the other sockets of this thread have their turns (safety S7).
+const TURN: Duration = Duration::from_millis(1);
+
+/// So many datagrams, and so many bytes, are heard before the other sockets of this thread have their turns.
+const HEARD: usize = 2048;
+const HEARD_BYTES: usize = 1024 * 1024;
+
+/// So often in a row it is heard and not answered, until all that has come is heard: more than the system keeps for a socket.
+const HEARINGS: u32 = 8;
 
 struct Driver<A> {
     socket: Socket,
     endpoint: Endpoint,
     application: A,
     under_way: UnderWay,
+    /// How often in a row it was heard and not answered.
+    hearings: u32,
     clock: Clock,
 }
 
@@ -39,11 +48,11 @@ pub async fn serve<A: Application>(
 ) {
     let clock = Clock::default();
     let endpoint = endpoint.with_stop(A::IS_STOP);
-    let mut driver = Driver { socket, endpoint, application, under_way: UnderWay::default(), clock };
+    let mut driver = Driver { socket, endpoint, application, under_way: UnderWay::default(), hearings: 0, clock };
     let mut news = News::of(states, clock);
     tokio::pin!(shutdown);
     loop {
-        let due = driver.endpoint.poll_timeout();
+        let (due, is_behind) = (driver.endpoint.poll_timeout(), driver.endpoint.is_behind());
         tokio::select! {
             biased;
             () = &mut shutdown => break,
@@ -53,7 +62,7 @@ pub async fn serve<A: Application>(
             }
             () = clock.reach(due) => driver.endpoint.handle_timeout(clock.now()),
             () = news.come() => news::tell(&mut driver.endpoint, &driver.application, clock.now()),
-            () = driver.socket.readable() => driver.read().await,
+            () = async { if !is_behind { driver.socket.readable().await } } => driver.turn().await,
         }
         driver.settle(clock.now());
     }
@@ -61,21 +70,60 @@ pub async fn serve<A: Application>(
 }
 
 impl<A: Application> Driver<A> {
-    /// Takes what has come, each datagram with all that follows from it, but not for long: then the other sockets of this thread
-    /// have their turns (safety S7). To read several before any is answered would make a client send in bursts and everybody wait
-    /// between them.
-    async fn read(&mut self) {
-        let began = self.clock.now().since_start;
+    /// Takes what has come, but not for long. When more comes than is answered, it hears first, so that a STOP is found behind
+    /// whatever others send (safety S1, S7).
+    async fn turn(&mut self) {
+        if self.endpoint.is_behind() || !self.answer_as_they_come().await {
+            self.hearings += 1;
+            if self.hear().await || self.hearings >= HEARINGS {
+                self.hearings = 0;
+                self.catch_up();
+            }
+        }
+        tokio::task::yield_now().await;
+    }
+
+    /// Takes each datagram with all that follows from it; whether that was all that has come. To read several before any is
+    /// answered would make a client send in bursts and everybody wait between them.
+    async fn answer_as_they_come(&mut self) -> bool {
+        let until = self.clock.now().since_start + TURN;
         for _ in 0..BATCH {
             let now = self.clock.now();
-            if now.since_start > began + TURN {
-                break;
+            if now.since_start > until {
+                return false;
             }
-            let Some((peer, bytes)) = self.socket.read().await else { return };
+            let Some((peer, bytes)) = self.socket.read().await else { return true };
             self.endpoint.handle_datagram(peer, bytes, now);
             self.settle(now);
         }
-        tokio::task::yield_now().await;
+        false
+    }
+
+    /// Whether that was all that has come.
+    async fn hear(&mut self) -> bool {
+        let (now, mut bytes_heard) = (self.clock.now(), 0);
+        for _ in 0..HEARD {
+            let Some((peer, bytes)) = self.socket.read().await else { return true };
+            bytes_heard += bytes.len();
+            self.endpoint.hear(peer, bytes, now);
+            self.settle(now);
+            if bytes_heard > HEARD_BYTES {
+                break;
+            }
+        }
+        false
+    }
+
+    fn catch_up(&mut self) {
+        let until = self.clock.now().since_start + TURN;
+        while self.endpoint.is_behind() {
+            let now = self.clock.now();
+            self.endpoint.take_waiting(now);
+            self.settle(now);
+            if now.since_start > until {
+                return;
+            }
+        }
     }
 
     /// Takes requests to the application and datagrams to the network, until there are none. A command too many is not begun.

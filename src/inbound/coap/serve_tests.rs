@@ -2,6 +2,7 @@
 //! because it shall be seen how short that is.
 
 use std::net::SocketAddr;
+use std::sync::Mutex;
 
 use coap_lite::{CoapOption, MessageClass, MessageType, Packet};
 use tokio::net::UdpSocket;
@@ -26,6 +27,8 @@ struct Obedient {
     go: Arc<Semaphore>,
     /// Rings before it breaks over the thirteenth state.
     unlucky: Arc<Notify>,
+    /// The paths that were asked for, in their order.
+    asked: Arc<Mutex<Vec<String>>>,
 }
 
 impl Obedient {
@@ -41,6 +44,7 @@ impl Application for Obedient {
 
     fn answer(&self, request: &Request) -> Said {
         let go = Arc::clone(&self.go);
+        self.asked.lock().unwrap().push(request.path_text());
         match request.segments()[..] {
             ["panic"] => panic!("it was told to"),
             ["panic", "later"] => Said::Later(Box::pin(async { panic!("it was told to") })),
@@ -70,6 +74,7 @@ struct House {
     states: watch::Sender<Arc<Snapshot>>,
     go: Arc<Semaphore>,
     unlucky: Arc<Notify>,
+    asked: Arc<Mutex<Vec<String>>>,
     closing: oneshot::Sender<()>,
     door: JoinHandle<()>,
 }
@@ -88,9 +93,11 @@ fn house() -> House {
     let (closing, closed) = oneshot::channel();
     let go = Arc::new(Semaphore::new(0));
     let unlucky = Arc::new(Notify::new());
-    let application = Obedient { states: states.subscribe(), go: Arc::clone(&go), unlucky: Arc::clone(&unlucky) };
+    let asked = Arc::default();
+    let application =
+        Obedient { states: states.subscribe(), go: Arc::clone(&go), unlucky: Arc::clone(&unlucky), asked: Arc::clone(&asked) };
     let door = tokio::spawn(serve(socket, Endpoint::new([7; 32]), application, states.subscribe(), async { drop(closed.await) }));
-    House { address, states, go, unlucky, closing, door }
+    House { address, states, go, unlucky, asked, closing, door }
 }
 
 impl House {
@@ -248,6 +255,44 @@ async fn no_datagram_ends_the_loop_and_none_is_taken_for_a_shorter_one() {
     drop(gone);
     house.go.close();
     assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT);
+}
+
+/// A datagram that asks for this.
+fn datagram(method: Method, path: &str, id: u16) -> Vec<u8> {
+    let mut packet = Packet::new();
+    packet.header.set_type(MessageType::Confirmable);
+    packet.header.code = MessageClass::from(method.code().0);
+    packet.header.message_id = id;
+    packet.add_option(CoapOption::UriPath, path.as_bytes().to_vec());
+    packet.to_bytes().unwrap()
+}
+
+/// Safety S1, S7. All of it is there before the door looks: nothing here waits for anything, so that the door has no turn.
+#[tokio::test]
+async fn a_stop_overtakes_looks_that_wait_and_no_command_that_came_before_it() {
+    const LOOKS: u16 = 300;
+    let house = house();
+    let sender = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    for id in 0..LOOKS {
+        sender.send_to(&datagram(Method::Get, "revision", id), house.address).unwrap();
+    }
+    for (id, (method, path)) in
+        (LOOKS..).zip([(Method::Put, "take"), (Method::Put, "take"), (Method::Post, "stop"), (Method::Put, "last")])
+    {
+        sender.send_to(&datagram(method, path, id), house.address).unwrap();
+    }
+    let everything = usize::from(LOOKS) + 4;
+    tokio::time::timeout(PATIENCE, async {
+        while house.asked.lock().unwrap().len() < everything {
+            tokio::task::yield_now().await;
+        }
+    })
+    .await
+    .expect("everything is answered");
+    let asked = house.asked.lock().unwrap();
+    let place = |path: &str| asked.iter().rposition(|asked| asked.trim_start_matches('/') == path).unwrap();
+    assert!(place("stop") <= BATCH + 2, "{} of {everything}", place("stop"));
+    assert!(place("take") < place("stop") && place("stop") < place("last"));
 }
 
 #[tokio::test]

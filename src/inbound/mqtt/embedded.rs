@@ -13,17 +13,17 @@ use tokio::time::MissedTickBehavior;
 
 use super::engine::{Engine, EngineError};
 use super::guests::House;
-use super::limits::APPETITE;
 use super::memory;
 use super::session::Health;
+use super::suspicion::{Suspicion, is_greedy};
 use super::visitor::{Origin, Visitor};
 use crate::access::Access;
 use crate::inbound::listeners::Listeners;
 use crate::inbound::patience::Patient;
 use crate::runtime::clock::Clock;
 
-/// How often it is looked whether the engine was shown too much, or has taken too much memory: in this time it takes some ten mebibytes
-/// at the worst.
+/// How often it is looked whether messages come out of the engine, and whether it was shown too much or has taken too much memory: in
+/// this time it takes some ten mebibytes at the worst.
 const GLANCE: Duration = Duration::from_millis(50);
 
 /// After an accept has failed (as with too many open files) the next is tried this much later.
@@ -66,6 +66,15 @@ pub struct Embedded {
     worn_at: Option<Duration>,
     /// The fewest bytes that the program was seen to have in use since this engine began.
     usual: usize,
+    suspicion: Suspicion,
+}
+
+/// What is found of the engine.
+enum Finding {
+    /// It cannot go on; why.
+    Broken(&'static str),
+    /// Our own session says how it is.
+    Told(Health),
 }
 
 impl Embedded {
@@ -75,7 +84,15 @@ impl Embedded {
     /// When there is no engine to be had.
     pub async fn start(house: House) -> Result<Embedded, EngineError> {
         let engine = watch::Sender::new(Arc::new(Engine::start().await?));
-        Ok(Embedded { house, engine, clock: Clock::default(), rests_until: Duration::ZERO, worn_at: None, usual: usize::MAX })
+        Ok(Embedded {
+            house,
+            engine,
+            clock: Clock::default(),
+            rests_until: Duration::ZERO,
+            worn_at: None,
+            usual: usize::MAX,
+            suspicion: Suspicion::default(),
+        })
     }
 
     /// Serves until `shutdown`; then every connection ends, when what was said before that has reached its client. All but the hearing
@@ -91,8 +108,13 @@ impl Embedded {
             tokio::select! {
                 biased;
                 () = &mut shutdown => break,
-                why = self.ill(&mut health) => self.renew(why).await,
+                finding = self.look(&mut health) => {
+                    if let Some(why) = self.illness(&finding) {
+                        self.renew(why).await;
+                    }
+                }
                 _ = glances.tick() => {
+                    self.suspicion.handle_came(self.house.came(), self.clock.now().since_start);
                     if let Some(why) = self.worn_out() {
                         self.renew(why).await;
                     }
@@ -107,27 +129,43 @@ impl Embedded {
         }
     }
 
-    /// Waits until the engine has to be started anew; why.
-    async fn ill(&self, health: &mut watch::Receiver<Health>) -> &'static str {
+    /// Waits until there is something to be found of the engine.
+    async fn look(&self, health: &mut watch::Receiver<Health>) -> Finding {
         self.clock.reach(Some(self.rests_until)).await;
         let (ended, shut) = {
             let engine = self.engine.borrow();
             (engine.ended(), engine.shut())
         };
         tokio::select! {
-            () = ended => "it has ended",
-            () = shut => "it lets nobody in",
-            () = told_ill(health) => "it does not pass messages on",
+            () = ended => Finding::Broken("it has ended"),
+            () = shut => Finding::Broken("it lets nobody in"),
+            told = told(health) => Finding::Told(told),
+        }
+    }
+
+    /// Why the engine has to be started anew, if it has to.
+    fn illness(&mut self, finding: &Finding) -> Option<&'static str> {
+        let now = self.clock.now().since_start;
+        match *finding {
+            Finding::Broken(why) => Some(why),
+            Finding::Told(health) if self.suspicion.handle_told(health, now) => Some("it does not pass messages on"),
+            Finding::Told(Health::Ill) => {
+                tracing::warn!(
+                    "the MQTT broker keeps our own messages waiting, though it passes others on: it has too much to do"
+                );
+                None
+            }
+            Finding::Told(Health::Well | Health::Unproven) => None,
         }
     }
 
     /// Why another engine is needed, though this one is not ill.
     fn worn_out(&mut self) -> Option<&'static str> {
         if let Some(in_use) = memory::in_use() {
-            let in_use = in_use.saturating_sub(self.house.kept_bytes());
+            let in_use = in_use.saturating_sub(self.house.held_bytes());
             // What the engine before had is given back to the system a little later.
             self.usual = self.usual.min(in_use);
-            if in_use > self.usual + APPETITE {
+            if is_greedy(in_use - self.usual, self.house.fed_bytes()) {
                 return Some("it takes too much memory");
             }
         }
@@ -148,6 +186,7 @@ impl Embedded {
             Ok(engine) => {
                 tracing::warn!(why, "the MQTT broker was started anew: its clients have to connect again");
                 self.house.renew();
+                self.suspicion.renew();
                 self.engine.send_replace(Arc::new(engine));
             }
             Err(error) => tracing::error!(%error, why, "the MQTT broker is to be started anew, and cannot be"),
@@ -208,16 +247,12 @@ fn visitor(stream: TcpStream, address: SocketAddr, access: &Access) -> Visitor {
     Visitor { reader: Box::new(reader), writer: Box::new(Patient::new(writer)), origin }
 }
 
-/// Waits until our own session says that the broker is ill. It says so again while that lasts.
-async fn told_ill(health: &mut watch::Receiver<Health>) {
-    loop {
-        if health.changed().await.is_err() {
-            std::future::pending::<()>().await;
-        }
-        if *health.borrow_and_update() == Health::Ill {
-            return;
-        }
+/// Waits until our own session says how the broker is. It says so again while it is ill.
+async fn told(health: &mut watch::Receiver<Health>) -> Health {
+    if health.changed().await.is_err() {
+        return std::future::pending().await;
     }
+    *health.borrow_and_update()
 }
 
 #[cfg(test)]

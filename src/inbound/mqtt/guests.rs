@@ -22,12 +22,13 @@ use super::gate::packet::write::{self, Welcome};
 use super::gate::turnstile::{Ended, Gatehouse, Listener, Terms, Turnstile};
 use super::hearing::Hearing;
 use super::identity::{Identity, Unknown};
-use super::limits::{CONNECT_TIME, LEAVING, PLACES, WAITING};
+use super::limits::{CONNECT_TIME, LATE, LEAVING, PLACES, WAITING};
 use super::orders::Orders;
-use super::pump::{self, Ends, Upstream};
+use super::pump::{self, Ends};
 use super::read_ahead::{Left, Pool, Taker, read_ahead};
 use super::seats::{Seats, given_up};
 use super::slots::{Name, Slot, Slots};
+use super::upstream::Upstream;
 use super::visitor::{Origin, Reader, Visitor, Writer};
 use crate::access::{Attempts, Network, Token};
 use crate::inbound::vestibule::{Vestibule, Waiting};
@@ -86,8 +87,10 @@ struct Rooms {
     /// What is read ahead of all clients.
     pool: Pool,
     slots: Slots,
-    /// Ways to the engine.
+    /// Ways to the engine,
     ways: Arc<Semaphore>,
+    /// and room for those who have left, and whose messages wait for one.
+    late: Arc<Semaphore>,
     attempts: Attempts,
     clock: Clock,
 }
@@ -113,6 +116,7 @@ impl House {
             pool: Pool::default(),
             slots: Slots::default(),
             ways: Arc::new(Semaphore::new(PLACES)),
+            late: Arc::new(Semaphore::new(LATE)),
             attempts: Attempts::default(),
             clock: Clock::default(),
         }))
@@ -133,14 +137,25 @@ impl House {
         self.0.gatehouse.budget.is_exhausted()
     }
 
-    /// How many bytes are kept, which is no doing of the engine's.
-    pub(super) fn kept_bytes(&self) -> usize {
-        self.0.gatehouse.retained.bytes()
+    /// How many bytes are kept, or wait to be taken from clients, which is no doing of the engine's.
+    pub(super) fn held_bytes(&self) -> usize {
+        self.0.gatehouse.retained.bytes() + self.0.pool.bytes()
+    }
+
+    /// How many bytes of messages this engine was given, counted once for each filter that they match.
+    pub(super) fn fed_bytes(&self) -> u64 {
+        self.0.gatehouse.fed.load(Ordering::Relaxed)
+    }
+
+    /// How many pieces of messages have come out of engines.
+    pub(super) fn came(&self) -> u64 {
+        self.0.gatehouse.came.load(Ordering::Relaxed)
     }
 
     /// There is another engine, which knows nothing yet.
     pub(super) fn renew(&self) {
         self.0.gatehouse.budget.renew();
+        self.0.gatehouse.fed.store(0, Ordering::Relaxed);
     }
 
     /// Listens to a visitor to the end, on the thread that hears, while it is served on `work`.
@@ -237,7 +252,8 @@ impl House {
         };
         let mut turnstile = Turnstile::new(terms, Arc::clone(&self.0.gatehouse), now);
         turnstile.to_client().extend_from_slice(&greeting);
-        let ends = Ends { client: writer, ahead: taker, seat, leaving: (self.0.leaving.clone(), origin.from) };
+        let (leaving, late) = ((self.0.leaving.clone(), origin.from), Arc::clone(&self.0.late));
+        let ends = Ends { client: writer, ahead: taker, seat, leaving, late };
         let waits = AtomicBool::new(remembered.is_none());
         let joining = self.clone().join((name, remembered), engine, &waits);
         Sent::Ended(pump::run(turnstile, ends, (joining, &waits), (&identity, &origin.access, self.0.clock)).await)

@@ -16,6 +16,9 @@ pub(super) const LEAVING: usize = 64;
 /// All that may have a way to the engine at once, with those that are just leaving.
 pub(super) const PLACES: usize = CONNECTIONS + 64;
 
+/// Clients that have left before there was a way to the engine for what they published: it waits for one. Beyond these it is lost.
+pub(super) const LATE: usize = 64;
+
 /// How long a client may take to say who it is.
 pub(super) const CONNECT_TIME: Duration = Duration::from_secs(5);
 
@@ -29,7 +32,11 @@ pub(super) const PACKETS: usize = 1_000;
 /// So many bytes more than it had at first, beside what is kept, the program may have in use before the engine is taken for the cause
 /// and started anew. It forgets no message before enough newer ones have come to the same filter, and each holds on to all that was
 /// read with it.
-pub(super) const APPETITE: usize = 160 * 1024 * 1024;
+pub(super) const APPETITE: usize = 96 * 1024 * 1024;
+
+/// An engine that was given no more than this is not the cause: it holds at most four times as much, and what crowds of connections
+/// cost is no doing of its.
+pub(super) const MEAL: u64 = APPETITE as u64 / 4;
 
 /// Of all clients, those whom one key may bring: every screen of a large site.
 pub(super) const SHARE: usize = CONNECTIONS / 4;

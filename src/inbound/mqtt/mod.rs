@@ -19,7 +19,9 @@ mod read_ahead;
 mod seats;
 pub mod session;
 mod slots;
+mod suspicion;
 pub mod topics;
+mod upstream;
 mod visitor;
 
 pub use embedded::{Embedded, Ways};

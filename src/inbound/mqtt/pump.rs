@@ -10,12 +10,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use bytes::BytesMut;
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
-use tokio::net::TcpStream;
-use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
-use tokio::sync::OwnedSemaphorePermit;
+use tokio::io::AsyncWriteExt;
+use tokio::sync::Semaphore;
 
-use super::embedded::Running;
 use super::gate::ledger::Ledger;
 use super::gate::limits::ANSWER_ROOM;
 use super::gate::turnstile::{Ended, Turnstile};
@@ -23,6 +20,7 @@ use super::identity::Identity;
 use super::read_ahead::{Left, READ, Taker};
 use super::seats::{Seat, given_up};
 use super::slots::Slot;
+use super::upstream::{ToEngine, Upstream, leave, read_some, write_some};
 use super::visitor::Writer;
 use crate::access::Access;
 use crate::inbound::vestibule::Vestibule;
@@ -37,8 +35,11 @@ const FEW: usize = 4 * 1024;
 /// How often it is looked whether a client would be let in still: a key that was taken away is good for no longer than this.
 const GLANCE: Duration = Duration::from_millis(500);
 
-/// So long the last words of a connection may take to get to the other side.
+/// So long the last words of a connection may take to get to the other side,
 const FAREWELL: Duration = Duration::from_secs(1);
+
+/// and so long the messages of a client that left before it had a way to the engine.
+const LATE: Duration = Duration::from_secs(5);
 
 /// How often it is looked, when the program ends, whether a client was told everything.
 const BREATH: Duration = Duration::from_millis(2);
@@ -52,23 +53,12 @@ pub(super) struct Ends {
     pub(super) seat: Option<Seat>,
     /// Where those are who leave, and from where this one came.
     pub(super) leaving: (Vestibule, IpAddr),
-}
-
-/// A way to the engine.
-pub(super) struct Upstream {
-    pub(super) stream: TcpStream,
-    /// By what it knows the client.
-    pub(super) slot: Slot,
-    /// Which it is.
-    pub(super) engine: Running,
-    pub(super) way: OwnedSemaphorePermit,
+    /// Room for those who have left and whose messages wait for a way to the engine.
+    pub(super) late: Arc<Semaphore>,
 }
 
 /// Whose connection it is.
 pub(super) type Whose<'a> = (&'a Identity, &'a Access, Clock);
-
-/// The way to the engine, and back.
-type ToEngine = (OwnedReadHalf, OwnedWriteHalf);
 
 /// The gate in the middle, and what has come from both sides.
 struct Pump<'a> {
@@ -95,11 +85,11 @@ struct Waiting {
     until: Duration,
 }
 
-/// Runs until it has to end, and says why. The client is served although `joining`, which finds the way to the engine, takes long; a
-/// client that is gone is not kept for it while it only `waits`.
+/// Runs until it has to end, and says why. The client is served although `joining`, which finds the way to the engine, takes long; for
+/// a client that is gone and has published nothing it is not waited for while it only `waits`.
 pub(super) async fn run(
     turnstile: Turnstile,
-    Ends { client, ahead, seat, leaving }: Ends,
+    Ends { client, ahead, seat, leaving, late }: Ends,
     (joining, waits): (impl Future<Output = Result<Upstream, Ended>>, &AtomicBool),
     whose: Whose<'_>,
 ) -> Ended {
@@ -110,7 +100,8 @@ pub(super) async fn run(
         joined = &mut joining => Ok(joined),
         ended = &mut shut_out => Err(ended),
     };
-    let is_joining = joined.is_err() && !waits.load(Ordering::Relaxed);
+    let has_not_joined = joined.is_err();
+    let is_joining = has_not_joined && !waits.load(Ordering::Relaxed);
     let (ended, slot, way) = match joined.and_then(|joined| joined) {
         Err(ended) => (ended, None, None),
         Ok(Upstream { stream, mut slot, mut engine, way }) => {
@@ -130,8 +121,10 @@ pub(super) async fn run(
     }
     pump.ahead.leave(left(ended));
     pump.turnstile.handle_end(ended);
-    let late = async { if is_joining { joining.await.ok() } else { None } };
-    if let Some(slot) = pump.take_leave(ended, late, leaving).await.or(slot) {
+    let room = (has_not_joined && pump.turnstile.has_messages()).then(|| late.try_acquire_owned().ok()).flatten();
+    let patience = if room.is_some() { LATE } else { FAREWELL };
+    let joined = async { if is_joining || room.is_some() { joining.await.ok() } else { None } };
+    if let Some(slot) = pump.take_leave(ended, (joined, patience), leaving).await.or(slot) {
         slot.remember(pump.turnstile.into_session());
     }
     drop(way);
@@ -175,7 +168,7 @@ impl<'a> Pump<'a> {
     async fn take_leave(
         &mut self,
         ended: Ended,
-        late: impl Future<Output = Option<Upstream>>,
+        (late, patience): (impl Future<Output = Option<Upstream>>, Duration),
         (leaving, from): (Vestibule, IpAddr),
     ) -> Option<Slot> {
         let (to_engine, to_client) = self.turnstile.outgoing();
@@ -207,7 +200,7 @@ impl<'a> Pump<'a> {
             }
         };
         let farewell = async { tokio::join!(to_client, to_engine).1 };
-        tokio::time::timeout(FAREWELL, farewell).await.ok().flatten()
+        tokio::time::timeout(patience, farewell).await.ok().flatten()
     }
 
     /// Moves bytes until something ends it.
@@ -331,18 +324,6 @@ fn make_room(buffer: &mut BytesMut, read: usize) {
     buffer.reserve(room);
 }
 
-async fn write_some(to: Option<&mut OwnedWriteHalf>, bytes: &mut BytesMut) -> io::Result<usize> {
-    let Some(to) = to else { return std::future::pending().await };
-    to.write_buf(bytes).await
-}
-
-async fn read_some(from: Option<&mut OwnedReadHalf>, into: &mut BytesMut) -> io::Result<usize> {
-    let Some(from) = from else { return std::future::pending().await };
-    let read = from.read_buf(into).await;
-    acknowledge_at_once(from);
-    read
-}
-
 /// Waits until all subscribers have caught up, or it is time to look who does not read: whether the latter. For ever, when there is none
 /// to wait for.
 async fn caught_up(waiting: Option<&Waiting>, clock: Clock) -> bool {
@@ -356,26 +337,6 @@ async fn caught_up(waiting: Option<&Waiting>, clock: Clock) -> bool {
         () = all_relieved => false,
         () = clock.reach(Some(*until)) => true,
     }
-}
-
-/// The engine holds its next small packet back until the system has acknowledged the last one, which may be 40 ms later unless it is
-/// told each time not to wait.
-fn acknowledge_at_once(engine: &OwnedReadHalf) {
-    #[cfg(target_os = "linux")]
-    if let Err(error) = engine.as_ref().set_quickack(true) {
-        tracing::debug!(%error, "small packets of the engine will be held back");
-    }
-    #[cfg(not(target_os = "linux"))]
-    let _ = engine;
-}
-
-/// Sends the last words to the engine, and waits until it has closed the connection as well: one that hears of an end later than of the
-/// next client with the same number ends that one.
-async fn leave((engine, to_engine): &mut ToEngine, last_words: &[u8]) {
-    let _ = to_engine.write_all(last_words).await;
-    let _ = to_engine.shutdown().await;
-    let mut unheard = [0; 4096];
-    while let Ok(1..) = engine.read(&mut unheard).await {}
 }
 
 /// Whether anything went through.

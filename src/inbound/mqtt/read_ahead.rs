@@ -20,6 +20,13 @@ const STOP_COST: usize = size_of::<u64>();
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pool(Arc<AtomicUsize>);
 
+impl Pool {
+    /// How many they are.
+    pub(super) fn bytes(&self) -> usize {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
 /// The end of the thread that hears.
 #[derive(Debug)]
 pub(super) struct Feeder(Arc<Shared>);
@@ -201,7 +208,7 @@ impl Drop for Taker {
 impl Shared {
     /// How much more may come.
     fn room_in(&self, state: &State) -> usize {
-        let is_lent_out = self.pool.0.load(Ordering::Relaxed) >= READ_AHEAD;
+        let is_lent_out = self.pool.bytes() >= READ_AHEAD;
         let own = CONNECTION_BYTES.saturating_sub(ENGINE_PART + state.held);
         let most = if is_lent_out { ALWAYS_AHEAD } else { own.max(ALWAYS_AHEAD) };
         most.saturating_sub(state.bytes + STOP_COST * state.halted.len())
@@ -264,7 +271,7 @@ mod tests {
         taker.hold(2 * CONNECTION_BYTES);
         assert_eq!(fill(&feeder).await, ALWAYS_AHEAD, "something can always come");
         taker.leave(Left::HearsRest);
-        assert_eq!(pool.0.load(Ordering::Relaxed), 0);
+        assert_eq!(pool.bytes(), 0);
         assert_eq!(feeder.room().await, Err(Left::HearsRest));
     }
 
@@ -273,7 +280,7 @@ mod tests {
     async fn what_waits_of_all_has_a_bound_that_leaves_room_for_each() {
         let pool = Pool::default();
         let mut greedy = Vec::new();
-        while pool.0.load(Ordering::Relaxed) < READ_AHEAD {
+        while pool.bytes() < READ_AHEAD {
             let (feeder, taker) = read_ahead(&pool);
             fill(&feeder).await;
             greedy.push((feeder, taker));
@@ -300,6 +307,6 @@ mod tests {
         taker.leave(Left::Deaf);
         drop(taker);
         feeder.put(b"abc", &[0]);
-        assert_eq!((feeder.left().await, pool.0.load(Ordering::Relaxed)), (Left::Deaf, 0));
+        assert_eq!((feeder.left().await, pool.bytes()), (Left::Deaf, 0));
     }
 }

@@ -73,6 +73,18 @@ impl Bench {
         self.run_until(self.now);
     }
 
+    /// Puts a datagram in that may have to wait.
+    pub(crate) fn hear(&mut self, peer: SocketAddr, bytes: &[u8]) {
+        self.endpoint.hear(peer, bytes, self.time());
+        self.pump();
+    }
+
+    /// Lets the next of those that wait have their turn.
+    pub(crate) fn take_turn(&mut self) {
+        self.endpoint.take_waiting(self.time());
+        self.pump();
+    }
+
     /// Puts a message in that comes from this machine, and takes what is said to it at once.
     pub(crate) fn send(&mut self, message: &Message) -> Vec<Message> {
         self.send_from(here(), message)

@@ -13,7 +13,7 @@ const MESSAGE: usize = 16 * 1024;
 const MEMORY_MIB: u64 = 128;
 
 /// The most it may take before its engine is started anew, in MiB, with what the allocator does not give back at once.
-const ENGINE_MIB: u64 = 400;
+const ENGINE_MIB: u64 = 160;
 
 /// So often an engine is filled: what one took does not add to what the next takes.
 const ROUNDS: usize = 4;

@@ -64,7 +64,7 @@ impl Endpoint {
     }
 
     /// The STOP that a datagram names, whatever else is wrong with it.
-    fn stop_in(&self, peer: SocketAddr, bytes: &[u8]) -> Option<Request> {
+    pub(super) fn stop_in(&self, peer: SocketAddr, bytes: &[u8]) -> Option<Request> {
         lenient::requests(peer, bytes).find(self.is_stop)
     }
 

@@ -1,6 +1,7 @@
 //! What a datagram asks for, as far as it can be read: for requests that a strict reader refuses, because they may name a STOP, which
 //! halts whatever is wrong with it (safety S8). Which request is a STOP is the application's business; how it is refused, `inward`'s.
 
+use std::iter;
 use std::net::SocketAddr;
 
 use super::code::{Code, Method};
@@ -17,49 +18,65 @@ const MARKER: u8 = 0xFF;
 /// The longest token there is (RFC 7252, section 3).
 const TOKEN: usize = 8;
 
+/// So many options are read at most: what comes in one datagram must not take long.
+const OPTIONS: usize = 128;
+
+/// Whether what has this code may ask for something to be done. A code that stands for no method does.
+pub(super) fn acts(code: Code) -> bool {
+    code.class() == 0 && !Method::of(code).is_some_and(Method::only_looks)
+}
+
 /// What a datagram of this version may ask for, read once for every length that its token may have: the one that it says, in the
 /// sense of RFC 7252 or of RFC 8974, and any other. Nothing that only looks, and nothing that is no request, is read.
 pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = Request> {
     let (code, said) = (bytes.get(1).copied().map_or(Code::CONTENT, Code), bytes.first().map_or(0, |first| first & 0x0F));
-    let acts = code.class() == 0 && !Method::of(code).is_some_and(Method::only_looks);
-    // A code that stands for no method is one that asks for something to be done.
     let method = Method::of(code).unwrap_or(Method::Post);
-    let tokens = acts.then(|| said_lengths(said, bytes)).into_iter().flatten().chain((0..=TOKEN).filter(move |_| acts));
-    tokens.filter_map(move |token| bytes.get(HEADER + token..)).map(move |rest| request(peer, method, rest))
+    let tokens = acts(code).then(|| token_lengths(said, bytes)).into_iter().flatten();
+    tokens.filter_map(move |token| request(peer, method, bytes.get(HEADER + token..)?))
 }
 
-/// The lengths of the token, with what may stand before it, that these four bits may mean.
-fn said_lengths(bits: u8, bytes: &[u8]) -> [usize; 2] {
+/// The lengths that the token may have, with what may stand before it: what these four bits may mean, then any other.
+fn token_lengths(bits: u8, bytes: &[u8]) -> impl Iterator<Item = usize> + use<> {
+    let said = usize::from(bits);
     let extended = match (bits, bytes.get(HEADER..)) {
         (13, Some([more, ..])) => Some(1 + 13 + usize::from(*more)),
         (14, Some([high, low, ..])) => Some(2 + 269 + usize::from(u16::from_be_bytes([*high, *low]))),
         _ => None,
     };
-    [usize::from(bits), extended.unwrap_or(usize::from(bits))]
+    iter::once(said).chain(extended).chain((0..=TOKEN).filter(move |length| *length != said))
 }
 
-/// What stands behind the token, up to where it makes no sense any more. What follows from there on is taken for a payload, from
-/// the last marker on if there is one: an old word may stand there.
-fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Request {
+/// What stands behind the token, up to where it makes no sense or no end any more; nothing when it names no path. What follows from
+/// there on is taken for a payload, from the last marker on if there is one: an old word may stand there.
+fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Option<Request> {
     let (mut path, mut number) = (Vec::new(), 0_usize);
-    let payload = loop {
-        match rest {
-            [] => break rest,
-            [MARKER, payload @ ..] => break payload,
-            _ => {}
-        }
-        let Some((delta, value, after)) = option(rest) else {
-            break rest.iter().rposition(|byte| *byte == MARKER).map_or(rest, |marker| &rest[marker + 1..]);
-        };
+    for _ in 0..OPTIONS {
+        let Some((delta, value, after)) = option(rest) else { break };
         number = number.saturating_add(delta);
         if number == usize::from(URI_PATH) {
             path.push(String::from_utf8_lossy(value).into_owned());
         }
         rest = after;
+    }
+    if path.is_empty() {
+        return None;
+    }
+    let payload = match rest {
+        [MARKER, payload @ ..] => payload,
+        _ => rest.iter().rposition(|byte| *byte == MARKER).map_or(rest, |marker| &rest[marker + 1..]),
     };
     // What is longer than any body can be is not looked at: its word stands at the beginning.
     let payload = payload[..payload.len().min(BODY)].to_vec();
-    Request { peer, method, path, queries: Vec::new(), format: None, accept: None, conditions: Conditions::default(), payload }
+    Some(Request {
+        peer,
+        method,
+        path,
+        queries: Vec::new(),
+        format: None,
+        accept: None,
+        conditions: Conditions::default(),
+        payload,
+    })
 }
 
 /// The first of some options: by how much its number is higher, its value as far as it came, and what follows. `None` for one
@@ -150,6 +167,16 @@ mod tests {
             assert!(reads(&[&sound[..], tail].concat(), &["resourcemodel"], b"h"), "{tail:?}");
         }
         assert!(reads(&[&sound[..], b"\xF0h"].concat(), &["resourcemodel"], b"\xF0h"));
+        assert!(reads(&[&sound[..], b"\xFFh\xFFx"].concat(), &["resourcemodel"], b"h\xFFx"), "the first marker is one");
+    }
+
+    /// Safety S7.
+    #[test]
+    fn no_more_than_so_many_options_are_read() {
+        let many = message(2, b"", &[(URI_PATH, &b""[..]); 60_000], b"");
+        assert!(requests(peer(), &many).all(|request| request.path.len() <= OPTIONS));
+        let behind = [[(1, &b"x"[..]); 100].as_slice(), &STOP].concat();
+        assert!(reads(&message(2, b"", &behind, b""), &PATH, b""));
     }
 
     #[test]

@@ -102,8 +102,18 @@ pub const PROVED: Duration = Duration::from_secs(3600);
 /// How old the Echo may be that proves an address (RFC 9175, section 2.4).
 pub const ECHO_AGE: Duration = Duration::from_secs(60);
 
-/// Refusals that wait to be put on record; more than that in one go are not.
-pub const REFUSED: usize = 64;
+/// When more comes than is answered, so many bytes of commands wait for their turn: all of them are taken before a STOP that came
+/// after them, and that must not take long.
+pub const COMMANDS_WAITING: usize = 128 * 1024;
+
+/// And so many bytes of all else.
+pub const LOOKS_WAITING: usize = 2 * 1024 * 1024;
+
+/// So many bytes does a datagram that waits take beside its own, about.
+pub const WAITING_HEAD: usize = 128;
+
+/// Refusals that wait to be put on record, as many as there may be commands that wait; more than that in one go are not.
+pub const REFUSED: usize = COMMANDS_WAITING / WAITING_HEAD;
 
 /// Requests a second from one network beyond this machine: a photo in the smallest blocks takes half a minute.
 pub const RATE: f64 = 200.0;

@@ -109,6 +109,13 @@ pub(super) fn heard(bytes: &[u8]) -> Heard {
     }
 }
 
+/// The code of a datagram that is no acknowledgement and no rejection, and may be answered.
+#[must_use]
+pub(super) fn asks(bytes: &[u8]) -> Option<Code> {
+    let [first, code, _, _, ..] = *bytes else { return None };
+    (first >> 6 == 1 && matches!(kind(first), Kind::Con | Kind::Non)).then_some(Code(code))
+}
+
 /// A message without anything, as an acknowledgement or a rejection.
 #[must_use]
 pub(super) fn empty(kind: Kind, id: u16) -> Vec<u8> {

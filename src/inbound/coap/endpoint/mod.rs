@@ -2,6 +2,8 @@
 //! in, datagrams out (RFC 7252, 7641, 7959, 7967, 9175). What is at which path is the application's business.
 //!
 //! ```text
+//!   hear ─► queue ─► take_waiting
+//!                         ▼
 //!   handle_datagram ─► message ─► guard ─► exchange ─► options ─► block ─► poll_request ─► the application
 //!   poll_transmit   ◄─ message ◄─ guard ◄─ exchange ◄─ reply ◄─ block ◄─ observe ◄─ handle_answer, handle_change
 //!                                            reliable ◄─┘ (what this side sends and wants acknowledged)
@@ -19,6 +21,7 @@ pub mod code;
 mod exchange;
 pub mod format;
 mod guard;
+mod hear;
 mod inward;
 mod kept;
 mod knowledge;
@@ -28,6 +31,7 @@ mod message;
 mod observe;
 mod options;
 mod outward;
+mod queue;
 mod reliable;
 mod reply;
 pub mod request;
@@ -41,7 +45,9 @@ use self::exchange::Exchanges;
 use self::guard::Guard;
 use self::inward::Back;
 use self::kept::Kept;
+use self::limits::{COMMANDS_WAITING, LOOKS_WAITING};
 use self::observe::Observers;
+use self::queue::Queue;
 use self::reliable::Reliable;
 use self::request::Request;
 use self::response::{Answer, Response, Tag};
@@ -113,6 +119,9 @@ pub struct Endpoint {
     refused: VecDeque<Refusal>,
     is_stop: fn(&Request) -> bool,
     out: VecDeque<Transmit>,
+    /// What was heard and waits for its turn.
+    commands: Queue,
+    looks: Queue,
 }
 
 /// What must be known of a request when its answer comes.
@@ -155,6 +164,8 @@ impl Endpoint {
             refused: VecDeque::new(),
             is_stop: |_| false,
             out: VecDeque::new(),
+            commands: Queue::of(COMMANDS_WAITING),
+            looks: Queue::of(LOOKS_WAITING),
         }
     }
 

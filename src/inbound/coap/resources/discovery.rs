@@ -16,11 +16,16 @@ const SEE: &str = "hallsweep.see";
 /// What can be asked to do something.
 const ACT: &str = "hallsweep.act";
 
-/// The links that the queries let through.
-pub(super) fn listing(table: &Table, snapshot: &Snapshot, queries: &[String]) -> Response {
-    let links: Vec<Link> = table.rows.iter().flat_map(|row| links(row, snapshot)).collect();
-    let list = listed(&links, queries).into_bytes();
+/// The links that the queries let through, as an answer.
+pub(super) fn filtered(snapshot: &Snapshot, queries: &[String]) -> Response {
+    let list = listing(snapshot, queries);
     Response { tag: Some(kept::tag(&[&list])), max_age: Some(0), ..Response::content(Format::LINKS, list) }
+}
+
+/// The links that the queries let through.
+pub(super) fn listing(snapshot: &Snapshot, queries: &[String]) -> Vec<u8> {
+    let links: Vec<Link> = Table::default().rows.iter().flat_map(|row| links(row, snapshot)).collect();
+    listed(&links, queries).into_bytes()
 }
 
 /// The links of a row: one, or one for each piece of this mission or each alarm.
@@ -69,9 +74,7 @@ mod tests {
 
     fn hrefs(snapshot: &Snapshot, queries: &[&str]) -> Vec<String> {
         let queries: Vec<String> = queries.iter().map(|query| (*query).to_owned()).collect();
-        let response = listing(&Table::default(), snapshot, &queries);
-        assert_eq!(response.format, Some(Format::LINKS));
-        let list = String::from_utf8(response.body.to_vec()).unwrap();
+        let list = String::from_utf8(listing(snapshot, &queries)).unwrap();
         list.split('<').skip(1).filter_map(|link| link.split('>').next()).map(str::to_owned).collect()
     }
 
@@ -93,10 +96,10 @@ mod tests {
 
     #[test]
     fn a_link_says_what_it_leads_to() {
-        let links = listing(&Table::default(), &searching(), &["href=/temperature".to_owned()]);
+        let links = listing(&searching(), &["href=/temperature".to_owned()]);
         let expect = "</temperature>;rt=\"hallsweep.temperature\";if=\"hallsweep.see hallsweep.act\";\
                       title=\"The temperature, and what follows\";ct=\"50 60 0 110\";obs";
-        assert_eq!(std::str::from_utf8(&links.body).unwrap(), expect);
+        assert_eq!(String::from_utf8(links).unwrap(), expect);
     }
 
     #[test]

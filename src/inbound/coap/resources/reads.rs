@@ -29,7 +29,11 @@ impl Resources {
 
     fn at_hand(&self, show: Show, number: u64, format: Format, snapshot: &Snapshot, request: &Request) -> Answer {
         match show {
-            Show::Links => Answer::once(discovery::listing(&self.table, snapshot, &request.queries)),
+            Show::Links if !request.queries.is_empty() => Answer::once(discovery::filtered(snapshot, &request.queries)),
+            Show::Links => {
+                let whole = self.kept.copies(show, number, format, snapshot).plain;
+                Answer { response: whole, observed: Vec::new() }
+            }
             Show::OldItems => self.old.answer(snapshot, &self.kept),
             Show::State | Show::Of(_) | Show::Piece | Show::Photo | Show::Strategy => {
                 self.kept.copies(show, number, format, snapshot).answer()

@@ -4,6 +4,7 @@
 use serde::Serialize;
 
 use super::super::endpoint::format::Format;
+use super::discovery;
 use super::table::Show;
 use crate::core::units::{LuggageId, Revision};
 use crate::core::world::luggage::Luggage;
@@ -26,7 +27,8 @@ pub(super) const LUGGAGE: u64 = 2;
 pub(super) fn revision(show: Show, number: u64, snapshot: &Snapshot) -> Revision {
     let of = |resource| snapshot.revision_of(resource);
     match show {
-        Show::State | Show::Links => snapshot.revision,
+        Show::State => snapshot.revision,
+        Show::Links => of(Resource::Luggage).max(of(Resource::Alarms)),
         Show::OldItems => match number {
             ROBOT => of(Resource::Robot),
             MAP => map_revision(snapshot),
@@ -49,8 +51,9 @@ pub(super) fn body(show: Show, number: u64, format: Format, snapshot: &Snapshot)
         Show::Strategy if format == Format::TEXT => snapshot.mission.strategy.name().into(),
         Show::Strategy => written(format, &StrategyJson::from(snapshot.mission.strategy)),
         Show::OldItems => old_item(number, snapshot).into(),
-        // These two are not made of a snapshot alone.
-        Show::Links | Show::Photo => Vec::new(),
+        Show::Links => discovery::listing(snapshot, &[]),
+        // This is not made of a snapshot alone.
+        Show::Photo => Vec::new(),
     }
 }
 

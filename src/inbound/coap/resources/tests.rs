@@ -255,6 +255,26 @@ async fn what_is_read_must_be_asked_for_again_and_what_is_observed_is_good_for_a
 }
 
 #[tokio::test]
+async fn the_list_of_links_is_made_when_luggage_or_alarms_change_and_not_at_every_get() {
+    let house = house(searching());
+    let links = async || house.ask(get("/.well-known/core")).await;
+    let first = links().await;
+    assert_eq!((first.response.max_age, first.observed.len()), (Some(0), 0));
+    change(&house, 21, &[Resource::Robot, Resource::Map, Resource::Mission], |_| {});
+    assert!(Arc::ptr_eq(&links().await.response, &first.response));
+    change(&house, 22, &[Resource::Luggage], |state| state.luggage = Arc::default());
+    let second = links().await.response;
+    assert!(String::from_utf8_lossy(&first.response.body).contains("</luggage/3>"));
+    assert!(!String::from_utf8_lossy(&second.body).contains("</luggage/3>"));
+    assert_ne!(first.response.tag, second.tag);
+    change(&house, 23, &[Resource::Alarms], |state| state.alarms = Arc::default());
+    assert!(String::from_utf8_lossy(&second.body).contains("</alarms/1/"));
+    assert!(!String::from_utf8_lossy(&links().await.response.body).contains("</alarms/1/"));
+    let filtered = house.ask(get("/.well-known/core?href=/robot")).await.response;
+    assert_eq!(String::from_utf8_lossy(&filtered.body).matches("</").count(), 1, "{filtered:?}");
+}
+
+#[tokio::test]
 async fn whoever_observes_is_shown_what_holds_now() {
     let house = house(searching());
     let request = get("/robot");

@@ -1,5 +1,7 @@
 //! What the engine sends: messages, and answers to what the gate asked. Anything else is not it.
 
+use std::sync::atomic::Ordering;
+
 use bytes::{Buf, BytesMut};
 
 use super::{Ended, Turnstile};
@@ -53,6 +55,7 @@ impl Turnstile {
         bytes.advance(read.max(run));
         if came > 0 {
             self.account.ledger().came(came);
+            self.gatehouse.came.fetch_add(1, Ordering::Relaxed);
             self.quiet_at = None;
         }
         outcome

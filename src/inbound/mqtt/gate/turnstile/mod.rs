@@ -19,6 +19,7 @@ mod tests;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 use std::time::Duration;
 
 use bytes::{Buf, BytesMut};
@@ -55,13 +56,24 @@ pub struct Gatehouse {
     pub budget: Budget,
     /// Who reads what, and how far each is behind.
     pub readers: Arc<Readers>,
+    /// How many bytes of messages this engine was given, counted once for each filter that they match.
+    pub fed: AtomicU64,
+    /// How many pieces of messages have come out of engines.
+    pub came: AtomicU64,
 }
 
 impl Gatehouse {
     /// A gatehouse of a broker at which nothing was said yet.
     #[must_use]
     pub fn new(topics: Topics) -> Gatehouse {
-        Gatehouse { topics, retained: Retained::default(), budget: Budget::default(), readers: Arc::default() }
+        Gatehouse {
+            topics,
+            retained: Retained::default(),
+            budget: Budget::default(),
+            readers: Arc::default(),
+            fed: AtomicU64::default(),
+            came: AtomicU64::default(),
+        }
     }
 }
 

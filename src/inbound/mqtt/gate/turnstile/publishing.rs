@@ -3,14 +3,27 @@
 use super::routes::{Dropped, Route, Way, is_for_commands};
 use super::{Ended, Heard, Turnstile};
 use crate::inbound::mqtt::gate::filter;
-use crate::inbound::mqtt::gate::frame::{Frame, Kind};
+use crate::inbound::mqtt::gate::frame::{Frame, Kind, frame};
 use crate::inbound::mqtt::gate::ledger::COUNTED;
-use crate::inbound::mqtt::gate::limits::{KEPT_IDS, PADDED};
+use crate::inbound::mqtt::gate::limits::{HOUSE_PACKET, KEPT_IDS, PADDED};
 use crate::inbound::mqtt::gate::packet::connect::Will;
 use crate::inbound::mqtt::gate::packet::publish::{self, Publish};
 use crate::inbound::mqtt::gate::packet::{Qos, text, write};
 
 impl Turnstile {
+    /// Whether messages wait for the engine.
+    #[must_use]
+    pub fn has_messages(&self) -> bool {
+        let mut rest = &self.to_engine[..];
+        while let Ok(Some(packet)) = frame(rest, HOUSE_PACKET) {
+            if packet.kind == Kind::Publish {
+                return true;
+            }
+            rest = &rest[packet.length..];
+        }
+        false
+    }
+
     /// A PUBLISH: `packet` is the whole of it. Whatever becomes of it, its sender is told that it has arrived (section 3.3.5).
     pub(super) fn publish(&mut self, frame: &Frame, packet: &[u8]) -> Result<(), Ended> {
         let publish = publish::read(frame, packet)?;
@@ -87,7 +100,7 @@ impl Turnstile {
             Way::Unread => {}
             Way::Shut => self.refusals.note(topic, Dropped::Budget),
             Way::Open => {
-                self.routes.passed(payload.len());
+                self.routes.passed(payload.len(), &self.gatehouse);
                 let length = PADDED.saturating_sub(COUNTED + topic.len());
                 write::publish_padded(&mut self.to_engine, topic, payload, length);
             }

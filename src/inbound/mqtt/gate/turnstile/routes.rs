@@ -1,6 +1,7 @@
 //! What becomes of a message by its topic, and who gets it.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use super::{Ended, Gatehouse};
@@ -8,7 +9,7 @@ use crate::inbound::mqtt::gate::budget::Payer;
 use crate::inbound::mqtt::gate::filter::{self, Unfit};
 use crate::inbound::mqtt::gate::frame::Malformed;
 use crate::inbound::mqtt::gate::ledger::{Ledger, weight};
-use crate::inbound::mqtt::gate::limits::{LONG, PIECE};
+use crate::inbound::mqtt::gate::limits::{LONG, PADDED, PIECE};
 use crate::inbound::mqtt::gate::packet::text;
 use crate::inbound::mqtt::gate::readers::Reader;
 use crate::inbound::mqtt::gate::rights::Guest;
@@ -104,8 +105,10 @@ impl Routes {
     }
 
     /// A message on the topic of the last question, with so long a payload, was passed on to the engine.
-    pub(super) fn passed(&mut self, payload: usize) {
+    pub(super) fn passed(&mut self, payload: usize, gatehouse: &Gatehouse) {
         let bytes = weight(self.topic.len(), payload);
+        let fed = (self.topic.len() + payload).max(PADDED) * self.readers.len();
+        gatehouse.fed.fetch_add(fed as u64, Ordering::Relaxed);
         self.passed += 1 + (payload / LONG) as u64;
         self.piece += bytes;
         self.unsettled += bytes;

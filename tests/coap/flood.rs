@@ -1,0 +1,169 @@
+//! More comes than is answered: what is heard first, what waits, and what is lost. Real sockets and times are not here.
+
+use std::net::SocketAddr;
+
+use hallsweep::inbound::coap::endpoint::code::{Code, Method};
+use hallsweep::inbound::coap::endpoint::request::Request;
+
+use crate::rig::bench::{Bench, here, stranger};
+use crate::rig::message::{Kind, Message, option};
+
+/// So many datagrams of this kind are more than there is room for.
+type Flood = (u16, fn(u16) -> Vec<u8>);
+
+/// A peer that floods, one of several on this machine.
+fn flooder(n: u16) -> SocketAddr {
+    SocketAddr::from(([127, 0, 0, 2], 10_000 + n))
+}
+
+fn is_stop(request: &Request) -> bool {
+    request.peer.ip().is_loopback() && !request.method.only_looks() && request.path == ["stop"]
+}
+
+fn bench() -> Bench {
+    let mut bench = Bench::new();
+    bench.endpoint = std::mem::replace(&mut bench.endpoint, Bench::seeded(2).endpoint).with_stop(is_stop);
+    bench
+}
+
+/// Takes everything that waits; in how many turns.
+fn catch_up(bench: &mut Bench) -> usize {
+    let mut turns = 0;
+    while bench.endpoint.is_behind() {
+        bench.take_turn();
+        turns += 1;
+    }
+    turns
+}
+
+/// What was asked for, in its order.
+fn asked(bench: &Bench) -> Vec<String> {
+    bench.server.asked.iter().map(|request| format!("{} {}", request.method.name(), request.path_text())).collect()
+}
+
+/// Safety S1, S7, S8.
+#[test]
+fn a_stop_behind_thousands_of_looks_is_acted_on_before_any_of_them_is_answered() {
+    let stop = || Message::con(Method::Post, 1).path("/stop");
+    let half = [stop().encoded(), b"\xF0".to_vec()].concat();
+    let long_token = [b"\x4F\x02\x00\x01".to_vec(), stop().encoded()[4..].to_vec()].concat();
+    let refused = stop().with(65_001, b"").encoded();
+    for stop in [stop().encoded(), Message { kind: Kind::Non, ..stop() }.encoded(), refused, half, long_token] {
+        let mut bench = bench();
+        for id in 0..10_000 {
+            bench.hear(flooder(id % 3), &Message::get("/test", id).encoded());
+        }
+        bench.hear(flooder(1), &stop);
+        assert_eq!(asked(&bench), ["POST /stop"], "{stop:02x?}");
+        catch_up(&mut bench);
+        assert!(bench.server.count(Method::Get, "/test") > 5_000, "many are answered afterwards");
+        assert_eq!(bench.server.count(Method::Post, "/stop"), 1);
+    }
+}
+
+/// Safety S1: one of them could set in motion what the STOP has halted.
+#[test]
+fn commands_that_came_before_a_stop_are_taken_before_it_and_those_that_came_after_it_later() {
+    let mut bench = bench();
+    let put = |path: &str, id| Message::con(Method::Put, id).path(path).payload("x").encoded();
+    for (n, path) in ["/test", "/create1", "/create2"].iter().enumerate() {
+        let id = u16::try_from(n).unwrap();
+        (0..40).for_each(|more| bench.hear(flooder(id), &put(path, more)));
+    }
+    bench.hear(here(), &Message::con(Method::Post, 1).path("/stop").encoded());
+    bench.hear(here(), &put("/create3", 2));
+    assert_eq!(bench.server.asked.len(), 121);
+    assert_eq!(asked(&bench)[120], "POST /stop");
+    catch_up(&mut bench);
+    assert_eq!(asked(&bench)[121..], ["PUT /create3"]);
+}
+
+/// Safety S1, S8.
+#[test]
+fn what_is_no_stop_waits_for_its_turn() {
+    let mut bench = bench();
+    let of_another_version = [b"\x80\x02".to_vec(), Message::con(Method::Post, 5).path("/stop").encoded()[2..].to_vec()].concat();
+    bench.hear(here(), &Message::con(Method::Put, 6).path("/create1").encoded());
+    bench.hear(here(), &of_another_version);
+    assert_eq!(bench.server.asked.len(), 0, "no command is overtaken either");
+    catch_up(&mut bench);
+    bench.server.asked.clear();
+    for (id, method) in [(1, Method::Get), (2, Method::Fetch)] {
+        bench.hear(here(), &Message::con(method, id).path("/stop").encoded());
+    }
+    bench.hear(stranger(), &Message::con(Method::Post, 3).path("/stop").encoded());
+    bench.hear(here(), &Message::con(Method::Post, 4).path("/test").encoded());
+    assert_eq!(bench.server.asked.len(), 0);
+    catch_up(&mut bench);
+    assert_eq!(bench.server.asked.len(), 4);
+}
+
+/// Safety S9.
+#[test]
+fn whatever_peers_flood_the_request_of_another_has_its_turn() {
+    let floods: [Flood; 6] = [
+        (8_000, |id| Message::get("/large", id).encoded()),
+        (8_000, |id| [&[0x4F, 0x01, id.to_be_bytes()[0], id.to_be_bytes()[1]][..], &[0xFF; 60]].concat()),
+        (2_000, |id| Message::empty(Kind::Con, id).encoded()),
+        (2_000, |id| Message::con(Method::Put, id).path("/test").with(65_001, b"").encoded()),
+        (500, |id| Message::con(Method::Put, id).path("/test").payload([b'x'; 900]).encoded()),
+        (10, |id| Message::con(Method::Put, id).path("/test").payload(vec![b'x'; 60_000]).encoded()),
+    ];
+    for (n, (datagrams, flood)) in floods.into_iter().enumerate() {
+        for peers in [1, 2, 8] {
+            let mut bench = bench();
+            for id in 0..datagrams {
+                bench.hear(flooder(id % peers), &flood(id));
+            }
+            let (look, command) = (Message::get("/test", 1), Message::con(Method::Put, 2).path("/create1").payload("x"));
+            bench.hear(here(), &look.encoded());
+            bench.hear(here(), &command.encoded());
+            for _ in 0..=peers {
+                bench.take_turn();
+            }
+            let mut said = bench.said_to(here());
+            said.sort_by_key(|answer| answer.id);
+            assert_eq!(said.len(), 2, "flood {n} of {peers}: {said:?}");
+            said[0].answers(&look, Code::CONTENT);
+            said[1].answers(&command, Code::CREATED);
+        }
+    }
+}
+
+#[test]
+fn whoever_does_not_flood_loses_nothing_and_is_answered_in_order() {
+    let mut bench = bench();
+    for id in 0..500 {
+        bench.hear(here(), &Message::get("/test", id).encoded());
+    }
+    assert_eq!(catch_up(&mut bench), 500);
+    let ids: Vec<u16> = bench.said_to(here()).iter().map(|answer| answer.id).collect();
+    assert!(ids.iter().copied().eq(0..500), "{ids:?}");
+}
+
+#[test]
+fn acknowledgements_and_rejections_wait_behind_nothing() {
+    let mut bench = bench();
+    let first = bench.ask(&Message::get("/obs", 1).token(b"o").observe(0));
+    assert!(first.observed().is_some());
+    bench.change(|server| server.set("/obs", "another"));
+    bench.wait_ms(30);
+    bench.hear(flooder(1), &Message::get("/test", 1).encoded());
+    bench.change(|server| server.set("/obs", "a third"));
+    let told = bench.wait_ms(30);
+    let id = told.last().expect("observers are told").id;
+    bench.hear(here(), &Message::empty(Kind::Rst, id).encoded());
+    assert!(bench.endpoint.is_behind());
+    assert_eq!(bench.endpoint.counts().observers, 0);
+}
+
+/// Safety A6.
+#[test]
+fn every_command_that_a_stop_overtakes_in_a_flood_is_noted_when_it_is_refused() {
+    let mut bench = bench();
+    for id in 0..300 {
+        bench.hear(flooder(id % 30), &Message::con(Method::Put, id).path("/test").with(option::PROXY_URI, b"coap://x").encoded());
+    }
+    bench.hear(here(), &Message::con(Method::Post, 1).path("/stop").encoded());
+    assert_eq!(std::iter::from_fn(|| bench.endpoint.poll_refused()).count(), 300);
+}
