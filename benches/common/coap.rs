@@ -37,7 +37,7 @@ impl Coap {
         Coap { socket, id: 0 }
     }
 
-    /// Asks, as `POST commands/stop`; a payload is sent as text.
+    /// Asks, as `POST commands/stop?id=7`; a payload is sent as text.
     ///
     /// # Errors
     /// When nobody answers.
@@ -77,7 +77,9 @@ impl Coap {
         });
         packet.header.message_id = self.id;
         packet.set_token(self.id.to_be_bytes().to_vec());
+        let (path, query) = path.split_once('?').map_or((path, None), |(path, query)| (path, Some(query)));
         path.split('/').for_each(|segment| packet.add_option(CoapOption::UriPath, segment.as_bytes().to_vec()));
+        query.into_iter().for_each(|query| packet.add_option(CoapOption::UriQuery, query.as_bytes().to_vec()));
         packet.payload = payload.as_bytes().to_vec();
         packet
     }

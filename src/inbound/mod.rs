@@ -1,9 +1,10 @@
 //! The doors: how operators and programs reach hallsweep. No door knows another, and none knows an adapter. What doors with
-//! connections have in common lies beside them: the ports they listen to, and how long a reader may
-//! stall.
+//! connections have in common lies beside them: the ports they listen to, where connections wait that have no place, and how long a
+//! reader may stall.
 
 pub mod coap;
 pub mod http;
 pub mod listeners;
 pub mod mqtt;
 mod patience;
+mod vestibule;

@@ -3,7 +3,10 @@
 
 use serde_json::Value;
 
+use crate::coap::client::Coap;
 use crate::kill::Folder;
+use crate::mqtt_attacks::client::Client;
+use crate::mqtt_attacks::packets::connect;
 use crate::program::{Program, hallsweep};
 
 /// Runs `hallsweep journal` with these words on a folder; whether all was well, and what was said.
@@ -36,6 +39,51 @@ pub(crate) fn holds(state: &Value, hold: &str) -> bool {
 
 pub(crate) fn of_kind<'a>(lines: &'a [Value], kind: &str) -> Vec<&'a Value> {
     lines.iter().filter(|line| line["kind"] == kind).collect()
+}
+
+/// Safety A6: by every door where a command can have a name, accepted or refused. What makes no sense is no use of a name.
+#[test]
+fn a_command_that_comes_again_under_its_own_id_makes_no_second_entry() {
+    let folder = Folder::new("journal-repeats");
+    let program = serve(&folder);
+    let commands = [("temperature", "{\"status\":\"ok\"}"), ("retrieve", "{}"), ("temperature", "{\"status\":\"lukewarm\"}")];
+    let by_http = |path: &str, id: &str, body: &str| {
+        let method = if path.ends_with("temperature") { "PUT" } else { "POST" };
+        program.try_ask(method, &format!("/api/v1/{path}"), id, body).expect("it answers").text()
+    };
+    let mut coap = Coap::at(program.coap());
+    let mut by_coap = |path: &str, id: &str, body: &str| {
+        let method = if path == "temperature" { "PUT" } else { "POST" };
+        coap.ask(method, &format!("{path}?id={id}"), body).expect("it answers").text
+    };
+    let mut mqtt = Client::try_connect(program.mqtt(), &connect("again", 60)).expect("it is let in");
+    mqtt.subscribe("hallsweep/discovery/command/+/result", 1);
+    let mut by_mqtt = |name: &str, id: &str, body: &str| {
+        let body = body.replacen('{', &format!("{{\"id\":\"{id}\"{}", if body == "{}" { "" } else { "," }), 1);
+        mqtt.publish(&format!("hallsweep/discovery/command/{name}"), body.as_bytes());
+        String::from_utf8(mqtt.message().payload).expect("JSON is text")
+    };
+    for (number, (name, body)) in commands.into_iter().enumerate() {
+        let path = if name == "temperature" { name.to_owned() } else { format!("commands/{name}") };
+        let answers = [(); 2].map(|()| {
+            [
+                by_http(&path, &format!("http-{number}"), body),
+                by_coap(&path, &format!("coap-{number}"), body),
+                by_mqtt(name, &format!("mqtt-{number}"), body),
+            ]
+        });
+        assert_eq!(answers[0], answers[1], "it is answered as before");
+    }
+    // It is answered when it is on record, and so is what came before.
+    program.put("/api/v1/temperature", "{\"celsius\":20}").accepted();
+    let lines = exported(&folder);
+    let mut entries = of_kind(&lines, "command");
+    entries.pop();
+    for door in ["http", "coap", "mqtt"] {
+        let of_door = entries.iter().filter(|entry| entry["door"] == door).map(|entry| &entry["id"]);
+        let expected = [format!("{door}-0").into(), format!("{door}-1").into(), Value::Null, Value::Null];
+        assert!(of_door.eq(&expected), "{door}: {entries:#?}");
+    }
 }
 
 #[test]

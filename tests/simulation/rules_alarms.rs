@@ -11,6 +11,7 @@ use hallsweep::core::settings::Settings;
 use hallsweep::core::standing::Standing;
 use hallsweep::core::sweep::{IDS, Recalled, Sweep};
 use hallsweep::core::units::{AlarmId, Cell, LuggageId, Now, Pose, Revision, Seq};
+use hallsweep::core::world::alarm::Alarm;
 use hallsweep::core::world::hall_map::Mark;
 
 use crate::bare::Bare;
@@ -53,6 +54,21 @@ fn danger_that_could_not_be_recorded_holds_the_robot_until_its_alarm_is_acknowle
     assert_eq!((bare.holds(), bare.order()), (vec![Hold::AwaitingStart], None), "clearing a hold moves nothing");
     bare.give(Command::Start).unwrap();
     assert!(bare.order().is_some());
+}
+
+/// Mission §4.
+#[test]
+fn the_hold_of_an_alarm_stands_although_that_of_another_piece_is_acknowledged() {
+    let mut standing = danger_was_lost().sweep.standing();
+    let other = Alarm { id: AlarmId(2), luggage: Some(LuggageId(2)), ..Alarm::clone(&standing.alarms[0]) };
+    standing.alarms.push(Arc::new(other));
+    for (acknowledged, holds) in [(&[2][..], true), (&[2, 1], false), (&[1], true), (&[1, 2], false)] {
+        let mut bare = reborn(standing.clone());
+        for alarm in acknowledged {
+            bare.give(Command::Acknowledge(AlarmId(*alarm))).unwrap();
+        }
+        assert_eq!(bare.holds().contains(&Hold::Alarm), holds, "{acknowledged:?}");
+    }
 }
 
 #[test]

@@ -28,7 +28,6 @@ mod streams;
 #[cfg(test)]
 mod testing;
 mod tls;
-mod vestibule;
 mod watcher;
 
 use std::sync::Arc;

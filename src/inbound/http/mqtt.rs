@@ -25,6 +25,7 @@ use super::gate::{LetIn, Peer};
 use super::guard::is_foreign;
 use super::problem::Problem;
 use crate::access::{Access, Caller};
+use crate::inbound::vestibule::Vestibule;
 
 /// How web clients call what they speak (MQTT 3.1.1 §6).
 const PROTOCOL: &str = "mqtt";
@@ -40,6 +41,9 @@ const LONGEST: usize = 512 * 1024;
 
 /// So long what is left for a client may take to get to it after the broker has let go of it, and so long a farewell.
 const FAREWELL: Duration = Duration::from_secs(1);
+
+/// So many may still be on their way out when the broker, which bounds how many it has, has let go of them.
+const LEAVING: usize = 64;
 
 /// A web client that wants to speak MQTT.
 #[derive(Debug)]
@@ -83,12 +87,16 @@ impl AsyncWrite for Carried {
 
 /// Where web clients are brought.
 #[derive(Clone)]
-pub struct Hall(Arc<dyn Fn(Visitor) + Send + Sync>);
+pub struct Hall {
+    receive: Arc<dyn Fn(Visitor) + Send + Sync>,
+    /// Of those whom the broker has let go of.
+    leaving: Vestibule,
+}
 
 impl Hall {
     /// Brings them there.
     pub fn new(receive: impl Fn(Visitor) + Send + Sync + 'static) -> Hall {
-        Hall(Arc::new(receive))
+        Hall { receive: Arc::new(receive), leaving: Vestibule::new(LEAVING) }
     }
 }
 
@@ -108,7 +116,7 @@ pub(super) async fn mqtt(
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
     request: Request,
 ) -> Result<Response, Problem> {
-    let Some(Hall(receive)) = door.mqtt.clone() else {
+    let Some(Hall { receive, leaving }) = door.mqtt.clone() else {
         return Err(Problem::not_found(
             "there is no MQTT broker here: mqtt.bind is none, or mqtt.broker names another".to_owned(),
         ));
@@ -132,27 +140,34 @@ pub(super) async fn mqtt(
             let (ours, stream) = tokio::io::duplex(BETWEEN);
             let (held, let_go) = oneshot::channel();
             receive(Visitor { stream: Carried { stream, _held: held }, from: peer.address, caller, access });
-            carry(socket, ours, let_go).await;
+            carry((socket, peer.address), ours, (let_go, leaving)).await;
         })
         .into_response())
 }
 
 /// Carries bytes both ways until either side ends; neither way waits for the other. A client that reads slowly does not keep the
 /// connection longer than the broker does.
-async fn carry(socket: WebSocket, stream: DuplexStream, let_go: oneshot::Receiver<()>) {
+async fn carry((socket, address): (WebSocket, IpAddr), stream: DuplexStream, gone: (oneshot::Receiver<()>, Vestibule)) {
     let (from, to) = tokio::io::split(stream);
     let (mut send, receive) = socket.split();
-    let late = async {
-        let _ = let_go.await;
-        tokio::time::sleep(FAREWELL).await;
+    let carried = async {
+        tokio::select! {
+            () = inward(receive, to) => {}
+            () = outward(from, &mut send) => {}
+        }
+        // Whoever is gone already needs no farewell.
+        let _ = tokio::time::timeout(FAREWELL, send.send(Message::Close(None))).await;
     };
     tokio::select! {
-        () = inward(receive, to) => {}
-        () = outward(from, &mut send) => {}
-        () = late => {}
+        () = carried => {}
+        () = left(gone, address) => {}
     }
-    // Whoever is gone already needs no farewell.
-    let _ = tokio::time::timeout(FAREWELL, send.send(Message::Close(None))).await;
+}
+
+/// Waits until a client had its time to read what was left for it when the broker let go of it, or has to make room for others.
+async fn left((let_go, leaving): (oneshot::Receiver<()>, Vestibule), address: IpAddr) {
+    let _ = let_go.await;
+    leaving.linger(address, tokio::time::sleep(FAREWELL)).await;
 }
 
 async fn inward(mut socket: SplitStream<WebSocket>, mut to: WriteHalf<DuplexStream>) {
@@ -177,5 +192,37 @@ async fn outward(mut from: ReadHalf<DuplexStream>, socket: &mut SplitSink<WebSoc
         }
         // Whoever is told much is told it in fewer messages.
         bytes.reserve(if read < READ { READ } else { BETWEEN });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use futures_util::FutureExt;
+
+    use super::*;
+    use crate::runtime::within::within;
+
+    /// Safety A5: however many come and go, and however little they read.
+    #[tokio::test(start_paused = true)]
+    async fn of_those_who_were_let_go_of_and_read_nothing_so_many_are_waited_for() {
+        let leaving = Vestibule::new(LEAVING);
+        let (kept, let_go) = oneshot::channel();
+        let mut staying = Box::pin(left((let_go, leaving.clone()), IpAddr::from([127, 0, 0, 1])));
+        let mut gone = Vec::new();
+        for _ in 0..LEAVING + 9 {
+            let (held, let_go) = oneshot::channel();
+            gone.push(tokio::spawn(left((let_go, leaving.clone()), IpAddr::from([127, 0, 0, 1]))));
+            drop(held);
+        }
+        for _ in 0..3 {
+            tokio::task::yield_now().await;
+        }
+        assert_eq!(gone.iter().filter(|left| left.is_finished()).count(), 9, "no time has passed");
+        for left in gone {
+            within("the end", left).await.unwrap();
+        }
+        assert!((&mut staying).now_or_never().is_none(), "whom the broker has, it has");
+        drop(kept);
+        staying.await;
     }
 }

@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::Notify;
 
 use crate::access::{Access, Caller, Network, Role};
+use crate::inbound::vestibule::RELIEF;
 
 /// Connections open at once: every stream there may be, and half as many again for requests beside them. A process has 1,024
 /// descriptors by default, and the vestibule, those who linger, the other doors and files need some too.
@@ -23,10 +24,6 @@ const KEPT: usize = 8;
 /// A connection that was cut is closed where answers are made, which may be late: so many may be on their way out before nobody else is
 /// let in, and as many again for whoever says STOP and for operators. So what a flood opens and loses costs no more than this.
 const LEAVING: usize = 32;
-
-/// So many connections are cut at once when the system has no more descriptors: newcomers wait meanwhile, and files are to be
-/// opened too.
-const RELIEF: usize = 16;
 
 /// All places of the door. Cheap to clone.
 #[derive(Clone)]

@@ -11,9 +11,9 @@ use tokio::task::JoinSet;
 use super::hearing::{Line, converse};
 use super::places::{PLACES, Places};
 use super::tls::Tls;
-use super::vestibule::{LINGERING, Vestibule, WAITING};
 use super::{Door, Hosts, router};
 use crate::inbound::listeners::Listeners;
+use crate::inbound::vestibule::Vestibule;
 
 /// How long open requests are waited for at the end: with what closing a stream takes, within two seconds.
 const GRACE: Duration = Duration::from_millis(1500);
@@ -23,6 +23,12 @@ const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
 /// But so much later when connections were cut for it, which takes them this long to close.
 const RELIEF_PAUSE: Duration = Duration::from_millis(2);
+
+/// So many wait at once until their first head has come: that is within a moment, or whoever sends it has this many newcomers' time.
+const WAITING: usize = 128;
+
+/// So many linger at once.
+const LINGERING: usize = 64;
 
 /// So many connections are taken in before those that are here have their turn.
 const NEWCOMERS: usize = 16;
@@ -93,7 +99,7 @@ async fn listen(mut listeners: Listeners, line: Line, mut ended: oneshot::Receiv
                     newcomers += 1;
                 }
                 Err(error) => {
-                    let relieved = line.places.relieve();
+                    let relieved = line.relieve();
                     tracing::warn!(%error, relieved, "a connection could not be accepted");
                     tokio::time::sleep(if relieved > 0 { RELIEF_PAUSE } else { ACCEPT_PAUSE }).await;
                 }

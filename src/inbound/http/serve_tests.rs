@@ -110,6 +110,17 @@ async fn connections_that_ask_nothing_keep_no_stop_waiting() {
     assert!(is_closed(&mut idle[0]), "the oldest was cut");
 }
 
+/// Safety S9: what has come is heard, whoever else comes. On one thread nothing is heard before all of them are here.
+#[tokio::test]
+async fn a_stop_that_has_come_halts_although_its_connection_has_to_make_room() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, 1).await;
+    for number in 1..=20 {
+        let _crowd = [client(address, STOP), client(address, "")];
+        stops(&house, number).await;
+    }
+}
+
 /// Safety A5, S1.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn neither_do_connections_that_have_asked_and_rest() {

@@ -152,6 +152,6 @@ pub(super) async fn read(response: Response<Body>) -> (StatusCode, Value) {
 
 /// The text of an answer.
 pub(super) async fn text(response: Response<Body>) -> String {
-    let bytes = to_bytes(response.into_body(), usize::MAX).await.unwrap();
+    let bytes = within("the end of the answer", to_bytes(response.into_body(), usize::MAX)).await.unwrap();
     String::from_utf8(bytes.to_vec()).unwrap()
 }

@@ -232,8 +232,8 @@ impl Reception {
     }
 
     fn receive_one(&self, guests: &mut JoinSet<()>, visitor: Visitor) {
-        let place = self.house.place(visitor.origin.from);
-        guests.spawn(self.house.clone().entertain(visitor, place, (self.engine.clone(), self.work.clone())));
+        let waiting = self.house.let_wait(visitor.origin.from);
+        guests.spawn(self.house.clone().entertain(visitor, waiting, (self.engine.clone(), self.work.clone())));
     }
 }
 

@@ -22,16 +22,16 @@ use super::gate::packet::write::{self, Welcome};
 use super::gate::turnstile::{Ended, Gatehouse, Listener, Terms, Turnstile};
 use super::hearing::Hearing;
 use super::identity::{Identity, Unknown};
-use super::limits::{CONNECT_TIME, LATE, LOBBY, PLACES};
-use super::lobby::{Lobby, Place};
+use super::limits::{CONNECT_TIME, LATE, LEAVING, PLACES, WAITING};
 use super::orders::Orders;
 use super::pump::{self, Ends};
 use super::read_ahead::{Left, Pool, Taker, read_ahead};
-use super::seats::Seats;
+use super::seats::{Seats, given_up};
 use super::slots::{Name, Slot, Slots};
 use super::upstream::Upstream;
 use super::visitor::{Origin, Reader, Visitor, Writer};
 use crate::access::{Attempts, Network, Token};
+use crate::inbound::vestibule::{Vestibule, Waiting};
 use crate::runtime::clock::Clock;
 
 /// So long the engine may take to answer; it takes less than a millisecond.
@@ -80,7 +80,9 @@ struct Rooms {
     /// The password of our own session.
     secret: Token,
     /// Of those who have not said yet who they are.
-    lobby: Lobby,
+    vestibule: Vestibule,
+    /// Of those who are on their way out.
+    leaving: Vestibule,
     seats: Seats,
     /// What is read ahead of all clients.
     pool: Pool,
@@ -108,7 +110,8 @@ impl House {
             gatehouse: Arc::new(gatehouse),
             orders,
             secret,
-            lobby: Lobby::new(LOBBY),
+            vestibule: Vestibule::new(WAITING),
+            leaving: Vestibule::new(LEAVING),
             seats: Seats::default(),
             pool: Pool::default(),
             slots: Slots::default(),
@@ -119,14 +122,14 @@ impl House {
         }))
     }
 
-    /// A place for a connection from there, until it has said who it is; the oldest of the others may give way.
-    pub(super) fn place(&self, from: IpAddr) -> Place {
-        self.0.lobby.take(from)
+    /// Lets a connection from there wait until it has said who it is; another one may have to make room.
+    pub(super) fn let_wait(&self, from: IpAddr) -> Waiting {
+        self.0.vestibule.enter(from, Arc::default())
     }
 
     /// Cuts some connections of strangers, when the system has no more descriptors; how many.
     pub(super) fn relieve(&self) -> usize {
-        self.0.lobby.relieve()
+        self.0.vestibule.relieve()
     }
 
     /// Whether the engine was shown so much that another one is needed.
@@ -156,27 +159,27 @@ impl House {
     }
 
     /// Listens to a visitor to the end, on the thread that hears, while it is served on `work`.
-    pub(super) async fn entertain(self, visitor: Visitor, place: Place, (engine, work): (Running, Handle)) {
+    pub(super) async fn entertain(self, visitor: Visitor, waiting: Waiting, (engine, work): (Running, Handle)) {
         let from = visitor.origin.from;
-        let sent = self.converse(visitor, place, (engine, work)).await;
+        let sent = self.converse(visitor, waiting, (engine, work)).await;
         tracing::debug!(%from, why = %sent, "an MQTT connection has ended");
     }
 
     /// Why it ended.
-    async fn converse(&self, visitor: Visitor, place: Place, (engine, work): (Running, Handle)) -> Sent {
+    async fn converse(&self, visitor: Visitor, waiting: Waiting, (engine, work): (Running, Handle)) -> Sent {
         let Visitor { mut reader, writer, origin } = visitor;
-        let mut heard = BytesMut::new();
+        let (from, mut heard) = (origin.from, BytesMut::new());
         let introduced = tokio::select! {
             biased;
-            // What has come already is read before a place is given up.
+            // What has come already is read before room is made.
             introduced = self.introduced(&mut reader, &mut heard, origin) => introduced,
-            () = place.cut() => Err(Sent::GaveWay),
+            () = waiting.cut() => Err(Sent::GaveWay),
         };
         let known = match introduced {
             Ok(known) => known,
-            Err(sent) => return work.spawn(told(writer, sent)).await.unwrap_or(Sent::Ended(Ended::Gone)),
+            Err(sent) => return work.spawn(self.clone().tell(from, writer, sent)).await.unwrap_or(Sent::Ended(Ended::Gone)),
         };
-        drop(place);
+        drop(waiting);
         let (feeder, taker) = read_ahead(&self.0.pool);
         let listener = known.identity.listener(&self.0.orders, known.origin.from);
         let mut hearing = Hearing::new(Arc::clone(&listener), feeder, self.0.clock, work.clone());
@@ -219,14 +222,22 @@ impl House {
         let (writer, taker) = ends;
         if let Some(welcome) = self.refusal(&known) {
             taker.leave(Left::HearsRest);
-            return told(writer, Sent::Refused(welcome)).await;
+            return self.tell(known.origin.from, writer, Sent::Refused(welcome)).await;
         }
         let Known { connect, identity, origin } = known;
         let now = self.0.clock.now().since_start;
         let seat = identity.holder().map(|holder| self.0.seats.take(holder, now));
         let name = Name { who: identity.name(), client: connect.client_id.clone() };
         // What is remembered of it is said with the greeting.
-        let remembered = if connect.clean_session { None } else { Some(self.0.slots.take(name.clone(), true).await) };
+        let remembered = if connect.clean_session {
+            None
+        } else {
+            tokio::select! {
+                biased;
+                slot = self.0.slots.take(name.clone(), true) => Some(slot),
+                () = given_up(seat.as_ref()) => return self.tell(origin.from, writer, Sent::Ended(Ended::GaveWay)).await,
+            }
+        };
         let session = remembered.as_ref().and_then(|slot| slot.session.clone());
         tracing::debug!(from = %origin.from, who = %name.who, client = connect.client_id, "an MQTT client has come");
         let greeting = write::connack(Welcome::Accepted, session.is_some());
@@ -241,10 +252,26 @@ impl House {
         };
         let mut turnstile = Turnstile::new(terms, Arc::clone(&self.0.gatehouse), now);
         turnstile.to_client().extend_from_slice(&greeting);
-        let ends = Ends { client: writer, ahead: taker, seat, late: Arc::clone(&self.0.late) };
+        let (leaving, late) = ((self.0.leaving.clone(), origin.from), Arc::clone(&self.0.late));
+        let ends = Ends { client: writer, ahead: taker, seat, leaving, late };
         let waits = AtomicBool::new(remembered.is_none());
         let joining = self.clone().join((name, remembered), engine, &waits);
         Sent::Ended(pump::run(turnstile, ends, (joining, &waits), (&identity, &origin.access, self.0.clock)).await)
+    }
+
+    /// Tells a client why it is sent away. Whether it listens is its own matter.
+    async fn tell(self, from: IpAddr, mut writer: Writer, sent: Sent) -> Sent {
+        let answer = match &sent {
+            Sent::Refused(welcome) => write::connack(*welcome, false).to_vec(),
+            Sent::Unfit(unfit) => unfit.answer().to_vec(),
+            Sent::Slow | Sent::GaveWay | Sent::First(_) | Sent::Malformed(_) | Sent::Broken(_) | Sent::Ended(_) => Vec::new(),
+        };
+        let farewell = async {
+            let _ = writer.write_all(&answer).await;
+            let _ = writer.shutdown().await;
+        };
+        let _ = tokio::time::timeout(FAREWELL, self.0.leaving.linger(from, farewell)).await;
+        sent
     }
 
     /// A way to the engine, or to the next one that lets us in. `waits` is true for as long as nothing is lost when this is dropped.
@@ -313,17 +340,6 @@ async fn knock(engine: &Engine, slot: &Slot, is_clean: bool) -> std::io::Result<
     Err(std::io::Error::other("the engine did not let the gate in"))
 }
 
-/// Tells a client why it is sent away. Whether it listens is its own matter.
-async fn told(mut writer: Writer, sent: Sent) -> Sent {
-    let answer = match &sent {
-        Sent::Refused(welcome) => write::connack(*welcome, false).to_vec(),
-        Sent::Unfit(unfit) => unfit.answer().to_vec(),
-        Sent::Slow | Sent::GaveWay | Sent::First(_) | Sent::Malformed(_) | Sent::Broken(_) | Sent::Ended(_) => Vec::new(),
-    };
-    let farewell = async {
-        let _ = writer.write_all(&answer).await;
-        let _ = writer.shutdown().await;
-    };
-    let _ = tokio::time::timeout(FAREWELL, farewell).await;
-    sent
-}
+#[cfg(test)]
+#[path = "guests_tests.rs"]
+mod tests;

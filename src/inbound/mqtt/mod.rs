@@ -9,7 +9,6 @@ mod hearing;
 pub mod home_assistant;
 mod identity;
 mod limits;
-mod lobby;
 mod memory;
 pub mod news;
 pub mod orders;

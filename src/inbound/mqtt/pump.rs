@@ -3,6 +3,7 @@
 //! so that nothing here is urgent: it works in short turns, and others have theirs in between.
 
 use std::io;
+use std::net::IpAddr;
 use std::pin::pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,11 +18,12 @@ use super::gate::limits::ANSWER_ROOM;
 use super::gate::turnstile::{Ended, Turnstile};
 use super::identity::Identity;
 use super::read_ahead::{Left, READ, Taker};
-use super::seats::Seat;
+use super::seats::{Seat, given_up};
 use super::slots::Slot;
 use super::upstream::{ToEngine, Upstream, leave, read_some, write_some};
 use super::visitor::Writer;
 use crate::access::Access;
+use crate::inbound::vestibule::Vestibule;
 use crate::runtime::clock::Clock;
 
 /// After so long of one client's packets others have their turn.
@@ -49,6 +51,8 @@ pub(super) struct Ends {
     pub(super) ahead: Taker,
     /// Our own session has none.
     pub(super) seat: Option<Seat>,
+    /// Where those are who leave, and from where this one came.
+    pub(super) leaving: (Vestibule, IpAddr),
     /// Room for those who have left and whose messages wait for a way to the engine.
     pub(super) late: Arc<Semaphore>,
 }
@@ -85,7 +89,7 @@ struct Waiting {
 /// a client that is gone and has published nothing it is not waited for while it only `waits`.
 pub(super) async fn run(
     turnstile: Turnstile,
-    Ends { client, ahead, seat, late }: Ends,
+    Ends { client, ahead, seat, leaving, late }: Ends,
     (joining, waits): (impl Future<Output = Result<Upstream, Ended>>, &AtomicBool),
     whose: Whose<'_>,
 ) -> Ended {
@@ -98,7 +102,7 @@ pub(super) async fn run(
     };
     let has_not_joined = joined.is_err();
     let is_joining = has_not_joined && !waits.load(Ordering::Relaxed);
-    let (ended, mut slot, way) = match joined.and_then(|joined| joined) {
+    let (ended, slot, way) = match joined.and_then(|joined| joined) {
         Err(ended) => (ended, None, None),
         Ok(Upstream { stream, mut slot, mut engine, way }) => {
             pump.engine = Some(stream.into_split());
@@ -120,10 +124,7 @@ pub(super) async fn run(
     let room = (has_not_joined && pump.turnstile.has_messages()).then(|| late.try_acquire_owned().ok()).flatten();
     let patience = if room.is_some() { LATE } else { FAREWELL };
     let joined = async { if is_joining || room.is_some() { joining.await.ok() } else { None } };
-    if let Some(late) = pump.take_leave(ended, joined, patience).await {
-        slot = Some(late);
-    }
-    if let Some(slot) = slot {
+    if let Some(slot) = pump.take_leave(ended, (joined, patience), leaving).await.or(slot) {
         slot.remember(pump.turnstile.into_session());
     }
     drop(way);
@@ -167,23 +168,26 @@ impl<'a> Pump<'a> {
     async fn take_leave(
         &mut self,
         ended: Ended,
-        late: impl Future<Output = Option<Upstream>>,
-        patience: Duration,
+        (late, patience): (impl Future<Output = Option<Upstream>>, Duration),
+        (leaving, from): (Vestibule, IpAddr),
     ) -> Option<Slot> {
         let (to_engine, to_client) = self.turnstile.outgoing();
-        let to_client = async {
+        let told = async {
             // Whoever is gone already hears nothing.
             let _ = self.client.write_all(to_client).await;
             let _ = self.client.shutdown().await;
-            if ended == Ended::Closing {
-                // The program goes on ending when this connection is closed; what is on its way is there only when the other side has
-                // closed it, too.
-                self.ahead.ended().await;
-            }
         };
-        let engine = self.engine.take();
+        let to_client = async {
+            if ended != Ended::Closing {
+                return leaving.linger(from, told).await;
+            }
+            told.await;
+            // The program goes on ending when this connection is closed; what is on its way is there only when the other side has
+            // closed it, too.
+            self.ahead.ended().await;
+        };
         let to_engine = async {
-            match engine {
+            match self.engine.take() {
                 Some(mut engine) => {
                     leave(&mut engine, to_engine).await;
                     None
@@ -195,8 +199,8 @@ impl<'a> Pump<'a> {
                 }
             }
         };
-        let farewell = async { tokio::join!(to_client, to_engine).1 };
-        tokio::time::timeout(patience, farewell).await.ok().flatten()
+        let (to_client, to_engine) = (tokio::time::timeout(FAREWELL, to_client), tokio::time::timeout(patience, to_engine));
+        tokio::join!(to_client, to_engine).1.ok().flatten()
     }
 
     /// Moves bytes until something ends it.
@@ -350,14 +354,8 @@ async fn shut_out((identity, access, clock): Whose<'_>, seat: Option<&Seat>) -> 
             tokio::time::sleep(GLANCE).await;
         }
     };
-    let given_up = async {
-        match seat {
-            Some(seat) => seat.given_up().await,
-            None => std::future::pending().await,
-        }
-    };
     tokio::select! {
         () = unknown => Ended::NotKnown,
-        () = given_up => Ended::GaveWay,
+        () = given_up(seat) => Ended::GaveWay,
     }
 }

@@ -126,6 +126,14 @@ impl Drop for Seat {
     }
 }
 
+/// Waits until this seat is somebody else's; for ever, where there is none.
+pub(super) async fn given_up(seat: Option<&Seat>) {
+    match seat {
+        Some(seat) => seat.given_up().await,
+        None => std::future::pending().await,
+    }
+}
+
 fn ms(duration: Duration) -> u64 {
     u64::try_from(duration.as_millis()).unwrap_or(u64::MAX)
 }

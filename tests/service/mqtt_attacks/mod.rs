@@ -1,12 +1,12 @@
 //! Attacks on our own broker: everything that is known to end or stop the engine behind the gate, and then everything at once.
 //! Whatever is done, a screen that was there before is served still. Which client sees what, is tested elsewhere.
 
-mod client;
+pub(crate) mod client;
 mod crowds;
 mod floods;
 mod kill_list;
 mod malformed;
-mod packets;
+pub(crate) mod packets;
 mod shares;
 mod siege;
 mod stalled;

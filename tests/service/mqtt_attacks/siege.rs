@@ -117,6 +117,11 @@ impl Siege {
         line.split_whitespace().next().and_then(|kib| kib.parse::<u64>().ok()).expect("a number of KiB") / 1024
     }
 
+    /// How many descriptors the program has in use.
+    pub(crate) fn descriptors(&self) -> usize {
+        std::fs::read_dir(format!("/proc/{}/fd", self.program.id())).expect("it runs").count()
+    }
+
     /// What the program has said on standard error.
     pub(crate) fn said(&self) -> String {
         std::fs::read_to_string(&self.said).expect("the file is there")

@@ -24,9 +24,9 @@ use crate::inbound::http::places::{Claim, Place, Places};
 use crate::inbound::http::problem::Problem;
 use crate::inbound::http::scanning::{BodyLength, Heard, Scanner, names};
 use crate::inbound::http::tls::Tls;
-use crate::inbound::http::vestibule::{Guest, Vestibule};
 use crate::inbound::http::watcher::closed;
 use crate::inbound::patience::Patient;
+use crate::inbound::vestibule::{Vestibule, Waiting};
 
 /// How long a client may take to agree on encryption.
 const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
@@ -63,30 +63,47 @@ pub(in crate::inbound::http) struct Line {
     pub(in crate::inbound::http) closing: watch::Receiver<bool>,
 }
 
+impl Line {
+    /// Cuts some connections when the system has no more descriptors, and says how many: first of those that get no further answer,
+    /// last of those that may be about to say STOP.
+    pub(in crate::inbound::http) fn relieve(&self) -> usize {
+        let mut relieved = self.lingering.relieve();
+        if relieved == 0 {
+            relieved = self.places.relieve();
+        }
+        if relieved == 0 {
+            relieved = self.vestibule.relieve();
+        }
+        relieved
+    }
+}
+
 /// One connection, to its end or until its place is needed. What a client does wrong with it is the client's business.
 pub(in crate::inbound::http) async fn converse((stream, address): (TcpStream, SocketAddr), line: Line) {
     let peer = Peer { address: address.ip(), is_encrypted: line.tls.is_some() };
     let cut = Arc::new(Notify::new());
-    let guest = line.vestibule.enter(peer.address, Arc::clone(&cut));
+    let waiting = line.vestibule.enter(peer.address, Arc::clone(&cut));
     tokio::select! {
+        biased;
+        // What has come already is heard before room is made.
+        () = encrypted(stream, peer, (waiting, Arc::clone(&cut)), line) => {}
         () = cut.notified() => tracing::debug!("a connection gave way to a newer one"),
-        () = encrypted(stream, peer, (guest, Arc::clone(&cut)), line) => {}
     }
 }
 
 /// Agrees on encryption, where there is any, and then hears.
-async fn encrypted(stream: TcpStream, peer: Peer, guest: (Guest, Arc<Notify>), line: Line) {
+async fn encrypted(stream: TcpStream, peer: Peer, waiting: (Waiting, Arc<Notify>), line: Line) {
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "small packets of a connection will be held back");
     }
     let Some(Tls(acceptor)) = line.tls.clone() else {
         let (from, to) = stream.into_split();
-        return Connection::new(from, to, peer, guest, line).hear().await;
+        return Connection::new(from, to, peer, waiting, line).hear().await;
     };
     match timeout(HANDSHAKE_TIME, acceptor.accept(stream)).await {
         Ok(Ok(stream)) => {
             let (from, to) = tokio::io::split(stream);
-            Connection::new(from, to, peer, guest, line).hear().await;
+            Connection::new(from, to, peer, waiting, line).hear().await;
         }
         Ok(Err(error)) => tracing::debug!(%error, "a client could not agree on encryption"),
         Err(_) => tracing::debug!("a client did not agree on encryption in time"),
@@ -98,7 +115,7 @@ struct Connection<R, W> {
     /// Until somebody talks to the client.
     to: Option<W>,
     cut: Arc<Notify>,
-    guest: Option<Guest>,
+    waiting: Option<Waiting>,
     place: Option<Arc<Place>>,
     talk: Option<Talk>,
     line: Line,
@@ -129,12 +146,12 @@ where
     R: AsyncRead + Unpin + Send,
     W: AsyncWrite + Unpin + Send + 'static,
 {
-    fn new(from: R, to: W, peer: Peer, (guest, cut): (Guest, Arc<Notify>), line: Line) -> Connection<R, W> {
+    fn new(from: R, to: W, peer: Peer, (waiting, cut): (Waiting, Arc<Notify>), line: Line) -> Connection<R, W> {
         Connection {
             from,
             to: Some(to),
             cut,
-            guest: Some(guest),
+            waiting: Some(waiting),
             place: None,
             talk: None,
             judge: Judge { door: line.door.clone(), hosts: line.hosts.clone(), peer },
@@ -244,7 +261,7 @@ where
             place.asked(claim.clone(), !self.scanner.is_between());
         }
         let (place, to) = (Arc::new(place), self.to.take());
-        self.guest = None;
+        self.waiting = None;
         self.talk = to.map(|to| Talk::begin(to, (self.judge.peer, &place), &self.line, &self.shared));
         self.place = Some(place);
         Ok(())
@@ -310,7 +327,7 @@ where
     /// for others meanwhile; of those who linger the oldest makes room.
     async fn linger(mut self) {
         drop(self.talk.take());
-        (self.guest, self.place) = (None, None);
+        (self.waiting, self.place) = (None, None);
         let _lingering = self.line.lingering.enter(self.judge.peer.address, Arc::clone(&self.cut));
         let mut closing = self.line.closing.clone();
         let heard_on = async {

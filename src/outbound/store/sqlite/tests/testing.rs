@@ -16,6 +16,7 @@ use crate::core::units::{Cell, LuggageId, MissionId, Pose, Seq, Wall};
 use crate::core::world::hall_map::Mark;
 use crate::core::world::luggage::{Luggage, PhotoState};
 use crate::runtime::store::StoreWord;
+use crate::runtime::within::within;
 
 /// No waiting but for the disk, and for that as long as it takes.
 pub(super) const HASTE: Patience =
@@ -108,6 +109,16 @@ impl Scribe {
         self.until(|word| word.kept >= last);
         last
     }
+}
+
+/// Waits until it is so; what, goes on after "waited in vain for".
+pub(super) fn eventually(what: &str, is_so: impl Fn() -> bool) {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a small runtime");
+    runtime.block_on(within(what, async {
+        while !is_so() {
+            tokio::time::sleep(Duration::from_millis(1)).await;
+        }
+    }));
 }
 
 pub(super) fn at_noon(fact: Fact) -> Entry {
