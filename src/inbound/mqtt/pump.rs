@@ -199,8 +199,8 @@ impl<'a> Pump<'a> {
                 }
             }
         };
-        let farewell = async { tokio::join!(to_client, to_engine).1 };
-        tokio::time::timeout(patience, farewell).await.ok().flatten()
+        let (to_client, to_engine) = (tokio::time::timeout(FAREWELL, to_client), tokio::time::timeout(patience, to_engine));
+        tokio::join!(to_client, to_engine).1.ok().flatten()
     }
 
     /// Moves bytes until something ends it.
