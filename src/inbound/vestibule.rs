@@ -2,7 +2,7 @@
 //! the oldest of whichever network has most of them gives way. So a newcomer is heard however many flock in, and longer than all of
 //! a crowd (safety S9). Who gets a place, is each door's own matter.
 
-use std::cmp::Reverse;
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
 use std::net::IpAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -22,8 +22,10 @@ pub(super) struct Vestibule(Arc<Mutex<Crowd>>);
 struct Crowd {
     most: usize,
     entered: u64,
-    /// In the order in which they came.
+    /// In the order in which they came,
     waiting: BTreeMap<u64, (Network, Arc<Notify>)>,
+    /// and how many of them each network has.
+    networks: HashMap<Network, usize>,
 }
 
 /// A connection that waits; its room is free again when this is dropped.
@@ -36,7 +38,7 @@ pub(super) struct Waiting {
 impl Vestibule {
     /// Room for so many.
     pub(super) fn new(most: usize) -> Vestibule {
-        Vestibule(Arc::new(Mutex::new(Crowd { most, entered: 0, waiting: BTreeMap::new() })))
+        Vestibule(Arc::new(Mutex::new(Crowd { most, entered: 0, waiting: BTreeMap::new(), networks: HashMap::new() })))
     }
 
     /// Lets a connection from there wait, which is told by `cut` when it has to make room.
@@ -46,8 +48,9 @@ impl Vestibule {
             crowd.cut();
         }
         crowd.entered += 1;
-        let number = crowd.entered;
-        crowd.waiting.insert(number, (Network::of(address), Arc::clone(&cut)));
+        let (number, network) = (crowd.entered, Network::of(address));
+        crowd.waiting.insert(number, (network, Arc::clone(&cut)));
+        *crowd.networks.entry(network).or_default() += 1;
         drop(crowd);
         Waiting { number, vestibule: self.clone(), cut }
     }
@@ -76,14 +79,22 @@ impl Vestibule {
 impl Crowd {
     /// Cuts whoever gives way first; `false` when nobody is here.
     fn cut(&mut self) -> bool {
-        let mut networks: HashMap<Network, (usize, Reverse<u64>)> = HashMap::new();
-        for (number, (network, _)) in &self.waiting {
-            networks.entry(*network).or_insert((0, Reverse(*number))).0 += 1;
-        }
-        let oldest = networks.into_values().max().map(|(_, Reverse(oldest))| oldest);
-        let Some((_, cut)) = oldest.and_then(|oldest| self.waiting.remove(&oldest)) else { return false };
+        let most = self.networks.values().max();
+        let oldest = self.waiting.iter().find(|(_, (network, _))| self.networks.get(network) == most);
+        let Some(cut) = oldest.map(|(number, _)| *number).and_then(|oldest| self.remove(oldest)) else { return false };
         cut.notify_one();
         true
+    }
+
+    fn remove(&mut self, number: u64) -> Option<Arc<Notify>> {
+        let (network, cut) = self.waiting.remove(&number)?;
+        if let Entry::Occupied(mut left) = self.networks.entry(network) {
+            *left.get_mut() -= 1;
+            if *left.get() == 0 {
+                left.remove();
+            }
+        }
+        Some(cut)
     }
 }
 
@@ -96,7 +107,7 @@ impl Waiting {
 
 impl Drop for Waiting {
     fn drop(&mut self) {
-        self.vestibule.crowd().waiting.remove(&self.number);
+        let _ = self.vestibule.crowd().remove(self.number);
     }
 }
 
@@ -129,6 +140,9 @@ mod tests {
         let all = crowd(&vestibule, ["192.0.2.1", "192.0.2.7", "192.0.2.7", "192.0.2.7", "192.0.2.9", "192.0.2.10"]);
         assert_eq!(gone(&all).await, [1, 2]);
         assert_eq!(vestibule.crowd().waiting.len(), 4);
+        drop(all);
+        let crowd = vestibule.crowd();
+        assert!(crowd.waiting.is_empty() && crowd.networks.is_empty(), "whoever leaves is not counted");
     }
 
     /// Safety S9: an attacker with many addresses drives nobody away sooner than his own that are older.

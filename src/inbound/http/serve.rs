@@ -26,7 +26,7 @@ const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 const RELIEF_PAUSE: Duration = Duration::from_millis(2);
 
 /// So many wait at once until their first head has come: that is within a moment, or whoever sends it has this many newcomers' time.
-const WAITING: usize = 128;
+const WAITING: usize = 512;
 
 /// So many linger at once.
 const LINGERING: usize = 64;

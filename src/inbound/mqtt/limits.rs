@@ -8,7 +8,7 @@ use std::time::Duration;
 pub(super) const CONNECTIONS: usize = 256;
 
 /// Connections at once that have not said yet who they are: however many there are, a newcomer can say it.
-pub(super) const WAITING: usize = 64;
+pub(super) const WAITING: usize = 256;
 
 /// Connections at once that are told why they end, or are still to read what was left for them: of more than these some are cut.
 pub(super) const LEAVING: usize = 64;
