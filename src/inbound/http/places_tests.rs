@@ -57,6 +57,19 @@ impl Somebody {
     }
 }
 
+/// Safety S9: it is as good as one that never had a body.
+#[tokio::test]
+async fn a_body_that_has_come_whole_is_none_that_is_on_its_way() {
+    let places = open(2);
+    let older = comes(&places, HERE, "operator").dribbles();
+    older.place().received();
+    older.place().answered();
+    let newer = comes(&places, HERE, "operator").asks();
+    newer.place().answered();
+    let _newcomer = comes(&places, HERE, "operator");
+    assert!(older.is_cut().await && !newer.is_cut().await);
+}
+
 /// Safety S9.
 #[tokio::test]
 async fn whoever_makes_least_progress_gives_way() {

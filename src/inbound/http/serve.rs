@@ -2,6 +2,7 @@
 //! calls; what becomes of a connection stands in `hearing`.
 
 use std::future::Future;
+use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::runtime::Handle;
@@ -62,7 +63,7 @@ async fn serve_so_many(
     }
     let door = door.at(listeners.port());
     let hosts = Hosts::new(listeners.are_local(), &front.hosts);
-    let line = Line {
+    let line = Arc::new(Line {
         router: router(&door, hosts.clone()),
         hosts,
         tls: front.tls,
@@ -72,7 +73,7 @@ async fn serve_so_many(
         work: Handle::current(),
         closing: door.closing.subscribe(),
         door: door.clone(),
-    };
+    });
     let (end, ended) = oneshot::channel();
     let thread = listeners.thread().clone();
     let mut listening = JoinSet::new();
@@ -85,7 +86,7 @@ async fn serve_so_many(
 }
 
 /// Takes connections in until the end, and then waits shortly for those that are open.
-async fn listen(mut listeners: Listeners, line: Line, mut ended: oneshot::Receiver<()>) {
+async fn listen(mut listeners: Listeners, line: Arc<Line>, mut ended: oneshot::Receiver<()>) {
     let mut connections = JoinSet::new();
     let mut newcomers = 0;
     loop {
@@ -95,7 +96,8 @@ async fn listen(mut listeners: Listeners, line: Line, mut ended: oneshot::Receiv
             Some(_) = connections.join_next() => {}
             accepted = listeners.accept() => match accepted {
                 Ok(newcomer) => {
-                    connections.spawn(converse(newcomer, line.clone()));
+                    // Boxed, since what is spawned is moved about.
+                    connections.spawn(Box::pin(converse(newcomer, Arc::clone(&line))));
                     newcomers += 1;
                 }
                 Err(error) => {

@@ -5,6 +5,7 @@ use std::net::{SocketAddr, TcpStream as Client};
 
 use std::net::Shutdown;
 
+use tokio::io::AsyncReadExt;
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
@@ -14,8 +15,10 @@ use super::*;
 use crate::access::Access;
 use crate::core::command::Door::Local;
 use crate::core::command::{Command, Issuer, Request};
+use crate::inbound::http::Hall;
 use crate::inbound::http::testing::{House, guarded_house, house, keys};
 use crate::runtime::clock::Clock;
+use crate::runtime::within::within;
 use crate::wire::fixture::searching;
 
 /// A door that is served until it is told to end.
@@ -110,17 +113,6 @@ async fn connections_that_ask_nothing_keep_no_stop_waiting() {
     assert!(is_closed(&mut idle[0]), "the oldest was cut");
 }
 
-/// Safety S9: what has come is heard, whoever else comes. On one thread nothing is heard before all of them are here.
-#[tokio::test]
-async fn a_stop_that_has_come_halts_although_its_connection_has_to_make_room() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, 1).await;
-    for number in 1..=20 {
-        let _crowd = [client(address, STOP), client(address, "")];
-        stops(&house, number).await;
-    }
-}
-
 /// Safety A5, S1.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn neither_do_connections_that_have_asked_and_rest() {
@@ -153,11 +145,14 @@ async fn whoever_is_let_in_and_looks_on_is_not_cut_for_a_newcomer() {
     for client in &mut watching {
         assert_eq!(answered(client), "HTTP/1.1 200");
     }
-    assert_eq!(answered(&mut client(address, LOOK)), "HTTP/1.1 503", "there is no place left");
+    let mut late = client(address, LOOK);
+    assert_eq!(answered(&mut late), "HTTP/1.1 503", "there is no place left");
+    late.write_all(STOP.as_bytes()).unwrap();
+    stops(&house, 1).await;
     let mut refused = String::new();
     client(address, STOP).read_to_string(&mut refused).expect("an answer in order");
     assert!(refused.starts_with("HTTP/1.1 503") && refused.contains("has halted the robot"), "{refused}");
-    stops(&house, 1).await;
+    stops(&house, 2).await;
     drop(watching.pop());
     // The place is free as soon as the door has seen that its client is gone.
     let mut tries = (0..500).map(|_| answered(&mut client(address, LOOK)));
@@ -315,6 +310,33 @@ async fn a_stop_behind_an_upgrade_that_is_refused_and_over_halts() {
         client.write_all(press("/h", "", "").as_bytes()).unwrap();
         stops(&house, number).await;
     }
+}
+
+/// Safety S8, S9: what it says is no HTTP, whatever it looks like, and others need not give way to it, nor it to them.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_place() {
+    let mut house = house(searching());
+    let (bring, mut brought) = tokio::sync::mpsc::channel(1);
+    let hall = Hall::new(move |visitor| bring.try_send(visitor).expect("there is one"));
+    house.door = house.door.with_mqtt(Some(hall));
+    let Served { address, end: _end, serving: _serving } = served(&house, 1).await;
+    let mut carried = client(
+        address,
+        "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
+         Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: mqtt\r\n\r\n",
+    );
+    assert_eq!(answered(&mut carried), "HTTP/1.1 101");
+    let mut visitor = within("whoever was brought", brought.recv()).await.unwrap();
+    let stop = "POST /h HTTP/1.1\n\n";
+    for _ in 0..3 {
+        assert_eq!(answered(&mut client(address, LOOK)), "HTTP/1.1 200");
+        // Masked with nothing, which is a mask as well.
+        carried.write_all(&[&[0x82, 0x80 | stop.len() as u8, 0, 0, 0, 0], stop.as_bytes()].concat()).unwrap();
+        let mut said = vec![0; stop.len()];
+        within("what it says", visitor.stream.read_exact(&mut said)).await.unwrap();
+        assert_eq!(said, stop.as_bytes());
+    }
+    stops(&house, 0).await;
 }
 
 /// Safety A5, S9: of those who get no further answer so many are heard on, and the oldest makes room.

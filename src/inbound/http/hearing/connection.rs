@@ -37,8 +37,9 @@ pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
 /// How long a request's line and headers may be together; longer ones are answered with 431.
 pub(super) const HEADER_BYTES: usize = 64 * 1024;
 
-/// So much is read at once, in bytes; others have their turn after so many of these, and after so many heads.
+/// So much is read at once, in bytes, and so much at first; others have their turn after so many of these, and after so many heads.
 const TURN: usize = 16 * 1024;
+const FIRST: usize = 1024;
 const TURNS: usize = 4;
 const HEADS: usize = 32;
 
@@ -48,7 +49,6 @@ const LINGER_TIME: Duration = Duration::from_secs(5);
 const LINGER_BYTES: usize = 1024 * 1024;
 
 /// What every connection has in common.
-#[derive(Clone)]
 pub(in crate::inbound::http) struct Line {
     pub(in crate::inbound::http) door: Door,
     pub(in crate::inbound::http) hosts: Hosts,
@@ -79,7 +79,7 @@ impl Line {
 }
 
 /// One connection, to its end or until its place is needed. What a client does wrong with it is the client's business.
-pub(in crate::inbound::http) async fn converse((stream, address): (TcpStream, SocketAddr), line: Line) {
+pub(in crate::inbound::http) async fn converse((stream, address): (TcpStream, SocketAddr), line: Arc<Line>) {
     let peer = Peer { address: address.ip(), is_encrypted: line.tls.is_some() };
     let cut = Arc::new(Notify::new());
     let waiting = line.vestibule.enter(peer.address, Arc::clone(&cut));
@@ -92,7 +92,7 @@ pub(in crate::inbound::http) async fn converse((stream, address): (TcpStream, So
 }
 
 /// Agrees on encryption, where there is any, and then hears.
-async fn encrypted(stream: TcpStream, peer: Peer, waiting: (Waiting, Arc<Notify>), line: Line) {
+async fn encrypted(stream: TcpStream, peer: Peer, waiting: (Waiting, Arc<Notify>), line: Arc<Line>) {
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "small packets of a connection will be held back");
     }
@@ -100,10 +100,11 @@ async fn encrypted(stream: TcpStream, peer: Peer, waiting: (Waiting, Arc<Notify>
         let (from, to) = stream.into_split();
         return Connection::new(from, to, peer, waiting, line).hear().await;
     };
-    match timeout(HANDSHAKE_TIME, acceptor.accept(stream)).await {
+    // Boxed, since most connections have none of this.
+    match timeout(HANDSHAKE_TIME, Box::pin(acceptor.accept(stream))).await {
         Ok(Ok(stream)) => {
             let (from, to) = tokio::io::split(stream);
-            Connection::new(from, to, peer, waiting, line).hear().await;
+            Box::pin(Connection::new(from, to, peer, waiting, line).hear()).await;
         }
         Ok(Err(error)) => tracing::debug!(%error, "a client could not agree on encryption"),
         Err(_) => tracing::debug!("a client did not agree on encryption in time"),
@@ -118,7 +119,7 @@ struct Connection<R, W> {
     waiting: Option<Waiting>,
     place: Option<Arc<Place>>,
     talk: Option<Talk>,
-    line: Line,
+    line: Arc<Line>,
     judge: Judge,
     shared: Arc<Shared>,
     scanner: Scanner,
@@ -146,7 +147,7 @@ where
     R: AsyncRead + Unpin + Send,
     W: AsyncWrite + Unpin + Send + 'static,
 {
-    fn new(from: R, to: W, peer: Peer, (waiting, cut): (Waiting, Arc<Notify>), line: Line) -> Connection<R, W> {
+    fn new(from: R, to: W, peer: Peer, (waiting, cut): (Waiting, Arc<Notify>), line: Arc<Line>) -> Connection<R, W> {
         Connection {
             from,
             to: Some(to),
@@ -299,7 +300,8 @@ where
             self.turn = 0;
             tokio::task::yield_now().await;
         }
-        self.read.reserve(TURN);
+        // Most heads are short, and many wait.
+        self.read.reserve(if self.turn < FIRST { FIRST } else { TURN });
         let mut closing = self.line.closing.clone();
         let read = match &mut self.talk {
             Some(talk) => tokio::select! {

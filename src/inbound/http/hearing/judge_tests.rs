@@ -295,6 +295,22 @@ async fn who_may_stop_without_a_key_is_on_this_machine() {
     assert!(!halts(&judge, &stop, 9));
 }
 
+/// Safety S8, A2: of so many hosts and origins that not all are kept, one may be another's.
+#[tokio::test]
+async fn nothing_halts_when_not_all_hosts_and_origins_are_kept() {
+    let house = house(searching());
+    let judge = judge(&house);
+    let ours = ["localhost", "127.0.0.1", "localhost:1", "localhost:2"];
+    for field in ["Host: ", "Origin: http://"] {
+        let mut sent = Sent::stop("/h", "");
+        for host in ours {
+            sent.insert(0, format!("{field}{host}").into_bytes());
+        }
+        sent.insert(5, format!("{field}elsewhere.example").into_bytes());
+        assert!(!halts(&judge, &sent.bytes(), usize::MAX), "{field}");
+    }
+}
+
 /// Safety A6.
 #[tokio::test]
 async fn a_stop_that_was_heard_is_on_record_with_who_from_where_and_by_which_door() {

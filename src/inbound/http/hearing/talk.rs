@@ -110,7 +110,7 @@ impl Shared {
 
 impl Talk {
     /// Begins to talk, where the routes are carried out.
-    pub(super) fn begin<W>(to: W, (peer, place): (Peer, &Arc<Place>), line: &Line, shared: &Arc<Shared>) -> Talk
+    pub(super) fn begin<W>(to: W, (peer, place): (Peer, &Arc<Place>), line: &Arc<Line>, shared: &Arc<Shared>) -> Talk
     where
         W: AsyncWrite + Unpin + Send + 'static,
     {
@@ -119,7 +119,7 @@ impl Talk {
         let gone = Arc::new(Notify::new());
         let wire = Wire { from: theirs, to: Patient::new(to), gone: Arc::clone(&gone), is_gone: false, _held: held };
         let mut task = JoinSet::new();
-        task.spawn_on(talk(wire, (peer, Arc::clone(place)), line.clone(), Arc::clone(shared), gone), &line.work);
+        task.spawn_on(talk(wire, (peer, Arc::clone(place)), Arc::clone(line), Arc::clone(shared), gone), &line.work);
         Talk { to: ours, over, task }
     }
 
@@ -135,12 +135,12 @@ impl Talk {
     }
 }
 
-async fn talk<W>(wire: Wire<W>, (peer, place): (Peer, Arc<Place>), line: Line, shared: Arc<Shared>, gone: Arc<Notify>)
+async fn talk<W>(wire: Wire<W>, (peer, place): (Peer, Arc<Place>), line: Arc<Line>, shared: Arc<Shared>, gone: Arc<Notify>)
 where
     W: AsyncWrite + Unpin + Send + 'static,
 {
-    let Line { router, mut closing, .. } = line;
-    let routes = TowerToHyperService::new(router);
+    let mut closing = line.closing.clone();
+    let routes = TowerToHyperService::new(line.router.clone());
     let numbers = AtomicU64::new(0);
     let service = service_fn(|mut request: Request<Incoming>| {
         let number = numbers.fetch_add(1, Ordering::Relaxed);

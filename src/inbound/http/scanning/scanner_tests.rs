@@ -170,3 +170,13 @@ proptest! {
         prop_assert_eq!(heard(&bytes, piece).0, heard(&bytes, usize::MAX).0);
     }
 }
+
+/// Safety S8: what hyper gives up on is not taken for the end of a body.
+#[test]
+fn the_size_of_a_chunk_that_is_larger_than_any_is_no_size() {
+    for size in ["10000000000000000", "fffffffffffffffff", "g", "-1", ""] {
+        let text = format!("POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n{size}\r\n\r\n{NEXT}");
+        let heard = heard(text.as_bytes(), usize::MAX).0;
+        assert_eq!(heard.len(), 1, "{size}: {heard:?}");
+    }
+}
