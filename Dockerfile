@@ -10,6 +10,8 @@ FROM rust:1-slim-bookworm AS build
 WORKDIR /build
 COPY Cargo.toml Cargo.lock ./
 COPY benches ./benches
+# Named in Cargo.toml too, so cargo wants to see it.
+COPY tests/storm.rs ./tests/storm.rs
 COPY config ./config
 COPY templates ./templates
 COPY static ./static

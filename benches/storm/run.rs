@@ -1,21 +1,28 @@
 //! One run: a program, a flood or many or none, those who look on, and so many STOPs, each while the robot moves.
 
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 use crate::clock::now;
 use crate::figures::{Row, Stops};
-use crate::floods::Flood;
+use crate::floods::{Door, Flood};
 use crate::stage::{House, Said, Sender};
 use crate::stops::{Operator, Way};
 
 /// The flood is there before the first STOP.
-const WARM_UP: Duration = Duration::from_secs(2);
+const WARM_UP: Duration = Duration::from_secs(1);
 
 /// After so long a START was refused for good, or the robot does not move, or a STOP does not come to it.
 const PATIENCE: Duration = Duration::from_secs(10);
 
+/// A robot that was started and does not move after so long is started once more.
+const AGAIN: Duration = Duration::from_secs(2);
+
+/// A START that was refused is pressed again after so long.
+const PAUSE: Duration = Duration::from_millis(20);
+
 /// A run is over after so long, however far it has come: this, and so much for each STOP of a way, many times what they take.
-const LIMIT: Duration = Duration::from_secs(30);
+const LIMIT: Duration = Duration::from_secs(60);
 const LIMIT_EACH: Duration = Duration::from_millis(300);
 
 /// Presses STOP so often in each way.
@@ -36,14 +43,17 @@ fn storm(row: &mut Row, floods: &[&Flood], is_nice: bool, each: usize) -> Result
     let senders = senders?;
     std::thread::sleep(WARM_UP);
     let until = Instant::now() + LIMIT + LIMIT_EACH * u32::try_from(each).unwrap_or(u32::MAX);
-    row.stops = stops(&house, &mut operator, each, until);
+    // START waits its turn behind the flood: where one door alone is flooded, it comes by another.
+    let over_coap = floods.len() > 1 && floods.iter().all(|flood| flood.door != Door::Coap);
+    row.stops = stops(&house, &mut operator, (each, over_coap), until);
     row.cut = operator.cut;
     row.memory_mib = house.memory_mib();
     row.broke = house.broke();
     for (flood, sender) in floods.iter().zip(senders) {
         let (done, away) = sender.end();
         (row.done, row.away) = (row.done + done, row.away + away);
-        if done == 0 {
+        // Under others it may be turned away all the time; alone it is no flood then.
+        if done == 0 && (away == 0 || floods.len() == 1) {
             return Err(format!("{} did nothing", flood.name));
         }
     }
@@ -52,7 +62,7 @@ fn storm(row: &mut Row, floods: &[&Flood], is_nice: bool, each: usize) -> Result
 }
 
 /// The ways take turns, so that all of them meet the same weather.
-fn stops(house: &House, operator: &mut Operator, each: usize, until: Instant) -> Stops {
+fn stops(house: &House, operator: &mut Operator, (each, over_coap): (usize, bool), until: Instant) -> Stops {
     let mut stops = Stops::default();
     let mut is_driving = false;
     for _ in 0..each {
@@ -61,7 +71,7 @@ fn stops(house: &House, operator: &mut Operator, each: usize, until: Instant) ->
                 stops.is_cut_short = true;
                 return stops;
             }
-            if !is_driving && let Err(why) = drive(house, operator) {
+            if !is_driving && let Err(why) = drive(house, operator, over_coap) {
                 stops.unstarted += 1;
                 stops.whys.push(why);
                 continue;
@@ -84,23 +94,23 @@ fn stops(house: &House, operator: &mut Operator, each: usize, until: Instant) ->
 }
 
 /// Presses START until the robot moves.
-fn drive(house: &House, operator: &mut Operator) -> Result<(), String> {
+fn drive(house: &House, operator: &mut Operator, over_coap: bool) -> Result<(), String> {
     let until = Instant::now() + PATIENCE;
     loop {
-        let started = operator.start();
+        let started = operator.start(over_coap);
+        let glance = Instant::now() + if started.is_ok() { AGAIN } else { PAUSE };
         loop {
-            let wait = if started.is_ok() { until } else { Instant::now() };
-            match house.next(wait) {
+            match house.next(glance) {
                 Ok(Said::Moves) => return Ok(()),
-                Ok(_) => {}
-                Err(_) if started.is_ok() => return Err("the robot was started and does not move".to_owned()),
-                Err(_) => break,
+                Ok(Said::Halt(..) | Said::Doors(_)) => {}
+                Err(RecvTimeoutError::Timeout) => break,
+                Err(RecvTimeoutError::Disconnected) => return Err("the program has ended".to_owned()),
             }
         }
         if Instant::now() > until {
-            return Err(format!("START: {}", started.err().map(|error| error.to_string()).unwrap_or_default()));
+            let refused = started.err().map(|error| format!("START: {error}"));
+            return Err(refused.unwrap_or_else(|| "the robot was started and does not move".to_owned()));
         }
-        std::thread::sleep(Duration::from_millis(20));
     }
 }
 

@@ -57,8 +57,11 @@ impl Operator {
         Ok(Operator { doors: doors.clone(), patience, kept, mqtt, coap, pressed: 0, cut: 0 })
     }
 
-    /// Presses START on the kept connection.
-    pub(crate) fn start(&mut self) -> io::Result<()> {
+    /// Presses START: on the kept HTTP connection, or over CoAP.
+    pub(crate) fn start(&mut self, over_coap: bool) -> io::Result<()> {
+        if over_coap {
+            return self.coap.ask("POST", "commands/start", "").and_then(|reply| accepted(&reply.text));
+        }
         let start = request("POST", "/api/v1/commands/start", self.doors.http, Some(&self.doors.operator), "");
         match self.kept.ask(&start) {
             Ok(answer) => accepted(&answer.body),

@@ -1,0 +1,109 @@
+//! A short storm: what a viewer can do to every door, a few floods at once, and an operator who presses STOP 300 times in
+//! five ways. Program, robot, floods and ways are those of `benches/storm.rs`, which measures how long that takes; here no time
+//! counts. This file starts itself as the program and as the floods, so it has no harness, and reads the usual words by itself.
+#![expect(clippy::print_stdout, reason = "without a harness a test says itself what became of it")]
+
+#[path = "../benches/storm/clock.rs"]
+mod clock;
+#[path = "../benches/common/coap.rs"]
+mod coap;
+#[path = "../benches/storm/course.rs"]
+#[expect(dead_code, reason = "no flood goes anywhere else here")]
+mod course;
+#[path = "../benches/storm/figures.rs"]
+#[expect(dead_code, reason = "no time is judged here")]
+mod figures;
+#[path = "../benches/storm/floods.rs"]
+mod floods;
+#[path = "../benches/storm/honest.rs"]
+mod honest;
+#[path = "../benches/storm/house.rs"]
+mod house;
+#[path = "../benches/storm/http.rs"]
+mod http;
+#[path = "service/mqtt_attacks/packets.rs"]
+#[expect(dead_code, reason = "these floods do without some")]
+mod packets;
+#[path = "../benches/storm/run.rs"]
+#[expect(clippy::disallowed_methods, reason = "a test bounds its own patience by the real clock")]
+mod run;
+#[path = "../benches/storm/stage.rs"]
+#[expect(clippy::disallowed_methods, reason = "a test bounds its own patience by the real clock")]
+mod stage;
+#[path = "../benches/storm/stops.rs"]
+mod stops;
+#[path = "../benches/storm/wire.rs"]
+mod wire;
+
+use course::Doors;
+use floods::Flood;
+use stops::Way;
+
+/// So many STOPs are pressed in all.
+const STOPS: usize = 300;
+
+/// Floods that go on at once, each group at a program of its own. Which are left to the benchmark, and why, stands in docs/testing.md.
+const GROUPS: [&[&str]; 12] = [
+    // Beside those who say nothing too few of these get in to take all places.
+    &["http-bodies", "http-bodies-near"],
+    &["http-heads", "http-heads-near", "http-silence", "http-silence-near"],
+    &["http-refused", "http-strangers", "http-reads", "http-streams", "http-comings"],
+    &["http-pipelines"],
+    &["mqtt-refused", "mqtt-terms", "mqtt-pings"],
+    &["mqtt-unsubscribe", "mqtt-filters", "mqtt-topics"],
+    &["mqtt-seats", "mqtt-stalled", "mqtt-comings"],
+    &["mqtt-halves"],
+    &["mqtt-halves-near"],
+    &["mqtt-deaf"],
+    &["web-refused", "web-seats", "web-halves"],
+    &["coap-gets", "coap-malformed"],
+];
+
+/// As it is asked for on the command line of `cargo test`.
+const NAME: &str = "every_stop_gets_in_whatever_a_viewer_does";
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        [house::WORD] => house::serve(),
+        [stage::FLOOD, name, ..] => stage::flood(name, Doors::read(&words[2..])),
+        [stage::HONEST, ..] => stage::look_on(Doors::read(&words[1..])),
+        _ if words.iter().any(|word| word == "--list") => println!("{NAME}: test"),
+        _ if is_asked_for(&words) => {
+            every_stop_gets_in_whatever_a_viewer_does();
+            println!("test {NAME} ... ok");
+        }
+        _ => println!("test {NAME} ... not asked for"),
+    }
+}
+
+/// Whether the words that the tests of this project are chosen by choose this one.
+fn is_asked_for(words: &[String]) -> bool {
+    let (mut filters, mut skipped, mut words) = (Vec::new(), Vec::new(), words.iter().map(String::as_str));
+    while let Some(word) = words.next() {
+        match word {
+            "--ignored" => return false,
+            "--skip" => skipped.extend(words.next()),
+            // Their values are no filters.
+            "--test-threads" | "--format" | "--color" | "--logfile" | "--shuffle-seed" | "-Z" => drop(words.next()),
+            option if option.starts_with('-') => {}
+            filter => filters.push(filter),
+        }
+    }
+    (filters.is_empty() || filters.iter().any(|filter| NAME.contains(filter))) && !skipped.iter().any(|word| NAME.contains(word))
+}
+
+/// Safety S7, S9: whatever a viewer does, every STOP halts, and nobody who presses one is refused a place.
+fn every_stop_gets_in_whatever_a_viewer_does() {
+    let each = STOPS / GROUPS.len() / Way::ALL.len();
+    figures::head();
+    let (mut halted, mut faults) = (0, Vec::new());
+    for group in GROUPS {
+        let floods: Vec<&Flood> = group.iter().map(|name| floods::named(name).expect("a flood of this name")).collect();
+        let row = run::run(group[0], &floods, true, each);
+        row.print(false);
+        halted += row.stops.took.iter().filter(|(_, halt)| halt.is_some()).count();
+        faults.extend(row.shortcomings().into_iter().chain(row.failed).map(|fault| format!("{}: {fault}", group[0])));
+    }
+    assert_eq!((halted, faults), (STOPS, Vec::new()));
+}
