@@ -1,10 +1,11 @@
 //! Safety S8: after a halt `robot.halting` is true until the robot stands, nothing new begins until then, and a stop is answered
 //! with a revision of which one or the other is so.
 
-use hallsweep::core::command::{Command, Door, Issuer, Request};
+use hallsweep::core::command::{Command, Door, Issuer, Refused, Request};
 use hallsweep::core::effect::Effect;
 use hallsweep::core::event::{Event, RobotEvent};
-use hallsweep::core::mission::PhaseName;
+use hallsweep::core::mission::{Hold, PhaseName};
+use hallsweep::core::units::Epoch;
 use hallsweep::core::world::robot::RobotState;
 
 use crate::bare::Bare;
@@ -83,6 +84,34 @@ fn a_stop_that_has_halted_does_not_undo_the_start_that_was_given_after_it() {
     let again = Request { epoch: Some(raised.next()), ..stop };
     bare.ask(again).expect("a stop is never refused");
     assert!(!bare.state().mission.holds.is_empty(), "another one does");
+}
+
+/// Safety S4: when it was given counts, whatever number its sender names.
+#[test]
+fn a_start_that_was_given_before_the_stop_is_outdated_though_it_names_an_epoch_to_come() {
+    for named in [None, Some(1), Some(999)] {
+        let mut bare = driving();
+        let given = bare.state().mission.epoch;
+        bare.raise();
+        bare.halted();
+        let start = Request::new(Command::Start, Issuer::operator(Door::Mqtt));
+        let start = Request { epoch: named.map(Epoch), arrived: Some(given), ..start };
+        assert!(matches!(bare.ask(start), Err(Refused::Outdated { .. })), "{named:?}");
+        assert!(bare.state().mission.holds.contains(&Hold::Operator) && bare.order().is_none());
+    }
+}
+
+/// Nothing but what was given after a stop ends what it holds: its record, which comes last, holds again.
+#[test]
+fn a_reset_that_was_given_before_the_stop_leaves_it_held() {
+    let mut bare = Bare::linked();
+    let given = bare.state().mission.epoch;
+    let raised = bare.raise();
+    let reset = Request { arrived: Some(given), ..Request::new(Command::Reset, Issuer::operator(Door::Mqtt)) };
+    bare.ask(reset).expect("an idle robot is reset");
+    let stop = Request { epoch: Some(raised), ..Request::new(Command::Stop, Issuer::operator(Door::Mqtt)) };
+    bare.ask(stop).expect("a stop is never refused");
+    assert!(bare.state().mission.holds.contains(&Hold::Operator));
 }
 
 #[test]

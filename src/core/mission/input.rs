@@ -155,7 +155,7 @@ impl Input {
 pub struct Matter {
     /// Who gave the command.
     pub issuer: Option<Issuer>,
-    /// The epoch that a stop has raised.
+    /// The epoch that a stop has raised; of another command, the one in which it was given.
     pub epoch: Option<Epoch>,
     /// The piece named, or found to be meant by a bare word.
     pub luggage: Option<LuggageId>,

@@ -22,7 +22,7 @@ impl Sweep {
 
     fn perform(&mut self, act: Act, matter: &Matter) {
         match act {
-            Act::Release => self.release(),
+            Act::Release => self.release(matter),
             Act::Begin => self.begin_mission(),
             Act::EmptyMap => self.empty_map(),
             Act::Stop => self.stop(matter),
@@ -49,7 +49,8 @@ impl Sweep {
         }
     }
 
-    fn release(&mut self) {
+    fn release(&mut self, matter: &Matter) {
+        self.released = matter.epoch.or(Some(self.mission.epoch));
         if self.mission.holds.release() {
             self.note_holds();
         }

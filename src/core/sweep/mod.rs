@@ -68,6 +68,8 @@ pub struct Sweep {
     repeats: Repeats,
     refusals: Refusals,
     stops: Stops,
+    /// The epoch in which the command was given that released the robot last.
+    released: Option<Epoch>,
     on_record: OnRecord,
     taken: Option<Arc<Snapshot>>,
 }
@@ -88,6 +90,7 @@ impl Sweep {
             repeats: Repeats::default(),
             refusals: Refusals::default(),
             stops: Stops::default(),
+            released: None,
             on_record: OnRecord::first(strategy),
             taken: None,
         }
@@ -104,7 +107,8 @@ impl Sweep {
             return repeated;
         }
         let (input, mut matter) = Matter::of(&request.command, &request.issuer, self.pending());
-        matter.epoch = request.epoch.or(request.arrived);
+        // A number that no stop has made yet is none: what was given before a stop does not come after it.
+        matter.epoch = [request.epoch, request.arrived].into_iter().flatten().min();
         let outcome = match self.refuse_outdated(input, matter.epoch) {
             Ok(()) => self.decide(input, &matter),
             Err(outdated) => Err((outdated, &[][..])),
@@ -269,9 +273,9 @@ impl Sweep {
     /// Carries out an accepted command; it is answered once it is kept with all that followed from it. A stop waits for no record; and
     /// what the table still accepts while the store cannot write is on record already, or need not be.
     fn carry_out(&mut self, request: &Request, input: Input, step: Step, matter: &Matter) -> Ticket {
-        // What a stop does was done when it was raised, ahead of the queue; a START that was given since then stands.
-        let is_done = input == Input::Stop && matter.epoch.is_some_and(|raised| raised <= self.mission.epoch);
-        if !is_done {
+        // What a stop does was done when it was raised, ahead of the queue: what was given since then to release the robot stands.
+        let is_over = |raised: Epoch| raised <= self.mission.epoch && self.released.is_some_and(|released| released >= raised);
+        if input != Input::Stop || !matter.epoch.is_some_and(is_over) {
             self.apply(step, matter);
         }
         let ticket = self.outbox.next_ticket();

@@ -119,8 +119,9 @@ impl Feeder {
         }
         state.bytes += bytes.len();
         state.halted.extend_from_slice(halted);
-        drop(state);
+        // Before anybody can take them, so that the sum is never less than nothing.
         self.0.pool.0.fetch_add(bytes.len(), Ordering::Relaxed);
+        drop(state);
         self.0.come.notify_one();
     }
 
@@ -145,8 +146,8 @@ impl Taker {
         state.halted.drain(..).for_each(halted);
         let Some(piece) = state.pieces.pop_front() else { return false };
         state.bytes -= piece.len();
-        drop(state);
         self.0.pool.0.fetch_sub(piece.len(), Ordering::Relaxed);
+        drop(state);
         if into.is_empty() {
             *into = piece;
         } else {
