@@ -15,7 +15,7 @@ use crate::access::Network;
 /// opened too.
 pub(super) const RELIEF: usize = 16;
 
-/// A vestibule. Cheap to clone.
+/// The places before all places of a door. Cheap to clone.
 #[derive(Clone)]
 pub(super) struct Vestibule(Arc<Mutex<Crowd>>);
 

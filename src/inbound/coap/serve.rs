@@ -73,7 +73,9 @@ impl<A: Application> Driver<A> {
     /// Takes what has come, but not for long. When more comes than is answered, it hears first, so that a STOP is found behind
     /// whatever others send (safety S1, S7).
     async fn turn(&mut self) {
-        if self.endpoint.is_behind() || !self.answer_as_they_come().await {
+        if !self.endpoint.is_behind() && self.answer_as_they_come().await {
+            self.hearings = 0;
+        } else {
             self.hearings += 1;
             if self.hear().await || self.hearings >= HEARINGS {
                 self.hearings = 0;

@@ -13,6 +13,7 @@ use tokio::time::MissedTickBehavior;
 
 use super::engine::{Engine, EngineError};
 use super::guests::House;
+use super::limits::APPETITE;
 use super::memory;
 use super::session::Health;
 use super::suspicion::{Suspicion, is_greedy};
@@ -165,6 +166,9 @@ impl Embedded {
             let in_use = in_use.saturating_sub(self.house.held_bytes());
             // What the engine before had is given back to the system a little later.
             self.usual = self.usual.min(in_use);
+            if in_use - self.usual <= APPETITE / 2 {
+                self.house.forget_fed();
+            }
             if is_greedy(in_use - self.usual, self.house.fed_bytes()) {
                 return Some("it takes too much memory");
             }

@@ -142,7 +142,12 @@ impl House {
         self.0.gatehouse.retained.bytes() + self.0.pool.bytes()
     }
 
-    /// How many bytes of messages this engine was given, counted once for each filter that they match.
+    /// What the engine was given until now is not counted any more.
+    pub(super) fn forget_fed(&self) {
+        self.0.gatehouse.fed.store(0, Ordering::Relaxed);
+    }
+
+    /// How many bytes of messages the engine was given of late, counted once for each who reads them.
     pub(super) fn fed_bytes(&self) -> u64 {
         self.0.gatehouse.fed.load(Ordering::Relaxed)
     }
@@ -155,7 +160,7 @@ impl House {
     /// There is another engine, which knows nothing yet.
     pub(super) fn renew(&self) {
         self.0.gatehouse.budget.renew();
-        self.0.gatehouse.fed.store(0, Ordering::Relaxed);
+        self.forget_fed();
     }
 
     /// Listens to a visitor to the end, on the thread that hears, while it is served on `work`.

@@ -34,9 +34,9 @@ pub(super) const PACKETS: usize = 1_000;
 /// read with it.
 pub(super) const APPETITE: usize = 96 * 1024 * 1024;
 
-/// An engine that was given no more than this is not the cause: it holds at most four times as much, and what crowds of connections
-/// cost is no doing of its.
-pub(super) const MEAL: u64 = APPETITE as u64 / 4;
+/// An engine that was given no more than this since half of that was taken is not the cause: it holds at most four times as much, and
+/// what crowds of connections cost is no doing of its.
+pub(super) const MEAL: u64 = APPETITE as u64 / 8;
 
 /// Of all clients, those whom one key may bring: every screen of a large site.
 pub(super) const SHARE: usize = CONNECTIONS / 4;

@@ -86,7 +86,7 @@ struct Waiting {
 }
 
 /// Runs until it has to end, and says why. The client is served although `joining`, which finds the way to the engine, takes long; for
-/// a client that is gone and has published nothing it is not waited for while it only `waits`.
+/// a client that is gone it is not waited for while it only `waits`, unless what it published is there and has room.
 pub(super) async fn run(
     turnstile: Turnstile,
     Ends { client, ahead, seat, leaving, late }: Ends,

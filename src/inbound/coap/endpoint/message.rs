@@ -109,11 +109,11 @@ pub(super) fn heard(bytes: &[u8]) -> Heard {
     }
 }
 
-/// The code of a datagram that is no acknowledgement and no rejection, and may be answered.
+/// The code of a datagram that asks for something, rightly or not: no acknowledgement, no rejection and nothing empty.
 #[must_use]
 pub(super) fn asks(bytes: &[u8]) -> Option<Code> {
     let [first, code, _, _, ..] = *bytes else { return None };
-    (first >> 6 == 1 && matches!(kind(first), Kind::Con | Kind::Non)).then_some(Code(code))
+    (first >> 6 == 1 && Code(code) != Code::EMPTY && matches!(kind(first), Kind::Con | Kind::Non)).then_some(Code(code))
 }
 
 /// A message without anything, as an acknowledgement or a rejection.

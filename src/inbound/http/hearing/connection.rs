@@ -339,6 +339,7 @@ where
                 while self.scan().await.is_some() {}
                 self.read.clear();
                 self.scanned = 0;
+                self.read.reserve(TURN);
                 let Ok(bytes @ 1..) = self.from.read_buf(&mut self.read).await else { return };
                 left = left.saturating_sub(bytes);
             }

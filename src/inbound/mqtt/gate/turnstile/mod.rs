@@ -56,7 +56,7 @@ pub struct Gatehouse {
     pub budget: Budget,
     /// Who reads what, and how far each is behind.
     pub readers: Arc<Readers>,
-    /// How many bytes of messages this engine was given, counted once for each filter that they match.
+    /// How many bytes of messages the engine was given of late, counted once for each who reads them.
     pub fed: AtomicU64,
     /// How many pieces of messages have come out of engines.
     pub came: AtomicU64,
