@@ -21,6 +21,8 @@ mod http_attacks;
 mod journal;
 #[path = "service/kill.rs"]
 mod kill;
+#[path = "service/last_word.rs"]
+mod last_word;
 #[path = "service/malformed.rs"]
 mod malformed;
 #[path = "service/missions.rs"]

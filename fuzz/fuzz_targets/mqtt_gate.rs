@@ -17,6 +17,7 @@ use hallsweep_fuzz::inbound::mqtt::gate::packet::connect::{self, Connect};
 use hallsweep_fuzz::inbound::mqtt::gate::packet::filters::Filters;
 use hallsweep_fuzz::inbound::mqtt::gate::packet::{Qos, ack, publish, write};
 use hallsweep_fuzz::inbound::mqtt::gate::rights::Guest;
+use hallsweep_fuzz::core::units::Epoch;
 use hallsweep_fuzz::inbound::mqtt::gate::turnstile::{Ended, Gatehouse, Heard, Listener, Session, Terms, Turnstile};
 use hallsweep_fuzz::inbound::mqtt::topics::Topics;
 use libfuzzer_sys::fuzz_target;
@@ -38,7 +39,11 @@ fuzz_target!(|bytes: &[u8]| {
 struct Ear;
 
 impl Listener for Ear {
-    fn hear(&self, topic: &str, payload: &[u8]) -> Heard {
+    fn epoch(&self) -> Epoch {
+        Epoch(0)
+    }
+
+    fn hear(&self, topic: &str, payload: &[u8], _: Option<Epoch>) -> Heard {
         assert!(topic.starts_with("h/d/command") || topic.starts_with("q/"), "{topic} is no place for commands");
         if payload.first() == Some(&b'f') { Heard::Forbidden } else { Heard::Pass }
     }

@@ -7,6 +7,7 @@ use tokio::sync::{Semaphore, mpsc, oneshot, watch};
 
 use super::halt::Halter;
 use crate::core::command::{Accepted, Command, Issuer, Refused, Request};
+use crate::core::units::Epoch;
 use crate::core::world::snapshot::Snapshot;
 
 /// Commands that wait for the loop: enough for every operator of a site to press at once.
@@ -105,6 +106,12 @@ impl Handle {
         }
     }
 
+    /// The epoch that the last stop has made: what arrives now arrives in it.
+    #[must_use]
+    pub fn epoch(&self) -> Epoch {
+        self.halter.watch().now().epoch
+    }
+
     /// The newest state.
     #[must_use]
     pub fn snapshot(&self) -> Arc<Snapshot> {
@@ -133,13 +140,15 @@ impl Handle {
         Some(Waiting { commands, envelope })
     }
 
-    /// A stop carries the epoch it has raised; a movement command without an epoch is stamped with the one that holds now, so
-    /// that a stop overtaking it in the queue outdates it.
+    /// A stop carries the epoch it has raised; another command is stamped with the one in which it arrived, which holds now where its
+    /// door has not said, so that a stop overtaking it outdates it.
     fn stamp(&self, mut request: Request) -> Request {
         if request.command == Command::Stop {
             request.epoch = Some(self.halter.stop());
         } else {
-            request.arrived = Some(self.halter.watch().now().epoch);
+            // Its door may have heard it before the last stop, and come to it only now.
+            let now = self.epoch();
+            request.arrived = Some(request.arrived.map_or(now, |arrived| arrived.min(now)));
         }
         request
     }

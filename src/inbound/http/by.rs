@@ -7,7 +7,7 @@ use axum::http::{HeaderMap, HeaderName};
 
 use super::Door;
 use super::gate::{LetIn, Peer, allowed, issuer};
-use super::hearing::Pressed;
+use super::hearing::{Arrived, Pressed};
 use super::problem::Problem;
 use crate::access::{Caller, Need};
 use crate::core::command::{self, Command, CommandId, Request};
@@ -25,6 +25,7 @@ pub(super) struct By {
     pub(super) caller: Caller,
     peer: Peer,
     pressed: Option<Pressed>,
+    arrived: Option<Epoch>,
     id: Result<Option<CommandId>, Problem>,
 }
 
@@ -35,7 +36,8 @@ impl FromRequestParts<Door> for By {
         let LetIn(caller) = LetIn::from_request_parts(parts, door).await?;
         let peer = Peer::from_request_parts(parts, door).await?;
         let pressed = parts.extensions.remove();
-        Ok(By { door: door.clone(), caller, peer, pressed, id: command_id(&parts.headers) })
+        let arrived = parts.extensions.get().map(|Arrived(epoch)| *epoch);
+        Ok(By { door: door.clone(), caller, peer, pressed, arrived, id: command_id(&parts.headers) })
     }
 }
 
@@ -57,7 +59,7 @@ impl By {
             Err(_) if is_stop => None,
             Err(problem) => return Err(problem.clone()),
         };
-        let request = Request { id, epoch, ..Request::new(command, issuer) };
+        let request = Request { id, epoch, arrived: self.arrived, ..Request::new(command, issuer) };
         // In a task of its own: what was taken is carried out although its sender goes.
         let carried_out = tokio::spawn(self.door.handle.carry_out(request));
         Ok(carried_out.await.map_err(|_| Problem::internal())??)

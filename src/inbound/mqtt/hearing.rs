@@ -146,15 +146,15 @@ fn hear(
     bytes: &[u8],
 ) -> Vec<u8> {
     let _elsewhere = work.enter();
-    let (mut rest, mut halted, mut until) = (bytes, Vec::new(), None);
+    let (mut rest, came, mut halted, mut until) = (bytes, listener.epoch(), Vec::new(), None);
     while let Some(begins) = search.next(&mut rest, |said| listener.halts(said.topic, said.payload)) {
-        halted.push(begins);
+        halted.push((begins, listener.epoch()));
         let now = clock.now().since_start;
         if now >= *until.get_or_insert(now + TURN) {
             break;
         }
     }
-    feeder.put(&bytes[..bytes.len() - rest.len()], &halted);
+    feeder.put(&bytes[..bytes.len() - rest.len()], came, &halted);
     rest.to_vec()
 }
 

@@ -55,7 +55,7 @@ impl Scene {
 
     fn passed_on(&self) -> (Vec<u8>, Vec<u64>) {
         let (mut bytes, mut halted) = (BytesMut::new(), Vec::new());
-        while self.taker.take(&mut bytes, |begins| halted.push(begins)) {}
+        while self.taker.take(&mut bytes, |mark| halted.extend(mark.has_halted.then_some(mark.begins))) {}
         (bytes.to_vec(), halted)
     }
 }

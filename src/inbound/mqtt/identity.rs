@@ -13,6 +13,7 @@ use super::orders::{self, Orders, Sender, Taken};
 use super::seats::Holder;
 use super::visitor::Origin;
 use crate::access::{Access, Caller, Need, Token};
+use crate::core::units::Epoch;
 
 /// The name by which our own session comes. No key can have it.
 pub const HOUSE: &str = "$hallsweep";
@@ -114,11 +115,15 @@ struct Ear {
 struct Deaf;
 
 impl Listener for Ear {
-    fn hear(&self, topic: &str, payload: &[u8]) -> Heard {
-        match self.orders.take(&orders::Heard { topic, payload }, &self.sender) {
+    fn hear(&self, topic: &str, payload: &[u8], arrived: Option<Epoch>) -> Heard {
+        match self.orders.take(&orders::Heard { topic, payload, arrived }, &self.sender) {
             Taken::NotACommand | Taken::Taken => Heard::Pass,
             Taken::Forbidden => Heard::Forbidden,
         }
+    }
+
+    fn epoch(&self) -> Epoch {
+        self.orders.epoch()
     }
 
     fn halts(&self, topic: &[u8], payload: &[u8]) -> bool {
@@ -127,8 +132,12 @@ impl Listener for Ear {
 }
 
 impl Listener for Deaf {
-    fn hear(&self, _: &str, _: &[u8]) -> Heard {
+    fn hear(&self, _: &str, _: &[u8], _: Option<Epoch>) -> Heard {
         Heard::Pass
+    }
+
+    fn epoch(&self) -> Epoch {
+        Epoch(0)
     }
 
     fn halts(&self, _: &[u8], _: &[u8]) -> bool {

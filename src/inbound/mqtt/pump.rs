@@ -273,7 +273,7 @@ impl<'a> Pump<'a> {
         let before = self.from_client.len();
         if !self.is_cut {
             let turnstile = &mut self.turnstile;
-            self.ahead.take(&mut self.from_client, |begins| turnstile.handle_halted(begins));
+            self.ahead.take(&mut self.from_client, |mark| turnstile.handle_mark(mark));
         }
         self.is_long = self.from_client.len() - before >= READ / 2;
         loop {

@@ -8,13 +8,15 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use bytes::BytesMut;
 use tokio::sync::Notify;
 
+use super::gate::turnstile::Mark;
 use super::limits::{ALWAYS_AHEAD, CONNECTION_BYTES, ENGINE_PART, READ_AHEAD};
+use crate::core::units::Epoch;
 
 /// So much is read at once, in bytes.
 pub(super) const READ: usize = 64 * 1024;
 
 /// What a STOP costs here, in bytes: where it begins is remembered.
-const STOP_COST: usize = size_of::<u64>();
+const STOP_COST: usize = size_of::<Mark>();
 
 /// What waits of all connections, in bytes. Cheap to clone.
 #[derive(Clone, Debug, Default)]
@@ -50,8 +52,11 @@ struct State {
     /// In pieces of at most `READ` bytes, so that each gives back its memory when it is taken.
     pieces: VecDeque<BytesMut>,
     bytes: usize,
-    /// Where the packets begin that have halted already.
-    halted: Vec<u64>,
+    /// Where the packets begin that have halted already, and those that came in another epoch than the ones before.
+    marks: Vec<Mark>,
+    /// How many bytes were put in all, and in which epoch the last of them came.
+    total: u64,
+    epoch: Option<Epoch>,
     /// So much of the client waits elsewhere, in bytes.
     held: usize,
     has_ended: bool,
@@ -107,8 +112,8 @@ impl Feeder {
         }
     }
 
-    /// These have come, and the packets that begin there have halted.
-    pub(super) fn put(&self, bytes: &[u8], halted: &[u64]) {
+    /// These have come in this epoch, and the packets that begin there have halted, each of which has made another.
+    pub(super) fn put(&self, bytes: &[u8], came: Epoch, halted: &[(u64, Epoch)]) {
         let mut state = self.0.state();
         if state.left.is_some() {
             return;
@@ -118,7 +123,13 @@ impl Feeder {
             Some(_) | None => state.pieces.push_back(BytesMut::from(bytes)),
         }
         state.bytes += bytes.len();
-        state.halted.extend_from_slice(halted);
+        if state.epoch != Some(came) {
+            let begins = state.total;
+            state.marks.push(Mark { begins, epoch: came, has_halted: false });
+        }
+        state.marks.extend(halted.iter().map(|(begins, epoch)| Mark { begins: *begins, epoch: *epoch, has_halted: true }));
+        state.epoch = Some(halted.last().map_or(came, |(_, epoch)| *epoch));
+        state.total += bytes.len() as u64;
         // Before anybody can take them, so that the sum is never less than nothing.
         self.0.pool.0.fetch_add(bytes.len(), Ordering::Relaxed);
         drop(state);
@@ -139,11 +150,10 @@ impl Drop for Feeder {
 }
 
 impl Taker {
-    /// Moves the next piece to the end of `into`, and says to `halted` where the packets begin that have halted; false when nothing is
-    /// there.
-    pub(super) fn take(&self, into: &mut BytesMut, halted: impl FnMut(u64)) -> bool {
+    /// Moves the next piece to the end of `into`, and what is marked there to `marked`; false when nothing is there.
+    pub(super) fn take(&self, into: &mut BytesMut, marked: impl FnMut(Mark)) -> bool {
         let mut state = self.0.state();
-        state.halted.drain(..).for_each(halted);
+        state.marks.drain(..).for_each(marked);
         let Some(piece) = state.pieces.pop_front() else { return false };
         state.bytes -= piece.len();
         self.0.pool.0.fetch_sub(piece.len(), Ordering::Relaxed);
@@ -212,7 +222,7 @@ impl Shared {
         let is_lent_out = self.pool.bytes() >= READ_AHEAD;
         let own = CONNECTION_BYTES.saturating_sub(ENGINE_PART + state.held);
         let most = if is_lent_out { ALWAYS_AHEAD } else { own.max(ALWAYS_AHEAD) };
-        most.saturating_sub(state.bytes + STOP_COST * state.halted.len())
+        most.saturating_sub(state.bytes + STOP_COST * state.marks.len())
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -226,7 +236,7 @@ mod tests {
 
     fn taken(taker: &Taker) -> (Vec<u8>, Vec<u64>) {
         let (mut bytes, mut halted) = (BytesMut::new(), Vec::new());
-        while taker.take(&mut bytes, |begins| halted.push(begins)) {}
+        while taker.take(&mut bytes, |mark| halted.extend(mark.has_halted.then_some(mark.begins))) {}
         (bytes.to_vec(), halted)
     }
 
@@ -239,7 +249,7 @@ mod tests {
                 room = feeder.room() => room.expect("somebody takes it"),
                 () = std::future::ready(()) => return put,
             };
-            feeder.put(&vec![7; room], &[]);
+            feeder.put(&vec![7; room], Epoch(0), &[]);
             put += room;
         }
     }
@@ -247,11 +257,11 @@ mod tests {
     #[tokio::test]
     async fn what_is_put_is_taken_in_order_and_then_comes_the_end() {
         let (feeder, taker) = read_ahead(&Pool::default());
-        feeder.put(b"ab", &[0]);
-        feeder.put(b"c", &[]);
+        feeder.put(b"ab", Epoch(0), &[(0, Epoch(1))]);
+        feeder.put(b"c", Epoch(0), &[]);
         assert!(!taker.come().await);
         assert_eq!(taken(&taker), (b"abc".to_vec(), vec![0]));
-        feeder.put(b"d", &[3]);
+        feeder.put(b"d", Epoch(1), &[(3, Epoch(2))]);
         drop(feeder);
         assert!(!taker.come().await, "what came before the end is taken before it");
         assert_eq!(taken(&taker), (b"d".to_vec(), vec![3]));
@@ -263,7 +273,7 @@ mod tests {
     async fn what_waits_here_and_elsewhere_has_one_bound() {
         let pool = Pool::default();
         let (feeder, taker) = read_ahead(&pool);
-        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART);
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART - STOP_COST, "the first mark says when they came");
         taker.full().await;
         taken(&taker);
         taker.hold(CONNECTION_BYTES - ENGINE_PART - 2 * READ);
@@ -297,7 +307,7 @@ mod tests {
     #[tokio::test]
     async fn what_is_remembered_of_stops_counts() {
         let (feeder, _taker) = read_ahead(&Pool::default());
-        feeder.put(&[7; 8], &[0; 1000]);
+        feeder.put(&[7; 8], Epoch(0), &[(0, Epoch(0)); 999]);
         assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART - 8 - 1000 * STOP_COST);
     }
 
@@ -307,7 +317,7 @@ mod tests {
         let (feeder, taker) = read_ahead(&pool);
         taker.leave(Left::Deaf);
         drop(taker);
-        feeder.put(b"abc", &[0]);
+        feeder.put(b"abc", Epoch(0), &[(0, Epoch(1))]);
         assert_eq!((feeder.left().await, pool.bytes()), (Left::Deaf, 0));
     }
 }

@@ -215,6 +215,7 @@ where
                 }
                 Some(Heard::Head(head)) => {
                     let has_body = head.body != BodyLength::Known(0);
+                    self.shared.came(self.scanner.heads() - 1, self.judge.door.handle.epoch());
                     let (claim, given) = self.judge.hear(&head);
                     if let Some(given) = given {
                         self.shared.keep(self.scanner.heads() - 1, given);

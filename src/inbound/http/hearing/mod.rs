@@ -13,4 +13,4 @@ mod judge;
 mod talk;
 
 pub(super) use connection::{Line, converse};
-pub(super) use talk::Pressed;
+pub(super) use talk::{Arrived, Pressed};

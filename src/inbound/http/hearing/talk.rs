@@ -23,6 +23,7 @@ use tokio::task::JoinSet;
 
 use super::connection::{HEADER_BYTES, HEADER_TIME, Line};
 use super::judge::Given;
+use crate::core::units::Epoch;
 use crate::inbound::http::gate::Peer;
 use crate::inbound::http::places::Place;
 use crate::inbound::http::watcher::closed;
@@ -42,9 +43,15 @@ const GONE_TIME: Duration = Duration::from_secs(2);
 #[derive(Clone)]
 pub(in crate::inbound::http) struct Pressed(Arc<Mutex<Option<Given>>>);
 
+/// The epoch in which a request's head was heard: a STOP that came after it outdates it, however late it is carried out (safety S4).
+#[derive(Clone, Copy)]
+pub(in crate::inbound::http) struct Arrived(pub(in crate::inbound::http) Epoch);
+
 /// What hearing and talking tell each other.
 pub(super) struct Shared {
     presses: Mutex<BTreeMap<u64, Given>>,
+    /// From which request on they came in which epoch.
+    epochs: Mutex<BTreeMap<u64, Epoch>>,
     /// How many requests have got the head of their answer, and whether the last of them hands the connection over.
     answered: watch::Sender<(u64, bool)>,
     /// Whether an answer without an end has begun.
@@ -71,9 +78,31 @@ impl Shared {
     pub(super) fn new() -> Arc<Shared> {
         Arc::new(Shared {
             presses: Mutex::default(),
+            epochs: Mutex::default(),
             answered: watch::Sender::new((0, false)),
             is_endless: watch::Sender::default(),
         })
+    }
+
+    /// The head of the request of this number was heard in this epoch.
+    pub(super) fn came(&self, number: u64, epoch: Epoch) {
+        let mut epochs = self.epochs();
+        // Of too many changes the oldest stands: nothing is taken for newer than it is.
+        if epochs.len() < PRESSES && epochs.values().next_back() != Some(&epoch) {
+            epochs.insert(number, epoch);
+        }
+    }
+
+    /// In which epoch it was heard.
+    fn arrived(&self, number: u64) -> Option<Arrived> {
+        let mut epochs = self.epochs();
+        let (first, epoch) = epochs.range(..=number).next_back().map(|(first, epoch)| (*first, *epoch))?;
+        *epochs = epochs.split_off(&first);
+        Some(Arrived(epoch))
+    }
+
+    fn epochs(&self) -> MutexGuard<'_, BTreeMap<u64, Epoch>> {
+        self.epochs.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Keeps a STOP for the request of this number.
@@ -145,6 +174,9 @@ where
     let service = service_fn(|mut request: Request<Incoming>| {
         let number = numbers.fetch_add(1, Ordering::Relaxed);
         request.extensions_mut().insert(peer);
+        if let Some(arrived) = shared.arrived(number) {
+            request.extensions_mut().insert(arrived);
+        }
         if let Some(pressed) = shared.take(number) {
             request.extensions_mut().insert(pressed);
         }

@@ -40,6 +40,8 @@ pub struct Heard<'a> {
     pub topic: &'a str,
     /// What.
     pub payload: &'a [u8],
+    /// In which epoch of stops it came, where that is known.
+    pub arrived: Option<Epoch>,
 }
 
 /// What became of a message.
@@ -98,7 +100,7 @@ impl Orders {
             order.asked = Ok((again, None));
         }
         match &order.asked {
-            Ok((command, epoch)) => self.give(&order, command, *epoch, sender),
+            Ok((command, epoch)) => self.give(&order, command, (*epoch, heard.arrived), sender),
             Err(problem) => self.refuse(&order, problem, sender),
         }
         Taken::Taken
@@ -112,9 +114,14 @@ impl Orders {
         }
         let stop = self.ear.stop(topic, payload);
         if let Some(reply) = &stop {
-            self.give(reply, &Command::Stop, None, sender);
+            self.give(reply, &Command::Stop, (None, None), sender);
         }
         stop.is_some()
+    }
+
+    /// The epoch that the last stop has made.
+    pub fn epoch(&self) -> Epoch {
+        self.handle.epoch()
     }
 
     /// What asks for nothing. Old clients believe what they hear on the old topics, so that not everybody may say something there.
@@ -135,13 +142,13 @@ impl Orders {
     }
 
     /// Gives a command if there is room for one more, and a STOP always.
-    fn give(&self, order: &Order, command: &Command, epoch: Option<Epoch>, sender: &Sender) {
+    fn give(&self, order: &Order, command: &Command, (epoch, arrived): (Option<Epoch>, Option<Epoch>), sender: &Sender) {
         let place = self.results.place();
         if place.is_none() && *command != Command::Stop {
             return self.refuse(order, &Problem::too_many(UNDER_WAY), sender);
         }
         let id = order.reply.id.clone();
-        let given = self.handle.carry_out(Request { id, epoch, ..Request::new(command.clone(), sender.issuer()) });
+        let given = self.handle.carry_out(Request { id, epoch, arrived, ..Request::new(command.clone(), sender.issuer()) });
         if let Some(place) = place {
             self.results.follow(given, order.reply.clone(), place);
         }

@@ -9,6 +9,7 @@ mod ended;
 mod engine;
 mod flood;
 mod keeping;
+mod listener;
 mod outstanding;
 mod publishing;
 mod refusals;
@@ -26,6 +27,7 @@ use bytes::{Buf, BytesMut};
 
 pub use self::ended::Ended;
 pub use self::subscribing::Session;
+pub use listener::{Heard, Listener, Mark};
 
 use self::duplicates::Duplicates;
 use self::flood::Flood;
@@ -43,6 +45,7 @@ use super::packet::{ack, write};
 use super::readers::Readers;
 use super::retained::Retained;
 use super::rights::Guest;
+use crate::core::units::Epoch;
 use crate::inbound::mqtt::topics::Topics;
 
 /// What all connections of a broker share.
@@ -75,24 +78,6 @@ impl Gatehouse {
             came: AtomicU64::default(),
         }
     }
-}
-
-/// Whoever hears commands; one for each connection, since it knows whose they are.
-pub trait Listener: Send + Sync {
-    /// Halts if this message names STOP, whatever else is wrong with it; whether it does.
-    fn halts(&self, topic: &[u8], payload: &[u8]) -> bool;
-
-    /// Any other message on the topic of a command, once, as it is sent, before anybody else gets it.
-    fn hear(&self, topic: &str, payload: &[u8]) -> Heard;
-}
-
-/// What is to be done with a message that was heard.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Heard {
-    /// It goes on to whoever subscribed.
-    Pass,
-    /// Its sender may not say this: nobody gets it.
-    Forbidden,
 }
 
 /// With whom, and on what terms.
@@ -130,8 +115,10 @@ pub struct Turnstile {
     flood: Flood,
     /// How many bytes of the client were taken since its CONNECT,
     taken: u64,
-    /// and where the packets begin that halted already when they came, in order.
-    halted: VecDeque<u64>,
+    /// what is known of some packets to come, in order,
+    marks: VecDeque<Mark>,
+    /// and in which epoch the one came that is taken just now.
+    arrived: Option<Epoch>,
     account: Account,
     duplicates: Duplicates,
     subscriptions: Subscriptions,
@@ -158,7 +145,8 @@ impl Turnstile {
             account,
             flood: Flood::default(),
             taken: 0,
-            halted: VecDeque::new(),
+            marks: VecDeque::new(),
+            arrived: None,
             guest: terms.guest,
             payer,
             listener: terms.listener,
@@ -181,9 +169,9 @@ impl Turnstile {
         turnstile
     }
 
-    /// The packet that begins there, in bytes since the CONNECT, has halted the robot already: it is a STOP no more when its turn comes.
-    pub fn handle_halted(&mut self, begins: u64) {
-        self.halted.push_back(begins);
+    /// To be told in order, before the packet is taken that begins there.
+    pub fn handle_mark(&mut self, mark: Mark) {
+        self.marks.push_back(mark);
     }
 
     /// Takes all whole packets from the head of what the client sent.
@@ -294,7 +282,7 @@ impl Turnstile {
     /// How many bytes of answers and messages wait for the client, and of messages for the engine.
     #[must_use]
     pub fn held(&self) -> usize {
-        self.to_engine.len() + self.to_client.len() + size_of::<u64>() * self.halted.len()
+        self.to_engine.len() + self.to_client.len() + size_of::<Mark>() * self.marks.len()
     }
 
     /// Whether more answers wait for the client than it may leave unread.

@@ -115,7 +115,7 @@ impl Turnstile {
         if !is_stop && self.duplicates.was_heard(publish, print) {
             return Ok(());
         }
-        let heard = if is_stop { Heard::Pass } else { self.listener.hear(topic, publish.payload) };
+        let heard = if is_stop { Heard::Pass } else { self.listener.hear(topic, publish.payload, self.arrived) };
         let is_unreleased = self.duplicates.is_unreleased(publish);
         self.duplicates.handled(publish, Some(print))?;
         match heard {
@@ -129,12 +129,15 @@ impl Turnstile {
         Ok(())
     }
 
-    /// Whether the packet that is taken just now has halted already when it came: it does not twice.
+    /// Looks up what is known of the packet that is taken just now: its epoch, and whether it halted already when it came, which it does
+    /// not twice.
     fn has_halted(&mut self) -> bool {
-        while self.halted.front().is_some_and(|begins| *begins < self.taken) {
-            self.halted.pop_front();
+        let mut has_halted = false;
+        while let Some(mark) = self.marks.pop_front_if(|mark| mark.begins <= self.taken) {
+            self.arrived = Some(mark.epoch);
+            has_halted = mark.has_halted && mark.begins == self.taken;
         }
-        self.halted.front() == Some(&self.taken)
+        has_halted
     }
 
     fn drop(&mut self, publish: &Publish<'_>, why: Dropped) -> Result<(), Ended> {

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use super::scene::{OPERATOR, START, STOP, Scene, VIEWER, gatehouse, publish, subscribe};
+use crate::core::units::Epoch;
 use crate::inbound::mqtt::gate::budget::Payer;
 use crate::inbound::mqtt::gate::limits::{ENGINE_TOPICS, GUEST_PACKET, HANDLED, PADDED, SHARE_TOPICS, UNRELEASED, VIEWERS_SHARE};
 use crate::inbound::mqtt::gate::packet::Qos;
 use crate::inbound::mqtt::gate::rights::Guest;
-use crate::inbound::mqtt::gate::turnstile::{Ended, Gatehouse};
+use crate::inbound::mqtt::gate::turnstile::{Ended, Gatehouse, Mark};
 use crate::inbound::mqtt::topics::Topics;
 
 const NONE: [&str; 0] = [];
@@ -140,7 +141,7 @@ fn a_stop_that_halted_when_it_came_does_not_halt_again_when_its_turn_comes() {
     let waiting = [&other[..], &stop, &start, &stop].concat();
     for round in 0..2 {
         let begins = round * u64::try_from(waiting.len()).unwrap();
-        scene.turnstile.handle_halted(begins + other.len() as u64);
+        scene.turnstile.handle_mark(Mark { begins: begins + other.len() as u64, epoch: Epoch(1), has_halted: true });
         scene.client(&waiting).unwrap();
         assert_eq!(scene.heard(), [format!("{START} "), format!("{STOP} ")], "one of the two had halted in round {round}");
         assert_eq!(scene.engine_got().len(), 4, "everybody is told of both");

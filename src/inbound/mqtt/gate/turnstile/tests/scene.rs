@@ -6,6 +6,7 @@ use std::time::Duration;
 use bytes::BytesMut;
 
 use crate::access::Role;
+use crate::core::units::Epoch;
 use crate::inbound::mqtt::gate::frame::{Frame, Kind, frame};
 use crate::inbound::mqtt::gate::packet::filters::Filters;
 use crate::inbound::mqtt::gate::packet::{Qos, ack, publish, write};
@@ -23,7 +24,11 @@ pub(super) const STOP: &str = "hallsweep/discovery/command/stop";
 pub(super) struct Ear(Mutex<Vec<String>>);
 
 impl Listener for Ear {
-    fn hear(&self, topic: &str, payload: &[u8]) -> Heard {
+    fn epoch(&self) -> Epoch {
+        Epoch(0)
+    }
+
+    fn hear(&self, topic: &str, payload: &[u8], _: Option<Epoch>) -> Heard {
         let payload = String::from_utf8_lossy(payload);
         self.0.lock().unwrap().push(format!("{topic} {payload}"));
         if payload == "forbidden" { Heard::Forbidden } else { Heard::Pass }
