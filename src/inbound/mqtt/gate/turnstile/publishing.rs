@@ -133,7 +133,8 @@ impl Turnstile {
     /// not twice.
     fn has_halted(&mut self) -> bool {
         let mut has_halted = false;
-        while let Some(mark) = self.marks.pop_front_if(|mark| mark.begins <= self.taken) {
+        while let Some(mark) = self.marks.front().copied().filter(|mark| mark.begins <= self.taken) {
+            self.marks.pop_front();
             self.arrived = Some(mark.epoch);
             has_halted = mark.has_halted && mark.begins == self.taken;
         }
