@@ -67,6 +67,8 @@ pub struct Embedded {
     worn_at: Option<Duration>,
     /// The fewest bytes that the program was seen to have in use since this engine began.
     usual: usize,
+    /// The fewest since the program began.
+    least: usize,
     suspicion: Suspicion,
 }
 
@@ -92,6 +94,7 @@ impl Embedded {
             rests_until: Duration::ZERO,
             worn_at: None,
             usual: usize::MAX,
+            least: usize::MAX,
             suspicion: Suspicion::default(),
         })
     }
@@ -164,8 +167,9 @@ impl Embedded {
     fn worn_out(&mut self) -> Option<&'static str> {
         if let Some(in_use) = memory::in_use() {
             let in_use = in_use.saturating_sub(self.house.held_bytes());
-            // What the engine before had is given back to the system a little later.
-            self.usual = self.usual.min(in_use);
+            // What the engine before had is given back to the system a little later, or kept for what comes: that is not usual.
+            self.least = self.least.min(in_use);
+            self.usual = self.usual.min(in_use).min(self.least + APPETITE / 4);
             if in_use - self.usual <= APPETITE / 2 {
                 self.house.forget_fed();
             }

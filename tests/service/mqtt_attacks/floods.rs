@@ -12,8 +12,8 @@ const MESSAGE: usize = 16 * 1024;
 /// The most memory that the program may take, in MiB.
 const MEMORY_MIB: u64 = 128;
 
-/// The most it may take before its engine is started anew, in MiB: the 96 of docs/mqtt.md beyond the usual, which after a first engine
-/// is what the allocator has not given back of it.
+/// The most it may take before its engine is started anew, in MiB: the 96 of docs/mqtt.md beyond the usual, what the allocator has not
+/// given back of the engine before, and what comes until somebody looks on a machine that is busy with all these tests.
 const ENGINE_MIB: u64 = 192;
 
 /// So often an engine is filled: what one took does not add to what the next takes.
