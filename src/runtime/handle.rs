@@ -144,7 +144,8 @@ impl Handle {
     /// door has not said, so that a stop overtaking it outdates it.
     fn stamp(&self, mut request: Request) -> Request {
         if request.command == Command::Stop {
-            request.epoch = Some(self.halter.stop());
+            // It counts from what it has raised, whenever its door began to hear it.
+            (request.epoch, request.arrived) = (Some(self.halter.stop()), None);
         } else {
             // Its door may have heard it before the last stop, and come to it only now.
             let now = self.epoch();
@@ -201,6 +202,22 @@ mod tests {
         assert_eq!(next(&mut envelopes).and_then(|start| start.arrived), Some(Epoch(4)));
         assert_eq!(next(&mut envelopes).and_then(|stop| stop.epoch), Some(Epoch(5)));
         drop((started, stopped));
+    }
+
+    /// Safety S4: a door says when it heard a command, and is believed when that is long ago; a stop counts from now.
+    #[tokio::test]
+    async fn what_was_heard_before_a_stop_arrived_before_it_and_a_stop_counts_from_what_it_raises() {
+        let (handle, mut envelopes, _) = house();
+        let heard = |command, epoch| Request { arrived: Some(Epoch(epoch)), ..request(command) };
+        for (command, said, arrived, raised) in [
+            (Command::Start, 3, Some(Epoch(3)), None),
+            (Command::Start, 9, Some(Epoch(4)), None),
+            (Command::Stop, 3, None, Some(Epoch(5))),
+        ] {
+            drop(handle.give(heard(command, said)));
+            let given = next(&mut envelopes).expect("it is queued");
+            assert_eq!((given.arrived, given.epoch), (arrived, raised), "{given:?}");
+        }
     }
 
     /// Safety A6: nobody has to wait for the answer of a stop.
