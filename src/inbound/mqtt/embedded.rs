@@ -65,9 +65,9 @@ pub struct Embedded {
     rests_until: Duration,
     /// When it was last replaced for having been shown too much.
     worn_at: Option<Duration>,
-    /// The fewest bytes that the program was seen to have in use since this engine began.
+    /// The fewest bytes that the program was seen to have in use since this engine began, or a little above the fewest of all,
     usual: usize,
-    /// The fewest since the program began.
+    /// which are these.
     least: usize,
     suspicion: Suspicion,
 }

@@ -171,6 +171,8 @@ impl Turnstile {
 
     /// To be told in order, before the packet is taken that begins there.
     pub fn handle_mark(&mut self, mark: Mark) {
+        // Those of packets that were taken are needed no more: a client may say for ever what nobody looks them up for.
+        while self.next_mark(|begins, taken| begins < taken).is_some() {}
         self.marks.push_back(mark);
     }
 

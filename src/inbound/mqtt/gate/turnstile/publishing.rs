@@ -1,7 +1,7 @@
 //! PUBLISH of a client, its will, and its acknowledgements. Which topics are whose stands in `routes`.
 
 use super::routes::{Dropped, Route, Way, is_for_commands};
-use super::{Ended, Heard, Turnstile};
+use super::{Ended, Heard, Mark, Turnstile};
 use crate::inbound::mqtt::gate::filter;
 use crate::inbound::mqtt::gate::frame::{Frame, Kind, frame};
 use crate::inbound::mqtt::gate::ledger::COUNTED;
@@ -133,12 +133,18 @@ impl Turnstile {
     /// not twice.
     fn has_halted(&mut self) -> bool {
         let mut has_halted = false;
-        while let Some(mark) = self.marks.front().copied().filter(|mark| mark.begins <= self.taken) {
-            self.marks.pop_front();
-            self.arrived = Some(mark.epoch);
+        while let Some(mark) = self.next_mark(|begins, taken| begins <= taken) {
             has_halted = mark.has_halted && mark.begins == self.taken;
         }
         has_halted
+    }
+
+    /// The next mark, if it stands where this is so; its epoch is that of what comes behind it.
+    pub(super) fn next_mark(&mut self, is_there: impl Fn(u64, u64) -> bool) -> Option<Mark> {
+        let mark = self.marks.front().copied().filter(|mark| is_there(mark.begins, self.taken))?;
+        self.marks.pop_front();
+        self.arrived = Some(mark.epoch);
+        Some(mark)
     }
 
     fn drop(&mut self, publish: &Publish<'_>, why: Dropped) -> Result<(), Ended> {

@@ -133,6 +133,20 @@ fn a_stop_is_heard_as_often_as_it_comes_whatever_was_heard_before() {
     }
 }
 
+/// Safety A5: others may press STOP for ever while a client says nothing that is held against it.
+#[test]
+fn what_is_known_of_packets_is_forgotten_when_they_were_taken() {
+    let mut scene = Scene::of(OPERATOR);
+    let (said, before) = (publish(0x30, "a", "x", 0), scene.turnstile.held());
+    for round in 0..1000 {
+        let begins = round * u64::try_from(said.len()).unwrap();
+        scene.turnstile.handle_mark(Mark { begins, epoch: Epoch(round), has_halted: false });
+        scene.client(&said).unwrap();
+        scene.engine_got();
+    }
+    assert!(scene.turnstile.held() < before + 100, "{}", scene.turnstile.held());
+}
+
 /// Safety S1: in the first wait for readers and in the second.
 #[test]
 fn a_stop_that_halted_when_it_came_does_not_halt_again_when_its_turn_comes() {
