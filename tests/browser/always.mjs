@@ -62,6 +62,14 @@ export const reach = {
     await picture('scrolled');
     await stop(page).click();
     await until(isHeld(url), 'a STOP from a page that is scrolled, with a question open', patience);
+    // Whoever pressed it sees that it holds, also where a piece that waits fills the screen.
+    for (const [width, height] of [[320, 568], [390, 844], [844, 390]]) {
+      await page.setViewportSize({ width, height });
+      await page.evaluate(() => scrollTo(0, 0));
+      const held = await page.getByText('held by STOP').boundingBox();
+      must(held && held.y >= 0 && held.y + held.height <= height && held.x + held.width <= width, `"held by STOP" is not seen at ${width}×${height}`);
+    }
+    await picture('held');
   },
 };
 
