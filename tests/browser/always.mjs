@@ -243,7 +243,7 @@ export const drawn = {
       const robot = document.getElementById('hall-robot');
       const cell = (text) => text.match(/-?\d+(\.\d+)?/g).map(Number);
       let target = cell(robot.getAttribute('transform'));
-      let glide, began, shown;
+      let glide, began, shown, length;
       const behind = [];
       const frame = (now) => {
         [began, shown] = [glide?.startTime ?? began, now];
@@ -254,14 +254,15 @@ export const drawn = {
         const next = cell(robot.getAttribute('transform'));
         if (next.join() === target.join()) return;
         const { e, f } = new DOMMatrix(getComputedStyle(robot).transform);
-        if (shown - began >= 50) behind.push(Math.hypot(e - target[0], f - target[1]) / 10);
+        if (shown - began >= 50) behind.push(Math.hypot(e - target[0], f - target[1]) / length);
         target = next;
+        length = Math.hypot(e - target[0], f - target[1]);
         [glide] = robot.getAnimations();
         began = undefined;
-        if (behind.length === enough) done(behind.filter((cells) => cells > 0.5));
+        if (behind.length === enough) done(behind.filter((part) => part > 0.5));
       }).observe(robot, { attributes: true, attributeFilter: ['transform'] });
     }), 10);
-    must(late.length === 0, `the drawn robot is behind by ${late.map((cells) => cells.toFixed(1))} cells`);
+    must(late.length === 0, `of their way to the robot's cell these glides had left: ${late.map((part) => part.toFixed(1))}`);
     const lasts = await page.locator('#hall-robot').evaluate((robot) => parseFloat(getComputedStyle(robot).transitionDuration));
     must(lasts < 0.1, `the robot glides for ${lasts} s, updates come every 0.1 s`);
     await page.emulateMedia({ reducedMotion: 'reduce' });
