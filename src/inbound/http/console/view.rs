@@ -425,7 +425,7 @@ mod tests {
             (snapshot.robot.state, snapshot.robot.halting) = (state, halting);
             assert_eq!((view(&snapshot).doing(), view(&snapshot).is_still()), (words, is_still));
         }
-        snapshot.mission.holds.insert(Hold::Operator);
+        snapshot.mission.holds.push(Hold::Operator);
         assert_eq!(view(&snapshot).doing(), "held by STOP");
         snapshot.robot.halting = true;
         assert_eq!(view(&snapshot).doing(), "halting …", "who pressed STOP is told so when the robot stands");
