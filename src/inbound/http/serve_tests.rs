@@ -255,7 +255,12 @@ async fn a_stop_halts_behind_more_than_is_ever_answered() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 3)]
 #[expect(clippy::await_holding_lock, reason = "the loop, which wants it, is to wait")]
 async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() {
-    let house = house(searching());
+    // The loop has a thread of its own, as in the program: here it is kept waiting.
+    let core = tokio::runtime::Builder::new_multi_thread().worker_threads(1).build().unwrap();
+    let house = {
+        let _core = core.enter();
+        house(searching())
+    };
     let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
     let post = |what: &str| press(&format!("/api/v1/commands/{what}"), "", "");
     let before = house.door.handle.epoch();
@@ -278,6 +283,7 @@ async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() 
     assert_eq!(answers.matches("HTTP/1.1 ").count(), answered + 1);
     let given: Vec<Command> = house.given.lock().unwrap().iter().map(|given| given.command.clone()).collect();
     assert_eq!(given, [Command::Start, Command::Stop]);
+    core.shutdown_background();
 }
 
 /// Safety S8.

@@ -34,6 +34,10 @@ const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
 /// How long a client may take over a request's headers, and how long it may be silent between two requests.
 pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
 
+/// How long a first request waits for the rest of its body before it gets a conversation: most come whole, and a crowd of those that do
+/// not costs little meanwhile.
+const WHOLE_TIME: Duration = Duration::from_millis(100);
+
 /// How long a request's line and headers may be together; longer ones are answered with 431.
 pub(super) const HEADER_BYTES: usize = 64 * 1024;
 
@@ -140,7 +144,7 @@ struct Connection<R, W> {
     may_hand_over: bool,
     /// What was read since others had their turn.
     turn: usize,
-    /// Ends when the first head must have come.
+    /// Ends when the first head must have come, and then when its body should have.
     late: Pin<Box<Sleep>>,
 }
 
@@ -189,11 +193,14 @@ where
                 return self.carry().await;
             }
             self.scan().await;
-            if self.talk.is_none()
-                && self.is_to_begin()
-                && let Err(problem) = self.begin()
+            if self.place.is_none()
+                && self.has_come()
+                && let Err(problem) = self.take_place()
             {
                 return self.refuse(&problem).await;
+            }
+            if self.is_to_be_answered() {
+                self.begin();
             }
             if self.talk.is_some() {
                 self.hand_on();
@@ -203,6 +210,10 @@ where
                 Next::Over => return self.linger().await,
                 Next::End => break,
             }
+        }
+        if self.place.is_some() && self.talk.is_none() {
+            self.begin();
+            self.hand_on();
         }
         if let Some(talk) = self.talk.take() {
             talk.ended(&self.shared, &self.ahead).await;
@@ -266,12 +277,12 @@ where
     }
 
     /// Whether there is something to answer: a head, or what can be none.
-    fn is_to_begin(&self) -> bool {
+    fn has_come(&self) -> bool {
         self.claim.is_some() || self.read.len() >= HEADER_BYTES || self.scanner.is_no_request()
     }
 
-    /// Takes a place and begins to talk, or says why not.
-    fn begin(&mut self) -> Result<(), Problem> {
+    /// Takes a place, or says why not.
+    fn take_place(&mut self) -> Result<(), Problem> {
         let has_heard = self.shared.has_heard();
         // hyper would panic.
         if !self.line.door.can_date() {
@@ -283,11 +294,24 @@ where
         for _ in 0..self.scanner.heads() {
             place.asked(claim.clone(), !self.scanner.is_between());
         }
-        let (place, to) = (Arc::new(place), self.to.take());
+        self.place = Some(Arc::new(place));
         self.waiting = None;
-        self.talk = to.map(|to| Talk::begin(to, (self.judge.peer, &place), &self.line, &self.shared));
-        self.place = Some(place);
+        self.late.set(sleep(WHOLE_TIME));
         Ok(())
+    }
+
+    /// Whether it has a place and is worth a conversation: only the first of its requests may be one whose body has not come.
+    fn is_to_be_answered(&self) -> bool {
+        let is_whole = self.scanner.heads() != 1 || self.scanner.is_between();
+        let is_due = self.read.len() >= TURN || self.late.is_elapsed();
+        self.place.is_some() && self.talk.is_none() && (is_whole || is_due || self.shared.has_heard())
+    }
+
+    /// Begins to talk.
+    fn begin(&mut self) {
+        if let (Some(place), Some(to)) = (&self.place, self.to.take()) {
+            self.talk = Some(Talk::begin(to, (self.judge.peer, place), &self.line, &self.shared));
+        }
     }
 
     /// Carries bytes of another protocol, whose places are its own matter.
@@ -329,7 +353,7 @@ where
             None => tokio::select! {
                 biased;
                 read = self.from.read_buf(&mut self.read) => read,
-                () = &mut self.late => return Next::End,
+                () = &mut self.late => return if self.place.is_some() { Next::More } else { Next::End },
                 () = closed(&mut closing) => return Next::End,
             },
         };
