@@ -125,7 +125,7 @@ const CUT = ['ERR_CONNECTION_REFUSED', 'ERR_CONNECTION_RESET', 'ERR_EMPTY_RESPON
 
 /** A STOP whose connection is cut stays unconfirmed on the page however long that lasts, and is sent when the connection stands. */
 export const unconfirmed = {
-  tolerated: [...CUT, '404'],
+  tolerated: [...CUT, '404', '503'],
   async play({ page, url, picture, patience, network }) {
     const held = isHeld(url);
     const go = async () => {
@@ -210,6 +210,15 @@ export const unconfirmed = {
     await stop(page).click();
     await stop(page).click();
     await until(() => came > 2, 'a third attempt, after the first was confirmed and the second was not', patience);
+    await confirmed.waitFor();
+    await page.unroute('**/console/stop');
+
+    // An answer that confirms nothing is none.
+    const answers = [{ status: 503, json: { detail: 'it is ending' } }, { json: { accepted: false, detail: 'not now' } }];
+    await page.route('**/console/stop', (route) => (answers.length > 0 ? route.fulfill(answers.shift()) : route.continue()));
+    await stop(page).click();
+    await warning.filter({ hasText: 'it is ending' }).waitFor();
+    await warning.filter({ hasText: 'not now' }).waitFor();
     await confirmed.waitFor();
     await page.unroute('**/console/stop');
 
