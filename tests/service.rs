@@ -47,6 +47,8 @@ mod shutdown;
 mod start;
 #[path = "service/stop_floods.rs"]
 mod stop_floods;
+#[path = "service/stop_words.rs"]
+mod stop_words;
 #[path = "service/stops.rs"]
 mod stops;
 #[path = "service/store_faults.rs"]
