@@ -7,6 +7,8 @@ mod dependencies;
 mod reading;
 #[path = "tidy/routes.rs"]
 mod routes;
+#[path = "tidy/rules.rs"]
+mod rules;
 #[path = "tidy/sizes.rs"]
 mod sizes;
 #[path = "tidy/whole.rs"]
@@ -98,4 +100,14 @@ fn no_lock_file_names_a_download_address() {
     for folder in ["browser", "clients"] {
         assert_eq!(whole::download_addresses(&whole::text(&format!("tests/{folder}/package-lock.json"))), Vec::<String>::new());
     }
+}
+
+#[test]
+fn every_rule_of_safety_has_its_page_and_tests_that_try_to_break_it() {
+    let page = whole::text("docs/safety.md");
+    let sources: Vec<Source> = ["src", "tests", "benches"].iter().flat_map(|folder| sources(folder)).collect();
+    let mut findings = rules::untried(&page, &sources);
+    let citing = sources.iter().filter(|source| source.path != "tests/tidy/rules.rs");
+    findings.extend(citing.flat_map(|source| rules::unknown(source, &page)));
+    assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
 }

@@ -87,6 +87,8 @@ fn a_stop_halts_whatever_is_wrong_with_it_or_before_it() {
         plain.replace("\r\n", "\n"),
         format!("{}{plain}", look.repeat(50)),
         format!("{watch}{plain}"),
+        format!("{watch}{}{plain}", look.repeat(10_000)),
+        format!("{}{plain}", look.repeat(50_000)),
     ];
     let before = epoch(&program);
     let mut open = Vec::new();

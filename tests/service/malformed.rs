@@ -58,7 +58,7 @@ fn a_body_without_end_harms_nobody() {
     let head = "POST /api/v1/commands/move HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 9000000000\r\n\r\n";
     stream.write_all(head.as_bytes()).expect("the program listens");
     // The length alone is enough to refuse it, before anything of it has come.
-    stream.set_read_timeout(Some(Duration::from_secs(5))).expect("a time-out can be set");
+    stream.set_read_timeout(Some(crate::program::PATIENCE)).expect("a time-out can be set");
     let mut answer = [0; 12];
     stream.read_exact(&mut answer).expect("an answer at once");
     assert_eq!(&answer, b"HTTP/1.1 413");
@@ -102,7 +102,7 @@ fn a_page_of_another_origin_presses_no_buttons() {
 /// The status line's code of an answer to these bytes.
 fn status(program: &Program, request: &str) -> String {
     let mut stream = TcpStream::connect(program.address()).expect("the program listens");
-    stream.set_read_timeout(Some(Duration::from_secs(5))).expect("a time-out can be set");
+    stream.set_read_timeout(Some(crate::program::PATIENCE)).expect("a time-out can be set");
     stream.write_all(request.as_bytes()).expect("the program listens");
     let mut answer = [0; 12];
     stream.read_exact(&mut answer).expect("an answer");

@@ -16,6 +16,7 @@ use crate::access::Access;
 use crate::core::command::Door::Local;
 use crate::core::command::{Command, Issuer, Request};
 use crate::inbound::http::Hall;
+use crate::inbound::http::hearing::AHEAD;
 use crate::inbound::http::testing::{House, guarded_house, house, keys};
 use crate::runtime::clock::Clock;
 use crate::runtime::within::within;
@@ -222,6 +223,61 @@ async fn a_stop_halts_behind_whatever_is_not_answered_yet() {
         stops(&house, [1, 2, 6, 7][number]).await;
     }
     assert_eq!(answered(&mut open[1]), "HTTP/1.1 200", "and the stream goes on");
+}
+
+/// Safety S8: nobody takes the answers, nor what waits for them.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_stop_halts_behind_more_than_is_ever_answered() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n";
+    let body = format!("Content-Length: 1000000\r\n\r\n{}", "x".repeat(1_000_000));
+    let goto = |rest: &str| format!("POST /console/goto HTTP/1.1\r\nHost: localhost\r\n{rest}");
+    let chunks = format!("Transfer-Encoding: chunked\r\n\r\n{}0\r\n\r\n", "5\r\nabcde\r\n".repeat(50_000));
+    let stop = press("/h", "", "");
+    let mut open = Vec::new();
+    let before = [LOOK.repeat(100_000), LOOK.repeat(5_000), upgrade.to_owned(), goto(&body), goto(&chunks)];
+    for (number, before) in before.iter().enumerate() {
+        let mut client = client(address, WATCH);
+        client.set_write_timeout(Some(Duration::from_secs(30))).unwrap();
+        client.write_all(format!("{before}{stop}").as_bytes()).expect("it is heard");
+        stops(&house, 2 * number + 1).await;
+        client.write_all(stop.as_bytes()).expect("it is heard");
+        stops(&house, 2 * number + 2).await;
+        open.push(client);
+    }
+    for client in &mut open {
+        assert_eq!(answered(client), "HTTP/1.1 200", "and the stream goes on");
+    }
+}
+
+/// Safety S8, A5: what is carried out is the beginning, each request whole and answered.
+#[tokio::test(flavor = "multi_thread", worker_threads = 3)]
+#[expect(clippy::await_holding_lock, reason = "the loop, which wants it, is to wait")]
+async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let post = |what: &str| press(&format!("/api/v1/commands/{what}"), "", "");
+    let before = house.door.handle.epoch();
+    // The loop waits for the test, and so do all answers.
+    let waits = house.refuse.lock().unwrap();
+    let looks = 1_000_000 / LOOK.len();
+    let sent = [post("start"), LOOK.repeat(looks), post("reset"), post("stop")].concat();
+    let mut client = client(address, &sent);
+    let halts = async {
+        while house.door.handle.epoch() == before {
+            tokio::time::sleep(Duration::from_millis(1)).await;
+        }
+    };
+    timeout(Duration::from_secs(30), halts).await.expect("it halts before anything is answered");
+    drop(waits);
+    let mut answers = String::new();
+    client.read_to_string(&mut answers).expect("it is closed in order");
+    let answered = answers.matches("HTTP/1.1 200").count() - 1;
+    assert!((AHEAD / LOOK.len()..looks).contains(&answered), "{answered} of {looks}");
+    assert_eq!(answers.matches("HTTP/1.1 ").count(), answered + 1);
+    let given: Vec<Command> = house.given.lock().unwrap().iter().map(|given| given.command.clone()).collect();
+    assert_eq!(given, [Command::Start, Command::Stop]);
 }
 
 /// Safety S8.

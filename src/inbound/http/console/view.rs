@@ -120,6 +120,12 @@ impl View<'_> {
         self.snapshot.robot.state == RobotState::Stopped && !self.snapshot.robot.halting
     }
 
+    /// What the robot does, in the bar: there a STOP is seen on a screen that has no room for what else holds the robot.
+    pub(super) fn doing(&self) -> &'static str {
+        let is_stopped = self.snapshot.mission.holds.contains(&Hold::Operator);
+        if is_stopped && self.is_still() { "held by STOP" } else { self.robot_state() }
+    }
+
     /// Whether anything has been searched yet.
     pub(super) fn is_begun(&self) -> bool {
         self.snapshot.mission.phase != PhaseName::Idle || self.snapshot.mission.progress.visited > 1
@@ -417,8 +423,12 @@ mod tests {
             (RobotState::Stopped, false, "stands still", true),
         ] {
             (snapshot.robot.state, snapshot.robot.halting) = (state, halting);
-            assert_eq!((view(&snapshot).robot_state(), view(&snapshot).is_still()), (words, is_still));
+            assert_eq!((view(&snapshot).doing(), view(&snapshot).is_still()), (words, is_still));
         }
+        snapshot.mission.holds.push(Hold::Operator);
+        assert_eq!(view(&snapshot).doing(), "held by STOP");
+        snapshot.robot.halting = true;
+        assert_eq!(view(&snapshot).doing(), "halting …", "who pressed STOP is told so when the robot stands");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
-use bytes::{Buf, BytesMut};
+use bytes::BytesMut;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::runtime::Handle;
@@ -16,13 +16,13 @@ use tokio::sync::{Notify, watch};
 use tokio::time::{Sleep, sleep, timeout};
 
 use super::judge::Judge;
-use super::talk::{Shared, Talk};
+use super::talk::{Shared, Talk, put};
 use crate::inbound::http::Door;
 use crate::inbound::http::gate::Peer;
 use crate::inbound::http::guard::Hosts;
 use crate::inbound::http::places::{Claim, Place, Places};
 use crate::inbound::http::problem::Problem;
-use crate::inbound::http::scanning::{BodyLength, Heard, Scanner, names};
+use crate::inbound::http::scanning::{BodyLength, Head, Heard, Scanner, names};
 use crate::inbound::http::tls::Tls;
 use crate::inbound::http::watcher::closed;
 use crate::inbound::patience::Patient;
@@ -42,6 +42,10 @@ const TURN: usize = 16 * 1024;
 const FIRST: usize = 1024;
 const TURNS: usize = 4;
 const HEADS: usize = 32;
+
+/// So much of what was heard waits for room in the pipe, in bytes. When more comes, because a client takes no answers, nothing more
+/// is carried out on that connection, and it is heard all the same (safety S8).
+pub(in crate::inbound::http) const AHEAD: usize = 128 * 1024;
 
 /// After the last answer a connection is heard on so long, and so far in bytes, for the end of a head that is coming, and so that the
 /// answer gets to the client.
@@ -125,18 +129,25 @@ struct Connection<R, W> {
     scanner: Scanner,
     /// Of whom the first head was.
     claim: Option<Claim>,
-    /// What was read and not handed on, and how much of it the scanner has seen.
+    /// What was read, and how much of it the scanner has seen.
     read: BytesMut,
     scanned: usize,
+    /// What was heard and waits for room in the pipe,
+    ahead: BytesMut,
+    /// and whether something behind it was heard and not kept, so that nothing more can be handed on.
+    is_only_heard: bool,
+    /// A request was heard that may hand the connection over.
+    may_hand_over: bool,
     /// What was read since others had their turn.
     turn: usize,
     /// Ends when the first head must have come.
     late: Pin<Box<Sleep>>,
 }
 
-/// How reading has gone on.
-enum Read {
+/// How it goes on.
+enum Next {
     More,
+    /// Nothing more comes.
     End,
     /// Nothing more is answered.
     Over,
@@ -162,6 +173,9 @@ where
             claim: None,
             read: BytesMut::new(),
             scanned: 0,
+            ahead: BytesMut::new(),
+            is_only_heard: false,
+            may_hand_over: false,
             turn: 0,
             late: Box::pin(sleep(HEADER_TIME)),
         }
@@ -170,72 +184,79 @@ where
     /// Hears until there is nothing more to hear.
     async fn hear(mut self) {
         loop {
-            let handed_over = self.scan().await;
+            // It is known here before the client can know it, so that nothing of another protocol is heard.
+            if self.may_hand_over && self.shared.is_handed_over() {
+                return self.carry().await;
+            }
+            self.scan().await;
             if self.talk.is_none()
                 && self.is_to_begin()
                 && let Err(problem) = self.begin()
             {
                 return self.refuse(&problem).await;
             }
-            if let Some(talk) = &mut self.talk {
-                if talk.to.write_all(&self.read[..self.scanned]).await.is_err() {
-                    return self.linger().await;
-                }
-                self.read.advance(self.scanned);
-                self.scanned = 0;
-                if let Some(number) = handed_over {
-                    if self.is_handed_over(number).await {
-                        return self.carry().await;
-                    }
-                    continue;
-                }
+            if self.talk.is_some() {
+                self.hand_on();
             }
-            match self.read_more().await {
-                Read::More => {}
-                Read::Over => return self.linger().await,
-                Read::End => break,
+            match self.go_on().await {
+                Next::More => {}
+                Next::Over => return self.linger().await,
+                Next::End => break,
             }
         }
         if let Some(talk) = self.talk.take() {
-            talk.ended(&self.shared).await;
+            talk.ended(&self.shared, &self.ahead).await;
         }
     }
 
-    /// Hears what was read; ends early behind a request that may hand the connection over, and says its number.
-    async fn scan(&mut self) -> Option<u64> {
-        let (mut heads, mut may_hand_over) = (0, false);
+    /// Hears what was read.
+    async fn scan(&mut self) {
+        let mut heads = 0;
         while self.scanned < self.read.len() {
             let (taken, heard) = self.scanner.take(&self.read[self.scanned..]);
             self.scanned += taken;
-            let is_whole = match heard {
-                None => false,
-                Some(Heard::Body) => {
-                    self.tell(|place| place.received());
-                    true
-                }
+            match heard {
+                None => {}
+                Some(Heard::Body) => self.tell(|place| place.received()),
                 Some(Heard::Head(head)) => {
-                    let has_body = head.body != BodyLength::Known(0);
-                    self.shared.came(self.scanner.heads() - 1, self.judge.door.handle.epoch());
-                    let (claim, given) = self.judge.hear(&head);
-                    if let Some(given) = given {
-                        self.shared.keep(self.scanner.heads() - 1, given);
-                    }
-                    self.tell(|place| place.asked(claim.clone(), has_body));
-                    self.claim.get_or_insert(claim);
-                    may_hand_over = head.wants_upgrade && names::is_upgrade(&head.target);
+                    self.hear_head(&head);
                     heads += 1;
-                    !has_body
                 }
-            };
-            if is_whole && may_hand_over {
-                return Some(self.scanner.heads() - 1);
             }
             if heads == HEADS {
                 heads = 0;
                 tokio::task::yield_now().await;
             }
         }
-        None
+    }
+
+    fn hear_head(&mut self, head: &Head) {
+        let number = self.scanner.heads() - 1;
+        let came = self.judge.door.handle.epoch();
+        let (claim, given) = self.judge.hear(head);
+        if self.is_only_heard {
+            return;
+        }
+        self.shared.came(number, came);
+        if let Some(given) = given {
+            self.shared.keep(number, given);
+        }
+        self.tell(|place| place.asked(claim.clone(), head.body != BodyLength::Known(0)));
+        self.claim.get_or_insert(claim);
+        self.may_hand_over |= head.wants_upgrade && names::is_upgrade(&head.target);
+    }
+
+    /// What was heard goes on when there is room for it; behind what was not kept nothing does.
+    fn hand_on(&mut self) {
+        self.is_only_heard |= self.ahead.len() + self.read.len() > AHEAD;
+        if !self.is_only_heard && self.ahead.is_empty() {
+            // What a burst took is given back.
+            self.ahead = BytesMut::from(&self.read[..]);
+        } else if !self.is_only_heard {
+            self.ahead.extend_from_slice(&self.read);
+        }
+        self.read.clear();
+        self.scanned = 0;
     }
 
     fn tell(&self, what: impl FnOnce(&Place)) {
@@ -269,20 +290,13 @@ where
         Ok(())
     }
 
-    /// A request that may hand the connection over was heard: nobody knows what comes next before it is answered.
-    async fn is_handed_over(&mut self, number: u64) -> bool {
-        let Some(talk) = &mut self.talk else { return false };
-        tokio::select! {
-            is_handed_over = self.shared.hands_over(number) => is_handed_over,
-            _ = talk.over.changed() => false,
-        }
-    }
-
     /// Carries bytes of another protocol, whose places are its own matter.
     async fn carry(mut self) {
         self.place = None;
-        let Some(Talk { to, over, .. }) = &mut self.talk else { return };
+        // Nobody knows what another protocol would say behind what was not kept.
+        let Some(Talk { to: Some(to), over, .. }) = &mut self.talk else { return };
         let carried = async {
+            to.write_all(&self.ahead).await?;
             to.write_all(&self.read).await?;
             tokio::io::copy(&mut self.from, to).await?;
             to.shutdown().await
@@ -295,53 +309,65 @@ where
         drop(over.changed().await);
     }
 
-    /// Reads one turn.
-    async fn read_more(&mut self) -> Read {
-        if self.turn >= TURNS * TURN {
+    /// Hands on what there is room for, else reads.
+    async fn go_on(&mut self) -> Next {
+        self.take_turns().await;
+        let mut closing = self.line.closing.clone();
+        let read = match &mut self.talk {
+            Some(Talk { to, over, .. }) => {
+                if self.is_only_heard && self.ahead.is_empty() {
+                    *to = None;
+                }
+                tokio::select! {
+                    biased;
+                    () = self.shared.handed_over(), if self.may_hand_over => return Next::More,
+                    _ = over.changed() => return Next::Over,
+                    () = put(to, &mut self.ahead), if !self.ahead.is_empty() => return Next::More,
+                    read = self.from.read_buf(&mut self.read) => read,
+                }
+            }
+            None => tokio::select! {
+                biased;
+                read = self.from.read_buf(&mut self.read) => read,
+                () = &mut self.late => return Next::End,
+                () = closed(&mut closing) => return Next::End,
+            },
+        };
+        match read {
+            Ok(0) | Err(_) => Next::End,
+            Ok(bytes) => {
+                self.turn += bytes;
+                Next::More
+            }
+        }
+    }
+
+    /// Lets others have their turn, sooner when nothing of this is carried out any more, and makes room to read.
+    async fn take_turns(&mut self) {
+        let turns = if self.is_only_heard { 1 } else { TURNS };
+        if self.turn >= turns * TURN {
             self.turn = 0;
             tokio::task::yield_now().await;
         }
         // Most heads are short, and many wait.
         self.read.reserve(if self.turn < FIRST { FIRST } else { TURN });
-        let mut closing = self.line.closing.clone();
-        let read = match &mut self.talk {
-            Some(talk) => tokio::select! {
-                biased;
-                read = self.from.read_buf(&mut self.read) => read,
-                _ = talk.over.changed() => return Read::Over,
-            },
-            None => tokio::select! {
-                biased;
-                read = self.from.read_buf(&mut self.read) => read,
-                () = &mut self.late => return Read::End,
-                () = closed(&mut closing) => return Read::End,
-            },
-        };
-        match read {
-            Ok(0) | Err(_) => Read::End,
-            Ok(bytes) => {
-                self.turn += bytes;
-                Read::More
-            }
-        }
     }
 
     /// Nothing more is answered: what was begun is heard to its end, and the answer gets to whoever still sends. The place is free
     /// for others meanwhile; of those who linger the oldest makes room.
     async fn linger(mut self) {
         drop(self.talk.take());
-        (self.waiting, self.place) = (None, None);
+        (self.waiting, self.place, self.is_only_heard) = (None, None, true);
         let _lingering = self.line.lingering.enter(self.judge.peer.address, Arc::clone(&self.cut));
         let mut closing = self.line.closing.clone();
         let heard_on = async {
             let mut left = LINGER_BYTES;
             while left > 0 {
-                // Nobody waits to be handed a connection that is over.
-                while self.scan().await.is_some() {}
-                self.read.clear();
-                self.scanned = 0;
-                self.read.reserve(TURN);
+                self.scan().await;
+                self.hand_on();
+                self.take_turns().await;
                 let Ok(bytes @ 1..) = self.from.read_buf(&mut self.read).await else { return };
+                self.turn += bytes;
                 left = left.saturating_sub(bytes);
             }
         };

@@ -12,5 +12,7 @@ mod connection;
 mod judge;
 mod talk;
 
+#[cfg(test)]
+pub(super) use connection::AHEAD;
 pub(super) use connection::{Line, converse};
 pub(super) use talk::{Arrived, Pressed};

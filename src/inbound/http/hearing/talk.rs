@@ -11,13 +11,14 @@ use std::time::Duration;
 
 use axum::body::{Body, Bytes};
 use axum::http::{StatusCode, header};
+use bytes::BytesMut;
 use hyper::body::{Frame, Incoming, SizeHint};
 use hyper::server::conn::http1;
 use hyper::service::{Service, service_fn};
 use hyper::{Request, Response};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
-use tokio::io::{AsyncRead, AsyncWrite, DuplexStream, ReadBuf};
+use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt, DuplexStream, ReadBuf};
 use tokio::sync::{Notify, watch};
 use tokio::task::JoinSet;
 
@@ -32,9 +33,9 @@ use crate::inbound::patience::Patient;
 /// So much waits between hearing and hyper, in bytes.
 const PIPE: usize = 64 * 1024;
 
-/// STOPs that were heard on one connection and wait for hyper to come to their requests: as many as there is room for in the pipe
-/// and in hyper's buffer. Of more the requests give a STOP themselves.
-const PRESSES: usize = (PIPE + HEADER_BYTES) / "POST /h HTTP/1.1\n\n".len();
+/// STOPs that were heard on one connection and wait for hyper to come to their requests, at most: each is kept in some 1.5 KiB. Of
+/// more the requests give a STOP once again.
+const PRESSES: usize = 256;
 
 /// So long after a client is gone what it has sent is carried out; an endless answer ends then.
 const GONE_TIME: Duration = Duration::from_secs(2);
@@ -52,16 +53,16 @@ pub(super) struct Shared {
     presses: Mutex<BTreeMap<u64, Given>>,
     /// From which request on they came in which epoch.
     epochs: Mutex<BTreeMap<u64, Epoch>>,
-    /// How many requests have got the head of their answer, and whether the last of them hands the connection over.
-    answered: watch::Sender<(u64, bool)>,
+    /// Whether an answer hands the connection over; it is the last.
+    is_handed_over: watch::Sender<bool>,
     /// Whether an answer without an end has begun.
     is_endless: watch::Sender<bool>,
 }
 
 /// A conversation on another runtime; it ends when this is dropped.
 pub(super) struct Talk {
-    /// Where the bytes go that were heard.
-    pub(super) to: DuplexStream,
+    /// Where the bytes go that were heard; nothing when no more do.
+    pub(super) to: Option<DuplexStream>,
     /// Closed when nothing more can be answered; nothing is ever sent.
     pub(super) over: watch::Receiver<()>,
     task: JoinSet<()>,
@@ -79,7 +80,7 @@ impl Shared {
         Arc::new(Shared {
             presses: Mutex::default(),
             epochs: Mutex::default(),
-            answered: watch::Sender::new((0, false)),
+            is_handed_over: watch::Sender::default(),
             is_endless: watch::Sender::default(),
         })
     }
@@ -118,10 +119,16 @@ impl Shared {
         !self.presses().is_empty()
     }
 
-    /// Whether the request of this number has handed the connection over; waits for its answer.
-    pub(super) async fn hands_over(&self, number: u64) -> bool {
-        let mut answered = self.answered.subscribe();
-        answered.wait_for(|(answered, _)| *answered > number).await.is_ok_and(|answered| answered.1)
+    /// Whether a request has handed the connection over to another protocol.
+    pub(super) fn is_handed_over(&self) -> bool {
+        *self.is_handed_over.borrow()
+    }
+
+    /// Waits until one has.
+    pub(super) async fn handed_over(&self) {
+        let mut is_handed_over = self.is_handed_over.subscribe();
+        // Whoever waits holds the sender.
+        drop(is_handed_over.wait_for(|is_handed_over| *is_handed_over).await);
     }
 
     fn take(&self, number: u64) -> Option<Pressed> {
@@ -149,18 +156,36 @@ impl Talk {
         let wire = Wire { from: theirs, to: Patient::new(to), gone: Arc::clone(&gone), is_gone: false, _held: held };
         let mut task = JoinSet::new();
         task.spawn_on(talk(wire, (peer, Arc::clone(place)), Arc::clone(line), Arc::clone(shared), gone), &line.work);
-        Talk { to: ours, over, task }
+        Talk { to: Some(ours), over, task }
     }
 
-    /// Says that nothing more comes, and waits until everything is answered. Whoever looks on and hangs up is taken to be gone.
-    pub(super) async fn ended(self, shared: &Shared) {
+    /// Says that nothing more comes than these, and waits until everything is answered. Whoever looks on and hangs up is taken to be
+    /// gone.
+    pub(super) async fn ended(self, shared: &Shared, rest: &[u8]) {
         let Talk { to, over: _over, mut task } = self;
-        drop(to);
         let mut is_endless = shared.is_endless.subscribe();
+        let answered = async {
+            if let Some(mut to) = to {
+                // Whoever takes no more has said why.
+                let _ = to.write_all(rest).await;
+            }
+            task.join_next().await
+        };
         tokio::select! {
-            _ = task.join_next() => {}
+            _ = answered => {}
             _ = is_endless.wait_for(|is_endless| *is_endless) => {}
         }
+    }
+}
+
+/// Puts into the pipe what there is room for, when there is some. When nobody takes anything out any more, all of it is gone.
+pub(super) async fn put(to: &mut Option<DuplexStream>, bytes: &mut BytesMut) {
+    let is_put = match to {
+        Some(to) => to.write_buf(bytes).await.is_ok(),
+        None => false,
+    };
+    if !is_put {
+        bytes.clear();
     }
 }
 
@@ -189,7 +214,9 @@ where
                     asked.0.watches();
                     shared.is_endless.send_replace(true);
                 }
-                shared.answered.send_replace((number + 1, response.status() == StatusCode::SWITCHING_PROTOCOLS));
+                if response.status() == StatusCode::SWITCHING_PROTOCOLS {
+                    shared.is_handed_over.send_replace(true);
+                }
                 response.map(|body| Answer { body, asked })
             })
         }
