@@ -1,6 +1,8 @@
 //! Subscribers that do not read, beside others that do: the one who does not loses its own messages alone, and finds the newest when it
 //! reads again.
 
+use std::sync::mpsc;
+
 use super::client::Client;
 use super::packets::{PUBACK, RETAIN, publish, subscribe};
 use super::siege::Siege;
@@ -117,9 +119,11 @@ fn a_crowd_that_never_reads_costs_little_and_those_who_read_miss_nothing() {
         })
         .collect();
     siege.is_served();
+    let (read, has_read) = mpsc::channel();
     let reading = std::thread::spawn(move || {
         for n in 0..FLOOD {
             let message = reader.message();
+            read.send(()).expect("it is waited for");
             assert!(message.payload.starts_with(format!("{n} ").as_bytes()) && message.payload.len() == LONG, "message {n}");
         }
     });
@@ -129,6 +133,8 @@ fn a_crowd_that_never_reads_costs_little_and_those_who_read_miss_nothing() {
         payload.resize(LONG, b'x');
         publisher.say(&publish(&format!("flood/{}", n % 5), &payload, 0, 0, 0));
         most = most.max(siege.memory_mib());
+        // No machine is too slow for this one.
+        has_read.recv().expect("it reads");
     }
     publisher.settle();
     reading.join().expect("it has read all of it");
