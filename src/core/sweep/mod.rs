@@ -134,10 +134,10 @@ impl Sweep {
     }
 
     /// Notes a command that a door refused to take from its sender (safety A6): `asked` is what was asked for, as the door knows
-    /// it. Its place in the journal; of who is refused without end some share an entry, which has none yet.
-    pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, now: Now) -> Option<Seq> {
+    /// it, the last of `count`. Its place in the journal; of who is refused without end some share an entry, which has none yet.
+    pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, count: u64, now: Now) -> Option<Seq> {
         self.begin(now);
-        let notes = self.refusals.come(Note { issuer, asked, refused: refused.clone() }, now.since_start);
+        let notes = self.refusals.come(Note { issuer, asked, refused: refused.clone() }, count, now.since_start);
         let is_written = !notes.is_empty();
         self.write_refusals(notes);
         is_written.then(|| self.outbox.written())

@@ -41,19 +41,19 @@ struct Sender {
 }
 
 impl Refusals {
-    /// Takes what was refused just now; what is to be written at once.
-    pub(super) fn come(&mut self, note: Note, now: Duration) -> Vec<Note> {
+    /// Takes what was refused just now, the last of so many; what is to be written at once.
+    pub(super) fn come(&mut self, note: Note, count: u64, now: Duration) -> Vec<Note> {
         let key = (Arc::clone(&note.issuer.who), note.issuer.door);
         let mut due = if self.0.contains_key(&key) { Vec::new() } else { self.make_room() };
         let sender = self.0.entry(key).or_insert(Sender { room: BURST, since: now, unwritten: None });
         sender.refill(now);
-        if let Some((count, last)) = &mut sender.unwritten {
-            (*count, *last) = (*count + 1, note);
-        } else if sender.room > 0 {
+        if let Some((unwritten, last)) = &mut sender.unwritten {
+            (*unwritten, *last) = (unwritten.saturating_add(count), note);
+        } else if sender.room > 0 && count == 1 {
             sender.room -= 1;
             due.push(note);
         } else {
-            sender.unwritten = Some((1, note));
+            sender.unwritten = Some((count, note));
         }
         due
     }
@@ -121,7 +121,7 @@ mod tests {
         let mut refusals = Refusals::default();
         let mut written = 0;
         for n in 0..3000_u32 {
-            written += refusals.come(note("lobby", &format!("START {n}")), SECOND * (n / 300)).len();
+            written += refusals.come(note("lobby", &format!("START {n}")), 1, SECOND * (n / 300)).len();
         }
         assert_eq!(written, BURST as usize);
         assert_eq!(refusals.due(), Some(EVERY));
@@ -131,28 +131,37 @@ mod tests {
         assert_eq!((refusals.due(), refusals.fall_due(EVERY * 9)), (None, Vec::new()), "nothing twice");
     }
 
+    /// Safety A6: the door counts while the queue of commands is full.
+    #[test]
+    fn what_comes_as_the_last_of_many_counts_as_many() {
+        let mut refusals = Refusals::default();
+        assert_eq!(refusals.come(note("lobby", "START 1"), 1000, SECOND), []);
+        assert_eq!(refusals.come(note("lobby", "START 2"), 1, SECOND), []);
+        assert_eq!(asked(refusals.fall_due(EVERY + SECOND)), ["START 2, and 1000 more that were refused"]);
+    }
+
     #[test]
     fn whoever_is_refused_now_and_then_is_written_one_by_one_and_nobody_for_another() {
         let mut refusals = Refusals::default();
-        (0..9 * BURST).for_each(|_| drop(refusals.come(note("lobby", "START"), SECOND)));
-        assert_eq!(asked(refusals.come(note("anna", "RESET"), SECOND)), ["RESET"], "another sender has room of his own");
+        (0..9 * BURST).for_each(|_| drop(refusals.come(note("lobby", "START"), 1, SECOND)));
+        assert_eq!(asked(refusals.come(note("anna", "RESET"), 1, SECOND)), ["RESET"], "another sender has room of his own");
         assert_eq!(refusals.fall_due(EVERY + SECOND).len(), 1);
-        assert!(refusals.come(note("lobby", "START"), EVERY + SECOND).is_empty());
+        assert!(refusals.come(note("lobby", "START"), 1, EVERY + SECOND).is_empty());
         assert_eq!(refusals.fall_due(EVERY * 3).len(), 1);
         for n in 4..400 {
-            assert_eq!(refusals.come(note("lobby", "START"), EVERY * n).len(), 1, "one in {EVERY:?} is written at once");
+            assert_eq!(refusals.come(note("lobby", "START"), 1, EVERY * n).len(), 1, "one in {EVERY:?} is written at once");
         }
     }
 
     #[test]
     fn exactly_so_many_senders_are_told_apart_and_nothing_of_who_is_forgotten_is_lost() {
         let mut refusals = Refusals::default();
-        (0..=BURST).for_each(|_| drop(refusals.come(note("first", "START"), Duration::ZERO)));
+        (0..=BURST).for_each(|_| drop(refusals.come(note("first", "START"), 1, Duration::ZERO)));
         for n in 1..SENDERS {
-            assert_eq!(refusals.come(note(&format!("key-{n}"), "START"), SECOND).len(), 1);
+            assert_eq!(refusals.come(note(&format!("key-{n}"), "START"), 1, SECOND).len(), 1);
         }
         assert_eq!(refusals.0.len(), SENDERS);
-        assert_eq!(asked(refusals.come(note("last", "RESET"), SECOND)), ["START", "RESET"]);
+        assert_eq!(asked(refusals.come(note("last", "RESET"), 1, SECOND)), ["START", "RESET"]);
         assert_eq!(refusals.0.len(), SENDERS);
     }
 }
