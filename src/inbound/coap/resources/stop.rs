@@ -24,6 +24,9 @@ pub(super) fn is_stop(request: &Request) -> bool {
     }
 }
 
+/// Of these every request that halts has one in its path.
+pub(super) const WORDS: &[[u8; 4]] = &[*b"stop", *b"move", *b"reso"];
+
 /// The words of a path, however a client has cut it up.
 fn segments(request: &Request) -> Vec<&str> {
     request.path.iter().flat_map(|segment| segment.split('/')).filter(|segment| !segment.is_empty()).collect()
