@@ -18,7 +18,7 @@ const SEARCHED: u32 = 160;
 
 /// What is let through now.
 pub(super) struct Sieve {
-    /// Four bytes each, of which every STOP has one.
+    /// Four bytes each, of which every STOP has one, with the bit set that makes letters small.
     words: &'static [[u8; 4]],
     /// Of looks, commands and signs one in two to the power of this.
     fine: [u32; 3],
@@ -100,7 +100,7 @@ fn program(words: &[[u8; 4]], [looks, commands, signs]: [u32; 3]) -> Vec<socket2
     steps.extend(one_in(commands));
     let count = u8::try_from(words.len()).unwrap_or(u8::MAX);
     for at in UDP + 4..UDP + SEARCHED {
-        steps.push(load(at));
+        steps.extend([load(at), SockFilter::new(0x44, 0, 0, 0x2020_2020)]);
         for (n, word) in (1..).zip(words) {
             steps.push(is_equal(u32::from_be_bytes(*word), count - n, u8::from(n == count)));
         }
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn however_fine_it_is_what_has_a_word_of_a_stop_comes_through() {
         let stops = [
-            datagram(0x40, 2, b"\xB8commands\x04stop"),
+            datagram(0x40, 2, b"\xB8commands\x04Stop"),
             datagram(0x48, 2, b"tokentok\x3Bexample.org\x88commands\x04stop\xFF{}"),
             datagram(0x40, 3, b"\xBD\x00resourcemodel\xFFh"),
             datagram(0x4F, 31, b"\xFF\xFFstop"),
