@@ -38,7 +38,7 @@ pub mod request;
 pub mod response;
 mod subject;
 
-pub use hear::Backlog;
+pub use hear::{Backlog, Sort};
 pub use observe::SubjectId;
 pub use queue::Datagram;
 
