@@ -87,11 +87,15 @@ pub(in crate::inbound::http) async fn converse((stream, address): (TcpStream, So
     let peer = Peer { address: address.ip(), is_encrypted: line.tls.is_some() };
     let cut = Arc::new(Notify::new());
     let waiting = line.vestibule.enter(peer.address, Arc::clone(&cut));
+    let has_to_go = async {
+        cut.notified().await;
+        // What has come already is heard before room is made: it is asked for while others have their turn.
+        tokio::task::yield_now().await;
+    };
     tokio::select! {
         biased;
-        // What has come already is heard before room is made.
         () = encrypted(stream, peer, (waiting, Arc::clone(&cut)), line) => {}
-        () = cut.notified() => tracing::debug!("a connection gave way to a newer one"),
+        () = has_to_go => tracing::debug!("a connection gave way to a newer one"),
     }
 }
 
@@ -282,6 +286,10 @@ where
         if !self.line.door.can_date() {
             return Err(Problem::no_date(has_heard));
         }
+        // Somebody else would give way to whoever goes in a moment.
+        if self.waiting.take().is_some_and(|waiting| !waiting.leave()) {
+            return Err(Problem::no_place(has_heard));
+        }
         let claim = self.claim.clone().unwrap_or_else(|| Claim::new(self.ear.judge().peer.address, None));
         let cut = Arc::clone(&self.cut);
         let place = self.line.places.take(claim.clone(), has_heard, cut).ok_or_else(|| Problem::no_place(has_heard))?;
@@ -289,7 +297,6 @@ where
             place.asked(claim.clone(), !self.ear.scanner().is_between());
         }
         let (place, to) = (Arc::new(place), self.to.take());
-        self.waiting = None;
         self.talk = to.map(|to| Talk::begin(to, (self.ear.judge().peer, &place), &self.line, &self.shared));
         self.place = Some(place);
         Ok(())
@@ -398,3 +405,7 @@ where
         self.linger().await;
     }
 }
+
+#[cfg(test)]
+#[path = "connection_tests.rs"]
+mod tests;
