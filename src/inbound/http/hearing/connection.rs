@@ -1,38 +1,33 @@
-//! One connection, from its first byte to its end: it is encrypted where connections are, waits in the vestibule until its first
-//! head has come, gets a place or is told that there is none, and is heard on whatever becomes of its requests. Everything here
-//! runs on the thread that hears.
+//! What comes on one connection, from its first byte to its end: it waits in the vestibule until its first head has come, gets a
+//! place or is told that there is none, and is heard on whatever becomes of its requests. Everything here runs on the thread that
+//! hears.
 
-use std::net::SocketAddr;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::Router;
 use bytes::BytesMut;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
-use tokio::net::TcpStream;
-use tokio::runtime::Handle;
-use tokio::sync::{Notify, watch};
+use tokio::sync::Notify;
 use tokio::time::{Sleep, sleep, timeout};
 
 use super::ear::{Asked, Ear, Heard};
 use super::judge::{Given, Judge};
+use super::line::Line;
 use super::talk::{Shared, Talk, put};
-use crate::inbound::http::Door;
 use crate::inbound::http::gate::Peer;
-use crate::inbound::http::guard::Hosts;
-use crate::inbound::http::places::{Claim, Place, Places};
+use crate::inbound::http::places::{Claim, Place};
 use crate::inbound::http::problem::Problem;
-use crate::inbound::http::tls::Tls;
 use crate::inbound::http::watcher::closed;
 use crate::inbound::patience::Patient;
-use crate::inbound::vestibule::{Vestibule, Waiting};
-
-/// How long a client may take to agree on encryption.
-const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
+use crate::inbound::vestibule::Waiting;
 
 /// How long a client may take over a request's headers, and how long it may be silent between two requests.
 pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
+
+/// How long a first request waits for the rest of its body before it gets a conversation: most come whole, and a crowd of those that do
+/// not costs little meanwhile.
+const WHOLE_TIME: Duration = Duration::from_millis(100);
 
 /// How long a request's line and headers may be together; longer ones are answered with 431.
 pub(super) const HEADER_BYTES: usize = 64 * 1024;
@@ -52,74 +47,8 @@ pub(in crate::inbound::http) const AHEAD: usize = 128 * 1024;
 const LINGER_TIME: Duration = Duration::from_secs(5);
 const LINGER_BYTES: usize = 1024 * 1024;
 
-/// What every connection has in common.
-pub(in crate::inbound::http) struct Line {
-    pub(in crate::inbound::http) door: Door,
-    pub(in crate::inbound::http) hosts: Hosts,
-    pub(in crate::inbound::http) router: Router,
-    pub(in crate::inbound::http) tls: Option<Tls>,
-    pub(in crate::inbound::http) places: Places,
-    pub(in crate::inbound::http) vestibule: Vestibule,
-    /// Where those are heard on who get no further answer.
-    pub(in crate::inbound::http) lingering: Vestibule,
-    /// Where requests are carried out.
-    pub(in crate::inbound::http) work: Handle,
-    pub(in crate::inbound::http) closing: watch::Receiver<bool>,
-}
-
-impl Line {
-    /// Cuts some connections when the system has no more descriptors, and says how many: first of those that get no further answer,
-    /// last of those that may be about to say STOP.
-    pub(in crate::inbound::http) fn relieve(&self) -> usize {
-        let mut relieved = self.lingering.relieve();
-        if relieved == 0 {
-            relieved = self.places.relieve();
-        }
-        if relieved == 0 {
-            relieved = self.vestibule.relieve();
-        }
-        relieved
-    }
-}
-
-/// One connection, to its end or until its place is needed. What a client does wrong with it is the client's business.
-pub(in crate::inbound::http) async fn converse((stream, address): (TcpStream, SocketAddr), line: Arc<Line>) {
-    let peer = Peer { address: address.ip(), is_encrypted: line.tls.is_some() };
-    let cut = Arc::new(Notify::new());
-    let waiting = line.vestibule.enter(peer.address, Arc::clone(&cut));
-    let has_to_go = async {
-        cut.notified().await;
-        // What has come already is heard before room is made: it is asked for while others have their turn.
-        tokio::task::yield_now().await;
-    };
-    tokio::select! {
-        biased;
-        () = encrypted(stream, peer, (waiting, Arc::clone(&cut)), line) => {}
-        () = has_to_go => tracing::debug!("a connection gave way to a newer one"),
-    }
-}
-
-/// Agrees on encryption, where there is any, and then hears.
-async fn encrypted(stream: TcpStream, peer: Peer, waiting: (Waiting, Arc<Notify>), line: Arc<Line>) {
-    if let Err(error) = stream.set_nodelay(true) {
-        tracing::debug!(%error, "small packets of a connection will be held back");
-    }
-    let Some(Tls(acceptor)) = line.tls.clone() else {
-        let (from, to) = stream.into_split();
-        return Connection::new(from, to, peer, waiting, line).hear().await;
-    };
-    // Boxed, since most connections have none of this.
-    match timeout(HANDSHAKE_TIME, Box::pin(acceptor.accept(stream))).await {
-        Ok(Ok(stream)) => {
-            let (from, to) = tokio::io::split(stream);
-            Box::pin(Connection::new(from, to, peer, waiting, line).hear()).await;
-        }
-        Ok(Err(error)) => tracing::debug!(%error, "a client could not agree on encryption"),
-        Err(_) => tracing::debug!("a client did not agree on encryption in time"),
-    }
-}
-
-struct Connection<R, W> {
+/// One connection.
+pub(super) struct Connection<R, W> {
     from: R,
     /// Until somebody talks to the client.
     to: Option<W>,
@@ -143,7 +72,7 @@ struct Connection<R, W> {
     may_hand_over: bool,
     /// What was read since others had their turn.
     turn: usize,
-    /// Ends when the first head must have come.
+    /// Ends when the first head must have come, and then when its body should have.
     late: Pin<Box<Sleep>>,
 }
 
@@ -161,7 +90,7 @@ where
     R: AsyncRead + Unpin + Send,
     W: AsyncWrite + Unpin + Send + 'static,
 {
-    fn new(from: R, to: W, peer: Peer, (waiting, cut): (Waiting, Arc<Notify>), line: Arc<Line>) -> Connection<R, W> {
+    pub(super) fn new(from: R, to: W, peer: Peer, (waiting, cut): (Waiting, Arc<Notify>), line: Arc<Line>) -> Connection<R, W> {
         Connection {
             from,
             to: Some(to),
@@ -184,18 +113,21 @@ where
     }
 
     /// Hears until there is nothing more to hear.
-    async fn hear(mut self) {
+    pub(super) async fn hear(mut self) {
         loop {
             // It is known here before the client can know it, so that nothing of another protocol is heard.
             if self.may_hand_over && self.shared.is_handed_over() {
                 return self.carry().await;
             }
             self.scan().await;
-            if self.talk.is_none()
-                && self.is_to_begin()
-                && let Err(problem) = self.begin()
+            if self.place.is_none()
+                && self.has_come()
+                && let Err(problem) = self.take_place()
             {
                 return self.refuse(&problem).await;
+            }
+            if self.is_to_be_answered() {
+                self.begin();
             }
             if self.talk.is_some() {
                 self.hand_on();
@@ -208,6 +140,10 @@ where
         }
         let given = self.ear.look();
         self.keep(given);
+        if self.place.is_some() && self.talk.is_none() {
+            self.begin();
+            self.hand_on();
+        }
         if let Some(talk) = self.talk.take() {
             talk.ended(&self.shared, &self.ahead).await;
         }
@@ -275,12 +211,12 @@ where
     }
 
     /// Whether there is something to answer: a head, or what can be none.
-    fn is_to_begin(&self) -> bool {
+    fn has_come(&self) -> bool {
         self.claim.is_some() || self.read.len() >= HEADER_BYTES || self.ear.scanner().is_no_request()
     }
 
-    /// Takes a place and begins to talk, or says why not.
-    fn begin(&mut self) -> Result<(), Problem> {
+    /// Takes a place, or says why not.
+    fn take_place(&mut self) -> Result<(), Problem> {
         let has_heard = self.shared.has_heard();
         // hyper would panic.
         if !self.line.door.can_date() {
@@ -296,10 +232,23 @@ where
         for _ in 0..self.ear.scanner().heads() {
             place.asked(claim.clone(), !self.ear.scanner().is_between());
         }
-        let (place, to) = (Arc::new(place), self.to.take());
-        self.talk = to.map(|to| Talk::begin(to, (self.ear.judge().peer, &place), &self.line, &self.shared));
-        self.place = Some(place);
+        self.place = Some(Arc::new(place));
+        self.late.set(sleep(WHOLE_TIME));
         Ok(())
+    }
+
+    /// Whether it has a place and is worth a conversation: only the first of its requests may be one whose body has not come.
+    fn is_to_be_answered(&self) -> bool {
+        let is_whole = self.ear.scanner().heads() != 1 || self.ear.scanner().is_between();
+        let is_due = self.read.len() >= TURN || self.late.is_elapsed();
+        self.place.is_some() && self.talk.is_none() && (is_whole || is_due || self.shared.has_heard())
+    }
+
+    /// Begins to talk.
+    fn begin(&mut self) {
+        if let (Some(place), Some(to)) = (&self.place, self.to.take()) {
+            self.talk = Some(Talk::begin(to, (self.ear.judge().peer, place), &self.line, &self.shared));
+        }
     }
 
     /// Carries bytes of another protocol, whose places are its own matter.
@@ -341,7 +290,7 @@ where
             None => tokio::select! {
                 biased;
                 read = self.from.read_buf(&mut self.read) => read,
-                () = &mut self.late => return Next::End,
+                () = &mut self.late => return if self.place.is_some() { Next::More } else { Next::End },
                 () = closed(&mut closing) => return Next::End,
             },
         };

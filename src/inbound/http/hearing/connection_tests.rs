@@ -3,16 +3,23 @@
 use std::net::Ipv4Addr;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use axum::routing::get;
+use axum::Router;
+use axum::extract::Request;
+use axum::middleware::{Next, from_fn};
 use tokio::io::DuplexStream;
 use tokio::net::TcpListener;
+use tokio::runtime::Handle;
 use tokio::task::JoinHandle;
 use tokio::time::sleep;
 
 use super::*;
 use crate::core::units::Epoch;
+use crate::inbound::http::guard::Hosts;
+use crate::inbound::http::hearing::converse;
+use crate::inbound::http::places::Places;
 use crate::inbound::http::router;
 use crate::inbound::http::testing::{House, house};
+use crate::inbound::vestibule::Vestibule;
 use crate::runtime::within::within;
 use crate::wire::fixture::searching;
 
@@ -68,12 +75,20 @@ async fn what_a_client_that_is_gone_has_sent_is_carried_out_for_two_seconds() {
     let house = house(searching());
     let is_done = Arc::new(AtomicBool::new(false));
     let done = Arc::clone(&is_done);
-    let slow = async move || {
-        sleep(Duration::from_secs(1)).await;
-        done.store(true, Ordering::SeqCst);
-    };
-    let router =
-        Router::new().route("/", get("hello")).route("/slow", get(slow)).route("/hangs", get(std::future::pending::<()>));
+    let router = Router::new().layer(from_fn(move |request: Request, next: Next| {
+        let done = Arc::clone(&done);
+        async move {
+            match request.uri().path() {
+                "/slow" => {
+                    sleep(Duration::from_secs(1)).await;
+                    done.store(true, Ordering::SeqCst);
+                }
+                "/hangs" => std::future::pending().await,
+                _ => {}
+            }
+            next.run(request).await
+        }
+    }));
     let (connection, mut says, hears, _) = connected(&Arc::new(Line { router, ..line(&house, 8) }));
     for path in ["/", "/slow", "/hangs"] {
         says.write_all(format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n").as_bytes()).await.unwrap();
