@@ -44,6 +44,17 @@ pub struct Task {
     losses: u64,
     /// Whether the robot's end of the link is gone for good.
     link_gone: bool,
+    /// Whether the core was told that the program ends.
+    is_ending: bool,
+}
+
+/// How far the program has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Course {
+    /// What asked it to end, if something has: the robot halts then, and who has asked for something is still answered.
+    pub ended_by: Option<&'static str>,
+    /// Whether nobody asks for anything any more.
+    pub is_over: bool,
 }
 
 impl Task {
@@ -73,19 +84,28 @@ impl Task {
             store_failed: false,
             losses: 0,
             link_gone: false,
+            is_ending: false,
         };
         (handle, task)
     }
 
-    /// Runs until `closing` says so or every handle is gone.
-    pub async fn run(mut self, mut closing: watch::Receiver<bool>) {
+    /// Runs until `course` is over or every handle is gone.
+    pub async fn run(mut self, mut course: watch::Receiver<Course>) {
         self.hear_store();
         self.settle();
         loop {
             let due = self.sweep.poll_timeout();
             tokio::select! {
                 biased;
-                _ = closing.wait_for(|closing| *closing) => break,
+                changed = course.changed() => {
+                    let Course { ended_by, is_over } = *course.borrow_and_update();
+                    if let Some(by) = ended_by.filter(|_| !std::mem::replace(&mut self.is_ending, true)) {
+                        self.sweep.handle_end(by, self.clock.now());
+                    }
+                    if is_over || changed.is_err() {
+                        break;
+                    }
+                }
                 Ok(()) = self.word.changed() => self.hear_store(),
                 // Before commands and reports: a steady flow of these must not keep a silent sensor from being noticed.
                 () = self.clock.reach(due) => self.sweep.handle_timeout(self.clock.now()),
@@ -101,7 +121,7 @@ impl Task {
             self.hear_halts();
             self.settle();
         }
-        self.sweep.end(self.clock.now());
+        self.sweep.record_rest(self.clock.now());
         self.settle();
     }
 

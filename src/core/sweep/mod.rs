@@ -72,6 +72,8 @@ pub struct Sweep {
     /// The epoch in which the command was given that released the robot last.
     released: Option<Epoch>,
     on_record: OnRecord,
+    /// Whether the program was asked to end.
+    is_ending: bool,
     taken: Option<Arc<Snapshot>>,
 }
 
@@ -93,6 +95,7 @@ impl Sweep {
             stops: Stops::default(),
             released: None,
             on_record: OnRecord::first(strategy),
+            is_ending: false,
             taken: None,
         }
     }
@@ -190,13 +193,6 @@ impl Sweep {
             }
         }
         self.go_on();
-    }
-
-    /// The program ends: what has waited for more of its kind goes on record.
-    pub fn end(&mut self, now: Now) {
-        self.begin(now);
-        self.record_all_refusals();
-        self.record_all_stops();
     }
 
     /// Time has passed; call it at `poll_timeout`.

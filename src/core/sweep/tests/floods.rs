@@ -123,7 +123,7 @@ fn the_epoch_of_a_flood_is_on_record_with_the_next_entry_or_soon() {
     assert_eq!(house.epoch_on_record(), Epoch(200), "the START is on record behind the stops that it came after");
 
     (0..100).for_each(|_| house.stop("lobby", "192.0.2.7"));
-    house.sweep.end(house.now());
+    house.sweep.record_rest(house.now());
     house.drain();
     assert_eq!(house.epoch_on_record(), Epoch(300));
     assert_eq!(house.by("lobby").iter().map(|words| count(words)).sum::<u64>(), 300);
