@@ -99,6 +99,11 @@ impl Crowd {
 }
 
 impl Waiting {
+    /// Leaves for a place; `false` when it had to make room before.
+    pub(super) fn leave(self) -> bool {
+        self.vestibule.crowd().remove(self.number).is_some()
+    }
+
     /// Waits until it has to make room.
     pub(super) async fn cut(&self) {
         self.cut.notified().await;

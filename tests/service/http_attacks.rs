@@ -166,6 +166,29 @@ fn a_viewers_key_from_many_addresses_keeps_no_stop_out() {
     drop(crowd);
 }
 
+/// Safety S8, S9: 512 may wait, a few of which are the test's own questions.
+#[test]
+fn five_hundred_that_have_not_said_all_yet_stay_and_the_stop_of_each_halts() {
+    let most = rlimit::increase_nofile_limit(4096).unwrap_or(1024);
+    if most < 700 {
+        eprintln!("left out: this system lets one process have {most} descriptors");
+        return;
+    }
+    let program = Program::serve("empty-8x8", "max");
+    let before = epoch(&program);
+    let stop = stop("/h", "");
+    let (begin, rest) = stop.split_at(20);
+    let mut waiting: Vec<TcpStream> = (0..500).map(|_| connected(&program, begin)).collect();
+    assert_eq!(epoch(&program), before);
+    for stream in &mut waiting {
+        stream.write_all(rest.as_bytes()).expect("it is there still");
+    }
+    for stream in &mut waiting {
+        assert_eq!(status(stream), "200");
+    }
+    check_halts(&program, before, 500);
+}
+
 /// A connection from this address of this machine.
 fn from_address(from: SocketAddr, to: SocketAddr) -> TcpStream {
     let socket = socket2::Socket::new(socket2::Domain::IPV4, socket2::Type::STREAM, None).expect("a socket");

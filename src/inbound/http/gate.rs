@@ -13,6 +13,7 @@ use axum::response::{IntoResponse, Redirect, Response};
 use super::Door;
 use super::guard::is_for_people;
 use super::problem::{NotTaken, Problem};
+use super::scanning::KEYS;
 use super::sign_in::{Undone, sign_in_page};
 use crate::access::{Access, Caller, Need, Network};
 use crate::core::command::{self, Issuer, Refused};
@@ -219,20 +220,14 @@ fn tokens(headers: &HeaderMap) -> impl Iterator<Item = String> {
         let (scheme, token) = value.to_str().ok()?.split_once(' ')?;
         scheme.eq_ignore_ascii_case("bearer").then(|| token.trim().to_owned())
     });
-    bearers.take(TOKENS)
+    bearers.take(KEYS)
 }
 
 fn sessions(headers: &HeaderMap, cookie: &str) -> Vec<String> {
     let cookies = headers.get_all(header::COOKIE).iter().filter_map(|value| value.to_str().ok());
     let pairs = cookies.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));
-    pairs.filter(|(name, _)| *name == cookie).map(|(_, value)| value.to_owned()).take(SESSIONS).collect()
+    pairs.filter(|(name, _)| *name == cookie).map(|(_, value)| value.to_owned()).take(KEYS).collect()
 }
-
-/// Cookies of our name that are looked at: one, and one that somebody set for another path.
-const SESSIONS: usize = 2;
-
-/// Tokens that are looked at when they are heard.
-const TOKENS: usize = 4;
 
 #[cfg(test)]
 #[path = "gate_tests.rs"]

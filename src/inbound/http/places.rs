@@ -129,6 +129,12 @@ impl Places {
         (0..RELIEF).take_while(|_| taken.cut(|_| true)).count()
     }
 
+    /// Places that were given and not left.
+    #[cfg(test)]
+    pub(super) fn held(&self) -> usize {
+        self.taken().held
+    }
+
     fn taken(&self) -> MutexGuard<'_, Taken> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -134,7 +134,8 @@ async fn a_stop_halts_behind_more_than_is_ever_answered() {
     let chunks = format!("Transfer-Encoding: chunked\r\n\r\n{}0\r\n\r\n", "5\r\nabcde\r\n".repeat(50_000));
     let stop = press("/h", "", "");
     let mut open = Vec::new();
-    let before = [LOOK.repeat(100_000), LOOK.repeat(5_000), upgrade.to_owned(), goto(&body), goto(&chunks)];
+    let packed = goto("Content-Encoding: gzip\r\nContent-Length: 5\r\n\r\n\x1f\x08abc");
+    let before = [packed, LOOK.repeat(100_000), LOOK.repeat(5_000), upgrade.to_owned(), goto(&body), goto(&chunks)];
     for (number, before) in before.iter().enumerate() {
         let mut client = client(address, WATCH);
         client.set_write_timeout(Some(Duration::from_secs(30))).unwrap();

@@ -1,35 +1,26 @@
-//! One connection, from its first byte to its end: it is encrypted where connections are, waits in the vestibule until its first
-//! head has come, gets a place or is told that there is none, and is heard on whatever becomes of its requests. Everything here
-//! runs on the thread that hears.
+//! What comes on one connection, from its first byte to its end: it waits in the vestibule until its first head has come, gets a
+//! place or is told that there is none, and is heard on whatever becomes of its requests. Everything here runs on the thread that
+//! hears.
 
-use std::net::SocketAddr;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::Router;
 use bytes::BytesMut;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
-use tokio::net::TcpStream;
-use tokio::runtime::Handle;
-use tokio::sync::{Notify, watch};
+use tokio::sync::Notify;
 use tokio::time::{Sleep, sleep, timeout};
 
 use super::ear::{Asked, Ear, Heard};
 use super::judge::{Given, Judge};
+use super::line::Line;
 use super::talk::{Shared, Talk, put};
-use crate::inbound::http::Door;
 use crate::inbound::http::gate::Peer;
-use crate::inbound::http::guard::Hosts;
-use crate::inbound::http::places::{Claim, Place, Places};
+use crate::inbound::http::places::{Claim, Place};
 use crate::inbound::http::problem::Problem;
-use crate::inbound::http::tls::Tls;
 use crate::inbound::http::watcher::closed;
 use crate::inbound::patience::Patient;
-use crate::inbound::vestibule::{Vestibule, Waiting};
-
-/// How long a client may take to agree on encryption.
-const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
+use crate::inbound::vestibule::Waiting;
 
 /// How long a client may take over a request's headers, and how long it may be silent between two requests.
 pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
@@ -56,70 +47,8 @@ pub(in crate::inbound::http) const AHEAD: usize = 128 * 1024;
 const LINGER_TIME: Duration = Duration::from_secs(5);
 const LINGER_BYTES: usize = 1024 * 1024;
 
-/// What every connection has in common.
-pub(in crate::inbound::http) struct Line {
-    pub(in crate::inbound::http) door: Door,
-    pub(in crate::inbound::http) hosts: Hosts,
-    pub(in crate::inbound::http) router: Router,
-    pub(in crate::inbound::http) tls: Option<Tls>,
-    pub(in crate::inbound::http) places: Places,
-    pub(in crate::inbound::http) vestibule: Vestibule,
-    /// Where those are heard on who get no further answer.
-    pub(in crate::inbound::http) lingering: Vestibule,
-    /// Where requests are carried out.
-    pub(in crate::inbound::http) work: Handle,
-    pub(in crate::inbound::http) closing: watch::Receiver<bool>,
-}
-
-impl Line {
-    /// Cuts some connections when the system has no more descriptors, and says how many: first of those that get no further answer,
-    /// last of those that may be about to say STOP.
-    pub(in crate::inbound::http) fn relieve(&self) -> usize {
-        let mut relieved = self.lingering.relieve();
-        if relieved == 0 {
-            relieved = self.places.relieve();
-        }
-        if relieved == 0 {
-            relieved = self.vestibule.relieve();
-        }
-        relieved
-    }
-}
-
-/// One connection, to its end or until its place is needed. What a client does wrong with it is the client's business.
-pub(in crate::inbound::http) async fn converse((stream, address): (TcpStream, SocketAddr), line: Arc<Line>) {
-    let peer = Peer { address: address.ip(), is_encrypted: line.tls.is_some() };
-    let cut = Arc::new(Notify::new());
-    let waiting = line.vestibule.enter(peer.address, Arc::clone(&cut));
-    tokio::select! {
-        biased;
-        // What has come already is heard before room is made.
-        () = encrypted(stream, peer, (waiting, Arc::clone(&cut)), line) => {}
-        () = cut.notified() => tracing::debug!("a connection gave way to a newer one"),
-    }
-}
-
-/// Agrees on encryption, where there is any, and then hears.
-async fn encrypted(stream: TcpStream, peer: Peer, waiting: (Waiting, Arc<Notify>), line: Arc<Line>) {
-    if let Err(error) = stream.set_nodelay(true) {
-        tracing::debug!(%error, "small packets of a connection will be held back");
-    }
-    let Some(Tls(acceptor)) = line.tls.clone() else {
-        let (from, to) = stream.into_split();
-        return Connection::new(from, to, peer, waiting, line).hear().await;
-    };
-    // Boxed, since most connections have none of this.
-    match timeout(HANDSHAKE_TIME, Box::pin(acceptor.accept(stream))).await {
-        Ok(Ok(stream)) => {
-            let (from, to) = tokio::io::split(stream);
-            Box::pin(Connection::new(from, to, peer, waiting, line).hear()).await;
-        }
-        Ok(Err(error)) => tracing::debug!(%error, "a client could not agree on encryption"),
-        Err(_) => tracing::debug!("a client did not agree on encryption in time"),
-    }
-}
-
-struct Connection<R, W> {
+/// One connection.
+pub(super) struct Connection<R, W> {
     from: R,
     /// Until somebody talks to the client.
     to: Option<W>,
@@ -161,7 +90,7 @@ where
     R: AsyncRead + Unpin + Send,
     W: AsyncWrite + Unpin + Send + 'static,
 {
-    fn new(from: R, to: W, peer: Peer, (waiting, cut): (Waiting, Arc<Notify>), line: Arc<Line>) -> Connection<R, W> {
+    pub(super) fn new(from: R, to: W, peer: Peer, (waiting, cut): (Waiting, Arc<Notify>), line: Arc<Line>) -> Connection<R, W> {
         Connection {
             from,
             to: Some(to),
@@ -184,7 +113,7 @@ where
     }
 
     /// Hears until there is nothing more to hear.
-    async fn hear(mut self) {
+    pub(super) async fn hear(mut self) {
         loop {
             // It is known here before the client can know it, so that nothing of another protocol is heard.
             if self.may_hand_over && self.shared.is_handed_over() {
@@ -293,6 +222,10 @@ where
         if !self.line.door.can_date() {
             return Err(Problem::no_date(has_heard));
         }
+        // Somebody else would give way to whoever goes in a moment.
+        if self.waiting.take().is_some_and(|waiting| !waiting.leave()) {
+            return Err(Problem::no_place(has_heard));
+        }
         let claim = self.claim.clone().unwrap_or_else(|| Claim::new(self.ear.judge().peer.address, None));
         let cut = Arc::clone(&self.cut);
         let place = self.line.places.take(claim.clone(), has_heard, cut).ok_or_else(|| Problem::no_place(has_heard))?;
@@ -300,7 +233,6 @@ where
             place.asked(claim.clone(), !self.ear.scanner().is_between());
         }
         self.place = Some(Arc::new(place));
-        self.waiting = None;
         self.late.set(sleep(WHOLE_TIME));
         Ok(())
     }
@@ -422,3 +354,7 @@ where
         self.linger().await;
     }
 }
+
+#[cfg(test)]
+#[path = "connection_tests.rs"]
+mod tests;

@@ -395,3 +395,20 @@ async fn a_move_that_says_stop_halts_when_its_word_has_come() {
         }
     }
 }
+
+/// Safety S8: of sixteen keys any that is right is enough.
+#[tokio::test]
+async fn a_stop_with_many_wrong_keys_beside_the_right_one_halts() {
+    let (house, credentials, _) = guarded();
+    let judge = judge(&house);
+    for (place, credential) in (0..16).flat_map(|place| credentials.iter().map(move |credential| (place, credential))) {
+        let mut sent = Sent::stop(("/h", ""), "");
+        let wrong = |number: usize| match credential.starts_with("Cookie") {
+            true => format!("Cookie: hallsweep-0=wrong-{number}"),
+            false => format!("Authorization: Bearer wrong-{number}"),
+        };
+        (0..15).for_each(|number| sent.insert(number, wrong(number).into_bytes()));
+        sent.insert(place, credential.as_bytes().to_vec());
+        assert!(halts(&judge, &sent.bytes(), usize::MAX), "{place} {credential}");
+    }
+}

@@ -11,9 +11,10 @@
 mod connection;
 mod ear;
 mod judge;
+mod line;
 mod talk;
 
 #[cfg(test)]
 pub(super) use connection::AHEAD;
-pub(super) use connection::{Line, converse};
+pub(super) use line::{Line, converse};
 pub(super) use talk::{Arrived, Pressed};

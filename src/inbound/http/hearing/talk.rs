@@ -22,8 +22,9 @@ use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt, DuplexStream, ReadBuf};
 use tokio::sync::{Notify, watch};
 use tokio::task::JoinSet;
 
-use super::connection::{HEADER_BYTES, HEADER_TIME, Line};
+use super::connection::{HEADER_BYTES, HEADER_TIME};
 use super::judge::Given;
+use super::line::Line;
 use crate::core::units::Epoch;
 use crate::inbound::http::gate::Peer;
 use crate::inbound::http::places::Place;

@@ -15,8 +15,11 @@ const TEXT: usize = 1024;
 /// The longest name of a header that is looked at.
 const NAME: usize = 32;
 
-/// Different values of one header that are kept.
+/// Different values of one header that are kept,
 const FIELDS: usize = 4;
+
+/// and keys, of which any that is right is enough.
+pub const KEYS: usize = 16;
 
 /// A header that is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -247,7 +250,8 @@ impl HeadReader {
 
     fn keep_field(&mut self, field: Field, value: Vec<u8>, is_long: bool) {
         let of_it = self.head.fields.iter().filter(|(other, _)| *other == field);
-        let is_lost = is_long || of_it.clone().count() >= FIELDS;
+        let most = if matches!(field, Field::Authorization | Field::Cookie) { KEYS } else { FIELDS };
+        let is_lost = is_long || of_it.clone().count() >= most;
         if of_it.clone().any(|(_, other)| *other == value) && !is_long {
             return;
         }

@@ -6,5 +6,5 @@ mod head;
 pub mod names;
 mod scanner;
 
-pub use head::{BodyLength, Field, Head};
+pub use head::{BodyLength, Field, Head, KEYS};
 pub use scanner::{Heard, Scanner};
