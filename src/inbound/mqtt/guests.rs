@@ -137,9 +137,10 @@ impl House {
         self.0.gatehouse.budget.is_exhausted()
     }
 
-    /// How many bytes are kept, or wait to be taken from clients, which is no doing of the engine's.
+    /// How many bytes are kept, or wait to be taken from clients or to be read by them, which is no doing of the engine's.
     pub(super) fn held_bytes(&self) -> usize {
-        self.0.gatehouse.retained.bytes() + self.0.pool.bytes()
+        let retained = &self.0.gatehouse.retained;
+        retained.bytes() + retained.beside() + self.0.pool.bytes() + self.0.seats.unread_here()
     }
 
     /// What the engine was given until now is not counted any more.
@@ -256,7 +257,7 @@ impl House {
             session: session.unwrap_or_default(),
         };
         let mut turnstile = Turnstile::new(terms, Arc::clone(&self.0.gatehouse), now);
-        turnstile.to_client().extend_from_slice(&greeting);
+        turnstile.to_client().end().extend_from_slice(&greeting);
         let (leaving, late) = ((self.0.leaving.clone(), origin.from), Arc::clone(&self.0.late));
         let ends = Ends { client: writer, ahead: taker, seat, leaving, late };
         let waits = AtomicBool::new(remembered.is_none());

@@ -32,7 +32,7 @@ pub(super) const PACKETS: usize = 1_000;
 /// So many bytes more than it had at first, beside what is kept, the program may have in use before the engine is taken for the cause
 /// and started anew. It forgets no message before enough newer ones have come to the same filter, and each holds on to all that was
 /// read with it.
-pub(super) const APPETITE: usize = 96 * 1024 * 1024;
+pub(super) const APPETITE: usize = 64 * 1024 * 1024;
 
 /// An engine that was given no more than this since half of that was taken is not the cause: it holds at most four times as much, and
 /// what crowds of connections cost is no doing of its.
@@ -50,8 +50,17 @@ pub(super) const CONNECTION_BYTES: usize = 1024 * 1024;
 /// Of these, what is left to messages that come from the engine for it.
 pub(super) const ENGINE_PART: usize = 256 * 1024;
 
+/// What may wait for the clients of all connections together, in bytes, because they do not read it,
+pub(super) const UNREAD: usize = 12 * 1024 * 1024;
+
+/// and for those of viewers, so that there is room for operators' still.
+pub(super) const VIEWERS_UNREAD: usize = UNREAD / 2;
+
+/// A client for which no more than this waits gives way to nobody.
+pub(super) const LITTLE_UNREAD: usize = 48 * 1024;
+
 /// What is read ahead of all connections together, in bytes,
-pub(super) const READ_AHEAD: usize = 32 * 1024 * 1024;
+pub(super) const READ_AHEAD: usize = 16 * 1024 * 1024;
 
 /// beside what can always be read of each.
 pub(super) const ALWAYS_AHEAD: usize = 64 * 1024;

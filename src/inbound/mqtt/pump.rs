@@ -15,10 +15,11 @@ use tokio::sync::Semaphore;
 
 use super::gate::ledger::Ledger;
 use super::gate::limits::ANSWER_ROOM;
+use super::gate::outbox::give_back;
 use super::gate::turnstile::{Ended, Turnstile};
 use super::identity::Identity;
 use super::read_ahead::{Left, READ, Taker};
-use super::seats::{Seat, given_up};
+use super::seats::{Seat, Unread, given_up};
 use super::slots::Slot;
 use super::upstream::{ToEngine, Upstream, leave, read_some, write_some};
 use super::visitor::Writer;
@@ -43,6 +44,9 @@ const LATE: Duration = Duration::from_secs(5);
 
 /// How often it is looked, when the program ends, whether a client was told everything.
 const BREATH: Duration = Duration::from_millis(2);
+
+/// A client that takes so many bytes reads what waits for it.
+const MUCH: usize = 64 * 1024;
 
 /// The client's end of a connection.
 pub(super) struct Ends {
@@ -75,6 +79,9 @@ struct Pump<'a> {
     /// others have their turn first.
     is_long: bool,
     from_engine: BytesMut,
+    /// When the client had last taken much, or all, of what waited for it, and how much since then.
+    read_at: Duration,
+    taken: usize,
     /// The client has published in a flood, and these subscribers do not keep up.
     waiting: Option<Waiting>,
 }
@@ -121,6 +128,10 @@ pub(super) async fn run(
     }
     pump.ahead.leave(left(ended));
     pump.turnstile.handle_end(ended);
+    if ended == Ended::GaveWay {
+        // What waited for it may be why.
+        pump.turnstile.to_client().clear();
+    }
     let room = (has_not_joined && pump.turnstile.has_messages()).then(|| late.try_acquire_owned().ok()).flatten();
     let patience = if room.is_some() { LATE } else { FAREWELL };
     let joined = async { if is_joining || room.is_some() { joining.await.ok() } else { None } };
@@ -144,6 +155,8 @@ impl<'a> Pump<'a> {
             is_cut: false,
             is_long: false,
             from_engine: BytesMut::new(),
+            read_at: clock.now().since_start,
+            taken: 0,
             waiting: None,
         }
     }
@@ -174,7 +187,7 @@ impl<'a> Pump<'a> {
         let (to_engine, to_client) = self.turnstile.outgoing();
         let told = async {
             // Whoever is gone already hears nothing.
-            let _ = self.client.write_all(to_client).await;
+            let _ = self.client.write_all_buf(to_client).await;
             let _ = self.client.shutdown().await;
         };
         let to_client = async {
@@ -214,7 +227,7 @@ impl<'a> Pump<'a> {
             let hears_client = behind.is_none() && self.turnstile.wants_client();
             let (is_unread, hears_engine) = (self.turnstile.is_unread(), self.turnstile.wants_engine() && self.engine.is_some());
             let silent_until = self.turnstile.poll_timeout();
-            self.ahead.hold(self.turnstile.held() + self.from_client.len() + self.from_engine.len());
+            self.note_held();
             if hears_engine {
                 make_room(&mut self.from_engine, read);
             }
@@ -224,10 +237,12 @@ impl<'a> Pump<'a> {
             let (engine, to_engine) = self.engine.as_mut().map(|(read, write)| (read, write)).unzip();
             outcome = tokio::select! {
                 biased;
-                written = write_some(to_engine, for_engine), if tells_engine => went(written, Ended::EngineGone),
+                written = write_some(to_engine, for_engine), if tells_engine => {
+                    give_back(for_engine);
+                    went(written, Ended::EngineGone)
+                }
                 written = self.client.write_buf(for_client), if !for_client.is_empty() => {
-                    self.turnstile.handle_drained();
-                    self.moves();
+                    self.handle_read(&written);
                     went(written, Ended::Gone)
                 }
                 has_ended = said(&self.ahead, self.is_cut || self.is_long, self.is_cut), if hears_client => {
@@ -251,6 +266,29 @@ impl<'a> Pump<'a> {
                 }
                 () = self.clock.reach(Some(silent_until)) => self.turnstile.handle_timeout(self.clock.now().since_start),
             };
+        }
+    }
+
+    /// The client has taken some of what waits for it.
+    fn handle_read(&mut self, written: &io::Result<usize>) {
+        self.taken += written.as_ref().copied().unwrap_or_default();
+        if self.taken >= MUCH {
+            (self.read_at, self.taken) = (self.clock.now().since_start, 0);
+        }
+        self.turnstile.handle_drained();
+        self.moves();
+    }
+
+    /// Says how much waits here, for the client and of it.
+    fn note_held(&mut self) {
+        let here = self.turnstile.held() + self.from_client.len() + self.from_engine.len();
+        self.ahead.hold(here);
+        let (shared, at_engine) = self.turnstile.elsewhere();
+        if self.turnstile.to_client().is_empty() {
+            (self.read_at, self.taken) = (self.clock.now().since_start, 0);
+        }
+        if let Some(seat) = self.seat {
+            seat.note_unread(Unread { here, at_engine, shared }, self.read_at, || self.turnstile.beside());
         }
     }
 

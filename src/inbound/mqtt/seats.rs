@@ -1,15 +1,19 @@
 //! Who may stay: so many clients at once, of whom each key has its share, and those who only look leave some to operators who are not
 //! there yet. Nobody is turned away: where there is no seat left, one of whoever has most is given up, the one that has made no
-//! progress for longest (safety S9). Connections that have not said who they are have no seat yet.
+//! progress for longest (safety S9). The same goes for the memory that all of them have in common, for what their clients do not read.
+//! Connections that have not said who they are have no seat yet.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use tokio::sync::Notify;
 
-use super::limits::{CONNECTIONS, SHARE, VIEWERS};
+use super::limits::{CONNECTIONS, LITTLE_UNREAD, SHARE, UNREAD, VIEWERS, VIEWERS_UNREAD};
+
+/// What waits for a client is noted in steps of so many bytes.
+const STEP: usize = 16 * 1024;
 
 /// Whose seat it is.
 #[derive(Clone, Debug)]
@@ -37,6 +41,20 @@ struct Taken {
     holder: Holder,
     progress_ms: Arc<AtomicU64>,
     give_way: Arc<Notify>,
+    unread: Unread,
+    /// When its client last took much, or all there was, of what waits for it.
+    read_ms: u64,
+}
+
+/// What waits for a client, in bytes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Unread {
+    /// Here,
+    pub(super) here: usize,
+    /// at the engine,
+    pub(super) at_engine: usize,
+    /// and what others have as well.
+    pub(super) shared: usize,
 }
 
 /// A seat; free again when it is dropped.
@@ -46,9 +64,26 @@ pub(super) struct Seat {
     number: u64,
     progress_ms: Arc<AtomicU64>,
     give_way: Arc<Notify>,
+    /// What was noted of it last.
+    unread: AtomicUsize,
+}
+
+impl Unread {
+    const fn own(self) -> usize {
+        self.here + self.at_engine
+    }
+
+    const fn all(self) -> usize {
+        self.own() + self.shared
+    }
 }
 
 impl Seats {
+    /// How many bytes wait here for all of them.
+    pub(super) fn unread_here(&self) -> usize {
+        self.table().taken.values().map(|taken| taken.unread.here).sum()
+    }
+
     /// A seat for whoever comes in `now`; somebody may have to give way for it.
     pub(super) fn take(&self, holder: Holder, now: Duration) -> Seat {
         let (progress_ms, give_way) = (Arc::new(AtomicU64::new(ms(now))), Arc::default());
@@ -58,10 +93,11 @@ impl Seats {
         }
         table.given += 1;
         let number = table.given;
-        let taken = Taken { holder, progress_ms: Arc::clone(&progress_ms), give_way: Arc::clone(&give_way) };
+        let (unread, read_ms) = (Unread::default(), ms(now));
+        let taken = Taken { holder, progress_ms: Arc::clone(&progress_ms), give_way: Arc::clone(&give_way), unread, read_ms };
         table.taken.insert(number, taken);
         drop(table);
-        Seat { seats: self.clone(), number, progress_ms, give_way }
+        Seat { seats: self.clone(), number, progress_ms, give_way, unread: AtomicUsize::new(0) }
     }
 
     fn table(&self) -> MutexGuard<'_, Table> {
@@ -92,6 +128,34 @@ impl Table {
         self.stillest(|holder| &*holder.who == gives)
     }
 
+    /// Whose client is to go when too much waits, `replaced` bytes of it for several: of whoever has most waiting the one that has
+    /// read nothing for longest. Nobody for whom but little waits.
+    fn least_read(&self, replaced: usize) -> Option<u64> {
+        let unread = |is_among: fn(&Holder) -> bool| {
+            self.taken.values().filter(|taken| is_among(&taken.holder)).map(|taken| taken.unread.own()).sum::<usize>()
+        };
+        if unread(|_| true) + replaced <= UNREAD {
+            return None;
+        }
+        let viewers = (unread(|holder| holder.is_viewer) > VIEWERS_UNREAD).then(|| self.stalest(|holder| holder.is_viewer));
+        viewers.flatten().or_else(|| self.stalest(|_| true))
+    }
+
+    /// Of whichever of these has most waiting, the one that has read nothing for longest, of those for whom it is more than a little.
+    fn stalest(&self, is_among: fn(&Holder) -> bool) -> Option<u64> {
+        let among = || {
+            let all = self.taken.iter().filter(|(_, taken)| is_among(&taken.holder));
+            all.filter(|(_, taken)| taken.unread.all() > LITTLE_UNREAD)
+        };
+        let mut waits: HashMap<&str, usize> = HashMap::new();
+        for (_, taken) in among() {
+            *waits.entry(&taken.holder.who).or_default() += taken.unread.all();
+        }
+        let (greediest, _) = waits.into_iter().max_by_key(|(_, waits)| *waits)?;
+        let of_greediest = among().filter(|(_, taken)| &*taken.holder.who == greediest);
+        of_greediest.min_by_key(|(number, taken)| (taken.read_ms, **number)).map(|(number, _)| *number)
+    }
+
     fn count(&self, is_among: impl Fn(&Holder) -> bool) -> usize {
         self.taken.values().filter(|taken| is_among(&taken.holder)).count()
     }
@@ -107,6 +171,26 @@ impl Seat {
     /// Something has happened in it.
     pub(super) fn moves(&self, now: Duration) {
         self.progress_ms.store(ms(now), Ordering::Relaxed);
+    }
+
+    /// So much waits for its client now, which has last taken much of it, or all, then. `replaced` says how much waits for clients
+    /// beside what they have alone. When that is too much for all together, somebody has to give way.
+    pub(super) fn note_unread(&self, unread: Unread, read_at: Duration, replaced: impl FnOnce() -> usize) {
+        let (before, noted) = (self.unread.load(Ordering::Relaxed), unread.all() / STEP);
+        if noted == before {
+            return;
+        }
+        self.unread.store(noted, Ordering::Relaxed);
+        let mut replaced = if noted > before { replaced() } else { 0 };
+        let mut table = self.seats.table();
+        let Some(taken) = table.taken.get_mut(&self.number) else { return };
+        (taken.unread, taken.read_ms) = (unread, ms(read_at));
+        while noted > before
+            && let Some(taken) = table.least_read(replaced).and_then(|number| table.taken.remove(&number))
+        {
+            replaced = replaced.saturating_sub(taken.unread.shared);
+            taken.give_way.notify_one();
+        }
     }
 
     /// It is free again, though its client is still taking its leave.
@@ -234,6 +318,56 @@ mod tests {
         }
         let _newcomer = seats.take(here(), NOW);
         assert_eq!((lost(&all).await, lost(&all[CONNECTIONS - 1..]).await), (1, 1));
+    }
+
+    /// For so many of these so many bytes wait, of which they read some one millisecond after the other.
+    fn pile_up(crowd: &[Seat], here: usize) {
+        for (n, seat) in (0..).zip(crowd) {
+            seat.note_unread(Unread { here, ..Unread::default() }, Duration::from_millis(n), || 0);
+        }
+    }
+
+    const MUCH: usize = 8 * LITTLE_UNREAD;
+
+    /// Safety A5, S9.
+    #[tokio::test]
+    async fn when_too_much_is_unread_whoever_has_read_nothing_for_longest_gives_way() {
+        let seats = Seats::default();
+        let all = crowd(&seats, &here(), CONNECTIONS);
+        pile_up(&all[..1], LITTLE_UNREAD);
+        pile_up(&all[1..UNREAD / MUCH], MUCH);
+        assert_eq!(lost(&all).await, 0);
+        pile_up(&all[UNREAD / MUCH..], MUCH);
+        assert_eq!(lost(&all[..1]).await, 0, "little waits for it");
+        let left = seats.table().taken.len() - 1;
+        assert_eq!(lost(&all[..CONNECTIONS - left]).await, CONNECTIONS - left - 1, "those who read last are there still");
+        assert!(seats.unread_here() <= UNREAD && seats.unread_here() > UNREAD - 2 * MUCH, "{}", seats.unread_here());
+    }
+
+    /// Safety A5, S9.
+    #[tokio::test]
+    async fn what_viewers_do_not_read_harms_no_operator() {
+        let seats = Seats::default();
+        let screens = crowd(&seats, &operator("screens"), SHARE);
+        pile_up(&screens, LITTLE_UNREAD);
+        let viewers = ["one", "two", "three"].map(|key| crowd(&seats, &viewer(key), SHARE));
+        viewers.iter().for_each(|viewers| pile_up(viewers, MUCH / 2));
+        pile_up(&screens[..4], MUCH);
+        assert_eq!(lost(&screens).await, 0);
+        assert!(seats.unread_here() <= UNREAD);
+    }
+
+    /// Safety A5: what was replaced while it was on its way counts, and what all have in common does not.
+    #[tokio::test]
+    async fn what_several_wait_for_counts_when_it_is_kept_no_more() {
+        let seats = Seats::default();
+        let all = crowd(&seats, &here(), SHARE);
+        let shared = Unread { shared: MUCH, ..Unread::default() };
+        all.iter().for_each(|seat| seat.note_unread(shared, NOW, || 0));
+        assert_eq!(lost(&all).await, 0);
+        let waits_at_engine = Unread { at_engine: MUCH, ..shared };
+        all[5].note_unread(waits_at_engine, NOW + NOW, || UNREAD);
+        assert_eq!((lost(&all[..1]).await, lost(&all).await), (1, 1), "one is enough");
     }
 
     #[tokio::test]

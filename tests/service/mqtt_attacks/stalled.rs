@@ -1,8 +1,10 @@
 //! Subscribers that do not read, beside others that do: the one who does not loses its own messages alone, and finds the newest when it
 //! reads again.
 
+use std::sync::mpsc;
+
 use super::client::Client;
-use super::packets::{RETAIN, publish};
+use super::packets::{PUBACK, RETAIN, publish, subscribe};
 use super::siege::Siege;
 
 /// So many messages are published,
@@ -16,6 +18,21 @@ const READERS: usize = 3;
 
 /// Messages of a kibibyte: more than waits anywhere for one who does not read.
 const NOISE: usize = 20_000;
+
+/// So many who never read,
+const STALLED: usize = 180;
+
+/// beside so many long messages that are kept,
+const KEPT: usize = 120;
+
+/// of so many bytes,
+const LONG: usize = 250 * 1024;
+
+/// and so many that are published after that.
+const FLOOD: usize = 300;
+
+/// The most memory that the program may take, in MiB.
+const MEMORY_MIB: u64 = 128;
 
 /// Publishes all numbers of one of the publishers.
 fn flood(mut client: Client, of: usize) {
@@ -81,4 +98,48 @@ fn whoever_fell_behind_gets_the_newest_of_each_topic_when_it_reads_again() {
         }
     };
     assert!(told.payload == b"newest" && !told.is_kept, "as somebody who was here all the time: {told:?}");
+}
+
+/// Safety A5: what waits for them they have in common, and when it is too much the one that has read nothing for longest gives way.
+#[test]
+fn a_crowd_that_never_reads_costs_little_and_those_who_read_miss_nothing() {
+    let mut siege = Siege::begin();
+    let mut keeper = siege.client("keeper");
+    for n in 0..KEPT {
+        keeper.say(&publish(&format!("kept/{n}"), &vec![b'x'; LONG], 1, RETAIN, 7));
+        keeper.until(PUBACK);
+    }
+    let mut reader = siege.client("reader");
+    assert_eq!(reader.subscribe("flood/#", 0), 0);
+    let stalled: Vec<Client> = (0..STALLED)
+        .map(|n| {
+            let mut client = siege.client(&format!("stalled-{n}"));
+            client.say(&subscribe(1, "#", u8::from(n % 2 == 0)));
+            client
+        })
+        .collect();
+    siege.is_served();
+    let (read, has_read) = mpsc::channel();
+    let reading = std::thread::spawn(move || {
+        for n in 0..FLOOD {
+            let message = reader.message();
+            read.send(()).expect("it is waited for");
+            assert!(message.payload.starts_with(format!("{n} ").as_bytes()) && message.payload.len() == LONG, "message {n}");
+        }
+    });
+    let (mut publisher, mut most) = (siege.client("publisher"), 0);
+    for n in 0..FLOOD {
+        let mut payload = format!("{n} ").into_bytes();
+        payload.resize(LONG, b'x');
+        publisher.say(&publish(&format!("flood/{}", n % 5), &payload, 0, 0, 0));
+        most = most.max(siege.memory_mib());
+        // No machine is too slow for this one.
+        has_read.recv().expect("it reads");
+    }
+    publisher.settle();
+    reading.join().expect("it has read all of it");
+    most = most.max(siege.memory_mib());
+    assert!(most < MEMORY_MIB, "{most} MiB");
+    siege.stands();
+    drop(stalled);
 }

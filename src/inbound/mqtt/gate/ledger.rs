@@ -8,15 +8,17 @@
 //!        waits while it is more than LAG behind, until it is no more than RELIEF, or until it is forgiven
 //! ```
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use bytes::Bytes;
 use tokio::sync::Notify;
 
 use super::limits::{
     ENGINE_HOLDS, ENGINE_KEEPS, FORGIVEN, FORGIVEN_LONGEST, LAG, MENDED, PADDED, PATIENCE, RELIEF, SEGMENT_BYTES,
 };
+use super::parcels::{Parcels, Ticket};
 use super::readers::Readers;
 
 /// What the engine counts for a message beside its topic and payload.
@@ -30,6 +32,8 @@ const NOTHING: u64 = u64::MAX;
 pub struct Ledger {
     /// Bytes of messages that were published for it and have not come.
     lag: AtomicI64,
+    /// The long ones among them.
+    parcels: Mutex<Parcels>,
     /// How many filters it holds: the engine keeps messages for each.
     filters: AtomicI64,
     relief: Notify,
@@ -66,6 +70,7 @@ impl Default for Ledger {
         let zero = AtomicU64::default;
         Ledger {
             lag: AtomicI64::default(),
+            parcels: Mutex::default(),
             filters: AtomicI64::default(),
             relief: Notify::new(),
             behind_since_ms: zero(),
@@ -89,6 +94,39 @@ impl Ledger {
             self.lag.fetch_min(most, Ordering::Relaxed);
         }
         lag > LAG
+    }
+
+    /// A long message is on its way to it, under this number.
+    pub(super) fn expect(&self, number: u64, payload: &Bytes) {
+        self.parcels().push(number, payload);
+    }
+
+    /// What this ticket stands for. One that was lost it has missed.
+    pub(super) fn parcel(&self, ticket: Ticket) -> Option<Bytes> {
+        let parcel = self.parcels().find(ticket.number);
+        if parcel.is_none() {
+            self.missed.fetch_min(ticket.stamp, Ordering::Relaxed);
+        }
+        parcel
+    }
+
+    /// The long message of this number need not wait for it any more.
+    pub(super) fn received(&self, number: u64) {
+        self.parcels().remove(number);
+    }
+
+    /// How many bytes of long messages wait for it, which others may wait for as well.
+    pub(super) fn parcels_bytes(&self) -> usize {
+        self.parcels().bytes()
+    }
+
+    /// How many bytes the engine has for it at the most, as far as anybody knows.
+    pub(super) fn at_engine(&self) -> usize {
+        usize::try_from(self.lag.load(Ordering::Relaxed)).unwrap_or(0)
+    }
+
+    fn parcels(&self) -> MutexGuard<'_, Parcels> {
+        self.parcels.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// So much came out of the engine.
@@ -196,6 +234,11 @@ impl Account {
     /// What he is owed.
     pub(super) fn ledger(&self) -> Arc<Ledger> {
         Arc::clone(&self.ledger)
+    }
+
+    /// The long messages that were on their way to him when he was here before go to him.
+    pub(super) fn inherit(&self, before: &Account) {
+        *self.ledger.parcels() = std::mem::take(&mut before.ledger.parcels());
     }
 
     /// He asks for a filter: what is published from now on is to reach the engine.
@@ -353,6 +396,15 @@ mod tests {
         ledger.came(ENGINE_HOLDS - RELIEF);
         assert!(!ledger.owe(1, 8) && !ledger.is_behind(NOW), "what was lost is not waited for");
         assert_eq!((ledger.settle(), ledger.settle()), (Some(17), None), "from when on it may have been lost");
+    }
+
+    #[test]
+    fn a_long_message_that_was_lost_is_missed() {
+        let (ledger, ticket) = (Ledger::default(), Ticket { number: 1, stamp: 17, length: 4 });
+        ledger.expect(1, &Bytes::from_static(b"long"));
+        assert_eq!((ledger.parcel(ticket), ledger.is_even()), (Some(Bytes::from_static(b"long")), true));
+        ledger.received(1);
+        assert_eq!((ledger.parcel(ticket), ledger.settle()), (None, Some(17)));
     }
 
     #[test]

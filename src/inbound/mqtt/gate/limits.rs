@@ -143,7 +143,19 @@ pub const NO_FLOOD: u64 = 256;
 /// The ids of kept messages: above the engine's, which are 1 to 100.
 pub const KEPT_IDS: std::ops::RangeInclusive<u16> = 1001..=2000;
 
-/// No further kept message is put before a client, and nothing more is read from the engine for it, while more than this waits for it.
+/// A payload of so many bytes is there once for all who wait for it; what it takes to share a shorter one would be as much.
+pub const SHARED: usize = 4 * 1024;
+
+/// So many bytes of long messages are on their way to one reader,
+pub const PARCELS_BYTES: usize = 1024 * 1024;
+
+/// and to one who is away only while no more than this waits for anybody.
+pub const PARCELS_AWAY: usize = 4 * 1024 * 1024;
+
+/// No further kept message is put before a client while more than this waits for it,
+pub const KEPT_ROOM: usize = 32 * 1024;
+
+/// and nothing more is read from the engine for it while more than this does.
 pub const CLIENT_ROOM: usize = 256 * 1024;
 
 /// No more is taken from a client while more than this waits for it. Its STOPs are heard all the same; one that goes on sending, and

@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Bound;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bytes::Bytes;
@@ -22,6 +22,14 @@ pub struct Retained {
     shelf: Mutex<Shelf>,
     /// That of the latest one.
     stamp: AtomicU64,
+    /// The bytes of all payloads that anybody has still.
+    alive: Arc<AtomicUsize>,
+}
+
+/// A payload, counted for as long as anybody has it.
+struct Counted {
+    payload: Box<[u8]>,
+    alive: Arc<AtomicUsize>,
 }
 
 /// A kept message.
@@ -54,6 +62,8 @@ struct Shelf {
     shares: HashMap<Arc<str>, Used>,
     guests: Used,
     ours: Used,
+    /// The bytes of all payloads here.
+    payloads: usize,
 }
 
 #[derive(Debug)]
@@ -72,6 +82,11 @@ impl Retained {
     /// Keeps a message in the place of the one that was there; an empty one takes that away. Whether there was room: without it
     /// nothing is kept there any more, since what was is not so now.
     pub fn keep(&self, payer: &Payer, topic: &str, payload: &[u8], qos: Qos) -> bool {
+        self.keep_shared(payer, topic, self.share(payload), qos)
+    }
+
+    /// The same with what others may have as well.
+    pub(super) fn keep_shared(&self, payer: &Payer, topic: &str, payload: Bytes, qos: Qos) -> bool {
         let mut shelf = self.shelf();
         shelf.remove(topic);
         if payload.is_empty() {
@@ -80,7 +95,7 @@ impl Retained {
         // Whoever reads it without the lock does so to know what came later, and that has a higher one in any case.
         let stamp = self.stamp.fetch_add(1, Ordering::AcqRel) + 1;
         let topic: Arc<str> = Arc::from(topic);
-        shelf.put(payer, Kept { topic, payload: Bytes::copy_from_slice(payload), qos, stamp })
+        shelf.put(payer, Kept { topic, payload, qos, stamp })
     }
 
     /// The next one of a walk, which goes on for no more steps than there are left; without one it is over, or they are used up.
@@ -123,8 +138,33 @@ impl Retained {
         shelf.guests.bytes + shelf.ours.bytes
     }
 
+    /// How many bytes of payloads wait for clients that have not read them, and are not kept, or not any more.
+    #[must_use]
+    pub fn beside(&self) -> usize {
+        let kept = self.shelf().payloads;
+        self.alive.load(Ordering::Relaxed).saturating_sub(kept)
+    }
+
+    /// A payload that several may have; it counts until nobody has it.
+    pub(super) fn share(&self, payload: &[u8]) -> Bytes {
+        self.alive.fetch_add(payload.len(), Ordering::Relaxed);
+        Bytes::from_owner(Counted { payload: payload.into(), alive: Arc::clone(&self.alive) })
+    }
+
     fn shelf(&self) -> MutexGuard<'_, Shelf> {
         self.shelf.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl AsRef<[u8]> for Counted {
+    fn as_ref(&self) -> &[u8] {
+        &self.payload
+    }
+}
+
+impl Drop for Counted {
+    fn drop(&mut self) {
+        self.alive.fetch_sub(self.payload.len(), Ordering::Relaxed);
     }
 }
 
@@ -159,6 +199,7 @@ impl Shelf {
     fn remove(&mut self, topic: &str) {
         let Some(Entry { kept, payer }) = self.kept.remove(topic) else { return };
         let bytes = kept.cost();
+        self.payloads -= kept.payload.len();
         self.pool(&payer).take_off(bytes);
         if let Payer::Key { name, .. } = &payer
             && let Some(share) = self.shares.get_mut(name)
@@ -187,6 +228,7 @@ impl Shelf {
         if !self.pool(payer).has_room(bytes, count_most, bytes_most) || !share.has_room(bytes, KEPT_SHARE, KEPT_SHARE_BYTES) {
             return false;
         }
+        self.payloads += kept.payload.len();
         self.pool(payer).add(bytes);
         if let Payer::Key { name, .. } = payer {
             self.shares.entry(Arc::clone(name)).or_default().add(bytes);

@@ -200,3 +200,16 @@ fn what_the_program_says_has_room_whatever_others_have_kept_and_an_end_as_well()
     assert!(!retained.keep(&ANYBODY, "a/0", &vec![0; 4 * mebibyte.len()], Qos::Zero));
     assert!(all(&retained, "a/0", 0).is_empty(), "what it said before is not so any more");
 }
+
+/// Safety A5.
+#[test]
+fn what_is_kept_no_more_is_counted_until_nobody_waits_for_it() {
+    let retained = Retained::default();
+    assert!(retained.keep(&ANYBODY, "a", &[7; 1000], Qos::Zero) && retained.keep(&ANYBODY, "b", &[7; 10], Qos::Zero));
+    let waits = all(&retained, "a", 0)[0].payload.clone();
+    assert_eq!(retained.beside(), 0);
+    assert!(retained.keep(&ANYBODY, "a", b"new", Qos::Zero) && retained.keep(&ANYBODY, "b", b"", Qos::Zero));
+    assert_eq!(retained.beside(), 1000);
+    drop(waits);
+    assert_eq!(retained.beside(), 0);
+}

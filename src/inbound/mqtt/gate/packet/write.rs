@@ -3,8 +3,9 @@
 use bytes::{BufMut, BytesMut};
 
 use super::Qos;
-use super::publish::{PADDED, Publish};
+use super::publish::{PADDED, Publish, TICKET};
 use crate::inbound::mqtt::gate::frame::Kind;
+use crate::inbound::mqtt::gate::parcels::Ticket;
 
 /// PINGREQ.
 pub const PINGREQ: [u8; 2] = [Kind::Pingreq.first_byte(), 0];
@@ -53,15 +54,29 @@ pub fn connect(out: &mut BytesMut, client_id: &str, clean_session: bool, keep_al
 
 /// A PUBLISH; `id` is of no matter at QoS 0.
 pub fn publish(out: &mut BytesMut, topic: &[u8], payload: &[u8], qos: Qos, id: u16, retain: bool) {
+    out.reserve(5 + 2 + topic.len() + 2 + payload.len());
+    publish_head(out, topic, payload.len(), (qos, id, retain));
+    out.put_slice(payload);
+}
+
+/// All of a PUBLISH that was read that comes before its payload, which has so many bytes, and whether it may have been sent before.
+pub fn publish_head_again(out: &mut BytesMut, publish: &Publish<'_>, payload: usize, is_duplicate: bool) {
+    let start = out.len();
+    publish_head(out, publish.topic, payload, (publish.qos, publish.id, publish.retain));
+    if is_duplicate {
+        out[start] |= DUPLICATE;
+    }
+}
+
+/// All of a PUBLISH that comes before its payload, which has so many bytes.
+pub fn publish_head(out: &mut BytesMut, topic: &[u8], payload: usize, (qos, id, retain): (Qos, u16, bool)) {
     let id_length = if qos == Qos::Zero { 0 } else { 2 };
     let first = Kind::Publish.first_byte() | (qos as u8) << 1 | u8::from(retain);
-    out.reserve(5 + 2 + topic.len() + id_length + payload.len());
-    head(out, first, 2 + topic.len() + id_length + payload.len());
+    head(out, first, 2 + topic.len() + id_length + payload);
     bytes(out, topic);
     if qos != Qos::Zero {
         out.put_u16(id);
     }
-    out.put_slice(payload);
 }
 
 /// A PUBLISH that was read, and whether it may have been sent before.
@@ -84,6 +99,18 @@ pub fn publish_padded(out: &mut BytesMut, topic: &[u8], payload: &[u8], length: 
     out.put_slice(payload);
     out.put_bytes(0, usize::from(padding) - 1);
     out.put_u8(padding);
+}
+
+/// The PUBLISH that goes through the engine in the place of a long one: at least so long as a padded one, and marked likewise; what
+/// stands in the place of the padding's length is none.
+pub fn ticket(out: &mut BytesMut, topic: &[u8], ticket: Ticket, length: usize) {
+    let padding = length.saturating_sub(TICKET);
+    head(out, Kind::Publish.first_byte() | PADDED, 2 + topic.len() + TICKET + padding);
+    bytes(out, topic);
+    out.put_u64(ticket.number);
+    out.put_u64(ticket.stamp);
+    out.put_u32(ticket.length);
+    out.put_bytes(0, padding + 1);
 }
 
 /// PUBACK, PUBREC, PUBREL, PUBCOMP or UNSUBACK.

@@ -32,7 +32,7 @@ pub enum Ended {
     #[error("another connection came with the same client id")]
     TakenOver,
     /// Its place is somebody else's.
-    #[error("there were too many connections, and it gave way to a newer one")]
+    #[error("there were too many connections, or too much waited to be read, and it gave way to others")]
     GaveWay,
     /// Its key is not known any more.
     #[error("its key is not known any more")]

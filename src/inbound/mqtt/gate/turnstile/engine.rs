@@ -2,7 +2,7 @@
 
 use std::sync::atomic::Ordering;
 
-use bytes::{Buf, BytesMut};
+use bytes::{Buf, Bytes, BytesMut};
 
 use super::{Ended, Turnstile};
 use crate::inbound::mqtt::gate::frame::{Frame, Kind, frame};
@@ -19,6 +19,8 @@ enum ForClient<'a> {
     AsItIs,
     /// A message that had to be padded, or that it may know.
     Changed(Publish<'a>, bool),
+    /// A long message, of which this came, and which it may know.
+    Parcel(Publish<'a>, Bytes, bool),
     Nothing,
 }
 
@@ -36,12 +38,18 @@ impl Turnstile {
             match self.for_client(&frame, &bytes[read..end], &mut came) {
                 Ok(ForClient::AsItIs) => {}
                 Ok(ForClient::Changed(publish, is_duplicate)) => {
-                    self.to_client.extend_from_slice(&bytes[run..read]);
+                    self.to_client.end().extend_from_slice(&bytes[run..read]);
                     run = end;
-                    write::publish_again(&mut self.to_client, &publish, is_duplicate);
+                    write::publish_again(self.to_client.end(), &publish, is_duplicate);
+                }
+                Ok(ForClient::Parcel(publish, payload, is_duplicate)) => {
+                    self.to_client.end().extend_from_slice(&bytes[run..read]);
+                    run = end;
+                    write::publish_head_again(self.to_client.end(), &publish, payload.len(), is_duplicate);
+                    self.to_client.share(payload);
                 }
                 Ok(ForClient::Nothing) => {
-                    self.to_client.extend_from_slice(&bytes[run..read]);
+                    self.to_client.end().extend_from_slice(&bytes[run..read]);
                     run = end;
                     if let Err(ended) = self.answered(&frame, &bytes[read + frame.head..end]) {
                         break Err(ended);
@@ -51,7 +59,7 @@ impl Turnstile {
             }
             read = end;
         };
-        self.to_client.extend_from_slice(&bytes[run..read.max(run)]);
+        self.to_client.end().extend_from_slice(&bytes[run..read.max(run)]);
         bytes.advance(read.max(run));
         if came > 0 {
             self.account.ledger().came(came);
@@ -66,21 +74,30 @@ impl Turnstile {
         if frame.kind != Kind::Publish {
             return Ok(ForClient::Nothing);
         }
-        let publish = publish::read_padded(frame, packet).map_err(Ended::EngineMalformed)?;
-        *came += weight(publish.topic.len(), publish.payload.len());
-        let is_seen = self.guest.may_see(publish.topic);
+        let (publish, ticket) = publish::read_padded(frame, packet).map_err(Ended::EngineMalformed)?;
+        let length = ticket.map_or(publish.payload.len(), |ticket| usize::try_from(ticket.length).unwrap_or(usize::MAX));
+        *came += weight(publish.topic.len(), length);
+        let ledger = self.account.ledger();
+        let parcel = ticket.and_then(|ticket| ledger.parcel(ticket));
+        let is_seen = self.guest.may_see(publish.topic) && parcel.is_some() == ticket.is_some();
+        let payload = parcel.as_deref().unwrap_or(publish.payload);
+        let number = ticket.map(|ticket| ticket.number);
         let is_duplicate = match publish.qos {
-            Qos::Zero => false,
+            Qos::Zero => {
+                number.inspect(|number| ledger.received(*number));
+                false
+            }
             Qos::One => {
-                let print = is_seen.then(|| self.gatehouse.budget.print((publish.topic, publish.payload)));
-                self.outstanding.sent(publish.id, print)?
+                let print = is_seen.then(|| self.gatehouse.budget.print((publish.topic, payload)));
+                self.outstanding.sent((publish.id, number), print)?
             }
             Qos::Two => return Err(Ended::Engine("a message of QoS 2, for which nobody has asked")),
         };
-        Ok(match is_seen {
-            false => ForClient::Nothing,
-            true if is_duplicate || frame.flags & publish::PADDED != 0 => ForClient::Changed(publish, is_duplicate),
-            true => ForClient::AsItIs,
+        Ok(match (is_seen, parcel) {
+            (false, _) => ForClient::Nothing,
+            (true, Some(payload)) => ForClient::Parcel(publish, payload, is_duplicate),
+            (true, None) if is_duplicate || frame.flags & publish::PADDED != 0 => ForClient::Changed(publish, is_duplicate),
+            (true, None) => ForClient::AsItIs,
         })
     }
 

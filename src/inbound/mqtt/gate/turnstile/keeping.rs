@@ -4,9 +4,8 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use bytes::BytesMut;
-
-use crate::inbound::mqtt::gate::limits::{CLIENT_ROOM, KEPT_IDS, KEPT_STEPS, KEPT_UNDER_WAY};
+use crate::inbound::mqtt::gate::limits::{KEPT_IDS, KEPT_ROOM, KEPT_STEPS, KEPT_UNDER_WAY, SHARED};
+use crate::inbound::mqtt::gate::outbox::Outbox;
 use crate::inbound::mqtt::gate::packet::{Qos, write};
 use crate::inbound::mqtt::gate::retained::{Kept, Retained, Walk};
 
@@ -62,9 +61,9 @@ impl Deliveries {
     }
 
     /// Puts before the client what there is room for, and what is found in one turn.
-    pub(super) fn fill(&mut self, retained: &Retained, out: &mut BytesMut) {
+    pub(super) fn fill(&mut self, retained: &Retained, out: &mut Outbox) {
         let mut steps = KEPT_STEPS;
-        while steps > 0 && out.len() < CLIENT_ROOM {
+        while steps > 0 && out.len() < KEPT_ROOM {
             let Some(delivery) = self.waiting.front_mut() else { return };
             if delivery.qos > Qos::Zero && self.under_way.len() >= KEPT_UNDER_WAY {
                 self.is_held_up = true;
@@ -83,10 +82,14 @@ impl Deliveries {
         }
     }
 
-    fn send(&mut self, kept: &Kept, granted: Qos, is_missed: bool, out: &mut BytesMut) {
+    fn send(&mut self, kept: &Kept, granted: Qos, is_missed: bool, out: &mut Outbox) {
         let qos = kept.qos.min(granted);
         let id = if qos == Qos::Zero { 0 } else { self.next_id() };
-        write::publish(out, kept.topic.as_bytes(), &kept.payload, qos, id, !is_missed);
+        if kept.payload.len() < SHARED {
+            return write::publish(out.end(), kept.topic.as_bytes(), &kept.payload, qos, id, !is_missed);
+        }
+        write::publish_head(out.end(), kept.topic.as_bytes(), kept.payload.len(), (qos, id, !is_missed));
+        out.share(kept.payload.clone());
     }
 
     /// An id that is not under way.

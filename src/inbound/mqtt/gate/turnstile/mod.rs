@@ -13,6 +13,7 @@ mod listener;
 mod outstanding;
 mod publishing;
 mod refusals;
+mod room;
 mod routes;
 mod subscribing;
 #[cfg(test)]
@@ -39,7 +40,8 @@ use self::subscribing::Subscriptions;
 use super::budget::{Budget, Payer};
 use super::frame::{Frame, Kind, Malformed, frame};
 use super::ledger::{Account, Ledger};
-use super::limits::{ANSWER_ROOM, CLIENT_ROOM, ENGINE_ROOM, GUEST_PACKET, HOUSE_PACKET, QUIET, SILENCE, TURN};
+use super::limits::{CLIENT_ROOM, GUEST_PACKET, HOUSE_PACKET, KEPT_ROOM, QUIET, SILENCE, TURN};
+use super::outbox::Outbox;
 use super::packet::connect::Will;
 use super::packet::{ack, write};
 use super::readers::Readers;
@@ -63,6 +65,8 @@ pub struct Gatehouse {
     pub fed: AtomicU64,
     /// How many pieces of messages have come out of engines.
     pub came: AtomicU64,
+    /// How many long messages were sent.
+    pub parcels: AtomicU64,
 }
 
 impl Gatehouse {
@@ -76,6 +80,7 @@ impl Gatehouse {
             readers: Arc::default(),
             fed: AtomicU64::default(),
             came: AtomicU64::default(),
+            parcels: AtomicU64::default(),
         }
     }
 }
@@ -110,7 +115,7 @@ pub struct Turnstile {
     /// Messages are owed to the client; when none has come until then, none will.
     quiet_at: Option<Duration>,
     to_engine: BytesMut,
-    to_client: BytesMut,
+    to_client: Outbox,
     routes: Routes,
     flood: Flood,
     /// How many bytes of the client were taken since its CONNECT,
@@ -156,7 +161,7 @@ impl Turnstile {
             heard_at: now,
             quiet_at: None,
             to_engine: BytesMut::new(),
-            to_client: BytesMut::new(),
+            to_client: Outbox::default(),
             routes: Routes::default(),
             duplicates: Duplicates::default(),
             subscriptions: Subscriptions::default(),
@@ -237,7 +242,7 @@ impl Turnstile {
     /// Whether [`Turnstile::handle_drained`] has more to do now, though nothing was taken: the rest waits for its turn.
     #[must_use]
     pub fn wants_turn(&self) -> bool {
-        self.to_client.len() < CLIENT_ROOM && self.deliveries.goes_on()
+        self.to_client.len() < KEPT_ROOM && self.deliveries.goes_on()
     }
 
     /// The time of [`Turnstile::poll_timeout`] may have come.
@@ -265,38 +270,14 @@ impl Turnstile {
     }
 
     /// What is for the client.
-    pub const fn to_client(&mut self) -> &mut BytesMut {
+    pub const fn to_client(&mut self) -> &mut Outbox {
         &mut self.to_client
     }
 
     /// What is for the engine, and what is for the client. All that is for the engine is to be sent before the connection to it is
     /// closed, with nothing in front of that: a DISCONNECT could end the engine.
-    pub const fn outgoing(&mut self) -> (&mut BytesMut, &mut BytesMut) {
+    pub const fn outgoing(&mut self) -> (&mut BytesMut, &mut Outbox) {
         (&mut self.to_engine, &mut self.to_client)
-    }
-
-    /// Whether there is room for more from the client.
-    #[must_use]
-    pub fn wants_client(&self) -> bool {
-        self.to_engine.len() < ENGINE_ROOM && !self.is_unread()
-    }
-
-    /// How many bytes of answers and messages wait for the client, and of messages for the engine.
-    #[must_use]
-    pub fn held(&self) -> usize {
-        self.to_engine.len() + self.to_client.len() + size_of::<Mark>() * self.marks.len()
-    }
-
-    /// Whether more answers wait for the client than it may leave unread.
-    #[must_use]
-    pub fn is_unread(&self) -> bool {
-        self.to_client.len() >= ANSWER_ROOM
-    }
-
-    /// Whether there is room for more from the engine.
-    #[must_use]
-    pub fn wants_engine(&self) -> bool {
-        self.to_client.len() < CLIENT_ROOM
     }
 
     /// To be asked whenever something has happened, with the time: the subscribers whom this client has to wait for before anything more of it is taken; none, when it has not published in a
@@ -361,7 +342,7 @@ impl Turnstile {
         empty(body)?;
         // Whoever reads none of many answers does not miss one.
         if self.to_client.len() < CLIENT_ROOM {
-            self.to_client.extend_from_slice(&write::PINGRESP);
+            self.to_client.end().extend_from_slice(&write::PINGRESP);
         }
         if !self.is_pinged {
             self.to_engine.extend_from_slice(&write::PINGREQ);

@@ -18,6 +18,8 @@ pub(super) struct Outstanding {
 #[derive(Clone, Copy, Debug)]
 struct Sent {
     id: u16,
+    /// Under which number it waits, a long one, as long as it is not acknowledged.
+    parcel: Option<u64>,
     /// `None`: the client is not to see it.
     print: Option<u64>,
     /// Whether the client has acknowledged it.
@@ -37,11 +39,11 @@ impl Outstanding {
     }
 
     /// The engine sent a message of this print; without one the client is not to see it. Whether it was sent before.
-    pub(super) fn sent(&mut self, id: u16, print: Option<u64>) -> Result<bool, Ended> {
+    pub(super) fn sent(&mut self, (id, parcel): (u16, Option<u64>), print: Option<u64>) -> Result<bool, Ended> {
         if self.sent.len() >= OUTSTANDING {
             return Err(Ended::Engine("more than it may send before it is acknowledged"));
         }
-        self.sent.push_back(Sent { id, print, is_done: print.is_none() });
+        self.sent.push_back(Sent { id, parcel, print, is_done: print.is_none() });
         let known = self.before.iter().position(|before| Some(*before) == print);
         if let Some(known) = known {
             self.before.swap_remove(known);
@@ -49,11 +51,11 @@ impl Outstanding {
         Ok(known.is_some())
     }
 
-    /// The client acknowledged this; if the engine does not wait for it, nothing happens.
-    pub(super) fn acknowledged(&mut self, id: u16) {
-        if let Some(sent) = self.sent.iter_mut().find(|sent| sent.id == id && !sent.is_done) {
-            sent.is_done = true;
-        }
+    /// The client acknowledged this; if the engine does not wait for it, nothing happens. The number of the long message that it was.
+    pub(super) fn acknowledged(&mut self, id: u16) -> Option<u64> {
+        let sent = self.sent.iter_mut().find(|sent| sent.id == id && !sent.is_done)?;
+        sent.is_done = true;
+        sent.parcel
     }
 
     /// Whether the engine may send more before the client acknowledges anything.
@@ -81,7 +83,7 @@ mod tests {
     fn acknowledgements_reach_the_engine_in_its_own_order() {
         let mut outstanding = Outstanding::default();
         for id in [99, 100, 1, 2] {
-            outstanding.sent(id, Some(7)).unwrap();
+            outstanding.sent((id, None), Some(7)).unwrap();
         }
         outstanding.acknowledged(1);
         outstanding.acknowledged(100);
@@ -93,7 +95,7 @@ mod tests {
     #[test]
     fn an_acknowledgement_of_nothing_is_swallowed() {
         let mut outstanding = Outstanding::default();
-        outstanding.sent(1, Some(7)).unwrap();
+        outstanding.sent((1, None), Some(7)).unwrap();
         for id in [2, 0, 1, 1, u16::MAX] {
             outstanding.acknowledged(id);
         }
@@ -105,18 +107,18 @@ mod tests {
     fn what_was_sent_before_is_known_again_once() {
         let mut outstanding = Outstanding::default();
         for (id, print) in [(1, Some(10)), (2, Some(20)), (3, None), (4, Some(30))] {
-            assert_eq!(outstanding.sent(id, print), Ok(false));
+            assert_eq!(outstanding.sent((id, None), print), Ok(false));
         }
         outstanding.acknowledged(2);
         let mut outstanding = Outstanding::resumed(outstanding.into_unacknowledged());
-        let again = [10, 20, 30, 30].map(|print| outstanding.sent(1, Some(print)));
+        let again = [10, 20, 30, 30].map(|print| outstanding.sent((1, None), Some(print)));
         assert_eq!(again, [Ok(true), Ok(false), Ok(true), Ok(false)]);
     }
 
     #[test]
     fn an_engine_without_measure_is_found_out() {
         let mut outstanding = Outstanding::default();
-        let sent = (0..1000).filter(|n| outstanding.sent(n % 100 + 1, Some(7)).is_ok()).count();
+        let sent = (0..1000).filter(|n| outstanding.sent((n % 100 + 1, None), Some(7)).is_ok()).count();
         assert_eq!(sent, OUTSTANDING);
     }
 }

@@ -1,11 +1,13 @@
 //! PUBLISH of a client, its will, and its acknowledgements. Which topics are whose stands in `routes`.
 
+use bytes::Bytes;
+
 use super::routes::{Dropped, Route, Way, is_for_commands};
 use super::{Ended, Heard, Mark, Turnstile};
 use crate::inbound::mqtt::gate::filter;
 use crate::inbound::mqtt::gate::frame::{Frame, Kind, frame};
 use crate::inbound::mqtt::gate::ledger::COUNTED;
-use crate::inbound::mqtt::gate::limits::{HOUSE_PACKET, KEPT_IDS, PADDED};
+use crate::inbound::mqtt::gate::limits::{HOUSE_PACKET, KEPT_IDS, PADDED, SHARED};
 use crate::inbound::mqtt::gate::packet::connect::Will;
 use crate::inbound::mqtt::gate::packet::publish::{self, Publish};
 use crate::inbound::mqtt::gate::packet::{Qos, text, write};
@@ -34,8 +36,8 @@ impl Turnstile {
         }
         match publish.qos {
             Qos::Zero => {}
-            Qos::One => write::ack(&mut self.to_client, Kind::Puback, publish.id),
-            Qos::Two => write::ack(&mut self.to_client, Kind::Pubrec, publish.id),
+            Qos::One => write::ack(self.to_client.end(), Kind::Puback, publish.id),
+            Qos::Two => write::ack(self.to_client.end(), Kind::Pubrec, publish.id),
         }
         Ok(())
     }
@@ -46,7 +48,9 @@ impl Turnstile {
             self.deliveries.acknowledged(id);
             return;
         }
-        self.outstanding.acknowledged(id);
+        if let Some(parcel) = self.outstanding.acknowledged(id) {
+            self.account.ledger().received(parcel);
+        }
         self.acknowledge();
     }
 
@@ -60,7 +64,7 @@ impl Turnstile {
     /// The client will not send a message of QoS 2 again.
     pub(super) fn released(&mut self, id: u16) {
         self.duplicates.released(id);
-        write::ack(&mut self.to_client, Kind::Pubcomp, id);
+        write::ack(self.to_client.end(), Kind::Pubcomp, id);
     }
 
     /// What a client left for the time after it.
@@ -91,10 +95,13 @@ impl Turnstile {
         if self.routes.way(&self.payer, &self.gatehouse) == Way::Shut {
             return self.refusals.note(topic, Dropped::Budget);
         }
+        let retained = &self.gatehouse.retained;
+        let is_shared = payload.len() >= SHARED;
+        let shared = if retain.is_some() || is_shared { retained.share(payload) } else { Bytes::new() };
         if let Some(qos) = retain
             && let Ok(topic) = text(topic, "topic")
         {
-            self.keep(topic, payload, qos);
+            self.keep(topic, shared.clone(), qos);
         }
         match self.routes.way(&self.payer, &self.gatehouse) {
             Way::Unread => {}
@@ -102,7 +109,12 @@ impl Turnstile {
             Way::Open => {
                 self.routes.passed(payload.len(), &self.gatehouse);
                 let length = PADDED.saturating_sub(COUNTED + topic.len());
-                write::publish_padded(&mut self.to_engine, topic, payload, length);
+                if is_shared {
+                    let ticket = self.routes.send(&shared, &self.gatehouse);
+                    write::ticket(&mut self.to_engine, topic, ticket, length);
+                } else {
+                    write::publish_padded(&mut self.to_engine, topic, payload, length);
+                }
             }
         }
     }
@@ -155,11 +167,11 @@ impl Turnstile {
         Ok(())
     }
 
-    fn keep(&mut self, topic: &str, payload: &[u8], qos: Qos) {
+    fn keep(&mut self, topic: &str, payload: Bytes, qos: Qos) {
         if is_for_commands(self.gatehouse.topics.place(topic)) || filter::topic(topic).is_err() {
             return;
         }
-        if !self.gatehouse.retained.keep(&self.payer, topic, payload, qos) {
+        if !self.gatehouse.retained.keep_shared(&self.payer, topic, payload, qos) {
             self.refusals.note(topic.as_bytes(), "it cannot be kept, there being too many kept messages; it was passed on");
         }
     }

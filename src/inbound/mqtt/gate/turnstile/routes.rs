@@ -4,13 +4,16 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use bytes::Bytes;
+
 use super::{Ended, Gatehouse};
 use crate::inbound::mqtt::gate::budget::Payer;
 use crate::inbound::mqtt::gate::filter::{self, Unfit};
 use crate::inbound::mqtt::gate::frame::Malformed;
 use crate::inbound::mqtt::gate::ledger::{Ledger, weight};
-use crate::inbound::mqtt::gate::limits::{LONG, PADDED, PIECE};
+use crate::inbound::mqtt::gate::limits::{LONG, PADDED, PARCELS_AWAY, PIECE, SHARED};
 use crate::inbound::mqtt::gate::packet::text;
+use crate::inbound::mqtt::gate::parcels::Ticket;
 use crate::inbound::mqtt::gate::readers::Reader;
 use crate::inbound::mqtt::gate::rights::Guest;
 use crate::inbound::mqtt::topics::Place;
@@ -107,11 +110,22 @@ impl Routes {
     /// A message on the topic of the last question, with so long a payload, was passed on to the engine.
     pub(super) fn passed(&mut self, payload: usize, gatehouse: &Gatehouse) {
         let bytes = weight(self.topic.len(), payload);
-        let fed = (self.topic.len() + payload).max(PADDED) * self.readers.len();
+        let whole = if payload < SHARED { self.topic.len() + payload } else { 0 };
+        let fed = whole.max(PADDED) * self.readers.len();
         gatehouse.fed.fetch_add(fed as u64, Ordering::Relaxed);
         self.passed += 1 + (payload / LONG) as u64;
         self.piece += bytes;
         self.unsettled += bytes;
+    }
+
+    /// A long message on the topic of the last question is on its way to all who read it; by what it goes through the engine.
+    pub(super) fn send(&self, payload: &Bytes, gatehouse: &Gatehouse) -> Ticket {
+        let number = gatehouse.parcels.fetch_add(1, Ordering::Relaxed);
+        let has_room = gatehouse.retained.beside() <= PARCELS_AWAY;
+        for reader in self.readers.iter().filter(|reader| reader.is_owed || has_room) {
+            reader.ledger.expect(number, payload);
+        }
+        Ticket { number, stamp: self.stamp, length: u32::try_from(payload.len()).unwrap_or(u32::MAX) }
     }
 
     /// Puts what was passed on into the ledgers of those who are to get it.

@@ -31,7 +31,7 @@ pub struct Session {
 /// Somebody who comes again, and holds his filters until this is dropped.
 #[derive(Clone, Debug, Default)]
 pub struct Absence {
-    _account: Option<Arc<Account>>,
+    account: Option<Arc<Account>>,
 }
 
 /// What is remembered of a client is the same whether he is away or not.
@@ -46,7 +46,7 @@ impl Eq for Absence {}
 impl From<Account> for Absence {
     fn from(mut account: Account) -> Absence {
         account.leave();
-        Absence { _account: Some(Arc::new(account)) }
+        Absence { account: Some(Arc::new(account)) }
     }
 }
 
@@ -110,6 +110,9 @@ impl Turnstile {
     /// A remembered session.
     pub(super) fn resume(&mut self, session: Session) {
         self.duplicates = Duplicates::resumed(session.unreleased);
+        if let Some(before) = &session.absence.account {
+            self.account.inherit(before);
+        }
         self.outstanding = Outstanding::resumed(session.unacknowledged);
         for (filter, qos) in &session.filters {
             match self.accept(filter, *qos) {
@@ -151,7 +154,7 @@ impl Turnstile {
             }
         }
         if known.is_empty() {
-            write::ack(&mut self.to_client, Kind::Unsuback, filters.id);
+            write::ack(self.to_client.end(), Kind::Unsuback, filters.id);
             return Ok(());
         }
         self.subscriptions.wait(Pending::Unsubscribed { answer: Some(filters.id), left: known.len() })?;
@@ -189,7 +192,7 @@ impl Turnstile {
             return Ok(());
         }
         if let Some(id) = answer {
-            write::ack(&mut self.to_client, Kind::Unsuback, *id);
+            write::ack(self.to_client.end(), Kind::Unsuback, *id);
         }
         self.subscriptions.pending.pop_front();
         Ok(())
@@ -245,7 +248,7 @@ impl Turnstile {
     /// Answers a SUBSCRIBE, and begins with what is kept for its filters.
     fn answer(&mut self, answer: Option<(u16, Vec<u8>)>, filters: BTreeSet<Arc<str>>) {
         if let Some((id, codes)) = answer {
-            write::suback(&mut self.to_client, id, &codes);
+            write::suback(self.to_client.end(), id, &codes);
         }
         for filter in filters {
             if let Some(held) = self.subscriptions.held.get(&filter) {

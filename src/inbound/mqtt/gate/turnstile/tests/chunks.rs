@@ -4,7 +4,7 @@ use bytes::BytesMut;
 use proptest::prelude::*;
 use std::time::Duration;
 
-use super::scene::{OPERATOR, STOP, Scene, in_words, packets, publish, subscribe, unsubscribe};
+use super::scene::{OPERATOR, STOP, Scene, in_words, packets, publish, subscribe, taken, unsubscribe};
 use crate::inbound::mqtt::gate::filter;
 use crate::inbound::mqtt::gate::frame::Kind;
 use crate::inbound::mqtt::gate::packet::Qos;
@@ -33,7 +33,7 @@ fn outcome<'a>(pieces: impl Iterator<Item = &'a [u8]>) -> Outcome {
         }
     }
     let heard = scene.heard();
-    Outcome { ended, heard, to_engine: scene.turnstile.to_engine().to_vec(), to_client: scene.turnstile.to_client().to_vec() }
+    Outcome { ended, heard, to_engine: scene.turnstile.to_engine().to_vec(), to_client: taken(scene.turnstile.to_client()) }
 }
 
 fn packet() -> impl Strategy<Value = Vec<u8>> {

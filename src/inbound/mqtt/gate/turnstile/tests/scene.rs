@@ -3,11 +3,12 @@
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use bytes::BytesMut;
+use bytes::{Buf, BytesMut};
 
 use crate::access::Role;
 use crate::core::units::Epoch;
 use crate::inbound::mqtt::gate::frame::{Frame, Kind, frame};
+use crate::inbound::mqtt::gate::outbox::Outbox;
 use crate::inbound::mqtt::gate::packet::filters::Filters;
 use crate::inbound::mqtt::gate::packet::{Qos, ack, publish, write};
 use crate::inbound::mqtt::gate::rights::Guest;
@@ -106,7 +107,7 @@ impl Scene {
     }
 
     pub(super) fn client_got(&mut self) -> Vec<String> {
-        let got = in_words(&std::mem::take(self.turnstile.to_client()));
+        let got = in_words(&taken(self.turnstile.to_client()));
         self.turnstile.handle_drained();
         while self.turnstile.wants_turn() {
             self.turnstile.handle_drained();
@@ -124,6 +125,11 @@ impl Scene {
         self.engine_answers();
         self.client_got()
     }
+}
+
+/// All that waits for a client, which takes it.
+pub(super) fn taken(outbox: &mut Outbox) -> Vec<u8> {
+    outbox.copy_to_bytes(outbox.len()).into()
 }
 
 /// As the engine answers: an UNSUBACK for each filter.
@@ -198,7 +204,7 @@ pub(super) fn in_words(mut bytes: &[u8]) -> Vec<String> {
 
 /// As the engine gets it or as the client does.
 fn read<'a>(frame: &Frame, packet: &'a [u8]) -> publish::Publish<'a> {
-    publish::read(frame, packet).or_else(|_| publish::read_padded(frame, packet)).unwrap()
+    publish::read(frame, packet).or_else(|_| publish::read_padded(frame, packet).map(|(publish, _)| publish)).unwrap()
 }
 
 fn publish_in_words(publish: &publish::Publish<'_>) -> String {
