@@ -15,6 +15,10 @@ use crate::core::world::snapshot::Snapshot;
 /// Commands that wait for the loop: enough for every operator of a site to press at once.
 pub const COMMANDS: usize = 256;
 
+/// So many places of these are left to other commands by stops, which are counted beside the queue then: else a flood of stops would keep
+/// everybody's commands waiting for a place.
+const LEFT_BY_STOPS: usize = COMMANDS - 32;
+
 /// What is on its way from a door to the loop.
 #[derive(Debug)]
 pub enum Envelope {
@@ -150,11 +154,11 @@ impl Handle {
     /// Queues a command if there is room for it; else gives it back, but for a stop, which is counted beside the queue: it is
     /// recorded although nobody may ask for its answer. When the loop has ended, the answer's channel says so.
     fn queue(&self, request: Request, answer: oneshot::Sender<Answer>) -> Option<Waiting> {
+        if request.command == Command::Stop && self.commands.capacity() <= LEFT_BY_STOPS {
+            self.pressed.put(request, answer);
+            return None;
+        }
         match self.commands.try_send(Envelope::Command(request, answer)) {
-            Err(TrySendError::Full(Envelope::Command(request, answer))) if request.command == Command::Stop => {
-                self.pressed.put(request, answer);
-                None
-            }
             Err(TrySendError::Full(envelope)) => Some(Waiting { commands: self.commands.clone(), envelope }),
             Ok(()) | Err(TrySendError::Closed(_)) => None,
         }
@@ -300,6 +304,20 @@ mod tests {
             assert!(envelopes.try_recv().is_err(), "and nothing twice");
             (0..COMMANDS).for_each(|n| note(Door::Coap, n));
         }
+    }
+
+    /// Safety A5, S9.
+    #[tokio::test]
+    async fn stops_leave_places_in_the_queue_to_other_commands() {
+        let (handle, mut envelopes, _, pressed) = house_with_stops();
+        (0..9 * COMMANDS).for_each(|_| drop(handle.give(request(Command::Stop))));
+        let waiting: Vec<_> = (0..LEFT_BY_STOPS).map(|_| handle.give(request(Command::Start))).collect();
+        let queued: Vec<_> = std::iter::from_fn(|| next(&mut envelopes)).collect();
+        let starts = queued.iter().filter(|request| request.command == Command::Start).count();
+        assert_eq!((queued.len(), starts), (COMMANDS, LEFT_BY_STOPS), "each has its place at once");
+        let beside: u64 = pressed.take().map(|pressed| pressed.count).sum();
+        assert_eq!(beside as usize + COMMANDS - LEFT_BY_STOPS, 9 * COMMANDS, "and no stop is left out");
+        drop(waiting);
     }
 
     #[tokio::test]

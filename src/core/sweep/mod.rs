@@ -337,7 +337,7 @@ impl Sweep {
 
     fn remember(&mut self, request: &Request, outcome: Outcome) {
         if let Some(id) = request.id.as_ref().filter(|_| request.command != Command::Stop) {
-            self.repeats.note(&request.issuer.who, id, &content_of(request), outcome);
+            self.repeats.note(&request.issuer, id, &content_of(request), outcome);
         }
     }
 

@@ -4,13 +4,14 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
-use crate::core::command::{Accepted, CommandId, Refusal, RefusalKind, Refused};
+use crate::core::command::{Accepted, CommandId, Issuer, Refusal, RefusalKind, Refused};
 use crate::core::effect::{Entry, Fact};
 use crate::core::mission::Input;
 use crate::core::refused::OTHER_CONTENT;
 use crate::core::units::{Epoch, LuggageId, Ticket};
 
-/// So many ids are remembered, the oldest given up first: more than any client has under way.
+/// So many ids are remembered: more than any client has under way. Of more the oldest of whoever has most of them is given up, by name
+/// and address, so that nobody's flood makes the ids of another forgotten.
 pub const IDS: usize = 1024;
 
 /// Who sent it, and its name for the command: two people may use the same.
@@ -20,7 +21,8 @@ type Key = (Arc<str>, CommandId);
 #[derive(Clone, Debug, Default)]
 pub(super) struct Repeats {
     known: BTreeMap<Key, Repeat>,
-    order: VecDeque<Key>,
+    /// Oldest first, each with the address it came from.
+    order: VecDeque<(Key, Arc<str>)>,
 }
 
 #[derive(Clone, Debug)]
@@ -61,19 +63,29 @@ impl Repeats {
     }
 
     /// Notes what became of a command.
-    pub(super) fn note(&mut self, who: &Arc<str>, id: &CommandId, content: &str, outcome: Outcome) {
-        let key = (Arc::clone(who), id.clone());
+    pub(super) fn note(&mut self, issuer: &Issuer, id: &CommandId, content: &str, outcome: Outcome) {
+        let key = (Arc::clone(&issuer.who), id.clone());
         let repeat = Repeat { content: content.to_owned(), outcome };
         if repeat.is_to_be_tried_again() {
             return;
         }
         if self.known.insert(key.clone(), repeat).is_none() {
-            self.order.push_back(key);
+            self.order.push_back((key, Arc::clone(&issuer.from)));
         }
-        if self.order.len() > IDS
-            && let Some(oldest) = self.order.pop_front()
-        {
-            self.known.remove(&oldest);
+        if self.order.len() > IDS {
+            self.give_one_up();
+        }
+    }
+
+    fn give_one_up(&mut self) {
+        let mut counts: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+        for ((who, _), from) in &self.order {
+            *counts.entry((who, from)).or_default() += 1;
+        }
+        let most = counts.values().max();
+        let oldest = self.order.iter().position(|((who, _), from)| counts.get(&(&**who, &**from)) == most);
+        if let Some((key, _)) = oldest.and_then(|oldest| self.order.remove(oldest)) {
+            self.known.remove(&key);
         }
     }
 
@@ -84,7 +96,7 @@ impl Repeats {
             repeat.outcome = Outcome::Answered(answer.clone());
             if repeat.is_to_be_tried_again() {
                 self.known.retain(|_, repeat| !repeat.is_to_be_tried_again());
-                self.order.retain(|key| self.known.contains_key(key));
+                self.order.retain(|(key, _)| self.known.contains_key(key));
             }
         }
     }
@@ -99,7 +111,7 @@ impl Repeats {
                     continue;
                 }
                 let outcome = refused.as_ref().map_or(Outcome::Before(*luggage), before);
-                self.note(&issuer.who, id, &content(command, *epoch), outcome);
+                self.note(issuer, id, &content(command, *epoch), outcome);
             }
         }
     }
@@ -124,17 +136,37 @@ fn before(refusal: &Refusal) -> Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::core::command::Door;
+
+    fn issuer(who: &str, from: &str) -> Issuer {
+        Issuer { door: Door::Http, who: who.into(), from: from.into() }
+    }
+
+    fn id(n: usize) -> CommandId {
+        CommandId::new(&format!("id-{n}")).expect("a short name")
+    }
 
     #[test]
     fn the_oldest_ids_give_way() {
         let mut repeats = Repeats::default();
-        let id = |n: usize| CommandId::new(&format!("id-{n}")).expect("a short name");
         for n in 0..=IDS {
-            repeats.note(&"operator".into(), &id(n), "START", Outcome::Before(None));
+            repeats.note(&issuer("operator", "127.0.0.1"), &id(n), "START", Outcome::Before(None));
         }
         assert!(matches!(repeats.look_up(&"operator".into(), &id(0), "START"), Known::New));
         assert!(matches!(repeats.look_up(&"operator".into(), &id(1), "START"), Known::Same(_)));
         assert!(matches!(repeats.look_up(&"operator".into(), &id(1), "RESET"), Known::Other));
         assert!(matches!(repeats.look_up(&"somebody".into(), &id(1), "RESET"), Known::New));
+    }
+
+    /// Safety S4, A5: where nobody signs in all have one name, and still an address of their own.
+    #[test]
+    fn nobodys_flood_makes_the_ids_of_another_forgotten() {
+        for (name, address) in [("operator", "127.0.0.7"), ("anna", "127.0.0.1")] {
+            let mut repeats = Repeats::default();
+            (0..9).for_each(|n| repeats.note(&issuer("operator", "127.0.0.1"), &id(n), "START", Outcome::Before(None)));
+            (9..9 * IDS).for_each(|n| repeats.note(&issuer(name, address), &id(n), "RETRIEVE", Outcome::Before(None)));
+            assert!((0..9).all(|n| matches!(repeats.look_up(&"operator".into(), &id(n), "START"), Known::Same(_))));
+            assert_eq!((repeats.order.len(), repeats.known.len()), (IDS, IDS));
+        }
     }
 }

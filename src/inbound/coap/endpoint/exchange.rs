@@ -9,6 +9,7 @@ use hashlink::LinkedHashMap;
 
 use super::ExchangeId;
 use super::limits::{EXCHANGE_LIFETIME, EXCHANGES};
+use super::shares::Shares;
 
 /// What one message is known by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -48,13 +49,41 @@ pub(super) struct Exchanges {
     acts: Table,
 }
 
-type Table = LinkedHashMap<MessageKey, (Duration, Known)>;
+/// Messages, oldest first, and whose they are.
+#[derive(Debug, Default)]
+struct Table {
+    messages: LinkedHashMap<MessageKey, (Duration, Known)>,
+    shares: Shares<MessageKey>,
+}
+
+impl Table {
+    /// Forgets what is over.
+    fn clear(&mut self, now: Duration) {
+        while self.messages.front().is_some_and(|(_, (since, _))| is_over(*since, now)) {
+            if let Some((key, _)) = self.messages.pop_front() {
+                self.shares.forget_oldest(key.peer);
+            }
+        }
+    }
+
+    /// Remembers one more, in the place of the oldest of whoever has most when there is no room.
+    fn insert(&mut self, key: MessageKey, known: (Duration, Known)) {
+        if self.messages.insert(key, known).is_none() {
+            self.shares.add(key.peer, key);
+        }
+        if self.messages.len() > EXCHANGES
+            && let Some(oldest) = self.shares.take_from_the_largest()
+        {
+            self.messages.remove(&oldest);
+        }
+    }
+}
 
 impl Exchanges {
     /// How many messages are remembered.
     #[must_use]
     pub(super) fn count(&self) -> usize {
-        self.looks.len() + self.acts.len()
+        self.looks.messages.len() + self.acts.messages.len()
     }
 
     /// What is known of this message, if it came before.
@@ -62,26 +91,21 @@ impl Exchanges {
     pub(super) fn known(&mut self, key: MessageKey, now: Duration) -> Option<&Known> {
         // From here on the same id is another message.
         for table in [&mut self.looks, &mut self.acts] {
-            while table.front().is_some_and(|(_, (since, _))| is_over(*since, now)) {
-                table.pop_front();
-            }
+            table.clear(now);
         }
-        self.looks.get(&key).or_else(|| self.acts.get(&key)).map(|(_, known)| known)
+        self.looks.messages.get(&key).or_else(|| self.acts.messages.get(&key)).map(|(_, known)| known)
     }
 
     /// Remembers a message that is to be answered, of which nothing was known.
     pub(super) fn open(&mut self, key: MessageKey, exchange: ExchangeId, acts: bool, now: Duration) {
         let table = if acts { &mut self.acts } else { &mut self.looks };
         table.insert(key, (now, Known::Open(exchange)));
-        if table.len() > EXCHANGES {
-            table.pop_front();
-        }
     }
 
     /// Remembers what a message was answered with.
     pub(super) fn answered(&mut self, key: MessageKey, datagram: &[u8]) {
         for table in [&mut self.looks, &mut self.acts] {
-            if let Some((_, known)) = table.get_mut(&key) {
+            if let Some((_, known)) = table.messages.get_mut(&key) {
                 *known = Known::Answered(datagram.to_vec());
                 return;
             }
@@ -131,6 +155,24 @@ mod tests {
         }
         assert_eq!(exchanges.known(key(0), Duration::ZERO), Some(&Known::Open(ExchangeId(1))));
         assert_eq!(exchanges.count(), EXCHANGES + 1);
+    }
+
+    /// Safety S4, A5: from another address, and from another program at the same.
+    #[test]
+    fn nobodys_flood_of_acts_makes_those_of_another_forgotten() {
+        for flood in ["127.0.0.7:1", "127.0.0.1:2"] {
+            let mut exchanges = Exchanges::default();
+            (0..9).for_each(|id| exchanges.open(key(id), ExchangeId(1), true, Duration::ZERO));
+            let peer: SocketAddr = flood.parse().unwrap();
+            for number in 0..3 * EXCHANGES {
+                let (id, port) = (u16::try_from(number).unwrap(), peer.port() + u16::try_from(number % 100).unwrap());
+                exchanges.open(MessageKey::of(SocketAddr::new(peer.ip(), port), id, b"act"), ExchangeId(2), true, Duration::ZERO);
+            }
+            assert!((0..9).all(|id| exchanges.known(key(id), Duration::ZERO).is_some()), "{flood}");
+            assert_eq!(exchanges.count(), EXCHANGES);
+            assert_eq!(exchanges.known(key(0), EXCHANGE_LIFETIME * 2), None);
+            assert_eq!(exchanges.count(), 0, "and nothing is left of anybody");
+        }
     }
 
     #[test]

@@ -36,6 +36,7 @@ mod reliable;
 mod reply;
 pub mod request;
 pub mod response;
+mod shares;
 mod subject;
 
 pub use hear::{Backlog, Sort};
