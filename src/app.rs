@@ -29,7 +29,7 @@ use crate::runtime::clock::Clock;
 use crate::runtime::halt::Halter;
 use crate::runtime::handle::Handle;
 use crate::runtime::link::{RobotSide, link};
-use crate::runtime::task::Task;
+use crate::runtime::task::{Course, Task};
 use crate::runtime::threads::Thread;
 
 mod coap;
@@ -121,8 +121,8 @@ async fn serve_hall(
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
     let reader = Reader::new(Arc::clone(&kept.archive));
-    let (closing, closed) = watch::channel(false);
-    let (handle, mut task) = start(settings, (Arc::clone(&hall), sim, robot), kept, (&halter, closed), &threads).await;
+    let (course, coursed) = watch::channel(Course::default());
+    let (handle, mut task) = start(settings, (Arc::clone(&hall), sim, robot), kept, (&halter, coursed), &threads).await;
     find_robot(&handle).await;
     let ending = watch::Sender::new(false);
     let resources = || Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
@@ -141,10 +141,14 @@ async fn serve_hall(
     let mut ended = None;
     let shutdown = async {
         tokio::select! {
-            signal = signalled => tracing::info!(signal, "ending"),
+            signal = signalled => {
+                tracing::info!(signal, "ending");
+                // The core first, so that it gives no order after the halt.
+                course.send_modify(|course| course.ended_by = Some(signal));
+            }
             end = &mut task => ended = Some(end),
         }
-        halter.stop();
+        halter.halt();
         ending.send_replace(true);
     };
     http::serve(http, door, front, shutdown).await;
@@ -156,7 +160,7 @@ async fn serve_hall(
         mqtt.ended().await;
     }
     let by_itself = ended.is_some();
-    closing.send_replace(true);
+    course.send_modify(|course| course.is_over = true);
     let end = match ended {
         Some(end) => end,
         None => task.await,
@@ -185,7 +189,7 @@ async fn start(
     settings: &Settings,
     (hall, sim, other): (Arc<Hall>, SimSettings, Option<Adapter>),
     mut kept: Kept,
-    (halter, closed): (&Halter, watch::Receiver<bool>),
+    (halter, course): (&Halter, watch::Receiver<Course>),
     threads: &Threads,
 ) -> (Handle, JoinHandle<()>) {
     let clock = Clock::default();
@@ -218,7 +222,7 @@ async fn start(
         (None, None) => drop(on.spawn(async move { side.reports.closed().await })),
     }
     let (handle, task) = Task::new(sweep, link, kept.store, clock, halter.clone());
-    (handle, threads.core.handle().spawn(task.run(closed)))
+    (handle, threads.core.handle().spawn(task.run(course)))
 }
 
 /// The core as it was, or as it is at the very first start.

@@ -45,6 +45,10 @@ mod sensors;
 mod shutdown;
 #[path = "service/start.rs"]
 mod start;
+#[path = "service/stop_floods.rs"]
+mod stop_floods;
+#[path = "service/stop_words.rs"]
+mod stop_words;
 #[path = "service/stops.rs"]
 mod stops;
 #[path = "service/store_faults.rs"]

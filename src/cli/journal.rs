@@ -105,7 +105,7 @@ fn for_people(line: &Line) -> String {
 }
 
 fn tell(findings: &Findings) -> Result<(), Failure> {
-    for words in findings.notes.iter().chain(&findings.faults) {
+    for words in findings.faults.iter().chain(&findings.notes) {
         super::print(words)?;
     }
     let looked_at = format!("{} entries and {} photos were looked at", findings.entries, findings.photos);

@@ -114,6 +114,8 @@ impl Fact {
 pub enum Fact {
     /// The program was started, in this version, over what had been kept before.
     ProgramStarted(String),
+    /// The program was asked to end, by this.
+    ProgramEnded(String),
     /// Everything that stands, so that nothing before needs to be read to go on.
     Standing(Box<Standing>),
     /// A command came, and what became of it.

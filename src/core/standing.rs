@@ -84,7 +84,7 @@ impl Standing {
     /// What stands after one more entry.
     pub fn apply(&mut self, Entry { wall, fact }: &Entry) {
         match fact {
-            Fact::ProgramStarted(_) | Fact::Command { .. } | Fact::Obstacle(..) => {}
+            Fact::ProgramStarted(_) | Fact::ProgramEnded(_) | Fact::Command { .. } | Fact::Obstacle(..) => {}
             Fact::Standing(standing) => *self = Standing::clone(standing),
             Fact::MissionBegan(mission, strategy) => {
                 (self.mission, self.under_way, self.strategy) = (*mission, true, *strategy);

@@ -36,6 +36,12 @@ impl Clock {
         Now { since_start: self.start.elapsed(), wall }
     }
 
+    /// The same without the date, which takes longer to find out.
+    #[must_use]
+    pub fn since_start(&self) -> Duration {
+        self.start.elapsed()
+    }
+
     /// The instant at which `since_start` is reached, for timers.
     #[must_use]
     pub fn instant(&self, since_start: Duration) -> Instant {

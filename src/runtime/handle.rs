@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use tokio::sync::mpsc::error::TrySendError;
-use tokio::sync::{Semaphore, mpsc, oneshot, watch};
+use tokio::sync::{mpsc, oneshot, watch};
 
 use super::halt::Halter;
+use super::pressed::{PressedIn, PressedOut, pressed};
 use crate::core::command::{Accepted, Command, Issuer, Refused, Request};
 use crate::core::units::Epoch;
 use crate::core::world::snapshot::Snapshot;
@@ -13,19 +14,18 @@ use crate::core::world::snapshot::Snapshot;
 /// Commands that wait for the loop: enough for every operator of a site to press at once.
 pub const COMMANDS: usize = 256;
 
-/// STOPs that wait in tasks of their own because the queue is full: as many again. Of more the halt stands, and the record waits
-/// with whoever waits for the answer.
-const STOPS: usize = COMMANDS;
-
 /// What is on its way from a door to the loop.
 #[derive(Debug)]
 pub enum Envelope {
     /// A command, and where its answer goes.
-    Command(Request, oneshot::Sender<Result<Accepted, Refused>>),
+    Command(Request, oneshot::Sender<Answer>),
     /// What a door refused to take from somebody, for the record: who, what was asked for, and why not; and who waits until it is
     /// there, if anybody does.
-    Refused(Issuer, String, Refused, Option<oneshot::Sender<Result<Accepted, Refused>>>),
+    Refused(Issuer, String, Refused, Option<oneshot::Sender<Answer>>),
 }
+
+/// The core's answer to a command.
+pub(super) type Answer = Result<Accepted, Refused>;
 
 /// The doors' end: commands in, snapshots out.
 #[derive(Clone, Debug)]
@@ -33,7 +33,7 @@ pub struct Handle {
     commands: mpsc::Sender<Envelope>,
     snapshots: watch::Receiver<Arc<Snapshot>>,
     halter: Halter,
-    stops: Arc<Semaphore>,
+    pressed: PressedIn,
 }
 
 /// The loop has ended; the program is shutting down. `Display` is the sentence a person reads.
@@ -42,7 +42,7 @@ pub struct Handle {
 pub struct Gone;
 
 /// What became of a command: the core's answer, unless the program is shutting down.
-pub type Given = Result<Result<Accepted, Refused>, Gone>;
+pub type Given = Result<Answer, Gone>;
 
 /// A command for which there was no room in the queue.
 struct Waiting {
@@ -51,10 +51,21 @@ struct Waiting {
 }
 
 impl Handle {
-    /// A handle over the loop's channels.
+    /// A handle over the channels of a loop that never lets its queue become full.
     #[must_use]
     pub fn new(commands: mpsc::Sender<Envelope>, snapshots: watch::Receiver<Arc<Snapshot>>, halter: Halter) -> Handle {
-        Handle { commands, snapshots, halter, stops: Arc::new(Semaphore::new(STOPS)) }
+        Handle::with_stops(commands, snapshots, halter).0
+    }
+
+    /// A handle over the loop's channels, and where the loop finds the stops for which there was no room in its queue.
+    #[must_use]
+    pub(super) fn with_stops(
+        commands: mpsc::Sender<Envelope>,
+        snapshots: watch::Receiver<Arc<Snapshot>>,
+        halter: Halter,
+    ) -> (Handle, PressedOut) {
+        let (pressed, out) = pressed();
+        (Handle { commands, snapshots, halter, pressed }, out)
     }
 
     /// Gives a command: it is stamped and queued at the call, so that commands keep the order in which they were given, and a
@@ -69,7 +80,7 @@ impl Handle {
         let request = self.stamp(request);
         let stop = request.epoch.filter(|_| request.command == Command::Stop);
         let (answer, answered) = oneshot::channel();
-        let waiting = self.queue(Envelope::Command(request, answer), stop.is_some());
+        let waiting = self.queue(request, answer);
         let halter = self.halter.clone();
         async move {
             if let Some(Waiting { commands, envelope }) = waiting {
@@ -124,20 +135,17 @@ impl Handle {
         self.snapshots.clone()
     }
 
-    /// Queues a command if there is room for it; else gives it back, but for a stop, which waits in a task of its own: it is
+    /// Queues a command if there is room for it; else gives it back, but for a stop, which is counted beside the queue: it is
     /// recorded although nobody may ask for its answer. When the loop has ended, the answer's channel says so.
-    fn queue(&self, envelope: Envelope, is_stop: bool) -> Option<Waiting> {
-        let Err(TrySendError::Full(envelope)) = self.commands.try_send(envelope) else { return None };
-        let commands = self.commands.clone();
-        if is_stop && let Ok(place) = Arc::clone(&self.stops).try_acquire_owned() {
-            tokio::spawn(async move {
-                // When the loop has ended the answer's channel says so.
-                let _ = commands.send(envelope).await;
-                drop(place);
-            });
-            return None;
+    fn queue(&self, request: Request, answer: oneshot::Sender<Answer>) -> Option<Waiting> {
+        match self.commands.try_send(Envelope::Command(request, answer)) {
+            Err(TrySendError::Full(Envelope::Command(request, answer))) if request.command == Command::Stop => {
+                self.pressed.put(request, answer);
+                None
+            }
+            Err(TrySendError::Full(envelope)) => Some(Waiting { commands: self.commands.clone(), envelope }),
+            Ok(()) | Err(TrySendError::Closed(_)) => None,
         }
-        Some(Waiting { commands, envelope })
     }
 
     /// A stop carries the epoch it has raised; another command is stamped with the one in which it arrived, which holds now where its
@@ -166,10 +174,16 @@ mod tests {
 
     /// A handle before a loop that does not run, and what would come to the loop.
     fn house() -> (Handle, mpsc::Receiver<Envelope>, Halter) {
+        let (handle, envelopes, halter, _) = house_with_stops();
+        (handle, envelopes, halter)
+    }
+
+    fn house_with_stops() -> (Handle, mpsc::Receiver<Envelope>, Halter, PressedOut) {
         let (commands, envelopes) = mpsc::channel(COMMANDS);
         let halter = Halter::new(Epoch(4));
         let (_, snapshots) = watch::channel(Sweep::new(Settings::default(), Default::default(), "test".into()).snapshot());
-        (Handle::new(commands, snapshots, halter.clone()), envelopes, halter)
+        let (handle, pressed) = Handle::with_stops(commands, snapshots, halter.clone());
+        (handle, envelopes, halter, pressed)
     }
 
     fn request(command: Command) -> Request {
@@ -222,16 +236,18 @@ mod tests {
 
     /// Safety A6: nobody has to wait for the answer of a stop.
     #[tokio::test]
-    async fn a_stop_comes_to_the_loop_although_its_sender_hangs_up_and_the_queue_is_full() {
-        let (handle, mut envelopes, _) = house();
+    async fn stops_come_to_the_loop_although_their_senders_hang_up_and_the_queue_is_full() {
+        let (handle, mut envelopes, _, pressed) = house_with_stops();
         let waiting: Vec<_> = (0..=COMMANDS).map(|_| handle.give(request(Command::Start))).collect();
-        drop(handle.give(request(Command::Stop)));
+        (0..9 * COMMANDS).for_each(|_| drop(handle.give(request(Command::Stop))));
         for _ in 0..COMMANDS {
             assert_eq!(next(&mut envelopes).map(|request| request.command), Some(Command::Start));
         }
         drop(waiting);
-        let stop = within("the stop", envelopes.recv()).await;
-        assert!(matches!(stop, Some(Envelope::Command(Request { command: Command::Stop, .. }, _))), "{stop:?}");
+        within("the stops", pressed.news()).await;
+        let came: Vec<_> = pressed.take().map(|pressed| (pressed.last.epoch, pressed.count)).collect();
+        let last = Epoch(4 + 9 * COMMANDS as u64);
+        assert_eq!(came, [(Some(last), 9 * COMMANDS as u64)], "all of them, up to the last");
     }
 
     #[tokio::test]

@@ -8,14 +8,15 @@ use tokio::sync::{mpsc, oneshot, watch};
 
 use super::clock::Clock;
 use super::halt::{HaltWatch, Halter};
-use super::handle::{COMMANDS, Envelope, Handle};
+use super::handle::{Answer, COMMANDS, Envelope, Handle};
 use super::link::{RobotLink, Stamped};
+use super::pressed::{Pressed, PressedOut};
 use super::store::{Store, StoreWord};
-use crate::core::command::{Accepted, Issuer, Refused, Request};
+use crate::core::command::{Issuer, Refused, Request};
 use crate::core::effect::{Effect, Order};
 use crate::core::event::{Event, RobotEvent, RobotId};
 use crate::core::sweep::Sweep;
-use crate::core::units::{Seq, Ticket};
+use crate::core::units::{Epoch, Seq, Ticket};
 use crate::core::world::snapshot::Snapshot;
 
 /// The loop, not yet running.
@@ -28,9 +29,13 @@ pub struct Task {
     clock: Clock,
     halter: Halter,
     halts: HaltWatch,
+    /// The last stop of which the core was told.
+    heard: Epoch,
     commands: mpsc::Receiver<Envelope>,
+    /// Stops for which there was no room in that queue.
+    pressed: PressedOut,
     snapshots: watch::Sender<Arc<Snapshot>>,
-    answers: BTreeMap<Ticket, oneshot::Sender<Answer>>,
+    answers: BTreeMap<Ticket, Vec<oneshot::Sender<Answer>>>,
     /// The refusals that wait until they are on record (safety A6), in the order of their entries.
     refusals: VecDeque<(Seq, oneshot::Sender<Answer>, Refused)>,
     /// Whether the store's last word was that it cannot write.
@@ -39,9 +44,18 @@ pub struct Task {
     losses: u64,
     /// Whether the robot's end of the link is gone for good.
     link_gone: bool,
+    /// Whether the core was told that the program ends.
+    is_ending: bool,
 }
 
-type Answer = Result<Accepted, Refused>;
+/// How far the program has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Course {
+    /// What asked it to end, if something has: the robot halts then, and who has asked for something is still answered.
+    pub ended_by: Option<&'static str>,
+    /// Whether nobody asks for anything any more.
+    pub is_over: bool,
+}
 
 impl Task {
     /// A loop round a sweep, and the handle by which doors reach it.
@@ -50,7 +64,7 @@ impl Task {
         let (commands_out, commands) = mpsc::channel(COMMANDS);
         let snapshots = watch::Sender::new(sweep.snapshot());
         let halts = halter.watch();
-        let handle = Handle::new(commands_out, snapshots.subscribe(), halter.clone());
+        let (handle, pressed) = Handle::with_stops(commands_out, snapshots.subscribe(), halter.clone());
         let answers = BTreeMap::new();
         let word = store.word();
         let task = Task {
@@ -61,27 +75,37 @@ impl Task {
             clock,
             halter,
             halts,
+            heard: Epoch(0),
             commands,
+            pressed,
             snapshots,
             answers,
             refusals: VecDeque::new(),
             store_failed: false,
             losses: 0,
             link_gone: false,
+            is_ending: false,
         };
         (handle, task)
     }
 
-    /// Runs until `closing` says so or every handle is gone.
-    pub async fn run(mut self, mut closing: watch::Receiver<bool>) {
+    /// Runs until `course` is over or every handle is gone.
+    pub async fn run(mut self, mut course: watch::Receiver<Course>) {
         self.hear_store();
         self.settle();
         loop {
             let due = self.sweep.poll_timeout();
             tokio::select! {
                 biased;
-                _ = closing.wait_for(|closing| *closing) => break,
-                halts = self.halts.raised() => self.sweep.handle_halt(halts.epoch, self.clock.now()),
+                changed = course.changed() => {
+                    let Course { ended_by, is_over } = *course.borrow_and_update();
+                    if let Some(by) = ended_by.filter(|_| !std::mem::replace(&mut self.is_ending, true)) {
+                        self.sweep.handle_end(by, self.clock.now());
+                    }
+                    if is_over || changed.is_err() {
+                        break;
+                    }
+                }
                 Ok(()) = self.word.changed() => self.hear_store(),
                 // Before commands and reports: a steady flow of these must not keep a silent sensor from being noticed.
                 () = self.clock.reach(due) => self.sweep.handle_timeout(self.clock.now()),
@@ -90,9 +114,15 @@ impl Task {
                     Some(envelope) => self.take(envelope),
                     None => break,
                 },
+                // Last, since they are heard of before anything else is taken: stops without end must not keep the rest waiting.
+                _ = self.halts.raised() => {}
+                () = self.pressed.news() => {}
             }
+            self.hear_halts();
             self.settle();
         }
+        self.sweep.record_rest(self.clock.now());
+        self.settle();
     }
 
     fn take_report(&mut self, report: Option<RobotEvent>) {
@@ -103,7 +133,21 @@ impl Task {
         self.sweep.handle_event(Event::Robot(RobotId::Discovery, report), self.clock.now());
     }
 
+    /// Tells the core of stops, before anything that was given after them.
+    fn hear_halts(&mut self) {
+        let epoch = self.halts.now().epoch;
+        if epoch > self.heard {
+            self.heard = epoch;
+            self.sweep.handle_halt(epoch, self.clock.now());
+        }
+        for Pressed { last, count, answers, .. } in self.pressed.take() {
+            let given = self.sweep.handle_stops(last, count, self.clock.now());
+            self.await_answer(given, answers);
+        }
+    }
+
     fn take(&mut self, envelope: Envelope) {
+        self.hear_halts();
         match envelope {
             Envelope::Command(request, answer) => self.take_command(request, answer),
             Envelope::Refused(issuer, asked, refused, answer) => self.note_refused(issuer, asked, refused, answer),
@@ -122,11 +166,17 @@ impl Task {
     }
 
     fn take_command(&mut self, request: Request, answer: oneshot::Sender<Answer>) {
-        match self.sweep.handle_command(request, self.clock.now()) {
-            Ok(ticket) => {
-                self.answers.insert(ticket, answer);
+        let given = self.sweep.handle_command(request, self.clock.now());
+        self.await_answer(given, vec![answer]);
+    }
+
+    fn await_answer(&mut self, given: Result<Ticket, Refused>, answers: Vec<oneshot::Sender<Answer>>) {
+        match given {
+            Ok(ticket) => drop(self.answers.insert(ticket, answers)),
+            Err(refused) => {
+                let seq = self.sweep.written();
+                self.refusals.extend(answers.into_iter().map(|answer| (seq, answer, refused.clone())));
             }
-            Err(refused) => self.refusals.push_back((self.sweep.written(), answer, refused)),
         }
     }
 
@@ -168,9 +218,9 @@ impl Task {
 
     fn deliver(&mut self, answers: &mut Vec<(Ticket, Answer)>) {
         for (ticket, answer) in answers.drain(..) {
-            if let Some(waiting) = self.answers.remove(&ticket) {
+            for waiting in self.answers.remove(&ticket).into_iter().flatten() {
                 // Whoever asked may have gone away; the command was carried out all the same.
-                let _ = waiting.send(answer);
+                let _ = waiting.send(answer.clone());
             }
         }
     }

@@ -83,17 +83,17 @@ fn house_keeping(at_once: &Arc<AtomicBool>) -> (Handle, Task, RobotSide, watch::
     (handle, task, robot_side, word)
 }
 
-async fn running() -> (Handle, RobotSide, watch::Sender<bool>) {
+async fn running() -> (Handle, RobotSide, watch::Sender<Course>) {
     start(house()).await
 }
 
-async fn start((handle, task, robot): (Handle, Task, RobotSide)) -> (Handle, RobotSide, watch::Sender<bool>) {
-    let (close, closing) = watch::channel(false);
-    tokio::spawn(task.run(closing));
+async fn start((handle, task, robot): (Handle, Task, RobotSide)) -> (Handle, RobotSide, watch::Sender<Course>) {
+    let (course, coursed) = watch::channel(Course::default());
+    tokio::spawn(task.run(coursed));
     let second = Duration::from_secs(1);
     let can = Capabilities { step: second, turn: second, photo: second, nudges: false };
     robot.reports.send(RobotEvent::LinkUp(can)).await.unwrap();
-    (handle, robot, close)
+    (handle, robot, course)
 }
 
 #[tokio::test]
@@ -192,7 +192,7 @@ async fn a_store_that_answers_late_delays_start_but_not_stop() {
 }
 
 /// A robot on the move, with a store that keeps at once or, from now on, hangs; and its order.
-async fn moving(hangs: bool) -> (Handle, RobotSide, watch::Sender<bool>, Order) {
+async fn moving(hangs: bool) -> (Handle, RobotSide, watch::Sender<Course>, Order) {
     let at_once = Arc::new(AtomicBool::new(true));
     let (handle, task, robot, _word) = house_keeping(&at_once);
     let (handle, mut robot, close) = start((handle, task, robot)).await;
@@ -259,9 +259,9 @@ async fn a_robot_and_a_disk_that_do_not_obey_cost_the_answer_a_tenth_of_a_second
     let second = Duration::from_secs(1);
     task.take_report(Some(RobotEvent::LinkUp(Capabilities { step: second, turn: second, photo: second, nudges: false })));
     let (handle, _close) = {
-        let (close, closing) = watch::channel(false);
-        tokio::spawn(task.run(closing));
-        (handle, close)
+        let (course, coursed) = watch::channel(Course::default());
+        tokio::spawn(task.run(coursed));
+        (handle, course)
     };
     give(&handle, Command::Start).await.unwrap().unwrap();
     ordered(&mut robot).await;
@@ -269,6 +269,23 @@ async fn a_robot_and_a_disk_that_do_not_obey_cost_the_answer_a_tenth_of_a_second
     give(&handle, Command::Stop).await.unwrap().unwrap();
     let took = clock.now().since_start;
     assert!((TENTH..TENTH + Duration::from_millis(5)).contains(&took), "{took:?}");
+}
+
+/// Safety R1: no order begins after that, whatever was under way and whoever still asks for something, and nothing holds the robot that
+/// nobody has pressed.
+#[tokio::test(start_paused = true)]
+async fn a_program_that_is_asked_to_end_halts_the_robot_and_gives_no_order_any_more() {
+    let (handle, mut robot, course, order) = moving(false).await;
+    let halts = robot.halts.now();
+    course.send_modify(|course| course.ended_by = Some("SIGTERM"));
+    let raised = within("the halt", robot.halts.raised()).await;
+    assert!(raised.count > halts.count && raised.epoch == halts.epoch, "it is nobody's STOP");
+    robot.reports.send(RobotEvent::Halted(order.id, true)).await.unwrap();
+    give(&handle, Command::Start).await.unwrap().unwrap();
+    let state = seen(&handle, "it is said", says("the program was ended by SIGTERM")).await;
+    assert_eq!((state.mission.holds.len(), state.mission.phase), (0, PhaseName::Exploring));
+    course.send_modify(|course| course.is_over = true);
+    assert!(within("the end of orders", robot.orders.recv()).await.is_none());
 }
 
 /// Safety S8: nothing new begins before the robot stands, and whoever stopped is told of a state in which it does.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::fields::{Body, Fields, Unread, in_short, needed};
+use super::halt::is_halt;
 use crate::core::command::{Command, CommandId, Move, TemperatureReport, Verdict};
 use crate::core::explore::Strategy;
 use crate::core::units::{Cell, Celsius, Epoch};
@@ -220,19 +221,19 @@ pub fn number_aside(fields: &mut Fields, name: &'static str, example: &str) -> R
     needed(fields.aside(name, Fields::count)?, name, example)
 }
 
-/// The command behind the one-letter words of old clients and of `move`; `h` is STOP.
+/// The command behind the one-letter words of old clients and of `move`; `h` and `stop` are STOP.
 ///
 /// # Errors
 /// When there is no such word.
 pub fn move_word(word: &str) -> Result<Command, Unusable> {
     match word {
+        halt if is_halt(halt) => Ok(Command::Stop),
         "w" => Ok(Command::Move(Move::Forward)),
         "s" => Ok(Command::Move(Move::Backward)),
         "a" | "l" => Ok(Command::Move(Move::TurnLeft)),
         "d" | "r" => Ok(Command::Move(Move::TurnRight)),
         "z" => Ok(Command::Move(Move::NudgeLeft)),
         "x" => Ok(Command::Move(Move::NudgeRight)),
-        "h" => Ok(Command::Stop),
         other => Err(Unusable(format!(
             "{:?} is no move: w forward, s backward, a or l left, d or r right, z and x small turns, h stop",
             in_short(other)
@@ -274,7 +275,7 @@ mod tests {
     fn old_and_new_words_for_moves_mean_the_same() {
         assert_eq!(move_word("l"), move_word("a"));
         assert_eq!(move_word("r"), move_word("d"));
-        assert_eq!(move_word("h"), Ok(Command::Stop));
+        assert!(["h", "H", "stop", "STOP"].iter().all(|word| move_word(word) == Ok(Command::Stop)));
         assert!(move_word("W").is_err() && move_word("").is_err());
     }
 

@@ -1,51 +1,73 @@
-//! Whether the body of a move says STOP, whatever else is wrong with it (safety S8): read before it is judged, and more liberally
-//! than any command. Whose body it is, and what becomes of it, is the doors' business.
+//! Which words say STOP, at every door alike, and whether the body of a move does, whatever else is wrong with it (safety S8): read
+//! before it is judged, and more liberally than any command. Whose body it is, and what becomes of it, is the doors' business.
 
 use minicbor::Decoder;
 
 use super::{cbor, fields};
 
-/// The word that is STOP wherever a move is asked for.
-const HALT: &str = "h";
+/// The words that are STOP wherever a move or a bare word is asked for, in whatever letters: of the old clients, and of people.
+const HALTS: [&str; 2] = ["h", "stop"];
 
 /// The field in which a move's word comes.
 const MOVE: &str = "move";
 
-/// The field and its word in CBOR: two short texts, one behind the other.
-const IN_CBOR: &[u8] = b"\x64move\x61h";
+/// The field in CBOR, a short text; another follows it with its word.
+const MOVE_IN_CBOR: &[u8] = b"\x64move";
 
-/// The same in JSON, without quotes and blanks.
-const IN_JSON: &[u8] = b"move:h";
+/// Whether this word is one for STOP.
+#[must_use]
+pub fn is_halt(word: &str) -> bool {
+    HALTS.iter().any(|halt| word.eq_ignore_ascii_case(halt))
+}
 
-/// Whether a body is the bare word for STOP, with whatever quotes, blanks and zero bytes round it.
+/// Whether a body is a bare word for STOP, with whatever quotes, blanks and zero bytes round it.
 #[must_use]
 pub fn is_halt_word(body: &[u8]) -> bool {
     let is_round = |letter: char| letter.is_whitespace() || letter.is_control() || matches!(letter, '"' | '\'' | '\u{feff}');
-    String::from_utf8_lossy(body).trim_matches(is_round) == HALT
+    is_halt(String::from_utf8_lossy(body).trim_matches(is_round))
 }
 
-/// Whether the body of a move says STOP: as the bare word, as a field in JSON or CBOR, or as what would be that field if the rest
-/// of the body made sense.
+/// Whether the body of a move says STOP: as the bare word, as a field in JSON, CBOR or a form, or as what would be that field if the
+/// rest of the body made sense.
 #[must_use]
 pub fn says_halt(body: &[u8]) -> bool {
-    let is_halt = |fields: fields::Fields| fields.text(MOVE).is_ok_and(|word| word.as_deref() == Some(HALT));
+    let says_so = |fields: fields::Fields| fields.text(MOVE).is_ok_and(|word| word.is_some_and(|word| is_halt(word.trim())));
     is_halt_word(body)
-        || fields::fields(body).is_ok_and(is_halt)
-        || cbor::fields(&mut Decoder::new(body)).is_ok_and(is_halt)
-        || body.windows(IN_CBOR.len()).any(|window| window == IN_CBOR)
+        || fields::fields(body).is_ok_and(says_so)
+        || cbor::fields(&mut Decoder::new(body)).is_ok_and(says_so)
+        || looks_like_halt_in_cbor(body)
         || looks_like_halt(body)
 }
 
-/// Whether the field stands somewhere in what is no JSON, or has other fields beside it.
+/// Whether the field and its word stand somewhere in what is no CBOR.
+fn looks_like_halt_in_cbor(body: &[u8]) -> bool {
+    let is_text = |rest: &[u8]| {
+        HALTS.iter().any(|halt| rest.strip_prefix(&[0x60 | halt.len() as u8]).is_some_and(|rest| begins(rest, halt)))
+    };
+    behind(body, MOVE_IN_CBOR).any(|(_, rest)| is_text(rest))
+}
+
+/// Whether the field stands somewhere in what is no JSON and no form, or has other fields beside it.
 fn looks_like_halt(body: &[u8]) -> bool {
-    let is_passed_over = |letter: &u8| letter.is_ascii_whitespace() || matches!(letter, b'"' | b'\'');
-    let letters: Vec<u8> = body.iter().copied().filter(|letter| !is_passed_over(letter)).collect();
-    let is_bounded = |place: Option<&u8>| place.is_none_or(|letter| !letter.is_ascii_alphanumeric());
-    let starts = letters.windows(IN_JSON.len()).enumerate().filter(|(_, window)| *window == IN_JSON);
-    starts.map(|(start, _)| start).any(|start| {
-        let before = start.checked_sub(1).and_then(|before| letters.get(before));
-        is_bounded(before) && is_bounded(letters.get(start + IN_JSON.len()))
+    // Wider letters have zero bytes between them.
+    let letters: Vec<u8> = body.iter().copied().filter(|letter| *letter != 0).collect();
+    let is_between = |letter: &u8| letter.is_ascii_whitespace() || matches!(letter, b'"' | b'\'' | b':' | b'=');
+    behind(&letters, MOVE.as_bytes()).any(|(before, rest)| {
+        let word = rest.iter().position(|letter| !is_between(letter)).map_or(&[][..], |start| &rest[start..]);
+        let end = word.iter().position(|letter| !letter.is_ascii_alphanumeric()).unwrap_or(word.len());
+        let is_parted = word.len() < rest.len() && before.is_none_or(|before| !before.is_ascii_alphanumeric());
+        is_parted && std::str::from_utf8(&word[..end]).is_ok_and(is_halt)
     })
+}
+
+/// What stands before and behind each place where `part` stands, in whatever letters.
+fn behind<'a>(body: &'a [u8], part: &'a [u8]) -> impl Iterator<Item = (Option<u8>, &'a [u8])> {
+    let places = body.windows(part.len()).enumerate().filter(|(_, window)| window.eq_ignore_ascii_case(part));
+    places.map(|(start, window)| (start.checked_sub(1).map(|before| body[before]), &body[start + window.len()..]))
+}
+
+fn begins(rest: &[u8], word: &str) -> bool {
+    rest.get(..word.len()).is_some_and(|beginning| beginning.eq_ignore_ascii_case(word.as_bytes()))
 }
 
 #[cfg(test)]
@@ -55,10 +77,10 @@ mod tests {
     /// Safety S8.
     #[test]
     fn the_word_is_known_whatever_stands_round_it() {
-        for word in ["h", " h\r\n", "\"h\"", "'h'", "\" h \"", "h\0", "\u{feff}h", "\"h"] {
+        for word in ["h", " h\r\n", "\"h\"", "'h'", "\" h \"", "h\0", "\u{feff}h", "\"h", "H", "stop", " STOP ", "\"Stop\""] {
             assert!(is_halt_word(word.as_bytes()) && says_halt(word.as_bytes()), "{word:?}");
         }
-        for other in ["", "H", "hh", "w", "h w", "{h}", "\\h"] {
+        for other in ["", "hh", "w", "h w", "{h}", "\\h", "sto", "stops"] {
             assert!(!is_halt_word(other.as_bytes()) && !says_halt(other.as_bytes()), "{other:?}");
         }
         assert!(!is_halt_word(b"\xffh"));
@@ -67,8 +89,20 @@ mod tests {
     /// Safety S8.
     #[test]
     fn a_move_that_halts_is_known_whatever_else_its_body_says() {
-        let bodies: [&[u8]; 15] = [
+        let bodies: [&[u8]; 27] = [
             br#"{"move":"h"}"#,
+            br#"{"move":"H"}"#,
+            br#"{"move":"Stop"}"#,
+            br#"{"move":" h "}"#,
+            br#"{"Move":"h"}"#,
+            br#"{"move":"h" "zz":0}"#,
+            b"move=h",
+            b"epoch=1&move=h&zz=1",
+            b"move = stop",
+            b"--x\r\nContent-Disposition: form-data; name=\"move\"\r\n\r\nh\r\n--x--",
+            b"\xff\xfe{\0\"\0m\0o\0v\0e\0\"\0:\0\"\0h\0\"\0}\0",
+            b"\xa1\x64move\x64STOP",
+            b"\xa2\x64move\x61H\x62zz\xff and more",
             br#" { "move" : "h" } "#,
             br#"{"move":"h","zz":0}"#,
             br#"{"zz":[{}],"move":"h"}"#,
@@ -92,8 +126,13 @@ mod tests {
 
     #[test]
     fn no_other_move_is_taken_for_a_halt() {
-        let bodies: [&[u8]; 9] = [
+        let bodies: [&[u8]; 14] = [
             b"",
+            b"moveh",
+            b"move=w&why=h",
+            b"remove=h",
+            br#"{"move":"","h":1}"#,
+            b"\xa1\x64move\x64stow",
             br#"{"move":"w"}"#,
             br#"{"move":"hh"}"#,
             br#"{"move":"w","why":"he"}"#,

@@ -7,6 +7,7 @@ use super::time::rfc3339;
 use crate::core::command::Refusal;
 use crate::core::effect::{Entry, Fact};
 use crate::core::mission::{Hold, Phase, Stage};
+use crate::core::units::LuggageId;
 use crate::core::world::hall_map::Mark;
 use crate::core::world::luggage::{Luggage, PhotoState};
 
@@ -25,10 +26,14 @@ pub fn words(fact: &Fact) -> String {
 fn said(fact: &Fact) -> String {
     match fact {
         Fact::ProgramStarted(version) => format!("program started, version {version}"),
+        Fact::ProgramEnded(by) => format!("program ended by {by}"),
         Fact::Standing(standing) => {
-            format!("all that stands: mission {}, {} cells visited", standing.mission, standing.map.visited())
+            let mission = if standing.under_way { format!("mission {}", standing.mission) } else { "no mission".to_owned() };
+            format!("all that stands: {mission}, {} cells visited", standing.map.visited())
         }
-        Fact::Command { issuer, command, refused, .. } => format!("command {command} by {issuer}: {}", outcome(refused.as_ref())),
+        Fact::Command { issuer, command, luggage, refused, .. } => {
+            format!("command {} by {issuer}: {}", asked(command, *luggage), outcome(refused.as_ref()))
+        }
         Fact::MissionBegan(mission, strategy) => format!("mission {mission} began ({})", strategy.name()),
         Fact::MissionArchived(mission, left) => {
             format!("mission {mission} put away, bombs left: {}", list(left.iter().map(|id| format!("#{id}"))))
@@ -52,6 +57,13 @@ fn said(fact: &Fact) -> String {
         Fact::Strategy(strategy) => format!("search order: {}", strategy.name()),
         Fact::MapEmptied(heading) => format!("map emptied, facing {}", heading.name()),
     }
+}
+
+/// A command with the piece that it turned out to be about, where its sender did not name it.
+#[must_use]
+pub fn asked(command: &str, luggage: Option<LuggageId>) -> String {
+    let named = luggage.map(|id| format!(" #{id}")).filter(|id| !command.ends_with(id.as_str()));
+    format!("{command}{}", named.unwrap_or_default())
 }
 
 /// What became of a command: `accepted`, or `refused` and why.
@@ -102,7 +114,7 @@ mod tests {
     use super::*;
     use crate::core::command::{Door, Issuer, Refused};
     use crate::core::mission::{FaultCause, Inspection};
-    use crate::core::units::{Cell, LuggageId, Pose, Wall};
+    use crate::core::units::{Cell, Pose, Wall};
     use crate::wire::fixture::piece;
 
     fn check(fact: Fact, expect: &str) {
@@ -147,5 +159,8 @@ mod tests {
         check(command(None), "command START by anna (http, 192.0.2.7): accepted");
         let refused = "command START by anna (http, 192.0.2.7): refused: the robot is moving: press STOP first";
         check(command(Some(Refused::Moving)), refused);
+        for (words, expect) in [("safe", "safe #13"), ("safe #13", "safe #13")] {
+            assert_eq!(asked(words, Some(LuggageId(13))), expect, "the piece that was meant is named once");
+        }
     }
 }

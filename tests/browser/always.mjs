@@ -213,6 +213,21 @@ export const unconfirmed = {
     await confirmed.waitFor();
     await page.unroute('**/console/stop');
 
+    // However often it is pressed, a browser's few connections are not all taken by it.
+    const atOnce = await page.evaluate(() => {
+      const real = globalThis.fetch;
+      let tries = 0;
+      globalThis.fetch = (...request) => {
+        tries += 1;
+        return real(...request);
+      };
+      for (let press = 0; press < 9; press += 1) document.getElementById('stop').requestSubmit();
+      globalThis.fetch = real;
+      return tries;
+    });
+    must(atOnce > 0 && atOnce < 6, `nine presses made ${atOnce} attempts at once`);
+    await confirmed.waitFor();
+
     // An answer that confirms nothing is none.
     const answers = [{ status: 503, json: { detail: 'it is ending' } }, { json: { accepted: false, detail: 'not now' } }];
     await page.route('**/console/stop', (route) => (answers.length > 0 ? route.fulfill(answers.shift()) : route.continue()));
@@ -333,7 +348,17 @@ export const keyboard = {
     await look(page);
     await page.keyboard.press('Enter');
     await isOn(/^STOP/, 'after DANGER');
-    await page.keyboard.press('Enter');
+    // A key that is held down presses once, wherever it stops.
+    for (const key of ['Enter', 'Escape']) {
+      let presses = 0;
+      const count = (request) => (presses += request.url().endsWith('/console/stop') ? 1 : 0);
+      page.on('request', count);
+      for (let times = 0; times < 4; times += 1) await page.keyboard.down(key);
+      await page.keyboard.up(key);
+      await until(() => presses > 0, `${key} that presses STOP`, patience);
+      must(presses === 1, `${key} was held down and pressed STOP ${presses} times`);
+      page.off('request', count);
+    }
     await until(isHeld(url), 'the keyboard’s STOP', patience);
     await picture('stopped');
   },

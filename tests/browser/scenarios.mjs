@@ -334,6 +334,18 @@ const signedIn = {
     await page.waitForURL(/\/sign-in\?undone=watching$/);
     await page.getByText('You are not signed in any more').waitFor();
     await picture('shut-out');
+
+    // A STOP that was not given is not taken for one that was.
+    await page.goto(`${url}/sign-in?token=${VIEWER}`);
+    await signIn.click();
+    await page.waitForURL(`${url}/`);
+    await page.goto(`${url}/missions`);
+    execFileSync(PROGRAM, ['token', 'rotate', 'lobby', '--data', DATA]);
+    const asked = () => fetch(`${url}/api/v1/state`, { headers: { authorization: `Bearer ${VIEWER}` } });
+    await until(async () => (await asked()).status === 401, 'that the old key is not known any more', patience);
+    await stop(page).click();
+    await page.waitForURL(/\/sign-in\?undone=stop$/);
+    await page.getByText(/^STOP was not given/).waitFor();
   },
 };
 export { signedIn };

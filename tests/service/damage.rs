@@ -106,13 +106,23 @@ fn a_damaged_file_holds_the_robot_and_is_named_with_what_to_do() {
             let program = started(&folder);
             let state = check_held(&program, &format!("{file}: {damage:?}"), file);
             assert_eq!(holds(&state, "robotLink"), file == "simulated-robot.txt", "a robot that may be anywhere is not there");
+            check_shown(&state, file);
         }
     }
     for damage in [Garbage, APipe, ALinkToNowhere] {
         let folder = copy();
         damage.apply(&folder.path().join("photos"));
-        check_held(&started(&folder), &format!("photos: {damage:?}"), "photos");
+        let state = check_held(&started(&folder), &format!("photos: {damage:?}"), "photos");
+        check_shown(&state, "photos");
     }
+}
+
+/// What stands is shown as long as the journal itself can be read.
+fn check_shown(state: &Value, damaged: &str) {
+    let pending = state["luggage"][0]["verdict"] == "pending";
+    let shown = (state["mission"]["phase"].as_str(), pending, holds(state, "operator"));
+    let is_readable = !damaged.starts_with("journal.db");
+    assert_eq!(shown == (Some("inspecting"), true, true), is_readable, "{damaged}: {state:#}");
 }
 
 /// All of the journal in one file, as it is after an orderly end.

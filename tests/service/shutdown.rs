@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use crate::journal::{holds, journal, serve};
+use crate::kill::Folder;
 use crate::program::Program;
 use crate::stream::Events;
 
@@ -48,4 +50,24 @@ fn an_mqtt_client_that_never_says_who_it_is_does_not_keep_it() {
     let _stuck = std::net::TcpStream::connect(program.mqtt()).expect("the program listens");
     program.signal("TERM");
     assert!(program.ended_within(PROMISED).is_some_and(|status| status.success()));
+}
+
+/// Safety R1: it is on record as what it was, and nobody is said to have pressed STOP.
+#[test]
+fn an_end_in_the_middle_of_a_mission_is_on_record_as_an_end_and_holds_the_robot_as_a_restart() {
+    let folder = Folder::new("shutdown-record");
+    let mut program = serve(&folder);
+    program.command("start").accepted();
+    let before = program.until("it is on its way", |state| state["robot"]["state"] != "stopped");
+    program.signal("TERM");
+    assert!(program.ended_within(PROMISED).is_some_and(|status| status.success()));
+    let (well, printed) = journal(&folder, &["print"]);
+    assert!(well && printed.contains("program ended by SIGTERM") && !printed.contains("stopped: epoch"), "{printed}");
+
+    let program = serve(&folder);
+    let state = program.json("state");
+    assert!(holds(&state, "restart") && !holds(&state, "operator"), "{state:#}");
+    assert_eq!(state["mission"]["epoch"], before["mission"]["epoch"]);
+    assert!(state["log"].to_string().contains("program ended by SIGTERM"), "{:#}", state["log"]);
+    program.command("start").accepted();
 }

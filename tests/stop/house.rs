@@ -28,7 +28,7 @@ use hallsweep::runtime::clock::Clock;
 use hallsweep::runtime::halt::{Halter, Halts};
 use hallsweep::runtime::link::{RobotSide, Stamped, link};
 use hallsweep::runtime::store::Store;
-use hallsweep::runtime::task::Task;
+use hallsweep::runtime::task::{Course, Task};
 
 #[path = "broker.rs"]
 mod broker;
@@ -57,6 +57,7 @@ pub(crate) struct House {
     pub(crate) mqtt: SocketAddr,
     pub(crate) watched: Arc<Watched>,
     closing: watch::Sender<bool>,
+    course: watch::Sender<Course>,
     _door: oneshot::Sender<()>,
 }
 
@@ -77,22 +78,24 @@ impl House {
         let socket = Socket::new(socket).expect("it can be waited for");
         let mqtt = broker::open(handle.clone(), closed.clone()).await;
         let (states, resources) = (handle.watch(), Resources::new(handle.clone(), reader.clone(), false));
-        let mut until = closed.clone();
+        let mut until = closed;
         let coap_ended = async move { drop(until.wait_for(|closing| *closing).await) };
         let door = Door::new(handle, reader, "bench", Access::Open);
         let (began, late, standing) = (AtomicU64::new(0), AtomicU64::new(0), AtomicBool::new(true));
         let watched = Arc::new(Watched { began, late, standing, on_halt: Box::new(on_halt) });
-        tokio::spawn(task.run(closed));
+        let (course, coursed) = watch::channel(Course::default());
+        tokio::spawn(task.run(coursed));
         tokio::spawn(coap::serve(socket, Endpoint::new([7; 32]), resources, states, coap_ended));
         tokio::spawn(Wheels { side, watched: Arc::clone(&watched) }.run());
         tokio::spawn(http::serve(listener.into(), door, Front::default(), async { drop(ended.await) }));
-        House { address, coap, mqtt, watched, closing, _door: end }
+        House { address, coap, mqtt, watched, closing, course, _door: end }
     }
 }
 
 impl Drop for House {
     fn drop(&mut self) {
         self.closing.send_replace(true);
+        self.course.send_modify(|course| course.is_over = true);
     }
 }
 

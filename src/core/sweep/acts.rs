@@ -82,7 +82,7 @@ impl Sweep {
         let before = self.mission.epoch;
         self.mission.epoch = matter.epoch.map_or(next, |raised| raised.max(before));
         if self.mission.epoch != before {
-            self.outbox.record(self.now.wall, Fact::Epoch(self.mission.epoch));
+            self.outbox.record_soon(self.now, Fact::Epoch(self.mission.epoch));
         }
         self.send_halt();
         self.world.touch(Resource::Mission);

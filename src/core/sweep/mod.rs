@@ -19,6 +19,7 @@ mod records;
 mod refusals;
 mod repeats;
 mod reports;
+mod sharing;
 mod stops;
 mod view;
 mod vigil;
@@ -36,12 +37,12 @@ pub use self::repeats::IDS;
 
 use self::on_record::OnRecord;
 use self::outbox::{Outbox, Waiting};
-use self::refusals::{Note, Refusals};
+use self::refusals::Refusals;
 use self::repeats::{Known, Outcome, Repeats, content};
 use self::stops::Stops;
 use self::view::Shown;
 use self::vigil::Vigil;
-use super::command::{Accepted, Command, Issuer, LuggageRef, Refusal, Refused, Request, TemperatureReport};
+use super::command::{Accepted, Command, LuggageRef, Refusal, Refused, Request, TemperatureReport};
 use super::effect::{Effect, Fact};
 use super::event::{Event, RobotId};
 use super::explore::Strategy;
@@ -71,6 +72,8 @@ pub struct Sweep {
     /// The epoch in which the command was given that released the robot last.
     released: Option<Epoch>,
     on_record: OnRecord,
+    /// Whether the program was asked to end.
+    is_ending: bool,
     taken: Option<Arc<Snapshot>>,
 }
 
@@ -92,6 +95,7 @@ impl Sweep {
             stops: Stops::default(),
             released: None,
             on_record: OnRecord::first(strategy),
+            is_ending: false,
             taken: None,
         }
     }
@@ -102,6 +106,18 @@ impl Sweep {
     /// # Errors
     /// The refusal and its reason; then nothing has changed but the log.
     pub fn handle_command(&mut self, request: Request, now: Now) -> Result<Ticket, Refused> {
+        self.handle_many(request, 1, now)
+    }
+
+    /// Takes so many stops of one sender at once, of which this is the last: they have one answer.
+    ///
+    /// # Errors
+    /// As for any command; a stop is never refused.
+    pub fn handle_stops(&mut self, last: Request, count: u64, now: Now) -> Result<Ticket, Refused> {
+        self.handle_many(last, count, now)
+    }
+
+    fn handle_many(&mut self, request: Request, count: u64, now: Now) -> Result<Ticket, Refused> {
         self.begin(now);
         if let Some(repeated) = self.repeated(&request) {
             return repeated;
@@ -115,7 +131,7 @@ impl Sweep {
         };
         self.write_command(&request, &matter, outcome.as_ref().err().map(|(refused, _)| refused));
         let answer = match outcome {
-            Ok(step) => Ok(self.carry_out(&request, input, step, &matter)),
+            Ok(step) => Ok(self.carry_out((&request, count), input, step, &matter)),
             Err((refused, acts)) => {
                 self.perform_all(acts, &matter);
                 self.remember(&request, Outcome::Answered(Err(refused.clone())));
@@ -131,25 +147,6 @@ impl Sweep {
         self.begin(now);
         self.note_start();
         self.outbox.record(now.wall, Fact::Strategy(self.mission.strategy));
-    }
-
-    /// Notes a command that a door refused to take from its sender (safety A6): `asked` is what was asked for, as the door knows
-    /// it. Its place in the journal; of who is refused without end some share an entry, which has none yet.
-    pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, now: Now) -> Option<Seq> {
-        self.begin(now);
-        let notes = self.refusals.come(Note { issuer, asked, refused: refused.clone() }, now.since_start);
-        let is_written = !notes.is_empty();
-        self.write_refusals(notes);
-        is_written.then(|| self.outbox.written())
-    }
-
-    fn write_refusals(&mut self, notes: Vec<Note>) {
-        for Note { issuer, asked, refused } in notes {
-            self.world.write(self.now.wall, Tone::Warning, format!("{asked} refused, by {issuer}: {refused}"));
-            let refused = Some(Refusal::from(&refused));
-            let fact = Fact::Command { issuer, id: None, command: asked, epoch: None, luggage: None, refused };
-            self.outbox.record_command(self.now.wall, fact, None);
-        }
     }
 
     /// Notes what an operator must know of the files in which this is kept (safety R5).
@@ -201,8 +198,9 @@ impl Sweep {
     /// Time has passed; call it at `poll_timeout`.
     pub fn handle_timeout(&mut self, now: Now) {
         self.begin(now);
-        let notes = self.refusals.fall_due(now.since_start);
-        self.write_refusals(notes);
+        self.record_shared_refusals();
+        self.record_shared_stops();
+        self.outbox.record_overdue(now);
         while let Some(sensor) = self.vigil.falls_silent(now.since_start) {
             self.feed(Input::SensorSilent, &Matter { words: Some(sensor.to_string()), ..Matter::default() });
         }
@@ -232,7 +230,8 @@ impl Sweep {
     /// When `handle_timeout` is to be called, counted from the start.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
-        [self.helm.due(), self.vigil.due(), self.stops.due(), self.refusals.due()].into_iter().flatten().min()
+        let records = [self.stops.due(), self.refusals.due(), self.outbox.due_record()];
+        [self.helm.due(), self.vigil.due()].into_iter().chain(records).flatten().min()
     }
 
     /// Everything that can be seen, at this moment; the same `Arc` until something changes.
@@ -272,11 +271,14 @@ impl Sweep {
 
     /// Carries out an accepted command; it is answered once it is kept with all that followed from it. A stop waits for no record; and
     /// what the table still accepts while the store cannot write is on record already, or need not be.
-    fn carry_out(&mut self, request: &Request, input: Input, step: Step, matter: &Matter) -> Ticket {
+    fn carry_out(&mut self, (request, count): (&Request, u64), input: Input, step: Step, matter: &Matter) -> Ticket {
         // What a stop does was done when it was raised, ahead of the queue: what was given since then to release the robot stands.
         let is_over = |raised: Epoch| raised <= self.mission.epoch && self.released.is_some_and(|released| released >= raised);
         if input != Input::Stop || !matter.epoch.is_some_and(is_over) {
             self.apply(step, matter);
+        }
+        if input == Input::Stop {
+            self.record_stop(request, count);
         }
         let ticket = self.outbox.next_ticket();
         self.remember(request, Outcome::Open(ticket));
@@ -342,7 +344,9 @@ impl Sweep {
     /// Every command goes into the log and the journal, a refused one too (safety A6); only what a sensor says again and again
     /// does not.
     fn write_command(&mut self, request: &Request, matter: &Matter, refused: Option<&Refused>) {
-        if matches!(request.command, Command::Temperature(TemperatureReport::Sensor(..))) && refused.is_none() {
+        // A stop goes on record behind what it does.
+        let is_left_out = matches!(request.command, Command::Temperature(TemperatureReport::Sensor(..)) | Command::Stop);
+        if is_left_out && refused.is_none() {
             return;
         }
         let (issuer, command) = (request.issuer.clone(), in_words(&request.command));
@@ -353,11 +357,9 @@ impl Sweep {
             Some(refused) => (Tone::Warning, format!("{command}{meant} refused, by {issuer}: {refused}")),
         };
         self.world.write(self.now.wall, tone, text);
-        let accepted = refused.is_none() && request.command != Command::Stop;
-        let if_lost = accepted.then_some(if matter.verdict.is_some() { Refused::StoreDown } else { Refused::NotKept });
-        let (id, epoch) = (request.id.clone(), request.epoch.filter(|_| request.command != Command::Stop));
+        let if_lost = refused.is_none().then_some(if matter.verdict.is_some() { Refused::StoreDown } else { Refused::NotKept });
         let (luggage, refused) = (matter.luggage, refused.map(Refusal::from));
-        let fact = Fact::Command { issuer, id, command, epoch, luggage, refused };
+        let fact = Fact::Command { issuer, id: request.id.clone(), command, epoch: request.epoch, luggage, refused };
         self.outbox.record_command(self.now.wall, fact, if_lost);
     }
 

@@ -21,6 +21,8 @@ const TURNS: usize = 100_000;
 pub(super) enum Barred {
     /// Something holds it.
     Held,
+    /// The program ends.
+    Ending,
     /// What must be on record first is not kept yet.
     Unrecorded,
     /// Its link is not up.
@@ -52,6 +54,8 @@ impl Sweep {
     fn may_move(&self) -> Result<(), Barred> {
         if !self.mission.holds.is_empty() {
             Err(Barred::Held)
+        } else if self.is_ending {
+            Err(Barred::Ending)
         } else if !self.outbox.is_settled() {
             Err(Barred::Unrecorded)
         } else if self.helm.capabilities.is_none() {

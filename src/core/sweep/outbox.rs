@@ -1,14 +1,18 @@
 //! What leaves the core: effects in order, entries of the journal with their numbers, and the answers that wait for a record.
 
 use std::collections::VecDeque;
+use std::time::Duration;
 
 use crate::core::command::{Refusal, Refused};
 use crate::core::effect::{Effect, Entry, Fact, Order, Page};
 use crate::core::event::RobotId;
-use crate::core::units::{LuggageId, Seq, Ticket, Wall};
+use crate::core::units::{LuggageId, Now, Seq, Ticket, Wall};
 
 /// After so many entries everything that stands is put on record, so that a start need not read more than these: half a second.
 const SUM_UP_AFTER: u64 = 10_000;
+
+/// So long at most the epoch of a stop waits for an entry with which it goes on record.
+const SOON: Duration = Duration::from_secs(1);
 
 /// So many commands are put on record once more after the store has failed: an hour of nervous clicking.
 const COMMANDS: usize = 1024;
@@ -19,6 +23,8 @@ pub(super) struct Outbox {
     effects: VecDeque<Effect>,
     /// What the input being handled has put on record so far.
     page: Vec<Entry>,
+    /// What goes on record with the next entry, or by then.
+    soon: Option<(Entry, Duration)>,
     /// Whether the page is to end with everything that stands.
     sums_up: bool,
     /// Entries since everything that stands was last on record.
@@ -103,8 +109,30 @@ impl Outbox {
         self.sums_up || self.since_summed_up >= SUM_UP_AFTER
     }
 
-    /// Puts a fact on its way to the store; its place in the journal.
+    /// Puts a fact on its way to the store with the next one, or in a moment, unless it is replaced by then: so a flood of them makes
+    /// no flood of pages.
+    pub(super) fn record_soon(&mut self, now: Now, fact: Fact) {
+        let due = self.soon.take().map_or(now.since_start.saturating_add(SOON), |(_, due)| due);
+        self.soon = Some((Entry { wall: now.wall, fact }, due));
+    }
+
+    /// When `record_overdue` is needed.
+    pub(super) fn due_record(&self) -> Option<Duration> {
+        self.soon.as_ref().map(|(_, due)| *due)
+    }
+
+    /// Puts on record what no entry has taken along by now.
+    pub(super) fn record_overdue(&mut self, now: Now) {
+        if let Some((Entry { wall, fact }, _)) = self.soon.take_if(|(_, due)| *due <= now.since_start) {
+            self.record(wall, fact);
+        }
+    }
+
+    /// Puts a fact on its way to the store, behind what waits for one; its place in the journal.
     pub(super) fn record(&mut self, wall: Wall, fact: Fact) -> Seq {
+        if let Some((Entry { wall, fact }, _)) = self.soon.take() {
+            self.record(wall, fact);
+        }
         self.written = self.written.next();
         let entry = Entry { wall, fact };
         self.since_summed_up += 1;

@@ -1,4 +1,4 @@
-//! After a restart: the sweep as it was, held, and what a kill cut short brought to its end (safety R1, R2).
+//! The end of the program, and after a restart: the sweep as it was, held, and what a kill cut short brought to its end (safety R1, R2).
 //! How what stands follows from the journal is said by `crate::core::standing`.
 
 use std::sync::Arc;
@@ -62,6 +62,23 @@ impl Sweep {
         sweep.outbox.sum_up();
         sweep.pump();
         sweep
+    }
+
+    /// The program was asked to end, by this: the robot halts and gets no order any more. What it was about stays as it is, and a
+    /// start of the program holds it (safety R1).
+    pub fn handle_end(&mut self, by: &str, now: Now) {
+        self.begin(now);
+        self.is_ending = true;
+        self.send_halt();
+        self.world.write(now.wall, Tone::Warning, format!("the program was ended by {by}: the robot halts"));
+        self.outbox.record(now.wall, Fact::ProgramEnded(by.to_owned()));
+    }
+
+    /// The last of all: what has waited for more of its kind goes on record.
+    pub fn record_rest(&mut self, now: Now) {
+        self.begin(now);
+        self.record_all_refusals();
+        self.record_all_stops();
     }
 
     pub(super) fn note_start(&mut self) {

@@ -2,24 +2,21 @@
 //! viewer's key may be, fills neither the disk nor the queue of records in which a STOP waits. Beyond a burst his refusals share
 //! an entry, which says how many they were. What the state refuses is not counted here: that is the operators' own.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
 use std::time::Duration;
 
-use crate::core::command::{Door, Issuer, Refused};
+use super::Sweep;
+use super::sharing::{Limits, Shared, Sharing};
+use crate::core::command::{Issuer, Refusal, Refused};
+use crate::core::effect::Fact;
+use crate::core::units::{Now, Seq};
+use crate::core::world::log::Tone;
 
-/// So many refusals of one sender by one door are put on record one by one: more than a person presses in a minute,
-const BURST: u32 = 60;
-
-/// and after these one entry in so long.
-const EVERY: Duration = Duration::from_secs(10);
-
-/// So many senders are told apart: more than there are keys, at each of the doors.
-const SENDERS: usize = 512;
+/// More than a person presses in a minute; then one entry in so long. There are fewer keys, at each of the doors, than senders.
+const LIMITS: Limits = Limits { burst: 60, earned: Duration::from_secs(10), every: Duration::from_secs(10), senders: 512 };
 
 /// The senders who were refused lately.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Refusals(BTreeMap<(Arc<str>, Door), Sender>);
+#[derive(Clone, Debug)]
+pub(super) struct Refusals(Sharing<Note>);
 
 /// What is to be put on record.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,90 +27,94 @@ pub(super) struct Note {
     pub(super) refused: Refused,
 }
 
-#[derive(Clone, Debug)]
-struct Sender {
-    /// So many more are written one by one.
-    room: u32,
-    /// When the last of these was added, or the last note written.
-    since: Duration,
-    /// What was not written since, and the last of it.
-    unwritten: Option<(u64, Note)>,
+impl Default for Refusals {
+    fn default() -> Refusals {
+        Refusals(Sharing::new(LIMITS))
+    }
 }
 
 impl Refusals {
     /// Takes what was refused just now; what is to be written at once.
-    pub(super) fn come(&mut self, note: Note, now: Duration) -> Vec<Note> {
-        let key = (Arc::clone(&note.issuer.who), note.issuer.door);
-        let mut due = if self.0.contains_key(&key) { Vec::new() } else { self.make_room() };
-        let sender = self.0.entry(key).or_insert(Sender { room: BURST, since: now, unwritten: None });
-        sender.refill(now);
-        if let Some((count, last)) = &mut sender.unwritten {
-            (*count, *last) = (*count + 1, note);
-        } else if sender.room > 0 {
-            sender.room -= 1;
-            due.push(note);
-        } else {
-            sender.unwritten = Some((1, note));
-        }
-        due
+    pub(super) fn come(&mut self, note: Note, now: Duration) -> Option<Note> {
+        let sender = (note.issuer.who.clone(), note.issuer.door);
+        self.0.come(sender, (note, 1), now).map(Note::of)
     }
 
     /// When something is to be written that was not written at once.
     pub(super) fn due(&self) -> Option<Duration> {
-        self.0.values().filter(|sender| sender.unwritten.is_some()).map(|sender| sender.since + EVERY).min()
+        self.0.due()
     }
 
     /// What is to be written by now.
     pub(super) fn fall_due(&mut self, now: Duration) -> Vec<Note> {
-        let due = self.0.values_mut().filter(|sender| sender.since + EVERY <= now).filter_map(|sender| {
-            let note = sender.take();
-            sender.since = if note.is_some() { now } else { sender.since };
-            note
-        });
-        due.collect()
+        self.0.fall_due(now).into_iter().map(Note::of).collect()
     }
 
-    /// Room for one more sender: who has been quiet for longest is forgotten, and what was not written of him is.
-    fn make_room(&mut self) -> Vec<Note> {
-        if self.0.len() < SENDERS {
-            return Vec::new();
-        }
-        let oldest = self.0.iter().min_by_key(|(_, sender)| sender.since).map(|(key, _)| key.clone());
-        let gone = oldest.and_then(|key| self.0.remove(&key));
-        gone.and_then(|mut sender| sender.take()).into_iter().collect()
+    /// All that was not written yet.
+    pub(super) fn rest(&mut self, now: Duration) -> Vec<Note> {
+        self.0.rest(now).into_iter().map(Note::of).collect()
     }
 }
 
-impl Sender {
-    fn refill(&mut self, now: Duration) {
-        let earned = now.saturating_sub(self.since).as_secs() / EVERY.as_secs();
-        if earned > 0 && self.unwritten.is_none() {
-            self.room = self.room.saturating_add(u32::try_from(earned).unwrap_or(BURST)).min(BURST);
-            self.since = now;
+impl Sweep {
+    /// Notes a command that a door refused to take from its sender (safety A6): `asked` is what was asked for, as the door knows
+    /// it. Its place in the journal; of who is refused without end some share an entry, which has none yet.
+    pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, now: Now) -> Option<Seq> {
+        self.begin(now);
+        let notes = self.refusals.come(Note { issuer, asked, refused: refused.clone() }, now.since_start);
+        let is_written = notes.is_some();
+        self.write_refusals(notes);
+        is_written.then(|| self.outbox.written())
+    }
+
+    fn write_refusals(&mut self, notes: impl IntoIterator<Item = Note>) {
+        for Note { issuer, asked, refused } in notes {
+            self.world.write(self.now.wall, Tone::Warning, format!("{asked} refused, by {issuer}: {refused}"));
+            let refused = Some(Refusal::from(&refused));
+            let fact = Fact::Command { issuer, id: None, command: asked, epoch: None, luggage: None, refused };
+            self.outbox.record_command(self.now.wall, fact, None);
         }
     }
 
-    fn take(&mut self) -> Option<Note> {
-        let (count, last) = self.unwritten.take()?;
+    /// Puts the refusals on record that have waited for others of their senders.
+    pub(super) fn record_shared_refusals(&mut self) {
+        let due = self.refusals.fall_due(self.now.since_start);
+        self.write_refusals(due);
+    }
+
+    /// The same, whatever they wait for.
+    pub(super) fn record_all_refusals(&mut self) {
+        let rest = self.refusals.rest(self.now.since_start);
+        self.write_refusals(rest);
+    }
+}
+
+impl Note {
+    fn of(Shared { last, count, .. }: Shared<Note>) -> Note {
         let more = if count > 1 { format!(", and {} more that were refused", count - 1) } else { String::new() };
-        Some(Note { asked: format!("{}{more}", last.asked), ..last })
+        Note { asked: format!("{}{more}", last.asked), ..last }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::core::command::Door;
 
     fn note(who: &str, asked: &str) -> Note {
         let issuer = Issuer { door: Door::Mqtt, who: who.into(), from: "192.0.2.7".into() };
         Note { issuer, asked: asked.to_owned(), refused: Refused::NotAllowed("lobby may only look".to_owned()) }
     }
 
-    fn asked(notes: Vec<Note>) -> Vec<String> {
+    fn asked(notes: impl IntoIterator<Item = Note>) -> Vec<String> {
         notes.into_iter().map(|note| note.asked).collect()
     }
 
     const SECOND: Duration = Duration::from_secs(1);
+
+    const BURST: u32 = LIMITS.burst;
+
+    const EVERY: Duration = LIMITS.every;
 
     /// Safety A5, A6.
     #[test]
@@ -121,7 +122,7 @@ mod tests {
         let mut refusals = Refusals::default();
         let mut written = 0;
         for n in 0..3000_u32 {
-            written += refusals.come(note("lobby", &format!("START {n}")), SECOND * (n / 300)).len();
+            written += usize::from(refusals.come(note("lobby", &format!("START {n}")), SECOND * (n / 300)).is_some());
         }
         assert_eq!(written, BURST as usize);
         assert_eq!(refusals.due(), Some(EVERY));
@@ -137,22 +138,22 @@ mod tests {
         (0..9 * BURST).for_each(|_| drop(refusals.come(note("lobby", "START"), SECOND)));
         assert_eq!(asked(refusals.come(note("anna", "RESET"), SECOND)), ["RESET"], "another sender has room of his own");
         assert_eq!(refusals.fall_due(EVERY + SECOND).len(), 1);
-        assert!(refusals.come(note("lobby", "START"), EVERY + SECOND).is_empty());
+        assert_eq!(refusals.come(note("lobby", "START"), EVERY + SECOND), None);
         assert_eq!(refusals.fall_due(EVERY * 3).len(), 1);
         for n in 4..400 {
-            assert_eq!(refusals.come(note("lobby", "START"), EVERY * n).len(), 1, "one in {EVERY:?} is written at once");
+            assert!(refusals.come(note("lobby", "START"), EVERY * n).is_some(), "one in {EVERY:?} is written at once");
         }
     }
 
     #[test]
-    fn exactly_so_many_senders_are_told_apart_and_nothing_of_who_is_forgotten_is_lost() {
+    fn exactly_so_many_senders_are_told_apart_and_nothing_of_others_is_lost() {
         let mut refusals = Refusals::default();
         (0..=BURST).for_each(|_| drop(refusals.come(note("first", "START"), Duration::ZERO)));
-        for n in 1..SENDERS {
-            assert_eq!(refusals.come(note(&format!("key-{n}"), "START"), SECOND).len(), 1);
+        for n in 1..LIMITS.senders {
+            assert!(refusals.come(note(&format!("key-{n}"), "START"), Duration::ZERO).is_some());
         }
-        assert_eq!(refusals.0.len(), SENDERS);
-        assert_eq!(asked(refusals.come(note("last", "RESET"), SECOND)), ["START", "RESET"]);
-        assert_eq!(refusals.0.len(), SENDERS);
+        let others = (0..=BURST).filter_map(|n| refusals.come(note(&format!("late-{n}"), "RESET"), Duration::ZERO));
+        assert_eq!(others.count(), BURST as usize, "they share one room");
+        assert_eq!(asked(refusals.fall_due(EVERY)), ["START", "RESET"]);
     }
 }

@@ -1,27 +1,54 @@
-//! The answers to STOP: each waits for the robot to stand, but never for long (safety S8). The halt itself waits for nothing; it
-//! went out before.
+//! The answers to STOP, and its records. Each answer waits for the robot to stand, but never for long (safety S8). Each sender's STOPs
+//! are on record one by one; beyond a few a second they share an entry, so that whoever presses without end does not fill the store
+//! (safety A5, A6). The halt itself waits for nothing; it went out before.
 
+use std::net::IpAddr;
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::Sweep;
-use crate::core::units::Ticket;
+use super::sharing::{Limits, Sender, Shared, Sharing};
+use crate::core::command::{CommandId, Issuer, Request};
+use crate::core::effect::Fact;
+use crate::core::mission::Input;
+use crate::core::units::{Ticket, Wall};
+use crate::core::world::log::Tone;
+use crate::core::world::temperature::OPERATOR;
+
+/// More than a person presses, and less than a disk keeps. The senders are those who pressed in the last seconds.
+const RECORDS: Limits = Limits { burst: 20, earned: Duration::from_millis(200), every: Duration::from_secs(1), senders: 128 };
 
 /// So long the answer to a stop waits for the robot to say that it stands.
 const PATIENCE: Duration = Duration::from_millis(100);
 
 /// The stops that are not answered yet, and what waits for them.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Stops {
     /// Oldest first, each with when it is answered at the latest. Bounded by the places of the doors: each is somebody's who waits.
     waiting: Vec<(Ticket, Duration)>,
     /// When the next order may be looked for that was put off for the sake of an answer.
     put_off: Option<Duration>,
+    records: Sharing<Press>,
+}
+
+/// Who pressed STOP, and when.
+#[derive(Clone, Debug)]
+struct Press {
+    issuer: Issuer,
+    id: Option<CommandId>,
+    wall: Wall,
+}
+
+impl Default for Stops {
+    fn default() -> Stops {
+        Stops { waiting: Vec::new(), put_off: None, records: Sharing::new(RECORDS) }
+    }
 }
 
 impl Stops {
     /// When `handle_timeout` is needed.
     pub(super) fn due(&self) -> Option<Duration> {
-        self.waiting.first().map(|(_, due)| *due).into_iter().chain(self.put_off).min()
+        self.waiting.first().map(|(_, due)| *due).into_iter().chain(self.put_off).chain(self.records.due()).min()
     }
 }
 
@@ -56,4 +83,43 @@ impl Sweep {
             self.answer(ticket, None);
         }
     }
+
+    /// Puts so many stops of one sender on record, now or together with others of his.
+    pub(super) fn record_stop(&mut self, request: &Request, count: u64) {
+        let press = Press { issuer: request.issuer.clone(), id: request.id.clone(), wall: self.now.wall };
+        let due = self.stops.records.come(sender(&request.issuer), (press, count), self.now.since_start);
+        self.write_stops(due);
+    }
+
+    /// Puts the stops on record that have waited for others of their senders.
+    pub(super) fn record_shared_stops(&mut self) {
+        let due = self.stops.records.fall_due(self.now.since_start);
+        self.write_stops(due);
+    }
+
+    /// The same, whatever they wait for.
+    pub(super) fn record_all_stops(&mut self) {
+        let rest = self.stops.records.rest(self.now.since_start);
+        self.write_stops(rest);
+    }
+
+    fn write_stops(&mut self, stops: impl IntoIterator<Item = Shared<Press>>) {
+        for Shared { last: Press { issuer, id, wall }, count, lasted } in stops {
+            let word = Input::Stop.in_words();
+            let (id, command) = match count {
+                1 => (id, word.to_owned()),
+                _ => (None, format!("{word}, {count} times within {:.1} s", lasted.as_secs_f64())),
+            };
+            self.world.write(wall, Tone::Info, format!("{command}, by {issuer}"));
+            let fact = Fact::Command { issuer, id, command, epoch: None, luggage: None, refused: None };
+            self.outbox.record_command(wall, fact, None);
+        }
+    }
+}
+
+/// By what a sender is told apart from others: his name, or his address where nobody on this machine signs in.
+fn sender(issuer: &Issuer) -> Sender {
+    let is_here = issuer.from.parse().is_ok_and(|address: IpAddr| address.is_loopback());
+    let name = if is_here && *issuer.who == *OPERATOR { &issuer.from } else { &issuer.who };
+    (Arc::clone(name), issuer.door)
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use tokio::sync::watch;
 
 use super::application::{self, Application, Said};
-use super::endpoint::Endpoint;
+use super::endpoint::{Backlog, Datagram, Endpoint};
 use super::news::{self, News};
 use super::socket::{BATCH, Socket};
 use super::under_way::{Sort, UnderWay, busy};
@@ -21,18 +21,21 @@ const GRACE: Duration = Duration::from_millis(1500);
 /// So long datagrams are answered before more are heard, and before the other sockets of this thread have their turns (safety S7).
 const TURN: Duration = Duration::from_millis(1);
 
-/// So many datagrams, and so many bytes, are heard before the other sockets of this thread have their turns.
-const HEARD: usize = 2048;
-const HEARD_BYTES: usize = 1024 * 1024;
+/// So long, and so many bytes, are heard in one turn.
+const HEARING: Duration = Duration::from_millis(2);
+const HEARING_BYTES: usize = 64 * 1024;
 
-/// So often in a row it is heard and not answered, until all that has come is heard: more than the system keeps for a socket.
-const HEARINGS: u32 = 8;
+/// So many turns in a row it is heard and only what is urgent answered, until all that has come is heard: more than the system keeps
+/// for a socket.
+const HEARINGS: u32 = 20;
 
 struct Driver<A> {
     socket: Socket,
     endpoint: Endpoint,
     application: A,
     under_way: UnderWay,
+    /// What was heard and waits.
+    backlog: Backlog,
     /// How often in a row it was heard and not answered.
     hearings: u32,
     clock: Clock,
@@ -48,11 +51,12 @@ pub async fn serve<A: Application>(
 ) {
     let clock = Clock::default();
     let endpoint = endpoint.with_stop(A::IS_STOP);
-    let mut driver = Driver { socket, endpoint, application, under_way: UnderWay::default(), hearings: 0, clock };
+    let (under_way, backlog) = (UnderWay::default(), Backlog::new(A::IS_STOP));
+    let mut driver = Driver { socket, endpoint, application, under_way, backlog, hearings: 0, clock };
     let mut news = News::of(states, clock);
     tokio::pin!(shutdown);
     loop {
-        let (due, is_behind) = (driver.endpoint.poll_timeout(), driver.endpoint.is_behind());
+        let (due, is_behind) = (driver.endpoint.poll_timeout(), !driver.backlog.is_empty());
         tokio::select! {
             biased;
             () = &mut shutdown => break,
@@ -73,7 +77,7 @@ impl<A: Application> Driver<A> {
     /// Takes what has come, but not for long. When more comes than is answered, it hears first, so that a STOP is found behind
     /// whatever others send (safety S1, S7).
     async fn turn(&mut self) {
-        if !self.endpoint.is_behind() && self.answer_as_they_come().await {
+        if self.backlog.is_empty() && self.answer_as_they_come().await {
             self.hearings = 0;
         } else {
             self.hearings += 1;
@@ -88,7 +92,7 @@ impl<A: Application> Driver<A> {
     /// Takes each datagram with all that follows from it; whether that was all that has come. To read several before any is
     /// answered would make a client send in bursts and everybody wait between them.
     async fn answer_as_they_come(&mut self) -> bool {
-        let until = self.clock.now().since_start + TURN;
+        let until = self.clock.since_start() + TURN;
         for _ in 0..BATCH {
             let now = self.clock.now();
             if now.since_start > until {
@@ -101,31 +105,37 @@ impl<A: Application> Driver<A> {
         false
     }
 
-    /// Whether that was all that has come.
+    /// Hears, and answers what is urgent; whether that was all that has come.
     async fn hear(&mut self) -> bool {
-        let (now, mut bytes_heard) = (self.clock.now(), 0);
-        for _ in 0..HEARD {
-            let Some((peer, bytes)) = self.socket.read().await else { return true };
+        let (until, mut bytes_heard) = (self.clock.since_start() + HEARING, 0);
+        let is_all = loop {
+            let Some((peer, bytes)) = self.socket.read().await else { break true };
             bytes_heard += bytes.len();
-            self.endpoint.hear(peer, bytes, now);
-            self.settle(now);
-            if bytes_heard > HEARD_BYTES {
-                break;
+            self.backlog.hear(peer, bytes);
+            if bytes_heard >= HEARING_BYTES || self.clock.since_start() > until {
+                break false;
             }
+        };
+        while let Some(datagram) = self.backlog.take_urgent() {
+            self.answer(&datagram);
         }
-        false
+        is_all
     }
 
     fn catch_up(&mut self) {
-        let until = self.clock.now().since_start + TURN;
-        while self.endpoint.is_behind() {
-            let now = self.clock.now();
-            self.endpoint.take_waiting(now);
-            self.settle(now);
-            if now.since_start > until {
+        let until = self.clock.since_start() + TURN;
+        while let Some(datagram) = self.backlog.take() {
+            self.answer(&datagram);
+            if self.clock.since_start() > until {
                 return;
             }
         }
+    }
+
+    fn answer(&mut self, (peer, bytes): &Datagram) {
+        let now = self.clock.now();
+        self.endpoint.handle_datagram(*peer, bytes, now);
+        self.settle(now);
     }
 
     /// Takes requests to the application and datagrams to the network, until there are none. A command too many is not begun.

@@ -42,6 +42,11 @@ impl FromRequestParts<Door> for By {
 }
 
 impl By {
+    /// Whether a STOP was heard in this request, whatever else it says.
+    pub(super) fn has_pressed_stop(&self) -> bool {
+        self.pressed.as_ref().is_some_and(Pressed::is_there)
+    }
+
     /// Gives a command and waits for its answer. Whatever route it came by, all but STOP asks for an operator; and nothing that
     /// is wrong with a STOP keeps it from halting the robot.
     pub(super) async fn give(&self, by: command::Door, command: Command, epoch: Option<Epoch>) -> Result<Done, Problem> {

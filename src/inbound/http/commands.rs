@@ -38,9 +38,12 @@ pub(super) async fn reset(by: By, OptionalJson(body): OptionalJson<EpochBody>) -
     give(&by, Command::Reset, body.epoch()).await
 }
 
-/// `POST commands/move`
-pub(super) async fn make_move(by: By, Json(body): Json<MoveBody>) -> Answer {
-    let (command, epoch) = body.command()?;
+/// `POST commands/move`. When it was heard to be a STOP nothing else of it counts.
+pub(super) async fn make_move(by: By, body: Result<Json<MoveBody>, Problem>) -> Answer {
+    if by.has_pressed_stop() {
+        return give(&by, Command::Stop, None).await;
+    }
+    let (command, epoch) = body?.0.command()?;
     give(&by, command, epoch).await
 }
 

@@ -216,6 +216,11 @@ impl Place {
         self.change(false, |seat| seat.is_watching = true);
     }
 
+    /// The connection speaks another protocol from now on: its place is free, and nobody needs to cut it.
+    pub(super) fn hands_over(&self) {
+        let _ = self.places.taken().seats.remove(&self.number);
+    }
+
     /// Something of an answer was taken to be sent.
     pub(super) fn sends(&self) {
         self.change(true, |_| {});

@@ -5,6 +5,7 @@ use axum::Extension;
 use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 
+use super::hearing::Pressed;
 use crate::core::command::{Refusal, RefusalKind, Refused};
 use crate::core::units::LuggageId;
 use crate::core::world::luggage::NoPhoto;
@@ -200,14 +201,21 @@ impl IntoResponse for Problem {
 }
 
 /// The answer where no route is.
-pub(super) async fn no_such_path(uri: Uri) -> Problem {
-    Problem::not_found(format!("there is nothing at {}: the routes are listed in docs/http.md", in_short(uri.path())))
+pub(super) async fn no_such_path(uri: Uri, pressed: Option<Extension<Pressed>>) -> Problem {
+    let halted = halted(pressed);
+    Problem::not_found(format!("there is nothing at {}: the routes are listed in docs/http.md{halted}", in_short(uri.path())))
 }
 
 /// The answer where the route is but not for this method; the header `Allow` lists those it has.
-pub(super) async fn no_such_method(method: Method, uri: Uri) -> Problem {
-    let detail = format!("{} does not answer {}: see the header Allow", in_short(uri.path()), in_short(method.as_str()));
+pub(super) async fn no_such_method(method: Method, uri: Uri, pressed: Option<Extension<Pressed>>) -> Problem {
+    let (path, method, halted) = (in_short(uri.path()), in_short(method.as_str()), halted(pressed));
+    let detail = format!("{path} does not answer {method}: see the header Allow{halted}");
     Problem::new(StatusCode::METHOD_NOT_ALLOWED, "methodNotAllowed", detail)
+}
+
+/// What is said when a STOP was heard in a request that is refused.
+fn halted(pressed: Option<Extension<Pressed>>) -> &'static str {
+    if pressed.is_some_and(|Extension(pressed)| pressed.is_there()) { "; the STOP in it has halted the robot" } else { "" }
 }
 
 #[cfg(test)]

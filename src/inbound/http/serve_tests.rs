@@ -16,7 +16,6 @@ use crate::access::Access;
 use crate::core::command::Door::Local;
 use crate::core::command::{Command, Issuer, Request};
 use crate::inbound::http::Hall;
-use crate::inbound::http::hearing::AHEAD;
 use crate::inbound::http::testing::{House, guarded_house, house, keys};
 use crate::runtime::clock::Clock;
 use crate::runtime::within::within;
@@ -81,8 +80,6 @@ async fn stops(house: &House, expect: usize) {
 fn press(route: &str, headers: &str, body: &str) -> String {
     format!("POST {route} HTTP/1.1\r\nHost: localhost\r\n{headers}\r\n{body}")
 }
-
-const ROUTES: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
 
 const LOOK: &str = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
 const WATCH: &str = "GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n";
@@ -160,168 +157,6 @@ async fn whoever_is_let_in_and_looks_on_is_not_cut_for_a_newcomer() {
     assert!(tries.any(|answer| answer == "HTTP/1.1 200"));
     for client in &mut watching {
         assert!(client.read(&mut [0; 64]).is_ok_and(|read| read > 0), "they look on");
-    }
-}
-
-/// Safety S8.
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_stop_whose_sender_has_nothing_more_to_say_halts_and_is_answered() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
-    for number in 0..40 {
-        let mut client = client(address, &press(ROUTES[number % 4], "Content-Length: 0\r\n", ""));
-        client.shutdown(Shutdown::Write).unwrap();
-        let answer = answered(&mut client);
-        assert!(answer == "HTTP/1.1 200" || answer == "HTTP/1.1 303", "{number}: {answer}");
-    }
-    stops(&house, 40).await;
-}
-
-/// Safety S8, A6.
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_stop_whose_sender_hangs_up_at_once_halts_and_is_recorded() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
-    for number in 0..40 {
-        drop(client(address, &press(ROUTES[number % 4], "Content-Length: 0\r\n", "")));
-    }
-    stops(&house, 40).await;
-}
-
-/// Safety S8.
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn so_does_one_that_only_its_body_says_is_a_stop() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
-    let bodies = [
-        ("/api/v1/commands/move", "application/json", r#"{"move":"h"}"#),
-        ("/console/move", "application/x-www-form-urlencoded", "move=h"),
-    ];
-    for number in 0..40 {
-        let (route, media, body) = bodies[number % 2];
-        let headers = format!("Content-Type: {media}\r\nContent-Length: {}\r\n", body.len());
-        // Its answers to what is before it cannot be written when it comes to it.
-        let before = LOOK.repeat(number % 3);
-        let client = client(address, &(before + &press(route, &headers, body)));
-        if number % 4 < 2 {
-            client.shutdown(Shutdown::Write).unwrap();
-        }
-    }
-    stops(&house, 40).await;
-}
-
-/// Safety S8.
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_stop_halts_behind_whatever_is_not_answered_yet() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
-    let stop = press("/h", "", "");
-    let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n";
-    let mut open = Vec::new();
-    for (number, before) in [LOOK.repeat(20), WATCH.to_owned(), stop.repeat(3), upgrade.to_owned()].iter().enumerate() {
-        open.push(client(address, &format!("{before}{stop}")));
-        stops(&house, [1, 2, 6, 7][number]).await;
-    }
-    assert_eq!(answered(&mut open[1]), "HTTP/1.1 200", "and the stream goes on");
-}
-
-/// Safety S8: nobody takes the answers, nor what waits for them.
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_stop_halts_behind_more_than_is_ever_answered() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
-    let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n";
-    let body = format!("Content-Length: 1000000\r\n\r\n{}", "x".repeat(1_000_000));
-    let goto = |rest: &str| format!("POST /console/goto HTTP/1.1\r\nHost: localhost\r\n{rest}");
-    let chunks = format!("Transfer-Encoding: chunked\r\n\r\n{}0\r\n\r\n", "5\r\nabcde\r\n".repeat(50_000));
-    let stop = press("/h", "", "");
-    let mut open = Vec::new();
-    let before = [LOOK.repeat(100_000), LOOK.repeat(5_000), upgrade.to_owned(), goto(&body), goto(&chunks)];
-    for (number, before) in before.iter().enumerate() {
-        let mut client = client(address, WATCH);
-        client.set_write_timeout(Some(Duration::from_secs(30))).unwrap();
-        client.write_all(format!("{before}{stop}").as_bytes()).expect("it is heard");
-        stops(&house, 2 * number + 1).await;
-        client.write_all(stop.as_bytes()).expect("it is heard");
-        stops(&house, 2 * number + 2).await;
-        open.push(client);
-    }
-    for client in &mut open {
-        assert_eq!(answered(client), "HTTP/1.1 200", "and the stream goes on");
-    }
-}
-
-/// Safety S8, A5: what is carried out is the beginning, each request whole and answered.
-#[tokio::test(flavor = "multi_thread", worker_threads = 3)]
-#[expect(clippy::await_holding_lock, reason = "the loop, which wants it, is to wait")]
-async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
-    let post = |what: &str| press(&format!("/api/v1/commands/{what}"), "", "");
-    let before = house.door.handle.epoch();
-    // The loop waits for the test, and so do all answers.
-    let waits = house.refuse.lock().unwrap();
-    let looks = 1_000_000 / LOOK.len();
-    let sent = [post("start"), LOOK.repeat(looks), post("reset"), post("stop")].concat();
-    let mut client = client(address, &sent);
-    let halts = async {
-        while house.door.handle.epoch() == before {
-            tokio::time::sleep(Duration::from_millis(1)).await;
-        }
-    };
-    timeout(Duration::from_secs(30), halts).await.expect("it halts before anything is answered");
-    drop(waits);
-    let mut answers = String::new();
-    client.read_to_string(&mut answers).expect("it is closed in order");
-    let answered = answers.matches("HTTP/1.1 200").count() - 1;
-    assert!((AHEAD / LOOK.len()..looks).contains(&answered), "{answered} of {looks}");
-    assert_eq!(answers.matches("HTTP/1.1 ").count(), answered + 1);
-    let given: Vec<Command> = house.given.lock().unwrap().iter().map(|given| given.command.clone()).collect();
-    assert_eq!(given, [Command::Start, Command::Stop]);
-}
-
-/// Safety S8.
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_stop_halts_before_its_body_comes() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
-    let mut open = Vec::new();
-    let cases = [
-        ("Content-Length: 1000000000\r\n", ""),
-        ("Content-Length: 100\r\n", "{"),
-        ("Content-Length: 100\r\nExpect: 100-continue\r\n", ""),
-        ("Transfer-Encoding: chunked\r\n", ""),
-        ("Transfer-Encoding: chunked\r\n", "5\r\nab"),
-        ("Transfer-Encoding: nonsense\r\n", ""),
-        ("Content-Length: 1\r\nContent-Length: 2\r\n", "x"),
-    ];
-    for (number, (headers, body)) in cases.into_iter().enumerate() {
-        open.push(client(address, &press(ROUTES[number % 4], headers, body)));
-        stops(&house, number + 1).await;
-    }
-    for client in &mut open {
-        assert!(answered(client).starts_with("HTTP/1.1 "), "and it is answered");
-    }
-}
-
-/// Safety S8: what hyper gives up on is heard to its end.
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_stop_with_a_head_that_is_refused_halts() {
-    let (keyring, tokens) = keys();
-    let house = guarded_house(searching(), Access::Keys(keyring));
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
-    let key = format!("Authorization: Bearer {}\r\n", tokens.viewer);
-    let cases = [
-        (format!("X: {}\r\n{key}", "x".repeat(70_000)), "431"),
-        (format!("X: {}\r\n{key}", "x".repeat(700_000)), "431"),
-        (format!("{}{key}", "X: y\r\n".repeat(200)), "431"),
-        (format!("no header\r\n{key}"), "400"),
-        (format!("\u{1}: \u{2}\r\n{key}"), "400"),
-    ];
-    for (number, (headers, status)) in cases.into_iter().enumerate() {
-        let mut client = client(address, &press("/h", &headers, ""));
-        assert_eq!(answered(&mut client), format!("HTTP/1.1 {status}"));
-        stops(&house, number + 1).await;
     }
 }
 
@@ -458,3 +293,6 @@ async fn before_1970_it_is_said_that_the_clock_is_wrong_and_a_stop_halts_all_the
     }
     stops(&house, 1).await;
 }
+
+#[path = "serve_stop_tests.rs"]
+mod stop_tests;

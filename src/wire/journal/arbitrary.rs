@@ -29,6 +29,7 @@ pub(crate) fn entry() -> impl Strategy<Value = Entry> {
 pub(crate) fn fact() -> impl Strategy<Value = Fact> {
     prop_oneof![
         text().prop_map(Fact::ProgramStarted),
+        text().prop_map(Fact::ProgramEnded),
         standing().prop_map(|standing| Fact::Standing(Box::new(standing))),
         command(),
         any::<u64>().prop_map(|id| Fact::MissionBegan(MissionId(id), Order::Snail)),

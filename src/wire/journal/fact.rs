@@ -21,6 +21,9 @@ pub(super) enum Shape {
     ProgramStarted {
         version: String,
     },
+    ProgramEnded {
+        by: String,
+    },
     Standing {
         standing: Box<StandingShape>,
     },
@@ -120,6 +123,7 @@ struct RefusalShape {
 pub const fn kind(fact: &Fact) -> &'static str {
     match fact {
         Fact::ProgramStarted(_) => "programStarted",
+        Fact::ProgramEnded(_) => "programEnded",
         Fact::Standing(_) => "standing",
         Fact::Command { .. } => "command",
         Fact::MissionBegan(..) => "missionBegan",
@@ -147,6 +151,7 @@ impl Shape {
     pub(super) fn of(fact: &Fact, picture: Option<&Picture>) -> Shape {
         match fact {
             Fact::ProgramStarted(version) => Shape::ProgramStarted { version: version.clone() },
+            Fact::ProgramEnded(by) => Shape::ProgramEnded { by: by.clone() },
             Fact::Standing(standing) => Shape::Standing { standing: Box::new((&**standing).into()) },
             Fact::Command { issuer, id, command, epoch, luggage, refused } => {
                 let shape = CommandShape::of(issuer, id.as_ref(), command, *luggage, refused.as_ref());
@@ -190,6 +195,7 @@ impl Shape {
                 return Ok((Fact::Luggage { record: Arc::new(luggage.record()?), photo: None }, picture));
             }
             Shape::ProgramStarted { version } => Fact::ProgramStarted(version),
+            Shape::ProgramEnded { by } => Fact::ProgramEnded(by),
             Shape::Standing { standing } => Fact::Standing(Box::new(standing.standing()?)),
             Shape::Command(command) => command.fact()?,
             Shape::MissionBegan { number, strategy } => Fact::MissionBegan(MissionId(number), names::strategy(&strategy)?),

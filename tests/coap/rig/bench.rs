@@ -8,7 +8,7 @@ use std::time::Duration;
 use hallsweep::core::rng::Stream;
 use hallsweep::core::units::{Now, Wall};
 use hallsweep::inbound::coap::endpoint::response::Answer;
-use hallsweep::inbound::coap::endpoint::{Endpoint, ExchangeId};
+use hallsweep::inbound::coap::endpoint::{Backlog, Endpoint, ExchangeId};
 
 use super::message::Message;
 use super::server::{Said, Server};
@@ -37,6 +37,7 @@ const CIRCLES: u32 = 1000;
 /// The bench.
 pub(crate) struct Bench {
     pub(crate) endpoint: Endpoint,
+    pub(crate) backlog: Backlog,
     pub(crate) server: Server,
     pub(crate) now: Duration,
     later: BTreeMap<(Duration, u64), (ExchangeId, Answer)>,
@@ -52,6 +53,7 @@ impl Bench {
     pub(crate) fn seeded(seed: u64) -> Bench {
         Bench {
             endpoint: Endpoint::new(secret(seed)),
+            backlog: Backlog::new(|_| false),
             server: Server::new(),
             now: Duration::from_secs(10),
             later: BTreeMap::new(),
@@ -75,14 +77,25 @@ impl Bench {
 
     /// Puts a datagram in that may have to wait.
     pub(crate) fn hear(&mut self, peer: SocketAddr, bytes: &[u8]) {
-        self.endpoint.hear(peer, bytes, self.time());
-        self.pump();
+        self.backlog.hear(peer, bytes);
     }
 
     /// Lets the next of those that wait have their turn.
     pub(crate) fn take_turn(&mut self) {
-        self.endpoint.take_waiting(self.time());
-        self.pump();
+        if let Some((peer, bytes)) = self.backlog.take() {
+            self.endpoint.handle_datagram(peer, &bytes, self.time());
+            self.pump();
+        }
+    }
+
+    /// Lets all of them have their turns; in how many.
+    pub(crate) fn catch_up(&mut self) -> usize {
+        let mut turns = 0;
+        while !self.backlog.is_empty() {
+            self.take_turn();
+            turns += 1;
+        }
+        turns
     }
 
     /// Puts a message in that comes from this machine, and takes what is said to it at once.

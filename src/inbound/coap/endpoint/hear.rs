@@ -1,37 +1,71 @@
-//! Hearing without answering, for when more comes than is answered: a STOP is found at once behind whatever others send, and all else
-//! that wants an answer waits for its turn. What a datagram means is `inward`'s business.
+//! Hearing without answering, for when more comes than is answered: what has come waits in the order in which it is taken, a STOP
+//! before all else. What a datagram means is `inward`'s business; sockets are not here.
 
 use std::net::SocketAddr;
 
-use super::{Endpoint, lenient, message};
-use crate::core::units::Now;
+use super::limits::{COMMANDS_WAITING, LOOKS_WAITING, SIGNS_WAITING, STOPS_WAITING};
+use super::queue::{Datagram, Queue};
+use super::request::Request;
+use super::{lenient, message};
 
-impl Endpoint {
-    /// Takes a datagram from the network: a STOP at once, but after the commands that came before it, of which one could else set
-    /// in motion what it has halted; at once, too, what is not answered, because that costs less than to keep it. All else waits for
-    /// `take_waiting`, or is lost when its sender has more there than is left for others (safety S1, S9).
-    pub fn hear(&mut self, peer: SocketAddr, bytes: &[u8], now: Now) {
-        let Some(code) = message::asks(bytes) else { return self.handle_datagram(peer, bytes, now) };
-        if self.stop_in(peer, bytes).is_some() {
-            while let Some((peer, earlier)) = self.commands.next() {
-                self.handle_datagram(peer, &earlier, now);
-            }
-            return self.handle_datagram(peer, bytes, now);
-        }
-        let queue = if lenient::acts(code) { &mut self.commands } else { &mut self.looks };
-        queue.push(peer, bytes);
-    }
+/// What was heard and waits to be taken.
+pub struct Backlog {
+    is_stop: fn(&Request) -> bool,
+    stops: Queue,
+    commands: Queue,
+    /// Acknowledgements, rejections and what else asks for nothing.
+    signs: Queue,
+    looks: Queue,
+    /// How often one was taken that is no STOP: those of the three kinds take turns.
+    turns: usize,
+}
 
-    /// Whether anything waits.
+impl Backlog {
+    /// Room for what comes; `is_stop` says which requests are a STOP, as in `Endpoint::with_stop`.
     #[must_use]
-    pub fn is_behind(&self) -> bool {
-        !(self.commands.is_empty() && self.looks.is_empty())
+    pub fn new(is_stop: fn(&Request) -> bool) -> Backlog {
+        let [stops, commands] = [STOPS_WAITING, COMMANDS_WAITING].map(Queue::of);
+        let [signs, looks] = [SIGNS_WAITING, LOOKS_WAITING].map(Queue::of);
+        Backlog { is_stop, stops, commands, signs, looks, turns: 0 }
     }
 
-    /// Takes the next command and the next look of those that wait.
-    pub fn take_waiting(&mut self, now: Now) {
-        for (peer, bytes) in [self.commands.next(), self.looks.next()].into_iter().flatten() {
-            self.handle_datagram(peer, &bytes, now);
+    /// Keeps a datagram, or loses it when its sender has more there than is left for others (safety S9). A STOP is taken before all
+    /// else, but for the commands that came before it, of which one could else set in motion what it has halted (safety S1).
+    pub fn hear(&mut self, peer: SocketAddr, bytes: &[u8]) {
+        let Some(code) = message::asks(bytes) else {
+            if message::is_of_this_version(bytes) {
+                self.signs.push(peer, bytes);
+            }
+            return;
+        };
+        if !lenient::acts(code) {
+            self.looks.push(peer, bytes);
+        } else if !lenient::requests(peer, bytes).any(|request| (self.is_stop)(&request)) {
+            self.commands.push(peer, bytes);
+        } else if self.stops.push(peer, bytes) {
+            self.commands.put_first();
         }
+    }
+
+    /// Whether nothing waits.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        [&self.stops, &self.commands, &self.signs, &self.looks].into_iter().all(Queue::is_empty)
+    }
+
+    /// The next STOP that waits, after the commands that came before it.
+    pub fn take_urgent(&mut self) -> Option<Datagram> {
+        self.commands.next_first().or_else(|| self.stops.next())
+    }
+
+    /// The next to be taken. No command that came after a STOP is taken before it.
+    pub fn take(&mut self) -> Option<Datagram> {
+        if let Some(urgent) = self.take_urgent() {
+            return Some(urgent);
+        }
+        let mut kinds = [&mut self.commands, &mut self.signs, &mut self.looks];
+        let (begin, count) = (self.turns, kinds.len());
+        self.turns = self.turns.wrapping_add(1);
+        (0..count).find_map(|n| kinds[begin.wrapping_add(n) % count].next())
     }
 }

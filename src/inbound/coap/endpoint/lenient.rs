@@ -6,7 +6,7 @@ use std::net::SocketAddr;
 
 use super::code::{Code, Method};
 use super::limits::BODY;
-use super::options::number::URI_PATH;
+use super::options::number::{PROXY_URI, URI_PATH};
 use super::request::{Conditions, Request};
 
 /// Where the token begins.
@@ -49,14 +49,19 @@ fn token_lengths(bits: u8, bytes: &[u8]) -> impl Iterator<Item = usize> + use<> 
 /// What stands behind the token, up to where it makes no sense or no end any more; nothing when it names no path. What follows from
 /// there on is taken for a payload, from the last marker on if there is one: an old word may stand there.
 fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Option<Request> {
-    let (mut path, mut number) = (Vec::new(), 0_usize);
+    let (mut path, mut proxy, mut number) = (Vec::new(), None, 0_usize);
     for _ in 0..OPTIONS {
         let Some((delta, value, after)) = option(rest) else { break };
         number = number.saturating_add(delta);
         if number == usize::from(URI_PATH) {
             path.push(String::from_utf8_lossy(value).into_owned());
+        } else if number == usize::from(PROXY_URI) {
+            proxy.get_or_insert(value);
         }
         rest = after;
+    }
+    if let Some(proxy) = proxy.filter(|_| path.is_empty()) {
+        path = segments(proxy);
     }
     if path.is_empty() {
         return None;
@@ -77,6 +82,14 @@ fn request(peer: SocketAddr, method: Method, mut rest: &[u8]) -> Option<Request>
         conditions: Conditions::default(),
         payload,
     })
+}
+
+/// The path of a whole address, which names what Uri-Path would, at whatever host (RFC 7252, section 5.10.2).
+fn segments(address: &[u8]) -> Vec<String> {
+    let address = String::from_utf8_lossy(address);
+    let address = address.split(['?', '#']).next().unwrap_or_default();
+    let behind = address.split_once("://").map_or(address, |(_, behind)| behind.split_once('/').map_or("", |(_, path)| path));
+    behind.split('/').filter(|segment| !segment.is_empty()).map(str::to_owned).collect()
 }
 
 /// The first of some options: by how much its number is higher, its value as far as it came, and what follows. `None` for one
@@ -168,6 +181,17 @@ mod tests {
         }
         assert!(reads(&[&sound[..], b"\xF0h"].concat(), &["resourcemodel"], b"\xF0h"));
         assert!(reads(&[&sound[..], b"\xFFh\xFFx"].concat(), &["resourcemodel"], b"h\xFFx"), "the first marker is one");
+    }
+
+    #[test]
+    fn a_path_that_comes_as_a_whole_address_is_read_where_there_is_no_other() {
+        for address in ["coap://host:5683/commands/stop", "coap://host//commands/stop/?a=/b#c", "/commands/stop"] {
+            assert!(reads(&message(2, b"t", &[(PROXY_URI, address.as_bytes())], b"h"), &PATH, b"h"), "{address}");
+        }
+        assert!(reads(&message(2, b"", &[STOP[0], STOP[1], (PROXY_URI, b"coap://host/map")], b""), &PATH, b""));
+        for none in ["coap://commands", "coap://host/", "", "?/commands/stop"] {
+            assert_eq!(requests(peer(), &message(2, b"", &[(PROXY_URI, none.as_bytes())], b"")).count(), 0, "{none}");
+        }
     }
 
     /// Safety S7.

@@ -106,14 +106,20 @@ pub const ECHO_AGE: Duration = Duration::from_secs(60);
 /// after them, and that must not take long.
 pub const COMMANDS_WAITING: usize = 128 * 1024;
 
+/// And so many bytes of STOPs: when others have these, the robot is halted all the time.
+pub const STOPS_WAITING: usize = 128 * 1024;
+
+/// And so many bytes of acknowledgements and rejections: every observer there may be acknowledges at once.
+pub const SIGNS_WAITING: usize = 1024 * 1024;
+
 /// And so many bytes of all else.
 pub const LOOKS_WAITING: usize = 2 * 1024 * 1024;
 
 /// So many bytes does a datagram that waits take beside its own, about.
 pub const WAITING_HEAD: usize = 128;
 
-/// Refusals that wait to be put on record, as many as there may be commands that wait; more than that in one go are not.
-pub const REFUSED: usize = COMMANDS_WAITING / WAITING_HEAD;
+/// Refusals that wait until the application takes them for the record, which it does after each datagram.
+pub const REFUSED: usize = 1024;
 
 /// Requests a second from one network beyond this machine: a photo in the smallest blocks takes half a minute.
 pub const RATE: f64 = 200.0;

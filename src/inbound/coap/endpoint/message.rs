@@ -89,7 +89,7 @@ impl Token {
 #[must_use]
 pub(super) fn heard(bytes: &[u8]) -> Heard {
     let [first, code, high, low, ..] = *bytes else { return Heard::Nothing };
-    if first >> 6 != 1 {
+    if !is_of_this_version(bytes) {
         return Heard::Nothing;
     }
     let (kind, code, id) = (kind(first), Code(code), u16::from_be_bytes([high, low]));
@@ -109,11 +109,17 @@ pub(super) fn heard(bytes: &[u8]) -> Heard {
     }
 }
 
+/// Whether it is long enough for a message, and of the version that there is.
+#[must_use]
+pub(super) fn is_of_this_version(bytes: &[u8]) -> bool {
+    matches!(bytes, [first, _, _, _, ..] if first >> 6 == 1)
+}
+
 /// The code of a datagram that asks for something, rightly or not: no acknowledgement, no rejection and nothing empty.
 #[must_use]
 pub(super) fn asks(bytes: &[u8]) -> Option<Code> {
     let [first, code, _, _, ..] = *bytes else { return None };
-    (first >> 6 == 1 && Code(code) != Code::EMPTY && matches!(kind(first), Kind::Con | Kind::Non)).then_some(Code(code))
+    (is_of_this_version(bytes) && Code(code) != Code::EMPTY && matches!(kind(first), Kind::Con | Kind::Non)).then_some(Code(code))
 }
 
 /// A message without anything, as an acknowledgement or a rejection.

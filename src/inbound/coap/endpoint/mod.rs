@@ -2,8 +2,8 @@
 //! in, datagrams out (RFC 7252, 7641, 7959, 7967, 9175). What is at which path is the application's business.
 //!
 //! ```text
-//!   hear ─► queue ─► take_waiting
-//!                         ▼
+//!   hear ─► queue (what waits, when more comes than is answered)
+//!             ▼
 //!   handle_datagram ─► message ─► guard ─► exchange ─► options ─► block ─► poll_request ─► the application
 //!   poll_transmit   ◄─ message ◄─ guard ◄─ exchange ◄─ reply ◄─ block ◄─ observe ◄─ handle_answer, handle_change
 //!                                            reliable ◄─┘ (what this side sends and wants acknowledged)
@@ -38,16 +38,16 @@ pub mod request;
 pub mod response;
 mod subject;
 
+pub use hear::Backlog;
 pub use observe::SubjectId;
+pub use queue::Datagram;
 
 use self::block::{Assemblies, Block, BodyKey};
 use self::exchange::Exchanges;
 use self::guard::Guard;
 use self::inward::Back;
 use self::kept::Kept;
-use self::limits::{COMMANDS_WAITING, LOOKS_WAITING};
 use self::observe::Observers;
-use self::queue::Queue;
 use self::reliable::Reliable;
 use self::request::Request;
 use self::response::{Answer, Response, Tag};
@@ -119,9 +119,6 @@ pub struct Endpoint {
     refused: VecDeque<Refusal>,
     is_stop: fn(&Request) -> bool,
     out: VecDeque<Transmit>,
-    /// What was heard and waits for its turn.
-    commands: Queue,
-    looks: Queue,
 }
 
 /// What must be known of a request when its answer comes.
@@ -164,8 +161,6 @@ impl Endpoint {
             refused: VecDeque::new(),
             is_stop: |_| false,
             out: VecDeque::new(),
-            commands: Queue::of(COMMANDS_WAITING),
-            looks: Queue::of(LOOKS_WAITING),
         }
     }
 

@@ -17,6 +17,7 @@ use crate::core::units::Revision;
 use crate::core::world::resource::Resource;
 use crate::core::world::snapshot::Snapshot;
 use crate::wire::command::move_word;
+use crate::wire::halt::is_halt;
 use crate::wire::old_clients;
 
 /// Which of the items changed last. It is looked at each newer state, so that what follows a change without changing an item does
@@ -72,7 +73,7 @@ fn items(snapshot: &Snapshot, kept: &Kept) -> Vec<(Revision, Copies)> {
     there.iter().copied().map(item).collect()
 }
 
-/// The command behind a bare word, bare or in the quotes of JSON, whatever it is labelled as: `h` is STOP, and nothing that is
+/// The command behind a bare word, bare or in the quotes of JSON, whatever it is labelled as: `h` and `stop` are STOP, and nothing that is
 /// wrong with its request keeps it from halting. An old console sends a stray `w` when it starts, so the other moves are only
 /// taken when old clients may drive.
 pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command, Problem> {
@@ -80,7 +81,7 @@ pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command
     let word = bare(&text);
     let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Pending, verdict };
     let command = match word {
-        "h" => return Ok(Command::Stop),
+        halt if is_halt(halt) => return Ok(Command::Stop),
         "safe" => verdict(Verdict::Safe),
         "danger" => verdict(Verdict::Danger),
         letter => move_word(letter)?,

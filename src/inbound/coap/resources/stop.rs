@@ -9,24 +9,26 @@ use super::acts::{self, Terms};
 use super::caller::{self, Caller};
 use super::problem::Problem;
 use crate::core::command::{self, Command};
-use crate::wire::halt::{is_halt_word, says_halt};
+use crate::wire::halt::{is_halt, is_halt_word, says_halt};
 
 /// Whether a request halts the robot. Methods that are not taken here halt as well, but for those that only look.
 pub(super) fn is_stop(request: &Request) -> bool {
     if request.method.only_looks() || Caller::of(request.peer) != Caller::Here {
         return false;
     }
-    match segments(request).as_slice() {
-        ["commands", "stop"] => true,
+    let path = segments(request);
+    match path.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
+        ["commands", word] if is_halt(word) => true,
         ["commands", "move"] => says_halt(&request.payload),
         ["resourcemodel"] => is_halt_word(&request.payload),
         _ => false,
     }
 }
 
-/// The words of a path, however a client has cut it up.
-fn segments(request: &Request) -> Vec<&str> {
-    request.path.iter().flat_map(|segment| segment.split('/')).filter(|segment| !segment.is_empty()).collect()
+/// The words of a path in small letters, however a client has cut it up.
+fn segments(request: &Request) -> Vec<String> {
+    let segments = request.path.iter().flat_map(|segment| segment.split('/'));
+    segments.map(|segment| segment.trim().to_ascii_lowercase()).filter(|segment| !segment.is_empty()).collect()
 }
 
 impl Resources {

@@ -141,6 +141,11 @@ fn stops() -> Vec<Message> {
         Message::new(3, &["resourcemodel"], b"h"),
         Message::new(2, &["resourcemodel"], b"h"),
         Message::new(3, &["resourcemodel"], br#""h""#),
+        Message::new(2, &["Commands", "STOP", ""], b""),
+        Message::new(2, &["commands", "h"], b""),
+        Message::new(2, &["commands/move"], br#"{"move":"Stop"}"#),
+        Message::new(3, &["ResourceModel"], b"STOP"),
+        Message { options: vec![(35, b"coap://localhost/commands/stop".to_vec())], ..Message::new(2, &[], b"") },
     ]
 }
 
@@ -209,7 +214,7 @@ proptest! {
 
     /// Safety S8.
     #[test]
-    fn any_fault_that_is_added_to_a_stop_leaves_it_halting_once(which in 0_usize..6, fault in any_fault()) {
+    fn any_fault_that_is_added_to_a_stop_leaves_it_halting_once(which in 0..stops().len(), fault in any_fault()) {
         let Some(message) = spoilt(&stops()[which], &fault) else { return Ok(()) };
         let mut door = Door::new();
         door.take(here(), &message.bytes(1));
@@ -224,7 +229,7 @@ proptest! {
     /// Safety S8.
     #[test]
     fn what_must_not_halt_does_not_whatever_else_is_wrong_with_it(
-        which in 0_usize..6, fault in any_fault(), except in 0_usize..8,
+        which in 0..stops().len(), fault in any_fault(), except in 0_usize..8,
     ) {
         let Some(mut message) = spoilt(&stops()[which], &fault) else { return Ok(()) };
         let mut peer = here();

@@ -17,7 +17,7 @@ use crate::core::standing::Standing;
 use crate::core::units::{MissionId, Seq, Wall};
 use crate::core::world::luggage::Luggage;
 use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
-use crate::wire::journal_words::{outcome, words};
+use crate::wire::journal_words::{asked, outcome, words};
 use crate::wire::luggage::photo_url;
 use crate::wire::time::{Zone, rfc3339};
 
@@ -88,7 +88,8 @@ fn is_command(fact: &Fact) -> bool {
 fn is_main(fact: &Fact) -> bool {
     let found = matches!(fact, Fact::Luggage { .. } | Fact::AlarmRaised(..) | Fact::Phase(_) | Fact::Holds(_));
     let done = matches!(fact, Fact::Command { .. } | Fact::Verdict { .. } | Fact::AlarmAcknowledged(..) | Fact::Strategy(_));
-    let began = matches!(fact, Fact::ProgramStarted(_) | Fact::MissionBegan(..) | Fact::MissionArchived(..));
+    let began =
+        matches!(fact, Fact::ProgramStarted(_) | Fact::ProgramEnded(_) | Fact::MissionBegan(..) | Fact::MissionArchived(..));
     found || done || began
 }
 
@@ -208,8 +209,8 @@ impl Event {
             outcome: String::new(),
             refused: false,
         };
-        if let Fact::Command { issuer, command, refused, .. } = &entry.fact {
-            event.what.clone_from(command);
+        if let Fact::Command { issuer, command, luggage, refused, .. } = &entry.fact {
+            event.what = asked(command, *luggage);
             (event.by, event.outcome) = (Some(issuer.to_string()), outcome(refused.as_ref()));
             event.refused = refused.is_some();
         } else {

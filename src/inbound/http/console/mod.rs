@@ -46,9 +46,13 @@ pub(super) async fn page(State(door): State<Door>, LetIn(caller): LetIn) -> Html
     whole(&door, &caller, None).await
 }
 
-/// `POST console/start` and every other form but STOP's.
-pub(super) async fn act(by: By, uri: Uri, headers: HeaderMap, Form(fields): Form<Fields>) -> Response {
-    answered(&by, &headers, uri.path().trim_start_matches("/console/"), &fields).await
+/// `POST console/start` and every other form but STOP's. A move that was heard to be a STOP is one, whatever else is in it.
+pub(super) async fn act(by: By, uri: Uri, headers: HeaderMap, form: Result<Form<Fields>, Problem>) -> Response {
+    match form {
+        _ if by.has_pressed_stop() => stop(by, headers).await,
+        Ok(Form(fields)) => answered(&by, &headers, uri.path().trim_start_matches("/console/"), &fields).await,
+        Err(problem) => problem.into_response(),
+    }
 }
 
 /// `POST console/stop`. STOP reads nothing of what was sent: nothing that is wrong with it may keep it from halting the robot.

@@ -15,14 +15,14 @@ use tokio::runtime::Handle;
 use tokio::sync::{Notify, watch};
 use tokio::time::{Sleep, sleep, timeout};
 
-use super::judge::Judge;
+use super::ear::{Asked, Ear, Heard};
+use super::judge::{Given, Judge};
 use super::talk::{Shared, Talk, put};
 use crate::inbound::http::Door;
 use crate::inbound::http::gate::Peer;
 use crate::inbound::http::guard::Hosts;
 use crate::inbound::http::places::{Claim, Place, Places};
 use crate::inbound::http::problem::Problem;
-use crate::inbound::http::scanning::{BodyLength, Head, Heard, Scanner, names};
 use crate::inbound::http::tls::Tls;
 use crate::inbound::http::watcher::closed;
 use crate::inbound::patience::Patient;
@@ -33,6 +33,10 @@ const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
 
 /// How long a client may take over a request's headers, and how long it may be silent between two requests.
 pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
+
+/// How long a first request waits for the rest of its body before it gets a conversation: most come whole, and a crowd of those that do
+/// not costs little meanwhile.
+const WHOLE_TIME: Duration = Duration::from_millis(100);
 
 /// How long a request's line and headers may be together; longer ones are answered with 431.
 pub(super) const HEADER_BYTES: usize = 64 * 1024;
@@ -124,9 +128,8 @@ struct Connection<R, W> {
     place: Option<Arc<Place>>,
     talk: Option<Talk>,
     line: Arc<Line>,
-    judge: Judge,
+    ear: Ear,
     shared: Arc<Shared>,
-    scanner: Scanner,
     /// Of whom the first head was.
     claim: Option<Claim>,
     /// What was read, and how much of it the scanner has seen.
@@ -140,7 +143,7 @@ struct Connection<R, W> {
     may_hand_over: bool,
     /// What was read since others had their turn.
     turn: usize,
-    /// Ends when the first head must have come.
+    /// Ends when the first head must have come, and then when its body should have.
     late: Pin<Box<Sleep>>,
 }
 
@@ -166,8 +169,7 @@ where
             waiting: Some(waiting),
             place: None,
             talk: None,
-            judge: Judge { door: line.door.clone(), hosts: line.hosts.clone(), peer },
-            scanner: Scanner::new(line.door.cookie()),
+            ear: Ear::new(Judge { door: line.door.clone(), hosts: line.hosts.clone(), peer }),
             line,
             shared: Shared::new(),
             claim: None,
@@ -189,11 +191,14 @@ where
                 return self.carry().await;
             }
             self.scan().await;
-            if self.talk.is_none()
-                && self.is_to_begin()
-                && let Err(problem) = self.begin()
+            if self.place.is_none()
+                && self.has_come()
+                && let Err(problem) = self.take_place()
             {
                 return self.refuse(&problem).await;
+            }
+            if self.is_to_be_answered() {
+                self.begin();
             }
             if self.talk.is_some() {
                 self.hand_on();
@@ -204,6 +209,12 @@ where
                 Next::End => break,
             }
         }
+        let given = self.ear.look();
+        self.keep(given);
+        if self.place.is_some() && self.talk.is_none() {
+            self.begin();
+            self.hand_on();
+        }
         if let Some(talk) = self.talk.take() {
             talk.ended(&self.shared, &self.ahead).await;
         }
@@ -213,37 +224,42 @@ where
     async fn scan(&mut self) {
         let mut heads = 0;
         while self.scanned < self.read.len() {
-            let (taken, heard) = self.scanner.take(&self.read[self.scanned..]);
+            let (taken, heard, given) = self.ear.take(&self.read[self.scanned..]);
             self.scanned += taken;
             match heard {
                 None => {}
                 Some(Heard::Body) => self.tell(|place| place.received()),
-                Some(Heard::Head(head)) => {
-                    self.hear_head(&head);
+                Some(Heard::Head(asked)) => {
+                    self.note(asked);
                     heads += 1;
                 }
             }
+            self.keep(given);
             if heads == HEADS {
                 heads = 0;
                 tokio::task::yield_now().await;
             }
         }
+        let given = self.ear.look_early();
+        self.keep(given);
     }
 
-    fn hear_head(&mut self, head: &Head) {
-        let number = self.scanner.heads() - 1;
-        let came = self.judge.door.handle.epoch();
-        let (claim, given) = self.judge.hear(head);
+    /// Notes what is to be known of a request that will be carried out.
+    fn note(&mut self, asked: Asked) {
         if self.is_only_heard {
             return;
         }
-        self.shared.came(number, came);
-        if let Some(given) = given {
-            self.shared.keep(number, given);
+        self.shared.came(self.ear.number(), asked.came);
+        self.tell(|place| place.asked(asked.claim.clone(), asked.has_body));
+        self.claim.get_or_insert(asked.claim);
+        self.may_hand_over |= asked.may_hand_over;
+    }
+
+    /// Keeps a STOP for the request that will be answered by it.
+    fn keep(&self, given: Option<Given>) {
+        if let Some(given) = given.filter(|_| !self.is_only_heard) {
+            self.shared.keep(self.ear.number(), given);
         }
-        self.tell(|place| place.asked(claim.clone(), head.body != BodyLength::Known(0)));
-        self.claim.get_or_insert(claim);
-        self.may_hand_over |= head.wants_upgrade && names::is_upgrade(&head.target);
     }
 
     /// What was heard goes on when there is room for it; behind what was not kept nothing does.
@@ -266,28 +282,41 @@ where
     }
 
     /// Whether there is something to answer: a head, or what can be none.
-    fn is_to_begin(&self) -> bool {
-        self.claim.is_some() || self.read.len() >= HEADER_BYTES || self.scanner.is_no_request()
+    fn has_come(&self) -> bool {
+        self.claim.is_some() || self.read.len() >= HEADER_BYTES || self.ear.scanner().is_no_request()
     }
 
-    /// Takes a place and begins to talk, or says why not.
-    fn begin(&mut self) -> Result<(), Problem> {
+    /// Takes a place, or says why not.
+    fn take_place(&mut self) -> Result<(), Problem> {
         let has_heard = self.shared.has_heard();
         // hyper would panic.
         if !self.line.door.can_date() {
             return Err(Problem::no_date(has_heard));
         }
-        let claim = self.claim.clone().unwrap_or_else(|| Claim::new(self.judge.peer.address, None));
+        let claim = self.claim.clone().unwrap_or_else(|| Claim::new(self.ear.judge().peer.address, None));
         let cut = Arc::clone(&self.cut);
         let place = self.line.places.take(claim.clone(), has_heard, cut).ok_or_else(|| Problem::no_place(has_heard))?;
-        for _ in 0..self.scanner.heads() {
-            place.asked(claim.clone(), !self.scanner.is_between());
+        for _ in 0..self.ear.scanner().heads() {
+            place.asked(claim.clone(), !self.ear.scanner().is_between());
         }
-        let (place, to) = (Arc::new(place), self.to.take());
+        self.place = Some(Arc::new(place));
         self.waiting = None;
-        self.talk = to.map(|to| Talk::begin(to, (self.judge.peer, &place), &self.line, &self.shared));
-        self.place = Some(place);
+        self.late.set(sleep(WHOLE_TIME));
         Ok(())
+    }
+
+    /// Whether it has a place and is worth a conversation: only the first of its requests may be one whose body has not come.
+    fn is_to_be_answered(&self) -> bool {
+        let is_whole = self.ear.scanner().heads() != 1 || self.ear.scanner().is_between();
+        let is_due = self.read.len() >= TURN || self.late.is_elapsed();
+        self.place.is_some() && self.talk.is_none() && (is_whole || is_due || self.shared.has_heard())
+    }
+
+    /// Begins to talk.
+    fn begin(&mut self) {
+        if let (Some(place), Some(to)) = (&self.place, self.to.take()) {
+            self.talk = Some(Talk::begin(to, (self.ear.judge().peer, place), &self.line, &self.shared));
+        }
     }
 
     /// Carries bytes of another protocol, whose places are its own matter.
@@ -329,7 +358,7 @@ where
             None => tokio::select! {
                 biased;
                 read = self.from.read_buf(&mut self.read) => read,
-                () = &mut self.late => return Next::End,
+                () = &mut self.late => return if self.place.is_some() { Next::More } else { Next::End },
                 () = closed(&mut closing) => return Next::End,
             },
         };
@@ -358,7 +387,7 @@ where
     async fn linger(mut self) {
         drop(self.talk.take());
         (self.waiting, self.place, self.is_only_heard) = (None, None, true);
-        let _lingering = self.line.lingering.enter(self.judge.peer.address, Arc::clone(&self.cut));
+        let _lingering = self.line.lingering.enter(self.ear.judge().peer.address, Arc::clone(&self.cut));
         let mut closing = self.line.closing.clone();
         let heard_on = async {
             let mut left = LINGER_BYTES;

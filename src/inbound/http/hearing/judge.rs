@@ -19,7 +19,16 @@ use crate::runtime::carry_out::{Done, NotDone};
 /// A STOP that was given, and what becomes of it.
 pub(in crate::inbound::http) type Given = Pin<Box<dyn Future<Output = Result<Done, NotDone>> + Send>>;
 
+/// A STOP of somebody who may stop.
+pub(super) enum Press {
+    /// The head has named it.
+    Named(Request),
+    /// It is one if the body says so.
+    Unsaid(Request),
+}
+
 /// What judges the requests of one connection.
+#[derive(Clone)]
 pub(super) struct Judge {
     pub(super) door: Door,
     pub(super) hosts: Hosts,
@@ -27,18 +36,25 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    /// Whose request this is; a STOP is given at once, when its sender may stop.
-    pub(super) fn hear(&self, head: &Head) -> (Claim, Option<Given>) {
+    /// Whose request this is, and the STOP that it is or may be, when its sender may stop.
+    pub(super) fn hear(&self, head: &Head) -> (Claim, Option<Press>) {
         let (headers, is_in_doubt) = headers(head);
         let caller = self.door.caller_by_any(self.peer, &headers);
         let claim = Claim::new(self.peer.address, caller.as_ref());
-        let route = names::stop(&head.method, &head.target).filter(|_| !is_in_doubt && self.is_ours(head, &headers));
+        let stop = names::stop(&head.method, &head.target);
+        let route = stop.or_else(|| names::says_by_body(&head.method, &head.target));
+        let route = route.filter(|_| !is_in_doubt && self.is_ours(head, &headers));
         let (Some(route), Some(caller)) = (route, caller.filter(|caller| allowed(caller, Need::Stop).is_ok())) else {
             return (claim, None);
         };
         let issuer = issuer(&caller, by_path(route), self.peer);
         let request = Request { id: command_id(&headers).unwrap_or_default(), ..Request::new(Command::Stop, issuer) };
-        (claim, Some(Box::pin(self.door.handle.carry_out(request))))
+        (claim, Some(if stop.is_some() { Press::Named(request) } else { Press::Unsaid(request) }))
+    }
+
+    /// Halts.
+    pub(super) fn give(&self, stop: Request) -> Given {
+        Box::pin(self.door.handle.carry_out(stop))
     }
 
     /// Whether it was sent to this program by its name, and not by a page of another origin.

@@ -9,7 +9,7 @@ use proptest::sample::select;
 use super::*;
 use crate::access::{Access, SESSION_S};
 use crate::core::command;
-use crate::inbound::http::scanning::{Heard, Scanner};
+use crate::inbound::http::hearing::ear::{Asked, Ear, Heard};
 use crate::inbound::http::testing::{House, Tokens, guarded_house, house, keys};
 use crate::wire::fixture::searching;
 
@@ -45,15 +45,16 @@ enum Fault {
 }
 
 impl Sent {
-    fn stop(route: &str, credential: &str) -> Sent {
-        let fields = ["Host: localhost:8080", credential, "User-Agent: test", "Content-Length: 0"];
+    fn stop((route, body): (&str, &str), credential: &str) -> Sent {
+        let length = format!("Content-Length: {}", body.len());
+        let fields = ["Host: localhost:8080", credential, "User-Agent: test", &length];
         Sent {
             method: b"POST".to_vec(),
             target: route.into(),
             version: b"HTTP/1.1".to_vec(),
             fields: fields.iter().filter(|field| !field.is_empty()).map(|field| field.as_bytes().to_vec()).collect(),
             ends: vec![b"\r\n".to_vec(); 6],
-            body: Vec::new(),
+            body: body.into(),
         }
     }
 
@@ -87,7 +88,7 @@ impl Sent {
                 self.fields[line % lines].insert(colon, b' ');
             }
             Fault::EmptyLinesBefore(lines) => self.method.splice(0..0, b"\r\n".repeat(lines)).for_each(drop),
-            Fault::Body(body) => self.body = body,
+            Fault::Body(body) => self.body.extend(body),
             Fault::Long(place, length) => self.insert(place, [b"X-Long: ".to_vec(), vec![b'x'; length]].concat()),
         }
         self
@@ -115,20 +116,49 @@ fn judge(house: &House) -> Judge {
 
 /// Whether the first request in these bytes, come in pieces of this size, halts.
 fn halts(judge: &Judge, bytes: &[u8], piece: usize) -> bool {
-    let mut scanner = Scanner::new(judge.door.cookie());
+    let (mut ear, mut has_head) = (Ear::new(judge.clone()), false);
     for mut piece in bytes.chunks(piece) {
         while !piece.is_empty() {
-            let (taken, heard) = scanner.take(piece);
+            let (taken, heard, given) = ear.take(piece);
             piece = &piece[taken..];
-            if let Some(Heard::Head(head)) = heard {
-                return judge.hear(&head).1.is_some();
+            has_head |= matches!(heard, Some(Heard::Head(_)));
+            if ear.number() > 0 {
+                return false;
+            }
+            if given.is_some() {
+                return true;
             }
         }
+        if ear.look_early().is_some() {
+            return true;
+        }
     }
-    panic!("no head has ended in {:?}", String::from_utf8_lossy(bytes))
+    assert!(has_head, "no head has ended in {:?}", String::from_utf8_lossy(bytes));
+    ear.look().is_some()
 }
 
 const ROUTES: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
+
+const MOVE: &str = "/api/v1/commands/move";
+const BUTTON: &str = "/console/move";
+
+/// Every way to press STOP: where, and what body says so.
+const STOPS: [(&str, &str); 14] = [
+    (ROUTES[0], ""),
+    (ROUTES[1], ""),
+    (ROUTES[2], ""),
+    (ROUTES[3], ""),
+    (MOVE, r#"{"move":"h"}"#),
+    (MOVE, r#"{"move":"h","zz":1}"#),
+    (MOVE, r#"{"epoch":1,"move":"H""#),
+    (MOVE, "move=h"),
+    (MOVE, "h"),
+    (MOVE, r#"{"move":"stop"}"#),
+    (BUTTON, "move=h"),
+    (BUTTON, "epoch=3&move=STOP&more"),
+    (BUTTON, r#"{"move":"h"}"#),
+    (BUTTON, "--x\r\nContent-Disposition: form-data; name=\"move\"\r\n\r\nh\r\n--x--\r\n"),
+];
 
 fn line() -> impl Strategy<Value = Vec<u8>> {
     let no_end = |byte: &u8| !matches!(byte, b'\r' | b'\n');
@@ -252,7 +282,7 @@ fn check(cases: u32, property: impl Fn(&Judge, &[String; 2], &str, (usize, usize
     let (house, credentials, expired) = guarded();
     let judge = judge(&house);
     let mut runner = proptest::test_runner::TestRunner::new(ProptestConfig { cases, ..ProptestConfig::default() });
-    let every = (0..ROUTES.len(), 0..credentials.len(), fault(), select(vec![1, 7, 1000, usize::MAX]));
+    let every = (0..STOPS.len(), 0..credentials.len(), fault(), select(vec![1, 7, 1000, usize::MAX]));
     runner.run(&every, |case| property(&judge, &credentials, &expired, case)).unwrap_or_else(|error| panic!("{error}"));
 }
 
@@ -260,7 +290,7 @@ fn check(cases: u32, property: impl Fn(&Judge, &[String; 2], &str, (usize, usize
 #[test]
 fn any_single_fault_that_is_added_to_a_stop_leaves_it_halting() {
     check(3000, |judge, credentials, _, (route, credential, fault, piece)| {
-        let bytes = Sent::stop(ROUTES[route], &credentials[credential]).with(fault).bytes();
+        let bytes = Sent::stop(STOPS[route], &credentials[credential]).with(fault).bytes();
         prop_assert!(halts(judge, &bytes, piece), "{}", String::from_utf8_lossy(&bytes));
         Ok(())
     });
@@ -275,7 +305,7 @@ fn what_is_excepted_never_halts_whatever_fault_is_beside_it() {
             if matches!(fault, Fault::Method(_) | Fault::Target(_)) && why.contains("method") | why.contains("target") {
                 continue;
             }
-            let bytes = except(Sent::stop(ROUTES[route], &credentials[credential]), expired).with(fault.clone()).bytes();
+            let bytes = except(Sent::stop(STOPS[route], &credentials[credential]), expired).with(fault.clone()).bytes();
             prop_assert!(!halts(judge, &bytes, piece), "{why}: {}", String::from_utf8_lossy(&bytes));
         }
         Ok(())
@@ -287,7 +317,7 @@ fn what_is_excepted_never_halts_whatever_fault_is_beside_it() {
 async fn who_may_stop_without_a_key_is_on_this_machine() {
     let house = house(searching());
     let mut judge = judge(&house);
-    let stop = Sent::stop("/h", "").bytes();
+    let stop = Sent::stop(("/h", ""), "").bytes();
     assert!(halts(&judge, &stop, 9));
     assert!(halts(&judge, b"POST /h HTTP/1.0\n\n", 9), "no host is no foreign one");
     assert!(halts(&judge, b"POST /h HTTP/1.1\r\nHost: localhost\r\nOrigin: http://localhost\r\n\r\n", 9));
@@ -302,7 +332,7 @@ async fn nothing_halts_when_not_all_hosts_and_origins_are_kept() {
     let judge = judge(&house);
     let ours = ["localhost", "127.0.0.1", "localhost:1", "localhost:2"];
     for field in ["Host: ", "Origin: http://"] {
-        let mut sent = Sent::stop("/h", "");
+        let mut sent = Sent::stop(("/h", ""), "");
         for host in ours {
             sent.insert(0, format!("{field}{host}").into_bytes());
         }
@@ -319,15 +349,49 @@ async fn a_stop_that_was_heard_is_on_record_with_who_from_where_and_by_which_doo
     for (route, door) in
         ROUTES.into_iter().zip([command::Door::Http, command::Door::Console, command::Door::Http, command::Door::Http])
     {
-        let mut sent = Sent::stop(route, &token);
+        let mut sent = Sent::stop((route, ""), &token);
         sent.insert(0, b"Idempotency-Key: \"press-7\"".to_vec());
-        let mut scanner = Scanner::new(judge.door.cookie());
-        let Some(Heard::Head(head)) = scanner.take(&sent.bytes()).1 else { panic!("a head") };
-        let (claim, given) = judge.hear(&head);
+        let (_, heard, given) = Ear::new(judge.clone()).take(&sent.bytes());
+        let Some(Heard::Head(Asked { claim, .. })) = heard else { panic!("a head") };
         assert!(given.expect("it halts").await.is_ok());
         let given = house.last();
         assert_eq!((given.command, &*given.issuer.who, &*given.issuer.from), (Command::Stop, "lobby", "127.0.0.1"));
         assert_eq!((given.issuer.door, given.id.map(|id| id.text().to_owned())), (door, Some("press-7".to_owned())));
         assert_ne!(claim, Claim::new(judge.peer.address, None), "the place is the viewer's");
+    }
+}
+
+/// Safety S8: no more of the body need come, nor need it end well.
+#[tokio::test]
+async fn a_move_that_says_stop_halts_when_its_word_has_come() {
+    let house = house(searching());
+    let judge = judge(&house);
+    let head = |length: &str| format!("POST {MOVE} HTTP/1.1\r\nHost: localhost\r\n{length}\r\n\r\n");
+    for (length, body) in [
+        ("Content-Length: 100", r#"{"move":"h""#),
+        ("Transfer-Encoding: chunked", "c\r\n{\"move\":\"h\"}\r\n"),
+        ("Transfer-Encoding: chunked", "4\r\n{\"mo\r\n8\r\nve\":\"h\"}\r\n"),
+        ("Transfer-Encoding: chunked", r#"{"move":"h"}"#),
+        ("Transfer-Encoding: chunked", "4\r\n{\"move\":\"h\"}"),
+        ("Transfer-Encoding: gzip", r#"{"move":"h"}"#),
+        ("Content-Length: 3\r\nContent-Length: 12", r#"{"move":"h"}"#),
+        ("Content-Length: 70000", &format!(r#"{{"move":"h","zz":"{}"#, "z".repeat(60_000))),
+    ] {
+        let sent = head(length) + body;
+        for piece in [1, 1000, usize::MAX] {
+            assert!(halts(&judge, sent.as_bytes(), piece), "{length} {body:.40}");
+        }
+    }
+    for other in [r#"{"move":"w"}"#, r#"{"x":"h"}"#, ""] {
+        let sent = head(&format!("Content-Length: {}", other.len())) + other;
+        assert!(!halts(&judge, sent.as_bytes(), 7), "{other}");
+        let next = format!("{sent}POST /nothing HTTP/1.1\r\nContent-Length: 12\r\n\r\n{{\"move\":\"h\"}}");
+        let mut ear = Ear::new(judge.clone());
+        let mut rest = next.as_bytes();
+        while !rest.is_empty() {
+            let (taken, _, given) = ear.take(rest);
+            assert!(given.is_none() && ear.look().is_none(), "the body of another says nothing of this");
+            rest = &rest[taken..];
+        }
     }
 }

@@ -9,6 +9,7 @@
 //! ```
 
 mod connection;
+mod ear;
 mod judge;
 mod talk;
 

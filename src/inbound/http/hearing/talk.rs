@@ -40,9 +40,12 @@ const PRESSES: usize = 256;
 /// So long after a client is gone what it has sent is carried out; an endless answer ends then.
 const GONE_TIME: Duration = Duration::from_secs(2);
 
-/// The STOP that was heard in a request; taken by its handler.
+/// The STOP that was heard in a request, if one was, or will be in its body; taken by its handler.
 #[derive(Clone)]
-pub(in crate::inbound::http) struct Pressed(Arc<Mutex<Option<Given>>>);
+pub(in crate::inbound::http) struct Pressed {
+    shared: Arc<Shared>,
+    number: u64,
+}
 
 /// The epoch in which a request's head was heard: a STOP that came after it outdates it, however late it is carried out (safety S4).
 #[derive(Clone, Copy)]
@@ -71,7 +74,12 @@ pub(super) struct Talk {
 impl Pressed {
     /// What becomes of the STOP.
     pub(in crate::inbound::http) fn take(&self) -> Option<Given> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+        self.shared.presses().remove(&self.number)
+    }
+
+    /// Whether there is one.
+    pub(in crate::inbound::http) fn is_there(&self) -> bool {
+        self.shared.presses().contains_key(&self.number)
     }
 }
 
@@ -131,12 +139,11 @@ impl Shared {
         drop(is_handed_over.wait_for(|is_handed_over| *is_handed_over).await);
     }
 
-    fn take(&self, number: u64) -> Option<Pressed> {
+    /// Forgets the STOPs of requests before this, which nobody took.
+    fn forget_before(&self, number: u64) {
         let mut presses = self.presses();
         let later = presses.split_off(&number);
         *presses = later;
-        let given = presses.remove(&number)?;
-        Some(Pressed(Arc::new(Mutex::new(Some(given)))))
     }
 
     fn presses(&self) -> MutexGuard<'_, BTreeMap<u64, Given>> {
@@ -202,9 +209,8 @@ where
         if let Some(arrived) = shared.arrived(number) {
             request.extensions_mut().insert(arrived);
         }
-        if let Some(pressed) = shared.take(number) {
-            request.extensions_mut().insert(pressed);
-        }
+        shared.forget_before(number);
+        request.extensions_mut().insert(Pressed { shared: Arc::clone(&shared), number });
         let asked = Asked(Arc::clone(&place));
         let (answer, shared) = (routes.call(request), Arc::clone(&shared));
         async move {
@@ -215,6 +221,8 @@ where
                     shared.is_endless.send_replace(true);
                 }
                 if response.status() == StatusCode::SWITCHING_PROTOCOLS {
+                    // Before its client can know it.
+                    asked.0.hands_over();
                     shared.is_handed_over.send_replace(true);
                 }
                 response.map(|body| Answer { body, asked })

@@ -1,5 +1,5 @@
 //! Where a chunked body ends (RFC 9112, section 7.1), as strictly as hyper reads it: what hyper would not take is an error here
-//! too. What the chunks hold is nobody's business here.
+//! too. What the chunks hold is shown to whoever wants it.
 
 /// A chunked body that is passing by.
 #[derive(Debug, Default)]
@@ -28,12 +28,13 @@ enum At {
 }
 
 impl Chunks {
-    /// Takes bytes up to the end of the body, and says how many, and whether it has ended well.
-    pub(super) fn take(&mut self, bytes: &[u8]) -> (usize, Option<Result<(), ()>>) {
+    /// Takes bytes up to the end of the body, shows what the chunks hold, and says how many it took, and whether it has ended well.
+    pub(super) fn take(&mut self, bytes: &[u8], mut shown: impl FnMut(&[u8])) -> (usize, Option<Result<(), ()>>) {
         let mut taken = 0;
         while let Some(&byte) = bytes.get(taken) {
             if matches!(self.at, At::Data) {
                 let here = usize::try_from(self.size).unwrap_or(usize::MAX).min(bytes.len() - taken);
+                shown(&bytes[taken..taken + here]);
                 taken += here;
                 self.size -= here as u64;
                 if self.size == 0 {

@@ -1,8 +1,14 @@
 //! What names STOP: the routes that are STOP whatever is sent there, by any method but those that change nothing. A target with a
-//! fault (a slash too many, another case, escapes, a query, a whole address) names the same. What a body says is not heard here.
+//! fault (a slash too many, another case, blanks, escapes, a query, a whole address) names the same. What a body says is not read here.
 
 /// The routes that are STOP, as the table of routes has them.
 pub const STOPS: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
+
+/// What else people try.
+const OTHERWISE: [(&str, &str); 3] = [("/api/v1/commands/h", STOPS[0]), ("/console/h", STOPS[1]), ("/stop", STOPS[2])];
+
+/// The routes that are STOP when their body says so.
+pub const BY_BODY: [&str; 2] = ["/api/v1/commands/move", "/console/move"];
 
 /// The methods that change nothing (RFC 9110, section 9.2.1).
 const SAFE: [&[u8]; 4] = [b"GET", b"HEAD", b"OPTIONS", b"TRACE"];
@@ -10,11 +16,20 @@ const SAFE: [&[u8]; 4] = [b"GET", b"HEAD", b"OPTIONS", b"TRACE"];
 /// Which route of STOP a request names.
 #[must_use]
 pub fn stop(method: &[u8], target: &[u8]) -> Option<&'static str> {
-    if SAFE.iter().any(|safe| method.eq_ignore_ascii_case(safe)) {
-        return None;
-    }
     let (_, path) = parts(target);
-    STOPS.into_iter().find(|route| is_at(path, route))
+    let mut named = STOPS.into_iter().map(|route| (route, route)).chain(OTHERWISE);
+    named.find(|(name, _)| !is_safe(method) && is_at(path, name)).map(|(_, route)| route)
+}
+
+/// Which route a request names that is STOP when its body says so.
+#[must_use]
+pub fn says_by_body(method: &[u8], target: &[u8]) -> Option<&'static str> {
+    let (_, path) = parts(target);
+    BY_BODY.into_iter().find(|route| !is_safe(method) && is_at(path, route))
+}
+
+fn is_safe(method: &[u8]) -> bool {
+    SAFE.iter().any(|safe| method.eq_ignore_ascii_case(safe))
 }
 
 /// Whether a target is the one where connections are handed over to another protocol.
@@ -36,11 +51,12 @@ pub fn parts(target: &[u8]) -> (Option<&[u8]>, &[u8]) {
 
 fn is_at(path: &[u8], route: &str) -> bool {
     let mut wanted = route.split('/').filter(|segment| !segment.is_empty());
-    let mut named = path.split(|byte| *byte == b'/').map(unescaped).filter(|segment| !segment.is_empty() && segment != b".");
+    let named = path.split(|byte| *byte == b'/').map(unescaped);
+    let mut named = named.filter(|segment| !segment.trim_ascii().is_empty() && segment != b".");
     loop {
         match (named.next(), wanted.next()) {
             (None, None) => return true,
-            (Some(named), Some(wanted)) if named.eq_ignore_ascii_case(wanted.as_bytes()) => {}
+            (Some(named), Some(wanted)) if named.trim_ascii().eq_ignore_ascii_case(wanted.as_bytes()) => {}
             (Some(_) | None, _) => return false,
         }
     }
@@ -78,9 +94,12 @@ mod tests {
         let is_said_by_body = |path: &str| path.ends_with("/move");
         for row in table() {
             let is_stop = row.need == Need::Stop && !is_said_by_body(row.path);
+            let may_be = row.need == Need::Stop && is_said_by_body(row.path);
             assert_eq!(stop(b"POST", row.path.as_bytes()), is_stop.then_some(row.path), "{}", row.path);
+            assert_eq!(says_by_body(b"POST", row.path.as_bytes()), may_be.then_some(row.path), "{}", row.path);
             for method in ["GET", "HEAD", "OPTIONS", "TRACE", "get"] {
                 assert_eq!(stop(method.as_bytes(), row.path.as_bytes()), None, "{method} changes nothing");
+                assert_eq!(says_by_body(method.as_bytes(), row.path.as_bytes()), None, "{method} changes nothing");
             }
         }
     }
@@ -93,6 +112,8 @@ mod tests {
             "//api/v1//commands/stop",
             "api/v1/commands/stop",
             "/API/v1/commands/Stop",
+            "/api/v1/commands/stop%20",
+            "/api/v1/commands/h",
             "/./api/v1/commands/stop",
             "/api/v1/commands/%73top",
             "/api/v1/commands/st%6Fp",
@@ -103,6 +124,8 @@ mod tests {
         }
         for method in ["PUT", "DELETE", "post", "FETCH", "", "\u{7f}"] {
             assert_eq!(stop(method.as_bytes(), b"/h"), Some("/h"), "{method:?}");
+            assert_eq!(stop(method.as_bytes(), b"/Stop"), Some("/h"), "{method:?}");
+            assert_eq!(says_by_body(method.as_bytes(), b"/Console//move/"), Some("/console/move"), "{method:?}");
         }
     }
 
@@ -112,7 +135,7 @@ mod tests {
             "",
             "/",
             "*",
-            "/stop",
+            "/stops",
             "/api/v1/commands",
             "/api/v1/commands/stop/now",
             "/hh",

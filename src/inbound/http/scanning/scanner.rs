@@ -4,6 +4,10 @@
 
 use super::body::Chunks;
 use super::head::{BodyLength, Head, HeadReader};
+use super::names;
+
+/// So much is kept of a body that may say STOP, in bytes: what is longer than any body may be is looked at where it begins.
+const BODY: usize = 16 * 1024;
 
 /// What a byte has brought to its end.
 #[derive(Debug, PartialEq, Eq)]
@@ -20,6 +24,14 @@ pub struct Scanner {
     head: HeadReader,
     at: At,
     heads: u64,
+    said: Said,
+}
+
+/// The beginning of a body that may say STOP, and nothing of any other.
+#[derive(Debug, Default)]
+struct Said {
+    is_kept: bool,
+    bytes: Vec<u8>,
 }
 
 #[derive(Debug)]
@@ -36,7 +48,7 @@ impl Scanner {
     /// Before the first byte; `cookie` is the name of the cookies that say who asks.
     #[must_use]
     pub fn new(cookie: &str) -> Scanner {
-        Scanner { head: HeadReader::new(cookie), at: At::Head, heads: 0 }
+        Scanner { head: HeadReader::new(cookie), at: At::Head, heads: 0, said: Said::default() }
     }
 
     /// Takes bytes up to the first that brings something to its end, and says how many it took.
@@ -50,23 +62,29 @@ impl Scanner {
                 }
                 At::Body(left) => {
                     let here = usize::try_from(*left).unwrap_or(usize::MAX).min(bytes.len() - taken);
+                    self.said.keep(&bytes[taken..taken + here]);
                     taken += here;
                     *left -= here as u64;
                     (*left == 0).then_some(Heard::Body)
                 }
                 At::Chunks(chunks) => {
-                    let (here, ended) = chunks.take(&bytes[taken..]);
+                    let (here, ended) = chunks.take(&bytes[taken..], |data| self.said.keep(data));
                     taken += here;
                     match ended {
                         Some(Ok(())) => Some(Heard::Body),
                         Some(Err(())) => {
+                            // It may have been no chunk.
+                            self.said.keep(&bytes[taken - 1..taken]);
                             self.at = At::Lost;
                             None
                         }
                         None => None,
                     }
                 }
-                At::Lost => return (bytes.len(), None),
+                At::Lost => {
+                    self.said.keep(&bytes[taken..]);
+                    return (bytes.len(), None);
+                }
             };
             if let Some(heard) = heard {
                 if heard == Heard::Body {
@@ -96,8 +114,15 @@ impl Scanner {
         matches!(self.at, At::Head) && self.head.is_no_method()
     }
 
+    /// What has come of the body of the request whose head was heard last, if that may say STOP, as far as it is kept.
+    #[must_use]
+    pub fn said(&self) -> &[u8] {
+        &self.said.bytes
+    }
+
     fn begin_body(&mut self, head: Head) -> Heard {
         self.heads += 1;
+        self.said = Said { is_kept: names::says_by_body(&head.method, &head.target).is_some(), bytes: Vec::new() };
         self.at = match head.body {
             BodyLength::Known(0) => At::Head,
             BodyLength::Known(length) => At::Body(length),
@@ -105,6 +130,15 @@ impl Scanner {
             BodyLength::Unknown => At::Lost,
         };
         Heard::Head(head)
+    }
+}
+
+impl Said {
+    fn keep(&mut self, bytes: &[u8]) {
+        if self.is_kept {
+            let room = BODY.saturating_sub(self.bytes.len());
+            self.bytes.extend_from_slice(&bytes[..bytes.len().min(room)]);
+        }
     }
 }
 

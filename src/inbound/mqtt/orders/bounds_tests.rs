@@ -17,7 +17,7 @@ use crate::runtime::halt::Halter;
 use crate::runtime::handle::{COMMANDS, Envelope};
 use crate::runtime::link::link;
 use crate::runtime::store::{Store, StoreWord};
-use crate::runtime::task::Task;
+use crate::runtime::task::{Course, Task};
 use crate::runtime::within::within;
 use crate::wire::fixture::searching;
 
@@ -155,8 +155,8 @@ async fn a_command_that_comes_again_under_its_name_acts_once_and_is_answered_as_
     let sweep = Sweep::new(Settings::default(), Default::default(), "test".into());
     let store = Box::new(Forgetful(watch::Sender::new(StoreWord::default())));
     let (handle, task) = Task::new(sweep, loop_side, store, Clock::default(), halter);
-    let (_close, closing) = watch::channel(false);
-    tokio::spawn(task.run(closing));
+    let (_course, coursed) = watch::channel(Course::default());
+    tokio::spawn(task.run(coursed));
     let second = Duration::from_secs(1);
     robot
         .reports

@@ -13,13 +13,10 @@ use crate::access::Need;
 use crate::core::command::Command;
 use crate::core::mission::in_words;
 use crate::wire::fields::in_short;
-use crate::wire::halt::says_halt;
+use crate::wire::halt::{is_halt, says_halt};
 
-/// The word that halts where bare words are taken, in whatever letters, and the name of that command.
+/// The name of the command that halts.
 const STOP: &str = "stop";
-
-/// The short one of the original system.
-const HALT: &str = "h";
 
 /// The name of the command that may be one.
 const MOVE: &str = "move";
@@ -61,8 +58,8 @@ impl Ear {
 
     fn stop_on(&self, topic: &str, payload: &[u8]) -> Option<Order> {
         let reply = match self.topics.place(topic) {
-            Place::Command(name) if is_word(name, STOP) => self.reply(STOP),
-            Place::Command(name) if is_word(name, MOVE) && says_halt(payload) => self.reply(MOVE),
+            Place::Command(name) if is_halt(name) => self.reply(STOP),
+            Place::Command(name) if name.eq_ignore_ascii_case(MOVE) && says_halt(payload) => self.reply(MOVE),
             Place::Word if says_stop(payload) => self.reply(STOP),
             Place::Old if incoming::is_stop(payload) => Reply { topic: None, id: None, explained: None },
             Place::Command(_) | Place::Word | Place::Old | Place::Ours | Place::Elsewhere => return None,
@@ -169,15 +166,10 @@ impl Order {
     }
 }
 
-fn is_word(text: &str, word: &str) -> bool {
-    text.eq_ignore_ascii_case(word)
-}
-
 /// Whether a bare word is STOP, with whatever stands round it but letters and digits.
 fn says_stop(payload: &[u8]) -> bool {
     let text = String::from_utf8_lossy(payload);
-    let word = text.trim_matches(|letter: char| !letter.is_alphanumeric());
-    is_word(word, STOP) || word == HALT
+    is_halt(text.trim_matches(|letter: char| !letter.is_alphanumeric()))
 }
 
 /// A topic that is none as its sender must have meant it: without wildcards, empty levels, and letters that nobody sees. `None` when it

@@ -8,6 +8,7 @@ use crate::core::command::{Command, LuggageRef, Refusal, Refused, TemperatureRep
 use crate::core::mission::in_words;
 use crate::wire::command::{goto, move_word};
 use crate::wire::fields::in_short;
+use crate::wire::halt::is_halt;
 use crate::wire::old_clients::may_drive;
 
 /// What a message asks for.
@@ -174,9 +175,6 @@ const DANGER: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict
 /// How the contents begin that are moves.
 const MOVES: [&str; 3] = ["userCmd(", "robotCmd(", "modelChange(robot,"];
 
-/// The moves that are STOP.
-const HALTS: [&str; 2] = ["h", "stop"];
-
 /// Every message that is known.
 const ROWS: [Row; 20] = [
     row("startCmd", Asks::For(Command::Start)),
@@ -292,7 +290,7 @@ fn says_halt_behind(letters: &[u8], beginning: &str) -> bool {
     let starts = letters.windows(beginning.len()).enumerate().filter(|(_, window)| *window == beginning.as_bytes());
     starts.map(|(start, _)| &letters[start + beginning.len()..]).any(|rest| {
         let end = rest.iter().position(|letter| !is_in_word(char::from(*letter))).unwrap_or(rest.len());
-        HALTS.iter().any(|halt| halt.as_bytes() == &rest[..end])
+        std::str::from_utf8(&rest[..end]).is_ok_and(is_halt)
     })
 }
 

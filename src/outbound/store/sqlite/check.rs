@@ -4,10 +4,10 @@
 use rusqlite::Connection;
 use rusqlite::types::Value;
 
-use super::fault::{Fault, Then, count, one_line};
+use super::fault::{ALL, Fault, Then, count, one_line};
 use super::folder::Folder;
 use super::rows::{self, Which};
-use super::{photos, project, schema};
+use super::{marker, photos, project, recall, schema};
 use crate::core::units::Seq;
 use crate::wire::journal::Picture;
 
@@ -44,8 +44,12 @@ pub(super) fn check(connection: &Connection, folder: &Folder) -> Result<Findings
     let moment = connection.unchecked_transaction()?;
     structure(&moment, &mut findings)?;
     if findings.faults.is_empty() {
-        let anew = entries(&moment, folder, &mut findings)?;
-        projections(&moment, &anew, &mut findings)?;
+        let (anew, unclear) = entries(&moment, folder, &mut findings)?;
+        if unclear {
+            findings.notes.push(advice(folder));
+        } else {
+            projections(&moment, &anew, &mut findings)?;
+        }
         pictures(&moment, folder, &mut findings)?;
     }
     Ok(findings)
@@ -64,18 +68,19 @@ fn structure(connection: &Connection, findings: &mut Findings) -> Result<(), Fau
     Ok(())
 }
 
-/// The order of the entries, and what they say; the tables that follow from them.
-fn entries(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<Connection, Fault> {
+/// The order of the entries, and what they say; the tables that follow from them, and whether some cannot be understood.
+fn entries(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<(Connection, bool), Fault> {
     let losses = losses(connection)?;
     let mut anew = Connection::open_in_memory()?;
     schema::bring_up_to_date(&mut anew)?;
-    let mut before = Seq(0);
+    let (mut before, mut unclear) = (Seq(0), false);
     rows::each(connection, Which::default(), |_, line| {
         findings.entries += 1;
         let line = match line {
             Ok(line) => line,
             Err(fault) => {
-                findings.fault(fault.words(folder.path(), Then::StartAgain));
+                unclear = true;
+                findings.fault(fault.words_of_an_entry(folder.path()));
                 before = before.next();
                 return Ok(());
             }
@@ -86,7 +91,26 @@ fn entries(connection: &Connection, folder: &Folder, findings: &mut Findings) ->
         before = line.seq;
         project::project(&anew, &line)
     })?;
-    Ok(anew)
+    Ok((anew, unclear))
+}
+
+/// What to do about entries that cannot be understood, so that nothing sound is lost. The tables are not held against the entries
+/// then: they were made when these could be understood, and know more.
+fn advice(folder: &Folder) -> String {
+    let goes_on = marker::read(folder).and_then(|lost_after| recall::recall(folder, lost_after)).is_ok();
+    let then = if goes_on {
+        "hallsweep goes on without them, so nothing has to be done".to_owned()
+    } else {
+        format!(
+            "hallsweep does not go on over them: end it, copy the whole folder {}, then put a backup in place of the journal, or move \
+             {ALL} away together to begin anew",
+            folder.path().display()
+        )
+    };
+    format!(
+        "some entries cannot be understood, all others are sound (`hallsweep journal export` writes them out): {then}; do not run \
+         `hallsweep journal rebuild`, because the tables still know what these entries said"
+    )
 }
 
 fn gap(before: Seq, after: Seq, losses: &[Seq], findings: &mut Findings) {

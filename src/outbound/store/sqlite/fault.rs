@@ -10,7 +10,7 @@ use crate::core::units::Seq;
 use crate::wire::journal::Unparsed;
 
 /// What belongs together: whoever moves one of these without the others has half a journal.
-const ALL: &str = "journal.db, journal.db-wal, journal.db-shm and the folder photos";
+pub(super) const ALL: &str = "journal.db, journal.db-wal, journal.db-shm and the folder photos";
 
 /// Of what SQLite found so many characters are shown: it lists pages by the hundred.
 const SHOWN: usize = 200;
@@ -176,8 +176,9 @@ impl Fault {
                 format!("{file} is no journal of hallsweep; it is left as it is: choose another folder with --data")
             }
             Fault::Unparsed(seq, why) => format!(
-                "entry {seq} of the journal {file} cannot be understood ({why}); nothing is written after it: put a backup in \
-                 its place, or move {ALL} away together, then start hallsweep again"
+                "entry {seq} of the journal {file} cannot be understood ({why}); nothing is written after it: write out the sound \
+                 ones with `hallsweep journal export` if you want them, put a backup in its place, or move {ALL} away together, then \
+                 start hallsweep again"
             ),
             Fault::Changed => format!("the journal {file} is not the one that was read at the start: start hallsweep again"),
             Fault::InUse => format!("another hallsweep uses the folder {shown}: end it, or choose another folder with --data"),

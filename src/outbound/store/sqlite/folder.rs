@@ -93,17 +93,22 @@ impl Folder {
         files.any(|file| file.path().extension() != Some("unfinished".as_ref()))
     }
 
-    /// Fails when something has the name of one of these files that cannot be one (safety R5): SQLite would wait at a pipe for
+    /// Fails when something has the name of a file of the journal that cannot be one (safety R5): SQLite would wait at a pipe for
     /// ever, and say of a folder that the disk is ill.
-    pub(super) fn check_names(&self) -> Result<(), Fault> {
-        const JOURNAL: [&str; 3] = ["journal.db", "journal.db-wal", "journal.db-shm"];
-        const OTHERS: [&str; 2] = ["journal.lock", "journal.lost"];
-        let unusable = |name: &'static str| move |error: io::Error| Fault::Unusable(name, error.to_string());
-        for name in JOURNAL.into_iter().chain(OTHERS) {
-            files::check_plain(&self.0.join(name)).map_err(unusable(name))?;
-        }
-        files::check_folder(&self.photos()).map_err(unusable("photos"))?;
+    pub(super) fn check_journal(&self) -> Result<(), Fault> {
+        self.check_plain(&["journal.db", "journal.db-wal", "journal.db-shm"])?;
         self.check_log()
+    }
+
+    /// The same of what is beside it, without which it can be read all the same.
+    pub(super) fn check_beside(&self) -> Result<(), Fault> {
+        self.check_plain(&["journal.lock", "journal.lost"])?;
+        files::check_folder(&self.photos()).map_err(|error| Fault::Unusable("photos", error.to_string()))
+    }
+
+    fn check_plain(&self, names: &[&'static str]) -> Result<(), Fault> {
+        let unusable = |name: &'static str| move |error: io::Error| Fault::Unusable(name, error.to_string());
+        names.iter().try_for_each(|name| files::check_plain(&self.0.join(name)).map_err(unusable(name)))
     }
 
     /// SQLite passes over a log that does not begin like one, and would write over the entries in it.

@@ -124,10 +124,15 @@ fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fau
         Err(Fault::InUse) => return Err(Fault::InUse),
         other => other.ok(),
     };
-    if let Err(fault) = folder.check_names() {
+    if let Err(fault) = folder.check_journal() {
         return Ok((Hand::Closed, None, words(&fault, Then::StartAgain)));
     }
-    let recalled = match recall_up_to_date(folder) {
+    let lost_after = match folder.check_beside().and_then(|()| marker::read(folder)) {
+        Ok(lost_after) => lost_after,
+        // What stands is shown as far as the journal says it, and nothing is written after it.
+        Err(fault) => return Ok((Hand::Closed, recall::recall(folder, None).unwrap_or(None), words(&fault, Then::StartAgain))),
+    };
+    let recalled = match recall_up_to_date(folder, lost_after) {
         // Somebody took the journal away, or SQLite did: a new one beside the photos of the old would hide that.
         Ok(None) if folder.has_photos() => return Ok((Hand::Closed, None, words(&Fault::OnlyPhotos, Then::StartAgain))),
         Ok(recalled) => recalled,
@@ -145,11 +150,11 @@ fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fau
 }
 
 /// What was kept; a file of an older version is brought up to date first.
-fn recall_up_to_date(folder: &Folder) -> Result<Option<Recalled>, Fault> {
-    match recall::recall(folder) {
+fn recall_up_to_date(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<Recalled>, Fault> {
+    match recall::recall(folder, lost_after) {
         Err(Fault::Older(_)) => {
             schema::bring_up_to_date(&mut connect::writer(folder)?)?;
-            recall::recall(folder)
+            recall::recall(folder, lost_after)
         }
         recalled => recalled,
     }

@@ -26,6 +26,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         }
         Fact::Standing(standing) => stands(connection, standing, wall, seq),
         Fact::ProgramStarted(_)
+        | Fact::ProgramEnded(_)
         | Fact::Command { .. }
         | Fact::Holds(_)
         | Fact::Epoch(_)

@@ -5,10 +5,10 @@ use std::time::Duration;
 
 use rusqlite::{Connection, ErrorCode};
 
+use super::connect;
 use super::fault::Fault;
 use super::folder::Folder;
 use super::rows::{self, Which};
-use super::{connect, marker};
 use crate::core::effect::{Entry, Fact};
 use crate::core::explore::Strategy;
 use crate::core::standing::Standing;
@@ -32,11 +32,10 @@ const DAMAGES: usize = 8;
 const CHECK_PATIENCE: Duration = Duration::from_secs(5);
 
 /// Looks at what was kept, and changes nothing; `None` when nothing was. What was said to be lost before a kill is not looked at,
-/// although it may be there.
-pub(super) fn recall(folder: &Folder) -> Result<Option<Recalled>, Fault> {
+/// although it may be there: all after `lost_after`.
+pub(super) fn recall(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<Recalled>, Fault> {
     let Some(connect::Reader { connection, .. }) = connect::reader(folder)? else { return Ok(None) };
     check_quickly(&connection)?;
-    let lost_after = marker::read(folder)?;
     let written = rows::last_up_to(&connection, lost_after)?;
     if written == Seq(0) {
         return Ok(None);

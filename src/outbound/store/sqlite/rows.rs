@@ -77,7 +77,7 @@ pub(super) fn before_the_last(connection: &Connection, mission: Option<MissionId
 pub(super) fn latest(connection: &Connection, written: Seq, most: usize, searched: u64) -> Result<Vec<Entry>, Fault> {
     let sql = format!(
         "SELECT {COLUMNS} FROM events WHERE seq > ?1 AND seq <= ?2 AND kind IN ('command', 'missionBegan', 'missionArchived',
-         'phase', 'luggage', 'verdict', 'alarmRaised', 'alarmAcknowledged') ORDER BY seq DESC LIMIT {most}"
+         'phase', 'luggage', 'verdict', 'alarmRaised', 'alarmAcknowledged', 'programEnded') ORDER BY seq DESC LIMIT {most}"
     );
     let bounds = [whole(written.0.saturating_sub(searched))?, whole(written.0)?];
     let mut statement = connection.prepare_cached(&sql)?;

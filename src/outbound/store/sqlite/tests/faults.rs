@@ -8,6 +8,7 @@ use rusqlite::TransactionBehavior;
 
 use super::super::archive::SqliteArchive;
 use super::super::desk::Desk;
+use super::super::fault::Fault;
 use super::super::folder::Folder;
 use super::super::marker::Marker;
 use super::super::pages::Pages;
@@ -17,6 +18,12 @@ use super::testing::*;
 use crate::core::command::Verdict;
 use crate::core::effect::{Fact, Page};
 use crate::core::units::{LuggageId, Seq};
+
+/// What a start would read.
+fn recalled(path: &std::path::Path) -> Result<Option<crate::core::sweep::Recalled>, Fault> {
+    let folder = Folder::new(path);
+    recall::recall(&folder, marker::read(&folder)?)
+}
 
 fn notes(scratch: &Scratch) -> Vec<String> {
     let findings = Reading::open(&scratch.data()).unwrap().check().unwrap();
@@ -196,7 +203,7 @@ fn what_was_given_up_while_the_disk_hung_is_taken_back() {
     let losses = desk.begin();
     let written = writer.write(&[page(6, vec![verdict(1, Verdict::Safe)])], losses);
     desk.give_up(desk.at_work().unwrap(), "the disk does not answer");
-    let standing = || recall::recall(&Folder::new(&scratch.data())).unwrap().unwrap();
+    let standing = || recalled(&scratch.data()).unwrap().unwrap();
     let reader = connect::reader(&Folder::new(&scratch.data())).unwrap().expect("there is a journal");
     assert_eq!(rows::last_up_to(&reader.connection, None).unwrap(), Seq(6), "the disk has it");
     assert_eq!(standing().written, Seq(5), "and nobody is told");
@@ -220,7 +227,7 @@ fn what_was_given_up_stays_lost_when_the_program_is_killed_then() {
     // Nobody concludes any more, and the disk has the verdict.
     drop(writer);
     for _ in 0..2 {
-        let recalled = recall::recall(&Folder::new(&scratch.data())).unwrap().unwrap();
+        let recalled = recalled(&scratch.data()).unwrap().unwrap();
         assert_eq!(recalled.written, Seq(5));
         assert!(recalled.standing.luggage[&LuggageId(1)].is_pending());
         drop(scratch.open());
@@ -248,7 +255,7 @@ fn what_is_kept_after_a_failure_outlives_a_kill() {
     assert_eq!(marker::read(&Folder::new(&scratch.data())).unwrap(), None);
     let last = scribe.keep(vec![found(1, None), verdict(1, Verdict::Danger)]);
     // As a kill would leave it: nothing of the store is ended.
-    assert_eq!(recall::recall(&Folder::new(&scratch.data())).unwrap().unwrap().written, last);
+    assert_eq!(recalled(&scratch.data()).unwrap().unwrap().written, last);
 }
 
 #[test]
@@ -271,7 +278,7 @@ fn what_was_given_up_before_the_last_step_is_not_written() {
     desk.give_up(desk.at_work().unwrap(), "the disk does not answer");
     let page = Page { first: Seq(1), entries: vec![at_noon(wall(1, 1))] };
     assert!(writer.write(&[page], losses).is_err());
-    assert_eq!(recall::recall(&Folder::new(&scratch.data())).unwrap(), None);
+    assert_eq!(recalled(&scratch.data()).unwrap(), None);
 }
 
 #[test]

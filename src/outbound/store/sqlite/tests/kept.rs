@@ -303,6 +303,15 @@ fn damage(scratch: &Scratch, seq: Seq) {
     connection.execute_batch(&sql).unwrap();
 }
 
+/// The check names the entry, says what to do, and does not ask for tables that would know less.
+fn check_advises(scratch: &Scratch, damaged: Seq, words: &str) {
+    let findings = Reading::open(&scratch.data()).unwrap().check().unwrap();
+    assert!(findings.faults[0].starts_with(&format!("entry {damaged} of the journal cannot be understood")), "{findings:?}");
+    assert!(findings.faults.iter().all(|fault| !fault.contains("rebuild")), "{findings:?}");
+    let advice = findings.notes.last().expect("there is advice");
+    assert!(advice.contains(words) && advice.contains("`hallsweep journal export` writes them out"), "{advice}");
+}
+
 #[test]
 fn of_a_mission_with_a_damaged_entry_the_rest_is_shown_and_the_damage_said() {
     let scratch = Scratch::new();
@@ -327,8 +336,11 @@ fn of_a_mission_with_a_damaged_entry_the_rest_is_shown_and_the_damage_said() {
     assert_eq!(kept.missions(None, 9).map(|missions| missions.len()), Ok(2));
     assert_eq!(kept.standing(MissionId(2)).unwrap().map(|sound| sound.damage), Some(Vec::new()), "the other has none");
 
+    check_advises(&scratch, lost, "hallsweep goes on without them, so nothing has to be done");
+
     // The entry at which reading would begin: it begins at an earlier one then.
     damage(&scratch, summed_up);
+    check_advises(&scratch, lost, "copy the whole folder");
     let Sound { of, damage: said } = kept.standing(MissionId(2)).unwrap().expect("there was a mission 2");
     assert!(of.map.at(Cell::new(6, 6)).is_obstacle());
     assert_eq!(said.len(), 2, "what was passed on the way is said: {said:?}");

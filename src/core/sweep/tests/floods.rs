@@ -1,0 +1,154 @@
+//! STOPs without end: what they leave on record, and what not.
+
+use super::*;
+use crate::core::effect::{Entry, Fact};
+use crate::core::standing::Standing;
+
+/// A sweep, and what it has put on record.
+struct House {
+    sweep: Sweep,
+    millis: u64,
+    pages: usize,
+    entries: Vec<Entry>,
+    answers: usize,
+    epoch: Epoch,
+}
+
+impl House {
+    fn new() -> House {
+        let mut sweep = sweep_in(PhaseName::Exploring, &[]);
+        sweep.world.luggage.clear();
+        House { sweep, millis: 0, pages: 0, entries: Vec::new(), answers: 0, epoch: Epoch(0) }
+    }
+
+    fn now(&self) -> Now {
+        Now { since_start: Duration::from_millis(self.millis), wall: Wall::default() }
+    }
+
+    /// As the loop takes a STOP: it halts first, and who pressed it follows.
+    fn stop(&mut self, who: &str, from: &str) {
+        self.epoch = self.epoch.next();
+        self.sweep.handle_halt(self.epoch, self.now());
+        self.drain();
+        let issuer = Issuer { door: Door::Http, who: who.into(), from: from.into() };
+        let stop = Request { epoch: Some(self.epoch), ..Request::new(Command::Stop, issuer) };
+        self.sweep.handle_command(stop, self.now()).expect("a stop is never refused");
+        self.drain();
+        assert_eq!(self.sweep.snapshot().mission.epoch, self.epoch, "it is shown at once");
+    }
+
+    fn wait_until(&mut self, millis: u64) {
+        self.millis = millis;
+        while self.sweep.poll_timeout().is_some_and(|due| due <= self.now().since_start) {
+            self.sweep.handle_timeout(self.now());
+            self.drain();
+        }
+    }
+
+    fn drain(&mut self) {
+        while let Some(effect) = self.sweep.poll_effect() {
+            match effect {
+                Effect::Record(page) => {
+                    self.pages += 1;
+                    self.sweep.handle_event(Event::Recorded(page.last()), self.now());
+                    self.entries.extend(page.entries);
+                }
+                Effect::Answer(_, answer) => self.answers += usize::from(answer.is_ok()),
+                Effect::Order(..) | Effect::Halt(_) | Effect::Led(..) => {}
+            }
+        }
+    }
+
+    /// The commands of this sender that are on record.
+    fn by(&self, name: &str) -> Vec<&str> {
+        self.entries.iter().filter_map(|entry| by(entry, name)).collect()
+    }
+
+    /// In which epoch a start would go on from what is on record.
+    fn epoch_on_record(&self) -> Epoch {
+        let mut standing = Standing::first(Strategy::Snail);
+        self.entries.iter().for_each(|entry| standing.apply(entry));
+        standing.epoch
+    }
+}
+
+/// The command of this entry, if it is this sender's.
+fn by<'a>(entry: &'a Entry, name: &str) -> Option<&'a str> {
+    let Fact::Command { issuer, command, .. } = &entry.fact else { return None };
+    (*issuer.who == *name || *issuer.from == *name).then_some(command)
+}
+
+/// How many stops an entry stands for.
+fn count(words: &str) -> u64 {
+    words.split(' ').nth(1).map_or(1, |count| count.parse().expect("a number"))
+}
+
+/// Safety S1, A5, A6.
+#[test]
+fn a_flood_of_stops_shares_an_entry_a_second_and_those_of_others_have_their_own() {
+    let mut house = House::new();
+    for n in 0..3000 {
+        house.wait_until(n);
+        house.stop("lobby", "192.0.2.7");
+        if n % 200 == 0 {
+            house.stop("anna", "192.0.2.8");
+        }
+    }
+    assert_eq!(house.by("anna"), ["STOP"; 15]);
+    assert!(house.pages < 60, "{} pages", house.pages);
+    assert_eq!(house.by("lobby")[..22], [&["STOP"; 20][..], &["STOP, 1000 times within 1.0 s"; 2]].concat());
+    house.wait_until(4000);
+    assert_eq!(house.by("lobby")[22..], ["STOP, 980 times within 1.0 s"]);
+    assert_eq!(house.answers, 3015, "every one is answered");
+    house.wait_until(4200);
+    house.stop("lobby", "192.0.2.7");
+    assert_eq!(house.by("lobby").last(), Some(&"STOP"), "after a while each has its own entry again");
+}
+
+/// Safety S4: its entry waits for others, and the epoch for no more than a second.
+#[test]
+fn the_epoch_of_a_flood_is_on_record_with_the_next_entry_or_soon() {
+    let mut house = House::new();
+    (0..100).for_each(|_| house.stop("lobby", "192.0.2.7"));
+    assert!(house.epoch_on_record() >= Epoch(20));
+    house.wait_until(999);
+    assert!(house.epoch_on_record() < Epoch(100), "nothing has taken it along");
+    house.wait_until(1000);
+    assert_eq!(house.epoch_on_record(), Epoch(100));
+
+    (0..100).for_each(|_| house.stop("lobby", "192.0.2.7"));
+    let start = Request::new(Command::Start, Issuer::operator(Door::Http));
+    house.sweep.handle_command(start, house.now()).expect("nothing else holds it");
+    house.drain();
+    assert_eq!(house.epoch_on_record(), Epoch(200), "the START is on record behind the stops that it came after");
+
+    (0..100).for_each(|_| house.stop("lobby", "192.0.2.7"));
+    house.sweep.record_rest(house.now());
+    house.drain();
+    assert_eq!(house.epoch_on_record(), Epoch(300));
+    assert_eq!(house.by("lobby").iter().map(|words| count(words)).sum::<u64>(), 300);
+}
+
+/// A stop of which nobody heard who pressed it.
+#[test]
+fn an_epoch_goes_on_record_although_no_command_follows() {
+    let mut house = House::new();
+    house.stop("anna", "192.0.2.8");
+    house.sweep.handle_halt(Epoch(7), house.now());
+    house.drain();
+    house.wait_until(5000);
+    assert_eq!(house.epoch_on_record(), Epoch(7));
+    assert_eq!(house.sweep.poll_timeout(), None, "nothing is left to be done");
+}
+
+/// Where nobody signs in all have one name.
+#[test]
+fn whoever_signs_in_nowhere_is_told_apart_by_his_address_and_others_by_their_names() {
+    let mut house = House::new();
+    (0..100).for_each(|_| house.stop("operator", "127.0.0.7"));
+    house.stop("operator", "127.0.0.1");
+    house.stop("operator", "::1");
+    assert_eq!((house.by("127.0.0.1"), house.by("::1"), house.by("127.0.0.7").len()), (vec!["STOP"], vec!["STOP"], 20));
+    (0..100).for_each(|n| house.stop("lobby", &format!("192.0.2.{n}")));
+    assert_eq!(house.by("lobby").len(), 20, "many addresses are no more than one");
+}

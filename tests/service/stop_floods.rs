@@ -1,0 +1,167 @@
+//! STOPs without end, from somebody with a viewer's key or from this machine: every one halts and is answered, nobody's command is
+//! refused for it, and the journal says who pressed how often. How soon is measured in `benches`.
+
+use std::io::{Read, Write};
+use std::net::{TcpStream, UdpSocket};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use serde_json::Value;
+
+use crate::access::Folder;
+use crate::journal::holds;
+use crate::mqtt_attacks::client::Client;
+use crate::mqtt_attacks::packets::{connect_as, publish};
+use crate::program::{PATIENCE, Program};
+
+/// STOPs of a flood: more than the queue of the journal holds many times over.
+const FLOOD: usize = 12_000;
+
+/// STOPs an operator presses beside it.
+const PRESSED: usize = 10;
+
+const STOP: &str = "hallsweep/discovery/command/stop";
+
+/// A program with keys, over a journal.
+struct Site {
+    program: Program,
+    folder: Folder,
+    operator: String,
+    viewer: String,
+}
+
+impl Site {
+    fn new(name: &str) -> Site {
+        let folder = Folder::new(name);
+        folder.token(&["add", "lobby", "--role", "viewer"]);
+        let [operator, viewer] = ["operator", "lobby"].map(|name| folder.token_of(name));
+        let mut command = folder.command(&["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "4"]);
+        command.env("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true").env("HALLSWEEP__MQTT__REQUIRE_PASSWORD", "true");
+        Site { program: Program::started(&mut command), folder, operator, viewer }
+    }
+
+    /// An operator at work until the flood is over: every command is carried out, and the store never holds the robot.
+    fn work(&self, is_over: &AtomicBool) {
+        let bearer = format!("Bearer {}", self.operator);
+        let key = ("authorization", &bearer[..]);
+        let mut pressed = 0;
+        while pressed < PRESSED || !is_over.load(Ordering::SeqCst) {
+            if pressed < PRESSED {
+                self.program.post_with("/api/v1/commands/stop", &[key], "").accepted();
+                pressed += 1;
+            }
+            self.program.post_with("/temperatureOk", &[key], "").accepted();
+            let state = self.program.read("/api/v1/state", &[key]).json();
+            assert!(!holds(&state, "store"), "{state:#}");
+        }
+    }
+
+    /// Floods, with an operator at work beside it; what is on record then.
+    fn flooded(self, flood: impl FnOnce(&Site) + Send) -> Vec<Value> {
+        let is_over = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                let _over = Over(&is_over);
+                flood(&self);
+            });
+            self.work(&is_over);
+        });
+        let Site { mut program, folder, .. } = self;
+        program.signal("TERM");
+        assert!(program.ended_within(PATIENCE).is_some_and(|status| status.success()));
+        let journal = |word: &str| {
+            let output = folder.command(&["journal", word]).output().expect("the program starts");
+            assert!(output.status.success(), "{output:?}");
+            String::from_utf8(output.stdout).expect("it speaks UTF-8")
+        };
+        let said = journal("check");
+        assert!(!said.contains("lost") && !said.contains("missing"), "{said}");
+        journal("export").lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+    }
+}
+
+/// The flood is over, also when it fails.
+struct Over<'a>(&'a AtomicBool);
+
+impl Drop for Over<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::SeqCst);
+    }
+}
+
+/// How many entries say STOP of this sender, and how many STOPs these are.
+fn stops(journal: &[Value], who: &str, door: &str) -> (usize, usize) {
+    let by = journal.iter().filter(|line| line["kind"] == "command" && line["who"] == who && line["door"] == door);
+    let words: Vec<&str> = by.filter_map(|line| line["command"].as_str()).filter(|words| words.starts_with("STOP")).collect();
+    let count = |words: &&str| words.split(' ').nth(1).map_or(1, |count| count.parse().expect("a number"));
+    (words.len(), words.iter().map(count).sum())
+}
+
+/// Sends so many requests on one connection, a hundred at a time.
+fn pipelined(program: &Program, request: &str, count: usize) {
+    const AT_ONCE: usize = 100;
+    const ACCEPTED: &str = "\"accepted\":true";
+    let mut stream = TcpStream::connect(program.address()).expect("the program listens");
+    stream.set_read_timeout(Some(PATIENCE)).expect("a wait is more than nothing");
+    let mut answers = String::new();
+    for sent in (AT_ONCE..=count).step_by(AT_ONCE) {
+        stream.write_all(request.repeat(AT_ONCE).as_bytes()).expect("it is heard");
+        let mut bytes = [0; 64 * 1024];
+        while answers.matches(ACCEPTED).count() < AT_ONCE {
+            let read = stream.read(&mut bytes).expect("it answers");
+            assert!(read > 0, "it is closed after {sent} stops: {answers}");
+            answers.push_str(&String::from_utf8_lossy(&bytes[..read]));
+        }
+        assert_eq!(answers.matches(ACCEPTED).count(), AT_ONCE, "every one is answered, once");
+        answers.clear();
+    }
+}
+
+/// Safety S1, A6.
+#[test]
+fn a_flood_of_stops_over_http_costs_nobody_a_command_and_is_counted() {
+    let journal = Site::new("stop-flood-http").flooded(|site| {
+        let request = format!("POST /h HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {}\r\n\r\n", site.viewer);
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| pipelined(&site.program, &request, FLOOD / 4));
+            }
+        });
+    });
+    assert_eq!(stops(&journal, "operator", "http"), (PRESSED, PRESSED), "each on record by itself");
+    let (entries, counted) = stops(&journal, "lobby", "http");
+    assert_eq!(counted, FLOOD);
+    assert!(entries < FLOOD / 10, "{entries} entries");
+}
+
+/// Safety S1, A6.
+#[test]
+fn a_flood_of_stops_over_mqtt_costs_nobody_a_command_and_is_counted() {
+    let journal = Site::new("stop-flood-mqtt").flooded(|site| {
+        let broker = site.program.mqtt();
+        let mut client = Client::try_connect(broker, &connect_as("flood", ("lobby", &site.viewer))).expect("it is let in");
+        let stops = publish(STOP, b"", 0, 0, 0).repeat(100);
+        (0..FLOOD / 100).for_each(|_| client.say(&stops));
+        client.hang_up();
+    });
+    assert_eq!(stops(&journal, "operator", "http"), (PRESSED, PRESSED), "each on record by itself");
+    let (entries, counted) = stops(&journal, "lobby", "mqtt");
+    assert_eq!(counted, FLOOD);
+    assert!(entries < FLOOD / 10, "{entries} entries");
+}
+
+/// Safety S1, A6: of datagrams some may be lost on their way.
+#[test]
+fn a_flood_of_stops_over_coap_costs_nobody_a_command() {
+    let journal = Site::new("stop-flood-coap").flooded(|site| {
+        let socket = UdpSocket::bind("127.0.0.7:0").expect("an address of this machine");
+        for number in 0..FLOOD {
+            let [high, low] = u16::try_from(number).expect("fewer than there are").to_be_bytes();
+            // A non-confirmable POST to /commands/stop.
+            let stop = [&[0x50, 2, high, low, 0xb8][..], b"commands", &[4], b"stop"].concat();
+            socket.send_to(&stop, site.program.coap()).expect("it is sent");
+        }
+    });
+    assert_eq!(stops(&journal, "operator", "http"), (PRESSED, PRESSED), "each on record by itself");
+    let (entries, counted) = stops(&journal, "operator", "coap");
+    assert!(counted > 100 && entries < counted / 2, "{entries} entries for {counted}");
+}
