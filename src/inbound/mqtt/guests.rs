@@ -3,18 +3,17 @@
 //! a guest is the gate's business.
 
 use std::net::IpAddr;
+use std::pin::pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use bytes::{Buf, BytesMut};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
-use tokio::net::TcpStream;
 use tokio::runtime::Handle;
-use tokio::sync::Semaphore;
+use tokio::sync::{Semaphore, oneshot};
 
 use super::embedded::Running;
-use super::engine::Engine;
 use super::gate::frame::{Kind, Malformed, frame};
 use super::gate::limits::CONNECT;
 use super::gate::packet::connect::{self, Connect, NoConnect};
@@ -28,7 +27,7 @@ use super::pump::{self, Ends};
 use super::read_ahead::{Left, Pool, Taker, read_ahead};
 use super::seats::{Seats, given_up};
 use super::slots::{Name, Slot, Slots};
-use super::upstream::Upstream;
+use super::upstream::{Upstream, enter};
 use super::visitor::{Origin, Reader, Visitor, Writer};
 use crate::access::{Attempts, Network, Token};
 use crate::inbound::vestibule::{Vestibule, Waiting};
@@ -42,9 +41,6 @@ const AGAIN: Duration = Duration::from_millis(100);
 
 /// So long a client that is sent away may take to read why.
 const FAREWELL: Duration = Duration::from_secs(1);
-
-/// How long the gate may be silent towards the engine, in seconds: the most there is, and longer than the longest silence of a client.
-const SILENCE_S: u16 = u16::MAX;
 
 /// The longest name of a client, in bytes; the standard asks for 23.
 const CLIENT_ID: usize = 256;
@@ -94,6 +90,9 @@ struct Rooms {
     attempts: Attempts,
     clock: Clock,
 }
+
+/// Who hears its commands, and who is told when it has a seat.
+type Heeded = (Arc<dyn Listener>, oneshot::Sender<()>);
 
 /// Somebody who has said who it is.
 struct Known {
@@ -178,31 +177,77 @@ impl House {
         let introduced = tokio::select! {
             biased;
             // What has come already is read before room is made.
-            introduced = self.introduced(&mut reader, &mut heard, origin) => introduced,
+            introduced = self.introduced(&mut reader, &mut heard, &origin) => introduced,
             () = waiting.cut() => Err(Sent::GaveWay),
         };
-        let known = match introduced {
+        let (connect, identity) = match introduced {
             Ok(known) => known,
-            Err(sent) => return work.spawn(self.clone().tell(from, writer, sent)).await.unwrap_or(Sent::Ended(Ended::Gone)),
+            Err(sent) => return self.send_away(Visitor { reader, writer, origin }, &heard, waiting, (sent, work)).await,
         };
-        drop(waiting);
+        let known = Known { connect, identity, origin };
         let (feeder, taker) = read_ahead(&self.0.pool);
-        let listener = known.identity.listener(&self.0.orders, known.origin.from);
+        let listener = known.identity.listener(&self.0.orders, from);
         let mut hearing = Hearing::new(Arc::clone(&listener), feeder, self.0.clock, work.clone());
         hearing.begin(&heard).await;
         drop(heard);
-        // Only now, when its STOP has halted, it is asked what else is wrong.
-        let served = work.spawn(self.clone().serve((writer, taker), known, listener, engine));
-        hearing.run(reader).await;
-        served.await.unwrap_or(Sent::Ended(Ended::Gone))
+        // Only now, when its STOP has halted, it is asked what else is wrong. Until that is done it waits with the others.
+        let (seated, has_seat) = oneshot::channel();
+        let served = work.spawn(self.clone().serve((writer, taker), known, (listener, seated), engine));
+        let aborted = served.abort_handle();
+        let mut sent = pin!(async {
+            hearing.run(reader).await;
+            served.await.unwrap_or(Sent::GaveWay)
+        });
+        tokio::select! {
+            sent = &mut sent => return sent,
+            _ = has_seat => {}
+            () = waiting.cut() => aborted.abort(),
+        }
+        drop(waiting);
+        sent.await
+    }
+
+    /// Tells a visitor why it is sent away. Whoever may stop the robot all the same is heard before that, and for a while yet (safety
+    /// S8).
+    async fn send_away(&self, visitor: Visitor, heard: &[u8], waiting: Waiting, (sent, work): (Sent, Handle)) -> Sent {
+        let Visitor { reader, writer, origin } = visitor;
+        let from = origin.from;
+        let Some((identity, is_five)) = self.stranger(&sent, heard, &origin).await else {
+            return work.spawn(self.clone().tell(from, writer, sent)).await.unwrap_or(Sent::Ended(Ended::Gone));
+        };
+        let (feeder, taker) = read_ahead(&self.0.pool);
+        taker.leave(Left::HearsOn);
+        let hearing = Hearing::new(identity.listener(&self.0.orders, from), feeder, self.0.clock, work.clone());
+        let mut hearing = if is_five { hearing.of_five() } else { hearing };
+        hearing.begin(heard).await;
+        let told = work.spawn(self.clone().tell(from, writer, sent));
+        tokio::select! {
+            () = hearing.run(reader) => {}
+            () = waiting.cut() => {}
+        }
+        told.await.unwrap_or(Sent::Ended(Ended::Gone))
+    }
+
+    /// Who somebody is whose first words are no CONNECT to go on with, and whether he speaks MQTT 5; `None`: nobody who is let in.
+    async fn stranger(&self, sent: &Sent, heard: &[u8], origin: &Origin) -> Option<(Identity, bool)> {
+        let (Sent::Unfit(_) | Sent::Malformed(_) | Sent::First(_)) = sent else { return None };
+        let connect = frame(heard, CONNECT).ok().flatten().filter(|frame| frame.kind == Kind::Connect);
+        let sender = connect.map(|frame| connect::sender(&heard[frame.head..frame.length])).unwrap_or_default();
+        let is_five = sender.is_five;
+        self.identity(&sender, origin).await.ok().map(|identity| (identity, is_five))
     }
 
     /// Who a visitor says it is, if that is so. Whoever shows a wrong password waits for his answer, the longer the more often.
-    async fn introduced(&self, reader: &mut Reader, heard: &mut BytesMut, origin: Origin) -> Result<Known, Sent> {
+    async fn introduced(&self, reader: &mut Reader, heard: &mut BytesMut, origin: &Origin) -> Result<(Connect, Identity), Sent> {
         let introduced = tokio::time::timeout(CONNECT_TIME, introduction(reader, heard)).await;
         let connect = introduced.map_err(|_| Sent::Slow)??;
-        match Identity::of(&connect, &origin, &self.0.secret) {
-            Ok(identity) => Ok(Known { connect, identity, origin }),
+        let identity = self.identity(&connect.sender, origin).await?;
+        Ok((connect, identity))
+    }
+
+    async fn identity(&self, sender: &connect::Sender, origin: &Origin) -> Result<Identity, Sent> {
+        match Identity::of(sender, origin, &self.0.secret) {
+            Ok(identity) => Ok(identity),
             Err(Unknown::Nothing) => Err(Sent::Refused(Welcome::NotAllowed)),
             Err(Unknown::Wrong) => {
                 let delay = self.0.attempts.wrong(Network::of(origin.from), self.0.clock.now().since_start);
@@ -224,7 +269,7 @@ impl House {
     }
 
     /// Serves a client to its end, and says why that came. Nothing of it waits for the engine, but what is to be done there.
-    async fn serve(self, ends: (Writer, Taker), known: Known, listener: Arc<dyn Listener>, engine: Running) -> Sent {
+    async fn serve(self, ends: (Writer, Taker), known: Known, (listener, seated): Heeded, engine: Running) -> Sent {
         let (writer, taker) = ends;
         if let Some(welcome) = self.refusal(&known) {
             taker.leave(Left::HearsRest);
@@ -233,6 +278,7 @@ impl House {
         let Known { connect, identity, origin } = known;
         let now = self.0.clock.now().since_start;
         let seat = identity.holder().map(|holder| self.0.seats.take(holder, now));
+        drop(seated);
         let name = Name { who: identity.name(), client: connect.client_id.clone() };
         // What is remembered of it is said with the greeting.
         let remembered = if connect.clean_session {
@@ -319,31 +365,6 @@ async fn introduction(reader: &mut Reader, heard: &mut BytesMut) -> Result<Conne
             return Err(Sent::Ended(Ended::Gone));
         }
     }
-}
-
-/// A way to the engine, which has let us in. For a client that is to be remembered and was not, it first forgets whoever had the slot.
-async fn enter(engine: &Engine, slot: &Slot) -> std::io::Result<TcpStream> {
-    if slot.is_kept && slot.session.is_none() {
-        let mut before = knock(engine, slot, true).await?;
-        before.shutdown().await?;
-        while before.read(&mut [0; 64]).await? > 0 {}
-    }
-    knock(engine, slot, !slot.is_kept).await
-}
-
-async fn knock(engine: &Engine, slot: &Slot, is_clean: bool) -> std::io::Result<TcpStream> {
-    let mut upstream = TcpStream::connect(engine.address()).await?;
-    upstream.set_nodelay(true)?;
-    let mut hello = BytesMut::new();
-    write::connect(&mut hello, &slot.id(), is_clean, SILENCE_S, engine.login());
-    upstream.write_all(&hello).await?;
-    let mut answer = [0; 4];
-    let answered = upstream.read_exact(&mut answer).await;
-    if answered.is_ok() && answer[0] == Kind::Connack.first_byte() && answer[3] == Welcome::Accepted as u8 {
-        return Ok(upstream);
-    }
-    engine.lets_nobody_in();
-    Err(std::io::Error::other("the engine did not let the gate in"))
 }
 
 #[cfg(test)]

@@ -3,7 +3,9 @@
 use tokio::sync::{mpsc, watch};
 
 use super::*;
-use crate::access::Access;
+use crate::access::{Access, Key, Keyring, Keys, OPERATOR, Role};
+use crate::core::command::Command;
+use crate::inbound::mqtt::engine::Engine;
 use crate::inbound::mqtt::identity::Identity;
 use crate::inbound::mqtt::limits::CONNECTIONS;
 use crate::inbound::mqtt::session::testing::topics;
@@ -24,7 +26,7 @@ async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
     let mut hello = BytesMut::new();
     write::connect(&mut hello, "panel", false, 60, ("anna", "x"));
     let connect = connect::read(&hello[2..]).expect("it is one");
-    let identity = Identity::of(&connect, &origin, &house.0.secret).expect("everybody is let in");
+    let identity = Identity::of(&connect.sender, &origin, &house.0.secret).expect("everybody is let in");
     let name = Name { who: identity.name(), client: "panel".to_owned() };
     let mut hangs = house.0.slots.take(name, true).await;
 
@@ -38,4 +40,95 @@ async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
     let _newer: Vec<_> = (0..CONNECTIONS).map(|_| house.0.seats.take(holder.clone(), Duration::MAX)).collect();
     tokio::time::timeout(AGAIN, served).await.expect("it waits no longer").expect("it ends in order");
     assert_eq!(client.read(&mut [0]).await.ok(), Some(0));
+}
+
+/// How many STOPs these bytes of a visitor give, and what he is answered.
+async fn says(access: Access, bytes: &[u8]) -> (usize, Vec<u8>) {
+    let (handle, script) = obedient(idle());
+    let (give, _answers) = mpsc::channel(1);
+    let secret = Token::draw().expect("the system gives chance");
+    let house = House::new(Gatehouse::new(topics()), Orders::new(handle, topics(), true, give), secret);
+    let (_engines, engine) = watch::channel(Arc::new(Engine::hanging("127.0.0.1:9".parse().expect("an address"))));
+    let origin = Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access };
+    let (mut client, stream) = tokio::io::duplex(64 * 1024);
+    let waiting = house.let_wait(origin.from);
+    let served = tokio::spawn(house.entertain(Visitor::over(stream, origin), waiting, (engine, Handle::current())));
+    // What says who he is comes before the rest.
+    for piece in bytes.chunks(40) {
+        // Whoever is nobody may have been sent away already.
+        let _ = client.write_all(piece).await;
+        tokio::task::yield_now().await;
+    }
+    let mut answer = Vec::new();
+    within("the answer", client.read_to_end(&mut answer)).await.expect("it ends in order");
+    drop(client);
+    within("the end", served).await.expect("it ends in order");
+    let given = script.given.lock().expect("nobody panicked");
+    assert!(given.iter().all(|given| given.command == Command::Stop), "{given:?}");
+    (given.len(), answer)
+}
+
+fn field(bytes: &[u8]) -> Vec<u8> {
+    [&u16::try_from(bytes.len()).expect("it is short").to_be_bytes(), bytes].concat()
+}
+
+fn packet(first: u8, body: &[u8]) -> Vec<u8> {
+    [&[first, u8::try_from(body.len()).ok().filter(|length| *length < 128).expect("it is short")], body].concat()
+}
+
+/// A CONNECT of this protocol and level, with these flags, of somebody with this name and password.
+fn hello((protocol, level, flags): (&str, u8, u8), name: &str, password: &str) -> Vec<u8> {
+    let properties = if level == 5 { &[0][..] } else { &[] };
+    let [protocol, name, password] = [protocol, name, password].map(|text| field(text.as_bytes()));
+    packet(0x10, &[&protocol, &[level, flags, 0, 60][..], properties, &field(b"old"), &name, &password].concat())
+}
+
+const VERSION: [u8; 4] = [0x20, 2, 0, 1];
+const FIVE: [u8; 5] = [0x20, 3, 0, 0x84, 0];
+
+/// Safety S8: who asks is known, and what is asked; that his version is not spoken here comes second.
+#[tokio::test]
+async fn a_stop_behind_a_connect_that_is_none_to_go_on_with_halts_where_everybody_may() {
+    let stop = packet(0x30, &field(b"hallsweep/discovery/command/stop"));
+    let word = |properties: &[u8]| packet(0x30, &[&field(b"hallsweep/discovery/command"), properties, b"stop"].concat());
+    let (old, five) = (("MQIsdp", 3, 0xC2), ("MQTT", 5, 0xC2));
+    for (hello, stop, answer) in [
+        (hello(old, "anna", "x"), &stop, &VERSION[..]),
+        (hello(old, "anna", "x"), &word(&[]), &VERSION),
+        (hello(five, "anna", "x"), &stop, &FIVE),
+        (hello(five, "anna", "x"), &word(&[0]), &FIVE),
+        (hello(five, "anna", "x"), &word(&[2, 1, 1]), &FIVE),
+        (hello(("MQTT", 9, 0xC2), "anna", "x"), &stop, &VERSION),
+        (hello(("HTTP", 4, 0xC2), "anna", "x"), &stop, &[]),
+        (hello(("MQTT", 4, 0xC3), "anna", "x"), &stop, &[]),
+        (hello(("MQTT", 4, 0x02), "anna", "x"), &stop, &[]),
+        (packet(0x1F, b"?"), &stop, &[]),
+        (Vec::new(), &stop, &[]),
+    ] {
+        let said = says(Access::Open, &[&hello[..], stop].concat()).await;
+        assert_eq!(said, (1, answer.to_vec()), "{hello:?}");
+    }
+    assert_eq!(says(Access::Open, &hello(old, "anna", "x")).await, (0, VERSION.to_vec()));
+}
+
+/// Safety S8, the other side of it: no key, or a wrong one, never halts.
+#[tokio::test(start_paused = true)]
+async fn with_keys_a_stop_behind_such_a_connect_halts_for_whoever_shows_one() {
+    let token = || Token::draw().expect("the system gives chance");
+    let keys = [(OPERATOR, Role::Operator), ("wall", Role::Viewer)].map(|(name, role)| Key::new(name, role, token()).unwrap());
+    let keyring = Keyring::of(Keys::new(Vec::from(keys)).unwrap());
+    let shown = keyring.keys().named("wall").unwrap().token.reveal().to_owned();
+    let access = Access::Keys(keyring);
+    let stop = packet(0x30, &field(b"hallsweep/discovery/command/stop"));
+    for (version, answer) in
+        [(("MQIsdp", 3, 0xC2), &VERSION[..]), (("MQTT", 5, 0xC2), &FIVE), (("MQTT", 4, 0xC3), &[]), (("HTTP", 4, 0xC2), &[])]
+    {
+        for (name, password, halts) in [("wall", &*shown, 1), ("wall", "wrong", 0), (OPERATOR, &shown, 0), ("nobody", "", 0)] {
+            let said = says(access.clone(), &[hello(version, name, password), stop.clone()].concat()).await;
+            assert_eq!(said, (halts, answer.to_vec()), "{version:?} {name} {password}");
+        }
+    }
+    for nobody in [&hello(("MQTT", 5, 2), "", "")[..], &packet(0x1F, b"?"), &[]] {
+        assert_eq!(says(access.clone(), &[nobody, &stop].concat()).await.0, 0);
+    }
 }

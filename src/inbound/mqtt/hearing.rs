@@ -54,6 +54,11 @@ impl Hearing {
         Hearing { search: StopSearch::default(), listener, feeder, clock, work }
     }
 
+    /// The same for a client of MQTT 5.
+    pub(super) fn of_five(self) -> Hearing {
+        Hearing { search: StopSearch::of_five(), ..self }
+    }
+
     /// What came together with the CONNECT.
     pub(super) async fn begin(&mut self, first: &[u8]) {
         let rest = self.hear(first);

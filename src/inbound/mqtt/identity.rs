@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use subtle::ConstantTimeEq;
 
-use super::gate::packet::connect::Connect;
+use super::gate::packet::connect;
 use super::gate::rights::Guest;
 use super::gate::turnstile::{Heard, Listener};
 use super::orders::{self, Orders, Sender, Taken};
@@ -37,13 +37,13 @@ pub(super) enum Unknown {
 }
 
 impl Identity {
-    /// Who this client is.
+    /// Who this client is, by the name and the password of its CONNECT.
     ///
     /// # Errors
     /// When it is nobody who is let in.
-    pub(super) fn of(connect: &Connect, origin: &Origin, secret: &Token) -> Result<Identity, Unknown> {
-        let password = connect.password.as_deref().unwrap_or_default();
-        let name = connect.name.as_deref();
+    pub(super) fn of(sender: &connect::Sender, origin: &Origin, secret: &Token) -> Result<Identity, Unknown> {
+        let password = sender.password.as_deref().unwrap_or_default();
+        let name = sender.name.as_deref();
         if name == Some(HOUSE) {
             let is_ours = secret.reveal().as_bytes().ct_eq(password);
             return if is_ours.into() { Ok(Identity::House) } else { Err(Unknown::Wrong) };
@@ -167,16 +167,13 @@ mod tests {
     }
 
     fn of(access: &Access, from: &str, login: Option<(&str, &str)>, secret: &Token) -> Result<Identity, Unknown> {
-        let connect = Connect {
-            client_id: "panel".to_owned(),
-            clean_session: true,
-            keep_alive_s: 60,
-            will: None,
+        let sender = connect::Sender {
             name: login.map(|(name, _)| name.to_owned()),
             password: login.map(|(_, password)| password.to_owned().into()),
+            is_five: false,
         };
         let origin = Origin { from: from.parse().unwrap(), caller: None, access: access.clone() };
-        Identity::of(&connect, &origin, secret)
+        Identity::of(&sender, &origin, secret)
     }
 
     /// Safety A4.

@@ -71,8 +71,9 @@ impl Slots {
     /// A slot for a client that comes in; one of the same name is sent away first. `wants_memory`: what happens while it is away is
     /// to be kept for it.
     pub(super) async fn take(&self, name: Name, wants_memory: bool) -> Slot {
+        let came = self.table().next_moment();
         loop {
-            let (moment, mut gone) = match self.enter(&name, wants_memory) {
+            let (moment, mut gone) = match self.enter(&name, wants_memory, came) {
                 Ok(slot) => return slot,
                 Err(present) => present,
             };
@@ -84,16 +85,17 @@ impl Slots {
     }
 
     /// A slot, when nobody of this name is here; else he is asked to leave, and it is said when he came and what ends when he has gone.
-    fn enter(&self, name: &Name, wants_memory: bool) -> Result<Slot, (u64, watch::Receiver<()>)> {
+    fn enter(&self, name: &Name, wants_memory: bool, came: u64) -> Result<Slot, (u64, watch::Receiver<()>)> {
         let mut table = self.table();
-        if let Some(present) = table.present.get(name) {
+        let is_overtaken = table.present.get(name).is_some_and(|present| present.moment > came);
+        if let Some(present) = table.present.get(name).filter(|_| !is_overtaken) {
             present.leave.send_replace(true);
             return Err((present.moment, present.gone.clone()));
         }
-        table.moments += 1;
-        let moment = table.moments;
-        let is_named = !name.client.is_empty();
-        let had = table.remembered.remove(name);
+        let moment = came;
+        // Whoever came later has the name. What this one has said before it left is to go its way all the same.
+        let is_named = !name.client.is_empty() && !is_overtaken;
+        let had = if is_named { table.remembered.remove(name) } else { None };
         let is_kept = wants_memory && is_named && (had.is_some() || table.has_memory());
         let number = had.as_ref().map_or_else(|| table.free(), |had| had.number);
         let session = had.filter(|_| is_kept).and_then(|had| had.session);
@@ -102,7 +104,7 @@ impl Slots {
         }
         table.taken.insert(number);
         let (gone, gone_too) = watch::channel(());
-        let (leave, asked) = watch::channel(false);
+        let (leave, asked) = watch::channel(is_overtaken);
         if is_named {
             table.present.insert(name.clone(), Present { moment, leave, gone: gone_too });
         }
@@ -116,6 +118,11 @@ impl Slots {
 }
 
 impl Table {
+    fn next_moment(&mut self) -> u64 {
+        self.moments += 1;
+        self.moments
+    }
+
     /// Whoever came then does not leave: he is not waited for, and what he has stays his until he does.
     fn give_up(&mut self, name: &Name, moment: u64) {
         self.present.retain(|known, present| known != name || present.moment != moment);
@@ -173,6 +180,8 @@ impl Drop for Slot {
 
 #[cfg(test)]
 mod tests {
+    use futures_util::FutureExt;
+
     use super::*;
     use crate::inbound::mqtt::gate::packet::Qos;
 
@@ -202,6 +211,25 @@ mod tests {
         assert_eq!(slots.table().present.len(), 1, "the newer one is there still");
         drop(newer);
         assert!(slots.table().present.is_empty() && slots.table().taken.is_empty());
+    }
+
+    /// One that has left already, and waits for its place still to pass on what it said, sends no newer one away.
+    #[tokio::test(start_paused = true)]
+    async fn whoever_came_before_takes_the_place_of_nobody_who_came_later() {
+        let slots = Slots::default();
+        let mut first = slots.take(name("panel"), true).await;
+        let mut older = Box::pin(slots.take(name("panel"), true));
+        assert!(older.as_mut().now_or_never().is_none());
+        first.wanted().await;
+        drop(first);
+        let mut newer = slots.take(name("panel"), true).await;
+        let mut older = older.await;
+        older.wanted().await;
+        assert!(!older.is_kept && older.id() != newer.id());
+        let is_wanted = tokio::time::timeout(Duration::from_secs(9), newer.wanted()).await;
+        assert!(is_wanted.is_err(), "nobody wants its place");
+        drop(older);
+        assert_eq!(slots.table().present.len(), 1);
     }
 
     #[tokio::test]

@@ -9,7 +9,13 @@ use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
 use tokio::sync::OwnedSemaphorePermit;
 
 use super::embedded::Running;
+use super::engine::Engine;
+use super::gate::frame::Kind;
+use super::gate::packet::write::{self, Welcome};
 use super::slots::Slot;
+
+/// How long the gate may be silent towards the engine, in seconds: the most there is, and longer than the longest silence of a client.
+const SILENCE_S: u16 = u16::MAX;
 
 /// A way to the engine.
 pub(super) struct Upstream {
@@ -56,4 +62,29 @@ pub(super) async fn leave((engine, to_engine): &mut ToEngine, last_words: &[u8])
     let _ = to_engine.shutdown().await;
     let mut unheard = [0; 4096];
     while let Ok(1..) = engine.read(&mut unheard).await {}
+}
+
+/// A way to the engine, which has let us in. For a client that is to be remembered and was not, it first forgets whoever had the slot.
+pub(super) async fn enter(engine: &Engine, slot: &Slot) -> std::io::Result<TcpStream> {
+    if slot.is_kept && slot.session.is_none() {
+        let mut before = knock(engine, slot, true).await?;
+        before.shutdown().await?;
+        while before.read(&mut [0; 64]).await? > 0 {}
+    }
+    knock(engine, slot, !slot.is_kept).await
+}
+
+async fn knock(engine: &Engine, slot: &Slot, is_clean: bool) -> std::io::Result<TcpStream> {
+    let mut upstream = TcpStream::connect(engine.address()).await?;
+    upstream.set_nodelay(true)?;
+    let mut hello = BytesMut::new();
+    write::connect(&mut hello, &slot.id(), is_clean, SILENCE_S, engine.login());
+    upstream.write_all(&hello).await?;
+    let mut answer = [0; 4];
+    let answered = upstream.read_exact(&mut answer).await;
+    if answered.is_ok() && answer[0] == Kind::Connack.first_byte() && answer[3] == Welcome::Accepted as u8 {
+        return Ok(upstream);
+    }
+    engine.lets_nobody_in();
+    Err(std::io::Error::other("the engine did not let the gate in"))
 }

@@ -32,6 +32,8 @@ pub struct StopSearch {
     is_found: bool,
     /// It cannot be said any more where packets begin.
     is_lost: bool,
+    /// Whether MQTT 5 is spoken, in which properties stand before a payload.
+    is_five: bool,
 }
 
 /// Kind and lengths of a packet.
@@ -51,6 +53,12 @@ enum Begins {
 }
 
 impl StopSearch {
+    /// The same through what a client of MQTT 5 sends.
+    #[must_use]
+    pub fn of_five() -> StopSearch {
+        StopSearch { is_five: true, ..StopSearch::default() }
+    }
+
     /// Goes on with `bytes`, which follow those before, up to the next STOP: where in the stream its packet begins. What was looked
     /// through is taken off `bytes`; `None` when nothing is left of them. `halts` is asked what halts, and told whatever does.
     pub fn next(&mut self, bytes: &mut &[u8], mut halts: impl FnMut(Said<'_>) -> bool) -> Option<u64> {
@@ -63,7 +71,7 @@ impl StopSearch {
                 *bytes = rest;
                 let begins = self.begins;
                 self.begins += head.length as u64;
-                if head.said(packet).into_iter().flatten().any(&mut halts) {
+                if head.said(packet, self.is_five).any(&mut halts) {
                     return Some(begins);
                 }
                 continue;
@@ -99,10 +107,10 @@ impl StopSearch {
         };
         let (begins, is_whole) = (self.begins, self.seen >= head.length);
         let is_asked = !self.is_found && room > 0 && (is_whole || bytes.is_empty());
-        let halts = is_asked && head.said(&self.beginning).into_iter().flatten().any(halts);
+        let halts = is_asked && head.said(&self.beginning, self.is_five).any(halts);
         self.is_found |= halts;
         if is_whole {
-            *self = StopSearch { begins: begins + head.length as u64, ..StopSearch::default() };
+            *self = StopSearch { begins: begins + head.length as u64, is_five: self.is_five, ..StopSearch::default() };
         }
         halts.then_some(begins)
     }
@@ -122,9 +130,17 @@ impl Head {
         if bytes.len() >= LONGEST_HEAD { Begins::Lost } else { Begins::Short }
     }
 
-    /// What a PUBLISH says, when its topic has come. There is no QoS 3, so that nobody knows whether an id follows the topic then: both
-    /// are tried.
-    fn said(self, packet: &[u8]) -> [Option<Said<'_>>; 2] {
+    /// What a PUBLISH says, when its topic has come, without the properties of MQTT 5 and, if that is spoken, with them.
+    fn said(self, packet: &[u8], is_five: bool) -> impl Iterator<Item = Said<'_>> {
+        let said = self.readings(packet).into_iter().flatten();
+        said.flat_map(move |said| {
+            let payload = if is_five { behind_properties(said.payload) } else { None };
+            std::iter::once(said).chain(payload.map(|payload| Said { payload, ..said }))
+        })
+    }
+
+    /// There is no QoS 3, so that nobody knows whether an id follows the topic then: both are tried.
+    fn readings(self, packet: &[u8]) -> [Option<Said<'_>>; 2] {
         let nothing = [None, None];
         if self.first >> 4 != Kind::Publish as u8 {
             return nothing;
@@ -139,6 +155,18 @@ impl Head {
             _ => [with_id, without_id],
         }
     }
+}
+
+/// What follows the properties at the head of this (MQTT 5, section 3.3.2.3).
+fn behind_properties(bytes: &[u8]) -> Option<&[u8]> {
+    let mut length = 0;
+    for (place, byte) in bytes.iter().take(4).enumerate() {
+        length |= usize::from(byte & 0x7F) << (7 * place);
+        if byte & 0x80 == 0 {
+            return bytes.get(place + 1 + length..);
+        }
+    }
+    None
 }
 
 #[cfg(test)]
@@ -241,5 +269,19 @@ mod tests {
         let stop = publish(0x30, "stop", &[]);
         assert_eq!(found(&mut search, [&[&stop[..], &[0x30, 0x80, 0x80, 0x80, 0x80]].concat()[..]]), [0]);
         assert!(found(&mut search, [&stop[..]]).is_empty(), "nobody knows where it begins");
+    }
+
+    /// Safety S8: in MQTT 5 properties stand before the payload.
+    #[test]
+    fn a_word_is_found_behind_the_properties_of_mqtt_5_when_that_is_spoken() {
+        let plain = publish(0x30, "word", b"\0stop");
+        let more = publish(0x32, "word", &[&[0, 7, 5, 1, 1, 2, 0, 60][..], b"stop"].concat());
+        let long = publish(0x30, "word", &[&[0x80, 1][..], &[7; 128], b"stop"].concat());
+        let all = [&plain[..], &more, &long, &publish(0x30, "word", b"stop"), &publish(0x30, "word", &[0x80; 5])].concat();
+        let places = vec![0, plain.len(), plain.len() + more.len(), plain.len() + more.len() + long.len()];
+        let places: Vec<u64> = places.into_iter().map(|place| place as u64).collect();
+        assert_eq!(found(&mut StopSearch::of_five(), [&all[..]]), places);
+        assert_eq!(found(&mut StopSearch::of_five(), all.chunks(3)), places);
+        assert_eq!(found(&mut StopSearch::default(), [&all[..]]), places[3..], "in MQTT 3.1.1 there are none");
     }
 }

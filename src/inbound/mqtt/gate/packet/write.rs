@@ -197,7 +197,8 @@ mod tests {
         let mut out = BytesMut::new();
         connect(&mut out, "c17", true, 65_535, ("gate", "secret"));
         let connect = connect::read(body(&out)).unwrap();
-        assert_eq!((connect.name.as_deref(), connect.password.as_deref()), (Some("gate"), Some(&b"secret"[..])));
+        let sender = connect.sender;
+        assert_eq!((sender.name.as_deref(), sender.password.as_deref()), (Some("gate"), Some(&b"secret"[..])));
         assert_eq!((&*connect.client_id, connect.clean_session, connect.keep_alive_s), ("c17", true, 65_535));
         let mut out = BytesMut::new();
         subscribe(&mut out, 7, &[("a/+", Qos::One), ("b", Qos::Zero)]);
