@@ -1,13 +1,14 @@
 //! The driving port: how every door gives commands and sees the state. Cheap to clone; hides all channels.
 
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::halt::Halter;
 use super::pressed::{PressedIn, PressedOut, pressed};
-use crate::core::command::{Accepted, Command, Issuer, Refused, Request};
+use crate::core::command::{Accepted, Command, Door, Issuer, Refused, Request};
 use crate::core::units::Epoch;
 use crate::core::world::snapshot::Snapshot;
 
@@ -23,9 +24,9 @@ const LEFT_BY_STOPS: usize = COMMANDS - 32;
 pub enum Envelope {
     /// A command, and where its answer goes.
     Command(Request, oneshot::Sender<Answer>),
-    /// What a door refused to take from somebody, for the record: who, what was asked for, and why not; and who waits until it is
-    /// there, if anybody does.
-    Refused(Issuer, String, Refused, Option<oneshot::Sender<Answer>>),
+    /// What a door refused to take from somebody, for the record: who, what was asked for, and why not; how many of them there were,
+    /// of which this is the last; and who waits until it is there, if anybody does.
+    Refused(Issuer, String, Refused, u64, Option<oneshot::Sender<Answer>>),
 }
 
 /// The core's answer to a command.
@@ -37,8 +38,12 @@ pub struct Handle {
     commands: mpsc::Sender<Envelope>,
     snapshots: watch::Receiver<Arc<Snapshot>>,
     halter: Halter,
+    late: Arc<Mutex<Late>>,
     pressed: PressedIn,
 }
+
+/// What was refused while the queue was full, and nobody waits for: of each sender and door the last, and how many.
+type Late = BTreeMap<(Arc<str>, Door), (Issuer, String, Refused, u64)>;
 
 /// The loop has ended; the program is shutting down. `Display` is the sentence a person reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -69,7 +74,7 @@ impl Handle {
         halter: Halter,
     ) -> (Handle, PressedOut) {
         let (pressed, out) = pressed();
-        (Handle { commands, snapshots, halter, pressed }, out)
+        (Handle { commands, snapshots, halter, late: Arc::default(), pressed }, out)
     }
 
     /// Gives a command: it is stamped and queued at the call, so that commands keep the order in which they were given, and a
@@ -108,16 +113,23 @@ impl Handle {
     /// `Gone` when the program is shutting down.
     pub async fn note_refused(&self, issuer: Issuer, asked: String, refused: Refused) -> Result<(), Gone> {
         let (answer, answered) = oneshot::channel();
-        let note = Envelope::Refused(issuer, asked, refused, Some(answer));
+        let note = Envelope::Refused(issuer, asked, refused, 1, Some(answer));
         self.commands.send(note).await.map_err(|_| Gone)?;
         answered.await.map(drop).map_err(|_| Gone)
     }
 
-    /// The same where nothing can be waited for: when the queue is full, it is only in the program's log.
+    /// The same where nothing can be waited for. What finds the queue full is counted, and comes to the loop when there is room:
+    /// the last one of each sender, with how many they were. Must be called inside a runtime.
     pub fn note_refused_at_once(&self, issuer: Issuer, asked: String, refused: Refused) {
-        let note = Envelope::Refused(issuer, asked, refused, None);
-        if let Err(TrySendError::Full(Envelope::Refused(issuer, asked, refused, _))) = self.commands.try_send(note) {
-            tracing::warn!(%issuer, asked, %refused, "a refusal is not on record, because the queue of commands is full");
+        let note = Envelope::Refused(issuer, asked, refused, 1, None);
+        let Err(TrySendError::Full(Envelope::Refused(issuer, asked, refused, ..))) = self.commands.try_send(note) else { return };
+        let mut late = self.late.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_first = late.is_empty();
+        let one =
+            late.entry((Arc::clone(&issuer.who), issuer.door)).or_insert((issuer.clone(), String::new(), refused.clone(), 0));
+        *one = (issuer, asked, refused, one.3 + 1);
+        if is_first {
+            tokio::spawn(send_late(self.commands.clone(), Arc::clone(&self.late)));
         }
     }
 
@@ -167,10 +179,23 @@ impl Handle {
     }
 }
 
+/// Sends what was refused while the queue was full, until there is no more of it. There are no more of them than keys and doors.
+async fn send_late(commands: mpsc::Sender<Envelope>, late: Arc<Mutex<Late>>) {
+    // When the loop has ended nobody keeps a record any more.
+    while let Ok(room) = commands.reserve().await {
+        let mut late = late.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some((_, (issuer, asked, refused, count))) = late.pop_first() else { return };
+        room.send(Envelope::Refused(issuer, asked, refused, count, None));
+        if late.is_empty() {
+            return;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::command::{Door, Move};
+    use crate::core::command::Move;
     use crate::core::settings::Settings;
     use crate::core::sweep::Sweep;
     use crate::core::units::Epoch;
@@ -266,6 +291,33 @@ mod tests {
         let beside: u64 = pressed.take().map(|pressed| pressed.count).sum();
         assert_eq!(beside as usize + COMMANDS - LEFT_BY_STOPS, 9 * COMMANDS, "and no stop is left out");
         drop(waiting);
+    }
+
+    /// Safety A5, A6.
+    #[tokio::test]
+    async fn what_is_refused_while_the_queue_is_full_comes_when_there_is_room_with_how_many_there_were() {
+        let (handle, mut envelopes, _) = house();
+        let note = |door, n| {
+            handle.note_refused_at_once(Issuer::operator(door), format!("START {n}"), Refused::NotAllowed("no".to_owned()))
+        };
+        (0..COMMANDS).for_each(|n| note(Door::Coap, n));
+        for _ in 0..3 {
+            (1..=1000).for_each(|n| note(Door::Coap, n));
+            note(Door::Mqtt, 7);
+            let mut came = BTreeMap::new();
+            while came.len() < 2 {
+                let Some(Envelope::Refused(issuer, asked, _, count, None)) = within("a refusal", envelopes.recv()).await else {
+                    panic!("nothing else was sent")
+                };
+                if !came.is_empty() || count > 1 {
+                    came.insert(issuer.door, (asked, count));
+                }
+            }
+            assert_eq!(came[&Door::Coap], ("START 1000".to_owned(), 1000));
+            assert_eq!(came[&Door::Mqtt], ("START 7".to_owned(), 1));
+            assert!(envelopes.try_recv().is_err(), "and nothing twice");
+            (0..COMMANDS).for_each(|n| note(Door::Coap, n));
+        }
     }
 
     #[tokio::test]

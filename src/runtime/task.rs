@@ -150,12 +150,19 @@ impl Task {
         self.hear_halts();
         match envelope {
             Envelope::Command(request, answer) => self.take_command(request, answer),
-            Envelope::Refused(issuer, asked, refused, answer) => self.note_refused(issuer, asked, refused, answer),
+            Envelope::Refused(issuer, asked, refused, count, answer) => {
+                self.note_refused((issuer, asked, refused), count, answer)
+            }
         }
     }
 
-    fn note_refused(&mut self, issuer: Issuer, asked: String, refused: Refused, answer: Option<oneshot::Sender<Answer>>) {
-        let noted = self.sweep.note_refused(issuer, asked, &refused, self.clock.now());
+    fn note_refused(
+        &mut self,
+        (issuer, asked, refused): (Issuer, String, Refused),
+        count: u64,
+        answer: Option<oneshot::Sender<Answer>>,
+    ) {
+        let noted = self.sweep.note_refused(issuer, asked, &refused, count, self.clock.now());
         let Some(answer) = answer else { return };
         if let Some(seq) = noted {
             self.refusals.push_back((seq, answer, refused));

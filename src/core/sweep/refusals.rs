@@ -34,10 +34,10 @@ impl Default for Refusals {
 }
 
 impl Refusals {
-    /// Takes what was refused just now; what is to be written at once.
-    pub(super) fn come(&mut self, note: Note, now: Duration) -> Option<Note> {
+    /// Takes what was refused just now, the last of so many; what is to be written at once.
+    pub(super) fn come(&mut self, note: Note, count: u64, now: Duration) -> Option<Note> {
         let sender = (note.issuer.who.clone(), note.issuer.door);
-        self.0.come(sender, (note, 1), now).map(Note::of)
+        self.0.come(sender, (note, count), now).map(Note::of)
     }
 
     /// When something is to be written that was not written at once.
@@ -58,10 +58,10 @@ impl Refusals {
 
 impl Sweep {
     /// Notes a command that a door refused to take from its sender (safety A6): `asked` is what was asked for, as the door knows
-    /// it. Its place in the journal; of who is refused without end some share an entry, which has none yet.
-    pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, now: Now) -> Option<Seq> {
+    /// it, the last of `count`. Its place in the journal; of who is refused without end some share an entry, which has none yet.
+    pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, count: u64, now: Now) -> Option<Seq> {
         self.begin(now);
-        let notes = self.refusals.come(Note { issuer, asked, refused: refused.clone() }, now.since_start);
+        let notes = self.refusals.come(Note { issuer, asked, refused: refused.clone() }, count, now.since_start);
         let is_written = notes.is_some();
         self.write_refusals(notes);
         is_written.then(|| self.outbox.written())
@@ -122,7 +122,7 @@ mod tests {
         let mut refusals = Refusals::default();
         let mut written = 0;
         for n in 0..3000_u32 {
-            written += usize::from(refusals.come(note("lobby", &format!("START {n}")), SECOND * (n / 300)).is_some());
+            written += usize::from(refusals.come(note("lobby", &format!("START {n}")), 1, SECOND * (n / 300)).is_some());
         }
         assert_eq!(written, BURST as usize);
         assert_eq!(refusals.due(), Some(EVERY));
@@ -132,27 +132,36 @@ mod tests {
         assert_eq!((refusals.due(), refusals.fall_due(EVERY * 9)), (None, Vec::new()), "nothing twice");
     }
 
+    /// Safety A6: the door counts while the queue of commands is full.
+    #[test]
+    fn what_comes_as_the_last_of_many_counts_as_many() {
+        let mut refusals = Refusals::default();
+        assert_eq!(refusals.come(note("lobby", "START 1"), 1000, SECOND), None);
+        assert_eq!(refusals.come(note("lobby", "START 2"), 1, SECOND), None);
+        assert_eq!(asked(refusals.fall_due(EVERY + SECOND)), ["START 2, and 1000 more that were refused"]);
+    }
+
     #[test]
     fn whoever_is_refused_now_and_then_is_written_one_by_one_and_nobody_for_another() {
         let mut refusals = Refusals::default();
-        (0..9 * BURST).for_each(|_| drop(refusals.come(note("lobby", "START"), SECOND)));
-        assert_eq!(asked(refusals.come(note("anna", "RESET"), SECOND)), ["RESET"], "another sender has room of his own");
+        (0..9 * BURST).for_each(|_| drop(refusals.come(note("lobby", "START"), 1, SECOND)));
+        assert_eq!(asked(refusals.come(note("anna", "RESET"), 1, SECOND)), ["RESET"], "another sender has room of his own");
         assert_eq!(refusals.fall_due(EVERY + SECOND).len(), 1);
-        assert_eq!(refusals.come(note("lobby", "START"), EVERY + SECOND), None);
+        assert_eq!(refusals.come(note("lobby", "START"), 1, EVERY + SECOND), None);
         assert_eq!(refusals.fall_due(EVERY * 3).len(), 1);
         for n in 4..400 {
-            assert!(refusals.come(note("lobby", "START"), EVERY * n).is_some(), "one in {EVERY:?} is written at once");
+            assert!(refusals.come(note("lobby", "START"), 1, EVERY * n).is_some(), "one in {EVERY:?} is written at once");
         }
     }
 
     #[test]
     fn exactly_so_many_senders_are_told_apart_and_nothing_of_others_is_lost() {
         let mut refusals = Refusals::default();
-        (0..=BURST).for_each(|_| drop(refusals.come(note("first", "START"), Duration::ZERO)));
+        (0..=BURST).for_each(|_| drop(refusals.come(note("first", "START"), 1, Duration::ZERO)));
         for n in 1..LIMITS.senders {
-            assert!(refusals.come(note(&format!("key-{n}"), "START"), Duration::ZERO).is_some());
+            assert!(refusals.come(note(&format!("key-{n}"), "START"), 1, Duration::ZERO).is_some());
         }
-        let others = (0..=BURST).filter_map(|n| refusals.come(note(&format!("late-{n}"), "RESET"), Duration::ZERO));
+        let others = (0..=BURST).filter_map(|n| refusals.come(note(&format!("late-{n}"), "RESET"), 1, Duration::ZERO));
         assert_eq!(others.count(), BURST as usize, "they share one room");
         assert_eq!(asked(refusals.fall_due(EVERY)), ["START", "RESET"]);
     }

@@ -35,8 +35,15 @@ pub trait Application: Send + 'static {
     /// is wrong with the rest, and however much is under way already (safety S8).
     const IS_STOP: fn(&Request) -> bool;
 
+    /// Four bytes each: whatever is a STOP has at least one of them in its path, with the bit set
+    /// that makes letters small. By these it is known in a flood before it is read.
+    const STOP_WORDS: &'static [[u8; 4]];
+
     /// Notes what the endpoint refused without asking; must not block.
     fn note(&self, refusal: Refusal);
+
+    /// Notes that a command was not taken because too many are under way; must not block.
+    fn note_busy(&self, request: &Request);
 }
 
 /// Asks for an answer; a mistake of the application ends this request alone (safety A7).

@@ -7,6 +7,7 @@ pub mod links;
 mod news;
 mod resources;
 mod serve;
+mod sieve;
 mod socket;
 mod under_way;
 

@@ -9,6 +9,7 @@ use tokio::sync::watch;
 use super::application::{self, Application, Said};
 use super::endpoint::{Backlog, Datagram, Endpoint};
 use super::news::{self, News};
+use super::sieve::Sieve;
 use super::socket::{BATCH, Socket};
 use super::under_way::{Sort, UnderWay, busy};
 use crate::core::units::Now;
@@ -36,6 +37,7 @@ struct Driver<A> {
     under_way: UnderWay,
     /// What was heard and waits.
     backlog: Backlog,
+    sieve: Sieve,
     /// How often in a row it was heard and not answered.
     hearings: u32,
     clock: Clock,
@@ -51,8 +53,8 @@ pub async fn serve<A: Application>(
 ) {
     let clock = Clock::default();
     let endpoint = endpoint.with_stop(A::IS_STOP);
-    let (under_way, backlog) = (UnderWay::default(), Backlog::new(A::IS_STOP));
-    let mut driver = Driver { socket, endpoint, application, under_way, backlog, hearings: 0, clock };
+    let (under_way, backlog, sieve) = (UnderWay::default(), Backlog::new(A::IS_STOP), Sieve::new(A::STOP_WORDS));
+    let mut driver = Driver { socket, endpoint, application, under_way, backlog, sieve, hearings: 0, clock };
     let mut news = News::of(states, clock);
     tokio::pin!(shutdown);
     loop {
@@ -65,6 +67,7 @@ pub async fn serve<A: Application>(
                 driver.endpoint.handle_answer(exchange, answer, clock.now());
             }
             () = clock.reach(due) => driver.endpoint.handle_timeout(clock.now()),
+            () = clock.reach(driver.sieve.due()) => driver.loosen(),
             () = news.come() => news::tell(&mut driver.endpoint, &driver.application, clock.now()),
             () = async { if !is_behind { driver.socket.readable().await } } => driver.turn().await,
         }
@@ -107,19 +110,28 @@ impl<A: Application> Driver<A> {
 
     /// Hears, and answers what is urgent; whether that was all that has come.
     async fn hear(&mut self) -> bool {
-        let (until, mut bytes_heard) = (self.clock.since_start() + HEARING, 0);
+        let (until, mut bytes_heard, mut sorts) = (self.clock.since_start() + HEARING, 0, [0; 3]);
         let is_all = loop {
             let Some((peer, bytes)) = self.socket.read().await else { break true };
             bytes_heard += bytes.len();
-            self.backlog.hear(peer, bytes);
+            sorts[Sieve::kind(self.backlog.hear(peer, bytes))] += 1;
             if bytes_heard >= HEARING_BYTES || self.clock.since_start() > until {
                 break false;
             }
         };
+        if !is_all && self.sieve.tighten(sorts, self.clock.since_start()) {
+            self.socket.sift(&self.sieve);
+        }
         while let Some(datagram) = self.backlog.take_urgent() {
             self.answer(&datagram);
         }
         is_all
+    }
+
+    fn loosen(&mut self) {
+        if self.sieve.loosen(self.clock.since_start()) {
+            self.socket.sift(&self.sieve);
+        }
     }
 
     fn catch_up(&mut self) {
@@ -143,7 +155,13 @@ impl<A: Application> Driver<A> {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             let (sort, asked) = (Sort::of(request.method), &self.application);
             let is_full = self.under_way.is_full(sort) && !A::IS_STOP(&request);
-            match if is_full && sort == Sort::Command { Said::Now(busy()) } else { application::answer(asked, &request) } {
+            let said = if is_full && sort == Sort::Command {
+                asked.note_busy(&request);
+                Said::Now(busy())
+            } else {
+                application::answer(asked, &request)
+            };
+            match said {
                 Said::Now(answer) => self.endpoint.handle_answer(exchange, answer, now),
                 Said::Later(_) if is_full => self.endpoint.handle_answer(exchange, busy(), now),
                 Said::Later(answer) => self.under_way.add(exchange, sort, answer),

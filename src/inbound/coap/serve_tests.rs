@@ -29,6 +29,8 @@ struct Obedient {
     unlucky: Arc<Notify>,
     /// The paths that were asked for, in their order.
     asked: Arc<Mutex<Vec<String>>>,
+    /// The paths of commands that were too many.
+    busy: Arc<Mutex<Vec<String>>>,
 }
 
 impl Obedient {
@@ -40,7 +42,13 @@ impl Obedient {
 impl Application for Obedient {
     const IS_STOP: fn(&Request) -> bool = |request| request.segments() == ["stop"];
 
+    const STOP_WORDS: &[[u8; 4]] = &[*b"stop"];
+
     fn note(&self, _: Refusal) {}
+
+    fn note_busy(&self, request: &Request) {
+        self.busy.lock().unwrap().push(request.path_text());
+    }
 
     fn answer(&self, request: &Request) -> Said {
         let go = Arc::clone(&self.go);
@@ -75,6 +83,7 @@ struct House {
     go: Arc<Semaphore>,
     unlucky: Arc<Notify>,
     asked: Arc<Mutex<Vec<String>>>,
+    busy: Arc<Mutex<Vec<String>>>,
     closing: oneshot::Sender<()>,
     door: JoinHandle<()>,
 }
@@ -93,11 +102,16 @@ fn house() -> House {
     let (closing, closed) = oneshot::channel();
     let go = Arc::new(Semaphore::new(0));
     let unlucky = Arc::new(Notify::new());
-    let asked = Arc::default();
-    let application =
-        Obedient { states: states.subscribe(), go: Arc::clone(&go), unlucky: Arc::clone(&unlucky), asked: Arc::clone(&asked) };
+    let (asked, busy) = (Arc::default(), Arc::default());
+    let application = Obedient {
+        states: states.subscribe(),
+        go: Arc::clone(&go),
+        unlucky: Arc::clone(&unlucky),
+        asked: Arc::clone(&asked),
+        busy: Arc::clone(&busy),
+    };
     let door = tokio::spawn(serve(socket, Endpoint::new([7; 32]), application, states.subscribe(), async { drop(closed.await) }));
-    House { address, states, go, unlucky, asked, closing, door }
+    House { address, states, go, unlucky, asked, busy, closing, door }
 }
 
 impl House {
@@ -181,7 +195,7 @@ async fn fill(client: &mut Client, method: Method, places: usize) {
     }
 }
 
-/// Safety S1, A5.
+/// Safety S1, A5, A6.
 #[tokio::test]
 async fn when_many_commands_are_under_way_others_are_asked_to_wait_and_stop_is_taken() {
     let house = house();
@@ -192,6 +206,8 @@ async fn when_many_commands_are_under_way_others_are_asked_to_wait_and_stop_is_t
     assert_eq!(code(&busy), Code::UNAVAILABLE);
     assert_eq!(busy.get_first_option(CoapOption::MaxAge), Some(&vec![2]));
     assert_eq!(code(&other.ask(Method::Put, "take").await), Code::UNAVAILABLE, "it might have begun something");
+    let busy: Vec<String> = house.busy.lock().unwrap().iter().map(|path| path.trim_start_matches('/').to_owned()).collect();
+    assert_eq!(busy, ["hang", "take"], "they are on record");
     assert_eq!(code(&other.ask(Method::Get, "revision").await), Code::CONTENT, "looks go on");
     assert_eq!(code(&other.ask(Method::Post, "stop").await), Code::CHANGED);
     house.go.close();
@@ -293,6 +309,39 @@ async fn a_stop_overtakes_looks_that_wait_and_no_command_that_came_before_it() {
     let place = |path: &str| asked.iter().rposition(|asked| asked.trim_start_matches('/') == path).unwrap();
     assert!(place("stop") <= BATCH + 2, "{} of {everything}", place("stop"));
     assert!(place("take") < place("stop") && place("stop") < place("last"));
+}
+
+/// Safety S1, S7, S9. More is there than is heard in a turn, whatever the time.
+#[tokio::test]
+async fn while_more_comes_than_is_heard_less_is_let_through_and_everything_again_afterwards() {
+    let bound = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    let (sender, address) = (std::net::UdpSocket::bind("127.0.0.1:0").unwrap(), bound.local_addr().unwrap());
+    let states = watch::channel(Arc::new(searching())).1;
+    let (go, unlucky) = (Arc::new(Semaphore::new(0)), Arc::default());
+    let application = Obedient { states, go, unlucky, asked: Arc::default(), busy: Arc::default() };
+    let mut driver = Driver {
+        socket: Socket::new(bound).unwrap(),
+        endpoint: Endpoint::new([7; 32]),
+        application,
+        under_way: UnderWay::default(),
+        backlog: Backlog::new(Obedient::IS_STOP),
+        sieve: Sieve::new(Obedient::STOP_WORDS),
+        hearings: 0,
+        clock: Clock::default(),
+    };
+    (0..100).for_each(|id| {
+        sender.send_to(&datagram(Method::Get, "revision", id), address).unwrap();
+    });
+    for id in 100..103 {
+        let large = [&datagram(Method::Put, "take", id)[..], &[0xFF], &[b'x'; 30_000]].concat();
+        sender.send_to(&large, address).unwrap();
+    }
+    driver.socket.readable().await;
+    driver.turn().await;
+    let due = driver.sieve.due().expect("less is let through");
+    driver.clock.reach(Some(due)).await;
+    driver.loosen();
+    assert_eq!(driver.sieve.due(), None);
 }
 
 #[tokio::test]

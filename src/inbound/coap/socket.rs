@@ -9,6 +9,7 @@ use socket2::{Domain, SockRef, Type};
 use tokio::net::UdpSocket;
 
 use super::endpoint::Transmit;
+use super::sieve::Sieve;
 
 /// So many bytes are asked for in each direction: every observer there may be acknowledges at once. The system may give less, and
 /// then what did not fit is sent again.
@@ -64,6 +65,13 @@ impl Socket {
             }
         }
         None
+    }
+
+    /// Has the system keep nothing of this socket's but what this lets through.
+    pub(super) fn sift(&self, sieve: &Sieve) {
+        if let Err(error) = sieve.fit(&SockRef::from(&self.udp)) {
+            tracing::debug!(%error, "the system throws nothing away");
+        }
     }
 
     /// Sends a datagram; one that cannot be sent, or not at once, is lost, as others are on their way: nobody waits for the network.

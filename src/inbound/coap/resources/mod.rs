@@ -79,6 +79,17 @@ impl Application for Resources {
 
     const IS_STOP: fn(&Request) -> bool = stop::is_stop;
 
+    const STOP_WORDS: &[[u8; 4]] = stop::WORDS;
+
+    /// Safety A6, as in `refused`.
+    fn note_busy(&self, request: &Request) {
+        if Caller::of(request.peer) == Caller::Here {
+            let words = "too many commands were under way".to_owned();
+            let kept = command::Refusal { code: "tooMany", kind: RefusalKind::Unavailable, words };
+            self.handle.note_refused_at_once(caller::issuer(request.peer), asked_of(request), Refused::Before(kept));
+        }
+    }
+
     /// Safety A6, as in `refused`.
     fn note(&self, refusal: endpoint::Refusal) {
         let kept = command::Refusal { code: "malformed", kind: RefusalKind::Mismatch, words: refusal.words };
@@ -132,7 +143,7 @@ impl Resources {
         if request.method == Method::Get || !problem.is_for_record() {
             return Said::Now(answer);
         }
-        let asked = problem.asked().unwrap_or_else(|| format!("{} {}", request.method.name(), in_short(&request.path_text())));
+        let asked = problem.asked().unwrap_or_else(|| asked_of(request));
         if Caller::of(request.peer) == Caller::Beyond {
             if let Some(refused) = self.strangers.one_more() {
                 let why = problem.detail();
@@ -148,6 +159,11 @@ impl Resources {
             answer
         }))
     }
+}
+
+/// What a request asks for, as records say it.
+fn asked_of(request: &Request) -> String {
+    format!("{} {}", request.method.name(), in_short(&request.path_text()))
 }
 
 #[cfg(test)]

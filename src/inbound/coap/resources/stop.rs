@@ -25,6 +25,9 @@ pub(super) fn is_stop(request: &Request) -> bool {
     }
 }
 
+/// Of these every request that halts has one in its path, with the bit set that makes letters small.
+pub(super) const WORDS: &[[u8; 4]] = &[*b"stop", *b"move", *b"reso", *b"ds!h", *b"ds/h"];
+
 /// The words of a path in small letters, however a client has cut it up.
 fn segments(request: &Request) -> Vec<String> {
     let segments = request.path.iter().flat_map(|segment| segment.split('/'));

@@ -93,7 +93,12 @@ impl Writer {
             }
             return !ended;
         }
-        let Ok(first) = self.pages.recv() else { return false };
+        let first = match self.pages.recv_timeout(self.patience.retry) {
+            Ok(first) => first,
+            // What could not be handed over may be said to be lost when all that could be is written already: nobody else wakes this.
+            Err(RecvTimeoutError::Timeout) => return true,
+            Err(RecvTimeoutError::Disconnected) => return false,
+        };
         let batch = std::iter::once(first).chain(self.pages.try_iter().take(BATCH - 1)).collect();
         self.keep(batch);
         true

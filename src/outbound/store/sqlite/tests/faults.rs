@@ -87,6 +87,21 @@ fn a_full_queue_is_a_failure_and_not_a_wait() {
     assert_eq!(notes(&scratch).len(), 1);
 }
 
+/// Safety R3: the last page for which there was no room is said to be lost when everything before it has been written.
+#[test]
+fn a_loss_that_is_said_when_nothing_is_left_to_write_is_gone_on_from() {
+    let scratch = Scratch::new();
+    let (opened, desk) = store_at(&Folder::new(&scratch.data()));
+    let mut scribe = Scribe::new(opened);
+    scribe.keep(begin(1));
+    // Most times the writer is waiting by then.
+    for losses in 1..=20 {
+        desk.overflow("the disk does not keep up".to_owned());
+        scribe.until(|word| word.losses == losses && word.failure.is_none());
+        scribe.keep(vec![wall(3, 3)]);
+    }
+}
+
 /// Safety R3: whoever handed something over while a failure stood hears that it is lost, once, when the failure ends.
 #[test]
 fn pages_that_are_dropped_during_a_failure_are_one_more_loss() {

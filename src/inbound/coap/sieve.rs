@@ -1,0 +1,192 @@
+//! What the system throws away in a flood before it takes room in the socket's queue, so that this never stands full and loses a STOP
+//! (safety S1, S6): of each kind of which more comes than is heard only one in so many is let through, by chance, and besides
+//! whatever has a word in it that a STOP has. Linux can be told so; elsewhere nothing is thrown away. What is let through is judged
+//! by the endpoint alone.
+
+use std::time::Duration;
+
+use super::endpoint::Sort;
+
+/// At most every 2^7th of a kind is let through: some thousand a second of all that this machine can send to itself.
+const FINEST: u32 = 7;
+
+/// After so long without more than is heard twice as many are let through.
+const CALM: Duration = Duration::from_millis(50);
+
+/// So many bytes of a datagram are looked through for the words: a STOP has them at its beginning.
+const SEARCHED: u32 = 160;
+
+/// What is let through now.
+pub(super) struct Sieve {
+    /// Four bytes each, of which every STOP has one, with the bit set that makes letters small.
+    words: &'static [[u8; 4]],
+    /// Of looks, commands and signs one in two to the power of this.
+    fine: [u32; 3],
+    /// When it was last changed.
+    since: Duration,
+}
+
+impl Sieve {
+    /// One that lets everything through.
+    pub(super) fn new(words: &'static [[u8; 4]]) -> Sieve {
+        Sieve { words, fine: [0; 3], since: Duration::ZERO }
+    }
+
+    /// More came than was heard, so many of each kind: fewer of the most frequent are to be let through. Whether that changes anything.
+    pub(super) fn tighten(&mut self, heard: [usize; 3], now: Duration) -> bool {
+        self.since = now;
+        let most = (0..heard.len()).max_by_key(|kind| heard[*kind]);
+        let Some(fine) = most.map(|kind| &mut self.fine[kind]).filter(|fine| **fine < FINEST) else { return false };
+        *fine += 1;
+        true
+    }
+
+    /// When more is to be let through again.
+    pub(super) fn due(&self) -> Option<Duration> {
+        (self.fine != [0; 3]).then(|| self.since + CALM)
+    }
+
+    /// Lets more through, if it is time. Whether that changes anything.
+    pub(super) fn loosen(&mut self, now: Duration) -> bool {
+        if self.due().is_none_or(|due| now < due) {
+            return false;
+        }
+        self.since = now;
+        self.fine = self.fine.map(|fine| fine.saturating_sub(1));
+        true
+    }
+
+    /// The kind of what was heard, as an index.
+    pub(super) const fn kind(sort: Sort) -> usize {
+        match sort {
+            Sort::Look => 0,
+            Sort::Command => 1,
+            Sort::Sign => 2,
+        }
+    }
+
+    /// Tells the system.
+    #[cfg(target_os = "linux")]
+    pub(super) fn fit(&self, socket: &socket2::SockRef<'_>) -> std::io::Result<()> {
+        if self.fine == [0; 3] { socket.detach_filter() } else { socket.attach_filter(&program(self.words, self.fine)) }
+    }
+
+    #[cfg(not(target_os = "linux"))]
+    pub(super) fn fit(&self, _: &socket2::SockRef<'_>) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// As a program of the classic Berkeley packet filter, which sees a datagram from its UDP header on, and throws away what ends before
+/// it has read what it wants to.
+#[cfg(target_os = "linux")]
+fn program(words: &[[u8; 4]], [looks, commands, signs]: [u32; 3]) -> Vec<socket2::SockFilter> {
+    use socket2::SockFilter;
+
+    const UDP: u32 = 8;
+    const CHANCE: u32 = 0xFFFF_F000 + 56;
+    let load = |at| SockFilter::new(0x20, 0, 0, at);
+    let load_byte = |at| SockFilter::new(0x30, 0, 0, at);
+    let is_equal = |to, then, other| SockFilter::new(0x15, then, other, to);
+    let is_least = |to, then, other| SockFilter::new(0x35, then, other, to);
+    let (take, lose) = (|| SockFilter::new(0x06, 0, 0, u32::MAX), || SockFilter::new(0x06, 0, 0, 0));
+    // Goes on behind its four steps with those that chance has not chosen.
+    let one_in = |power: u32| [load(CHANCE), SockFilter::new(0x54, 0, 0, (1 << power) - 1), is_equal(0, 0, 1), take()];
+    let mut steps = vec![load_byte(UDP + 1), is_equal(1, 3, 0), is_equal(5, 2, 0), is_equal(0, 6, 0), is_least(32, 5, 10)];
+    steps.extend(one_in(looks));
+    steps.push(lose());
+    steps.extend(one_in(signs));
+    steps.push(lose());
+    steps.extend(one_in(commands));
+    let count = u8::try_from(words.len()).unwrap_or(u8::MAX);
+    for at in UDP + 4..UDP + SEARCHED {
+        steps.extend([load(at), SockFilter::new(0x44, 0, 0, 0x2020_2020)]);
+        for (n, word) in (1..).zip(words) {
+            steps.push(is_equal(u32::from_be_bytes(*word), count - n, u8::from(n == count)));
+        }
+        steps.push(take());
+    }
+    steps.push(lose());
+    steps
+}
+
+#[cfg(test)]
+#[cfg(target_os = "linux")]
+mod tests {
+    use std::net::UdpSocket;
+
+    use socket2::SockRef;
+
+    use super::*;
+
+    const WORDS: &[[u8; 4]] = &[*b"stop", *b"reso"];
+    const MS: Duration = Duration::from_millis(1);
+
+    /// What of these datagrams comes through a sieve that was tightened so often for each kind.
+    fn through(fine: [u32; 3], datagrams: &[Vec<u8>]) -> Vec<Vec<u8>> {
+        let [to, from] = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
+        for fine in [[30; 3], fine] {
+            Sieve { fine, ..Sieve::new(WORDS) }.fit(&SockRef::from(&to)).unwrap();
+        }
+        to.set_nonblocking(true).unwrap();
+        let mut came = Vec::new();
+        for datagram in datagrams {
+            from.send_to(datagram, to.local_addr().unwrap()).unwrap();
+            let mut buffer = [0; 2048];
+            while let Ok(length) = to.recv(&mut buffer) {
+                came.push(buffer[..length].to_vec());
+            }
+        }
+        came
+    }
+
+    fn datagram(first: u8, code: u8, rest: &[u8]) -> Vec<u8> {
+        [&[first, code, 0, 1][..], rest].concat()
+    }
+
+    /// Safety S1, S6.
+    #[test]
+    fn however_fine_it_is_what_has_a_word_of_a_stop_comes_through() {
+        let stops = [
+            datagram(0x40, 2, b"\xB8commands\x04Stop"),
+            datagram(0x48, 2, b"tokentok\x3Bexample.org\x88commands\x04stop\xFF{}"),
+            datagram(0x40, 3, b"\xBD\x00resourcemodel\xFFh"),
+            datagram(0x4F, 31, b"\xFF\xFFstop"),
+            datagram(0x40, 2, &[&[0x33; 140][..], b"stop", &[0x33; 700]].concat()),
+        ];
+        assert_eq!(through([30; 3], &stops), stops);
+    }
+
+    /// Safety A5: of each kind so many as was said, and of the others all.
+    #[test]
+    fn of_a_kind_of_which_too_much_comes_only_some_come_through() {
+        let kinds = [(0x40, 1, "look"), (0x40, 2, "act"), (0x60, 0, "acknowledge")];
+        for (n, (first, code, word)) in kinds.into_iter().enumerate() {
+            let all: Vec<Vec<u8>> = (0..2000).map(|_| datagram(first, code, word.as_bytes())).collect();
+            let mut fine = [30; 3];
+            assert!(through(fine, &all).len() < 10, "{word}");
+            fine[n] = 0;
+            assert_eq!(through(fine, &all).len(), 2000, "{word}");
+            fine[n] = 1;
+            assert!((500..1500).contains(&through(fine, &all).len()), "{word}");
+        }
+        assert_eq!(through([0; 3], &[datagram(0x40, 1, b"")]).len(), 1);
+    }
+
+    /// Safety S9.
+    #[test]
+    fn it_becomes_finer_for_what_floods_and_lets_everything_through_again_after_a_while() {
+        let mut sieve = Sieve::new(&[]);
+        assert_eq!(sieve.due(), None);
+        (1..=FINEST).for_each(|n| assert!(sieve.tighten([100, 3, 2], n * MS)));
+        assert!(!sieve.tighten([100, 3, 2], 10 * MS), "it is as fine as can be");
+        assert!(sieve.tighten([3, 100, 2], 10 * MS));
+        assert_eq!(sieve.fine, [FINEST, 1, 0]);
+        assert!(!sieve.loosen(59 * MS) && sieve.loosen(60 * MS));
+        assert_eq!(sieve.fine, [FINEST - 1, 0, 0]);
+        while let Some(due) = sieve.due() {
+            assert!(sieve.loosen(due));
+        }
+        assert_eq!(sieve.fine, [0; 3]);
+    }
+}
