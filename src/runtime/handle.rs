@@ -279,6 +279,20 @@ mod tests {
         assert_eq!(came, [(Some(last), 9 * COMMANDS as u64)], "all of them, up to the last");
     }
 
+    /// Safety A5, S9.
+    #[tokio::test]
+    async fn stops_leave_places_in_the_queue_to_other_commands() {
+        let (handle, mut envelopes, _, pressed) = house_with_stops();
+        (0..9 * COMMANDS).for_each(|_| drop(handle.give(request(Command::Stop))));
+        let waiting: Vec<_> = (0..LEFT_BY_STOPS).map(|_| handle.give(request(Command::Start))).collect();
+        let queued: Vec<_> = std::iter::from_fn(|| next(&mut envelopes)).collect();
+        let starts = queued.iter().filter(|request| request.command == Command::Start).count();
+        assert_eq!((queued.len(), starts), (COMMANDS, LEFT_BY_STOPS), "each has its place at once");
+        let beside: u64 = pressed.take().map(|pressed| pressed.count).sum();
+        assert_eq!(beside as usize + COMMANDS - LEFT_BY_STOPS, 9 * COMMANDS, "and no stop is left out");
+        drop(waiting);
+    }
+
     /// Safety A5, A6.
     #[tokio::test]
     async fn what_is_refused_while_the_queue_is_full_comes_when_there_is_room_with_how_many_there_were() {
@@ -304,20 +318,6 @@ mod tests {
             assert!(envelopes.try_recv().is_err(), "and nothing twice");
             (0..COMMANDS).for_each(|n| note(Door::Coap, n));
         }
-    }
-
-    /// Safety A5, S9.
-    #[tokio::test]
-    async fn stops_leave_places_in_the_queue_to_other_commands() {
-        let (handle, mut envelopes, _, pressed) = house_with_stops();
-        (0..9 * COMMANDS).for_each(|_| drop(handle.give(request(Command::Stop))));
-        let waiting: Vec<_> = (0..LEFT_BY_STOPS).map(|_| handle.give(request(Command::Start))).collect();
-        let queued: Vec<_> = std::iter::from_fn(|| next(&mut envelopes)).collect();
-        let starts = queued.iter().filter(|request| request.command == Command::Start).count();
-        assert_eq!((queued.len(), starts), (COMMANDS, LEFT_BY_STOPS), "each has its place at once");
-        let beside: u64 = pressed.take().map(|pressed| pressed.count).sum();
-        assert_eq!(beside as usize + COMMANDS - LEFT_BY_STOPS, 9 * COMMANDS, "and no stop is left out");
-        drop(waiting);
     }
 
     #[tokio::test]
