@@ -353,9 +353,12 @@ export const keyboard = {
       let presses = 0;
       const count = (request) => (presses += request.url().endsWith('/console/stop') ? 1 : 0);
       page.on('request', count);
+      const answered = page.waitForResponse((response) => response.url().endsWith('/console/stop'));
       for (let times = 0; times < 4; times += 1) await page.keyboard.down(key);
       await page.keyboard.up(key);
-      await until(() => presses > 0, `${key} that presses STOP`, patience);
+      // Until the page has read the answer: a press before that would try once more.
+      await (await answered).finished();
+      await page.evaluate(() => fetch('/healthz').then((answer) => answer.text()));
       must(presses === 1, `${key} was held down and pressed STOP ${presses} times`);
       page.off('request', count);
     }
