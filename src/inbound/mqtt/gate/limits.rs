@@ -143,8 +143,8 @@ pub const NO_FLOOD: u64 = 256;
 /// The ids of kept messages: above the engine's, which are 1 to 100.
 pub const KEPT_IDS: std::ops::RangeInclusive<u16> = 1001..=2000;
 
-/// A payload of so many bytes is there once for all who wait for it; what it takes to share a shorter one would be as much.
-pub const SHARED: usize = 4 * 1024;
+/// A payload of so many bytes is there once for all who wait for it; the engine keeps a batch of shorter ones for each.
+pub const SHARED: usize = 1024;
 
 /// So many bytes of long messages are on their way to one reader,
 pub const PARCELS_BYTES: usize = 1024 * 1024;
