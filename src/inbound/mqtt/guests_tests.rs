@@ -132,3 +132,32 @@ async fn with_keys_a_stop_behind_such_a_connect_halts_for_whoever_shows_one() {
         assert_eq!(says(access.clone(), &[nobody, &stop].concat()).await.0, 0);
     }
 }
+
+/// Safety A5: however many show a wrong password, no more of them wait for their answer than may wait.
+#[tokio::test(start_paused = true)]
+async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_ones() {
+    let key = Key::new(OPERATOR, Role::Operator, Token::draw().expect("the system gives chance")).unwrap();
+    let access = Access::Keys(Keyring::of(Keys::new(vec![key]).unwrap()));
+    for version in [("MQTT", 4, 0xC2), ("MQTT", 4, 0xC3), ("MQTT", 5, 0xC2)] {
+        let house = House::new(
+            Gatehouse::new(topics()),
+            Orders::new(obedient(idle()).0, topics(), true, mpsc::channel(1).0),
+            Token::draw().expect("the system gives chance"),
+        );
+        let (_engines, engine) = watch::channel(Arc::new(Engine::hanging("127.0.0.1:9".parse().expect("an address"))));
+        let mut crowd = Vec::new();
+        for _ in 0..WAITING + LEAVING + 100 {
+            let (mut client, stream) = tokio::io::duplex(1024);
+            client.write_all(&hello(version, OPERATOR, "wrong")).await.expect("it is taken");
+            let origin = Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access: access.clone() };
+            let waiting = house.let_wait(origin.from);
+            let visitor = Visitor::over(stream, origin);
+            crowd.push((client, tokio::spawn(house.clone().entertain(visitor, waiting, (engine.clone(), Handle::current())))));
+        }
+        let there = || crowd.iter().filter(|(_, served)| !served.is_finished()).count();
+        tokio::time::sleep(Duration::from_millis(1)).await;
+        assert_eq!(there(), WAITING, "{version:?}");
+        tokio::time::sleep(CONNECT_TIME).await;
+        assert_eq!(there(), 0, "{version:?}");
+    }
+}
