@@ -155,8 +155,8 @@ impl Handle {
     /// recorded although nobody may ask for its answer. When the loop has ended, the answer's channel says so.
     fn queue(&self, request: Request, answer: oneshot::Sender<Answer>) -> Option<Waiting> {
         let is_beside = request.command == Command::Stop && self.commands.capacity() <= LEFT_BY_STOPS;
-        let put = if is_beside { self.pressed.put(request, answer) } else { Err((request, answer)) };
-        let Err((request, answer)) = put else { return None };
+        let left = if is_beside { self.pressed.put(request, answer) } else { Some((request, answer)) };
+        let (request, answer) = left?;
         match self.commands.try_send(Envelope::Command(request, answer)) {
             Err(TrySendError::Full(envelope)) => Some(Waiting { commands: self.commands.clone(), envelope }),
             Ok(()) | Err(TrySendError::Closed(_)) => None,

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::*;
 use crate::core::command::{Command, Door, Issuer, TemperatureReport};
-use crate::core::effect::{Action, Page};
+use crate::core::effect::{Action, Fact, Page};
 use crate::core::event::Capabilities;
 use crate::core::mission::{Hold, PhaseName};
 use crate::core::settings::Settings;
@@ -278,10 +278,11 @@ async fn stops_that_were_given_before_the_end_are_on_record() {
     impl Store for Listing {
         fn record(&mut self, page: Page, _losses: u64) {
             let mut listed = self.1.lock().unwrap();
-            listed.extend(page.entries.into_iter().filter_map(|entry| match entry.fact {
-                crate::core::effect::Fact::Command { command, .. } => Some(command),
-                _ => None,
-            }));
+            for entry in page.entries {
+                if let Fact::Command { command, .. } = entry.fact {
+                    listed.push(command);
+                }
+            }
         }
 
         fn word(&self) -> watch::Receiver<StoreWord> {
