@@ -60,7 +60,7 @@ struct Waiting {
 }
 
 impl Handle {
-    /// A handle over the channels of a loop that never lets its queue become full.
+    /// A handle over the channels of a loop that finds all stops in its queue.
     #[must_use]
     pub fn new(commands: mpsc::Sender<Envelope>, snapshots: watch::Receiver<Arc<Snapshot>>, halter: Halter) -> Handle {
         Handle::with_stops(commands, snapshots, halter).0
@@ -154,10 +154,9 @@ impl Handle {
     /// Queues a command if there is room for it; else gives it back, but for a stop, which is counted beside the queue: it is
     /// recorded although nobody may ask for its answer. When the loop has ended, the answer's channel says so.
     fn queue(&self, request: Request, answer: oneshot::Sender<Answer>) -> Option<Waiting> {
-        if request.command == Command::Stop && self.commands.capacity() <= LEFT_BY_STOPS {
-            self.pressed.put(request, answer);
-            return None;
-        }
+        let is_beside = request.command == Command::Stop && self.commands.capacity() <= LEFT_BY_STOPS;
+        let put = if is_beside { self.pressed.put(request, answer) } else { Err((request, answer)) };
+        let Err((request, answer)) = put else { return None };
         match self.commands.try_send(Envelope::Command(request, answer)) {
             Err(TrySendError::Full(envelope)) => Some(Waiting { commands: self.commands.clone(), envelope }),
             Ok(()) | Err(TrySendError::Closed(_)) => None,

@@ -55,15 +55,20 @@ pub(super) fn pressed() -> (PressedIn, PressedOut) {
 }
 
 impl PressedIn {
-    /// Puts a STOP in; its answer's channel is dropped at once when nobody takes any out.
-    pub(super) fn put(&self, request: Request, answer: oneshot::Sender<Answer>) {
+    /// Puts a STOP in, and gives it back when nobody takes any out.
+    pub(super) fn put(
+        &self,
+        request: Request,
+        answer: oneshot::Sender<Answer>,
+    ) -> Result<(), (Request, oneshot::Sender<Answer>)> {
         let mut state = self.0.state();
         if state.is_closed {
-            return;
+            return Err((request, answer));
         }
         state.put(request, answer);
         drop(state);
         self.0.news.notify_one();
+        Ok(())
     }
 }
 
@@ -118,7 +123,7 @@ impl State {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::command::{Command, Issuer, Refused};
+    use crate::core::command::{Command, Issuer};
     use crate::runtime::within::within;
 
     fn stop(from: &str) -> Request {
@@ -136,11 +141,11 @@ mod tests {
         let mut waiting = Vec::new();
         for n in 0..100_000 {
             let (answer, answered) = oneshot::channel();
-            into.put(stop("192.0.2.7"), answer);
+            into.put(stop("192.0.2.7"), answer).unwrap();
             waiting.extend((n % 100 == 0).then_some(answered));
         }
         let (answer, _answered) = oneshot::channel();
-        into.put(stop("192.0.2.8"), answer);
+        into.put(stop("192.0.2.8"), answer).unwrap();
         let counts = counts(&out);
         assert_eq!((counts[0].1, &counts[1]), (100_000, &("192.0.2.8".to_owned(), 1, 1)));
         assert!((1000..=2000 + ANSWERS).contains(&counts[0].2), "{counts:?}");
@@ -152,7 +157,7 @@ mod tests {
     fn exactly_so_many_senders_are_told_apart_and_none_is_left_out() {
         let (into, out) = pressed();
         for n in 0..2 * SENDERS {
-            into.put(stop(&format!("{n:05}")), oneshot::channel().0);
+            into.put(stop(&format!("{n:05}")), oneshot::channel().0).unwrap();
         }
         let counts = counts(&out);
         assert_eq!((counts.len(), counts.iter().map(|(_, count, _)| count).sum::<u64>()), (SENDERS, 2 * SENDERS as u64));
@@ -162,12 +167,10 @@ mod tests {
     async fn whoever_takes_them_is_woken_and_when_nobody_does_nobody_waits() {
         let (into, out) = pressed();
         let (answer, answered) = oneshot::channel();
-        into.put(stop("192.0.2.7"), answer);
+        into.put(stop("192.0.2.7"), answer).unwrap();
         within("the news", out.news()).await;
         drop(out);
         assert!(within("the end", answered).await.is_err());
-        let (answer, answered) = oneshot::channel::<Result<_, Refused>>();
-        into.put(stop("192.0.2.7"), answer);
-        assert!(within("the end", answered).await.is_err());
+        assert!(into.put(stop("192.0.2.7"), oneshot::channel().0).is_err(), "it is given back");
     }
 }

@@ -12,7 +12,7 @@ use super::handle::{Answer, COMMANDS, Envelope, Handle};
 use super::link::{RobotLink, Stamped};
 use super::pressed::{Pressed, PressedOut};
 use super::store::{Store, StoreWord};
-use crate::core::command::{Issuer, Refused, Request};
+use crate::core::command::{Command, Issuer, Refused, Request};
 use crate::core::effect::{Effect, Order};
 use crate::core::event::{Event, RobotEvent, RobotId};
 use crate::core::sweep::Sweep;
@@ -114,15 +114,26 @@ impl Task {
                     Some(envelope) => self.take(envelope),
                     None => break,
                 },
-                // Last, since they are heard of before anything else is taken: stops without end must not keep the rest waiting.
+                // Last, since they are heard of before any command is taken: stops without end must not keep the rest waiting.
                 _ = self.halts.raised() => {}
                 () = self.pressed.news() => {}
             }
             self.hear_halts();
             self.settle();
         }
+        self.take_rest();
         self.sweep.record_rest(self.clock.now());
         self.settle();
+    }
+
+    /// Stops and refusals that were given before the end go on record; whoever gave another command hears that it was too late.
+    fn take_rest(&mut self) {
+        self.hear_halts();
+        while let Ok(envelope) = self.commands.try_recv() {
+            if !matches!(&envelope, Envelope::Command(request, _) if request.command != Command::Stop) {
+                self.take(envelope);
+            }
+        }
     }
 
     fn take_report(&mut self, report: Option<RobotEvent>) {

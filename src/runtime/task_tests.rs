@@ -271,6 +271,40 @@ async fn a_robot_and_a_disk_that_do_not_obey_cost_the_answer_a_tenth_of_a_second
     assert!((TENTH..TENTH + Duration::from_millis(5)).contains(&took), "{took:?}");
 }
 
+/// Safety A6: nobody waits for their answers any more.
+#[tokio::test]
+async fn stops_that_were_given_before_the_end_are_on_record() {
+    struct Listing(watch::Sender<StoreWord>, Arc<std::sync::Mutex<Vec<String>>>);
+    impl Store for Listing {
+        fn record(&mut self, page: Page, _losses: u64) {
+            let mut listed = self.1.lock().unwrap();
+            listed.extend(page.entries.into_iter().filter_map(|entry| match entry.fact {
+                crate::core::effect::Fact::Command { command, .. } => Some(command),
+                _ => None,
+            }));
+        }
+
+        fn word(&self) -> watch::Receiver<StoreWord> {
+            self.0.subscribe()
+        }
+    }
+    let listed = Arc::default();
+    let store = Box::new(Listing(watch::Sender::default(), Arc::clone(&listed)));
+    let halter = Halter::new(Epoch(0));
+    let (loop_side, _robot) = link(halter.watch());
+    let sweep = Sweep::new(Settings::default(), Default::default(), "test".into());
+    let (handle, task) = Task::new(sweep, loop_side, store, Clock::default(), halter);
+    (0..100).for_each(|_| drop(handle.give(request(Command::Stop))));
+    drop(handle.give(request(Command::Start)));
+    let (course, coursed) = watch::channel(Course::default());
+    course.send_modify(|course| course.is_over = true);
+    within("the end", task.run(coursed)).await;
+    let listed = listed.lock().unwrap();
+    let (shared, alone) = listed.split_last().expect("there are some");
+    assert!(shared.starts_with(&format!("STOP, {} times", 100 - alone.len())), "{listed:?}");
+    assert!(alone.iter().all(|command| command == "STOP"), "who gave another command hears that it was too late: {listed:?}");
+}
+
 /// Safety R1: no order begins after that, whatever was under way and whoever still asks for something, and nothing holds the robot that
 /// nobody has pressed.
 #[tokio::test(start_paused = true)]

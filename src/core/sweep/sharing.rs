@@ -121,9 +121,10 @@ impl<T> Account<T> {
 
     fn earn(&mut self, limits: Limits, now: Duration) {
         let earned = now.saturating_sub(self.since).as_nanos() / limits.earned.as_nanos().max(1);
+        let earned = u32::try_from(earned).unwrap_or(u32::MAX);
         if earned > 0 && self.unwritten.is_none() {
-            self.room = self.room.saturating_add(u32::try_from(earned).unwrap_or(limits.burst)).min(limits.burst);
-            self.since = now;
+            self.room = self.room.saturating_add(earned).min(limits.burst);
+            self.since = self.since.saturating_add(limits.earned.saturating_mul(earned));
         }
     }
 
@@ -183,6 +184,14 @@ mod tests {
                 "another door"
             );
         }
+    }
+
+    #[test]
+    fn what_was_earned_in_part_counts_too() {
+        let mut sharing = Sharing::new(LIMITS);
+        let step = LIMITS.earned - Duration::from_millis(1);
+        let alone = (0..LIMITS.burst * 40).filter_map(|n| sharing.come(sender("anna"), (n, 1), step * n)).count();
+        assert!(alone > LIMITS.burst as usize * 39, "{alone} one by one");
     }
 
     #[test]

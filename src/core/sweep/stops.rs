@@ -108,6 +108,7 @@ impl Sweep {
             let word = Input::Stop.in_words();
             let (id, command) = match count {
                 1 => (id, word.to_owned()),
+                _ if lasted.is_zero() => (None, format!("{word}, {count} times at once")),
                 _ => (None, format!("{word}, {count} times within {:.1} s", lasted.as_secs_f64())),
             };
             self.world.write(wall, Tone::Info, format!("{command}, by {issuer}"));
