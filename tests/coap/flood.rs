@@ -88,6 +88,23 @@ fn a_flood_of_stops_loses_its_own_and_no_command_overtakes_a_stop_that_waits() {
     assert!((300..1_000).contains(&asked.len()), "{} of them are kept", asked.len());
 }
 
+/// Safety S1: the STOPs that wait halt in the place of one that is lost.
+#[test]
+fn no_command_that_came_before_a_stop_without_room_acts_later_than_the_stops_that_wait() {
+    let mut bench = bench();
+    let stop = |id| Message::con(Method::Post, id).path("/stop").encoded();
+    let put = |path: &str, id| Message::con(Method::Put, id).path(path).payload("x").encoded();
+    (0..10_000).for_each(|id| bench.hear(here(), &stop(id)));
+    bench.hear(here(), &put("/create1", 10_001));
+    bench.hear(here(), &stop(10_002));
+    bench.hear(here(), &put("/create2", 10_003));
+    bench.catch_up();
+    let asked = asked(&bench);
+    assert!((100..10_000).contains(&(asked.len() - 2)), "not all of them have room: {}", asked.len());
+    assert_eq!((asked[0].as_str(), asked[asked.len() - 1].as_str()), ("PUT /create1", "PUT /create2"));
+    assert!(asked[1..asked.len() - 1].iter().all(|asked| asked == "POST /stop"));
+}
+
 /// Safety S1, S8.
 #[test]
 fn what_is_no_stop_waits_for_its_turn() {

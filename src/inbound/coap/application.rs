@@ -35,8 +35,8 @@ pub trait Application: Send + 'static {
     /// is wrong with the rest, and however much is under way already (safety S8).
     const IS_STOP: fn(&Request) -> bool;
 
-    /// Four bytes each: whatever is a STOP has at least one of them in its path, with the bit set
-    /// that makes letters small. By these it is known in a flood before it is read.
+    /// Four bytes each: a STOP as it is usually written has at least one of them in its path, with the bit set that makes letters
+    /// small. By these it is known in a flood before it is read; one that has none of them is thinned out there like any command.
     const STOP_WORDS: &'static [[u8; 4]];
 
     /// Notes what the endpoint refused without asking; must not block.

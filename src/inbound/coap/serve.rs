@@ -110,16 +110,17 @@ impl<A: Application> Driver<A> {
 
     /// Hears, and answers what is urgent; whether that was all that has come.
     async fn hear(&mut self) -> bool {
-        let (until, mut bytes_heard, mut sorts) = (self.clock.since_start() + HEARING, 0, [0; 3]);
+        let (until, mut bytes_heard, mut kinds) = (self.clock.since_start() + HEARING, 0, [0; 4]);
         let is_all = loop {
             let Some((peer, bytes)) = self.socket.read().await else { break true };
             bytes_heard += bytes.len();
-            sorts[Sieve::kind(self.backlog.hear(peer, bytes))] += 1;
+            kinds[self.sieve.kind(bytes)] += 1;
+            self.backlog.hear(peer, bytes);
             if bytes_heard >= HEARING_BYTES || self.clock.since_start() > until {
                 break false;
             }
         };
-        if !is_all && self.sieve.tighten(sorts, self.clock.since_start()) {
+        if !is_all && self.sieve.tighten(kinds, self.clock.since_start()) {
             self.socket.sift(&self.sieve);
         }
         while let Some(datagram) = self.backlog.take_urgent() {

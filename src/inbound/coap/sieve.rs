@@ -1,11 +1,9 @@
 //! What the system throws away in a flood before it takes room in the socket's queue, so that this never stands full and loses a STOP
 //! (safety S1, S6): of each kind of which more comes than is heard only one in so many is let through, by chance, and besides
-//! whatever has a word in it that a STOP has. Linux can be told so; elsewhere nothing is thrown away. What is let through is judged
+//! every command that has a word in it that a STOP has. Linux can be told so; elsewhere nothing is thrown away. What is let through is judged
 //! by the endpoint alone.
 
 use std::time::Duration;
-
-use super::endpoint::Sort;
 
 /// At most every 2^7th of a kind is let through: some thousand a second of all that this machine can send to itself.
 const FINEST: u32 = 7;
@@ -16,9 +14,18 @@ const CALM: Duration = Duration::from_millis(50);
 /// So many bytes of a datagram are looked through for the words: a STOP has them at its beginning.
 const SEARCHED: u32 = 160;
 
+/// A kind is thinned out when at least one of so many that were heard is of it: the few of another have not made the flood.
+const PART: usize = 8;
+
+/// Where the words begin at the earliest, behind the header.
+const HEADER: usize = 4;
+
+/// How many were heard of each kind: looks, commands, signs, and commands that come through however fine it is.
+pub(super) type Heard = [usize; 4];
+
 /// What is let through now.
 pub(super) struct Sieve {
-    /// Four bytes each, of which every STOP has one, with the bit set that makes letters small.
+    /// Four bytes each, of which a STOP has one as it is usually written, with the bit set that makes letters small.
     words: &'static [[u8; 4]],
     /// Of looks, commands and signs one in two to the power of this.
     fine: [u32; 3],
@@ -32,12 +39,18 @@ impl Sieve {
         Sieve { words, fine: [0; 3], since: Duration::ZERO }
     }
 
-    /// More came than was heard, so many of each kind: fewer of the most frequent are to be let through. Whether that changes anything.
-    pub(super) fn tighten(&mut self, heard: [usize; 3], now: Duration) -> bool {
+    /// More came than was heard, so many of each kind: fewer are to be let through of the most frequent that can be thinned out
+    /// further. Whether that changes anything.
+    pub(super) fn tighten(&mut self, heard: Heard, now: Duration) -> bool {
+        let all: usize = heard.iter().sum();
+        let floods: Vec<usize> = (0..self.fine.len()).filter(|kind| heard[*kind] > 0 && heard[*kind] * PART >= all).collect();
+        if floods.is_empty() {
+            return false;
+        }
         self.since = now;
-        let most = (0..heard.len()).max_by_key(|kind| heard[*kind]);
-        let Some(fine) = most.map(|kind| &mut self.fine[kind]).filter(|fine| **fine < FINEST) else { return false };
-        *fine += 1;
+        let coarse = floods.into_iter().filter(|kind| self.fine[*kind] < FINEST);
+        let Some(most) = coarse.max_by_key(|kind| heard[*kind]) else { return false };
+        self.fine[most] += 1;
         true
     }
 
@@ -56,13 +69,19 @@ impl Sieve {
         true
     }
 
-    /// The kind of what was heard, as an index.
-    pub(super) const fn kind(sort: Sort) -> usize {
-        match sort {
-            Sort::Look => 0,
-            Sort::Command => 1,
-            Sort::Sign => 2,
+    /// What the system takes a datagram for, as an index of `Heard`.
+    pub(super) fn kind(&self, bytes: &[u8]) -> usize {
+        match bytes.get(1) {
+            Some(1 | 5) => 0,
+            None | Some(0 | 32..) => 2,
+            Some(_) if self.has_word(bytes) => 3,
+            Some(_) => 1,
         }
+    }
+
+    fn has_word(&self, bytes: &[u8]) -> bool {
+        let searched = bytes.iter().take(SEARCHED as usize + 3).skip(HEADER).map(|byte| byte | 0x20).collect::<Vec<u8>>();
+        searched.windows(4).any(|four| self.words.iter().any(|word| word == four))
     }
 
     /// Tells the system.
@@ -121,6 +140,7 @@ mod tests {
 
     const WORDS: &[[u8; 4]] = &[*b"stop", *b"reso"];
     const MS: Duration = Duration::from_millis(1);
+    const LAST: &[u8] = b"\x40\x02\x00\x01the last: stop";
 
     /// What of these datagrams comes through a sieve that was tightened so often for each kind.
     fn through(fine: [u32; 3], datagrams: &[Vec<u8>]) -> Vec<Vec<u8>> {
@@ -128,12 +148,20 @@ mod tests {
         for fine in [[30; 3], fine] {
             Sieve { fine, ..Sieve::new(WORDS) }.fit(&SockRef::from(&to)).unwrap();
         }
-        to.set_nonblocking(true).unwrap();
-        let mut came = Vec::new();
-        for datagram in datagrams {
+        to.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
+        let (mut came, mut buffer) = (Vec::new(), [0; 2048]);
+        for (n, datagram) in datagrams.iter().enumerate() {
             from.send_to(datagram, to.local_addr().unwrap()).unwrap();
-            let mut buffer = [0; 2048];
-            while let Ok(length) = to.recv(&mut buffer) {
+            if n % 50 < 49 && n + 1 < datagrams.len() {
+                continue;
+            }
+            // This one comes through every sieve, behind those before it.
+            from.send_to(LAST, to.local_addr().unwrap()).unwrap();
+            loop {
+                let length = to.recv(&mut buffer).expect("the last one comes");
+                if &buffer[..length] == LAST {
+                    break;
+                }
                 came.push(buffer[..length].to_vec());
             }
         }
@@ -155,6 +183,33 @@ mod tests {
             datagram(0x40, 2, &[&[0x33; 140][..], b"stop", &[0x33; 700]].concat()),
         ];
         assert_eq!(through([30; 3], &stops), stops);
+        assert!(stops.iter().all(|stop| Sieve::new(WORDS).kind(stop) == 3));
+    }
+
+    /// What is counted as a kind is what the system thins out as that kind.
+    #[test]
+    fn the_kind_of_a_datagram_is_that_which_the_system_takes_it_for() {
+        let sieve = Sieve::new(WORDS);
+        let behind = |count: usize| datagram(0x40, 2, &[&vec![0x33; count][..], b"sTOp"].concat());
+        let mut datagrams: Vec<Vec<u8>> = [155, 156].map(behind).into();
+        datagrams.extend([&b"\x40\x02"[..], b"\x40\x02\x00\x01sto"].map(<[u8]>::to_vec));
+        for code in 0..=255 {
+            datagrams
+                .extend([(0x40, &b"stop"[..]), (0x60, b"stop"), (0x40, b"act")].map(|(first, rest)| datagram(first, code, rest)));
+        }
+        for bytes in datagrams {
+            let comes_with = |kind: usize| {
+                let mut fine = [30; 3];
+                fine.iter_mut().skip(kind).take(1).for_each(|fine| *fine = 0);
+                through(fine, std::slice::from_ref(&bytes)).len() == 1
+            };
+            let kind = sieve.kind(&bytes);
+            assert_eq!(
+                (0..4).map(comes_with).collect::<Vec<_>>(),
+                (0..4).map(|with| kind == 3 || kind == with).collect::<Vec<_>>(),
+                "{bytes:02x?}"
+            );
+        }
     }
 
     /// Safety A5: of each kind so many as was said, and of the others all.
@@ -178,9 +233,9 @@ mod tests {
     fn it_becomes_finer_for_what_floods_and_lets_everything_through_again_after_a_while() {
         let mut sieve = Sieve::new(&[]);
         assert_eq!(sieve.due(), None);
-        (1..=FINEST).for_each(|n| assert!(sieve.tighten([100, 3, 2], n * MS)));
-        assert!(!sieve.tighten([100, 3, 2], 10 * MS), "it is as fine as can be");
-        assert!(sieve.tighten([3, 100, 2], 10 * MS));
+        (1..=FINEST).for_each(|n| assert!(sieve.tighten([100, 3, 2, 0], n * MS)));
+        assert!(!sieve.tighten([100, 3, 2, 0], 10 * MS), "it is as fine as can be");
+        assert!(sieve.tighten([3, 100, 2, 0], 10 * MS));
         assert_eq!(sieve.fine, [FINEST, 1, 0]);
         assert!(!sieve.loosen(59 * MS) && sieve.loosen(60 * MS));
         assert_eq!(sieve.fine, [FINEST - 1, 0, 0]);
@@ -188,5 +243,35 @@ mod tests {
             assert!(sieve.loosen(due));
         }
         assert_eq!(sieve.fine, [0; 3]);
+    }
+
+    /// Safety S9: to thin out the commands of others would make no such flood any smaller.
+    #[test]
+    fn what_comes_through_anyway_makes_it_no_finer_for_anything_else() {
+        let mut sieve = Sieve::new(WORDS);
+        let mut heard = [0; 4];
+        for put in vec![datagram(0x40, 3, b"\xBD\x00resourcemodel\xFFx"); 500] {
+            heard[sieve.kind(&put)] += 1;
+        }
+        for few in [datagram(0x40, 2, b"\xB8commands\x05start"), datagram(0x40, 1, b"\xB5state")] {
+            heard[sieve.kind(&few)] += 1;
+        }
+        assert_eq!(heard, [1, 1, 0, 500]);
+        assert!(!sieve.tighten(heard, MS) && sieve.due().is_none());
+        assert!(!sieve.tighten([0, 0, 0, 500], MS));
+        assert!(sieve.tighten([200, 1, 0, 300], MS));
+        assert_eq!(sieve.fine, [1, 0, 0], "the looks that come with them are thinned out");
+        assert!(!sieve.tighten([1, 1, 0, 500], 2 * MS) && sieve.loosen(51 * MS), "nor does it keep it fine");
+    }
+
+    /// Safety S9.
+    #[test]
+    fn when_one_kind_is_as_fine_as_can_be_the_next_is_thinned_out() {
+        let mut sieve = Sieve { fine: [0, FINEST, 0], ..Sieve::new(&[]) };
+        for fine in 1..=FINEST {
+            assert!(sieve.tighten([40, 60, 2, 0], MS));
+            assert_eq!(sieve.fine, [fine, FINEST, 0]);
+        }
+        assert!(!sieve.tighten([40, 60, 2, 0], MS), "of the signs come few");
     }
 }

@@ -212,7 +212,13 @@ impl House {
     async fn send_away(&self, visitor: Visitor, heard: &[u8], waiting: Waiting, (sent, work): (Sent, Handle)) -> Sent {
         let Visitor { reader, writer, origin } = visitor;
         let from = origin.from;
-        let Some((identity, is_five)) = self.stranger(&sent, heard, &origin).await else {
+        let stranger = tokio::select! {
+            biased;
+            stranger = self.stranger(&sent, heard, &origin) => stranger,
+            // Whoever shows a wrong password makes room while he waits for his answer.
+            () = waiting.cut() => return work.spawn(self.clone().tell(from, writer, Sent::GaveWay)).await.unwrap_or(Sent::GaveWay),
+        };
+        let Some((identity, is_five)) = stranger else {
             return work.spawn(self.clone().tell(from, writer, sent)).await.unwrap_or(Sent::Ended(Ended::Gone));
         };
         let (feeder, taker) = read_ahead(&self.0.pool);

@@ -6,6 +6,8 @@ use super::*;
 use crate::access::{Access, Key, Keyring, Keys, OPERATOR, Role};
 use crate::core::command::Command;
 use crate::inbound::mqtt::engine::Engine;
+use crate::inbound::mqtt::gate::packet::Qos;
+use crate::inbound::mqtt::gate::turnstile::Session;
 use crate::inbound::mqtt::identity::Identity;
 use crate::inbound::mqtt::limits::CONNECTIONS;
 use crate::inbound::mqtt::session::testing::topics;
@@ -131,4 +133,78 @@ async fn with_keys_a_stop_behind_such_a_connect_halts_for_whoever_shows_one() {
     for nobody in [&hello(("MQTT", 5, 2), "", "")[..], &packet(0x1F, b"?"), &[]] {
         assert_eq!(says(access.clone(), &[nobody, &stop].concat()).await.0, 0);
     }
+}
+
+/// Safety A5: however many show a wrong password, no more of them wait for their answer than may wait.
+#[tokio::test(start_paused = true)]
+async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_ones() {
+    let key = Key::new(OPERATOR, Role::Operator, Token::draw().expect("the system gives chance")).unwrap();
+    let access = Access::Keys(Keyring::of(Keys::new(vec![key]).unwrap()));
+    for version in [("MQTT", 4, 0xC2), ("MQTT", 4, 0xC3), ("MQTT", 5, 0xC2)] {
+        let house = House::new(
+            Gatehouse::new(topics()),
+            Orders::new(obedient(idle()).0, topics(), true, mpsc::channel(1).0),
+            Token::draw().expect("the system gives chance"),
+        );
+        let (_engines, engine) = watch::channel(Arc::new(Engine::hanging("127.0.0.1:9".parse().expect("an address"))));
+        let mut crowd = Vec::new();
+        for _ in 0..WAITING + LEAVING + 100 {
+            let (mut client, stream) = tokio::io::duplex(1024);
+            client.write_all(&hello(version, OPERATOR, "wrong")).await.expect("it is taken");
+            let origin = Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access: access.clone() };
+            let waiting = house.let_wait(origin.from);
+            let visitor = Visitor::over(stream, origin);
+            crowd.push((client, tokio::spawn(house.clone().entertain(visitor, waiting, (engine.clone(), Handle::current())))));
+        }
+        let there = || crowd.iter().filter(|(_, served)| !served.is_finished()).count();
+        tokio::time::sleep(Duration::from_millis(1)).await;
+        assert_eq!(there(), WAITING, "{version:?}");
+        tokio::time::sleep(CONNECT_TIME).await;
+        assert_eq!(there(), 0, "{version:?}");
+    }
+}
+
+/// What was acknowledged waits for a way to the engine, though whoever said it has left: so much of it, and so long.
+#[tokio::test(start_paused = true)]
+async fn what_clients_say_that_leave_at_once_waits_for_the_engine_for_so_many_and_so_long() {
+    let house = House::new(
+        Gatehouse::new(topics()),
+        Orders::new(obedient(idle()).0, topics(), true, mpsc::channel(1).0),
+        Token::draw().expect("the system gives chance"),
+    );
+    let (_engines, engine) = watch::channel(Arc::new(Engine::hanging("127.0.0.1:9".parse().expect("an address"))));
+    let origin = || Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access: Access::Open };
+    let terms = Terms {
+        guest: Identity::House.guest(),
+        name: Identity::House.name(),
+        has_key: false,
+        listener: Identity::House.listener(&house.0.orders, origin().from),
+        keep_alive_s: 0,
+        will: None,
+        session: Session::default(),
+    };
+    let mut reader = Turnstile::new(terms, Arc::clone(&house.0.gatehouse), Duration::ZERO);
+    let mut everything = BytesMut::new();
+    write::subscribe(&mut everything, 1, &[("#", Qos::Zero)]);
+    reader.handle_client(&mut everything, Duration::ZERO).expect("it may");
+    let mut said = BytesMut::new();
+    write::connect(&mut said, "", true, 60, ("anna", "x"));
+    write::publish(&mut said, b"said", b"this", Qos::One, 7, false);
+    let served: Vec<_> = (0..LATE + 10)
+        .map(|_| {
+            let (mut client, stream) = tokio::io::duplex(1024);
+            let (visitor, waiting, said) = (Visitor::over(stream, origin()), house.let_wait(origin().from), said.clone());
+            let served = house.clone().entertain(visitor, waiting, (engine.clone(), Handle::current()));
+            tokio::spawn(async move {
+                client.write_all(&said).await.expect("it is taken");
+                client.shutdown().await.expect("it is heard");
+                served.await;
+            })
+        })
+        .collect();
+    let wait = || served.iter().filter(|served| !served.is_finished()).count();
+    tokio::time::sleep(Duration::from_millis(4900)).await;
+    assert_eq!(wait(), LATE);
+    tokio::time::sleep(Duration::from_millis(200)).await;
+    assert_eq!(wait(), 0);
 }

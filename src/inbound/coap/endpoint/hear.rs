@@ -20,17 +20,6 @@ pub struct Backlog {
     turns: usize,
 }
 
-/// What a datagram is, for the room there is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sort {
-    /// It changes nothing.
-    Look,
-    /// It may ask for something to be done.
-    Command,
-    /// It asks for nothing, or is nothing.
-    Sign,
-}
-
 impl Backlog {
     /// Room for what comes; `is_stop` says which requests are a STOP, as in `Endpoint::with_stop`.
     #[must_use]
@@ -41,25 +30,23 @@ impl Backlog {
     }
 
     /// Keeps a datagram, or loses it when its sender has more there than is left for others (safety S9). A STOP is taken before all
-    /// else, but for the commands that came before it, of which one could else set in motion what it has halted (safety S1). What it
-    /// is.
-    pub fn hear(&mut self, peer: SocketAddr, bytes: &[u8]) -> Sort {
+    /// else, but for the commands that came before it, of which one could else set in motion what it has halted (safety S1): that
+    /// goes for a STOP that is lost too, in whose place those that wait halt.
+    pub fn hear(&mut self, peer: SocketAddr, bytes: &[u8]) {
         let Some(code) = message::asks(bytes) else {
             if message::is_of_this_version(bytes) {
                 self.signs.push(peer, bytes);
             }
-            return Sort::Sign;
+            return;
         };
         if !lenient::acts(code) {
             self.looks.push(peer, bytes);
-            return Sort::Look;
-        }
-        if !lenient::requests(peer, bytes).any(|request| (self.is_stop)(&request)) {
-            self.commands.push(peer, bytes);
-        } else if self.stops.push(peer, bytes) {
+        } else if lenient::requests(peer, bytes).any(|request| (self.is_stop)(&request)) {
+            self.stops.push(peer, bytes);
             self.commands.put_first();
+        } else {
+            self.commands.push(peer, bytes);
         }
-        Sort::Command
     }
 
     /// Whether nothing waits.

@@ -39,7 +39,7 @@ pub mod response;
 mod shares;
 mod subject;
 
-pub use hear::{Backlog, Sort};
+pub use hear::Backlog;
 pub use observe::SubjectId;
 pub use queue::Datagram;
 

@@ -25,7 +25,8 @@ pub(super) fn is_stop(request: &Request) -> bool {
     }
 }
 
-/// Of these every request that halts has one in its path, with the bit set that makes letters small.
+/// Of these every request that halts has one in its path, with the bit set that makes letters small, but for a bare `h` that does
+/// not stand as it is right behind `commands`: with blanks round it, behind an empty segment, or cut off.
 pub(super) const WORDS: &[[u8; 4]] = &[*b"stop", *b"move", *b"reso", *b"ds!h", *b"ds/h"];
 
 /// The words of a path in small letters, however a client has cut it up.

@@ -209,6 +209,18 @@ fn spoilt(message: &Message, fault: &Fault) -> Option<Message> {
     Some(message)
 }
 
+fn is_known_in_a_flood(bytes: &[u8]) -> bool {
+    bytes.windows(4).any(|four| WORDS.iter().any(|word| word.iter().copied().eq(four.iter().map(|byte| byte | 0x20))))
+}
+
+/// A path in one of the ways in which it may be cut up: as segments, as one of them, as an address.
+fn path_in_parts() -> impl Strategy<Value = (Vec<&'static str>, u8)> {
+    let first = prop::sample::select(vec!["commands", "Commands", " commands", "commands ", "ResourceModel", " resourcemodel "]);
+    let rest = prop::sample::select(vec!["h", "H", " h", "h ", "stop", "\tSTOP", "move ", "Move", "", " ", "x"]);
+    let parts = (prop::collection::vec(Just(""), 0..2), first, prop::collection::vec(rest, 0..3));
+    (parts.prop_map(|(empty, first, rest)| [empty, vec![first], rest].concat()), 0_u8..3)
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2_000, ..ProptestConfig::default() })]
 
@@ -218,7 +230,7 @@ proptest! {
         let Some(message) = spoilt(&stops()[which], &fault) else { return Ok(()) };
         let mut door = Door::new();
         let bytes = message.bytes(1);
-        prop_assert!(bytes.windows(4).any(|four| WORDS.iter().any(|word| word.iter().copied().eq(four.iter().map(|byte| byte | 0x20)))), "it is known in a flood");
+        prop_assert!(is_known_in_a_flood(&bytes));
         door.take(here(), &bytes);
         prop_assert_eq!(door.given(), [Command::Stop]);
         let sent = door.take(here(), &message.bytes(1));
@@ -226,6 +238,26 @@ proptest! {
         prop_assert_eq!(door.refusals(), 0, "one press is on record once: {:?}", sent);
         door.take(here(), &message.bytes(2));
         prop_assert_eq!(door.given(), [Command::Stop, Command::Stop], "the next press halts again");
+    }
+
+    /// Safety S8: what halts is known in a flood, but for a bare `h` that is written unusually.
+    #[test]
+    fn however_the_path_of_a_stop_is_written_it_is_known_in_a_flood_but_for_an_unusual_h((parts, cut) in path_in_parts()) {
+        let message = match cut {
+            0 => Message::new(2, &parts, b"h"),
+            1 => Message::new(2, &[&parts.join("/")], b"h"),
+            _ => Message {
+                options: vec![(35, format!("coap://localhost/{}", parts.join("/")).into_bytes())],
+                ..Message::new(2, &[], b"h")
+            },
+        };
+        let (mut door, bytes) = (Door::new(), message.bytes(1));
+        door.take(here(), &bytes);
+        if !door.given().is_empty() {
+            let written = parts.join("/").to_ascii_lowercase();
+            let is_unusual = written.trim_end_matches(['/', ' ']).ends_with('h') && !written.trim_matches('/').eq("commands/h");
+            prop_assert!(is_known_in_a_flood(&bytes) || is_unusual, "{:?}", message);
+        }
     }
 
     /// Safety S8.
@@ -326,6 +358,24 @@ fn to_read_on_in_the_answer_to_a_stop_is_no_press_and_to_begin_anew_is_one() {
     for (id, number, presses) in [(20, 0, 2), (21, 0, 3), (22, 1, 3), (23, 1, 4), (24, 3, 5)] {
         door.take(here(), &block(number).bytes(id));
         assert_eq!(door.given().len(), presses, "{id}");
+    }
+}
+
+/// Safety S8: each of these halts when its datagram is heard, and in a flood has the chance of any other command to be heard.
+#[test]
+fn a_bare_h_that_is_written_unusually_halts_and_is_not_known_in_a_flood() {
+    let address = |path: &str| Message { options: vec![(35, path.as_bytes().to_vec())], ..Message::new(2, &[], b"") };
+    let unusual = [
+        Message::new(2, &["commands", " h"], b""),
+        Message::new(2, &["commands", "h "], b""),
+        Message::new(2, &["commands", "", "h"], b""),
+        address("coap://localhost/commands//h"),
+    ];
+    for message in unusual {
+        let (mut door, bytes) = (Door::new(), message.bytes(1));
+        door.take(here(), &bytes);
+        assert_eq!(door.given(), [Command::Stop], "{message:?}");
+        assert!(!is_known_in_a_flood(&bytes), "{message:?}");
     }
 }
 

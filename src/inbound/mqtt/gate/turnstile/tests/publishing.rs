@@ -1,11 +1,14 @@
 //! What clients publish: where it goes, what is heard, what is kept and what is dropped, and that everything is acknowledged.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use super::scene::{OPERATOR, START, STOP, Scene, VIEWER, gatehouse, publish, subscribe, taken};
 use crate::core::units::Epoch;
 use crate::inbound::mqtt::gate::budget::Payer;
-use crate::inbound::mqtt::gate::limits::{ENGINE_TOPICS, GUEST_PACKET, HANDLED, PADDED, SHARE_TOPICS, UNRELEASED, VIEWERS_SHARE};
+use crate::inbound::mqtt::gate::limits::{
+    ENGINE_TOPICS, GUEST_PACKET, HANDLED, PADDED, PARCELS_AWAY, QUIET, SHARE_TOPICS, SHARED, UNRELEASED, VIEWERS_SHARE,
+};
 use crate::inbound::mqtt::gate::packet::Qos;
 use crate::inbound::mqtt::gate::rights::Guest;
 use crate::inbound::mqtt::gate::turnstile::{Ended, Gatehouse, Mark};
@@ -292,6 +295,33 @@ fn a_long_message_goes_past_the_engine_and_nobody_sees_it() {
     assert_eq!((again.engine_got(), again.turnstile.elsewhere().0), (vec!["Puback 9".to_owned()], 0));
     again.engine(&[&[0x3A, u8::try_from(body.len()).unwrap()][..], &body].concat()).unwrap();
     assert_eq!((again.client_got(), again.engine_got().len()), (vec![], 1), "one that was lost is acknowledged for it");
+}
+
+/// Safety A5: whoever is away cannot read, and may be many.
+#[test]
+fn long_messages_wait_for_a_client_that_is_away_only_while_little_waits() {
+    let gatehouse = gatehouse();
+    let mut writer = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+    let long = "x".repeat(SHARED);
+    for (unread, comes, comes_later) in
+        [(PARCELS_AWAY + 1, &[][..], &["a/kept"][..]), (PARCELS_AWAY - SHARED, &["a/said", "a/kept"], &[])]
+    {
+        let mut reader = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+        reader.subscribe(&[("a/#", Qos::Zero)]);
+        let session = reader.turnstile.into_session();
+        let unread = gatehouse.retained.share(&vec![0; unread]);
+        writer.client(&[publish(0x30, "a/said", &long, 0), publish(0x31, "a/kept", &long, 0)].concat()).unwrap();
+        drop(unread);
+        let mut again = Scene::in_house(&gatehouse, OPERATOR, |terms| terms.session = session);
+        again.engine_answers();
+        again.engine(&std::mem::take(writer.turnstile.to_engine())).unwrap();
+        let words = |topics: &[&str]| topics.iter().map(|topic| format!("Publish {topic}={long} q0")).collect::<Vec<_>>();
+        assert_eq!(again.client_got(), words(comes));
+        let at = Duration::from_secs(10);
+        assert!(again.turnstile.poll_behind(at).is_empty());
+        again.turnstile.handle_timeout(at + QUIET).unwrap();
+        assert_eq!(again.client_got(), words(comes_later), "the newest of what is kept");
+    }
 }
 
 #[test]
