@@ -35,8 +35,14 @@ pub fn says_halt(body: &[u8]) -> bool {
     is_halt_word(body)
         || fields::fields(body).is_ok_and(says_so)
         || cbor::fields(&mut Decoder::new(body)).is_ok_and(says_so)
-        || looks_like_halt_in_cbor(body)
-        || looks_like_halt(body)
+        || says_halt_from(body, 0)
+}
+
+/// Whether the field and its word stand in a body from this byte on, whatever the body is. It takes as many steps as there are bytes.
+#[must_use]
+pub fn says_halt_from(body: &[u8], start: usize) -> bool {
+    let rest = body.get(start..).unwrap_or_default();
+    looks_like_halt_in_cbor(rest) || looks_like_halt(rest, start == 0)
 }
 
 /// Whether the field and its word stand somewhere in what is no CBOR.
@@ -47,16 +53,17 @@ fn looks_like_halt_in_cbor(body: &[u8]) -> bool {
     behind(body, MOVE_IN_CBOR).any(|(_, rest)| is_text(rest))
 }
 
-/// Whether the field stands somewhere in what is no JSON and no form, or has other fields beside it.
-fn looks_like_halt(body: &[u8]) -> bool {
+/// Whether the field stands somewhere in what is no JSON and no form, or has other fields beside it. What is not the beginning of a body
+/// may begin within a word.
+fn looks_like_halt(body: &[u8], is_beginning: bool) -> bool {
     // Wider letters have zero bytes between them.
     let letters: Vec<u8> = body.iter().copied().filter(|letter| *letter != 0).collect();
     let is_between = |letter: &u8| letter.is_ascii_whitespace() || matches!(letter, b'"' | b'\'' | b':' | b'=');
     behind(&letters, MOVE.as_bytes()).any(|(before, rest)| {
         let word = rest.iter().position(|letter| !is_between(letter)).map_or(&[][..], |start| &rest[start..]);
-        let end = word.iter().position(|letter| !letter.is_ascii_alphanumeric()).unwrap_or(word.len());
-        let is_parted = word.len() < rest.len() && before.is_none_or(|before| !before.is_ascii_alphanumeric());
-        is_parted && std::str::from_utf8(&word[..end]).is_ok_and(is_halt)
+        let is_parted = word.len() < rest.len() && before.map_or(is_beginning, |before| !before.is_ascii_alphanumeric());
+        // No further than a word for STOP reaches: in a long word the field may stand thousands of times.
+        is_parted && HALTS.iter().any(|halt| begins(word, halt) && !word.get(halt.len()).is_some_and(u8::is_ascii_alphanumeric))
     })
 }
 
@@ -122,6 +129,23 @@ mod tests {
             assert!(says_halt(body), "{}", String::from_utf8_lossy(body));
         }
         assert!(says_halt(&[br#"{"move":"h","zz":""#.to_vec(), vec![b'z'; 70_000]].concat()), "too long");
+    }
+
+    /// Safety S8: whoever hears has others to hear. With a look at the rest of the body for each field this would take hours.
+    #[test]
+    fn a_long_body_that_names_the_field_over_and_over_is_looked_at_once() {
+        for field in ["move", "move=", "move:w ", "=move", "move ", "move=stopmove", "dmove", "move=hmove\""] {
+            let mut body = field.repeat((2 << 20) / field.len()).into_bytes();
+            assert!(!says_halt_from(&body, 0) && !says_halt(&body), "{field}");
+            body.extend(b"&move=h");
+            assert!(says_halt(&body), "{field}");
+        }
+    }
+
+    #[test]
+    fn a_word_that_was_begun_before_is_none() {
+        assert!(says_halt_from(b"zz&move=h", 2) && says_halt_from(b"remove=h&move=h", 2));
+        assert!(!says_halt_from(b"remove=h", 2) && !says_halt_from(b"move=h", 1) && !says_halt_from(b"move=h", 7));
     }
 
     #[test]

@@ -212,6 +212,50 @@ async fn a_stop_halts_before_its_body_comes() {
     }
 }
 
+/// Safety S8: no more of the body comes, and the connection stays open.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_long_move_that_says_stop_halts_as_soon_as_its_word_has_come() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let mut open = Vec::new();
+    // The last two are refused by their heads, and heard on.
+    let cases = [
+        ("Content-Length: 5000\r\nExpect: 100-continue\r\n", "", "100"),
+        ("Transfer-Encoding: chunked\r\nExpect: 100-continue\r\n", "1000\r\n", "100"),
+        ("Transfer-Encoding: chunked\r\n", "", "400"),
+        ("Content-Length: 1\r\nContent-Length: 2\r\n", "", "400"),
+    ];
+    let mut halted = 0;
+    for (headers, chunk, status) in cases {
+        for long in [1_100, 3_000] {
+            let beginning = press("/api/v1/commands/move", headers, &format!(r#"{chunk}{{"note":"{}"#, "z".repeat(long)));
+            let whole = client(address, &format!(r#"{beginning}","move":"h""#));
+            halted += 1;
+            stops(&house, halted).await;
+            let mut pieces = client(address, &beginning);
+            // It was read when this is said.
+            assert_eq!(answered(&mut pieces), format!("HTTP/1.1 {status}"), "{headers}");
+            pieces.write_all(br#"","move":"h""#).unwrap();
+            halted += 1;
+            stops(&house, halted).await;
+            open.extend([whole, pieces]);
+        }
+    }
+}
+
+/// Safety S8: its word cannot be told before nothing more comes.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_refused_move_that_says_stop_in_other_letters_halts_when_nothing_more_comes() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let headers = "Content-Length: 1\r\nContent-Length: 2\r\n";
+    let mut client = client(address, &press("/api/v1/commands/move", headers, &format!(r#"{{"note":"{}"#, "z".repeat(1_100))));
+    assert_eq!(answered(&mut client), "HTTP/1.1 400");
+    client.write_all(br#"","move":"\u0068"}"#).unwrap();
+    client.shutdown(Shutdown::Write).unwrap();
+    stops(&house, 1).await;
+}
+
 /// Safety S8: what hyper gives up on is heard to its end.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_with_a_head_that_is_refused_halts() {

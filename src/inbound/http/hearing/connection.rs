@@ -317,7 +317,8 @@ where
     /// Nothing more is answered: what was begun is heard to its end, and the answer gets to whoever still sends. The place is free
     /// for others meanwhile; of those who linger the oldest makes room.
     async fn linger(mut self) {
-        drop(self.talk.take());
+        // What comes now may be no part of that body, nor end soon.
+        drop((self.talk.take(), self.ear.look()));
         (self.waiting, self.place, self.is_only_heard) = (None, None, true);
         let _lingering = self.line.lingering.enter(self.ear.judge().peer.address, Arc::clone(&self.cut));
         let mut closing = self.line.closing.clone();

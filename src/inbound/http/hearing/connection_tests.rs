@@ -119,6 +119,25 @@ async fn who_gets_no_further_answer_has_no_place_and_is_heard_for_five_seconds()
     assert!(lasts(&mut hearing, 5).await);
 }
 
+/// Safety S8: its word is in other letters, behind the first KiB, and can only be told from the whole body.
+#[tokio::test(start_paused = true)]
+async fn a_move_that_says_stop_halts_when_it_is_refused() {
+    let house = house(searching());
+    let (connection, mut says, _hears, _) = connected(&Arc::new(line(&house, 8)));
+    let hearing = tokio::spawn(connection.hear());
+    let head = "POST /console/move HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n";
+    let (beginning, end) = (format!(r#"{{"note":"{}"#, "z".repeat(1_100)), r#"","move":"\u0068"}"#);
+    says.write_all(format!("{head}{:x}\r\n{beginning}\r\n", beginning.len()).as_bytes()).await.unwrap();
+    // Until it was read.
+    sleep(Duration::from_millis(1)).await;
+    let before = house.door.handle.epoch();
+    says.write_all(format!("{:x}\r\n{end}\r\n \r\n", end.len()).as_bytes()).await.unwrap();
+    for _ in 0..1_000 {
+        sleep(Duration::from_millis(1)).await;
+    }
+    assert_eq!((house.door.handle.epoch() == before, hearing.is_finished()), (false, false));
+}
+
 /// Safety S9: whoever may be about to say STOP goes last.
 #[tokio::test]
 async fn a_system_without_descriptors_is_relieved_of_who_gets_no_answer_then_of_places_then_of_newcomers() {

@@ -6,9 +6,10 @@ use crate::core::command::Request;
 use crate::core::units::Epoch;
 use crate::inbound::http::places::Claim;
 use crate::inbound::http::scanning::{self, BodyLength, Scanner, names};
-use crate::wire::halt::says_halt;
+use crate::wire::halt::{says_halt, says_halt_from};
 
-/// So long a body is looked at whenever more of it has come, in bytes, and a longer one at its end: that of a move is a few dozen.
+/// So long a body is looked at whole whenever more of it has come, in bytes: that of a move is a few dozen. So much of a longer one is
+/// looked at again with what has come behind it.
 const SHORT: usize = 1024;
 
 /// An ear at one connection.
@@ -17,6 +18,9 @@ pub(super) struct Ear {
     scanner: Scanner,
     /// The STOP that the request heard last will be, if its body says so.
     unsaid: Option<Request>,
+    /// How much was looked at of what its body says, and how much of it when it was last looked at whole.
+    looked: usize,
+    looked_whole: usize,
 }
 
 /// What has come to its end.
@@ -42,7 +46,7 @@ pub(super) struct Asked {
 impl Ear {
     pub(super) fn new(judge: Judge) -> Ear {
         let scanner = Scanner::new(judge.door.cookie());
-        Ear { judge, scanner, unsaid: None }
+        Ear { judge, scanner, unsaid: None, looked: 0, looked_whole: 0 }
     }
 
     /// Takes bytes up to the first that brings something to its end, and says how many it took; a STOP in them was given.
@@ -64,6 +68,7 @@ impl Ear {
                     Some(Press::Unsaid(stop)) => (Some(stop), None),
                 };
                 self.unsaid = unsaid;
+                (self.looked, self.looked_whole) = (0, 0);
                 let asked = Asked {
                     claim,
                     has_body: head.body != BodyLength::Known(0),
@@ -75,12 +80,20 @@ impl Ear {
         }
     }
 
-    /// The STOP that a body says although it has no end yet: it need not come, and where it is cannot always be told.
+    /// The STOP that a body says although it has no end yet: it need not come, and where it is cannot always be told. A long body is
+    /// looked at whole whenever it has doubled, so that one in many pieces costs little.
     pub(super) fn look_early(&mut self) -> Option<Given> {
-        if self.scanner.said().len() > SHORT {
+        let said = self.scanner.said();
+        if said.len() == self.looked {
             return None;
         }
-        self.look()
+        let start = self.looked.saturating_sub(SHORT);
+        self.looked = said.len();
+        if said.len() <= SHORT || said.len() >= 2 * self.looked_whole {
+            self.looked_whole = said.len();
+            return self.look();
+        }
+        self.unsaid.take_if(|_| says_halt_from(said, start)).map(|stop| self.judge.give(stop))
     }
 
     /// The same, when nothing more comes.
@@ -102,5 +115,12 @@ impl Ear {
     /// The number of the request whose head was heard last; the first is 0.
     pub(super) fn number(&self) -> u64 {
         self.scanner.heads().saturating_sub(1)
+    }
+}
+
+impl Drop for Ear {
+    /// However the connection ends, be it cut: nothing more comes.
+    fn drop(&mut self) {
+        drop(self.look());
     }
 }

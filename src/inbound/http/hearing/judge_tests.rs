@@ -114,7 +114,7 @@ fn judge(house: &House) -> Judge {
     Judge { door: house.door.clone(), hosts: Hosts::new(true, &[]), peer }
 }
 
-/// Whether the first request in these bytes, come in pieces of this size, halts.
+/// Whether the first request in these bytes, come in pieces of this size, halts while its connection is open.
 fn halts(judge: &Judge, bytes: &[u8], piece: usize) -> bool {
     let (mut ear, mut has_head) = (Ear::new(judge.clone()), false);
     for mut piece in bytes.chunks(piece) {
@@ -134,7 +134,7 @@ fn halts(judge: &Judge, bytes: &[u8], piece: usize) -> bool {
         }
     }
     assert!(has_head, "no head has ended in {:?}", String::from_utf8_lossy(bytes));
-    ear.look().is_some()
+    false
 }
 
 const ROUTES: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
@@ -376,6 +376,11 @@ async fn a_move_that_says_stop_halts_when_its_word_has_come() {
         ("Transfer-Encoding: gzip", r#"{"move":"h"}"#),
         ("Content-Length: 3\r\nContent-Length: 12", r#"{"move":"h"}"#),
         ("Content-Length: 70000", &format!(r#"{{"move":"h","zz":"{}"#, "z".repeat(60_000))),
+        ("Content-Length: 5000", &format!(r#"{{"note":"{}","move":"h""#, "z".repeat(1_100))),
+        ("Content-Length: 70000", &format!(r#"{{"note":"{}","move" : "h""#, "z".repeat(16_350))),
+        ("Transfer-Encoding: chunked", &format!("1000\r\n{{\"note\":\"{}\",\"move\":\"h\"", "z".repeat(1_100))),
+        ("Transfer-Encoding: chunked", &format!("{{\"note\":\"{}\",\"move\":\"h\"", "z".repeat(1_100))),
+        ("Content-Length: 3\r\nContent-Length: 12", &format!("note={}&move=h", "z".repeat(9_000))),
     ] {
         let sent = head(length) + body;
         for piece in [1, 1000, usize::MAX] {
@@ -393,6 +398,27 @@ async fn a_move_that_says_stop_halts_when_its_word_has_come() {
             assert!(given.is_none() && ear.look().is_none(), "the body of another says nothing of this");
             rest = &rest[taken..];
         }
+    }
+}
+
+/// Safety S8: a word that only the whole body shows is not always looked for while more of it may come.
+#[tokio::test]
+async fn a_move_that_says_stop_halts_at_the_latest_when_its_connection_ends() {
+    let house = house(searching());
+    for (word, epochs) in [("w", 0), ("\\u0068", 1)] {
+        let before = house.door.handle.epoch();
+        let mut ear = Ear::new(judge(&house));
+        let head = format!("POST {MOVE} HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5000\r\n\r\n");
+        let (taken, _, _) = ear.take(head.as_bytes());
+        assert_eq!(taken, head.len());
+        for piece in [format!(r#"{{"note":"{}""#, "z".repeat(1_100)), format!(r#","move":"{word}"}}"#)] {
+            ear.take(piece.as_bytes());
+            assert!(ear.look_early().is_none());
+        }
+        drop(ear);
+        assert_eq!(house.door.handle.epoch().0, before.0 + epochs, "{word}");
+        let sent = format!(r#"{head}{{"note":"{}","move":"{word}"}}"#, "z".repeat(1_100));
+        assert_eq!(halts(&judge(&house), sent.as_bytes(), usize::MAX), epochs == 1, "a body that has doubled is looked at whole");
     }
 }
 
