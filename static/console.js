@@ -198,7 +198,9 @@ document.addEventListener("submit", (event) => {
   if (form.id === "who") leaving = true;
   if (form.id === "stop" || !form.action.includes("/console/")) return;
   event.preventDefault();
-  if (form.closest("#inspect") && performance.now() < settledAt) return;
+  if (form.closest("#inspect") && performance.now() < settledAt) {
+    return tell(form.dataset.why, "The piece has just changed: this was not sent. Look, then press again.");
+  }
   if (settling && event.submitter === settling.button && performance.now() < settling.until) return;
   if (form.dataset.confirm) return ask(form);
   if (form.closest("#confirm")) unask();

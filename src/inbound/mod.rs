@@ -7,4 +7,5 @@ pub mod http;
 pub mod listeners;
 pub mod mqtt;
 mod patience;
+mod seldom;
 mod vestibule;

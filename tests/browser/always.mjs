@@ -226,15 +226,22 @@ export const unconfirmed = {
       return tries;
     });
     must(atOnce > 0 && atOnce < 6, `nine presses made ${atOnce} attempts at once`);
-    await confirmed.waitFor();
+    await until(() => page.evaluate(() => sessionStorage.length === 0), 'all nine confirmed', patience);
 
     // An answer that confirms nothing is none.
+    await page.goto(`${url}/missions`);
     const answers = [{ status: 503, json: { detail: 'it is ending' } }, { json: { accepted: false, detail: 'not now' } }];
     await page.route('**/console/stop', (route) => (answers.length > 0 ? route.fulfill(answers.shift()) : route.continue()));
+    await page.evaluate(() => {
+      const place = document.getElementById('why-stop');
+      globalThis.said = [];
+      new MutationObserver(() => globalThis.said.push(place.textContent)).observe(place, { childList: true, characterData: true, subtree: true });
+    });
     await stop(page).click();
-    await warning.filter({ hasText: 'it is ending' }).waitFor();
-    await warning.filter({ hasText: 'not now' }).waitFor();
-    await confirmed.waitFor();
+    const said = (words) => page.evaluate((wanted) => globalThis.said.findIndex((one) => one.includes(wanted)), words);
+    await until(async () => (await said('STOP is confirmed')) >= 0, 'the confirmation after two answers that are none', patience);
+    const order = [await said('it is ending'), await said('not now'), await said('STOP is confirmed')];
+    must(order[0] >= 0 && order[0] < order[1] && order[1] < order[2], `what was said of STOP came as ${order}`);
     await page.unroute('**/console/stop');
 
     // It does not wait for its turn when the connection is seen to stand: here no turn ever comes.

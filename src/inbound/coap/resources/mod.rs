@@ -13,7 +13,6 @@ mod problem;
 mod reads;
 mod shows;
 mod stop;
-mod strangers;
 mod table;
 #[cfg(test)]
 mod testing;
@@ -26,13 +25,13 @@ use self::kept::Kept;
 use self::old::OldModel;
 use self::photos::Photos;
 use self::problem::Problem;
-use self::strangers::Strangers;
 use self::table::{Found, Table};
 use super::application::{Application, Said};
 use super::endpoint::request::{Conditions, Request};
 use super::endpoint::response::{Answer, Response};
 use super::endpoint::{self, code::Method};
 use crate::core::command::{self, RefusalKind, Refused};
+use crate::inbound::seldom::Seldom;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::handle::Handle;
 use crate::wire::fields::in_short;
@@ -45,7 +44,7 @@ pub struct Resources {
     kept: Kept,
     old: OldModel,
     photos: Arc<Photos>,
-    strangers: Strangers,
+    strangers: Seldom,
     manual_driving: bool,
 }
 
@@ -55,7 +54,7 @@ impl Resources {
     pub fn new(handle: Handle, archive: Reader, manual_driving: bool) -> Resources {
         let kept = Kept::default();
         let old = OldModel::new(&handle.snapshot(), &kept);
-        let (table, photos, strangers) = (Table::default(), Arc::default(), Strangers::default());
+        let (table, photos, strangers) = (Table::default(), Arc::default(), Seldom::default());
         Resources { handle, archive, table, kept, old, photos, strangers, manual_driving }
     }
 }

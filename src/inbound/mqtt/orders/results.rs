@@ -12,6 +12,7 @@ use super::super::publication::Publication;
 use super::super::qak::outgoing;
 use super::problem::Problem;
 use crate::core::command::CommandId;
+use crate::inbound::seldom::Seldom;
 use crate::runtime::carry_out::{Done, NotDone};
 use crate::wire::answer::AnswerJson;
 use crate::wire::result::ResultJson;
@@ -30,6 +31,7 @@ const NO_PHOTO: &str = "noPhoto";
 pub(super) struct Results {
     answers: mpsc::Sender<Publication>,
     places: Arc<Semaphore>,
+    lost: Arc<Seldom>,
 }
 
 /// Where one result goes.
@@ -46,7 +48,7 @@ pub(super) struct Reply {
 impl Results {
     /// Results go to `answers`.
     pub(super) fn new(answers: mpsc::Sender<Publication>) -> Results {
-        Results { answers, places: Arc::new(Semaphore::new(UNDER_WAY)) }
+        Results { answers, places: Arc::new(Semaphore::new(UNDER_WAY)), lost: Arc::default() }
     }
 
     /// A place for one command more; `None` when there is none.
@@ -97,8 +99,10 @@ impl Results {
 
     fn send(&self, topic: &str, payload: Vec<u8>) {
         let sent = self.answers.try_send(Publication::passing(topic.to_owned(), payload));
-        if let Err(TrySendError::Full(_)) = sent {
-            tracing::warn!(topic, "a result is not published, because as many as there is room for wait to be sent");
+        if let Err(TrySendError::Full(_)) = sent
+            && let Some(lost) = self.lost.one_more()
+        {
+            tracing::warn!(topic, lost, "results are not published, because as many as there is room for wait to be sent");
         }
     }
 }

@@ -1,5 +1,5 @@
-//! What others than this machine ask for and do not get: said in the program's log, and not more often than somebody reads it,
-//! because strangers must not be able to fill the disk. Whether something is refused is decided elsewhere.
+//! What happens as often as somebody at a door wants it to: said in the program's log with how often it was, and not more often than
+//! it is read, because nobody must be able to fill the disk. What is said is the business of whoever says it.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
@@ -9,21 +9,21 @@ use crate::runtime::clock::Clock;
 /// One line in so long, with how many there were; the first is said at once.
 const SILENCE: Duration = Duration::from_secs(10);
 
-/// How much was refused since the last line.
-#[derive(Default)]
-pub(super) struct Strangers {
+/// How often it was since the last line.
+#[derive(Debug, Default)]
+pub(super) struct Seldom {
     clock: Clock,
     count: Mutex<Count>,
 }
 
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Count {
     unsaid: u64,
     next: Duration,
 }
 
-impl Strangers {
-    /// Counts one more that was refused: how many there were since that was last said, when it is to be said again.
+impl Seldom {
+    /// Counts one more: how many there were since that was last said, when it is to be said again.
     pub(super) fn one_more(&self) -> Option<u64> {
         self.count.lock().unwrap_or_else(PoisonError::into_inner).one_more(self.clock.now().since_start)
     }
@@ -46,7 +46,7 @@ mod tests {
 
     /// Safety A5.
     #[test]
-    fn however_many_are_refused_there_is_a_line_in_ten_seconds_and_none_is_left_out_of_the_count() {
+    fn however_often_it_is_there_is_a_line_in_ten_seconds_and_none_is_left_out_of_the_count() {
         let mut count = Count::default();
         let said: Vec<(u64, u64)> =
             (0..25_000).filter_map(|ms| count.one_more(Duration::from_millis(ms)).map(|refused| (ms, refused))).collect();
