@@ -67,6 +67,26 @@ impl Drop for Folder {
     }
 }
 
+/// A program with two keys, an operator's and a viewer's by the name of `lobby`, over a journal.
+pub(crate) struct Site {
+    pub(crate) program: Program,
+    pub(crate) operator: String,
+    pub(crate) viewer: String,
+    pub(crate) folder: Folder,
+}
+
+impl Site {
+    /// Keys are asked for where these settings say so, as `HTTP__REQUIRE_TOKEN`; the other doors are open to this machine.
+    pub(crate) fn new(name: &str, asks: &[&str]) -> Site {
+        let folder = Folder::new(name);
+        folder.token(&["add", "lobby", "--role", "viewer"]);
+        let [operator, viewer] = ["operator", "lobby"].map(|name| folder.token_of(name));
+        let mut command = folder.command(&["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "4"]);
+        command.envs(asks.iter().map(|asks| (format!("HALLSWEEP__{asks}"), "true")));
+        Site { program: Program::started(&mut command), operator, viewer, folder }
+    }
+}
+
 fn bearer(token: &str) -> String {
     format!("Bearer {token}")
 }

@@ -4,7 +4,7 @@ use std::io::{Read, Write};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpStream};
 use std::time::Duration;
 
-use crate::access::Folder;
+use crate::access::Site;
 use crate::program::Program;
 
 const ROUTES: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
@@ -142,12 +142,9 @@ fn two_thousand_bodies_that_do_not_come_keep_no_stop_out() {
 fn a_viewers_key_from_many_addresses_keeps_no_stop_out() {
     let most = rlimit::increase_nofile_limit(4096).unwrap_or(1024);
     let crowd = usize::try_from(most.saturating_sub(200)).unwrap_or(usize::MAX).min(1200);
-    let folder = Folder::new("crowd");
-    folder.token(&["add", "lobby", "--role", "viewer"]);
-    let mut command = folder.command(&["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8"]);
-    let program = Program::started(command.env("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true"));
-    let key = |name: &str| format!("Authorization: Bearer {}\r\n", folder.token_of(name));
-    let (viewer, operator) = (key("lobby"), key("operator"));
+    let site = Site::new("crowd", &["HTTP__REQUIRE_TOKEN"]);
+    let program = &site.program;
+    let [viewer, operator] = [&site.viewer, &site.operator].map(|token| format!("Authorization: Bearer {token}\r\n"));
     let crowd: Vec<TcpStream> = (0..crowd)
         .map(|number| {
             let from = SocketAddr::from((Ipv4Addr::new(127, 0, 0, 2 + (number % 6) as u8), 0));
@@ -159,9 +156,9 @@ fn a_viewers_key_from_many_addresses_keeps_no_stop_out() {
         .collect();
     for number in 0..50 {
         let key = [&operator, &viewer][number % 2];
-        assert_eq!(status(&mut connected(&program, &stop("/api/v1/commands/stop", key))), "200", "newcomer {number}");
+        assert_eq!(status(&mut connected(program, &stop("/api/v1/commands/stop", key))), "200", "newcomer {number}");
     }
-    let mut page = connected(&program, &format!("GET /console/live HTTP/1.1\r\nHost: localhost\r\n{operator}\r\n"));
+    let mut page = connected(program, &format!("GET /console/live HTTP/1.1\r\nHost: localhost\r\n{operator}\r\n"));
     assert_eq!(status(&mut page), "200", "an operator's page has its stream");
     drop(crowd);
 }

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde_json::Value;
 
-use crate::access::Folder;
+use crate::access::Site;
 use crate::journal::holds;
 use crate::mqtt_attacks::client::Client;
 use crate::mqtt_attacks::packets::{connect_as, publish};
@@ -21,24 +21,10 @@ const PRESSED: usize = 10;
 
 const STOP: &str = "hallsweep/discovery/command/stop";
 
-/// A program with keys, over a journal.
-struct Site {
-    program: Program,
-    folder: Folder,
-    operator: String,
-    viewer: String,
-}
+/// Both doors ask for keys.
+const ASKS: [&str; 2] = ["HTTP__REQUIRE_TOKEN", "MQTT__REQUIRE_PASSWORD"];
 
 impl Site {
-    fn new(name: &str) -> Site {
-        let folder = Folder::new(name);
-        folder.token(&["add", "lobby", "--role", "viewer"]);
-        let [operator, viewer] = ["operator", "lobby"].map(|name| folder.token_of(name));
-        let mut command = folder.command(&["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "4"]);
-        command.env("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true").env("HALLSWEEP__MQTT__REQUIRE_PASSWORD", "true");
-        Site { program: Program::started(&mut command), folder, operator, viewer }
-    }
-
     /// An operator at work until the flood is over: every command is carried out, and the store never holds the robot.
     fn work(&self, is_over: &AtomicBool) {
         let bearer = format!("Bearer {}", self.operator);
@@ -119,7 +105,7 @@ fn pipelined(program: &Program, request: &str, count: usize) {
 /// Safety S1, A6.
 #[test]
 fn a_flood_of_stops_over_http_costs_nobody_a_command_and_is_counted() {
-    let journal = Site::new("stop-flood-http").flooded(|site| {
+    let journal = Site::new("stop-flood-http", &ASKS).flooded(|site| {
         let request = format!("POST /h HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {}\r\n\r\n", site.viewer);
         std::thread::scope(|scope| {
             for _ in 0..4 {
@@ -136,7 +122,7 @@ fn a_flood_of_stops_over_http_costs_nobody_a_command_and_is_counted() {
 /// Safety S1, A6.
 #[test]
 fn a_flood_of_stops_over_mqtt_costs_nobody_a_command_and_is_counted() {
-    let journal = Site::new("stop-flood-mqtt").flooded(|site| {
+    let journal = Site::new("stop-flood-mqtt", &ASKS).flooded(|site| {
         let broker = site.program.mqtt();
         let mut client = Client::try_connect(broker, &connect_as("flood", ("lobby", &site.viewer))).expect("it is let in");
         let stops = publish(STOP, b"", 0, 0, 0).repeat(100);
@@ -152,7 +138,7 @@ fn a_flood_of_stops_over_mqtt_costs_nobody_a_command_and_is_counted() {
 /// Safety S1, A6: of datagrams some may be lost on their way.
 #[test]
 fn a_flood_of_stops_over_coap_costs_nobody_a_command() {
-    let journal = Site::new("stop-flood-coap").flooded(|site| {
+    let journal = Site::new("stop-flood-coap", &ASKS).flooded(|site| {
         let socket = UdpSocket::bind("127.0.0.7:0").expect("an address of this machine");
         for number in 0..FLOOD {
             let [high, low] = u16::try_from(number).expect("fewer than there are").to_be_bytes();

@@ -2,52 +2,35 @@
 //! beside it, from whoever comes and from whoever is there. How soon is measured in `benches`.
 
 use std::io::Write;
-use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::client::{Came, Client};
 use super::packets::{CONNACK, PINGREQ, connect_as, packet, publish, subscribe, text};
-use crate::access::Folder;
+use crate::access::Site;
 use crate::journal::holds;
-use crate::program::Program;
 
 const STOP: &str = "hallsweep/discovery/command/stop";
 
 /// More connections than the broker has places.
 const CROWD: usize = 300;
 
-/// Keys, and a program whose MQTT door asks for them.
-struct Site {
-    program: Program,
-    operator: String,
-    viewer: String,
-    _folder: Folder,
+/// A program whose MQTT door asks for keys.
+fn site(name: &str) -> Site {
+    Site::new(name, &["MQTT__REQUIRE_PASSWORD"])
 }
 
 impl Site {
-    fn new(name: &str) -> Site {
-        let folder = Folder::new(name);
-        folder.token(&["add", "lobby", "--role", "viewer"]);
-        let (operator, viewer) = (folder.token_of("operator"), folder.token_of("lobby"));
-        let mut command = folder.command(&["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "4"]);
-        let program = Program::started(command.env("HALLSWEEP__MQTT__REQUIRE_PASSWORD", "true"));
-        Site { program, operator, viewer, _folder: folder }
-    }
-
-    fn broker(&self) -> SocketAddr {
-        self.program.mqtt()
-    }
-
     fn viewer(&self, id: &str) -> Client {
-        let mut client = Client::silent(self.broker());
-        client.say(&connect_as(id, ("lobby", &self.viewer)));
-        assert_eq!(client.next(), Some(Came { first: CONNACK, body: vec![0, 0] }));
-        client
+        self.client(id, ("lobby", &self.viewer))
     }
 
     fn operator(&self, id: &str) -> Client {
-        let mut client = Client::silent(self.broker());
-        client.say(&connect_as(id, ("operator", &self.operator)));
+        self.client(id, ("operator", &self.operator))
+    }
+
+    fn client(&self, id: &str, login: (&str, &str)) -> Client {
+        let mut client = Client::silent(self.program.mqtt());
+        client.say(&connect_as(id, login));
         assert_eq!(client.next(), Some(Came { first: CONNACK, body: vec![0, 0] }));
         client
     }
@@ -79,7 +62,7 @@ fn floods() -> Vec<(&'static str, Vec<u8>)> {
 /// Safety S1, S7: from a newcomer, from one who is there, and over HTTP.
 #[test]
 fn a_stop_halts_whatever_a_viewer_floods_the_broker_with() {
-    let site = Site::new("viewer-floods");
+    let site = site("viewer-floods");
     let mut kept = site.viewer("kept");
     for (what, flood) in floods() {
         let is_enough = AtomicBool::new(false);
@@ -118,7 +101,7 @@ impl Drop for Enough<'_> {
 /// Safety S9.
 #[test]
 fn one_viewer_with_three_hundred_connections_keeps_nobody_out() {
-    let site = Site::new("viewer-crowd");
+    let site = site("viewer-crowd");
     let mut before = site.operator("before");
     let crowd: Vec<Client> = (0..CROWD).map(|n| site.viewer(&n.to_string())).collect();
     site.halts(|| before.publish(STOP, b""));
@@ -135,7 +118,7 @@ fn one_viewer_with_three_hundred_connections_keeps_nobody_out() {
 /// Safety S1: subscribers who read nothing are waited for, and the flood with them; its end is not.
 #[test]
 fn a_stop_behind_its_senders_own_flood_halts_although_subscribers_read_nothing() {
-    let site = Site::new("own-flood");
+    let site = site("own-flood");
     let mut stalled: Vec<Client> = (0..2).map(|n| site.operator(&format!("stalled-{n}"))).collect();
     for stalled in &mut stalled {
         assert_eq!(stalled.subscribe("#", 1), 1);

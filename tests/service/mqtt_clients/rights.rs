@@ -5,29 +5,14 @@ use super::client::Client;
 use super::talk::Talk;
 use super::told::{Hello, Say};
 use super::{AVAILABILITY, OURS, command, results, with_each};
-use crate::access::Folder;
+use crate::access::{Folder, Site};
 use crate::program::Program;
 
 const ROBOT: &str = "hallsweep/discovery/state/robot";
 
-/// Keys, and a program whose MQTT door asks for them.
-struct Site {
-    folder: Folder,
-    program: Program,
-    operator: String,
-    viewer: String,
-}
-
-impl Site {
-    fn new(name: &str) -> Site {
-        let folder = Folder::new(name);
-        folder.token(&["add", "lobby", "--role", "viewer"]);
-        let (operator, viewer) = (folder.token_of("operator"), folder.token_of("lobby"));
-        let mut command = folder.command(&["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "4"]);
-        // The HTTP door is open, so that the state can be looked at; its own door to MQTT is not this test's.
-        let program = Program::started(command.env("HALLSWEEP__MQTT__REQUIRE_PASSWORD", "true"));
-        Site { folder, program, operator, viewer }
-    }
+/// The HTTP door is open, so that the state can be looked at; its own door to MQTT is not these tests'.
+fn site(name: &str) -> Site {
+    Site::new(name, &["MQTT__REQUIRE_PASSWORD"])
 }
 
 /// Clients that come by the port of MQTT itself.
@@ -42,7 +27,7 @@ fn with_each_by_tcp(scenario: impl Fn(Client)) {
 /// Safety A4.
 #[test]
 fn whoever_shows_no_key_or_a_wrong_one_is_told_so() {
-    let site = Site::new("mqtt-login");
+    let site = site("mqtt-login");
     with_each_by_tcp(|client| {
         Talk::knock(client, &site.program, Hello::speaking()).until_refused(5);
         // One each: whoever goes on showing wrong keys waits longer each time.
@@ -73,7 +58,7 @@ fn a_broker_for_others_asks_for_keys() {
 /// Safety A1, A4, A6, S1.
 #[test]
 fn a_viewer_watches_and_stops_and_does_nothing_else() {
-    let site = Site::new("mqtt-viewer");
+    let site = site("mqtt-viewer");
     with_each_by_tcp(|client| {
         let program = &site.program;
         let epoch = program.json("state")["mission"]["epoch"].as_u64().expect("an epoch");
@@ -96,13 +81,12 @@ fn a_viewer_watches_and_stops_and_does_nothing_else() {
     });
     let events = site.program.json("missions/1/events").to_string();
     assert!(events.contains("\"lobby\"") && events.contains("\"mqtt\""), "{events}");
-    drop(site.folder);
 }
 
 /// Safety A4: what is published where only the program speaks reaches nobody, and neither does what viewers publish.
 #[test]
 fn what_is_published_on_a_forbidden_topic_reaches_nobody() {
-    let site = Site::new("mqtt-topics");
+    let site = site("mqtt-topics");
     with_each_by_tcp(|client| {
         let login = |name| {
             Hello::following(&[ROBOT, "site/#"], 1).with_login(name, if name == "lobby" { &site.viewer } else { &site.operator })
@@ -128,7 +112,7 @@ fn what_is_published_on_a_forbidden_topic_reaches_nobody() {
 
 #[test]
 fn a_will_is_published_where_its_client_may_and_refused_elsewhere() {
-    let site = Site::new("mqtt-will");
+    let site = site("mqtt-will");
     with_each_by_tcp(|client| {
         let operator = || Hello::speaking().with_login("operator", &site.operator);
         let start = command("start");

@@ -8,7 +8,7 @@ use super::AVAILABILITY;
 use super::client::Client;
 use super::talk::Talk;
 use super::told::{Hello, Say};
-use crate::access::Folder;
+use crate::access::{Site, sign_in};
 use crate::program::Program;
 
 /// Asks for a WebSocket with these headers, and returns what is answered first: to an upgrade the line of its status.
@@ -58,20 +58,17 @@ fn whoever_is_signed_in_to_the_console_needs_no_password() {
     if !Client::MqttJsWeb.is_here() {
         return;
     }
-    let folder = Folder::new("mqtt-web");
-    folder.token(&["add", "lobby", "--role", "viewer"]);
-    let mut command = folder.command(&["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "4"]);
-    let program = Program::started(command.env("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true"));
-    let operator = folder.token_of("operator");
-    let begin = |hello| Talk::begin(Client::MqttJsWeb, &program, hello);
+    let site = Site::new("mqtt-web", &["HTTP__REQUIRE_TOKEN"]);
+    let program = &site.program;
+    let begin = |hello| Talk::begin(Client::MqttJsWeb, program, hello);
 
-    Talk::knock(Client::MqttJsWeb, &program, Hello::speaking()).until_refused(5);
+    Talk::knock(Client::MqttJsWeb, program, Hello::speaking()).until_refused(5);
     let wrong = Hello::speaking().with_login("operator", "wrong");
-    Talk::knock(Client::MqttJsWeb, &program, wrong).until_refused(4);
-    begin(Hello::speaking().with_login("operator", &operator)).leave();
+    Talk::knock(Client::MqttJsWeb, program, wrong).until_refused(4);
+    begin(Hello::speaking().with_login("operator", &site.operator)).leave();
 
     let lamp = Say::plain("site/lamp", "on").at(1);
-    let cookies = [&operator, &folder.token_of("lobby")].map(|token| crate::access::sign_in(&program, token));
+    let cookies = [&site.operator, &site.viewer].map(|token| sign_in(program, token));
     let [operators, viewers] = cookies.each_ref().map(|cookie| [("cookie", cookie.as_str())]);
     let mut signed_in = begin(Hello::following(&["site/#", AVAILABILITY], 1).with_headers(&operators));
     signed_in.until_newest(AVAILABILITY, "it is served", |message| message.payload == "online");
