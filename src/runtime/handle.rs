@@ -1,14 +1,13 @@
 //! The driving port: how every door gives commands and sees the state. Cheap to clone; hides all channels.
 
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::halt::Halter;
-use super::pressed::{PressedIn, PressedOut, pressed};
-use crate::core::command::{Accepted, Command, Door, Issuer, Refused, Request};
+use super::overflow::{OverflowIn, OverflowOut, overflow};
+use crate::core::command::{Accepted, Command, Issuer, Refused, Request};
 use crate::core::units::Epoch;
 use crate::core::world::snapshot::Snapshot;
 
@@ -24,9 +23,9 @@ const LEFT_BY_STOPS: usize = COMMANDS - 32;
 pub enum Envelope {
     /// A command, and where its answer goes.
     Command(Request, oneshot::Sender<Answer>),
-    /// What a door refused to take from somebody, for the record: who, what was asked for, and why not; how many of them there were,
-    /// of which this is the last; and who waits until it is there, if anybody does.
-    Refused(Issuer, String, Refused, u64, Option<oneshot::Sender<Answer>>),
+    /// What a door refused to take from somebody, for the record: who, what was asked for, and why not; and who waits until it is
+    /// there, if anybody does.
+    Refused(Issuer, String, Refused, Option<oneshot::Sender<Answer>>),
 }
 
 /// The core's answer to a command.
@@ -38,12 +37,8 @@ pub struct Handle {
     commands: mpsc::Sender<Envelope>,
     snapshots: watch::Receiver<Arc<Snapshot>>,
     halter: Halter,
-    late: Arc<Mutex<Late>>,
-    pressed: PressedIn,
+    overflow: OverflowIn,
 }
-
-/// What was refused while the queue was full, and nobody waits for: of each sender and door the last, and how many.
-type Late = BTreeMap<(Arc<str>, Door), (Issuer, String, Refused, u64)>;
 
 /// The loop has ended; the program is shutting down. `Display` is the sentence a person reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -60,21 +55,21 @@ struct Waiting {
 }
 
 impl Handle {
-    /// A handle over the channels of a loop that finds all stops in its queue.
+    /// A handle over the channels of a loop that looks into its queue alone.
     #[must_use]
     pub fn new(commands: mpsc::Sender<Envelope>, snapshots: watch::Receiver<Arc<Snapshot>>, halter: Halter) -> Handle {
-        Handle::with_stops(commands, snapshots, halter).0
+        Handle::with_overflow(commands, snapshots, halter).0
     }
 
-    /// A handle over the loop's channels, and where the loop finds the stops for which there was no room in its queue.
+    /// A handle over the loop's channels, and where the loop finds what had no room in its queue.
     #[must_use]
-    pub(super) fn with_stops(
+    pub(super) fn with_overflow(
         commands: mpsc::Sender<Envelope>,
         snapshots: watch::Receiver<Arc<Snapshot>>,
         halter: Halter,
-    ) -> (Handle, PressedOut) {
-        let (pressed, out) = pressed();
-        (Handle { commands, snapshots, halter, late: Arc::default(), pressed }, out)
+    ) -> (Handle, OverflowOut) {
+        let (overflow, out) = overflow();
+        (Handle { commands, snapshots, halter, overflow }, out)
     }
 
     /// Gives a command: it is stamped and queued at the call, so that commands keep the order in which they were given, and a
@@ -113,23 +108,17 @@ impl Handle {
     /// `Gone` when the program is shutting down.
     pub async fn note_refused(&self, issuer: Issuer, asked: String, refused: Refused) -> Result<(), Gone> {
         let (answer, answered) = oneshot::channel();
-        let note = Envelope::Refused(issuer, asked, refused, 1, Some(answer));
+        let note = Envelope::Refused(issuer, asked, refused, Some(answer));
         self.commands.send(note).await.map_err(|_| Gone)?;
         answered.await.map(drop).map_err(|_| Gone)
     }
 
-    /// The same where nothing can be waited for. What finds the queue full is counted, and comes to the loop when there is room:
-    /// the last one of each sender, with how many they were. Must be called inside a runtime.
+    /// The same where nothing can be waited for. What finds the queue full is counted beside it: the last one of each sender goes on
+    /// record, with how many they were.
     pub fn note_refused_at_once(&self, issuer: Issuer, asked: String, refused: Refused) {
-        let note = Envelope::Refused(issuer, asked, refused, 1, None);
-        let Err(TrySendError::Full(Envelope::Refused(issuer, asked, refused, ..))) = self.commands.try_send(note) else { return };
-        let mut late = self.late.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_first = late.is_empty();
-        let one =
-            late.entry((Arc::clone(&issuer.who), issuer.door)).or_insert((issuer.clone(), String::new(), refused.clone(), 0));
-        *one = (issuer, asked, refused, one.3 + 1);
-        if is_first {
-            tokio::spawn(send_late(self.commands.clone(), Arc::clone(&self.late)));
+        let note = Envelope::Refused(issuer, asked, refused, None);
+        if let Err(TrySendError::Full(Envelope::Refused(issuer, asked, refused, _))) = self.commands.try_send(note) {
+            self.overflow.put_refusal(issuer, asked, refused);
         }
     }
 
@@ -155,7 +144,7 @@ impl Handle {
     /// recorded although nobody may ask for its answer. When the loop has ended, the answer's channel says so.
     fn queue(&self, request: Request, answer: oneshot::Sender<Answer>) -> Option<Waiting> {
         let is_beside = request.command == Command::Stop && self.commands.capacity() <= LEFT_BY_STOPS;
-        let left = if is_beside { self.pressed.put(request, answer) } else { Some((request, answer)) };
+        let left = if is_beside { self.overflow.put_stop(request, answer) } else { Some((request, answer)) };
         let (request, answer) = left?;
         match self.commands.try_send(Envelope::Command(request, answer)) {
             Err(TrySendError::Full(envelope)) => Some(Waiting { commands: self.commands.clone(), envelope }),
@@ -178,40 +167,27 @@ impl Handle {
     }
 }
 
-/// Sends what was refused while the queue was full, until there is no more of it. There are no more of them than keys and doors.
-async fn send_late(commands: mpsc::Sender<Envelope>, late: Arc<Mutex<Late>>) {
-    // When the loop has ended nobody keeps a record any more.
-    while let Ok(room) = commands.reserve().await {
-        let mut late = late.lock().unwrap_or_else(PoisonError::into_inner);
-        let Some((_, (issuer, asked, refused, count))) = late.pop_first() else { return };
-        room.send(Envelope::Refused(issuer, asked, refused, count, None));
-        if late.is_empty() {
-            return;
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::command::Move;
+    use crate::core::command::{Door, Move};
     use crate::core::settings::Settings;
     use crate::core::sweep::Sweep;
     use crate::core::units::Epoch;
     use crate::runtime::within::within;
 
     /// A handle before a loop that does not run, and what would come to the loop.
-    fn house() -> (Handle, mpsc::Receiver<Envelope>, Halter) {
-        let (handle, envelopes, halter, _) = house_with_stops();
+    fn handle() -> (Handle, mpsc::Receiver<Envelope>, Halter) {
+        let (handle, envelopes, halter, _) = handle_with_overflow();
         (handle, envelopes, halter)
     }
 
-    fn house_with_stops() -> (Handle, mpsc::Receiver<Envelope>, Halter, PressedOut) {
+    fn handle_with_overflow() -> (Handle, mpsc::Receiver<Envelope>, Halter, OverflowOut) {
         let (commands, envelopes) = mpsc::channel(COMMANDS);
         let halter = Halter::new(Epoch(4));
         let (_, snapshots) = watch::channel(Sweep::new(Settings::default(), Default::default(), "test".into()).snapshot());
-        let (handle, pressed) = Handle::with_stops(commands, snapshots, halter.clone());
-        (handle, envelopes, halter, pressed)
+        let (handle, overflow) = Handle::with_overflow(commands, snapshots, halter.clone());
+        (handle, envelopes, halter, overflow)
     }
 
     fn request(command: Command) -> Request {
@@ -227,7 +203,7 @@ mod tests {
 
     #[tokio::test]
     async fn commands_keep_the_order_in_which_they_were_given() {
-        let (handle, mut envelopes, _) = house();
+        let (handle, mut envelopes, _) = handle();
         let given = [Command::Start, Command::Move(Move::Forward), Command::BackHome];
         let answers: Vec<_> = given.iter().map(|command| handle.give(request(command.clone()))).collect();
         let came: Vec<Command> = std::iter::from_fn(|| next(&mut envelopes)).map(|request| request.command).collect();
@@ -238,7 +214,7 @@ mod tests {
     /// Safety S1, S4.
     #[tokio::test]
     async fn a_stop_halts_when_it_is_given_and_outdates_what_was_given_before() {
-        let (handle, mut envelopes, halter) = house();
+        let (handle, mut envelopes, halter) = handle();
         let (started, stopped) = (handle.give(request(Command::Start)), handle.give(request(Command::Stop)));
         assert_eq!((halter.watch().now().epoch, halter.watch().now().count), (Epoch(5), 1));
         assert_eq!(next(&mut envelopes).and_then(|start| start.arrived), Some(Epoch(4)));
@@ -249,7 +225,7 @@ mod tests {
     /// Safety S4: a door says when it heard a command, and is believed when that is long ago; a stop counts from now.
     #[tokio::test]
     async fn what_was_heard_before_a_stop_arrived_before_it_and_a_stop_counts_from_what_it_raises() {
-        let (handle, mut envelopes, _) = house();
+        let (handle, mut envelopes, _) = handle();
         let heard = |command, epoch| Request { arrived: Some(Epoch(epoch)), ..request(command) };
         for (command, said, arrived, raised) in [
             (Command::Start, 3, Some(Epoch(3)), None),
@@ -265,15 +241,15 @@ mod tests {
     /// Safety A6: nobody has to wait for the answer of a stop.
     #[tokio::test]
     async fn stops_come_to_the_loop_although_their_senders_hang_up_and_the_queue_is_full() {
-        let (handle, mut envelopes, _, pressed) = house_with_stops();
+        let (handle, mut envelopes, _, overflow) = handle_with_overflow();
         let waiting: Vec<_> = (0..=COMMANDS).map(|_| handle.give(request(Command::Start))).collect();
         (0..9 * COMMANDS).for_each(|_| drop(handle.give(request(Command::Stop))));
         for _ in 0..COMMANDS {
             assert_eq!(next(&mut envelopes).map(|request| request.command), Some(Command::Start));
         }
         drop(waiting);
-        within("the stops", pressed.news()).await;
-        let came: Vec<_> = pressed.take().map(|pressed| (pressed.last.epoch, pressed.count)).collect();
+        within("the stops", overflow.news()).await;
+        let came: Vec<_> = overflow.take().stops.into_values().map(|stops| (stops.last.epoch, stops.count)).collect();
         let last = Epoch(4 + 9 * COMMANDS as u64);
         assert_eq!(came, [(Some(last), 9 * COMMANDS as u64)], "all of them, up to the last");
     }
@@ -281,47 +257,37 @@ mod tests {
     /// Safety A5, S9.
     #[tokio::test]
     async fn stops_leave_places_in_the_queue_to_other_commands() {
-        let (handle, mut envelopes, _, pressed) = house_with_stops();
+        let (handle, mut envelopes, _, overflow) = handle_with_overflow();
         (0..9 * COMMANDS).for_each(|_| drop(handle.give(request(Command::Stop))));
         let waiting: Vec<_> = (0..LEFT_BY_STOPS).map(|_| handle.give(request(Command::Start))).collect();
         let queued: Vec<_> = std::iter::from_fn(|| next(&mut envelopes)).collect();
         let starts = queued.iter().filter(|request| request.command == Command::Start).count();
         assert_eq!((queued.len(), starts), (COMMANDS, LEFT_BY_STOPS), "each has its place at once");
-        let beside: u64 = pressed.take().map(|pressed| pressed.count).sum();
+        let beside: u64 = overflow.take().stops.values().map(|stops| stops.count).sum();
         assert_eq!(beside as usize + COMMANDS - LEFT_BY_STOPS, 9 * COMMANDS, "and no stop is left out");
         drop(waiting);
     }
 
     /// Safety A5, A6.
-    #[tokio::test]
-    async fn what_is_refused_while_the_queue_is_full_comes_when_there_is_room_with_how_many_there_were() {
-        let (handle, mut envelopes, _) = house();
-        let note = |door, n| {
-            handle.note_refused_at_once(Issuer::operator(door), format!("START {n}"), Refused::NotAllowed("no".to_owned()))
-        };
-        (0..COMMANDS).for_each(|n| note(Door::Coap, n));
-        for _ in 0..3 {
-            (1..=1000).for_each(|n| note(Door::Coap, n));
-            note(Door::Mqtt, 7);
-            let mut came = BTreeMap::new();
-            while came.len() < 2 {
-                let Some(Envelope::Refused(issuer, asked, _, count, None)) = within("a refusal", envelopes.recv()).await else {
-                    panic!("nothing else was sent")
-                };
-                if !came.is_empty() || count > 1 {
-                    came.insert(issuer.door, (asked, count));
-                }
-            }
-            assert_eq!(came[&Door::Coap], ("START 1000".to_owned(), 1000));
-            assert_eq!(came[&Door::Mqtt], ("START 7".to_owned(), 1));
-            assert!(envelopes.try_recv().is_err(), "and nothing twice");
-            (0..COMMANDS).for_each(|n| note(Door::Coap, n));
+    #[test]
+    fn what_is_refused_while_the_queue_is_full_is_counted_beside_it() {
+        let (handle, mut envelopes, _, overflow) = handle_with_overflow();
+        for n in 0..COMMANDS + 1000 {
+            let refused = Refused::NotAllowed("no".to_owned());
+            handle.note_refused_at_once(Issuer::operator(Door::Coap), format!("START {n}"), refused);
         }
+        let mut queued = Vec::new();
+        while let Ok(Envelope::Refused(_, asked, _, None)) = envelopes.try_recv() {
+            queued.push(asked);
+        }
+        assert_eq!(queued, (0..COMMANDS).map(|n| format!("START {n}")).collect::<Vec<_>>());
+        let beside: Vec<_> = overflow.take().refusals.into_values().map(|counted| (counted.last.1, counted.count)).collect();
+        assert_eq!(beside, [(format!("START {}", COMMANDS + 999), 1000)]);
     }
 
     #[tokio::test]
     async fn what_found_the_queue_full_is_queued_by_its_future() {
-        let (handle, mut envelopes, _) = house();
+        let (handle, mut envelopes, _) = handle();
         let mut waiting: Vec<_> = (0..COMMANDS).map(|_| handle.give(request(Command::Start))).collect();
         waiting.push(handle.give(request(Command::Reset)));
         let reset = tokio::spawn(waiting.pop().expect("the last one"));
@@ -336,7 +302,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_loop_that_has_ended_is_said_to_be_gone() {
-        let (handle, envelopes, _) = house();
+        let (handle, envelopes, _) = handle();
         drop(envelopes);
         assert_eq!(handle.give(request(Command::Start)).await, Err(Gone));
         assert_eq!(handle.give(request(Command::Stop)).await, Err(Gone));

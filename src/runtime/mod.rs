@@ -9,7 +9,7 @@ pub mod handle;
 pub mod link;
 #[cfg(test)]
 pub(crate) mod obedient;
-mod pressed;
+mod overflow;
 pub mod store;
 pub mod task;
 pub mod threads;

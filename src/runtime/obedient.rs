@@ -42,7 +42,7 @@ impl Script {
         while let Some(envelope) = envelopes.recv().await {
             let (request, answer) = match envelope {
                 Envelope::Command(request, answer) => (request, answer),
-                Envelope::Refused(issuer, asked, refused, _, answer) => {
+                Envelope::Refused(issuer, asked, refused, answer) => {
                     self.noted.lock().unwrap().push((issuer, asked, refused.clone()));
                     let _ = answer.map(|answer| answer.send(Err(refused)));
                     continue;

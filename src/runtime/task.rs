@@ -10,7 +10,7 @@ use super::clock::Clock;
 use super::halt::{HaltWatch, Halter};
 use super::handle::{Answer, COMMANDS, Envelope, Handle};
 use super::link::{RobotLink, Stamped};
-use super::pressed::{Pressed, PressedOut};
+use super::overflow::{Counted, Overflow, OverflowOut};
 use super::store::{Store, StoreWord};
 use crate::core::command::{Command, Issuer, Refused, Request};
 use crate::core::effect::{Effect, Order};
@@ -32,8 +32,8 @@ pub struct Task {
     /// The last stop of which the core was told.
     heard: Epoch,
     commands: mpsc::Receiver<Envelope>,
-    /// Stops for which there was no room in that queue.
-    pressed: PressedOut,
+    /// What found no room in that queue.
+    overflow: OverflowOut,
     snapshots: watch::Sender<Arc<Snapshot>>,
     answers: BTreeMap<Ticket, Vec<oneshot::Sender<Answer>>>,
     /// The refusals that wait until they are on record (safety A6), in the order of their entries.
@@ -64,7 +64,7 @@ impl Task {
         let (commands_out, commands) = mpsc::channel(COMMANDS);
         let snapshots = watch::Sender::new(sweep.snapshot());
         let halts = halter.watch();
-        let (handle, pressed) = Handle::with_stops(commands_out, snapshots.subscribe(), halter.clone());
+        let (handle, overflow) = Handle::with_overflow(commands_out, snapshots.subscribe(), halter.clone());
         let answers = BTreeMap::new();
         let word = store.word();
         let task = Task {
@@ -77,7 +77,7 @@ impl Task {
             halts,
             heard: Epoch(0),
             commands,
-            pressed,
+            overflow,
             snapshots,
             answers,
             refusals: VecDeque::new(),
@@ -116,7 +116,7 @@ impl Task {
                 },
                 // Last, since they are heard of before any command is taken: stops without end must not keep the rest waiting.
                 _ = self.halts.raised() => {}
-                () = self.pressed.news() => {}
+                () = self.overflow.news() => {}
             }
             self.hear_halts();
             self.settle();
@@ -144,16 +144,20 @@ impl Task {
         self.sweep.handle_event(Event::Robot(RobotId::Discovery, report), self.clock.now());
     }
 
-    /// Tells the core of stops, before anything that was given after them.
+    /// Tells the core of stops, before anything that was given after them, and of what else found no room in the queue.
     fn hear_halts(&mut self) {
         let epoch = self.halts.now().epoch;
         if epoch > self.heard {
             self.heard = epoch;
             self.sweep.handle_halt(epoch, self.clock.now());
         }
-        for Pressed { last, count, answers, .. } in self.pressed.take() {
+        let Overflow { stops, refusals } = self.overflow.take();
+        for Counted { last, count, answers, .. } in stops.into_values() {
             let given = self.sweep.handle_stops(last, count, self.clock.now());
             self.await_answer(given, answers);
+        }
+        for Counted { last: (issuer, asked, refused), count, .. } in refusals.into_values() {
+            self.sweep.note_refused(issuer, asked, &refused, count, self.clock.now());
         }
     }
 
@@ -161,19 +165,12 @@ impl Task {
         self.hear_halts();
         match envelope {
             Envelope::Command(request, answer) => self.take_command(request, answer),
-            Envelope::Refused(issuer, asked, refused, count, answer) => {
-                self.note_refused((issuer, asked, refused), count, answer)
-            }
+            Envelope::Refused(issuer, asked, refused, answer) => self.note_refused(issuer, asked, refused, answer),
         }
     }
 
-    fn note_refused(
-        &mut self,
-        (issuer, asked, refused): (Issuer, String, Refused),
-        count: u64,
-        answer: Option<oneshot::Sender<Answer>>,
-    ) {
-        let noted = self.sweep.note_refused(issuer, asked, &refused, count, self.clock.now());
+    fn note_refused(&mut self, issuer: Issuer, asked: String, refused: Refused, answer: Option<oneshot::Sender<Answer>>) {
+        let noted = self.sweep.note_refused(issuer, asked, &refused, 1, self.clock.now());
         let Some(answer) = answer else { return };
         if let Some(seq) = noted {
             self.refusals.push_back((seq, answer, refused));

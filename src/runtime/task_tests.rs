@@ -399,6 +399,24 @@ async fn what_a_door_refuses_is_answered_when_it_is_on_record_unless_it_shares_a
     }
 }
 
+/// Safety S1, A6.
+#[tokio::test(start_paused = true)]
+async fn what_finds_no_room_in_the_queue_is_on_record_and_its_stops_are_answered() {
+    let (handle, task, robot) = house();
+    let starts: Vec<_> = (0..COMMANDS).map(|_| handle.give(request(Command::Start))).collect();
+    let stops: Vec<_> = (0..1000).map(|_| handle.give(request(Command::Stop))).collect();
+    for n in 0..1000 {
+        handle.note_refused_at_once(Issuer::operator(Door::Coap), format!("RESET {n}"), Refused::NotAllowed("no".to_owned()));
+    }
+    let (handle, _robot, _close) = start((handle, task, robot)).await;
+    for stop in stops {
+        within("the answer to a stop", stop).await.unwrap().unwrap();
+    }
+    seen(&handle, "the stops", says("STOP, 1000 times at once")).await;
+    seen(&handle, "the refusals", says("RESET 999, and 999 more that were refused")).await;
+    drop(starts);
+}
+
 /// Safety V3: whoever waits for a record that was lost is told so, although the store writes again before the loop hears of it.
 #[tokio::test]
 async fn a_loss_that_is_over_already_is_told_all_the_same() {

@@ -1,0 +1,222 @@
+//! What found no room in the queue of commands, counted by sender: STOPs, and refusals for which nobody waits. So each is on record
+//! however many come (safety A5, A6), and a STOP is answered as well. A STOP has halted the robot before it comes here.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::OccupiedEntry;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use tokio::sync::{Notify, oneshot};
+
+use super::handle::Answer;
+use crate::core::command::{Door, Issuer, Refused, Request};
+
+/// So many senders are told apart: more than there are keys, at each of the doors. Of more the last stands for all.
+const SENDERS: usize = 512;
+
+/// After so many answers it is looked which of them nobody waits for. As many as are waited for there are places at the doors.
+const ANSWERS: usize = 1024;
+
+/// Where it goes in. Cheap to clone.
+#[derive(Clone, Debug)]
+pub(super) struct OverflowIn(Arc<Inner>);
+
+/// Where it comes out; when this is dropped nobody is answered any more.
+#[derive(Debug)]
+pub(super) struct OverflowOut(Arc<Inner>);
+
+#[derive(Debug)]
+struct Inner {
+    /// `None` when nobody takes any out.
+    overflow: Mutex<Option<Overflow>>,
+    news: Notify,
+}
+
+/// All that has come since the last time.
+#[derive(Debug, Default)]
+pub(super) struct Overflow {
+    pub(super) stops: Senders<Request>,
+    /// Who was refused, what was asked for, and why not.
+    pub(super) refusals: Senders<(Issuer, String, Refused)>,
+}
+
+type Senders<T> = BTreeMap<Sender, Counted<T>>;
+
+/// Name, address and door.
+type Sender = (Arc<str>, Arc<str>, Door);
+
+/// What one sender has sent.
+#[derive(Debug)]
+pub(super) struct Counted<T> {
+    /// The last of it.
+    pub(super) last: T,
+    /// How much there was.
+    pub(super) count: u64,
+    /// Where it is answered, as far as somebody waits for it.
+    pub(super) answers: Vec<oneshot::Sender<Answer>>,
+    /// At so many answers it is looked again which are waited for.
+    look_at: usize,
+}
+
+/// Both ends.
+pub(super) fn overflow() -> (OverflowIn, OverflowOut) {
+    let inner = Arc::new(Inner { overflow: Mutex::new(Some(Overflow::default())), news: Notify::new() });
+    (OverflowIn(Arc::clone(&inner)), OverflowOut(inner))
+}
+
+impl OverflowIn {
+    /// Puts a STOP in, and gives it back when nobody takes any out.
+    pub(super) fn put_stop(&self, stop: Request, answer: oneshot::Sender<Answer>) -> Option<(Request, oneshot::Sender<Answer>)> {
+        let mut overflow = self.0.lock();
+        let Some(Overflow { stops, .. }) = &mut *overflow else { return Some((stop, answer)) };
+        put(stops, sender(&stop.issuer), stop, Some(answer));
+        drop(overflow);
+        self.0.news.notify_one();
+        None
+    }
+
+    /// Puts in what a door refused to take. Where nobody takes any out, nobody keeps a record any more.
+    pub(super) fn put_refusal(&self, issuer: Issuer, asked: String, refused: Refused) {
+        if let Some(Overflow { refusals, .. }) = &mut *self.0.lock() {
+            put(refusals, sender(&issuer), (issuer, asked, refused), None);
+        }
+        self.0.news.notify_one();
+    }
+}
+
+impl OverflowOut {
+    /// All that was put in since the last time.
+    pub(super) fn take(&self) -> Overflow {
+        self.0.lock().as_mut().map(std::mem::take).unwrap_or_default()
+    }
+
+    /// Waits until there is something to take.
+    pub(super) async fn news(&self) {
+        self.0.news.notified().await;
+    }
+}
+
+impl Drop for OverflowOut {
+    fn drop(&mut self) {
+        *self.0.lock() = None;
+    }
+}
+
+impl Inner {
+    fn lock(&self) -> MutexGuard<'_, Option<Overflow>> {
+        self.overflow.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl<T> Counted<T> {
+    fn first(one: T, answer: Option<oneshot::Sender<Answer>>) -> Counted<T> {
+        Counted { last: one, count: 1, answers: Vec::from_iter(answer), look_at: ANSWERS }
+    }
+
+    fn add(&mut self, one: T, answer: Option<oneshot::Sender<Answer>>) {
+        (self.last, self.count) = (one, self.count + 1);
+        if self.answers.len() >= self.look_at {
+            self.answers.retain(|answer| !answer.is_closed());
+            self.look_at = ANSWERS.max(2 * self.answers.len());
+        }
+        self.answers.extend(answer);
+    }
+}
+
+fn sender(issuer: &Issuer) -> Sender {
+    (Arc::clone(&issuer.who), Arc::clone(&issuer.from), issuer.door)
+}
+
+fn put<T>(senders: &mut Senders<T>, sender: Sender, one: T, answer: Option<oneshot::Sender<Answer>>) {
+    let is_full = senders.len() >= SENDERS && !senders.contains_key(&sender);
+    let counted = if is_full { senders.last_entry().map(OccupiedEntry::into_mut) } else { senders.get_mut(&sender) };
+    match counted {
+        Some(counted) => counted.add(one, answer),
+        None => drop(senders.insert(sender, Counted::first(one, answer))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::command::Command;
+    use crate::runtime::within::within;
+
+    fn issuer(from: &str) -> Issuer {
+        Issuer { from: from.into(), ..Issuer::operator(Door::Mqtt) }
+    }
+
+    fn stop(from: &str) -> Request {
+        Request::new(Command::Stop, issuer(from))
+    }
+
+    /// Refuses somebody START.
+    fn refuse(into: &OverflowIn, from: &str, n: usize) {
+        into.put_refusal(issuer(from), format!("START {n}"), Refused::NotAllowed("no".to_owned()));
+    }
+
+    fn counts<T>(senders: Senders<T>) -> Vec<(String, u64, usize)> {
+        senders.into_iter().map(|((_, from, _), counted)| (from.to_string(), counted.count, counted.answers.len())).collect()
+    }
+
+    /// Safety A5, A6.
+    #[test]
+    fn stops_of_one_sender_are_counted_together_and_answers_nobody_waits_for_are_forgotten() {
+        let (into, out) = overflow();
+        let mut waiting = Vec::new();
+        for n in 0..100_000 {
+            let (answer, answered) = oneshot::channel();
+            assert!(into.put_stop(stop("192.0.2.7"), answer).is_none());
+            waiting.extend((n % 100 == 0).then_some(answered));
+        }
+        let (answer, _answered) = oneshot::channel();
+        assert!(into.put_stop(stop("192.0.2.8"), answer).is_none());
+        let counts = counts(out.take().stops);
+        assert_eq!((counts[0].1, &counts[1]), (100_000, &("192.0.2.8".to_owned(), 1, 1)));
+        assert!((1000..=2000 + ANSWERS).contains(&counts[0].2), "{counts:?}");
+        assert!(out.take().stops.is_empty(), "nothing twice");
+    }
+
+    /// Safety A6: a STOP is never counted as a refusal, nor the other way round.
+    #[test]
+    fn refusals_of_one_sender_are_counted_together_beside_the_stops() {
+        let (into, out) = overflow();
+        for n in 1..=1000 {
+            refuse(&into, "192.0.2.7", n);
+        }
+        refuse(&into, "192.0.2.8", 7);
+        assert!(into.put_stop(stop("192.0.2.7"), oneshot::channel().0).is_none());
+        let Overflow { stops, refusals } = out.take();
+        let asked: Vec<_> = refusals.values().map(|counted| (&*counted.last.1, counted.count)).collect();
+        assert_eq!(asked, [("START 1000", 1000), ("START 7", 1)]);
+        assert_eq!(counts(stops), [("192.0.2.7".to_owned(), 1, 1)]);
+    }
+
+    /// Safety A5.
+    #[test]
+    fn exactly_so_many_senders_are_told_apart_and_none_is_left_out() {
+        let (into, out) = overflow();
+        for n in 0..2 * SENDERS {
+            let from = format!("{n:05}");
+            assert!(into.put_stop(stop(&from), oneshot::channel().0).is_none());
+            refuse(&into, &from, n);
+        }
+        let Overflow { stops, refusals } = out.take();
+        for counts in [counts(stops), counts(refusals)] {
+            let all: u64 = counts.iter().map(|(_, count, _)| count).sum();
+            assert_eq!((counts.len(), all), (SENDERS, 2 * SENDERS as u64));
+        }
+    }
+
+    #[tokio::test]
+    async fn whoever_takes_them_is_woken_and_when_nobody_does_nobody_waits() {
+        let (into, out) = overflow();
+        let (answer, answered) = oneshot::channel();
+        assert!(into.put_stop(stop("192.0.2.7"), answer).is_none());
+        within("the news of a stop", out.news()).await;
+        refuse(&into, "192.0.2.7", 1);
+        within("the news of a refusal", out.news()).await;
+        drop(out);
+        assert!(within("the end", answered).await.is_err());
+        assert!(into.put_stop(stop("192.0.2.7"), oneshot::channel().0).is_some(), "it is given back");
+    }
+}
