@@ -80,7 +80,7 @@ mod tests {
     use crate::runtime::handle::{COMMANDS, Envelope};
 
     /// A handle before a loop that answers one command so, and publishes the state of that revision after a while.
-    fn house(answer: Result<Accepted, Refused>, published: Revision) -> Handle {
+    fn answering(answer: Result<Accepted, Refused>, published: Revision) -> Handle {
         let (commands, mut envelopes) = mpsc::channel(COMMANDS);
         let mut sweep = Sweep::new(Settings::default(), Default::default(), "test".into());
         let (publish, snapshots) = watch::channel(sweep.snapshot());
@@ -104,23 +104,23 @@ mod tests {
 
     #[tokio::test(start_paused = true)]
     async fn the_state_that_comes_with_an_answer_contains_its_effect() {
-        let done = house(accepted(70), Revision(71)).carry_out(start()).await.expect("accepted");
+        let done = answering(accepted(70), Revision(71)).carry_out(start()).await.expect("accepted");
         assert_eq!((done.accepted.revision, done.snapshot.revision), (Revision(70), Revision(71)));
     }
 
     #[tokio::test(start_paused = true)]
     async fn an_accepted_command_is_accepted_although_its_state_does_not_come() {
-        let done = house(accepted(70), Revision(69)).carry_out(start()).await.expect("accepted");
+        let done = answering(accepted(70), Revision(69)).carry_out(start()).await.expect("accepted");
         assert_eq!(done.snapshot.revision, Revision(69));
     }
 
     #[tokio::test(start_paused = true)]
     async fn a_refusal_and_an_end_are_told_apart() {
         let refused = Refused::UnknownLuggage(LuggageId(9));
-        let not_done = house(Err(refused.clone()), Revision(1)).carry_out(start()).await.expect_err("refused");
+        let not_done = answering(Err(refused.clone()), Revision(1)).carry_out(start()).await.expect_err("refused");
         assert!(matches!(not_done, NotDone::Refused(said, None) if said == refused));
         let (commands, _) = mpsc::channel(COMMANDS);
-        let gone = Handle::new(commands, house(accepted(1), Revision(1)).watch(), Halter::new(Epoch(0)));
+        let gone = Handle::new(commands, answering(accepted(1), Revision(1)).watch(), Halter::new(Epoch(0)));
         assert!(matches!(gone.carry_out(start()).await, Err(NotDone::Gone)));
     }
 }

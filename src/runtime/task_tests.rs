@@ -64,16 +64,16 @@ fn says(words: &str) -> impl Fn(&Arc<Snapshot>) -> bool {
     move |state| state.log.iter().any(|line| line.text.contains(words))
 }
 
-fn house() -> (Handle, Task, RobotSide) {
-    let (handle, task, robot, _) = house_with(true);
+fn task() -> (Handle, Task, RobotSide) {
+    let (handle, task, robot, _) = task_with(true);
     (handle, task, robot)
 }
 
-fn house_with(at_once: bool) -> (Handle, Task, RobotSide, watch::Sender<StoreWord>) {
-    house_keeping(&Arc::new(AtomicBool::new(at_once)))
+fn task_with(at_once: bool) -> (Handle, Task, RobotSide, watch::Sender<StoreWord>) {
+    task_keeping(&Arc::new(AtomicBool::new(at_once)))
 }
 
-fn house_keeping(at_once: &Arc<AtomicBool>) -> (Handle, Task, RobotSide, watch::Sender<StoreWord>) {
+fn task_keeping(at_once: &Arc<AtomicBool>) -> (Handle, Task, RobotSide, watch::Sender<StoreWord>) {
     let word = watch::Sender::new(StoreWord::default());
     let store = Forgetful { word: word.clone(), at_once: Arc::clone(at_once) };
     let halter = Halter::new(Epoch(0));
@@ -84,7 +84,7 @@ fn house_keeping(at_once: &Arc<AtomicBool>) -> (Handle, Task, RobotSide, watch::
 }
 
 async fn running() -> (Handle, RobotSide, watch::Sender<Course>) {
-    start(house()).await
+    start(task()).await
 }
 
 async fn start((handle, task, robot): (Handle, Task, RobotSide)) -> (Handle, RobotSide, watch::Sender<Course>) {
@@ -108,7 +108,7 @@ async fn whoever_was_answered_sees_what_was_done() {
 /// Safety S1: it works while the loop does not come round to its commands.
 #[tokio::test]
 async fn a_stop_reaches_the_robot_although_the_loop_hangs_and_its_queue_is_full() {
-    let (handle, _hanging, mut robot) = house();
+    let (handle, _hanging, mut robot) = task();
     for _ in 0..=COMMANDS {
         giving(&handle, Command::Start);
     }
@@ -153,7 +153,7 @@ async fn a_start_that_crosses_a_stop_begins_nothing_after_the_stop_was_answered(
 /// A stop that is raised while the loop is about to send an order: the loop comes to rest, and the robot gets nothing.
 #[tokio::test]
 async fn a_stop_between_an_order_and_its_sending_holds_the_robot() {
-    let (_handle, mut task, mut robot) = house();
+    let (_handle, mut task, mut robot) = task();
     let second = Duration::from_secs(1);
     let can = Capabilities { step: second, turn: second, photo: second, nudges: false };
     task.take_report(Some(RobotEvent::LinkUp(can)));
@@ -179,7 +179,7 @@ async fn heat_halts_past_the_queue_of_orders() {
 /// Safety S2 and V3: the answer waits for the record, however late it comes, and so does the robot.
 #[tokio::test]
 async fn a_store_that_answers_late_delays_start_but_not_stop() {
-    let (handle, task, robot, word) = house_with(false);
+    let (handle, task, robot, word) = task_with(false);
     let (handle, mut robot, _close) = start((handle, task, robot)).await;
     let starting = giving(&handle, Command::Start);
     tokio::task::yield_now().await;
@@ -194,7 +194,7 @@ async fn a_store_that_answers_late_delays_start_but_not_stop() {
 /// A robot on the move, with a store that keeps at once or, from now on, hangs; and its order.
 async fn moving(hangs: bool) -> (Handle, RobotSide, watch::Sender<Course>, Order) {
     let at_once = Arc::new(AtomicBool::new(true));
-    let (handle, task, robot, _word) = house_keeping(&at_once);
+    let (handle, task, robot, _word) = task_keeping(&at_once);
     let (handle, mut robot, close) = start((handle, task, robot)).await;
     give(&handle, Command::Start).await.unwrap().unwrap();
     let Stamped { order, .. } = ordered(&mut robot).await;
@@ -241,7 +241,7 @@ async fn the_answer_to_a_stop_comes_although_the_robot_does_not_obey() {
 /// Safety S4: an answered stop is written down where it outlives the program, if that can be done at once.
 #[tokio::test(start_paused = true)]
 async fn the_answer_to_a_stop_waits_until_it_is_noted() {
-    let (handle, task, robot) = house();
+    let (handle, task, robot) = task();
     let halter = task.halter.clone();
     halter.note(Some(Epoch(0)));
     let (handle, _robot, _close) = start((handle, task, robot)).await;
@@ -254,7 +254,7 @@ async fn the_answer_to_a_stop_waits_until_it_is_noted() {
 /// Safety S8: the two waits of a stop's answer go on at the same time.
 #[tokio::test(start_paused = true)]
 async fn a_robot_and_a_disk_that_do_not_obey_cost_the_answer_a_tenth_of_a_second_together() {
-    let (handle, mut task, mut robot) = house();
+    let (handle, mut task, mut robot) = task();
     task.halter.note(Some(Epoch(0)));
     let second = Duration::from_secs(1);
     task.take_report(Some(RobotEvent::LinkUp(Capabilities { step: second, turn: second, photo: second, nudges: false })));
@@ -341,7 +341,7 @@ async fn a_start_while_the_robot_halts_begins_when_it_stands() {
 /// A photo is no motion: one that was ordered before a stop goes out.
 #[tokio::test]
 async fn a_photo_that_was_ordered_before_a_stop_goes_out_and_a_step_does_not() {
-    let (_handle, mut task, mut robot) = house();
+    let (_handle, mut task, mut robot) = task();
     let stamp = crate::core::effect::Stamp { pose: crate::core::units::Pose::START, wall: Default::default() };
     let order = |action| Order { id: Default::default(), action, epoch: Epoch(0), deadline: TENTH };
     task.halter.stop();
@@ -356,7 +356,7 @@ async fn a_photo_that_was_ordered_before_a_stop_goes_out_and_a_step_does_not() {
 /// wait.
 #[tokio::test]
 async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
-    let (handle, task, robot, word) = house_with(false);
+    let (handle, task, robot, word) = task_with(false);
     let (handle, _robot, _close) = start((handle, task, robot)).await;
     let refused = || giving(&handle, Command::Retrieve);
     let first = refused();
@@ -378,7 +378,7 @@ async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
 /// recorded like the rest.
 #[tokio::test]
 async fn what_a_door_refuses_is_answered_when_it_is_on_record_unless_it_shares_an_entry() {
-    let (handle, task, robot, word) = house_with(false);
+    let (handle, task, robot, word) = task_with(false);
     let (handle, _robot, _close) = start((handle, task, robot)).await;
     let issuer = Issuer { who: "lobby".into(), ..Issuer::operator(Door::Http) };
     let refused = Refused::NotAllowed("lobby may only look".to_owned());
@@ -402,7 +402,7 @@ async fn what_a_door_refuses_is_answered_when_it_is_on_record_unless_it_shares_a
 /// Safety S1, A6.
 #[tokio::test(start_paused = true)]
 async fn what_finds_no_room_in_the_queue_is_on_record_and_its_stops_are_answered() {
-    let (handle, task, robot) = house();
+    let (handle, task, robot) = task();
     let starts: Vec<_> = (0..COMMANDS).map(|_| handle.give(request(Command::Start))).collect();
     let stops: Vec<_> = (0..1000).map(|_| handle.give(request(Command::Stop))).collect();
     for n in 0..1000 {
@@ -420,7 +420,7 @@ async fn what_finds_no_room_in_the_queue_is_on_record_and_its_stops_are_answered
 /// Safety V3: whoever waits for a record that was lost is told so, although the store writes again before the loop hears of it.
 #[tokio::test]
 async fn a_loss_that_is_over_already_is_told_all_the_same() {
-    let (handle, task, robot, word) = house_with(false);
+    let (handle, task, robot, word) = task_with(false);
     let (handle, _robot, _close) = start((handle, task, robot)).await;
     let waiting = giving(&handle, Command::Temperature(TemperatureReport::Ok));
     // What is accepted is not shown before it is on record; a refusal that came after it is.

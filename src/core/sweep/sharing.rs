@@ -28,9 +28,9 @@ pub(super) type Sender = (Arc<str>, Door);
 #[derive(Clone, Debug)]
 pub(super) struct Sharing<T> {
     limits: Limits,
-    senders: BTreeMap<Sender, Account<T>>,
+    senders: BTreeMap<Sender, Tally<T>>,
     /// Of those for whom there was no room.
-    others: Account<T>,
+    others: Tally<T>,
 }
 
 /// What is to be put on record.
@@ -45,7 +45,7 @@ pub(super) struct Shared<T> {
 }
 
 #[derive(Clone, Debug)]
-struct Account<T> {
+struct Tally<T> {
     /// So much more is written one by one.
     room: u32,
     /// When the last of this was earned, or the last shared entry written.
@@ -56,7 +56,7 @@ struct Account<T> {
 
 impl<T> Sharing<T> {
     pub(super) fn new(limits: Limits) -> Sharing<T> {
-        Sharing { limits, senders: BTreeMap::new(), others: Account::new(limits, Duration::ZERO) }
+        Sharing { limits, senders: BTreeMap::new(), others: Tally::new(limits, Duration::ZERO) }
     }
 
     /// Takes what came just now, and how much of it; it is to be written at once, or later with more.
@@ -64,38 +64,38 @@ impl<T> Sharing<T> {
         let limits = self.limits;
         let is_known = self.senders.contains_key(&sender);
         if !is_known && self.senders.len() >= limits.senders {
-            self.senders.retain(|_, account| !account.rests(limits, now));
+            self.senders.retain(|_, tally| !tally.rests(limits, now));
         }
-        let account = if is_known || self.senders.len() < limits.senders {
-            self.senders.entry(sender).or_insert_with(|| Account::new(limits, now))
+        let tally = if is_known || self.senders.len() < limits.senders {
+            self.senders.entry(sender).or_insert_with(|| Tally::new(limits, now))
         } else {
             &mut self.others
         };
-        account.come(note, limits, now)
+        tally.come(note, limits, now)
     }
 
     /// When something is to be written that was not written at once.
     pub(super) fn due(&self) -> Option<Duration> {
-        let first = |account: &Account<T>| account.unwritten.as_ref().map(|(_, first)| first.saturating_add(self.limits.every));
+        let first = |tally: &Tally<T>| tally.unwritten.as_ref().map(|(_, first)| first.saturating_add(self.limits.every));
         self.senders.values().chain([&self.others]).filter_map(first).min()
     }
 
     /// What is to be written by now.
     pub(super) fn fall_due(&mut self, now: Duration) -> Vec<Shared<T>> {
         let every = self.limits.every;
-        let accounts = self.senders.values_mut().chain([&mut self.others]);
-        accounts.filter_map(|account| account.take(|first| first.saturating_add(every) <= now, now)).collect()
+        let tallies = self.senders.values_mut().chain([&mut self.others]);
+        tallies.filter_map(|tally| tally.take(|first| first.saturating_add(every) <= now, now)).collect()
     }
 
     /// All that was not written yet.
     pub(super) fn rest(&mut self, now: Duration) -> Vec<Shared<T>> {
-        self.senders.values_mut().chain([&mut self.others]).filter_map(|account| account.take(|_| true, now)).collect()
+        self.senders.values_mut().chain([&mut self.others]).filter_map(|tally| tally.take(|_| true, now)).collect()
     }
 }
 
-impl<T> Account<T> {
-    fn new(limits: Limits, now: Duration) -> Account<T> {
-        Account { room: limits.burst, since: now, unwritten: None }
+impl<T> Tally<T> {
+    fn new(limits: Limits, now: Duration) -> Tally<T> {
+        Tally { room: limits.burst, since: now, unwritten: None }
     }
 
     fn come(&mut self, (note, count): (T, u64), limits: Limits, now: Duration) -> Option<Shared<T>> {

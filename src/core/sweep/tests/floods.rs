@@ -5,7 +5,7 @@ use crate::core::effect::{Entry, Fact};
 use crate::core::standing::Standing;
 
 /// A sweep, and what it has put on record.
-struct House {
+struct Recorder {
     sweep: Sweep,
     millis: u64,
     pages: usize,
@@ -14,11 +14,11 @@ struct House {
     epoch: Epoch,
 }
 
-impl House {
-    fn new() -> House {
+impl Recorder {
+    fn new() -> Recorder {
         let mut sweep = sweep_in(PhaseName::Exploring, &[]);
         sweep.world.luggage.clear();
-        House { sweep, millis: 0, pages: 0, entries: Vec::new(), answers: 0, epoch: Epoch(0) }
+        Recorder { sweep, millis: 0, pages: 0, entries: Vec::new(), answers: 0, epoch: Epoch(0) }
     }
 
     fn now(&self) -> Now {
@@ -86,69 +86,69 @@ fn count(words: &str) -> u64 {
 /// Safety S1, A5, A6.
 #[test]
 fn a_flood_of_stops_shares_an_entry_a_second_and_those_of_others_have_their_own() {
-    let mut house = House::new();
+    let mut recorder = Recorder::new();
     for n in 0..3000 {
-        house.wait_until(n);
-        house.stop("lobby", "192.0.2.7");
+        recorder.wait_until(n);
+        recorder.stop("lobby", "192.0.2.7");
         if n % 200 == 0 {
-            house.stop("anna", "192.0.2.8");
+            recorder.stop("anna", "192.0.2.8");
         }
     }
-    assert_eq!(house.by("anna"), ["STOP"; 15]);
-    assert!(house.pages < 60, "{} pages", house.pages);
-    assert_eq!(house.by("lobby")[..22], [&["STOP"; 20][..], &["STOP, 1000 times within 1.0 s"; 2]].concat());
-    house.wait_until(4000);
-    assert_eq!(house.by("lobby")[22..], ["STOP, 980 times within 1.0 s"]);
-    assert_eq!(house.answers, 3015, "every one is answered");
-    house.wait_until(4200);
-    house.stop("lobby", "192.0.2.7");
-    assert_eq!(house.by("lobby").last(), Some(&"STOP"), "after a while each has its own entry again");
+    assert_eq!(recorder.by("anna"), ["STOP"; 15]);
+    assert!(recorder.pages < 60, "{} pages", recorder.pages);
+    assert_eq!(recorder.by("lobby")[..22], [&["STOP"; 20][..], &["STOP, 1000 times within 1.0 s"; 2]].concat());
+    recorder.wait_until(4000);
+    assert_eq!(recorder.by("lobby")[22..], ["STOP, 980 times within 1.0 s"]);
+    assert_eq!(recorder.answers, 3015, "every one is answered");
+    recorder.wait_until(4200);
+    recorder.stop("lobby", "192.0.2.7");
+    assert_eq!(recorder.by("lobby").last(), Some(&"STOP"), "after a while each has its own entry again");
 }
 
 /// Safety S4: its entry waits for others, and the epoch for no more than a second.
 #[test]
 fn the_epoch_of_a_flood_is_on_record_with_the_next_entry_or_soon() {
-    let mut house = House::new();
-    (0..100).for_each(|_| house.stop("lobby", "192.0.2.7"));
-    assert!(house.epoch_on_record() >= Epoch(20));
-    house.wait_until(999);
-    assert!(house.epoch_on_record() < Epoch(100), "nothing has taken it along");
-    house.wait_until(1000);
-    assert_eq!(house.epoch_on_record(), Epoch(100));
+    let mut recorder = Recorder::new();
+    (0..100).for_each(|_| recorder.stop("lobby", "192.0.2.7"));
+    assert!(recorder.epoch_on_record() >= Epoch(20));
+    recorder.wait_until(999);
+    assert!(recorder.epoch_on_record() < Epoch(100), "nothing has taken it along");
+    recorder.wait_until(1000);
+    assert_eq!(recorder.epoch_on_record(), Epoch(100));
 
-    (0..100).for_each(|_| house.stop("lobby", "192.0.2.7"));
+    (0..100).for_each(|_| recorder.stop("lobby", "192.0.2.7"));
     let start = Request::new(Command::Start, Issuer::operator(Door::Http));
-    house.sweep.handle_command(start, house.now()).expect("nothing else holds it");
-    house.drain();
-    assert_eq!(house.epoch_on_record(), Epoch(200), "the START is on record behind the stops that it came after");
+    recorder.sweep.handle_command(start, recorder.now()).expect("nothing else holds it");
+    recorder.drain();
+    assert_eq!(recorder.epoch_on_record(), Epoch(200), "the START is on record behind the stops that it came after");
 
-    (0..100).for_each(|_| house.stop("lobby", "192.0.2.7"));
-    house.sweep.record_rest(house.now());
-    house.drain();
-    assert_eq!(house.epoch_on_record(), Epoch(300));
-    assert_eq!(house.by("lobby").iter().map(|words| count(words)).sum::<u64>(), 300);
+    (0..100).for_each(|_| recorder.stop("lobby", "192.0.2.7"));
+    recorder.sweep.record_rest(recorder.now());
+    recorder.drain();
+    assert_eq!(recorder.epoch_on_record(), Epoch(300));
+    assert_eq!(recorder.by("lobby").iter().map(|words| count(words)).sum::<u64>(), 300);
 }
 
 /// A stop of which nobody heard who pressed it.
 #[test]
 fn an_epoch_goes_on_record_although_no_command_follows() {
-    let mut house = House::new();
-    house.stop("anna", "192.0.2.8");
-    house.sweep.handle_halt(Epoch(7), house.now());
-    house.drain();
-    house.wait_until(5000);
-    assert_eq!(house.epoch_on_record(), Epoch(7));
-    assert_eq!(house.sweep.poll_timeout(), None, "nothing is left to be done");
+    let mut recorder = Recorder::new();
+    recorder.stop("anna", "192.0.2.8");
+    recorder.sweep.handle_halt(Epoch(7), recorder.now());
+    recorder.drain();
+    recorder.wait_until(5000);
+    assert_eq!(recorder.epoch_on_record(), Epoch(7));
+    assert_eq!(recorder.sweep.poll_timeout(), None, "nothing is left to be done");
 }
 
 /// Where nobody signs in all have one name.
 #[test]
 fn whoever_signs_in_nowhere_is_told_apart_by_his_address_and_others_by_their_names() {
-    let mut house = House::new();
-    (0..100).for_each(|_| house.stop("operator", "127.0.0.7"));
-    house.stop("operator", "127.0.0.1");
-    house.stop("operator", "::1");
-    assert_eq!((house.by("127.0.0.1"), house.by("::1"), house.by("127.0.0.7").len()), (vec!["STOP"], vec!["STOP"], 20));
-    (0..100).for_each(|n| house.stop("lobby", &format!("192.0.2.{n}")));
-    assert_eq!(house.by("lobby").len(), 20, "many addresses are no more than one");
+    let mut recorder = Recorder::new();
+    (0..100).for_each(|_| recorder.stop("operator", "127.0.0.7"));
+    recorder.stop("operator", "127.0.0.1");
+    recorder.stop("operator", "::1");
+    assert_eq!((recorder.by("127.0.0.1"), recorder.by("::1"), recorder.by("127.0.0.7").len()), (vec!["STOP"], vec!["STOP"], 20));
+    (0..100).for_each(|n| recorder.stop("lobby", &format!("192.0.2.{n}")));
+    assert_eq!(recorder.by("lobby").len(), 20, "many addresses are no more than one");
 }
