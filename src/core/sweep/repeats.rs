@@ -1,7 +1,8 @@
 //! Commands that come again under the same id: answered as before and not carried out again, also after a restart.
 //! A STOP is never taken for a repeat: it halts each time.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::core::command::{Accepted, CommandId, Issuer, Refusal, RefusalKind, Refused};
@@ -17,18 +18,31 @@ pub const IDS: usize = 1024;
 /// Who sent it, and its name for the command: two people may use the same.
 type Key = (Arc<str>, CommandId);
 
+/// Name and address.
+type Sender = (Arc<str>, Arc<str>);
+
 /// The ids that were used.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Repeats {
     known: BTreeMap<Key, Repeat>,
-    /// Oldest first, each with the address it came from.
-    order: VecDeque<(Key, Arc<str>)>,
+    /// Each sender's ids by their numbers.
+    ids: BTreeMap<Sender, BTreeMap<u64, CommandId>>,
+    /// The senders by how many ids they have, and of those who have as many the one with the oldest last.
+    ranks: BTreeMap<(usize, Reverse<u64>), Sender>,
+    /// The commands that wait for their record.
+    open: BTreeMap<Ticket, Key>,
+    /// So many ids have been noted.
+    noted: u64,
 }
 
 #[derive(Clone, Debug)]
 struct Repeat {
     content: String,
     outcome: Outcome,
+    /// The address it came from first.
+    from: Arc<str>,
+    /// Later ones have higher ones.
+    number: u64,
 }
 
 /// What became of a command.
@@ -64,40 +78,60 @@ impl Repeats {
 
     /// Notes what became of a command.
     pub(super) fn note(&mut self, issuer: &Issuer, id: &CommandId, content: &str, outcome: Outcome) {
-        let key = (Arc::clone(&issuer.who), id.clone());
-        let repeat = Repeat { content: content.to_owned(), outcome };
-        if repeat.is_to_be_tried_again() {
+        if outcome.is_to_be_tried_again() {
             return;
         }
-        if self.known.insert(key.clone(), repeat).is_none() {
-            self.order.push_back((key, Arc::clone(&issuer.from)));
+        let key = (Arc::clone(&issuer.who), id.clone());
+        self.forget(&key);
+        if let Outcome::Open(ticket) = outcome {
+            self.open.insert(ticket, key.clone());
         }
-        if self.order.len() > IDS {
+        let (from, number) = (Arc::clone(&issuer.from), self.noted);
+        self.noted += 1;
+        self.change_ids((Arc::clone(&key.0), Arc::clone(&from)), |ids| ids.insert(number, key.1.clone()));
+        self.known.insert(key, Repeat { content: content.to_owned(), outcome, from, number });
+        if self.known.len() > IDS {
             self.give_one_up();
         }
     }
 
     fn give_one_up(&mut self) {
-        let mut counts: BTreeMap<(&str, &str), usize> = BTreeMap::new();
-        for ((who, _), from) in &self.order {
-            *counts.entry((who, from)).or_default() += 1;
+        let most = self.ranks.last_key_value().and_then(|(_, sender)| Some((sender, self.ids.get(sender)?)));
+        let oldest = most.and_then(|((who, _), ids)| Some((Arc::clone(who), ids.first_key_value()?.1.clone())));
+        if let Some(key) = oldest {
+            self.forget(&key);
         }
-        let most = counts.values().max();
-        let oldest = self.order.iter().position(|((who, _), from)| counts.get(&(&**who, &**from)) == most);
-        if let Some((key, _)) = oldest.and_then(|oldest| self.order.remove(oldest)) {
-            self.known.remove(&key);
+    }
+
+    fn forget(&mut self, key: &Key) {
+        if let Some(Repeat { from, number, .. }) = self.known.remove(key) {
+            self.change_ids((Arc::clone(&key.0), from), |ids| ids.remove(&number));
+        }
+    }
+
+    /// Changes what ids a sender has, and his rank with them.
+    fn change_ids(&mut self, sender: Sender, change: impl FnOnce(&mut BTreeMap<u64, CommandId>) -> Option<CommandId>) {
+        let rank = |ids: &BTreeMap<u64, CommandId>| ids.first_key_value().map(|(oldest, _)| (ids.len(), Reverse(*oldest)));
+        let ids = self.ids.entry(sender.clone()).or_default();
+        if let Some(before) = rank(ids) {
+            self.ranks.remove(&before);
+        }
+        change(ids);
+        match rank(ids) {
+            Some(rank) => drop(self.ranks.insert(rank, sender)),
+            None => drop(self.ids.remove(&sender)),
         }
     }
 
     /// The command with this ticket was answered.
     pub(super) fn answer(&mut self, ticket: Ticket, answer: &Result<Accepted, Refused>) {
-        let open = self.known.values_mut().find(|repeat| matches!(repeat.outcome, Outcome::Open(open) if open == ticket));
-        if let Some(repeat) = open {
-            repeat.outcome = Outcome::Answered(answer.clone());
-            if repeat.is_to_be_tried_again() {
-                self.known.retain(|_, repeat| !repeat.is_to_be_tried_again());
-                self.order.retain(|(key, _)| self.known.contains_key(key));
-            }
+        let Some(key) = self.open.remove(&ticket) else { return };
+        // Its id may have been given up, and used again for another command.
+        let is_its = |repeat: &&mut Repeat| matches!(repeat.outcome, Outcome::Open(open) if open == ticket);
+        let Some(repeat) = self.known.get_mut(&key).filter(is_its) else { return };
+        repeat.outcome = Outcome::Answered(answer.clone());
+        if repeat.outcome.is_to_be_tried_again() {
+            self.forget(&key);
         }
     }
 
@@ -122,10 +156,10 @@ pub(super) fn content(words: &str, epoch: Option<Epoch>) -> String {
     epoch.map_or_else(|| words.to_owned(), |epoch| format!("{words} in epoch {epoch}"))
 }
 
-impl Repeat {
+impl Outcome {
     /// Whether the sender was told to try again: then the same id is another attempt, and not a repeat.
     fn is_to_be_tried_again(&self) -> bool {
-        matches!(&self.outcome, Outcome::Answered(Err(refused)) if refused.kind() == RefusalKind::Unavailable)
+        matches!(self, Outcome::Answered(Err(refused)) if refused.kind() == RefusalKind::Unavailable)
     }
 }
 
@@ -166,7 +200,38 @@ mod tests {
             (0..9).for_each(|n| repeats.note(&issuer("operator", "127.0.0.1"), &id(n), "START", Outcome::Before(None)));
             (9..9 * IDS).for_each(|n| repeats.note(&issuer(name, address), &id(n), "RETRIEVE", Outcome::Before(None)));
             assert!((0..9).all(|n| matches!(repeats.look_up(&"operator".into(), &id(n), "START"), Known::Same(_))));
-            assert_eq!((repeats.order.len(), repeats.known.len()), (IDS, IDS));
+            let ids = || repeats.ids.values().map(BTreeMap::len);
+            assert_eq!((repeats.known.len(), ids().sum(), repeats.ranks.len()), (IDS, IDS, ids().count()));
         }
+    }
+
+    /// Of addresses that have as many ids.
+    #[test]
+    fn among_equals_the_oldest_gives_way() {
+        let mut repeats = Repeats::default();
+        let mut note = |n: usize| {
+            repeats.note(&issuer("operator", &format!("127.0.{}.{}", n / 256, n % 256)), &id(n), "START", Outcome::Before(None));
+            (0..=n).filter(|n| matches!(repeats.look_up(&"operator".into(), &id(*n), "START"), Known::New)).collect::<Vec<_>>()
+        };
+        (0..IDS).for_each(|n| assert!(note(n).is_empty()));
+        assert_eq!((note(IDS), note(IDS + 1)), (vec![0], vec![0, 1]));
+    }
+
+    #[test]
+    fn an_id_that_was_given_up_and_used_again_gets_no_answer_of_the_first() {
+        let mut repeats = Repeats::default();
+        let anna = issuer("anna", "192.0.2.7");
+        let refused = Err(Refused::Moving);
+        repeats.note(&anna, &id(0), "START", Outcome::Open(Ticket(1)));
+        (1..=IDS).for_each(|n| repeats.note(&anna, &id(n), "START", Outcome::Before(None)));
+        repeats.note(&anna, &id(0), "RESET", Outcome::Open(Ticket(2)));
+        repeats.answer(Ticket(1), &refused);
+        let outcome = |repeats: &Repeats| match repeats.look_up(&anna.who, &id(0), "RESET") {
+            Known::Same(outcome) => format!("{outcome:?}"),
+            Known::New | Known::Other => panic!("it is known"),
+        };
+        assert_eq!(outcome(&repeats), "Open(Ticket(2))");
+        repeats.answer(Ticket(2), &refused);
+        assert_eq!((outcome(&repeats), repeats.open.len()), ("Answered(Err(Moving))".to_owned(), 0));
     }
 }
