@@ -21,6 +21,7 @@ const stopping = (() => {
   const form = document.getElementById("stop");
   const place = document.getElementById("why-stop");
   const key = "hallsweep-stop"; // a page that is loaded anew finds an unconfirmed STOP under this
+  const page = crypto.getRandomValues(new Uint32Array(4)).join("-"); // a press has one name for all its attempts, so that it is on record once
   let pressed = 0; // how often it was pressed here
   let open = false; // whether a press is not confirmed yet
   let underWay = 0;
@@ -42,7 +43,7 @@ const stopping = (() => {
     clearTimeout(again);
     clearTimeout(soon);
     if (!place.textContent) soon = setTimeout(() => open && say("STOP is on its way…"), SOON_MS);
-    const failure = await failed();
+    const failure = await failed(`${page}-${press}`);
     underWay -= 1;
     if (failure === "401") return giveUp();
     if (!open || (failure === null && press === pressed)) return confirmed();
@@ -53,10 +54,11 @@ const stopping = (() => {
   }
 
   /** Sends it: null when the robot's program has confirmed it, else why not. */
-  async function failed() {
+  async function failed(name) {
     try {
       const signal = AbortSignal.timeout(CONFIRM_MS);
-      const answer = await fetch(form.action, { method: "POST", headers: { accept: "application/json" }, keepalive: true, signal });
+      const headers = { accept: "application/json", "idempotency-key": name };
+      const answer = await fetch(form.action, { method: "POST", headers, keepalive: true, signal });
       if (answer.status === 401) return "401";
       const said = await answer.json();
       return answer.ok && said.accepted ? null : `hallsweep says: ${said.detail ?? answer.status}`;

@@ -231,7 +231,11 @@ export const unconfirmed = {
     // An answer that confirms nothing is none.
     await page.goto(`${url}/missions`);
     const answers = [{ status: 503, json: { detail: 'it is ending' } }, { json: { accepted: false, detail: 'not now' } }];
-    await page.route('**/console/stop', (route) => (answers.length > 0 ? route.fulfill(answers.shift()) : route.continue()));
+    const names = [];
+    await page.route('**/console/stop', (route) => {
+      names.push(route.request().headers()['idempotency-key']);
+      return answers.length > 0 ? route.fulfill(answers.shift()) : route.continue();
+    });
     await page.evaluate(() => {
       const place = document.getElementById('why-stop');
       globalThis.said = [];
@@ -242,6 +246,13 @@ export const unconfirmed = {
     await until(async () => (await said('STOP is confirmed')) >= 0, 'the confirmation after two answers that are none', patience);
     const order = [await said('it is ending'), await said('not now'), await said('STOP is confirmed')];
     must(order[0] >= 0 && order[0] < order[1] && order[1] < order[2], `what was said of STOP came as ${order}`);
+
+    // All attempts of a press have one name, by which they are one entry on record, and another press has another.
+    await stop(page).click();
+    await until(() => names.length > 3, 'another press', patience);
+    const [name, again, last, other] = names;
+    must(name && name === again && name === last && name !== other, `the attempts were called ${names}`);
+    await until(() => page.evaluate(() => sessionStorage.length === 0), 'the other press confirmed', patience);
     await page.unroute('**/console/stop');
 
     // It does not wait for its turn when the connection is seen to stand: here no turn ever comes.

@@ -41,7 +41,8 @@ pub(crate) fn of_kind<'a>(lines: &'a [Value], kind: &str) -> Vec<&'a Value> {
     lines.iter().filter(|line| line["kind"] == kind).collect()
 }
 
-/// Safety A6: by every door where a command can have a name, accepted or refused. What makes no sense is no use of a name.
+/// Safety S1, A6: by every door where a command can have a name, accepted or refused. What makes no sense is no use of a name, and a
+/// STOP halts each time.
 #[test]
 fn a_command_that_comes_again_under_its_own_id_makes_no_second_entry() {
     let folder = Folder::new("journal-repeats");
@@ -74,6 +75,12 @@ fn a_command_that_comes_again_under_its_own_id_makes_no_second_entry() {
         });
         assert_eq!(answers[0], answers[1], "it is answered as before");
     }
+    for _ in 0..2 {
+        by_http("commands/stop", "http-stop", "{}");
+        by_coap("commands/stop", "coap-stop", "{}");
+        by_mqtt("stop", "mqtt-stop", "{}");
+    }
+    assert_eq!(program.json("state")["mission"]["epoch"], 6);
     // It is answered when it is on record, and so is what came before.
     program.put("/api/v1/temperature", "{\"celsius\":20}").accepted();
     let lines = exported(&folder);
@@ -81,7 +88,8 @@ fn a_command_that_comes_again_under_its_own_id_makes_no_second_entry() {
     entries.pop();
     for door in ["http", "coap", "mqtt"] {
         let of_door = entries.iter().filter(|entry| entry["door"] == door).map(|entry| &entry["id"]);
-        let expected = [format!("{door}-0").into(), format!("{door}-1").into(), Value::Null, Value::Null];
+        let named = |name: &str| Value::from(format!("{door}-{name}"));
+        let expected = [named("0"), named("1"), Value::Null, Value::Null, named("stop")];
         assert!(of_door.eq(&expected), "{door}: {entries:#?}");
     }
 }

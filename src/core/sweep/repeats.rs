@@ -1,5 +1,5 @@
 //! Commands that come again under the same id: answered as before and not carried out again, also after a restart.
-//! A STOP is never taken for a repeat: it halts each time.
+//! A STOP is none of these: it halts each time (`stops`).
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;

@@ -2,6 +2,7 @@
 //! are on record one by one; beyond a few a second they share an entry, so that whoever presses without end does not fill the store
 //! (safety A5, A6). The halt itself waits for nothing; it went out before.
 
+use std::collections::VecDeque;
 use std::net::IpAddr;
 use std::sync::Arc;
 use std::time::Duration;
@@ -11,7 +12,7 @@ use super::sharing::{Limits, Sender, Shared, Sharing};
 use crate::core::command::{CommandId, Issuer, Request};
 use crate::core::effect::Fact;
 use crate::core::mission::Input;
-use crate::core::units::{Ticket, Wall};
+use crate::core::units::{Epoch, Ticket, Wall};
 use crate::core::world::log::Tone;
 use crate::core::world::temperature::OPERATOR;
 
@@ -21,6 +22,13 @@ const RECORDS: Limits = Limits { burst: 20, earned: Duration::from_millis(200), 
 /// So long the answer to a stop waits for the robot to say that it stands.
 const PATIENCE: Duration = Duration::from_millis(100);
 
+/// So long a STOP that comes again under its own name is the same press, unless the robot was released meanwhile: a page tries again
+/// and again that hears no answer.
+const SAME_PRESS: Duration = Duration::from_secs(60);
+
+/// So many presses with a name are remembered: more than there are pages. Of more the oldest is forgotten.
+const PRESSES: usize = 128;
+
 /// The stops that are not answered yet, and what waits for them.
 #[derive(Clone, Debug)]
 pub(super) struct Stops {
@@ -29,6 +37,17 @@ pub(super) struct Stops {
     /// When the next order may be looked for that was put off for the sake of an answer.
     put_off: Option<Duration>,
     records: Sharing<Press>,
+    /// Oldest first.
+    named: VecDeque<Named>,
+}
+
+/// A press that is on record and has a name.
+#[derive(Clone, Debug)]
+struct Named {
+    who: Arc<str>,
+    id: CommandId,
+    epoch: Epoch,
+    at: Duration,
 }
 
 /// Who pressed STOP, and when.
@@ -41,7 +60,7 @@ struct Press {
 
 impl Default for Stops {
     fn default() -> Stops {
-        Stops { waiting: Vec::new(), put_off: None, records: Sharing::new(RECORDS) }
+        Stops { waiting: Vec::new(), put_off: None, records: Sharing::new(RECORDS), named: VecDeque::new() }
     }
 }
 
@@ -86,9 +105,28 @@ impl Sweep {
 
     /// Puts so many stops of one sender on record, now or together with others of his.
     pub(super) fn record_stop(&mut self, request: &Request, count: u64) {
+        if count == 1 && self.is_same_press(request) {
+            return;
+        }
         let press = Press { issuer: request.issuer.clone(), id: request.id.clone(), wall: self.now.wall };
         let due = self.stops.records.come(sender(&request.issuer), (press, count), self.now.since_start);
         self.write_stops(due);
+    }
+
+    /// Whether a stop is a press that is on record already.
+    fn is_same_press(&mut self, request: &Request) -> bool {
+        let (Some(id), Some(epoch)) = (&request.id, request.epoch) else { return false };
+        let (at, released, named) = (self.now.since_start, self.released, &mut self.stops.named);
+        let is_over = |epoch| released.is_some_and(|released| released >= epoch);
+        named.retain(|press| at.saturating_sub(press.at) < SAME_PRESS && !is_over(press.epoch));
+        let is_known = named.iter().any(|press| press.who == request.issuer.who && press.id == *id);
+        if !is_known {
+            named.push_back(Named { who: Arc::clone(&request.issuer.who), id: id.clone(), epoch, at });
+        }
+        if named.len() > PRESSES {
+            named.pop_front();
+        }
+        is_known
     }
 
     /// Puts the stops on record that have waited for others of their senders.

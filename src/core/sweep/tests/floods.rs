@@ -1,6 +1,7 @@
 //! STOPs without end: what they leave on record, and what not.
 
 use super::*;
+use crate::core::command::CommandId;
 use crate::core::effect::{Entry, Fact};
 use crate::core::standing::Standing;
 
@@ -27,11 +28,20 @@ impl Recorder {
 
     /// As the loop takes a STOP: it halts first, and who pressed it follows.
     fn stop(&mut self, who: &str, from: &str) {
+        self.press(Issuer { door: Door::Http, who: who.into(), from: from.into() }, None);
+    }
+
+    /// The same with a name for the press.
+    fn stop_named(&mut self, who: &str, name: &str) {
+        let issuer = Issuer { door: Door::Http, who: who.into(), from: "192.0.2.7".into() };
+        self.press(issuer, CommandId::new(name));
+    }
+
+    fn press(&mut self, issuer: Issuer, id: Option<CommandId>) {
         self.epoch = self.epoch.next();
         self.sweep.handle_halt(self.epoch, self.now());
         self.drain();
-        let issuer = Issuer { door: Door::Http, who: who.into(), from: from.into() };
-        let stop = Request { epoch: Some(self.epoch), ..Request::new(Command::Stop, issuer) };
+        let stop = Request { epoch: Some(self.epoch), id, ..Request::new(Command::Stop, issuer) };
         self.sweep.handle_command(stop, self.now()).expect("a stop is never refused");
         self.drain();
         assert_eq!(self.sweep.snapshot().mission.epoch, self.epoch, "it is shown at once");
@@ -127,6 +137,34 @@ fn the_epoch_of_a_flood_is_on_record_with_the_next_entry_or_soon() {
     recorder.drain();
     assert_eq!(recorder.epoch_on_record(), Epoch(300));
     assert_eq!(recorder.by("lobby").iter().map(|words| count(words)).sum::<u64>(), 300);
+}
+
+/// Safety S1, A6: whoever hears no answer presses again and again, by hand or as a page does by itself.
+#[test]
+fn a_stop_under_the_name_of_the_one_before_halts_again_and_is_the_same_press() {
+    let mut recorder = Recorder::new();
+    for (millis, who, name, presses) in [
+        (0, "anna", "k1", 1),
+        (1000, "anna", "k1", 1),
+        (59_999, "anna", "k1", 1),
+        (59_999, "anna", "k2", 2),
+        (60_000, "anna", "k1", 3),
+        (61_000, "anna", "k1", 3),
+    ] {
+        recorder.wait_until(millis);
+        recorder.stop_named(who, name);
+        assert_eq!(recorder.by(who), vec!["STOP"; presses], "{name} at {millis} ms");
+    }
+    recorder.stop_named("bert", "k1");
+    assert_eq!(recorder.by("bert"), ["STOP"], "a name belongs to its sender");
+    let start = Request::new(Command::Start, Issuer::operator(Door::Http));
+    recorder.sweep.handle_command(start, recorder.now()).expect("nothing else holds it");
+    recorder.drain();
+    recorder.stop_named("anna", "k1");
+    assert_eq!(recorder.by("anna").len(), 4, "what stops a robot that was released is on record");
+    recorder.wait_until(90_000);
+    let all = (recorder.epoch_on_record(), recorder.answers);
+    assert_eq!(all, (Epoch(8), 9), "each has halted and is answered, as the START is");
 }
 
 /// A stop of which nobody heard who pressed it.
