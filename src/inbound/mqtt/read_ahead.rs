@@ -42,7 +42,7 @@ struct Shared {
     state: Mutex<State>,
     /// Something has come, or the end, or there is no room for more.
     come: Notify,
-    /// There may be room again, or nobody takes anything any more.
+    /// There is room again, or nobody takes anything any more.
     room: Notify,
     pool: Pool,
 }
@@ -59,6 +59,8 @@ struct State {
     epoch: Option<Epoch>,
     /// So much of the client waits elsewhere, in bytes.
     held: usize,
+    /// The feeder waits for room. Only then it is told: to wake its thread for each packet makes every message late.
+    wants_room: bool,
     has_ended: bool,
     left: Option<Left>,
 }
@@ -89,7 +91,7 @@ impl Feeder {
     pub(super) async fn room(&self) -> Result<usize, Left> {
         loop {
             {
-                let state = self.0.state();
+                let mut state = self.0.state();
                 if let Some(left) = state.left {
                     return Err(left);
                 }
@@ -97,6 +99,7 @@ impl Feeder {
                 if room > 0 {
                     return Ok(room.min(READ));
                 }
+                state.wants_room = true;
             }
             self.0.room.notified().await;
         }
@@ -180,7 +183,9 @@ impl Taker {
     pub(super) fn hold(&self, held: usize) {
         let mut state = self.0.state();
         state.held = held;
-        if self.0.room_in(&state) > 0 {
+        if state.wants_room && self.0.room_in(&state) > 0 {
+            state.wants_room = false;
+            drop(state);
             self.0.room.notify_one();
         }
     }
@@ -232,6 +237,10 @@ impl Shared {
 
 #[cfg(test)]
 mod tests {
+    use std::pin::{Pin, pin};
+    use std::sync::atomic::AtomicBool;
+    use std::task::{Context, Poll, Wake, Waker};
+
     use super::*;
 
     fn taken(taker: &Taker) -> (Vec<u8>, Vec<u64>) {
@@ -309,6 +318,39 @@ mod tests {
         let (feeder, _taker) = read_ahead(&Pool::default());
         feeder.put(&[7; 8], Epoch(0), &[(0, Epoch(0)); 999]);
         assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART - 8 - 1000 * STOP_COST);
+    }
+
+    /// Whether what was polled with it was woken.
+    #[derive(Default)]
+    struct Woken(AtomicBool);
+
+    impl Wake for Woken {
+        fn wake(self: Arc<Self>) {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
+
+    #[tokio::test]
+    async fn only_whoever_waits_for_room_is_woken() {
+        let (feeder, taker) = read_ahead(&Pool::default());
+        let woken = Arc::new(Woken::default());
+        let waker = Waker::from(Arc::clone(&woken));
+        let poll = |future: Pin<&mut dyn Future<Output = usize>>| future.poll(&mut Context::from_waker(&waker));
+        {
+            let mut left = pin!(async { feeder.left().await as usize });
+            assert!(poll(left.as_mut()).is_pending());
+            taker.hold(7);
+            assert!(!woken.0.load(Ordering::Relaxed), "it has room");
+        }
+        fill(&feeder).await;
+        let mut room = pin!(async { feeder.room().await.expect("somebody takes it") });
+        assert!(poll(room.as_mut()).is_pending());
+        taker.hold(7);
+        assert!(!woken.0.load(Ordering::Relaxed), "there is no room");
+        taken(&taker);
+        taker.hold(0);
+        assert!(woken.0.load(Ordering::Relaxed));
+        assert_eq!(poll(room.as_mut()), Poll::Ready(READ));
     }
 
     #[tokio::test]
