@@ -129,7 +129,7 @@ async fn serve_hall(
     let coap = coap::open(coap, &threads.coap, resources, (secret, handle.watch(), ending.subscribe()))?;
     let mqtt_ports = listeners(mqtt, &threads.mqtt)?;
     let mqtt_at = doors.mqtt.map(|place| place.at);
-    let mqtt_ways = (mqtt_ports, mqtt_at, mqtt_access, threads.mqtt.handle().clone());
+    let mqtt_ways = (mqtt_ports, mqtt_at, mqtt_access, &threads);
     let mqtt = Mqtt::open(settings, mqtt_ways, handle.clone(), reader.clone(), ending.subscribe()).await?;
     let http = listeners(http, &threads.http)?;
     let door = Door::new(handle, reader, hall.name(), access).with_cells_of(hall.cell_m());

@@ -3,11 +3,11 @@
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 
-use tokio::runtime::Handle as Runtime;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
 
 use super::AppError;
+use super::threads::Threads;
 use crate::access::{self, Access, Token};
 use crate::config::{Broker, MqttSettings, OtherBroker, Settings};
 use crate::inbound::http;
@@ -52,7 +52,7 @@ impl Mqtt {
     /// When our own broker cannot be had, or somebody else's cannot be trusted as it is to be.
     pub(super) async fn open(
         settings: &Settings,
-        (listeners, at, access, hearing): (Listeners, Option<SocketAddr>, Access, Runtime),
+        (listeners, at, access, threads): (Listeners, Option<SocketAddr>, Access, &Threads),
         handle: Handle,
         archive: Reader,
         ending: watch::Receiver<bool>,
@@ -63,7 +63,7 @@ impl Mqtt {
         let common = Common { topics, home_assistant, handle, archive, manual_driving, ending };
         match (broker, at) {
             (None, _) | (Some(Broker::Own { .. }), None) => Ok(None),
-            (Some(Broker::Own { .. }), Some(at)) => own(common, (listeners, at, hearing), access).await.map(Some),
+            (Some(Broker::Own { .. }), Some(at)) => own(common, (listeners, at, threads), access).await.map(Some),
             (Some(Broker::Other(other)), _) => other_broker(common, other).map(Some),
         }
     }
@@ -117,7 +117,7 @@ impl Common {
 /// Our own broker, and our session at it.
 async fn own(
     common: Common,
-    (listeners, at, hearing): (Listeners, SocketAddr, Runtime),
+    (listeners, at, threads): (Listeners, SocketAddr, &Threads),
     access: Access,
 ) -> Result<Mqtt, AppError> {
     let (answer, answers) = mpsc::channel(ANSWERS);
@@ -133,6 +133,7 @@ async fn own(
     };
     let house = House::new(Gatehouse::new(common.topics.clone()), common.orders(answer), secret);
     let broker = Embedded::start(house).await?;
+    let hearing = threads.mqtt.handle().clone();
     let ways = Ways { listeners, access, visitors, hearing, health: health.subscribe() };
     let session = common.session((link, Hearing::Own), answers, health)?;
     let (leave, left) = watch::channel(());
@@ -142,7 +143,7 @@ async fn own(
             tracing::error!("our own MQTT session has ended by a mistake of its own");
         }
     });
-    let broker = tokio::spawn(broker.serve(ways, gone(left)));
+    let broker = threads.gate.handle().spawn(broker.serve(ways, gone(left)));
     Ok(Mqtt { session, broker: Some(broker), hall: Some(hall(visit)) })
 }
 

@@ -1,5 +1,6 @@
-//! Who runs on a thread of his own (safety S7): the core's loop, the robot's link, and what each door hears. Everything else that a
-//! door does runs on the ordinary threads, where it may be busy.
+//! Who runs on a thread of his own (safety S7): the core's loop, the robot's link, and what each door hears; and the gate of our own
+//! MQTT broker, where one thread passes messages on sooner than several that wake each other. Everything else that a door does runs on
+//! the ordinary threads, where it may be busy.
 
 use super::AppError;
 use crate::runtime::threads::Thread;
@@ -11,6 +12,7 @@ pub(super) struct Threads {
     pub(super) http: Thread,
     pub(super) coap: Thread,
     pub(super) mqtt: Thread,
+    pub(super) gate: Thread,
 }
 
 impl Threads {
@@ -26,6 +28,7 @@ impl Threads {
             http: start("hear-http")?,
             coap: start("hear-coap")?,
             mqtt: start("hear-mqtt")?,
+            gate: start("mqtt-gate")?,
         })
     }
 }
