@@ -1,5 +1,5 @@
 //! Disks that fail under the running program (safety R3): `strace` makes every flush fail, or hang, from the moment it attaches to
-//! the moment it lets go. Without `strace` these tests are left out with a word, unless `HALLSWEEP_REQUIRE_CLIENTS` is set.
+//! the moment it lets go; and what is flushed when, by its list of calls. Without `strace` these tests are left out with a word, unless `HALLSWEEP_REQUIRE_CLIENTS` is set.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
@@ -11,14 +11,18 @@ use crate::kill::Folder;
 use crate::program::Program;
 
 /// `strace` on a running program.
-struct Fault(Child);
+struct Strace(Child);
 
-impl Fault {
+impl Strace {
     /// Lets every flush of the program meet with this, as `error=EIO`.
-    fn inject(program: &Program, what: &str) -> Option<Fault> {
+    fn inject(program: &Program, what: &str) -> Option<Strace> {
+        Strace::attach(program, &["-e", "trace=fsync,fdatasync", "-e", &format!("inject=fsync,fdatasync:{what}")])
+    }
+
+    /// Attaches with these arguments.
+    fn attach(program: &Program, arguments: &[&str]) -> Option<Strace> {
         let mut strace = Command::new("strace");
-        let inject = format!("inject=fsync,fdatasync:{what}");
-        strace.args(["-f", "-e", "trace=fsync,fdatasync", "-e", &inject, "-p", &program.id().to_string()]);
+        strace.arg("-f").args(arguments).args(["-p", &program.id().to_string()]);
         let child = strace.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
         let attached = child.ok().and_then(|mut child| {
             let mut lines = BufReader::new(child.stderr.take().expect("it is a pipe")).lines();
@@ -26,7 +30,7 @@ impl Fault {
             // The pipe stays open until the end, so that writing to it never fails.
             std::thread::spawn(move || lines.count());
             if attached {
-                return Some(Fault(child));
+                return Some(Strace(child));
             }
             let _ = child.wait();
             None
@@ -48,7 +52,7 @@ impl Fault {
 }
 
 /// When the program is gone `strace` is, too.
-impl Drop for Fault {
+impl Drop for Strace {
     fn drop(&mut self) {
         let _ = self.0.kill();
         let _ = self.0.wait();
@@ -62,7 +66,7 @@ fn a_failing_disk(name: &str, what: &str, words: &str) {
     let program = serve(&folder);
     program.command("start").accepted();
     let piece = program.until_asked();
-    let Some(fault) = Fault::inject(&program, what) else { return };
+    let Some(fault) = Strace::inject(&program, what) else { return };
     program.verdict(piece, "safe").problem(503);
     let state = program.until("the store holds the robot", |state| holds(state, "store"));
     assert!(state.to_string().contains(words), "{state:#}");
@@ -106,7 +110,7 @@ fn a_verdict_that_was_not_kept_does_not_stand_after_a_kill_while_the_disk_hangs(
     let program = serve(&folder);
     program.command("start").accepted();
     let piece = program.until_asked();
-    let Some(fault) = Fault::inject(&program, "delay_enter=60000000") else { return };
+    let Some(fault) = Strace::inject(&program, "delay_enter=60000000") else { return };
     program.verdict(piece, "safe").problem(503);
     program.verdict(piece, "danger").problem(503);
     program.until("the store holds the robot", |state| holds(state, "store"));
@@ -127,4 +131,50 @@ fn a_verdict_that_was_not_kept_does_not_stand_after_a_kill_while_the_disk_hangs(
     drop(program);
     let (well, checked) = journal(&folder, &["check"]);
     assert!(well, "{checked}");
+}
+
+/// Safety D3, V3: the file of a photo and the names by which it is found are flushed, in this order, before the entry that names it.
+#[test]
+fn a_photo_is_whole_on_the_disk_before_an_entry_names_it() {
+    let folder = Folder::new("photo-flushed");
+    let program = serve(&folder);
+    let log = std::path::Path::new(folder.text()).join("calls.txt");
+    let calls = ["-y", "-e", "trace=fsync,fdatasync,rename,renameat,renameat2", "-o", &log.display().to_string()];
+    let Some(strace) = Strace::attach(&program, &calls) else { return };
+    program.command("start").accepted();
+    program.until_asked();
+    strace.end();
+    let lines = exported(&folder);
+    let digest = of_kind(&lines, "luggage")[0]["picture"]["digest"].as_str().expect("a photo was taken").to_owned();
+    let (shelf, name) = digest.split_at(2);
+    let log = std::fs::read_to_string(&log).expect("strace has written it");
+    let mut calls = log.lines();
+    for (call, of) in [
+        ("sync(", format!("/photos/{shelf}/{name}.unfinished>")),
+        ("rename", format!("/photos/{shelf}/{name}.png\"")),
+        ("sync(", format!("/photos/{shelf}>")),
+        ("sync(", "/photos>".to_owned()),
+        ("sync(", format!("{}>", folder.text())),
+        ("sync(", "/journal.db-wal>".to_owned()),
+    ] {
+        assert!(calls.any(|line| line.contains(call) && line.contains(&of)), "no {call} of {of} in its turn:\n{log}");
+    }
+}
+
+/// Safety V3: that nothing is lost any more is flushed before it is said, or after a power cut the next start would take back what was
+/// kept since. Here one flush fails.
+#[test]
+fn the_end_of_a_loss_is_flushed() {
+    let folder = Folder::new("loss-flushed");
+    let program = serve(&folder);
+    program.command("start").accepted();
+    let piece = program.until_asked();
+    let log = std::path::Path::new(folder.text()).join("calls.txt");
+    let fails_once = ["-y", "-e", "trace=fsync,fdatasync", "-e", "inject=fsync,fdatasync:error=EIO:when=1"];
+    let Some(strace) = Strace::attach(&program, &[&fails_once[..], &["-o", &log.display().to_string()]].concat()) else { return };
+    program.verdict(piece, "safe").problem(503);
+    program.until("the store writes again", |state| !holds(state, "store"));
+    strace.end();
+    let log = std::fs::read_to_string(&log).expect("strace has written it");
+    assert!(log.lines().any(|line| line.contains("sync(") && line.contains("/journal.lost>")), "{log}");
 }

@@ -217,6 +217,16 @@ mod tests {
         assert_eq!((note(IDS), note(IDS + 1)), (vec![0], vec![0, 1]));
     }
 
+    /// As a journal may hold an id twice, when it was given up in between.
+    #[test]
+    fn an_id_that_comes_twice_takes_one_place() {
+        let mut repeats = Repeats::default();
+        for from in ["192.0.2.7", "192.0.2.8"] {
+            repeats.note(&issuer("anna", from), &id(0), "START", Outcome::Before(None));
+        }
+        assert_eq!((repeats.known.len(), repeats.ids.len(), repeats.ranks.len()), (1, 1, 1));
+    }
+
     #[test]
     fn an_id_that_was_given_up_and_used_again_gets_no_answer_of_the_first() {
         let mut repeats = Repeats::default();

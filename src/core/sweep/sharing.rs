@@ -207,8 +207,21 @@ mod tests {
             Some(1),
             "it has its room"
         );
+        let rest = sharing.clone().rest(Duration::ZERO);
+        assert_eq!(written(&rest), (1, 1000 - (LIMITS.senders + LIMITS.burst as usize) as u64), "at the end of the program");
         entries.extend(sharing.fall_due(SECOND));
         assert_eq!(written(&entries), (LIMITS.senders + LIMITS.burst as usize + 1, 1000));
+    }
+
+    /// Safety A6: as they come from beside the queue of commands.
+    #[test]
+    fn what_came_as_many_at_once_is_not_forgotten_for_a_newcomer() {
+        let mut sharing = Sharing::new(LIMITS);
+        for n in 0..LIMITS.senders {
+            assert_eq!(sharing.come(sender(&format!("key-{n}")), (1, 1000), Duration::ZERO), None);
+        }
+        assert!(sharing.come(sender("anna"), (7, 1), Duration::ZERO).is_some());
+        assert_eq!(written(&sharing.rest(Duration::ZERO)), (LIMITS.senders, 1000 * LIMITS.senders as u64));
     }
 
     #[test]

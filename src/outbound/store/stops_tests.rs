@@ -71,6 +71,14 @@ fn a_line_that_was_cut_short_costs_only_itself() {
         stops.keep(Epoch(6));
         assert_eq!(Stops::open(&scratch.0).epoch(), Epoch(6), "the torn line is the one that is written over");
     }
+    // Opened again it writes over the older line, so that a kill in the middle of that costs nothing that was there.
+    for epochs in [[7, 6], [6, 7]] {
+        std::fs::write(scratch.file(), epochs.map(|epoch| line(Epoch(epoch))).concat()).unwrap();
+        Stops::open(&scratch.0).keep(Epoch(8));
+        let mut left: Vec<_> = scratch.bytes().chunks(LINE).map(epoch_of).collect();
+        left.sort();
+        assert_eq!(left, [Some(Epoch(7)), Some(Epoch(8))]);
+    }
 }
 
 #[test]
@@ -81,6 +89,7 @@ fn a_file_that_says_nothing_is_begun_anew() {
         std::fs::write(scratch.file(), bytes).unwrap();
         let mut stops = Stops::open(&scratch.0);
         assert_eq!((stops.epoch(), scratch.bytes().len()), (Epoch(0), SIZE));
+        assert_eq!(stops.damaged(), Some(&*scratch.file()), "nobody knows what it said");
         stops.keep(Epoch(3));
         assert_eq!(Stops::open(&scratch.0).epoch(), Epoch(3));
     }

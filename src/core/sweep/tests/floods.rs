@@ -167,6 +167,42 @@ fn a_stop_under_the_name_of_the_one_before_halts_again_and_is_the_same_press() {
     assert_eq!(all, (Epoch(8), 9), "each has halted and is answered, as the START is");
 }
 
+/// Safety A5, A6: 128 names are remembered, and of what comes as many at once each is counted.
+#[test]
+fn presses_that_were_forgotten_or_come_in_crowds_are_on_record() {
+    let mut recorder = Recorder::new();
+    for n in (0..128).chain(0..128).chain([128, 1, 0]) {
+        recorder.stop_named("anna", &format!("k{n}"));
+    }
+    let issuer = Issuer { door: Door::Http, who: "anna".into(), from: "192.0.2.7".into() };
+    let last = Request { epoch: Some(recorder.epoch), id: CommandId::new("k0"), ..Request::new(Command::Stop, issuer) };
+    recorder.sweep.handle_stops(last, 1000, recorder.now()).expect("a stop is never refused");
+    recorder.sweep.record_rest(recorder.now());
+    recorder.drain();
+    let words = recorder.by("anna");
+    assert_eq!(words.iter().map(|words| count(words)).sum::<u64>(), 128 + 2 + 1000, "{words:?}");
+    let is_named = |entry: &&Entry| matches!(&entry.fact, Fact::Command { id: Some(_), .. });
+    assert_eq!(recorder.entries.iter().filter(is_named).count(), 20, "what stands for many has no name");
+}
+
+/// Safety A6: what doors refuse, at the latest at the end of the program.
+#[test]
+fn all_that_doors_refuse_is_on_record() {
+    let mut recorder = Recorder::new();
+    for door in [Door::Http, Door::Mqtt] {
+        let issuer = Issuer { door, who: "lobby".into(), from: "192.0.2.7".into() };
+        for _ in 0..100 {
+            let refused = Refused::NotAllowed("lobby may only look".to_owned());
+            recorder.sweep.note_refused(issuer.clone(), "RESET".to_owned(), &refused, 1, recorder.now());
+        }
+    }
+    recorder.drain();
+    assert_eq!(recorder.by("lobby"), ["RESET"; 120]);
+    recorder.sweep.record_rest(recorder.now());
+    recorder.drain();
+    assert_eq!(recorder.by("lobby")[120..], ["RESET, and 39 more that were refused"; 2]);
+}
+
 /// A stop of which nobody heard who pressed it.
 #[test]
 fn an_epoch_goes_on_record_although_no_command_follows() {

@@ -182,3 +182,33 @@ impl Desk {
         self.work.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::folder::Folder;
+    use super::*;
+
+    /// Safety V3: between the decision that something is lost and the announcement.
+    #[test]
+    fn while_a_loss_is_being_put_down_nothing_is_kept_and_nothing_is_well_again() {
+        let desk = Desk::new(Marker::new(&Folder::new(Path::new("nowhere"))), Seq(5), None);
+        let losses = desk.begin();
+        desk.work().losing = true;
+        assert!(!desk.wants(losses) && !desk.keep(losses, Seq(6)));
+        assert_eq!(desk.word().borrow().kept, Seq(5));
+        assert!(desk.is_failing() && !desk.is_announced());
+    }
+
+    /// Safety R3: the watchman may have looked a moment ago.
+    #[test]
+    fn a_batch_that_is_over_is_not_given_up_in_place_of_the_next() {
+        let desk = Desk::new(Marker::new(&Folder::new(Path::new("nowhere"))), Seq(0), None);
+        assert!(desk.keep(desk.begin(), Seq(1)));
+        let before = desk.at_work();
+        let losses = desk.begin();
+        desk.give_up(1, "the disk does not answer");
+        assert_eq!((before, desk.losses(), desk.keep(losses, Seq(2))), (None, 0, true));
+    }
+}

@@ -126,4 +126,12 @@ mod tests {
         }
         assert_eq!(understood(&[0xff; 9]), None);
     }
+
+    /// Safety V3: else it would be there afterwards, and the next start would take back what was kept since.
+    #[test]
+    fn it_is_not_cleared_while_somebody_is_at_putting_it_down() {
+        let marker = Marker::new(&Folder::new(std::path::Path::new("nowhere")));
+        marker.putting.fetch_add(1, Ordering::SeqCst);
+        assert!(matches!(marker.clear(), Err(Fault::Hung)));
+    }
 }

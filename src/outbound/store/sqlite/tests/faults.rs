@@ -18,6 +18,7 @@ use super::testing::*;
 use crate::core::command::Verdict;
 use crate::core::effect::{Fact, Page};
 use crate::core::units::{LuggageId, Seq};
+use crate::runtime::store::Store;
 
 /// What a start would read.
 fn recalled(path: &std::path::Path) -> Result<Option<crate::core::sweep::Recalled>, Fault> {
@@ -85,6 +86,20 @@ fn a_full_queue_is_a_failure_and_not_a_wait() {
     assert!(is_kept, "everything is lost for ever");
     drop(scribe);
     assert_eq!(notes(&scratch).len(), 1);
+}
+
+/// Safety R3: at once, whatever the writer is at.
+#[test]
+fn what_finds_no_place_in_the_queue_is_lost() {
+    let scratch = Scratch::new();
+    let folder = Folder::new(&scratch.data());
+    let desk = Arc::new(Desk::new(Marker::new(&folder), Seq(0), None));
+    let ((pages, _untaken), done) = (mpsc::sync_channel(1), mpsc::channel().1);
+    let mut store = SqliteStore { folder, desk: Arc::clone(&desk), pages: Some(pages), ends: Vec::new(), done, patience: HASTE };
+    store.record(page(1, begin(1)), 0);
+    assert!(!desk.is_failing());
+    store.record(page(5, vec![wall(1, 1)]), 0);
+    assert!(desk.is_failing());
 }
 
 /// Safety R3: the last page for which there was no room is said to be lost when everything before it has been written.
@@ -177,6 +192,17 @@ fn what_is_handed_over_after_a_disk_hung_is_kept() {
     assert_eq!(notes(&scratch), ["entries 5 to 6 were lost while the store could not write, and said to be lost"]);
 }
 
+/// Safety R3: it is said before anything is to be written.
+#[test]
+fn a_journal_that_another_program_keeps_locked_is_said_at_the_start() {
+    let scratch = Scratch::new();
+    Scribe::new(scratch.open()).keep(begin(1));
+    let mut other = connect::writer(&Folder::new(&scratch.data())).unwrap();
+    let _locked = other.transaction_with_behavior(TransactionBehavior::Immediate).unwrap();
+    let failure = scratch.open().failure;
+    assert!(failure.as_ref().is_some_and(|words| words.contains("another program keeps the journal")), "{failure:?}");
+}
+
 /// A new store whose own watchman never gives up, and its desk, at which another one can look.
 fn store_at(folder: &Folder) -> (Opened, Arc<Desk>) {
     let (hand, recalled, failure) = look(folder).unwrap();
@@ -231,6 +257,53 @@ fn what_was_given_up_while_the_disk_hung_is_taken_back() {
     assert_eq!(notes(&scratch), Vec::<String>::new());
 }
 
+/// Safety D2: what comes behind the beginning of a mission that was lost belongs to no mission.
+#[test]
+fn a_mission_whose_beginning_was_lost_is_not_under_way() {
+    let scratch = Scratch::new();
+    let (mut writer, desk) = writer(&scratch);
+    let losses = desk.begin();
+    let written = writer.write(&[page(1, begin(1))], losses);
+    desk.give_up(desk.at_work().unwrap(), "the disk does not answer");
+    writer.conclude(written, losses, Seq(4));
+    writer.write(&[page(5, vec![command(None)])], desk.begin()).unwrap();
+    let mut missions = Vec::new();
+    let reading = Reading::open(&scratch.data()).unwrap();
+    reading
+        .lines(None, None, |seq, line| {
+            missions.push((seq, line.unwrap().mission));
+            true
+        })
+        .unwrap();
+    assert_eq!(missions, [(Seq(5), None)]);
+}
+
+/// Safety V3: the same of a commit that has failed, as when a flush fails: it is gone before anybody hears of it, with no help of a
+/// marker, which the same disk may not take.
+#[test]
+fn what_a_failed_commit_left_in_the_log_is_gone_when_the_loss_is_said() {
+    let scratch = Scratch::new();
+    let (mut writer, desk) = asking_writer(&scratch);
+    let losses = desk.begin();
+    writer.write(&[page(6, vec![verdict(1, Verdict::Safe)])], losses).unwrap();
+    writer.conclude(Err(Fault::File(std::io::ErrorKind::Other.into())), losses, Seq(6));
+    assert!(desk.word().borrow().failure.is_some());
+    let reader = connect::reader(&Folder::new(&scratch.data())).unwrap().expect("there is a journal");
+    assert_eq!(rows::last_up_to(&reader.connection, None).unwrap(), Seq(5));
+}
+
+/// Safety R5: also when somebody puts it back.
+#[test]
+fn a_journal_that_was_taken_away_or_is_damaged_is_not_written_to_again() {
+    for fault in [Fault::TakenAway("journal.db"), Fault::Damaged("a page of it".to_owned())] {
+        let scratch = Scratch::new();
+        let (mut writer, desk) = asking_writer(&scratch);
+        writer.conclude(Err(fault), desk.begin(), Seq(6));
+        let again = writer.write(&[page(6, vec![wall(1, 1)])], desk.begin());
+        assert!(matches!(again, Err(Fault::Unwritable)), "{again:?}");
+    }
+}
+
 /// Safety V3: the same, when the program is killed before the disk has answered. What comes later is not taken for lost.
 #[test]
 fn what_was_given_up_stays_lost_when_the_program_is_killed_then() {
@@ -282,6 +355,9 @@ fn a_marker_is_put_down_and_cleared() {
     assert_eq!(marker::read(&Folder::new(&scratch.data())).unwrap(), Some(Seq(3)));
     marker.clear().unwrap();
     assert_eq!(marker::read(&Folder::new(&scratch.data())).unwrap(), None);
+    std::fs::write(Folder::new(&scratch.data()).marker(), "everything after entry 12").unwrap();
+    let damaged = marker::read(&Folder::new(&scratch.data()));
+    assert!(matches!(damaged, Err(Fault::Unusable("journal.lost", _))), "{damaged:?}");
 }
 
 /// The same, when the disk came back before the last step.

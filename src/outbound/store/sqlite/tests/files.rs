@@ -56,6 +56,21 @@ fn a_damaged_journal_is_left_as_it_is() {
     check_untouched(&scratch, &["is damaged", "is left as it is", "backup", "start hallsweep again"]);
 }
 
+/// Also in a table that nobody reads at a start.
+#[test]
+fn a_journal_that_is_damaged_elsewhere_is_left_as_it_is() {
+    let scratch = some_journal();
+    let sql = "SELECT rootpage FROM sqlite_schema WHERE name = 'losses'";
+    let connection = connect::writer(&Folder::new(&scratch.data())).unwrap();
+    let page: u32 = connection.query_row(sql, [], |row| row.get(0)).unwrap();
+    drop(connection);
+    let path = scratch.data().join("journal.db");
+    let mut file = std::fs::read(&path).unwrap();
+    file[(page as usize - 1) * 4096..][..4096].fill(0x5a);
+    std::fs::write(&path, file).unwrap();
+    check_untouched(&scratch, &["is damaged", "is left as it is"]);
+}
+
 /// SQLite tells its findings over several lines, beginning with words that mean nothing to an operator.
 #[test]
 fn the_words_about_a_damaged_journal_are_one_line_and_name_all_files() {

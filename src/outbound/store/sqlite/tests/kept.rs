@@ -243,6 +243,8 @@ fn a_photo_is_a_file_named_by_its_digest() {
     let Err(Unreadable(words)) = archive.photo(LuggageId(1)) else { panic!("another photo was shown") };
     assert!(words.contains("is not what it was"), "{words}");
     check_finds(&scratch, &["is not what it was"]);
+    scribe.keep(vec![found(1, Some(photo("bag")))]);
+    assert_eq!(scribe.opened.archive.photo(LuggageId(1)), Ok(Some(photo("bag"))), "taken again it is whole");
     std::fs::remove_file(&files[0].0).unwrap();
     check_finds(&scratch, &["is not there"]);
 }
