@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn a_payload_is_found_behind_what_breaks_the_grammar_and_without_its_marker() {
         let sound = message(3, b"t", &[(URI_PATH, b"resourcemodel")], b"");
-        for tail in [&b"\xFFh"[..], b"\xF0\x01\xFFh", b"\xFEh\xFFh"] {
+        for tail in [&b"\xFFh"[..], b"\xF0\x01\xFFh", b"\xFEh\xFFh", b"\xF0\xFFx\xFFh"] {
             assert!(reads(&[&sound[..], tail].concat(), &["resourcemodel"], b"h"), "{tail:?}");
         }
         assert!(reads(&[&sound[..], b"\xF0h"].concat(), &["resourcemodel"], b"\xF0h"));
