@@ -203,6 +203,13 @@ mod tests {
         assert!(reads(&message(2, b"", &behind, b""), &PATH, b""));
     }
 
+    /// Safety S7.
+    #[test]
+    fn of_a_long_payload_no_more_is_read_than_a_body_may_have() {
+        let long = message(2, b"", &STOP, &[b'x'; 60_000]);
+        assert!(requests(peer(), &long).count() > 0 && requests(peer(), &long).all(|request| request.payload.len() <= BODY));
+    }
+
     #[test]
     fn what_only_looks_and_what_is_no_request_is_not_read() {
         for code in 0..=255 {
