@@ -86,6 +86,12 @@ fn a_stop_that_is_not_confirmed_is_said_to_be_so() {
 
 /// Safety S10.
 #[test]
+fn what_is_said_when_nothing_answers_covers_neither_stop_nor_photo_nor_question() {
+    play("said", &["--hall", "airport", "--speed", "max"]);
+}
+
+/// Safety S10.
+#[test]
 fn a_stop_that_is_not_confirmed_stays_so_until_the_connection_stands_and_is_sent_then() {
     play("unconfirmed", &["--hall", "empty-8x8", "--speed", "1"]);
 }

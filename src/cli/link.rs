@@ -1,6 +1,6 @@
 //! Links by which somebody signs in. Whether the address in them can be reached from elsewhere is the network's business.
 
-use std::net::SocketAddr;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 
 use crate::access::Token;
 use crate::config::HttpSettings;
@@ -15,14 +15,23 @@ pub(super) fn sign_in(http: &HttpSettings, address: SocketAddr, token: &Token) -
     format!("{}://{}/sign-in?token={}", scheme(http), host(http, address), token.reveal())
 }
 
-/// By what name a browser finds the door: the first that was set, else its address. Where it listens on all addresses,
-/// localhost is right on this machine and in a container whose port is published; from elsewhere one writes another.
+/// Where this machine finds a door. One that listens on all addresses is at this one too, also in a container whose port is
+/// published; from elsewhere one writes another. It is written alike everywhere, since a browser signed in at `127.0.0.1` is not
+/// signed in at `localhost`.
+pub(super) fn here(address: SocketAddr) -> SocketAddr {
+    let ip = match address.ip() {
+        IpAddr::V4(Ipv4Addr::UNSPECIFIED) => Ipv4Addr::LOCALHOST.into(),
+        IpAddr::V6(Ipv6Addr::UNSPECIFIED) => Ipv6Addr::LOCALHOST.into(),
+        ip => ip,
+    };
+    SocketAddr::new(ip, address.port())
+}
+
+/// By what name a browser finds the door: the first that was set, else its address.
 fn host(http: &HttpSettings, address: SocketAddr) -> String {
-    let port = address.port();
     match http.hosts.first() {
-        Some(name) => format!("{name}:{port}"),
-        None if address.ip().is_unspecified() => format!("localhost:{port}"),
-        None => address.to_string(),
+        Some(name) => format!("{name}:{}", address.port()),
+        None => here(address).to_string(),
     }
 }
 
@@ -39,8 +48,8 @@ mod tests {
             let link = sign_in(http, address.parse().unwrap(), &token);
             assert_eq!(link, format!("{expect}/sign-in?token={}", token.reveal()));
         };
-        begins(&http, "0.0.0.0:8080", "http://localhost:8080");
-        begins(&http, "[::]:8080", "http://localhost:8080");
+        begins(&http, "0.0.0.0:8080", "http://127.0.0.1:8080");
+        begins(&http, "[::]:8080", "http://[::1]:8080");
         begins(&http, "192.0.2.7:80", "http://192.0.2.7:80");
         begins(&http, "[2001:db8::1]:80", "http://[2001:db8::1]:80");
         http.hosts = vec!["hall.example".to_owned(), "sweep".to_owned()];

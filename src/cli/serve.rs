@@ -19,7 +19,7 @@ pub fn run(flags: &Serve) -> Result<(), Failure> {
 
 /// Where it is, and how one gets in.
 fn announcement(settings: &Settings, doors: Doors, entry: &Entry) -> String {
-    let coap = doors.coap.map(|coap| format!("\nIts CoAP resources are at coap://{}{}", coap.at, gave_way(coap, "--coap")));
+    let coap = doors.coap.map(|coap| format!("\nIts CoAP resources are at coap://{}", found(coap, "--coap")));
     let mqtt = mqtt(settings, doors, entry).map(|mqtt| format!("\nIts MQTT topics are at {mqtt}"));
     let console_entry = if settings.http.asks_for_keys { entry } else { &Entry::Open };
     [Some(console(&settings.http, doors.http, console_entry)), coap, mqtt].into_iter().flatten().collect()
@@ -37,7 +37,7 @@ fn mqtt(settings: &Settings, doors: Doors, entry: &Entry) -> Option<String> {
             "\nTo use the broker at port {port} instead: HALLSWEEP__MQTT__BROKER=mqtt://localhost:{port}, as docs/mqtt.md says"
         )
     });
-    let at = format!("mqtt://{}{}{}", place.at, gave_way(place, "--mqtt"), other.unwrap_or_default());
+    let at = format!("mqtt://{}{}", found(place, "--mqtt"), other.unwrap_or_default());
     Some(match entry {
         Entry::NewKey(token) | Entry::BriefKey(token) if asks && !settings.http.asks_for_keys => {
             format!("{at}\nThere the user name is operator, and the password {}", token.reveal())
@@ -49,15 +49,19 @@ fn mqtt(settings: &Settings, doors: Doors, entry: &Entry) -> Option<String> {
     })
 }
 
-/// Says that a door is elsewhere than usual, and how to choose where.
-fn gave_way(place: Place, flag: &str) -> String {
-    let taken = |port| format!(" (another program has port {port}; {flag} localhost:PORT chooses one)");
-    place.instead_of.map(taken).unwrap_or_default()
+/// Where this machine finds a door, whether others find it too, and how to choose where when it is elsewhere than usual.
+fn found(place: Place, flag: &str) -> String {
+    let here = link::here(place.at);
+    match place.instead_of {
+        Some(port) => format!("{here} (another program has port {port}; {flag} localhost:PORT chooses one)"),
+        None if here != place.at => format!("{here} (and at the other addresses of this machine)"),
+        None => here.to_string(),
+    }
 }
 
 /// Where the console is, and how one gets in. A token is shown when it was just made, and then only here: never in the log.
 fn console(http: &HttpSettings, place: Place, entry: &Entry) -> String {
-    let at = format!("hallsweep is at {}://{}{}", link::scheme(http), place.at, gave_way(place, "--http"));
+    let at = format!("hallsweep is at {}://{}", link::scheme(http), found(place, "--http"));
     match entry {
         Entry::Open => at,
         Entry::Unusable(why) => format!("{at}\nIt asks for a key, and nobody can sign in: {why}"),
@@ -93,10 +97,10 @@ mod tests {
         let doors = Doors { http: at("0.0.0.0:8080"), coap: None, mqtt: None };
         let token = Token::draw().unwrap();
         let said = |entry: &Entry| announcement(&settings, doors, entry);
-        assert_eq!(said(&Entry::Open), "hallsweep is at http://0.0.0.0:8080");
+        assert_eq!(said(&Entry::Open), "hallsweep is at http://127.0.0.1:8080 (and at the other addresses of this machine)");
         assert!(said(&Entry::Key).contains("`hallsweep token`"));
         for entry in [Entry::NewKey(token.clone()), Entry::BriefKey(token.clone())] {
-            let link = format!("http://localhost:8080/sign-in?token={}", token.reveal());
+            let link = format!("http://127.0.0.1:8080/sign-in?token={}", token.reveal());
             assert!(said(&entry).ends_with(&link), "{}", said(&entry));
         }
     }

@@ -25,9 +25,9 @@ pub enum RefusalKind {
 /// Why a command was refused. `Display` is the sentence an operator reads.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Refused {
-    /// Holds stand that a movement command does not clear.
-    #[error("not possible while held: {}", holds_in_words(.0))]
-    Held(Vec<Hold>),
+    /// Holds stand that a movement command does not clear, and why nothing can be recorded if that is one of them and known.
+    #[error("not possible while held: {}", holds_in_words(.0, .1.as_deref()))]
+    Held(Vec<Hold>, Option<String>),
     /// Somebody pressed STOP after the sender last looked.
     #[error("outdated: it was sent at epoch {sent}, but a STOP has since raised it to {now}; look again, then repeat it")]
     Outdated {
@@ -205,7 +205,7 @@ impl Refused {
             Refused::OtherContent(_) => RefusalKind::Mismatch,
             Refused::NotAllowed(_) => RefusalKind::Forbidden,
             Refused::Before(refusal) => refusal.kind,
-            Refused::Held(_)
+            Refused::Held(..)
             | Refused::Outdated { .. }
             | Refused::NotInPhase(_)
             | Refused::VerdictPending(_)
@@ -230,7 +230,7 @@ impl Refused {
     #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
-            Refused::Held(_) => "held",
+            Refused::Held(..) => "held",
             Refused::Outdated { .. } => "outdated",
             Refused::NotInPhase(_) => "notInPhase",
             Refused::VerdictPending(_) => "verdictPending",
@@ -260,7 +260,9 @@ impl Refused {
     }
 }
 
-fn holds_in_words(holds: &[Hold]) -> String {
-    let words: Vec<&str> = holds.iter().map(|hold| hold.in_words()).collect();
-    words.join("; ")
+/// What is to be mended is said first, and by its name: other holds may follow from it.
+fn holds_in_words(holds: &[Hold], store_failure: Option<&str>) -> String {
+    let store = store_failure.map(|why| format!("nothing can be recorded: {why}"));
+    let others = holds.iter().filter(|hold| store.is_none() || **hold != Hold::Store).map(|hold| hold.in_words().to_owned());
+    store.iter().cloned().chain(others).collect::<Vec<_>>().join("; ")
 }

@@ -20,6 +20,12 @@ pub fn is_halt(word: &str) -> bool {
     HALTS.iter().any(|halt| word.eq_ignore_ascii_case(halt))
 }
 
+/// A part of a path without the blanks and control letters round it.
+#[must_use]
+pub fn bare(part: &str) -> &str {
+    part.trim_matches(|letter: char| letter.is_whitespace() || letter.is_control())
+}
+
 /// Whether a body is a bare word for STOP, with whatever quotes, blanks and zero bytes round it.
 #[must_use]
 pub fn is_halt_word(body: &[u8]) -> bool {

@@ -275,6 +275,40 @@ export const hung = {
   },
 };
 
+/** What is said when nothing answers lies over neither STOP nor the photo, the verdict or a question, however the window is. */
+export const said = {
+  tolerated: ['ERR_'],
+  async play({ page, url, please, picture, patience }) {
+    await page.goto(url);
+    await start(page).click();
+    await appears(page, safe(page), { patience });
+    await photoIsShown(page, await numberOf(safe(page)));
+    await please('freeze');
+    await stop(page).click();
+    await page.locator('#why-stop').filter({ hasText: /not confirmed/ }).waitFor();
+    await page.locator('#lost').waitFor();
+    await page.evaluate(() => ask(document.querySelector('#inspect [data-confirm]')));
+    for (const [width, height] of [[390, 844], [844, 390], [1000, 700], [1280, 800], [2560, 1300]]) {
+      await page.setViewportSize({ width, height });
+      await page.evaluate(() => scrollTo(0, 0));
+      const wrong = await page.evaluate(() => {
+        const boxes = (which) => [...document.querySelectorAll(which)].map((one) => [one, one.getBoundingClientRect()]);
+        const lies = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+        for (const [words, box] of boxes('#why-stop, #lost')) {
+          if (box.top < 0 || box.left < 0 || box.right > innerWidth || box.bottom > innerHeight) return `${words.id} is not whole`;
+          const under = boxes('#stop-button, #inspect .photo img, #inspect .pair, #confirm').find(([, other]) => lies(box, other));
+          if (under) return `${words.id} lies over ${under[0].id || under[0].outerHTML}`;
+        }
+        return null;
+      });
+      await picture(`${width}`);
+      must(wrong === null, `on ${width} by ${height} pixels ${wrong}`);
+    }
+    await please('thaw');
+    await page.locator('#lost').waitFor({ state: 'hidden' });
+  },
+};
+
 /** An operator signs in by the ready link, a viewer by typing; whoever is not known is led to the page where one signs in. */
 const signedIn = {
   tolerated: ['401', '403', 'ERR_INCOMPLETE_CHUNKED_ENCODING'],

@@ -123,7 +123,7 @@ fn the_first_start_shows_a_ready_link_once_and_the_next_does_not() {
     let program = folder.serve();
     let said = program.says();
     let (_, token) = said.split_once("/sign-in?token=").expect("a ready link");
-    assert!(said.contains(&format!("http://localhost:{}/sign-in", program.address().port())), "{said}");
+    assert!(said.contains(&format!("http://127.0.0.1:{}/sign-in", program.address().port())), "{said}");
     assert_eq!(looks(&program, token), 200);
     assert_eq!(token, folder.token_of("operator"));
     let page = program.read(&format!("/sign-in?token={token}"), &[BROWSER]);

@@ -83,7 +83,8 @@ fn check_held(program: &Program, what: &str, file: &str) -> Value {
     assert!(words.contains(file) && words.contains("start"), "{what}: {words}");
     let page = program.read("/", &[]);
     assert!(page.status == 200 && page.text().contains(file), "{what}: the console says which file");
-    program.command("start").problem(409);
+    let refused = program.command("start").problem(409);
+    assert!(refused.contains(file) && refused.contains("start"), "{what}: START says which file, and what to do: {refused}");
     program.command("stop").accepted();
     state
 }

@@ -33,14 +33,19 @@ const BODIES: [&str; 6] =
 const MOVES: [At; 4] =
     [H("/api/v1/commands/move"), H("/console/move"), C("/commands/move"), M("hallsweep/discovery/command/move")];
 
+/// Paths that name something else.
+const OTHERS: [At; 5] = [H("/hh"), H("/%2568"), H("/h%3Fx"), H("/x/../h"), C("/commands/hh")];
+
 /// Places that are STOP whatever comes there.
-const NAMED: [At; 14] = [
+const NAMED: [At; 16] = [
     H("/api/v1/commands/stop"),
     H("/api/v1/Commands/STOP/"),
     H("/api/v1/commands/h"),
     H("/console/stop"),
     H("/h"),
     H("/H/"),
+    H("/%68%00"),
+    H("/api%2Fv1%2Fcommands/st%6Fp%20"),
     H("/stopAppl"),
     C("/commands/stop"),
     C("/Commands/STOP/"),
@@ -102,6 +107,7 @@ fn what_is_stop_at_one_door_is_stop_at_every_other() {
     {
         doors.say(at, word);
     }
+    OTHERS.into_iter().for_each(|at| doors.say(at, "h"));
     doors.halts(M("hallsweep/discovery/command/stop"), "");
     assert_eq!(doors.epoch(), before + 1, "nothing else halts");
 }

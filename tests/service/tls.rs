@@ -55,7 +55,7 @@ fn over_tls_one_signs_in_with_a_cookie_that_is_for_tls_only() {
     let program = served();
     let said = program.says();
     let (link, token) = said.split_once("/sign-in?token=").expect("a ready link");
-    assert!(link.ends_with(&format!("https://localhost:{}", program.address().port())), "{said}");
+    assert!(link.ends_with(&format!("https://127.0.0.1:{}", program.address().port())), "{said}");
     let form = "Content-Type: application/x-www-form-urlencoded\r\nAccept: text/html\r\nOrigin: https://localhost\r\n";
     let answer = asked(&program, "localhost", &request("POST /sign-in", form, &format!("token={token}"))).expect("an answer");
     assert!(answer.starts_with("HTTP/1.1 303") && answer.contains("; Secure"), "{answer}");

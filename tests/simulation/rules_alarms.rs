@@ -47,7 +47,7 @@ fn danger_that_could_not_be_recorded_holds_the_robot_until_its_alarm_is_acknowle
     bare.verdict(Verdict::Safe).unwrap();
     assert_eq!(bare.phase(), PhaseName::Exploring);
     for command in [Command::Start, Command::BackHome, Command::Goto(Cell::HOME)] {
-        assert_eq!(bare.give(command), Err(Refused::Held(vec![Hold::Alarm])));
+        assert_eq!(bare.give(command), Err(Refused::Held(vec![Hold::Alarm], None)));
     }
     assert_eq!(bare.order(), None);
     bare.give(Command::Acknowledge(AlarmId(1))).unwrap();
@@ -95,7 +95,7 @@ fn the_hold_of_an_alarm_stands_after_a_restart() {
     let mut bare = reborn(danger_was_lost().sweep.standing());
     assert_eq!(bare.holds(), [Hold::Restart, Hold::Alarm, Hold::AwaitingStart]);
     bare.verdict(Verdict::Safe).unwrap();
-    assert_eq!(bare.give(Command::Start), Err(Refused::Held(vec![Hold::Alarm])));
+    assert_eq!(bare.give(Command::Start), Err(Refused::Held(vec![Hold::Alarm], None)));
     bare.give(Command::Acknowledge(AlarmId(1))).unwrap();
     bare.give(Command::Start).unwrap();
 }
@@ -178,7 +178,7 @@ fn retrieve_while_held_names_the_hold() {
     assert_eq!(bare.phase(), PhaseName::BombLocated);
     assert_eq!(bare.give(Command::Retrieve), Err(Refused::NoRetrievalRobot));
     bare.give(Command::Temperature(TemperatureReport::TooHigh)).unwrap();
-    assert_eq!(bare.give(Command::Retrieve), Err(Refused::Held(vec![Hold::TooHigh])));
+    assert_eq!(bare.give(Command::Retrieve), Err(Refused::Held(vec![Hold::TooHigh], None)));
 }
 
 #[test]

@@ -106,7 +106,7 @@ fn start_from_a_fault_does_not_explore_past_a_pending_verdict() {
 #[test]
 fn before_the_link_is_up_a_start_is_refused_and_the_link_moves_nothing() {
     let mut bare = Bare::unlinked();
-    assert_eq!(bare.give(Command::Start), Err(Refused::Held(vec![Hold::RobotLink])));
+    assert_eq!(bare.give(Command::Start), Err(Refused::Held(vec![Hold::RobotLink], None)));
     bare.link_up();
     assert_eq!((bare.order(), bare.holds()), (None, vec![]));
 }

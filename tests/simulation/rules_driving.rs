@@ -46,7 +46,7 @@ fn any_hold_ends_the_drive() {
     run.temperature(TemperatureReport::TooHigh).unwrap();
     assert_eq!(run.phase(), PhaseName::Idle);
     run.stands_still();
-    assert_eq!(run.give(Command::Goto(Cell::new(5, 5))), Err(Refused::Held(vec![Hold::TooHigh])));
+    assert_eq!(run.give(Command::Goto(Cell::new(5, 5))), Err(Refused::Held(vec![Hold::TooHigh], None)));
 }
 
 #[test]

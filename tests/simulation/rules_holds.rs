@@ -45,7 +45,7 @@ fn the_hold_ends_only_when_the_last_reading_of_every_source_permits() {
 fn a_start_before_the_ok_is_refused_with_the_reason_and_not_remembered() {
     let mut run = in_hall("empty-8x8");
     run.temperature(TemperatureReport::TooHigh).unwrap();
-    assert_eq!(run.give(Command::Start), Err(Refused::Held(vec![Hold::TooHigh])));
+    assert_eq!(run.give(Command::Start), Err(Refused::Held(vec![Hold::TooHigh], None)));
     run.temperature(TemperatureReport::Ok).unwrap();
     run.stands_still();
     assert_eq!(run.phase(), PhaseName::Idle);
@@ -82,7 +82,7 @@ fn the_end_of_a_cause_alone_never_sets_anything_moving() {
         run.wait(1.0);
         assert_eq!(run.holds().len(), 2);
         let held = run.give(Command::Start);
-        assert!(matches!(held, Err(Refused::Held(_))), "{held:?}");
+        assert!(matches!(held, Err(Refused::Held(..))), "{held:?}");
         restore(&mut run);
         run.stands_still();
         assert_eq!(run.holds(), [Hold::AwaitingStart]);
@@ -133,7 +133,7 @@ fn a_lost_link_holds_and_the_robot_is_recentred_before_it_goes_on() {
     run.sim.handle_halt(now);
     run.sweep.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::LinkLost("cable".to_owned())), now);
     assert_eq!(run.holds(), [Hold::RobotLink, Hold::AwaitingStart]);
-    assert!(matches!(run.give(Command::Start), Err(Refused::Held(_))));
+    assert!(matches!(run.give(Command::Start), Err(Refused::Held(..))));
     run.sweep.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::LinkUp(can)), now);
     run.stands_still();
     run.give(Command::Start).unwrap();

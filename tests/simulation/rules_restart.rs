@@ -77,7 +77,7 @@ fn after_a_restart_the_robot_is_held_and_waits_for_a_start() {
     assert_eq!((after.mission.phase, after.mission.goal), (before.mission.phase, before.mission.goal));
     assert_eq!((after.mission.epoch, after.mission.id), (before.mission.epoch, before.mission.id));
     assert!(after.robot.led_blinking && mortal.sim.led(), "the LED blinks through a restart");
-    assert!(matches!(mortal.give(Command::Start), Err(Refused::Held(_))), "the button still stands");
+    assert!(matches!(mortal.give(Command::Start), Err(Refused::Held(..))), "the button still stands");
     mortal.give(Command::Temperature(TemperatureReport::Ok)).unwrap();
     mortal.give(Command::Start).unwrap();
     mortal.keep_all();
@@ -106,7 +106,7 @@ fn heat_that_the_operator_read_still_holds_after_a_restart() {
     mortal.give(reading(40.0)).unwrap();
     mortal.keep_all();
     let mut mortal = mortal.killed(0);
-    assert!(matches!(mortal.give(Command::Start), Err(Refused::Held(holds)) if holds == [Hold::Temperature]));
+    assert!(matches!(mortal.give(Command::Start), Err(Refused::Held(holds, _)) if holds == [Hold::Temperature]));
     mortal.give(reading(20.0)).unwrap();
     mortal.give(Command::Start).unwrap();
 }

@@ -46,7 +46,7 @@ fn heat_suspends_the_exploration() {
 fn after_heat_it_takes_ok_and_then_start() {
     let (mut run, _) = under_way();
     run.temperature(TemperatureReport::TooHigh).unwrap();
-    assert!(matches!(run.give(Command::Start), Err(Refused::Held(_))));
+    assert!(matches!(run.give(Command::Start), Err(Refused::Held(..))));
     run.temperature(TemperatureReport::Ok).unwrap();
     run.stands_still();
     run.give(Command::Start).unwrap();

@@ -59,7 +59,7 @@ impl Sweep {
         let luggage = matter.luggage.and_then(|id| self.world.luggage.get(&id));
         let bars = |yes: bool, refused: Refused| yes.then_some(refused);
         match bar {
-            Bar::Held => Some(self.mission.holds.standing_against_start()).filter(|holds| !holds.is_empty()).map(Refused::Held),
+            Bar::Held => self.held(self.mission.holds.standing_against_start()),
             Bar::NotInPhase => Some(Refused::NotInPhase(phase.name())),
             Bar::VerdictAwaited => self.first_pending(true).filter(|_| explores(phase)).map(Refused::VerdictPending),
             Bar::VerdictPending => self.first_pending(false).map(Refused::VerdictPending),
@@ -88,9 +88,8 @@ impl Sweep {
             },
             Bar::PhotoUnderWay => bars(matches!(self.stage(), Some(Stage::RetakingPhoto(_))), Refused::PhotoUnderWay),
             Bar::PhotoHeld => {
-                let holds: Vec<Hold> =
-                    [Hold::RobotLink, Hold::Store].into_iter().filter(|hold| self.mission.holds.contains(*hold)).collect();
-                bars(!holds.is_empty(), Refused::Held(holds))
+                let holds = [Hold::RobotLink, Hold::Store].into_iter();
+                self.held(holds.filter(|hold| self.mission.holds.contains(*hold)).collect())
             }
             Bar::StoreDown => bars(self.mission.holds.contains(Hold::Store), Refused::StoreDown),
             Bar::UnknownAlarm => matter.alarm.filter(|id| !self.is_on_record(*id)).map(Refused::UnknownAlarm),
@@ -101,6 +100,11 @@ impl Sweep {
             }
             Bar::FaultStands => self.fault_stands(phase).map(|cause| Refused::FaultStands(cause.to_string())),
         }
+    }
+
+    fn held(&self, holds: Vec<Hold>) -> Option<Refused> {
+        let store_failure = self.world.store_failure.clone().filter(|_| holds.contains(&Hold::Store));
+        (!holds.is_empty()).then_some(Refused::Held(holds, store_failure))
     }
 
     fn case(&self, case: Case, phase: &Phase, matter: &Matter) -> bool {

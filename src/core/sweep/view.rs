@@ -142,7 +142,7 @@ impl Sweep {
             return shown.clone();
         }
         self.each_button(|input, matter, of| match (self.decide(input, matter), of(shown)) {
-            (Err((refused @ Refused::Held(_), _)), _) => Some(refused.to_string()),
+            (Err((refused @ Refused::Held(..), _)), _) => Some(refused.to_string()),
             (_, Some(words)) => Some(words.clone()),
             (Err(_), None) => Some(NOT_ON_RECORD.to_owned()),
             (Ok(_), None) => None,

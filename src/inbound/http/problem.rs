@@ -229,8 +229,8 @@ mod tests {
     fn next(refused: Option<&Refused>) -> Option<Refused> {
         let id = LuggageId(3);
         Some(match refused {
-            None => Refused::Held(vec![Hold::TooHigh]),
-            Some(Refused::Held(_)) => Refused::Outdated { sent: Epoch(1), now: Epoch(2) },
+            None => Refused::Held(vec![Hold::TooHigh], None),
+            Some(Refused::Held(..)) => Refused::Outdated { sent: Epoch(1), now: Epoch(2) },
             Some(Refused::Outdated { .. }) => Refused::NotInPhase(PhaseName::Idle),
             Some(Refused::NotInPhase(_)) => Refused::VerdictPending(id),
             Some(Refused::VerdictPending(_)) => Refused::Driving,

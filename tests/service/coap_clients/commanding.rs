@@ -116,15 +116,24 @@ fn the_old_moves_drive_the_robot_when_they_are_switched_on() {
     });
 }
 
-/// A body in sixteen-byte pieces arrives whole, by the two clients that cut one.
+/// A body in sixteen-byte pieces arrives whole, by the two clients that cut one. Safety S4, S8: START and STOP too.
 #[test]
 fn a_command_in_pieces_is_carried_out_whole() {
     for client in [Client::Libcoap, Client::Aiocoap].into_iter().filter(|client| client.is_here()) {
-        let program = serve("empty-8x8", "max");
-        let body = "{                    \"celsius\":                    31.5}";
-        let ask = Ask::put("/temperature", body).labelled(JSON);
-        let ask = if client == Client::Libcoap { ask.in_blocks_of(16) } else { Ask { upload_block: Some(16), ..ask } };
-        client.ask(&door(&program), &ask).accepted();
+        let program = serve("empty-8x8", "1");
+        let in_pieces = |ask: Ask| {
+            let ask = ask.labelled(JSON);
+            let ask = if client == Client::Libcoap { ask.in_blocks_of(16) } else { Ask { upload_block: Some(16), ..ask } };
+            client.ask(&door(&program), &ask)
+        };
+        let mission = || program.json("state")["mission"].clone();
+        let start = "{                    \"epoch\":                    0}";
+        in_pieces(Ask::post("/commands/start", start)).accepted();
+        assert_eq!(mission()["phase"], "exploring", "{client:?}");
+        in_pieces(Ask::post("/commands/move", "{                    \"move\":                    \"h\"}")).accepted();
+        assert_eq!((&mission()["epoch"], &mission()["holds"][0]), (&json!(1), &json!("operator")), "{client:?}");
+        in_pieces(Ask::post("/commands/start", start)).refused("4.09", "outdated");
+        in_pieces(Ask::put("/temperature", "{                    \"celsius\":                    31.5}")).accepted();
         assert_eq!(program.json("state")["temperature"]["status"], "tooHigh", "{client:?}");
     }
 }

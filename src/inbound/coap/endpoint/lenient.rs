@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn a_payload_is_found_behind_what_breaks_the_grammar_and_without_its_marker() {
         let sound = message(3, b"t", &[(URI_PATH, b"resourcemodel")], b"");
-        for tail in [&b"\xFFh"[..], b"\xF0\x01\xFFh", b"\xFEh\xFFh"] {
+        for tail in [&b"\xFFh"[..], b"\xF0\x01\xFFh", b"\xFEh\xFFh", b"\xF0\xFFx\xFFh"] {
             assert!(reads(&[&sound[..], tail].concat(), &["resourcemodel"], b"h"), "{tail:?}");
         }
         assert!(reads(&[&sound[..], b"\xF0h"].concat(), &["resourcemodel"], b"\xF0h"));
@@ -201,6 +201,13 @@ mod tests {
         assert!(requests(peer(), &many).all(|request| request.path.len() <= OPTIONS));
         let behind = [[(1, &b"x"[..]); 100].as_slice(), &STOP].concat();
         assert!(reads(&message(2, b"", &behind, b""), &PATH, b""));
+    }
+
+    /// Safety S7.
+    #[test]
+    fn of_a_long_payload_no_more_is_read_than_a_body_may_have() {
+        let long = message(2, b"", &STOP, &[b'x'; 60_000]);
+        assert!(requests(peer(), &long).count() > 0 && requests(peer(), &long).all(|request| request.payload.len() <= BODY));
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::acts::{self, Terms};
 use super::caller::{self, Caller};
 use super::problem::Problem;
 use crate::core::command::{self, Command};
-use crate::wire::halt::{is_halt, is_halt_word, says_halt};
+use crate::wire::halt::{bare, is_halt, is_halt_word, says_halt};
 
 /// Whether a request halts the robot. Methods that are not taken here halt as well, but for those that only look.
 pub(super) fn is_stop(request: &Request) -> bool {
@@ -32,7 +32,7 @@ pub(super) const WORDS: &[[u8; 4]] = &[*b"stop", *b"move", *b"reso", *b"ds!h", *
 /// The words of a path in small letters, however a client has cut it up.
 fn segments(request: &Request) -> Vec<String> {
     let segments = request.path.iter().flat_map(|segment| segment.split('/'));
-    segments.map(|segment| segment.trim().to_ascii_lowercase()).filter(|segment| !segment.is_empty()).collect()
+    segments.map(|segment| bare(segment).to_ascii_lowercase()).filter(|segment| !segment.is_empty()).collect()
 }
 
 impl Resources {

@@ -11,9 +11,9 @@ use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::sync::Notify;
 use tokio::time::{Sleep, sleep, timeout};
 
-use super::ear::{Asked, Ear, Heard};
 use super::judge::{Given, Judge};
 use super::line::Line;
+use super::stop_search::{Asked, Heard, StopSearch};
 use super::talk::{Shared, Talk, put};
 use crate::inbound::http::gate::Peer;
 use crate::inbound::http::places::{Claim, Place};
@@ -57,7 +57,7 @@ pub(super) struct Connection<R, W> {
     place: Option<Arc<Place>>,
     talk: Option<Talk>,
     line: Arc<Line>,
-    ear: Ear,
+    search: StopSearch,
     shared: Arc<Shared>,
     /// Of whom the first head was.
     claim: Option<Claim>,
@@ -98,7 +98,7 @@ where
             waiting: Some(waiting),
             place: None,
             talk: None,
-            ear: Ear::new(Judge { door: line.door.clone(), hosts: line.hosts.clone(), peer }),
+            search: StopSearch::new(Judge { door: line.door.clone(), hosts: line.hosts.clone(), peer }),
             line,
             shared: Shared::new(),
             claim: None,
@@ -138,7 +138,7 @@ where
                 Next::End => break,
             }
         }
-        let given = self.ear.look();
+        let given = self.search.look();
         self.keep(given);
         if self.place.is_some() && self.talk.is_none() {
             self.begin();
@@ -153,7 +153,7 @@ where
     async fn scan(&mut self) {
         let mut heads = 0;
         while self.scanned < self.read.len() {
-            let (taken, heard, given) = self.ear.take(&self.read[self.scanned..]);
+            let (taken, heard, given) = self.search.take(&self.read[self.scanned..]);
             self.scanned += taken;
             match heard {
                 None => {}
@@ -169,7 +169,7 @@ where
                 tokio::task::yield_now().await;
             }
         }
-        let given = self.ear.look_early();
+        let given = self.search.look_early();
         self.keep(given);
     }
 
@@ -178,7 +178,7 @@ where
         if self.is_only_heard {
             return;
         }
-        self.shared.came(self.ear.number(), asked.came);
+        self.shared.came(self.search.number(), asked.came);
         self.tell(|place| place.asked(asked.claim.clone(), asked.has_body));
         self.claim.get_or_insert(asked.claim);
         self.may_hand_over |= asked.may_hand_over;
@@ -187,7 +187,7 @@ where
     /// Keeps a STOP for the request that will be answered by it.
     fn keep(&self, given: Option<Given>) {
         if let Some(given) = given.filter(|_| !self.is_only_heard) {
-            self.shared.keep(self.ear.number(), given);
+            self.shared.keep(self.search.number(), given);
         }
     }
 
@@ -212,7 +212,7 @@ where
 
     /// Whether there is something to answer: a head, or what can be none.
     fn has_come(&self) -> bool {
-        self.claim.is_some() || self.read.len() >= HEADER_BYTES || self.ear.scanner().is_no_request()
+        self.claim.is_some() || self.read.len() >= HEADER_BYTES || self.search.scanner().is_no_request()
     }
 
     /// Takes a place, or says why not.
@@ -226,11 +226,11 @@ where
         if self.waiting.take().is_some_and(|waiting| !waiting.leave()) {
             return Err(Problem::no_place(has_heard));
         }
-        let claim = self.claim.clone().unwrap_or_else(|| Claim::new(self.ear.judge().peer.address, None));
+        let claim = self.claim.clone().unwrap_or_else(|| Claim::new(self.search.judge().peer.address, None));
         let cut = Arc::clone(&self.cut);
         let place = self.line.places.take(claim.clone(), has_heard, cut).ok_or_else(|| Problem::no_place(has_heard))?;
-        for _ in 0..self.ear.scanner().heads() {
-            place.asked(claim.clone(), !self.ear.scanner().is_between());
+        for _ in 0..self.search.scanner().heads() {
+            place.asked(claim.clone(), !self.search.scanner().is_between());
         }
         self.place = Some(Arc::new(place));
         self.late.set(sleep(WHOLE_TIME));
@@ -239,7 +239,7 @@ where
 
     /// Whether it has a place and is worth a conversation: only the first of its requests may be one whose body has not come.
     fn is_to_be_answered(&self) -> bool {
-        let is_whole = self.ear.scanner().heads() != 1 || self.ear.scanner().is_between();
+        let is_whole = self.search.scanner().heads() != 1 || self.search.scanner().is_between();
         let is_due = self.read.len() >= TURN || self.late.is_elapsed();
         self.place.is_some() && self.talk.is_none() && (is_whole || is_due || self.shared.has_heard())
     }
@@ -247,7 +247,7 @@ where
     /// Begins to talk.
     fn begin(&mut self) {
         if let (Some(place), Some(to)) = (&self.place, self.to.take()) {
-            self.talk = Some(Talk::begin(to, (self.ear.judge().peer, place), &self.line, &self.shared));
+            self.talk = Some(Talk::begin(to, (self.search.judge().peer, place), &self.line, &self.shared));
         }
     }
 
@@ -318,9 +318,9 @@ where
     /// for others meanwhile; of those who linger the oldest makes room.
     async fn linger(mut self) {
         // What comes now may be no part of that body, nor end soon.
-        drop((self.talk.take(), self.ear.look()));
+        drop((self.talk.take(), self.search.look()));
         (self.waiting, self.place, self.is_only_heard) = (None, None, true);
-        let _lingering = self.line.lingering.enter(self.ear.judge().peer.address, Arc::clone(&self.cut));
+        let _lingering = self.line.lingering.enter(self.search.judge().peer.address, Arc::clone(&self.cut));
         let mut closing = self.line.closing.clone();
         let heard_on = async {
             let mut left = LINGER_BYTES;

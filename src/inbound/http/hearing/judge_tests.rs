@@ -9,7 +9,7 @@ use proptest::sample::select;
 use super::*;
 use crate::access::{Access, SESSION_S};
 use crate::core::command;
-use crate::inbound::http::hearing::ear::{Asked, Ear, Heard};
+use crate::inbound::http::hearing::stop_search::{Asked, Heard, StopSearch};
 use crate::inbound::http::testing::{House, Tokens, guarded_house, house, keys};
 use crate::wire::fixture::searching;
 
@@ -116,20 +116,20 @@ fn judge(house: &House) -> Judge {
 
 /// Whether the first request in these bytes, come in pieces of this size, halts while its connection is open.
 fn halts(judge: &Judge, bytes: &[u8], piece: usize) -> bool {
-    let (mut ear, mut has_head) = (Ear::new(judge.clone()), false);
+    let (mut search, mut has_head) = (StopSearch::new(judge.clone()), false);
     for mut piece in bytes.chunks(piece) {
         while !piece.is_empty() {
-            let (taken, heard, given) = ear.take(piece);
+            let (taken, heard, given) = search.take(piece);
             piece = &piece[taken..];
             has_head |= matches!(heard, Some(Heard::Head(_)));
-            if ear.number() > 0 {
+            if search.number() > 0 {
                 return false;
             }
             if given.is_some() {
                 return true;
             }
         }
-        if ear.look_early().is_some() {
+        if search.look_early().is_some() {
             return true;
         }
     }
@@ -351,7 +351,7 @@ async fn a_stop_that_was_heard_is_on_record_with_who_from_where_and_by_which_doo
     {
         let mut sent = Sent::stop((route, ""), &token);
         sent.insert(0, b"Idempotency-Key: \"press-7\"".to_vec());
-        let (_, heard, given) = Ear::new(judge.clone()).take(&sent.bytes());
+        let (_, heard, given) = StopSearch::new(judge.clone()).take(&sent.bytes());
         let Some(Heard::Head(Asked { claim, .. })) = heard else { panic!("a head") };
         assert!(given.expect("it halts").await.is_ok());
         let given = house.last();
@@ -387,15 +387,19 @@ async fn a_move_that_says_stop_halts_when_its_word_has_come() {
             assert!(halts(&judge, sent.as_bytes(), piece), "{length} {body:.40}");
         }
     }
+    for short in ["Content-Length: 3", "Content-Length: 0", "Transfer-Encoding: chunked\r\n\r\n3\r\n{\"m\r\n0"] {
+        let sent = head(short) + r#"{"move":"h"}"#;
+        assert!(!halts(&judge, sent.as_bytes(), usize::MAX), "{short} cuts the word off");
+    }
     for other in [r#"{"move":"w"}"#, r#"{"x":"h"}"#, ""] {
         let sent = head(&format!("Content-Length: {}", other.len())) + other;
         assert!(!halts(&judge, sent.as_bytes(), 7), "{other}");
         let next = format!("{sent}POST /nothing HTTP/1.1\r\nContent-Length: 12\r\n\r\n{{\"move\":\"h\"}}");
-        let mut ear = Ear::new(judge.clone());
+        let mut search = StopSearch::new(judge.clone());
         let mut rest = next.as_bytes();
         while !rest.is_empty() {
-            let (taken, _, given) = ear.take(rest);
-            assert!(given.is_none() && ear.look().is_none(), "the body of another says nothing of this");
+            let (taken, _, given) = search.take(rest);
+            assert!(given.is_none() && search.look().is_none(), "the body of another says nothing of this");
             rest = &rest[taken..];
         }
     }
@@ -407,15 +411,15 @@ async fn a_move_that_says_stop_halts_at_the_latest_when_its_connection_ends() {
     let house = house(searching());
     for (word, epochs) in [("w", 0), ("\\u0068", 1)] {
         let before = house.door.handle.epoch();
-        let mut ear = Ear::new(judge(&house));
+        let mut search = StopSearch::new(judge(&house));
         let head = format!("POST {MOVE} HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5000\r\n\r\n");
-        let (taken, _, _) = ear.take(head.as_bytes());
+        let (taken, _, _) = search.take(head.as_bytes());
         assert_eq!(taken, head.len());
         for piece in [format!(r#"{{"note":"{}""#, "z".repeat(1_100)), format!(r#","move":"{word}"}}"#)] {
-            ear.take(piece.as_bytes());
-            assert!(ear.look_early().is_none());
+            search.take(piece.as_bytes());
+            assert!(search.look_early().is_none());
         }
-        drop(ear);
+        drop(search);
         assert_eq!(house.door.handle.epoch().0, before.0 + epochs, "{word}");
         let sent = format!(r#"{head}{{"note":"{}","move":"{word}"}}"#, "z".repeat(1_100));
         assert_eq!(halts(&judge(&house), sent.as_bytes(), usize::MAX), epochs == 1, "a body that has doubled is looked at whole");

@@ -9,9 +9,9 @@
 //! ```
 
 mod connection;
-mod ear;
 mod judge;
 mod line;
+mod stop_search;
 mod talk;
 
 #[cfg(test)]

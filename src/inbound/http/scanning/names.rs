@@ -1,6 +1,8 @@
 //! What names STOP: the routes that are STOP whatever is sent there, by any method but those that change nothing. A target with a
 //! fault (a slash too many, another case, blanks, escapes, a query, a whole address) names the same. What a body says is not read here.
 
+use crate::wire::halt::bare;
+
 /// The routes that are STOP, as the table of routes has them.
 pub const STOPS: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
 
@@ -16,16 +18,16 @@ const SAFE: [&[u8]; 4] = [b"GET", b"HEAD", b"OPTIONS", b"TRACE"];
 /// Which route of STOP a request names.
 #[must_use]
 pub fn stop(method: &[u8], target: &[u8]) -> Option<&'static str> {
-    let (_, path) = parts(target);
-    let mut named = STOPS.into_iter().map(|route| (route, route)).chain(OTHERWISE);
-    named.find(|(name, _)| !is_safe(method) && is_at(path, name)).map(|(_, route)| route)
+    let named = segments(target);
+    let mut routes = STOPS.into_iter().map(|route| (route, route)).chain(OTHERWISE);
+    routes.find(|(name, _)| !is_safe(method) && is_at(&named, name)).map(|(_, route)| route)
 }
 
 /// Which route a request names that is STOP when its body says so.
 #[must_use]
 pub fn says_by_body(method: &[u8], target: &[u8]) -> Option<&'static str> {
-    let (_, path) = parts(target);
-    BY_BODY.into_iter().find(|route| !is_safe(method) && is_at(path, route))
+    let named = segments(target);
+    BY_BODY.into_iter().find(|route| !is_safe(method) && is_at(&named, route))
 }
 
 fn is_safe(method: &[u8]) -> bool {
@@ -35,7 +37,7 @@ fn is_safe(method: &[u8]) -> bool {
 /// Whether a target is the one where connections are handed over to another protocol.
 #[must_use]
 pub fn is_upgrade(target: &[u8]) -> bool {
-    is_at(parts(target).1, "/mqtt")
+    is_at(&segments(target), "/mqtt")
 }
 
 /// The host that a target names, when it is a whole address (RFC 9112, section 3.2.2), and the path.
@@ -49,23 +51,20 @@ pub fn parts(target: &[u8]) -> (Option<&[u8]>, &[u8]) {
     (Some(&rest[..end]), &rest[end..])
 }
 
-fn is_at(path: &[u8], route: &str) -> bool {
-    let mut wanted = route.split('/').filter(|segment| !segment.is_empty());
-    let named = path.split(|byte| *byte == b'/').map(unescaped);
-    let mut named = named.filter(|segment| !segment.trim_ascii().is_empty() && segment != b".");
-    loop {
-        match (named.next(), wanted.next()) {
-            (None, None) => return true,
-            (Some(named), Some(wanted)) if named.trim_ascii().eq_ignore_ascii_case(wanted.as_bytes()) => {}
-            (Some(_) | None, _) => return false,
-        }
-    }
+/// The words of a target's path in small letters, as the routes here are.
+fn segments(target: &[u8]) -> Vec<String> {
+    let path = String::from_utf8_lossy(&unescaped(parts(target).1)).to_ascii_lowercase();
+    path.split('/').map(bare).filter(|segment| !segment.is_empty() && *segment != ".").map(str::to_owned).collect()
 }
 
-/// A segment without its escapes (RFC 3986, section 2.1).
-fn unescaped(segment: &[u8]) -> Vec<u8> {
-    let mut plain = Vec::with_capacity(segment.len());
-    let mut rest = segment;
+fn is_at(named: &[String], route: &str) -> bool {
+    named.iter().map(String::as_str).eq(route.split('/').skip(1))
+}
+
+/// A path without its escapes (RFC 3986, section 2.1), those of slashes too. What is escaped twice stays something else.
+fn unescaped(path: &[u8]) -> Vec<u8> {
+    let mut plain = Vec::with_capacity(path.len());
+    let mut rest = path;
     while let Some((&byte, behind)) = rest.split_first() {
         let digit = |place: usize| behind.get(place).and_then(|byte| char::from(*byte).to_digit(16));
         match (byte, digit(0), digit(1)) {
@@ -113,6 +112,9 @@ mod tests {
             "api/v1/commands/stop",
             "/API/v1/commands/Stop",
             "/api/v1/commands/stop%20",
+            "/api/v1/commands/stop%00",
+            "/api%2Fv1%2fcommands/stop%2f",
+            "/api/v1/commands/%0A%09stop%0d%c2%a0",
             "/api/v1/commands/h",
             "/./api/v1/commands/stop",
             "/api/v1/commands/%73top",
@@ -139,7 +141,11 @@ mod tests {
             "/api/v1/commands",
             "/api/v1/commands/stop/now",
             "/hh",
+            "/h%00h",
             "/%68%68",
+            "/%2568",
+            "/h%3Fx",
+            "/x/../h",
             "/%",
             "http://h",
             "http://h/",

@@ -12,8 +12,8 @@ use crate::wire::halt::{says_halt, says_halt_from};
 /// looked at again with what has come behind it.
 const SHORT: usize = 1024;
 
-/// An ear at one connection.
-pub(super) struct Ear {
+/// The search through all that comes on one connection.
+pub(super) struct StopSearch {
     judge: Judge,
     scanner: Scanner,
     /// The STOP that the request heard last will be, if its body says so.
@@ -43,10 +43,10 @@ pub(super) struct Asked {
     pub(super) came: Epoch,
 }
 
-impl Ear {
-    pub(super) fn new(judge: Judge) -> Ear {
+impl StopSearch {
+    pub(super) fn new(judge: Judge) -> StopSearch {
         let scanner = Scanner::new(judge.door.cookie());
-        Ear { judge, scanner, unsaid: None, looked: 0, looked_whole: 0 }
+        StopSearch { judge, scanner, unsaid: None, looked: 0, looked_whole: 0 }
     }
 
     /// Takes bytes up to the first that brings something to its end, and says how many it took; a STOP in them was given.
@@ -118,7 +118,7 @@ impl Ear {
     }
 }
 
-impl Drop for Ear {
+impl Drop for StopSearch {
     /// However the connection ends, be it cut: nothing more comes.
     fn drop(&mut self) {
         drop(self.look());
