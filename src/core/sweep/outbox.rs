@@ -236,3 +236,20 @@ impl Outbox {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Safety S2.
+    #[test]
+    fn a_halt_goes_ahead_of_whatever_was_on_its_way() {
+        let mut outbox = Outbox::default();
+        outbox.send(Effect::Led(RobotId::Discovery, true));
+        outbox.record(Wall::default(), Fact::Led(true));
+        assert_eq!(outbox.halt(RobotId::Discovery), None);
+        assert_eq!(outbox.poll(), Some(Effect::Halt(RobotId::Discovery)));
+        assert!(matches!(outbox.poll(), Some(Effect::Record(_))));
+        assert_eq!(outbox.poll(), Some(Effect::Led(RobotId::Discovery, true)));
+    }
+}

@@ -217,6 +217,16 @@ mod tests {
         assert_eq!((note(IDS), note(IDS + 1)), (vec![0], vec![0, 1]));
     }
 
+    #[test]
+    fn an_id_whose_sender_was_told_to_try_again_is_free() {
+        let mut repeats = Repeats::default();
+        let anna = issuer("anna", "192.0.2.7");
+        repeats.note(&anna, &id(0), "START", Outcome::Open(Ticket(1)));
+        repeats.answer(Ticket(1), &Err(Refused::StoreDown));
+        assert!(matches!(repeats.look_up(&anna.who, &id(0), "RESET"), Known::New));
+        assert_eq!((repeats.known.len(), repeats.ids.len(), repeats.ranks.len()), (0, 0, 0));
+    }
+
     /// As a journal may hold an id twice, when it was given up in between.
     #[test]
     fn an_id_that_comes_twice_takes_one_place() {

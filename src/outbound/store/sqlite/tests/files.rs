@@ -82,6 +82,24 @@ fn the_words_about_a_damaged_journal_are_one_line_and_name_all_files() {
     assert_eq!(words, expected);
 }
 
+/// SQLite passes over a log with such a beginning, and would write over the entries in it.
+#[test]
+fn a_log_that_does_not_begin_like_one_is_left_as_it_is() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    scribe.keep(begin(1));
+    // As a kill would leave them: copied while they are open.
+    let [journal, mut log] = ["journal.db", "journal.db-wal"].map(|name| std::fs::read(scratch.data().join(name)).unwrap());
+    drop(scribe);
+    log[..4].fill(0x5a);
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.data()).unwrap();
+    std::fs::write(scratch.data().join("journal.db"), journal).unwrap();
+    std::fs::write(scratch.data().join("journal.db-wal"), &log).unwrap();
+    check_untouched(&scratch, &["journal.db-wal cannot be used", "it does not begin as it should"]);
+    assert_eq!(std::fs::read(scratch.data().join("journal.db-wal")).unwrap(), log, "not a byte has changed");
+}
+
 /// Somebody moved journal.db away after a kill, and left the log in which the latest entries are.
 #[test]
 fn a_log_without_its_journal_is_left_as_it_is() {
