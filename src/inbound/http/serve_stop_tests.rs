@@ -1,5 +1,7 @@
 //! STOP over real sockets: behind, before and with whatever is wrong on its connection.
 
+use std::io::BufRead;
+
 use tokio::sync::mpsc;
 
 use super::*;
@@ -88,6 +90,31 @@ async fn a_move_that_says_stop_halts_whatever_is_wrong_with_it() {
     stops(&house, cases.len() + 1).await;
     assert_eq!(answered(&mut client(address, &press(cases[0].0, JSON, ""))), "HTTP/1.1 400", "another move is as it was");
     stops(&house, cases.len() + 1).await;
+}
+
+/// Safety S8: what is kept of a STOP for its request is forgotten when that is answered without it.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn hundreds_of_stops_that_were_refused_make_no_stop_behind_them_two() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let mut client = std::io::BufReader::new(client(address, ""));
+    for number in 0..=300 {
+        let (route, status) = if number < 300 { ("/stop", "404") } else { ("/h", "200") };
+        client.get_mut().write_all(press(route, "Content-Length: 0\r\n", "").as_bytes()).unwrap();
+        let (mut lines, mut length) = (Vec::new(), 0);
+        while lines.last().is_none_or(|line: &String| line != "\r\n") {
+            let mut line = String::new();
+            assert!(client.read_line(&mut line).unwrap() > 0, "{number}: {lines:?}");
+            length = line
+                .to_ascii_lowercase()
+                .strip_prefix("content-length: ")
+                .map_or(length, |length| length.trim().parse().unwrap());
+            lines.push(line);
+        }
+        assert!(lines[0].starts_with(&format!("HTTP/1.1 {status}")), "{number}: {lines:?}");
+        client.read_exact(&mut vec![0; length]).unwrap();
+    }
+    stops(&house, 301).await;
 }
 
 /// Safety S8: whoever is refused is told that it has halted.

@@ -1,7 +1,7 @@
 //! One connection over pipes: when it ends, what it keeps others from, and that a STOP is heard before it has to go.
 
 use std::net::Ipv4Addr;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use axum::Router;
 use axum::extract::Request;
@@ -217,4 +217,28 @@ async fn who_had_to_make_room_takes_no_place() {
     };
     assert!(!is_cut);
     drop(other);
+}
+
+/// Safety S7.
+#[tokio::test]
+async fn others_have_their_turns_while_much_is_heard_of_one() {
+    let house = house(searching());
+    let (mut connection, _says, _hears, _) = connected(&Arc::new(line(&house, 8)));
+    let turns = Arc::new(AtomicUsize::new(0));
+    let others = tokio::spawn({
+        let turns = Arc::clone(&turns);
+        async move {
+            loop {
+                turns.fetch_add(1, Ordering::Relaxed);
+                tokio::task::yield_now().await;
+            }
+        }
+    });
+    connection.read.extend_from_slice("GET / HTTP/1.1\n\n".repeat(10 * HEADS).as_bytes());
+    connection.scan().await;
+    assert!(turns.swap(0, Ordering::Relaxed) >= 10, "one after so many heads");
+    connection.turn = TURNS * TURN;
+    connection.take_turns().await;
+    assert!(turns.load(Ordering::Relaxed) >= 1 && connection.turn == 0, "and one after so many bytes");
+    others.abort();
 }

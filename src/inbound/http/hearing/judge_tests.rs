@@ -426,6 +426,30 @@ async fn a_move_that_says_stop_halts_at_the_latest_when_its_connection_ends() {
     }
 }
 
+/// Safety S8, A2: what was found of a request before says nothing of the next.
+#[tokio::test]
+async fn each_move_on_a_connection_is_looked_at_by_itself() {
+    let house = house(searching());
+    let send = |fields: &str, body: &str| format!("POST {MOVE} HTTP/1.1\r\nHost: localhost\r\n{fields}\r\n{body}");
+    let (forward, halt) = (r#"{"move":"w"}"#, r#"{"move":"h"}"#);
+    for (before, next, stops) in [
+        (send("Content-Length: 12\r\n", forward), send("Content-Length: 100\r\n", halt), 1),
+        (send("", ""), send("Origin: http://elsewhere.example\r\nContent-Length: 12\r\n", halt), 0),
+    ] {
+        let (mut search, mut given) = (StopSearch::new(judge(&house)), 0);
+        for sent in [before, next] {
+            let mut rest = sent.as_bytes();
+            while !rest.is_empty() {
+                let (taken, _, stop) = search.take(rest);
+                given += usize::from(stop.is_some());
+                rest = &rest[taken..];
+            }
+            given += usize::from(search.look_early().is_some());
+        }
+        assert_eq!(given, stops);
+    }
+}
+
 /// Safety S8: of sixteen keys any that is right is enough.
 #[tokio::test]
 async fn a_stop_with_many_wrong_keys_beside_the_right_one_halts() {

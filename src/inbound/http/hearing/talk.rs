@@ -358,3 +358,16 @@ impl<W: AsyncWrite + Unpin> AsyncWrite for Wire<W> {
         self.to.is_write_vectored()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Safety A5.
+    #[test]
+    fn no_more_stops_are_kept_for_their_requests_than_there_is_room_for() {
+        let shared = Shared::new();
+        (0..10_000).for_each(|number| shared.keep(number, Box::pin(std::future::pending())));
+        assert_eq!(shared.presses().len(), PRESSES);
+    }
+}
