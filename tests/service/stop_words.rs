@@ -16,7 +16,7 @@ enum At {
 
 use At::{Coap as C, Http as H, Mqtt as M};
 
-const WORDS: [&str; 6] = ["h", "H", "stop", "STOP", " Stop\n", "\"h\""];
+const WORDS: [&str; 8] = ["h", "H", "stop", "STOP", " Stop\n", "\"h\"", "'h'", "'stop'"];
 
 /// Where a bare word is taken.
 const BARE: [At; 5] = [
@@ -35,6 +35,16 @@ const MOVES: [At; 4] =
 
 /// Paths that name something else.
 const OTHERS: [At; 5] = [H("/hh"), H("/%2568"), H("/h%3Fx"), H("/x/../h"), C("/commands/hh")];
+
+/// The words of the original system, in whatever quotes.
+const OLD: [&str; 6] = [
+    "msg(robotCmd,dispatch,js,robotmind,robotCmd(stop),1)",
+    "msg(robotCmd,dispatch,js,robotmind,robotCmd('stop'),1)",
+    "msg(robotCmd,dispatch,js,robotmind,robotCmd(\"stop\"),1)",
+    "msg(userCmd,dispatch,js,robotmind,\"userCmd(H)\",1)",
+    "msg(modelChange,dispatch,js,resourcemodel,modelChange(robot,\"h\"),1)",
+    "msg(\"stopCmd\",event,js,none,stopCmd,1)",
+];
 
 /// Places that are STOP whatever comes there.
 const NAMED: [At; 16] = [
@@ -100,6 +110,9 @@ fn what_is_stop_at_one_door_is_stop_at_every_other() {
     }
     for (at, body) in MOVES.into_iter().flat_map(|at| BODIES.map(|body| (at, body))) {
         doors.halts(at, body);
+    }
+    for word in OLD {
+        doors.halts(M("unibo/qak/robotmind"), word);
     }
     let before = doors.epoch();
     for (at, word) in

@@ -217,16 +217,18 @@ impl Reception {
     async fn receive(self, mut listeners: Listeners, mut visitors: mpsc::Receiver<Visitor>) {
         let mut guests = JoinSet::new();
         let mut engine = self.engine.clone();
+        let (clock, mut accepts_at) = (Clock::default(), Duration::ZERO);
         loop {
             tokio::select! {
                 biased;
                 changed = engine.changed() => if changed.is_err() { break },
                 Some(_) = guests.join_next() => {}
-                accepted = listeners.accept() => match accepted {
+                accepted = accept_at(&mut listeners, clock, accepts_at) => match accepted {
                     Ok((stream, address)) => self.receive_one(&mut guests, visitor(stream, address, &self.access)),
                     Err(error) => {
                         tracing::warn!(%error, relieved = self.house.relieve(), "an MQTT connection could not be accepted");
-                        tokio::time::sleep(ACCEPT_PAUSE).await;
+                        // Meanwhile those come in who have their connection already.
+                        accepts_at = clock.now().since_start + ACCEPT_PAUSE;
                     }
                 },
                 Some(visitor) = visitors.recv() => self.receive_one(&mut guests, visitor),
@@ -243,6 +245,12 @@ impl Reception {
         let waiting = self.house.let_wait(visitor.origin.from);
         guests.spawn(self.house.clone().entertain(visitor, waiting, (self.engine.clone(), self.work.clone())));
     }
+}
+
+/// The next connection, but none before then.
+async fn accept_at(listeners: &mut Listeners, clock: Clock, then: Duration) -> std::io::Result<(TcpStream, SocketAddr)> {
+    clock.reach(Some(then)).await;
+    listeners.accept().await
 }
 
 /// A client that came by TCP.

@@ -3,6 +3,8 @@
 use std::collections::HashSet;
 
 use rumqttc::{Connect, ConnectReturnCode, Login, Packet};
+use socket2::SockRef;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 
@@ -263,4 +265,27 @@ async fn an_engine_that_is_called_ill_is_started_anew() {
         () = calls => {}
     }
     broker.is_whole_again().await;
+}
+
+/// Safety S9: as when the system has no more descriptors.
+#[tokio::test]
+async fn a_port_that_lets_nobody_in_keeps_no_web_client_waiting() {
+    let port = TcpListener::bind("127.0.0.1:0").await.expect("there is a free port");
+    SockRef::from(&port).shutdown(std::net::Shutdown::Both).expect("it lets nobody in any more");
+    let mut listeners = Listeners::from(port);
+    assert!(listeners.accept().await.is_err());
+    let secret = Token::draw().expect("the system gives chance");
+    let house = House::new(Gatehouse::new(topics()), Orders::new(obedient(idle()).0, topics(), true, mpsc::channel(1).0), secret);
+    let (_engines, engine) = watch::channel(Arc::new(Engine::hanging("127.0.0.1:9".parse().expect("an address"))));
+    let (come, visitors) = mpsc::channel(1);
+    tokio::spawn(Reception { house, access: Access::Open, engine, work: Handle::current() }.receive(listeners, visitors));
+    for _ in 0..3 {
+        let (mut client, stream) = tokio::io::duplex(1024);
+        let origin = Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access: Access::Open };
+        assert!(come.send(Visitor::over(stream, origin)).await.is_ok(), "somebody receives visitors");
+        client.write_all(b"\x10\x0d\0\x04MQTT\x04\x02\0\x3c\0\x01a").await.expect("it is taken");
+        let mut greeting = [0; 4];
+        within("the greeting", client.read_exact(&mut greeting)).await.expect("it comes");
+        assert_eq!(greeting, [0x20, 2, 0, 0]);
+    }
 }

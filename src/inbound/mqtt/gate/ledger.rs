@@ -18,7 +18,7 @@ use tokio::sync::Notify;
 use super::limits::{
     ENGINE_HOLDS, ENGINE_KEEPS, FORGIVEN, FORGIVEN_LONGEST, LAG, MENDED, PADDED, PATIENCE, RELIEF, SEGMENT_BYTES,
 };
-use super::parcels::{Parcels, Ticket};
+use super::parcels::{Label, Parcels};
 use super::readers::Readers;
 
 /// What the engine counts for a message beside its topic and payload.
@@ -101,11 +101,11 @@ impl Ledger {
         self.parcels().push(number, payload);
     }
 
-    /// What this ticket stands for. One that was lost it has missed.
-    pub(super) fn parcel(&self, ticket: Ticket) -> Option<Bytes> {
-        let parcel = self.parcels().find(ticket.number);
+    /// What this label stands for. One that was lost it has missed.
+    pub(super) fn parcel(&self, label: Label) -> Option<Bytes> {
+        let parcel = self.parcels().find(label.number);
         if parcel.is_none() {
-            self.missed.fetch_min(ticket.stamp, Ordering::Relaxed);
+            self.missed.fetch_min(label.stamp, Ordering::Relaxed);
         }
         parcel
     }
@@ -400,11 +400,11 @@ mod tests {
 
     #[test]
     fn a_long_message_that_was_lost_is_missed() {
-        let (ledger, ticket) = (Ledger::default(), Ticket { number: 1, stamp: 17, length: 4 });
+        let (ledger, label) = (Ledger::default(), Label { number: 1, stamp: 17, length: 4 });
         ledger.expect(1, &Bytes::from_static(b"long"));
-        assert_eq!((ledger.parcel(ticket), ledger.is_even()), (Some(Bytes::from_static(b"long")), true));
+        assert_eq!((ledger.parcel(label), ledger.is_even()), (Some(Bytes::from_static(b"long")), true));
         ledger.received(1);
-        assert_eq!((ledger.parcel(ticket), ledger.settle()), (None, Some(17)));
+        assert_eq!((ledger.parcel(label), ledger.settle()), (None, Some(17)));
     }
 
     #[test]

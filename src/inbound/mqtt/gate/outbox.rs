@@ -1,4 +1,4 @@
-//! What waits for one client, in order: bytes of its own, and the payloads of long kept messages, which all who wait for one have in
+//! What waits for one client, in order: bytes of its own, and the payloads of long messages, which all who wait for one have in
 //! common. What took much room gives it back when it has gone out. How much may wait is not decided here.
 
 use std::collections::VecDeque;

@@ -10,7 +10,7 @@ use super::limits::PARCELS_BYTES;
 
 /// What goes through the engine in the place of a long message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Ticket {
+pub struct Label {
     /// Which it is.
     pub number: u64,
     /// Nothing that it says was kept before this stamp.

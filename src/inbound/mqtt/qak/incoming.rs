@@ -280,9 +280,9 @@ fn opening(payload: &[u8]) -> Option<String> {
     Some(word.take(LONGEST).collect())
 }
 
-/// A payload without blanks and quotes.
+/// A payload without blanks and quotes, of which terms know the single ones alone.
 fn letters(payload: &[u8]) -> impl Iterator<Item = u8> {
-    payload.iter().copied().filter(|letter| !letter.is_ascii_whitespace() && *letter != b'\'')
+    payload.iter().copied().filter(|letter| !letter.is_ascii_whitespace() && !matches!(letter, b'\'' | b'"'))
 }
 
 /// Whether a move that is STOP follows where a content begins so.

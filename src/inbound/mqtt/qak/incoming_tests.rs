@@ -169,6 +169,10 @@ fn nothing_that_is_wrong_with_a_stop_keeps_it_from_halting() {
         "msg(stopAppl,dispatch,js,robotmindapplication,stopAppl(go),1)",
         "msg(stopAppl,event,js,none,startAppl(go),1)",
         "msg(stopAppl",
+        "msg(robotCmd,dispatch,js,robotmind,robotCmd(\"stop\"),1)",
+        "msg(userCmd,dispatch,js,robotmind,\"userCmd('h')\",1)",
+        "\"msg(modelChange,dispatch,js,resourcemodel,modelChange(\"robot\", \"H\"),1)\"",
+        "msg(\"stopCmd\",event,js,none,stopCmd,1)",
     ] {
         assert!(is_stop(text.as_bytes()), "{}", in_short(text));
         assert_eq!(asked(text.as_bytes(), false), Ok(Asked::Command(Command::Stop)), "{}", in_short(text));
@@ -192,6 +196,8 @@ fn only_a_stop_is_one() {
         "msg(modelChange,dispatch,js,resourcemodel,modelChange(luggage,h),1)",
         "msg(modelChange,dispatch,js,resourcemodel,modelChange(luggage,safe),1)",
         "msg(startAppl,event,js,none,stopAppl(go),1)",
+        "msg(robotCmd,dispatch,js,robotmind,robotCmd(\"w\"),1)",
+        "msg(\"startCmd\",event,js,none,\"stopCmd\",1)",
     ] {
         assert!(!is_stop(text.as_bytes()), "{text}");
     }

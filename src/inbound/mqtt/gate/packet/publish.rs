@@ -2,7 +2,7 @@
 
 use super::{Fields, Qos};
 use crate::inbound::mqtt::gate::frame::{Frame, Malformed};
-use crate::inbound::mqtt::gate::parcels::Ticket;
+use crate::inbound::mqtt::gate::parcels::Label;
 
 /// A PUBLISH.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,37 +40,37 @@ pub fn read<'a>(frame: &Frame, packet: &'a [u8]) -> Result<Publish<'a>, Malforme
 /// The flag of a PUBLISH that is padded on its way through the engine, which takes it for that of a duplicate and passes it on.
 pub const PADDED: u8 = 8;
 
-/// So many bytes a ticket has at least, with its mark.
-pub const TICKET: usize = 8 + 8 + 4 + 1;
+/// So many bytes a label has at least, with its mark.
+pub const LABEL: usize = 8 + 8 + 4 + 1;
 
-/// Reads a PUBLISH of the engine, without its padding. With a ticket it has no payload of its own.
+/// Reads a PUBLISH of the engine, without its padding. With a label it has no payload of its own.
 ///
 /// # Errors
 /// When it is none.
-pub fn read_padded<'a>(frame: &Frame, packet: &'a [u8]) -> Result<(Publish<'a>, Option<Ticket>), Malformed> {
+pub fn read_padded<'a>(frame: &Frame, packet: &'a [u8]) -> Result<(Publish<'a>, Option<Label>), Malformed> {
     let is_padded = frame.flags & PADDED != 0;
     let mut publish = read(&Frame { flags: frame.flags & !PADDED, ..*frame }, packet)?;
-    let mut ticket = None;
+    let mut label = None;
     if is_padded {
         let padding = publish.payload.last().map_or(0, |padding| usize::from(*padding));
         let length = match padding {
             0 => {
-                ticket = Some(read_ticket(publish.payload).ok_or(Malformed::Short("ticket"))?);
+                label = Some(read_label(publish.payload).ok_or(Malformed::Short("label"))?);
                 0
             }
             _ => publish.payload.len().checked_sub(padding).ok_or(Malformed::Short("padding"))?,
         };
         publish.payload = &publish.payload[..length];
     }
-    Ok((publish, ticket))
+    Ok((publish, label))
 }
 
-fn read_ticket(bytes: &[u8]) -> Option<Ticket> {
+fn read_label(bytes: &[u8]) -> Option<Label> {
     let (number, rest) = bytes.split_first_chunk()?;
     let (stamp, rest) = rest.split_first_chunk()?;
     let (length, _) = rest.split_first_chunk()?;
     let (number, stamp) = (u64::from_be_bytes(*number), u64::from_be_bytes(*stamp));
-    Some(Ticket { number, stamp, length: u32::from_be_bytes(*length) })
+    Some(Label { number, stamp, length: u32::from_be_bytes(*length) })
 }
 
 #[cfg(test)]

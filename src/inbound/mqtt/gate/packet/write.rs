@@ -3,9 +3,9 @@
 use bytes::{BufMut, BytesMut};
 
 use super::Qos;
-use super::publish::{PADDED, Publish, TICKET};
+use super::publish::{LABEL, PADDED, Publish};
 use crate::inbound::mqtt::gate::frame::Kind;
-use crate::inbound::mqtt::gate::parcels::Ticket;
+use crate::inbound::mqtt::gate::parcels::Label;
 
 /// PINGREQ.
 pub const PINGREQ: [u8; 2] = [Kind::Pingreq.first_byte(), 0];
@@ -103,13 +103,13 @@ pub fn publish_padded(out: &mut BytesMut, topic: &[u8], payload: &[u8], length: 
 
 /// The PUBLISH that goes through the engine in the place of a long one: at least so long as a padded one, and marked likewise; what
 /// stands in the place of the padding's length is none.
-pub fn ticket(out: &mut BytesMut, topic: &[u8], ticket: Ticket, length: usize) {
-    let padding = length.saturating_sub(TICKET);
-    head(out, Kind::Publish.first_byte() | PADDED, 2 + topic.len() + TICKET + padding);
+pub fn label(out: &mut BytesMut, topic: &[u8], label: Label, length: usize) {
+    let padding = length.saturating_sub(LABEL);
+    head(out, Kind::Publish.first_byte() | PADDED, 2 + topic.len() + LABEL + padding);
     bytes(out, topic);
-    out.put_u64(ticket.number);
-    out.put_u64(ticket.stamp);
-    out.put_u32(ticket.length);
+    out.put_u64(label.number);
+    out.put_u64(label.stamp);
+    out.put_u32(label.length);
     out.put_bytes(0, padding + 1);
 }
 

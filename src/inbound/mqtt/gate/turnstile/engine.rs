@@ -74,14 +74,14 @@ impl Turnstile {
         if frame.kind != Kind::Publish {
             return Ok(ForClient::Nothing);
         }
-        let (publish, ticket) = publish::read_padded(frame, packet).map_err(Ended::EngineMalformed)?;
-        let length = ticket.map_or(publish.payload.len(), |ticket| usize::try_from(ticket.length).unwrap_or(usize::MAX));
+        let (publish, label) = publish::read_padded(frame, packet).map_err(Ended::EngineMalformed)?;
+        let length = label.map_or(publish.payload.len(), |label| usize::try_from(label.length).unwrap_or(usize::MAX));
         *came += weight(publish.topic.len(), length);
         let ledger = self.account.ledger();
-        let parcel = ticket.and_then(|ticket| ledger.parcel(ticket));
-        let is_seen = self.guest.may_see(publish.topic) && parcel.is_some() == ticket.is_some();
+        let parcel = label.and_then(|label| ledger.parcel(label));
+        let is_seen = self.guest.may_see(publish.topic) && parcel.is_some() == label.is_some();
         let payload = parcel.as_deref().unwrap_or(publish.payload);
-        let number = ticket.map(|ticket| ticket.number);
+        let number = label.map(|label| label.number);
         let is_duplicate = match publish.qos {
             Qos::Zero => {
                 number.inspect(|number| ledger.received(*number));

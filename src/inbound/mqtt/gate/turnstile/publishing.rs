@@ -110,8 +110,8 @@ impl Turnstile {
                 self.routes.passed(payload.len(), &self.gatehouse);
                 let length = PADDED.saturating_sub(COUNTED + topic.len());
                 if is_shared {
-                    let ticket = self.routes.send(&shared, &self.gatehouse);
-                    write::ticket(&mut self.to_engine, topic, ticket, length);
+                    let label = self.routes.send(&shared, &self.gatehouse);
+                    write::label(&mut self.to_engine, topic, label, length);
                 } else {
                     write::publish_padded(&mut self.to_engine, topic, payload, length);
                 }

@@ -13,7 +13,7 @@ use crate::inbound::mqtt::gate::frame::Malformed;
 use crate::inbound::mqtt::gate::ledger::{Ledger, weight};
 use crate::inbound::mqtt::gate::limits::{LONG, PADDED, PARCELS_AWAY, PIECE, SHARED};
 use crate::inbound::mqtt::gate::packet::text;
-use crate::inbound::mqtt::gate::parcels::Ticket;
+use crate::inbound::mqtt::gate::parcels::Label;
 use crate::inbound::mqtt::gate::readers::Reader;
 use crate::inbound::mqtt::gate::rights::Guest;
 use crate::inbound::mqtt::topics::Place;
@@ -119,13 +119,13 @@ impl Routes {
     }
 
     /// A long message on the topic of the last question is on its way to all who read it; by what it goes through the engine.
-    pub(super) fn send(&self, payload: &Bytes, gatehouse: &Gatehouse) -> Ticket {
+    pub(super) fn send(&self, payload: &Bytes, gatehouse: &Gatehouse) -> Label {
         let number = gatehouse.parcels.fetch_add(1, Ordering::Relaxed);
         let has_room = gatehouse.retained.beside() <= PARCELS_AWAY;
         for reader in self.readers.iter().filter(|reader| reader.is_owed || has_room) {
             reader.ledger.expect(number, payload);
         }
-        Ticket { number, stamp: self.stamp, length: u32::try_from(payload.len()).unwrap_or(u32::MAX) }
+        Label { number, stamp: self.stamp, length: u32::try_from(payload.len()).unwrap_or(u32::MAX) }
     }
 
     /// Puts what was passed on into the ledgers of those who are to get it.
