@@ -104,9 +104,9 @@ impl Buf for Outbox {
     }
 }
 
-/// Gives back the room of what has gone out, when it is much.
+/// Gives back the room of what has gone out, when it is much. The capacity does not say so: what has gone out is no part of it.
 pub fn give_back(gone: &mut BytesMut) {
-    if gone.is_empty() && gone.capacity() > ROOM {
+    if gone.is_empty() && gone.try_reclaim(ROOM + 1) {
         *gone = BytesMut::new();
     }
 }
@@ -159,6 +159,9 @@ mod tests {
         outbox.advance(2 * ROOM - 1);
         assert!(outbox.end().len() == 1);
         outbox.advance(1);
-        assert_eq!(outbox.end().capacity(), 0);
+        assert!(!outbox.end().try_reclaim(1));
+        outbox.end().extend_from_slice(&[7; 64]);
+        outbox.advance(64);
+        assert!(outbox.end().try_reclaim(64), "a little is kept for what comes");
     }
 }
