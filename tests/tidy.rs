@@ -103,11 +103,13 @@ fn no_lock_file_names_a_download_address() {
 }
 
 #[test]
-fn every_rule_of_safety_has_its_page_and_tests_that_try_to_break_it() {
+fn every_rule_that_is_cited_has_its_page_and_those_of_safety_have_tests_that_try_to_break_them() {
     let page = whole::text("docs/safety.md");
     let sources: Vec<Source> = ["src", "tests", "benches"].iter().flat_map(|folder| sources(folder)).collect();
     let mut findings = rules::untried(&page, &sources);
     let citing = sources.iter().filter(|source| source.path != "tests/tidy/rules.rs");
-    findings.extend(citing.flat_map(|source| rules::unknown(source, &page)));
+    let mission = whole::text("docs/mission.md");
+    findings
+        .extend(citing.flat_map(|source| [rules::unknown(source, &page), rules::unknown_sections(source, &mission)].concat()));
     assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
 }

@@ -1,4 +1,5 @@
-//! The rules of safety: whoever cites one finds it in `docs/safety.md`, and the tests that the page names are there.
+//! The rules of safety and of the mission: whoever cites one finds it in `docs/safety.md` or `docs/mission.md`, and the tests that the
+//! page of safety names are there.
 
 use super::reading::Source;
 
@@ -29,6 +30,21 @@ pub(crate) fn unknown(source: &Source, page: &str) -> Vec<String> {
         .collect()
 }
 
+/// Places that cite a section of the mission which the page does not have.
+pub(crate) fn unknown_sections(source: &Source, page: &str) -> Vec<String> {
+    let is_there = |number: &str| page.lines().any(|line| line.starts_with(&format!("## §{number} ")));
+    let cited = |line: &'_ str| -> Vec<String> {
+        let after = line.split("ission §").skip(1);
+        let numbers = after.map(|rest| rest.chars().take_while(char::is_ascii_digit).collect::<String>());
+        numbers.filter(|number| !is_there(number)).collect()
+    };
+    let lines = source.text.lines().enumerate();
+    lines
+        .flat_map(|(n, line)| cited(line).into_iter().map(move |number| (n + 1, number)))
+        .map(|(line, number)| source.at(line, &format!("mission §{number} is not in docs/mission.md")))
+        .collect()
+}
+
 /// Rules of the page that name no test, and tests that it names and nobody has written.
 pub(crate) fn untried(page: &str, sources: &[Source]) -> Vec<String> {
     let is_there = |test: &str| sources.iter().any(|source| source.text.contains(&format!("fn {test}(")));
@@ -53,6 +69,13 @@ mod tests {
     fn a_rule_that_is_not_there_is_found() {
         let source = Source::new("src/a.rs", "//! A.\n/// Safety S1, S3: both.\nfn a() {}");
         assert_eq!(unknown(&source, PAGE), ["src/a.rs:2: safety S3 is not in docs/safety.md"]);
+    }
+
+    #[test]
+    fn a_section_that_is_not_there_is_found() {
+        let source = Source::new("src/a.rs", "//! A (mission §1).\n/// Mission §2, and mission §12.\nfn a() {}");
+        let page = "# What it does\n\n## §1 The hall\n\n## §2 Moves\n";
+        assert_eq!(unknown_sections(&source, page), ["src/a.rs:2: mission §12 is not in docs/mission.md"]);
     }
 
     #[test]
