@@ -11,6 +11,8 @@ mod coap_clients;
 mod commands;
 #[path = "service/damage.rs"]
 mod damage;
+#[path = "service/earlier.rs"]
+mod earlier;
 #[path = "service/explore.rs"]
 mod explore;
 #[path = "service/formats.rs"]

@@ -1,0 +1,88 @@
+//! Safety R1: a data folder that an earlier version left opens, shows what that version showed, and goes on.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::journal::{holds, journal};
+use crate::kill::Folder;
+use crate::program::{Program, hallsweep};
+
+/// What was kept of the earlier version.
+fn kept(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/service/earlier").join(name)
+}
+
+/// A copy of its data folder.
+fn copy(name: &str) -> Folder {
+    let folder = Folder::new(name);
+    let copied = Command::new("cp").arg("-r").arg(kept("data").join(".")).arg(folder.path()).status();
+    assert!(copied.expect("cp is there").success());
+    folder
+}
+
+/// Without the revisions and the run, which are each start's own.
+fn without_revisions(value: &Value) -> Value {
+    match value {
+        Value::Object(fields) => {
+            let kept = fields.iter().filter(|(name, _)| !["revision", "run"].contains(&name.as_str()));
+            kept.map(|(name, field)| (name.clone(), without_revisions(field))).collect()
+        }
+        Value::Array(list) => list.iter().map(without_revisions).collect(),
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => value.clone(),
+    }
+}
+
+/// Whether all that `then` says is said by `now`, which may say more.
+fn says_as_much(now: &Value, then: &Value) -> bool {
+    match (now, then) {
+        (Value::Object(now), Value::Object(then)) => {
+            then.iter().all(|(name, field)| now.get(name).is_some_and(|now| says_as_much(now, field)))
+        }
+        (Value::Array(now), Value::Array(then)) => {
+            now.len() == then.len() && now.iter().zip(then).all(|(now, then)| says_as_much(now, then))
+        }
+        (now, then) => now == then,
+    }
+}
+
+#[test]
+fn the_journal_of_an_earlier_version_is_sound_and_reads_as_it_did() {
+    let folder = copy("earlier-journal");
+    let (well, said) = journal(&folder, &["check"]);
+    assert!(well, "{said}");
+    let arguments = ["journal", "--data", folder.text(), "export"];
+    let output = hallsweep(&arguments).env("TZ", "UTC").output().expect("the program starts");
+    let then = std::fs::read_to_string(kept("journal.jsonl")).expect("it was kept");
+    let now = String::from_utf8(output.stdout).expect("it speaks UTF-8");
+    let differ = now.lines().zip(then.lines()).find(|(now, then)| now != then);
+    assert_eq!(differ, None, "each line as it was");
+    assert_eq!(now.lines().count(), then.lines().count());
+}
+
+#[test]
+fn a_data_folder_of_an_earlier_version_shows_what_it_showed_and_goes_on() {
+    let folder = copy("earlier-data");
+    let arguments =
+        ["serve", "--http", "127.0.0.1:0", "--hall", "seed", "--seed", "7", "--speed", "max", "--data", folder.text()];
+    let program = Program::started(hallsweep(&arguments).env("TZ", "UTC"));
+    let state = program.until("the robot is there", |state| !holds(state, "robotLink"));
+    let then: Value = serde_json::from_slice(&std::fs::read(kept("shown.json")).expect("it was kept")).expect("it is JSON");
+    let (now, shown) = (without_revisions(&state), &then["state"]);
+    assert!(says_as_much(&now, shown), "now {now:#}\nthen {shown:#}");
+    let missions = program.json("missions");
+    assert!(says_as_much(&missions["missions"], &then["missions"]), "{missions:#}");
+    assert!((1..=4).all(|number| program.read(&format!("/api/v1/luggage/{number}/photo"), &[]).status == 200));
+
+    program.command("start").accepted();
+    program.until_phase("bombLocated");
+    let alarm = state["alarms"][0]["id"].as_u64().expect("an alarm with a number");
+    program.post(&format!("/api/v1/alarms/{alarm}/acknowledge"), "").accepted();
+    program.command("reset").accepted();
+    program.command("start").accepted();
+    assert_eq!(program.until_asked(), 5, "numbers go on where they were");
+    drop(program);
+    let (well, said) = journal(&folder, &["check"]);
+    assert!(well, "{said}");
+}
