@@ -20,19 +20,21 @@ function signIn(undone) {
 const stopping = (() => {
   const form = document.getElementById("stop");
   const place = document.getElementById("why-stop");
-  const key = "hallsweep-stop"; // a page that is loaded anew finds an unconfirmed STOP under this
-  const page = crypto.getRandomValues(new Uint32Array(4)).join("-"); // a press has one name for all its attempts, so that it is on record once
+  const key = "hallsweep-stop"; // a page that is loaded anew finds the name of an unconfirmed STOP under this
+  const page = crypto.getRandomValues(new Uint32Array(4)).join("-");
   let pressed = 0; // how often it was pressed here
+  let name = ""; // a press has one name for all its attempts, so that it is on record once
   let open = false; // whether a press is not confirmed yet
   let underWay = 0;
   let triedAt = -Infinity;
   let again, soon, over;
 
   /** A press is confirmed by an attempt that began after it, not by one that was on its way already. */
-  function press() {
+  function press(before = null) {
     pressed += 1;
+    name = before ?? `${page}-${pressed}`;
     open = true;
-    remember(true);
+    remember(name);
     if (underWay < ATTEMPTS) attempt();
   }
 
@@ -43,7 +45,7 @@ const stopping = (() => {
     clearTimeout(again);
     clearTimeout(soon);
     if (!place.textContent) soon = setTimeout(() => open && say("STOP is on its way…"), SOON_MS);
-    const failure = await failed(`${page}-${press}`);
+    const failure = await failed(name);
     underWay -= 1;
     if (failure === "401") return giveUp();
     if (!open || (failure === null && press === pressed)) return confirmed();
@@ -54,10 +56,10 @@ const stopping = (() => {
   }
 
   /** Sends it: null when the robot's program has confirmed it, else why not. */
-  async function failed(name) {
+  async function failed(called) {
     try {
       const signal = AbortSignal.timeout(CONFIRM_MS);
-      const headers = { accept: "application/json", "idempotency-key": name };
+      const headers = { accept: "application/json", "idempotency-key": called };
       const answer = await fetch(form.action, { method: "POST", headers, keepalive: true, signal });
       if (answer.status === 401) return "401";
       const said = await answer.json();
@@ -71,7 +73,7 @@ const stopping = (() => {
     if (!open) return;
     const wasLate = place.textContent.includes("not confirmed");
     open = false;
-    remember(false);
+    remember(null);
     clearTimeout(again);
     clearTimeout(soon);
     // The console shows by itself what holds the robot; other pages do not, and whoever was in doubt is told anywhere.
@@ -82,7 +84,7 @@ const stopping = (() => {
   /** Nobody is signed in any more: the page for that says that STOP was not given. */
   function giveUp() {
     open = false;
-    remember(false);
+    remember(null);
     signIn("stop");
   }
 
@@ -92,20 +94,20 @@ const stopping = (() => {
     if (place.textContent !== words) place.textContent = words;
   }
 
-  function remember(isOpen) {
+  function remember(unconfirmed) {
     try {
-      if (isOpen) sessionStorage.setItem(key, "unconfirmed");
+      if (unconfirmed) sessionStorage.setItem(key, unconfirmed);
       else sessionStorage.removeItem(key);
     } catch {
       // Without a memory it is tried for as long as this page is open.
     }
   }
 
-  function wasOpen() {
+  function leftUnconfirmed() {
     try {
-      return sessionStorage.getItem(key) !== null;
+      return sessionStorage.getItem(key);
     } catch {
-      return false;
+      return null;
     }
   }
 
@@ -142,9 +144,10 @@ const stopping = (() => {
     for (const what of ["resize", "scroll"]) globalThis.visualViewport?.addEventListener(what, follow);
     addEventListener("online", connected);
     document.addEventListener("visibilitychange", connected);
-    if (wasOpen()) {
+    const before = leftUnconfirmed();
+    if (before) {
       say("STOP is not confirmed: the page was left before. Use the robot's own switch. This page goes on trying.");
-      press();
+      press(before);
     }
   }
   return { connected };

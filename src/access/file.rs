@@ -75,9 +75,10 @@ impl KeyFile {
             Err(error) => return Err(unreadable(error)),
         };
         self.check_private(&file.metadata().map_err(unreadable)?)?;
-        let mut text = String::new();
-        file.take(LARGEST).read_to_string(&mut text).map_err(unreadable)?;
-        self.understood(&text).map(Some)
+        let mut bytes = Vec::new();
+        file.take(LARGEST).read_to_end(&mut bytes).map_err(unreadable)?;
+        let garbled = |_| AccessError::Malformed { path: self.0.clone(), problem: "it is no text".to_owned() };
+        self.understood(std::str::from_utf8(&bytes).map_err(garbled)?).map(Some)
     }
 
     /// Replaces the file, and is done when that has reached the disk. The folder is made when it is not there.

@@ -53,7 +53,7 @@ pub fn run(asked: &Journal) -> Result<(), Failure> {
     let folder = super::settings(&asked.folder.sources(None))?.store.ok_or_else(nothing_kept)?;
     if matches!(asked.what, Some(What::Rebuild)) {
         let entries = sqlite::rebuild(&folder)?;
-        return super::print(&format!("the tables are made anew from {entries} entries"));
+        return super::print(&format!("the tables are made anew, from the {entries} entries that they follow from"));
     }
     let reading = Reading::open(&folder)?;
     match asked.what.clone().unwrap_or(What::Print(Which::default())) {

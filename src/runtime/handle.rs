@@ -143,12 +143,17 @@ impl Handle {
     /// Queues a command if there is room for it; else gives it back, but for a stop, which is counted beside the queue: it is
     /// recorded although nobody may ask for its answer. When the loop has ended, the answer's channel says so.
     fn queue(&self, request: Request, answer: oneshot::Sender<Answer>) -> Option<Waiting> {
-        let is_beside = request.command == Command::Stop && self.commands.capacity() <= LEFT_BY_STOPS;
-        let left = if is_beside { self.overflow.put_stop(request, answer) } else { Some((request, answer)) };
-        let (request, answer) = left?;
+        let is_stop = request.command == Command::Stop;
+        let beside = |request, answer| if is_stop { self.overflow.put_stop(request, answer) } else { Some((request, answer)) };
+        let has_room = self.commands.capacity() > LEFT_BY_STOPS;
+        let (request, answer) = if has_room { (request, answer) } else { beside(request, answer)? };
         match self.commands.try_send(Envelope::Command(request, answer)) {
-            Err(TrySendError::Full(envelope)) => Some(Waiting { commands: self.commands.clone(), envelope }),
-            Ok(()) | Err(TrySendError::Closed(_)) => None,
+            // Others may have filled it in this moment.
+            Err(TrySendError::Full(Envelope::Command(request, answer))) => {
+                let (request, answer) = beside(request, answer)?;
+                Some(Waiting { commands: self.commands.clone(), envelope: Envelope::Command(request, answer) })
+            }
+            Ok(()) | Err(TrySendError::Full(Envelope::Refused(..)) | TrySendError::Closed(_)) => None,
         }
     }
 

@@ -253,6 +253,16 @@ export const unconfirmed = {
     const [name, again, last, other] = names;
     must(name && name === again && name === last && name !== other, `the attempts were called ${names}`);
     await until(() => page.evaluate(() => sessionStorage.length === 0), 'the other press confirmed', patience);
+
+    // A page that is loaded anew before it is confirmed goes on with the same press.
+    answers.push(...Array(99).fill({ status: 503, json: { detail: 'not yet' } }));
+    names.length = 0;
+    await stop(page).click();
+    await until(() => names.length > 0, 'a press that is not confirmed', patience);
+    await page.reload();
+    answers.length = 0;
+    await until(() => page.evaluate(() => sessionStorage.length === 0), 'the press confirmed after the page was loaded anew', patience);
+    must(names.length > 1 && new Set(names).size === 1, `the attempts before and after were called ${names}`);
     await page.unroute('**/console/stop');
 
     // It does not wait for its turn when the connection is seen to stand: here no turn ever comes.

@@ -26,7 +26,7 @@ static KEPT: LazyLock<Folder> = LazyLock::new(|| {
 });
 
 /// What is done to a file, or put in its place.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Damage {
     CutShort,
     Emptied,
@@ -227,9 +227,12 @@ fn damaged_keys_let_nobody_in_and_hold_the_robot() {
         let program = start(&folder);
         let said = program.says();
         assert!(said.contains("nobody can sign in") && said.contains("access.toml"), "{damage:?}: {said}");
+        assert!(damage != Garbage || said.contains("does not hold keys"), "{said}");
         let bearer = format!("Bearer {token}");
         let asked = || program.read("/api/v1/state", &[("authorization", &bearer)]);
         assert_eq!(asked().status, 401, "{damage:?}");
+        let unasked = program.read("/sign-in", &[("accept", "text/html")]).text();
+        assert!(unasked.contains("nobody can sign in"), "{damage:?}: {unasked}");
         let page =
             program.post_with("/sign-in", &[("content-type", "application/x-www-form-urlencoded")], &format!("token={token}"));
         assert!(page.status == 403 && page.text().contains("nobody can sign in"), "{damage:?}: {}", page.text());

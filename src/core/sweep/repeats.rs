@@ -12,7 +12,7 @@ use crate::core::refused::OTHER_CONTENT;
 use crate::core::units::{Epoch, LuggageId, Ticket};
 
 /// So many ids are remembered: more than any client has under way. Of more the oldest of whoever has most of them is given up, by name
-/// and address, so that nobody's flood makes the ids of another forgotten.
+/// and address: a flood from one address makes the ids of no other forgotten.
 pub const IDS: usize = 1024;
 
 /// Who sent it, and its name for the command: two people may use the same.

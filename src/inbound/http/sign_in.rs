@@ -112,8 +112,9 @@ pub(super) async fn page(
         return Redirect::to(next).into_response();
     }
     let undone = asked.undone.map_or("", Undone::in_words);
+    let why = if matches!(&door.access, Access::Keys(keyring) if keyring.is_unusable()) { UNUSABLE } else { "" };
     let token = asked.token.as_deref().unwrap_or_default();
-    shown(StatusCode::OK, peer, SignIn { token, next, undone, is_in, ..SignIn::default() })
+    shown(StatusCode::OK, peer, SignIn { token, next, undone, why, is_in, ..SignIn::default() })
 }
 
 /// `POST sign-in`

@@ -18,16 +18,22 @@ const SAFE: [&[u8]; 4] = [b"GET", b"HEAD", b"OPTIONS", b"TRACE"];
 /// Which route of STOP a request names.
 #[must_use]
 pub fn stop(method: &[u8], target: &[u8]) -> Option<&'static str> {
+    if is_safe(method) {
+        return None;
+    }
     let named = segments(target);
     let mut routes = STOPS.into_iter().map(|route| (route, route)).chain(OTHERWISE);
-    routes.find(|(name, _)| !is_safe(method) && is_at(&named, name)).map(|(_, route)| route)
+    routes.find(|(name, _)| is_at(&named, name)).map(|(_, route)| route)
 }
 
 /// Which route a request names that is STOP when its body says so.
 #[must_use]
 pub fn says_by_body(method: &[u8], target: &[u8]) -> Option<&'static str> {
+    if is_safe(method) {
+        return None;
+    }
     let named = segments(target);
-    BY_BODY.into_iter().find(|route| !is_safe(method) && is_at(&named, route))
+    BY_BODY.into_iter().find(|route| is_at(&named, route))
 }
 
 fn is_safe(method: &[u8]) -> bool {
