@@ -88,6 +88,16 @@ fn what_holds_no_keys_is_refused_with_its_line_and_without_a_token() {
 }
 
 #[test]
+fn a_damaged_file_is_told_from_one_that_may_not_be_read() {
+    let folder = Folder::new("garbled");
+    let file = KeyFile::within(&folder.0);
+    overwritten(&file, "");
+    fs::write(file.path(), [0xa5, 0xff]).unwrap();
+    let said = file.read().expect_err("this is no text").to_string();
+    assert!(said.contains("does not hold keys: it is no text; mend it"), "{said}");
+}
+
+#[test]
 fn a_folder_that_cannot_be_written_is_said_with_what_to_do() {
     let folder = Folder::new("unwritable");
     fs::create_dir_all(&folder.0).unwrap();

@@ -113,7 +113,11 @@ fn shown<'a>(http: &HttpSettings, file: &KeyFile, keys: impl Iterator<Item = &'a
         format!("{name} ({role})\n  token  {token}\n  link   {}\n", link::sign_in(http, http.bind.at.first(), &key.token))
     };
     let keys: String = keys.map(key).collect();
-    let asked = if http.asks_for_keys { "" } else { ", and asked for only beyond loopback or with http.require_token = true" };
+    let asked = if http.asks_for_keys {
+        ""
+    } else {
+        ", and asked for only beyond loopback, with http.require_token = true or with mqtt.require_password = true"
+    };
     let whose =
         format!("The links are for {}, the address of these settings: another is named with --http or --config", http.bind.at);
     format!("{keys}Kept in {}{asked}.\n{whose}.", file.path().display())

@@ -18,6 +18,8 @@ pub struct Request {
     pub epoch: Option<Epoch>,
     /// The epoch in which it arrived, which counts where the sender named none.
     pub arrived: Option<Epoch>,
+    /// It was sent before, and nobody knows when: a movement command that names no epoch may be from before a stop or a restart.
+    pub is_again: bool,
     /// Who asks.
     pub issuer: Issuer,
     /// The sender's own name for this command: one that comes again is answered as before, and not carried out again.
@@ -28,7 +30,7 @@ impl Request {
     /// A command as its sender gave it, without an epoch or an id.
     #[must_use]
     pub const fn new(command: Command, issuer: Issuer) -> Request {
-        Request { command, epoch: None, arrived: None, issuer, id: None }
+        Request { command, epoch: None, arrived: None, is_again: false, issuer, id: None }
     }
 }
 

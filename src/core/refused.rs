@@ -36,6 +36,9 @@ pub enum Refused {
         /// The epoch that holds.
         now: Epoch,
     },
+    /// It was delivered again, and names no epoch: a STOP, or a restart, may have come since it was given.
+    #[error("outdated: it was sent before, and a STOP or a restart may have come since; look again, then give it anew")]
+    SentBefore,
     /// The phase has no use for it.
     #[error("not possible while {}", .0.in_words())]
     NotInPhase(PhaseName),
@@ -164,11 +167,12 @@ impl From<&Refused> for Refusal {
 }
 
 /// Every code with its family, for refusals read back; a test in the HTTP door holds it against the variants.
-pub const CODES: [(&str, RefusalKind); 25] = {
+pub const CODES: [(&str, RefusalKind); 26] = {
     use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [
         ("held", Conflict),
         ("outdated", Conflict),
+        ("sentBefore", Conflict),
         ("notInPhase", Conflict),
         ("verdictPending", Conflict),
         ("driving", Conflict),
@@ -207,6 +211,7 @@ impl Refused {
             Refused::Before(refusal) => refusal.kind,
             Refused::Held(..)
             | Refused::Outdated { .. }
+            | Refused::SentBefore
             | Refused::NotInPhase(_)
             | Refused::VerdictPending(_)
             | Refused::Driving
@@ -232,6 +237,7 @@ impl Refused {
         match self {
             Refused::Held(..) => "held",
             Refused::Outdated { .. } => "outdated",
+            Refused::SentBefore => "sentBefore",
             Refused::NotInPhase(_) => "notInPhase",
             Refused::VerdictPending(_) => "verdictPending",
             Refused::Driving => "driving",

@@ -26,7 +26,7 @@ static KEPT: LazyLock<Folder> = LazyLock::new(|| {
 });
 
 /// What is done to a file, or put in its place.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 enum Damage {
     CutShort,
     Emptied,
@@ -227,7 +227,6 @@ fn damaged_keys_let_nobody_in_and_hold_the_robot() {
         let program = start(&folder);
         let said = program.says();
         assert!(said.contains("nobody can sign in") && said.contains("access.toml"), "{damage:?}: {said}");
-        assert!(damage != Garbage || said.contains("does not hold keys"), "{said}");
         let bearer = format!("Bearer {token}");
         let asked = || program.read("/api/v1/state", &[("authorization", &bearer)]);
         assert_eq!(asked().status, 401, "{damage:?}");

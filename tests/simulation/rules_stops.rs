@@ -1,11 +1,11 @@
 //! Safety S8: after a halt `robot.halting` is true until the robot stands, nothing new begins until then, and a stop is answered
 //! with a revision of which one or the other is so.
 
-use hallsweep::core::command::{Command, Door, Issuer, Refused, Request};
+use hallsweep::core::command::{Command, Door, Issuer, Move, Refused, Request};
 use hallsweep::core::effect::Effect;
 use hallsweep::core::event::{Event, RobotEvent};
 use hallsweep::core::mission::{Hold, PhaseName};
-use hallsweep::core::units::Epoch;
+use hallsweep::core::units::{AlarmId, Cell, Epoch};
 use hallsweep::core::world::robot::RobotState;
 
 use crate::bare::Bare;
@@ -84,6 +84,25 @@ fn a_stop_that_has_halted_does_not_undo_the_start_that_was_given_after_it() {
     let again = Request { epoch: Some(raised.next()), ..stop };
     bare.ask(again).expect("a stop is never refused");
     assert!(!bare.state().mission.holds.is_empty(), "another one does");
+}
+
+/// Safety S4, R1: nobody knows when it was given, and a STOP or a restart may have come since. What names its epoch says when it was.
+#[test]
+fn a_start_that_was_sent_before_and_names_no_epoch_is_outdated_and_nothing_else_is() {
+    let again = |command, epoch| {
+        let request = Request::new(command, Issuer::operator(Door::Mqtt));
+        Request { epoch, is_again: true, ..request }
+    };
+    let mut bare = driving();
+    let raised = bare.raise();
+    bare.halted();
+    let goto = Command::Goto(Cell { x: 1, y: 1 });
+    for command in [Command::Start, Command::BackHome, Command::Retrieve, Command::Move(Move::Forward), goto] {
+        assert_eq!(bare.ask(again(command, None)).err(), Some(Refused::SentBefore));
+    }
+    assert!(bare.order().is_none());
+    assert_eq!(bare.ask(again(Command::Acknowledge(AlarmId(1)), None)).err(), Some(Refused::UnknownAlarm(AlarmId(1))));
+    bare.ask(again(Command::Start, Some(raised))).expect("it was given after the last stop");
 }
 
 /// Safety S4: when it was given counts, whatever number its sender names.

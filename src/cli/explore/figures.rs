@@ -61,7 +61,7 @@ pub(super) fn table(figures: &Figures) -> String {
         ("moves per cell", format!("{:.2}", moves_per_cell(figures))),
         ("luggage", luggage.len().to_string()),
         ("dangerous", if dangerous.is_empty() { "none".to_owned() } else { dangerous.join(", ") }),
-        ("found after", bomb_found_at.map_or_else(|| "-".to_owned(), |moves| format!("{moves} moves"))),
+        ("bomb met after", bomb_found_at.map_or_else(|| "-".to_owned(), |moves| format!("{moves} moves"))),
         ("complete", yes(complete).to_owned()),
         ("home", yes(home).to_owned()),
     ];

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Sweep;
-use crate::core::command::{Move, Refused};
+use crate::core::command::{Move, Refused, Request};
 use crate::core::explore::plan::{Planner, Through, after};
 use crate::core::mission::{Act, Bar, Case, FaultCause, Hold, Input, Matter, Phase, PhaseName, Rule, Stage, To, rules};
 use crate::core::units::{Cell, Epoch, LuggageId};
@@ -45,10 +45,11 @@ impl Sweep {
         }
     }
 
-    /// A movement command from before the last stop is refused as outdated (safety S4); no other ever is.
-    pub(super) fn refuse_outdated(&self, input: Input, sent: Option<Epoch>) -> Result<(), Refused> {
+    /// A movement command from before the last stop is refused as outdated (safety S4), and one that may be; no other ever is.
+    pub(super) fn refuse_outdated(&self, input: Input, request: &Request, sent: Option<Epoch>) -> Result<(), Refused> {
         let moves = matches!(input, Input::Start | Input::BackHome | Input::Retrieve | Input::Move | Input::Goto);
         match sent {
+            _ if moves && request.is_again && request.epoch.is_none() => Err(Refused::SentBefore),
             Some(sent) if moves && sent < self.mission.epoch => Err(Refused::Outdated { sent, now: self.mission.epoch }),
             Some(_) | None => Ok(()),
         }

@@ -125,7 +125,7 @@ impl Sweep {
         let (input, mut matter) = Matter::of(&request.command, &request.issuer, self.pending());
         // A number that no stop has made yet is none: what was given before a stop does not come after it.
         matter.epoch = [request.epoch, request.arrived].into_iter().flatten().min();
-        let outcome = match self.refuse_outdated(input, matter.epoch) {
+        let outcome = match self.refuse_outdated(input, &request, matter.epoch) {
             Ok(()) => self.decide(input, &matter),
             Err(outdated) => Err((outdated, &[][..])),
         };

@@ -39,6 +39,9 @@ const READ: usize = 4 * 1024;
 /// The longest message of a client, in bytes: the longest packet of MQTT it may send, and something over.
 const LONGEST: usize = 512 * 1024;
 
+/// So much waits for a client that reads nothing, answers to its pings included, in bytes: a message of the broker has room beside them.
+const UNREAD: usize = 3 * BETWEEN;
+
 /// So long what is left for a client may take to get to it after the broker has let go of it, and so long a farewell.
 const FAREWELL: Duration = Duration::from_secs(1);
 
@@ -135,6 +138,7 @@ pub(super) async fn mqtt(
     }
     let (access, caller) = (door.access.clone(), caller.ok().map(|LetIn(caller)| caller));
     let upgrade = upgrade.read_buffer_size(READ).max_message_size(LONGEST).max_frame_size(LONGEST);
+    let upgrade = upgrade.write_buffer_size(BETWEEN).max_write_buffer_size(UNREAD);
     Ok(upgrade
         .on_upgrade(async move |socket| {
             let (ours, stream) = tokio::io::duplex(BETWEEN);

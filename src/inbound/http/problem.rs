@@ -231,7 +231,8 @@ mod tests {
         Some(match refused {
             None => Refused::Held(vec![Hold::TooHigh], None),
             Some(Refused::Held(..)) => Refused::Outdated { sent: Epoch(1), now: Epoch(2) },
-            Some(Refused::Outdated { .. }) => Refused::NotInPhase(PhaseName::Idle),
+            Some(Refused::Outdated { .. }) => Refused::SentBefore,
+            Some(Refused::SentBefore) => Refused::NotInPhase(PhaseName::Idle),
             Some(Refused::NotInPhase(_)) => Refused::VerdictPending(id),
             Some(Refused::VerdictPending(_)) => Refused::Driving,
             Some(Refused::Driving) => Refused::NotStopped,

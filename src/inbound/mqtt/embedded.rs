@@ -220,7 +220,7 @@ impl Reception {
         let (clock, mut accepts_at) = (Clock::default(), Duration::ZERO);
         loop {
             tokio::select! {
-                biased;
+                // In any order: neither a flood of connections nor one of WebSocket visitors keeps the others out.
                 changed = engine.changed() => if changed.is_err() { break },
                 Some(_) = guests.join_next() => {}
                 accepted = accept_at(&mut listeners, clock, accepts_at) => match accepted {

@@ -115,8 +115,8 @@ struct Ear {
 struct Deaf;
 
 impl Listener for Ear {
-    fn hear(&self, topic: &str, payload: &[u8], arrived: Option<Epoch>) -> Heard {
-        match self.orders.take(&orders::Heard { topic, payload, arrived }, &self.sender) {
+    fn hear(&self, topic: &str, payload: &[u8], (arrived, is_again): (Option<Epoch>, bool)) -> Heard {
+        match self.orders.take(&orders::Heard { topic, payload, arrived, is_again }, &self.sender) {
             Taken::NotACommand | Taken::Taken => Heard::Pass,
             Taken::Forbidden => Heard::Forbidden,
         }
@@ -132,7 +132,7 @@ impl Listener for Ear {
 }
 
 impl Listener for Deaf {
-    fn hear(&self, _: &str, _: &[u8], _: Option<Epoch>) -> Heard {
+    fn hear(&self, _: &str, _: &[u8], _: (Option<Epoch>, bool)) -> Heard {
         Heard::Pass
     }
 

@@ -84,6 +84,25 @@ fn three_hundred_web_clients_that_say_nothing_keep_nobody_out() {
     siege.stands();
 }
 
+/// Safety A5: a ping of WebSocket is answered, and the answers wait for whoever does not read them.
+#[test]
+fn pings_of_web_clients_that_read_nothing_take_no_memory() {
+    let mut siege = Siege::begin();
+    let before = siege.memory_mib();
+    let ping = [&[0x89, 0xFD, 0, 0, 0, 0][..], &[b'x'; 125]].concat();
+    let mut clients: Vec<TcpStream> = (0..2).map(|_| web_client(siege.program.address())).collect();
+    for (n, client) in clients.iter_mut().enumerate() {
+        client.write_all(&framed(&connect(&format!("pinging-{n}"), 0))).expect("the program takes it");
+        // 26 MB, and as much in answers.
+        for _ in 0..200 {
+            client.write_all(&ping.repeat(1_000)).expect("the program takes it");
+        }
+    }
+    let memory = siege.memory_mib();
+    assert!(memory < before + 20, "{memory} MiB, and {before} before");
+    siege.stands();
+}
+
 /// Safety A5.
 #[test]
 fn thousands_of_names_filters_and_topics_are_borne() {

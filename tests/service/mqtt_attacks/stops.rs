@@ -24,6 +24,28 @@ fn shout(mut client: Client, n: usize, is_enough: &AtomicBool) {
     client.settle();
 }
 
+/// Safety S4: a client's library sends what was not acknowledged again, however long ago that was. What carries its epoch acts.
+#[test]
+fn a_start_that_a_client_delivers_again_after_a_stop_moves_nothing() {
+    const DUP: u8 = 8;
+    const RESULT: &str = "hallsweep/discovery/command/start/result";
+    let siege = Siege::begin();
+    let started = |name: &str, flags: u8, payload: &[u8]| {
+        let mut client = siege.client(name);
+        client.subscribe(RESULT, 0);
+        client.say(&publish("hallsweep/discovery/command/start", payload, 1, flags, 7));
+        serde_json::from_slice::<serde_json::Value>(&client.message().payload).expect("a result is JSON")
+    };
+    assert_eq!(started("operator", 0, b"")["accepted"], true);
+    siege.program.command("stop").accepted();
+    let again = started("operator", DUP, b"");
+    assert_eq!((&again["accepted"], &again["code"]), (&false.into(), &"sentBefore".into()), "{again}");
+    let state = siege.program.json("state");
+    assert!(holds(&state, "operator"), "{state:#}");
+    let epoch = &state["mission"]["epoch"];
+    assert_eq!(started("operator", DUP, format!("{{\"epoch\":{epoch}}}").as_bytes())["accepted"], true);
+}
+
 /// Safety S1.
 #[test]
 fn a_stop_halts_while_others_flood_the_broker_and_one_reads_nothing() {

@@ -42,6 +42,8 @@ pub struct Heard<'a> {
     pub payload: &'a [u8],
     /// In which epoch of stops it came, where that is known.
     pub arrived: Option<Epoch>,
+    /// Whether its sender says that it was sent before.
+    pub is_again: bool,
 }
 
 /// What became of a message.
@@ -100,7 +102,7 @@ impl Orders {
             order.asked = Ok((again, None));
         }
         match &order.asked {
-            Ok((command, epoch)) => self.give(&order, command, (*epoch, heard.arrived), sender),
+            Ok((command, epoch)) => self.give(&order, (command, *epoch), Some(heard), sender),
             Err(problem) => self.refuse(&order, problem, sender),
         }
         Taken::Taken
@@ -114,7 +116,7 @@ impl Orders {
         }
         let stop = self.ear.stop(topic, payload);
         if let Some(reply) = &stop {
-            self.give(reply, &Command::Stop, (None, None), sender);
+            self.give(reply, (&Command::Stop, None), None, sender);
         }
         stop.is_some()
     }
@@ -142,13 +144,15 @@ impl Orders {
     }
 
     /// Gives a command if there is room for one more, and a STOP always.
-    fn give(&self, order: &Order, command: &Command, (epoch, arrived): (Option<Epoch>, Option<Epoch>), sender: &Sender) {
+    fn give(&self, order: &Order, (command, epoch): (&Command, Option<Epoch>), heard: Option<&Heard<'_>>, sender: &Sender) {
         let place = self.results.place();
         if place.is_none() && *command != Command::Stop {
             return self.refuse(order, &Problem::too_many(UNDER_WAY), sender);
         }
         let id = order.reply.id.clone();
-        let given = self.handle.carry_out(Request { id, epoch, arrived, ..Request::new(command.clone(), sender.issuer()) });
+        let (arrived, is_again) = heard.map_or((None, false), |heard| (heard.arrived, heard.is_again));
+        let request = Request { id, epoch, arrived, is_again, ..Request::new(command.clone(), sender.issuer()) };
+        let given = self.handle.carry_out(request);
         if let Some(place) = place {
             self.results.follow(given, order.reply.clone(), place);
         }

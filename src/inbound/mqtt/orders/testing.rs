@@ -67,7 +67,7 @@ pub(super) fn viewer() -> Sender {
 /// A message on a topic: under our own prefix, but for those of the original system.
 pub(super) fn say(orders: &Orders, topic: &str, payload: impl AsRef<[u8]>, sender: &Sender) -> Taken {
     let topic = if topic.starts_with("unibo/") { topic.to_owned() } else { format!("{BASE}{topic}") };
-    orders.take(&Heard { topic: &topic, payload: payload.as_ref(), arrived: None }, sender)
+    orders.take(&Heard { topic: &topic, payload: payload.as_ref(), arrived: None, is_again: false }, sender)
 }
 
 /// The next result: its topic without the prefix, and what it says.

@@ -389,7 +389,7 @@ async fn whatever_is_no_command_is_left_alone() {
     for topic in ["state/robot", "event", "availability", "command/start/result", "commands", "command/start/now"] {
         assert_eq!(house.say(topic, "start"), Taken::NotACommand, "{topic}");
     }
-    let elsewhere = Heard { topic: "somebody/else/command/start", payload: b"", arrived: None };
+    let elsewhere = Heard { topic: "somebody/else/command/start", payload: b"", arrived: None, is_again: false };
     assert_eq!(house.orders.take(&elsewhere, &here()), Taken::NotACommand);
     assert_eq!(house.say(OLD, "msg(sonar,event,basicrobot,none,sonar(12),9)"), Taken::NotACommand);
     assert_eq!(house.given().await, 0);

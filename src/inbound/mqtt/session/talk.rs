@@ -167,7 +167,7 @@ impl Talk<'_> {
             (HOME_ASSISTANT_STATUS, _) if payload == BIRTH => session.news.handle_birth(),
             (PULSE, Hearing::Own) if self.conversation.handle_echo(payload) => session.chart.handle_proof(),
             (topic, Hearing::Other(orders)) => {
-                let heard = Heard { topic, payload, arrived: None };
+                let heard = Heard { topic, payload, arrived: None, is_again: false };
                 // What became of it is published by the orders themselves.
                 if is_repeated {
                     let _ = orders.halts(topic.as_bytes(), payload, &session.sender);

@@ -8,8 +8,9 @@ pub trait Listener: Send + Sync {
     /// Halts if this message names STOP, whatever else is wrong with it; whether it does.
     fn halts(&self, topic: &[u8], payload: &[u8]) -> bool;
 
-    /// Any other message on the topic of a command, once, as it is sent, before anybody else gets it; and the epoch in which it came.
-    fn hear(&self, topic: &str, payload: &[u8], arrived: Option<Epoch>) -> Heard;
+    /// Any other message on the topic of a command, once, as it is sent, before anybody else gets it; the epoch in which it came, and
+    /// whether it was sent before.
+    fn hear(&self, topic: &str, payload: &[u8], came: (Option<Epoch>, bool)) -> Heard;
 
     /// The epoch that the last stop has made.
     fn epoch(&self) -> Epoch;

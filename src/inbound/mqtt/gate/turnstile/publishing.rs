@@ -127,7 +127,8 @@ impl Turnstile {
         if !is_stop && self.duplicates.was_heard(publish, print) {
             return Ok(());
         }
-        let heard = if is_stop { Heard::Pass } else { self.listener.hear(topic, publish.payload, self.arrived) };
+        let came = (self.arrived, publish.is_duplicate);
+        let heard = if is_stop { Heard::Pass } else { self.listener.hear(topic, publish.payload, came) };
         let is_unreleased = self.duplicates.is_unreleased(publish);
         self.duplicates.handled(publish, Some(print))?;
         match heard {

@@ -103,6 +103,14 @@ fn a_command_that_was_heard_is_not_heard_again_only_when_it_is_truly_the_same_pa
     assert_eq!(scene.client_got().len(), 5, "all of QoS 1 are acknowledged");
 }
 
+/// Safety S4: whoever carries it out is told that it may be old.
+#[test]
+fn a_command_that_was_sent_before_in_another_connection_is_heard_as_such() {
+    let mut scene = Scene::of(OPERATOR);
+    scene.client(&[publish(0x3A, START, "a", 7), publish(0x32, START, "b", 8), publish(0x3C, START, "c", 9)].concat()).unwrap();
+    assert_eq!(scene.heard(), [format!("{START} a again"), format!("{START} b"), format!("{START} c again")]);
+}
+
 #[test]
 fn a_command_of_qos_2_is_heard_once_until_it_is_released() {
     let mut scene = Scene::of(OPERATOR);

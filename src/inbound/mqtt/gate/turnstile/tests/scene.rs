@@ -29,9 +29,10 @@ impl Listener for Ear {
         Epoch(0)
     }
 
-    fn hear(&self, topic: &str, payload: &[u8], _: Option<Epoch>) -> Heard {
+    fn hear(&self, topic: &str, payload: &[u8], (_, is_again): (Option<Epoch>, bool)) -> Heard {
         let payload = String::from_utf8_lossy(payload);
-        self.0.lock().unwrap().push(format!("{topic} {payload}"));
+        let again = if is_again { " again" } else { "" };
+        self.0.lock().unwrap().push(format!("{topic} {payload}{again}"));
         if payload == "forbidden" { Heard::Forbidden } else { Heard::Pass }
     }
 
