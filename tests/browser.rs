@@ -5,8 +5,10 @@
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-use std::sync::{Mutex, PoisonError};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, PoisonError, mpsc};
+use std::thread::sleep;
+use std::time::Duration;
 
 #[path = "../benches/common/coap.rs"]
 #[expect(dead_code, reason = "a browser test observes nothing over CoAP")]
@@ -16,10 +18,19 @@ mod coap;
 mod program;
 
 use coap::Coap;
-use program::{Program, hallsweep};
+use program::{Deadline, Program, hallsweep};
 
 /// One browser at a time: two would make each other slow, and the machine may be small.
 static BROWSER: Mutex<()> = Mutex::new(());
+
+/// A script says each of its steps, and each wait in one ends after a minute; one that says nothing for so long hangs.
+const SILENCE: Duration = Duration::from_secs(300);
+
+/// A script that was told to end may take so long to close its browser.
+const GRACE: Duration = Duration::from_secs(10);
+
+/// How often it is looked whether it has.
+const GLANCE: Duration = Duration::from_millis(5);
 
 /// Where Debian puts it.
 const CHROMIUM: &str = "/usr/bin/chromium";
@@ -171,7 +182,7 @@ fn play_with(scenario: &str, arguments: &[&str], environment: &[(&str, &str)]) {
     };
     let mut program = Some(start("127.0.0.1:0"));
     let address = program.as_ref().map(Program::address).expect("it was just started").to_string();
-    let mut script = Command::new("node")
+    let script = Command::new("node")
         .arg(scripts.join("play.mjs"))
         .args([scenario, &format!("http://{address}"), CHROMIUM])
         .envs(environment.iter().copied())
@@ -180,9 +191,17 @@ fn play_with(scenario: &str, arguments: &[&str], environment: &[(&str, &str)]) {
         .stdout(Stdio::piped())
         .spawn()
         .expect("node starts");
-    let mut told = script.stdin.take().expect("standard input is a pipe");
-    let said = BufReader::new(script.stdout.take().expect("standard output is a pipe"));
-    for line in said.lines().map_while(Result::ok) {
+    let mut script = Script(script);
+    let mut told = script.0.stdin.take().expect("standard input is a pipe");
+    let said = script.said();
+    let mut last = String::from("nothing");
+    loop {
+        let line = match said.recv_timeout(SILENCE) {
+            Ok(line) => line,
+            Err(mpsc::RecvTimeoutError::Disconnected) => break,
+            Err(mpsc::RecvTimeoutError::Timeout) => panic!("the scenario `{scenario}` hangs; the last it said is: {last}"),
+        };
+        last.clone_from(&line);
         match line.as_str() {
             KILL => program = None,
             START => program = Some(start(&address)),
@@ -201,9 +220,51 @@ fn play_with(scenario: &str, arguments: &[&str], environment: &[(&str, &str)]) {
         }
         writeln!(told, "done").expect("the script listens");
     }
-    let status = script.wait().expect("the script is ours");
-    assert!(status.success(), "the scenario `{scenario}` failed; screenshots are in target/tmp/browser");
+    let ended = script.ended_within(SILENCE);
+    assert!(ended.is_some(), "the scenario `{scenario}` does not end; the last it said is: {last}");
+    assert!(ended == Some(true), "the scenario `{scenario}` failed; screenshots are in target/tmp/browser");
     assert!(program.is_some(), "the program was there to the end");
+}
+
+/// A script at work. One that a test leaves is ended, with its browser.
+struct Script(Child);
+
+impl Script {
+    /// What it says, line by line.
+    fn said(&mut self) -> mpsc::Receiver<String> {
+        let pipe = BufReader::new(self.0.stdout.take().expect("standard output is a pipe"));
+        let (say, said) = mpsc::channel();
+        std::thread::spawn(move || pipe.lines().map_while(Result::ok).all(|line| say.send(line).is_ok()));
+        said
+    }
+
+    /// Whether it ended well, when it ended in time.
+    fn ended_within(&mut self, patience: Duration) -> Option<bool> {
+        let deadline = Deadline::within(patience);
+        loop {
+            if let Some(status) = self.0.try_wait().expect("the script is ours") {
+                return Some(status.success());
+            }
+            if deadline.has_passed() {
+                return None;
+            }
+            sleep(GLANCE);
+        }
+    }
+}
+
+impl Drop for Script {
+    fn drop(&mut self) {
+        if matches!(self.0.try_wait(), Ok(Some(_))) {
+            return;
+        }
+        // It closes its browser when it is asked to.
+        let _ = Command::new("kill").arg(self.0.id().to_string()).status();
+        if self.ended_within(GRACE).is_none() {
+            let _ = self.0.kill();
+            let _ = self.0.wait();
+        }
+    }
 }
 
 /// Asks the program what a script wants to know, as `PUT resourcemodel h`; the answer as `2.05 TEXT` in one line.

@@ -58,7 +58,12 @@ try {
   await page.addInitScript(() => document.addEventListener('securitypolicyviolation',
     (event) => globalThis.hallsweepViolation(`${event.violatedDirective} ${event.blockedURI}`)));
   watch(page, faults, scenario.tolerated ?? [], origins);
-  const picture = async (what) => page.screenshot({ path: `${shots}/${name}-${++shot}-${what}.png` });
+  // The test that started us takes a long silence for hanging.
+  page.on('load', () => console.log(`${name}: on ${new URL(page.url()).pathname}`));
+  const picture = async (what) => {
+    await page.screenshot({ path: `${shots}/${name}-${++shot}-${what}.png` });
+    console.log(`${name}: ${what}`);
+  };
   /** Another way to the program, which can be cut. */
   const network = async () => {
     const one = await relay(url);

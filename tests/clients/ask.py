@@ -4,6 +4,7 @@ the code of each answer to standard error, and what it carries to standard outpu
 
 import argparse
 import asyncio
+import signal
 import sys
 
 import aiocoap
@@ -53,4 +54,6 @@ async def main():
         await context.shutdown()
 
 
+# A shell that runs the tests in the background has them ignore interrupts, and Python leaves that so.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 asyncio.run(main())

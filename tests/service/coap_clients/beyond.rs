@@ -8,10 +8,13 @@ use super::client::Client;
 use super::observer::Observer;
 use super::{JSON, TEXT, shown, with_each};
 use crate::program::{Program, hallsweep, run};
-use crate::third_party::left_out;
+use crate::third_party::{left_out, within};
 
 /// An address beyond loopback, inside the namespace.
 const ADDRESS: &str = "10.83.0.1";
+
+/// So many seconds may a test take there, each of whose waits is bounded.
+const PATIENCE_S: &str = "900";
 
 /// Set in the namespace, so that a test knows that it is there.
 const INSIDE: &str = "COAP_TESTS_INSIDE";
@@ -43,8 +46,8 @@ fn is_inside(test: &str) -> bool {
     }
     let this = std::env::current_exe().expect("a test knows its program");
     let name = format!("coap_clients::beyond::{test}");
-    let output =
-        made(&this.display().to_string(), &["--exact", &name, "--nocapture"]).output().expect("it was possible just now");
+    let again = made(&this.display().to_string(), &["--exact", &name, "--nocapture"]);
+    let output = within(PATIENCE_S, &again).stdin(Stdio::null()).output().expect("it was possible just now");
     let said = [output.stdout, output.stderr].map(|said| String::from_utf8_lossy(&said).into_owned()).concat();
     assert!(output.status.success() && said.contains("1 passed"), "in the namespace:\n{said}");
     false

@@ -4,7 +4,7 @@
 use std::process::{Command, Output, Stdio};
 
 use super::ask::{Ask, Reply};
-use crate::third_party::{PATIENCE_S, folder, left_out, patiently, python, runs};
+use crate::third_party::{PATIENCE_S, folder, left_out, patiently, python, runs, was_ended};
 
 /// A client. Three, because each reads the RFCs in its own way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +26,7 @@ impl Client {
         let (here, missing) = match self {
             // It has no `--version`; asked for nothing, it shows how it is used.
             Client::Libcoap => (
-                Command::new(LIBCOAP).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok(),
+                Command::new(LIBCOAP).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok(),
                 "coap-client-notls (apt-get install libcoap3-bin)",
             ),
             Client::Aiocoap => (
@@ -47,9 +47,18 @@ impl Client {
         self.reply(&output)
     }
 
-    /// Asks once; everything the client printed.
+    /// Asks once; everything the client printed. Fails when it does not come to an end.
     pub(crate) fn run(self, url: &str, ask: &Ask) -> Output {
-        patiently(&self.command(url, ask)).stdin(Stdio::null()).output().unwrap_or_else(|error| panic!("{self:?}: {error}"))
+        self.finish(&self.command(url, ask))
+    }
+
+    /// Lets a command of this client come to its end, and returns what it printed.
+    pub(super) fn finish(self, command: &Command) -> Output {
+        let output = patiently(command).stdin(Stdio::null()).output();
+        let output = output.unwrap_or_else(|error| panic!("{self:?}: {error}"));
+        let said = [&output.stdout, &output.stderr].map(|said| String::from_utf8_lossy(said));
+        assert!(!was_ended(output.status), "{self:?} did not end by itself: {command:?} said {said:?}");
+        output
     }
 
     /// What starts it with this request.

@@ -12,6 +12,7 @@ use serde_json::Value;
 use super::ask::Ask;
 use super::client::Client;
 use crate::program::Deadline;
+use crate::third_party::ended;
 
 /// How long anything is waited for: far longer than it takes, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -27,6 +28,8 @@ pub(crate) struct Observer {
     client: Client,
     child: Child,
     printed: Arc<Mutex<Vec<u8>>>,
+    /// What it says beside what it observes.
+    words: Arc<Mutex<Vec<u8>>>,
 }
 
 impl Observer {
@@ -34,25 +37,27 @@ impl Observer {
     pub(crate) fn start(client: Client, url: &str, ask: Ask) -> Observer {
         let ask = Ask { observe: true, ..ask };
         let mut command: Command = client.command(url, &ask);
-        let started = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
+        let started = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
         let mut child = started.unwrap_or_else(|error| panic!("{client:?}: {error}"));
-        let mut pipe = child.stdout.take().expect("standard output is a pipe");
-        let printed = Arc::new(Mutex::new(Vec::new()));
-        let into = Arc::clone(&printed);
-        std::thread::spawn(move || {
-            let mut some = [0; 4096];
-            while let Ok(length @ 1..) = pipe.read(&mut some) {
-                into.lock().unwrap_or_else(PoisonError::into_inner).extend_from_slice(&some[..length]);
-            }
-        });
-        let observer = Observer { client, child, printed };
+        let printed = note(child.stdout.take().expect("standard output is a pipe"));
+        let words = note(child.stderr.take().expect("standard error is a pipe"));
+        let observer = Observer { client, child, printed, words };
         observer.until("something is printed", |text| !text.is_empty());
         observer
     }
 
     /// Everything it has printed.
     pub(crate) fn text(&self) -> String {
-        String::from_utf8_lossy(&self.printed.lock().unwrap_or_else(PoisonError::into_inner)).into_owned()
+        text_of(&self.printed)
+    }
+
+    /// The end of what it has seen, and of what it said beside.
+    fn last_words(&self) -> String {
+        let end = |text: &str| {
+            let begin = text.len().saturating_sub(2_000);
+            String::from_utf8_lossy(&text.as_bytes()[begin..]).into_owned()
+        };
+        format!("at the end it saw\n{}\nand said\n{}", end(&self.text()), end(&text_of(&self.words)))
     }
 
     /// Waits until what it has printed is as wanted, and returns that.
@@ -63,9 +68,7 @@ impl Observer {
             if is_so(&text) {
                 return text;
             }
-            let end = text.len().saturating_sub(2_000);
-            let tail = String::from_utf8_lossy(&text.as_bytes()[end..]).into_owned();
-            assert!(!deadline.has_passed(), "{:?} never came to see that {wanted}; at the end it saw\n{tail}", self.client);
+            assert!(!deadline.has_passed(), "{:?} never came to see that {wanted}; {}", self.client, self.last_words());
             sleep(GLANCE);
         }
     }
@@ -87,7 +90,8 @@ impl Observer {
     pub(crate) fn end(mut self) {
         let told = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status();
         assert!(told.expect("kill is there").success());
-        self.child.wait().expect("the client ends");
+        let has_ended = ended(&mut self.child).is_some();
+        assert!(has_ended, "{:?} did not end when it was told to; {}", self.client, self.last_words());
     }
 }
 
@@ -97,6 +101,23 @@ impl Drop for Observer {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// Keeps what comes out of a pipe.
+fn note(mut pipe: impl Read + Send + 'static) -> Arc<Mutex<Vec<u8>>> {
+    let noted = Arc::new(Mutex::new(Vec::new()));
+    let into = Arc::clone(&noted);
+    std::thread::spawn(move || {
+        let mut some = [0; 4096];
+        while let Ok(length @ 1..) = pipe.read(&mut some) {
+            into.lock().unwrap_or_else(PoisonError::into_inner).extend_from_slice(&some[..length]);
+        }
+    });
+    noted
+}
+
+fn text_of(noted: &Mutex<Vec<u8>>) -> String {
+    String::from_utf8_lossy(&noted.lock().unwrap_or_else(PoisonError::into_inner)).into_owned()
 }
 
 /// The whole JSON values in a text, one after another.

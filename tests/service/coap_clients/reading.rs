@@ -7,7 +7,7 @@ use super::{CBOR, ETAG, JSON, LINKS, SENML, TEXT, door, serve, shown, with_each}
 /// The tag of a resource as it stands, read with libcoap's client, which prints options when told to.
 pub(super) fn tag(door: &str, path: &str) -> Vec<u8> {
     let mut command = Client::Libcoap.command(door, &Ask::get(path).in_blocks_of(1024));
-    let output = command.args(["-v", "6", "-o", "/dev/null"]).output().expect("the client starts");
+    let output = Client::Libcoap.finish(command.args(["-v", "6", "-o", "/dev/null"]));
     let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     let hex = printed.split("ETag:0x").nth(1).and_then(|rest| rest.split(|letter: char| !letter.is_ascii_hexdigit()).next());
     let hex = hex.unwrap_or_else(|| panic!("no tag: {printed}"));

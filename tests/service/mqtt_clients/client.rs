@@ -2,7 +2,7 @@
 //! TCP and over WebSocket. How each is found and started; what they are told is the tests' business.
 
 use std::net::SocketAddr;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use super::told::{Hello, Say};
 use crate::program::Program;
@@ -30,7 +30,7 @@ impl Client {
         let (here, missing) = match self {
             Client::Mosquitto => (
                 // Both commands end with 1 after they have shown how they are used.
-                [SUB, PUB].iter().all(|name| Command::new(name).arg("--help").output().is_ok()),
+                [SUB, PUB].iter().all(|name| Command::new(name).arg("--help").stdin(Stdio::null()).output().is_ok()),
                 "mosquitto_sub and mosquitto_pub (apt-get install mosquitto-clients)",
             ),
             Client::Paho => (

@@ -3,14 +3,15 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::SocketAddr;
-use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
 use std::thread::sleep;
 use std::time::Duration;
 
 use super::client::{Client, mosquitto_pub};
 use super::told::{Hello, Message, Say};
 use crate::program::{Deadline, Program};
+use crate::third_party::ended;
 
 /// How long anything is waited for: far longer than it takes, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -24,7 +25,8 @@ pub(crate) struct Talk<'a> {
     door: SocketAddr,
     hello: Hello<'a>,
     child: Child,
-    input: Option<ChildStdin>,
+    /// Lines for its standard input, which ends when this is gone.
+    input: Option<mpsc::Sender<String>>,
     printed: Arc<Mutex<Printed>>,
     said: usize,
 }
@@ -54,7 +56,7 @@ impl<'a> Talk<'a> {
         let printed = Arc::new(Mutex::new(Printed::default()));
         note(child.stdout.take().expect("standard output is a pipe"), Arc::clone(&printed));
         note(child.stderr.take().expect("standard error is a pipe"), Arc::clone(&printed));
-        let input = child.stdin.take();
+        let input = Some(tell(child.stdin.take().expect("standard input is a pipe")));
         Talk { client, door, hello, child, input, printed, said: 0 }
     }
 
@@ -69,9 +71,9 @@ impl<'a> Talk<'a> {
             all.iter().for_each(|say| drop(mosquitto_pub(self.door, &self.hello, *say)));
             return;
         }
-        let input = self.input.as_mut().expect("it has not left yet");
-        let lines: String = all.iter().map(|say| format!("{}\n", say.json())).collect();
-        input.write_all(lines.as_bytes()).expect("it reads");
+        let lines = all.iter().map(|say| format!("{}\n", say.json())).collect();
+        // Whether it still reads is seen by whether it says so.
+        let _ = self.input.as_ref().expect("it has not left yet").send(lines);
         self.said += all.len();
         let said = self.said;
         self.until_words("everything is said", |words| {
@@ -133,7 +135,8 @@ impl<'a> Talk<'a> {
             assert!(told.expect("kill is there").success());
         }
         drop(self.input.take());
-        self.child.wait().expect("the client ends");
+        let has_ended = ended(&mut self.child).is_some();
+        assert!(has_ended, "{:?} did not end when it was told to; {}", self.client, self.printed().end());
     }
 
     /// Ends it without a word to the broker.
@@ -153,13 +156,19 @@ impl<'a> Talk<'a> {
             if let Some(found) = find(&printed) {
                 return found;
             }
-            let heard = &printed.heard[printed.heard.len().saturating_sub(10)..];
-            let words = &printed.words[printed.words.len().saturating_sub(30)..];
-            let all = printed.heard.len();
-            assert!(!deadline.has_passed(), "{:?}: never: {wanted}; heard {all}, at last {heard:#?}\n{words:#?}", self.client);
+            assert!(!deadline.has_passed(), "{:?}: never: {wanted}; {}", self.client, printed.end());
             drop(printed);
             sleep(GLANCE);
         }
+    }
+}
+
+impl Printed {
+    /// What it heard and said at last.
+    fn end(&self) -> String {
+        let heard = &self.heard[self.heard.len().saturating_sub(10)..];
+        let words = &self.words[self.words.len().saturating_sub(30)..];
+        format!("heard {}, at last {heard:#?}\n{words:#?}", self.heard.len())
     }
 }
 
@@ -169,6 +178,13 @@ impl Drop for Talk<'_> {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// What is sent is written by a thread of its own, so that a client that does not read holds up no test.
+fn tell(mut pipe: impl Write + Send + 'static) -> mpsc::Sender<String> {
+    let (input, lines) = mpsc::channel::<String>();
+    std::thread::spawn(move || while lines.recv().is_ok_and(|line| pipe.write_all(line.as_bytes()).is_ok()) {});
+    input
 }
 
 fn note(pipe: impl Read + Send + 'static, printed: Arc<Mutex<Printed>>) {

@@ -11,6 +11,7 @@ use std::time::Duration;
 
 use crate::kill::Folder;
 use crate::program::Deadline;
+use crate::third_party::runs;
 
 /// How long a broker may take to open its port: far longer than it takes.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -141,7 +142,7 @@ impl Broker {
             Kind::MosquittoWithLogin => {
                 let mut made = Command::new("mosquitto_passwd");
                 made.args(["-b", "-c", &format!("{folder}/logins"), LOGIN.0, LOGIN.1]);
-                assert!(made.status().expect("it comes with mosquitto").success());
+                assert!(runs(&mut made), "mosquitto_passwd comes with mosquitto");
                 format!("{mosquitto}allow_anonymous false\npassword_file {folder}/logins\n")
             }
             Kind::MosquittoByTls => {

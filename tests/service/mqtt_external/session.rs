@@ -1,6 +1,7 @@
 //! The session alone, with a state made by hand, and a broker that is killed and started again.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use hallsweep::core::explore::Strategy;
 use hallsweep::core::settings::Settings;
@@ -20,6 +21,9 @@ use tokio::sync::{mpsc, oneshot, watch};
 
 use super::broker::{Broker, CERTIFICATE, Kind, LOGIN};
 use super::ear::Ear;
+
+/// How long anything is waited for: far longer than it takes, even on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 const ROBOT: &str = "hallsweep/discovery/state/robot";
 
@@ -82,15 +86,20 @@ impl House {
 
     /// Waits until a command has come.
     fn is_given_something(&mut self) {
-        let given = self.runtime.block_on(self.given.recv());
+        let given = soon(&self.runtime, self.given.recv()).expect("a command comes");
         assert!(matches!(given, Some(Envelope::Command(..))), "{given:?}");
     }
 
     /// Ends it.
     fn end(self) {
         self.shutdown.send(()).expect("it runs");
-        self.runtime.block_on(self.session).expect("it did not panic");
+        soon(&self.runtime, self.session).expect("it ends").expect("it did not panic");
     }
+}
+
+/// Waits for this, but not for ever.
+fn soon<T>(runtime: &Runtime, what: impl Future<Output = T>) -> Option<T> {
+    runtime.block_on(async { tokio::time::timeout(PATIENCE, what).await.ok() })
 }
 
 /// Whether the robot is shown with this sonar.
@@ -142,7 +151,8 @@ fn a_broker_is_reached_by_tls_when_its_certificate_is_believed() {
     }
     let broker = Broker::start(Kind::MosquittoByTls, "session-tls");
     let mut house = House::at(&broker, true);
-    let is_well = house.runtime.block_on(house.health.wait_for(|health| *health == Health::Well)).is_ok();
+    let is_well =
+        soon(&house.runtime, house.health.wait_for(|health| *health == Health::Well)).is_some_and(|health| health.is_ok());
     assert!(is_well, "{}", broker.log());
     house.end();
 }
