@@ -54,6 +54,18 @@ fn a_stop_behind_thousands_of_looks_is_acted_on_before_any_of_them_is_answered()
     }
 }
 
+/// Safety S8: whatever follows its path, and be it as much as a datagram holds.
+#[test]
+fn a_stop_as_long_as_a_datagram_can_be_is_acted_on_in_a_flood() {
+    let mut bench = bench();
+    (0..10_000).for_each(|id| bench.hear(flooder(id % 3), &Message::get("/test", id).encoded()));
+    let mut stop = Message::con(Method::Post, 1).path("/stop").payload([b'x'; 65_507]).encoded();
+    stop.truncate(65_507);
+    bench.hear(here(), &stop);
+    bench.take_turn();
+    assert_eq!(asked(&bench), ["POST /stop"]);
+}
+
 /// Safety S1: one of them could set in motion what the STOP has halted.
 #[test]
 fn commands_that_came_before_a_stop_are_taken_before_it_and_those_that_came_after_it_later() {

@@ -22,7 +22,7 @@ const GRACE: Duration = Duration::from_millis(1500);
 /// So long datagrams are answered before more are heard, and before the other sockets of this thread have their turns (safety S7).
 const TURN: Duration = Duration::from_millis(1);
 
-/// So long, and so many bytes, are heard in one turn.
+/// So long, and so many bytes, are heard in one turn, and as much of what is urgent is answered.
 const HEARING: Duration = Duration::from_millis(2);
 const HEARING_BYTES: usize = 64 * 1024;
 
@@ -80,11 +80,17 @@ impl<A: Application> Driver<A> {
     /// Takes what has come, but not for long. When more comes than is answered, it hears first, so that a STOP is found behind
     /// whatever others send (safety S1, S7).
     async fn turn(&mut self) {
-        if self.backlog.is_empty() && self.answer_as_they_come().await {
+        if self.backlog.is_urgent() {
+            // Nothing is heard meanwhile: what came after a STOP would be taken before the STOPs that wait, were another heard
+            // behind it.
+            self.answer_urgent();
+        } else if self.backlog.is_empty() && self.answer_as_they_come().await {
             self.hearings = 0;
         } else {
             self.hearings += 1;
-            if self.hear().await || self.hearings >= HEARINGS {
+            let is_all = self.hear().await;
+            self.answer_urgent();
+            if is_all || self.hearings >= HEARINGS {
                 self.hearings = 0;
                 self.catch_up();
             }
@@ -108,7 +114,7 @@ impl<A: Application> Driver<A> {
         false
     }
 
-    /// Hears, and answers what is urgent; whether that was all that has come.
+    /// Hears; whether that was all that has come.
     async fn hear(&mut self) -> bool {
         let (until, mut bytes_heard, mut kinds) = (self.clock.since_start() + HEARING, 0, [0; 4]);
         let is_all = loop {
@@ -123,10 +129,18 @@ impl<A: Application> Driver<A> {
         if !is_all && self.sieve.tighten(kinds, self.clock.since_start()) {
             self.socket.sift(&self.sieve);
         }
+        is_all
+    }
+
+    fn answer_urgent(&mut self) {
+        let (until, mut bytes) = (self.clock.since_start() + HEARING, 0);
         while let Some(datagram) = self.backlog.take_urgent() {
             self.answer(&datagram);
+            bytes += datagram.1.len();
+            if bytes >= HEARING_BYTES || self.clock.since_start() > until {
+                return;
+            }
         }
-        is_all
     }
 
     fn loosen(&mut self) {

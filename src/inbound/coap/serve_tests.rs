@@ -311,17 +311,16 @@ async fn a_stop_overtakes_looks_that_wait_and_no_command_that_came_before_it() {
     assert!(place("take") < place("stop") && place("stop") < place("last"));
 }
 
-/// Safety S1, S7, S9. More is there than is heard in a turn, whatever the time.
-#[tokio::test]
-async fn while_more_comes_than_is_heard_less_is_let_through_and_everything_again_afterwards() {
+/// A door whose turns come when they are called for.
+fn driver() -> (Driver<Obedient>, SocketAddr) {
     let bound = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
-    let (sender, address) = (std::net::UdpSocket::bind("127.0.0.1:0").unwrap(), bound.local_addr().unwrap());
+    let address = bound.local_addr().unwrap();
     let states = watch::channel(Arc::new(searching())).1;
     let (go, unlucky) = (Arc::new(Semaphore::new(0)), Arc::default());
     let application = Obedient { states, go, unlucky, asked: Arc::default(), busy: Arc::default() };
-    let mut driver = Driver {
+    let driver = Driver {
         socket: Socket::new(bound).unwrap(),
-        endpoint: Endpoint::new([7; 32]),
+        endpoint: Endpoint::new([7; 32]).with_stop(Obedient::IS_STOP),
         application,
         under_way: UnderWay::default(),
         backlog: Backlog::new(Obedient::IS_STOP),
@@ -329,6 +328,13 @@ async fn while_more_comes_than_is_heard_less_is_let_through_and_everything_again
         hearings: 0,
         clock: Clock::default(),
     };
+    (driver, address)
+}
+
+/// Safety S1, S7, S9. More is there than is heard in a turn, whatever the time.
+#[tokio::test]
+async fn while_more_comes_than_is_heard_less_is_let_through_and_everything_again_afterwards() {
+    let ((mut driver, address), sender) = (driver(), std::net::UdpSocket::bind("127.0.0.1:0").unwrap());
     (0..100).for_each(|id| {
         sender.send_to(&datagram(Method::Get, "revision", id), address).unwrap();
     });
@@ -342,6 +348,32 @@ async fn while_more_comes_than_is_heard_less_is_let_through_and_everything_again
     driver.clock.reach(Some(due)).await;
     driver.loosen();
     assert_eq!(driver.sieve.due(), None);
+}
+
+/// Safety S1, S7: what waits before a STOP takes several turns, and nothing that comes meanwhile goes before it, although another STOP
+/// comes behind that. Whatever the time, no more than 64 KiB are answered in a turn.
+#[tokio::test]
+async fn what_is_urgent_is_answered_in_turns_and_nothing_that_comes_meanwhile_before_it() {
+    let ((mut driver, address), sender) = (driver(), std::net::UdpSocket::bind("127.0.0.1:0").unwrap());
+    let mut ids = 0..;
+    let mut asks = |path| datagram(Method::Post, path, ids.next().unwrap());
+    for last in 1..=60 {
+        let large = [&asks("take")[..], &[0xFF], &[b'x'; 1300]].concat();
+        driver.backlog.hear(SocketAddr::from(([127, 0, 1, last], 1)), &large);
+    }
+    driver.backlog.hear(sender.local_addr().unwrap(), &asks("stop"));
+    for path in ["late", "stop"] {
+        sender.send_to(&asks(path), address).unwrap();
+    }
+    driver.socket.readable().await;
+    let asked = |driver: &Driver<Obedient>| driver.application.asked.lock().unwrap().clone();
+    driver.turn().await;
+    assert!(!asked(&driver).is_empty() && asked(&driver).len() < 52, "{} in one turn", asked(&driver).len());
+    while asked(&driver).len() < 63 {
+        driver.turn().await;
+    }
+    let order = ["/take"; 60].into_iter().chain(["/stop", "/late", "/stop"]).collect::<Vec<_>>();
+    assert_eq!(asked(&driver), order);
 }
 
 #[tokio::test]

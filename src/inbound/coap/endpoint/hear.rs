@@ -55,6 +55,12 @@ impl Backlog {
         [&self.stops, &self.commands, &self.signs, &self.looks].into_iter().all(Queue::is_empty)
     }
 
+    /// Whether a STOP waits, or a command that is to be taken before one.
+    #[must_use]
+    pub fn is_urgent(&self) -> bool {
+        self.commands.has_first() || !self.stops.is_empty()
+    }
+
     /// The next STOP that waits, after the commands that came before it.
     pub fn take_urgent(&mut self) -> Option<Datagram> {
         self.commands.next_first().or_else(|| self.stops.next())

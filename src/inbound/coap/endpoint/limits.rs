@@ -106,8 +106,9 @@ pub const ECHO_AGE: Duration = Duration::from_secs(60);
 /// after them, and that must not take long.
 pub const COMMANDS_WAITING: usize = 128 * 1024;
 
-/// And so many bytes of STOPs: when these are full the robot is halted all the time, and a further one is lost.
-pub const STOPS_WAITING: usize = 128 * 1024;
+/// And so many bytes of STOPs, so that one of 64 KiB leaves more than it takes to others: when these are full the robot is halted
+/// all the time, and a further one is lost.
+pub const STOPS_WAITING: usize = 256 * 1024;
 
 /// And so many bytes of acknowledgements and rejections: every observer there may be acknowledges at once.
 pub const SIGNS_WAITING: usize = 1024 * 1024;

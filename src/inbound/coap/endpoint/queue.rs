@@ -41,30 +41,34 @@ impl Queue {
         self.first.is_empty() && self.networks.is_empty()
     }
 
-    /// Keeps one more, or loses it, and says so: what is left for others is more than all that its network then has there, and
-    /// the rest of that is no less than what its peer has, so that there is room for other networks, and for other peers of each.
-    pub(super) fn push(&mut self, peer: SocketAddr, bytes: &[u8]) -> bool {
+    /// Keeps one more, or loses it: what is left for others is more than all that its network then has there, and the rest of that
+    /// is no less than what its peer has, so that there is room for other networks, and for other peers of each.
+    pub(super) fn push(&mut self, peer: SocketAddr, bytes: &[u8]) {
         let (network, cost) = (Network::of(peer.ip()), cost(bytes));
         let share = self.networks.get(&network);
         let of_network = share.map_or(0, |share| share.bytes);
         let of_peer = share.and_then(|share| share.holds.get(&peer)).map_or(0, |share| share.bytes);
         if (of_network + cost) + (of_peer + cost) > self.left.saturating_sub(cost) {
-            return false;
+            return;
         }
         // `entry` would send a network or a peer that waits already to the end of the turns.
         if of_network == 0 {
             self.networks.insert(network, Share::default());
         }
-        let Some(share) = self.networks.get_mut(&network) else { return false };
+        let Some(share) = self.networks.get_mut(&network) else { return };
         if of_peer == 0 {
             share.holds.insert(peer, Share::default());
         }
-        let Some(own) = share.holds.get_mut(&peer) else { return false };
+        let Some(own) = share.holds.get_mut(&peer) else { return };
         own.holds.push_back(bytes.into());
         own.bytes += cost;
         share.bytes += cost;
         self.left -= cost;
-        true
+    }
+
+    /// Whether something goes before all others.
+    pub(super) fn has_first(&self) -> bool {
+        !self.first.is_empty()
     }
 
     /// All that waits now goes before what comes later.
