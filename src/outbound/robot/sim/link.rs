@@ -17,8 +17,9 @@ use crate::core::units::{Now, OrderId};
 use crate::runtime::clock::Clock;
 use crate::runtime::link::{RobotSide, Stamped};
 
-/// What drawing a photo may take of real time, whatever the speed; the core is told so.
-const DEVELOPING: Duration = Duration::from_millis(50);
+/// What drawing a photo may take of real time, whatever the speed; the core is told so. It takes some hundredths of a second, but the
+/// machine may have much else to do, and a photo that is late counts as none.
+const DEVELOPING: Duration = Duration::from_secs(3);
 
 /// Timers are not set further ahead than this; then it is looked again.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
