@@ -350,6 +350,13 @@ async fn while_more_comes_than_is_heard_less_is_let_through_and_everything_again
     assert_eq!(driver.sieve.due(), None);
 }
 
+/// Safety S9: on a busy machine a turn may be over after a datagram or two, which is nobody's flood.
+#[test]
+fn few_datagrams_in_a_long_turn_are_no_flood() {
+    assert!(!is_flood([1, 0, 0, 0], 60) && !is_flood([20, 20, 20, 3], HEARING_BYTES - 1));
+    assert!(is_flood([20, 20, 20, 4], 4_000) && is_flood([0, 1, 0, 0], HEARING_BYTES));
+}
+
 /// Safety S1, S7: what waits before a STOP takes several turns, and nothing that comes meanwhile goes before it, although another STOP
 /// comes behind that. Whatever the time, no more than 64 KiB are answered in a turn.
 #[tokio::test]
