@@ -22,6 +22,7 @@ use crate::core::units::Epoch;
 use crate::inbound::coap::Resources;
 use crate::inbound::http::{self, Door};
 use crate::inbound::listeners::Listeners;
+use crate::inbound::room::Room;
 use crate::outbound::robot::sim::{self, Camera, Hall, SimSettings};
 use crate::outbound::store::stops;
 use crate::runtime::archive_reader::Reader;
@@ -109,9 +110,11 @@ async fn serve_hall(
     robot: Option<Adapter>,
     announce: impl FnOnce(Doors, &Entry),
 ) -> Result<(), AppError> {
-    let front = entry::front(&settings.http)?;
+    let mut front = entry::front(&settings.http)?;
     let threads = Threads::start()?;
     let descriptors = descriptors::raise();
+    let room = Room::of(descriptors);
+    front.room = room;
     let Ports { http, coap, mqtt, doors } = Ports::bind(settings)?;
     let signalled = signals::listen().map_err(AppError::System)?;
     let secret = access::chance()?;
@@ -129,7 +132,7 @@ async fn serve_hall(
     let coap = coap::open(coap, &threads.coap, resources, (secret, handle.watch(), ending.subscribe()))?;
     let mqtt_ports = listeners(mqtt, &threads.mqtt)?;
     let mqtt_at = doors.mqtt.map(|place| place.at);
-    let mqtt_ways = (mqtt_ports, mqtt_at, mqtt_access, &threads);
+    let mqtt_ways = (mqtt_ports, mqtt_at, mqtt_access, (&threads, room));
     let mqtt = Mqtt::open(settings, mqtt_ways, handle.clone(), reader.clone(), ending.subscribe()).await?;
     let http = listeners(http, &threads.http)?;
     let door = Door::new(handle, reader, hall.name(), access).with_cells_of(hall.cell_m());

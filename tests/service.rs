@@ -15,6 +15,8 @@ mod damage;
 mod earlier;
 #[path = "service/explore.rs"]
 mod explore;
+#[path = "service/few_descriptors.rs"]
+mod few_descriptors;
 #[path = "service/formats.rs"]
 mod formats;
 #[path = "service/http_attacks.rs"]

@@ -10,7 +10,7 @@ pub(super) fn raise() -> u64 {
         Ok(most) => most,
         Err(error) => {
             tracing::debug!(%error, "the number of open files and connections cannot be raised");
-            rlimit::getrlimit(rlimit::Resource::NOFILE).map_or(0, |(soft, _)| soft)
+            rlimit::getrlimit(rlimit::Resource::NOFILE).map_or(WANTED, |(soft, _)| soft)
         }
     }
 }

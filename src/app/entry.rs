@@ -76,7 +76,7 @@ fn keys(settings: &Settings) -> Result<(Access, Entry), AccessError> {
 /// What stands before the door, by these settings.
 pub(super) fn front(http: &HttpSettings) -> Result<Front, TlsError> {
     let tls = http.tls.as_ref().map(|files| Tls::load(&files.certificate, &files.key)).transpose()?;
-    Ok(Front { hosts: http.hosts.clone(), tls })
+    Ok(Front { hosts: http.hosts.clone(), tls, ..Front::default() })
 }
 
 /// The token of the key that is made at first start.

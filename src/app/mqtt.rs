@@ -18,6 +18,7 @@ use crate::inbound::mqtt::publication::Publication;
 use crate::inbound::mqtt::session::{Health, Hearing, Link, Parts, Session, Times, believing};
 use crate::inbound::mqtt::topics::Topics;
 use crate::inbound::mqtt::{Embedded, HOUSE, House, Origin, Visitor, Ways};
+use crate::inbound::room::Room;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::handle::Handle;
 
@@ -52,7 +53,7 @@ impl Mqtt {
     /// When our own broker cannot be had, or somebody else's cannot be trusted as it is to be.
     pub(super) async fn open(
         settings: &Settings,
-        (listeners, at, access, threads): (Listeners, Option<SocketAddr>, Access, &Threads),
+        (listeners, at, access, inner): (Listeners, Option<SocketAddr>, Access, (&Threads, Room)),
         handle: Handle,
         archive: Reader,
         ending: watch::Receiver<bool>,
@@ -63,7 +64,7 @@ impl Mqtt {
         let common = Common { topics, home_assistant, handle, archive, manual_driving, ending };
         match (broker, at) {
             (None, _) | (Some(Broker::Own { .. }), None) => Ok(None),
-            (Some(Broker::Own { .. }), Some(at)) => own(common, (listeners, at, threads), access).await.map(Some),
+            (Some(Broker::Own { .. }), Some(at)) => own(common, (listeners, at), inner, access).await.map(Some),
             (Some(Broker::Other(other)), _) => other_broker(common, other).map(Some),
         }
     }
@@ -117,7 +118,8 @@ impl Common {
 /// Our own broker, and our session at it.
 async fn own(
     common: Common,
-    (listeners, at, threads): (Listeners, SocketAddr, &Threads),
+    (listeners, at): (Listeners, SocketAddr),
+    (threads, room): (&Threads, Room),
     access: Access,
 ) -> Result<Mqtt, AppError> {
     let (answer, answers) = mpsc::channel(ANSWERS);
@@ -131,7 +133,7 @@ async fn own(
         login: Some((HOUSE.to_owned(), secret.reveal().to_owned())),
         client_id: format!("hallsweep-{}", common.topics.id()),
     };
-    let house = House::new(Gatehouse::new(common.topics.clone()), common.orders(answer), secret);
+    let house = House::with_room(Gatehouse::new(common.topics.clone()), common.orders(answer), secret, room);
     let broker = Embedded::start(house).await?;
     let hearing = threads.mqtt.handle().clone();
     let ways = Ways { listeners, access, visitors, hearing, health: health.subscribe() };

@@ -12,7 +12,7 @@ const ROUTES: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/sto
 /// A request that never comes to its end.
 const HALF: &str = "Host: localhost\r\nContent-Type: application/json\r\nContent-Length: 100\r\n\r\n{";
 
-fn connected(program: &Program, says: &str) -> TcpStream {
+pub(crate) fn connected(program: &Program, says: &str) -> TcpStream {
     let mut stream = TcpStream::connect(program.address()).expect("the program listens");
     stream.set_read_timeout(Some(Duration::from_secs(30))).expect("a time-out can be set");
     // It may have been cut for another already, which is its own matter.
@@ -21,12 +21,12 @@ fn connected(program: &Program, says: &str) -> TcpStream {
 }
 
 /// The status of the answer; empty when there is none.
-fn status(stream: &mut TcpStream) -> String {
+pub(crate) fn status(stream: &mut TcpStream) -> String {
     let mut begin = [0; 12];
     stream.read_exact(&mut begin).map_or_else(|_| String::new(), |()| String::from_utf8_lossy(&begin[9..]).into_owned())
 }
 
-fn stop(route: &str, headers: &str) -> String {
+pub(crate) fn stop(route: &str, headers: &str) -> String {
     format!("POST {route} HTTP/1.1\r\nHost: localhost\r\n{headers}\r\n")
 }
 

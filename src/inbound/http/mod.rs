@@ -43,6 +43,7 @@ use streams::Streams;
 pub use tls::{Tls, TlsError};
 
 use crate::access::{Access, Attempts};
+use crate::inbound::room::Room;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use crate::runtime::handle::Handle;
@@ -78,7 +79,7 @@ impl Door {
             handle,
             archive,
             hall: Arc::from(hall),
-            streams: Streams::default(),
+            streams: Streams::new(STREAMS),
             closing: watch::Sender::new(false),
             clock: Clock::default(),
             access,
@@ -100,6 +101,11 @@ impl Door {
     /// The same at this port, by which the cookies of several instances on one host are told apart: browsers do not look at ports.
     fn at(self, port: u16) -> Door {
         Door { cookie: sign_in::cookie_name(port), ..self }
+    }
+
+    /// The same, with as many streams as there is room for.
+    fn with_streams(self, room: Room) -> Door {
+        Door { streams: Streams::new(room.part(STREAMS)), ..self }
     }
 
     /// The name of its session's cookie.

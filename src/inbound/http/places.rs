@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::Notify;
 
 use crate::access::{Access, Caller, Network, Role};
+use crate::inbound::room::Room;
 use crate::inbound::vestibule::RELIEF;
 
 /// Connections open at once: every stream there may be, and half as many again for requests beside them. A process has 1,024
@@ -31,6 +32,8 @@ pub(super) struct Places(Arc<Mutex<Taken>>);
 
 struct Taken {
     most: usize,
+    /// How many of those who were cut may be on their way out.
+    leaving: usize,
     has_shares: bool,
     /// Counts everything that happens here, so that what is older has the lesser number.
     moments: u64,
@@ -102,16 +105,17 @@ impl Claim {
 
 impl Places {
     /// So many places, all free. Where nobody signs in there are no shares.
-    pub(super) fn new(most: usize, access: &Access) -> Places {
-        let has_shares = matches!(access, Access::Keys(_));
-        Places(Arc::new(Mutex::new(Taken { most, has_shares, moments: 0, held: 0, seats: HashMap::new() })))
+    pub(super) fn new(most: usize, room: Room, access: &Access) -> Places {
+        let (most, leaving, has_shares) = (room.part(most), room.part(LEAVING), matches!(access, Access::Keys(_)));
+        Places(Arc::new(Mutex::new(Taken { most, leaving, has_shares, moments: 0, held: 0, seats: HashMap::new() })))
     }
 
     /// A place; somebody else's, who is told by `cut`, when none is free. `None` when nobody can give way, or too many who had to have
     /// not gone yet.
     pub(super) fn take(&self, claim: Claim, says_stop: bool, cut: Arc<Notify>) -> Option<Place> {
         let mut taken = self.taken();
-        let leaving = if says_stop || taken.has_shares && claim.is_operator() { 2 * LEAVING } else { LEAVING };
+        let is_heeded = says_stop || taken.has_shares && claim.is_operator();
+        let leaving = if is_heeded { 2 * taken.leaving } else { taken.leaving };
         if taken.held >= taken.most + leaving || !taken.make_room(&claim) {
             return None;
         }

@@ -15,11 +15,11 @@ struct Somebody {
 }
 
 fn open(most: usize) -> Places {
-    Places::new(most, &Access::Open)
+    Places::new(most, Room::default(), &Access::Open)
 }
 
 fn keyed(most: usize) -> Places {
-    Places::new(most, &Access::Keys(Keyring::in_memory().unwrap()))
+    Places::new(most, Room::default(), &Access::Keys(Keyring::in_memory().unwrap()))
 }
 
 /// Comes from there with a request; `who` is the name of the key, an operator's when it says so.

@@ -14,6 +14,7 @@ use super::places::{PLACES, Places};
 use super::tls::Tls;
 use super::{Door, Hosts, router};
 use crate::inbound::listeners::Listeners;
+use crate::inbound::room::Room;
 use crate::inbound::vestibule::Vestibule;
 
 /// How long open requests are waited for at the end: with what closing a stream takes, within two seconds.
@@ -41,6 +42,8 @@ pub struct Front {
     pub hosts: Vec<String>,
     /// How connections are encrypted, where they are.
     pub tls: Option<Tls>,
+    /// How many connections there is room for.
+    pub room: Room,
 }
 
 /// Serves until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do. What comes is
@@ -61,15 +64,15 @@ async fn serve_so_many(
             "the clock of this machine stands before 1970: set it, no page is served before; STOP is heard all the same"
         );
     }
-    let door = door.at(listeners.port());
+    let door = door.at(listeners.port()).with_streams(front.room);
     let hosts = Hosts::new(listeners.are_local(), &front.hosts);
     let line = Arc::new(Line {
         router: router(&door, hosts.clone()),
         hosts,
         tls: front.tls,
-        places: Places::new(places, &door.access),
-        vestibule: Vestibule::new(waiting),
-        lingering: Vestibule::new(waiting.min(LINGERING)),
+        places: Places::new(places, front.room, &door.access),
+        vestibule: Vestibule::new(front.room.part(waiting)),
+        lingering: Vestibule::new(front.room.part(waiting.min(LINGERING))),
         work: Handle::current(),
         closing: door.closing.subscribe(),
         door: door.clone(),

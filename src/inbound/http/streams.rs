@@ -4,7 +4,6 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::STREAMS;
 use crate::access::{Access, Caller, Role};
 
 /// Where keys tell people apart, one key has one in so many of all streams,
@@ -14,8 +13,11 @@ const PARTS: usize = 4;
 const KEPT: usize = 8;
 
 /// The streams that are open. Cheap to clone.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Streams(Arc<Mutex<HashMap<Arc<str>, Open>>>);
+#[derive(Clone, Debug)]
+pub(super) struct Streams {
+    most: usize,
+    open: Arc<Mutex<HashMap<Arc<str>, Open>>>,
+}
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Open {
@@ -30,17 +32,28 @@ pub(super) struct Stream {
 }
 
 impl Streams {
+    /// So many, none of them open.
+    pub(super) fn new(most: usize) -> Streams {
+        Streams { most, open: Arc::default() }
+    }
+
+    /// How many there may be.
+    pub(super) const fn most(&self) -> usize {
+        self.most
+    }
+
     /// Opens one for somebody; `None` when he has his share, or nobody can have one more.
     pub(super) fn open(&self, caller: &Caller, access: &Access) -> Option<Stream> {
         let (who, is_operator) = (caller.name(), caller.role() == Role::Operator);
+        let most = self.most;
         let mut open = self.all();
         let of = |these: &dyn Fn(&Open) -> bool| open.values().filter(|open| these(open)).map(|open| open.number).sum::<usize>();
-        let is_free = of(&|_| true) < STREAMS;
+        let is_free = of(&|_| true) < most;
         let has_share = match access {
             Access::Open => true,
             Access::Keys(_) => {
                 let own = open.get(&who).map_or(0, |open| open.number);
-                own < STREAMS / PARTS && (is_operator || of(&|open| !open.is_operator) < STREAMS - STREAMS / KEPT)
+                own < most / PARTS && (is_operator || of(&|open| !open.is_operator) < most - most / KEPT)
             }
         };
         if !is_free || !has_share {
@@ -53,7 +66,7 @@ impl Streams {
     }
 
     fn all(&self) -> MutexGuard<'_, HashMap<Arc<str>, Open>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -71,6 +84,7 @@ impl Drop for Stream {
 
 #[cfg(test)]
 mod tests {
+    use super::super::STREAMS;
     use super::*;
     use crate::access::{Keyring, Keys};
 
@@ -84,7 +98,7 @@ mod tests {
         }
         let caller = |name: &str| Caller::Known(keys.check(keys.named(name).unwrap().token.reveal()).unwrap());
         let access = Access::Keys(Keyring::of(keys.clone()));
-        let streams = Streams::default();
+        let streams = Streams::new(STREAMS);
         let all = |name: &str| std::iter::from_fn(|| streams.open(&caller(name), &access)).take(1000).collect::<Vec<_>>();
         let viewers: Vec<_> = names.iter().map(|name| all(name)).collect();
         let counts: Vec<usize> = viewers.iter().map(Vec::len).collect();
@@ -97,7 +111,7 @@ mod tests {
 
     #[test]
     fn where_nobody_signs_in_there_are_no_shares() {
-        let streams = Streams::default();
+        let streams = Streams::new(STREAMS);
         let open: Vec<_> = std::iter::from_fn(|| streams.open(&Caller::Here, &Access::Open)).take(1000).collect();
         assert_eq!(open.len(), STREAMS);
     }

@@ -6,9 +6,9 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
+use super::Door;
 use super::problem::Problem;
 use super::streams::Stream;
-use super::{Door, STREAMS};
 use crate::access::Caller;
 use crate::core::world::snapshot::Snapshot;
 
@@ -37,7 +37,7 @@ pub(super) enum Wake {
 impl Watcher {
     /// Opens a stream and takes the state it begins with.
     pub(super) fn open(door: &Door, caller: Caller) -> Result<(Watcher, Arc<Snapshot>), Problem> {
-        let place = door.streams.open(&caller, &door.access).ok_or_else(|| Problem::too_many_streams(STREAMS))?;
+        let place = door.streams.open(&caller, &door.access).ok_or_else(|| Problem::too_many_streams(door.streams.most()))?;
         let mut snapshots = door.handle.watch();
         let first = Arc::clone(&snapshots.borrow_and_update());
         let watcher = Watcher { snapshots, closing: door.closing.subscribe(), door: door.clone(), caller, _place: place };

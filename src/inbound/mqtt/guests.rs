@@ -30,6 +30,7 @@ use super::slots::{Name, Slot, Slots};
 use super::upstream::{Upstream, enter};
 use super::visitor::{Origin, Reader, Visitor, Writer};
 use crate::access::{Attempts, Network, Token};
+use crate::inbound::room::Room;
 use crate::inbound::vestibule::{Vestibule, Waiting};
 use crate::runtime::clock::Clock;
 
@@ -105,17 +106,23 @@ impl House {
     /// A house without guests. Commands go to `orders`; our own session comes with the password `secret`.
     #[must_use]
     pub fn new(gatehouse: Gatehouse, orders: Orders, secret: Token) -> House {
+        House::with_room(gatehouse, orders, secret, Room::default())
+    }
+
+    /// The same, for as many guests as there is room for.
+    #[must_use]
+    pub fn with_room(gatehouse: Gatehouse, orders: Orders, secret: Token, room: Room) -> House {
         House(Arc::new(Rooms {
             gatehouse: Arc::new(gatehouse),
             orders,
             secret,
-            vestibule: Vestibule::new(WAITING),
-            leaving: Vestibule::new(LEAVING),
-            seats: Seats::default(),
+            vestibule: Vestibule::new(room.part(WAITING)),
+            leaving: Vestibule::new(room.part(LEAVING)),
+            seats: Seats::new(room),
             pool: Pool::default(),
             slots: Slots::default(),
-            ways: Arc::new(Semaphore::new(PLACES)),
-            late: Arc::new(Semaphore::new(LATE)),
+            ways: Arc::new(Semaphore::new(room.part(PLACES))),
+            late: Arc::new(Semaphore::new(room.part(LATE))),
             attempts: Attempts::default(),
             clock: Clock::default(),
         }))

@@ -38,11 +38,9 @@ pub(super) const APPETITE: usize = 64 * 1024 * 1024;
 /// what crowds of connections cost is no doing of its.
 pub(super) const MEAL: u64 = APPETITE as u64 / 8;
 
-/// Of all clients, those whom one key may bring: every screen of a large site.
+/// Of all clients, those whom one key may bring, every screen of a large site; and as many are kept from those who only look, for
+/// operators who are not there yet.
 pub(super) const SHARE: usize = CONNECTIONS / 4;
-
-/// Of all clients, those who only look: the others are kept for operators who are not there yet.
-pub(super) const VIEWERS: usize = CONNECTIONS - SHARE;
 
 /// What one connection may cost, in bytes: what was read ahead of it, what waits for the engine, and what waits for its client.
 pub(super) const CONNECTION_BYTES: usize = 1024 * 1024;

@@ -10,7 +10,8 @@ use std::time::Duration;
 
 use tokio::sync::Notify;
 
-use super::limits::{CONNECTIONS, LITTLE_UNREAD, SHARE, UNREAD, VIEWERS, VIEWERS_UNREAD};
+use super::limits::{CONNECTIONS, LITTLE_UNREAD, SHARE, UNREAD, VIEWERS_UNREAD};
+use crate::inbound::room::Room;
 
 /// What waits for a client is noted in steps of so many bytes.
 const STEP: usize = 16 * 1024;
@@ -27,11 +28,14 @@ pub(super) struct Holder {
 }
 
 /// All seats. Cheap to clone.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Seats(Arc<Mutex<Table>>);
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Table {
+    /// How many there are, of which one key has a share, and some are kept from viewers.
+    most: usize,
+    share: usize,
     given: u64,
     taken: HashMap<u64, Taken>,
 }
@@ -79,6 +83,12 @@ impl Unread {
 }
 
 impl Seats {
+    /// As many as there is room for, all free.
+    pub(super) fn new(room: Room) -> Seats {
+        let [most, share] = [CONNECTIONS, SHARE].map(|all| room.part(all));
+        Seats(Arc::new(Mutex::new(Table { most, share, given: 0, taken: HashMap::new() })))
+    }
+
     /// How many bytes wait here for all of them.
     pub(super) fn unread_here(&self) -> usize {
         self.table().taken.values().map(|taken| taken.unread.here).sum()
@@ -109,16 +119,17 @@ impl Table {
     /// The seat that is given up for a newcomer; `None` while there is one for him.
     fn least_needed(&self, newcomer: &Holder) -> Option<u64> {
         let own = self.count(|holder| holder.who == newcomer.who);
-        if newcomer.has_share && own >= SHARE {
+        if newcomer.has_share && own >= self.share {
             return self.stillest(|holder| holder.who == newcomer.who);
         }
-        let is_among: fn(&Holder) -> bool = if newcomer.is_viewer && self.count(|holder| holder.is_viewer) >= VIEWERS {
-            |holder| holder.is_viewer
-        } else if self.taken.len() >= CONNECTIONS {
-            |_| true
-        } else {
-            return None;
-        };
+        let is_among: fn(&Holder) -> bool =
+            if newcomer.is_viewer && self.count(|holder| holder.is_viewer) >= self.most - self.share {
+                |holder| holder.is_viewer
+            } else if self.taken.len() >= self.most {
+                |_| true
+            } else {
+                return None;
+            };
         let mut counts: HashMap<&str, usize> = HashMap::new();
         for taken in self.taken.values().filter(|taken| is_among(&taken.holder)) {
             *counts.entry(&taken.holder.who).or_default() += 1;
@@ -265,7 +276,7 @@ mod tests {
     #[tokio::test]
     async fn whoever_has_his_share_gives_up_one_of_his_own() {
         for holder in [viewer("screen"), operator("panel")] {
-            let seats = Seats::default();
+            let seats = Seats::new(Room::default());
             let others = crowd(&seats, &operator("others"), SHARE);
             let own = crowd(&seats, &holder, SHARE);
             own[0].moves(NOW);
@@ -277,7 +288,7 @@ mod tests {
     /// Safety S9.
     #[tokio::test]
     async fn viewers_together_leave_seats_to_operators_and_to_each_other() {
-        let seats = Seats::default();
+        let seats = Seats::new(Room::default());
         // A fourth of all is kept.
         let viewers = CONNECTIONS - CONNECTIONS / 4;
         let keys = viewers / SHARE + 2;
@@ -296,7 +307,7 @@ mod tests {
     /// Safety S9.
     #[tokio::test]
     async fn when_all_seats_are_taken_whoever_has_most_gives_way_to_any_newcomer() {
-        let seats = Seats::default();
+        let seats = Seats::new(Room::default());
         let mut crowds: Vec<_> = (0..3).map(|key| crowd(&seats, &operator(&key.to_string()), SHARE - 1)).collect();
         crowds.push(crowd(&seats, &operator("most"), SHARE));
         let few = crowd(&seats, &viewer("few"), 3);
@@ -312,7 +323,7 @@ mod tests {
     /// Safety S9: where nobody signs in.
     #[tokio::test]
     async fn without_keys_nobody_has_a_share_and_the_stillest_gives_way() {
-        let seats = Seats::default();
+        let seats = Seats::new(Room::default());
         let all = crowd(&seats, &here(), CONNECTIONS);
         assert_eq!(lost(&all).await, 0);
         for seat in &all[..CONNECTIONS - 1] {
@@ -334,7 +345,7 @@ mod tests {
     /// Safety A5, S9.
     #[tokio::test]
     async fn when_too_much_is_unread_whoever_has_read_nothing_for_longest_gives_way() {
-        let seats = Seats::default();
+        let seats = Seats::new(Room::default());
         let all = crowd(&seats, &here(), CONNECTIONS);
         pile_up(&all[..1], LITTLE_UNREAD);
         pile_up(&all[1..UNREAD / MUCH], MUCH);
@@ -349,7 +360,7 @@ mod tests {
     /// Safety A5, S9.
     #[tokio::test]
     async fn what_viewers_do_not_read_harms_no_operator() {
-        let seats = Seats::default();
+        let seats = Seats::new(Room::default());
         let screens = crowd(&seats, &operator("screens"), SHARE);
         pile_up(&screens, LITTLE_UNREAD);
         let viewers = ["one", "two", "three"].map(|key| crowd(&seats, &viewer(key), SHARE));
@@ -362,7 +373,7 @@ mod tests {
     /// Safety A5: what was replaced while it was on its way counts, and what all have in common does not.
     #[tokio::test]
     async fn what_several_wait_for_counts_when_it_is_kept_no_more() {
-        let seats = Seats::default();
+        let seats = Seats::new(Room::default());
         let all = crowd(&seats, &here(), SHARE);
         let shared = Unread { shared: MUCH, ..Unread::default() };
         all.iter().for_each(|seat| seat.note_unread(shared, NOW, || 0));
@@ -374,7 +385,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_seat_that_is_left_is_free() {
-        let seats = Seats::default();
+        let seats = Seats::new(Room::default());
         for _ in 0..3 {
             assert_eq!(lost(&crowd(&seats, &here(), CONNECTIONS)).await, 0);
         }

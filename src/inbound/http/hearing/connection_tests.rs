@@ -19,6 +19,7 @@ use crate::inbound::http::hearing::converse;
 use crate::inbound::http::places::Places;
 use crate::inbound::http::router;
 use crate::inbound::http::testing::{House, house};
+use crate::inbound::room::Room;
 use crate::inbound::vestibule::Vestibule;
 use crate::runtime::within::within;
 use crate::wire::fixture::searching;
@@ -33,7 +34,7 @@ fn line(house: &House, places: usize) -> Line {
         router: router(&house.door, hosts.clone()),
         hosts,
         tls: None,
-        places: Places::new(places, &house.door.access),
+        places: Places::new(places, Room::default(), &house.door.access),
         vestibule: Vestibule::new(8),
         lingering: Vestibule::new(8),
         work: Handle::current(),
