@@ -92,3 +92,32 @@ fn slow() -> Answer {
 fn unavailable(words: String) -> Answer {
     Answer::once(Response { max_age: Some(BUSY_S), ..Response::refusal(Code::UNAVAILABLE, words) })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::endpoint::Endpoint;
+    use super::*;
+
+    /// Safety A5.
+    #[tokio::test]
+    async fn looks_and_commands_have_places_of_their_own_and_beyond_all_of_them_nothing_is_waited_for() {
+        let mut endpoint = Endpoint::new([7; 32]);
+        endpoint.handle_datagram(
+            ([127, 0, 0, 1], 1).into(),
+            b"\x40\x02\x00\x01\xB4take",
+            crate::runtime::clock::Clock::default().now(),
+        );
+        let exchange = endpoint.poll_request().expect("it is one").0;
+        let mut under_way = UnderWay::default();
+        let mut begin = |sort, count: usize| {
+            (0..count).for_each(|_| under_way.add(exchange, sort, Box::pin(std::future::pending())));
+            [Sort::Look, Sort::Command].map(|sort| under_way.is_full(sort))
+        };
+        assert_eq!(begin(Sort::Look, LOOKS - 1), [false, false]);
+        assert_eq!(begin(Sort::Look, 1), [true, false]);
+        assert_eq!(begin(Sort::Command, COMMANDS - 1), [true, false]);
+        assert_eq!(begin(Sort::Command, 1), [true, true]);
+        begin(Sort::Command, 2 * OPEN);
+        assert_eq!((under_way.tasks.len(), under_way.exchanges.len()), (OPEN, OPEN));
+    }
+}

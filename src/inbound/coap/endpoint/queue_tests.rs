@@ -41,12 +41,21 @@ fn whoever_was_answered_has_room_again() {
 }
 
 #[test]
+fn whoever_always_has_something_waiting_has_room_for_as_much_as_was_taken() {
+    let mut queue = Queue::of(99 * COST);
+    for n in 0..1_000 {
+        assert!(is_kept(&mut queue, peer(1 + n % 2), &[1]), "{n} were taken before");
+        assert!(n < 4 || queue.next().is_some());
+    }
+}
+
+#[test]
 fn what_is_put_first_goes_before_what_comes_later_and_has_its_room_until_it_goes() {
     let mut queue = Queue::of(90 * COST);
     (1..=2).for_each(|n| [1, 2].into_iter().for_each(|port| queue.push(peer(port), &[n])));
     assert!(!queue.has_first());
     queue.put_first();
-    assert!(queue.has_first());
+    assert!(queue.has_first() && !queue.is_empty());
     assert_eq!(queue.left, 86 * COST);
     queue.push(peer(3), &[9]);
     assert_eq!(queue.next_first().map(|(peer, _)| peer.port()), Some(1));
