@@ -2,11 +2,15 @@
 //! and who gives way to a newcomer when there is none: whoever makes least progress. Those who have said nothing yet wait in the
 //! `vestibule`.
 
+mod queues;
+
 use std::collections::HashMap;
 use std::net::IpAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::Notify;
+
+use queues::{Queues, Turn};
 
 use crate::access::{Access, Caller, Network, Role};
 use crate::inbound::room::Room;
@@ -40,15 +44,20 @@ struct Taken {
     /// Places that were given and not left, those that were cut included.
     held: usize,
     seats: HashMap<u64, Seat>,
+    /// The order in which they give way: looking through all of them for each newcomer would keep STOPs of others waiting.
+    queues: Queues,
 }
 
 /// For whom a place is wanted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Claim {
     network: Network,
-    /// The name of the key, and whether it is an operator's; nothing of strangers.
-    who: Option<(Arc<str>, bool)>,
+    /// Nothing of strangers.
+    who: Option<Who>,
 }
+
+/// The name of a key, and whether it is an operator's.
+type Who = (Arc<str>, bool);
 
 struct Seat {
     claim: Claim,
@@ -97,17 +106,14 @@ impl Claim {
             Some((_, true)) => 2,
         }
     }
-
-    fn has_key_of(&self, other: &Claim) -> bool {
-        self.who.is_some() && self.who == other.who
-    }
 }
 
 impl Places {
     /// So many places, all free. Where nobody signs in there are no shares.
     pub(super) fn new(most: usize, room: Room, access: &Access) -> Places {
         let (most, leaving, has_shares) = (room.part(most), room.part(LEAVING), matches!(access, Access::Keys(_)));
-        Places(Arc::new(Mutex::new(Taken { most, leaving, has_shares, moments: 0, held: 0, seats: HashMap::new() })))
+        let (seats, queues) = (HashMap::new(), Queues::default());
+        Places(Arc::new(Mutex::new(Taken { most, leaving, has_shares, moments: 0, held: 0, seats, queues })))
     }
 
     /// A place; somebody else's, who is told by `cut`, when none is free. `None` when nobody can give way, or too many who had to have
@@ -122,7 +128,7 @@ impl Places {
         taken.held += 1;
         let number = taken.moment();
         let seat = Seat { claim, open: 0, is_receiving: false, is_watching: false, since: number, cut };
-        taken.seats.insert(number, seat);
+        taken.sit(number, seat);
         drop(taken);
         Some(Place { number, places: self.clone() })
     }
@@ -130,7 +136,7 @@ impl Places {
     /// Cuts some connections that can give way, when the system has no more descriptors, and says how many.
     pub(super) fn relieve(&self) -> usize {
         let mut taken = self.taken();
-        (0..RELIEF).take_while(|_| taken.cut(|_| true)).count()
+        (0..RELIEF).take_while(|_| taken.cut_first()).count()
     }
 
     /// Places that were given and not left.
@@ -150,48 +156,64 @@ impl Taken {
         self.moments
     }
 
+    fn sit(&mut self, number: u64, seat: Seat) {
+        self.queues.enter(&seat.claim, seat.turn(number));
+        self.seats.insert(number, seat);
+    }
+
+    fn rise(&mut self, number: u64) -> Option<Seat> {
+        let seat = self.seats.remove(&number)?;
+        self.queues.leave(&seat.claim, seat.turn(number));
+        Some(seat)
+    }
+
     /// Whoever has his share full takes the place of one of his own, and nobody but an operator takes an operator's.
     fn make_room(&mut self, claim: &Claim) -> bool {
         let (most, has_shares) = (self.most, self.has_shares);
         if has_shares {
-            let of_key = |seat: &Seat| seat.claim.has_key_of(claim);
-            let of_network = |seat: &Seat| seat.claim.network == claim.network;
-            let of_all = |seat: &Seat| !seat.claim.is_operator();
-            let is_made = self.bounded(most / PARTS, of_key)
-                && (claim.network.is_loopback() || self.bounded(most / PARTS, of_network))
-                && (claim.is_operator() || self.bounded(most - most / KEPT, of_all));
+            let is_made = self.bounded(most / PARTS, self.queues.of_key(claim))
+                && (claim.network.is_loopback() || self.bounded(most / PARTS, self.queues.of_network(claim)))
+                && (claim.is_operator() || self.bounded(most - most / KEPT, self.queues.of_others()));
             if !is_made {
                 return false;
             }
         }
-        self.seats.len() < most || self.cut(|seat| !has_shares || claim.is_operator() || !seat.claim.is_operator())
+        let (_, first) = if !has_shares || claim.is_operator() { self.queues.of_all() } else { self.queues.of_others() };
+        self.seats.len() < most || self.cut(first)
     }
 
-    /// Whether there is room for one more of these, after one of them gave way if need be.
-    fn bounded(&mut self, most: usize, of_these: impl Fn(&Seat) -> bool) -> bool {
-        self.seats.values().filter(|seat| of_these(seat)).count() < most || self.cut(of_these)
+    /// Whether there is room for one more of so many, after the first of them gave way if need be.
+    fn bounded(&mut self, most: usize, (many, first): (usize, Option<Turn>)) -> bool {
+        many < most || self.cut(first)
     }
 
     /// A connection has shown another key than before: when there are too many of that now, one of them gives way.
     fn keep_share(&mut self, claim: &Claim) {
-        let of_key = |seat: &Seat| seat.claim.has_key_of(claim);
-        if self.has_shares && self.seats.values().filter(|seat| of_key(seat)).count() > self.most / PARTS {
-            self.cut(of_key);
+        if self.has_shares {
+            self.bounded(self.most / PARTS + 1, self.queues.of_key(claim));
         }
     }
 
-    /// Cuts the connection that gives way first among these; `false` when none does. Strangers go before anybody else, and
-    /// operators go last.
-    fn cut(&mut self, among: impl Fn(&Seat) -> bool) -> bool {
-        let yielding = self.seats.iter().filter(|(_, seat)| seat.stage() != Stage::Watching && among(seat));
-        let first = yielding.min_by_key(|(_, seat)| (seat.claim.rank(), seat.stage(), seat.since));
-        let Some(seat) = first.map(|(number, _)| *number).and_then(|number| self.seats.remove(&number)) else { return false };
+    /// Cuts whoever gives way before all others; `false` when nobody does.
+    fn cut_first(&mut self) -> bool {
+        let (_, first) = self.queues.of_all();
+        self.cut(first)
+    }
+
+    /// Cuts this connection; `false` when there is none.
+    fn cut(&mut self, turn: Option<Turn>) -> bool {
+        let Some(seat) = turn.and_then(|turn| self.rise(turn.number)) else { return false };
         seat.cut.notify_one();
         true
     }
 }
 
 impl Seat {
+    /// When it gives way, under this number.
+    const fn turn(&self, number: u64) -> Turn {
+        Turn { rank: self.claim.rank(), stage: self.stage(), since: self.since, number }
+    }
+
     const fn stage(&self) -> Stage {
         match (self.is_receiving, self.is_watching, self.open) {
             (true, _, _) => Stage::Receiving,
@@ -228,7 +250,7 @@ impl Place {
 
     /// The connection speaks another protocol from now on: its place is free, and nobody needs to cut it.
     pub(super) fn hands_over(&self) {
-        let _ = self.places.taken().seats.remove(&self.number);
+        let _ = self.places.taken().rise(self.number);
     }
 
     /// Something of an answer was taken to be sent.
@@ -247,11 +269,12 @@ impl Place {
     fn change(&self, is_progress: bool, change: impl FnOnce(&mut Seat)) {
         let mut taken = self.places.taken();
         let now = taken.moment();
-        if let Some(seat) = taken.seats.get_mut(&self.number) {
-            change(seat);
+        if let Some(mut seat) = taken.rise(self.number) {
+            change(&mut seat);
             if is_progress {
                 seat.since = now;
             }
+            taken.sit(self.number, seat);
         }
     }
 }
@@ -260,7 +283,7 @@ impl Drop for Place {
     fn drop(&mut self) {
         let mut taken = self.places.taken();
         taken.held -= 1;
-        taken.seats.remove(&self.number);
+        let _ = taken.rise(self.number);
     }
 }
 

@@ -2,6 +2,9 @@
 
 use std::collections::VecDeque;
 
+use rand_chacha::ChaCha8Rng;
+use rand_core::{Rng, SeedableRng};
+
 use super::*;
 use crate::access::Keyring;
 
@@ -258,4 +261,40 @@ async fn when_too_many_were_cut_and_are_not_gone_only_who_says_stop_gets_a_place
     assert_eq!(stops.iter().flatten().count(), LEAVING);
     drop((stops, all.remove(0)));
     assert!(comes(&places, HERE, "operator").place.is_some(), "one has gone");
+}
+
+/// Safety S9: whatever happens in whichever order, who is found to give way first is who comes first of all that are looked through.
+#[test]
+fn whoever_is_found_to_give_way_is_the_first_of_all() {
+    let places = keyed(40);
+    let mut chance = ChaCha8Rng::seed_from_u64(7);
+    let mut draw = |most: usize| usize::try_from(chance.next_u32()).expect("it fits") % most;
+    let mut all: Vec<Somebody> = Vec::new();
+    for _ in 0..20_000 {
+        let (from, who) =
+            (["192.0.2.1", "192.0.2.2", "192.0.2.3"][draw(3)], ["", "lobby", "hall", "operator", "operator-2"][draw(5)]);
+        let somebody = (!all.is_empty()).then(|| draw(all.len()));
+        match (draw(9), somebody) {
+            (0..=2, _) | (_, None) => all.extend(Some(comes(&places, from, who)).filter(|somebody| somebody.place.is_some())),
+            (3, Some(n)) => drop(all.swap_remove(n)),
+            (4, Some(n)) => all[n].place().asked(comes(&open(1), from, who).claim, draw(2) == 0),
+            (5, Some(n)) => all[n].place().received(),
+            (6, Some(n)) => all[n].place().watches(),
+            (7, Some(n)) => all[n].place().answered(),
+            (_, Some(n)) => all[n].place().sends(),
+        }
+        let taken = places.taken();
+        let found = |among: &dyn Fn(&Seat) -> bool| {
+            let these = taken.seats.iter().filter(|(_, seat)| among(seat));
+            let yielding = these.clone().filter(|(_, seat)| seat.stage() != Stage::Watching);
+            (these.count(), yielding.map(|(number, seat)| seat.turn(*number)).min())
+        };
+        let claim = Claim { network: Network::of(from.parse().unwrap()), who: Some((Arc::from("lobby"), false)) };
+        assert_eq!(taken.queues.of_all(), found(&|_| true));
+        assert_eq!(taken.queues.of_others(), found(&|seat| !seat.claim.is_operator()));
+        assert_eq!(taken.queues.of_key(&claim), found(&|seat| seat.claim.who == claim.who));
+        assert_eq!(taken.queues.of_network(&claim), found(&|seat| seat.claim.network == claim.network));
+    }
+    drop(all);
+    assert!(places.taken().queues.are_empty(), "nothing is kept of who has left");
 }
