@@ -1,13 +1,16 @@
 //! The accept loop, on the thread that hears, and its end within two seconds. The ports are bound, and the end decided, by whoever
 //! calls; what becomes of a connection stands in `hearing`.
 
-use std::future::Future;
+use std::future::{Future, poll_fn};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
+use std::task::Poll;
 use std::time::Duration;
 
 use tokio::runtime::Handle;
 use tokio::sync::oneshot;
 use tokio::task::JoinSet;
+use tokio::task::coop::unconstrained;
 
 use super::hearing::{Line, converse};
 use super::places::{PLACES, Places};
@@ -33,7 +36,7 @@ const WAITING: usize = 512;
 const LINGERING: usize = 64;
 
 /// So many connections are taken in before those that are here have their turn.
-const NEWCOMERS: usize = 16;
+const NEWCOMERS: usize = 64;
 
 /// What stands before the door.
 #[derive(Clone, Default)]
@@ -99,8 +102,7 @@ async fn listen(mut listeners: Listeners, line: Arc<Line>, mut ended: oneshot::R
             Some(_) = connections.join_next() => {}
             accepted = listeners.accept() => match accepted {
                 Ok(newcomer) => {
-                    // Boxed, since what is spawned is moved about.
-                    connections.spawn(Box::pin(converse(newcomer, Arc::clone(&line))));
+                    begin(&mut connections, converse(newcomer, Arc::clone(&line))).await;
                     newcomers += 1;
                 }
                 Err(error) => {
@@ -119,6 +121,20 @@ async fn listen(mut listeners: Listeners, line: Arc<Line>, mut ended: oneshot::R
     let drained = tokio::time::timeout(GRACE, async { while connections.join_next().await.is_some() {} }).await;
     if drained.is_err() {
         tracing::info!(open = connections.len(), "connections that would not end were cut");
+    }
+}
+
+/// Hears what a newcomer has said already, at once and not behind those who were here before; then it goes on among them.
+async fn begin(connections: &mut JoinSet<()>, conversation: impl Future<Output = ()> + Send + 'static) {
+    // Boxed, since it is moved about.
+    let mut conversation = Box::pin(conversation);
+    let begun = poll_fn(|cx| {
+        // A mistake in one connection ends that one alone.
+        let begun = catch_unwind(AssertUnwindSafe(|| conversation.as_mut().poll(cx)));
+        Poll::Ready(begun.is_ok_and(|begun| begun.is_pending()))
+    });
+    if unconstrained(begun).await {
+        connections.spawn(conversation);
     }
 }
 

@@ -296,3 +296,20 @@ async fn before_1970_it_is_said_that_the_clock_is_wrong_and_a_stop_halts_all_the
 
 #[path = "serve_stop_tests.rs"]
 mod stop_tests;
+
+/// Safety S7, S9, A7.
+#[tokio::test]
+async fn a_newcomer_is_heard_before_the_others_have_their_turn_and_a_mistake_ends_it_alone() {
+    let mut connections = JoinSet::new();
+    let (tell, mut told) = oneshot::channel();
+    let newcomer = async move {
+        let _ = tell.send(());
+        std::future::pending().await
+    };
+    begin(&mut connections, newcomer).await;
+    assert_eq!(told.try_recv(), Ok(()));
+    begin(&mut connections, async { panic!("a mistake") }).await;
+    begin(&mut connections, async {}).await;
+    assert_eq!(connections.len(), 1, "the first goes on");
+    assert!(connections.try_join_next().is_none());
+}

@@ -112,8 +112,9 @@ where
         }
     }
 
-    /// Hears until there is nothing more to hear.
-    pub(super) async fn hear(mut self) {
+    /// Hears what was `said` already, and then on until there is nothing more to hear.
+    pub(super) async fn hear(mut self, said: BytesMut) {
+        self.read = said;
         loop {
             // It is known here before the client can know it, so that nothing of another protocol is heard.
             if self.may_hand_over && self.shared.is_handed_over() {

@@ -65,7 +65,7 @@ async fn lasts(hearing: &mut JoinHandle<()>, seconds: u64) -> bool {
 async fn a_first_head_that_does_not_come_is_waited_for_20_seconds() {
     let house = house(searching());
     let (connection, mut says, _hears, _) = connected(&Arc::new(line(&house, 8)));
-    let mut hearing = tokio::spawn(connection.hear());
+    let mut hearing = tokio::spawn(connection.hear(BytesMut::new()));
     says.write_all(b"POST /h HTTP/1.1\r\nHost: loc").await.unwrap();
     assert!(lasts(&mut hearing, 20).await);
 }
@@ -95,7 +95,7 @@ async fn what_a_client_that_is_gone_has_sent_is_carried_out_for_two_seconds() {
         says.write_all(format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n").as_bytes()).await.unwrap();
     }
     drop((says, hears));
-    let mut hearing = tokio::spawn(connection.hear());
+    let mut hearing = tokio::spawn(connection.hear(BytesMut::new()));
     assert!(lasts(&mut hearing, 2).await);
     assert!(is_done.load(Ordering::SeqCst));
 }
@@ -106,7 +106,7 @@ async fn who_gets_no_further_answer_has_no_place_and_is_heard_for_five_seconds()
     let house = house(searching());
     let line = Arc::new(line(&house, 8));
     let (connection, mut says, mut hears, _) = connected(&line);
-    let mut hearing = tokio::spawn(connection.hear());
+    let mut hearing = tokio::spawn(connection.hear(BytesMut::new()));
     says.write_all(b"GET / HTTP/1.1\r\nno header\r\n\r\n").await.unwrap();
     let mut refused = String::new();
     hears.read_to_string(&mut refused).await.unwrap();
@@ -125,7 +125,7 @@ async fn who_gets_no_further_answer_has_no_place_and_is_heard_for_five_seconds()
 async fn a_move_that_says_stop_halts_when_it_is_refused() {
     let house = house(searching());
     let (connection, mut says, _hears, _) = connected(&Arc::new(line(&house, 8)));
-    let hearing = tokio::spawn(connection.hear());
+    let hearing = tokio::spawn(connection.hear(BytesMut::new()));
     let head = "POST /console/move HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n";
     let (beginning, end) = (format!(r#"{{"note":"{}"#, "z".repeat(1_100)), r#"","move":"\u0068"}"#);
     says.write_all(format!("{head}{:x}\r\n{beginning}\r\n", beginning.len()).as_bytes()).await.unwrap();
@@ -204,7 +204,7 @@ async fn who_had_to_make_room_takes_no_place() {
     let (connection, mut says, mut hears, _) = connected(&line);
     says.write_all(STOP.as_bytes()).await.unwrap();
     assert_eq!(line.vestibule.relieve(), 1);
-    let hearing = tokio::spawn(connection.hear());
+    let hearing = tokio::spawn(connection.hear(BytesMut::new()));
     drop(says);
     let mut refused = String::new();
     within("the refusal", hears.read_to_string(&mut refused)).await.unwrap();
@@ -242,4 +242,19 @@ async fn others_have_their_turns_while_much_is_heard_of_one() {
     connection.take_turns().await;
     assert!(turns.load(Ordering::Relaxed) >= 1 && connection.turn == 0, "and one after so many bytes");
     others.abort();
+}
+
+/// Safety S7, S9: not only when everybody who was here before has had a turn.
+#[tokio::test]
+async fn a_stop_that_a_newcomer_has_sent_already_halts_before_anything_is_waited_for() {
+    let house = house(searching());
+    let listener = TcpListener::bind((HERE, 0)).await.unwrap();
+    let mut client = std::net::TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+    std::io::Write::write_all(&mut client, STOP.as_bytes()).unwrap();
+    let newcomer = listener.accept().await.unwrap();
+    let before = house.door.handle.epoch();
+    let mut conversation = Box::pin(converse(newcomer, Arc::new(line(&house, 8))));
+    let once = std::future::poll_fn(|cx| std::task::Poll::Ready(conversation.as_mut().poll(cx).is_pending()));
+    assert!(once.await);
+    assert!(house.door.handle.epoch() > before);
 }

@@ -1,11 +1,14 @@
 //! What connections have in common, and how each begins and ends: encrypted where connections are, and cut when its room is needed.
 //! What is heard in between stands in `connection`.
 
+use std::io::Read;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
+use bytes::BytesMut;
+use socket2::SockRef;
 use tokio::net::TcpStream;
 use tokio::runtime::Handle;
 use tokio::sync::{Notify, watch};
@@ -21,6 +24,9 @@ use crate::inbound::vestibule::{Vestibule, Waiting};
 
 /// How long a client may take to agree on encryption.
 const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
+
+/// So much is heard of a newcomer at once, in bytes: a STOP is shorter.
+const FIRST_WORDS: usize = 1024;
 
 /// What every connection has in common.
 pub(in crate::inbound::http) struct Line {
@@ -75,16 +81,26 @@ async fn encrypted(stream: TcpStream, peer: Peer, waiting: (Waiting, Arc<Notify>
         tracing::debug!(%error, "small packets of a connection will be held back");
     }
     let Some(Tls(acceptor)) = line.tls.clone() else {
+        let said = first_words(&stream);
         let (from, to) = stream.into_split();
-        return Connection::new(from, to, peer, waiting, line).hear().await;
+        return Connection::new(from, to, peer, waiting, line).hear(said).await;
     };
     // Boxed, since most connections have none of this.
     match timeout(HANDSHAKE_TIME, Box::pin(acceptor.accept(stream))).await {
         Ok(Ok(stream)) => {
             let (from, to) = tokio::io::split(stream);
-            Box::pin(Connection::new(from, to, peer, waiting, line).hear()).await;
+            Box::pin(Connection::new(from, to, peer, waiting, line).hear(BytesMut::new())).await;
         }
         Ok(Err(error)) => tracing::debug!(%error, "a client could not agree on encryption"),
         Err(_) => tracing::debug!("a client did not agree on encryption in time"),
     }
+}
+
+/// What a newcomer has said already: asked of the system itself, as the loop does not know before its next look where something has come.
+fn first_words(stream: &TcpStream) -> BytesMut {
+    let mut said = BytesMut::zeroed(FIRST_WORDS);
+    // Nothing, the end or an error is found again by whoever reads on.
+    let length = (&*SockRef::from(stream)).read(&mut said).unwrap_or(0);
+    said.truncate(length);
+    said
 }
