@@ -3,13 +3,14 @@
 //! a guest is the gate's business.
 
 use std::net::IpAddr;
-use std::pin::pin;
+use std::pin::{Pin, pin};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
 use bytes::{Buf, BytesMut};
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::runtime::Handle;
 use tokio::sync::{Semaphore, oneshot};
 
@@ -179,7 +180,7 @@ impl House {
 
     /// Why it ended.
     async fn converse(&self, visitor: Visitor, waiting: Waiting, (engine, work): (Running, Handle)) -> Sent {
-        let Visitor { mut reader, writer, origin } = visitor;
+        let Visitor { mut reader, mut writer, origin } = visitor;
         let (from, mut heard) = (origin.from, BytesMut::new());
         let introduced = tokio::select! {
             biased;
@@ -197,9 +198,10 @@ impl House {
         let mut hearing = Hearing::new(Arc::clone(&listener), feeder, self.0.clock, work.clone());
         hearing.begin(&heard).await;
         drop(heard);
+        let greeted = self.greet(&mut writer, &known);
         // Only now, when its STOP has halted, it is asked what else is wrong. Until that is done it waits with the others.
         let (seated, has_seat) = oneshot::channel();
-        let served = work.spawn(self.clone().serve((writer, taker), known, (listener, seated), engine));
+        let served = work.spawn(self.clone().serve((writer, taker), (known, greeted), (listener, seated), engine));
         let aborted = served.abort_handle();
         let mut sent = pin!(async {
             hearing.run(reader).await;
@@ -212,6 +214,20 @@ impl House {
         }
         drop(waiting);
         sent.await
+    }
+
+    /// Greets whoever will be let in whatever is remembered of it, and says how many bytes of that it was told. Most clients say nothing
+    /// before, not even STOP, and where all else is done many may be before this one (safety S7).
+    fn greet(&self, writer: &mut Writer, known: &Known) -> usize {
+        if !known.connect.clean_session || self.refusal(known).is_some() {
+            return 0;
+        }
+        let mut cx = Context::from_waker(Waker::noop());
+        match Pin::new(writer).poll_write(&mut cx, &write::connack(Welcome::Accepted, false)) {
+            Poll::Ready(Ok(told)) => told,
+            // It is told later, or found to be gone.
+            Poll::Ready(Err(_)) | Poll::Pending => 0,
+        }
     }
 
     /// Tells a visitor why it is sent away. Whoever may stop the robot all the same is heard before that, and for a while yet (safety
@@ -281,8 +297,14 @@ impl House {
         connect.will.as_ref().filter(|will| !is_allowed(&will.topic)).map(|_| Welcome::NotAllowed)
     }
 
-    /// Serves a client to its end, and says why that came. Nothing of it waits for the engine, but what is to be done there.
-    async fn serve(self, ends: (Writer, Taker), known: Known, (listener, seated): Heeded, engine: Running) -> Sent {
+    /// Serves a client to its end, and says why that came; of its greeting it was told so much already. Nothing of it waits for the engine, but what is to be done there.
+    async fn serve(
+        self,
+        ends: (Writer, Taker),
+        (known, greeted): (Known, usize),
+        (listener, seated): Heeded,
+        engine: Running,
+    ) -> Sent {
         let (writer, taker) = ends;
         if let Some(welcome) = self.refusal(&known) {
             taker.leave(Left::HearsRest);
@@ -316,7 +338,7 @@ impl House {
             session: session.unwrap_or_default(),
         };
         let mut turnstile = Turnstile::new(terms, Arc::clone(&self.0.gatehouse), now);
-        turnstile.to_client().end().extend_from_slice(&greeting);
+        turnstile.to_client().end().extend_from_slice(&greeting[greeted..]);
         let (leaving, late) = ((self.0.leaving.clone(), origin.from), Arc::clone(&self.0.late));
         let ends = Ends { client: writer, ahead: taker, seat, leaving, late };
         let waits = AtomicBool::new(remembered.is_none());

@@ -208,3 +208,41 @@ async fn what_clients_say_that_leave_at_once_waits_for_the_engine_for_so_many_an
     tokio::time::sleep(Duration::from_millis(200)).await;
     assert_eq!(wait(), 0);
 }
+
+/// Safety S7: most clients say STOP only when they were greeted. A client of which something is remembered is told so.
+#[tokio::test]
+async fn a_newcomer_is_greeted_and_heard_though_nothing_else_is_done() {
+    let (handle, script) = obedient(idle());
+    let (give, _answers) = mpsc::channel(1);
+    let secret = Token::draw().expect("the system gives chance");
+    let house = House::new(Gatehouse::new(topics()), Orders::new(handle, topics(), true, give), secret);
+    let (_engines, engine) = watch::channel(Arc::new(Engine::hanging("127.0.0.1:9".parse().expect("an address"))));
+    // Nobody runs what is to be done there.
+    let idle = tokio::runtime::Builder::new_current_thread().build().expect("the system gives one");
+    for (flags, is_greeted) in [(0xC2, true), (0xC0, false)] {
+        let origin = Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access: Access::Open };
+        let (mut client, stream) = tokio::io::duplex(1024);
+        let waiting = house.let_wait(origin.from);
+        let served = house.clone().entertain(Visitor::over(stream, origin), waiting, (engine.clone(), idle.handle().clone()));
+        let served = tokio::spawn(served);
+        client.write_all(&hello(("MQTT", 4, flags), "anna", "x")).await.expect("it is taken");
+        let mut greeting = [0; 4];
+        if is_greeted {
+            within("the greeting", client.read_exact(&mut greeting)).await.expect("it comes");
+            assert_eq!(greeting, write::connack(Welcome::Accepted, false));
+        }
+        client.write_all(&packet(0x30, &field(b"hallsweep/discovery/command/stop"))).await.expect("it is taken");
+        let stops = || script.given.lock().expect("nobody panicked").len();
+        let expect = stops() + 1;
+        within("the STOP", async {
+            while stops() < expect {
+                tokio::task::yield_now().await;
+            }
+        })
+        .await;
+        let is_told_more = tokio::time::timeout(Duration::ZERO, client.read(&mut greeting)).await.is_ok();
+        assert!(!is_told_more, "what is remembered of it is looked up elsewhere, and nobody is greeted twice");
+        served.abort();
+    }
+    idle.shutdown_background();
+}
