@@ -81,7 +81,7 @@ pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Do
 
 fn serve_with(settings: &Settings, robot: Option<Adapter>, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
     let simulation = simulation(settings, Camera::Rendered)?;
-    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(AppError::System)?;
+    let runtime = threads::ordinary().map_err(AppError::System)?;
     let served = runtime.block_on(serve_hall(settings, simulation, robot, announce));
     runtime.shutdown_timeout(LEFT_BEHIND);
     served

@@ -1,9 +1,18 @@
 //! Who runs on a thread of his own (safety S7): the core's loop, the robot's link, and what each door hears; and the gate of our own
 //! MQTT broker, where one thread passes messages on sooner than several that wake each other. Everything else that a door does runs on
-//! the ordinary threads, where it may be busy.
+//! the ordinary threads, where it may be busy, and which stand back behind the others where there are fewer processors than work.
+
+use std::io;
+
+use tokio::runtime::{Builder, Runtime};
 
 use super::AppError;
 use crate::runtime::threads::Thread;
+
+/// By so much ordinary threads are nicer than the others, as the system counts it: they get a third of what one of these gets, as long
+/// as both have something to do.
+#[cfg(target_os = "linux")]
+const NICER: i32 = 5;
 
 /// The threads; all of them end when this is dropped.
 pub(super) struct Threads {
@@ -30,5 +39,48 @@ impl Threads {
             mqtt: start("hear-mqtt")?,
             gate: start("mqtt-gate")?,
         })
+    }
+}
+
+/// The ordinary threads.
+///
+/// # Errors
+/// The system gives no threads, or no timers and sockets for them.
+pub(super) fn ordinary() -> io::Result<Runtime> {
+    Builder::new_multi_thread().enable_all().on_thread_start(stand_back).build()
+}
+
+/// Lets the threads go before this one that a STOP needs. Elsewhere than on Linux priorities are of whole programs.
+fn stand_back() {
+    #[cfg(target_os = "linux")]
+    {
+        use rustix::process::{getpriority_process, setpriority_process};
+        if let Err(error) = getpriority_process(None).and_then(|before| setpriority_process(None, before + NICER)) {
+            tracing::debug!(%error, "an ordinary thread has as much right to the machine as those that hear");
+        }
+    }
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use rustix::process::getpriority_process;
+
+    use super::*;
+
+    /// Safety S7.
+    #[test]
+    fn ordinary_threads_stand_back_behind_those_that_hear() {
+        /// The last that the system knows.
+        const NICEST: i32 = 19;
+        let threads = Threads::start().expect("the system gives threads");
+        let ordinary = ordinary().expect("the system gives more");
+        let own = || async { getpriority_process(None).expect("the system says") };
+        let before = getpriority_process(None).expect("the system says");
+        let of = |on: &tokio::runtime::Handle| ordinary.block_on(on.spawn(own())).expect("it says");
+        let Threads { core, robot, http, coap, mqtt, gate } = &threads;
+        assert!([core, robot, http, coap, mqtt, gate].iter().all(|thread| of(thread.handle()) == before));
+        assert_eq!(of(ordinary.handle()), (before + NICER).min(NICEST));
+        let blocking = ordinary.spawn_blocking(|| getpriority_process(None).expect("the system says"));
+        assert_eq!(ordinary.block_on(blocking).expect("it says"), (before + NICER).min(NICEST));
     }
 }

@@ -74,7 +74,7 @@ const RULES: [Rule; 12] = [
     Rule {
         module: "app",
         modules: &["access", "config", "core", "inbound", "outbound", "runtime"],
-        crates: &["rlimit", "socket2", "thiserror", "tokio", "tracing"],
+        crates: &["rlimit", "rustix", "socket2", "thiserror", "tokio", "tracing"],
     },
     Rule {
         module: "cli",
