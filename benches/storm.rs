@@ -2,8 +2,8 @@
 //! robot moves. Measured is request → robot port, in a program as `app` opens it, beside a run without the storm (safety S6, S7, S9);
 //! for the floods of MQTT also beside what mosquitto makes of the same. Everything is sent to loopback, and ends by itself.
 //!
-//! `cargo bench --bench storm` does all of it; `-- http-bodies` that flood alone, with a line for each way of STOP; `-- list` names
-//! them; `--stops 20` presses so often in each way; `--equal` gives the senders of the named floods the program's own priority, and
+//! `cargo bench --bench storm` does all of it; `-- http-bodies` that flood alone, with a line for each way of STOP; `-- all` all of them
+//! at once; `-- list` names them; `--stops 20` presses so often in each way; `--equal` gives the senders of the named floods the program's own priority, and
 //! holds those of MQTT against mosquitto.
 #![expect(clippy::disallowed_methods, clippy::print_stdout, reason = "a benchmark looks at the clock and prints")]
 
@@ -67,17 +67,20 @@ fn main() -> ExitCode {
 /// What was asked for on the command line.
 struct Asked {
     floods: Vec<&'static Flood>,
+    /// All of them at once.
+    is_all: bool,
     each: Option<usize>,
     is_equal: bool,
 }
 
 impl Asked {
     fn read(words: &[String]) -> Result<Asked, String> {
-        let mut asked = Asked { floods: Vec::new(), each: None, is_equal: false };
+        let mut asked = Asked { floods: Vec::new(), is_all: false, each: None, is_equal: false };
         let mut words = words.iter();
         while let Some(word) = words.next() {
             match word.as_str() {
                 "--equal" => asked.is_equal = true,
+                "all" => asked.is_all = true,
                 "--stops" => asked.each = Some(words.next().and_then(|n| n.parse().ok()).ok_or("--stops wants a number")?),
                 name => asked.floods.push(floods::named(name).ok_or_else(|| format!("no flood is called {name}: try list"))?),
             }
@@ -95,7 +98,7 @@ fn storm(words: &[String]) -> ExitCode {
         }
     };
     println!("STOP, request → robot port; goals: p99 ≤ {P99:?}, worst ≤ {WORST:?}, every STOP halts and is answered");
-    let code = if asked.floods.is_empty() { whole(&asked) } else { named(&asked) };
+    let code = if asked.floods.is_empty() && !asked.is_all { whole(&asked) } else { named(&asked) };
     println!("{}", ["every goal is met", "a goal is missed", "a part did not run"][usize::from(code)]);
     ExitCode::from(code)
 }
@@ -110,7 +113,13 @@ fn named(asked: &Asked) -> u8 {
         }
         judged(&run(flood.name, &[flood], !asked.is_equal, each), true)
     };
-    asked.floods.iter().map(judge).max().unwrap_or(0)
+    let alone = asked.floods.iter().map(judge).max().unwrap_or(0);
+    if asked.is_all { alone.max(at_once(!asked.is_equal, each)) } else { alone }
+}
+
+/// All floods at once.
+fn at_once(is_nice: bool, each: usize) -> u8 {
+    judged(&run("all at once", &FLOODS.each_ref(), is_nice, each), true)
 }
 
 /// Without the storm, under each flood, under all of them, and beside mosquitto.
@@ -120,7 +129,7 @@ fn whole(asked: &Asked) -> u8 {
     let mut codes = vec![judged(&run("no storm", &[], true, many), true)];
     println!("senders at nice 10:");
     codes.extend(FLOODS.iter().map(|flood| judged(&run(flood.name, &[flood], true, few), false)));
-    codes.push(judged(&run("all at once", &FLOODS.each_ref(), true, many), true));
+    codes.push(at_once(true, many));
     println!("senders at equal priority, STOP over MQTT beside single messages through mosquitto, p50, p99 and worst in ms:");
     codes.extend(FLOODS.iter().filter(|flood| flood.door == Door::Mqtt).map(|flood| beside(flood, few)));
     codes.into_iter().max().unwrap_or(0)
