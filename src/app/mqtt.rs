@@ -13,17 +13,13 @@ use crate::config::{Broker, MqttSettings, OtherBroker, Settings};
 use crate::inbound::http;
 use crate::inbound::listeners::Listeners;
 use crate::inbound::mqtt::gate::turnstile::Gatehouse;
-use crate::inbound::mqtt::orders::Orders;
-use crate::inbound::mqtt::publication::Publication;
+use crate::inbound::mqtt::orders::{ANSWERS, Answer, Orders};
 use crate::inbound::mqtt::session::{Health, Hearing, Link, Parts, Session, Times, believing};
 use crate::inbound::mqtt::topics::Topics;
 use crate::inbound::mqtt::{Embedded, HOUSE, House, Origin, Visitor, Ways};
 use crate::inbound::room::Room;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::handle::Handle;
-
-/// Answers to commands that wait to be published: as many as commands can be under way.
-const ANSWERS: usize = 256;
 
 /// Web clients that wait to be received: the broker is never busy for long.
 const VISITORS: usize = 16;
@@ -85,7 +81,7 @@ impl Mqtt {
 }
 
 impl Common {
-    fn orders(&self, answers: mpsc::Sender<Publication>) -> Orders {
+    fn orders(&self, answers: mpsc::Sender<Answer>) -> Orders {
         Orders::new(self.handle.clone(), self.topics.clone(), self.manual_driving, answers)
     }
 
@@ -93,7 +89,7 @@ impl Common {
     fn session(
         self,
         (link, hearing): (Link, Hearing),
-        answers: mpsc::Receiver<Publication>,
+        answers: mpsc::Receiver<Answer>,
         health: watch::Sender<Health>,
     ) -> Result<JoinHandle<()>, AppError> {
         let [a, b, c, d, e, f, g, h, ..] = access::chance()?;

@@ -8,8 +8,15 @@ use super::client::{Came, Client};
 use super::packets::{CONNACK, PINGREQ, connect_as, packet, publish, subscribe, text};
 use crate::access::Site;
 use crate::journal::holds;
+use crate::program::{Deadline, PATIENCE};
 
 const STOP: &str = "hallsweep/discovery/command/stop";
+
+/// Where it is told what became of it.
+const STOPPED: &str = "hallsweep/discovery/command/stop/result";
+
+/// So often an operator stops the robot beside a viewer who does it without pause.
+const PRESSES: usize = 20;
 
 /// More connections than the broker has places.
 const CROWD: usize = 300;
@@ -87,6 +94,36 @@ fn a_stop_halts_whatever_a_viewer_floods_the_broker_with() {
             });
         });
     }
+}
+
+/// Safety S9: the places of results are not all a viewer's.
+#[test]
+fn an_operators_stop_has_its_result_beside_a_viewer_who_does_nothing_but_stop() {
+    let site = site("viewer-stops");
+    let mut operator = site.operator("panel");
+    assert_eq!(operator.subscribe(STOPPED, 0), 0);
+    let flood = publish(STOP, b"", 0, 0, 0).repeat(2_000);
+    let is_enough = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        for n in 0..2 {
+            let (site, flood, is_enough) = (&site, &flood, &is_enough);
+            scope.spawn(move || {
+                let client = site.viewer(&format!("flood-{n}"));
+                while !is_enough.load(Ordering::SeqCst) && client.mouth().write_all(flood).is_ok() {}
+            });
+        }
+        let _enough = Enough(&is_enough);
+        // The flood's own results come first, so that it is there.
+        assert_eq!(operator.message().topic, STOPPED);
+        for press in 0..PRESSES {
+            let own = format!("press-{press}");
+            operator.publish(STOP, format!(r#"{{"id":"{own}"}}"#).as_bytes());
+            let deadline = Deadline::within(PATIENCE);
+            while !String::from_utf8_lossy(&operator.message().payload).contains(&own) {
+                assert!(!deadline.has_passed(), "{own} has no result");
+            }
+        }
+    });
 }
 
 /// The floods end when this does, also when a test fails.

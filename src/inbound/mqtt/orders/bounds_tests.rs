@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use tokio::sync::{mpsc, watch};
 
-use super::testing::{here, house, next, orders_of, say, topics};
+use super::testing::{here, house, next, operator, orders_of, say, topics, viewer};
 use super::*;
 use crate::core::effect::Page;
 use crate::core::event::{Capabilities, RobotEvent};
@@ -20,6 +20,9 @@ use crate::runtime::store::{Store, StoreWord};
 use crate::runtime::task::{Course, Task};
 use crate::runtime::within::within;
 use crate::wire::fixture::searching;
+
+/// So many commands may be under way where nobody signs in.
+const UNDER_WAY: usize = 256;
 
 /// A loop that does not come round to its commands.
 struct Hanging {
@@ -79,6 +82,29 @@ async fn only_so_many_commands_are_under_way_and_one_more_is_told_so() {
         Envelope::Refused(..) => None,
     });
     assert_eq!(names.collect::<Vec<_>>(), ["k2"]);
+}
+
+/// Safety S9: neither where commands are under way nor where their answers wait.
+#[tokio::test]
+async fn an_operators_stop_has_its_result_however_many_a_viewer_and_another_operator_have_given() {
+    let (handle, _script) = crate::runtime::obedient::obedient(searching());
+    let (answers, mut results) = mpsc::channel(ANSWERS);
+    let orders = Orders::new(handle, topics(), false, answers);
+    let (greedy, wall, panel) = (operator("greedy"), viewer(), operator("panel"));
+    for _ in 0..3 {
+        for _ in 0..UNDER_WAY {
+            say(&orders, "command/stop", "", &wall);
+            say(&orders, "command/stop", "", &greedy);
+        }
+        tokio::task::yield_now().await;
+    }
+    say(&orders, "command/stop", r#"{"id":"own"}"#, &panel);
+    for _ in 0..8 {
+        tokio::task::yield_now().await;
+    }
+    let came: Vec<_> = std::iter::from_fn(|| results.try_recv().ok()).map(|answer| answer.taken().payload).collect();
+    assert_eq!(came.len(), 32 + 128 + 1, "half of the places for each key, and of a viewer's there are fewer");
+    assert!(came.last().is_some_and(|last| last.windows(10).any(|part| part == br#""id":"own""#)), "{:?}", came.last());
 }
 
 #[tokio::test]

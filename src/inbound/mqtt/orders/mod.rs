@@ -4,6 +4,7 @@
 mod ear;
 mod nobody;
 mod pace;
+mod places;
 mod problem;
 mod read;
 mod results;
@@ -19,10 +20,9 @@ use self::ear::{Ear, Order};
 use self::nobody::Nobody;
 use self::pace::Pace;
 use self::problem::Problem;
-pub use self::results::UNDER_WAY;
+pub use self::results::{ANSWERS, Answer};
 use self::results::{Reply, Results};
 pub use self::sender::Sender;
-use super::publication::Publication;
 use super::topics::Topics;
 use crate::access::Need;
 use crate::core::command::{Command, Refused, Request};
@@ -72,7 +72,7 @@ pub struct Orders {
 impl Orders {
     /// Commands go to `handle`, results to `answers`; `manual_driving` says whether old clients may drive the robot.
     #[must_use]
-    pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<Publication>) -> Orders {
+    pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<Answer>) -> Orders {
         let ear = Arc::new(Ear::new(topics, manual_driving));
         let (pace, nobody) = (Arc::default(), Arc::default());
         Orders { handle, ear, results: Results::new(answers), pace, nobody, clock: Clock::default() }
@@ -145,23 +145,25 @@ impl Orders {
 
     /// Gives a command if there is room for one more, and a STOP always.
     fn give(&self, order: &Order, (command, epoch): (&Command, Option<Epoch>), heard: Option<&Heard<'_>>, sender: &Sender) {
-        let place = self.results.place();
-        if place.is_none() && *command != Command::Stop {
-            return self.refuse(order, &Problem::too_many(UNDER_WAY), sender);
+        let place = self.results.place(sender);
+        if let Err(under_way) = place
+            && *command != Command::Stop
+        {
+            return self.refuse(order, &Problem::too_many(under_way), sender);
         }
         let id = order.reply.id.clone();
         let (arrived, is_again) = heard.map_or((None, false), |heard| (heard.arrived, heard.is_again));
         let request = Request { id, epoch, arrived, is_again, ..Request::new(command.clone(), sender.issuer()) };
         let given = self.handle.carry_out(request);
-        if let Some(place) = place {
-            self.results.follow(given, order.reply.clone(), place);
+        if let Ok(place) = place {
+            self.results.follow(given, (order.reply.clone(), sender.clone()), place);
         }
     }
 
     /// Puts on record that something was not taken (safety A6), and answers so.
     fn refuse(&self, order: &Order, problem: &Problem, sender: &Sender) {
         self.handle.note_refused_at_once(sender.issuer(), order.in_words(), Refused::Before(problem.refusal()));
-        self.results.refused(&order.reply, problem);
+        self.results.refused(&order.reply, sender, problem);
     }
 }
 

@@ -38,6 +38,19 @@ impl Sender {
         }
     }
 
+    /// Whether he only looks.
+    pub(super) fn is_viewer(&self) -> bool {
+        self.may(Need::Act).is_err()
+    }
+
+    /// The name of the key that he has shown; `None` where nobody is told from another by one.
+    pub(super) fn key(&self) -> Option<Arc<str>> {
+        match self {
+            Sender::Known { caller: Caller::Known(signed_in), .. } => Some(Arc::clone(&signed_in.name)),
+            Sender::Known { caller: Caller::Here, .. } | Sender::Unknown { .. } => None,
+        }
+    }
+
     /// As records name him.
     #[must_use]
     pub fn issuer(&self) -> Issuer {

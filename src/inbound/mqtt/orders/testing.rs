@@ -3,7 +3,7 @@
 use serde_json::Value;
 use tokio::sync::mpsc;
 
-use super::{Heard, Orders, Sender, Taken};
+use super::{Answer, Heard, Orders, Sender, Taken};
 use crate::access::{Caller, Key, Keyring, Keys, OPERATOR, Role, Token};
 use crate::core::command::{Refused, Request};
 use crate::core::world::snapshot::Snapshot;
@@ -23,7 +23,7 @@ const BASE: &str = "hallsweep/discovery/";
 pub(super) struct House {
     pub(super) orders: Orders,
     pub(super) script: Script,
-    results: mpsc::Receiver<Publication>,
+    results: mpsc::Receiver<Answer>,
 }
 
 /// The topics of a test.
@@ -45,7 +45,7 @@ pub(super) fn driven_house(snapshot: Snapshot, manual_driving: bool) -> House {
 }
 
 /// Orders in front of this loop, and their results.
-pub(super) fn orders_of(handle: Handle, manual_driving: bool) -> (Orders, mpsc::Receiver<Publication>) {
+pub(super) fn orders_of(handle: Handle, manual_driving: bool) -> (Orders, mpsc::Receiver<Answer>) {
     let (answers, results) = mpsc::channel(ROOM);
     (Orders::new(handle, topics(), manual_driving, answers), results)
 }
@@ -57,10 +57,19 @@ pub(super) fn here() -> Sender {
 
 /// Somebody who may see and stop.
 pub(super) fn viewer() -> Sender {
+    with_key("wall", Role::Viewer)
+}
+
+/// Somebody with an operator's key of this name.
+pub(super) fn operator(name: &str) -> Sender {
+    with_key(name, Role::Operator)
+}
+
+fn with_key(name: &str, role: Role) -> Sender {
     let token = || Token::draw().unwrap();
-    let keys = [Key::new(OPERATOR, Role::Operator, token()).unwrap(), Key::new("wall", Role::Viewer, token()).unwrap()];
+    let keys = [Key::new(OPERATOR, Role::Operator, token()).unwrap(), Key::new(name, role, token()).unwrap()];
     let keyring = Keyring::of(Keys::new(Vec::from(keys)).unwrap());
-    let shown = keyring.keys().named("wall").unwrap().token.reveal().to_owned();
+    let shown = keyring.keys().named(name).unwrap().token.reveal().to_owned();
     Sender::Known { caller: Caller::Known(keyring.check(&shown).unwrap()), from: "192.0.2.7".into() }
 }
 
@@ -71,8 +80,8 @@ pub(super) fn say(orders: &Orders, topic: &str, payload: impl AsRef<[u8]>, sende
 }
 
 /// The next result: its topic without the prefix, and what it says.
-pub(super) async fn next(results: &mut mpsc::Receiver<Publication>) -> (String, Value) {
-    let publication = within("a result", results.recv()).await.expect("somebody may still answer");
+pub(super) async fn next(results: &mut mpsc::Receiver<Answer>) -> (String, Value) {
+    let publication = within("a result", results.recv()).await.expect("somebody may still answer").taken();
     assert!(!publication.retain, "a result is for those who listen now");
     let topic = publication.topic.strip_prefix(BASE).expect("results are ours").to_owned();
     (topic, serde_json::from_slice(&publication.payload).expect("a result is JSON"))
@@ -97,7 +106,7 @@ impl House {
 
     /// The next message, as it is published.
     pub(super) async fn told(&mut self) -> Publication {
-        within("a message", self.results.recv()).await.expect("somebody may still answer")
+        within("a message", self.results.recv()).await.expect("somebody may still answer").taken()
     }
 
     /// Whether nothing is published that was not looked at.

@@ -31,7 +31,7 @@ use std::sync::Arc;
 use tokio::sync::{mpsc, watch};
 
 use super::news::{News, OFFLINE};
-use super::orders::Sender;
+use super::orders::{Answer, Sender};
 use super::publication::Publication;
 use super::topics::{PULSE, Topics};
 use crate::core::rng::Stream;
@@ -56,7 +56,7 @@ pub struct Parts {
     /// The state.
     pub states: watch::Receiver<Arc<Snapshot>>,
     /// The answers to commands.
-    pub answers: mpsc::Receiver<Publication>,
+    pub answers: mpsc::Receiver<Answer>,
     /// Where photos are read.
     pub archive: Reader,
     /// Who is told how the broker is.
@@ -77,7 +77,7 @@ pub struct Session {
     home_assistant: bool,
     news: News,
     states: watch::Receiver<Arc<Snapshot>>,
-    answers: mpsc::Receiver<Publication>,
+    answers: mpsc::Receiver<Answer>,
     archive: Reader,
     /// What happened, was said on a connection that was lost, and may not have arrived.
     again: VecDeque<Publication>,

@@ -78,7 +78,7 @@ impl Talk<'_> {
                 Ok(())
             }
             Some(answer) = self.session.answers.recv(), if has_room => {
-                self.give(answer);
+                self.give(answer.taken());
                 Ok(())
             }
         }
@@ -181,7 +181,7 @@ impl Talk<'_> {
 
     async fn last_words(&mut self) -> Result<(), Lost> {
         while let Some(answer) = self.conversation.has_room().then(|| self.session.answers.try_recv().ok()).flatten() {
-            self.give(answer);
+            self.give(answer.taken());
         }
         self.give(self.session.offline());
         while !self.conversation.is_settled() {
