@@ -45,8 +45,11 @@ pub(super) const SHARE: usize = CONNECTIONS / 4;
 /// What one connection may cost, in bytes: what was read ahead of it, what waits for the engine, and what waits for its client.
 pub(super) const CONNECTION_BYTES: usize = 1024 * 1024;
 
-/// Of these, what is left to messages that come from the engine for it.
+/// Of these, what is left to messages that come from the engine for it,
 pub(super) const ENGINE_PART: usize = 256 * 1024;
+
+/// and so much more of a client that does not read what comes: it waits at the engine, where each message costs many times its bytes.
+pub(super) const UNREAD_PART: usize = 448 * 1024;
 
 /// What may wait for the clients of all connections together, in bytes, because they do not read it,
 pub(super) const UNREAD: usize = 12 * 1024 * 1024;

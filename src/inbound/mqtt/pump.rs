@@ -282,7 +282,7 @@ impl<'a> Pump<'a> {
     /// Says how much waits here, for the client and of it.
     fn note_held(&mut self) {
         let here = self.turnstile.held() + self.from_client.len() + self.from_engine.len();
-        self.ahead.hold(here);
+        self.ahead.hold(here, self.turnstile.wants_engine());
         let (shared, at_engine) = self.turnstile.elsewhere();
         if self.turnstile.to_client().is_empty() {
             (self.read_at, self.taken) = (self.clock.now().since_start, 0);

@@ -9,11 +9,14 @@ use bytes::BytesMut;
 use tokio::sync::Notify;
 
 use super::gate::turnstile::Mark;
-use super::limits::{ALWAYS_AHEAD, CONNECTION_BYTES, ENGINE_PART, READ_AHEAD};
+use super::limits::{ALWAYS_AHEAD, CONNECTION_BYTES, ENGINE_PART, READ_AHEAD, UNREAD_PART};
 use crate::core::units::Epoch;
 
 /// So much is read at once, in bytes.
 pub(super) const READ: usize = 64 * 1024;
+
+/// What comes while something waits already has room for so much with it, in bytes.
+const PIECE: usize = 4 * 1024;
 
 /// What a STOP costs here, in bytes: where it begins is remembered.
 const STOP_COST: usize = size_of::<Mark>();
@@ -49,7 +52,7 @@ struct Shared {
 
 #[derive(Debug, Default)]
 struct State {
-    /// In pieces of at most `READ` bytes, so that each gives back its memory when it is taken.
+    /// In pieces of at most `READ` bytes, which have little room for nothing, and each of which gives back its memory when it is taken.
     pieces: VecDeque<BytesMut>,
     bytes: usize,
     /// Where the packets begin that have halted already, and those that came in another epoch than the ones before.
@@ -122,8 +125,13 @@ impl Feeder {
             return;
         }
         match state.pieces.back_mut() {
-            Some(piece) if piece.len() + bytes.len() <= READ => piece.extend_from_slice(bytes),
-            Some(_) | None => state.pieces.push_back(BytesMut::from(bytes)),
+            Some(piece) if piece.capacity() - piece.len() >= bytes.len() => piece.extend_from_slice(bytes),
+            Some(_) => {
+                let mut piece = BytesMut::with_capacity(bytes.len().max(PIECE));
+                piece.extend_from_slice(bytes);
+                state.pieces.push_back(piece);
+            }
+            None => state.pieces.push_back(BytesMut::from(bytes)),
         }
         state.bytes += bytes.len();
         if state.epoch != Some(came) {
@@ -164,6 +172,12 @@ impl Taker {
         if into.is_empty() {
             *into = piece;
         } else {
+            if into.len() < READ {
+                // The rest of what was taken before is short, and its room may be long.
+                let mut rest = BytesMut::with_capacity(into.len() + piece.len());
+                rest.extend_from_slice(into);
+                *into = rest;
+            }
             into.extend_from_slice(&piece);
         }
         true
@@ -179,10 +193,10 @@ impl Taker {
         self.wait(|state| (self.0.room_in(state) == 0).then_some(())).await;
     }
 
-    /// So much of this client waits elsewhere; what may wait here is less by that.
-    pub(super) fn hold(&self, held: usize) {
+    /// So much of this client waits elsewhere, and more at the engine when it does not read; what may wait here is less by that.
+    pub(super) fn hold(&self, held: usize, reads: bool) {
         let mut state = self.0.state();
-        state.held = held;
+        state.held = if reads { held } else { held + UNREAD_PART };
         if state.wants_room && self.0.room_in(&state) > 0 {
             state.wants_room = false;
             drop(state);
@@ -285,11 +299,14 @@ mod tests {
         assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART - STOP_COST, "the first mark says when they came");
         taker.full().await;
         taken(&taker);
-        taker.hold(CONNECTION_BYTES - ENGINE_PART - 2 * READ);
+        taker.hold(CONNECTION_BYTES - ENGINE_PART - 2 * READ, true);
         assert_eq!(fill(&feeder).await, 2 * READ);
         taken(&taker);
-        taker.hold(2 * CONNECTION_BYTES);
+        taker.hold(2 * CONNECTION_BYTES, true);
         assert_eq!(fill(&feeder).await, ALWAYS_AHEAD, "something can always come");
+        taken(&taker);
+        taker.hold(0, false);
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART - UNREAD_PART, "what it does not read costs elsewhere");
         taker.leave(Left::HearsRest);
         assert_eq!(pool.bytes(), 0);
         assert_eq!(feeder.room().await, Err(Left::HearsRest));
@@ -310,6 +327,18 @@ mod tests {
         drop(greedy);
         taken(&taker);
         assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART);
+    }
+
+    /// Safety A5: in whatever pieces it comes.
+    #[test]
+    fn what_waits_has_little_room_for_nothing() {
+        for step in [1, 30, 1_000, 5_000, 33_000] {
+            let (feeder, taker) = read_ahead(&Pool::default());
+            (0..600_000 / step).for_each(|_| feeder.put(&vec![7; step], Epoch(0), &[]));
+            let state = taker.0.state();
+            let rooms: usize = state.pieces.iter().map(BytesMut::capacity).sum();
+            assert!(rooms <= state.bytes * 5 / 4 && state.pieces.len() <= 600_000 / PIECE + 5, "{rooms} for pieces of {step}");
+        }
     }
 
     /// Safety A5: a stop costs more here than its bytes.
@@ -339,16 +368,16 @@ mod tests {
         {
             let mut left = pin!(async { feeder.left().await as usize });
             assert!(poll(left.as_mut()).is_pending());
-            taker.hold(7);
+            taker.hold(7, true);
             assert!(!woken.0.load(Ordering::Relaxed), "it has room");
         }
         fill(&feeder).await;
         let mut room = pin!(async { feeder.room().await.expect("somebody takes it") });
         assert!(poll(room.as_mut()).is_pending());
-        taker.hold(7);
+        taker.hold(7, true);
         assert!(!woken.0.load(Ordering::Relaxed), "there is no room");
         taken(&taker);
-        taker.hold(0);
+        taker.hold(0, true);
         assert!(woken.0.load(Ordering::Relaxed));
         assert_eq!(poll(room.as_mut()), Poll::Ready(READ));
     }

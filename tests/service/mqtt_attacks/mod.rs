@@ -3,6 +3,7 @@
 
 pub(crate) mod client;
 mod crowds;
+mod deaf;
 mod floods;
 mod kill_list;
 mod malformed;

@@ -15,9 +15,7 @@ use std::time::Duration;
 use bytes::Bytes;
 use tokio::sync::Notify;
 
-use super::limits::{
-    ENGINE_HOLDS, ENGINE_KEEPS, FORGIVEN, FORGIVEN_LONGEST, LAG, MENDED, PADDED, PATIENCE, RELIEF, SEGMENT_BYTES,
-};
+use super::limits::{ENGINE_HOLDS, ENGINE_KEEPS, FORGIVEN, FORGIVEN_LONGEST, HEAVIEST, LAG, MENDED, PADDED, PATIENCE, RELIEF};
 use super::parcels::{Label, Parcels};
 use super::readers::Readers;
 
@@ -59,9 +57,9 @@ pub(super) struct Account {
     held: Vec<Arc<str>>,
 }
 
-/// What a message counts: what the engine counts for it. A long one counts as much as the segment that it has to itself.
+/// What a message counts: what the engine counts for it, and a long one, of which little goes there, more.
 pub(super) fn weight(topic: usize, payload: usize) -> i64 {
-    let counted = (COUNTED + topic + payload).clamp(PADDED, SEGMENT_BYTES);
+    let counted = (COUNTED + topic + payload).clamp(PADDED, HEAVIEST);
     i64::try_from(counted).unwrap_or(i64::MAX)
 }
 
@@ -158,6 +156,16 @@ impl Ledger {
             let _ = self.behind_since_ms.compare_exchange(0, ms(now).max(1), Ordering::Relaxed, Ordering::Relaxed);
         }
         is_behind
+    }
+
+    /// Whether it is behind and nobody waits for it: what is published for it in a flood it misses.
+    pub(super) fn is_given_up(&self, now: Duration) -> bool {
+        self.lag.load(Ordering::Relaxed) > LAG && ms(now) < self.forgiven_until_ms.load(Ordering::Relaxed)
+    }
+
+    /// It does not get a message before which nothing was kept after this stamp.
+    pub(super) fn miss(&self, stamp: u64) {
+        self.missed.fetch_min(stamp, Ordering::Relaxed);
     }
 
     /// Whether everything that was published for it has come, as far as anybody knows.

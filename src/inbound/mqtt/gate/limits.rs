@@ -87,11 +87,14 @@ pub const KEPT_STEPS: usize = 512;
 pub const KEPT_UNDER_WAY: usize = 20;
 
 /// The engine keeps messages for each filter in segments of this size, in bytes. Small ones: what is in them is given back only with
-/// the whole of it, and a message of a few bytes costs many times what it counts. A long message has one to itself.
-pub const SEGMENT_BYTES: usize = 16 * 1024;
+/// the whole of it, and a message of a few bytes costs many times what it counts.
+pub const SEGMENT_BYTES: usize = 56 * 1024;
 
-/// It keeps so many segments for each filter.
-pub const SEGMENTS: usize = 8;
+/// It keeps so many segments for each filter. Few ones: for each it takes room for 1,024 messages, which is 225 KiB, however few come.
+pub const SEGMENTS: usize = 3;
+
+/// A long message counts no more than this.
+pub const HEAVIEST: usize = 16 * 1024;
 
 /// A message that counts less is padded on its way through the engine: what it holds of each beside its bytes is more than this.
 pub const PADDED: usize = 96;

@@ -9,6 +9,13 @@ use bytes::{Buf, Bytes, BytesMut};
 /// So much room of what has gone out is kept for what comes, in bytes.
 const ROOM: usize = 16 * 1024;
 
+/// Small messages wait together in pieces of about so many bytes: one piece of them all would grow by doubling, and have most of its
+/// room for nothing.
+const CHUNK: usize = 16 * 1024;
+
+/// In a piece with less room than this none is begun.
+const SPARE: usize = 2 * 1024;
+
 /// What waits for a client.
 #[derive(Debug, Default)]
 pub struct Outbox {
@@ -30,17 +37,31 @@ struct Piece {
 
 impl Outbox {
     /// Where more bytes of its own are written, at the end.
-    pub const fn end(&mut self) -> &mut BytesMut {
+    pub fn end(&mut self) -> &mut BytesMut {
+        if self.last.len() > CHUNK - SPARE {
+            self.seal();
+            self.last = BytesMut::with_capacity(CHUNK);
+        }
         &mut self.last
     }
 
     /// What others have as well comes next.
     pub fn share(&mut self, bytes: Bytes) {
-        let own = self.last.split().freeze();
-        self.own += own.len();
-        self.length += own.len() + bytes.len();
-        let pieces = [Piece { bytes: own, is_own: true }, Piece { bytes, is_own: false }];
-        self.before.extend(pieces.into_iter().filter(|piece| !piece.bytes.is_empty()));
+        self.seal();
+        self.length += bytes.len();
+        if !bytes.is_empty() {
+            self.before.push_back(Piece { bytes, is_own: false });
+        }
+    }
+
+    /// What was written until now goes out in one piece.
+    fn seal(&mut self) {
+        let bytes = self.last.split().freeze();
+        self.own += bytes.len();
+        self.length += bytes.len();
+        if !bytes.is_empty() {
+            self.before.push_back(Piece { bytes, is_own: true });
+        }
     }
 
     /// How many bytes wait.
@@ -149,6 +170,17 @@ mod tests {
         assert_eq!((outbox.chunk(), outbox.len(), outbox.own()), (&b"wo"[..], 7, 5));
         outbox.advance(7);
         assert!(outbox.is_empty() && outbox.chunk().is_empty());
+    }
+
+    /// Safety A5.
+    #[test]
+    fn small_messages_have_little_room_for_nothing() {
+        let mut outbox = Outbox::default();
+        (0..10_000).for_each(|_| outbox.end().extend_from_slice(&[7; 30]));
+        assert_eq!((outbox.len(), outbox.own()), (300_000, 300_000));
+        let last = outbox.last.capacity();
+        let rooms = outbox.before.into_iter().map(|piece| piece.bytes.try_into_mut().expect("nobody else has it").capacity());
+        assert!(rooms.sum::<usize>() + last <= 300_000 * 5 / 4);
     }
 
     /// Safety A5: a long message that has gone out costs nothing any more.

@@ -118,6 +118,8 @@ pub struct Turnstile {
     to_client: Outbox,
     routes: Routes,
     flood: Flood,
+    /// It publishes in a flood, and did so then.
+    flooding: Option<Duration>,
     /// How many bytes of the client were taken since its CONNECT,
     taken: u64,
     /// what is known of some packets to come, in order,
@@ -149,6 +151,7 @@ impl Turnstile {
         let mut turnstile = Turnstile {
             account,
             flood: Flood::default(),
+            flooding: None,
             taken: 0,
             marks: VecDeque::new(),
             arrived: None,
@@ -288,6 +291,7 @@ impl Turnstile {
         self.quiet_at = is_owed.then(|| self.quiet_at.unwrap_or(now + QUIET));
         let passed = self.routes.take_passed();
         let is_flood = self.flood.handle_passed(passed, now) && self.guest != Guest::House;
+        self.flooding = is_flood.then_some(now);
         if !is_flood {
             return Vec::new();
         }

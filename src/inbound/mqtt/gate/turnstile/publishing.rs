@@ -92,6 +92,7 @@ impl Turnstile {
     /// A message on the topic of the last route goes on to whoever reads it, and is kept, if it is to be kept at a QoS. Kept first: a
     /// newcomer that nobody knew of yet finds it there.
     fn forward(&mut self, topic: &[u8], payload: &[u8], retain: Option<Qos>) {
+        self.routes.begin(&self.gatehouse);
         if self.routes.way(&self.payer, &self.gatehouse) == Way::Shut {
             return self.refusals.note(topic, Dropped::Budget);
         }
@@ -106,6 +107,7 @@ impl Turnstile {
         match self.routes.way(&self.payer, &self.gatehouse) {
             Way::Unread => {}
             Way::Shut => self.refusals.note(topic, Dropped::Budget),
+            Way::Open if self.flooding.is_some_and(|now| self.routes.is_in_vain(now)) => self.routes.lost(payload.len()),
             Way::Open => {
                 self.routes.passed(payload.len(), &self.gatehouse);
                 let length = PADDED.saturating_sub(COUNTED + topic.len());

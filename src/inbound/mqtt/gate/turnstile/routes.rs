@@ -63,7 +63,7 @@ pub(super) struct Routes {
     unsettled: i64,
     /// none of which was kept before this stamp.
     stamp: u64,
-    /// Messages that were passed on since somebody asked, and their bytes.
+    /// Messages that were passed on, or would have been, since somebody asked, and the bytes of those that were.
     passed: u64,
     piece: i64,
     /// Readers who were behind when something was published for them.
@@ -87,11 +87,15 @@ impl Routes {
         Ok(route)
     }
 
-    /// Whether there is a way for the topic of the last question, as of now.
-    pub(super) fn way(&mut self, payer: &Payer, gatehouse: &Gatehouse) -> Way {
+    /// To be told before a message is kept: it is later than what was kept until now.
+    pub(super) fn begin(&mut self, gatehouse: &Gatehouse) {
         if self.unsettled == 0 {
             self.stamp = gatehouse.retained.stamp();
         }
+    }
+
+    /// Whether there is a way for the topic of the last question, as of now.
+    pub(super) fn way(&mut self, payer: &Payer, gatehouse: &Gatehouse) -> Way {
         let generation = gatehouse.readers.generation();
         if let Some((way, _)) = self.way.filter(|(_, known)| *known == generation) {
             return way;
@@ -113,9 +117,27 @@ impl Routes {
         let whole = if payload < SHARED { self.topic.len() + payload } else { 0 };
         let fed = whole.max(PADDED) * self.readers.len();
         gatehouse.fed.fetch_add(fed as u64, Ordering::Relaxed);
-        self.passed += 1 + (payload / LONG) as u64;
+        self.count(payload);
         self.piece += bytes;
         self.unsettled += bytes;
+    }
+
+    /// Whether nobody who reads the topic of the last question is waited for: a flood on it would be lost at the engine, and cost the
+    /// more on its way there, the less its sender is made to wait.
+    pub(super) fn is_in_vain(&self, now: Duration) -> bool {
+        self.readers.iter().all(|reader| reader.is_owed && reader.ledger.is_given_up(now))
+    }
+
+    /// A message on the topic of the last question, with so long a payload, was not passed on: all who read it miss it.
+    pub(super) fn lost(&mut self, payload: usize) {
+        self.count(payload);
+        for reader in &self.readers {
+            reader.ledger.miss(self.stamp);
+        }
+    }
+
+    fn count(&mut self, payload: usize) {
+        self.passed += 1 + (payload / LONG) as u64;
     }
 
     /// A long message on the topic of the last question is on its way to all who read it; by what it goes through the engine.

@@ -3,11 +3,14 @@
 use std::time::Duration;
 
 use super::scene::{OPERATOR, Scene, gatehouse, publish, subscribe, taken};
-use crate::inbound::mqtt::gate::limits::{QUIET, SEGMENT_BYTES, SEGMENTS};
+use crate::inbound::mqtt::gate::limits::{ENGINE_KEEPS, HEAVIEST, QUIET};
 use crate::inbound::mqtt::gate::packet::Qos;
 use crate::inbound::mqtt::gate::rights::Guest;
 use crate::inbound::mqtt::gate::turnstile::Ended;
 use crate::inbound::mqtt::topics::PULSE;
+
+/// So many of the heaviest messages the engine keeps.
+const KEPT_THERE: usize = ENGINE_KEEPS as usize / HEAVIEST;
 
 const NONE: [&str; 0] = [];
 
@@ -112,9 +115,9 @@ fn whoever_missed_messages_gets_the_newest_of_each_topic_when_the_engine_has_no_
     let mut writer = Scene::in_house(&gatehouse, OPERATOR, |_| {});
     writer.client(&[publish(0x31, "a/old", "old", 0), publish(0x31, "elsewhere", "x", 0)].concat()).unwrap();
     reader.subscribe(&[("a/#", Qos::One)]);
-    let long = "x".repeat(SEGMENT_BYTES);
+    let long = "x".repeat(HEAVIEST);
     writer.client(&publish(0x31, "a/state", "1", 0)).unwrap();
-    for _ in 0..2 * SEGMENTS {
+    for _ in 0..2 * KEPT_THERE {
         writer.client(&publish(0x30, "a/noise", &long, 0)).unwrap();
     }
     writer.client(&[publish(0x31, "a/state", "2", 0), publish(0x31, "elsewhere", "y", 0)].concat()).unwrap();
@@ -139,8 +142,8 @@ fn whoever_missed_nothing_gets_nothing_twice() {
     let mut reader = Scene::in_house(&gatehouse, OPERATOR, |_| {});
     let mut writer = Scene::in_house(&gatehouse, OPERATOR, |_| {});
     reader.subscribe(&[("a/#", Qos::One)]);
-    for n in 0..SEGMENTS - 1 {
-        writer.client(&publish(0x31, &format!("a/{n}"), &"x".repeat(SEGMENT_BYTES), 0)).unwrap();
+    for n in 0..KEPT_THERE {
+        writer.client(&publish(0x31, &format!("a/{n}"), &"x".repeat(HEAVIEST), 0)).unwrap();
     }
     reader.turnstile.poll_behind(Duration::from_secs(10));
     reader.turnstile.handle_timeout(Duration::from_secs(20)).unwrap();

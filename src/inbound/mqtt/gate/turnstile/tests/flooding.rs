@@ -1,12 +1,15 @@
 //! A STOP behind its sender's own flood, and those who do not read it: simulated, no time passing but that for which the sender waits.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use bytes::BytesMut;
 
 use super::scene::{OPERATOR, STOP, Scene, gatehouse, publish};
-use crate::inbound::mqtt::gate::limits::{PATIENCE, STILL};
+use crate::inbound::mqtt::gate::limits::{LAG, PATIENCE, QUIET, STILL};
 use crate::inbound::mqtt::gate::packet::Qos;
+use crate::inbound::mqtt::gate::turnstile::Gatehouse;
+use crate::inbound::mqtt::topics::Topics;
 
 /// So deep the STOP stands, in messages of a kibibyte.
 const DEEP: usize = 4096;
@@ -62,4 +65,50 @@ fn a_stop_four_mebibytes_deep_in_its_senders_flood_waits_less_than_a_tenth_of_a_
         assert!(waited <= 2 * STILL && waited >= STILL, "{crowd} every {every} turns: {waited:?}");
     }
     assert!(2 * STILL < Duration::from_millis(100) && 2 * STILL < PATIENCE);
+}
+
+/// Somebody alone who reads what he says himself, if he reads at all.
+fn alone() -> Scene {
+    let gatehouse = Arc::new(Gatehouse::new(Topics::new("hallsweep", "discovery", "unibo/qak")));
+    let mut alone = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+    alone.subscribe(&[("flood/#", Qos::Zero)]);
+    alone
+}
+
+/// He says all this, and the engine sends nothing of it back; how many bytes of it the engine got, and when that was over.
+fn unread(deaf: &mut Scene, mut said: BytesMut, mut now: Duration) -> (usize, Duration) {
+    let mut passed = 0;
+    while !said.is_empty() {
+        while !deaf.turnstile.poll_behind(now).is_empty() {
+            now = deaf.turnstile.waits_until(now);
+            deaf.turnstile.handle_waited(now);
+        }
+        deaf.turnstile.handle_turn(&mut said, now).unwrap();
+        passed += std::mem::take(deaf.turnstile.to_engine()).len();
+    }
+    (passed, now)
+}
+
+/// Safety A5: each message costs the engine many times its bytes before it is lost there. Safety S1: the flood is taken all the same.
+#[test]
+fn of_a_flood_whose_readers_are_not_waited_for_the_engine_gets_little_and_the_stop_behind_it_is_heard() {
+    let mut deaf = alone();
+    let (passed, now) = unread(&mut deaf, said(), BEGINS);
+    assert!(i64::try_from(passed).unwrap() <= 2 * LAG, "{passed} bytes");
+    assert_eq!(deaf.heard(), [format!("{STOP} ")]);
+    // One message in a second is no flood, and somebody may read it.
+    let (passed, _) = unread(&mut deaf, publish(0x30, "flood/a", "seldom", 0), now + 2 * QUIET);
+    assert!(passed > 0);
+}
+
+/// What is kept is not lost for those who missed it, though it was the first of what they missed.
+#[test]
+fn what_was_kept_of_a_flood_that_went_no_further_comes_when_nothing_else_does() {
+    let mut deaf = alone();
+    let (_, now) = unread(&mut deaf, said(), BEGINS);
+    let (passed, now) = unread(&mut deaf, publish(0x31, "flood/b", "newest", 0), now);
+    assert_eq!(passed, 0);
+    let _ = deaf.turnstile.poll_behind(now);
+    deaf.turnstile.handle_timeout(now + QUIET).unwrap();
+    assert_eq!(deaf.client_got(), ["Publish flood/b=newest q0"]);
 }
