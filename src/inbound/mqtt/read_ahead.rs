@@ -134,8 +134,10 @@ impl Feeder {
             None => state.pieces.push_back(BytesMut::from(bytes)),
         }
         state.bytes += bytes.len();
-        if state.epoch != Some(came) {
-            let begins = state.total;
+        let begins = state.total;
+        // Of a STOP whose beginning came earlier these are the rest, and what follows it comes in the epoch that it has made.
+        let is_cut = halted.first().is_some_and(|(stop, _)| *stop < begins);
+        if state.epoch != Some(came) && !is_cut {
             state.marks.push(Mark { begins, epoch: came, has_halted: false });
         }
         state.marks.extend(halted.iter().map(|(begins, epoch)| Mark { begins: *begins, epoch: *epoch, has_halted: true }));
@@ -289,6 +291,18 @@ mod tests {
         assert!(!taker.come().await, "what came before the end is taken before it");
         assert_eq!(taken(&taker), (b"d".to_vec(), vec![3]));
         assert!(taker.come().await);
+    }
+
+    /// Safety S4: others may press STOP between the two halves of one.
+    #[test]
+    fn a_stop_in_two_pieces_is_marked_before_what_follows_it() {
+        let (feeder, taker) = read_ahead(&Pool::default());
+        feeder.put(b"first half", Epoch(1), &[]);
+        feeder.put(b"second half and a START", Epoch(2), &[(3, Epoch(3))]);
+        feeder.put(b"more", Epoch(4), &[]);
+        let (mut bytes, mut marks) = (BytesMut::new(), Vec::new());
+        while taker.take(&mut bytes, |mark| marks.push((mark.begins, mark.epoch, mark.has_halted))) {}
+        assert_eq!(marks, [(0, Epoch(1), false), (3, Epoch(3), true), (33, Epoch(4), false)]);
     }
 
     /// Safety A5.

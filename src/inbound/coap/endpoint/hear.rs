@@ -66,7 +66,8 @@ impl Backlog {
         self.commands.next_first().or_else(|| self.stops.next())
     }
 
-    /// The next to be taken. No command that came after a STOP is taken before it.
+    /// The next to be taken. No command that came after a STOP is taken before it, but for those that a further STOP follows: that halts
+    /// what they begin.
     pub fn take(&mut self) -> Option<Datagram> {
         if let Some(urgent) = self.take_urgent() {
             return Some(urgent);
