@@ -384,7 +384,8 @@ async fn what_is_urgent_is_answered_in_turns_and_nothing_that_comes_meanwhile_be
         while asked(&driver).len() < 63 {
             driver.turn().await;
         }
-        let order = [format!("/{waits}").as_str(); 60].into_iter().chain(["/stop", "/late", "/stop"]).collect::<Vec<_>>();
+        let first = format!("/{waits}");
+        let order = [first.as_str(); 60].into_iter().chain(["/stop", "/late", "/stop"]).collect::<Vec<_>>();
         assert_eq!(asked(&driver), order);
     }
 }
