@@ -19,7 +19,7 @@ const MESSAGES: usize = 100_000;
 const MESSAGE: usize = 100;
 
 /// may cost so much together, in MiB.
-const MOST_MIB: u64 = 32;
+const MOST_MIB: u64 = 64;
 
 /// A client that reads what is said there, and reads nothing of it.
 fn deaf(siege: &Siege, n: usize, filter: &str) -> Client {
