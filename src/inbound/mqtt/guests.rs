@@ -9,19 +9,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
-use bytes::{Buf, BytesMut};
-use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
+use bytes::BytesMut;
+use tokio::io::{AsyncWrite, AsyncWriteExt};
 use tokio::runtime::Handle;
 use tokio::sync::{Semaphore, oneshot};
 
 use super::embedded::Running;
-use super::gate::frame::{Kind, Malformed, frame};
+use super::gate::frame::{Kind, frame};
 use super::gate::limits::CONNECT;
-use super::gate::packet::connect::{self, Connect, NoConnect};
+use super::gate::packet::connect::{self, Connect};
 use super::gate::packet::write::{self, Welcome};
 use super::gate::turnstile::{Ended, Gatehouse, Listener, Terms, Turnstile};
 use super::hearing::Hearing;
 use super::identity::{Identity, Unknown};
+use super::introduction::{Sent, introduction};
 use super::limits::{CONNECT_TIME, LATE, LEAVING, PLACES, WAITING};
 use super::orders::Orders;
 use super::pump::{self, Ends};
@@ -46,27 +47,6 @@ const FAREWELL: Duration = Duration::from_secs(1);
 
 /// The longest name of a client, in bytes; the standard asks for 23.
 const CLIENT_ID: usize = 256;
-
-/// Why a visitor did not become a guest, or is one no more.
-#[derive(Debug, thiserror::Error)]
-enum Sent {
-    #[error("it did not say in time who it is")]
-    Slow,
-    #[error("it gave way to a newer one before it had said who it is")]
-    GaveWay,
-    #[error("its first packet is a {0:?}, not a CONNECT")]
-    First(Kind),
-    #[error(transparent)]
-    Unfit(#[from] NoConnect),
-    #[error(transparent)]
-    Malformed(#[from] Malformed),
-    #[error("it was refused with {0:?}")]
-    Refused(Welcome),
-    #[error("its connection broke: {0}")]
-    Broken(#[from] std::io::Error),
-    #[error("{0}")]
-    Ended(Ended),
-}
 
 /// What all connections to our own broker have in common. Cheap to clone.
 #[derive(Clone)]
@@ -381,23 +361,6 @@ impl House {
                 changed = engine.changed() => changed.map_err(|_| Ended::Closing)?,
                 () = tokio::time::sleep(AGAIN) => {}
             }
-        }
-    }
-}
-
-/// The first packet of a client, which must be its CONNECT.
-async fn introduction(reader: &mut Reader, heard: &mut BytesMut) -> Result<Connect, Sent> {
-    loop {
-        if let Some(frame) = frame(heard, CONNECT)? {
-            if frame.kind != Kind::Connect {
-                return Err(Sent::First(frame.kind));
-            }
-            let connect = connect::read(&heard[frame.head..frame.length])?;
-            heard.advance(frame.length);
-            return Ok(connect);
-        }
-        if reader.read_buf(heard).await? == 0 {
-            return Err(Sent::Ended(Ended::Gone));
         }
     }
 }

@@ -8,6 +8,7 @@ mod guests;
 mod hearing;
 pub mod home_assistant;
 mod identity;
+mod introduction;
 mod limits;
 mod memory;
 pub mod news;

@@ -1,0 +1,49 @@
+//! What a visitor says first, and why it is sent away.
+
+use bytes::{Buf, BytesMut};
+use tokio::io::AsyncReadExt;
+
+use super::gate::frame::{Kind, Malformed, frame};
+use super::gate::limits::CONNECT;
+use super::gate::packet::connect::{self, Connect, NoConnect};
+use super::gate::packet::write::Welcome;
+use super::gate::turnstile::Ended;
+use super::visitor::Reader;
+
+/// Why a visitor did not become a guest, or is one no more.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum Sent {
+    #[error("it did not say in time who it is")]
+    Slow,
+    #[error("it gave way to a newer one before it had said who it is")]
+    GaveWay,
+    #[error("its first packet is a {0:?}, not a CONNECT")]
+    First(Kind),
+    #[error(transparent)]
+    Unfit(#[from] NoConnect),
+    #[error(transparent)]
+    Malformed(#[from] Malformed),
+    #[error("it was refused with {0:?}")]
+    Refused(Welcome),
+    #[error("its connection broke: {0}")]
+    Broken(#[from] std::io::Error),
+    #[error("{0}")]
+    Ended(Ended),
+}
+
+/// The first packet of a client, which must be its CONNECT.
+pub(super) async fn introduction(reader: &mut Reader, heard: &mut BytesMut) -> Result<Connect, Sent> {
+    loop {
+        if let Some(frame) = frame(heard, CONNECT)? {
+            if frame.kind != Kind::Connect {
+                return Err(Sent::First(frame.kind));
+            }
+            let connect = connect::read(&heard[frame.head..frame.length])?;
+            heard.advance(frame.length);
+            return Ok(connect);
+        }
+        if reader.read_buf(heard).await? == 0 {
+            return Err(Sent::Ended(Ended::Gone));
+        }
+    }
+}
