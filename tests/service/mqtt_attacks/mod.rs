@@ -1,6 +1,7 @@
 //! Attacks on our own broker: everything that is known to end or stop the engine behind the gate, and then everything at once.
 //! Whatever is done, a screen that was there before is served still. Which client sees what, is tested elsewhere.
 
+mod churn;
 pub(crate) mod client;
 mod crowds;
 mod deaf;

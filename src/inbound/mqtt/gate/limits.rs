@@ -174,8 +174,10 @@ pub const ENGINE_WINDOW: usize = 100;
 /// beyond twice that it is not itself.
 pub const OUTSTANDING: usize = 2 * ENGINE_WINDOW;
 
-/// Answers of the engine to SUBSCRIBE and UNSUBSCRIBE that a client is waiting for.
-pub const PENDING: usize = 1024;
+/// No more is taken from a client while the engine has not answered for so many filters that it subscribed to or let go of, each time
+/// counted. The engine writes an answer for each that is let go, and keeps the room that its answers ever took at once, a few hundred
+/// bytes for each, as long as the connection lasts. As many as a connection may hold, twice: nobody waits who asks for all his filters.
+pub const ASKED: usize = 2 * FILTERS;
 
 /// Messages of QoS 2 that a client has not released.
 pub const UNRELEASED: usize = 4096;

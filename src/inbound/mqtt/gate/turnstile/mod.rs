@@ -184,12 +184,12 @@ impl Turnstile {
         self.marks.push_back(mark);
     }
 
-    /// Takes all whole packets from the head of what the client sent.
+    /// Takes all whole packets from the head of what the client sent, until the engine is asked more than it has answered.
     ///
     /// # Errors
     /// When the connection has come to its end; what was before that is done.
     pub fn handle_client(&mut self, bytes: &mut BytesMut, now: Duration) -> Result<(), Ended> {
-        while self.handle_turn(bytes, now)? {}
+        while self.handle_turn(bytes, now)? && !self.subscriptions.has_asked_much() {}
         Ok(())
     }
 
@@ -201,7 +201,7 @@ impl Turnstile {
         let limit = if self.guest == Guest::House { HOUSE_PACKET } else { GUEST_PACKET };
         let (mut read, mut packets) = (0, 0);
         let outcome = loop {
-            if packets == TURN || self.routes.take_piece() {
+            if packets == TURN || self.routes.take_piece() || self.subscriptions.has_asked_much() {
                 break Ok(true);
             }
             match frame(&bytes[read..], limit) {

@@ -8,7 +8,7 @@ impl Turnstile {
     /// Whether there is room for more from the client.
     #[must_use]
     pub fn wants_client(&self) -> bool {
-        self.to_engine.len() < ENGINE_ROOM && !self.is_unread()
+        self.to_engine.len() < ENGINE_ROOM && !self.subscriptions.has_asked_much() && !self.is_unread()
     }
 
     /// How many bytes of answers and messages wait for the client, which nobody else has, and of messages for the engine.
@@ -30,10 +30,11 @@ impl Turnstile {
         self.gatehouse.retained.beside()
     }
 
-    /// Whether more answers wait for the client than it may leave unread.
+    /// Whether more answers wait for the client than it may leave unread, or those of the engine that have to come first cannot.
     #[must_use]
     pub fn is_unread(&self) -> bool {
-        self.to_client.len() >= ANSWER_ROOM
+        let waits_in_vain = self.subscriptions.has_asked_much() && !self.wants_engine();
+        waits_in_vain || self.to_client.len() >= ANSWER_ROOM
     }
 
     /// Whether there is room for more from the engine.

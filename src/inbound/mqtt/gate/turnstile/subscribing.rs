@@ -11,7 +11,7 @@ use super::{Ended, Turnstile};
 use crate::inbound::mqtt::gate::filter;
 use crate::inbound::mqtt::gate::frame::{Kind, Malformed};
 use crate::inbound::mqtt::gate::ledger::Account;
-use crate::inbound::mqtt::gate::limits::{FILTERS, PENDING};
+use crate::inbound::mqtt::gate::limits::{ASKED, FILTERS};
 use crate::inbound::mqtt::gate::packet::filters::Filters;
 use crate::inbound::mqtt::gate::packet::{Qos, write};
 
@@ -55,6 +55,8 @@ impl From<Account> for Absence {
 pub(super) struct Subscriptions {
     held: BTreeMap<Arc<str>, Held>,
     pending: VecDeque<Pending>,
+    /// For how many filters the engine is to answer, each counted as often as it was asked.
+    asked: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -74,8 +76,8 @@ enum Told {
 /// An answer of the engine's that is awaited.
 #[derive(Debug)]
 enum Pending {
-    /// A SUBACK: then the client gets this one, and what is kept for these filters.
-    Subscribed { answer: Option<(u16, Vec<u8>)>, filters: BTreeSet<Arc<str>> },
+    /// A SUBACK for so many filters: then the client gets this one, and what is kept for these filters.
+    Subscribed { asked: usize, answer: Option<(u16, Vec<u8>)>, filters: BTreeSet<Arc<str>> },
     /// So many UNSUBACKs: then the client gets one.
     Unsubscribed { answer: Option<u16>, left: usize },
 }
@@ -97,12 +99,17 @@ impl Subscriptions {
         held.map(|(filter, held)| (Arc::clone(filter), held.qos)).collect()
     }
 
-    fn wait(&mut self, pending: Pending) -> Result<(), Ended> {
-        if self.pending.len() >= PENDING {
-            return Err(Ended::TooMuch { what: "questions to which it has no answer yet", most: PENDING });
-        }
+    /// Whether the engine has to answer first, before it is asked anything else.
+    pub(super) const fn has_asked_much(&self) -> bool {
+        self.asked >= ASKED
+    }
+
+    fn wait(&mut self, pending: Pending) {
+        self.asked += match pending {
+            Pending::Subscribed { asked, .. } => asked,
+            Pending::Unsubscribed { left, .. } => left,
+        };
         self.pending.push_back(pending);
-        Ok(())
     }
 }
 
@@ -120,7 +127,7 @@ impl Turnstile {
                 Err(why) => self.refusals.note(filter.as_bytes(), why),
             }
         }
-        self.tell_engine(1, None, BTreeSet::new()).expect("nothing is pending yet");
+        self.tell_engine(1, None, BTreeSet::new());
     }
 
     /// A SUBSCRIBE.
@@ -139,7 +146,8 @@ impl Turnstile {
                 }
             }
         }
-        self.tell_engine(filters.id, Some((filters.id, codes)), accepted)
+        self.tell_engine(filters.id, Some((filters.id, codes)), accepted);
+        Ok(())
     }
 
     /// An UNSUBSCRIBE.
@@ -157,7 +165,7 @@ impl Turnstile {
             write::ack(self.to_client.end(), Kind::Unsuback, filters.id);
             return Ok(());
         }
-        self.subscriptions.wait(Pending::Unsubscribed { answer: Some(filters.id), left: known.len() })?;
+        self.subscriptions.wait(Pending::Unsubscribed { answer: Some(filters.id), left: known.len() });
         write::unsubscribe(&mut self.to_engine, filters.id, &known);
         Ok(())
     }
@@ -172,12 +180,13 @@ impl Turnstile {
 
     /// The engine has answered a SUBSCRIBE.
     pub(super) fn subscribed(&mut self, codes: &[u8]) -> Result<(), Ended> {
-        let Some(Pending::Subscribed { answer, filters }) = self.subscriptions.pending.pop_front() else {
+        let Some(Pending::Subscribed { asked, answer, filters }) = self.subscriptions.pending.pop_front() else {
             return Err(Ended::Engine("a SUBACK of nothing"));
         };
         if codes.contains(&write::REFUSED) {
             return Err(Ended::Engine("a SUBACK that refuses a filter"));
         }
+        self.subscriptions.asked -= asked;
         self.answer(answer, filters);
         Ok(())
     }
@@ -188,6 +197,7 @@ impl Turnstile {
             return Err(Ended::Engine("an UNSUBACK of nothing"));
         };
         *left -= 1;
+        self.subscriptions.asked -= 1;
         if *left > 0 {
             return Ok(());
         }
@@ -224,25 +234,23 @@ impl Turnstile {
 
     /// Tells the engine what it does not know yet; when it knows all, the client is answered at once. The engine does not change the
     /// QoS of a filter: such a one is let go and taken again.
-    fn tell_engine(&mut self, id: u16, answer: Option<(u16, Vec<u8>)>, filters: BTreeSet<Arc<str>>) -> Result<(), Ended> {
+    fn tell_engine(&mut self, id: u16, answer: Option<(u16, Vec<u8>)>, filters: BTreeSet<Arc<str>>) {
         let (new, changed) =
             (self.subscriptions.told(&[Told::Nothing, Told::AnotherQos]), self.subscriptions.told(&[Told::AnotherQos]));
         if new.is_empty() {
-            self.answer(answer, filters);
-            return Ok(());
+            return self.answer(answer, filters);
         }
         if !changed.is_empty() {
-            self.subscriptions.wait(Pending::Unsubscribed { answer: None, left: changed.len() })?;
+            self.subscriptions.wait(Pending::Unsubscribed { answer: None, left: changed.len() });
             let changed: Vec<&str> = changed.iter().map(|(filter, _)| &**filter).collect();
             write::unsubscribe(&mut self.to_engine, id, &changed);
         }
-        self.subscriptions.wait(Pending::Subscribed { answer, filters })?;
+        self.subscriptions.wait(Pending::Subscribed { asked: new.len(), answer, filters });
         let new: Vec<(&str, Qos)> = new.iter().map(|(filter, qos)| (&**filter, *qos)).collect();
         write::subscribe(&mut self.to_engine, id, &new);
         for held in self.subscriptions.held.values_mut() {
             held.told = Told::All;
         }
-        Ok(())
     }
 
     /// Answers a SUBSCRIBE, and begins with what is kept for its filters.
