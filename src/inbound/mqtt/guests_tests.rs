@@ -1,5 +1,6 @@
 //! For `guests`: what becomes of a client before it is served.
 
+use tokio::io::AsyncReadExt;
 use tokio::sync::{mpsc, watch};
 
 use super::*;

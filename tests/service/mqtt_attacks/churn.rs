@@ -9,13 +9,13 @@ use super::siege::Siege;
 use crate::access::Folder;
 
 /// So many connections of one key,
-const CLIENTS: usize = 24;
+const CLIENTS: usize = 48;
 
 /// each ask for so many filters at once and let them go again,
 const FILTERS: usize = 60;
 
 /// so often, without waiting for an answer.
-const PAIRS: usize = 200;
+const PAIRS: usize = 400;
 
 /// The most memory that the program may take, in MiB.
 const MEMORY_MIB: u64 = 128;

@@ -38,9 +38,10 @@ const FIRST: usize = 1024;
 const TURNS: usize = 4;
 const HEADS: usize = 32;
 
-/// So much of what was heard waits for room in the pipe, in bytes. When more comes, because a client takes no answers, nothing more
-/// is carried out on that connection, and it is heard all the same (safety S8).
-pub(in crate::inbound::http) const AHEAD: usize = 128 * 1024;
+/// So much of what was heard waits for room in the pipe, in bytes: the longest head with the longest body, and something over. When
+/// more comes, because a client takes no answers, nothing more is carried out on that connection, and it is heard all the same (safety
+/// S8).
+pub(in crate::inbound::http) const AHEAD: usize = 96 * 1024;
 
 /// After the last answer a connection is heard on so long, and so far in bytes, for the end of a head that is coming, and so that the
 /// answer gets to the client.

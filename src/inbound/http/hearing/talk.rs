@@ -32,11 +32,11 @@ use crate::inbound::http::watcher::closed;
 use crate::inbound::patience::Patient;
 
 /// So much waits between hearing and hyper, in bytes.
-const PIPE: usize = 64 * 1024;
+const PIPE: usize = 16 * 1024;
 
 /// STOPs that were heard on one connection and wait for hyper to come to their requests, at most: each is kept in some 1.5 KiB. Of
 /// more the requests give a STOP once again.
-const PRESSES: usize = 256;
+const PRESSES: usize = 32;
 
 /// So long after a client is gone what it has sent is carried out; an endless answer ends then.
 const GONE_TIME: Duration = Duration::from_secs(2);
