@@ -6,7 +6,7 @@ use std::pin::Pin;
 use std::sync::Arc;
 use std::time::Duration;
 
-use bytes::BytesMut;
+use bytes::{BufMut, BytesMut};
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::sync::Notify;
 use tokio::time::{Sleep, sleep, timeout};
@@ -32,10 +32,10 @@ const WHOLE_TIME: Duration = Duration::from_millis(100);
 /// How long a request's line and headers may be together; longer ones are answered with 431.
 pub(super) const HEADER_BYTES: usize = 64 * 1024;
 
-/// So much is read at once, in bytes, and so much at first; others have their turn after so many of these, and after so many heads.
-const TURN: usize = 16 * 1024;
+/// So much is read at once, in bytes, and so much at first; others have their turn after that, and after so many heads. A newcomer waits
+/// for the turns of a thousand at most, which together take some hundredths of a second.
+const TURN: usize = 4 * 1024;
 const FIRST: usize = 1024;
-const TURNS: usize = 4;
 const HEADS: usize = 32;
 
 /// So much of what was heard waits for room in the pipe, in bytes: the longest head with the longest body, and something over. When
@@ -276,6 +276,7 @@ where
     async fn go_on(&mut self) -> Next {
         self.take_turns().await;
         let mut closing = self.line.closing.clone();
+        let mut room = (&mut self.read).limit(TURN);
         let read = match &mut self.talk {
             Some(Talk { to, over, .. }) => {
                 if self.is_only_heard && self.ahead.is_empty() {
@@ -286,12 +287,12 @@ where
                     () = self.shared.handed_over(), if self.may_hand_over => return Next::More,
                     _ = over.changed() => return Next::Over,
                     () = put(to, &mut self.ahead), if !self.ahead.is_empty() => return Next::More,
-                    read = self.from.read_buf(&mut self.read) => read,
+                    read = self.from.read_buf(&mut room) => read,
                 }
             }
             None => tokio::select! {
                 biased;
-                read = self.from.read_buf(&mut self.read) => read,
+                read = self.from.read_buf(&mut room) => read,
                 () = &mut self.late => return if self.place.is_some() { Next::More } else { Next::End },
                 () = closed(&mut closing) => return Next::End,
             },
@@ -305,10 +306,9 @@ where
         }
     }
 
-    /// Lets others have their turn, sooner when nothing of this is carried out any more, and makes room to read.
+    /// Lets others have their turn, and makes room to read.
     async fn take_turns(&mut self) {
-        let turns = if self.is_only_heard { 1 } else { TURNS };
-        if self.turn >= turns * TURN {
+        if self.turn >= TURN {
             self.turn = 0;
             tokio::task::yield_now().await;
         }
@@ -330,7 +330,7 @@ where
                 self.scan().await;
                 self.hand_on();
                 self.take_turns().await;
-                let Ok(bytes @ 1..) = self.from.read_buf(&mut self.read).await else { return };
+                let Ok(bytes @ 1..) = self.from.read_buf(&mut (&mut self.read).limit(TURN)).await else { return };
                 self.turn += bytes;
                 left = left.saturating_sub(bytes);
             }
