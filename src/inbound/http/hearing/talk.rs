@@ -36,7 +36,7 @@ const PIPE: usize = 16 * 1024;
 
 /// STOPs that were heard on one connection and wait for hyper to come to their requests, at most: each is kept in some 1.5 KiB. Of
 /// more the requests give a STOP once again.
-const PRESSES: usize = 32;
+const PRESSES: usize = 128;
 
 /// So long after a client is gone what it has sent is carried out; an endless answer ends then.
 const GONE_TIME: Duration = Duration::from_secs(2);
