@@ -43,7 +43,7 @@ impl Listener for Ear {
         Epoch(0)
     }
 
-    fn hear(&self, topic: &str, payload: &[u8], _: Option<Epoch>) -> Heard {
+    fn hear(&self, topic: &str, payload: &[u8], _: (Option<Epoch>, bool)) -> Heard {
         assert!(topic.starts_with("h/d/command") || topic.starts_with("q/"), "{topic} is no place for commands");
         if payload.first() == Some(&b'f') { Heard::Forbidden } else { Heard::Pass }
     }
