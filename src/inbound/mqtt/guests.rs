@@ -277,7 +277,8 @@ impl House {
         connect.will.as_ref().filter(|will| !is_allowed(&will.topic)).map(|_| Welcome::NotAllowed)
     }
 
-    /// Serves a client to its end, and says why that came; of its greeting it was told so much already. Nothing of it waits for the engine, but what is to be done there.
+    /// Serves a client to its end, and says why that came; of its greeting it was told so much already. Nothing of it waits for the
+    /// engine, but what is to be done there.
     async fn serve(
         self,
         ends: (Writer, Taker),
