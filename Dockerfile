@@ -16,6 +16,7 @@ COPY config ./config
 COPY templates ./templates
 COPY static ./static
 COPY src ./src
+COPY crates ./crates
 RUN cargo build --release --locked --bin hallsweep
 
 FROM debian:bookworm-slim

@@ -14,12 +14,12 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use hallsweep::core::effect::{Action, Order, Stamp};
-use hallsweep::core::explore::Strategy;
-use hallsweep::core::settings::Settings;
-use hallsweep::core::units::{Epoch, Now, OrderId, Pose};
-use hallsweep::headless::{Verdicts, explore};
-use hallsweep::outbound::robot::sim::{Camera, Hall, Sim, SimSettings};
+use hallsweep_core::effect::{Action, Order, Stamp};
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::settings::Settings;
+use hallsweep_core::units::{Epoch, Now, OrderId, Pose};
+use hallsweep_sim::headless::{Verdicts, explore};
+use hallsweep_sim::{Camera, Hall, Sim, SimSettings};
 use program::Program;
 
 fn main() -> ExitCode {

@@ -11,14 +11,14 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use hallsweep::core::effect::{Entry, Fact, Page};
-use hallsweep::core::explore::Strategy;
-use hallsweep::core::standing::Standing;
-use hallsweep::core::units::{Cell, Heading, Pose, Revision, Seq, Wall};
-use hallsweep::core::world::hall_map::{HallMap, Mark};
-use hallsweep::outbound::store::sqlite::{self, Opened, Reading};
+use hallsweep::api::journal;
 use hallsweep::runtime::store::StoreWord;
-use hallsweep::wire::journal;
+use hallsweep::storage::sqlite::{self, Opened, Reading};
+use hallsweep_core::effect::{Entry, Fact, Page};
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::units::{Cell, Heading, Pose, Revision, Seq, Wall};
+use hallsweep_core::world::hall_map::{HallMap, Mark};
 use tokio::sync::watch;
 
 /// So many records one after the other.

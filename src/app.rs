@@ -16,15 +16,11 @@ use tokio::task::JoinHandle;
 
 use crate::access;
 use crate::config::{self, Settings};
-use crate::core::mission::Hold;
-use crate::core::sweep::{Recalled, Sweep};
-use crate::core::units::Epoch;
-use crate::inbound::coap::Resources;
-use crate::inbound::http::{self, Door};
-use crate::inbound::listeners::Listeners;
-use crate::inbound::room::Room;
-use crate::outbound::robot::sim::{self, Camera, Hall, SimSettings};
-use crate::outbound::store::stops;
+use crate::doors::coap::Resources;
+use crate::doors::http::{self, Door};
+use crate::doors::listeners::Listeners;
+use crate::doors::room::Room;
+use crate::robots::sim;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use crate::runtime::halt::Halter;
@@ -32,6 +28,11 @@ use crate::runtime::handle::Handle;
 use crate::runtime::link::{RobotSide, link};
 use crate::runtime::task::{Course, Task};
 use crate::runtime::threads::Thread;
+use crate::storage::stops;
+use hallsweep_core::mission::Hold;
+use hallsweep_core::sweep::{Recalled, Sweep};
+use hallsweep_core::units::Epoch;
+use hallsweep_sim::{Camera, Hall, SimSettings, Speed};
 
 mod coap;
 mod descriptors;
@@ -252,10 +253,10 @@ fn run_id(clock: &Clock) -> Arc<str> {
     format!("{:x}", clock.now().wall.unix_ms).into()
 }
 
-const fn speed(speed: config::Speed) -> sim::Speed {
+const fn speed(speed: config::Speed) -> Speed {
     match speed {
-        config::Speed::Times(factor) => sim::Speed::Times(factor),
-        config::Speed::Max => sim::Speed::Max,
+        config::Speed::Times(factor) => Speed::Times(factor),
+        config::Speed::Max => Speed::Max,
     }
 }
 
@@ -265,6 +266,6 @@ mod tests {
 
     #[test]
     fn every_speed_that_can_be_set_is_one_the_simulator_knows() {
-        assert_eq!((config::Speed::SLOWEST, config::Speed::FASTEST), (sim::Speed::SLOWEST, sim::Speed::FASTEST));
+        assert_eq!((config::Speed::SLOWEST, config::Speed::FASTEST), (Speed::SLOWEST, Speed::FASTEST));
     }
 }

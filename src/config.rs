@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::core::explore::Strategy;
-use crate::core::settings::Settings as CoreSettings;
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::settings::Settings as CoreSettings;
 
 mod bind;
 mod check;

@@ -6,18 +6,17 @@
 //!     │                                        └─── handle_event ◄───┼──── RobotEvent ◄───────┘
 //!     └────── watch<Arc<Snapshot>> ◄── World ──┘                     └─► Record ─► store ─► Recorded ─► handle_event
 //! ```
-//! Writes travel right, facts travel left. The rule of the house, held by `tests/tidy.rs`: `core` knows nobody; `runtime` knows
-//! `core`; doors (`inbound`, through `wire`) and adapters (`outbound`) know `runtime` and `core`, never one another; only `app`
-//! and the command line know them all. Read `docs/architecture.md` next, then `core::mission::table`.
+//! Writes travel right, facts travel left. `hallsweep_core` knows nobody, and Cargo holds that; within the program `tests/tidy.rs`
+//! holds the rule: doors know `runtime` and `api`; robots and storage know `runtime`; doors and robots never know one another, nor one
+//! door another; only `app` and the command line know them all. Read `docs/architecture.md` next, then `hallsweep_core::mission`.
 
 pub mod access;
+pub mod api;
 pub mod app;
 pub mod cli;
 pub mod config;
-pub mod core;
-pub mod headless;
-pub mod inbound;
-pub mod outbound;
+pub mod doors;
+pub mod robots;
 pub mod runtime;
+pub mod storage;
 pub mod telemetry;
-pub mod wire;

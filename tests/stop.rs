@@ -19,7 +19,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use hallsweep::outbound::store::memory::Memory;
+use hallsweep::storage::memory::Memory;
 use house::{House, Watched};
 
 /// So many stops are asked of a program that may be trusted with one.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use hallsweep::core::rng::Stream;
+use hallsweep_core::rng::Stream;
 use serde_json::Value;
 
 use crate::ask::ask;

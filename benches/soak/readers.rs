@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::{sleep, spawn};
 use std::time::Duration;
 
-use hallsweep::core::rng::Stream;
+use hallsweep_core::rng::Stream;
 
 /// So many at once.
 const SCREENS: u64 = 6;

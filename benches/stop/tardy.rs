@@ -4,9 +4,9 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
-use hallsweep::core::effect::Page;
-use hallsweep::core::units::Seq;
 use hallsweep::runtime::store::{Store, StoreWord};
+use hallsweep_core::effect::Page;
+use hallsweep_core::units::Seq;
 use tokio::sync::watch;
 
 /// Pages that may wait: more than come while it hangs.

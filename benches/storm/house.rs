@@ -6,10 +6,10 @@ use std::sync::mpsc::{Sender, channel};
 use std::time::Duration;
 
 use hallsweep::app;
-use hallsweep::core::event::{Capabilities, RobotEvent};
 use hallsweep::runtime::halt::Halts;
 use hallsweep::runtime::link::{RobotSide, Stamped};
 use hallsweep::{config, telemetry};
+use hallsweep_core::event::{Capabilities, RobotEvent};
 
 use crate::clock::now;
 

@@ -8,9 +8,9 @@ use tokio::sync::watch;
 use tokio::task::JoinHandle;
 
 use super::AppError;
-use crate::core::world::snapshot::Snapshot;
-use crate::inbound::coap::{self, Resources, Socket, endpoint::Endpoint};
+use crate::doors::coap::{self, Resources, Socket, endpoint::Endpoint};
 use crate::runtime::threads::Thread;
+use hallsweep_core::world::snapshot::Snapshot;
 
 /// A secret of the endpoint's, the states that are shown, and what says when it is over.
 pub(super) type Rest = ([u8; 32], watch::Receiver<Arc<Snapshot>>, watch::Receiver<bool>);

@@ -3,14 +3,14 @@
 
 use std::time::Duration;
 
-use crate::core::effect::Effect;
-use crate::core::event::{Event, RobotId};
-use crate::core::sweep::Sweep;
-use crate::core::units::Seq;
 use crate::runtime::clock::Clock;
 use crate::runtime::halt::Halter;
 use crate::runtime::link::RobotLink;
 use crate::runtime::store::Store;
+use hallsweep_core::effect::Effect;
+use hallsweep_core::event::{Event, RobotId};
+use hallsweep_core::sweep::Sweep;
+use hallsweep_core::units::Seq;
 
 /// So long the disk is waited for. After that the program serves all the same, without a diary: the next start tries again.
 const KEPT_WITHIN: Duration = Duration::from_secs(5);
@@ -55,11 +55,11 @@ mod tests {
     use tokio::sync::watch;
 
     use super::*;
-    use crate::core::effect::Page;
-    use crate::core::settings::Settings;
-    use crate::core::units::Epoch;
     use crate::runtime::link::link;
     use crate::runtime::store::StoreWord;
+    use hallsweep_core::effect::Page;
+    use hallsweep_core::settings::Settings;
+    use hallsweep_core::units::Epoch;
 
     /// Keeps pages when it is told to.
     struct Slow {

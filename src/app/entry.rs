@@ -2,7 +2,7 @@
 
 use crate::access::{Access, AccessError, KeyFile, Keyring, Token};
 use crate::config::{Broker, HttpSettings, Settings};
-use crate::inbound::http::{Front, Tls, TlsError};
+use crate::doors::http::{Front, Tls, TlsError};
 
 /// How one gets in.
 #[derive(Debug)]

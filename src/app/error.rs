@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use super::Port;
 use crate::access::AccessError;
-use crate::inbound::http::TlsError;
-use crate::inbound::mqtt;
-use crate::outbound::robot::sim::HallError;
-use crate::outbound::store::sqlite::OpenError;
+use crate::doors::http::TlsError;
+use crate::doors::mqtt;
+use crate::storage::sqlite::OpenError;
+use hallsweep_sim::HallError;
 
 /// Why the program cannot begin, or not go on. `Display` is the line for whoever started it.
 #[derive(Debug, thiserror::Error)]

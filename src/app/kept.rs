@@ -6,15 +6,16 @@ use std::sync::Arc;
 
 use super::AppError;
 use crate::config::Settings;
-use crate::core::sweep::Recalled;
-use crate::core::units::Epoch;
-use crate::core::world::luggage::{Luggage, PhotoState};
-use crate::outbound::robot::sim::{Diary, DiaryError, Hall, Sim, SimMemory, SimSettings};
-use crate::outbound::store::memory::Memory;
-use crate::outbound::store::sqlite;
-use crate::outbound::store::stops::Stops;
+use crate::robots::sim::{Diary, DiaryError};
 use crate::runtime::archive::Archive;
 use crate::runtime::store::Store;
+use crate::storage::memory::Memory;
+use crate::storage::sqlite;
+use crate::storage::stops::Stops;
+use hallsweep_core::sweep::Recalled;
+use hallsweep_core::units::Epoch;
+use hallsweep_core::world::luggage::{Luggage, PhotoState};
+use hallsweep_sim::{Hall, Sim, SimMemory, SimSettings};
 
 /// What became of looking for the robot's diary.
 type Found = Result<(Diary, Option<SimMemory>), DiaryError>;

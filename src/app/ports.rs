@@ -8,7 +8,7 @@ use socket2::{Domain, Socket, Type};
 
 use super::AppError;
 use crate::config::{At, Bind, Broker, Settings};
-use crate::inbound::coap::beside;
+use crate::doors::coap::beside;
 
 /// Whose port it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,5 +1,5 @@
 //! `hallsweep explore`: one mission without doors, at full speed, and what it came to.
-//! The mission itself runs in `crate::headless`; here its progress is shown and its result printed.
+//! The mission itself runs in `hallsweep_sim::headless`; here its progress is shown and its result printed.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -9,13 +9,13 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
+use crate::api::{journal_words, map_text};
 use crate::app;
 use crate::config::{self, Flag, Sources};
-use crate::core::effect::Entry;
-use crate::core::world::snapshot::Snapshot;
-use crate::headless::{self, Figures, Verdicts};
-use crate::outbound::robot::sim::Camera;
-use crate::wire::{journal_words, map_text};
+use hallsweep_core::effect::Entry;
+use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_sim::Camera;
+use hallsweep_sim::headless::{self, Figures, Verdicts};
 
 mod figures;
 

@@ -1,5 +1,5 @@
 //! `hallsweep journal`: what is on record, for people and for programs, beside a running hallsweep or without one.
-//! How it is kept stands in `crate::outbound::store::sqlite`.
+//! How it is kept stands in `crate::storage::sqlite`.
 
 use std::io::{self, BufWriter, Write};
 
@@ -7,11 +7,11 @@ use clap::{Args, Subcommand};
 
 use super::Failure;
 use super::folder::Folder;
-use crate::core::units::{MissionId, Seq};
-use crate::outbound::store::sqlite::{self, Findings, Reading};
+use crate::api::journal::{self, Line};
+use crate::api::journal_words;
 use crate::runtime::archive::Unreadable;
-use crate::wire::journal::{self, Line};
-use crate::wire::journal_words;
+use crate::storage::sqlite::{self, Findings, Reading};
+use hallsweep_core::units::{MissionId, Seq};
 
 /// What to do with the journal.
 #[derive(Args, Clone, Debug)]

@@ -1,7 +1,7 @@
 //! `hallsweep table`: the mission table as it is in the program, for the documentation.
 
 use super::Failure;
-use crate::core::mission::table_markdown;
+use hallsweep_core::mission::table_markdown;
 
 /// Prints the table as markdown.
 ///

@@ -14,10 +14,10 @@ use super::layers::Layers;
 use super::mqtt;
 use super::raw::{self, Raw};
 use super::{HttpSettings, OldClients, RobotSettings, Settings, Speed, TlsFiles, folder};
-use crate::core::command::TemperatureReport;
-use crate::core::explore::Strategy;
-use crate::core::settings::Settings as CoreSettings;
-use crate::core::units::Celsius;
+use hallsweep_core::command::TemperatureReport;
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::settings::Settings as CoreSettings;
+use hallsweep_core::units::Celsius;
 
 /// Rates are probabilities.
 const RATE: RangeInclusive<f64> = 0.0..=1.0;

@@ -63,10 +63,7 @@ pub const KEYS: [Key; 33] = [
         "write at most 60 names set apart by commas, each of 1 to 64 visible characters and not operator, robot or others, as roof,gate-3; or nothing",
     ),
     value("temperature.sensor_silence_s", "write a number of seconds from 1 to 3600, as 10"),
-    text(
-        "log.filter",
-        "write a level (error, warn, info, debug, trace) or targets with levels, as info,hallsweep::inbound=debug",
-    ),
+    text("log.filter", "write a level (error, warn, info, debug, trace) or targets with levels, as info,hallsweep::doors=debug"),
 ];
 
 impl Key {
@@ -108,7 +105,7 @@ const fn value(name: &'static str, advice: &'static str) -> Key {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::explore::Strategy;
+    use hallsweep_core::explore::Strategy;
 
     #[test]
     fn the_advice_lists_every_strategy() {

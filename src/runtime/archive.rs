@@ -3,11 +3,11 @@
 
 use std::sync::Arc;
 
-use crate::core::effect::Entry;
-use crate::core::event::Photo;
-use crate::core::standing::Standing;
-use crate::core::units::{LuggageId, MissionId, Seq, Wall};
-use crate::core::world::luggage::Luggage;
+use hallsweep_core::effect::Entry;
+use hallsweep_core::event::Photo;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::units::{LuggageId, MissionId, Seq, Wall};
+use hallsweep_core::world::luggage::Luggage;
 
 /// Reading failed; why, in words for an operator.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

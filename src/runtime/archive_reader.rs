@@ -59,11 +59,11 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
-    use crate::core::event::Photo;
-    use crate::core::standing::Standing;
-    use crate::core::units::{LuggageId, MissionId, Seq};
-    use crate::core::world::luggage::Luggage;
     use crate::runtime::archive::{Happened, MissionRecord, Sound};
+    use hallsweep_core::event::Photo;
+    use hallsweep_core::standing::Standing;
+    use hallsweep_core::units::{LuggageId, MissionId, Seq};
+    use hallsweep_core::world::luggage::Luggage;
 
     /// There is nothing in it.
     struct Empty;

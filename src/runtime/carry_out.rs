@@ -5,9 +5,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::handle::{Gone, Handle};
-use crate::core::command::{Accepted, LuggageRef, Refused, Request};
-use crate::core::world::luggage::Luggage;
-use crate::core::world::snapshot::Snapshot;
+use hallsweep_core::command::{Accepted, LuggageRef, Refused, Request};
+use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::world::snapshot::Snapshot;
 
 /// How long an accepted command's state is waited for; the loop publishes it before it answers, so this is a bound, not a wait.
 const SEEN_TIME: Duration = Duration::from_millis(500);
@@ -72,12 +72,12 @@ mod tests {
     use tokio::sync::{mpsc, watch};
 
     use super::*;
-    use crate::core::command::{Command, Door, Issuer};
-    use crate::core::settings::Settings;
-    use crate::core::sweep::Sweep;
-    use crate::core::units::{Epoch, LuggageId, Revision};
     use crate::runtime::halt::Halter;
     use crate::runtime::handle::{COMMANDS, Envelope};
+    use hallsweep_core::command::{Command, Door, Issuer};
+    use hallsweep_core::settings::Settings;
+    use hallsweep_core::sweep::Sweep;
+    use hallsweep_core::units::{Epoch, LuggageId, Revision};
 
     /// A handle before a loop that answers one command so, and publishes the state of that revision after a while.
     fn answering(answer: Result<Accepted, Refused>, published: Revision) -> Handle {

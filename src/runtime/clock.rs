@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use tokio::time::Instant;
 
-use crate::core::units::{Now, Wall};
+use hallsweep_core::units::{Now, Wall};
 
 /// The real clock, counted from when it was made. Where a test lets time stand, it stands with it.
 #[derive(Clone, Copy, Debug)]

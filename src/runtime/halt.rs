@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
-use crate::core::units::Epoch;
+use hallsweep_core::units::Epoch;
 
 /// So long the answer to a stop waits until the stop is written down: a disk that is well takes a thousandth of it, and one that
 /// hangs must not keep an operator from hearing that the robot was halted.

@@ -7,9 +7,9 @@ use tokio::sync::{mpsc, oneshot, watch};
 
 use super::halt::Halter;
 use super::overflow::{OverflowIn, OverflowOut, overflow};
-use crate::core::command::{Accepted, Command, Issuer, Refused, Request};
-use crate::core::units::Epoch;
-use crate::core::world::snapshot::Snapshot;
+use hallsweep_core::command::{Accepted, Command, Issuer, Refused, Request};
+use hallsweep_core::units::Epoch;
+use hallsweep_core::world::snapshot::Snapshot;
 
 /// Commands that wait for the loop: enough for every operator of a site to press at once.
 pub const COMMANDS: usize = 256;
@@ -175,11 +175,11 @@ impl Handle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::command::{Door, Move};
-    use crate::core::settings::Settings;
-    use crate::core::sweep::Sweep;
-    use crate::core::units::Epoch;
     use crate::runtime::within::within;
+    use hallsweep_core::command::{Door, Move};
+    use hallsweep_core::settings::Settings;
+    use hallsweep_core::sweep::Sweep;
+    use hallsweep_core::units::Epoch;
 
     /// A handle before a loop that does not run, and what would come to the loop.
     fn handle() -> (Handle, mpsc::Receiver<Envelope>, Halter) {

@@ -11,8 +11,8 @@
 use tokio::sync::{mpsc, watch};
 
 use super::halt::HaltWatch;
-use crate::core::effect::Order;
-use crate::core::event::RobotEvent;
+use hallsweep_core::effect::Order;
+use hallsweep_core::event::RobotEvent;
 
 /// Orders under way to a robot: one is open at a time, and a few may have been voided before the adapter took them.
 pub const ORDERS: usize = 8;

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::{Notify, oneshot};
 
 use super::handle::Answer;
-use crate::core::command::{Door, Issuer, Refused, Request};
+use hallsweep_core::command::{Door, Issuer, Refused, Request};
 
 /// So many senders are told apart: more than there are keys, at each of the doors. Those beyond are counted together, door by door.
 const SENDERS: usize = 512;
@@ -138,8 +138,8 @@ fn put<T>(senders: &mut Senders<T>, sender: Sender, one: T, answer: Option<onesh
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::command::Command;
     use crate::runtime::within::within;
+    use hallsweep_core::command::Command;
 
     fn issuer(from: &str) -> Issuer {
         Issuer { from: from.into(), ..Issuer::operator(Door::Mqtt) }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use tokio::sync::watch;
 
-use crate::core::effect::Page;
-use crate::core::units::Seq;
+use hallsweep_core::effect::Page;
+use hallsweep_core::units::Seq;
 
 /// What the store says of the pages it was given.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -12,12 +12,12 @@ use super::handle::{Answer, COMMANDS, Envelope, Handle};
 use super::link::{RobotLink, Stamped};
 use super::overflow::{Counted, Overflow, OverflowOut};
 use super::store::{Store, StoreWord};
-use crate::core::command::{Command, Issuer, Refused, Request};
-use crate::core::effect::{Effect, Order};
-use crate::core::event::{Event, RobotEvent, RobotId};
-use crate::core::sweep::Sweep;
-use crate::core::units::{Epoch, Seq, Ticket};
-use crate::core::world::snapshot::Snapshot;
+use hallsweep_core::command::{Command, Issuer, Refused, Request};
+use hallsweep_core::effect::{Effect, Order};
+use hallsweep_core::event::{Event, RobotEvent, RobotId};
+use hallsweep_core::sweep::Sweep;
+use hallsweep_core::units::{Epoch, Seq, Ticket};
+use hallsweep_core::world::snapshot::Snapshot;
 
 /// The loop, not yet running.
 pub struct Task {

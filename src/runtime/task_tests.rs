@@ -4,16 +4,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use super::*;
-use crate::core::command::{Command, Door, Issuer, TemperatureReport};
-use crate::core::effect::{Action, Fact, Page};
-use crate::core::event::Capabilities;
-use crate::core::mission::{Hold, PhaseName};
-use crate::core::settings::Settings;
-use crate::core::units::{Epoch, Seq};
-use crate::core::world::robot::RobotState;
 use crate::runtime::handle::Given;
 use crate::runtime::link::{RobotSide, link};
 use crate::runtime::within::within;
+use hallsweep_core::command::{Command, Door, Issuer, TemperatureReport};
+use hallsweep_core::effect::{Action, Fact, Page};
+use hallsweep_core::event::Capabilities;
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::settings::Settings;
+use hallsweep_core::units::{Epoch, Seq};
+use hallsweep_core::world::robot::RobotState;
 
 /// Keeps nothing, but says that it did: at once, or when the test lets it.
 struct Forgetful {
@@ -342,7 +342,7 @@ async fn a_start_while_the_robot_halts_begins_when_it_stands() {
 #[tokio::test]
 async fn a_photo_that_was_ordered_before_a_stop_goes_out_and_a_step_does_not() {
     let (_handle, mut task, mut robot) = task();
-    let stamp = crate::core::effect::Stamp { pose: crate::core::units::Pose::START, wall: Default::default() };
+    let stamp = hallsweep_core::effect::Stamp { pose: hallsweep_core::units::Pose::START, wall: Default::default() };
     let order = |action| Order { id: Default::default(), action, epoch: Epoch(0), deadline: TENTH };
     task.halter.stop();
     task.send(order(Action::Photograph(stamp)));

@@ -1,6 +1,6 @@
 //! TD_COAP_BLOCK_01 to 06: bodies in blocks, both ways, sizes named early and late.
 
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
 
 use crate::rig::bench::Bench;
 use crate::rig::client::ask::Ask;

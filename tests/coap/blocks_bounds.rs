@@ -1,6 +1,6 @@
 //! Blocks at their bounds: the largest numbers, the reserved size, past the end, gaps, and bodies that are too large.
 
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
 
 use crate::rig::bench::{Bench, here};
 use crate::rig::client::ask::Ask;

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::collections::BTreeSet;
 
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
 
 use crate::rig::bench::Bench;
 use crate::rig::client::ask::Ask;

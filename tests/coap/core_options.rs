@@ -1,6 +1,6 @@
 //! TD_COAP_CORE_14 and 18 to 23: queries, locations, Accept, ETag and conditions.
 
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
 
 use crate::rig::bench::Bench;
 use crate::rig::message::{Message, option};

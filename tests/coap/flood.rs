@@ -2,9 +2,9 @@
 
 use std::net::SocketAddr;
 
-use hallsweep::inbound::coap::endpoint::Backlog;
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
-use hallsweep::inbound::coap::endpoint::request::Request;
+use hallsweep::doors::coap::endpoint::Backlog;
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::request::Request;
 
 use crate::rig::bench::{Bench, here, stranger};
 use crate::rig::message::{Kind, Message, option};

@@ -3,8 +3,8 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
-use hallsweep::inbound::coap::endpoint::limits;
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::limits;
 
 use crate::rig::bench::{Bench, here};
 use crate::rig::message::{Kind, Message};

@@ -1,6 +1,6 @@
 //! TD_COAP_LINK_01 to 09: `/.well-known/core` and its filters, over the wire.
 
-use hallsweep::inbound::coap::endpoint::code::Code;
+use hallsweep::doors::coap::endpoint::code::Code;
 
 use crate::rig::bench::Bench;
 use crate::rig::message::{Message, option};

@@ -1,6 +1,6 @@
 //! Messages that are not quite as they should be, and options that are not understood.
 
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
 
 use crate::rig::bench::{Bench, here};
 use crate::rig::message::{Kind, Message, option};

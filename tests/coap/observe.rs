@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
-use hallsweep::inbound::coap::endpoint::limits::ACK_TIMEOUT;
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::limits::ACK_TIMEOUT;
 
 use crate::rig::bench::{Bench, here};
 use crate::rig::client::ask::Ask;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use hallsweep::inbound::coap::endpoint::code::Code;
+use hallsweep::doors::coap::endpoint::code::Code;
 
 use crate::observe::observe;
 use crate::rig::bench::Bench;

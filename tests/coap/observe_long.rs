@@ -3,9 +3,9 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
-use hallsweep::inbound::coap::endpoint::limits;
-use hallsweep::inbound::coap::endpoint::response::Response;
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::limits;
+use hallsweep::doors::coap::endpoint::response::Response;
 
 use crate::observe::{observe, told};
 use crate::rig::bench::{Bench, here};

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
 
 use crate::observe::{notifies, observe, told};
 use crate::rig::bench::{Bench, here};

@@ -1,8 +1,8 @@
 //! What the endpoint refuses by itself: in words, for the record, and without hiding what matters more.
 
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
-use hallsweep::inbound::coap::endpoint::limits;
-use hallsweep::inbound::coap::endpoint::request::Request;
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::limits;
+use hallsweep::doors::coap::endpoint::request::Request;
 
 use crate::rig::bench::{Bench, here, stranger};
 use crate::rig::message::{Block, Message, option};

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use hallsweep::inbound::coap::endpoint::code::Code;
+use hallsweep::doors::coap::endpoint::code::Code;
 
 use crate::rig::bench::{Bench, Out, here};
 use crate::rig::each_seed;

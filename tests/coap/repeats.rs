@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
 
 use crate::rig::bench::{Bench, here};
 use crate::rig::message::{Kind, Message, option};

@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use hallsweep::core::rng::Stream;
-use hallsweep::inbound::coap::endpoint::code::Code;
-use hallsweep::inbound::coap::endpoint::limits;
+use hallsweep::doors::coap::endpoint::code::Code;
+use hallsweep::doors::coap::endpoint::limits;
+use hallsweep_core::rng::Stream;
 
 use crate::rig::bench::Bench;
 use crate::rig::each_seed;

@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
 
 use crate::rig::bench::{Bench, here, stranger};
 use crate::rig::message::{Kind, Message, option};

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use hallsweep::core::rng::Stream;
+use hallsweep_core::rng::Stream;
 use serde_json::{Value, json};
 
 use crate::program::{Answer, Deadline, PATIENCE, Program, hallsweep};

@@ -3,14 +3,14 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep::core::command::{Accepted, Command, Door, Issuer, LuggageRef, Move, Refused, Request, Verdict};
-use hallsweep::core::effect::{Action, Effect, Entry, Fact, Order};
-use hallsweep::core::event::{Capabilities, Event, Obstacle, Photo, Piece, RobotEvent, RobotId};
-use hallsweep::core::mission::{Hold, PhaseName};
-use hallsweep::core::settings::Settings;
-use hallsweep::core::sweep::Sweep;
-use hallsweep::core::units::{Cell, Epoch, LuggageId, Now, Seq, Ticket, Wall};
-use hallsweep::core::world::snapshot::Snapshot;
+use hallsweep_core::command::{Accepted, Command, Door, Issuer, LuggageRef, Move, Refused, Request, Verdict};
+use hallsweep_core::effect::{Action, Effect, Entry, Fact, Order};
+use hallsweep_core::event::{Capabilities, Event, Obstacle, Photo, Piece, RobotEvent, RobotId};
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::settings::Settings;
+use hallsweep_core::sweep::Sweep;
+use hallsweep_core::units::{Cell, Epoch, LuggageId, Now, Seq, Ticket, Wall};
+use hallsweep_core::world::snapshot::Snapshot;
 
 use crate::shown::Record;
 

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use hallsweep::core::rng::Stream;
-use hallsweep::outbound::robot::sim::Hall;
+use hallsweep_core::rng::Stream;
+use hallsweep_sim::Hall;
 
 /// A hall of up to `most` × `most` cells: 0–20 % luggage, pieces of one cell and of several, some walls, pockets behind them,
 /// islands nobody can reach, and home in the north-west corner or anywhere.

@@ -5,15 +5,15 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep::core::command::{Accepted, Command, Door, Issuer, Refused, Request};
-use hallsweep::core::effect::{Effect, Entry, Fact, Page};
-use hallsweep::core::event::{Event, RobotId};
-use hallsweep::core::settings::Settings;
-use hallsweep::core::standing::Standing;
-use hallsweep::core::sweep::{Recalled, Sweep};
-use hallsweep::core::units::{Now, Seq, Ticket, Wall};
-use hallsweep::core::world::snapshot::Snapshot;
-use hallsweep::outbound::robot::sim::{BodyPose, Hall, Sim, SimMemory, SimSettings};
+use hallsweep_core::command::{Accepted, Command, Door, Issuer, Refused, Request};
+use hallsweep_core::effect::{Effect, Entry, Fact, Page};
+use hallsweep_core::event::{Event, RobotId};
+use hallsweep_core::settings::Settings;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::sweep::{Recalled, Sweep};
+use hallsweep_core::units::{Now, Seq, Ticket, Wall};
+use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_sim::{BodyPose, Hall, Sim, SimMemory, SimSettings};
 
 /// The program, its disk and its robot.
 pub(crate) struct Mortal {

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use hallsweep::core::command::{Accepted, Command, LuggageRef, Move, Refused, TemperatureReport, Verdict};
-use hallsweep::core::explore::Strategy;
-use hallsweep::core::mission::{Hold, PhaseName};
-use hallsweep::core::settings::Settings;
-use hallsweep::core::units::{Cell, Celsius, LuggageId};
-use hallsweep::core::world::snapshot::Snapshot;
-use hallsweep::headless::Run;
-use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings};
+use hallsweep_core::command::{Accepted, Command, LuggageRef, Move, Refused, TemperatureReport, Verdict};
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::settings::Settings;
+use hallsweep_core::units::{Cell, Celsius, LuggageId};
+use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_sim::headless::Run;
+use hallsweep_sim::{Camera, Hall, SimSettings};
 
 /// More than any mission of these tests takes.
 pub(crate) const PLENTY: usize = 100_000;

@@ -2,17 +2,17 @@
 
 use std::time::Duration;
 
-use hallsweep::core::command::{Command, Door, Issuer, LuggageRef, Move, Refused, Request, TemperatureReport, Verdict};
-use hallsweep::core::event::{Event, RobotEvent, RobotId};
-use hallsweep::core::mission::{Hold, PhaseName};
-use hallsweep::core::rng::Stream;
-use hallsweep::core::settings::Settings;
-use hallsweep::core::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
-use hallsweep::core::world::hall_map::Mark;
-use hallsweep::core::world::robot::RobotState;
-use hallsweep::core::world::snapshot::Snapshot;
-use hallsweep::headless::Run;
-use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings, Truth};
+use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Refused, Request, TemperatureReport, Verdict};
+use hallsweep_core::event::{Event, RobotEvent, RobotId};
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::rng::Stream;
+use hallsweep_core::settings::Settings;
+use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
+use hallsweep_core::world::hall_map::Mark;
+use hallsweep_core::world::robot::RobotState;
+use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_sim::headless::Run;
+use hallsweep_sim::{Camera, Hall, SimSettings, Truth};
 
 use crate::halls;
 use crate::operator::{Operator, sensor_reads};

@@ -1,11 +1,11 @@
 //! The explorer on a thousand random halls: all complete, all home, and the map equal to the truth wherever it says anything.
 
-use hallsweep::core::explore::Strategy;
-use hallsweep::core::settings::Settings;
-use hallsweep::core::units::Cell;
-use hallsweep::core::world::hall_map::Mark;
-use hallsweep::headless::{Figures, Verdicts, explore};
-use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings, Truth};
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::settings::Settings;
+use hallsweep_core::units::Cell;
+use hallsweep_core::world::hall_map::Mark;
+use hallsweep_sim::headless::{Figures, Verdicts, explore};
+use hallsweep_sim::{Camera, Hall, SimSettings, Truth};
 
 use crate::halls;
 

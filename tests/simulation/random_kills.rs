@@ -5,13 +5,13 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use hallsweep::core::command::{Command, LuggageRef, Refused, TemperatureReport, Verdict};
-use hallsweep::core::mission::{Hold, PhaseName};
-use hallsweep::core::rng::Stream;
-use hallsweep::core::units::{AlarmId, Cell, LuggageId, Ticket};
-use hallsweep::core::world::hall_map::Mark;
-use hallsweep::core::world::snapshot::Snapshot;
-use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings, Truth};
+use hallsweep_core::command::{Command, LuggageRef, Refused, TemperatureReport, Verdict};
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::rng::Stream;
+use hallsweep_core::units::{AlarmId, Cell, LuggageId, Ticket};
+use hallsweep_core::world::hall_map::Mark;
+use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_sim::{Camera, Hall, SimSettings, Truth};
 
 use crate::halls;
 use crate::mortal::Mortal;
@@ -117,8 +117,7 @@ impl Seen {
             self.mission = state.mission.id.0;
             self.luggage.clear();
         }
-        let shown =
-            |luggage: &hallsweep::core::world::luggage::Luggage| luggage.verdict.as_ref().map(|decision| decision.verdict);
+        let shown = |luggage: &hallsweep_core::world::luggage::Luggage| luggage.verdict.as_ref().map(|decision| decision.verdict);
         self.luggage.extend(state.luggage.iter().map(|luggage| (luggage.id, shown(luggage))));
     }
 

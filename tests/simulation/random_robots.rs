@@ -2,12 +2,12 @@
 //! must neither panic nor spin, move nothing while held, and answer every command once the store is well. A failure prints its
 //! seed.
 
-use hallsweep::core::command::{Command, LuggageRef, Move, TemperatureReport, Verdict};
-use hallsweep::core::effect::{Action, Effect};
-use hallsweep::core::event::{Event, Obstacle, Piece, RobotEvent};
-use hallsweep::core::mission::PhaseName;
-use hallsweep::core::rng::Stream;
-use hallsweep::core::units::{AlarmId, Cell, LuggageId, Ticket};
+use hallsweep_core::command::{Command, LuggageRef, Move, TemperatureReport, Verdict};
+use hallsweep_core::effect::{Action, Effect};
+use hallsweep_core::event::{Event, Obstacle, Piece, RobotEvent};
+use hallsweep_core::mission::PhaseName;
+use hallsweep_core::rng::Stream;
+use hallsweep_core::units::{AlarmId, Cell, LuggageId, Ticket};
 
 use crate::bare::Bare;
 
@@ -101,7 +101,7 @@ fn check(bare: &mut Bare, seed: u64) {
     let is_home = state.robot.pose.cell == Cell::HOME && !state.robot.off_centre;
     assert!(!at_home || is_home, "seed {seed}: {:?} away from home", state.mission.phase);
     let ordered = bare.effects.iter().any(|effect| matches!(effect, Effect::Order(_, order) if order.action.is_motion()));
-    let halted = bare.effects.contains(&Effect::Halt(hallsweep::core::event::RobotId::Discovery));
+    let halted = bare.effects.contains(&Effect::Halt(hallsweep_core::event::RobotId::Discovery));
     assert!(!ordered || halted || state.mission.holds.is_empty(), "seed {seed}: told to move under {:?}", state.mission.holds);
     let danger = state.luggage.iter().any(|luggage| luggage.is_dangerous());
     assert!(!danger || !state.robot.led_blinking, "seed {seed}: the LED blinks after danger");

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use hallsweep::core::settings::Settings;
-use hallsweep::headless::{Verdicts, explore};
-use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings};
+use hallsweep_core::settings::Settings;
+use hallsweep_sim::headless::{Verdicts, explore};
+use hallsweep_sim::{Camera, Hall, SimSettings};
 
 fn journal(seed: u64) -> String {
     let hall = Arc::new(Hall::named_or_file("airport").unwrap());

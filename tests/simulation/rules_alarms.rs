@@ -3,16 +3,16 @@
 
 use std::sync::Arc;
 
-use hallsweep::core::command::{Command, CommandId, Door, Issuer, Refused, Request, TemperatureReport, Verdict};
-use hallsweep::core::effect::{Effect, Fact};
-use hallsweep::core::event::{Event, Obstacle};
-use hallsweep::core::mission::{FaultCause, Hold, Phase, PhaseName};
-use hallsweep::core::settings::Settings;
-use hallsweep::core::standing::Standing;
-use hallsweep::core::sweep::{IDS, Recalled, Sweep};
-use hallsweep::core::units::{AlarmId, Cell, LuggageId, Now, Pose, Revision, Seq};
-use hallsweep::core::world::alarm::Alarm;
-use hallsweep::core::world::hall_map::Mark;
+use hallsweep_core::command::{Command, CommandId, Door, Issuer, Refused, Request, TemperatureReport, Verdict};
+use hallsweep_core::effect::{Effect, Fact};
+use hallsweep_core::event::{Event, Obstacle};
+use hallsweep_core::mission::{FaultCause, Hold, Phase, PhaseName};
+use hallsweep_core::settings::Settings;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::sweep::{IDS, Recalled, Sweep};
+use hallsweep_core::units::{AlarmId, Cell, LuggageId, Now, Pose, Revision, Seq};
+use hallsweep_core::world::alarm::Alarm;
+use hallsweep_core::world::hall_map::Mark;
 
 use crate::bare::Bare;
 

@@ -3,11 +3,11 @@
 
 use std::sync::Arc;
 
-use hallsweep::core::command::{Command, CommandId, Door, Issuer, LuggageRef, Refused, Request, TemperatureReport, Verdict};
-use hallsweep::core::effect::{Effect, Fact};
-use hallsweep::core::mission::PhaseName;
-use hallsweep::core::sweep::IDS;
-use hallsweep::core::units::{Celsius, Epoch, LuggageId};
+use hallsweep_core::command::{Command, CommandId, Door, Issuer, LuggageRef, Refused, Request, TemperatureReport, Verdict};
+use hallsweep_core::effect::{Effect, Fact};
+use hallsweep_core::mission::PhaseName;
+use hallsweep_core::sweep::IDS;
+use hallsweep_core::units::{Celsius, Epoch, LuggageId};
 
 use crate::bare::{Bare, records};
 use crate::operator::{Operator, in_hall};
@@ -165,7 +165,7 @@ fn accepted_or_refused_every_command_is_on_record_with_who_and_from_where() {
 /// Safety A6: what came while nothing could be written is written afterwards.
 #[test]
 fn commands_that_came_while_the_store_was_down_are_on_record_when_it_is_back() {
-    use hallsweep::core::event::Event;
+    use hallsweep_core::event::Event;
     let mut bare = Bare::linked();
     bare.keeps = false;
     bare.event(Event::StoreFailed("disk full".to_owned()));
@@ -180,7 +180,7 @@ fn commands_that_came_while_the_store_was_down_are_on_record_when_it_is_back() {
 /// Safety A6: what was lost when the store failed is written once more, as it was answered.
 #[test]
 fn a_command_that_was_lost_with_the_store_is_on_record_once_and_as_it_was_answered() {
-    use hallsweep::core::event::Event;
+    use hallsweep_core::event::Event;
     let mut bare = Bare::linked();
     bare.keeps = false;
     let start = bare.ask(named("s", Command::Start)).unwrap();
@@ -202,22 +202,22 @@ fn a_reading_that_is_not_on_record_yet_does_not_hold_the_robot_up() {
     bare.keeps = false;
     let reading = Command::Temperature(TemperatureReport::Reading(Celsius::new(20.0).unwrap()));
     let order = bare.takes_back().expect("it drives");
-    bare.robot(hallsweep::core::event::RobotEvent::Done(order.id));
+    bare.robot(hallsweep_core::event::RobotEvent::Done(order.id));
     bare.keep();
     assert!(bare.order().is_some(), "the move is on record: the next one begins");
     let order = bare.takes_back().expect("it drives");
     bare.give(reading.clone()).unwrap();
-    bare.robot(hallsweep::core::event::RobotEvent::Done(order.id));
+    bare.robot(hallsweep_core::event::RobotEvent::Done(order.id));
     let before = bare.written;
     bare.give(reading).unwrap();
-    bare.event(hallsweep::core::event::Event::Recorded(before));
+    bare.event(hallsweep_core::event::Event::Recorded(before));
     assert!(bare.order().is_some(), "only the reading is not on record yet");
 }
 
 /// Who is told to try again later may do so under the same id.
 #[test]
 fn a_danger_that_could_not_be_recorded_is_taken_when_the_store_is_back() {
-    use hallsweep::core::event::Event;
+    use hallsweep_core::event::Event;
     let mut bare = Bare::at_a_bag();
     bare.event(Event::StoreFailed("disk full".to_owned()));
     assert_eq!(bare.ask(named("d", verdict(Verdict::Danger))), Err(Refused::StoreDown));
@@ -230,9 +230,9 @@ fn a_danger_that_could_not_be_recorded_is_taken_when_the_store_is_back() {
 /// Nothing is acknowledged that is not on record; what makes it safer is done all the same.
 #[test]
 fn while_the_store_is_down_only_a_stop_is_accepted() {
-    use hallsweep::core::event::Event;
-    use hallsweep::core::mission::Hold;
-    use hallsweep::core::units::AlarmId;
+    use hallsweep_core::event::Event;
+    use hallsweep_core::mission::Hold;
+    use hallsweep_core::units::AlarmId;
     let mut bare = Bare::at_a_bag();
     bare.verdict(Verdict::Danger).unwrap();
     bare.event(Event::StoreFailed("disk full".to_owned()));

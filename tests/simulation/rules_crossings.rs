@@ -1,10 +1,10 @@
 //! What crosses on the way: a drive by hand cut short, answers that come late, a link that was never up.
 
-use hallsweep::core::command::{Command, Move, Refused, TemperatureReport, Verdict};
-use hallsweep::core::effect::Action;
-use hallsweep::core::event::{Event, Obstacle, RobotEvent};
-use hallsweep::core::mission::{Hold, PhaseName};
-use hallsweep::core::units::{AlarmId, Cell, Celsius, LuggageId};
+use hallsweep_core::command::{Command, Move, Refused, TemperatureReport, Verdict};
+use hallsweep_core::effect::Action;
+use hallsweep_core::event::{Event, Obstacle, RobotEvent};
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::units::{AlarmId, Cell, Celsius, LuggageId};
 
 use crate::bare::Bare;
 use crate::operator::sensor_reads;
@@ -132,8 +132,8 @@ fn answers_to_orders_nobody_gave_change_nothing() {
     let mut bare = Bare::linked();
     bare.give(Command::Start).unwrap();
     let before = bare.state().robot;
-    bare.robot(RobotEvent::Done(hallsweep::core::units::OrderId(99)));
-    bare.robot(RobotEvent::Blocked(hallsweep::core::units::OrderId(99), Obstacle::Unknown));
+    bare.robot(RobotEvent::Done(hallsweep_core::units::OrderId(99)));
+    bare.robot(RobotEvent::Blocked(hallsweep_core::units::OrderId(99), Obstacle::Unknown));
     assert_eq!(bare.state().robot, before);
 }
 
@@ -179,7 +179,7 @@ fn two_silent_sensors_must_both_read_again() {
 /// What a button would be refused with is part of the mission: when it changes, the mission has changed.
 #[test]
 fn a_refusal_that_ends_raises_the_missions_revision() {
-    use hallsweep::core::world::resource::Resource;
+    use hallsweep_core::world::resource::Resource;
     let mut bare = Bare::at_home_with_a_pending_bag();
     let before = bare.state();
     assert!(before.mission.refusals.start.is_some());
@@ -191,7 +191,7 @@ fn a_refusal_that_ends_raises_the_missions_revision() {
 
 #[test]
 fn a_piece_that_failed_twice_stays_one_record_that_waits() {
-    let mut bare = Bare::in_front_of(Obstacle::Luggage(hallsweep::core::event::Piece(1)));
+    let mut bare = Bare::in_front_of(Obstacle::Luggage(hallsweep_core::event::Piece(1)));
     bare.photo_fails();
     bare.give(Command::BackHome).unwrap();
     bare.drive_on();

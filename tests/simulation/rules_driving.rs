@@ -1,9 +1,9 @@
 //! Mission §4 rule 6: driving by hand, and that the mission never resumes unasked after it.
 
-use hallsweep::core::command::{Command, Move, Refused, TemperatureReport, Verdict};
-use hallsweep::core::mission::{Hold, PhaseName};
-use hallsweep::core::units::{Cell, LuggageId};
-use hallsweep::core::world::hall_map::Mark;
+use hallsweep_core::command::{Command, Move, Refused, TemperatureReport, Verdict};
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::units::{Cell, LuggageId};
+use hallsweep_core::world::hall_map::Mark;
 
 use crate::operator::{Operator, in_drawn, in_hall};
 

@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use hallsweep::core::command::{Command, Refused, TemperatureReport, Verdict};
-use hallsweep::core::event::{Event, RobotEvent, RobotId};
-use hallsweep::core::mission::{Hold, PhaseName};
-use hallsweep::core::units::Celsius;
-use hallsweep::core::world::temperature::TemperatureStatus;
-use hallsweep::headless::Run;
-use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings};
+use hallsweep_core::command::{Command, Refused, TemperatureReport, Verdict};
+use hallsweep_core::event::{Event, RobotEvent, RobotId};
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::units::Celsius;
+use hallsweep_core::world::temperature::TemperatureStatus;
+use hallsweep_sim::headless::Run;
+use hallsweep_sim::{Camera, Hall, SimSettings};
 
 use crate::operator::{Operator, in_drawn, in_hall, run_in, sensor_reads};
 
@@ -113,7 +113,7 @@ fn photo_and_record_proceed_under_holds_and_verdicts_then_move_nothing() {
     run.give(Command::Start).unwrap();
     run.until_pending();
     run.temperature(TemperatureReport::TooHigh).unwrap();
-    run.give(Command::RetakePhoto(hallsweep::core::units::LuggageId(1))).unwrap();
+    run.give(Command::RetakePhoto(hallsweep_core::units::LuggageId(1))).unwrap();
     run.wait(2.0);
     run.verdict(1, Verdict::Safe).unwrap();
     assert_eq!(run.phase(), PhaseName::Exploring);

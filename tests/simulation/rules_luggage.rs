@@ -1,13 +1,13 @@
 //! Mission §4 rule 4 and §7: verdicts, photos that fail, pieces of several cells, obstacles that cannot be told.
 
-use hallsweep::core::command::{Command, LuggageRef, Refused, Verdict};
-use hallsweep::core::mission::PhaseName;
-use hallsweep::core::settings::Settings;
-use hallsweep::core::units::{Cell, LuggageId};
-use hallsweep::core::world::hall_map::Mark;
-use hallsweep::core::world::luggage::PhotoState;
-use hallsweep::headless::{Run, Verdicts, explore};
-use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings};
+use hallsweep_core::command::{Command, LuggageRef, Refused, Verdict};
+use hallsweep_core::mission::PhaseName;
+use hallsweep_core::settings::Settings;
+use hallsweep_core::units::{Cell, LuggageId};
+use hallsweep_core::world::hall_map::Mark;
+use hallsweep_core::world::luggage::PhotoState;
+use hallsweep_sim::headless::{Run, Verdicts, explore};
+use hallsweep_sim::{Camera, Hall, SimSettings};
 
 use crate::operator::{Operator, drawn_with, in_drawn};
 
@@ -39,7 +39,7 @@ fn a_bare_word_means_the_one_pending_piece_and_is_refused_when_there_is_none() {
 
 #[test]
 fn under_a_failed_store_a_verdict_is_refused_but_danger_still_alarms() {
-    use hallsweep::core::event::Event;
+    use hallsweep_core::event::Event;
     let mut run = at_the_bag();
     let now = run.now();
     run.sweep.handle_event(Event::StoreFailed("disk full".to_owned()), now);
@@ -87,7 +87,7 @@ fn a_piece_left_without_a_photo_is_photographed_again_after_the_next_start() {
     run.give(Command::Start).unwrap();
     run.until("back at the piece", |state| state.mission.inspected == Some(LuggageId(1)));
     assert_eq!(run.state().robot.pose, pose);
-    run.until("its photo, or another failure", |state| state.robot.state == hallsweep::core::world::robot::RobotState::Stopped);
+    run.until("its photo, or another failure", |state| state.robot.state == hallsweep_core::world::robot::RobotState::Stopped);
     assert_eq!(run.state().luggage.len(), 1, "it stays one record");
 }
 

@@ -1,10 +1,10 @@
 //! Mission §4 on start, stop, backHome and reset, each rule by its number.
 
-use hallsweep::core::command::{Command, Door, Issuer, Refused, Request, Verdict};
-use hallsweep::core::effect::Fact;
-use hallsweep::core::mission::{Hold, PhaseName};
-use hallsweep::core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId};
-use hallsweep::headless::Run;
+use hallsweep_core::command::{Command, Door, Issuer, Refused, Request, Verdict};
+use hallsweep_core::effect::Fact;
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId};
+use hallsweep_sim::headless::Run;
 
 use crate::operator::{Operator, in_drawn, in_hall};
 
@@ -182,7 +182,7 @@ fn a_start_from_before_the_last_stop_is_outdated_and_a_verdict_never_is() {
     run.give(Command::Stop).unwrap();
     let old = |command| Request { epoch: Some(Epoch(0)), ..Request::new(command, Issuer::operator(Door::Local)) };
     assert_eq!(run.ask(old(Command::BackHome)), Err(Refused::Outdated { sent: Epoch(0), now: Epoch(1) }));
-    let luggage = hallsweep::core::command::LuggageRef::Pending;
+    let luggage = hallsweep_core::command::LuggageRef::Pending;
     run.ask(old(Command::Verdict { luggage, verdict: Verdict::Safe })).unwrap();
     assert_eq!(run.ask(old(Command::Start)), Err(Refused::Outdated { sent: Epoch(0), now: Epoch(1) }));
 }
@@ -200,7 +200,7 @@ fn an_answer_names_the_revision_that_contains_its_effect() {
 /// Rule 10.
 #[test]
 fn the_strategy_is_chosen_only_between_missions() {
-    use hallsweep::core::explore::Strategy;
+    use hallsweep_core::explore::Strategy;
     let mut run = in_hall("empty-8x8");
     run.give(Command::ChooseStrategy(Strategy::Snail)).unwrap();
     run.give(Command::Start).unwrap();

@@ -1,12 +1,12 @@
 //! Safety R4: what follows from a command or a find is shown when it is on record; what warns or halts, pose and readings at once.
 
-use hallsweep::core::command::{Command, Refused, TemperatureReport, Verdict};
-use hallsweep::core::effect::Effect;
-use hallsweep::core::event::{Event, Obstacle, Piece, RobotEvent, RobotId};
-use hallsweep::core::mission::{Hold, PhaseName};
-use hallsweep::core::units::{AlarmId, Celsius, LuggageId, MissionId};
-use hallsweep::core::world::hall_map::Mark;
-use hallsweep::core::world::resource::Resource;
+use hallsweep_core::command::{Command, Refused, TemperatureReport, Verdict};
+use hallsweep_core::effect::Effect;
+use hallsweep_core::event::{Event, Obstacle, Piece, RobotEvent, RobotId};
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::units::{AlarmId, Celsius, LuggageId, MissionId};
+use hallsweep_core::world::hall_map::Mark;
+use hallsweep_core::world::resource::Resource;
 
 use crate::bare::Bare;
 

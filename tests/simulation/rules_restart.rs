@@ -3,17 +3,17 @@
 
 use std::sync::Arc;
 
-use hallsweep::core::command::{Command, CommandId, Door, Issuer, LuggageRef, Refused, Request, TemperatureReport, Verdict};
-use hallsweep::core::effect::{Action, Effect, Entry, Fact};
-use hallsweep::core::event::{Obstacle, Piece, RobotEvent, Whereabouts};
-use hallsweep::core::mission::{Hold, Phase, PhaseName};
-use hallsweep::core::rng::Stream;
-use hallsweep::core::settings::Settings;
-use hallsweep::core::standing::Standing;
-use hallsweep::core::sweep::{Recalled, Sweep};
-use hallsweep::core::units::{AlarmId, Cell, Celsius, LuggageId, Now, Pose, Seq};
-use hallsweep::headless::Run;
-use hallsweep::outbound::robot::sim::{Camera, Hall, SimSettings};
+use hallsweep_core::command::{Command, CommandId, Door, Issuer, LuggageRef, Refused, Request, TemperatureReport, Verdict};
+use hallsweep_core::effect::{Action, Effect, Entry, Fact};
+use hallsweep_core::event::{Obstacle, Piece, RobotEvent, Whereabouts};
+use hallsweep_core::mission::{Hold, Phase, PhaseName};
+use hallsweep_core::rng::Stream;
+use hallsweep_core::settings::Settings;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::sweep::{Recalled, Sweep};
+use hallsweep_core::units::{AlarmId, Cell, Celsius, LuggageId, Now, Pose, Seq};
+use hallsweep_sim::headless::Run;
+use hallsweep_sim::{Camera, Hall, SimSettings};
 
 use crate::bare::Bare;
 use crate::halls;

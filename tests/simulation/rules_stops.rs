@@ -1,12 +1,12 @@
 //! Safety S8: after a halt `robot.halting` is true until the robot stands, nothing new begins until then, and a stop is answered
 //! with a revision of which one or the other is so.
 
-use hallsweep::core::command::{Command, Door, Issuer, Move, Refused, Request};
-use hallsweep::core::effect::Effect;
-use hallsweep::core::event::{Event, RobotEvent};
-use hallsweep::core::mission::{Hold, PhaseName};
-use hallsweep::core::units::{AlarmId, Cell, Epoch};
-use hallsweep::core::world::robot::RobotState;
+use hallsweep_core::command::{Command, Door, Issuer, Move, Refused, Request};
+use hallsweep_core::effect::Effect;
+use hallsweep_core::event::{Event, RobotEvent};
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::units::{AlarmId, Cell, Epoch};
+use hallsweep_core::world::robot::RobotState;
 
 use crate::bare::Bare;
 use crate::operator::{Operator, in_hall};
@@ -28,7 +28,7 @@ fn every_halt_says_that_it_halts_until_the_robot_says_that_it_stands() {
     type Halting = fn(&mut Bare);
     let causes: [(&str, Halting); 4] = [
         ("stop", |bare| drop(bare.give(Command::Stop))),
-        ("button", |bare| drop(bare.give(Command::Temperature(hallsweep::core::command::TemperatureReport::TooHigh)))),
+        ("button", |bare| drop(bare.give(Command::Temperature(hallsweep_core::command::TemperatureReport::TooHigh)))),
         ("sensor", |bare| bare.watch_silent("roof")),
         ("store", |bare| bare.event(Event::StoreFailed("disk full".to_owned()))),
     ];
@@ -138,7 +138,7 @@ fn a_stop_while_nothing_moves_is_answered_at_once() {
     let mut bare = Bare::linked();
     let ticket = bare.give(Command::Stop).unwrap();
     assert!(bare.answer(ticket).is_some() && !is_halting(&mut bare));
-    let mut bare = Bare::in_front_of(hallsweep::core::event::Obstacle::Unknown);
+    let mut bare = Bare::in_front_of(hallsweep_core::event::Obstacle::Unknown);
     let ticket = bare.give(Command::Stop).unwrap();
     assert!(bare.answer(ticket).is_some() && !is_halting(&mut bare), "a photo is no motion");
 }
@@ -208,7 +208,7 @@ fn whole_missions_with_a_stop_at_every_step_are_never_answered_with_a_moving_rob
         run.stands_still();
         stops += 1;
         if let Some(id) = run.state().pending().map(|luggage| luggage.id.0) {
-            run.verdict(id, hallsweep::core::command::Verdict::Safe).unwrap();
+            run.verdict(id, hallsweep_core::command::Verdict::Safe).unwrap();
         }
         if run.give(Command::Start).is_err() {
             break;

@@ -1,10 +1,10 @@
 //! Safety S2, V1–V3: what happens while a record is on its way, and when the store fails on it.
 
-use hallsweep::core::command::{Command, Refused, TemperatureReport, Verdict};
-use hallsweep::core::effect::{Effect, Fact};
-use hallsweep::core::event::{Event, RobotId};
-use hallsweep::core::mission::{Hold, PhaseName};
-use hallsweep::core::units::LuggageId;
+use hallsweep_core::command::{Command, Refused, TemperatureReport, Verdict};
+use hallsweep_core::effect::{Effect, Fact};
+use hallsweep_core::event::{Event, RobotId};
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::units::LuggageId;
 
 use crate::bare::{Bare, records};
 
@@ -55,7 +55,7 @@ fn a_safe_that_a_danger_overtakes_is_refused_and_the_log_says_so() {
 
 #[test]
 fn a_piece_whose_record_was_lost_is_recorded_anew_when_the_store_is_back() {
-    let mut bare = Bare::in_front_of(hallsweep::core::event::Obstacle::Unknown);
+    let mut bare = Bare::in_front_of(hallsweep_core::event::Obstacle::Unknown);
     bare.keeps = false;
     bare.photo();
     fails(&mut bare);
@@ -99,7 +99,7 @@ fn halts_come_before_the_records_of_what_halted() {
     let causes: [(&str, Halting); 4] = [
         ("stop", |bare| drop(bare.give(Command::Stop))),
         ("button", |bare| drop(bare.give(Command::Temperature(TemperatureReport::TooHigh)))),
-        ("heat", |bare| bare.robot(hallsweep::core::event::RobotEvent::Temperature(hot()))),
+        ("heat", |bare| bare.robot(hallsweep_core::event::RobotEvent::Temperature(hot()))),
         ("store", fails),
     ];
     for (name, cause) in causes {
@@ -111,8 +111,8 @@ fn halts_come_before_the_records_of_what_halted() {
     }
 }
 
-fn hot() -> hallsweep::core::units::Celsius {
-    hallsweep::core::units::Celsius::new(40.0).unwrap()
+fn hot() -> hallsweep_core::units::Celsius {
+    hallsweep_core::units::Celsius::new(40.0).unwrap()
 }
 
 /// A step that was decided on but has not gone out yet is taken back by a halt, not sent after it.
@@ -122,8 +122,8 @@ fn an_order_that_has_not_gone_out_never_follows_a_halt() {
     bare.keeps = false;
     bare.give(Command::Start).unwrap();
     bare.effects.clear();
-    let kept = Event::Recorded(hallsweep::core::units::Seq(1000));
-    let now = hallsweep::core::units::Now::default();
+    let kept = Event::Recorded(hallsweep_core::units::Seq(1000));
+    let now = hallsweep_core::units::Now::default();
     bare.sweep.handle_event(kept, now);
     bare.sweep.handle_event(Event::StoreFailed("disk full".to_owned()), now);
     let effects: Vec<Effect> = std::iter::from_fn(|| bare.sweep.poll_effect()).collect();

@@ -1,12 +1,12 @@
 //! The test plans of sprint 0 §1.4 and sprints 4 and 5: luggage is met, marked, photographed, judged.
 
-use hallsweep::core::command::{Command, Verdict};
-use hallsweep::core::effect::Fact;
-use hallsweep::core::mission::PhaseName;
-use hallsweep::core::units::Cell;
-use hallsweep::core::world::hall_map::Mark;
-use hallsweep::core::world::robot::RobotState;
-use hallsweep::headless::Run;
+use hallsweep_core::command::{Command, Verdict};
+use hallsweep_core::effect::Fact;
+use hallsweep_core::mission::PhaseName;
+use hallsweep_core::units::Cell;
+use hallsweep_core::world::hall_map::Mark;
+use hallsweep_core::world::robot::RobotState;
+use hallsweep_sim::headless::Run;
 
 use crate::operator::{Operator, in_drawn, in_hall};
 

@@ -1,9 +1,9 @@
 //! The test plans of sprint 0 §1.4 and sprint 6: stop, temperature, backHome and the blinking LED.
 
-use hallsweep::core::command::{Command, Refused, TemperatureReport, Verdict};
-use hallsweep::core::mission::{Hold, PhaseName};
-use hallsweep::core::units::Cell;
-use hallsweep::headless::Run;
+use hallsweep_core::command::{Command, Refused, TemperatureReport, Verdict};
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::units::Cell;
+use hallsweep_sim::headless::Run;
 
 use crate::operator::{Operator, in_drawn, in_hall};
 

@@ -3,11 +3,11 @@
 
 use std::collections::BTreeMap;
 
-use hallsweep::core::effect::{Entry, Fact};
-use hallsweep::core::mission::PhaseName;
-use hallsweep::core::standing::Standing;
-use hallsweep::core::units::{AlarmId, Cell, LuggageId, MissionId};
-use hallsweep::core::world::snapshot::Snapshot;
+use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::mission::PhaseName;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::units::{AlarmId, Cell, LuggageId, MissionId};
+use hallsweep_core::world::snapshot::Snapshot;
 
 /// The journal as far as it is kept, and what was shown of numbers so far.
 pub(crate) struct Record {

@@ -1,6 +1,6 @@
 //! The transition table and its documentation are one: `docs/mission-table.md` is what `hallsweep table` prints.
 
-use hallsweep::core::mission::table_markdown;
+use hallsweep_core::mission::table_markdown;
 
 #[test]
 fn the_documentation_prints_the_table_as_it_is() {

@@ -7,14 +7,14 @@ use tokio::net::TcpListener;
 use tokio::sync::{mpsc, watch};
 
 use hallsweep::access::{Access, Token};
-use hallsweep::inbound::mqtt::gate::turnstile::Gatehouse;
-use hallsweep::inbound::mqtt::orders::Orders;
-use hallsweep::inbound::mqtt::session::{Health, Hearing, Link, Parts, Session, Times};
-use hallsweep::inbound::mqtt::topics::Topics;
-use hallsweep::inbound::mqtt::{Embedded, HOUSE, House, Ways};
-use hallsweep::outbound::store::memory::Memory;
+use hallsweep::doors::mqtt::gate::turnstile::Gatehouse;
+use hallsweep::doors::mqtt::orders::Orders;
+use hallsweep::doors::mqtt::session::{Health, Hearing, Link, Parts, Session, Times};
+use hallsweep::doors::mqtt::topics::Topics;
+use hallsweep::doors::mqtt::{Embedded, HOUSE, House, Ways};
 use hallsweep::runtime::archive_reader::Reader;
 use hallsweep::runtime::handle::Handle;
+use hallsweep::storage::memory::Memory;
 
 /// Opens the door on a free port of this machine; it ends when `closed` does. Must be called inside a runtime.
 pub(crate) async fn open(handle: Handle, closed: watch::Receiver<bool>) -> SocketAddr {

@@ -15,20 +15,20 @@ use tokio::net::TcpListener;
 use tokio::sync::{oneshot, watch};
 
 use hallsweep::access::Access;
-use hallsweep::core::event::{Capabilities, RobotEvent};
-use hallsweep::core::settings::Settings;
-use hallsweep::core::sweep::Sweep;
-use hallsweep::core::units::Epoch;
-use hallsweep::inbound::coap::endpoint::Endpoint;
-use hallsweep::inbound::coap::{self, Resources, Socket};
-use hallsweep::inbound::http::{self, Door, Front};
-use hallsweep::outbound::store::memory::Memory;
+use hallsweep::doors::coap::endpoint::Endpoint;
+use hallsweep::doors::coap::{self, Resources, Socket};
+use hallsweep::doors::http::{self, Door, Front};
 use hallsweep::runtime::archive_reader::Reader;
 use hallsweep::runtime::clock::Clock;
 use hallsweep::runtime::halt::{Halter, Halts};
 use hallsweep::runtime::link::{RobotSide, Stamped, link};
 use hallsweep::runtime::store::Store;
 use hallsweep::runtime::task::{Course, Task};
+use hallsweep::storage::memory::Memory;
+use hallsweep_core::event::{Capabilities, RobotEvent};
+use hallsweep_core::settings::Settings;
+use hallsweep_core::sweep::Sweep;
+use hallsweep_core::units::Epoch;
 
 #[path = "broker.rs"]
 mod broker;

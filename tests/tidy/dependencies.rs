@@ -1,9 +1,10 @@
-//! The dependency rule: which module may name which, and which crates each may use.
+//! The dependency rule within the program: which module may name which, and which crates each may use. Between the crates Cargo
+//! holds it.
 //!
 //! ```text
-//!   main → cli, app → { inbound, outbound, runtime, config, telemetry, headless }
-//!   inbound → access, runtime, wire, core   access → itself   outbound → runtime, wire, core   one door ↛ another
-//!   runtime → core                     wire → core                   core → itself
+//!   main → cli, app → { doors, robots, storage, runtime, config, telemetry }
+//!   doors → access, runtime, api     robots, storage → runtime, api     one door ↛ another
+//!   access, api, runtime, config, telemetry → themselves
 //! ```
 
 use super::reading::{Source, root};
@@ -16,27 +17,31 @@ struct Rule {
 }
 
 /// One line a module; a module without a line here is a finding.
-const RULES: [Rule; 12] = [
+const RULES: [Rule; 11] = [
     Rule {
         module: "access",
         modules: &[],
         crates: &["getrandom", "hmac", "serde", "sha2", "subtle", "thiserror", "toml", "tracing"],
     },
-    Rule { module: "core", modules: &[], crates: &["rand_chacha", "rand_core", "thiserror"] },
-    Rule { module: "runtime", modules: &["core"], crates: &["futures_util", "jiff", "thiserror", "tokio", "tracing"] },
     Rule {
-        module: "wire",
-        modules: &["core"],
-        crates: &["jiff", "minicbor", "minicbor_serde", "serde", "serde_json", "thiserror"],
+        module: "runtime",
+        modules: &[],
+        crates: &["futures_util", "hallsweep_core", "jiff", "thiserror", "tokio", "tracing"],
     },
     Rule {
-        module: "inbound",
-        modules: &["access", "runtime", "wire", "core"],
+        module: "api",
+        modules: &[],
+        crates: &["hallsweep_core", "jiff", "minicbor", "minicbor_serde", "serde", "serde_json", "thiserror"],
+    },
+    Rule {
+        module: "doors",
+        modules: &["access", "runtime", "api"],
         crates: &[
             "askama",
             "axum",
             "bytes",
             "coap_lite",
+            "hallsweep_core",
             "hashlink",
             "hmac",
             "sha2",
@@ -60,26 +65,30 @@ const RULES: [Rule; 12] = [
         ],
     },
     Rule {
-        module: "outbound",
-        modules: &["runtime", "wire", "core"],
-        crates: &["jiff", "png", "rusqlite", "serde", "serde_json", "sha2", "thiserror", "tokio", "toml", "tracing"],
+        module: "robots",
+        modules: &["runtime", "storage"],
+        crates: &["hallsweep_core", "hallsweep_sim", "thiserror", "tokio", "tracing"],
+    },
+    Rule {
+        module: "storage",
+        modules: &["runtime", "api"],
+        crates: &["hallsweep_core", "jiff", "rusqlite", "serde", "serde_json", "sha2", "thiserror", "tokio", "tracing"],
     },
     Rule {
         module: "config",
-        modules: &["core"],
-        crates: &["figment", "serde", "serde_json", "thiserror", "toml", "tracing_subscriber"],
+        modules: &[],
+        crates: &["figment", "hallsweep_core", "serde", "serde_json", "thiserror", "toml", "tracing_subscriber"],
     },
     Rule { module: "telemetry", modules: &[], crates: &["tracing", "tracing_subscriber"] },
-    Rule { module: "headless", modules: &["core", "outbound"], crates: &[] },
     Rule {
         module: "app",
-        modules: &["access", "config", "core", "inbound", "outbound", "runtime"],
-        crates: &["rlimit", "rustix", "socket2", "thiserror", "tokio", "tracing"],
+        modules: &["access", "config", "doors", "robots", "storage", "runtime"],
+        crates: &["hallsweep_core", "hallsweep_sim", "rlimit", "rustix", "socket2", "thiserror", "tokio", "tracing"],
     },
     Rule {
         module: "cli",
-        modules: &["access", "app", "config", "core", "headless", "inbound", "outbound", "runtime", "telemetry", "wire"],
-        crates: &["clap", "indicatif", "rustls", "serde", "serde_json", "thiserror"],
+        modules: &["access", "api", "app", "config", "doors", "storage", "runtime", "telemetry"],
+        crates: &["clap", "hallsweep_core", "hallsweep_sim", "indicatif", "rustls", "serde", "serde_json", "thiserror"],
     },
     Rule { module: "main", modules: &["cli"], crates: &["clap"] },
 ];
@@ -147,10 +156,10 @@ fn is_module(name: &str) -> bool {
     RULES.iter().any(|rule| rule.module == name)
 }
 
-/// The door or adapter family a file of `inbound` belongs to.
+/// The door a file of `doors` belongs to.
 fn door(source: &Source) -> Option<String> {
     let path = module_path(source);
-    (path.first().is_some_and(|top| top == "inbound") && path.len() > 1).then(|| path[1].clone())
+    (path.first().is_some_and(|top| top == "doors") && path.len() > 1).then(|| path[1].clone())
 }
 
 /// The modules from the top of the crate down to the file: `src/a/b.rs` and `src/a/b/mod.rs` are both `a`, `b`.
@@ -279,7 +288,7 @@ fn uses(line: &str, name: &str) -> bool {
 fn dependencies() -> Vec<String> {
     let manifest = std::fs::read_to_string(root().join("Cargo.toml")).expect("the manifest is there");
     let section = manifest.split("[dependencies]").nth(1).and_then(|rest| rest.split("\n[").next()).unwrap_or_default();
-    let names = section.lines().filter_map(|line| line.split_once(" = ")).map(|(name, _)| name.replace('-', "_"));
+    let names = section.lines().filter_map(|line| line.split_once([' ', '.'])).map(|(name, _)| name.replace('-', "_"));
     names.collect()
 }
 
@@ -293,96 +302,96 @@ mod tests {
     }
 
     #[test]
-    fn a_core_that_knows_the_world_is_found() {
-        assert_eq!(found("src/core/a.rs", "use crate::core::units::Cell;\nuse std::fmt;"), 0);
-        assert_eq!(found("src/core/a.rs", "use crate::runtime::handle::Handle;"), 1);
-        assert_eq!(found("src/core/a/b.rs", "fn f() { super::super::super::wire::map::text() }"), 1);
-        assert_eq!(found("src/core/a.rs", "use serde::Serialize;"), 1);
-        assert_eq!(found("src/core/a.rs", "fn f() { tokio::spawn(g()) }"), 1);
-        assert_eq!(found("src/core/a.rs", "// tokio::spawn, crate::inbound\nlet a = \"tokio::spawn\";"), 0);
+    fn a_room_that_knows_the_world_is_found() {
+        assert_eq!(found("src/access/a.rs", "use crate::access::units::Cell;\nuse std::fmt;"), 0);
+        assert_eq!(found("src/access/a.rs", "use crate::runtime::handle::Handle;"), 1);
+        assert_eq!(found("src/access/a/b.rs", "fn f() { super::super::super::api::map::text() }"), 1);
+        assert_eq!(found("src/access/a.rs", "use hallsweep_core::units::Cell;"), 1);
+        assert_eq!(found("src/access/a.rs", "fn f() { tokio::spawn(g()) }"), 1);
+        assert_eq!(found("src/access/a.rs", "// tokio::spawn, crate::doors\nlet a = \"tokio::spawn\";"), 0);
     }
 
     #[test]
     fn a_door_that_knows_an_adapter_or_another_door_is_found() {
-        assert_eq!(found("src/inbound/http/a.rs", "use crate::outbound::store::memory::Memory;"), 1);
-        assert_eq!(found("src/outbound/store/a.rs", "use crate::inbound::http;"), 1);
-        assert_eq!(found("src/inbound/coap/a.rs", "use crate::inbound::http::errors;"), 1);
-        assert_eq!(found("src/inbound/coap/a.rs", "use super::super::http::errors;"), 1);
-        assert_eq!(found("src/inbound/http/a.rs", "use super::super::http::errors;\nuse super::pages;"), 0);
-        assert_eq!(found("src/outbound/a.rs", "use crate::wire::journal;\nuse crate::config;"), 1);
+        assert_eq!(found("src/doors/http/a.rs", "use crate::storage::memory::Memory;"), 1);
+        assert_eq!(found("src/storage/a.rs", "use crate::doors::http;"), 1);
+        assert_eq!(found("src/doors/coap/a.rs", "use crate::doors::http::errors;"), 1);
+        assert_eq!(found("src/doors/coap/a.rs", "use super::super::http::errors;"), 1);
+        assert_eq!(found("src/doors/http/a.rs", "use super::super::http::errors;\nuse super::pages;"), 0);
+        assert_eq!(found("src/storage/a.rs", "use crate::api::journal;\nuse crate::config;"), 1);
     }
 
     #[test]
     fn unit_tests_are_a_module_deeper() {
         let tests = "//! A.\n#[cfg(test)]\nmod tests {\n    use super::super::testing::house;\n}";
-        assert_eq!(found("src/inbound/http/a.rs", tests), 0);
-        assert_eq!(found("src/inbound/http/a.rs", "use super::super::testing::house;"), 1);
+        assert_eq!(found("src/doors/http/a.rs", tests), 0);
+        assert_eq!(found("src/doors/http/a.rs", "use super::super::testing::house;"), 1);
     }
 
     #[test]
     fn a_group_over_several_lines_hides_nothing() {
-        assert_eq!(found("src/wire/a.rs", "use crate::{\n    core::{units::Cell, event},\n    app,\n};"), 1);
-        assert_eq!(found("src/inbound/http/a.rs", "use crate::inbound::{http::pages, mqtt};"), 1);
+        assert_eq!(found("src/api/a.rs", "use crate::{\n    api::{map, event},\n    app,\n};"), 1);
+        assert_eq!(found("src/doors/http/a.rs", "use crate::doors::{http::pages, mqtt};"), 1);
     }
 
     #[test]
     fn a_group_hides_nothing_however_it_is_written() {
-        assert_eq!(found("src/core/a.rs", "use crate::runtime::{handle, task};"), 2);
-        assert_eq!(found("src/core/a.rs", "use crate::{core::{units::Cell, event}, wire::{map, time}};"), 2);
-        assert_eq!(found("src/core/a.rs", "use {crate::app, std::fmt};"), 1);
-        assert_eq!(found("src/core/a.rs", "use crate::{\n    core::units,\n    wire::{\n        map,\n    },\n};"), 1);
-        assert_eq!(found("src/core/a.rs", "use crate::core::{units::{Cell, Celsius}, event};"), 0);
-        assert_eq!(found("src/core/a.rs", "use crate::*;"), 1);
+        assert_eq!(found("src/access/a.rs", "use crate::runtime::{handle, task};"), 2);
+        assert_eq!(found("src/access/a.rs", "use crate::{access::{units::Cell, event}, api::{map, time}};"), 2);
+        assert_eq!(found("src/access/a.rs", "use {crate::app, std::fmt};"), 1);
+        assert_eq!(found("src/access/a.rs", "use crate::{\n    access::units,\n    api::{\n        map,\n    },\n};"), 1);
+        assert_eq!(found("src/access/a.rs", "use crate::access::{units::{Cell, Celsius}, event};"), 0);
+        assert_eq!(found("src/access/a.rs", "use crate::*;"), 1);
     }
 
     #[test]
     fn a_climb_leads_where_it_leads() {
-        assert_eq!(found("src/core/a/b.rs", "use super::super::super::wire::map;"), 1);
-        assert_eq!(found("src/core/a/b.rs", "use super::super::wire::map;"), 0, "that is core::wire, whatever its name");
-        assert_eq!(found("src/core/a.rs", "use super::{super::wire::map, units};"), 1);
-        assert_eq!(found("src/core/a.rs", "use self::super::super::app::serve;"), 1);
-        assert_eq!(found("src/core/mod.rs", "use super::*;"), 1);
-        assert_eq!(found("src/core/a.rs", "use super::*;"), 0);
+        assert_eq!(found("src/access/a/b.rs", "use super::super::super::api::map;"), 1);
+        assert_eq!(found("src/access/a/b.rs", "use super::super::api::map;"), 0, "that is access::api, whatever its name");
+        assert_eq!(found("src/access/a.rs", "use super::{super::api::map, units};"), 1);
+        assert_eq!(found("src/access/a.rs", "use self::super::super::app::serve;"), 1);
+        assert_eq!(found("src/access/mod.rs", "use super::*;"), 1);
+        assert_eq!(found("src/access/a.rs", "use super::*;"), 0);
     }
 
     #[test]
     fn to_pass_on_is_to_name() {
-        for seen_by in ["pub", "pub(crate)", "pub(super)", "pub(in crate::core)"] {
-            assert_eq!(found("src/core/a.rs", &format!("{seen_by} use crate::wire::map;")), 1, "{seen_by}");
+        for seen_by in ["pub", "pub(crate)", "pub(super)", "pub(in crate::access)"] {
+            assert_eq!(found("src/access/a.rs", &format!("{seen_by} use crate::api::map;")), 1, "{seen_by}");
             assert_eq!(
-                found("src/core/a.rs", &format!("{seen_by} use crate::{{\n    core::units,\n    wire,\n}};")),
+                found("src/access/a.rs", &format!("{seen_by} use crate::{{\n    access::units,\n    api,\n}};")),
                 1,
                 "{seen_by}"
             );
-            assert_eq!(found("src/core/a.rs", &format!("{seen_by} use tokio;")), 1, "{seen_by}");
-            assert_eq!(found("src/core/a.rs", &format!("{seen_by} use serde as s;")), 1, "{seen_by}");
+            assert_eq!(found("src/access/a.rs", &format!("{seen_by} use tokio;")), 1, "{seen_by}");
+            assert_eq!(found("src/access/a.rs", &format!("{seen_by} use axum as s;")), 1, "{seen_by}");
         }
     }
 
     #[test]
     fn a_full_path_in_code_is_found_like_a_use() {
-        assert_eq!(found("src/core/a.rs", "fn f(a: &crate::wire::map::Map) -> Option<crate::app::AppError> { None }"), 2);
-        assert_eq!(found("src/core/a.rs", "impl From<super::super::wire::A> for B {}"), 1);
-        assert_eq!(found("src/core/a.rs", "let a = <crate::runtime::A as B>::c();"), 1);
-        assert_eq!(found("src/core/a.rs", "vec![crate::config::load(), crate::core::a()]"), 1);
-        assert_eq!(found("src/core/a.rs", "let a = my_crate::app::b();"), 0);
+        assert_eq!(found("src/access/a.rs", "fn f(a: &crate::api::map::Map) -> Option<crate::app::AppError> { None }"), 2);
+        assert_eq!(found("src/access/a.rs", "impl From<super::super::api::A> for B {}"), 1);
+        assert_eq!(found("src/access/a.rs", "let a = <crate::runtime::A as B>::c();"), 1);
+        assert_eq!(found("src/access/a.rs", "vec![crate::config::load(), crate::access::a()]"), 1);
+        assert_eq!(found("src/access/a.rs", "let a = my_crate::app::b();"), 0);
     }
 
     #[test]
-    fn every_crate_of_the_outside_is_found_in_the_core() {
-        for name in ["tokio", "serde", "jiff", "axum"] {
+    fn every_crate_of_another_room_is_found() {
+        for name in ["tokio", "rusqlite", "jiff", "axum"] {
             for text in
                 ["use NAME::a;", "use NAME;", "use ::NAME::a;", "use {NAME, std::fmt};", "use {\n    std::fmt,\n    NAME,\n};"]
             {
-                assert_eq!(found("src/core/a.rs", &text.replace("NAME", name)), 1, "{text} {name}");
+                assert_eq!(found("src/access/a.rs", &text.replace("NAME", name)), 1, "{text} {name}");
             }
             for text in
                 ["extern crate NAME;", "let a = ::NAME::b();", "#[derive(NAME::A)]", "fn f(a: Box<NAME::A>) {}", "NAME::a!()"]
             {
-                assert_eq!(found("src/core/a.rs", &text.replace("NAME", name)), 1, "{text} {name}");
+                assert_eq!(found("src/access/a.rs", &text.replace("NAME", name)), 1, "{text} {name}");
             }
             for text in ["let NAME = 1;", "fn f() { a::NAME::b() }", "my_NAME::a()", "a.NAME", "// NAME::a", "mod NAMEs;"] {
-                assert_eq!(found("src/core/a.rs", &text.replace("NAME", name)), 0, "{text} {name}");
+                assert_eq!(found("src/access/a.rs", &text.replace("NAME", name)), 0, "{text} {name}");
             }
         }
     }
@@ -390,10 +399,10 @@ mod tests {
     #[test]
     fn only_the_command_line_names_the_app() {
         assert_eq!(found("src/config/a.rs", "use crate::app;"), 1);
-        assert_eq!(found("src/headless.rs", "use crate::cli::Failure;"), 1);
+        assert_eq!(found("src/robots/a.rs", "use crate::cli::Failure;"), 1);
         assert_eq!(found("src/main.rs", "use hallsweep::cli;"), 0);
         assert_eq!(found("src/main.rs", "use hallsweep::{cli, app};"), 1);
-        assert_eq!(found("src/main.rs", "use hallsweep::core::units::Cell;"), 1);
+        assert_eq!(found("src/main.rs", "use hallsweep::runtime::task;"), 1);
     }
 
     #[test]

@@ -3,10 +3,10 @@
 use super::reading::Source;
 
 /// The file that builds the router from the table.
-const TABLE: &str = "src/inbound/http/routes.rs";
+const TABLE: &str = "src/doors/http/routes.rs";
 
 /// Where routes could come in.
-const DOOR: &str = "src/inbound/http/";
+const DOOR: &str = "src/doors/http/";
 
 /// Lines that add routes to a router past the table.
 pub(crate) fn beside_the_table(source: &Source) -> Vec<String> {
@@ -27,10 +27,10 @@ mod tests {
     #[test]
     fn a_route_beside_the_table_is_found() {
         let found = |path: &str, text: &str| beside_the_table(&Source::new(path, text)).len();
-        assert_eq!(found("src/inbound/http/old.rs", "Router::new().route(\"/w\", post(give))"), 1);
-        assert_eq!(found("src/inbound/http/console/mod.rs", "    .merge(pages)\n    .nest(\"/a\", b)"), 2);
+        assert_eq!(found("src/doors/http/old.rs", "Router::new().route(\"/w\", post(give))"), 1);
+        assert_eq!(found("src/doors/http/console/mod.rs", "    .merge(pages)\n    .nest(\"/a\", b)"), 2);
         assert_eq!(found(TABLE, "router.route(row.path, row.answers)"), 0);
-        assert_eq!(found("src/inbound/http/old.rs", "// .route(\nlet way = route(here);"), 0);
-        assert_eq!(found("src/inbound/coap/a.rs", "table.merge(other)"), 0);
+        assert_eq!(found("src/doors/http/old.rs", "// .route(\nlet way = route(here);"), 0);
+        assert_eq!(found("src/doors/coap/a.rs", "table.merge(other)"), 0);
     }
 }

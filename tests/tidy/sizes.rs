@@ -1,4 +1,4 @@
-//! Rules about size: how long a file and a function may be, tests aside, and how long they are in the median.
+//! Rules about size: how long a file and a function may be, tests aside.
 //! A file may be longer with a reason in its header that says `long because`.
 
 use super::reading::Source;
@@ -8,15 +8,6 @@ const FILE: usize = 400;
 
 /// No function has more lines than this, from `fn` to its closing brace.
 const FUNCTION: usize = 70;
-
-/// Half of all files have at most this many lines, and nine in ten `FILE`.
-const FILE_MEDIAN: usize = 130;
-
-/// Half of all functions have at most this many lines,
-const FUNCTION_MEDIAN: usize = 12;
-
-/// and nine in ten at most this many.
-const FUNCTION_NINE_IN_TEN: usize = 45;
 
 /// A file that is too long.
 pub(crate) fn file(source: &Source) -> Vec<String> {
@@ -35,27 +26,6 @@ pub(crate) fn file(source: &Source) -> Vec<String> {
 pub(crate) fn functions(source: &Source) -> Vec<String> {
     let long = lengths(source).into_iter().filter(|(_, length)| *length > FUNCTION);
     long.map(|(line, length)| source.at(line, &format!("a function of {length} lines, {FUNCTION} are allowed"))).collect()
-}
-
-/// What is wrong with the sizes on the whole.
-pub(crate) fn spread(sources: &[Source]) -> Vec<String> {
-    let files = sources.iter().filter(|source| !source.is_all_tests()).map(|source| source.lines_without_tests).collect();
-    let functions: Vec<usize> = sources.iter().flat_map(lengths).map(|(_, length)| length).collect();
-    let bounds = [
-        ("half of the files", at(files, 0.5), FILE_MEDIAN),
-        ("half of the functions", at(functions.clone(), 0.5), FUNCTION_MEDIAN),
-        ("nine in ten functions", at(functions, 0.9), FUNCTION_NINE_IN_TEN),
-    ];
-    let broken = bounds.into_iter().filter(|(_, length, bound)| length > bound);
-    broken.map(|(which, length, bound)| format!("{which} have up to {length} lines, the style asks for {bound}")).collect()
-}
-
-/// The value below which this share of all values lies.
-fn at(mut values: Vec<usize>, share: f64) -> usize {
-    values.sort_unstable();
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "small counts")]
-    let place = ((values.len() as f64 - 1.0).max(0.0) * share).round() as usize;
-    values.get(place).copied().unwrap_or(0)
 }
 
 /// The first line and the number of lines of every function with a body, tests aside.
@@ -112,13 +82,5 @@ mod tests {
     fn a_function_is_measured_to_its_closing_brace() {
         let text = "fn a(x: [u8; 2]) -> u8 {\n    if x { 1 } else { 2 }\n}\ntrait T {\n    fn b(&self);\n    fn c() {}\n}\nlet f: fn (u8);\n";
         assert_eq!(lengths(&of(text)), [(1, 3), (6, 1)]);
-    }
-
-    #[test]
-    fn a_house_of_long_rooms_is_found() {
-        let long = format!("//! A.\nfn long() {{\n{}}}\n", "    a();\n".repeat(60));
-        let sources: Vec<Source> = (0..3).map(|_| of(&long.repeat(3))).collect();
-        assert_eq!(spread(&sources).len(), 3);
-        assert_eq!(spread(&[of("//! A.\nfn a() {}\n")]).len(), 0);
     }
 }

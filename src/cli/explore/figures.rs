@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 
-use crate::core::world::luggage::Luggage;
-use crate::headless::Figures;
-use crate::wire::robot::Place;
-use crate::wire::time::rfc3339;
+use crate::api::robot::Place;
+use crate::api::time::rfc3339;
+use hallsweep_core::world::luggage::Luggage;
+use hallsweep_sim::headless::Figures;
 
 /// The figures by the names under which programs read them.
 #[derive(Serialize)]

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use hallsweep::core::rng::Stream;
-use hallsweep::core::units::{Now, Wall};
-use hallsweep::inbound::coap::endpoint::response::Answer;
-use hallsweep::inbound::coap::endpoint::{Backlog, Endpoint, ExchangeId};
+use hallsweep::doors::coap::endpoint::response::Answer;
+use hallsweep::doors::coap::endpoint::{Backlog, Endpoint, ExchangeId};
+use hallsweep_core::rng::Stream;
+use hallsweep_core::units::{Now, Wall};
 
 use super::message::Message;
 use super::server::{Said, Server};

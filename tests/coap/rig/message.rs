@@ -4,7 +4,7 @@
 use std::fmt;
 
 use coap_lite::{CoapOption, MessageClass, MessageType, Packet};
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
 
 /// Numbers of options.
 pub(crate) mod option {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use hallsweep::core::rng::Stream;
+use hallsweep_core::rng::Stream;
 
 /// What may become of a datagram, either way.
 #[derive(Clone, Copy, Debug)]

@@ -3,19 +3,19 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep::core::explore::Strategy;
-use hallsweep::core::settings::Settings;
-use hallsweep::core::sweep::Sweep;
-use hallsweep::core::units::{Epoch, Revision};
-use hallsweep::core::world::resource::Resource;
-use hallsweep::core::world::snapshot::Snapshot;
-use hallsweep::inbound::mqtt::orders::Orders;
-use hallsweep::inbound::mqtt::session::{Health, Hearing, Link, Parts, Session, Times, believing};
-use hallsweep::inbound::mqtt::topics::Topics;
-use hallsweep::outbound::store::memory::Memory;
+use hallsweep::doors::mqtt::orders::Orders;
+use hallsweep::doors::mqtt::session::{Health, Hearing, Link, Parts, Session, Times, believing};
+use hallsweep::doors::mqtt::topics::Topics;
 use hallsweep::runtime::archive_reader::Reader;
 use hallsweep::runtime::halt::Halter;
 use hallsweep::runtime::handle::{Envelope, Handle};
+use hallsweep::storage::memory::Memory;
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::settings::Settings;
+use hallsweep_core::sweep::Sweep;
+use hallsweep_core::units::{Epoch, Revision};
+use hallsweep_core::world::resource::Resource;
+use hallsweep_core::world::snapshot::Snapshot;
 use tokio::runtime::Runtime;
 use tokio::sync::{mpsc, oneshot, watch};
 

@@ -1,6 +1,6 @@
 //! What a client wants, before it is put into messages.
 
-use hallsweep::inbound::coap::endpoint::code::Method;
+use hallsweep::doors::coap::endpoint::code::Method;
 
 use crate::rig::message::{Message, option};
 

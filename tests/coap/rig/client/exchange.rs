@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use hallsweep::inbound::coap::endpoint::code::Code;
+use hallsweep::doors::coap::endpoint::code::Code;
 
 use super::ask::Ask;
 use super::observation::Observation;

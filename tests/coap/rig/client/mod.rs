@@ -9,8 +9,8 @@ use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use hallsweep::core::rng::Stream;
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
+use hallsweep_core::rng::Stream;
 
 use super::message::{Kind, Message, option};
 use ask::Ask;

@@ -8,11 +8,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep::inbound::coap::endpoint::code::{Code, Method};
-use hallsweep::inbound::coap::endpoint::format::Format;
-use hallsweep::inbound::coap::endpoint::request::Request;
-use hallsweep::inbound::coap::endpoint::response::{Answer, Response};
-use hallsweep::inbound::coap::links::listed;
+use hallsweep::doors::coap::endpoint::code::{Code, Method};
+use hallsweep::doors::coap::endpoint::format::Format;
+use hallsweep::doors::coap::endpoint::request::Request;
+use hallsweep::doors::coap::endpoint::response::{Answer, Response};
+use hallsweep::doors::coap::links::listed;
 
 use thing::{Thing, long_body};
 

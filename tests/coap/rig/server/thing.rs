@@ -3,9 +3,9 @@
 
 use std::sync::Arc;
 
-use hallsweep::inbound::coap::endpoint::format::Format;
-use hallsweep::inbound::coap::endpoint::request::Request;
-use hallsweep::inbound::coap::endpoint::response::{Response, Tag};
+use hallsweep::doors::coap::endpoint::format::Format;
+use hallsweep::doors::coap::endpoint::request::Request;
+use hallsweep::doors::coap::endpoint::response::{Response, Tag};
 
 /// One resource.
 #[derive(Clone, Debug)]

@@ -1,0 +1,255 @@
+//! What can be asked of hallsweep, and by whom. Why it may be refused stands in `refused`.
+//! How a command is written on a wire is the business of the doors.
+
+use std::sync::Arc;
+
+pub use super::refused::{CODES, Refusal, RefusalKind, Refused};
+
+use super::explore::Strategy;
+use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
+use super::world::temperature::{OPERATOR, OTHERS, ROBOT};
+
+/// A command with what came with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// What is asked.
+    pub command: Command,
+    /// The epoch its sender saw. Only movement commands look at it.
+    pub epoch: Option<Epoch>,
+    /// The epoch in which it arrived, which counts where the sender named none.
+    pub arrived: Option<Epoch>,
+    /// It was sent before, and nobody knows when: a movement command that names no epoch may be from before a stop or a restart.
+    pub is_again: bool,
+    /// Who asks.
+    pub issuer: Issuer,
+    /// The sender's own name for this command: one that comes again is answered as before, and not carried out again.
+    pub id: Option<CommandId>,
+}
+
+impl Request {
+    /// A command as its sender gave it, without an epoch or an id.
+    #[must_use]
+    pub const fn new(command: Command, issuer: Issuer) -> Request {
+        Request { command, epoch: None, arrived: None, is_again: false, issuer, id: None }
+    }
+}
+
+/// A sender's own name for one command.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CommandId(Arc<str>);
+
+impl CommandId {
+    /// The longest name taken, in bytes: more than a UUID in any writing.
+    pub const MOST: usize = 128;
+
+    /// `text` as a name: 1 to `MOST` visible ASCII characters, else `None`.
+    #[must_use]
+    pub fn new(text: &str) -> Option<CommandId> {
+        let sound = (1..=CommandId::MOST).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_graphic());
+        sound.then(|| CommandId(Arc::from(text)))
+    }
+
+    /// The name.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.0
+    }
+}
+
+/// Everything an operator, or a tool acting for one, can ask for (mission §4).
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Begin, or go on with what was halted.
+    Start,
+    /// Halt the robot where it is. The handle raises the halt before this command is even queued.
+    Stop,
+    /// Go to the home cell and wait.
+    BackHome,
+    /// Fetch the dangerous piece.
+    Retrieve,
+    /// Archive the mission and be idle.
+    Reset,
+    /// One basic move by hand.
+    Move(Move),
+    /// Drive to a cell by hand.
+    Goto(Cell),
+    /// Say of a piece of luggage what it is.
+    Verdict {
+        /// The piece meant.
+        luggage: LuggageRef,
+        /// What it is.
+        verdict: Verdict,
+    },
+    /// Take the photo of the piece being inspected again.
+    RetakePhoto(LuggageId),
+    /// The operator has seen the alarm.
+    Acknowledge(AlarmId),
+    /// Choose the order of the search.
+    ChooseStrategy(Strategy),
+    /// What is known of the temperature.
+    Temperature(TemperatureReport),
+}
+
+impl Command {
+    /// The piece of luggage it is about, where it is about one.
+    #[must_use]
+    pub const fn luggage(&self) -> Option<LuggageRef> {
+        match self {
+            Command::Verdict { luggage, .. } => Some(*luggage),
+            Command::RetakePhoto(id) => Some(LuggageRef::Id(*id)),
+            Command::Start
+            | Command::Stop
+            | Command::BackHome
+            | Command::Retrieve
+            | Command::Reset
+            | Command::Move(_)
+            | Command::Goto(_)
+            | Command::Acknowledge(_)
+            | Command::ChooseStrategy(_)
+            | Command::Temperature(_) => None,
+        }
+    }
+}
+
+/// A basic move (mission §3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Move {
+    /// One cell forward, `w`.
+    Forward,
+    /// One cell backward, `s`.
+    Backward,
+    /// 90° to the left, `a` (and `l` of old clients).
+    TurnLeft,
+    /// 90° to the right, `d` (and `r` of old clients).
+    TurnRight,
+    /// A small correction to the left, `z`; only some robots can.
+    NudgeLeft,
+    /// A small correction to the right, `x`; only some robots can.
+    NudgeRight,
+}
+
+/// What the operator says of a piece.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Verdict {
+    /// The search goes on.
+    Safe,
+    /// The robot comes home and the piece is fetched.
+    Danger,
+}
+
+impl Verdict {
+    /// The word of the doors: `safe` or `danger`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Verdict::Safe => "safe",
+            Verdict::Danger => "danger",
+        }
+    }
+}
+
+/// How a verdict says which piece it means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LuggageRef {
+    /// By its number.
+    Id(LuggageId),
+    /// An old client's bare word: the one piece whose verdict is pending.
+    Pending,
+}
+
+/// What an operator or a tool reports of the temperature.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TemperatureReport {
+    /// The button OK; concerns the hold `tooHigh` alone.
+    Ok,
+    /// The button TOO HIGH.
+    TooHigh,
+    /// The operator's own reading, compared with the threshold.
+    Reading(Celsius),
+    /// A reading of the configured sensor of this name.
+    Sensor(Arc<str>, Celsius),
+}
+
+impl TemperatureReport {
+    /// The longest name of a sensor, in characters.
+    pub const MOST: usize = 64;
+
+    /// `text` as the name of a sensor: 1 to `MOST` visible characters, no blanks, no comma, and none of the names under which
+    /// readings of others are kept; else `None`.
+    #[must_use]
+    pub fn sensor_name(text: &str) -> Option<Arc<str>> {
+        let visible = |letter: char| !letter.is_whitespace() && !letter.is_control() && letter != ',';
+        let sound = (1..=TemperatureReport::MOST).contains(&text.chars().count()) && text.chars().all(visible);
+        (sound && ![OPERATOR, ROBOT, OTHERS].contains(&text)).then(|| Arc::from(text))
+    }
+}
+
+/// Who gave a command.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Issuer {
+    /// By which door it came.
+    pub door: Door,
+    /// The name of whoever gave it, as far as it is known.
+    pub who: Arc<str>,
+    /// Where it came from, as `192.0.2.7`; `here` where there is no address.
+    pub from: Arc<str>,
+}
+
+impl Issuer {
+    /// Somebody at a door that asks for no name.
+    #[must_use]
+    pub fn operator(door: Door) -> Issuer {
+        Issuer { door, who: Arc::from("operator"), from: Arc::from("here") }
+    }
+}
+
+impl std::fmt::Display for Issuer {
+    /// As `operator (console, 192.0.2.7)`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} ({}", self.who, self.door.name())?;
+        if self.door == Door::Local { f.write_str(")") } else { write!(f, ", {})", self.from) }
+    }
+}
+
+/// The ways into hallsweep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Door {
+    /// The page at `/`.
+    Console,
+    /// JSON over HTTP, and the old console's HTTP routes.
+    Http,
+    /// The CoAP resources.
+    Coap,
+    /// The MQTT topics.
+    Mqtt,
+    /// The command line itself (`hallsweep explore`) and tests of the core.
+    Local,
+}
+
+impl Door {
+    /// All of them.
+    pub const ALL: [Door; 5] = [Door::Console, Door::Http, Door::Coap, Door::Mqtt, Door::Local];
+
+    /// The word for records.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Door::Console => "console",
+            Door::Http => "http",
+            Door::Coap => "coap",
+            Door::Mqtt => "mqtt",
+            Door::Local => "local",
+        }
+    }
+}
+
+/// What an accepted command is answered with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Accepted {
+    /// The revision of the state that contains its effect.
+    pub revision: super::units::Revision,
+    /// The epoch that held then: what a movement command may carry next.
+    pub epoch: Epoch,
+    /// The piece it concerned, where it concerned one.
+    pub luggage: Option<LuggageId>,
+}

@@ -1,0 +1,182 @@
+//! What the core asks of the world outside: orders to robots, halts, records, answers.
+//! It only asks; whoever polls the effects performs them.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::command::{Accepted, CommandId, Issuer, Move, Refusal, Refused, Verdict};
+use super::event::{Photo, RobotId};
+use super::explore::{Search, Strategy};
+use super::mission::{Goal, Hold, Input, Phase};
+use super::standing::Standing;
+use super::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, OrderId, Pose, Seq, Ticket, Wall};
+use super::world::hall_map::Mark;
+use super::world::luggage::Luggage;
+
+/// Something to be done outside.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Effect {
+    /// Give a robot an order. A halt raised after `order.epoch` makes it void.
+    Order(RobotId, Order),
+    /// Halt a robot where it is, whatever it does.
+    Halt(RobotId),
+    /// Let the LED blink, or not.
+    Led(RobotId, bool),
+    /// Keep this for good, and say `Event::Recorded` of its last entry when it is.
+    Record(Page),
+    /// Answer a command.
+    Answer(Ticket, Result<Accepted, Refused>),
+}
+
+/// One bounded thing for a robot to do: at most one cell, one quarter turn or one photo.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Order {
+    /// Its number, by which the robot answers.
+    pub id: OrderId,
+    /// What to do.
+    pub action: Action,
+    /// The epoch in which it was given; after a later stop it must not begin.
+    pub epoch: Epoch,
+    /// After this long the robot halts by itself.
+    pub deadline: Duration,
+}
+
+/// What one order asks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// A basic move.
+    Move(Move),
+    /// Sense, then return to the centre of the cell and the heading in which the last completed order left the robot.
+    Recentre,
+    /// Take a photo of what is ahead, with this written on it.
+    Photograph(Stamp),
+}
+
+impl Action {
+    /// Whether the robot moves while it does this.
+    #[must_use]
+    pub const fn is_motion(self) -> bool {
+        matches!(self, Action::Move(_) | Action::Recentre)
+    }
+}
+
+/// What is written on a photo.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stamp {
+    /// Where the robot stands, in the map's own cells.
+    pub pose: Pose,
+    /// When.
+    pub wall: Wall,
+}
+
+/// What one input put on record: kept together or not at all, so that the journal never ends in the middle of one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Page {
+    /// The place of the first entry; the others follow without a gap.
+    pub first: Seq,
+    /// The entries; never none.
+    pub entries: Vec<Entry>,
+}
+
+impl Page {
+    /// The place of the last entry.
+    #[must_use]
+    pub fn last(&self) -> Seq {
+        Seq((self.first.0 + self.entries.len() as u64).saturating_sub(1))
+    }
+}
+
+/// One line of the journal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// When it happened.
+    pub wall: Wall,
+    /// What happened.
+    pub fact: Fact,
+}
+
+impl Fact {
+    /// The fact as it stands in the journal, when `verdict_on` says what each piece was found to be. Entries are never changed, and
+    /// a safe is one before it is final: one that was accepted of a piece that is dangerous was overtaken by the danger before it
+    /// was durable (safety V1), and so it was refused.
+    #[must_use]
+    pub fn as_it_was(self, verdict_on: impl FnOnce(LuggageId) -> Option<Verdict>) -> Fact {
+        let Fact::Command { issuer, id, command, epoch, luggage: Some(luggage), refused: None } = self else { return self };
+        let was_safe = command.split(' ').next() == Some(Input::Safe.in_words());
+        let overtaken = was_safe && verdict_on(luggage) == Some(Verdict::Danger);
+        let refused = overtaken.then(|| Refusal::from(&Refused::Decided { luggage, verdict: Verdict::Danger }));
+        Fact::Command { issuer, id, command, epoch, luggage: Some(luggage), refused }
+    }
+}
+
+/// What is worth keeping for good. `crate::standing` folds them into what stands.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Fact {
+    /// The program was started, in this version, over what had been kept before.
+    ProgramStarted(String),
+    /// The program was asked to end, by this.
+    ProgramEnded(String),
+    /// Everything that stands, so that nothing before needs to be read to go on.
+    Standing(Box<Standing>),
+    /// A command came, and what became of it.
+    Command {
+        /// Who gave it, where from and by which door.
+        issuer: Issuer,
+        /// The sender's own name for it.
+        id: Option<CommandId>,
+        /// The command in a few words.
+        command: String,
+        /// The epoch that its sender said it saw.
+        epoch: Option<Epoch>,
+        /// The piece it turned out to be about.
+        luggage: Option<LuggageId>,
+        /// Why it was refused, if it was.
+        refused: Option<Refusal>,
+    },
+    /// A mission began.
+    MissionBegan(MissionId, Strategy),
+    /// A mission was put away; the bombs that were left in place.
+    MissionArchived(MissionId, Vec<LuggageId>),
+    /// The phase changed, or how far an inspection has come.
+    Phase(Phase),
+    /// The set of holds changed.
+    Holds(Vec<Hold>),
+    /// Somebody's stop raised the epoch.
+    Epoch(Epoch),
+    /// The goal changed; how far the search has come.
+    Goal(Option<Goal>, Search),
+    /// The robot stands at a pose.
+    Pose(Pose),
+    /// The LED begins or ends blinking.
+    Led(bool),
+    /// An obstacle was met; what it was taken for.
+    Obstacle(Cell, &'static str),
+    /// A cell is known now.
+    Mark(Cell, Mark),
+    /// A piece of luggage was inspected, or photographed again.
+    Luggage {
+        /// Its record, without a verdict.
+        record: Arc<Luggage>,
+        /// The new photo; absent when none was taken, and when the entry was read back: pictures are kept apart.
+        photo: Option<Photo>,
+    },
+    /// A verdict was given.
+    Verdict {
+        /// Of which piece.
+        luggage: LuggageId,
+        /// What it is.
+        verdict: Verdict,
+        /// Who says so.
+        who: Arc<str>,
+    },
+    /// A temperature was read: the source and the reading.
+    Temperature(Arc<str>, Celsius),
+    /// An alarm was raised: the piece it is about, and what it says.
+    AlarmRaised(AlarmId, Option<LuggageId>, String),
+    /// An alarm was seen by somebody.
+    AlarmAcknowledged(AlarmId, Arc<str>),
+    /// A strategy was chosen.
+    Strategy(Strategy),
+    /// The map was emptied, with the robot facing this way at home.
+    MapEmptied(Heading),
+}

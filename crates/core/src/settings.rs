@@ -1,0 +1,23 @@
+//! What can be set in the core; reading settings from files is `config`'s job.
+
+use super::units::Celsius;
+
+/// The settings of a sweep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Above this the hall is too hot for anything to move.
+    pub threshold: Celsius,
+    /// A reading must fall this far below the threshold, in °C, before it counts as cool again.
+    pub hysteresis: f64,
+    /// Whether to inspect every obstacle, walls too, as the original did.
+    pub inspect_everything: bool,
+    /// Whether a recognised wall reveals the straight line it belongs to as far as the camera sees it.
+    pub wall_lines: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Settings {
+        let threshold = Celsius::new(25.0).expect("25 °C is within a thermometer's range");
+        Settings { threshold, hysteresis: 1.0, inspect_everything: false, wall_lines: true }
+    }
+}

@@ -1,0 +1,243 @@
+//! Carries out the acts of the table, each a small deed on world, mission and outbox.
+//! Records of luggage and verdicts stand in `records`.
+
+use std::sync::Arc;
+
+use super::Sweep;
+use crate::effect::{Effect, Fact};
+use crate::event::RobotId;
+use crate::mission::{Act, Hold, Input, Matter, Stage};
+use crate::units::{Cell, Celsius, LuggageId};
+use crate::world::alarm::Alarm;
+use crate::world::hall_map::{HallMap, Mark};
+use crate::world::log::Tone;
+use crate::world::resource::Resource;
+
+impl Sweep {
+    pub(super) fn perform_all(&mut self, acts: &[Act], matter: &Matter) {
+        for act in acts {
+            self.perform(*act, matter);
+        }
+    }
+
+    fn perform(&mut self, act: Act, matter: &Matter) {
+        match act {
+            Act::Release => self.release(matter),
+            Act::Begin => self.begin_mission(),
+            Act::EmptyMap => self.empty_map(),
+            Act::Stop => self.stop(matter),
+            Act::Raise(hold) => self.raise(hold, matter.words.as_deref()),
+            Act::Clear(hold) => self.clear(hold),
+            Act::LedOff => self.led(false),
+            Act::AlarmDanger => {
+                self.alarm_about(matter.luggage, "dangerous");
+                self.end_alarm_hold();
+            }
+            Act::AlarmUnrecorded => matter.luggage.map_or((), |id| self.alarm_unrecorded(id)),
+            Act::FacePiece => self.set_stage(Stage::TakingPhoto),
+            Act::Retake => self.retake(matter),
+            Act::RecordPiece => self.record_piece(matter),
+            Act::RecordRetake => self.record_retake(matter),
+            Act::AskOperator => self.ask_operator(matter),
+            Act::RecordVerdict => self.record_verdict(matter),
+            Act::NoteReading => self.note_reading(matter),
+            Act::HearSensor => self.hear_sensor(matter),
+            Act::Acknowledge => self.acknowledge(matter),
+            Act::ChooseStrategy => self.choose_strategy(matter),
+            Act::Archive => self.archive(),
+            Act::RetryBlocked => self.retry_blocked(),
+        }
+    }
+
+    fn release(&mut self, matter: &Matter) {
+        self.released = matter.epoch.or(Some(self.mission.epoch));
+        if self.mission.holds.release() {
+            self.note_holds();
+        }
+    }
+
+    fn begin_mission(&mut self) {
+        self.mission.id = self.mission.id.next();
+        self.mission.under_way = true;
+        self.mission.restart_search();
+        self.world.touch(Resource::Mission);
+        self.outbox.record(self.now.wall, Fact::MissionBegan(self.mission.id, self.mission.strategy));
+        self.led(true);
+    }
+
+    pub(super) fn empty_map(&mut self) {
+        self.keep_map_shown();
+        let revision = self.world.touch(Resource::Mission);
+        self.world.map = HallMap::new(Cell::HOME, revision);
+        self.world.pieces.clear();
+        self.mission.blocked.clear();
+        self.mission.restart_search();
+        self.outbox.record(self.now.wall, Fact::MapEmptied(self.world.robot.pose.heading));
+        self.outbox.sum_up();
+    }
+
+    /// A stop acts first and is recorded afterwards.
+    fn stop(&mut self, matter: &Matter) {
+        let next = self.mission.epoch.next();
+        let before = self.mission.epoch;
+        self.mission.epoch = matter.epoch.map_or(next, |raised| raised.max(before));
+        if self.mission.epoch != before {
+            self.outbox.record_soon(self.now, Fact::Epoch(self.mission.epoch));
+        }
+        self.send_halt();
+        self.world.touch(Resource::Mission);
+        self.raise(Hold::Operator, None);
+    }
+
+    pub(super) fn raise(&mut self, hold: Hold, words: Option<&str>) {
+        self.halt_robot();
+        let fresh = self.mission.holds.raise(hold);
+        let waits = self.mission.phase.is_mission() && self.mission.holds.raise(Hold::AwaitingStart);
+        if fresh {
+            let why = words.map(|words| format!(" ({words})")).unwrap_or_default();
+            self.world.write(self.now.wall, Tone::Warning, format!("held: {}{why}", hold.in_words()));
+        }
+        if fresh || waits {
+            self.note_holds();
+        }
+    }
+
+    fn clear(&mut self, hold: Hold) {
+        if self.mission.holds.clear(hold) {
+            self.world.write(self.now.wall, Tone::Info, hold.over_in_words().to_owned());
+            self.note_holds();
+        }
+    }
+
+    fn note_holds(&mut self) {
+        self.world.touch(Resource::Mission);
+        self.world.touch(Resource::Temperature);
+        self.outbox.record(self.now.wall, Fact::Holds(self.mission.holds.to_vec()));
+    }
+
+    /// Halts the robot if it is moving.
+    pub(super) fn halt_robot(&mut self) {
+        if self.helm.is_moving() {
+            self.send_halt();
+        }
+    }
+
+    /// A halt goes ahead of everything that is still to be done outside (safety S2), and an order that has not gone out never
+    /// will.
+    pub(super) fn send_halt(&mut self) {
+        if let Some(order) = self.outbox.halt(RobotId::Discovery) {
+            self.helm.close(order.id);
+        }
+        self.helm.halt();
+        self.world.touch(Resource::Robot);
+    }
+
+    fn led(&mut self, blinks: bool) {
+        if self.world.robot.led_blinking != blinks {
+            self.world.robot.led_blinking = blinks;
+            self.world.touch(Resource::Robot);
+            self.outbox.record(self.now.wall, Fact::Led(blinks));
+            // That it blinks shows a mission: it begins to when that is on record.
+            if !blinks {
+                self.on_record.put_out();
+                self.outbox.send(Effect::Led(RobotId::Discovery, false));
+            }
+        }
+    }
+
+    fn alarm_about(&mut self, luggage: Option<LuggageId>, what: &str) {
+        let Some(record) = luggage.and_then(|id| self.world.luggage.get(&id)) else { return };
+        let text = format!("luggage #{} at {} is {what}", record.id, record.cell);
+        if let Some(id) = self.world.alarm(self.now.wall, luggage, &text) {
+            self.world.write(self.now.wall, Tone::Alarm, text.clone());
+            self.outbox.record(self.now.wall, Fact::AlarmRaised(id, luggage, text));
+        }
+    }
+
+    /// A danger was said that could not be recorded: it alarms all the same, and nobody's SAFE or START lets the robot go on before
+    /// somebody has seen that, or danger is on record.
+    pub(super) fn alarm_unrecorded(&mut self, luggage: LuggageId) {
+        self.alarm_about(Some(luggage), "said to be dangerous, but that could not be recorded");
+        self.raise(Hold::Alarm, None);
+    }
+
+    /// The hold ends when of every piece that alarms danger is on record, or the alarm was seen.
+    pub(super) fn end_alarm_hold(&mut self) {
+        let dangerous = |id: LuggageId| self.world.luggage.get(&id).is_some_and(|luggage| luggage.is_dangerous());
+        let unseen = self.world.alarms.iter().filter(|alarm| alarm.acknowledged.is_none());
+        if unseen.filter_map(|alarm| alarm.luggage).all(dangerous) {
+            self.clear(Hold::Alarm);
+        }
+    }
+
+    fn acknowledge(&mut self, matter: &Matter) {
+        let (Some(id), Some(issuer)) = (matter.alarm, &matter.issuer) else { return };
+        let Some(alarm) = self.world.alarms.iter_mut().find(|alarm| alarm.id == id && alarm.acknowledged.is_none()) else {
+            return;
+        };
+        *alarm = Arc::new(Alarm { acknowledged: Some((Arc::clone(&issuer.who), self.now.wall)), ..Alarm::clone(alarm) });
+        self.world.touch(Resource::Mission);
+        self.outbox.record(self.now.wall, Fact::AlarmAcknowledged(id, Arc::clone(&issuer.who)));
+        self.end_alarm_hold();
+    }
+
+    fn note_reading(&mut self, matter: &Matter) {
+        if let Some((source, celsius)) = &matter.reading {
+            self.read_temperature(source, *celsius);
+        }
+    }
+
+    /// What the configured sensor reads; it is not silent.
+    fn hear_sensor(&mut self, matter: &Matter) {
+        let sensor = matter.reading.as_ref().map(|(sensor, _)| Arc::clone(sensor));
+        if sensor.is_some_and(|sensor| self.vigil.hear(&sensor, self.now.since_start)) {
+            self.feed(Input::SensorBack, &Matter::default());
+        }
+        self.note_reading(matter);
+    }
+
+    /// Takes a reading and raises or ends the hold that follows from it.
+    pub(super) fn read_temperature(&mut self, source: &Arc<str>, celsius: Celsius) {
+        // A sensor that says the same again and again does not fill the journal.
+        if self.world.thermometer.read(source, celsius) {
+            self.world.touch(Resource::Temperature);
+            self.outbox.record(self.now.wall, Fact::Temperature(Arc::clone(source), celsius));
+        }
+        let held = self.mission.holds.contains(Hold::Temperature);
+        let matter = Matter { words: Some(celsius.to_string()), ..Matter::default() };
+        match (self.world.thermometer.is_hot(), held) {
+            (true, false) => self.feed(Input::Heat, &matter),
+            (false, true) => self.feed(Input::Cool, &matter),
+            (true, true) | (false, false) => {}
+        }
+    }
+
+    fn choose_strategy(&mut self, matter: &Matter) {
+        let Some(strategy) = matter.strategy else { return };
+        self.mission.strategy = strategy;
+        self.mission.restart_search();
+        self.world.touch(Resource::Mission);
+        self.outbox.record(self.now.wall, Fact::Strategy(strategy));
+    }
+
+    /// Puts the mission away; its records stay in the journal.
+    pub(super) fn archive(&mut self) {
+        if self.mission.under_way {
+            self.mission.under_way = false;
+            let bombs = self.world.luggage.values().filter(|luggage| luggage.is_dangerous()).map(|luggage| luggage.id).collect();
+            self.outbox.record(self.now.wall, Fact::MissionArchived(self.mission.id, bombs));
+        }
+        self.outbox.sum_up();
+        self.mission.restart_search();
+        self.world.luggage.clear();
+        self.world.alarms.retain(|alarm| alarm.acknowledged.is_none());
+        self.world.touch(Resource::Mission);
+    }
+
+    /// Takes the cells that were found blocked after they had been free for free once more: somebody may have cleared the way.
+    fn retry_blocked(&mut self) {
+        for cell in std::mem::take(&mut self.mission.blocked) {
+            self.mark(cell, Mark::Visited);
+        }
+    }
+}

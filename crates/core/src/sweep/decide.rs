@@ -1,0 +1,213 @@
+//! Asks the table: tests bars and cases against the state, changes nothing.
+
+use std::sync::Arc;
+
+use super::Sweep;
+use crate::command::{Move, Refused, Request};
+use crate::explore::plan::{Planner, Through, after};
+use crate::mission::{Act, Bar, Case, FaultCause, Hold, Input, Matter, Phase, PhaseName, Rule, Stage, To, rules};
+use crate::units::{Cell, Epoch, LuggageId};
+use crate::world::hall_map::Mark;
+
+/// What the table says is to be done.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    pub(super) to: To,
+    pub(super) acts: &'static [Act],
+    /// How many interruptions lie between the phase it concerns and the one that stands.
+    pub(super) depth: usize,
+}
+
+/// A refusal, and what is done all the same.
+pub(super) type Refusal = (Refused, &'static [Act]);
+
+impl Sweep {
+    /// What the table says of this input now.
+    pub(super) fn decide(&self, input: Input, matter: &Matter) -> Result<Step, Refusal> {
+        let mut phase = &self.mission.phase;
+        let mut depth = 0;
+        loop {
+            for rule in rules(phase.name(), input) {
+                match *rule {
+                    Rule::RefuseIf(bar) | Rule::Never(bar) => {
+                        self.bar(bar, phase, input, matter).map_or(Ok(()), |refused| Err((refused, &[][..])))?
+                    }
+                    Rule::RefuseIfThen(bar, acts) => {
+                        self.bar(bar, phase, input, matter).map_or(Ok(()), |refused| Err((refused, acts)))?
+                    }
+                    Rule::When(case, to, acts) if self.case(case, phase, matter) => return Ok(Step { to, acts, depth }),
+                    Rule::When(..) | Rule::AsInterrupted => {}
+                    Rule::Go(to, acts) => return Ok(Step { to, acts, depth }),
+                }
+            }
+            let Some(interrupted) = phase.interrupted() else { return Ok(Step { to: To::Stay, acts: &[], depth }) };
+            (phase, depth) = (interrupted, depth + 1);
+        }
+    }
+
+    /// A movement command from before the last stop is refused as outdated (safety S4), and one that may be; no other ever is.
+    pub(super) fn refuse_outdated(&self, input: Input, request: &Request, sent: Option<Epoch>) -> Result<(), Refused> {
+        let moves = matches!(input, Input::Start | Input::BackHome | Input::Retrieve | Input::Move | Input::Goto);
+        match sent {
+            _ if moves && request.is_again && request.epoch.is_none() => Err(Refused::SentBefore),
+            Some(sent) if moves && sent < self.mission.epoch => Err(Refused::Outdated { sent, now: self.mission.epoch }),
+            Some(_) | None => Ok(()),
+        }
+    }
+
+    /// Whether this bars the input, and with which words.
+    fn bar(&self, bar: Bar, phase: &Phase, input: Input, matter: &Matter) -> Option<Refused> {
+        let luggage = matter.luggage.and_then(|id| self.world.luggage.get(&id));
+        let bars = |yes: bool, refused: Refused| yes.then_some(refused);
+        match bar {
+            Bar::Held => self.held(self.mission.holds.standing_against_start()),
+            Bar::NotInPhase => Some(Refused::NotInPhase(phase.name())),
+            Bar::VerdictAwaited => self.first_pending(true).filter(|_| explores(phase)).map(Refused::VerdictPending),
+            Bar::VerdictPending => self.first_pending(false).map(Refused::VerdictPending),
+            Bar::OperatorAsked => self.asked().map(Refused::VerdictPending),
+            Bar::Driving => Some(Refused::Driving),
+            Bar::NotStopped => bars(!self.mission.holds.contains(Hold::Operator), Refused::NotStopped),
+            Bar::IntoObstacle => {
+                self.aims_at(matter).filter(|cell| self.world.map.at(*cell).is_obstacle()).map(Refused::IntoObstacle)
+            }
+            Bar::NotCapable => bars(self.cannot(matter.step), Refused::NotCapable),
+            Bar::Moving => bars(self.helm.is_moving() || self.is_about_to_move(), Refused::Moving),
+            Bar::Unrecorded => bars(self.is_unrecorded(), Refused::Unrecorded),
+            Bar::BombUnfetched => self.bomb_unseen().map(Refused::BombUnfetched),
+            Bar::UnknownLuggage => match matter.luggage {
+                None => Some(Refused::NothingPending),
+                Some(id) => bars(luggage.is_none(), Refused::UnknownLuggage(id)),
+            },
+            Bar::Decided => self.decided(input, matter),
+            Bar::NoPhoto => luggage.filter(|luggage| !luggage.has_photo()).map(|luggage| Refused::NoPhoto(luggage.id)),
+            Bar::NotInspected => match matter.luggage {
+                None => Some(Refused::NothingPending),
+                Some(id) if luggage.is_none() => Some(Refused::UnknownLuggage(id)),
+                Some(id) => {
+                    bars(self.inspected() != Some(id) || self.decided(input, matter).is_some(), Refused::NotInspected(id))
+                }
+            },
+            Bar::PhotoUnderWay => bars(matches!(self.stage(), Some(Stage::RetakingPhoto(_))), Refused::PhotoUnderWay),
+            Bar::PhotoHeld => {
+                let holds = [Hold::RobotLink, Hold::Store].into_iter();
+                self.held(holds.filter(|hold| self.mission.holds.contains(*hold)).collect())
+            }
+            Bar::StoreDown => bars(self.mission.holds.contains(Hold::Store), Refused::StoreDown),
+            Bar::UnknownAlarm => matter.alarm.filter(|id| !self.is_on_record(*id)).map(Refused::UnknownAlarm),
+            Bar::NoRetrievalRobot => Some(Refused::NoRetrievalRobot),
+            Bar::UnknownSensor => {
+                let sensor = matter.reading.as_ref().map(|(sensor, _)| sensor);
+                sensor.filter(|sensor| !self.vigil.watches(sensor)).map(|sensor| Refused::UnknownSensor(Arc::clone(sensor)))
+            }
+            Bar::FaultStands => self.fault_stands(phase).map(|cause| Refused::FaultStands(cause.to_string())),
+        }
+    }
+
+    fn held(&self, holds: Vec<Hold>) -> Option<Refused> {
+        let store_failure = self.world.store_failure.clone().filter(|_| holds.contains(&Hold::Store));
+        (!holds.is_empty()).then_some(Refused::Held(holds, store_failure))
+    }
+
+    fn case(&self, case: Case, phase: &Phase, matter: &Matter) -> bool {
+        match case {
+            Case::ToBeInspected => matter.cell.is_some_and(|cell| self.world.map.at(cell) == Mark::NotInspected),
+            Case::BackedUp => self.stage() == Some(Stage::BackingUp) && !self.world.robot.off_centre,
+            Case::FirstPhoto => self.stage() == Some(Stage::TakingPhoto),
+            Case::ThisPiece => matches!(phase, Phase::Inspecting(inspection) if inspection.luggage() == matter.luggage),
+            Case::SameVerdict => matter.verdict.is_some() && self.verdict_of(matter.luggage) == matter.verdict,
+            Case::FromIdle => matches!(phase.underlying(), Phase::Idle),
+            Case::RobotAtHome => self.rests_at_home(),
+        }
+    }
+
+    /// A verdict that stands, or danger on its way to the store, is not changed by another.
+    fn decided(&self, input: Input, matter: &Matter) -> Option<Refused> {
+        use crate::command::Verdict;
+        let luggage = matter.luggage?;
+        let final_verdict =
+            self.world.luggage.get(&luggage).and_then(|luggage| luggage.verdict.as_ref()).map(|decision| decision.verdict);
+        let replaceable = input == Input::Danger;
+        let in_flight = self
+            .mission
+            .deciding(luggage)
+            .map(|(verdict, _)| verdict)
+            .filter(|verdict| *verdict == Verdict::Danger || !replaceable);
+        final_verdict.or(in_flight).map(|verdict| Refused::Decided { luggage, verdict })
+    }
+
+    /// The verdict that stands for a piece, or is on its way to the store.
+    fn verdict_of(&self, luggage: Option<LuggageId>) -> Option<crate::command::Verdict> {
+        let id = luggage?;
+        let stands = self.world.luggage.get(&id).and_then(|luggage| luggage.verdict.as_ref()).map(|decision| decision.verdict);
+        stands.or(self.mission.deciding(id).map(|(verdict, _)| verdict))
+    }
+
+    /// The first piece whose verdict is pending, or with a usable photo and pending.
+    fn first_pending(&self, with_photo: bool) -> Option<LuggageId> {
+        let mut pending =
+            self.world.luggage.values().filter(|luggage| luggage.is_pending() && (!with_photo || luggage.has_photo()));
+        pending.next().map(|luggage| luggage.id)
+    }
+
+    /// The piece in front of the robot, if it waits for its verdict.
+    fn asked(&self) -> Option<LuggageId> {
+        self.inspected().filter(|id| self.world.luggage.get(id).is_some_and(|luggage| luggage.is_pending()))
+    }
+
+    /// The cell a move or goto would enter first of all, or aims at.
+    fn aims_at(&self, matter: &Matter) -> Option<Cell> {
+        let pose = self.world.robot.pose;
+        matter.cell.or(matter.step.map(|step| after(pose, step).cell)).filter(|cell| *cell != pose.cell)
+    }
+
+    fn cannot(&self, step: Option<Move>) -> bool {
+        let nudge = matches!(step, Some(Move::NudgeLeft | Move::NudgeRight));
+        nudge && !self.helm.capabilities.is_some_and(|can| can.nudges)
+    }
+
+    fn is_about_to_move(&self) -> bool {
+        let moves = match &self.mission.phase {
+            Phase::Exploring | Phase::ReturningHome | Phase::ReturningWithAlarm | Phase::Driving { .. } | Phase::Retrieving => {
+                true
+            }
+            Phase::Inspecting(inspection) => inspection.stage == Stage::BackingUp,
+            Phase::Idle | Phase::AtHome | Phase::BombLocated | Phase::BagSecured | Phase::Explored | Phase::Fault { .. } => false,
+        };
+        moves && self.mission.holds.is_empty()
+    }
+
+    fn is_unrecorded(&self) -> bool {
+        !self.mission.recording.is_empty() || matches!(self.stage(), Some(Stage::TakingPhoto))
+    }
+
+    /// A dangerous piece whose alarm nobody has acknowledged.
+    fn bomb_unseen(&self) -> Option<LuggageId> {
+        let unseen =
+            |id: LuggageId| self.world.alarms.iter().any(|alarm| alarm.luggage == Some(id) && alarm.acknowledged.is_none());
+        self.world.luggage.values().filter(|luggage| luggage.is_dangerous()).map(|luggage| luggage.id).find(|id| unseen(*id))
+    }
+
+    /// The cause of the fault, if START would not get past it. A cell that was free once may be tried again.
+    fn fault_stands<'a>(&self, phase: &'a Phase) -> Option<&'a FaultCause> {
+        let cause = phase.fault()?;
+        let stands = match cause {
+            FaultCause::NoWayHome => {
+                let way = Planner::default().to_cell(&self.world.map, self.world.robot.pose, Cell::HOME, Through::Known);
+                self.mission.blocked.is_empty() && (way.is_none() || self.world.map.at(Cell::HOME).is_obstacle())
+            }
+            FaultCause::Undecided => true,
+            FaultCause::Unanswered | FaultCause::Robot(_) => self.helm.capabilities.is_none(),
+        };
+        stands.then_some(cause)
+    }
+
+    /// The phase that stands, by name.
+    pub(super) fn phase_name(&self) -> PhaseName {
+        self.mission.phase.name()
+    }
+}
+
+/// Whether START in this phase sets out to explore.
+fn explores(phase: &Phase) -> bool {
+    matches!(phase.underlying(), Phase::Exploring | Phase::AtHome)
+}

@@ -1,0 +1,283 @@
+//! What the robot is to do next: one order at a time, through one gate (safety S5).
+
+use super::Sweep;
+use crate::command::Move;
+use crate::effect::{Action, Effect, Fact, Stamp};
+use crate::event::RobotId;
+use crate::explore::plan::Through;
+use crate::explore::{Decision, View};
+use crate::mission::{FaultCause, Goal, Hold, Input, Matter, Phase, Stage};
+use crate::units::{Cell, LuggageId};
+use crate::world::hall_map::Mark;
+use crate::world::log::Tone;
+use crate::world::resource::Resource;
+
+/// After so many looks without an order something is wrong with the search: goals that are given up one after the other are
+/// bounded by the unknown cells of a large hall.
+const TURNS: usize = 100_000;
+
+/// Why the robot must not move just now.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Barred {
+    /// Something holds it.
+    Held,
+    /// The program ends.
+    Ending,
+    /// What must be on record first is not kept yet.
+    Unrecorded,
+    /// Its link is not up.
+    Unlinked,
+    /// It has not answered its last order.
+    Busy,
+}
+
+/// What one look at the mission came to.
+enum Turn {
+    /// An order was given, or there is nothing to do until something happens.
+    Rest,
+    /// The mission has changed: look again.
+    Again,
+}
+
+impl Sweep {
+    /// Gives the next order, if there is one to give.
+    pub(super) fn pump(&mut self) {
+        for _ in 0..TURNS {
+            if let Turn::Rest = self.turn() {
+                return;
+            }
+        }
+        self.feed(Input::NoWayHome, &Matter { fault: Some(FaultCause::Undecided), ..Matter::default() });
+    }
+
+    /// The one gate between planner and robot.
+    fn may_move(&self) -> Result<(), Barred> {
+        if !self.mission.holds.is_empty() {
+            Err(Barred::Held)
+        } else if self.is_ending {
+            Err(Barred::Ending)
+        } else if !self.outbox.is_settled() {
+            Err(Barred::Unrecorded)
+        } else if self.helm.capabilities.is_none() {
+            Err(Barred::Unlinked)
+        } else if self.helm.open().is_some() {
+            Err(Barred::Busy)
+        } else {
+            Ok(())
+        }
+    }
+
+    fn turn(&mut self) -> Turn {
+        if self.has_come_home() {
+            self.feed(Input::CameHome, &Matter::default());
+            return Turn::Again;
+        }
+        if self.has_backed_up() {
+            self.feed(Input::Done, &Matter::default());
+            return Turn::Again;
+        }
+        if self.wants_photo() {
+            self.order_photo();
+            return Turn::Rest;
+        }
+        if self.may_move().is_err() {
+            return Turn::Rest;
+        }
+        let moves = !matches!(
+            self.mission.phase,
+            Phase::Idle | Phase::AtHome | Phase::BombLocated | Phase::BagSecured | Phase::Explored | Phase::Fault { .. }
+        );
+        if self.world.robot.off_centre && moves {
+            return self.order(Action::Recentre);
+        }
+        match self.mission.phase {
+            Phase::Exploring => self.explore(),
+            Phase::ReturningHome | Phase::ReturningWithAlarm => self.go_home(),
+            Phase::Driving { goal, next, .. } => self.drive(goal, next),
+            Phase::Idle
+            | Phase::Inspecting(_)
+            | Phase::AtHome
+            | Phase::BombLocated
+            | Phase::Retrieving
+            | Phase::BagSecured
+            | Phase::Explored
+            | Phase::Fault { .. } => Turn::Rest,
+        }
+    }
+
+    /// Coming home needs no motion, so it is noticed also while something holds the robot.
+    fn has_come_home(&self) -> bool {
+        let on_the_way = matches!(self.mission.phase, Phase::ReturningHome | Phase::ReturningWithAlarm);
+        on_the_way && self.world.is_home() && self.helm.open().is_none()
+    }
+
+    /// The robot had backed up already when the program was killed, and says so.
+    fn has_backed_up(&self) -> bool {
+        let centred = self.helm.capabilities.is_some() && self.helm.open().is_none() && !self.world.robot.off_centre;
+        centred && matches!(&self.mission.phase, Phase::Inspecting(inspection) if inspection.stage == Stage::BackingUp)
+    }
+
+    /// A photo is not motion: it is taken under holds too, as long as there is a robot to take it and a store to keep it.
+    fn wants_photo(&self) -> bool {
+        let wanted = matches!(self.stage(), Some(Stage::TakingPhoto | Stage::RetakingPhoto(_)));
+        let possible = self.helm.capabilities.is_some() && self.helm.open().is_none();
+        let barred = [Hold::RobotLink, Hold::Store].into_iter().any(|hold| self.mission.holds.contains(hold));
+        wanted && possible && !barred && !matches!(self.mission.phase, Phase::Fault { .. })
+    }
+
+    fn order_photo(&mut self) {
+        let stamp = Stamp { pose: self.world.robot.pose, wall: self.now.wall };
+        self.order(Action::Photograph(stamp));
+    }
+
+    fn order(&mut self, action: Action) -> Turn {
+        let order = self.helm.give(action, self.mission.epoch, self.now.since_start);
+        self.outbox.send(Effect::Order(RobotId::Discovery, order));
+        self.world.touch(Resource::Robot);
+        Turn::Rest
+    }
+
+    /// A piece left without a photo first; then the goal that is being pursued; then whatever the strategy wants.
+    fn explore(&mut self) -> Turn {
+        if let Some(turn) = self.revisit() {
+            return turn;
+        }
+        let Some(goal) = self.mission.goal.filter(|goal| self.is_wanted(*goal)).or_else(|| self.next_goal()) else {
+            self.feed(Input::AllExplored, &Matter::default());
+            return Turn::Again;
+        };
+        self.pursue(goal);
+        if self.follow_route() {
+            return Turn::Rest;
+        }
+        if goal == Goal::Home {
+            self.no_way_home();
+        } else {
+            self.set_goal(None);
+        }
+        Turn::Again
+    }
+
+    fn is_wanted(&self, goal: Goal) -> bool {
+        match goal {
+            Goal::Visit(cell) => matches!(self.world.map.at(cell), Mark::Unknown | Mark::NotInspected),
+            Goal::Home => self.world.robot.pose.cell != Cell::HOME,
+        }
+    }
+
+    /// Asks the strategy until it wants something that is not done already; `None` when the hall is explored and the robot home.
+    fn next_goal(&mut self) -> Option<Goal> {
+        loop {
+            let view = View { map: &self.world.map, pose: self.world.robot.pose };
+            let goal = match self.mission.search.next(&view, &mut self.planner) {
+                Decision::Visit(cell) => Goal::Visit(cell),
+                Decision::GoHome => Goal::Home,
+                Decision::Finished if self.world.is_home() => {
+                    self.set_goal(None);
+                    return None;
+                }
+                Decision::Finished => Goal::Home,
+            };
+            if self.is_wanted(goal) {
+                self.set_goal(Some(goal));
+                return Some(goal);
+            }
+        }
+    }
+
+    fn set_goal(&mut self, goal: Option<Goal>) {
+        if self.mission.goal != goal {
+            self.mission.goal = goal;
+            self.mission.route.clear();
+            self.world.touch(Resource::Mission);
+            self.outbox.record(self.now.wall, Fact::Goal(goal, self.mission.search.clone()));
+        }
+    }
+
+    /// Plans the way to a goal, unless it is planned.
+    fn pursue(&mut self, goal: Goal) {
+        if !self.mission.route.is_empty() {
+            return;
+        }
+        let (map, pose) = (&self.world.map, self.world.robot.pose);
+        let way = match goal {
+            Goal::Visit(cell) => self.planner.to_cell(map, pose, cell, Through::Unknown),
+            Goal::Home => self.way_home(Through::Known).or_else(|| self.way_home(Through::Unknown)),
+        };
+        self.mission.route = way.unwrap_or_default().into();
+        self.world.touch(Resource::Mission);
+    }
+
+    /// Orders the next move of the route; false when there is none.
+    fn follow_route(&mut self) -> bool {
+        let step = self.mission.route.front().copied();
+        step.is_some_and(|step| {
+            self.order(Action::Move(step));
+            true
+        })
+    }
+
+    /// A piece whose photo failed and that was left behind is driven back to.
+    fn revisit(&mut self) -> Option<Turn> {
+        let without = |luggage: &crate::world::luggage::Luggage| luggage.is_pending() && !luggage.has_photo();
+        let (id, pose): (LuggageId, _) =
+            self.world.luggage.values().find(|luggage| without(luggage)).map(|luggage| (luggage.id, luggage.pose))?;
+        if self.world.robot.pose == pose {
+            self.feed(Input::AtPiece, &Matter { luggage: Some(id), ..Matter::default() });
+            return Some(Turn::Again);
+        }
+        if self.mission.route.is_empty() {
+            self.mission.route = self.planner.to_pose(&self.world.map, self.world.robot.pose, pose)?.into();
+            self.world.touch(Resource::Mission);
+        }
+        self.follow_route().then_some(Turn::Rest)
+    }
+
+    /// Home through visited cells only: on the way back nothing unknown is visited.
+    fn go_home(&mut self) -> Turn {
+        if self.mission.route.is_empty() {
+            self.mission.route = self.way_home(Through::Known).unwrap_or_default().into();
+            self.world.touch(Resource::Mission);
+        }
+        if !self.follow_route() {
+            self.no_way_home();
+            return Turn::Again;
+        }
+        Turn::Rest
+    }
+
+    /// The way home; none leads there while something stands in the home cell itself.
+    fn way_home(&mut self, through: Through) -> Option<Vec<Move>> {
+        let free = !self.world.map.at(Cell::HOME).is_obstacle();
+        free.then(|| self.planner.to_cell(&self.world.map, self.world.robot.pose, Cell::HOME, through))?
+    }
+
+    fn no_way_home(&mut self) {
+        self.feed(Input::NoWayHome, &Matter { fault: Some(FaultCause::NoWayHome), ..Matter::default() });
+    }
+
+    /// The next move of a drive by hand, or its end.
+    fn drive(&mut self, goal: Option<Cell>, step: Option<Move>) -> Turn {
+        if let Some(step) = step {
+            if let Phase::Driving { next, .. } = &mut self.mission.phase {
+                *next = None;
+            }
+            return self.order(Action::Move(step));
+        }
+        let here = self.world.robot.pose;
+        let wanted = goal.filter(|goal| here.cell != *goal && !self.world.map.at(*goal).is_obstacle());
+        if let Some(goal) = wanted {
+            if self.mission.route.is_empty() {
+                let way = self.planner.to_cell(&self.world.map, here, goal, Through::Unknown);
+                self.mission.route = way.unwrap_or_default().into();
+                self.world.touch(Resource::Mission);
+            }
+            if self.follow_route() {
+                return Turn::Rest;
+            }
+            self.world.write(self.now.wall, Tone::Warning, format!("no way leads to {goal}"));
+        }
+        self.feed(Input::DriveEnded, &Matter::default());
+        Turn::Again
+    }
+}

@@ -1,0 +1,265 @@
+//! What may be shown of the mission: as much as is on record (safety R4). The state itself runs ahead of the record (ADR 2); a view
+//! of it waits here until the store has kept the page it follows from. What warns or halts does not wait: `view` puts that in.
+//!
+//! ```text
+//!   the state after each input ─► View, with the last entry written so far ─► ahead: (Seq, View), … ─► kept up to Seq ─► shown
+//! ```
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use super::Sweep;
+use crate::effect::Effect;
+use crate::event::RobotId;
+use crate::explore::Strategy;
+use crate::mission::{Goal, Hold, Phase, PhaseName};
+use crate::units::{AlarmId, Cell, LuggageId, MissionId, Revision, Seq};
+use crate::world::alarm::Alarm;
+use crate::world::hall_map::HallMap;
+use crate::world::luggage::Luggage;
+use crate::world::resource::Resource;
+use crate::world::snapshot::Refusals;
+
+/// So many views wait at most. When the store lags further behind, the latest takes the place of the one before: what is between is
+/// not shown, and nothing is shown early.
+const AHEAD: usize = 64;
+
+/// After a loss nothing is shown before everything that stands is on record anew.
+const NEVER: Seq = Seq(u64::MAX);
+
+/// What follows from commands and finds, as it was after one input.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct View {
+    pub(super) mission: MissionId,
+    under_way: bool,
+    pub(super) phase: PhaseName,
+    pub(super) interrupted: Option<PhaseName>,
+    pub(super) fault: Option<String>,
+    pub(super) inspected: Option<LuggageId>,
+    pub(super) strategy: Strategy,
+    pub(super) goal: Option<Cell>,
+    pub(super) holds: Vec<Hold>,
+    pub(super) led_blinking: bool,
+    pub(super) luggage: Arc<[Arc<Luggage>]>,
+    pub(super) alarms: Arc<[Arc<Alarm>]>,
+    pub(super) refusals: Refusals,
+    /// How often the map had been emptied.
+    emptied: u64,
+}
+
+/// What is shown, and what waits for its record.
+#[derive(Clone, Debug)]
+pub(super) struct OnRecord {
+    pub(super) shown: View,
+    ahead: VecDeque<(Seq, View)>,
+    /// When the state was last looked at: nothing has changed since, if both are as they were.
+    looked: (Revision, Seq),
+    /// Nothing is shown before this entry is kept, because something before it was lost.
+    floor: Seq,
+    emptied: u64,
+    /// The map as it was before it was emptied, while that is not on record.
+    before: Option<HallMap>,
+    /// Whether the LED was told to blink: that shows a mission too.
+    lit: bool,
+}
+
+impl OnRecord {
+    /// Before anything has happened.
+    pub(super) fn first(strategy: Strategy) -> OnRecord {
+        OnRecord::of(View {
+            mission: MissionId(0),
+            under_way: false,
+            phase: PhaseName::Idle,
+            interrupted: None,
+            fault: None,
+            inspected: None,
+            strategy,
+            goal: None,
+            holds: Vec::new(),
+            led_blinking: false,
+            luggage: Arc::from([]),
+            alarms: Arc::from([]),
+            refusals: Refusals::default(),
+            emptied: 0,
+        })
+    }
+
+    /// Everything in this view is on record.
+    pub(super) fn of(shown: View) -> OnRecord {
+        let (ahead, looked, lit) = (VecDeque::new(), (Revision(0), Seq(0)), shown.led_blinking);
+        OnRecord { emptied: shown.emptied, shown, ahead, looked, floor: Seq(0), before: None, lit }
+    }
+
+    /// Whether what is shown is all there is.
+    pub(super) fn is_current(&self) -> bool {
+        self.ahead.is_empty() && self.floor != NEVER
+    }
+
+    /// How many views wait for their record.
+    #[cfg(test)]
+    pub(super) fn waiting(&self) -> usize {
+        self.ahead.len()
+    }
+
+    /// The LED ends blinking, at once.
+    pub(super) fn put_out(&mut self) {
+        self.lit = false;
+    }
+
+    /// The latest view, shown or not.
+    fn latest(&self) -> &View {
+        self.ahead.back().map_or(&self.shown, |(_, view)| view)
+    }
+
+    fn push(&mut self, seq: Seq, view: View) {
+        if self.ahead.len() == AHEAD {
+            self.ahead.pop_back();
+        }
+        self.ahead.push_back((seq.max(self.floor), view));
+    }
+
+    /// Shows everything that is kept.
+    fn advance(&mut self, kept: Seq) {
+        let due = self.ahead.iter().take_while(|(seq, _)| *seq <= kept).count();
+        if let Some((_, view)) = self.ahead.drain(..due).next_back() {
+            self.shown = view;
+        }
+    }
+}
+
+impl Sweep {
+    /// Looks at what has become of the mission since the last look, and shows of it what is on record.
+    pub(super) fn look(&mut self) {
+        let looked = (self.world.revision(), self.outbox.written());
+        if looked != self.on_record.looked {
+            self.on_record.looked = looked;
+            let view = self.mission_as_it_is();
+            let latest = self.on_record.latest();
+            if view != *latest {
+                let buttons = view.refusals != latest.refusals;
+                self.on_record.push(looked.1, view);
+                // A button that is refused now is not offered any longer, although why is not on record yet.
+                if buttons {
+                    self.world.touch(Resource::Mission);
+                }
+            }
+        }
+        self.show_kept();
+    }
+
+    /// What was on its way to the store is lost. Records and verdicts that were kept stay shown, although what follows from them is
+    /// not on record.
+    pub(super) fn show_nothing_lost(&mut self) {
+        self.on_record.ahead.clear();
+        self.on_record.floor = NEVER;
+        self.on_record.looked = (Revision(0), Seq(0));
+        self.world.log.lose();
+        let (shown, now) = (&self.on_record.shown, self.mission_as_it_is());
+        if (shown.mission, shown.under_way) == (now.mission, now.under_way) && shown.luggage != now.luggage {
+            self.on_record.shown.luggage = now.luggage;
+            self.world.touch(Resource::Luggage);
+        }
+    }
+
+    /// Everything that stands is on its way to the store anew, up to here.
+    pub(super) fn show_from(&mut self, seq: Seq) {
+        self.on_record.ahead.clear();
+        self.on_record.floor = seq;
+        self.on_record.looked = (Revision(0), Seq(0));
+        self.world.log.lose();
+    }
+
+    /// The map that is shown.
+    pub(super) fn shown_map(&self) -> &HallMap {
+        self.on_record.before.as_ref().unwrap_or(&self.world.map)
+    }
+
+    /// The map is about to be emptied; it is shown until that is on record.
+    pub(super) fn keep_map_shown(&mut self) {
+        self.on_record.emptied += 1;
+        if self.on_record.before.is_none() {
+            self.on_record.before = Some(self.world.map.clone());
+        }
+    }
+
+    /// Shows everything that is kept by now.
+    pub(super) fn show_kept(&mut self) {
+        let (written, kept) = (self.outbox.written().max(self.on_record.floor), self.outbox.kept());
+        if self.world.log.show(written, kept) {
+            self.world.touch(Resource::Log);
+        }
+        if self.on_record.ahead.is_empty() {
+            return;
+        }
+        let before = self.on_record.shown.clone();
+        self.on_record.advance(kept);
+        let shown = &self.on_record.shown;
+        if before == *shown {
+            return;
+        }
+        let changed = [
+            (Resource::Mission, true),
+            (Resource::Luggage, before.luggage != shown.luggage),
+            (Resource::Alarms, before.alarms != shown.alarms),
+            (Resource::Map, before.emptied != shown.emptied),
+            (Resource::Robot, before.led_blinking != shown.led_blinking),
+            (Resource::Temperature, before.holds != shown.holds),
+        ];
+        for (resource, _) in changed.into_iter().filter(|(_, changed)| *changed) {
+            self.world.touch(resource);
+        }
+        self.show_emptied_map();
+        self.light();
+    }
+
+    /// The emptied map is shown from this revision on.
+    fn show_emptied_map(&mut self) {
+        if self.on_record.shown.emptied == self.on_record.emptied && self.on_record.before.take().is_some() {
+            let revision = self.world.touch(Resource::Map);
+            self.world.map.show_first_at(revision);
+        }
+    }
+
+    fn light(&mut self) {
+        if self.on_record.shown.led_blinking && self.world.robot.led_blinking && !self.on_record.lit {
+            self.on_record.lit = true;
+            self.outbox.send(Effect::Led(RobotId::Discovery, true));
+        }
+    }
+
+    /// The mission as it is, on record or not.
+    pub(super) fn mission_as_it_is(&self) -> View {
+        let (mission, world) = (&self.mission, &self.world);
+        View {
+            mission: mission.id,
+            under_way: mission.under_way,
+            phase: mission.phase.name(),
+            interrupted: mission.phase.interrupted().map(Phase::name),
+            fault: mission.phase.fault().map(ToString::to_string),
+            inspected: self.inspected().filter(|id| world.luggage.contains_key(id)),
+            strategy: mission.strategy,
+            goal: self.goal(),
+            holds: mission.holds.to_vec(),
+            led_blinking: world.robot.led_blinking,
+            luggage: world.luggage.values().map(Arc::clone).collect(),
+            alarms: world.alarms.iter().map(Arc::clone).collect(),
+            refusals: self.refusals(),
+            emptied: self.on_record.emptied,
+        }
+    }
+
+    /// The cell the robot is after: home on the ways home, the cell of a goto, else the goal of the search.
+    fn goal(&self) -> Option<Cell> {
+        match &self.mission.phase {
+            Phase::ReturningHome | Phase::ReturningWithAlarm => Some(Cell::HOME),
+            Phase::Driving { goal, .. } => *goal,
+            Phase::Exploring | Phase::Inspecting(_) | Phase::AtHome | Phase::Fault { .. } => self.mission.goal.map(Goal::cell),
+            Phase::Idle | Phase::BombLocated | Phase::Retrieving | Phase::BagSecured | Phase::Explored => None,
+        }
+    }
+
+    /// Whether this alarm is on record, and so has a number that somebody may have been told.
+    pub(super) fn is_on_record(&self, alarm: AlarmId) -> bool {
+        self.on_record.shown.alarms.iter().any(|known| known.id == alarm)
+    }
+}

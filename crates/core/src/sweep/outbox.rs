@@ -1,0 +1,255 @@
+//! What leaves the core: effects in order, entries of the journal with their numbers, and the answers that wait for a record.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use crate::command::{Refusal, Refused};
+use crate::effect::{Effect, Entry, Fact, Order, Page};
+use crate::event::RobotId;
+use crate::units::{LuggageId, Now, Seq, Ticket, Wall};
+
+/// After so many entries everything that stands is put on record, so that a start need not read more than these: half a second.
+const SUM_UP_AFTER: u64 = 10_000;
+
+/// So long at most the epoch of a stop waits for an entry with which it goes on record.
+const SOON: Duration = Duration::from_secs(1);
+
+/// So many commands are put on record once more after the store has failed: an hour of nervous clicking.
+const COMMANDS: usize = 1024;
+
+/// The outgoing side of a sweep.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Outbox {
+    effects: VecDeque<Effect>,
+    /// What the input being handled has put on record so far.
+    page: Vec<Entry>,
+    /// What goes on record with the next entry, or by then.
+    soon: Option<(Entry, Duration)>,
+    /// Whether the page is to end with everything that stands.
+    sums_up: bool,
+    /// Entries since everything that stands was last on record.
+    since_summed_up: u64,
+    written: Seq,
+    /// The last entry without which the robot must not move on: all but what others say while it moves.
+    barrier: Seq,
+    kept: Seq,
+    tickets: Ticket,
+    waiting: Vec<Waiting>,
+    /// The commands that are not kept yet: each is to be in the journal, whatever becomes of the store (safety A6).
+    commands: VecDeque<Unkept>,
+    /// Everything up to here that was not kept when the store failed is lost.
+    lost: Seq,
+}
+
+/// A command on its way to the store.
+#[derive(Clone, Debug)]
+struct Unkept {
+    seq: Seq,
+    entry: Entry,
+    /// What its sender is told when it is lost, if it was accepted and waits for its record.
+    if_lost: Option<Refused>,
+}
+
+/// An accepted command whose answer waits for a record.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Waiting {
+    pub(super) ticket: Ticket,
+    pub(super) seq: Seq,
+    /// The piece it concerned.
+    pub(super) luggage: Option<LuggageId>,
+    /// The verdict it gave, if it gave one: another may have won by then.
+    pub(super) verdict: Option<crate::command::Verdict>,
+    /// Whether that verdict is kept, and what waits is what followed from it.
+    pub(super) decided: bool,
+}
+
+impl Outbox {
+    /// The outgoing side after a restart: everything up to `written` is kept.
+    pub(super) fn after(written: Seq) -> Outbox {
+        Outbox { written, barrier: written, kept: written, ..Outbox::default() }
+    }
+
+    pub(super) fn send(&mut self, effect: Effect) {
+        self.effects.push_back(effect);
+    }
+
+    /// Puts a halt ahead of everything else; a motion that has not gone out is taken back, and returned.
+    pub(super) fn halt(&mut self, robot: RobotId) -> Option<Order> {
+        let place = self
+            .effects
+            .iter()
+            .position(|effect| matches!(effect, Effect::Order(to, order) if *to == robot && order.action.is_motion()));
+        let order = place.and_then(|place| self.effects.remove(place));
+        if self.effects.front() != Some(&Effect::Halt(robot)) {
+            self.effects.push_front(Effect::Halt(robot));
+        }
+        match order {
+            Some(Effect::Order(_, order)) => Some(order),
+            _ => None,
+        }
+    }
+
+    /// The next effect: halts first, then what is to be kept, then the rest.
+    pub(super) fn poll(&mut self) -> Option<Effect> {
+        if self.page.is_empty() || matches!(self.effects.front(), Some(Effect::Halt(_))) {
+            return self.effects.pop_front();
+        }
+        let entries = std::mem::take(&mut self.page);
+        let first = Seq(self.written.0 + 1 - entries.len() as u64);
+        Some(Effect::Record(Page { first, entries }))
+    }
+
+    /// The page is to end with everything that stands.
+    pub(super) fn sum_up(&mut self) {
+        self.sums_up = true;
+    }
+
+    /// Whether the page is to end with everything that stands.
+    pub(super) const fn is_to_sum_up(&self) -> bool {
+        self.sums_up || self.since_summed_up >= SUM_UP_AFTER
+    }
+
+    /// Puts a fact on its way to the store with the next one, or in a moment, unless it is replaced by then: so a flood of them makes
+    /// no flood of pages.
+    pub(super) fn record_soon(&mut self, now: Now, fact: Fact) {
+        let due = self.soon.take().map_or(now.since_start.saturating_add(SOON), |(_, due)| due);
+        self.soon = Some((Entry { wall: now.wall, fact }, due));
+    }
+
+    /// When `record_overdue` is needed.
+    pub(super) fn due_record(&self) -> Option<Duration> {
+        self.soon.as_ref().map(|(_, due)| *due)
+    }
+
+    /// Puts on record what no entry has taken along by now.
+    pub(super) fn record_overdue(&mut self, now: Now) {
+        if let Some((Entry { wall, fact }, _)) = self.soon.take_if(|(_, due)| *due <= now.since_start) {
+            self.record(wall, fact);
+        }
+    }
+
+    /// Puts a fact on its way to the store, behind what waits for one; its place in the journal.
+    pub(super) fn record(&mut self, wall: Wall, fact: Fact) -> Seq {
+        if let Some((Entry { wall, fact }, _)) = self.soon.take() {
+            self.record(wall, fact);
+        }
+        self.written = self.written.next();
+        let entry = Entry { wall, fact };
+        self.since_summed_up += 1;
+        if matches!(entry.fact, Fact::Standing(_)) {
+            (self.sums_up, self.since_summed_up) = (false, 0);
+        }
+        // Whoever sends commands and readings without end must not keep the robot from moving.
+        if !matches!(entry.fact, Fact::Command { .. } | Fact::Temperature(..)) {
+            self.barrier = self.written;
+        }
+        self.page.push(entry);
+        self.written
+    }
+
+    /// Puts a command on its way to the store; `if_lost` is what its sender is told when it never gets there.
+    pub(super) fn record_command(&mut self, wall: Wall, fact: Fact, if_lost: Option<Refused>) {
+        let entry = Entry { wall, fact };
+        let seq = self.record(wall, entry.fact.clone());
+        if self.commands.len() < COMMANDS {
+            self.commands.push_back(Unkept { seq, entry, if_lost });
+        }
+    }
+
+    /// Puts the commands that were lost when the store failed on their way once more, each as it was answered. Those that came
+    /// later are still with the store, which keeps them now.
+    pub(super) fn repeat_commands(&mut self) {
+        let lost = self.lost;
+        let (repeat, rest) = std::mem::take(&mut self.commands).into_iter().partition(|unkept: &Unkept| unkept.seq <= lost);
+        self.commands = rest;
+        let repeat: VecDeque<Unkept> = repeat;
+        for Unkept { entry: Entry { wall, mut fact }, if_lost, .. } in repeat {
+            if let (Fact::Command { refused, .. }, Some(told)) = (&mut fact, &if_lost) {
+                *refused = Some(Refusal::from(told));
+            }
+            self.record_command(wall, fact, None);
+        }
+    }
+
+    /// The last entry on its way to the store, or kept.
+    pub(super) const fn written(&self) -> Seq {
+        self.written
+    }
+
+    /// The last entry that is kept.
+    pub(super) const fn kept(&self) -> Seq {
+        self.kept
+    }
+
+    /// Whether everything is kept that became of the mission so far. The robot waits for it before each move, so that a kill can
+    /// never lose more than the move under way: what it says of where it stands then still joins what is known.
+    pub(super) fn is_settled(&self) -> bool {
+        self.kept >= self.barrier
+    }
+
+    /// Whether everything is kept.
+    pub(super) fn is_kept(&self) -> bool {
+        self.kept >= self.written
+    }
+
+    pub(super) fn keep(&mut self, seq: Seq) {
+        self.kept = self.kept.max(seq);
+        self.commands.retain(|unkept| unkept.seq > seq);
+    }
+
+    pub(super) fn next_ticket(&mut self) -> Ticket {
+        self.tickets = self.tickets.next();
+        self.tickets
+    }
+
+    pub(super) fn wait(&mut self, waiting: Waiting) {
+        self.waiting.push(waiting);
+    }
+
+    /// The waiting answers whose record is kept, in order.
+    pub(super) fn due(&mut self) -> Vec<Waiting> {
+        let kept = self.kept;
+        let (due, waiting) = self.waiting.drain(..).partition(|waiting| waiting.seq <= kept);
+        self.waiting = waiting;
+        due
+    }
+
+    /// All waiting answers, because the store has failed.
+    pub(super) fn give_up(&mut self) -> Vec<Waiting> {
+        self.lost = self.written;
+        std::mem::take(&mut self.waiting)
+    }
+
+    /// Lets another ticket be answered together with one that waits.
+    pub(super) fn follow(&mut self, first: Ticket, ticket: Ticket) {
+        if let Some(waiting) = self.waiting.iter().find(|waiting| waiting.ticket == first).copied() {
+            self.waiting.push(Waiting { ticket, ..waiting });
+        }
+    }
+
+    /// Lets the answers that waited for a replaced verdict on this piece wait for the one that replaced it.
+    pub(super) fn defer(&mut self, luggage: LuggageId, seq: Seq) {
+        for waiting in &mut self.waiting {
+            if waiting.luggage == Some(luggage) && waiting.verdict.is_some() {
+                waiting.seq = seq;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Safety S2.
+    #[test]
+    fn a_halt_goes_ahead_of_whatever_was_on_its_way() {
+        let mut outbox = Outbox::default();
+        outbox.send(Effect::Led(RobotId::Discovery, true));
+        outbox.record(Wall::default(), Fact::Led(true));
+        assert_eq!(outbox.halt(RobotId::Discovery), None);
+        assert_eq!(outbox.poll(), Some(Effect::Halt(RobotId::Discovery)));
+        assert!(matches!(outbox.poll(), Some(Effect::Record(_))));
+        assert_eq!(outbox.poll(), Some(Effect::Led(RobotId::Discovery, true)));
+    }
+}

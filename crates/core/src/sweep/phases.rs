@@ -1,0 +1,149 @@
+//! Going from phase to phase: what each one takes along from the one before.
+
+use super::Sweep;
+use super::decide::Step;
+use crate::effect::Fact;
+use crate::mission::{FaultCause, Input, Inspection, Matter, Phase, PhaseName, Stage, To};
+use crate::units::{Cell, LuggageId};
+use crate::world::hall_map::Mark;
+use crate::world::log::Tone;
+use crate::world::resource::Resource;
+
+impl Sweep {
+    /// Decides and carries out an input that cannot be refused.
+    pub(super) fn feed(&mut self, input: Input, matter: &Matter) {
+        if let Ok(step) = self.decide(input, matter) {
+            self.apply(step, matter);
+        }
+    }
+
+    /// Carries out what the table said.
+    pub(super) fn apply(&mut self, step: Step, matter: &Matter) {
+        self.go(step, matter);
+        self.perform_all(step.acts, matter);
+    }
+
+    /// Moves to where a step leads: the phase that stands, or the one that many interruptions below it.
+    fn go(&mut self, step: Step, matter: &Matter) {
+        if step.to == To::Stay {
+            return;
+        }
+        let before = self.phase_name();
+        let old = std::mem::replace(self.slot(step.depth), Phase::Idle);
+        let new = match step.to {
+            To::Stay => old,
+            To::Interrupted => self.resumed(old),
+            To::Phase(name) => self.entered(name, old, matter),
+        };
+        *self.slot(step.depth) = new;
+        self.mission.route.clear();
+        self.note_phase(before);
+    }
+
+    fn slot(&mut self, depth: usize) -> &mut Phase {
+        let mut phase = &mut self.mission.phase;
+        for _ in 0..depth {
+            let (Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. }) = phase else { break };
+            phase = interrupted;
+        }
+        phase
+    }
+
+    /// Whether the robot stands in the middle of its home cell and is not about to leave it, by hand or otherwise.
+    pub(super) fn rests_at_home(&self) -> bool {
+        let driven = matches!(self.mission.phase, Phase::Driving { .. });
+        self.world.is_home() && !self.helm.is_moving() && !driven
+    }
+
+    /// The phase that was interrupted. Waiting at home is over once the robot has been driven away, or is just being.
+    fn resumed(&self, phase: Phase) -> Phase {
+        let (Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. }) = phase else { return phase };
+        if *interrupted == Phase::AtHome && !self.rests_at_home() { Phase::Exploring } else { *interrupted }
+    }
+
+    fn entered(&mut self, name: PhaseName, old: Phase, matter: &Matter) -> Phase {
+        match name {
+            PhaseName::Idle => Phase::Idle,
+            PhaseName::Exploring => Phase::Exploring,
+            PhaseName::Inspecting => Phase::Inspecting(self.inspection(matter)),
+            PhaseName::Driving => Phase::Driving { goal: matter.cell, next: matter.step, interrupted: Box::new(old) },
+            PhaseName::ReturningHome => Phase::ReturningHome,
+            PhaseName::AtHome => Phase::AtHome,
+            PhaseName::ReturningWithAlarm => Phase::ReturningWithAlarm,
+            PhaseName::BombLocated => Phase::BombLocated,
+            PhaseName::Retrieving => Phase::Retrieving,
+            PhaseName::BagSecured => Phase::BagSecured,
+            PhaseName::Explored => Phase::Explored,
+            PhaseName::Fault => self.fault(old, matter),
+        }
+    }
+
+    /// The inspection of the obstacle just met, or of a recorded piece whose photo is still missing.
+    fn inspection(&self, matter: &Matter) -> Inspection {
+        let pose = self.world.robot.pose;
+        let piece = matter.obstacle.and_then(super::reports::piece_of);
+        match matter.luggage.and_then(|id| self.world.luggage.get(&id)) {
+            Some(luggage) => {
+                Inspection { cell: luggage.cell, piece: luggage.piece, pose, stage: Stage::RetakingPhoto(luggage.id) }
+            }
+            None => Inspection { cell: matter.cell.unwrap_or(pose.ahead()), piece, pose, stage: Stage::BackingUp },
+        }
+    }
+
+    /// A fault interrupts what a drive by hand had interrupted, and halts.
+    fn fault(&mut self, old: Phase, matter: &Matter) -> Phase {
+        let cause = matter.fault.clone().unwrap_or_else(|| FaultCause::Robot("it did not say why".to_owned()));
+        self.halt_robot();
+        self.world.write(self.now.wall, Tone::Alarm, format!("fault: {cause}"));
+        let interrupted = if matches!(old, Phase::Driving { .. }) { self.resumed(old) } else { old };
+        Phase::Fault { cause, interrupted: Box::new(interrupted) }
+    }
+
+    pub(super) fn note_phase(&mut self, before: PhaseName) {
+        let after = self.phase_name();
+        self.world.touch(Resource::Mission);
+        self.world.touch(Resource::Robot);
+        self.outbox.record(self.now.wall, self.phase_fact());
+        if after != before {
+            self.world.write(self.now.wall, Tone::Info, format!("{} → {}", before.in_words(), after.in_words()));
+        }
+    }
+
+    /// The phase as it is put on record.
+    pub(super) fn phase_fact(&self) -> Fact {
+        Fact::Phase(self.mission.phase.clone())
+    }
+
+    /// How far the inspection has come, interrupted or not.
+    pub(super) fn stage(&self) -> Option<Stage> {
+        self.mission.phase.inspection().map(|inspection| inspection.stage)
+    }
+
+    /// Lets the inspection come to a stage, if there is one.
+    pub(super) fn set_stage(&mut self, stage: Stage) {
+        if let Phase::Inspecting(inspection) = self.mission.phase.underlying_mut() {
+            inspection.stage = stage;
+            self.world.touch(Resource::Mission);
+            self.world.touch(Resource::Robot);
+            self.outbox.record(self.now.wall, self.phase_fact());
+        }
+    }
+
+    /// The record of the piece in front of the robot.
+    pub(super) fn inspected(&self) -> Option<LuggageId> {
+        self.mission.phase.inspection().and_then(Inspection::luggage)
+    }
+
+    /// Writes a mark on the map; a cell that was free once and is blocked now may be tried again after a fault.
+    pub(super) fn mark(&mut self, cell: Cell, mark: Mark) {
+        if self.world.map.at(cell) == Mark::Visited && mark.is_obstacle() {
+            self.mission.blocked.insert(cell);
+        } else if mark == Mark::Visited {
+            self.mission.blocked.remove(&cell);
+        }
+        let revision = self.world.touch(Resource::Map);
+        if self.world.map.mark(cell, mark, revision) {
+            self.outbox.record(self.now.wall, Fact::Mark(cell, mark));
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! Luggage and verdicts on their way through the store: nothing is shown, answered or acted on before it is kept (safety V3).
+
+use std::sync::Arc;
+
+use super::Sweep;
+use super::outbox::Waiting;
+use crate::command::{Accepted, Refused, Verdict};
+use crate::effect::Fact;
+use crate::event::Photo;
+use crate::mission::{Deciding, Input, Inspection, Matter, Phase, Recording, Stage};
+use crate::units::{LuggageId, Seq};
+use crate::world::hall_map::Mark;
+use crate::world::log::Tone;
+use crate::world::luggage::{Decision, Luggage, PhotoState};
+use crate::world::resource::Resource;
+
+impl Sweep {
+    pub(super) fn retake(&mut self, matter: &Matter) {
+        if let Some(id) = matter.luggage {
+            self.set_stage(Stage::RetakingPhoto(id));
+        }
+    }
+
+    /// The first record of the piece in front of the robot.
+    pub(super) fn record_piece(&mut self, matter: &Matter) {
+        let Phase::Inspecting(Inspection { cell, piece, pose, .. }) = *self.mission.phase.underlying() else { return };
+        let id = self.mission.last_luggage.next();
+        self.mission.last_luggage = id;
+        let photo = photo_of(matter);
+        let state = PhotoState::after(None, &photo);
+        let luggage = Luggage { id, cell, pose, taken: self.now.wall, photo: state, verdict: None, piece };
+        self.send_record(luggage, photo);
+        self.set_stage(Stage::Recording(id));
+    }
+
+    /// A new photo of a recorded piece; when it failed, an older one stays good.
+    pub(super) fn record_retake(&mut self, matter: &Matter) {
+        let Some(Stage::RetakingPhoto(id)) = self.stage() else { return };
+        self.set_stage(Stage::AwaitingVerdict(id));
+        let Some(known) = self.world.luggage.get(&id) else { return };
+        if matter.photo.is_none() && known.has_photo() {
+            let text = format!("photo of luggage #{id} could not be taken again; the first one stays");
+            self.world.write(self.now.wall, Tone::Warning, text);
+            return;
+        }
+        let photo = photo_of(matter);
+        let state = PhotoState::after(Some(&known.photo), &photo);
+        let luggage = Luggage { taken: self.now.wall, photo: state, ..Luggage::clone(known) };
+        self.send_record(luggage, photo);
+    }
+
+    fn send_record(&mut self, luggage: Luggage, photo: Result<Photo, String>) {
+        let fact = Fact::Luggage { record: Arc::new(luggage.clone()), photo: photo.ok() };
+        self.world.pieces.extend(luggage.piece);
+        let seq = self.outbox.record(self.now.wall, fact.clone());
+        self.mission.recording.push(Recording { seq, luggage, fact });
+    }
+
+    /// The record of a piece is kept: show it and wait for the operator.
+    pub(super) fn ask_operator(&mut self, matter: &Matter) {
+        let Some(luggage) = matter.luggage.and_then(|id| self.world.luggage.get(&id)).map(Arc::clone) else { return };
+        self.mark(luggage.cell, Mark::Luggage);
+        self.set_stage(Stage::AwaitingVerdict(luggage.id));
+    }
+
+    /// Puts a verdict on its way; a danger takes the place of a safe that is not kept yet (safety V1).
+    pub(super) fn record_verdict(&mut self, matter: &Matter) {
+        let (Some(luggage), Some(verdict), Some(issuer)) = (matter.luggage, matter.verdict, &matter.issuer) else { return };
+        let who = Arc::clone(&issuer.who);
+        let seq = self.outbox.record(self.now.wall, Fact::Verdict { luggage, verdict, who: Arc::clone(&who) });
+        self.mission.deciding.retain(|deciding| deciding.luggage != luggage);
+        self.outbox.defer(luggage, seq);
+        let decision = Decision { verdict, who, wall: self.now.wall };
+        self.mission.deciding.push(Deciding { seq, luggage, decision });
+    }
+
+    /// Everything up to `seq` is kept: what waited for it happens now, in order.
+    pub(super) fn kept(&mut self, seq: Seq) {
+        self.outbox.keep(seq);
+        self.show_kept();
+        let (kept, waiting): (Vec<Recording>, _) =
+            std::mem::take(&mut self.mission.recording).into_iter().partition(|recording| recording.seq <= seq);
+        self.mission.recording = waiting;
+        for recording in kept {
+            self.show_record(recording.luggage);
+        }
+        let (kept, waiting) = std::mem::take(&mut self.mission.deciding).into_iter().partition(|deciding| deciding.seq <= seq);
+        self.mission.deciding = waiting;
+        for deciding in kept {
+            self.decide_piece(deciding);
+        }
+        self.answer_due();
+    }
+
+    fn show_record(&mut self, luggage: Luggage) {
+        let (id, cell) = (luggage.id, luggage.cell);
+        let what = if luggage.has_photo() { "" } else { ", but its photo failed: take it again, or answer danger" };
+        let known = self.world.luggage.get(&id).map(Arc::clone);
+        let verdict = known.as_ref().and_then(|known| known.verdict.clone());
+        self.world.luggage.insert(id, Arc::new(Luggage { verdict, ..luggage }));
+        self.world.touch(Resource::Mission);
+        let text = if known.is_some() {
+            format!("luggage #{id} photographed again")
+        } else {
+            format!("luggage #{id} found at {cell}{what}")
+        };
+        self.world.write(self.now.wall, Tone::Info, text);
+        if known.is_none() {
+            self.feed(Input::LuggageRecorded, &Matter { luggage: Some(id), ..Matter::default() });
+        }
+    }
+
+    fn decide_piece(&mut self, deciding: Deciding) {
+        let Some(luggage) = self.world.luggage.get_mut(&deciding.luggage) else { return };
+        let verdict = deciding.decision.verdict;
+        *luggage = Arc::new(Luggage { verdict: Some(deciding.decision), ..Luggage::clone(luggage) });
+        self.world.touch(Resource::Mission);
+        let input = match verdict {
+            Verdict::Safe => Input::SafeRecorded,
+            Verdict::Danger => Input::DangerRecorded,
+        };
+        self.feed(input, &Matter { luggage: Some(deciding.luggage), verdict: Some(verdict), ..Matter::default() });
+    }
+
+    /// Answers what waited for a record that is kept now.
+    fn answer_due(&mut self) {
+        for waiting in self.outbox.due() {
+            if waiting.verdict.is_some() && !waiting.decided && !self.outbox.is_kept() {
+                // What follows from the verdict is shown together with it.
+                self.outbox.wait(Waiting { seq: self.outbox.written(), decided: true, ..waiting });
+                continue;
+            }
+            self.answer_kept(waiting);
+        }
+    }
+
+    fn answer_kept(&mut self, waiting: Waiting) {
+        let stands = waiting.luggage.and_then(|id| self.verdict_kept(id));
+        let answer = match (waiting.luggage, waiting.verdict, stands) {
+            (Some(luggage), Some(given), Some(verdict)) if given != verdict => Err(Refused::Decided { luggage, verdict }),
+            _ => Ok(Accepted { revision: self.world.revision(), epoch: self.mission.epoch, luggage: waiting.luggage }),
+        };
+        if let Err(refused) = &answer {
+            self.world.write(self.now.wall, Tone::Warning, format!("a safe was overtaken, and so refused: {refused}"));
+        }
+        self.send_answer(waiting.ticket, answer);
+    }
+
+    /// The store has failed: verdicts on their way are withdrawn, a danger among them alarms all the same, and whoever waits
+    /// for a record is told so.
+    pub(super) fn withdraw_unkept(&mut self) {
+        for deciding in std::mem::take(&mut self.mission.deciding) {
+            if deciding.decision.verdict == Verdict::Danger {
+                self.alarm_unrecorded(deciding.luggage);
+            }
+        }
+        for waiting in self.outbox.give_up() {
+            if waiting.decided {
+                self.answer_kept(waiting);
+                continue;
+            }
+            let refused = if waiting.verdict.is_some() { Refused::StoreDown } else { Refused::NotKept };
+            self.send_answer(waiting.ticket, Err(refused));
+        }
+    }
+
+    /// The store writes again: what it may have lost is put on record once more, a withdrawn verdict never.
+    pub(super) fn record_anew(&mut self) {
+        let wall = self.now.wall;
+        self.outbox.repeat_commands();
+        self.record_standing();
+        self.show_from(self.outbox.written());
+        for mut recording in std::mem::take(&mut self.mission.recording) {
+            recording.seq = self.outbox.record(wall, recording.fact.clone());
+            self.mission.recording.push(recording);
+        }
+    }
+
+    pub(super) fn verdict_kept(&self, id: LuggageId) -> Option<Verdict> {
+        self.world.luggage.get(&id)?.verdict.as_ref().map(|decision| decision.verdict)
+    }
+}
+
+/// The photo that came, or why none did.
+fn photo_of(matter: &Matter) -> Result<Photo, String> {
+    matter.photo.clone().ok_or_else(|| matter.words.clone().unwrap_or_else(|| "no photo came".to_owned()))
+}

@@ -1,0 +1,257 @@
+//! Commands that come again under the same id: answered as before and not carried out again, also after a restart.
+//! A STOP is none of these: it halts each time (`stops`).
+
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::command::{Accepted, CommandId, Issuer, Refusal, RefusalKind, Refused};
+use crate::effect::{Entry, Fact};
+use crate::mission::Input;
+use crate::refused::OTHER_CONTENT;
+use crate::units::{Epoch, LuggageId, Ticket};
+
+/// So many ids are remembered: more than any client has under way. Of more the oldest of whoever has most of them is given up, by name
+/// and address: a flood from one address makes the ids of no other forgotten.
+pub const IDS: usize = 1024;
+
+/// Who sent it, and its name for the command: two people may use the same.
+type Key = (Arc<str>, CommandId);
+
+/// Name and address.
+type Sender = (Arc<str>, Arc<str>);
+
+/// The ids that were used.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Repeats {
+    known: BTreeMap<Key, Repeat>,
+    /// Each sender's ids by their numbers.
+    ids: BTreeMap<Sender, BTreeMap<u64, CommandId>>,
+    /// The senders by how many ids they have, and of those who have as many the one with the oldest last.
+    ranks: BTreeMap<(usize, Reverse<u64>), Sender>,
+    /// The commands that wait for their record.
+    open: BTreeMap<Ticket, Key>,
+    /// So many ids have been noted.
+    noted: u64,
+}
+
+#[derive(Clone, Debug)]
+struct Repeat {
+    content: String,
+    outcome: Outcome,
+    /// The address it came from first.
+    from: Arc<str>,
+    /// Later ones have higher ones.
+    number: u64,
+}
+
+/// What became of a command.
+#[derive(Clone, Debug)]
+pub(super) enum Outcome {
+    /// It waits for its record.
+    Open(Ticket),
+    /// It was answered.
+    Answered(Result<Accepted, Refused>),
+    /// It was accepted before the program was started again; the piece it was about.
+    Before(Option<LuggageId>),
+}
+
+/// What is known of an id.
+pub(super) enum Known<'a> {
+    /// Nothing.
+    New,
+    /// It stands for another command.
+    Other,
+    /// It stands for this one.
+    Same(&'a Outcome),
+}
+
+impl Repeats {
+    /// What is known of this id, sent with this content.
+    pub(super) fn look_up(&self, who: &Arc<str>, id: &CommandId, content: &str) -> Known<'_> {
+        match self.known.get(&(Arc::clone(who), id.clone())) {
+            None => Known::New,
+            Some(repeat) if repeat.content != content => Known::Other,
+            Some(repeat) => Known::Same(&repeat.outcome),
+        }
+    }
+
+    /// Notes what became of a command.
+    pub(super) fn note(&mut self, issuer: &Issuer, id: &CommandId, content: &str, outcome: Outcome) {
+        if outcome.is_to_be_tried_again() {
+            return;
+        }
+        let key = (Arc::clone(&issuer.who), id.clone());
+        self.forget(&key);
+        if let Outcome::Open(ticket) = outcome {
+            self.open.insert(ticket, key.clone());
+        }
+        let (from, number) = (Arc::clone(&issuer.from), self.noted);
+        self.noted += 1;
+        self.change_ids((Arc::clone(&key.0), Arc::clone(&from)), |ids| ids.insert(number, key.1.clone()));
+        self.known.insert(key, Repeat { content: content.to_owned(), outcome, from, number });
+        if self.known.len() > IDS {
+            self.give_one_up();
+        }
+    }
+
+    fn give_one_up(&mut self) {
+        let most = self.ranks.last_key_value().and_then(|(_, sender)| Some((sender, self.ids.get(sender)?)));
+        let oldest = most.and_then(|((who, _), ids)| Some((Arc::clone(who), ids.first_key_value()?.1.clone())));
+        if let Some(key) = oldest {
+            self.forget(&key);
+        }
+    }
+
+    fn forget(&mut self, key: &Key) {
+        if let Some(Repeat { from, number, .. }) = self.known.remove(key) {
+            self.change_ids((Arc::clone(&key.0), from), |ids| ids.remove(&number));
+        }
+    }
+
+    /// Changes what ids a sender has, and his rank with them.
+    fn change_ids(&mut self, sender: Sender, change: impl FnOnce(&mut BTreeMap<u64, CommandId>) -> Option<CommandId>) {
+        let rank = |ids: &BTreeMap<u64, CommandId>| ids.first_key_value().map(|(oldest, _)| (ids.len(), Reverse(*oldest)));
+        let ids = self.ids.entry(sender.clone()).or_default();
+        if let Some(before) = rank(ids) {
+            self.ranks.remove(&before);
+        }
+        change(ids);
+        match rank(ids) {
+            Some(rank) => drop(self.ranks.insert(rank, sender)),
+            None => drop(self.ids.remove(&sender)),
+        }
+    }
+
+    /// The command with this ticket was answered.
+    pub(super) fn answer(&mut self, ticket: Ticket, answer: &Result<Accepted, Refused>) {
+        let Some(key) = self.open.remove(&ticket) else { return };
+        // Its id may have been given up, and used again for another command.
+        let is_its = |repeat: &&mut Repeat| matches!(repeat.outcome, Outcome::Open(open) if open == ticket);
+        let Some(repeat) = self.known.get_mut(&key).filter(is_its) else { return };
+        repeat.outcome = Outcome::Answered(answer.clone());
+        if repeat.outcome.is_to_be_tried_again() {
+            self.forget(&key);
+        }
+    }
+
+    /// Takes up what the journal says of the commands before a restart.
+    pub(super) fn recall(&mut self, entries: &[Entry]) {
+        for Entry { fact, .. } in entries {
+            if let Fact::Command { issuer, id: Some(id), command, luggage, refused, epoch } = fact {
+                // One that contradicted the first of its name was no use of the name, and a STOP never is.
+                let contradicted = refused.as_ref().is_some_and(|refusal| refusal.code == OTHER_CONTENT);
+                if contradicted || command == Input::Stop.in_words() {
+                    continue;
+                }
+                let outcome = refused.as_ref().map_or(Outcome::Before(*luggage), before);
+                self.note(issuer, id, &content(command, *epoch), outcome);
+            }
+        }
+    }
+}
+
+/// What makes two commands the same: their words, and the epoch that their sender said it saw.
+pub(super) fn content(words: &str, epoch: Option<Epoch>) -> String {
+    epoch.map_or_else(|| words.to_owned(), |epoch| format!("{words} in epoch {epoch}"))
+}
+
+impl Outcome {
+    /// Whether the sender was told to try again: then the same id is another attempt, and not a repeat.
+    fn is_to_be_tried_again(&self) -> bool {
+        matches!(self, Outcome::Answered(Err(refused)) if refused.kind() == RefusalKind::Unavailable)
+    }
+}
+
+fn before(refusal: &Refusal) -> Outcome {
+    Outcome::Answered(Err(Refused::Before(refusal.clone())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::command::Door;
+
+    fn issuer(who: &str, from: &str) -> Issuer {
+        Issuer { door: Door::Http, who: who.into(), from: from.into() }
+    }
+
+    fn id(n: usize) -> CommandId {
+        CommandId::new(&format!("id-{n}")).expect("a short name")
+    }
+
+    #[test]
+    fn the_oldest_ids_give_way() {
+        let mut repeats = Repeats::default();
+        for n in 0..=IDS {
+            repeats.note(&issuer("operator", "127.0.0.1"), &id(n), "START", Outcome::Before(None));
+        }
+        assert!(matches!(repeats.look_up(&"operator".into(), &id(0), "START"), Known::New));
+        assert!(matches!(repeats.look_up(&"operator".into(), &id(1), "START"), Known::Same(_)));
+        assert!(matches!(repeats.look_up(&"operator".into(), &id(1), "RESET"), Known::Other));
+        assert!(matches!(repeats.look_up(&"somebody".into(), &id(1), "RESET"), Known::New));
+    }
+
+    /// Safety S4, A5: where nobody signs in all have one name, and still an address of their own.
+    #[test]
+    fn nobodys_flood_makes_the_ids_of_another_forgotten() {
+        for (name, address) in [("operator", "127.0.0.7"), ("anna", "127.0.0.1")] {
+            let mut repeats = Repeats::default();
+            (0..9).for_each(|n| repeats.note(&issuer("operator", "127.0.0.1"), &id(n), "START", Outcome::Before(None)));
+            (9..9 * IDS).for_each(|n| repeats.note(&issuer(name, address), &id(n), "RETRIEVE", Outcome::Before(None)));
+            assert!((0..9).all(|n| matches!(repeats.look_up(&"operator".into(), &id(n), "START"), Known::Same(_))));
+            let ids = || repeats.ids.values().map(BTreeMap::len);
+            assert_eq!((repeats.known.len(), ids().sum(), repeats.ranks.len()), (IDS, IDS, ids().count()));
+        }
+    }
+
+    /// Of addresses that have as many ids.
+    #[test]
+    fn among_equals_the_oldest_gives_way() {
+        let mut repeats = Repeats::default();
+        let mut note = |n: usize| {
+            repeats.note(&issuer("operator", &format!("127.0.{}.{}", n / 256, n % 256)), &id(n), "START", Outcome::Before(None));
+            (0..=n).filter(|n| matches!(repeats.look_up(&"operator".into(), &id(*n), "START"), Known::New)).collect::<Vec<_>>()
+        };
+        (0..IDS).for_each(|n| assert!(note(n).is_empty()));
+        assert_eq!((note(IDS), note(IDS + 1)), (vec![0], vec![0, 1]));
+    }
+
+    #[test]
+    fn an_id_whose_sender_was_told_to_try_again_is_free() {
+        let mut repeats = Repeats::default();
+        let anna = issuer("anna", "192.0.2.7");
+        repeats.note(&anna, &id(0), "START", Outcome::Open(Ticket(1)));
+        repeats.answer(Ticket(1), &Err(Refused::StoreDown));
+        assert!(matches!(repeats.look_up(&anna.who, &id(0), "RESET"), Known::New));
+        assert_eq!((repeats.known.len(), repeats.ids.len(), repeats.ranks.len()), (0, 0, 0));
+    }
+
+    /// As a journal may hold an id twice, when it was given up in between.
+    #[test]
+    fn an_id_that_comes_twice_takes_one_place() {
+        let mut repeats = Repeats::default();
+        for from in ["192.0.2.7", "192.0.2.8"] {
+            repeats.note(&issuer("anna", from), &id(0), "START", Outcome::Before(None));
+        }
+        assert_eq!((repeats.known.len(), repeats.ids.len(), repeats.ranks.len()), (1, 1, 1));
+    }
+
+    #[test]
+    fn an_id_that_was_given_up_and_used_again_gets_no_answer_of_the_first() {
+        let mut repeats = Repeats::default();
+        let anna = issuer("anna", "192.0.2.7");
+        let refused = Err(Refused::Moving);
+        repeats.note(&anna, &id(0), "START", Outcome::Open(Ticket(1)));
+        (1..=IDS).for_each(|n| repeats.note(&anna, &id(n), "START", Outcome::Before(None)));
+        repeats.note(&anna, &id(0), "RESET", Outcome::Open(Ticket(2)));
+        repeats.answer(Ticket(1), &refused);
+        let outcome = |repeats: &Repeats| match repeats.look_up(&anna.who, &id(0), "RESET") {
+            Known::Same(outcome) => format!("{outcome:?}"),
+            Known::New | Known::Other => panic!("it is known"),
+        };
+        assert_eq!(outcome(&repeats), "Open(Ticket(2))");
+        repeats.answer(Ticket(2), &refused);
+        assert_eq!((outcome(&repeats), repeats.open.len()), ("Answered(Err(Moving))".to_owned(), 0));
+    }
+}

@@ -1,0 +1,164 @@
+//! The answers to STOP, and its records. Each answer waits for the robot to stand, but never for long (safety S8). Each sender's STOPs
+//! are on record one by one; beyond a few a second they share an entry, so that whoever presses without end does not fill the store
+//! (safety A5, A6). The halt itself waits for nothing; it went out before.
+
+use std::collections::VecDeque;
+use std::net::IpAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::Sweep;
+use super::sharing::{Limits, Sender, Shared, Sharing};
+use crate::command::{CommandId, Issuer, Request};
+use crate::effect::Fact;
+use crate::mission::Input;
+use crate::units::{Epoch, Ticket, Wall};
+use crate::world::log::Tone;
+use crate::world::temperature::OPERATOR;
+
+/// More than a person presses, and less than a disk keeps. The senders are those who pressed in the last seconds.
+const RECORDS: Limits = Limits { burst: 20, earned: Duration::from_millis(200), every: Duration::from_secs(1), senders: 128 };
+
+/// So long the answer to a stop waits for the robot to say that it stands.
+const PATIENCE: Duration = Duration::from_millis(100);
+
+/// So long a STOP that comes again under its own name is the same press, unless the robot was released meanwhile: a page tries again
+/// and again that hears no answer.
+const SAME_PRESS: Duration = Duration::from_secs(60);
+
+/// So many presses with a name are remembered: more than there are pages. Of more the oldest is forgotten.
+const PRESSES: usize = 128;
+
+/// The stops that are not answered yet, and what waits for them.
+#[derive(Clone, Debug)]
+pub(super) struct Stops {
+    /// Oldest first, each with when it is answered at the latest. Bounded by the places of the doors: each is somebody's who waits.
+    waiting: Vec<(Ticket, Duration)>,
+    /// When the next order may be looked for that was put off for the sake of an answer.
+    put_off: Option<Duration>,
+    records: Sharing<Press>,
+    /// Oldest first.
+    named: VecDeque<Named>,
+}
+
+/// A press that is on record and has a name.
+#[derive(Clone, Debug)]
+struct Named {
+    who: Arc<str>,
+    id: CommandId,
+    epoch: Epoch,
+    at: Duration,
+}
+
+/// Who pressed STOP, and when.
+#[derive(Clone, Debug)]
+struct Press {
+    issuer: Issuer,
+    id: Option<CommandId>,
+    wall: Wall,
+}
+
+impl Default for Stops {
+    fn default() -> Stops {
+        Stops { waiting: Vec::new(), put_off: None, records: Sharing::new(RECORDS), named: VecDeque::new() }
+    }
+}
+
+impl Stops {
+    /// When `handle_timeout` is needed.
+    pub(super) fn due(&self) -> Option<Duration> {
+        self.waiting.first().map(|(_, due)| *due).into_iter().chain(self.put_off).chain(self.records.due()).min()
+    }
+}
+
+impl Sweep {
+    /// Answers a stop as soon as the robot stands.
+    pub(super) fn answer_standing(&mut self, ticket: Ticket) {
+        if self.helm.is_halting() {
+            self.stops.waiting.push((ticket, self.now.since_start.saturating_add(PATIENCE)));
+        } else {
+            self.answer(ticket, None);
+        }
+    }
+
+    /// Gives the next order, if there is one to give. When stops are answered because the robot stands, that is put off, so that
+    /// the revision of their answers is one in which it does.
+    pub(super) fn go_on(&mut self) {
+        self.stops.put_off = None;
+        if self.stops.waiting.is_empty() || self.helm.is_halting() {
+            return self.pump();
+        }
+        self.stops.put_off = Some(self.now.since_start);
+        for (ticket, _) in std::mem::take(&mut self.stops.waiting) {
+            self.answer(ticket, None);
+        }
+    }
+
+    /// Answers the stops that have waited long enough for a robot that does not stand.
+    pub(super) fn answer_overdue_stops(&mut self) {
+        let now = self.now.since_start;
+        let overdue = self.stops.waiting.iter().take_while(|(_, due)| *due <= now).count();
+        for (ticket, _) in self.stops.waiting.drain(..overdue).collect::<Vec<_>>() {
+            self.answer(ticket, None);
+        }
+    }
+
+    /// Puts so many stops of one sender on record, now or together with others of his.
+    pub(super) fn record_stop(&mut self, request: &Request, count: u64) {
+        if count == 1 && self.is_same_press(request) {
+            return;
+        }
+        let press = Press { issuer: request.issuer.clone(), id: request.id.clone(), wall: self.now.wall };
+        let due = self.stops.records.come(sender(&request.issuer), (press, count), self.now.since_start);
+        self.write_stops(due);
+    }
+
+    /// Whether a stop is a press that is on record already.
+    fn is_same_press(&mut self, request: &Request) -> bool {
+        let (Some(id), Some(epoch)) = (&request.id, request.epoch) else { return false };
+        let (at, released, named) = (self.now.since_start, self.released, &mut self.stops.named);
+        let is_over = |epoch| released.is_some_and(|released| released >= epoch);
+        named.retain(|press| at.saturating_sub(press.at) < SAME_PRESS && !is_over(press.epoch));
+        let is_known = named.iter().any(|press| press.who == request.issuer.who && press.id == *id);
+        if !is_known {
+            named.push_back(Named { who: Arc::clone(&request.issuer.who), id: id.clone(), epoch, at });
+        }
+        if named.len() > PRESSES {
+            named.pop_front();
+        }
+        is_known
+    }
+
+    /// Puts the stops on record that have waited for others of their senders.
+    pub(super) fn record_shared_stops(&mut self) {
+        let due = self.stops.records.fall_due(self.now.since_start);
+        self.write_stops(due);
+    }
+
+    /// The same, whatever they wait for.
+    pub(super) fn record_all_stops(&mut self) {
+        let rest = self.stops.records.rest(self.now.since_start);
+        self.write_stops(rest);
+    }
+
+    fn write_stops(&mut self, stops: impl IntoIterator<Item = Shared<Press>>) {
+        for Shared { last: Press { issuer, id, wall }, count, lasted } in stops {
+            let word = Input::Stop.in_words();
+            let (id, command) = match count {
+                1 => (id, word.to_owned()),
+                _ if lasted.is_zero() => (None, format!("{word}, {count} times at once")),
+                _ => (None, format!("{word}, {count} times within {:.1} s", lasted.as_secs_f64())),
+            };
+            self.world.write(wall, Tone::Info, format!("{command}, by {issuer}"));
+            let fact = Fact::Command { issuer, id, command, epoch: None, luggage: None, refused: None };
+            self.outbox.record_command(wall, fact, None);
+        }
+    }
+}
+
+/// By what a sender is told apart from others: his name, or his address where nobody on this machine signs in.
+fn sender(issuer: &Issuer) -> Sender {
+    let is_here = issuer.from.parse().is_ok_and(|address: IpAddr| address.is_loopback());
+    let name = if is_here && *issuer.who == *OPERATOR { &issuer.from } else { &issuer.who };
+    (Arc::clone(name), issuer.door)
+}

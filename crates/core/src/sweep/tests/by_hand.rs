@@ -1,0 +1,351 @@
+//! Every phase × every command and event, with what follows written out by hand from mission §4: nothing here asks the table of the
+//! code. Each mission-wide rule that is not a cell (what clears which hold, what blinks, what is on record) is a sentence below.
+
+use super::*;
+use crate::command::Refusal;
+use crate::world::hall_map::Mark;
+
+/// The commands whose cells are written out. The others are accepted in every phase and leave it as it is: OK, a reading, a sensor's
+/// reading and the acknowledgement of an alarm.
+const COLUMNS: [Input; 12] = [
+    Input::Start,
+    Input::Stop,
+    Input::BackHome,
+    Input::Safe,
+    Input::Danger,
+    Input::TemperatureTooHigh,
+    Input::Retrieve,
+    Input::Reset,
+    Input::Move,
+    Input::Goto,
+    Input::RetakePhoto,
+    Input::Strategy,
+];
+
+/// With a piece whose verdict is pending and that has a usable photo. `.` leaves the phase, a short name is the new phase once all is
+/// on record, `!` a refusal; `a/b` is `a` while nothing holds and `b` after STOP.
+const PENDING: &str = "
+    id  ex  .  !np .  .  .  !np !vp      dr      dr      !np .
+    ex  !vp .  rh  .  ra .  !np !mv/!vp  !ns/dr  !ns/dr  !np !np
+    in  !vp .  rh  ex ra .  !np !vp      !np     !np     .   !np
+    dr  !dr ex !dr .  .  ex !np !mv      !dr     !dr     !np !np
+    rh  .   .  .   .  ra .  !np !mv/!vp  !ns/dr  !ns/dr  !np !np
+    ah  !vp .  .   .  bl .  !np !vp      dr      dr      !np !np
+    ra  .   .  !np .  .  .  !np !mv/!vp  !ns/dr  !ns/dr  !np !np
+    bl  !np .  !np .  .  .  !nr !vp      !np     !np     !np !np
+    re  .   .  !np .  .  .  !np !mv/!vp  !np     !np     !np !np
+    bs  !vp .  !np .  bl .  !np !vp      !np     !np     !np .
+    ed  !vp .  !np .  bl .  !np !vp      !np     !np     !np .
+    fa  !vp .  !np .  .  .  !np !vp      !np     !np     !np !np
+";
+
+/// The same with that piece decided: safe.
+const DECIDED: &str = "
+    id  ex  .  !np .  !de .  !np .       dr      dr      !np .
+    ex  .   .  rh  .  !de .  !np !mv/id  !ns/dr  !ns/dr  !np !np
+    in  .   .  rh  .  !de .  !np id      !np     !np     !ni !np
+    dr  !dr ex !dr .  !de ex !np !mv     !dr     !dr     !np !np
+    rh  .   .  .   .  !de .  !np !mv/id  !ns/dr  !ns/dr  !np !np
+    ah  ex  .  .   .  !de .  !np id      dr      dr      !np !np
+    ra  .   .  !np .  !de .  !np !mv/id  !ns/dr  !ns/dr  !np !np
+    bl  !np .  !np .  !de .  !nr id      !np     !np     !np !np
+    re  .   .  !np .  !de .  !np !mv/id  !np     !np     !np !np
+    bs  ex  .  !np .  !de .  !np id      !np     !np     !np .
+    ed  ex  .  !np .  !de .  !np id      !np     !np     !np .
+    fa  ex  .  !np .  !de .  !np id      !np     !np     !np !np
+";
+
+/// The events that lead from one phase to another; wherever they do not they change nothing.
+const EVENTS: &[(Input, &str)] = &[
+    (Input::Blocked, "ex>in"),
+    (Input::AtPiece, "ex>in"),
+    (Input::SafeRecorded, "in>ex"),
+    (Input::DangerRecorded, "ex>ra in>ra rh>ra ah>bl bs>bl ed>bl"),
+    (Input::CameHome, "rh>ah ra>bl"),
+    (Input::AllExplored, "ex>ed"),
+    (Input::DriveEnded, "dr>ex"),
+    (Input::NoWayHome, "ex>fa rh>fa ra>fa"),
+    (Input::Unanswered, "id>fa ex>fa in>fa dr>fa rh>fa ah>fa ra>fa bl>fa re>fa bs>fa ed>fa"),
+    (Input::RobotFailed, "id>fa ex>fa in>fa dr>fa rh>fa ah>fa ra>fa bl>fa re>fa bs>fa ed>fa"),
+    (Input::LinkLost, "dr>ex"),
+    (Input::Heat, "dr>ex"),
+    (Input::SensorSilent, "dr>ex"),
+    (Input::StoreFailed, "dr>ex"),
+    (Input::Restarted, "dr>ex"),
+    (Input::Done, ""),
+    (Input::PhotoTaken, ""),
+    (Input::PhotoFailed, ""),
+    (Input::LuggageRecorded, ""),
+    (Input::LinkUp, ""),
+    (Input::Cool, ""),
+    (Input::SensorBack, ""),
+    (Input::StoreRestored, ""),
+];
+
+/// What raises a hold, and what ends it.
+const CAUSES: [(Hold, Input, Input); 4] = [
+    (Hold::RobotLink, Input::LinkLost, Input::LinkUp),
+    (Hold::Temperature, Input::Heat, Input::Cool),
+    (Hold::TemperatureStale, Input::SensorSilent, Input::SensorBack),
+    (Hold::Store, Input::StoreFailed, Input::StoreRestored),
+];
+
+fn named(short: &str) -> PhaseName {
+    match short {
+        "id" => PhaseName::Idle,
+        "ex" => PhaseName::Exploring,
+        "in" => PhaseName::Inspecting,
+        "dr" => PhaseName::Driving,
+        "rh" => PhaseName::ReturningHome,
+        "ah" => PhaseName::AtHome,
+        "ra" => PhaseName::ReturningWithAlarm,
+        "bl" => PhaseName::BombLocated,
+        "re" => PhaseName::Retrieving,
+        "bs" => PhaseName::BagSecured,
+        "ed" => PhaseName::Explored,
+        "fa" => PhaseName::Fault,
+        other => panic!("no phase is called {other}"),
+    }
+}
+
+fn code(short: &str) -> &'static str {
+    match short {
+        "np" => "notInPhase",
+        "vp" => "verdictPending",
+        "mv" => "moving",
+        "ns" => "notStopped",
+        "dr" => "driving",
+        "de" => "decided",
+        "ni" => "notInspected",
+        "nr" => "noRetrievalRobot",
+        other => panic!("no refusal is called {other}"),
+    }
+}
+
+/// The cell of a table, while nothing holds or after STOP.
+fn cell(table: &'static str, phase: PhaseName, input: Input, stopped: bool) -> &'static str {
+    let Some(column) = COLUMNS.into_iter().position(|known| known == input) else { return "." };
+    let line = table.lines().find(|line| line.split_whitespace().next().is_some_and(|short| named(short) == phase));
+    let cell = line.and_then(|line| line.split_whitespace().nth(column + 1)).expect("every cell is written");
+    let (free, held) = cell.split_once('/').unwrap_or((cell, cell));
+    if stopped { held } else { free }
+}
+
+/// What a cell comes to: the new phase, or the refusal's code.
+fn meant(cell: &'static str, phase: PhaseName) -> Result<PhaseName, &'static str> {
+    match (cell, cell.strip_prefix('!')) {
+        (_, Some(refusal)) => Err(code(refusal)),
+        (".", None) => Ok(phase),
+        (short, None) => Ok(named(short)),
+    }
+}
+
+/// Mission §4: a movement command is refused with the reasons while a hold stands that it does not clear, unless the phase refuses it
+/// anyhow; under `store` what would be put on record is refused too.
+fn expected(table: &'static str, phase: PhaseName, input: Input, holds: &[Hold]) -> Result<PhaseName, &'static str> {
+    let stopped = meant(cell(table, phase, input, true), phase);
+    let moves = [Input::Start, Input::BackHome, Input::Retrieve, Input::Move, Input::Goto].contains(&input);
+    let recorded = [Input::Safe, Input::Danger, Input::TemperatureOk, Input::TemperatureTooHigh, Input::Reading, Input::Reset];
+    let recorded = recorded.contains(&input) || [Input::Acknowledge, Input::Strategy].contains(&input);
+    let repeat = input == Input::Safe && table == DECIDED;
+    match holds {
+        [] => meant(cell(table, phase, input, false), phase),
+        [Hold::Operator, ..] => stopped,
+        _ if moves && !matches!(stopped, Err("notInPhase" | "driving")) => Err("held"),
+        [Hold::Store, ..] if recorded && !repeat && stopped.is_ok() => Err("storeDown"),
+        [Hold::Store, ..] if input == Input::RetakePhoto && stopped.is_ok() => Err("held"),
+        _ => stopped,
+    }
+}
+
+/// The sweep of this phase: where the robot waits it is at home, elsewhere a cell to the south. One alarm is on record, a sensor is
+/// configured, the piece is decided or not, and an obstacle stands at (1, 1) that nobody has looked at.
+fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Sweep {
+    let mut sweep = sweep_in(name, &[]);
+    let waits = [PhaseName::Idle, PhaseName::AtHome, PhaseName::BombLocated, PhaseName::BagSecured, PhaseName::Explored];
+    if waits.contains(&name) {
+        sweep.world.robot.pose = Pose::START;
+    }
+    sweep.mark(Cell::new(1, 1), Mark::NotInspected);
+    sweep.vigil.begin("roof".into(), Duration::from_secs(3600));
+    sweep.vigil.hear("roof", Duration::ZERO);
+    sweep.world.alarm(Wall::default(), None, "something");
+    sweep.world.robot.led_blinking = true;
+    if table == DECIDED {
+        let decision = crate::world::luggage::Decision {
+            verdict: Verdict::Safe,
+            who: Issuer::operator(Door::Local).who,
+            wall: Wall::default(),
+        };
+        let luggage = Luggage { verdict: Some(decision), ..Luggage::clone(&sweep.world.luggage[&LuggageId(1)]) };
+        sweep.world.luggage.insert(LuggageId(1), Arc::new(luggage));
+    }
+    sweep.record_standing();
+    while let Some(effect) = sweep.poll_effect() {
+        if let Effect::Record(page) = effect {
+            sweep.outbox.keep(page.last());
+        }
+    }
+    sweep.look();
+    for hold in holds {
+        sweep.mission.holds.raise(*hold);
+    }
+    sweep
+}
+
+const HOLDS: [&[Hold]; 5] = [
+    &[],
+    &[Hold::Operator, Hold::Restart, Hold::AwaitingStart],
+    &[Hold::TooHigh, Hold::AwaitingStart],
+    &[Hold::Temperature, Hold::AwaitingStart],
+    &[Hold::Store, Hold::AwaitingStart],
+];
+
+/// Mission §4, every cell of the commands; safety S5: nothing moves past the gate while anything holds.
+#[test]
+fn every_command_in_every_phase_does_what_the_mission_says() {
+    for table in [PENDING, DECIDED] {
+        for name in PhaseName::ALL {
+            for input in Input::COMMANDS {
+                // Any hold ends a drive, so a held one is nowhere.
+                for holds in HOLDS.into_iter().filter(|holds| holds.is_empty() || name != PhaseName::Driving) {
+                    check_command(table, name, input, holds);
+                }
+            }
+        }
+    }
+}
+
+fn check_command(table: &'static str, name: PhaseName, input: Input, holds: &'static [Hold]) {
+    let pair = format!("{name:?} × {input:?} under {holds:?}, {}", if table == DECIDED { "decided" } else { "pending" });
+    let mut sweep = moment(name, table, holds);
+    let before = sweep.clone();
+    let request = Request::new(command(input).expect("every input of COMMANDS is a command"), Issuer::operator(Door::Local));
+    let answer = sweep.handle_command(request, now(1)).map_err(|refused| Refusal::from(&refused).code);
+    let moves = settle(&mut sweep).into_iter().any(Action::is_motion);
+    assert!(!moves || sweep.mission.holds.is_empty(), "{pair}: moved while held");
+    let expected = expected(table, name, input, holds);
+    assert_eq!(answer.map(|_| sweep.mission.phase.name()), expected, "{pair}");
+    match expected {
+        Ok(_) => check_effects(&before, &sweep, input, table, &pair),
+        Err(_) => {
+            assert_eq!(before.mission.phase, sweep.mission.phase, "{pair}");
+            let cleared = before.mission.holds.to_vec().into_iter().any(|hold| !sweep.mission.holds.contains(hold));
+            assert!(!cleared, "{pair}: what was refused cleared a hold");
+            let raises = input == Input::TemperatureTooHigh && sweep.mission.holds.contains(Hold::TooHigh);
+            let alarms = input == Input::Danger && holds.first() == Some(&Hold::Store) && table == PENDING;
+            assert!(raises || alarms || before.mission.holds == sweep.mission.holds, "{pair}");
+            assert_eq!(alarms, sweep.mission.holds.contains(Hold::Alarm), "{pair}: danger that could not be recorded holds");
+            assert_eq!(alarms, sweep.world.alarms.len() > before.world.alarms.len(), "{pair}: and alarms");
+        }
+    }
+}
+
+/// The sentences of mission §4 on what an accepted command does, beside the phase.
+#[expect(clippy::wildcard_enum_match_arm, reason = "whatever has no sentence of its own does nothing beside the phase")]
+fn check_effects(before: &Sweep, after: &Sweep, input: Input, table: &str, pair: &str) {
+    let (was, is) = (&before.mission.holds, &after.mission.holds);
+    let waits = [Hold::Operator, Hold::Restart, Hold::AwaitingStart];
+    let verdict = after.world.luggage.get(&LuggageId(1)).and_then(|luggage| luggage.verdict.as_ref()).map(|kept| kept.verdict);
+    match input {
+        Input::Start | Input::BackHome | Input::Retrieve | Input::Move | Input::Goto | Input::Reset => {
+            assert!(!waits.into_iter().any(|hold| is.contains(hold)), "{pair}: it clears what waits for it");
+        }
+        Input::Stop => {
+            assert!(is.contains(Hold::Operator) && after.mission.epoch > before.mission.epoch, "{pair}: STOP holds");
+        }
+        Input::TemperatureTooHigh => assert!(is.contains(Hold::TooHigh), "{pair}"),
+        Input::TemperatureOk => assert!(!is.contains(Hold::TooHigh), "{pair}"),
+        Input::Safe => assert_eq!(verdict, Some(Verdict::Safe), "{pair}"),
+        Input::Danger => assert_eq!(verdict, Some(Verdict::Danger), "{pair}"),
+        Input::Acknowledge => assert!(after.world.alarms[0].acknowledged.is_some(), "{pair}"),
+        Input::Reading | Input::SensorReading => assert!(after.world.thermometer.last().is_some(), "{pair}"),
+        Input::RetakePhoto => assert_eq!(after.stage(), Some(Stage::RetakingPhoto(LuggageId(1))), "{pair}"),
+        _ => {}
+    }
+    let cool = [Input::Reading, Input::SensorReading].contains(&input);
+    let ended = |hold: Hold| match hold {
+        Hold::TooHigh => input == Input::TemperatureOk,
+        Hold::Temperature => cool,
+        Hold::Operator | Hold::Restart | Hold::AwaitingStart => true,
+        _ => false,
+    };
+    let stands = was.to_vec().into_iter().filter(|hold| !ended(*hold)).all(|hold| is.contains(hold));
+    assert!(stands, "{pair}: nothing else is cleared");
+    let ended = [PhaseName::Explored, PhaseName::BagSecured].contains(&before.phase_name());
+    let begins = input == Input::Start && (ended || before.phase_name() == PhaseName::Idle);
+    assert_eq!(after.mission.id.0 - before.mission.id.0, u64::from(begins), "{pair}: a mission begins");
+    let fresh = begins && ended || input == Input::Reset && before.world.is_home();
+    let known = |sweep: &Sweep| sweep.world.map.at(Cell::new(1, 1)) == Mark::NotInspected;
+    assert_eq!(known(after), !fresh, "{pair}: the map is emptied for a new search, and at home");
+    let away = begins && ended || input == Input::Reset;
+    assert_eq!(after.world.luggage.is_empty(), away, "{pair}: luggage is put away with its mission");
+    let ends = input == Input::Reset || input == Input::Danger && table == PENDING;
+    assert_eq!(after.world.robot.led_blinking, !ends, "{pair}: the LED");
+}
+
+/// Mission §4, every cell of the events: where they lead, what they raise and end, and what danger does.
+#[test]
+fn every_event_in_every_phase_does_what_the_mission_says() {
+    for name in PhaseName::ALL {
+        for input in Input::EVENTS {
+            check_event(name, input);
+        }
+    }
+}
+
+fn check_event(name: PhaseName, input: Input) {
+    let pair = format!("{name:?} × {input:?}");
+    let ends = CAUSES.into_iter().find(|(_, _, end)| *end == input).map(|(hold, _, _)| hold);
+    let mut sweep = moment(name, PENDING, &ends.into_iter().collect::<Vec<_>>());
+    let matter = Matter {
+        luggage: Some(LuggageId(1)).filter(|_| input != Input::Blocked),
+        cell: Some(Cell::new(1, 1)),
+        words: Some("a test".to_owned()),
+        ..Matter::default()
+    };
+    if input == Input::DangerRecorded {
+        sweep.mission.holds.raise(Hold::Operator);
+    }
+    sweep.feed(input, &matter);
+    let (_, leads) = EVENTS.iter().find(|(known, _)| *known == input).expect("every event is written");
+    let lead = leads.split_whitespace().filter_map(|lead| lead.split_once('>')).find(|(from, _)| named(from) == name);
+    assert_eq!(sweep.phase_name(), lead.map_or(name, |(_, to)| named(to)), "{pair}");
+    let holds = &sweep.mission.holds;
+    assert!(ends.is_none_or(|hold| !holds.contains(hold)), "{pair}: the cause has ended");
+    let raised = CAUSES.into_iter().find(|(_, begin, _)| *begin == input).map(|(hold, _, _)| hold);
+    let raised = raised.or(Some(Hold::Restart).filter(|_| input == Input::Restarted));
+    assert!(raised.is_none_or(|hold| holds.contains(hold)), "{pair}: it holds");
+    let mission = ![PhaseName::Idle, PhaseName::Explored, PhaseName::BagSecured].contains(&name);
+    assert!(raised.is_none() || holds.contains(Hold::AwaitingStart) == mission, "{pair}: a mission then waits for a START");
+    let drive_ends = name == PhaseName::Driving && (raised.is_some() || input == Input::DriveEnded);
+    assert_eq!(holds.contains(Hold::Operator), drive_ends || input == Input::DangerRecorded, "{pair}: no drive goes on unasked");
+    let over = input == Input::DangerRecorded || input == Input::AllExplored && name == PhaseName::Exploring;
+    assert_eq!(sweep.world.robot.led_blinking, !over, "{pair}: the LED blinks until the search is over");
+    let alarms = sweep.world.alarms.iter().filter(|alarm| alarm.luggage == Some(LuggageId(1))).count();
+    assert_eq!(alarms, usize::from(input == Input::DangerRecorded), "{pair}: danger alarms");
+}
+
+/// Mission §4, rule 4: in a fault, and while it is driven, verdicts act on the interrupted phase.
+#[test]
+fn a_verdict_acts_on_the_phase_that_was_interrupted() {
+    for name in [PhaseName::Driving, PhaseName::Fault] {
+        let mut sweep = moment(name, PENDING, &[]);
+        sweep.feed(Input::DangerRecorded, &Matter { luggage: Some(LuggageId(1)), ..Matter::default() });
+        assert_eq!(sweep.phase_name(), name);
+        assert_eq!(sweep.mission.phase.underlying().name(), PhaseName::ReturningWithAlarm, "{name:?}");
+    }
+}
+
+/// Mission §4, rule 6: the end of a drive from idle leaves idle as it was.
+#[test]
+fn a_drive_from_idle_ends_in_idle_and_waits_for_nobody() {
+    for (end, hold) in
+        [(Input::DriveEnded, None), (Input::Heat, Some(Hold::Temperature)), (Input::LinkLost, Some(Hold::RobotLink))]
+    {
+        let mut sweep = moment(PhaseName::Driving, DECIDED, &[]);
+        sweep.mission.phase = Phase::Driving { goal: None, next: None, interrupted: Box::new(Phase::Idle) };
+        sweep.feed(end, &Matter::default());
+        assert_eq!((sweep.phase_name(), sweep.mission.holds.to_vec()), (PhaseName::Idle, hold.into_iter().collect()), "{end:?}");
+    }
+}

@@ -1,0 +1,80 @@
+//! What is shown while the store lags (safety R4): bounded, never early, and never at odds with what a button does.
+
+use super::*;
+use crate::rng::Stream;
+use crate::world::snapshot::Refusals;
+
+fn give(sweep: &mut Sweep, command: Command) -> Result<Ticket, Refused> {
+    sweep.handle_command(Request::new(command, Issuer::operator(Door::Local)), now(1))
+}
+
+/// Safety R4 and A5.
+#[test]
+fn at_most_64_views_wait_for_a_store_that_lags_and_none_is_shown_early() {
+    let mut sweep = sweep_in(PhaseName::Idle, &[]);
+    sweep.world.luggage.clear();
+    let mut begun = Vec::new();
+    for _ in 0..60 {
+        give(&mut sweep, Command::Start).unwrap();
+        begun.push((sweep.written(), sweep.mission.id));
+        give(&mut sweep, Command::Stop).unwrap();
+        give(&mut sweep, Command::Reset).unwrap();
+        assert!(sweep.on_record.waiting() <= 64, "{}", sweep.on_record.waiting());
+    }
+    assert_eq!(sweep.on_record.waiting(), 64);
+    for (nth, (seq, mission)) in begun.iter().enumerate() {
+        sweep.handle_event(Event::Recorded(*seq), now(1));
+        let shown = sweep.snapshot().mission.id;
+        assert!(shown <= *mission, "{shown:?} is not on record yet");
+        assert!(nth >= 20 || shown == *mission, "{mission:?} is on record and was not given up");
+    }
+    let last = sweep.written();
+    sweep.handle_event(Event::Recorded(last), now(1));
+    let state = sweep.snapshot();
+    assert_eq!((state.mission.id, state.mission.phase), (begun[59].1, PhaseName::Idle), "and the latest is shown in the end");
+}
+
+/// Safety R4: who may press a button by what is shown is not refused, and once everything is on record it is refused with just the
+/// words that are shown.
+#[test]
+fn nothing_that_is_shown_contradicts_a_button() {
+    for seed in 0..200 {
+        let mut dice = Stream::new(seed, "buttons");
+        let mut sweep = sweep_in(PhaseName::ALL[dice.below(PhaseName::ALL.len() as u64) as usize], &[]);
+        let mut kept = sweep.written().0;
+        for _ in 0..30 {
+            let input = Input::COMMANDS[dice.below(Input::COMMANDS.len() as u64) as usize];
+            let _ = command(input).map(|command| give(&mut sweep, command));
+            if dice.below(3) == 0 {
+                kept += dice.below(sweep.written().0 - kept + 1);
+                sweep.handle_event(Event::Recorded(Seq(kept)), now(1));
+            }
+            check_buttons(&mut sweep, seed);
+        }
+    }
+}
+
+fn check_buttons(sweep: &mut Sweep, seed: u64) {
+    let state = sweep.snapshot();
+    let Refusals { start, back_home, retrieve, reset, drive, strategy, retake } = &state.mission.refusals;
+    let buttons = [
+        (start, Command::Start),
+        (back_home, Command::BackHome),
+        (retrieve, Command::Retrieve),
+        (reset, Command::Reset),
+        (drive, Command::Move(Move::TurnLeft)),
+        (strategy, Command::ChooseStrategy(Strategy::Snail)),
+        (retake, Command::RetakePhoto(state.mission.inspected.unwrap_or(LuggageId(1)))),
+    ];
+    for (shown, command) in buttons {
+        let does = give(&mut sweep.clone(), command.clone()).err().map(|refused| refused.to_string());
+        if shown.is_none() {
+            assert_eq!(does, None, "seed {seed}: {command:?} in {:?}", state.mission.phase);
+        }
+        if sweep.on_record.is_current() && !matches!(command, Command::RetakePhoto(_)) {
+            assert_eq!(&does, shown, "seed {seed}: {command:?} in {:?}", state.mission.phase);
+        }
+    }
+    let held = state.mission.holds.iter().any(|hold| !hold.cleared_by_start());
+    assert!(!held || start.is_some(), "seed {seed}: a hold is shown, and START is offered");
+}

@@ -1,0 +1,166 @@
+//! The snapshot: the state as the doors show it.
+
+use std::sync::Arc;
+
+use super::Sweep;
+use super::on_record::View;
+use crate::command::Refused;
+use crate::explore::plan::cells_along;
+use crate::mission::{Hold, Input, Matter, PhaseName, Stage};
+use crate::world::alarm::AlarmView;
+use crate::world::resource::Resource;
+use crate::world::robot::{RobotState, RobotView};
+use crate::world::snapshot::{MissionView, Progress, Refusals, Snapshot};
+use crate::world::temperature::{TemperatureStatus, TemperatureView};
+
+/// What is shown of the mission and the robot: put together from several parts of the state.
+pub(super) struct Shown {
+    pub(super) mission: MissionView,
+    pub(super) robot: RobotView,
+    pub(super) temperature: TemperatureView,
+}
+
+/// Of which button.
+type Of = fn(&Refusals) -> Option<&String>;
+
+/// Why a button would be refused that what is on record does not refuse.
+const NOT_ON_RECORD: &str = "what was done last is not on record yet: wait a moment";
+
+impl Sweep {
+    pub(super) fn shown(&self) -> Shown {
+        let led_blinking = self.world.robot.led_blinking && self.on_record.shown.led_blinking;
+        let robot = RobotView { state: self.robot_state(), halting: self.helm.is_halting(), led_blinking, ..self.world.robot };
+        Shown { mission: self.mission_view(), robot, temperature: self.temperature_view() }
+    }
+
+    /// The snapshot; long lists that have not changed since the last one are shared with it.
+    pub(super) fn view(&self, shown: Shown) -> Snapshot {
+        let revisions = self.world.revisions();
+        let same =
+            |resource: Resource| self.taken.as_ref().filter(|taken| taken.revision_of(resource) == revisions[resource as usize]);
+        Snapshot {
+            run: Arc::clone(&self.world.run),
+            revision: self.world.revision(),
+            revisions,
+            mission: shown.mission,
+            robot: shown.robot,
+            map: self.shown_map().clone(),
+            luggage: Arc::clone(&self.on_record.shown.luggage),
+            temperature: shown.temperature,
+            alarms: same(Resource::Alarms).map_or_else(|| self.alarms_shown(), |taken| Arc::clone(&taken.alarms)),
+            log: same(Resource::Log).map_or_else(|| self.world.log.lines(), |taken| Arc::clone(&taken.log)),
+        }
+    }
+
+    /// What follows from commands and finds as far as it is on record; what warns or halts as it is.
+    fn mission_view(&self) -> MissionView {
+        let shown = &self.on_record.shown;
+        let as_it_is = (shown.mission, shown.phase) == (self.mission.id, self.phase_name());
+        let route = if as_it_is { cells_along(self.world.robot.pose, self.mission.route.iter().copied()) } else { Vec::new() };
+        let (phase, interrupted, fault) = self.phase_shown(shown);
+        MissionView {
+            id: shown.mission,
+            phase,
+            interrupted,
+            fault,
+            holds: self.holds_shown(),
+            store_failure: self.world.store_failure.clone(),
+            goal: shown.goal,
+            route: route.into(),
+            trail: self.mission.trail.iter().copied().collect(),
+            inspected: shown.inspected,
+            strategy: shown.strategy,
+            epoch: self.mission.epoch,
+            progress: self.progress(),
+            refusals: self.refusals_shown(),
+        }
+    }
+
+    /// A fault warns, so it is shown at once; what it interrupts is what was shown before.
+    fn phase_shown(&self, shown: &View) -> (PhaseName, Option<PhaseName>, Option<String>) {
+        let Some(cause) = self.mission.phase.fault() else { return (shown.phase, shown.interrupted, shown.fault.clone()) };
+        (PhaseName::Fault, shown.interrupted.or(Some(shown.phase)), Some(cause.to_string()))
+    }
+
+    /// A hold is shown as soon as it stands. One that a command has cleared is shown until that is on record.
+    fn holds_shown(&self) -> Vec<Hold> {
+        let by_command = |hold: &Hold| hold.cleared_by_start() || matches!(hold, Hold::TooHigh | Hold::Alarm);
+        let stands =
+            |hold: &Hold| self.mission.holds.contains(*hold) || by_command(hold) && self.on_record.shown.holds.contains(hold);
+        Hold::ALL.into_iter().filter(stands).collect()
+    }
+
+    /// The alarms on record, and those that are not on record yet.
+    fn alarms_shown(&self) -> Arc<[AlarmView]> {
+        let unrecorded = self.world.alarms.iter().filter(|alarm| !self.is_on_record(alarm.id));
+        let recorded = self.on_record.shown.alarms.iter().map(|alarm| AlarmView::recorded(alarm));
+        recorded.chain(unrecorded.map(|alarm| AlarmView::unrecorded(alarm))).collect()
+    }
+
+    fn robot_state(&self) -> RobotState {
+        match (self.helm.state(), self.stage()) {
+            (RobotState::Stopped, Some(Stage::Recording(_))) => RobotState::SendingPhoto,
+            (state, _) => state,
+        }
+    }
+
+    fn temperature_view(&self) -> TemperatureView {
+        let holds = self.holds_shown();
+        let status = if holds.contains(&Hold::TooHigh) || holds.contains(&Hold::Temperature) {
+            TemperatureStatus::TooHigh
+        } else if holds.contains(&Hold::TemperatureStale) {
+            TemperatureStatus::Stale
+        } else {
+            TemperatureStatus::Ok
+        };
+        TemperatureView {
+            celsius: self.world.thermometer.last(),
+            status,
+            threshold: self.world.thermometer.threshold(),
+            cool: self.world.thermometer.cool(),
+            hot: self.world.thermometer.hot(),
+        }
+    }
+
+    fn progress(&self) -> Progress {
+        let map = self.shown_map();
+        let visited = map.visited();
+        let unknown = map.frontier().len() + map.uninspected();
+        Progress { visited, unknown }
+    }
+
+    /// What each button would be refused with, as far as it is on record.
+    pub(super) fn refusals(&self) -> Refusals {
+        self.each_button(|input, matter, _| self.decide(input, matter).err().map(|(refused, _)| refused.to_string()))
+    }
+
+    /// The same as it is shown: what holds the robot is said at once, and so is that something else has changed of which there is
+    /// no record yet.
+    fn refusals_shown(&self) -> Refusals {
+        let shown = &self.on_record.shown.refusals;
+        if self.on_record.is_current() {
+            return shown.clone();
+        }
+        self.each_button(|input, matter, of| match (self.decide(input, matter), of(shown)) {
+            (Err((refused @ Refused::Held(..), _)), _) => Some(refused.to_string()),
+            (_, Some(words)) => Some(words.clone()),
+            (Err(_), None) => Some(NOT_ON_RECORD.to_owned()),
+            (Ok(_), None) => None,
+        })
+    }
+
+    fn each_button(&self, why: impl Fn(Input, &Matter, Of) -> Option<String>) -> Refusals {
+        let plain = Matter::default();
+        let turn = Matter { step: Some(crate::command::Move::TurnLeft), ..Matter::default() };
+        let piece = Matter { luggage: self.inspected(), ..Matter::default() };
+        Refusals {
+            start: why(Input::Start, &plain, |refusals| refusals.start.as_ref()),
+            back_home: why(Input::BackHome, &plain, |refusals| refusals.back_home.as_ref()),
+            retrieve: why(Input::Retrieve, &plain, |refusals| refusals.retrieve.as_ref()),
+            reset: why(Input::Reset, &plain, |refusals| refusals.reset.as_ref()),
+            drive: why(Input::Move, &turn, |refusals| refusals.drive.as_ref()),
+            strategy: why(Input::Strategy, &plain, |refusals| refusals.strategy.as_ref()),
+            retake: why(Input::RetakePhoto, &piece, |refusals| refusals.retake.as_ref()),
+        }
+    }
+}

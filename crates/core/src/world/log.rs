@@ -1,0 +1,109 @@
+//! The latest lines of what happened, numbered, for whoever watches. The journal keeps everything; this keeps what fits a page.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use crate::units::{Seq, Wall};
+
+/// How many lines are at hand: as many as a person scrolls through; older ones are the journal's.
+pub const LOG_LINES: usize = 256;
+
+/// One line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LogLine {
+    /// Its number, from 1 without gaps.
+    pub number: u64,
+    /// When.
+    pub wall: Wall,
+    /// How loud.
+    pub tone: Tone,
+    /// What happened, as a sentence.
+    pub text: String,
+}
+
+/// How loud a line is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tone {
+    /// For the record.
+    Info,
+    /// Something was refused or is held.
+    Warning,
+    /// An alarm.
+    Alarm,
+}
+
+impl Tone {
+    /// The word of the doors.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Tone::Info => "info",
+            Tone::Warning => "warning",
+            Tone::Alarm => "alarm",
+        }
+    }
+}
+
+/// The latest lines, oldest first.
+#[derive(Clone, Debug, Default)]
+pub struct Log {
+    lines: VecDeque<Arc<LogLine>>,
+    written: u64,
+    /// Lines that wait for their record, oldest first, and the entry they wait for, where that is known.
+    waiting: VecDeque<Waiting>,
+}
+
+#[derive(Clone, Debug)]
+struct Waiting {
+    seq: Option<Seq>,
+    wall: Wall,
+    text: String,
+}
+
+impl Log {
+    /// Writes a line: a warning is there at once, and then it says so; any other waits for its record. Of too many that wait the
+    /// oldest is left to the journal.
+    pub fn write(&mut self, wall: Wall, tone: Tone, text: String) -> bool {
+        if tone != Tone::Info {
+            self.put(wall, tone, text);
+            return true;
+        }
+        if self.waiting.len() == LOG_LINES {
+            self.waiting.pop_front();
+        }
+        self.waiting.push_back(Waiting { seq: None, wall, text });
+        false
+    }
+
+    /// Shows the lines whose record is kept; true when there are any. Those that came since the last time wait for `written`.
+    pub fn show(&mut self, written: Seq, kept: Seq) -> bool {
+        for line in self.waiting.iter_mut().rev().take_while(|line| line.seq.is_none()) {
+            line.seq = Some(written);
+        }
+        let due = self.waiting.iter().take_while(|line| line.seq.is_some_and(|seq| seq <= kept)).count();
+        for Waiting { wall, text, .. } in self.waiting.drain(..due).collect::<Vec<_>>() {
+            self.put(wall, Tone::Info, text);
+        }
+        due > 0
+    }
+
+    /// What the lines wait for is lost: they wait for what is put on record next.
+    pub fn lose(&mut self) {
+        self.waiting.iter_mut().for_each(|line| line.seq = None);
+    }
+
+    /// Puts a line where it is seen; the oldest gives way when there are too many.
+    pub fn put(&mut self, wall: Wall, tone: Tone, text: String) {
+        self.written += 1;
+        if self.lines.len() == LOG_LINES {
+            self.lines.pop_front();
+        }
+        self.lines.push_back(Arc::new(LogLine { number: self.written, wall, tone, text }));
+    }
+
+    /// The lines at hand, oldest first.
+    #[must_use]
+    pub fn lines(&self) -> Arc<[Arc<LogLine>]> {
+        self.lines.iter().cloned().collect()
+    }
+}

@@ -1,0 +1,49 @@
+//! What is known of a robot: where it stands, what it does, what it last sensed.
+
+use crate::units::Pose;
+
+/// What is shown of a robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RobotView {
+    /// What it does just now.
+    pub state: RobotState,
+    /// Whether it was told to halt, or its link was lost on the move, and it has not said since that it stands (safety S8).
+    pub halting: bool,
+    /// Where it stands: the cell and heading of its last completed order.
+    pub pose: Pose,
+    /// Whether it stands away from that cell's centre (after a halt in mid-step).
+    pub off_centre: bool,
+    /// The last reading of the front sonar, in centimetres; `None` beyond its range or before the first.
+    pub sonar_cm: Option<u16>,
+    /// Whether the LED blinks.
+    pub led_blinking: bool,
+}
+
+/// What a robot does, by the words of the seeds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum RobotState {
+    Stopped,
+    MovingForward,
+    MovingBackward,
+    RotateLeft,
+    RotateRight,
+    TakingPhoto,
+    SendingPhoto,
+}
+
+impl RobotState {
+    /// The word of the doors.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            RobotState::Stopped => "stopped",
+            RobotState::MovingForward => "movingForward",
+            RobotState::MovingBackward => "movingBackward",
+            RobotState::RotateLeft => "rotateLeft",
+            RobotState::RotateRight => "rotateRight",
+            RobotState::TakingPhoto => "takingPhoto",
+            RobotState::SendingPhoto => "sendingPhoto",
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! The state of everything at one revision, immutable and cheap to share: what the doors show.
+
+use std::sync::Arc;
+
+use super::alarm::AlarmView;
+use super::hall_map::HallMap;
+use super::log::LogLine;
+use super::luggage::Luggage;
+use super::resource::Resource;
+use super::robot::RobotView;
+use super::temperature::TemperatureView;
+use crate::explore::Strategy;
+use crate::mission::{Hold, PhaseName};
+use crate::units::{Cell, Epoch, LuggageId, MissionId, Revision};
+
+/// Everything that can be seen, at one moment.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// Which run of the program this is: revisions of another run mean nothing here.
+    pub run: Arc<str>,
+    /// How often anything has changed.
+    pub revision: Revision,
+    /// For each resource the revision of its last change, in the order of `Resource::ALL`.
+    pub revisions: [Revision; Resource::COUNT],
+    /// The mission.
+    pub mission: MissionView,
+    /// The robot.
+    pub robot: RobotView,
+    /// The hall; its tiles are shared with the core.
+    pub map: HallMap,
+    /// The luggage of this mission, by number.
+    pub luggage: Arc<[Arc<Luggage>]>,
+    /// The temperature.
+    pub temperature: TemperatureView,
+    /// The alarms, oldest first.
+    pub alarms: Arc<[AlarmView]>,
+    /// The latest log lines, oldest first.
+    pub log: Arc<[Arc<LogLine>]>,
+}
+
+impl Snapshot {
+    /// When this resource last changed.
+    #[must_use]
+    pub fn revision_of(&self, resource: Resource) -> Revision {
+        self.revisions[resource as usize]
+    }
+
+    /// The record with this number.
+    #[must_use]
+    pub fn luggage(&self, id: LuggageId) -> Option<&Arc<Luggage>> {
+        self.luggage.iter().find(|luggage| luggage.id == id)
+    }
+
+    /// The piece that waits for its verdict: the one being inspected first, then the oldest.
+    #[must_use]
+    pub fn pending(&self) -> Option<&Arc<Luggage>> {
+        let inspected = self.mission.inspected.and_then(|id| self.luggage(id)).filter(|luggage| luggage.is_pending());
+        inspected.or_else(|| self.luggage.iter().find(|luggage| luggage.is_pending()))
+    }
+}
+
+/// What is shown of the mission.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MissionView {
+    /// Its number; 0 before the first.
+    pub id: MissionId,
+    /// The phase.
+    pub phase: PhaseName,
+    /// The phase that is interrupted, while driving by hand or in fault.
+    pub interrupted: Option<PhaseName>,
+    /// Why it is in fault.
+    pub fault: Option<String>,
+    /// What holds the robot.
+    pub holds: Vec<Hold>,
+    /// Why nothing can be put on record, while that is so.
+    pub store_failure: Option<String>,
+    /// The cell it is on its way to.
+    pub goal: Option<Cell>,
+    /// The cells it means to pass on the way there, the next one first.
+    pub route: Arc<[Cell]>,
+    /// The cells it came through, the latest last.
+    pub trail: Arc<[Cell]>,
+    /// The piece in front of the robot, once it has a number.
+    pub inspected: Option<LuggageId>,
+    /// The order of the search.
+    pub strategy: Strategy,
+    /// Raised by every stop.
+    pub epoch: Epoch,
+    /// How far the search has come.
+    pub progress: Progress,
+    /// What each command would be refused with just now, if it would.
+    pub refusals: Refusals,
+}
+
+/// How far the search has come. How large the hall is nobody knows before the end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Progress {
+    /// Cells visited.
+    pub visited: usize,
+    /// What is to be looked at next: unknown cells beside visited ones, and obstacles still to be inspected.
+    pub unknown: usize,
+}
+
+impl Progress {
+    /// How much of the hall is searched: 100, or nothing while anything is open, because what it will come to nobody knows.
+    #[must_use]
+    pub const fn percent(self) -> Option<u8> {
+        if self.visited > 0 && self.unknown == 0 { Some(100) } else { None }
+    }
+}
+
+/// Why each of the operator's buttons would be refused just now; `None` where it would not.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Refusals {
+    /// START.
+    pub start: Option<String>,
+    /// BACK HOME.
+    pub back_home: Option<String>,
+    /// RETRIEVE.
+    pub retrieve: Option<String>,
+    /// RESET.
+    pub reset: Option<String>,
+    /// Moves by hand, whatever the way is.
+    pub drive: Option<String>,
+    /// Choosing a strategy.
+    pub strategy: Option<String>,
+    /// Taking the photo again.
+    pub retake: Option<String>,
+}

@@ -1,0 +1,173 @@
+//! A piece of luggage as it lies in a simulated hall: where, of what kind, colour and height, and whether it is dangerous.
+//! What the robot or the operator knows of it is not here.
+
+use std::sync::Arc;
+
+use hallsweep_core::event::Piece;
+use hallsweep_core::units::Cell;
+
+/// A piece of luggage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bag {
+    /// The number by which the camera knows it again; counted from 1 in reading order of the drawing.
+    pub piece: Piece,
+    /// What a person would call it, as `red suitcase`.
+    pub name: Arc<str>,
+    /// Its kind.
+    pub kind: Kind,
+    /// Its main colour.
+    pub colour: Colour,
+    /// The cells it covers, in map coordinates, at least one, by row and column.
+    pub cells: Vec<Cell>,
+    /// How high it stands, in metres.
+    pub height_m: f64,
+    /// Whether it is the one to be found.
+    pub dangerous: bool,
+}
+
+/// The kinds of luggage the simulated camera can draw.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum Kind {
+    Suitcase,
+    Backpack,
+    Trolley,
+    Duffel,
+    Box,
+    Handbag,
+}
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Kind; 6] = [Kind::Suitcase, Kind::Backpack, Kind::Trolley, Kind::Duffel, Kind::Box, Kind::Handbag];
+
+    /// The word of the hall files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Kind::Suitcase => "suitcase",
+            Kind::Backpack => "backpack",
+            Kind::Trolley => "trolley",
+            Kind::Duffel => "duffel",
+            Kind::Box => "box",
+            Kind::Handbag => "handbag",
+        }
+    }
+
+    /// The kind of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Kind> {
+        Kind::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// How high such a piece usually stands, in metres.
+    #[must_use]
+    pub const fn usual_height_m(self) -> f64 {
+        match self {
+            Kind::Suitcase => 0.70,
+            Kind::Backpack => 0.52,
+            Kind::Trolley => 0.56,
+            Kind::Duffel => 0.32,
+            Kind::Box => 0.40,
+            Kind::Handbag => 0.30,
+        }
+    }
+}
+
+/// A colour, each part 0–255.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(missing_docs, reason = "the names say it")]
+pub struct Colour {
+    pub red: u8,
+    pub green: u8,
+    pub blue: u8,
+}
+
+impl Colour {
+    /// The colours that have a name in hall files.
+    pub const NAMED: [(&'static str, Colour); 13] = [
+        ("red", Colour::new(0xb8, 0x22, 0x2a)),
+        ("orange", Colour::new(0xd9, 0x74, 0x1c)),
+        ("yellow", Colour::new(0xd8, 0xb4, 0x2a)),
+        ("green", Colour::new(0x2f, 0x7d, 0x43)),
+        ("teal", Colour::new(0x1f, 0x86, 0x86)),
+        ("blue", Colour::new(0x24, 0x4f, 0x9e)),
+        ("navy", Colour::new(0x22, 0x2f, 0x58)),
+        ("purple", Colour::new(0x6a, 0x3a, 0x8c)),
+        ("pink", Colour::new(0xcc, 0x5c, 0x8c)),
+        ("brown", Colour::new(0x7a, 0x4e, 0x2c)),
+        ("tan", Colour::new(0xb0, 0x82, 0x4a)),
+        ("grey", Colour::new(0x78, 0x7c, 0x82)),
+        ("black", Colour::new(0x26, 0x27, 0x2b)),
+    ];
+
+    /// The colour of these parts.
+    #[must_use]
+    pub const fn new(red: u8, green: u8, blue: u8) -> Colour {
+        Colour { red, green, blue }
+    }
+
+    /// A colour by its name, or by `#rrggbb`.
+    #[must_use]
+    pub fn parse(text: &str) -> Option<Colour> {
+        let named = Colour::NAMED.into_iter().find(|(name, _)| *name == text).map(|(_, colour)| colour);
+        named.or_else(|| Colour::from_hex(text.strip_prefix('#')?))
+    }
+
+    /// The name of the named colour that is nearest to this one.
+    #[must_use]
+    pub fn nearest_name(self) -> &'static str {
+        let distance = |other: Colour| -> u32 {
+            let part = |a: u8, b: u8| u32::from(a.abs_diff(b)).pow(2);
+            part(self.red, other.red) + part(self.green, other.green) + part(self.blue, other.blue)
+        };
+        Colour::NAMED.into_iter().min_by_key(|(_, colour)| distance(*colour)).map_or("grey", |(name, _)| name)
+    }
+
+    fn from_hex(digits: &str) -> Option<Colour> {
+        let plain = digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+        let [_, red, green, blue] = plain.then(|| u32::from_str_radix(digits, 16).ok())??.to_be_bytes();
+        Some(Colour { red, green, blue })
+    }
+}
+
+impl Bag {
+    /// A piece without a description of its own, as in drawings without a list and in benchmark maps: kind and colour
+    /// follow from its number, so that neighbours differ.
+    #[must_use]
+    pub fn plain(piece: Piece, cells: Vec<Cell>) -> Bag {
+        let pick = |count: usize, stride: usize| usize::try_from(piece.0).unwrap_or(0).wrapping_mul(stride) % count;
+        let kind = Kind::ALL[pick(Kind::ALL.len(), 1)];
+        let (colour_name, colour) = Colour::NAMED[pick(Colour::NAMED.len(), 5)];
+        let name = format!("{colour_name} {}", kind.name()).into();
+        Bag { piece, name, kind, colour, cells, height_m: kind.usual_height_m(), dangerous: false }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_colour_is_a_name_or_six_hexadecimal_digits() {
+        assert_eq!(Colour::parse("#b8222a"), Colour::parse("red"));
+        assert_eq!(Colour::parse("#10fF00"), Some(Colour::new(0x10, 0xff, 0)));
+        for wrong in ["", "#", "#12345", "#1234567", "#+12345", "reddish", "#gggggg"] {
+            assert_eq!(Colour::parse(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn the_nearest_name_of_a_named_colour_is_its_own() {
+        for (name, colour) in Colour::NAMED {
+            assert_eq!(colour.nearest_name(), name);
+        }
+    }
+
+    #[test]
+    fn plain_pieces_next_to_each_other_look_different() {
+        let bag = |number| Bag::plain(Piece(number), vec![]);
+        assert_ne!(bag(1).kind, bag(2).kind);
+        assert_ne!(bag(1).colour, bag(2).colour);
+    }
+}

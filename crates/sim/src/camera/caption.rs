@@ -1,0 +1,75 @@
+//! The bar under every photo: hall, cell of the luggage, cell and heading of the robot, time. What it says comes from the
+//! stamp; where the robot really stands is in the picture itself.
+
+use super::super::hall::{Hall, Truth};
+use super::canvas::Canvas;
+use super::font;
+use super::space::Paint;
+use super::view::{HEIGHT, WIDTH};
+use hallsweep_core::effect::Stamp;
+use hallsweep_core::units::Wall;
+
+/// The side of a dot of the font, in pixels.
+const DOT: usize = 2;
+
+/// The height of the bar: two lines of text and the space around them.
+const BAR: usize = 48;
+
+const PAPER: Paint = Paint(18.0, 22.0, 28.0);
+const TEXT: Paint = Paint(240.0, 242.0, 245.0);
+const TIME: Paint = Paint(250.0, 204.0, 80.0);
+
+/// Draws the bar over the foot of the picture.
+pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, stamp: Stamp) {
+    for row in HEIGHT - BAR..HEIGHT {
+        for column in 0..WIDTH {
+            canvas.paint(column, row, PAPER);
+        }
+    }
+    let margin = 8;
+    write(canvas, &where_line(hall, stamp), (margin, HEIGHT - BAR + 8), TEXT);
+    write(canvas, &in_words(stamp.wall), (margin, HEIGHT - BAR + 28), TIME);
+    let name: String = hall.name().chars().take(22).collect();
+    let width = name.chars().count() * font::ADVANCE * DOT;
+    write(canvas, &name, (WIDTH - margin - width, HEIGHT - BAR + 28), TEXT);
+}
+
+fn where_line(hall: &Hall, stamp: Stamp) -> String {
+    let what = match hall.truth(stamp.pose.ahead()) {
+        Truth::Luggage(_) => "luggage",
+        Truth::Wall => "wall",
+        Truth::Free => "view",
+    };
+    format!("{what} {}  robot {} {}", stamp.pose.ahead(), stamp.pose.cell, stamp.pose.heading.name())
+}
+
+/// A moment as `2026-11-21 08:20:20 +00:00`, in its own zone. One beyond the calendar is shown as its milliseconds.
+fn in_words(wall: Wall) -> String {
+    let offset = jiff::tz::Offset::from_seconds(wall.offset_s).unwrap_or(jiff::tz::Offset::UTC);
+    match jiff::Timestamp::from_millisecond(wall.unix_ms) {
+        Ok(moment) => moment.to_zoned(offset.to_time_zone()).strftime("%Y-%m-%d %H:%M:%S %:z").to_string(),
+        Err(_) => format!("{} ms", wall.unix_ms),
+    }
+}
+
+fn write(canvas: &mut Canvas, text: &str, (left, top): (usize, usize), paint: Paint) {
+    let columns = text.chars().count() * font::ADVANCE * DOT;
+    for column in (0..columns).filter(|column| left + column < WIDTH) {
+        for row in (0..font::HEIGHT * DOT).filter(|row| font::dot(text, column / DOT, row / DOT)) {
+            canvas.paint(left + column, top + row, paint);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_is_shown_in_its_zone() {
+        let wall = Wall { unix_ms: 1_795_249_220_123, offset_s: 0 };
+        assert_eq!(in_words(wall), "2026-11-21 08:20:20 +00:00");
+        assert_eq!(in_words(Wall { offset_s: 3600, ..wall }), "2026-11-21 09:20:20 +01:00");
+        assert_eq!(in_words(Wall { unix_ms: i64::MAX, offset_s: i32::MAX }), "9223372036854775807 ms");
+    }
+}

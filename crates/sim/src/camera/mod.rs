@@ -1,0 +1,104 @@
+//! The simulated camera: from where the robot really stands to an encoded picture.
+//! When a photo is taken, and whether it fails, is decided by the simulator.
+
+mod canvas;
+mod caption;
+mod encode;
+mod font;
+mod luggage;
+mod picture;
+mod room;
+mod solid;
+mod space;
+mod stub;
+mod surface;
+mod view;
+
+use std::sync::Arc;
+
+use super::drive::BodyPose;
+use super::hall::Hall;
+use super::settings::Camera;
+use hallsweep_core::effect::Stamp;
+use hallsweep_core::event::Photo;
+use hallsweep_core::units::{Cell, Pose};
+
+/// A photo that has been taken and not yet developed: all it takes to draw it, on whatever thread.
+#[derive(Clone, Debug)]
+pub struct Exposure {
+    hall: Arc<Hall>,
+    camera: Camera,
+    body: BodyPose,
+    subject: Cell,
+    stamp: Stamp,
+}
+
+impl Exposure {
+    /// What a robot sees whose body is really here and which takes itself to be in `pose`; the stamp is written on it.
+    #[must_use]
+    pub fn new(hall: Arc<Hall>, camera: Camera, body: BodyPose, pose: Pose, stamp: Stamp) -> Exposure {
+        Exposure { hall, camera, body, subject: pose.ahead(), stamp }
+    }
+
+    /// Draws and encodes the picture: some 20 ms of arithmetic for a rendered one.
+    #[must_use]
+    pub fn develop(&self) -> Photo {
+        let bytes = match self.camera {
+            Camera::Rendered => picture::picture(self),
+            Camera::Stub => stub::picture(&self.hall, self.subject),
+        };
+        Photo { bytes: bytes.into(), media_type: "image/png" }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hallsweep_core::units::{Heading, Wall};
+
+    /// A photo of each piece of the airport from every free cell beside it.
+    fn photos(camera: Camera) -> Vec<(String, Vec<u8>)> {
+        let hall = Arc::new(Hall::named_or_file("airport").unwrap());
+        let reachable = hall.reachable();
+        let mut photos = Vec::new();
+        for bag in hall.pieces() {
+            let sides = Heading::ALL.into_iter().flat_map(|heading| bag.cells.iter().map(move |cell| (*cell, heading)));
+            for (cell, heading) in sides {
+                let pose = Pose { cell: cell.ahead(heading.opposite()), heading };
+                if reachable.contains(&pose.cell) {
+                    let stamp = Stamp { pose, wall: Wall { unix_ms: 1_795_249_220_000, offset_s: 0 } };
+                    let body = BodyPose::centred(pose, hall.cell_m());
+                    let photo = Exposure::new(Arc::clone(&hall), camera, body, pose, stamp).develop();
+                    photos.push((format!("{}-{}-{}", bag.piece.0, bag.name, heading.name()), photo.bytes.to_vec()));
+                }
+            }
+        }
+        photos
+    }
+
+    #[test]
+    fn every_photo_is_a_png_of_the_right_size_and_like_no_other() {
+        let photos = photos(Camera::Rendered);
+        assert!(photos.len() > 15);
+        let different: std::collections::BTreeSet<&Vec<u8>> = photos.iter().map(|(_, bytes)| bytes).collect();
+        assert_eq!(different.len(), photos.len());
+        for (_, bytes) in &photos {
+            let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+            let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+            let info = reader.next_frame(&mut pixels).unwrap();
+            assert_eq!((info.width, info.height), (640, 480));
+            assert!(bytes.len() < 250_000, "{} bytes", bytes.len());
+        }
+    }
+
+    #[test]
+    fn the_same_photo_twice_is_the_same_byte_for_byte() {
+        assert_eq!(photos(Camera::Rendered), photos(Camera::Rendered));
+    }
+
+    #[test]
+    fn stubs_of_different_bags_differ() {
+        let stubs: std::collections::BTreeSet<Vec<u8>> = photos(Camera::Stub).into_iter().map(|(_, bytes)| bytes).collect();
+        assert_eq!(stubs.len(), Hall::named_or_file("airport").unwrap().pieces().len());
+    }
+}

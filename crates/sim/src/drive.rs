@@ -1,0 +1,154 @@
+//! Two-wheel kinematics: from wheel speeds to where the body is, in closed form. What stands in the way is not known here.
+//!
+//! ```text
+//!        x (east) ─►            v = r (ωl + ωr) / 2     metres a second, forward
+//!      y │   ▯──┬──▯            ω = r (ωl − ωr) / axle  radians a second, clockwise, because y grows to the south
+//!        ▼  left │ right        ω = 0: a straight line; else: an arc of radius v / ω
+//! ```
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::time::Duration;
+
+use hallsweep_core::units::{Heading, Pose};
+
+/// Where the body really is. The centre of the home cell is (0, 0).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyPose {
+    /// Metres to the east of home.
+    pub x_m: f64,
+    /// Metres to the south of home.
+    pub y_m: f64,
+    /// The way it faces: radians clockwise from the east, as seen from above, in `-π..=π`.
+    pub theta: f64,
+}
+
+impl BodyPose {
+    /// The centre of a cell with sides of `cell_m` metres, facing exactly along a heading.
+    #[must_use]
+    pub fn centred(pose: Pose, cell_m: f64) -> BodyPose {
+        let theta = match pose.heading {
+            Heading::North => -FRAC_PI_2,
+            Heading::East => 0.0,
+            Heading::South => FRAC_PI_2,
+            Heading::West => PI,
+        };
+        BodyPose { x_m: f64::from(pose.cell.x) * cell_m, y_m: f64::from(pose.cell.y) * cell_m, theta }
+    }
+
+    /// The unit vector of the way it faces.
+    #[must_use]
+    pub fn ahead(self) -> (f64, f64) {
+        (self.theta.cos(), self.theta.sin())
+    }
+}
+
+/// Speeds of the wheels, in radians a second; positive drives forward.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Wheels {
+    pub(super) left: f64,
+    pub(super) right: f64,
+}
+
+/// What the wheels are mounted on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Chassis {
+    /// The radius of a wheel, in metres.
+    pub(super) wheel_radius_m: f64,
+    /// The distance between the wheels, in metres.
+    pub(super) axle_m: f64,
+}
+
+impl Chassis {
+    /// The wheel speeds that drive straight on at `v` metres a second; backwards when negative.
+    pub(super) fn straight(self, v: f64) -> Wheels {
+        Wheels { left: v / self.wheel_radius_m, right: v / self.wheel_radius_m }
+    }
+
+    /// The wheel speeds that turn on the spot at `omega` radians a second, clockwise when positive.
+    pub(super) fn spin(self, omega: f64) -> Wheels {
+        let speed = omega * self.axle_m / (2.0 * self.wheel_radius_m);
+        Wheels { left: speed, right: -speed }
+    }
+
+    /// Where a body is after its wheels have turned at constant speeds for a time.
+    pub(super) fn after(self, from: BodyPose, wheels: Wheels, time: Duration) -> BodyPose {
+        let t = time.as_secs_f64();
+        let v = self.wheel_radius_m * (wheels.left + wheels.right) / 2.0;
+        let omega = self.wheel_radius_m * (wheels.left - wheels.right) / self.axle_m;
+        if omega == 0.0 {
+            let (dx, dy) = from.ahead();
+            return BodyPose { x_m: from.x_m + v * t * dx, y_m: from.y_m + v * t * dy, theta: from.theta };
+        }
+        let theta = from.theta + omega * t;
+        let radius = v / omega;
+        let x_m = from.x_m + radius * (theta.sin() - from.theta.sin());
+        let y_m = from.y_m - radius * (theta.cos() - from.theta.cos());
+        BodyPose { x_m, y_m, theta: normal(theta) }
+    }
+}
+
+/// An angle in `-π..=π`.
+pub(super) fn normal(angle: f64) -> f64 {
+    // An angle that is within already stays as it is, to the last bit: a body that has not moved is still centred.
+    if angle.abs() <= PI {
+        return angle;
+    }
+    let turned = angle.rem_euclid(TAU);
+    if turned > PI { turned - TAU } else { turned }
+}
+
+/// Constant wheel speeds for a while.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Motion {
+    pub(super) from: BodyPose,
+    pub(super) wheels: Wheels,
+    /// When it began, since the start of the run.
+    pub(super) began: Duration,
+    /// When it ends.
+    pub(super) ends: Duration,
+}
+
+impl Motion {
+    /// Where the body is at a moment of this motion.
+    pub(super) fn at(&self, chassis: Chassis, now: Duration) -> BodyPose {
+        chassis.after(self.from, self.wheels, now.min(self.ends).saturating_sub(self.began))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hallsweep_core::units::Cell;
+
+    const CHASSIS: Chassis = Chassis { wheel_radius_m: 0.05, axle_m: 0.3 };
+
+    fn check(wheels: Wheels, seconds: f64, expect: (f64, f64, f64)) {
+        let from = BodyPose::centred(Pose { cell: Cell::HOME, heading: Heading::East }, 0.5);
+        let to = CHASSIS.after(from, wheels, Duration::from_secs_f64(seconds));
+        let error = (to.x_m - expect.0).abs() + (to.y_m - expect.1).abs() + normal(to.theta - expect.2).abs();
+        assert!(error < 1e-9, "{to:?}");
+    }
+
+    #[test]
+    fn equal_wheels_drive_straight_and_opposite_ones_turn_on_the_spot() {
+        check(Wheels { left: 10.0, right: 10.0 }, 2.0, (1.0, 0.0, 0.0));
+        check(CHASSIS.straight(-0.5), 1.0, (-0.5, 0.0, 0.0));
+        check(CHASSIS.spin(FRAC_PI_2), 1.0, (0.0, 0.0, FRAC_PI_2));
+    }
+
+    #[test]
+    fn unequal_wheels_drive_an_arc() {
+        // v = 0.45 m/s and ω = 1 rad/s to the right: a quarter of a circle of radius 0.45 m ends south-east, facing south.
+        check(Wheels { left: 12.0, right: 6.0 }, FRAC_PI_2, (0.45, 0.45, FRAC_PI_2));
+        check(Wheels { left: 6.0, right: 12.0 }, FRAC_PI_2, (0.45, -0.45, -FRAC_PI_2));
+    }
+
+    #[test]
+    fn many_small_arcs_give_the_same_as_one() {
+        let wheels = Wheels { left: 9.0, right: 7.0 };
+        let from = BodyPose { x_m: 1.0, y_m: 2.0, theta: 0.3 };
+        let once = CHASSIS.after(from, wheels, Duration::from_millis(800));
+        let many = (0..800).fold(from, |pose, _| CHASSIS.after(pose, wheels, Duration::from_millis(1)));
+        assert!((once.x_m - many.x_m).abs() + (once.y_m - many.y_m).abs() + (once.theta - many.theta).abs() < 1e-9);
+    }
+}

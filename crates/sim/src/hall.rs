@@ -1,0 +1,189 @@
+//! A simulated hall: the truth about every cell, the luggage in it and its temperature over time.
+//! How halls are read from files stands in `hall_toml`, `hall_movingai` and `hall_files`.
+//!
+//! Files count columns from the west and rows from the north of the drawing; everything here is in map coordinates,
+//! where the robot's start is (0, 0).
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::bag::Bag;
+use super::curve::Curve;
+use hallsweep_core::event::Piece;
+use hallsweep_core::units::{Cell, Celsius};
+use hallsweep_core::world::hall_map::Bounds;
+
+/// The most columns or rows of a hall: a kilometre of cells of half a metre, and a few megabytes.
+pub(super) const MAX_SIDE: usize = 2048;
+
+/// The most pieces of luggage: more than any benchmark map holds, and bounded in memory.
+pub(super) const MAX_PIECES: usize = 262_144;
+
+/// The side of a cell in metres when the file does not say.
+pub(super) const USUAL_CELL_M: f64 = 0.5;
+
+/// What a cell really is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Truth {
+    /// The robot can stand here.
+    Free,
+    /// A wall, a pillar, or outside the hall.
+    Wall,
+    /// Part of a piece of luggage.
+    Luggage(Piece),
+}
+
+/// A hall, never changed once read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hall {
+    name: Arc<str>,
+    description: Arc<str>,
+    cell_m: f64,
+    bounds: Bounds,
+    squares: Vec<Truth>,
+    bags: Vec<Bag>,
+    temperature: Option<Curve>,
+}
+
+/// What is known of a hall once its cells are read.
+#[derive(Debug)]
+pub(super) struct Plan {
+    /// The rectangle of the hall in map coordinates.
+    pub(super) bounds: Bounds,
+    /// Row after row from the north, each from the west.
+    pub(super) squares: Vec<Truth>,
+    /// The pieces, in the order of their numbers.
+    pub(super) bags: Vec<Bag>,
+}
+
+impl Hall {
+    /// A hall of this plan, with cells of `USUAL_CELL_M` and no thermometer.
+    pub(super) fn of(name: &str, plan: Plan) -> Hall {
+        let Plan { bounds, squares, bags } = plan;
+        Hall { name: name.into(), description: "".into(), cell_m: USUAL_CELL_M, bounds, squares, bags, temperature: None }
+    }
+
+    /// The same hall with what a hall file says beside the drawing.
+    pub(super) fn described(mut self, description: &str, cell_m: f64, temperature: Option<Curve>) -> Hall {
+        (self.description, self.cell_m, self.temperature) = (description.into(), cell_m, temperature);
+        self
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// A sentence on it; empty when the file has none.
+    #[must_use]
+    pub fn description(&self) -> &str {
+        &self.description
+    }
+
+    /// The side of a cell, in metres.
+    #[must_use]
+    pub const fn cell_m(&self) -> f64 {
+        self.cell_m
+    }
+
+    /// The rectangle it lies in.
+    #[must_use]
+    pub const fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// What `cell` really is. Outside the rectangle everything is wall.
+    #[must_use]
+    pub fn truth(&self, cell: Cell) -> Truth {
+        if !self.bounds.contains(cell) {
+            return Truth::Wall;
+        }
+        let place = (cell.y - self.bounds.least.y) * self.bounds.width() + (cell.x - self.bounds.least.x);
+        usize::try_from(place).ok().and_then(|place| self.squares.get(place)).copied().unwrap_or(Truth::Wall)
+    }
+
+    /// The luggage, in the order of its numbers.
+    #[must_use]
+    pub fn pieces(&self) -> &[Bag] {
+        &self.bags
+    }
+
+    /// One piece of luggage.
+    #[must_use]
+    pub fn bag(&self, piece: Piece) -> Option<&Bag> {
+        let index = usize::try_from(piece.0.checked_sub(1)?).ok()?;
+        self.bags.get(index)
+    }
+
+    /// Whether this piece is dangerous; false for one that is not there.
+    #[must_use]
+    pub fn is_dangerous(&self, piece: Piece) -> bool {
+        self.bag(piece).is_some_and(|bag| bag.dangerous)
+    }
+
+    /// Every cell the robot can come to from its start, going from side to side over free cells.
+    #[must_use]
+    pub fn reachable(&self) -> BTreeSet<Cell> {
+        let mut reached = BTreeSet::from([Cell::HOME]);
+        let mut border = vec![Cell::HOME];
+        while let Some(cell) = border.pop() {
+            let free = cell.neighbours().into_iter().filter(|next| self.truth(*next) == Truth::Free);
+            border.extend(free.filter(|next| reached.insert(*next)));
+        }
+        reached
+    }
+
+    /// The temperature this long after the beginning; `None` when the hall has no thermometer.
+    #[must_use]
+    pub fn temperature_at(&self, since_start: Duration) -> Option<Celsius> {
+        self.temperature.as_ref().map(|curve| curve.at(since_start))
+    }
+
+    /// The temperature over time, if the hall has a thermometer.
+    pub(super) const fn curve(&self) -> Option<&Curve> {
+        self.temperature.as_ref()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hall() -> Hall {
+        Hall::from_rows("test", &["#..#", ".Sa#", "..a."]).expect("a valid drawing")
+    }
+
+    #[test]
+    fn cells_are_counted_from_the_start() {
+        let hall = hall();
+        assert_eq!(hall.bounds(), Bounds { least: Cell::new(-1, -1), most: Cell::new(2, 1) });
+        assert_eq!(hall.truth(Cell::new(-1, -1)), Truth::Wall);
+        assert_eq!(hall.truth(Cell::HOME), Truth::Free);
+        assert_eq!(hall.truth(Cell::new(1, 0)), Truth::Luggage(Piece(1)));
+    }
+
+    #[test]
+    fn outside_everything_is_wall() {
+        let hall = hall();
+        for cell in [Cell::new(-2, 0), Cell::new(0, 2), Cell::new(i32::MAX, i32::MIN)] {
+            assert_eq!(hall.truth(cell), Truth::Wall);
+        }
+    }
+
+    #[test]
+    fn a_pocket_behind_walls_and_luggage_is_not_reachable() {
+        let reachable = hall().reachable();
+        assert!(reachable.contains(&Cell::new(1, -1)));
+        assert!(!reachable.contains(&Cell::new(2, 1)), "the cell behind the bag");
+    }
+
+    #[test]
+    fn one_letter_is_one_piece_over_several_cells() {
+        let hall = hall();
+        assert_eq!(hall.pieces().len(), 1);
+        assert_eq!(hall.pieces()[0].cells, vec![Cell::new(1, 0), Cell::new(1, 1)]);
+        assert!(!hall.is_dangerous(Piece(1)) && !hall.is_dangerous(Piece(0)) && !hall.is_dangerous(Piece(9)));
+    }
+}

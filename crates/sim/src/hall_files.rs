@@ -1,0 +1,234 @@
+//! Where halls come from: the built-in ones by name, and files in either format, told apart by their content.
+//! What the formats mean stands in `hall_toml` and `hall_movingai`.
+
+use std::io::Read;
+use std::path::Path;
+
+use super::hall::Hall;
+use super::hall_error::{HallError, HallFault};
+use super::{hall_movingai, hall_toml};
+
+/// The halls that are part of the program.
+const BUILT_IN: [(&str, &str); 4] = [
+    ("airport", include_str!("../../../config/halls/airport.toml")),
+    ("empty-8x8", include_str!("../../../config/halls/empty-8x8.toml")),
+    ("seed-9x8", include_str!("../../../config/halls/seed-9x8.toml")),
+    ("seed", include_str!("../../../config/halls/seed.toml")),
+];
+
+/// A hall of the largest size, drawn with a byte a cell, and as much again for the rest of its file.
+const MAX_FILE_BYTES: u64 = 8 << 20;
+
+impl Hall {
+    /// The names of the built-in halls; the first is the default.
+    pub fn builtin_names() -> impl Iterator<Item = &'static str> {
+        BUILT_IN.into_iter().map(|(name, _)| name)
+    }
+
+    /// A built-in hall by its name, or else the hall in the file of this path (`.toml`, or a MovingAI `.map`).
+    ///
+    /// # Errors
+    /// The file cannot be read, or what is wrong in it.
+    pub fn named_or_file(name_or_path: &str) -> Result<Hall, HallError> {
+        if let Some((name, text)) = BUILT_IN.into_iter().find(|(name, _)| *name == name_or_path) {
+            return Hall::parse(name, text);
+        }
+        let text = read_file(name_or_path).map_err(|fault| fault.of(name_or_path))?;
+        Hall::parse(name_or_path, &text)
+    }
+
+    /// The hall described by `text`: a MovingAI map when it begins like one, else TOML; a byte order mark is passed over.
+    /// `file` is named in errors, and its stem is the hall's name when the text gives none.
+    ///
+    /// # Errors
+    /// What is wrong, and in which line.
+    pub fn parse(file: &str, text: &str) -> Result<Hall, HallError> {
+        let name = Path::new(file).file_stem().map_or_else(|| file.into(), |stem| stem.to_string_lossy());
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        if is_movingai(file, text) { hall_movingai::read(file, &name, text) } else { hall_toml::read(file, &name, text) }
+    }
+}
+
+/// Whether a text is meant as a MovingAI map: it begins with a word of such a header, also when the lines are in the wrong
+/// order or the first is missing; or its file is called so and nothing in it can be TOML.
+fn is_movingai(file: &str, text: &str) -> bool {
+    let mut words = text.split_whitespace();
+    let begins = words.next().is_some_and(|word| ["type", "height", "width", "map"].contains(&word));
+    let assigns = words.next().is_some_and(|word| word.starts_with('='));
+    let called = Path::new(file).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("map"));
+    (begins && !assigns) || (called && !text.contains('='))
+}
+
+/// The text of a file, unless it is larger than any hall.
+fn read_file(path: &str) -> Result<String, HallFault> {
+    let unreadable =
+        |error: std::io::Error| HallFault::Unreadable(error.to_string(), Hall::builtin_names().collect::<Vec<_>>().join(", "));
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path).map_err(unreadable)?;
+    file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(HallFault::FileTooLarge(MAX_FILE_BYTES));
+    }
+    String::from_utf8(bytes).map_err(|_| HallFault::NotText)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use hallsweep_core::rng::Stream;
+    use hallsweep_core::units::Cell;
+
+    #[test]
+    fn every_built_in_hall_is_sound_and_all_its_luggage_can_be_met() {
+        for name in Hall::builtin_names() {
+            let hall = Hall::named_or_file(name).unwrap();
+            assert_eq!(hall.name(), name);
+            let reachable = hall.reachable();
+            for bag in hall.pieces() {
+                assert!(
+                    bag.cells.iter().any(|cell| cell.neighbours().iter().any(|next| reachable.contains(next))),
+                    "{}",
+                    bag.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_airport_has_varied_luggage_one_of_it_dangerous_and_stays_cool() {
+        let hall = Hall::named_or_file("airport").unwrap();
+        let kinds: std::collections::BTreeSet<&str> = hall.pieces().iter().map(|bag| bag.kind.name()).collect();
+        assert!(hall.pieces().len() >= 6 && kinds.len() == 6);
+        assert_eq!(hall.pieces().iter().filter(|bag| bag.dangerous).count(), 1);
+        assert!(hall.pieces().iter().any(|bag| bag.cells.len() == 2));
+        assert!((0..7200).all(|second| hall.temperature_at(Duration::from_secs(second)).is_some_and(|t| t.degrees() < 25.0)));
+    }
+
+    #[test]
+    fn the_seeds_halls_have_their_sizes() {
+        let cells = |name| Hall::named_or_file(name).unwrap().reachable().len();
+        assert_eq!((cells("empty-8x8"), cells("seed-9x8")), (64, 72));
+        assert!(Hall::named_or_file("seed-9x8").unwrap().reachable().contains(&Cell::new(8, 7)));
+    }
+
+    #[test]
+    fn a_file_that_is_not_there_is_said_with_the_halls_that_are() {
+        let error = Hall::named_or_file("no/such.toml").unwrap_err().to_string();
+        assert!(error.starts_with("no/such.toml: cannot read this file ("), "{error}");
+        assert!(error.ends_with("built-in halls airport, empty-8x8, seed-9x8, seed"), "{error}");
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_passed_over_in_both_formats() {
+        for text in ["type octile\nheight 1\nwidth 2\nmap\n..\n", "width = 2\nheight = 1\n"] {
+            let hall = Hall::parse("marked", &format!("\u{feff}{text}")).unwrap();
+            assert_eq!(hall.reachable().len(), 2, "{text}");
+        }
+        let error = Hall::parse("m.toml", "\u{feff}width = 2\nheight = -1\n").unwrap_err().to_string();
+        assert_eq!(error, "m.toml:2: `height` is -1: give a number from 1 to 2048");
+    }
+
+    #[test]
+    fn a_text_of_neither_format_is_told_what_a_hall_file_is() {
+        let no_hall = "x:1: this is no hall: a hall file is TOML with a `drawing`, or with `width` and `height`; a MovingAI map \
+                       begins with `type octile`";
+        for text in ["hello", "hello\nworld\n", "{\"width\": 3}", "S..#\n....\n", "type"] {
+            let error = Hall::parse("x", text).unwrap_err().to_string();
+            let expect =
+                if text == "type" { "x:2: not a MovingAI map: line 2 is empty, it should read `height NUMBER`" } else { no_hall };
+            assert_eq!(error, expect, "{text}");
+        }
+        let empty = Hall::parse("x", "").unwrap_err().to_string();
+        assert!(empty.starts_with("x: `drawing` is missing: give a `drawing`"), "{empty}");
+    }
+
+    #[test]
+    fn a_map_with_lines_missing_or_in_the_wrong_order_is_told_which() {
+        let check = |file: &str, text: &str, expect: &str| {
+            let error = Hall::parse(file, text).unwrap_err().to_string();
+            assert_eq!(error, format!("{file}:{expect}"));
+        };
+        check(
+            "m",
+            "height 1\nwidth 1\nmap\n.\n",
+            "1: not a MovingAI map: line 1 reads \"height 1\", it should read `type octile`",
+        );
+        check("m.map", "..T\n", "1: not a MovingAI map: line 1 reads \"..T\", it should read `type octile`");
+        check("m.map", "", "1: not a MovingAI map: line 1 is empty, it should read `type octile`");
+        let swapped = "type octile\nwidth 1\nheight 1\nmap\n.\n";
+        check("m", swapped, "2: not a MovingAI map: line 2 reads \"width 1\", it should read `height NUMBER`");
+        let no_map = format!("type octile\nheight 1\nwidth 1\n{}\n", ".".repeat(50));
+        let dots = ".".repeat(40);
+        check("m", &no_map, &format!("4: not a MovingAI map: line 4 begins with \"{dots}\", it should read `map`"));
+    }
+
+    #[test]
+    fn the_example_in_the_documentation_is_a_sound_hall() {
+        let page = include_str!("../../../docs/halls.md");
+        let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+        let hall = Hall::parse("docs/halls.md", example).unwrap();
+        assert_eq!((hall.name(), hall.pieces().len()), ("arrivals", 2));
+        assert!(crate::Colour::NAMED.iter().all(|(name, _)| page.contains(name)), "every colour is told");
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_makes_the_reader_panic(text in "\\PC{0,200}") {
+            let _ = Hall::parse("x.toml", &text);
+        }
+
+        #[test]
+        fn no_movingai_body_makes_the_reader_panic(width in 0usize..5, height in 0usize..5, body in "[.@TGSOW#\r\n é]{0,40}") {
+            let _ = Hall::parse("x.map", &format!("type octile\nheight {height}\nwidth {width}\nmap\n{body}"));
+        }
+
+        #[test]
+        fn no_drawing_makes_the_reader_panic(body in "[.#SabT\n é]{0,60}", tail in "[a-z_= \"\\[\\]\n0-9.]{0,80}") {
+            let _ = Hall::parse("x.toml", &format!("drawing = \"\"\"\n{body}\"\"\"\n{tail}"));
+        }
+
+        #[test]
+        fn a_good_drawing_is_read_as_it_is_drawn(rows in proptest::collection::vec("[.#]{7}", 1..9)) {
+            let mut rows = rows;
+            rows[0].replace_range(0..1, "S");
+            let hall = Hall::parse("x.toml", &format!("drawing = '''\n{}\n'''", rows.join("\n"))).unwrap();
+            for (y, row) in (0i32..).zip(&rows) {
+                for (x, mark) in (0i32..).zip(row.chars()) {
+                    prop_assert_eq!(hall.truth(Cell::new(x, y)) == super::super::Truth::Wall, mark == '#');
+                }
+            }
+        }
+    }
+
+    /// Bytes of good files are changed, dropped, doubled and swapped at random; the reader must answer every time.
+    #[test]
+    fn mutated_files_are_read_or_refused_but_never_panic() {
+        let map = "type octile\nheight 3\nwidth 4\nmap\n@@.T\nO.GS\nWTT.\n";
+        let mut stream = Stream::new(2026, "mutation");
+        let mut refused = 0;
+        for (_, original) in BUILT_IN.into_iter().chain([("map", map)]) {
+            for _ in 0..400 {
+                let mut bytes = original.as_bytes().to_vec();
+                for _ in 0..=stream.below(6) {
+                    mutate(&mut bytes, &mut stream);
+                }
+                refused += usize::from(Hall::parse("mutant", &String::from_utf8_lossy(&bytes)).is_err());
+            }
+        }
+        assert!(refused > 200, "most mutants are broken: {refused}");
+    }
+
+    fn mutate(bytes: &mut Vec<u8>, stream: &mut Stream) {
+        let place = usize::try_from(stream.below(bytes.len().max(1) as u64)).unwrap();
+        match stream.below(4) {
+            0 if place < bytes.len() => bytes[place] = stream.number().to_le_bytes()[0],
+            1 => bytes.truncate(place),
+            2 => bytes.extend_from_within(place..),
+            _ => bytes.rotate_left(place),
+        }
+    }
+}

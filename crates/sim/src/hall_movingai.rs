@@ -1,0 +1,178 @@
+//! Reads the grid maps of the MovingAI benchmark (N. Sturtevant, "Benchmarks for Grid-Based Pathfinding", 2012): `T` is
+//! luggage, each cell a piece; the other obstacles are walls. Nothing is dangerous, and there is no thermometer.
+
+use super::bag::Bag;
+use super::hall::{Hall, MAX_PIECES, Plan, Truth};
+use super::hall_error::{HallError, HallFault};
+use super::hall_rows::{drawn, sides};
+use hallsweep_core::event::Piece;
+use hallsweep_core::units::Cell;
+use hallsweep_core::world::hall_map::Bounds;
+
+/// The lines before the rows: `type …`, `height N`, `width N`, `map`.
+const HEADER_LINES: usize = 4;
+
+/// Where the header says how many rows there are, counted from 1.
+const HEIGHT_LINE: usize = 2;
+
+/// Where it says how many columns there are.
+const WIDTH_LINE: usize = 3;
+
+/// Reads a map; home is the free cell nearest to the north-west corner (Manhattan; of equals the first row, then column).
+pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError> {
+    let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
+    let (width, height) = header(file, &lines)?;
+    let worst = if width == 0 || (width > height && height > 0) { WIDTH_LINE } else { HEIGHT_LINE };
+    sides(width as u64, height as u64).map_err(|fault| fault.at(file, worst))?;
+    let rows = rows(file, &lines, height)?;
+    let mut reading = Reading::default();
+    for (index, row) in rows.iter().enumerate() {
+        reading.row(index, row, width).map_err(|fault| fault.at(file, HEADER_LINES + index + 1))?;
+    }
+    let plan = reading.finish(width, height).map_err(|fault| fault.at(file, HEADER_LINES + 1))?;
+    Ok(Hall::of(name, plan))
+}
+
+/// Reads the header; width and height.
+fn header(file: &str, lines: &[&str]) -> Result<(usize, usize), HallError> {
+    let words = |line: usize| -> Vec<&str> { lines.get(line).map_or(Vec::new(), |line| line.split_whitespace().collect()) };
+    let wrong = |line: usize, form: &'static str| {
+        let found = lines.get(line - 1).map_or(String::new(), |line| (*line).to_owned());
+        HallFault::Header { line, found, form }.at(file, line)
+    };
+    let number = |line: usize, key: &str, form: &'static str| match words(line - 1).as_slice() {
+        [word, value] if *word == key => value.parse().map_err(|_| wrong(line, form)),
+        _ => Err(wrong(line, form)),
+    };
+    if words(0).first() != Some(&"type") {
+        return Err(wrong(1, "type octile"));
+    }
+    let height = number(HEIGHT_LINE, "height", "height NUMBER")?;
+    let width = number(WIDTH_LINE, "width", "width NUMBER")?;
+    if words(HEADER_LINES - 1) != ["map"] {
+        return Err(wrong(HEADER_LINES, "map"));
+    }
+    Ok((width, height))
+}
+
+/// The rows after the header; empty lines at the end do not count.
+fn rows<'a>(file: &str, lines: &'a [&'a str], height: usize) -> Result<&'a [&'a str], HallError> {
+    let rows = lines.get(HEADER_LINES..).unwrap_or_default();
+    let found = rows.iter().rposition(|row| !row.is_empty()).map_or(0, |last| last + 1);
+    // The first row that is too many, or the last one there is.
+    let line = HEADER_LINES + if found > height { height + 1 } else { found };
+    if found == height { Ok(&rows[..found]) } else { Err(HallFault::RowCount { said: height, found }.at(file, line)) }
+}
+
+/// What has been read so far, in the map's own columns and rows.
+#[derive(Default)]
+struct Reading {
+    squares: Vec<Truth>,
+    luggage: Vec<Cell>,
+    home: Option<Cell>,
+}
+
+impl Reading {
+    fn row(&mut self, index: usize, row: &str, width: usize) -> Result<(), HallFault> {
+        let found = row.chars().count();
+        if found != width {
+            return Err(HallFault::ColumnCount { row: index + 1, said: width, found });
+        }
+        for (place, mark) in row.chars().enumerate() {
+            let cell = drawn(place, index);
+            let square = match mark {
+                '.' | 'G' | 'S' => self.free(cell),
+                'T' => self.luggage(cell)?,
+                '@' | 'O' | 'W' => Truth::Wall,
+                _ => return Err(HallFault::UnknownTerrain { row: index + 1, column: place + 1, mark }),
+            };
+            self.squares.push(square);
+        }
+        Ok(())
+    }
+
+    /// Rows are read from the north and each from the west, so of equally near cells the first that is met stays home.
+    fn free(&mut self, cell: Cell) -> Truth {
+        if self.home.is_none_or(|home| cell.x + cell.y < home.x + home.y) {
+            self.home = Some(cell);
+        }
+        Truth::Free
+    }
+
+    fn luggage(&mut self, cell: Cell) -> Result<Truth, HallFault> {
+        if self.luggage.len() == MAX_PIECES {
+            return Err(HallFault::TooManyPieces(MAX_PIECES));
+        }
+        self.luggage.push(cell);
+        Ok(Truth::Luggage(Piece(u32::try_from(self.luggage.len()).expect("the pieces have just been bounded"))))
+    }
+
+    fn finish(self, width: usize, height: usize) -> Result<Plan, HallFault> {
+        let home = self.home.ok_or(HallFault::NoFreeCell)?;
+        let from_home = |cell: Cell| Cell::new(cell.x - home.x, cell.y - home.y);
+        let bounds = Bounds { least: from_home(Cell::HOME), most: from_home(drawn(width - 1, height - 1)) };
+        let bags = (1..).zip(&self.luggage).map(|(number, cell)| Bag::plain(Piece(number), vec![from_home(*cell)])).collect();
+        Ok(Plan { bounds, squares: self.squares, bags })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MAP: &str = "type octile\r\nheight 3\r\nwidth 4\r\nmap\r\n@@.T\r\nO.GS\r\nWTT.\r\n";
+
+    fn check(text: &str, expect: &str) {
+        assert_eq!(read("m.map", "m", text).expect_err("this map has a fault").to_string(), expect);
+    }
+
+    #[test]
+    fn home_is_the_free_cell_nearest_to_the_north_west_and_the_first_of_equals() {
+        let hall = read("m.map", "m", MAP).unwrap();
+        assert_eq!(hall.bounds(), Bounds { least: Cell::new(-2, 0), most: Cell::new(1, 2) });
+        assert_eq!(hall.truth(Cell::HOME), Truth::Free);
+    }
+
+    #[test]
+    fn every_t_is_a_piece_of_its_own() {
+        let hall = read("m.map", "m", MAP).unwrap();
+        let cells: Vec<Cell> = hall.pieces().iter().flat_map(|bag| bag.cells.clone()).collect();
+        assert_eq!(cells, [Cell::new(1, 0), Cell::new(-1, 2), Cell::new(0, 2)]);
+        assert_eq!(hall.truth(Cell::new(0, 2)), Truth::Luggage(Piece(3)));
+        assert!(hall.pieces().iter().all(|bag| !bag.dangerous));
+    }
+
+    #[test]
+    fn a_broken_header_or_row_is_named_with_its_line() {
+        check(
+            "type octile\nheight x\nwidth 1\nmap\n.\n",
+            "m.map:2: not a MovingAI map: line 2 reads \"height x\", it should read `height NUMBER`",
+        );
+        check("type octile\nheight 1\n", "m.map:3: not a MovingAI map: line 3 is empty, it should read `width NUMBER`");
+        check(
+            "type octile\nheight 2\nwidth 1\nmap\n.\n",
+            "m.map:5: the header says 2 rows, but there are 1: correct `height` or the rows",
+        );
+        check(
+            "type octile\nheight 2\nwidth 1\nmap\n.\n.\n.\n.\n",
+            "m.map:7: the header says 2 rows, but there are 4: correct `height` or the rows",
+        );
+        check(
+            "type octile\nheight 1\nwidth 5000\nmap\n.\n",
+            "m.map:3: a hall of 5000 × 1 cells is too large: at most 2048 × 2048 cells are kept",
+        );
+        check(
+            "type octile\nheight 2\nwidth 2\nmap\n..\n.\n",
+            "m.map:6: row 2 has 1 columns, the header says 2: correct `width` or the row",
+        );
+        check("type octile\nheight 1\nwidth 1\nmap\n@\n", "m.map:5: no free cell: the robot has nowhere to stand");
+        check(
+            "type octile\nheight 0\nwidth 9\nmap\n",
+            "m.map:2: a hall of 9 × 0 cells has no floor: give at least one column and one row",
+        );
+        check(
+            "type octile\nheight 1\nwidth 2\nmap\n.x\n",
+            "m.map:5: row 1 has 'x' in column 2: a MovingAI map has only `.` `G` `S` (free), `T` (luggage), `@` `O` `W` (wall)",
+        );
+    }
+}

@@ -1,0 +1,204 @@
+//! Reads a drawing of a hall: rows of `.` `#` `S` `T` and letters. What the letters stand for in words is not in the drawing.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::bag::Bag;
+use super::hall::{Hall, MAX_PIECES, MAX_SIDE, Plan, Truth};
+use super::hall_error::{HallError, HallFault};
+use hallsweep_core::event::Piece;
+use hallsweep_core::units::Cell;
+use hallsweep_core::world::hall_map::Bounds;
+
+/// A drawing once read: the plan, and which letter is which piece.
+#[derive(Debug)]
+pub(super) struct Drawing {
+    pub(super) plan: Plan,
+    pub(super) letters: BTreeMap<char, Piece>,
+}
+
+/// A fault of a drawing and the row it is in, counted from 1; row 0 means the drawing as a whole.
+pub(super) type RowFault = (usize, HallFault);
+
+impl Hall {
+    /// A hall from rows of `.` (free), `#` (wall), `S` (start), letters a–z (luggage; the same letter is the same piece) and
+    /// `T` (luggage, each cell a piece of its own). All luggage is harmless, of kinds and colours that follow from its order.
+    ///
+    /// # Errors
+    /// The first fault, with the row as its line.
+    pub fn from_rows(name: &str, rows: &[&str]) -> Result<Hall, HallError> {
+        let drawing = read(rows).map_err(|(row, fault)| if row == 0 { fault.of(name) } else { fault.at(name, row) })?;
+        Ok(Hall::of(name, drawing.plan))
+    }
+}
+
+/// The plan of a rectangle of free cells, with the start in its north-west corner.
+pub(super) fn empty(width: u64, height: u64) -> Result<Plan, HallFault> {
+    let (columns, rows) = sides(width, height)?;
+    let bounds = Bounds { least: Cell::HOME, most: Cell::new(columns - 1, rows - 1) };
+    let count = usize::try_from(width * height).expect("the sides have just been bounded");
+    Ok(Plan { bounds, squares: vec![Truth::Free; count], bags: Vec::new() })
+}
+
+/// Checks the sides of a hall against the bounds.
+pub(super) fn sides(width: u64, height: u64) -> Result<(i32, i32), HallFault> {
+    if width == 0 || height == 0 {
+        return Err(HallFault::Empty(width, height));
+    }
+    let side = |cells: u64| i32::try_from(cells).ok().filter(|_| cells <= MAX_SIDE as u64);
+    side(width).zip(side(height)).ok_or(HallFault::TooLarge(width, height, MAX_SIDE))
+}
+
+/// Reads the rows of a drawing.
+pub(super) fn read(rows: &[&str]) -> Result<Drawing, RowFault> {
+    let width = rows.first().map_or(0, |row| row.chars().count());
+    let size = sides(width as u64, rows.len() as u64).map_err(|fault| (0, fault))?;
+    let mut reading = Reading::default();
+    for (index, row) in rows.iter().enumerate() {
+        let columns = row.chars().count();
+        if columns != width {
+            return Err((index + 1, HallFault::Ragged { row: index + 1, columns, first: width }));
+        }
+        reading.row(index, row).map_err(|fault| (index + 1, fault))?;
+    }
+    reading.finish(size)
+}
+
+/// What has been read of a drawing so far, in the drawing's own columns and rows.
+#[derive(Default)]
+struct Reading {
+    squares: Vec<Truth>,
+    start: Option<Cell>,
+    letters: BTreeMap<char, Piece>,
+    cells: Vec<Vec<Cell>>,
+}
+
+impl Reading {
+    fn row(&mut self, index: usize, row: &str) -> Result<(), HallFault> {
+        for (place, mark) in row.chars().enumerate() {
+            let cell = drawn(place, index);
+            let square = match mark {
+                '.' => Truth::Free,
+                '#' => Truth::Wall,
+                'S' if self.start.is_some() => return Err(HallFault::SecondStart { row: index + 1, column: place + 1 }),
+                'S' => {
+                    self.start = Some(cell);
+                    Truth::Free
+                }
+                'T' => Truth::Luggage(self.new_piece(cell)?),
+                'a'..='z' => Truth::Luggage(self.lettered(mark, cell)?),
+                _ => return Err(HallFault::UnknownSquare { row: index + 1, column: place + 1, mark }),
+            };
+            self.squares.push(square);
+        }
+        Ok(())
+    }
+
+    /// The piece of this letter, which now covers this cell too.
+    fn lettered(&mut self, letter: char, cell: Cell) -> Result<Piece, HallFault> {
+        if let Some(piece) = self.letters.get(&letter) {
+            self.cells[piece.0 as usize - 1].push(cell);
+            return Ok(*piece);
+        }
+        let piece = self.new_piece(cell)?;
+        self.letters.insert(letter, piece);
+        Ok(piece)
+    }
+
+    /// One more piece, which begins with this cell.
+    fn new_piece(&mut self, cell: Cell) -> Result<Piece, HallFault> {
+        if self.cells.len() == MAX_PIECES {
+            return Err(HallFault::TooManyPieces(MAX_PIECES));
+        }
+        self.cells.push(vec![cell]);
+        Ok(Piece(u32::try_from(self.cells.len()).expect("the pieces have just been bounded")))
+    }
+
+    fn finish(self, (width, height): (i32, i32)) -> Result<Drawing, RowFault> {
+        let start = self.start.ok_or((0, HallFault::NoStart))?;
+        for (letter, piece) in &self.letters {
+            let cells = &self.cells[piece.0 as usize - 1];
+            if !touch(cells) {
+                let row = cells.last().and_then(|cell| usize::try_from(cell.y + 1).ok()).unwrap_or(0);
+                return Err((row, HallFault::Scattered(*letter)));
+            }
+        }
+        let from_start = |cell: Cell| Cell::new(cell.x - start.x, cell.y - start.y);
+        let bounds = Bounds { least: from_start(Cell::HOME), most: from_start(Cell::new(width - 1, height - 1)) };
+        let moved = self.cells.into_iter().map(|cells| cells.into_iter().map(from_start).collect());
+        let bags = (1..).zip(moved).map(|(number, cells)| Bag::plain(Piece(number), cells)).collect();
+        Ok(Drawing { plan: Plan { bounds, squares: self.squares, bags }, letters: self.letters })
+    }
+}
+
+/// The cell at this column and row of a drawing, counted from 0.
+pub(super) fn drawn(column: usize, row: usize) -> Cell {
+    let number = |place: usize| i32::try_from(place).expect("the sides of a hall have been bounded");
+    Cell::new(number(column), number(row))
+}
+
+/// Whether one can go from any of these cells to any other over their sides.
+fn touch(cells: &[Cell]) -> bool {
+    let mut left: BTreeSet<Cell> = cells.iter().copied().collect();
+    let mut border: Vec<Cell> = left.pop_first().into_iter().collect();
+    while let Some(cell) = border.pop() {
+        border.extend(cell.neighbours().into_iter().filter(|next| left.remove(next)));
+    }
+    left.is_empty()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(rows: &[&str], expect: &str) {
+        let error = Hall::from_rows("drawing", rows).expect_err("this drawing has a fault");
+        assert_eq!(error.to_string(), expect);
+    }
+
+    #[test]
+    fn faults_of_a_drawing_are_named_with_their_row() {
+        check(&["S..", ".."], "drawing:2: row 2 has 2 columns, row 1 has 3: make all rows equally long");
+        check(&["..", ".."], "drawing: no start: put one `S` into the drawing where the robot starts");
+        check(&["S.", ".S"], "drawing:2: a second start `S` in row 2, column 2: keep one");
+        check(
+            &["S?"],
+            "drawing:1: row 1 has '?' in column 2: use `.` (free), `#` (wall), `S` (start), a letter a–z or `T` (luggage)",
+        );
+        check(&[], "drawing: a hall of 0 × 0 cells has no floor: give at least one column and one row");
+        check(
+            &["Sa", "..", ".a"],
+            "drawing:3: luggage `a` is drawn in places that do not touch: give each piece a letter of its own",
+        );
+    }
+
+    #[test]
+    fn every_t_is_a_harmless_piece_of_its_own_numbered_with_the_letters_in_reading_order() {
+        let hall = Hall::from_rows("drawing", &["STT", "a.T", "aTb"]).unwrap();
+        let cells: Vec<Vec<(i32, i32)>> =
+            hall.pieces().iter().map(|bag| bag.cells.iter().map(|cell| (cell.x, cell.y)).collect()).collect();
+        let [t, next_t, a] = [vec![(1, 0)], vec![(2, 0)], vec![(0, 1), (0, 2)]];
+        assert_eq!(cells, [t, next_t, a, vec![(2, 1)], vec![(1, 2)], vec![(2, 2)]]);
+        assert_eq!(hall.truth(Cell::new(2, 1)), Truth::Luggage(Piece(4)));
+        for (number, bag) in (1..).zip(hall.pieces()) {
+            assert_eq!(*bag, Bag::plain(Piece(number), bag.cells.clone()), "kind and colour follow from the order");
+            assert!(!bag.dangerous);
+        }
+    }
+
+    #[test]
+    fn more_single_pieces_than_the_bound_are_refused_at_their_row() {
+        let side = "T".repeat(MAX_SIDE);
+        let mut rows = vec![format!("S{}", &side[1..])];
+        rows.resize(MAX_PIECES / MAX_SIDE, side.clone());
+        let drawing: Vec<&str> = rows.iter().map(String::as_str).collect();
+        assert_eq!(Hall::from_rows("drawing", &drawing).unwrap().pieces().len(), MAX_PIECES - 1);
+        let more: Vec<&str> = drawing.into_iter().chain([side.as_str()]).collect();
+        check(&more, "drawing:129: more than 262144 pieces of luggage: remove some");
+    }
+
+    #[test]
+    fn a_drawing_larger_than_the_bound_is_refused() {
+        let row = ".".repeat(MAX_SIDE + 1);
+        check(&[&row], "drawing: a hall of 2049 × 1 cells is too large: at most 2048 × 2048 cells are kept");
+    }
+}

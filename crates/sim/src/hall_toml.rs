@@ -1,0 +1,336 @@
+//! Reads a hall file in TOML: `name`, `description`, `cell_m`, a `drawing` or `width` and `height`, `[[luggage]]` and
+//! `[[temperature]]`. What each key means to an author is told in `docs/halls.md`.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::bag::{Bag, Colour, Kind};
+use super::curve::Curve;
+use super::hall::{Hall, MAX_SIDE, Plan, USUAL_CELL_M};
+use super::hall_error::{HallError, HallFault};
+use super::hall_rows::{self, Drawing};
+use hallsweep_core::event::Piece;
+use hallsweep_core::units::Celsius;
+
+/// The most keyframes of a temperature: one a minute for a day and more.
+const MAX_TEMPERATURES: usize = 2048;
+
+/// A billion seconds are thirty years: no search lasts longer.
+const MAX_SECONDS: f64 = 1e9;
+
+/// The file as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    name: Option<Spanned<String>>,
+    description: Option<Spanned<String>>,
+    cell_m: Option<Spanned<f64>>,
+    drawing: Option<Spanned<String>>,
+    width: Option<Spanned<i64>>,
+    height: Option<Spanned<i64>>,
+    #[serde(default)]
+    luggage: Vec<Luggage>,
+    #[serde(default)]
+    temperature: Vec<Keyframe>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Luggage {
+    mark: Spanned<String>,
+    kind: Spanned<String>,
+    colour: Spanned<String>,
+    height_m: Option<Spanned<f64>>,
+    #[serde(default)]
+    dangerous: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keyframe {
+    at_s: Spanned<f64>,
+    celsius: Spanned<f64>,
+}
+
+/// Reads a hall file; `name` is the hall's name when the file gives none.
+pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError> {
+    let source = Source { file, text };
+    let content: File = toml::from_str(text).map_err(|error| source.syntax(&error))?;
+    let name = source.name(content.name.as_ref(), name)?;
+    let description = source.description(content.description)?;
+    let cell_m = source.within("cell_m", content.cell_m.as_ref(), 0.1..=5.0)?.unwrap_or(USUAL_CELL_M);
+    let plan = match &content.drawing {
+        Some(drawing) if content.width.is_none() && content.height.is_none() => source.drawing(drawing, &content.luggage)?,
+        Some(drawing) => return Err(source.at(&drawing.span(), HallFault::DrawingAndSize)),
+        None => source.empty(content.width.as_ref(), content.height.as_ref(), &content.luggage)?,
+    };
+    let curve = source.curve(&content.temperature)?;
+    Ok(Hall::of(&name, plan).described(&description, cell_m, curve))
+}
+
+/// The text that is read, for the lines of its faults.
+struct Source<'a> {
+    file: &'a str,
+    text: &'a str,
+}
+
+impl Source<'_> {
+    fn line(&self, span: &Range<usize>) -> usize {
+        let before = self.text.as_bytes().get(..span.start).unwrap_or(self.text.as_bytes());
+        before.iter().filter(|byte| **byte == b'\n').count() + 1
+    }
+
+    fn at(&self, span: &Range<usize>, fault: HallFault) -> HallError {
+        fault.at(self.file, self.line(span))
+    }
+
+    fn syntax(&self, error: &toml::de::Error) -> HallError {
+        // A text without one `=` was never meant as TOML, and words about TOML would not help its author.
+        if !self.text.contains('=') {
+            return HallFault::NoHall.at(self.file, 1);
+        }
+        let reason = error.message().lines().collect::<Vec<_>>().join(", ");
+        let reason = reason.replace("expected i64", "expected a whole number").replace("expected f64", "expected a number");
+        let fault = HallFault::Syntax(format!("{reason}: correct this line"));
+        match error.span() {
+            Some(span) => self.at(&span, fault),
+            None => fault.of(self.file),
+        }
+    }
+
+    fn name(&self, given: Option<&Spanned<String>>, otherwise: &str) -> Result<String, HallError> {
+        let Some(name) = given else { return Ok(otherwise.to_owned()) };
+        let length = name.get_ref().chars().count();
+        let good = (1..=64).contains(&length);
+        if good { Ok(name.get_ref().clone()) } else { Err(self.at(&name.span(), HallFault::NameLength(length))) }
+    }
+
+    fn description(&self, given: Option<Spanned<String>>) -> Result<String, HallError> {
+        let Some(text) = given else { return Ok(String::new()) };
+        let length = text.get_ref().chars().count();
+        if length > 1000 { Err(self.at(&text.span(), HallFault::DescriptionLength(length))) } else { Ok(text.into_inner()) }
+    }
+
+    /// A number within limits. Not-a-number is within none.
+    fn within(
+        &self,
+        key: &'static str,
+        given: Option<&Spanned<f64>>,
+        limits: std::ops::RangeInclusive<f64>,
+    ) -> Result<Option<f64>, HallError> {
+        let Some(number) = given else { return Ok(None) };
+        let (value, least, most) = (number.get_ref().to_string(), limits.start().to_string(), limits.end().to_string());
+        let fault = HallFault::OutOfRange { key, value, least, most };
+        if limits.contains(number.get_ref()) { Ok(Some(*number.get_ref())) } else { Err(self.at(&number.span(), fault)) }
+    }
+
+    fn empty(&self, width: Option<&Spanned<i64>>, height: Option<&Spanned<i64>>, luggage: &[Luggage]) -> Result<Plan, HallError> {
+        let missing = |key| HallFault::Missing(key, "give a `drawing`, or both `width` and `height` of an empty hall");
+        let (width, height) = match (width, height) {
+            (Some(width), Some(height)) => (width, height),
+            (Some(width), None) => return Err(self.at(&width.span(), missing("`height`"))),
+            (None, Some(height)) => return Err(self.at(&height.span(), missing("`width`"))),
+            (None, None) => return Err(missing("`drawing`").of(self.file)),
+        };
+        if let Some(bag) = luggage.first() {
+            return Err(self.at(&bag.mark.span(), HallFault::Undrawn(bag.mark.get_ref().clone())));
+        }
+        let (columns, rows) = (self.side("width", width)?, self.side("height", height)?);
+        let worst = if columns == 0 || (columns > rows && rows > 0) { width } else { height };
+        hall_rows::empty(columns, rows).map_err(|fault| self.at(&worst.span(), fault))
+    }
+
+    /// A number of cells, not negative.
+    fn side(&self, key: &'static str, side: &Spanned<i64>) -> Result<u64, HallError> {
+        let (value, least, most) = (side.get_ref().to_string(), 1.to_string(), MAX_SIDE.to_string());
+        u64::try_from(*side.get_ref()).map_err(|_| self.at(&side.span(), HallFault::OutOfRange { key, value, least, most }))
+    }
+
+    fn drawing(&self, drawing: &Spanned<String>, luggage: &[Luggage]) -> Result<Plan, HallError> {
+        let mut rows: Vec<&str> = drawing.get_ref().lines().map(str::trim).collect();
+        while rows.last().is_some_and(|row| row.is_empty()) {
+            rows.pop();
+        }
+        let blank = rows.iter().take_while(|row| row.is_empty()).count();
+        let first_line = self.first_row_line(&drawing.span()) + blank;
+        let read = hall_rows::read(&rows[blank..]).map_err(|(row, fault)| match row {
+            0 => self.at(&drawing.span(), fault),
+            row => fault.at(self.file, first_line + row - 1),
+        })?;
+        self.furnish(read, &drawing.span(), luggage)
+    }
+
+    /// The line of a drawing's first row: the one after the opening quotes, when these are three and end their line.
+    fn first_row_line(&self, span: &Range<usize>) -> usize {
+        let value = self.text.get(span.clone()).unwrap_or_default();
+        let opened = value.strip_prefix("\"\"\"").or_else(|| value.strip_prefix("'''"));
+        let next = opened.is_some_and(|rest| rest.starts_with('\n') || rest.starts_with("\r\n"));
+        self.line(span) + usize::from(next)
+    }
+
+    /// Gives the drawn pieces their descriptions, each exactly one.
+    fn furnish(&self, drawing: Drawing, span: &Range<usize>, luggage: &[Luggage]) -> Result<Plan, HallError> {
+        let Drawing { mut plan, letters } = drawing;
+        let mut described: BTreeMap<char, Piece> = BTreeMap::new();
+        for entry in luggage {
+            let fault = |fault| self.at(&entry.mark.span(), fault);
+            let mark = self.mark(&entry.mark)?;
+            let piece = *letters.get(&mark).ok_or_else(|| fault(HallFault::Undrawn(entry.mark.get_ref().clone())))?;
+            if described.insert(mark, piece).is_some() {
+                return Err(fault(HallFault::DescribedTwice(mark)));
+            }
+            let bag = plan.bags.iter_mut().find(|bag| bag.piece == piece).expect("every letter of a drawing has its piece");
+            self.describe(bag, entry)?;
+        }
+        match letters.keys().find(|letter| !described.contains_key(letter)) {
+            Some(letter) => Err(self.at(span, HallFault::Undescribed(*letter))),
+            None => Ok(plan),
+        }
+    }
+
+    fn mark(&self, mark: &Spanned<String>) -> Result<char, HallError> {
+        let mut letters = mark.get_ref().chars();
+        match (letters.next(), letters.next()) {
+            (Some(letter @ 'a'..='z'), None) => Ok(letter),
+            _ => Err(self.at(&mark.span(), HallFault::NotAMark(mark.get_ref().clone()))),
+        }
+    }
+
+    fn describe(&self, bag: &mut Bag, entry: &Luggage) -> Result<(), HallError> {
+        let kind_name = entry.kind.get_ref();
+        bag.kind =
+            Kind::named(kind_name).ok_or_else(|| self.at(&entry.kind.span(), HallFault::UnknownKind(kind_name.clone())))?;
+        bag.colour = Colour::parse(entry.colour.get_ref()).ok_or_else(|| {
+            let names = Colour::NAMED.map(|(name, _)| name).join(", ");
+            self.at(&entry.colour.span(), HallFault::UnknownColour(entry.colour.get_ref().clone(), names))
+        })?;
+        let height_m = self.within("height_m", entry.height_m.as_ref(), 0.1..=2.0)?;
+        bag.height_m = height_m.unwrap_or(bag.kind.usual_height_m());
+        bag.dangerous = entry.dangerous;
+        bag.name = format!("{} {}", bag.colour.nearest_name(), bag.kind.name()).into();
+        Ok(())
+    }
+
+    fn curve(&self, keyframes: &[Keyframe]) -> Result<Option<Curve>, HallError> {
+        let mut keys: Vec<(f64, Celsius)> = Vec::new();
+        for keyframe in keyframes {
+            let at_s = self.within("at_s", Some(&keyframe.at_s), 0.0..=MAX_SECONDS)?.unwrap_or(0.0);
+            let degrees = self.within("celsius", Some(&keyframe.celsius), Celsius::LEAST..=Celsius::MOST)?;
+            let celsius = degrees.and_then(Celsius::new).expect("the limits are those of a temperature");
+            if let Some((before, _)) = keys.last().filter(|(before, _)| at_s <= *before) {
+                let fault = HallFault::TemperatureOrder { at: at_s.to_string(), before: before.to_string() };
+                return Err(self.at(&keyframe.at_s.span(), fault));
+            }
+            if keys.len() == MAX_TEMPERATURES {
+                return Err(self.at(&keyframe.at_s.span(), HallFault::TooManyTemperatures(MAX_TEMPERATURES)));
+            }
+            keys.push((at_s, celsius));
+        }
+        Ok(Curve::through(keys))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    const HALL: &str = r##"name = "two bags"
+drawing = """
+  S.a
+  .ba
+"""
+[[luggage]]
+mark = "a"
+kind = "trolley"
+colour = "#b8222a"
+dangerous = true
+
+[[luggage]]
+mark = "b"
+kind = "box"
+colour = "brown"
+height_m = 0.3
+
+[[temperature]]
+at_s = 0
+celsius = 21.5
+"##;
+
+    fn check(text: &str, expect: &str) {
+        let error = read("halls/x.toml", "x", text).expect_err("this hall has a fault").to_string();
+        assert!(error.starts_with(expect), "expected {expect}\n     got {error}");
+    }
+
+    #[test]
+    fn a_hall_file_is_read_whole() {
+        let hall = read("halls/x.toml", "x", HALL).unwrap();
+        assert_eq!(hall.name(), "two bags");
+        assert_eq!(hall.temperature_at(Duration::from_secs(9)), Celsius::new(21.5));
+        let [a, b] = hall.pieces() else { panic!("two pieces are drawn") };
+        assert_eq!((a.kind, &*a.name, a.cells.len(), a.dangerous), (Kind::Trolley, "red trolley", 2, true));
+        assert_eq!((b.kind, b.height_m, b.dangerous), (Kind::Box, 0.3, false));
+    }
+
+    #[test]
+    fn a_t_needs_no_description_and_can_have_none() {
+        let hall = read("halls/x.toml", "x", &HALL.replace("S.a", "STa")).unwrap();
+        let [t, a, b] = hall.pieces() else { panic!("three pieces are drawn") };
+        assert_eq!((t.piece, t.cells.len(), t.dangerous), (Piece(1), 1, false));
+        assert_eq!((&*a.name, &*b.name), ("red trolley", "brown box"));
+        let described = HALL.replace("S.a", "STa").replace("mark = \"b\"", "mark = \"T\"");
+        check(&described, "halls/x.toml:13: the mark \"T\" is not one letter a–z");
+    }
+
+    #[test]
+    fn an_empty_hall_needs_only_its_size() {
+        let hall = read("e.toml", "e", "width = 3\nheight = 2\n").unwrap();
+        assert_eq!((hall.name(), hall.reachable().len()), ("e", 6));
+    }
+
+    #[test]
+    fn faults_of_the_drawing_are_found_at_their_row() {
+        let ragged = HALL.replace("  .ba", "  .baaaaaaa");
+        check(&ragged, "halls/x.toml:4: row 2 has 9 columns, row 1 has 3: make all rows equally long");
+        check(&HALL.replace(".ba", ".b?"), "halls/x.toml:4: row 2 has '?' in column 3");
+        check(&HALL.replace('S', "."), "halls/x.toml:2: no start");
+        check(&HALL.replace(".ba", "Sba"), "halls/x.toml:4: a second start `S` in row 2, column 1");
+        check(&HALL.replace("S.a", "S.c"), "halls/x.toml:2: luggage `c` is in the drawing but not described");
+    }
+
+    #[test]
+    fn faults_of_the_luggage_are_found_at_their_key() {
+        check(
+            &HALL.replace("mark = \"b\"", "mark = \"z\""),
+            "halls/x.toml:13: luggage \"z\" is described but not in the drawing",
+        );
+        check(&HALL.replace("mark = \"b\"", "mark = \"bb\""), "halls/x.toml:13: the mark \"bb\" is not one letter a–z");
+        check(&HALL.replace("mark = \"b\"", "mark = \"a\""), "halls/x.toml:13: luggage `a` is described twice");
+        check(&HALL.replace("\"box\"", "\"crate\""), "halls/x.toml:14: \"crate\" is no kind of luggage: use suitcase");
+        check(&HALL.replace("brown", "mud"), "halls/x.toml:15: \"mud\" is no colour: use #rrggbb or one of red,");
+        check(&HALL.replace("0.3", "nan"), "halls/x.toml:16: `height_m` is NaN: give a number from 0.1 to 2");
+    }
+
+    #[test]
+    fn faults_of_size_temperature_and_toml_are_found_at_their_line() {
+        check("width = 0\nheight = 4\n", "halls/x.toml:1: a hall of 0 × 4 cells has no floor");
+        check("width = 9000\nheight = 4\n", "halls/x.toml:1: a hall of 9000 × 4 cells is too large");
+        check("width = 4\nheight = 9000\n", "halls/x.toml:2: a hall of 4 × 9000 cells is too large");
+        check("width = -1\nheight = 4\n", "halls/x.toml:1: `width` is -1: give a number from 1 to 2048");
+        check("width = 3\nheight = -7\n", "halls/x.toml:2: `height` is -7: give a number from 1 to 2048");
+        check("width = 3\n", "halls/x.toml:1: `height` is missing");
+        check("# A hall.\nheight = 3\n", "halls/x.toml:2: `width` is missing");
+        check("name = \"x\"\n", "halls/x.toml: `drawing` is missing");
+        check(&format!("width = 3\n{HALL}"), "halls/x.toml:3: `drawing` and `width`/`height` are both given");
+        check(&HALL.replace("21.5", "5000"), "halls/x.toml:20: `celsius` is 5000: give a number from -60 to 1000");
+        check(&format!("{HALL}[[temperature]]\nat_s = 0\ncelsius = 3\n"), "halls/x.toml:22: the temperature at 0 s comes after");
+        check("width = 3\nheight = 3\nwidht = 4\n", "halls/x.toml:3: unknown field `widht`, expected one of `name`");
+        check("width = 3\nheight = = 3\n", "halls/x.toml:2: ");
+        check("width = 3.5\nheight = 3\n", "halls/x.toml:1: invalid type: floating point `3.5`, expected a whole number");
+        check("name = \"\"\nwidth = 1\nheight = 1\n", "halls/x.toml:1: `name` has 0 characters: give 1 to 64");
+    }
+}

@@ -1,0 +1,156 @@
+//! A whole mission in simulated time, with an operator who answers from the hall file, and the figures it comes to.
+//! How the figures are printed is the command line's business.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::{Moves, Run};
+use crate::{Hall, SimSettings, Truth};
+use hallsweep_core::command::{Command, LuggageRef, Verdict};
+use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::settings::Settings;
+use hallsweep_core::units::Cell;
+use hallsweep_core::world::hall_map::Mark;
+use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// How the operator of such a run answers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Verdicts {
+    /// Danger for what the hall file says is dangerous, safe for the rest.
+    #[default]
+    Hall,
+    /// Safe for everything.
+    AllSafe,
+}
+
+/// What a run came to.
+#[derive(Clone, Debug)]
+pub struct Figures {
+    /// The name of the hall.
+    pub hall: String,
+    /// The order of the search.
+    pub strategy: Strategy,
+    /// The seed of everything.
+    pub seed: u64,
+    /// Reachable cells of the hall, home included.
+    pub cells: usize,
+    /// What the robot did.
+    pub moves: Moves,
+    /// Whether every reachable cell was visited, nothing reachable is unknown and every piece that can be touched is on record.
+    pub complete: bool,
+    /// Whether the robot ended at home.
+    pub home: bool,
+    /// The luggage on record.
+    pub luggage: Arc<[Arc<Luggage>]>,
+    /// How many moves had been made when a dangerous piece was first met.
+    pub bomb_found_at: Option<u64>,
+    /// The last state.
+    pub state: Arc<Snapshot>,
+    /// Everything that was put on record.
+    pub journal: Vec<Entry>,
+    /// Why the run ended without coming home, if it did.
+    pub stuck: Option<String>,
+}
+
+/// Runs a mission from START to its end. `watch` sees the state after everything that happens.
+pub fn explore(
+    hall: &Arc<Hall>,
+    sim: SimSettings,
+    settings: Settings,
+    strategy: Strategy,
+    verdicts: Verdicts,
+    mut watch: impl FnMut(&Snapshot),
+) -> Figures {
+    let mut run = Run::new(Arc::clone(hall), sim, settings, strategy);
+    let mut bomb_found_at = None;
+    let mut stuck = start(&mut run).err();
+    while stuck.is_none() && !has_ended(&mut run) {
+        let state = run.state();
+        watch(&state);
+        if bomb_found_at.is_none() && meets_bomb(&state, hall) {
+            bomb_found_at = Some(run.moves.total());
+        }
+        stuck = match answer(&state, hall, verdicts) {
+            Some(command) => run.give(command).err().map(|refused| refused.to_string()),
+            None if state.mission.phase == PhaseName::Fault => state.mission.fault.clone(),
+            None => (!run.advance()).then(|| why_not(&state)),
+        };
+    }
+    figures(run, hall, sim.seed, bomb_found_at, stuck)
+}
+
+/// Presses START as soon as the hall is cool enough.
+fn start(run: &mut Run) -> Result<(), String> {
+    while let Err(refused) = run.give(Command::Start) {
+        let cooling = run.state().mission.holds == [Hold::Temperature];
+        if !cooling || !run.advance() {
+            return Err(refused.to_string());
+        }
+    }
+    Ok(())
+}
+
+fn has_ended(run: &mut Run) -> bool {
+    matches!(run.phase(), PhaseName::Explored | PhaseName::BombLocated | PhaseName::BagSecured)
+}
+
+fn why_not(state: &Snapshot) -> String {
+    let holds: Vec<&str> = state.mission.holds.iter().map(|hold| hold.in_words()).collect();
+    if holds.is_empty() { "nothing more happens".to_owned() } else { holds.join("; ") }
+}
+
+/// What the operator does now: answer the piece in front of the robot, have its photo taken again, or press START once a heat is
+/// over.
+fn answer(state: &Snapshot, hall: &Hall, verdicts: Verdicts) -> Option<Command> {
+    if state.mission.holds == [Hold::AwaitingStart] && state.mission.refusals.start.is_none() {
+        return Some(Command::Start);
+    }
+    let piece = state.mission.inspected.and_then(|id| state.luggage(id)).filter(|luggage| luggage.is_pending())?;
+    let verdict = if verdicts == Verdicts::Hall && is_bomb(piece, hall) { Verdict::Danger } else { Verdict::Safe };
+    if verdict == Verdict::Safe && !piece.has_photo() {
+        return state.mission.refusals.retake.is_none().then_some(Command::RetakePhoto(piece.id));
+    }
+    Some(Command::Verdict { luggage: LuggageRef::Id(piece.id), verdict })
+}
+
+fn is_bomb(luggage: &Luggage, hall: &Hall) -> bool {
+    matches!(hall.truth(luggage.cell), Truth::Luggage(piece) if hall.is_dangerous(piece))
+}
+
+fn meets_bomb(state: &Snapshot, hall: &Hall) -> bool {
+    state.mission.inspected.and_then(|id| state.luggage(id)).is_some_and(|luggage| is_bomb(luggage, hall))
+}
+
+fn figures(mut run: Run, hall: &Arc<Hall>, seed: u64, bomb_found_at: Option<u64>, stuck: Option<String>) -> Figures {
+    let state = run.state();
+    let reachable = hall.reachable();
+    Figures {
+        hall: hall.name().to_owned(),
+        strategy: state.mission.strategy,
+        seed,
+        cells: reachable.len(),
+        moves: run.moves,
+        complete: is_complete(&state, hall, &reachable, &run.journal),
+        home: state.robot.pose.cell == Cell::HOME && !state.robot.off_centre,
+        luggage: state.luggage.clone(),
+        bomb_found_at,
+        state,
+        journal: run.journal,
+        stuck,
+    }
+}
+
+fn is_complete(state: &Snapshot, hall: &Hall, reachable: &BTreeSet<Cell>, journal: &[Entry]) -> bool {
+    let visited = reachable.iter().all(|cell| state.map.at(*cell) == Mark::Visited);
+    let inspected = |cell: Cell| {
+        journal
+            .iter()
+            .any(|entry| matches!(&entry.fact, Fact::Luggage { record, .. } if hall.truth(record.cell) == hall.truth(cell)))
+    };
+    let neighbours: BTreeSet<Cell> = reachable.iter().flat_map(|cell| cell.neighbours()).collect();
+    let luggage = neighbours.into_iter().filter(|cell| matches!(hall.truth(*cell), Truth::Luggage(_))).all(inspected);
+    visited && luggage && state.map.frontier().is_empty() && state.map.uninspected() == 0
+}

@@ -1,0 +1,207 @@
+//! Runs a mission in simulated time, without doors, threads or waiting: core and simulator driven by the same verbs in a plain
+//! loop. `hallsweep explore`, the simulation tests and the benchmarks use it. The same seed gives the same run, byte for byte.
+
+mod explore;
+pub use explore::{Figures, Verdicts, explore};
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+use crate::{Hall, Sim, SimSettings};
+use hallsweep_core::command::{Accepted, Command, Door, Issuer, Move, Refused, Request};
+use hallsweep_core::effect::{Action, Effect, Entry, Page};
+use hallsweep_core::event::{Event, RobotEvent, RobotId};
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::mission::PhaseName;
+use hallsweep_core::rng::Stream;
+use hallsweep_core::settings::Settings;
+use hallsweep_core::sweep::Sweep;
+use hallsweep_core::units::{Now, Ticket, Wall};
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// 2026-01-01T08:00:00Z: the day on which every simulated run begins, at a second drawn from its seed.
+const FIRST_DAY_MS: i64 = 1_767_254_400_000;
+
+/// A core and a simulated robot in simulated time.
+#[derive(Debug)]
+pub struct Run {
+    /// The core.
+    pub sweep: Sweep,
+    /// The robot.
+    pub sim: Sim,
+    /// Everything that was put on record, in order.
+    pub journal: Vec<Entry>,
+    /// What the robot has done.
+    pub moves: Moves,
+    began_ms: i64,
+    now: Now,
+    open: Option<Action>,
+    answers: BTreeMap<Ticket, Result<Accepted, Refused>>,
+}
+
+/// Moves by kind; one unit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Moves {
+    /// Cells driven.
+    pub steps: u64,
+    /// Quarter turns.
+    pub turns: u64,
+    /// Steps that met an obstacle, the way back included.
+    pub bumps: u64,
+}
+
+impl Moves {
+    /// All of them.
+    #[must_use]
+    pub const fn total(self) -> u64 {
+        self.steps + self.turns + self.bumps
+    }
+}
+
+impl Run {
+    /// A robot at home in `hall`. `sim.seed` seeds everything, the clock too.
+    #[must_use]
+    pub fn new(hall: Arc<Hall>, sim: SimSettings, settings: Settings, strategy: Strategy) -> Run {
+        let seed = sim.seed;
+        let second = Stream::new(seed, "clock").below(12 * 3600);
+        let began_ms = FIRST_DAY_MS + i64::try_from(second).unwrap_or(0) * 1000;
+        let mut run = Run {
+            sweep: Sweep::new(settings, strategy, Arc::from(format!("seed-{seed}"))),
+            sim: Sim::new(hall, sim),
+            journal: Vec::new(),
+            moves: Moves::default(),
+            now: Now { since_start: Duration::ZERO, wall: Wall { unix_ms: began_ms, offset_s: 0 } },
+            began_ms,
+            open: None,
+            answers: BTreeMap::new(),
+        };
+        run.settle();
+        run
+    }
+
+    /// Gives a command in the name of the local operator and lets its immediate consequences happen.
+    ///
+    /// # Errors
+    /// The core's refusal.
+    pub fn give(&mut self, command: Command) -> Result<Accepted, Refused> {
+        self.ask(Request::new(command, Issuer::operator(Door::Local)))
+    }
+
+    /// Gives a command as it is.
+    ///
+    /// # Errors
+    /// The core's refusal.
+    pub fn ask(&mut self, request: Request) -> Result<Accepted, Refused> {
+        let ticket = self.sweep.handle_command(request, self.now);
+        self.settle();
+        let ticket = ticket?;
+        self.answers.remove(&ticket).expect("a store in memory keeps every record at once, so every answer is given at once")
+    }
+
+    /// Lets something happen to the core that the simulator does not do by itself.
+    pub fn happen(&mut self, event: Event) {
+        self.sweep.handle_event(event, self.now);
+        self.settle();
+    }
+
+    /// Lets the next thing happen that takes time; false when nothing more will happen by itself.
+    pub fn advance(&mut self) -> bool {
+        let Some(next) = [self.sim.poll_timeout(), self.sweep.poll_timeout()].into_iter().flatten().min() else { return false };
+        self.wait_until(next);
+        true
+    }
+
+    /// Lets `seconds` of simulated time pass.
+    pub fn wait(&mut self, seconds: f64) {
+        let end = self.now.since_start + Duration::from_secs_f64(seconds);
+        while [self.sim.poll_timeout(), self.sweep.poll_timeout()].into_iter().flatten().min().is_some_and(|next| next <= end) {
+            self.advance();
+        }
+        self.wait_until(end);
+    }
+
+    /// Lets things happen until `reached`; false when `limit` things have happened before.
+    pub fn run_until(&mut self, limit: usize, mut reached: impl FnMut(&Snapshot) -> bool) -> bool {
+        for _ in 0..limit {
+            if reached(&self.state()) {
+                return true;
+            }
+            if !self.advance() {
+                break;
+            }
+        }
+        reached(&self.state())
+    }
+
+    /// The state now.
+    pub fn state(&mut self) -> Arc<Snapshot> {
+        self.sweep.snapshot()
+    }
+
+    /// The phase now.
+    pub fn phase(&mut self) -> PhaseName {
+        self.state().mission.phase
+    }
+
+    /// The simulated time.
+    #[must_use]
+    pub const fn now(&self) -> Now {
+        self.now
+    }
+
+    fn wait_until(&mut self, since_start: Duration) {
+        let passed = since_start.saturating_sub(self.now.since_start);
+        self.now.since_start += passed;
+        self.now.wall.unix_ms = self.began_ms + i64::try_from(self.now.since_start.as_millis()).unwrap_or(0);
+        self.sim.handle_timeout(self.now);
+        self.sweep.handle_timeout(self.now);
+        self.settle();
+    }
+
+    /// Carries effects and events to and fro until both sides are quiet.
+    fn settle(&mut self) {
+        loop {
+            if let Some(effect) = self.sweep.poll_effect() {
+                self.perform(effect);
+            } else if let Some((order, exposure)) = self.sim.take_exposure() {
+                self.sim.handle_photo(order, exposure.develop(), self.now);
+            } else if let Some(report) = self.sim.poll_event() {
+                self.count(&report);
+                self.sweep.handle_event(Event::Robot(RobotId::Discovery, report), self.now);
+            } else {
+                break;
+            }
+        }
+    }
+
+    fn perform(&mut self, effect: Effect) {
+        match effect {
+            Effect::Order(RobotId::Discovery, order) => {
+                self.open = Some(order.action);
+                self.sim.handle_order(order, self.now);
+            }
+            Effect::Halt(RobotId::Discovery) => self.sim.handle_halt(self.now),
+            Effect::Led(RobotId::Discovery, blinks) => self.sim.handle_led(blinks),
+            Effect::Record(page) => self.record(page),
+            Effect::Answer(ticket, answer) => {
+                self.answers.insert(ticket, answer);
+            }
+        }
+    }
+
+    fn record(&mut self, page: Page) {
+        let last = page.last();
+        self.journal.extend(page.entries);
+        self.sweep.handle_event(Event::Recorded(last), self.now);
+    }
+
+    fn count(&mut self, report: &RobotEvent) {
+        match (report, self.open) {
+            (RobotEvent::Blocked(..), _) => self.moves.bumps += 1,
+            (RobotEvent::Done(_), Some(Action::Move(Move::Forward | Move::Backward))) => self.moves.steps += 1,
+            (RobotEvent::Done(_), Some(Action::Move(_))) => self.moves.turns += 1,
+            _ => {}
+        }
+    }
+}

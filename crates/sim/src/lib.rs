@@ -1,0 +1,39 @@
+//! The simulated robot and its hall: a hall as data, a body on two wheels, a sonar, a camera; and core and simulator in one plain
+//! loop, in simulated time (`headless`). It waits for nothing: `now` is an argument.
+//!
+//! ```text
+//!  hall files ─► hall ─┐
+//!                      ├─► simulator ─► memory ─► page (how it is written)
+//!  drive · sonar · recognise · camera ─┘
+//! ```
+//! What the robot is told to do is not decided here: it gets one order at a time, and answers it.
+
+mod bag;
+pub mod camera;
+mod curve;
+mod drive;
+mod fingerprint;
+mod hall;
+mod hall_error;
+mod hall_files;
+mod hall_movingai;
+mod hall_rows;
+mod hall_toml;
+pub mod headless;
+mod memory;
+pub mod page;
+mod recognise;
+mod senses;
+mod settings;
+mod simulator;
+mod sonar;
+mod speed;
+
+pub use bag::{Bag, Colour, Kind};
+pub use drive::BodyPose;
+pub use hall::{Hall, Truth};
+pub use hall_error::{HallError, HallFault};
+pub use memory::SimMemory;
+pub use settings::{Camera, SimSettings};
+pub use simulator::Sim;
+pub use speed::{Speed, SpeedError, times};

@@ -1,0 +1,221 @@
+//! What a robot and its hall would keep by physics when the program dies: where the robot stands, how it is moving, how old the
+//! hall is. Where it is written down is the business of whoever runs the robot; how a robot goes on from it stands in `simulator::recall`.
+//!
+//! ```text
+//!            pose: the cell and heading of the last completed order
+//!              │         stands: ahead of it, or turned away from it, never both
+//!        ┌─────┴─────┬───┼───────┐
+//!        │     +     │   o──►    │   motion: to where, and how long still
+//!        └───────────┴───────────┘
+//! ```
+//! Lengths are whole micrometres and angles whole microradians, so that what is written is read back exactly.
+
+use std::f64::consts::FRAC_PI_2;
+use std::time::Duration;
+
+use super::drive::{BodyPose, normal};
+use super::hall::{Hall, Truth};
+use super::sonar::way_to_contact;
+use hallsweep_core::rng::Stream;
+use hallsweep_core::units::Pose;
+
+/// A robot halts by itself at most this long after the program has died (safety S5), in simulated time.
+const WATCHDOG: Duration = Duration::from_millis(500);
+
+/// What rounding to micrometres and microradians may add.
+const ROUNDING: i64 = 2;
+
+/// What a robot and its hall keep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SimMemory {
+    /// The cell and heading in which the last completed order left the robot.
+    pub pose: Pose,
+    /// Where its body really is.
+    pub stands: Astray,
+    /// The motion under way, if any.
+    pub motion: Option<Underway>,
+    /// How long the hall has been there, over all runs: its temperature goes on from here.
+    pub age: Duration,
+    /// How often the robot went on after the end of a program; the noise of its sensors begins anew each time.
+    pub restarts: u32,
+}
+
+/// How far a body is from the centre and heading it belongs to. At most one of the two is not zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Astray {
+    /// Micrometres ahead of the centre; behind it when negative.
+    pub ahead_um: i64,
+    /// Microradians turned from the heading, clockwise when positive.
+    pub turned_urad: i64,
+}
+
+/// A motion under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Underway {
+    /// Where it ends.
+    pub to: Astray,
+    /// How long it still takes, in simulated time.
+    pub left: Duration,
+}
+
+impl SimMemory {
+    /// A robot newly put down at home, in a hall that has just been opened.
+    pub const NEW: SimMemory = SimMemory {
+        pose: Pose::START,
+        stands: Astray { ahead_um: 0, turned_urad: 0 },
+        motion: None,
+        age: Duration::ZERO,
+        restarts: 0,
+    };
+
+    /// How it is once the program that drove the robot has died and the robot has come to rest. Nobody saw when the wheels
+    /// stopped: it was at most `WATCHDOG` after the last moment known, and not beyond the motion's end; the seed draws when.
+    pub fn at_rest(self, seed: u64) -> SimMemory {
+        let restarts = self.restarts.wrapping_add(1);
+        let stands = self.motion.map_or(self.stands, |motion| {
+            let rolls = motion.left.min(WATCHDOG).mul_f64(Stream::new(reseeded(seed, restarts), "watchdog").fraction());
+            self.stands.towards(motion.to, share(rolls, motion.left))
+        });
+        SimMemory { stands, motion: None, restarts, ..self }
+    }
+
+    /// Where the body is, in a hall with cells of this side.
+    pub fn body(&self, cell_m: f64) -> BodyPose {
+        self.stands.from(BodyPose::centred(self.pose, cell_m))
+    }
+
+    /// Whether all of this can be in that hall: a robot on free floor, no further astray than obstacles let it go.
+    pub fn fits(&self, hall: &Hall) -> bool {
+        let moving = self.motion.is_none_or(|motion| self.reaches(motion.to, hall));
+        hall.truth(self.pose.cell) == Truth::Free && self.reaches(self.stands, hall) && moving
+    }
+
+    /// Whether a body that belongs on the free floor of `pose` can come to be so far astray.
+    fn reaches(&self, astray: Astray, hall: &Hall) -> bool {
+        let heading = if astray.ahead_um < 0 { self.pose.heading.opposite() } else { self.pose.heading };
+        let way = way_to_contact(hall.truth(self.pose.cell.ahead(heading))).unwrap_or(1.0) * hall.cell_m();
+        let ahead = astray.ahead_um.unsigned_abs() <= (micro(way) + ROUNDING).unsigned_abs();
+        let turned = astray.turned_urad.unsigned_abs() <= (micro(FRAC_PI_2) + ROUNDING).unsigned_abs();
+        ahead && turned && (astray.ahead_um == 0 || astray.turned_urad == 0)
+    }
+}
+
+impl Astray {
+    /// How far `body` is from `centre`.
+    pub fn between(centre: BodyPose, body: BodyPose) -> Astray {
+        let turned_urad = micro(normal(body.theta - centre.theta));
+        if turned_urad != 0 {
+            return Astray { ahead_um: 0, turned_urad };
+        }
+        let (dx, dy) = centre.ahead();
+        Astray { ahead_um: micro((body.x_m - centre.x_m) * dx + (body.y_m - centre.y_m) * dy), turned_urad }
+    }
+
+    /// The body that is so far from `centre`.
+    fn from(self, centre: BodyPose) -> BodyPose {
+        let (dx, dy) = centre.ahead();
+        let ahead_m = whole(self.ahead_um);
+        let theta = normal(centre.theta + whole(self.turned_urad));
+        BodyPose { x_m: centre.x_m + ahead_m * dx, y_m: centre.y_m + ahead_m * dy, theta }
+    }
+
+    /// This share (0–1) of the way from here to `end`; a motion has constant speed.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "both ends are within a cell and a turn")]
+    fn towards(self, end: Astray, share: f64) -> Astray {
+        let between = |from: i64, to: i64| from + ((to - from) as f64 * share) as i64;
+        Astray { ahead_um: between(self.ahead_um, end.ahead_um), turned_urad: between(self.turned_urad, end.turned_urad) }
+    }
+}
+
+/// The seed of the noise after so many restarts: the user's own until the first.
+pub(crate) fn reseeded(seed: u64, restarts: u32) -> u64 {
+    // The golden ratio's bits set neighbouring counts, and seeds, far apart.
+    seed ^ u64::from(restarts).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+}
+
+/// What share of `whole` a part is; all of it when there is nothing.
+fn share(part: Duration, whole: Duration) -> f64 {
+    if whole.is_zero() { 1.0 } else { part.as_secs_f64() / whole.as_secs_f64() }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a body is at most a cell astray, and half a turn")]
+fn micro(metres_or_radians: f64) -> i64 {
+    (metres_or_radians * 1e6).round() as i64
+}
+
+#[expect(clippy::cast_precision_loss, reason = "it is at most a few million")]
+fn whole(micro: i64) -> f64 {
+    micro as f64 / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hallsweep_core::units::{Cell, Heading};
+
+    const fn ahead(ahead_um: i64) -> Astray {
+        Astray { ahead_um, turned_urad: 0 }
+    }
+
+    const fn turned(turned_urad: i64) -> Astray {
+        Astray { ahead_um: 0, turned_urad }
+    }
+
+    fn standing(stands: Astray) -> SimMemory {
+        SimMemory { stands, ..SimMemory::NEW }
+    }
+
+    fn moving(to: Astray, left_ms: u64) -> SimMemory {
+        SimMemory { motion: Some(Underway { to, left: Duration::from_millis(left_ms) }), ..SimMemory::NEW }
+    }
+
+    #[test]
+    fn how_far_astray_a_body_is_can_be_read_off_it() {
+        for heading in Heading::ALL {
+            let centre = BodyPose::centred(Pose { cell: Cell::new(-3, 7), heading }, 0.5);
+            for astray in [ahead(0), ahead(123_456), ahead(-500_000), turned(1), turned(-1_570_796)] {
+                assert_eq!(Astray::between(centre, astray.from(centre)), astray, "{heading:?}");
+            }
+            assert_eq!(ahead(0).from(centre), centre, "to the last bit");
+            assert!(ahead(250_000).from(centre).theta.total_cmp(&centre.theta).is_eq(), "to the last bit");
+        }
+    }
+
+    /// Safety S5.
+    #[test]
+    fn a_robot_whose_program_has_died_rolls_no_further_than_its_motion_and_no_longer_than_half_a_second() {
+        let places: Vec<i64> = (0..200).map(|seed| moving(ahead(500_000), 330).at_rest(seed).stands.ahead_um).collect();
+        assert!(places.iter().all(|place| (0..=500_000).contains(place)));
+        assert!(places.iter().any(|place| *place < 50_000) && places.iter().any(|place| *place > 450_000), "anywhere between");
+        for seed in 0..200 {
+            let slow = moving(turned(1_000_000), 5000).at_rest(seed);
+            assert!((0..=100_000).contains(&slow.stands.turned_urad) && slow.motion.is_none(), "a tenth of the turn: {slow:?}");
+        }
+    }
+
+    #[test]
+    fn each_restart_is_counted_and_draws_anew() {
+        let once = moving(ahead(500_000), 330).at_rest(7);
+        let twice = SimMemory { motion: moving(ahead(500_000), 330).motion, stands: ahead(0), ..once }.at_rest(7);
+        assert_eq!((once.restarts, twice.restarts), (1, 2));
+        assert_ne!(once.stands, twice.stands);
+        assert_eq!(reseeded(7, 0), 7);
+    }
+
+    #[test]
+    fn a_robot_in_a_wall_or_too_far_astray_fits_no_hall() {
+        let hall = Hall::from_rows("test", &["S.", "a#"]).unwrap();
+        for fits in [ahead(0), ahead(100_000), ahead(-40_000), turned(1_570_796), turned(-1_570_796)] {
+            assert!(standing(fits).fits(&hall), "{fits:?}");
+        }
+        for wrong in [ahead(100_010), ahead(-40_010), turned(1_600_000), ahead(i64::MIN), turned(i64::MAX)] {
+            assert!(!standing(wrong).fits(&hall), "{wrong:?}");
+            assert!(!moving(wrong, 100).fits(&hall), "{wrong:?}");
+        }
+        assert!(!standing(Astray { ahead_um: 10, turned_urad: 10 }).fits(&hall), "both at once");
+        for cell in [Cell::new(1, 1), Cell::new(0, 1), Cell::new(i32::MAX, i32::MIN)] {
+            let there = SimMemory { pose: Pose { cell, heading: Heading::South }, ..SimMemory::NEW };
+            assert!(!there.fits(&hall), "{cell}");
+        }
+    }
+}

@@ -1,0 +1,304 @@
+//! How the memory of a robot is written: one small text of fixed size, pure bytes to values and back. Files are not touched here.
+//!
+//! ```text
+//!  0     hallsweep simulated robot, version 1⏎
+//!        3c1f… {"hall":"airport","fingerprint":"…"}                blanks ⏎   a checksum, then JSON
+//!  2048  91a0… {"turn":41,"cell":[3,4],"heading":"east", …}        blanks ⏎   slot 0: the even turns
+//!  3072  77e2… {"turn":42, …}                                      blanks ⏎   slot 1: the odd turns
+//!  4096
+//! ```
+//! A write goes into the slot of the older turn, so that one cut short leaves the other whole; the later whole one counts.
+
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+use super::fingerprint::Fingerprint;
+use super::hall::Hall;
+use super::memory::{Astray, SimMemory, Underway};
+use hallsweep_core::units::{Cell, Heading, Pose};
+
+/// The size of everything before the slots: room for the longest name, should each of its letters be written as six.
+const HEAD: usize = 2048;
+
+/// The size of a slot: several times what the longest memory needs.
+const SLOT: usize = 1024;
+
+/// The size of the whole; a file has neither more nor less.
+pub const SIZE: usize = HEAD + 2 * SLOT;
+
+/// So many letters of a hall's name are kept; a name from a hall file is shorter.
+const NAME: usize = 256;
+
+/// How every version begins.
+const MAGIC: &str = "hallsweep simulated robot, version ";
+
+/// This version.
+const VERSION: &str = "1";
+
+/// Which hall a memory is of.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Whose {
+    /// Its name, for people.
+    pub hall: String,
+    /// Its fingerprint, by which it is known.
+    fingerprint: String,
+}
+
+/// What is written, once read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Page {
+    /// Of which hall.
+    pub whose: Whose,
+    /// Counts the writings.
+    pub turn: u64,
+    /// What is remembered.
+    pub memory: SimMemory,
+}
+
+/// Why bytes are no memory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Unread {
+    /// It was written by another version.
+    Version(String),
+    /// What is wrong, in words.
+    Damaged(String),
+}
+
+impl Whose {
+    /// What a memory of this hall is marked with.
+    #[must_use]
+    pub fn of(hall: &Hall) -> Whose {
+        Whose { hall: hall.name().chars().take(NAME).collect(), fingerprint: format!("{:016x}", hall.fingerprint()) }
+    }
+
+    /// Whether this is the same hall; names are only words.
+    pub fn is_same(&self, other: &Whose) -> bool {
+        self.fingerprint == other.fingerprint
+    }
+}
+
+/// The whole file with its first memory, in both slots.
+pub fn whole(whose: &Whose, turn: u64, memory: &SimMemory) -> Vec<u8> {
+    let title = format!("{MAGIC}{VERSION}\n");
+    let head = line(whose, HEAD - title.len());
+    [title.as_bytes(), &head, &slot(turn, memory), &slot(turn, memory)].concat()
+}
+
+/// One memory, to be written at `place(turn)`.
+pub fn slot(turn: u64, memory: &SimMemory) -> Vec<u8> {
+    line(&Written::of(turn, memory), SLOT)
+}
+
+/// Where in the file the memory of a turn belongs.
+pub const fn place(turn: u64) -> u64 {
+    if turn.is_multiple_of(2) { HEAD as u64 } else { (HEAD + SLOT) as u64 }
+}
+
+/// Reads a whole file.
+pub fn read(bytes: &[u8]) -> Result<Page, Unread> {
+    let damaged = |words: &str| Unread::Damaged(words.to_owned());
+    let title = bytes.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let title = std::str::from_utf8(title).map_err(|_| damaged("its first line is not text"))?;
+    let version = title.strip_prefix(MAGIC).ok_or_else(|| damaged("it does not begin like the memory of a simulated robot"))?;
+    if version != VERSION {
+        return Err(Unread::Version(version.chars().take(20).collect()));
+    }
+    if bytes.len() != SIZE {
+        return Err(Unread::Damaged(format!("it has {} bytes instead of {SIZE}", bytes.len())));
+    }
+    let head = &bytes[title.len() + 1..HEAD];
+    let whose: Whose = read_line(head).ok_or_else(|| damaged("the line that names the hall is not whole"))?;
+    let slots = [&bytes[HEAD..HEAD + SLOT], &bytes[HEAD + SLOT..]];
+    let memories = slots.into_iter().filter_map(|slot| read_line::<Written>(slot)?.read());
+    let (turn, memory) = memories.max_by_key(|(turn, _)| *turn).ok_or_else(|| damaged("neither of its two memories is whole"))?;
+    Ok(Page { whose, turn, memory })
+}
+
+/// A memory as it is written.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Written {
+    turn: u64,
+    cell: [i32; 2],
+    heading: String,
+    stands: WrittenAstray,
+    motion: Option<WrittenMotion>,
+    age_us: u64,
+    restarts: u32,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrittenAstray {
+    ahead_um: i64,
+    turned_urad: i64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrittenMotion {
+    to: WrittenAstray,
+    left_us: u64,
+}
+
+impl Written {
+    fn of(turn: u64, memory: &SimMemory) -> Written {
+        let SimMemory { pose: Pose { cell, heading }, stands, motion, age, restarts } = *memory;
+        let motion = motion.map(|Underway { to, left }| WrittenMotion { to: to.into(), left_us: micros(left) });
+        let heading = heading.name().to_owned();
+        Written { turn, cell: [cell.x, cell.y], heading, stands: stands.into(), motion, age_us: micros(age), restarts }
+    }
+
+    fn read(self) -> Option<(u64, SimMemory)> {
+        let heading = Heading::ALL.into_iter().find(|heading| heading.name() == self.heading)?;
+        let [x, y] = self.cell;
+        let motion = self.motion.map(|motion| Underway { to: motion.to.into(), left: Duration::from_micros(motion.left_us) });
+        let memory = SimMemory {
+            pose: Pose { cell: Cell::new(x, y), heading },
+            stands: self.stands.into(),
+            motion,
+            age: Duration::from_micros(self.age_us),
+            restarts: self.restarts,
+        };
+        Some((self.turn, memory))
+    }
+}
+
+impl From<Astray> for WrittenAstray {
+    fn from(Astray { ahead_um, turned_urad }: Astray) -> WrittenAstray {
+        WrittenAstray { ahead_um, turned_urad }
+    }
+}
+
+impl From<WrittenAstray> for Astray {
+    fn from(WrittenAstray { ahead_um, turned_urad }: WrittenAstray) -> Astray {
+        Astray { ahead_um, turned_urad }
+    }
+}
+
+fn micros(duration: Duration) -> u64 {
+    u64::try_from(duration.as_micros()).unwrap_or(u64::MAX)
+}
+
+/// A checksum, JSON, and blanks up to `size` bytes, the last of which ends the line.
+fn line(value: &impl Serialize, size: usize) -> Vec<u8> {
+    let json = serde_json::to_string(value).expect("numbers, words and lists of them can always be written as JSON");
+    let text = format!("{:016x} {json}", Fingerprint::of(&json));
+    let mut bytes = text.into_bytes();
+    bytes.resize(size - 1, b' ');
+    bytes.push(b'\n');
+    bytes
+}
+
+/// What such a line says, if it is whole.
+fn read_line<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+    let text = std::str::from_utf8(bytes.strip_suffix(b"\n")?).ok()?;
+    let (checksum, json) = text.split_once(' ')?;
+    let json = json.trim_end_matches(' ');
+    (checksum == format!("{:016x}", Fingerprint::of(json))).then(|| serde_json::from_str(json).ok())?
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn whose() -> Whose {
+        Whose::of(&Hall::from_rows("test", &["S."]).unwrap())
+    }
+
+    fn astray() -> impl Strategy<Value = Astray> {
+        (any::<i64>(), any::<i64>()).prop_map(|(ahead_um, turned_urad)| Astray { ahead_um, turned_urad })
+    }
+
+    fn memory() -> impl Strategy<Value = SimMemory> {
+        let micros = || any::<u64>().prop_map(Duration::from_micros);
+        let motion = proptest::option::of((astray(), micros()).prop_map(|(to, left)| Underway { to, left }));
+        let pose = (any::<(i32, i32)>(), 0..4usize)
+            .prop_map(|((x, y), heading)| Pose { cell: Cell::new(x, y), heading: Heading::ALL[heading] });
+        (pose, astray(), motion, micros(), any::<u32>()).prop_map(|(pose, stands, motion, age, restarts)| SimMemory {
+            pose,
+            stands,
+            motion,
+            age,
+            restarts,
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_is_written_is_read_back(memory in memory(), turn in any::<u64>(), name in any::<String>()) {
+            let whose = Whose { hall: name.chars().take(NAME).collect(), ..whose() };
+            let bytes = whole(&whose, turn, &memory);
+            prop_assert_eq!(bytes.len(), SIZE);
+            prop_assert_eq!(read(&bytes), Ok(Page { whose, turn, memory }));
+        }
+
+        /// Safety A7.
+        #[test]
+        fn any_bytes_are_a_memory_or_a_clear_error(bytes in proptest::collection::vec(any::<u8>(), 0..2 * SIZE)) {
+            prop_assert!(matches!(read(&bytes), Err(Unread::Damaged(words)) if !words.is_empty()));
+            let titled = [format!("{MAGIC}{VERSION}\n").as_bytes(), &bytes].concat();
+            prop_assert!(read(&titled).is_err(), "no checksum fits by luck");
+        }
+
+        /// Safety A7.
+        #[test]
+        fn a_changed_byte_is_noticed_or_the_other_memory_counts(memory in memory(), at in 0..SIZE, byte in any::<u8>()) {
+            let mut bytes = whole(&whose(), 4, &memory);
+            bytes.splice(place(5) as usize.., slot(5, &SimMemory { restarts: 9, ..memory }));
+            let before = std::mem::replace(&mut bytes[at], byte);
+            match read(&bytes) {
+                Ok(page) => prop_assert!(page.whose == whose() && (page.turn == 4 || page.turn == 5)),
+                Err(_) => prop_assert!(at < HEAD && byte != before, "one slot is whole"),
+            }
+        }
+
+        /// Safety A7: what the checksum lets through is looked at all the same.
+        #[test]
+        fn any_text_under_a_right_checksum_is_a_memory_or_a_clear_error(text in any::<String>(), number in any::<f64>()) {
+            let texts = [text, format!("{{\"turn\":{number}}}"), "[".repeat(500), "null".to_owned()];
+            for text in texts {
+                let text: String = text.trim_end_matches(' ').chars().take(200).collect();
+                let mut bytes = format!("{:016x} {text}", Fingerprint::of(&text)).into_bytes();
+                bytes.resize(SLOT - 1, b' ');
+                bytes.push(b'\n');
+                let mut page = whole(&whose(), 4, &SimMemory::NEW);
+                page.splice(HEAD.., [bytes.clone(), bytes].concat());
+                prop_assert!(read(&page).is_err());
+            }
+        }
+    }
+
+    #[test]
+    fn a_write_that_was_cut_short_leaves_the_memory_before_it() {
+        let earlier = SimMemory { restarts: 1, ..SimMemory::NEW };
+        let later = SimMemory { restarts: 2, ..SimMemory::NEW };
+        for cut in 0..=SLOT {
+            let mut bytes = whole(&whose(), 8, &earlier);
+            let from = place(9) as usize;
+            bytes[from..from + cut].copy_from_slice(&slot(9, &later)[..cut]);
+            let read = read(&bytes).map(|page| page.memory);
+            assert!(read == Ok(earlier) || read == Ok(later), "cut after {cut} bytes: {read:?}");
+        }
+    }
+
+    #[test]
+    fn another_version_is_told_from_a_damaged_file() {
+        let text = String::from_utf8(whole(&whose(), 0, &SimMemory::NEW)).unwrap();
+        assert_eq!(read(text.replace("version 1", "version 2").as_bytes()), Err(Unread::Version("2".to_owned())));
+        assert_eq!(read(&text.as_bytes()[..SIZE - 1]), Err(Unread::Damaged("it has 4095 bytes instead of 4096".to_owned())));
+        assert!(matches!(read(b""), Err(Unread::Damaged(words)) if words.contains("does not begin")));
+    }
+
+    #[test]
+    fn a_name_of_the_most_and_widest_letters_fits() {
+        let hall = Hall::from_rows(&"\u{1}".repeat(1000), &["S"]).unwrap();
+        let bytes = whole(&Whose::of(&hall), u64::MAX, &SimMemory::NEW);
+        assert_eq!(bytes.len(), SIZE);
+        assert_eq!(read(&bytes).unwrap().whose, Whose::of(&hall));
+    }
+}

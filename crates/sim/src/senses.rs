@@ -1,0 +1,100 @@
+//! What the simulated robot perceives, with the noise and errors of its sensors: sonar, recognition, thermometer.
+//! The exact geometry stands in `sonar` and `recognise`.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::curve::{self, Curve};
+use super::drive::BodyPose;
+use super::hall::Hall;
+use super::settings::SimSettings;
+use super::{recognise, sonar};
+use hallsweep_core::event::{Obstacle, RobotEvent};
+use hallsweep_core::rng::Stream;
+use hallsweep_core::units::Pose;
+
+/// Sonar and camera, each with a stream of randomness of its own.
+#[derive(Debug)]
+pub(super) struct Senses {
+    hall: Arc<Hall>,
+    sonar: Stream,
+    sonar_noise_cm: f64,
+    camera: Stream,
+    unknown_rate: f64,
+    /// The last sonar reading that was reported, if any was.
+    reported: Option<Option<u16>>,
+}
+
+impl Senses {
+    pub(super) fn new(hall: Arc<Hall>, settings: &SimSettings) -> Senses {
+        Senses {
+            hall,
+            sonar: Stream::new(settings.seed, "sonar"),
+            sonar_noise_cm: settings.sonar_noise_cm,
+            camera: Stream::new(settings.seed, "camera"),
+            unknown_rate: settings.unknown_rate,
+            reported: None,
+        }
+    }
+
+    /// A reading of the sonar, whether it has changed or not.
+    pub(super) fn listen(&mut self, body: BodyPose) -> RobotEvent {
+        let reading = self.read_sonar(body);
+        self.reported = Some(reading);
+        RobotEvent::Sonar(reading)
+    }
+
+    /// A reading of the sonar, if it differs from the last one reported.
+    pub(super) fn listen_for_change(&mut self, body: BodyPose) -> Option<RobotEvent> {
+        let reading = self.read_sonar(body);
+        (self.reported != Some(reading)).then(|| {
+            self.reported = Some(reading);
+            RobotEvent::Sonar(reading)
+        })
+    }
+
+    /// What the camera takes the obstacle ahead for.
+    pub(super) fn recognise(&mut self, pose: Pose) -> Obstacle {
+        let obstacle = recognise::obstacle_ahead(&self.hall, pose);
+        if self.camera.happens(self.unknown_rate) { Obstacle::Unknown } else { obstacle }
+    }
+
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the distance is clamped to the sonar's range")]
+    fn read_sonar(&mut self, body: BodyPose) -> Option<u16> {
+        let noise = self.sonar.normal(self.sonar_noise_cm);
+        let exact = sonar::distance_cm(&self.hall, body)?;
+        Some((exact + noise).clamp(0.0, sonar::RANGE_M * 100.0).round() as u16)
+    }
+}
+
+/// The hall's thermometer: it speaks when the temperature, to a tenth of a degree, has changed, at most once a second.
+#[derive(Debug)]
+pub(super) struct Thermometer {
+    hall: Arc<Hall>,
+    /// How old the hall was when the run began: the curve goes on over all runs.
+    before: Duration,
+    /// The next second of the hall at which it has something to say.
+    next: Option<u64>,
+}
+
+impl Thermometer {
+    /// A thermometer in a hall that is so old already. It has its first reading to tell at once.
+    pub(super) fn new(hall: Arc<Hall>, before: Duration) -> Thermometer {
+        let next = hall.curve().map(|_| before.as_secs());
+        Thermometer { hall, before, next }
+    }
+
+    /// When it has something to say, since the start of the run.
+    pub(super) fn next(&self) -> Option<Duration> {
+        self.next.map(|second| Duration::from_secs(second).saturating_sub(self.before))
+    }
+
+    /// What it has to say at the moment named by `next`.
+    pub(super) fn read(&mut self) -> Option<RobotEvent> {
+        let second = self.next.take()?;
+        let curve: &Curve = self.hall.curve()?;
+        let reading = curve.at(Duration::from_secs(second));
+        self.next = curve.next_change(second, curve::tenths(reading));
+        Some(RobotEvent::Temperature(reading))
+    }
+}

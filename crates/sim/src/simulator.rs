@@ -1,0 +1,395 @@
+//! The simulated robot, sans-IO: orders, halts and the passing of time go in, reports come out, and nothing here waits.
+//! Channels, timers and the speed factor are the business of `link`; what to do next is decided by nobody here.
+//!
+//! Nothing ticks: when a motion begins, the moment at which it ends or touches something follows in closed form.
+
+use std::collections::VecDeque;
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::camera::Exposure;
+use super::drive::{BodyPose, Chassis, Motion, Wheels, normal};
+use super::hall::Hall;
+use super::memory::{SimMemory, reseeded};
+use super::senses::{Senses, Thermometer};
+use super::settings::SimSettings;
+use super::sonar::way_to_contact;
+use hallsweep_core::command::Move;
+use hallsweep_core::effect::{Action, Order, Stamp};
+use hallsweep_core::event::{Capabilities, Obstacle, Photo, RobotEvent, Whereabouts};
+use hallsweep_core::rng::Stream;
+use hallsweep_core::units::{Now, OrderId, Pose};
+
+mod recall;
+
+/// A robot in a hall.
+#[derive(Debug)]
+pub struct Sim {
+    hall: Arc<Hall>,
+    settings: SimSettings,
+    chassis: Chassis,
+    now: Duration,
+    /// Where the last completed order left it.
+    pose: Pose,
+    /// Where it really stands while nothing moves it.
+    body: BodyPose,
+    task: Option<Task>,
+    led: bool,
+    senses: Senses,
+    thermometer: Thermometer,
+    failures: Stream,
+    events: VecDeque<RobotEvent>,
+    /// How old the hall was when this run began.
+    before: Duration,
+    /// How often the robot went on after the end of a program.
+    restarts: u32,
+    /// Whether something has changed that must not be forgotten.
+    unkept: bool,
+}
+
+/// The order under way.
+#[derive(Debug)]
+struct Task {
+    order: OrderId,
+    deadline: Duration,
+    work: Work,
+}
+
+#[derive(Debug)]
+enum Work {
+    Drive { motion: Motion, end: End },
+    Photograph { ends: Duration, film: Film },
+}
+
+/// How a motion ends when nothing cuts it short.
+#[derive(Clone, Copy, Debug)]
+enum End {
+    /// At the centre of a cell.
+    At(Pose),
+    /// Against an obstacle ahead, or behind.
+    Against { ahead: bool },
+}
+
+/// The photo under way.
+#[derive(Debug)]
+enum Film {
+    /// To be developed here when its time has come.
+    Here(Exposure),
+    /// Being developed elsewhere.
+    Away,
+    /// Developed.
+    Developed(Photo),
+}
+
+/// What comes next by itself.
+#[derive(Clone, Copy)]
+enum Due {
+    End,
+    Deadline,
+    Temperature,
+}
+
+impl Sim {
+    /// A robot newly put down at home in this hall, facing south. Its first reports are `Stands` and `LinkUp`.
+    #[must_use]
+    pub fn new(hall: Arc<Hall>, settings: SimSettings) -> Sim {
+        Sim::placed(hall, settings, SimMemory::NEW)
+    }
+
+    /// A robot at rest where it is remembered to stand.
+    fn placed(hall: Arc<Hall>, settings: SimSettings, memory: SimMemory) -> Sim {
+        let settings = settings.sound();
+        let noise = SimSettings { seed: reseeded(settings.seed, memory.restarts), ..settings };
+        let mut sim = Sim {
+            chassis: Chassis { wheel_radius_m: settings.wheel_radius_m, axle_m: settings.axle_m },
+            now: Duration::ZERO,
+            pose: memory.pose,
+            body: memory.body(hall.cell_m()),
+            task: None,
+            led: false,
+            senses: Senses::new(Arc::clone(&hall), &noise),
+            thermometer: Thermometer::new(Arc::clone(&hall), memory.age),
+            failures: Stream::new(noise.seed, "photo"),
+            events: VecDeque::new(),
+            before: memory.age,
+            restarts: memory.restarts,
+            unkept: true,
+            hall,
+            settings,
+        };
+        let whereabouts = Whereabouts { pose: sim.pose, off_centre: sim.is_off_centre() };
+        sim.events.extend([RobotEvent::Stands(whereabouts), RobotEvent::LinkUp(sim.capabilities())]);
+        sim
+    }
+
+    /// What it can do, in simulated time.
+    #[must_use]
+    pub const fn capabilities(&self) -> Capabilities {
+        Capabilities { step: self.settings.step, turn: self.settings.turn, photo: self.settings.photo, nudges: false }
+    }
+
+    /// Begins an order, or answers at once why it cannot.
+    pub fn handle_order(&mut self, order: Order, now: Now) {
+        self.pass_to(now.since_start);
+        if let Some(task) = &self.task {
+            self.events.push_back(RobotEvent::Failed(order.id, format!("order {} is still under way", task.order)));
+            return;
+        }
+        match order.action {
+            Action::Move(step) => self.begin_move(order, step),
+            Action::Recentre => self.begin_recentring(order),
+            Action::Photograph(stamp) => self.begin_photo(order, stamp),
+        }
+    }
+
+    /// Stops the wheels where they are. A photo is no motion and goes on.
+    pub fn handle_halt(&mut self, now: Now) {
+        self.pass_to(now.since_start);
+        if let Some(Task { order, work: Work::Drive { .. }, .. }) = self.task {
+            self.stop_wheels();
+            self.events.push_back(RobotEvent::Halted(order, self.is_off_centre()));
+        }
+    }
+
+    /// Lets the LED blink, or not.
+    pub const fn handle_led(&mut self, blinking: bool) {
+        self.led = blinking;
+    }
+
+    /// Lets time pass: everything that is due by `now` happens, in its order.
+    pub fn handle_timeout(&mut self, now: Now) {
+        self.pass_to(now.since_start);
+    }
+
+    /// The next report, if there is one.
+    pub fn poll_event(&mut self) -> Option<RobotEvent> {
+        self.events.pop_front()
+    }
+
+    /// When something will happen next by itself, since the start of the run.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Option<Duration> {
+        self.next_due().map(|(at, _)| at)
+    }
+
+    /// Takes the photo under way for developing it elsewhere (drawing takes milliseconds). It must come back by
+    /// `handle_photo`; until then the order stays open.
+    pub fn take_exposure(&mut self) -> Option<(OrderId, Exposure)> {
+        let Some(Task { order, work: Work::Photograph { film, .. }, .. }) = &mut self.task else { return None };
+        let Film::Here(exposure) = film else { return None };
+        let taken = (*order, exposure.clone());
+        *film = Film::Away;
+        Some(taken)
+    }
+
+    /// Brings back a photo that was developed elsewhere. One that nobody waits for any more is dropped.
+    pub fn handle_photo(&mut self, order: OrderId, photo: Photo, now: Now) {
+        match &mut self.task {
+            Some(Task { order: open, work: Work::Photograph { film, .. }, .. }) if *open == order => {
+                *film = Film::Developed(photo)
+            }
+            Some(_) | None => {}
+        }
+        self.pass_to(now.since_start);
+    }
+
+    /// Whether an order is under way.
+    #[must_use]
+    pub const fn is_busy(&self) -> bool {
+        self.task.is_some()
+    }
+
+    /// Whether a photo is being developed elsewhere.
+    #[must_use]
+    pub const fn is_developing(&self) -> bool {
+        matches!(self.task, Some(Task { work: Work::Photograph { film: Film::Away, .. }, .. }))
+    }
+
+    /// Whether it stands away from the centre of its cell or between two headings.
+    #[must_use]
+    pub fn is_off_centre(&self) -> bool {
+        self.body_at(self.now) != BodyPose::centred(self.pose, self.hall.cell_m())
+    }
+
+    /// Where its body really is at `now`, if nothing comes between.
+    #[must_use]
+    pub fn pose_at(&self, now: Now) -> BodyPose {
+        self.body_at(now.since_start)
+    }
+
+    /// Whether the LED blinks.
+    #[must_use]
+    pub const fn led(&self) -> bool {
+        self.led
+    }
+
+    fn begin_move(&mut self, order: Order, step: Move) {
+        if self.is_off_centre() {
+            let words = "it stands away from the centre of its cell: recentre first";
+            self.events.push_back(RobotEvent::Failed(order.id, words.to_owned()));
+            return;
+        }
+        let heading = self.pose.heading;
+        match step {
+            Move::Forward => self.begin_step(order, 1.0),
+            Move::Backward => self.begin_step(order, -1.0),
+            Move::TurnLeft => self.begin_turn(order, -FRAC_PI_2, Pose { heading: heading.left(), ..self.pose }),
+            Move::TurnRight => self.begin_turn(order, FRAC_PI_2, Pose { heading: heading.right(), ..self.pose }),
+            Move::NudgeLeft | Move::NudgeRight => {
+                let words = "it has no small corrective turns";
+                self.events.push_back(RobotEvent::Failed(order.id, words.to_owned()));
+            }
+        }
+    }
+
+    /// One cell along the heading (`sign` 1) or against it (−1), or as far as the obstacle there lets it.
+    fn begin_step(&mut self, order: Order, sign: f64) {
+        let heading = if sign > 0.0 { self.pose.heading } else { self.pose.heading.opposite() };
+        let target = self.pose.cell.ahead(heading);
+        let (way, end) = match way_to_contact(self.hall.truth(target)) {
+            Some(way) => (way, End::Against { ahead: sign > 0.0 }),
+            None => (1.0, End::At(Pose { cell: target, ..self.pose })),
+        };
+        self.drive(order, sign * way, end);
+    }
+
+    /// A turn by `angle` radians, clockwise when positive.
+    fn begin_turn(&mut self, order: Order, angle: f64, to: Pose) {
+        let speed = FRAC_PI_2 / self.settings.turn.as_secs_f64();
+        let lasts = self.settings.turn.mul_f64(angle.abs() / FRAC_PI_2);
+        self.begin_motion(order, self.chassis.spin(speed.copysign(angle)), lasts, End::At(to));
+    }
+
+    /// Senses, and goes back to where the last completed order left it: a halt leaves it either off the centre or between
+    /// two headings, never both, because only recentring is done from there.
+    fn begin_recentring(&mut self, order: Order) {
+        let reading = self.senses.listen(self.body);
+        self.events.push_back(reading);
+        if !self.is_off_centre() {
+            self.events.push_back(RobotEvent::Done(order.id));
+            return;
+        }
+        let centre = BodyPose::centred(self.pose, self.hall.cell_m());
+        let angle = normal(centre.theta - self.body.theta);
+        if angle == 0.0 {
+            let (dx, dy) = centre.ahead();
+            let way_m = (centre.x_m - self.body.x_m) * dx + (centre.y_m - self.body.y_m) * dy;
+            self.drive(order, way_m / self.hall.cell_m(), End::At(self.pose));
+        } else {
+            self.begin_turn(order, angle, self.pose);
+        }
+    }
+
+    /// Straight on by a number of cells, backwards when negative.
+    fn drive(&mut self, order: Order, cells: f64, end: End) {
+        let speed = self.hall.cell_m() / self.settings.step.as_secs_f64();
+        let lasts = self.settings.step.mul_f64(cells.abs());
+        self.begin_motion(order, self.chassis.straight(speed.copysign(cells)), lasts, end);
+    }
+
+    fn begin_motion(&mut self, order: Order, wheels: Wheels, lasts: Duration, end: End) {
+        let motion = Motion { from: self.body, wheels, began: self.now, ends: self.now + lasts };
+        self.begin(order, Work::Drive { motion, end });
+    }
+
+    fn begin_photo(&mut self, order: Order, stamp: Stamp) {
+        let exposure = Exposure::new(Arc::clone(&self.hall), self.settings.camera, self.body, self.pose, stamp);
+        self.begin(order, Work::Photograph { ends: self.now + self.settings.photo, film: Film::Here(exposure) });
+    }
+
+    fn begin(&mut self, order: Order, work: Work) {
+        self.task = Some(Task { order: order.id, deadline: self.now.saturating_add(order.deadline), work });
+        self.unkept = true;
+    }
+
+    /// Lets everything happen that is due by `now`, each at its own moment, so that it makes no difference how often
+    /// time is let pass.
+    fn pass_to(&mut self, now: Duration) {
+        while let Some((at, due)) = self.next_due().filter(|(at, _)| *at <= now) {
+            self.now = self.now.max(at);
+            self.unkept = true;
+            match due {
+                Due::End => self.finish(),
+                Due::Deadline => self.give_up(),
+                Due::Temperature => self.events.extend(self.thermometer.read()),
+            }
+        }
+        self.now = self.now.max(now);
+    }
+
+    /// What comes next; of what is due at the same moment, the end of the order first.
+    fn next_due(&self) -> Option<(Duration, Due)> {
+        let end = self.task.as_ref().and_then(|task| Some((task.work.ends()?, Due::End)));
+        let deadline = self.task.as_ref().map(|task| (task.deadline, Due::Deadline));
+        let temperature = self.thermometer.next().map(|at| (at, Due::Temperature));
+        [end, deadline, temperature].into_iter().flatten().min_by_key(|(at, _)| *at)
+    }
+
+    fn finish(&mut self) {
+        let Some(Task { order, work, .. }) = self.task.take() else { return };
+        match work {
+            Work::Drive { end: End::At(pose), .. } => {
+                self.pose = pose;
+                self.body = BodyPose::centred(pose, self.hall.cell_m());
+                self.events.extend(self.senses.listen_for_change(self.body));
+                self.events.push_back(RobotEvent::Done(order));
+            }
+            Work::Drive { motion, end: End::Against { ahead } } => {
+                self.body = motion.at(self.chassis, motion.ends);
+                self.events.extend(self.senses.listen_for_change(self.body));
+                let obstacle = if ahead { self.senses.recognise(self.pose) } else { Obstacle::Unknown };
+                self.events.push_back(RobotEvent::Blocked(order, obstacle));
+            }
+            Work::Photograph { film, .. } => self.deliver(order, film),
+        }
+    }
+
+    fn deliver(&mut self, order: OrderId, film: Film) {
+        let photo = match film {
+            Film::Here(exposure) => exposure.develop(),
+            Film::Developed(photo) => photo,
+            Film::Away => return,
+        };
+        self.events.push_back(if self.failures.happens(self.settings.photo_failure_rate) {
+            RobotEvent::PhotoFailed(order, "the shutter did not open: take the photo again".to_owned())
+        } else {
+            RobotEvent::Photo(order, photo)
+        });
+    }
+
+    fn give_up(&mut self) {
+        let Some(order) = self.task.as_ref().map(|task| task.order) else { return };
+        self.stop_wheels();
+        let words = "it did not finish in time and has halted by itself";
+        self.events.push_back(RobotEvent::Failed(order, words.to_owned()));
+    }
+
+    /// Ends the order under way without an answer, with the body where it is now.
+    fn stop_wheels(&mut self) {
+        self.body = self.body_at(self.now);
+        self.task = None;
+        self.unkept = true;
+    }
+
+    fn body_at(&self, now: Duration) -> BodyPose {
+        match &self.task {
+            Some(Task { work: Work::Drive { motion, .. }, .. }) => motion.at(self.chassis, now),
+            Some(Task { work: Work::Photograph { .. }, .. }) | None => self.body,
+        }
+    }
+}
+
+impl Work {
+    /// When it ends, unless that depends on somebody else.
+    const fn ends(&self) -> Option<Duration> {
+        match self {
+            Work::Drive { motion, .. } => Some(motion.ends),
+            Work::Photograph { film: Film::Away, .. } => None,
+            Work::Photograph { ends, film: Film::Here(_) | Film::Developed(_) } => Some(*ends),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,129 @@
+//! The front sonar: how far it is from the robot's front to what is ahead. What that is, it cannot tell.
+
+use super::drive::BodyPose;
+use super::hall::{Hall, Truth};
+use hallsweep_core::units::Cell;
+
+/// How far the sonar sees, in metres.
+pub(super) const RANGE_M: f64 = 4.0;
+
+/// Half the robot's size, in cells: it fills most of its cell, and turns without touching the next.
+pub(super) const BODY_HALF: f64 = 0.42;
+
+/// The floor that luggage leaves free on every side of its cell, in cells. Walls leave none.
+pub(super) const LUGGAGE_INSET: f64 = 0.12;
+
+/// The exact distance in centimetres from the robot's front to what is ahead; `None` beyond the range.
+pub(super) fn distance_cm(hall: &Hall, body: BodyPose) -> Option<f64> {
+    let cell_m = hall.cell_m();
+    let ray = Ray { x: body.x_m / cell_m, y: body.y_m / cell_m, direction: body.ahead() };
+    let reach = RANGE_M / cell_m + BODY_HALF;
+    let way = ray.to_obstacle(hall, reach)?;
+    Some((way - BODY_HALF).max(0.0) * cell_m * 100.0)
+}
+
+/// How far a robot at the centre of a cell drives until it touches what fills the next one, in cells; `None` for a free one.
+pub(super) fn way_to_contact(truth: Truth) -> Option<f64> {
+    inset(truth).map(|inset| 0.5 - BODY_HALF + inset)
+}
+
+/// How far what fills a cell stays from the cell's sides, in cells; `None` for a free one.
+const fn inset(truth: Truth) -> Option<f64> {
+    match truth {
+        Truth::Free => None,
+        Truth::Wall => Some(0.0),
+        Truth::Luggage(_) => Some(LUGGAGE_INSET),
+    }
+}
+
+/// A line of sight, in cells; the centre of the home cell is (0, 0).
+struct Ray {
+    x: f64,
+    y: f64,
+    direction: (f64, f64),
+}
+
+impl Ray {
+    /// How far it is to the first obstacle within `reach`.
+    fn to_obstacle(&self, hall: &Hall, reach: f64) -> Option<f64> {
+        let (dx, dy) = self.direction;
+        let mut cell = (self.x.round(), self.y.round());
+        let mut entered = 0.0;
+        while entered <= reach {
+            if let Some(way) = inset(hall.truth(whole(cell))).and_then(|inset| self.way_to_square(cell, 0.5 - inset)) {
+                return (way <= reach).then_some(way);
+            }
+            let to_side =
+                |place: f64, centre: f64, d: f64| if d == 0.0 { f64::INFINITY } else { (centre + 0.5 * d.signum() - place) / d };
+            let (by_column, by_row) = (to_side(self.x, cell.0, dx), to_side(self.y, cell.1, dy));
+            if by_column < by_row {
+                cell.0 += dx.signum()
+            } else {
+                cell.1 += dy.signum()
+            }
+            entered = by_column.min(by_row);
+        }
+        None
+    }
+
+    /// How far it is until the line enters a square around `centre`.
+    fn way_to_square(&self, centre: (f64, f64), half: f64) -> Option<f64> {
+        let span = |place: f64, middle: f64, d: f64| {
+            let (a, b) = ((middle - half - place) / d, (middle + half - place) / d);
+            if d != 0.0 {
+                (a.min(b), a.max(b))
+            } else if (place - middle).abs() <= half {
+                (f64::NEG_INFINITY, f64::INFINITY)
+            } else {
+                (f64::INFINITY, f64::NEG_INFINITY)
+            }
+        };
+        let (x_in, x_out) = span(self.x, centre.0, self.direction.0);
+        let (y_in, y_out) = span(self.y, centre.1, self.direction.1);
+        let (enters, leaves) = (x_in.max(y_in), x_out.min(y_out));
+        (enters <= leaves && leaves >= 0.0).then_some(enters.max(0.0))
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "halls are a few thousand cells wide, and rays end at their range")]
+const fn whole(cell: (f64, f64)) -> Cell {
+    Cell::new(cell.0 as i32, cell.1 as i32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hallsweep_core::units::{Heading, Pose};
+
+    fn check(rows: &[&str], heading: Heading, expect_cm: Option<f64>) {
+        let hall = Hall::from_rows("test", rows).unwrap();
+        let body = BodyPose::centred(Pose { cell: Cell::HOME, heading }, hall.cell_m());
+        match (distance_cm(&hall, body), expect_cm) {
+            (Some(found), Some(expect)) => assert!((found - expect).abs() < 1e-6, "{found} cm"),
+            (found, expect) => assert_eq!(found.is_some(), expect.is_some()),
+        }
+    }
+
+    #[test]
+    fn it_measures_from_the_robots_front() {
+        check(&["S#"], Heading::East, Some(4.0));
+        check(&["S..#"], Heading::East, Some(104.0));
+        check(&["S.a"], Heading::East, Some(60.0));
+        check(&["S.#"], Heading::West, Some(4.0));
+        check(&["#", ".", "S"], Heading::North, Some(54.0));
+    }
+
+    #[test]
+    fn beyond_four_metres_it_sees_nothing() {
+        check(&["S.......#"], Heading::East, Some(354.0));
+        check(&["S.........#"], Heading::East, None);
+    }
+
+    #[test]
+    fn between_two_headings_it_looks_along_the_slant() {
+        let hall = Hall::from_rows("test", &["S..", "...", "..#"]).unwrap();
+        let body = BodyPose { x_m: 0.0, y_m: 0.0, theta: std::f64::consts::FRAC_PI_4 };
+        let expect = (1.5 * 2f64.sqrt() - BODY_HALF) * 50.0;
+        assert!((distance_cm(&hall, body).unwrap() - expect).abs() < 1e-6);
+    }
+}

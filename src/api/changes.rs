@@ -1,0 +1,105 @@
+//! What a stream sends after its first event: the resources that changed, and nothing else.
+//! Event names, ids and heartbeats are the stream's business.
+
+use serde::Serialize;
+
+use super::alarm::AlarmJson;
+use super::log::LogLineJson;
+use super::luggage::LuggageJson;
+use super::map::MapChange;
+use super::mission::MissionJson;
+use super::robot::RobotJson;
+use super::state;
+use super::temperature::TemperatureJson;
+use hallsweep_core::units::Revision;
+use hallsweep_core::world::resource::Resource;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// The resources that changed; what did not is absent.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the fields are documented at `StateJson`")]
+pub struct ChangesJson {
+    pub revision: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mission: Option<MissionJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robot: Option<RobotJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map: Option<MapChange>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub luggage: Option<Vec<LuggageJson>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<TemperatureJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alarms: Option<Vec<AlarmJson>>,
+    /// Only the lines the reader has not got.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub log: Option<Vec<LogLineJson>>,
+}
+
+impl ChangesJson {
+    /// What a reader of `older` lacks.
+    #[must_use]
+    pub fn between(older: &Snapshot, snapshot: &Snapshot) -> ChangesJson {
+        let read = older.log.last().map_or(0, |line| line.number);
+        let map = MapChange::between(older, snapshot);
+        ChangesJson::gathered(snapshot, older.revision, map, read)
+    }
+
+    /// What a reader lacks of whom only the revision is known. Log lines carry their numbers, so all at hand are sent when
+    /// the log has grown, and the reader drops those it has.
+    #[must_use]
+    pub fn since(snapshot: &Snapshot, revision: Revision) -> ChangesJson {
+        ChangesJson::gathered(snapshot, revision, MapChange::since(snapshot, revision), 0)
+    }
+
+    fn gathered(snapshot: &Snapshot, since: Revision, map: Option<MapChange>, read: u64) -> ChangesJson {
+        let changed = |resource| snapshot.revision_of(resource) > since;
+        ChangesJson {
+            revision: snapshot.revision.0,
+            mission: changed(Resource::Mission).then(|| state::mission(snapshot)),
+            robot: changed(Resource::Robot).then(|| state::robot(snapshot)),
+            map,
+            luggage: changed(Resource::Luggage).then(|| state::luggage(snapshot)),
+            temperature: changed(Resource::Temperature).then(|| state::temperature(snapshot)),
+            alarms: changed(Resource::Alarms).then(|| state::alarms(snapshot)),
+            log: changed(Resource::Log).then(|| state::log_after(snapshot, read)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::fixture::{searching, touch, write};
+    use hallsweep_core::world::log::Tone;
+
+    #[test]
+    fn only_what_changed_is_sent() {
+        let older = searching();
+        let mut newer = older.clone();
+        touch(&mut newer, 21, &[Resource::Temperature]);
+        let json = serde_json::to_value(ChangesJson::between(&older, &newer)).unwrap();
+        let mut fields: Vec<&String> = json.as_object().unwrap().keys().collect();
+        fields.sort();
+        assert_eq!(fields, ["revision", "temperature"]);
+    }
+
+    #[test]
+    fn only_new_log_lines_are_sent() {
+        let older = searching();
+        let mut newer = older.clone();
+        write(&mut newer, Tone::Info, "one more");
+        touch(&mut newer, 21, &[Resource::Log]);
+        let lines = ChangesJson::between(&older, &newer).log.unwrap();
+        assert_eq!(lines.iter().map(|line| line.number).collect::<Vec<_>>(), [4]);
+        assert_eq!(ChangesJson::since(&newer, older.revision).log.unwrap().len(), 4);
+    }
+
+    #[test]
+    fn a_reader_who_has_everything_lacks_nothing() {
+        let snapshot = searching();
+        let json = serde_json::to_value(ChangesJson::since(&snapshot, snapshot.revision)).unwrap();
+        assert_eq!(json, serde_json::json!({"revision": 20}));
+    }
+}

@@ -1,0 +1,341 @@
+//! The bodies of commands in JSON, and how they become the core's commands. Every field is checked here; none is guessed.
+
+use std::sync::Arc;
+
+use super::fields::{Body, Fields, Unread, in_short, needed};
+use super::halt::is_halt;
+use hallsweep_core::command::{Command, CommandId, Move, TemperatureReport, Verdict};
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::units::{Cell, Celsius, Epoch};
+use hallsweep_core::world::hall_map::REACH;
+
+pub use super::fields::Unusable;
+
+/// The body of a command without arguments; it may be absent.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct EpochBody {
+    epoch: Option<u64>,
+}
+
+/// `{"move":"w"}`.
+#[derive(Clone, Debug)]
+pub struct MoveBody {
+    word: String,
+    epoch: Option<u64>,
+}
+
+/// `{"x":1,"y":1}`.
+#[derive(Clone, Copy, Debug)]
+pub struct GotoBody {
+    x: i64,
+    y: i64,
+    epoch: Option<u64>,
+}
+
+/// `{"verdict":"safe"}`.
+#[derive(Clone, Debug)]
+pub struct VerdictBody {
+    verdict: String,
+}
+
+/// `{"celsius":21.5}`, `{"celsius":21.5,"sensor":"roof"}` or `{"status":"ok"}`.
+#[derive(Clone, Debug)]
+pub struct TemperatureBody {
+    celsius: Option<f64>,
+    sensor: Option<String>,
+    status: Option<String>,
+}
+
+/// `{"name":"snail"}`.
+#[derive(Clone, Debug)]
+pub struct StrategyBody {
+    name: String,
+}
+
+impl Body for EpochBody {
+    const FIELDS: &'static [&'static str] = &["epoch"];
+
+    fn taken(fields: &Fields) -> Result<EpochBody, Unusable> {
+        Ok(EpochBody { epoch: fields.count("epoch")? })
+    }
+}
+
+impl Body for MoveBody {
+    const FIELDS: &'static [&'static str] = &["move", "epoch"];
+
+    fn taken(fields: &Fields) -> Result<MoveBody, Unusable> {
+        let word = needed(fields.text("move")?, "move", "{\"move\":\"w\"}")?;
+        Ok(MoveBody { word, epoch: fields.count("epoch")? })
+    }
+}
+
+impl Body for GotoBody {
+    const FIELDS: &'static [&'static str] = &["x", "y", "epoch"];
+
+    fn taken(fields: &Fields) -> Result<GotoBody, Unusable> {
+        let side = |name| needed(fields.whole(name)?, name, "{\"x\":1,\"y\":1}");
+        Ok(GotoBody { x: side("x")?, y: side("y")?, epoch: fields.count("epoch")? })
+    }
+}
+
+impl Body for VerdictBody {
+    const FIELDS: &'static [&'static str] = &["verdict"];
+
+    fn taken(fields: &Fields) -> Result<VerdictBody, Unusable> {
+        Ok(VerdictBody { verdict: needed(fields.text("verdict")?, "verdict", "{\"verdict\":\"safe\"}")? })
+    }
+}
+
+impl Body for TemperatureBody {
+    const FIELDS: &'static [&'static str] = &["celsius", "sensor", "status"];
+
+    fn taken(fields: &Fields) -> Result<TemperatureBody, Unusable> {
+        Ok(TemperatureBody { celsius: fields.number("celsius")?, sensor: fields.text("sensor")?, status: fields.text("status")? })
+    }
+}
+
+impl Body for StrategyBody {
+    const FIELDS: &'static [&'static str] = &["name"];
+
+    fn taken(fields: &Fields) -> Result<StrategyBody, Unusable> {
+        Ok(StrategyBody { name: needed(fields.text("name")?, "name", "{\"name\":\"snail\"}")? })
+    }
+}
+
+impl EpochBody {
+    /// The epoch its sender saw.
+    #[must_use]
+    pub fn epoch(self) -> Option<Epoch> {
+        self.epoch.map(Epoch)
+    }
+}
+
+impl MoveBody {
+    /// The command and the epoch its sender saw.
+    ///
+    /// # Errors
+    /// When there is no such move.
+    pub fn command(&self) -> Result<(Command, Option<Epoch>), Unusable> {
+        Ok((move_word(&self.word)?, self.epoch.map(Epoch)))
+    }
+}
+
+impl GotoBody {
+    /// The command and the epoch its sender saw.
+    ///
+    /// # Errors
+    /// When the cell is further from home than any map reaches.
+    pub fn command(self) -> Result<(Command, Option<Epoch>), Unusable> {
+        Ok((goto(self.x, self.y)?, self.epoch.map(Epoch)))
+    }
+}
+
+impl VerdictBody {
+    /// The verdict.
+    ///
+    /// # Errors
+    /// When it is neither `safe` nor `danger`.
+    pub fn verdict(&self) -> Result<Verdict, Unusable> {
+        match self.verdict.as_str() {
+            "safe" => Ok(Verdict::Safe),
+            "danger" => Ok(Verdict::Danger),
+            other => Err(Unusable(format!("{:?} is no verdict: verdict is \"safe\" or \"danger\"", in_short(other)))),
+        }
+    }
+}
+
+impl TemperatureBody {
+    /// What is reported.
+    ///
+    /// # Errors
+    /// When both celsius and status are there or none, the value is not one a hall can have, or the sensor's name none.
+    pub fn report(&self) -> Result<TemperatureReport, Unusable> {
+        match (self.celsius, self.status.as_deref()) {
+            (Some(degrees), None) => {
+                let celsius = celsius(degrees)?;
+                let sensor = self.sensor()?;
+                Ok(sensor.map_or(TemperatureReport::Reading(celsius), |sensor| TemperatureReport::Sensor(sensor, celsius)))
+            }
+            (None, Some(_)) if self.sensor.is_some() => {
+                Err(Unusable("a sensor reads degrees: send {\"celsius\":21.5,\"sensor\":\"roof\"}".to_owned()))
+            }
+            (None, Some("ok")) => Ok(TemperatureReport::Ok),
+            (None, Some("tooHigh")) => Ok(TemperatureReport::TooHigh),
+            (None, Some(other)) => Err(Unusable(format!("{:?} is no status: status is \"ok\" or \"tooHigh\"", in_short(other)))),
+            (Some(_), Some(_)) | (None, None) => {
+                Err(Unusable("give either celsius, as {\"celsius\":21.5}, or status, as {\"status\":\"ok\"}".to_owned()))
+            }
+        }
+    }
+
+    /// The sensor it is of, where it is of one.
+    fn sensor(&self) -> Result<Option<Arc<str>>, Unusable> {
+        let Some(name) = &self.sensor else { return Ok(None) };
+        let sound = TemperatureReport::sensor_name(name);
+        sound.map(Some).ok_or_else(|| {
+            let most = TemperatureReport::MOST;
+            Unusable(format!("{:?} is no sensor's name: sensor is 1 to {most} visible characters, as \"roof\"", in_short(name)))
+        })
+    }
+}
+
+impl StrategyBody {
+    /// What a form's field says.
+    #[must_use]
+    pub fn named(name: &str) -> StrategyBody {
+        StrategyBody { name: name.to_owned() }
+    }
+
+    /// The strategy.
+    ///
+    /// # Errors
+    /// When none has this name; the sentence lists those there are.
+    pub fn strategy(&self) -> Result<Strategy, Unusable> {
+        let known: Vec<&str> = Strategy::ALL.iter().map(|strategy| strategy.name()).collect();
+        Strategy::named(&self.name)
+            .ok_or_else(|| Unusable(format!("there is no strategy {:?}: there are {}", in_short(&self.name), known.join(", "))))
+    }
+}
+
+/// What is wrong with a command's own name that is none, or that was sent more than once; `place` says where the door takes it from.
+#[must_use]
+pub fn no_command_id(place: &str, name: &str) -> String {
+    format!("{place} is {:?}: send it once, 1 to {} visible ASCII characters", in_short(name), CommandId::MOST)
+}
+
+/// The command's own name, laid aside from the fields of its body, for doors at which it comes as `id` beside them.
+///
+/// # Errors
+/// When it is no name.
+pub fn id_aside(fields: &mut Fields) -> Result<Option<CommandId>, Unread> {
+    let Some(name) = fields.aside("id", Fields::text).map_err(Unread::Unusable)? else { return Ok(None) };
+    let id = CommandId::new(&name);
+    id.map(Some).ok_or_else(|| Unread::Malformed(no_command_id("id", &name)))
+}
+
+/// The number of what a command is about, laid aside from the fields of its body, for doors that have no paths.
+///
+/// # Errors
+/// When it is missing, or no number; `example` shows the whole body.
+pub fn number_aside(fields: &mut Fields, name: &'static str, example: &str) -> Result<u64, Unusable> {
+    needed(fields.aside(name, Fields::count)?, name, example)
+}
+
+/// The command behind the one-letter words of old clients and of `move`; `h` and `stop` are STOP.
+///
+/// # Errors
+/// When there is no such word.
+pub fn move_word(word: &str) -> Result<Command, Unusable> {
+    match word {
+        halt if is_halt(halt) => Ok(Command::Stop),
+        "w" => Ok(Command::Move(Move::Forward)),
+        "s" => Ok(Command::Move(Move::Backward)),
+        "a" | "l" => Ok(Command::Move(Move::TurnLeft)),
+        "d" | "r" => Ok(Command::Move(Move::TurnRight)),
+        "z" => Ok(Command::Move(Move::NudgeLeft)),
+        "x" => Ok(Command::Move(Move::NudgeRight)),
+        other => Err(Unusable(format!(
+            "{:?} is no move: w forward, s backward, a or l left, d or r right, z and x small turns, h stop",
+            in_short(other)
+        ))),
+    }
+}
+
+/// Driving to a cell.
+///
+/// # Errors
+/// When the cell is further from home than any map reaches.
+pub fn goto(x: i64, y: i64) -> Result<Command, Unusable> {
+    let within = |value: i64| i32::try_from(value).ok().filter(|value| (-REACH..=REACH).contains(value));
+    match (within(x), within(y)) {
+        (Some(x), Some(y)) => Ok(Command::Goto(Cell::new(x, y))),
+        _ => Err(Unusable(format!("({x}, {y}) is out of reach: x and y lie between -{REACH} and {REACH}"))),
+    }
+}
+
+/// A reading in °C.
+///
+/// # Errors
+/// When no hall can be so cold or so hot.
+pub fn reading(degrees: f64) -> Result<TemperatureReport, Unusable> {
+    celsius(degrees).map(TemperatureReport::Reading)
+}
+
+fn celsius(degrees: f64) -> Result<Celsius, Unusable> {
+    let (least, most) = (Celsius::LEAST, Celsius::MOST);
+    Celsius::new(degrees).ok_or_else(|| Unusable(format!("{degrees:?} °C cannot be: celsius lies between {least} and {most}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fields::body;
+    use super::*;
+
+    #[test]
+    fn old_and_new_words_for_moves_mean_the_same() {
+        assert_eq!(move_word("l"), move_word("a"));
+        assert_eq!(move_word("r"), move_word("d"));
+        assert!(["h", "H", "stop", "STOP"].iter().all(|word| move_word(word) == Ok(Command::Stop)));
+        assert!(move_word("W").is_err() && move_word("").is_err());
+    }
+
+    #[test]
+    fn a_name_and_a_number_may_stand_beside_the_fields_of_a_body() {
+        let mut fields = super::super::fields::fields(br#"{"luggage":3,"verdict":"safe","id":"k7"}"#).unwrap();
+        assert_eq!(id_aside(&mut fields).unwrap(), CommandId::new("k7"));
+        assert_eq!(number_aside(&mut fields, "luggage", "{\"luggage\":3}"), Ok(3));
+        assert_eq!(fields.read::<VerdictBody>().unwrap().verdict(), Ok(Verdict::Safe));
+        let missing = number_aside(&mut fields, "alarm", "{\"alarm\":2}").unwrap_err();
+        assert_eq!(missing.to_string(), "`alarm` is missing: send {\"alarm\":2}");
+    }
+
+    #[test]
+    fn a_name_that_is_none_is_said_to_be_none() {
+        let said = |json: &str| id_aside(&mut super::super::fields::fields(json.as_bytes()).unwrap());
+        assert_eq!(said("{}"), Ok(None));
+        assert_eq!(said(r#"{"id":null}"#), Ok(None));
+        assert!(matches!(said(r#"{"id":"two words"}"#), Err(Unread::Malformed(words)) if words.contains("1 to 128 visible")));
+        assert!(matches!(said(r#"{"id":7}"#), Err(Unread::Unusable(_))));
+    }
+
+    #[test]
+    fn a_cell_must_be_within_reach() {
+        assert_eq!(goto(-8192, 8192), Ok(Command::Goto(Cell::new(-8192, 8192))));
+        for (x, y) in [(8193, 0), (0, -8193), (i64::MIN, 0), (0, i64::MAX), (i64::from(i32::MIN), 0)] {
+            assert!(goto(x, y).is_err(), "({x}, {y})");
+        }
+    }
+
+    #[test]
+    fn a_temperature_is_a_reading_or_a_word_and_never_both() {
+        let report = |json: &str| body::<TemperatureBody>(json.as_bytes()).unwrap().report();
+        assert_eq!(report(r#"{"status":"tooHigh"}"#), Ok(TemperatureReport::TooHigh));
+        assert!(matches!(report(r#"{"celsius":21.5}"#), Ok(TemperatureReport::Reading(_))));
+        assert!(
+            matches!(report(r#"{"celsius":21.5,"sensor":"roof"}"#), Ok(TemperatureReport::Sensor(name, _)) if &*name == "roof")
+        );
+        for wrong in [r#"{}"#, r#"{"celsius":1,"status":"ok"}"#, r#"{"celsius":1e9}"#, r#"{"status":"warm"}"#] {
+            assert!(report(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_sensor_has_a_name_of_its_own_and_reads_degrees_that_can_be() {
+        let report = |json: &str| body::<TemperatureBody>(json.as_bytes()).unwrap().report();
+        let long = "x".repeat(65);
+        for name in ["", " ", "two words", "a,b", "bell\\u0007", "operator", "robot", "others", &long] {
+            let said = report(&format!(r#"{{"celsius":21.5,"sensor":"{name}"}}"#)).unwrap_err().to_string();
+            assert!(said.contains("sensor is 1 to 64 visible characters"), "{name}: {said}");
+        }
+        assert!(report(&format!(r#"{{"celsius":21.5,"sensor":"{}"}}"#, &long[1..])).is_ok());
+        for wrong in [r#"{"celsius":-300,"sensor":"roof"}"#, r#"{"status":"ok","sensor":"roof"}"#, r#"{"sensor":"roof"}"#] {
+            assert!(report(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn an_unknown_strategy_is_told_which_there_are() {
+        let sentence = body::<StrategyBody>(br#"{"name":"worm"}"#).unwrap().strategy().unwrap_err().to_string();
+        assert!(sentence.contains("\"worm\"") && sentence.contains("snail"), "{sentence}");
+    }
+}

@@ -1,0 +1,150 @@
+//! Hand-made snapshots for the tests of the wire and of the doors: a small hall, a mission under way, one piece of each kind.
+//! Not a simulation: nothing here follows from anything.
+
+use std::sync::Arc;
+
+use hallsweep_core::command::Verdict;
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::mission::PhaseName;
+use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, Wall};
+use hallsweep_core::world::alarm::AlarmView;
+use hallsweep_core::world::hall_map::{HallMap, Mark};
+use hallsweep_core::world::log::{LogLine, Tone};
+use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
+use hallsweep_core::world::resource::Resource;
+use hallsweep_core::world::robot::{RobotState, RobotView};
+use hallsweep_core::world::snapshot::{MissionView, Progress, Refusals, Snapshot};
+use hallsweep_core::world::temperature::{TemperatureStatus, TemperatureView};
+
+/// Ten in the morning of the 3rd of February 2026, one hour east of Greenwich.
+pub(crate) const TEN: Wall = Wall { unix_ms: 1_770_109_200_000, offset_s: 3600 };
+
+/// An idle robot at home, nothing known but its cell, at revision 1.
+pub(crate) fn idle() -> Snapshot {
+    Snapshot {
+        run: Arc::from("t-1"),
+        revision: Revision(1),
+        revisions: [Revision(1); Resource::COUNT],
+        mission: idle_mission(),
+        robot: RobotView {
+            state: RobotState::Stopped,
+            halting: false,
+            pose: Pose::START,
+            off_centre: false,
+            sonar_cm: None,
+            led_blinking: false,
+        },
+        map: HallMap::new(Cell::HOME, Revision(1)),
+        luggage: Arc::from([]),
+        temperature: TemperatureView {
+            celsius: None,
+            status: TemperatureStatus::Ok,
+            threshold: degrees(25.0),
+            cool: degrees(24.0),
+            hot: Vec::new(),
+        },
+        alarms: Arc::from([]),
+        log: Arc::from([]),
+    }
+}
+
+/// A search under way in a hall six columns by four rows: one safe piece, one dangerous, one waiting, at revision 20.
+pub(crate) fn searching() -> Snapshot {
+    let mut snapshot = idle();
+    touch(&mut snapshot, 20, &Resource::ALL);
+    snapshot.map = drawn(&["111L1W", "1111?W", "1L1N?W", "1111?W", "WWWWW?"], 20);
+    snapshot.robot.pose = Pose { cell: Cell::new(2, 2), heading: Heading::East };
+    snapshot.robot.sonar_cm = Some(42);
+    snapshot.robot.led_blinking = true;
+    snapshot.mission.id = MissionId(1);
+    snapshot.mission.phase = PhaseName::Inspecting;
+    snapshot.mission.goal = Some(Cell::new(4, 4));
+    snapshot.mission.route = Arc::from([Cell::new(2, 3), Cell::new(3, 3)]);
+    snapshot.mission.trail = Arc::from([Cell::new(0, 0), Cell::new(1, 0), Cell::new(2, 0), Cell::new(2, 1), Cell::new(2, 2)]);
+    snapshot.mission.inspected = Some(LuggageId(3));
+    snapshot.mission.progress = Progress { visited: 15, unknown: 4 };
+    snapshot.mission.refusals.start = Some("luggage #3 waits for its verdict: answer safe or danger first".to_owned());
+    snapshot.temperature.celsius = Some(degrees(21.4));
+    snapshot.luggage = Arc::from([
+        piece(1, Cell::new(3, 0), Some(Verdict::Safe)),
+        piece(2, Cell::new(1, 2), Some(Verdict::Danger)),
+        piece(3, Cell::new(3, 2), None),
+    ]);
+    let text = "luggage #2 is dangerous".to_owned();
+    let alarm = AlarmView { id: Some(AlarmId(1)), raised: TEN, text, luggage: Some(LuggageId(2)), acknowledged: None };
+    snapshot.alarms = Arc::from([alarm]);
+    write(&mut snapshot, Tone::Info, "exploration began");
+    write(&mut snapshot, Tone::Alarm, "luggage #2 is dangerous");
+    write(&mut snapshot, Tone::Info, "luggage #3 found at (3, 2)");
+    snapshot
+}
+
+/// A map from rows that begin at (0, 0): `1` visited, `W` wall, `L` luggage, `N` luggage not inspected, anything else unknown.
+pub(crate) fn drawn(rows: &[&str], revision: u64) -> HallMap {
+    let mut map = HallMap::new(Cell::HOME, Revision(revision));
+    for (y, row) in (0..).zip(rows) {
+        for (x, mark) in (0..).zip(row.chars()) {
+            let mark = match mark {
+                '1' => Mark::Visited,
+                'W' => Mark::Wall,
+                'L' => Mark::Luggage,
+                'N' => Mark::NotInspected,
+                _ => Mark::Unknown,
+            };
+            map.mark(Cell::new(x, y), mark, Revision(revision));
+        }
+    }
+    map
+}
+
+/// A record of a piece, photographed from the cell west of it.
+pub(crate) fn piece(id: u64, cell: Cell, verdict: Option<Verdict>) -> Arc<Luggage> {
+    Arc::new(Luggage {
+        id: LuggageId(id),
+        cell,
+        pose: Pose { cell: Cell::new(cell.x - 1, cell.y), heading: Heading::East },
+        taken: TEN,
+        photo: PhotoState::Taken { bytes: 4, take: 1 },
+        verdict: verdict.map(|verdict| Decision { verdict, who: Arc::from("operator"), wall: TEN }),
+        piece: None,
+    })
+}
+
+/// Says that these resources changed at this revision.
+pub(crate) fn touch(snapshot: &mut Snapshot, revision: u64, resources: &[Resource]) {
+    snapshot.revision = Revision(revision);
+    for resource in resources {
+        snapshot.revisions[*resource as usize] = Revision(revision);
+    }
+}
+
+/// Writes the next line of the log.
+pub(crate) fn write(snapshot: &mut Snapshot, tone: Tone, text: &str) {
+    let number = snapshot.log.last().map_or(1, |line| line.number + 1);
+    let line = Arc::new(LogLine { number, wall: TEN, tone, text: text.to_owned() });
+    snapshot.log = snapshot.log.iter().cloned().chain([line]).collect();
+}
+
+/// A temperature.
+pub(crate) fn degrees(celsius: f64) -> Celsius {
+    Celsius::new(celsius).unwrap()
+}
+
+fn idle_mission() -> MissionView {
+    MissionView {
+        id: MissionId(0),
+        phase: PhaseName::Idle,
+        interrupted: None,
+        fault: None,
+        store_failure: None,
+        holds: Vec::new(),
+        goal: None,
+        route: Arc::from([]),
+        trail: Arc::from([]),
+        inspected: None,
+        strategy: Strategy::Snail,
+        epoch: Epoch(1),
+        progress: Progress::default(),
+        refusals: Refusals { back_home: Some("not possible while idle".to_owned()), ..Refusals::default() },
+    }
+}

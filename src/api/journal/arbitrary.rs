@@ -1,0 +1,235 @@
+//! Facts of every kind, drawn at random, for the tests of the journal and of the store.
+
+use std::sync::Arc;
+
+use proptest::collection::{btree_set, vec};
+use proptest::option;
+use proptest::prelude::*;
+
+use hallsweep_core::command::{CommandId, Door, Issuer, Move, Refusal, Verdict};
+use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::event::Piece;
+use hallsweep_core::explore::{Search, Strategy as Order};
+use hallsweep_core::mission::{FaultCause, Goal, Hold, Inspection, Phase, Stage};
+use hallsweep_core::refused::CODES;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, Wall};
+use hallsweep_core::world::alarm::Alarm;
+use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
+use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
+
+const MARKS: [Mark; 5] = [Mark::Unknown, Mark::Visited, Mark::Wall, Mark::Luggage, Mark::NotInspected];
+const MOVES: [Move; 6] = [Move::Forward, Move::Backward, Move::TurnLeft, Move::TurnRight, Move::NudgeLeft, Move::NudgeRight];
+
+pub(crate) fn entry() -> impl Strategy<Value = Entry> {
+    (wall(), fact()).prop_map(|(wall, fact)| Entry { wall, fact })
+}
+
+/// A fact of any kind; without a photo, whose pixels are kept elsewhere.
+pub(crate) fn fact() -> impl Strategy<Value = Fact> {
+    prop_oneof![
+        text().prop_map(Fact::ProgramStarted),
+        text().prop_map(Fact::ProgramEnded),
+        standing().prop_map(|standing| Fact::Standing(Box::new(standing))),
+        command(),
+        any::<u64>().prop_map(|id| Fact::MissionBegan(MissionId(id), Order::Snail)),
+        (any::<u64>(), vec(any::<u64>().prop_map(LuggageId), 0..4))
+            .prop_map(|(id, left)| Fact::MissionArchived(MissionId(id), left)),
+        phase().prop_map(Fact::Phase),
+        vec(hold(), 0..4).prop_map(Fact::Holds),
+        any::<u64>().prop_map(|epoch| Fact::Epoch(Epoch(epoch))),
+        (option::of(goal()), search()).prop_map(|(goal, search)| Fact::Goal(goal, search)),
+        pose().prop_map(Fact::Pose),
+        any::<bool>().prop_map(Fact::Led),
+        (cell(), prop_oneof![Just("wall"), Just("luggage"), Just("unknown")]).prop_map(|(cell, kind)| Fact::Obstacle(cell, kind)),
+        (cell(), one_of(&MARKS)).prop_map(|(cell, mark)| Fact::Mark(cell, mark)),
+        luggage().prop_map(|record| Fact::Luggage { record: Arc::new(record), photo: None }),
+        (any::<u64>(), verdict(), text())
+            .prop_map(|(id, verdict, who)| { Fact::Verdict { luggage: LuggageId(id), verdict, who: who.into() } }),
+        (text(), celsius()).prop_map(|(source, celsius)| Fact::Temperature(source.into(), celsius)),
+        (any::<u64>(), option::of(any::<u64>()), text())
+            .prop_map(|(id, luggage, text)| { Fact::AlarmRaised(AlarmId(id), luggage.map(LuggageId), text) }),
+        (any::<u64>(), text()).prop_map(|(id, who)| Fact::AlarmAcknowledged(AlarmId(id), who.into())),
+        Just(Fact::Strategy(Order::Snail)),
+        heading().prop_map(Fact::MapEmptied),
+    ]
+}
+
+fn command() -> impl Strategy<Value = Fact> {
+    let issuer = (one_of(&Door::ALL), text(), text());
+    let issuer = issuer.prop_map(|(door, who, from)| Issuer { door, who: who.into(), from: from.into() });
+    let id = option::of("[!-~]{1,128}".prop_map(|text| CommandId::new(&text).expect("visible ASCII of a fit length")));
+    let refused = option::of((one_of(&CODES), text()).prop_map(|((code, _), words)| Refusal::named(code, words)));
+    let luggage = option::of(any::<u64>().prop_map(LuggageId));
+    let epoch = option::of(any::<u64>().prop_map(Epoch));
+    (issuer, id, text(), epoch, luggage, refused).prop_map(|(issuer, id, command, epoch, luggage, refused)| Fact::Command {
+        issuer,
+        id,
+        command,
+        epoch,
+        luggage,
+        refused,
+    })
+}
+
+fn standing() -> impl Strategy<Value = Standing> {
+    let numbers = (any::<u64>(), any::<bool>(), any::<u64>(), any::<u64>(), any::<u64>(), any::<bool>());
+    let mission = (phase(), btree_set(hold(), 0..9), search(), option::of(goal()), btree_set(cell(), 0..4), pose());
+    let world = (hall_map(), btree_set(any::<u32>().prop_map(Piece), 0..4), vec(luggage(), 0..4), vec(alarm(), 0..4));
+    (numbers, mission, world, option::of(celsius())).prop_map(|(numbers, mission, world, reading)| {
+        let (id, under_way, epoch, last_luggage, last_alarm, led_blinking) = numbers;
+        let (phase, holds, search, goal, blocked, pose) = mission;
+        let (map, pieces, luggage, alarms) = world;
+        Standing {
+            mission: MissionId(id),
+            under_way,
+            phase,
+            holds,
+            epoch: Epoch(epoch),
+            strategy: Order::Snail,
+            search,
+            goal,
+            blocked,
+            pose,
+            led_blinking,
+            map,
+            pieces,
+            luggage: luggage.into_iter().map(|record| (record.id, Arc::new(record))).collect(),
+            last_luggage: LuggageId(last_luggage),
+            alarms: alarms.into_iter().map(Arc::new).collect(),
+            last_alarm: AlarmId(last_alarm),
+            reading,
+        }
+    })
+}
+
+fn phase() -> impl Strategy<Value = Phase> {
+    let leaf = prop_oneof![
+        Just(Phase::Idle),
+        Just(Phase::Exploring),
+        inspection().prop_map(Phase::Inspecting),
+        Just(Phase::ReturningHome),
+        Just(Phase::AtHome),
+        Just(Phase::ReturningWithAlarm),
+        Just(Phase::BombLocated),
+        Just(Phase::Retrieving),
+        Just(Phase::BagSecured),
+        Just(Phase::Explored),
+    ];
+    leaf.prop_recursive(3, 4, 1, |inner| {
+        let interrupted = inner.prop_map(Box::new);
+        prop_oneof![
+            (option::of(cell()), option::of(one_of(&MOVES)), interrupted.clone())
+                .prop_map(|(goal, next, interrupted)| Phase::Driving { goal, next, interrupted }),
+            (cause(), interrupted).prop_map(|(cause, interrupted)| Phase::Fault { cause, interrupted }),
+        ]
+    })
+}
+
+fn inspection() -> impl Strategy<Value = Inspection> {
+    let id = || any::<u64>().prop_map(LuggageId);
+    let stage = prop_oneof![
+        Just(Stage::BackingUp),
+        Just(Stage::TakingPhoto),
+        id().prop_map(Stage::Recording),
+        id().prop_map(Stage::AwaitingVerdict),
+        id().prop_map(Stage::RetakingPhoto),
+    ];
+    (cell(), option::of(any::<u32>().prop_map(Piece)), pose(), stage).prop_map(|(cell, piece, pose, stage)| Inspection {
+        cell,
+        piece,
+        pose,
+        stage,
+    })
+}
+
+fn cause() -> impl Strategy<Value = FaultCause> {
+    prop_oneof![
+        Just(FaultCause::NoWayHome),
+        Just(FaultCause::Unanswered),
+        Just(FaultCause::Undecided),
+        text().prop_map(FaultCause::Robot),
+    ]
+}
+
+fn luggage() -> impl Strategy<Value = Luggage> {
+    let photo = prop_oneof![
+        (any::<usize>(), any::<u32>()).prop_map(|(bytes, take)| PhotoState::Taken { bytes, take }),
+        text().prop_map(PhotoState::Failed),
+    ];
+    let decision = (verdict(), text(), wall());
+    let decision = decision.prop_map(|(verdict, who, wall)| Decision { verdict, who: who.into(), wall });
+    let piece = option::of(any::<u32>().prop_map(Piece));
+    (any::<u64>(), cell(), pose(), wall(), photo, option::of(decision), piece).prop_map(
+        |(id, cell, pose, taken, photo, verdict, piece)| Luggage { id: LuggageId(id), cell, pose, taken, photo, verdict, piece },
+    )
+}
+
+fn alarm() -> impl Strategy<Value = Alarm> {
+    let seen = option::of((text().prop_map(Arc::from), wall()));
+    (any::<u64>(), wall(), text(), option::of(any::<u64>()), seen).prop_map(|(id, raised, text, luggage, acknowledged)| Alarm {
+        id: AlarmId(id),
+        raised,
+        text,
+        luggage: luggage.map(LuggageId),
+        acknowledged,
+    })
+}
+
+/// Cells near home and cells at the end of the world.
+fn hall_map() -> impl Strategy<Value = HallMap> {
+    let near = (-40..40, -40..40);
+    let far = (prop_oneof![Just(-REACH), Just(REACH), -REACH..=REACH], -40..40);
+    let cells = prop_oneof![8 => near, 1 => far].prop_map(|(x, y)| Cell::new(x, y));
+    vec((cells, one_of(&MARKS)), 0..60).prop_map(|cells| {
+        let mut map = HallMap::new(Cell::HOME, Revision(1));
+        for (cell, mark) in cells {
+            map.mark(cell, mark, Revision(2));
+        }
+        map
+    })
+}
+
+fn search() -> impl Strategy<Value = Search> {
+    (1..2 * i64::from(REACH), 0..5_i64).prop_map(|(ring, stage)| Order::Snail.resume(&[ring, stage]))
+}
+
+fn goal() -> impl Strategy<Value = Goal> {
+    prop_oneof![Just(Goal::Home), cell().prop_map(Goal::Visit)]
+}
+
+fn pose() -> impl Strategy<Value = Pose> {
+    (cell(), heading()).prop_map(|(cell, heading)| Pose { cell, heading })
+}
+
+fn cell() -> impl Strategy<Value = Cell> {
+    (-2 * REACH..=2 * REACH, -2 * REACH..=2 * REACH).prop_map(|(x, y)| Cell::new(x, y))
+}
+
+fn wall() -> impl Strategy<Value = Wall> {
+    (any::<i64>(), any::<i32>()).prop_map(|(unix_ms, offset_s)| Wall { unix_ms, offset_s })
+}
+
+fn celsius() -> impl Strategy<Value = Celsius> {
+    (Celsius::LEAST..=Celsius::MOST).prop_map(|degrees| Celsius::new(degrees).expect("drawn from what is believed"))
+}
+
+fn heading() -> impl Strategy<Value = Heading> {
+    one_of(&Heading::ALL)
+}
+
+fn hold() -> impl Strategy<Value = Hold> {
+    one_of(&Hold::ALL)
+}
+
+fn verdict() -> impl Strategy<Value = Verdict> {
+    prop_oneof![Just(Verdict::Safe), Just(Verdict::Danger)]
+}
+
+fn text() -> impl Strategy<Value = String> {
+    ".{0,20}"
+}
+
+fn one_of<T: Copy + std::fmt::Debug + 'static>(all: &'static [T]) -> impl Strategy<Value = T> + Clone {
+    proptest::sample::select(all)
+}

@@ -1,0 +1,258 @@
+//! One shape for every fact. Their names in JSON are the names of kinds by which the store finds entries.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::luggage::LuggageShape;
+use super::names::SearchShape;
+use super::phase::PhaseShape;
+use super::places::{GoalShape, PoseShape};
+use super::standing::StandingShape;
+use super::{Picture, Unparsed, map, names, places};
+use hallsweep_core::command::{CommandId, Issuer, Refusal};
+use hallsweep_core::effect::Fact;
+use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId};
+
+/// A fact, by its kind.
+#[derive(Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "camelCase", rename_all_fields = "camelCase")]
+pub(super) enum Shape {
+    ProgramStarted {
+        version: String,
+    },
+    ProgramEnded {
+        by: String,
+    },
+    Standing {
+        standing: Box<StandingShape>,
+    },
+    Command(CommandShape),
+    MissionBegan {
+        number: u64,
+        strategy: String,
+    },
+    MissionArchived {
+        number: u64,
+        left: Vec<u64>,
+    },
+    Phase {
+        phase: PhaseShape,
+    },
+    Holds {
+        holds: Vec<String>,
+    },
+    Epoch {
+        epoch: u64,
+    },
+    Goal {
+        goal: Option<GoalShape>,
+        search: SearchShape,
+    },
+    Pose(PoseShape),
+    Led {
+        blinking: bool,
+    },
+    Obstacle {
+        #[serde(deserialize_with = "places::side")]
+        x: i32,
+        #[serde(deserialize_with = "places::side")]
+        y: i32,
+        taken_for: String,
+    },
+    Mark {
+        #[serde(deserialize_with = "places::side")]
+        x: i32,
+        #[serde(deserialize_with = "places::side")]
+        y: i32,
+        mark: String,
+    },
+    Luggage {
+        luggage: LuggageShape,
+        picture: Option<Picture>,
+    },
+    Verdict {
+        luggage: u64,
+        verdict: String,
+        who: String,
+    },
+    Temperature {
+        source: String,
+        celsius: f64,
+    },
+    AlarmRaised {
+        alarm: u64,
+        luggage: Option<u64>,
+        text: String,
+    },
+    AlarmAcknowledged {
+        alarm: u64,
+        who: String,
+    },
+    Strategy {
+        strategy: String,
+    },
+    MapEmptied {
+        heading: String,
+    },
+}
+
+/// A command and what became of it.
+#[derive(Serialize, Deserialize)]
+pub(super) struct CommandShape {
+    command: String,
+    door: String,
+    who: String,
+    from: String,
+    id: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    epoch: Option<u64>,
+    luggage: Option<u64>,
+    refused: Option<RefusalShape>,
+}
+
+/// Why a command was refused; the family follows from the code.
+#[derive(Serialize, Deserialize)]
+struct RefusalShape {
+    code: String,
+    words: String,
+}
+
+/// The kind of a fact: the word by which entries are found.
+#[must_use]
+pub const fn kind(fact: &Fact) -> &'static str {
+    match fact {
+        Fact::ProgramStarted(_) => "programStarted",
+        Fact::ProgramEnded(_) => "programEnded",
+        Fact::Standing(_) => "standing",
+        Fact::Command { .. } => "command",
+        Fact::MissionBegan(..) => "missionBegan",
+        Fact::MissionArchived(..) => "missionArchived",
+        Fact::Phase(_) => "phase",
+        Fact::Holds(_) => "holds",
+        Fact::Epoch(_) => "epoch",
+        Fact::Goal(..) => "goal",
+        Fact::Pose(_) => "pose",
+        Fact::Led(_) => "led",
+        Fact::Obstacle(..) => "obstacle",
+        Fact::Mark(..) => "mark",
+        Fact::Luggage { .. } => "luggage",
+        Fact::Verdict { .. } => "verdict",
+        Fact::Temperature(..) => "temperature",
+        Fact::AlarmRaised(..) => "alarmRaised",
+        Fact::AlarmAcknowledged(..) => "alarmAcknowledged",
+        Fact::Strategy(_) => "strategy",
+        Fact::MapEmptied(_) => "mapEmptied",
+    }
+}
+
+impl Shape {
+    /// The shape of a fact; of a photo only the file is in it.
+    pub(super) fn of(fact: &Fact, picture: Option<&Picture>) -> Shape {
+        match fact {
+            Fact::ProgramStarted(version) => Shape::ProgramStarted { version: version.clone() },
+            Fact::ProgramEnded(by) => Shape::ProgramEnded { by: by.clone() },
+            Fact::Standing(standing) => Shape::Standing { standing: Box::new((&**standing).into()) },
+            Fact::Command { issuer, id, command, epoch, luggage, refused } => {
+                let shape = CommandShape::of(issuer, id.as_ref(), command, *luggage, refused.as_ref());
+                Shape::Command(CommandShape { epoch: epoch.map(|epoch| epoch.0), ..shape })
+            }
+            Fact::MissionBegan(mission, strategy) => {
+                Shape::MissionBegan { number: mission.0, strategy: strategy.name().to_owned() }
+            }
+            Fact::MissionArchived(mission, left) => {
+                Shape::MissionArchived { number: mission.0, left: left.iter().map(|id| id.0).collect() }
+            }
+            Fact::Phase(phase) => Shape::Phase { phase: phase.into() },
+            Fact::Holds(holds) => Shape::Holds { holds: holds.iter().map(|hold| hold.name().to_owned()).collect() },
+            Fact::Epoch(epoch) => Shape::Epoch { epoch: epoch.0 },
+            Fact::Goal(goal, search) => Shape::Goal { goal: goal.map(GoalShape::from), search: search.into() },
+            Fact::Pose(pose) => Shape::Pose((*pose).into()),
+            Fact::Led(blinking) => Shape::Led { blinking: *blinking },
+            Fact::Obstacle(Cell { x, y }, taken_for) => Shape::Obstacle { x: *x, y: *y, taken_for: (*taken_for).to_owned() },
+            Fact::Mark(Cell { x, y }, mark) => Shape::Mark { x: *x, y: *y, mark: mark.name().to_owned() },
+            Fact::Luggage { record, .. } => Shape::Luggage { luggage: (&**record).into(), picture: picture.cloned() },
+            Fact::Verdict { luggage, verdict, who } => {
+                Shape::Verdict { luggage: luggage.0, verdict: verdict.name().to_owned(), who: who.to_string() }
+            }
+            Fact::Temperature(source, celsius) => Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() },
+            Fact::AlarmRaised(alarm, luggage, text) => {
+                Shape::AlarmRaised { alarm: alarm.0, luggage: luggage.map(|id| id.0), text: text.clone() }
+            }
+            Fact::AlarmAcknowledged(alarm, who) => Shape::AlarmAcknowledged { alarm: alarm.0, who: who.to_string() },
+            Fact::Strategy(strategy) => Shape::Strategy { strategy: strategy.name().to_owned() },
+            Fact::MapEmptied(heading) => Shape::MapEmptied { heading: heading.name().to_owned() },
+        }
+    }
+
+    /// The fact, and the file of its photo.
+    pub(super) fn fact(self) -> Result<(Fact, Option<Picture>), Unparsed> {
+        let fact = match self {
+            Shape::Luggage { luggage, picture } => {
+                if picture.as_ref().is_some_and(|picture| !picture.is_sound()) {
+                    return Err(Unparsed("the digest of its photo is none".to_owned()));
+                }
+                return Ok((Fact::Luggage { record: Arc::new(luggage.record()?), photo: None }, picture));
+            }
+            Shape::ProgramStarted { version } => Fact::ProgramStarted(version),
+            Shape::ProgramEnded { by } => Fact::ProgramEnded(by),
+            Shape::Standing { standing } => Fact::Standing(Box::new(standing.standing()?)),
+            Shape::Command(command) => command.fact()?,
+            Shape::MissionBegan { number, strategy } => Fact::MissionBegan(MissionId(number), names::strategy(&strategy)?),
+            Shape::MissionArchived { number, left } => {
+                Fact::MissionArchived(MissionId(number), left.into_iter().map(LuggageId).collect())
+            }
+            Shape::Phase { phase } => Fact::Phase(phase.phase()?),
+            Shape::Holds { holds } => Fact::Holds(holds.iter().map(|name| names::hold(name)).collect::<Result<_, _>>()?),
+            Shape::Epoch { epoch } => Fact::Epoch(Epoch(epoch)),
+            Shape::Goal { goal, search } => Fact::Goal(goal.map(Into::into), search.search()?),
+            Shape::Pose(pose) => Fact::Pose(pose.pose()?),
+            Shape::Led { blinking } => Fact::Led(blinking),
+            Shape::Obstacle { x, y, taken_for } => Fact::Obstacle(Cell::new(x, y), names::taken_for(&taken_for)?),
+            Shape::Mark { x, y, mark } => Fact::Mark(Cell::new(x, y), map::named(&mark)?),
+            Shape::Verdict { luggage, verdict, who } => {
+                Fact::Verdict { luggage: LuggageId(luggage), verdict: names::verdict(&verdict)?, who: who.into() }
+            }
+            Shape::Temperature { source, celsius } => Fact::Temperature(source.into(), names::celsius(celsius)?),
+            Shape::AlarmRaised { alarm, luggage, text } => Fact::AlarmRaised(AlarmId(alarm), luggage.map(LuggageId), text),
+            Shape::AlarmAcknowledged { alarm, who } => Fact::AlarmAcknowledged(AlarmId(alarm), who.into()),
+            Shape::Strategy { strategy } => Fact::Strategy(names::strategy(&strategy)?),
+            Shape::MapEmptied { heading } => Fact::MapEmptied(names::heading(&heading)?),
+        };
+        Ok((fact, None))
+    }
+}
+
+impl CommandShape {
+    fn of(
+        issuer: &Issuer,
+        id: Option<&CommandId>,
+        command: &str,
+        luggage: Option<LuggageId>,
+        refused: Option<&Refusal>,
+    ) -> CommandShape {
+        CommandShape {
+            command: command.to_owned(),
+            door: issuer.door.name().to_owned(),
+            who: issuer.who.to_string(),
+            from: issuer.from.to_string(),
+            id: id.map(|id| id.text().to_owned()),
+            epoch: None,
+            luggage: luggage.map(|id| id.0),
+            refused: refused.map(|refused| RefusalShape { code: refused.code.to_owned(), words: refused.words.clone() }),
+        }
+    }
+
+    fn fact(self) -> Result<Fact, Unparsed> {
+        let issuer = Issuer { door: names::door(&self.door)?, who: self.who.into(), from: self.from.into() };
+        let named = |id: String| CommandId::new(&id).ok_or_else(|| Unparsed("the id of the command is none".to_owned()));
+        Ok(Fact::Command {
+            issuer,
+            id: self.id.map(named).transpose()?,
+            command: self.command,
+            epoch: self.epoch.map(Epoch),
+            luggage: self.luggage.map(LuggageId),
+            refused: self.refused.map(|refused| Refusal::named(&refused.code, refused.words)),
+        })
+    }
+}

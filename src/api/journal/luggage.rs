@@ -1,0 +1,129 @@
+//! Luggage records and alarms in the journal.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::places::{Moment, Point, PoseShape};
+use super::{Unparsed, names};
+use hallsweep_core::event::Piece;
+use hallsweep_core::units::{AlarmId, LuggageId};
+use hallsweep_core::world::alarm::Alarm;
+use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
+
+/// The record of one piece.
+#[derive(Serialize, Deserialize)]
+pub(super) struct LuggageShape {
+    pub(super) id: u64,
+    cell: Point,
+    pose: PoseShape,
+    taken: Moment,
+    photo: PhotoShape,
+    verdict: Option<DecisionShape>,
+    piece: Option<u32>,
+}
+
+/// What became of a photo.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+enum PhotoShape {
+    Taken { bytes: usize, take: u32 },
+    Failed(String),
+}
+
+/// A verdict that stands.
+#[derive(Serialize, Deserialize)]
+struct DecisionShape {
+    verdict: String,
+    who: String,
+    when: Moment,
+}
+
+/// An alarm.
+#[derive(Serialize, Deserialize)]
+pub(super) struct AlarmShape {
+    id: u64,
+    raised: Moment,
+    text: String,
+    luggage: Option<u64>,
+    acknowledged: Option<SeenShape>,
+}
+
+/// Who has seen an alarm.
+#[derive(Serialize, Deserialize)]
+struct SeenShape {
+    who: String,
+    when: Moment,
+}
+
+impl From<&Luggage> for LuggageShape {
+    fn from(luggage: &Luggage) -> LuggageShape {
+        LuggageShape {
+            id: luggage.id.0,
+            cell: luggage.cell.into(),
+            pose: luggage.pose.into(),
+            taken: luggage.taken.into(),
+            photo: match &luggage.photo {
+                PhotoState::Taken { bytes, take } => PhotoShape::Taken { bytes: *bytes, take: *take },
+                PhotoState::Failed(words) => PhotoShape::Failed(words.clone()),
+            },
+            verdict: luggage.verdict.as_ref().map(DecisionShape::from),
+            piece: luggage.piece.map(|piece| piece.0),
+        }
+    }
+}
+
+impl LuggageShape {
+    pub(super) fn record(self) -> Result<Luggage, Unparsed> {
+        Ok(Luggage {
+            id: LuggageId(self.id),
+            cell: self.cell.into(),
+            pose: self.pose.pose()?,
+            taken: self.taken.into(),
+            photo: match self.photo {
+                PhotoShape::Taken { bytes, take } => PhotoState::Taken { bytes, take },
+                PhotoShape::Failed(words) => PhotoState::Failed(words),
+            },
+            verdict: self.verdict.map(DecisionShape::decision).transpose()?,
+            piece: self.piece.map(Piece),
+        })
+    }
+}
+
+impl From<&Decision> for DecisionShape {
+    fn from(decision: &Decision) -> DecisionShape {
+        let (verdict, who) = (decision.verdict.name().to_owned(), decision.who.to_string());
+        DecisionShape { verdict, who, when: decision.wall.into() }
+    }
+}
+
+impl DecisionShape {
+    fn decision(self) -> Result<Decision, Unparsed> {
+        Ok(Decision { verdict: names::verdict(&self.verdict)?, who: self.who.into(), wall: self.when.into() })
+    }
+}
+
+impl From<&Alarm> for AlarmShape {
+    fn from(alarm: &Alarm) -> AlarmShape {
+        let seen = alarm.acknowledged.as_ref();
+        AlarmShape {
+            id: alarm.id.0,
+            raised: alarm.raised.into(),
+            text: alarm.text.clone(),
+            luggage: alarm.luggage.map(|id| id.0),
+            acknowledged: seen.map(|(who, wall)| SeenShape { who: who.to_string(), when: (*wall).into() }),
+        }
+    }
+}
+
+impl From<AlarmShape> for Alarm {
+    fn from(alarm: AlarmShape) -> Alarm {
+        Alarm {
+            id: AlarmId(alarm.id),
+            raised: alarm.raised.into(),
+            text: alarm.text,
+            luggage: alarm.luggage.map(LuggageId),
+            acknowledged: alarm.acknowledged.map(|seen| (Arc::from(seen.who), seen.when.into())),
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The shapes of the journal: every fact as JSON and back, for the table of events and for export, one object a line.
+//! Where the lines are kept is the store's business; a photo's pixels are not in them, only the digest of its file.
+//!
+//! ```text
+//!   {"seq":12,"at":"2026-02-03T10:05:12.000+01:00","unixMs":1770109512000,"offsetS":3600,"mission":3,
+//!    "kind":"phase","phase":{"name":"exploring"}}
+//! ```
+//! Reading skips fields that it does not know, so that a later version may add some, and refuses meanings that it does not know.
+
+mod fact;
+mod luggage;
+mod map;
+mod names;
+mod phase;
+mod places;
+mod standing;
+
+#[cfg(test)]
+pub(crate) mod arbitrary;
+#[cfg(test)]
+mod tests;
+
+pub use fact::kind;
+
+use serde::{Deserialize, Serialize};
+
+use self::fact::Shape;
+use super::time::rfc3339;
+use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::units::{MissionId, Seq, Wall};
+use hallsweep_core::world::luggage::Luggage;
+
+/// Why no fact can be made of what was kept, as a sentence.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Unparsed(pub(super) String);
+
+/// The file in which a photo is kept.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Picture {
+    /// The SHA-256 of its bytes, in 64 lower-case hexadecimal digits.
+    pub digest: String,
+    /// Its media type, as `image/png`.
+    pub media_type: String,
+}
+
+/// An entry with its place in the journal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Its place.
+    pub seq: Seq,
+    /// The mission it belongs to; `None` between two.
+    pub mission: Option<MissionId>,
+    /// What happened, and when.
+    pub entry: Entry,
+    /// The photo that came with it.
+    pub picture: Option<Picture>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct LineShape {
+    seq: u64,
+    /// For people; what counts is the two that follow.
+    #[serde(default)]
+    at: String,
+    unix_ms: i64,
+    offset_s: i32,
+    mission: Option<u64>,
+    #[serde(flatten)]
+    fact: Shape,
+}
+
+impl Picture {
+    /// Whether the digest is one: it becomes the name of a file.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        self.digest.len() == 64 && self.digest.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
+    }
+}
+
+/// A fact as a JSON object, with its kind.
+#[must_use]
+pub fn body(fact: &Fact, picture: Option<&Picture>) -> String {
+    written(&Shape::of(fact, picture))
+}
+
+/// The fact of a JSON object.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn read_body(text: &str) -> Result<(Fact, Option<Picture>), Unparsed> {
+    parsed::<Shape>(text.as_bytes())?.fact()
+}
+
+/// A line of the journal, without a line break.
+#[must_use]
+pub fn line(line: &Line) -> String {
+    let Wall { unix_ms, offset_s } = line.entry.wall;
+    written(&LineShape {
+        seq: line.seq.0,
+        at: rfc3339(line.entry.wall),
+        unix_ms,
+        offset_s,
+        mission: line.mission.map(|mission| mission.0),
+        fact: Shape::of(&line.entry.fact, line.picture.as_ref()),
+    })
+}
+
+/// The line that stands in the place of an entry that cannot be understood: its place, the kind `unreadable`, and why.
+#[must_use]
+pub fn unreadable(seq: Seq, why: &str) -> String {
+    format!("{{\"seq\":{seq},\"kind\":\"unreadable\",\"why\":{}}}", serde_json::Value::from(why))
+}
+
+/// Reads a line of the journal.
+///
+/// # Errors
+/// What is wrong with it; any bytes give a line or that.
+pub fn read_line(bytes: &[u8]) -> Result<Line, Unparsed> {
+    let LineShape { seq, unix_ms, offset_s, mission, fact, .. } = parsed(bytes)?;
+    let (fact, picture) = fact.fact()?;
+    let entry = Entry { wall: Wall { unix_ms, offset_s }, fact };
+    Ok(Line { seq: Seq(seq), mission: mission.map(MissionId), entry, picture })
+}
+
+/// The record of a piece, with its verdict, as a JSON object.
+#[must_use]
+pub fn record(record: &Luggage) -> String {
+    written(&luggage::LuggageShape::from(record))
+}
+
+/// The record of a piece from its JSON object.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn read_record(text: &str) -> Result<Luggage, Unparsed> {
+    parsed::<luggage::LuggageShape>(text.as_bytes())?.record()
+}
+
+fn written(shape: &impl Serialize) -> String {
+    serde_json::to_string(shape).expect("the shapes have text for keys and write to memory, so that nothing can fail")
+}
+
+fn parsed<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, Unparsed> {
+    serde_json::from_slice(bytes).map_err(|error| Unparsed(format!("it is not a fact of this version: {error}")))
+}

@@ -1,0 +1,109 @@
+//! The words by which the journal writes what has a name, read back: a word that nobody knows is refused.
+
+use serde::{Deserialize, Serialize};
+
+use super::Unparsed;
+use crate::api::fields::in_short;
+use hallsweep_core::command::{Door, Move, Verdict};
+use hallsweep_core::explore::{Search, Strategy};
+use hallsweep_core::mission::Hold;
+use hallsweep_core::units::{Celsius, Heading};
+
+/// What an obstacle can be taken for.
+const TAKEN_FOR: [&str; 3] = ["wall", "luggage", "unknown"];
+
+/// Where a search has come to.
+#[derive(Serialize, Deserialize)]
+pub(super) struct SearchShape {
+    strategy: String,
+    notes: Vec<i64>,
+}
+
+/// A basic move.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) enum Step {
+    Forward,
+    Backward,
+    TurnLeft,
+    TurnRight,
+    NudgeLeft,
+    NudgeRight,
+}
+
+/// The one of `all` that has this name.
+fn named<T: Copy>(what: &str, name: &str, all: &[T], name_of: fn(T) -> &'static str) -> Result<T, Unparsed> {
+    let known = all.iter().copied().find(|one| name_of(*one) == name);
+    known.ok_or_else(|| Unparsed(format!("{:?} is no {what} that this version knows", in_short(name))))
+}
+
+pub(super) fn door(name: &str) -> Result<Door, Unparsed> {
+    named("door", name, &Door::ALL, Door::name)
+}
+
+pub(super) fn heading(name: &str) -> Result<Heading, Unparsed> {
+    named("heading", name, &Heading::ALL, Heading::name)
+}
+
+pub(super) fn hold(name: &str) -> Result<Hold, Unparsed> {
+    named("hold", name, &Hold::ALL, Hold::name)
+}
+
+pub(super) fn strategy(name: &str) -> Result<Strategy, Unparsed> {
+    named("strategy", name, &Strategy::ALL, Strategy::name)
+}
+
+pub(super) fn verdict(name: &str) -> Result<Verdict, Unparsed> {
+    named("verdict", name, &[Verdict::Safe, Verdict::Danger], Verdict::name)
+}
+
+pub(super) fn taken_for(name: &str) -> Result<&'static str, Unparsed> {
+    named("obstacle", name, &TAKEN_FOR, |known| known)
+}
+
+pub(super) fn celsius(degrees: f64) -> Result<Celsius, Unparsed> {
+    Celsius::new(degrees).ok_or_else(|| Unparsed(format!("{degrees} °C is no temperature that a hall can have")))
+}
+
+impl From<&Search> for SearchShape {
+    fn from(search: &Search) -> SearchShape {
+        let strategy = match search {
+            Search::Snail(_) => Strategy::Snail,
+        };
+        SearchShape { strategy: strategy.name().to_owned(), notes: search.notes() }
+    }
+}
+
+impl SearchShape {
+    pub(super) fn search(&self) -> Result<Search, Unparsed> {
+        let search = strategy(&self.strategy)?.resume(&self.notes);
+        let same = search.notes() == self.notes;
+        same.then_some(search).ok_or_else(|| Unparsed(format!("a search of {} cannot have come to that", self.strategy)))
+    }
+}
+
+impl From<Move> for Step {
+    fn from(step: Move) -> Step {
+        match step {
+            Move::Forward => Step::Forward,
+            Move::Backward => Step::Backward,
+            Move::TurnLeft => Step::TurnLeft,
+            Move::TurnRight => Step::TurnRight,
+            Move::NudgeLeft => Step::NudgeLeft,
+            Move::NudgeRight => Step::NudgeRight,
+        }
+    }
+}
+
+impl From<Step> for Move {
+    fn from(step: Step) -> Move {
+        match step {
+            Step::Forward => Move::Forward,
+            Step::Backward => Move::Backward,
+            Step::TurnLeft => Move::TurnLeft,
+            Step::TurnRight => Move::TurnRight,
+            Step::NudgeLeft => Move::NudgeLeft,
+            Step::NudgeRight => Move::NudgeRight,
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Phases in the journal, each with its data, the interrupted ones inside those that interrupt them.
+
+use serde::{Deserialize, Serialize};
+
+use super::Unparsed;
+use super::names::Step;
+use super::places::{Point, PoseShape};
+use hallsweep_core::event::Piece;
+use hallsweep_core::mission::{FaultCause, Inspection, Phase, Stage};
+use hallsweep_core::units::LuggageId;
+
+/// A phase, by the name of the doors.
+#[derive(Serialize, Deserialize)]
+#[serde(tag = "name", rename_all = "camelCase")]
+pub(super) enum PhaseShape {
+    Idle,
+    Exploring,
+    Inspecting(InspectionShape),
+    Driving { goal: Option<Point>, next: Option<Step>, interrupted: Box<PhaseShape> },
+    ReturningHome,
+    AtHome,
+    ReturningWithAlarm,
+    BombLocated,
+    Retrieving,
+    BagSecured,
+    Explored,
+    Fault { cause: CauseShape, interrupted: Box<PhaseShape> },
+}
+
+/// A piece being inspected.
+#[derive(Serialize, Deserialize)]
+pub(super) struct InspectionShape {
+    cell: Point,
+    piece: Option<u32>,
+    pose: PoseShape,
+    stage: StageShape,
+}
+
+/// How far an inspection has come.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+enum StageShape {
+    BackingUp,
+    TakingPhoto,
+    Recording(u64),
+    AwaitingVerdict(u64),
+    RetakingPhoto(u64),
+}
+
+/// Why a mission is in fault.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) enum CauseShape {
+    NoWayHome,
+    Unanswered,
+    Undecided,
+    Robot(String),
+}
+
+impl From<&Phase> for PhaseShape {
+    fn from(phase: &Phase) -> PhaseShape {
+        match phase {
+            Phase::Idle => PhaseShape::Idle,
+            Phase::Exploring => PhaseShape::Exploring,
+            Phase::Inspecting(inspection) => PhaseShape::Inspecting(inspection.into()),
+            Phase::Driving { goal, next, interrupted } => PhaseShape::Driving {
+                goal: goal.map(Point::from),
+                next: next.map(Step::from),
+                interrupted: Box::new(PhaseShape::from(&**interrupted)),
+            },
+            Phase::ReturningHome => PhaseShape::ReturningHome,
+            Phase::AtHome => PhaseShape::AtHome,
+            Phase::ReturningWithAlarm => PhaseShape::ReturningWithAlarm,
+            Phase::BombLocated => PhaseShape::BombLocated,
+            Phase::Retrieving => PhaseShape::Retrieving,
+            Phase::BagSecured => PhaseShape::BagSecured,
+            Phase::Explored => PhaseShape::Explored,
+            Phase::Fault { cause, interrupted } => {
+                PhaseShape::Fault { cause: cause.into(), interrupted: Box::new(PhaseShape::from(&**interrupted)) }
+            }
+        }
+    }
+}
+
+impl PhaseShape {
+    pub(super) fn phase(self) -> Result<Phase, Unparsed> {
+        Ok(match self {
+            PhaseShape::Idle => Phase::Idle,
+            PhaseShape::Exploring => Phase::Exploring,
+            PhaseShape::Inspecting(inspection) => Phase::Inspecting(inspection.inspection()?),
+            PhaseShape::Driving { goal, next, interrupted } => Phase::Driving {
+                goal: goal.map(Into::into),
+                next: next.map(Into::into),
+                interrupted: Box::new(interrupted.phase()?),
+            },
+            PhaseShape::ReturningHome => Phase::ReturningHome,
+            PhaseShape::AtHome => Phase::AtHome,
+            PhaseShape::ReturningWithAlarm => Phase::ReturningWithAlarm,
+            PhaseShape::BombLocated => Phase::BombLocated,
+            PhaseShape::Retrieving => Phase::Retrieving,
+            PhaseShape::BagSecured => Phase::BagSecured,
+            PhaseShape::Explored => Phase::Explored,
+            PhaseShape::Fault { cause, interrupted } => {
+                Phase::Fault { cause: cause.into(), interrupted: Box::new(interrupted.phase()?) }
+            }
+        })
+    }
+}
+
+impl From<&Inspection> for InspectionShape {
+    fn from(inspection: &Inspection) -> InspectionShape {
+        InspectionShape {
+            cell: inspection.cell.into(),
+            piece: inspection.piece.map(|piece| piece.0),
+            pose: inspection.pose.into(),
+            stage: match inspection.stage {
+                Stage::BackingUp => StageShape::BackingUp,
+                Stage::TakingPhoto => StageShape::TakingPhoto,
+                Stage::Recording(id) => StageShape::Recording(id.0),
+                Stage::AwaitingVerdict(id) => StageShape::AwaitingVerdict(id.0),
+                Stage::RetakingPhoto(id) => StageShape::RetakingPhoto(id.0),
+            },
+        }
+    }
+}
+
+impl InspectionShape {
+    fn inspection(self) -> Result<Inspection, Unparsed> {
+        let stage = match self.stage {
+            StageShape::BackingUp => Stage::BackingUp,
+            StageShape::TakingPhoto => Stage::TakingPhoto,
+            StageShape::Recording(id) => Stage::Recording(LuggageId(id)),
+            StageShape::AwaitingVerdict(id) => Stage::AwaitingVerdict(LuggageId(id)),
+            StageShape::RetakingPhoto(id) => Stage::RetakingPhoto(LuggageId(id)),
+        };
+        Ok(Inspection { cell: self.cell.into(), piece: self.piece.map(Piece), pose: self.pose.pose()?, stage })
+    }
+}
+
+impl From<&FaultCause> for CauseShape {
+    fn from(cause: &FaultCause) -> CauseShape {
+        match cause {
+            FaultCause::NoWayHome => CauseShape::NoWayHome,
+            FaultCause::Unanswered => CauseShape::Unanswered,
+            FaultCause::Undecided => CauseShape::Undecided,
+            FaultCause::Robot(words) => CauseShape::Robot(words.clone()),
+        }
+    }
+}
+
+impl From<CauseShape> for FaultCause {
+    fn from(cause: CauseShape) -> FaultCause {
+        match cause {
+            CauseShape::NoWayHome => FaultCause::NoWayHome,
+            CauseShape::Unanswered => FaultCause::Unanswered,
+            CauseShape::Undecided => FaultCause::Undecided,
+            CauseShape::Robot(words) => FaultCause::Robot(words),
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Cells, poses and moments in the journal. A moment keeps the exact millisecond and offset; its RFC 3339 form is for people.
+
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::{Unparsed, names};
+use crate::api::time::rfc3339;
+use hallsweep_core::mission::Goal;
+use hallsweep_core::units::{Cell, Pose, Wall};
+use hallsweep_core::world::hall_map::REACH;
+
+/// Cells further from home than this are in no journal: no map reaches half so far.
+const FARTHEST: i32 = 2 * REACH;
+
+/// A cell.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+pub(super) struct Point {
+    #[serde(deserialize_with = "side")]
+    pub(super) x: i32,
+    #[serde(deserialize_with = "side")]
+    pub(super) y: i32,
+}
+
+/// A pose.
+#[derive(Serialize, Deserialize)]
+pub(super) struct PoseShape {
+    #[serde(deserialize_with = "side")]
+    x: i32,
+    #[serde(deserialize_with = "side")]
+    y: i32,
+    heading: String,
+}
+
+/// A moment.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Moment {
+    /// For people.
+    #[serde(default)]
+    at: String,
+    unix_ms: i64,
+    offset_s: i32,
+}
+
+/// What a search is after: a cell to visit, or home.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) enum GoalShape {
+    Visit(Point),
+    Home,
+}
+
+impl From<Cell> for Point {
+    fn from(Cell { x, y }: Cell) -> Point {
+        Point { x, y }
+    }
+}
+
+impl From<Point> for Cell {
+    fn from(Point { x, y }: Point) -> Cell {
+        Cell { x, y }
+    }
+}
+
+impl From<Pose> for PoseShape {
+    fn from(Pose { cell: Cell { x, y }, heading }: Pose) -> PoseShape {
+        PoseShape { x, y, heading: heading.name().to_owned() }
+    }
+}
+
+impl PoseShape {
+    pub(super) fn pose(&self) -> Result<Pose, Unparsed> {
+        Ok(Pose { cell: Cell::new(self.x, self.y), heading: names::heading(&self.heading)? })
+    }
+}
+
+impl From<Wall> for Moment {
+    fn from(wall: Wall) -> Moment {
+        Moment { at: rfc3339(wall), unix_ms: wall.unix_ms, offset_s: wall.offset_s }
+    }
+}
+
+impl From<Moment> for Wall {
+    fn from(Moment { unix_ms, offset_s, .. }: Moment) -> Wall {
+        Wall { unix_ms, offset_s }
+    }
+}
+
+impl From<Goal> for GoalShape {
+    fn from(goal: Goal) -> GoalShape {
+        match goal {
+            Goal::Visit(cell) => GoalShape::Visit(cell.into()),
+            Goal::Home => GoalShape::Home,
+        }
+    }
+}
+
+impl From<GoalShape> for Goal {
+    fn from(goal: GoalShape) -> Goal {
+        match goal {
+            GoalShape::Visit(cell) => Goal::Visit(cell.into()),
+            GoalShape::Home => Goal::Home,
+        }
+    }
+}
+
+/// Reads one coordinate of a cell.
+pub(super) fn side<'de, D: Deserializer<'de>>(deserializer: D) -> Result<i32, D::Error> {
+    let side = i32::deserialize(deserializer)?;
+    if (-FARTHEST..=FARTHEST).contains(&side) {
+        return Ok(side);
+    }
+    Err(D::Error::custom(format!("{side} is no coordinate of a cell: they lie between -{FARTHEST} and {FARTHEST}")))
+}

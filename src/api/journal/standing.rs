@@ -1,0 +1,102 @@
+//! Everything that stands, in the journal: what a program that is started again goes on from.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::luggage::{AlarmShape, LuggageShape};
+use super::map::{self, Row};
+use super::names::SearchShape;
+use super::phase::PhaseShape;
+use super::places::{GoalShape, Point, PoseShape};
+use super::{Unparsed, names};
+use hallsweep_core::event::Piece;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::units::{AlarmId, Epoch, LuggageId, MissionId};
+use hallsweep_core::world::luggage::Luggage;
+
+/// Everything that stands.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct StandingShape {
+    mission: u64,
+    under_way: bool,
+    phase: PhaseShape,
+    holds: Vec<String>,
+    epoch: u64,
+    strategy: String,
+    search: SearchShape,
+    goal: Option<GoalShape>,
+    blocked: Vec<Point>,
+    pose: PoseShape,
+    led_blinking: bool,
+    map: Vec<Row>,
+    pieces: Vec<u32>,
+    luggage: Vec<LuggageShape>,
+    last_luggage: u64,
+    alarms: Vec<AlarmShape>,
+    last_alarm: u64,
+    reading: Option<f64>,
+}
+
+impl From<&Standing> for StandingShape {
+    fn from(standing: &Standing) -> StandingShape {
+        StandingShape {
+            mission: standing.mission.0,
+            under_way: standing.under_way,
+            phase: (&standing.phase).into(),
+            holds: standing.holds.iter().map(|hold| hold.name().to_owned()).collect(),
+            epoch: standing.epoch.0,
+            strategy: standing.strategy.name().to_owned(),
+            search: (&standing.search).into(),
+            goal: standing.goal.map(GoalShape::from),
+            blocked: standing.blocked.iter().copied().map(Point::from).collect(),
+            pose: standing.pose.into(),
+            led_blinking: standing.led_blinking,
+            map: map::rows(&standing.map),
+            pieces: standing.pieces.iter().map(|piece| piece.0).collect(),
+            luggage: standing.luggage.values().map(|record| LuggageShape::from(&**record)).collect(),
+            last_luggage: standing.last_luggage.0,
+            alarms: standing.alarms.iter().map(|alarm| AlarmShape::from(&**alarm)).collect(),
+            last_alarm: standing.last_alarm.0,
+            reading: standing.reading.map(hallsweep_core::units::Celsius::degrees),
+        }
+    }
+}
+
+impl StandingShape {
+    pub(super) fn standing(self) -> Result<Standing, Unparsed> {
+        Ok(Standing {
+            mission: MissionId(self.mission),
+            under_way: self.under_way,
+            phase: self.phase.phase()?,
+            holds: self.holds.iter().map(|name| names::hold(name)).collect::<Result<_, _>>()?,
+            epoch: Epoch(self.epoch),
+            strategy: names::strategy(&self.strategy)?,
+            search: self.search.search()?,
+            goal: self.goal.map(Into::into),
+            blocked: self.blocked.into_iter().map(Into::into).collect(),
+            pose: self.pose.pose()?,
+            led_blinking: self.led_blinking,
+            map: map::map(&self.map)?,
+            pieces: self.pieces.into_iter().map(Piece).collect(),
+            luggage: records(self.luggage)?,
+            last_luggage: LuggageId(self.last_luggage),
+            alarms: self.alarms.into_iter().map(|alarm| Arc::new(alarm.into())).collect(),
+            last_alarm: AlarmId(self.last_alarm),
+            reading: self.reading.map(names::celsius).transpose()?,
+        })
+    }
+}
+
+fn records(shapes: Vec<LuggageShape>) -> Result<BTreeMap<LuggageId, Arc<Luggage>>, Unparsed> {
+    let mut records = BTreeMap::new();
+    for shape in shapes {
+        let record = shape.record()?;
+        if records.insert(record.id, Arc::new(record.clone())).is_some() {
+            return Err(Unparsed(format!("luggage #{} is there twice", record.id)));
+        }
+    }
+    Ok(records)
+}

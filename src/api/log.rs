@@ -1,0 +1,25 @@
+//! Log lines in JSON. Which lines a reader still lacks is said by `changes`.
+
+use serde::Serialize;
+
+use super::time::rfc3339;
+use hallsweep_core::world::log::LogLine;
+
+/// One line of the log.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LogLineJson {
+    /// Its number, from 1 without gaps.
+    pub number: u64,
+    /// When, RFC 3339.
+    pub at: String,
+    /// `info`, `warning` or `alarm`.
+    pub tone: &'static str,
+    /// What happened, as a sentence.
+    pub text: String,
+}
+
+impl From<&LogLine> for LogLineJson {
+    fn from(line: &LogLine) -> LogLineJson {
+        LogLineJson { number: line.number, at: rfc3339(line.wall), tone: line.tone.name(), text: line.text.clone() }
+    }
+}

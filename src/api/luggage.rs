@@ -1,0 +1,92 @@
+//! Luggage records in JSON. The picture itself is not in them: `photo.url` says where it is.
+
+use serde::Serialize;
+
+use super::robot::Place;
+use super::time::rfc3339;
+use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
+
+/// One record.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LuggageJson {
+    /// Its number, never used for another piece.
+    pub id: u64,
+    /// `pending`, `safe` or `danger`.
+    pub verdict: &'static str,
+    /// The cell of the bag.
+    pub cell: Place,
+    /// The cell from which it was photographed.
+    pub position: Place,
+    /// The way the robot faced then.
+    pub heading: &'static str,
+    /// When the photo was taken or failed, RFC 3339 with zone.
+    pub taken: String,
+    /// What became of the photo.
+    pub photo: PhotoJson,
+    /// Who decided and when, or null while it is pending.
+    pub decided: Option<DecisionJson>,
+}
+
+/// A photo, or why there is none; what does not apply is null.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PhotoJson {
+    /// `taken` or `failed`.
+    pub state: &'static str,
+    /// Where it can be fetched. It changes with every take.
+    pub url: Option<String>,
+    /// Its size in bytes.
+    pub bytes: Option<usize>,
+    /// 1 for the first photo, more after a retake.
+    pub take: Option<u32>,
+    /// Why there is none.
+    pub reason: Option<String>,
+}
+
+/// Who decided, and when.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DecisionJson {
+    /// Who.
+    pub by: String,
+    /// When, RFC 3339 with zone.
+    pub at: String,
+}
+
+/// Where a piece's photo can be fetched; it changes with every take, so that nobody is shown the one before.
+#[must_use]
+pub fn photo_url(luggage: &Luggage) -> Option<String> {
+    match luggage.photo {
+        PhotoState::Taken { take, .. } => Some(format!("/api/v1/luggage/{}/photo?take={take}", luggage.id)),
+        PhotoState::Failed(_) => None,
+    }
+}
+
+impl From<&Luggage> for LuggageJson {
+    fn from(luggage: &Luggage) -> LuggageJson {
+        LuggageJson {
+            id: luggage.id.0,
+            verdict: luggage.verdict_name(),
+            cell: luggage.cell.into(),
+            position: luggage.pose.cell.into(),
+            heading: luggage.pose.heading.name(),
+            taken: rfc3339(luggage.taken),
+            photo: photo(luggage),
+            decided: luggage.verdict.as_ref().map(DecisionJson::from),
+        }
+    }
+}
+
+impl From<&Decision> for DecisionJson {
+    fn from(decision: &Decision) -> DecisionJson {
+        DecisionJson { by: decision.who.to_string(), at: rfc3339(decision.wall) }
+    }
+}
+
+fn photo(luggage: &Luggage) -> PhotoJson {
+    let url = photo_url(luggage);
+    match &luggage.photo {
+        PhotoState::Taken { bytes, take } => {
+            PhotoJson { state: "taken", url, bytes: Some(*bytes), take: Some(*take), reason: None }
+        }
+        PhotoState::Failed(reason) => PhotoJson { state: "failed", url, bytes: None, take: None, reason: Some(reason.clone()) },
+    }
+}

@@ -1,0 +1,238 @@
+//! The hall map in JSON: all known cells row by row, or only the cells that changed.
+//! The text forms of old clients stand in `map_text`.
+
+use serde::Serialize;
+
+use super::robot::Place;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::units::{Cell, Revision};
+use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, cells_of};
+use hallsweep_core::world::resource::Resource;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// What a map shows: the hall, and the cell the robot stands in.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan<'a> {
+    /// The hall.
+    pub hall: &'a HallMap,
+    /// Where the robot stands, or stood when the mission was put away.
+    pub robot: Cell,
+}
+
+/// Every cell of which anything is known, borders included: `rows[y - origin.y][x - origin.x]`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct MapJson {
+    /// When the map or the robot's place in it last changed; absent in a mission's record, since revisions are of one run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub revision: Option<u64>,
+    /// The cell of the first character of the first row.
+    pub origin: Place,
+    /// Columns.
+    pub width: i32,
+    /// Rows.
+    pub height: i32,
+    /// From north to south, a character per cell: `r` robot, `1` visited, `0` unknown, `X` obstacle.
+    pub rows: Vec<String>,
+}
+
+/// The cells that differ from what the reader has. There is one robot: an `r` turns an earlier one into `1`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct MapCells {
+    /// When the map or the robot's place in it last changed.
+    pub revision: u64,
+    /// The cell of the first character of the first row.
+    pub origin: Place,
+    /// Columns.
+    pub width: i32,
+    /// Rows.
+    pub height: i32,
+    /// The cells.
+    pub cells: Vec<CellJson>,
+}
+
+/// A cell and its mark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct CellJson {
+    /// Column.
+    pub x: i32,
+    /// Row.
+    pub y: i32,
+    /// `r`, `1`, `0` or `X`.
+    pub mark: char,
+}
+
+/// What a stream sends of the map.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(untagged)]
+pub enum MapChange {
+    /// All of it.
+    Whole(MapJson),
+    /// What is different.
+    Cells(MapCells),
+}
+
+impl<'a> From<&'a Snapshot> for Plan<'a> {
+    fn from(snapshot: &'a Snapshot) -> Plan<'a> {
+        Plan { hall: &snapshot.map, robot: snapshot.robot.pose.cell }
+    }
+}
+
+impl<'a> From<&'a Standing> for Plan<'a> {
+    fn from(standing: &'a Standing) -> Plan<'a> {
+        Plan { hall: &standing.map, robot: standing.pose.cell }
+    }
+}
+
+impl From<&Snapshot> for MapJson {
+    fn from(snapshot: &Snapshot) -> MapJson {
+        MapJson { revision: Some(map_revision(snapshot).0), ..MapJson::from(Plan::from(snapshot)) }
+    }
+}
+
+impl From<Plan<'_>> for MapJson {
+    fn from(plan: Plan<'_>) -> MapJson {
+        let bounds = plan.hall.known_bounds();
+        MapJson {
+            revision: None,
+            origin: bounds.least.into(),
+            width: bounds.width(),
+            height: bounds.height(),
+            rows: (bounds.least.y..=bounds.most.y).map(|y| row(plan, bounds, y)).collect(),
+        }
+    }
+}
+
+impl MapChange {
+    /// From what a reader has, an earlier snapshot, to this one; `None` when it has this one's map. A robot that turned in its
+    /// place has changed no cell, but the map is of a newer revision all the same.
+    #[must_use]
+    pub fn between(older: &Snapshot, snapshot: &Snapshot) -> Option<MapChange> {
+        let mut changed: Vec<Cell> = snapshot.map.changes_since(&older.map).into_iter().map(|(cell, _)| cell).collect();
+        changed.extend([older.robot.pose.cell, snapshot.robot.pose.cell]);
+        changed.retain(|cell| mark_char(older.into(), *cell) != mark_char(snapshot.into(), *cell));
+        changed.sort_unstable();
+        changed.dedup();
+        (!changed.is_empty() || map_revision(snapshot) > map_revision(older)).then(|| MapChange::cells(snapshot, changed))
+    }
+
+    /// For a reader of whom only the revision is known: the tiles that changed since. When all of them did, the map may have
+    /// been emptied in between, so it is sent whole.
+    #[must_use]
+    pub fn since(snapshot: &Snapshot, revision: Revision) -> Option<MapChange> {
+        if map_revision(snapshot) <= revision {
+            return None;
+        }
+        if snapshot.map.tiles().all(|(_, tile)| tile.revision > revision) {
+            return Some(MapChange::Whole(MapJson::from(snapshot)));
+        }
+        let bounds = snapshot.map.known_bounds();
+        let newer = snapshot.map.tiles().filter(|(_, tile)| tile.revision > revision);
+        let mut cells: Vec<Cell> = newer.flat_map(|(corner, _)| cells_of(corner)).filter(|cell| bounds.contains(*cell)).collect();
+        cells.push(snapshot.robot.pose.cell);
+        cells.sort_unstable();
+        cells.dedup();
+        Some(MapChange::cells(snapshot, cells))
+    }
+
+    fn cells(snapshot: &Snapshot, cells: Vec<Cell>) -> MapChange {
+        let bounds = snapshot.map.known_bounds();
+        let with_mark = |cell: Cell| CellJson { x: cell.x, y: cell.y, mark: mark_char(snapshot.into(), cell) };
+        MapChange::Cells(MapCells {
+            revision: map_revision(snapshot).0,
+            origin: bounds.least.into(),
+            width: bounds.width(),
+            height: bounds.height(),
+            cells: cells.into_iter().map(with_mark).collect(),
+        })
+    }
+}
+
+/// When anything a map shows last changed: it shows the robot too.
+#[must_use]
+pub fn map_revision(snapshot: &Snapshot) -> Revision {
+    snapshot.revision_of(Resource::Map).max(snapshot.revision_of(Resource::Robot))
+}
+
+/// How a cell is written: `r` robot, `1` visited, `0` unknown, `X` obstacle.
+#[must_use]
+pub fn mark_char(plan: Plan<'_>, cell: Cell) -> char {
+    if cell == plan.robot {
+        return 'r';
+    }
+    match plan.hall.at(cell) {
+        Mark::Unknown => '0',
+        Mark::Visited => '1',
+        Mark::Wall | Mark::Luggage | Mark::NotInspected => 'X',
+    }
+}
+
+fn row(plan: Plan<'_>, bounds: Bounds, y: i32) -> String {
+    (bounds.least.x..=bounds.most.x).map(|x| mark_char(plan, Cell::new(x, y))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::fixture::{drawn, idle, searching, touch};
+
+    fn cells(change: Option<MapChange>) -> Vec<(i32, i32, char)> {
+        match change {
+            Some(MapChange::Cells(map)) => map.cells.iter().map(|cell| (cell.x, cell.y, cell.mark)).collect(),
+            Some(MapChange::Whole(map)) => panic!("only cells were expected, not {map:?}"),
+            None => Vec::new(),
+        }
+    }
+
+    #[test]
+    fn every_known_cell_is_there_and_the_robot_in_its_own() {
+        let map = MapJson::from(&searching());
+        assert_eq!((map.origin, map.width, map.height), (Place { x: 0, y: 0 }, 6, 5));
+        assert_eq!(map.rows, ["111X1X", "11110X", "1XrX0X", "11110X", "XXXXX0"]);
+    }
+
+    #[test]
+    fn rows_and_columns_may_lie_north_and_west_of_home() {
+        let mut snapshot = idle();
+        snapshot.map.mark(Cell::new(-1, -1), Mark::Wall, Revision(2));
+        let map = MapJson::from(&snapshot);
+        assert_eq!((map.origin, map.rows), (Place { x: -1, y: -1 }, vec!["X0".to_owned(), "0r".to_owned()]));
+    }
+
+    #[test]
+    fn a_step_sends_the_cell_left_and_the_cell_entered() {
+        let older = idle();
+        let mut newer = older.clone();
+        newer.map.mark(Cell::new(0, 1), Mark::Visited, Revision(2));
+        newer.robot.pose.cell = Cell::new(0, 1);
+        touch(&mut newer, 2, &[Resource::Map, Resource::Robot]);
+        assert_eq!(cells(MapChange::between(&older, &newer)), [(0, 0, '1'), (0, 1, 'r')]);
+        assert_eq!(MapChange::between(&newer, &newer.clone()), None);
+    }
+
+    #[test]
+    fn an_emptied_map_takes_back_what_was_known() {
+        let (older, newer) = (searching(), idle());
+        let changes = cells(MapChange::between(&older, &newer));
+        assert!(changes.contains(&(5, 0, '0')) && changes.contains(&(0, 0, 'r')), "{changes:?}");
+    }
+
+    #[test]
+    fn a_returning_reader_gets_the_tiles_that_changed_since() {
+        let mut snapshot = idle();
+        snapshot.map = drawn(&["11"], 2);
+        snapshot.map.mark(Cell::new(40, 0), Mark::Wall, Revision(9));
+        touch(&mut snapshot, 9, &[Resource::Map]);
+        let changes = cells(MapChange::since(&snapshot, Revision(5)));
+        assert!(changes.contains(&(40, 0, 'X')) && changes.contains(&(0, 0, 'r')), "{changes:?}");
+        assert!(!changes.contains(&(1, 0, '1')), "the first tile has not changed since");
+        assert_eq!(MapChange::since(&snapshot, Revision(9)), None);
+    }
+
+    #[test]
+    fn a_returning_reader_whose_every_tile_is_older_gets_the_whole_map() {
+        let mut snapshot = idle();
+        touch(&mut snapshot, 9, &[Resource::Map]);
+        snapshot.map = drawn(&["1"], 9);
+        assert!(matches!(MapChange::since(&snapshot, Revision(5)), Some(MapChange::Whole(_))));
+    }
+}

@@ -1,0 +1,113 @@
+//! The mission in JSON: phase, holds, goal, progress, and what each button would be refused with.
+
+use serde::Serialize;
+
+use super::robot::Place;
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::units::Revision;
+use hallsweep_core::world::snapshot::{MissionView, Progress, Refusals};
+
+/// Where the mission stands.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct MissionJson {
+    /// When it last changed.
+    pub revision: u64,
+    /// Its number; 0 before the first.
+    pub id: u64,
+    /// The phase, by its name in the protocol.
+    pub phase: &'static str,
+    /// The phase that is interrupted while driving by hand or in fault, or null.
+    pub interrupted: Option<&'static str>,
+    /// Why it is in fault, or null.
+    pub fault: Option<String>,
+    /// What holds the robot.
+    pub holds: Vec<&'static str>,
+    /// Why nothing can be recorded just now, in words, or null.
+    pub store_failure: Option<String>,
+    /// The cell it is on its way to, or null.
+    pub goal: Option<Place>,
+    /// The cells it means to pass, the next one first.
+    pub route: Vec<Place>,
+    /// The order of the search.
+    pub strategy: &'static str,
+    /// Raised by every stop.
+    pub epoch: u64,
+    /// How far the search has come.
+    pub progress: ProgressJson,
+    /// For each button the sentence it would be refused with just now, or null.
+    pub refusals: RefusalsJson,
+}
+
+/// How far the search has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct ProgressJson {
+    /// Cells visited.
+    pub visited: usize,
+    /// What is to be looked at next: unknown cells beside visited ones, and obstacles still to be inspected.
+    pub unknown: usize,
+    /// 100 when nothing is open, else null: what the hall will come to nobody knows before.
+    pub percent: Option<u8>,
+}
+
+/// What each button would be refused with; null where it would not be.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[expect(missing_docs, reason = "the fields are documented at `Refusals`")]
+pub struct RefusalsJson {
+    pub start: Option<String>,
+    pub back_home: Option<String>,
+    pub retrieve: Option<String>,
+    pub reset: Option<String>,
+    pub drive: Option<String>,
+    pub strategy: Option<String>,
+    pub retake: Option<String>,
+}
+
+/// The order of the search alone, in the shape in which it is chosen.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct StrategyJson {
+    /// Its name.
+    pub name: &'static str,
+}
+
+impl From<Strategy> for StrategyJson {
+    fn from(strategy: Strategy) -> StrategyJson {
+        StrategyJson { name: strategy.name() }
+    }
+}
+
+impl MissionJson {
+    /// The mission as it is at `revision`.
+    #[must_use]
+    pub fn new(mission: &MissionView, revision: Revision) -> MissionJson {
+        MissionJson {
+            revision: revision.0,
+            id: mission.id.0,
+            phase: mission.phase.name(),
+            interrupted: mission.interrupted.map(|phase| phase.name()),
+            fault: mission.fault.clone(),
+            holds: mission.holds.iter().map(|hold| hold.name()).collect(),
+            store_failure: mission.store_failure.clone(),
+            goal: mission.goal.map(Place::from),
+            route: mission.route.iter().copied().map(Place::from).collect(),
+            strategy: mission.strategy.name(),
+            epoch: mission.epoch.0,
+            progress: mission.progress.into(),
+            refusals: (&mission.refusals).into(),
+        }
+    }
+}
+
+impl From<Progress> for ProgressJson {
+    fn from(progress: Progress) -> ProgressJson {
+        ProgressJson { visited: progress.visited, unknown: progress.unknown, percent: progress.percent() }
+    }
+}
+
+impl From<&Refusals> for RefusalsJson {
+    fn from(refusals: &Refusals) -> RefusalsJson {
+        let Refusals { start, back_home, retrieve, reset, drive, strategy, retake } = refusals.clone();
+        RefusalsJson { start, back_home, retrieve, reset, drive, strategy, retake }
+    }
+}

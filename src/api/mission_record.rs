@@ -1,0 +1,166 @@
+//! Missions as they are kept, in JSON: their list, one of them with luggage and map, and what happened in it.
+//! How far a list goes and where it goes on is the door's business.
+
+use serde::Serialize;
+
+use super::journal;
+use super::luggage::LuggageJson;
+use super::map::{MapJson, Plan};
+use hallsweep_core::effect::Entry;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::units::{MissionId, Seq};
+
+/// A mission in one line.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MissionRecordJson {
+    /// Its number.
+    pub id: u64,
+    /// The order of its search.
+    pub strategy: String,
+    /// When it began, RFC 3339 with zone.
+    pub began: String,
+    /// When it was put away, or null while it is the present one.
+    pub archived: Option<String>,
+    /// The last phase it came to, by its name in the protocol.
+    pub phase: String,
+    /// How many pieces of luggage were found.
+    pub pieces: u64,
+    /// How many of them are dangerous.
+    pub dangerous: u64,
+    /// The numbers of the dangerous pieces that were left in place when it was put away.
+    pub left: Vec<u64>,
+    /// Where there is more of it.
+    pub links: Links,
+}
+
+/// Where there is more of a mission.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Links {
+    /// The mission with its luggage and its map.
+    #[serde(rename = "self")]
+    pub itself: String,
+    /// Everything that happened in it.
+    pub events: String,
+    /// Its map alone.
+    pub map: String,
+    /// Its page for people.
+    pub page: String,
+}
+
+/// Missions, the newest first.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MissionListJson {
+    /// The missions.
+    pub missions: Vec<MissionRecordJson>,
+    /// Where the list goes on, or null at its end.
+    pub next: Option<String>,
+}
+
+/// A mission with everything that stood when it was put away, or that stands now.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MissionWholeJson {
+    /// The mission.
+    #[serde(flatten)]
+    pub record: MissionRecordJson,
+    /// Its luggage, by number.
+    pub luggage: Vec<LuggageJson>,
+    /// Its hall as far as it was known, or null when that is not kept.
+    pub map: Option<MapJson>,
+    /// What of the record cannot be understood, a sentence each: what follows from it is not in here.
+    pub damage: Vec<String>,
+}
+
+impl Links {
+    /// Those of a mission.
+    #[must_use]
+    pub fn of(mission: MissionId) -> Links {
+        let itself = format!("/api/v1/missions/{mission}");
+        Links { events: format!("{itself}/events"), map: format!("{itself}/map"), page: format!("/missions/{mission}"), itself }
+    }
+}
+
+impl MissionWholeJson {
+    /// A mission and what stood, and what of that cannot be understood.
+    #[must_use]
+    pub fn new(record: MissionRecordJson, standing: Option<&Standing>, damage: Vec<String>) -> MissionWholeJson {
+        let luggage = standing.into_iter().flat_map(|standing| standing.luggage.values());
+        let luggage = luggage.map(|luggage| LuggageJson::from(&**luggage)).collect();
+        MissionWholeJson { record, luggage, map: standing.map(|standing| MapJson::from(Plan::from(standing))), damage }
+    }
+}
+
+/// Entries of a mission as one JSON object, `{"events":[…],"next":…}`, each as a line of the exported journal. Of one that cannot be
+/// understood the reason is given.
+#[must_use]
+pub fn events(mission: MissionId, entries: Vec<(Seq, Result<Entry, String>)>, next: Option<String>) -> String {
+    let line = |(seq, entry): (Seq, Result<Entry, String>)| match entry {
+        Ok(entry) => journal::line(&journal::Line { seq, mission: Some(mission), entry, picture: None }),
+        Err(why) => journal::unreadable(seq, &why),
+    };
+    let lines: Vec<String> = entries.into_iter().map(line).collect();
+    format!("{{\"events\":[{}],\"next\":{}}}", lines.join(","), serde_json::Value::from(next))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::fixture::{TEN, drawn, piece};
+    use hallsweep_core::effect::Fact;
+    use hallsweep_core::explore::Strategy;
+    use hallsweep_core::units::{Cell, Pose};
+
+    fn record() -> MissionRecordJson {
+        MissionRecordJson {
+            id: 3,
+            strategy: "snail".to_owned(),
+            began: String::new(),
+            archived: None,
+            phase: "explored".to_owned(),
+            pieces: 1,
+            dangerous: 0,
+            left: Vec::new(),
+            links: Links::of(MissionId(3)),
+        }
+    }
+
+    #[test]
+    fn a_mission_comes_with_its_luggage_its_map_and_where_there_is_more() {
+        let mut standing = Standing::first(Strategy::Snail);
+        standing.map = drawn(&["11W"], 1);
+        let piece = piece(7, Cell::new(2, 0), None);
+        standing.luggage.insert(piece.id, piece);
+        let json = serde_json::to_value(MissionWholeJson::new(record(), Some(&standing), Vec::new())).unwrap();
+        assert_eq!((&json["id"], &json["luggage"][0]["id"]), (&3.into(), &7.into()));
+        assert_eq!(json["luggage"][0]["photo"]["url"], "/api/v1/luggage/7/photo?take=1");
+        assert_eq!(
+            json["map"],
+            serde_json::json!({"origin": {"x": 0, "y": 0}, "width": 3, "height": 1, "rows": ["r1X"]}),
+            "revisions are of one run, so a record has none"
+        );
+        assert_eq!(json["links"]["self"], "/api/v1/missions/3");
+    }
+
+    #[test]
+    fn what_is_not_kept_is_null() {
+        let json = serde_json::to_value(MissionWholeJson::new(record(), None, vec!["entry 3".to_owned()])).unwrap();
+        assert_eq!((&json["map"], &json["luggage"]), (&serde_json::Value::Null, &serde_json::json!([])));
+        assert_eq!(json["damage"], serde_json::json!(["entry 3"]));
+    }
+
+    #[test]
+    fn events_are_lines_of_the_journal_in_one_object() {
+        let entries = vec![
+            (Seq(4), Ok(Entry { wall: TEN, fact: Fact::Pose(Pose::START) })),
+            (Seq(7), Err("a \"mouse\" was at it".to_owned())),
+            (Seq(9), Ok(Entry { wall: TEN, fact: Fact::Led(true) })),
+        ];
+        let text = events(MissionId(3), entries, Some("/more?after=9".to_owned()));
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!((&json["events"][0]["seq"], &json["events"][2]["kind"]), (&4.into(), &"led".into()));
+        let unreadable = serde_json::json!({"seq": 7, "kind": "unreadable", "why": "a \"mouse\" was at it"});
+        assert_eq!(json["events"][1], unreadable);
+        assert_eq!((&json["events"][0]["mission"], &json["next"]), (&3.into(), &"/more?after=9".into()));
+        let end: serde_json::Value = serde_json::from_str(&events(MissionId(3), Vec::new(), None)).unwrap();
+        assert_eq!(end, serde_json::json!({"events": [], "next": null}));
+    }
+}

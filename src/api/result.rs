@@ -1,0 +1,33 @@
+//! What became of a command at a door whose answers do not come back by the way of the question: an answer or a problem, with the
+//! command's own name beside it. Both are described in `answer` and `problem`.
+
+use serde::Serialize;
+
+/// `{"id":"k7","accepted":true,"revision":812,"epoch":4}`, or a problem in the same way.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ResultJson<'a, T> {
+    /// The command's own name, where it had one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub id: Option<&'a str>,
+    /// The answer, or the problem.
+    #[serde(flatten)]
+    pub said: T,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::answer::AnswerJson;
+    use crate::api::problem::ProblemJson;
+
+    #[test]
+    fn a_result_has_the_fields_of_what_is_said_and_the_name() {
+        let said = AnswerJson { accepted: true, revision: 812, epoch: 4, luggage: None };
+        let written = |id| serde_json::to_string(&ResultJson { id, said: said.clone() }).unwrap();
+        assert_eq!(written(Some("k7")), r#"{"id":"k7","accepted":true,"revision":812,"epoch":4}"#);
+        assert_eq!(written(None), r#"{"accepted":true,"revision":812,"epoch":4}"#);
+        let said = ProblemJson::new(409, "Conflict", "moving", "the robot is moving".to_owned());
+        let json = serde_json::to_value(ResultJson { id: Some("k8"), said }).unwrap();
+        assert_eq!((&json["id"], &json["accepted"], &json["code"]), (&"k8".into(), &false.into(), &"moving".into()));
+    }
+}

@@ -1,0 +1,140 @@
+//! Everything at one revision in one JSON object: what `GET /api/v1/state` and the first event of a stream carry.
+
+use serde::Serialize;
+
+use super::alarm::AlarmJson;
+use super::log::LogLineJson;
+use super::luggage::LuggageJson;
+use super::map::MapJson;
+use super::mission::MissionJson;
+use super::robot::RobotJson;
+use super::temperature::TemperatureJson;
+use hallsweep_core::world::resource::Resource;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// The whole state.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StateJson {
+    /// Which run of the program this is.
+    pub run: String,
+    /// How often anything has changed in this run.
+    pub revision: u64,
+    /// The mission.
+    pub mission: MissionJson,
+    /// The robot.
+    pub robot: RobotJson,
+    /// The hall as far as it is known.
+    pub map: MapJson,
+    /// The luggage of this mission, by number.
+    pub luggage: Vec<LuggageJson>,
+    /// The temperature.
+    pub temperature: TemperatureJson,
+    /// The alarms, oldest first.
+    pub alarms: Vec<AlarmJson>,
+    /// The latest log lines, oldest first.
+    pub log: Vec<LogLineJson>,
+}
+
+impl From<&Snapshot> for StateJson {
+    fn from(snapshot: &Snapshot) -> StateJson {
+        StateJson {
+            run: snapshot.run.to_string(),
+            revision: snapshot.revision.0,
+            mission: mission(snapshot),
+            robot: robot(snapshot),
+            map: MapJson::from(snapshot),
+            luggage: luggage(snapshot),
+            temperature: temperature(snapshot),
+            alarms: alarms(snapshot),
+            log: log_after(snapshot, 0),
+        }
+    }
+}
+
+/// The mission of this snapshot.
+#[must_use]
+pub fn mission(snapshot: &Snapshot) -> MissionJson {
+    MissionJson::new(&snapshot.mission, snapshot.revision_of(Resource::Mission))
+}
+
+/// The robot of this snapshot.
+#[must_use]
+pub fn robot(snapshot: &Snapshot) -> RobotJson {
+    RobotJson::new(&snapshot.robot, snapshot.revision_of(Resource::Robot))
+}
+
+/// The temperature of this snapshot.
+#[must_use]
+pub fn temperature(snapshot: &Snapshot) -> TemperatureJson {
+    TemperatureJson::new(&snapshot.temperature, snapshot.revision_of(Resource::Temperature))
+}
+
+/// The luggage of this snapshot, by number.
+#[must_use]
+pub fn luggage(snapshot: &Snapshot) -> Vec<LuggageJson> {
+    snapshot.luggage.iter().map(|luggage| LuggageJson::from(&**luggage)).collect()
+}
+
+/// The alarms of this snapshot, oldest first.
+#[must_use]
+pub fn alarms(snapshot: &Snapshot) -> Vec<AlarmJson> {
+    snapshot.alarms.iter().map(AlarmJson::from).collect()
+}
+
+/// The log lines at hand with a number above `number`, oldest first.
+#[must_use]
+pub fn log_after(snapshot: &Snapshot, number: u64) -> Vec<LogLineJson> {
+    snapshot.log.iter().filter(|line| line.number > number).map(|line| LogLineJson::from(&**line)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::fixture::{idle, searching};
+
+    #[test]
+    fn the_state_has_the_shape_the_clients_know() {
+        let json = serde_json::to_value(StateJson::from(&searching())).unwrap();
+        assert_eq!(json["mission"]["phase"], "inspecting");
+        assert_eq!(json["mission"]["goal"], serde_json::json!({"x": 4, "y": 4}));
+        assert_eq!(json["mission"]["progress"], serde_json::json!({"visited": 15, "unknown": 4, "percent": null}));
+        assert_eq!(json["mission"]["refusals"]["backHome"], "not possible while idle");
+        assert_eq!(
+            json["robot"],
+            serde_json::json!({"revision": 20, "state": "stopped", "halting": false, "heading": "east", "position": {"x": 2, "y": 2},
+                "offCentre": false, "sonar": 42, "led": "blinking"})
+        );
+        assert_eq!(
+            json["temperature"],
+            serde_json::json!({"revision": 20, "celsius": 21.4, "status": "ok", "threshold": 25.0, "cool": 24.0, "hot": []})
+        );
+        assert_eq!(
+            json["luggage"][2],
+            serde_json::json!({"id": 3, "verdict": "pending", "cell": {"x": 3, "y": 2}, "position": {"x": 2, "y": 2},
+                "heading": "east", "taken": "2026-02-03T10:00:00.000+01:00", "decided": null,
+                "photo": {"state": "taken", "url": "/api/v1/luggage/3/photo?take=1", "bytes": 4, "take": 1, "reason": null}})
+        );
+        assert_eq!(json["luggage"][0]["decided"]["by"], "operator");
+        assert_eq!(
+            json["alarms"][0],
+            serde_json::json!({"id": 1, "recorded": true, "raised": "2026-02-03T10:00:00.000+01:00",
+                "text": "luggage #2 is dangerous", "luggage": 2, "acknowledged": null})
+        );
+        assert_eq!(json["log"][0]["number"], 1);
+    }
+
+    #[test]
+    fn what_is_not_there_is_null_and_not_absent() {
+        let json = serde_json::to_value(StateJson::from(&idle())).unwrap();
+        for pointer in [
+            "/mission/goal",
+            "/mission/interrupted",
+            "/mission/fault",
+            "/mission/storeFailure",
+            "/robot/sonar",
+            "/temperature/celsius",
+        ] {
+            assert_eq!(json.pointer(pointer), Some(&serde_json::Value::Null), "{pointer}");
+        }
+    }
+}

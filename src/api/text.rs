@@ -1,0 +1,39 @@
+//! Single lines for whoever wants one line and no JSON: what the mission and the temperature come down to. The map's text forms
+//! stand in `map_text`, the words of old clients in `old_items`.
+
+use hallsweep_core::world::snapshot::MissionView;
+use hallsweep_core::world::temperature::TemperatureView;
+
+/// The phase, and what holds the robot where anything does: `exploring`, or `exploring, held by operator, awaitingStart`.
+#[must_use]
+pub fn mission(mission: &MissionView) -> String {
+    let phase = mission.phase.name();
+    if mission.holds.is_empty() {
+        return phase.to_owned();
+    }
+    let holds: Vec<&str> = mission.holds.iter().map(|hold| hold.name()).collect();
+    format!("{phase}, held by {}", holds.join(", "))
+}
+
+/// As `21.4 °C, ok`, or `no reading, ok` before the first.
+#[must_use]
+pub fn temperature(view: &TemperatureView) -> String {
+    let reading = view.celsius.as_ref().map_or_else(|| "no reading".to_owned(), ToString::to_string);
+    format!("{reading}, {}", view.status.name())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::fixture::{idle, searching};
+    use hallsweep_core::mission::Hold;
+
+    #[test]
+    fn a_line_says_what_one_must_know() {
+        let mut state = searching();
+        assert_eq!((mission(&state.mission), temperature(&state.temperature)), ("inspecting".into(), "21.4 °C, ok".into()));
+        state.mission.holds = vec![Hold::Operator, Hold::AwaitingStart];
+        assert_eq!(mission(&state.mission), "inspecting, held by operator, awaitingStart");
+        assert_eq!(temperature(&idle().temperature), "no reading, ok");
+    }
+}

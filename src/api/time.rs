@@ -1,0 +1,113 @@
+//! How a moment is written: RFC 3339 with its zone, and the short form a log line begins with.
+//! Nothing here asks what time it is.
+
+use jiff::Timestamp;
+use jiff::tz::{Offset, TimeZone};
+
+use hallsweep_core::units::Wall;
+
+/// As `2026-02-03T10:05:12.000+01:00`: RFC 3339 with milliseconds and the zone's offset.
+#[must_use]
+pub fn rfc3339(wall: Wall) -> String {
+    let at = zoned(wall);
+    format!("{}{}", at.strftime("%Y-%m-%dT%H:%M:%S%.3f"), at.strftime("%:z"))
+}
+
+/// As `10:05:12`, in the moment's own zone.
+#[must_use]
+pub fn clock_time(wall: Wall) -> String {
+    zoned(wall).strftime("%H:%M:%S").to_string()
+}
+
+/// As `3 Feb 2026, 10:05:12`, in the moment's own zone.
+#[must_use]
+pub fn date_and_time(wall: Wall) -> String {
+    zoned(wall).strftime("%-d %b %Y, %H:%M:%S").to_string()
+}
+
+/// The one zone of a page: a moment of any other is shown in it, and the page names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Zone {
+    offset_s: i32,
+}
+
+impl Zone {
+    /// The zone of this moment.
+    #[must_use]
+    pub const fn of(wall: Wall) -> Zone {
+        Zone { offset_s: wall.offset_s }
+    }
+
+    /// As `UTC+01:00`.
+    #[must_use]
+    pub fn name(self) -> String {
+        format!("UTC{}", zoned(Wall { unix_ms: 0, offset_s: self.offset_s }).strftime("%:z"))
+    }
+
+    /// East of Greenwich, in seconds.
+    #[must_use]
+    pub const fn offset_s(self) -> i32 {
+        self.offset_s
+    }
+
+    /// As `10:05:12`.
+    #[must_use]
+    pub fn clock_time(self, wall: Wall) -> String {
+        clock_time(self.shown(wall))
+    }
+
+    /// As `3 Feb 2026, 10:05:12`.
+    #[must_use]
+    pub fn date_and_time(self, wall: Wall) -> String {
+        date_and_time(self.shown(wall))
+    }
+
+    const fn shown(self, wall: Wall) -> Wall {
+        Wall { offset_s: self.offset_s, ..wall }
+    }
+}
+
+/// A moment or an offset beyond what a calendar can show is shown as the calendar's nearest.
+fn zoned(wall: Wall) -> jiff::Zoned {
+    let nearest = if wall.unix_ms < 0 { Timestamp::MIN } else { Timestamp::MAX };
+    let at = Timestamp::from_millisecond(wall.unix_ms).unwrap_or(nearest);
+    let offset = Offset::from_seconds(wall.offset_s).unwrap_or(Offset::UTC);
+    at.to_zoned(TimeZone::fixed(offset))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_moment_carries_its_zone() {
+        let wall = Wall { unix_ms: 1_770_109_512_250, offset_s: 3600 };
+        assert_eq!(rfc3339(wall), "2026-02-03T10:05:12.250+01:00");
+        assert_eq!(clock_time(wall), "10:05:12");
+        assert_eq!(date_and_time(wall), "3 Feb 2026, 10:05:12");
+    }
+
+    #[test]
+    fn a_page_shows_the_moments_of_every_zone_in_its_own() {
+        let zone = Zone::of(Wall { unix_ms: 0, offset_s: 3600 });
+        let elsewhere = Wall { unix_ms: 1_770_109_512_250, offset_s: -12_600 };
+        assert_eq!(zone.name(), "UTC+01:00");
+        assert_eq!(
+            (zone.clock_time(elsewhere), zone.date_and_time(elsewhere)),
+            ("10:05:12".into(), "3 Feb 2026, 10:05:12".into())
+        );
+    }
+
+    #[test]
+    fn utc_and_zones_of_half_hours_are_written_too() {
+        assert_eq!(rfc3339(Wall { unix_ms: 0, offset_s: 0 }), "1970-01-01T00:00:00.000+00:00");
+        assert_eq!(rfc3339(Wall { unix_ms: 0, offset_s: -12_600 }), "1969-12-31T20:30:00.000-03:30");
+    }
+
+    #[test]
+    fn a_moment_no_calendar_can_show_does_not_end_the_program() {
+        for unix_ms in [i64::MIN, i64::MAX] {
+            assert!(!rfc3339(Wall { unix_ms, offset_s: i32::MAX }).is_empty());
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! Everything of this door that knows hallsweep: which resource a request is for, what it shows, what it does, and why not. It
+//! answers at once where it can; a command is given at the call, so that commands keep the order in which they came, and only its
+//! outcome is waited for. Messages, blocks and observers are the endpoint's business.
+
+mod acts;
+mod bodies;
+mod caller;
+mod discovery;
+mod kept;
+mod old;
+mod photos;
+mod problem;
+mod reads;
+mod shows;
+mod stop;
+mod table;
+#[cfg(test)]
+mod testing;
+
+use std::sync::Arc;
+
+use self::acts::Act;
+use self::caller::Caller;
+use self::kept::Kept;
+use self::old::OldModel;
+use self::photos::Photos;
+use self::problem::Problem;
+use self::table::{Found, Table};
+use super::application::{Application, Said};
+use super::endpoint::request::{Conditions, Request};
+use super::endpoint::response::{Answer, Response};
+use super::endpoint::{self, code::Method};
+use crate::api::fields::in_short;
+use crate::doors::seldom::Seldom;
+use crate::runtime::archive_reader::Reader;
+use crate::runtime::handle::Handle;
+use hallsweep_core::command::{self, RefusalKind, Refused};
+
+/// The resources of this door.
+pub struct Resources {
+    handle: Handle,
+    archive: Reader,
+    table: Table,
+    kept: Kept,
+    old: OldModel,
+    photos: Arc<Photos>,
+    strangers: Seldom,
+    manual_driving: bool,
+}
+
+impl Resources {
+    /// The resources in front of the loop behind `handle`; `manual_driving` says whether old clients may drive the robot.
+    #[must_use]
+    pub fn new(handle: Handle, archive: Reader, manual_driving: bool) -> Resources {
+        let kept = Kept::default();
+        let old = OldModel::new(&handle.snapshot(), &kept);
+        let (table, photos, strangers) = (Table::default(), Arc::default(), Seldom::default());
+        Resources { handle, archive, table, kept, old, photos, strangers, manual_driving }
+    }
+}
+
+impl Application for Resources {
+    /// Must be called inside a runtime.
+    fn answer(&self, request: &Request) -> Said {
+        if stop::is_stop(request) {
+            return self.stop(request);
+        }
+        self.taken(request).unwrap_or_else(|problem| self.refused(request, &problem))
+    }
+
+    fn handle_change(&self) {
+        self.old.look(&self.handle.snapshot(), &self.kept);
+    }
+
+    fn things(&self, request: &Request) -> Vec<Arc<Response>> {
+        self.seen(request).unwrap_or_else(|problem| vec![Arc::new(problem.response(request))])
+    }
+
+    const IS_STOP: fn(&Request) -> bool = stop::is_stop;
+
+    const STOP_WORDS: &[[u8; 4]] = stop::WORDS;
+
+    /// Safety A6, as in `refused`.
+    fn note_busy(&self, request: &Request) {
+        if Caller::of(request.peer) == Caller::Here {
+            let words = "too many commands were under way".to_owned();
+            let kept = command::Refusal { code: "tooMany", kind: RefusalKind::Unavailable, words };
+            self.handle.note_refused_at_once(caller::issuer(request.peer), asked_of(request), Refused::Before(kept));
+        }
+    }
+
+    /// Safety A6, as in `refused`.
+    fn note(&self, refusal: endpoint::Refusal) {
+        let kept = command::Refusal { code: "malformed", kind: RefusalKind::Mismatch, words: refusal.words };
+        self.handle.note_refused_at_once(caller::issuer(refusal.peer), in_short(&refusal.asked), Refused::Before(kept));
+    }
+}
+
+impl Resources {
+    fn taken(&self, request: &Request) -> Result<Said, Problem> {
+        let found = self.table.find(&request.path).ok_or_else(|| Problem::nothing_at(request))?;
+        match (&found.row.shows, found.row.act(request.method)) {
+            (Some(shown), _) if request.method == Method::Get => self.show(shown, found.number, request),
+            (_, Some(act)) => self.act(act, &found, request),
+            (_, None) => Err(Problem::no_method(request, found.row)),
+        }
+    }
+
+    fn act(&self, act: Act, found: &Found<'_>, request: &Request) -> Result<Said, Problem> {
+        let caller = Caller::of(request.peer);
+        caller.check(act.need()).map_err(|refused| Problem::refused(&refused, None))?;
+        let (command, epoch) = acts::command(act, found.number, request, self.manual_driving)?;
+        let terms = acts::terms(act, request)?;
+        self.may_change(found, request)?;
+        let asked = command::Request { id: terms.id, epoch, ..command::Request::new(command, caller::issuer(request.peer)) };
+        let (given, request) = (self.handle.carry_out(asked), request.clone());
+        Ok(Said::Later(Box::pin(async move {
+            Answer::once(match given.await {
+                Ok(done) => acts::accepted(terms.form, &done),
+                Err(not_done) => Problem::from(not_done).response(&request),
+            })
+        })))
+    }
+
+    /// `If-Match` and `If-None-Match`, held against what is shown in any of its formats.
+    fn may_change(&self, found: &Found<'_>, request: &Request) -> Result<(), Problem> {
+        if request.conditions == Conditions::default() {
+            return Ok(());
+        }
+        let met = |tag| request.conditions.met(true, tag);
+        let tags = self.tags(found.row, found.number);
+        if tags.into_iter().any(|tag| met(Some(tag)).is_ok()) {
+            return Ok(());
+        }
+        met(None).map_err(|response| Problem::condition(&response))
+    }
+
+    /// What somebody known wanted to change and was not taken goes on record (safety A6); what strangers send only into the log,
+    /// because they must not be able to fill the disk.
+    fn refused(&self, request: &Request, problem: &Problem) -> Said {
+        let answer = Answer::once(problem.response(request));
+        if request.method == Method::Get || !problem.is_for_record() {
+            return Said::Now(answer);
+        }
+        let asked = problem.asked().unwrap_or_else(|| asked_of(request));
+        if Caller::of(request.peer) == Caller::Beyond {
+            if let Some(refused) = self.strangers.one_more() {
+                let why = problem.detail();
+                tracing::info!(refused, from = %request.peer.ip(), asked, why, "strangers were refused; this is the latest");
+            }
+            return Said::Now(answer);
+        }
+        let noted = self.handle.clone();
+        let (issuer, refused) = (caller::issuer(request.peer), Refused::Before(problem.refusal()));
+        Said::Later(Box::pin(async move {
+            // A program that is ending has nobody left to tell.
+            let _ = noted.note_refused(issuer, asked, refused).await;
+            answer
+        }))
+    }
+}
+
+/// What a request asks for, as records say it.
+fn asked_of(request: &Request) -> String {
+    format!("{} {}", request.method.name(), in_short(&request.path_text()))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,155 @@
+//! Photos: read from the archive where blocking is allowed, and the last ones kept, because a photo that is fetched in small blocks
+//! is asked for a thousand times. Their tags stay the same after a restart.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::super::endpoint::format::Format;
+use super::super::endpoint::request::Request;
+use super::super::endpoint::response::{Answer, Response, Tag};
+use super::kept;
+use super::problem::Problem;
+use crate::runtime::archive_reader::Reader;
+use hallsweep_core::event::Photo;
+use hallsweep_core::units::LuggageId;
+use hallsweep_core::world::luggage::{Luggage, NoPhoto};
+
+/// So many bytes of photos are kept, the last one always: some eighty photos of the simulated camera.
+const MOST_BYTES: usize = 4 * 1024 * 1024;
+
+/// The last photos that were asked for, the newest last.
+#[derive(Default)]
+pub(super) struct Photos(Mutex<VecDeque<One>>);
+
+struct One {
+    id: LuggageId,
+    /// Whether its mission was over when it was read, so that it cannot have been taken again since.
+    is_settled: bool,
+    response: Arc<Response>,
+}
+
+impl Photos {
+    /// The photo of a piece, if it is kept; `present` is the tag it has now when the piece is of the present mission.
+    pub(super) fn kept(&self, id: LuggageId, present: Option<Tag>) -> Option<Arc<Response>> {
+        let photos = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_it = |one: &&One| one.id == id && present.map_or(one.is_settled, |tag| one.response.tag == Some(tag));
+        photos.iter().find(is_it).map(|one| Arc::clone(&one.response))
+    }
+
+    /// Keeps a photo in place of an earlier one of the same piece; the oldest give way.
+    pub(super) fn keep(&self, id: LuggageId, is_settled: bool, response: Response) -> Arc<Response> {
+        let response = Arc::new(response);
+        let mut photos = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        photos.retain(|one| one.id != id);
+        photos.push_back(One { id, is_settled, response: Arc::clone(&response) });
+        while photos.len() > 1 && photos.iter().map(|one| one.response.body.len()).sum::<usize>() > MOST_BYTES {
+            photos.pop_front();
+        }
+        response
+    }
+}
+
+/// The tag of a piece's photo, as its record is now.
+pub(super) fn tag(piece: &Luggage) -> Tag {
+    let take = piece.take().unwrap_or(0);
+    kept::tag(&[&piece.id.0.to_be_bytes(), &take.to_be_bytes(), &piece.taken.unix_ms.to_be_bytes()])
+}
+
+/// The same, of a piece that has a photo.
+pub(super) fn tag_of_photo(piece: &Luggage) -> Result<Tag, Problem> {
+    piece.take()?;
+    Ok(tag(piece))
+}
+
+/// A photo as what it is, or as plain bytes for whoever wants these: there are clients that cannot take a format they have not
+/// heard of, and many know no pictures.
+pub(super) fn labelled(photo: Arc<Response>, request: &Request) -> Result<Answer, Problem> {
+    let offers: Vec<Format> = photo.format.into_iter().chain([Format::BYTES]).collect();
+    let wanted = request.negotiated(&offers).map_err(|response| Problem::not_acceptable(&response))?;
+    let is_so = photo.format == Some(wanted);
+    let response = if is_so { photo } else { Arc::new(Response { format: Some(wanted), ..(*photo).clone() }) };
+    Ok(Answer { response, observed: Vec::new() })
+}
+
+/// Reads a photo; without the tag its piece's record is read too.
+pub(super) async fn read(archive: &Reader, id: LuggageId, present: Option<Tag>) -> Result<Response, Problem> {
+    let tag = match present {
+        Some(tag) => tag,
+        None => {
+            let piece = archive.look_up(move |archive| archive.luggage(id)).await?;
+            tag_of_photo(&piece.ok_or_else(|| Problem::no_luggage(id.0))?)?
+        }
+    };
+    let photo = archive.look_up(move |archive| archive.photo(id)).await?;
+    let Photo { bytes, media_type } = photo.ok_or(NoPhoto::NotKept(id))?;
+    let format = if media_type == "image/png" { Format::PNG } else { Format::BYTES };
+    Ok(Response { tag: Some(tag), max_age: Some(0), ..Response::content(format, bytes) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::get;
+    use super::*;
+    use crate::api::fixture::piece;
+    use hallsweep_core::units::Cell;
+    use hallsweep_core::world::luggage::PhotoState;
+
+    fn photo(bytes: usize, tag: Tag) -> Response {
+        Response { tag: Some(tag), ..Response::content(Format::PNG, vec![0; bytes]) }
+    }
+
+    #[test]
+    fn a_tag_is_the_same_after_a_restart_and_another_after_a_retake() {
+        let first = piece(3, Cell::new(3, 2), None);
+        assert_eq!(tag(&first), tag(&piece(3, Cell::new(3, 2), None)));
+        let again = Luggage { photo: PhotoState::Taken { bytes: 4, take: 2 }, ..(*first).clone() };
+        assert_ne!(tag(&first), tag(&again));
+        assert_eq!(
+            tag(&first).bytes(),
+            [90, 135, 182, 140, 229, 163, 60, 36],
+            "written down, so that a release that changes it is noticed"
+        );
+    }
+
+    #[test]
+    fn a_photo_that_was_taken_again_is_read_again() {
+        let (photos, id) = (Photos::default(), LuggageId(3));
+        let (old, new) = (kept::tag(&[b"1"]), kept::tag(&[b"2"]));
+        photos.keep(id, false, photo(4, old));
+        assert!(photos.kept(id, Some(old)).is_some() && photos.kept(id, Some(new)).is_none());
+        assert!(photos.kept(id, None).is_none(), "it may have been taken again before its mission was put away");
+        photos.keep(id, true, photo(4, new));
+        assert!(photos.kept(id, None).is_some());
+    }
+
+    #[test]
+    fn a_photo_is_plain_bytes_for_whoever_wants_these() {
+        let picture = Arc::new(photo(4, kept::tag(&[b"t"])));
+        let wanted = |photo: &Arc<Response>, accept| {
+            labelled(Arc::clone(photo), &Request { accept, ..get("/luggage/3/photo") }).map(|answer| answer.response)
+        };
+        let bytes = wanted(&picture, Some(Format::BYTES)).unwrap();
+        assert_eq!((bytes.format, bytes.tag), (Some(Format::BYTES), picture.tag));
+        assert!(Arc::ptr_eq(&bytes.body, &picture.body), "and nothing is copied");
+        for as_it_is in [None, Some(Format::PNG)] {
+            assert!(Arc::ptr_eq(&wanted(&picture, as_it_is).unwrap(), &picture));
+        }
+        let other = Arc::new(Response { format: Some(Format::BYTES), ..(*picture).clone() });
+        assert_eq!(wanted(&other, None).unwrap().format, Some(Format::BYTES));
+        let problem = wanted(&other, Some(Format::PNG)).unwrap_err();
+        assert_eq!(problem.refusal().code, "notAcceptable", "what is no PNG is not sent as one, nor as something else");
+    }
+
+    /// Safety A5.
+    #[test]
+    fn only_the_last_photos_are_kept_and_the_last_one_always() {
+        let photos = Photos::default();
+        for id in 0..20 {
+            photos.keep(LuggageId(id), true, photo(MOST_BYTES / 4, kept::tag(&[b"t"])));
+        }
+        let ids: Vec<u64> = (0..20).filter(|id| photos.kept(LuggageId(*id), None).is_some()).collect();
+        assert_eq!(ids, [16, 17, 18, 19]);
+        photos.keep(LuggageId(99), true, photo(2 * MOST_BYTES, kept::tag(&[b"t"])));
+        assert!(photos.kept(LuggageId(99), None).is_some() && photos.kept(LuggageId(19), None).is_none());
+    }
+}

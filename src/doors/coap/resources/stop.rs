@@ -1,0 +1,65 @@
+//! STOP at this door: found before anything is judged, by who sends it, its method, its path and its word alone; whatever else is
+//! wrong with it is told afterwards (safety S8). How the robot is halted is the handle's business.
+
+use super::super::application::Said;
+use super::super::endpoint::request::Request;
+use super::super::endpoint::response::Answer;
+use super::Resources;
+use super::acts::{self, Terms};
+use super::caller::{self, Caller};
+use super::problem::Problem;
+use crate::api::halt::{bare, is_halt, is_halt_word, says_halt};
+use hallsweep_core::command::{self, Command};
+
+/// Whether a request halts the robot. Methods that are not taken here halt as well, but for those that only look.
+pub(super) fn is_stop(request: &Request) -> bool {
+    if request.method.only_looks() || Caller::of(request.peer) != Caller::Here {
+        return false;
+    }
+    let path = segments(request);
+    match path.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
+        ["commands", word] if is_halt(word) => true,
+        ["commands", "move"] => says_halt(&request.payload),
+        ["resourcemodel"] => is_halt_word(&request.payload),
+        _ => false,
+    }
+}
+
+/// Of these every request that halts has one in its path, with the bit set that makes letters small, but for a bare `h` that does
+/// not stand as it is right behind `commands`: with blanks round it, behind an empty segment, or cut off.
+pub(super) const WORDS: &[[u8; 4]] = &[*b"stop", *b"move", *b"reso", *b"ds!h", *b"ds/h"];
+
+/// The words of a path in small letters, however a client has cut it up.
+fn segments(request: &Request) -> Vec<String> {
+    let segments = request.path.iter().flat_map(|segment| segment.split('/'));
+    segments.map(|segment| bare(segment).to_ascii_lowercase()).filter(|segment| !segment.is_empty()).collect()
+}
+
+impl Resources {
+    /// Gives a STOP, and answers when the robot stands: that it was accepted, or that it was refused all the same.
+    pub(super) fn stop(&self, request: &Request) -> Said {
+        let judged = self.judged(request);
+        let id = judged.as_ref().ok().and_then(|terms| terms.id.clone());
+        let asked = command::Request { id, ..command::Request::new(Command::Stop, caller::issuer(request.peer)) };
+        let (given, request) = (self.handle.carry_out(asked), request.clone());
+        Said::Later(Box::pin(async move {
+            Answer::once(match (given.await, judged) {
+                (Ok(done), Ok(terms)) => acts::accepted(terms.form, &done),
+                (Ok(_), Err(problem)) => problem.although_halted().response(&request),
+                (Err(not_done), _) => Problem::from(not_done).response(&request),
+            })
+        }))
+    }
+
+    /// What goes with the answer. Path and method are judged; query, conditions, format and body are not a stop's business.
+    fn judged(&self, request: &Request) -> Result<Terms, Problem> {
+        let found = self.table.find(&request.path).ok_or_else(|| Problem::nothing_at(request))?;
+        let act = found.row.act(request.method).ok_or_else(|| Problem::no_method(request, found.row))?;
+        let terms = acts::terms(act, request).and_then(|terms| self.may_change(&found, request).map(|()| terms));
+        Ok(terms.unwrap_or_else(|_| Terms::plain(act)))
+    }
+}
+
+#[cfg(test)]
+#[path = "stop_tests.rs"]
+mod tests;

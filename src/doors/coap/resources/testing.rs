@@ -1,0 +1,153 @@
+//! For the tests of this door: its resources before a loop that answers commands from a script and publishes the snapshots it is
+//! handed, an archive of one past piece, and requests from this machine. It knows no mission.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+
+use tokio::sync::watch;
+
+use super::super::application::{Application, Said};
+use super::super::endpoint::code::Method;
+use super::super::endpoint::request::{Conditions, Request};
+use super::super::endpoint::response::Answer;
+use super::Resources;
+use crate::api::fixture::piece;
+use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
+use crate::runtime::archive_reader::Reader;
+use crate::runtime::obedient::{Noted, Script, obedient};
+use crate::runtime::within::within;
+use hallsweep_core::command::{self, Refused};
+use hallsweep_core::event::Photo;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::units::{Cell, LuggageId, MissionId, Seq};
+use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// A piece of a mission that is over.
+pub(super) const PAST: u64 = 70;
+
+/// A piece that cannot be read.
+pub(super) const UNREADABLE: u64 = 99;
+
+/// Resources before a loop that does as it is told.
+pub(super) struct House {
+    pub(super) resources: Resources,
+    pub(super) publish: watch::Sender<Arc<Snapshot>>,
+    refuse: Arc<Mutex<Option<Refused>>>,
+    pub(super) given: Arc<Mutex<Vec<command::Request>>>,
+    noted: Arc<Mutex<Vec<Noted>>>,
+    pub(super) photos_read: Arc<AtomicUsize>,
+}
+
+/// One picture for every piece there is.
+struct Pictures(Arc<AtomicUsize>);
+
+impl Archive for Pictures {
+    fn photo(&self, luggage: LuggageId) -> Result<Option<Photo>, Unreadable> {
+        self.0.fetch_add(1, Ordering::SeqCst);
+        let photo = Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" };
+        Ok((luggage.0 <= PAST).then_some(photo))
+    }
+
+    fn luggage(&self, luggage: LuggageId) -> Result<Option<Luggage>, Unreadable> {
+        match luggage.0 {
+            PAST => Ok(Some((*piece(PAST, Cell::HOME, None)).clone())),
+            UNREADABLE => Err(Unreadable("the disk is on strike".to_owned())),
+            _ => Ok(None),
+        }
+    }
+
+    fn missions(&self, _: Option<MissionId>, _: usize) -> Result<Vec<MissionRecord>, Unreadable> {
+        Ok(Vec::new())
+    }
+
+    fn mission(&self, _: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
+        Ok(None)
+    }
+
+    fn standing(&self, _: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
+        Ok(None)
+    }
+
+    fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
+        Ok(Vec::new())
+    }
+}
+
+/// A house in this state, whose loop accepts everything until told to refuse; old clients may not drive. Must be called inside a
+/// runtime.
+pub(super) fn house(snapshot: Snapshot) -> House {
+    driven_house(snapshot, false)
+}
+
+/// The same, in which they may or may not.
+pub(super) fn driven_house(snapshot: Snapshot, manual_driving: bool) -> House {
+    let (handle, script) = obedient(snapshot);
+    let photos_read = Arc::new(AtomicUsize::new(0));
+    let archive = Reader::new(Arc::new(Pictures(Arc::clone(&photos_read))));
+    let Script { publish, refuse, given, noted } = script;
+    House { resources: Resources::new(handle, archive, manual_driving), publish, refuse, given, noted, photos_read }
+}
+
+impl House {
+    /// Sends a request and waits for its answer.
+    pub(super) async fn ask(&self, request: Request) -> Answer {
+        match self.resources.answer(&request) {
+            Said::Now(answer) => answer,
+            Said::Later(answer) => within("the answer", answer).await,
+        }
+    }
+
+    /// Its code and what it carries, as text.
+    pub(super) async fn said(&self, request: Request) -> (String, String) {
+        let response = self.ask(request).await.response;
+        (response.code.to_string(), String::from_utf8_lossy(&response.body).into_owned())
+    }
+
+    /// What the loop was asked last.
+    pub(super) fn last(&self) -> command::Request {
+        self.given.lock().unwrap().last().cloned().expect("a command was given")
+    }
+
+    /// What the door last asked to be put on record, if that was not looked at yet: who, what, and why it was not taken.
+    pub(super) async fn noted(&self) -> Option<Noted> {
+        // The loop gets its turn before this goes on.
+        tokio::task::yield_now().await;
+        self.noted.lock().unwrap().pop()
+    }
+
+    /// From now on everything is refused so.
+    pub(super) fn refuse(&self, refused: Refused) {
+        *self.refuse.lock().unwrap() = Some(refused);
+    }
+}
+
+/// A GET, of a path with its query.
+pub(super) fn get(path: &str) -> Request {
+    request(Method::Get, path, "")
+}
+
+/// A PUT.
+pub(super) fn put(path: &str, payload: &str) -> Request {
+    request(Method::Put, path, payload)
+}
+
+/// A POST.
+pub(super) fn post(path: &str, payload: &str) -> Request {
+    request(Method::Post, path, payload)
+}
+
+/// A request from this machine.
+pub(super) fn request(method: Method, path: &str, payload: &str) -> Request {
+    let (path, query) = path.split_once('?').unwrap_or((path, ""));
+    Request {
+        peer: "127.0.0.1:40000".parse().unwrap(),
+        method,
+        path: path.split('/').skip(1).map(str::to_owned).collect(),
+        queries: query.split('&').filter(|query| !query.is_empty()).map(str::to_owned).collect(),
+        format: None,
+        accept: None,
+        conditions: Conditions::default(),
+        payload: payload.as_bytes().to_vec(),
+    }
+}

@@ -1,0 +1,209 @@
+//! The loop of the door: datagrams to the endpoint, its requests to the application, answers, news and time back to it, and what
+//! it wants sent to the socket. It understands none of it.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::sync::watch;
+
+use super::application::{self, Application, Said};
+use super::endpoint::{Backlog, Datagram, Endpoint};
+use super::news::{self, News};
+use super::sieve::{Heard, Sieve};
+use super::socket::{BATCH, Socket};
+use super::under_way::{Sort, UnderWay, busy};
+use crate::runtime::clock::Clock;
+use hallsweep_core::units::Now;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// So long requests under way are waited for at the end: within two seconds, with the HTTP door, which ends at the same time.
+const GRACE: Duration = Duration::from_millis(1500);
+
+/// So long datagrams are answered before more are heard, and before the other sockets of this thread have their turns (safety S7).
+const TURN: Duration = Duration::from_millis(1);
+
+/// So long, and so many bytes, are heard in one turn, and as much of what is urgent is answered.
+const HEARING: Duration = Duration::from_millis(2);
+const HEARING_BYTES: usize = 64 * 1024;
+
+/// So many turns in a row it is heard and only what is urgent answered, until all that has come is heard: more than the system keeps
+/// for a socket.
+const HEARINGS: u32 = 20;
+
+struct Driver<A> {
+    socket: Socket,
+    endpoint: Endpoint,
+    application: A,
+    under_way: UnderWay,
+    /// What was heard and waits.
+    backlog: Backlog,
+    sieve: Sieve,
+    /// How often in a row it was heard and not answered.
+    hearings: u32,
+    clock: Clock,
+}
+
+/// Serves until `shutdown`, then waits shortly for what is under way.
+pub async fn serve<A: Application>(
+    socket: Socket,
+    endpoint: Endpoint,
+    application: A,
+    states: watch::Receiver<Arc<Snapshot>>,
+    shutdown: impl Future<Output = ()>,
+) {
+    let clock = Clock::default();
+    let endpoint = endpoint.with_stop(A::IS_STOP);
+    let (under_way, backlog, sieve) = (UnderWay::default(), Backlog::new(A::IS_STOP), Sieve::new(A::STOP_WORDS));
+    let mut driver = Driver { socket, endpoint, application, under_way, backlog, sieve, hearings: 0, clock };
+    let mut news = News::of(states, clock);
+    tokio::pin!(shutdown);
+    loop {
+        let (due, is_behind) = (driver.endpoint.poll_timeout(), !driver.backlog.is_empty());
+        tokio::select! {
+            biased;
+            () = &mut shutdown => break,
+            Some((exchange, answer)) = driver.under_way.next() => {
+                news.again_for(&answer);
+                driver.endpoint.handle_answer(exchange, answer, clock.now());
+            }
+            () = clock.reach(due) => driver.endpoint.handle_timeout(clock.now()),
+            () = clock.reach(driver.sieve.due()) => driver.loosen(),
+            () = news.come() => news::tell(&mut driver.endpoint, &driver.application, clock.now()),
+            () = async { if !is_behind { driver.socket.readable().await } } => driver.turn().await,
+        }
+        driver.settle(clock.now());
+    }
+    let _ = tokio::time::timeout(GRACE, driver.finish()).await;
+}
+
+impl<A: Application> Driver<A> {
+    /// Takes what has come, but not for long. When more comes than is answered, it hears first, so that a STOP is found behind
+    /// whatever others send (safety S1, S7).
+    async fn turn(&mut self) {
+        if self.backlog.is_urgent() {
+            // Nothing is heard meanwhile: what came after a STOP would be taken before the STOPs that wait, were another heard
+            // behind it.
+            self.answer_urgent();
+        } else if self.backlog.is_empty() && self.answer_as_they_come().await {
+            self.hearings = 0;
+        } else {
+            self.hearings += 1;
+            let is_all = self.hear().await;
+            self.answer_urgent();
+            if is_all || self.hearings >= HEARINGS {
+                self.hearings = 0;
+                self.catch_up();
+            }
+        }
+        tokio::task::yield_now().await;
+    }
+
+    /// Takes each datagram with all that follows from it; whether that was all that has come. To read several before any is
+    /// answered would make a client send in bursts and everybody wait between them.
+    async fn answer_as_they_come(&mut self) -> bool {
+        let until = self.clock.since_start() + TURN;
+        for _ in 0..BATCH {
+            let now = self.clock.now();
+            if now.since_start > until {
+                return false;
+            }
+            let Some((peer, bytes)) = self.socket.read().await else { return true };
+            self.endpoint.handle_datagram(peer, bytes, now);
+            self.settle(now);
+        }
+        false
+    }
+
+    /// Hears; whether that was all that has come.
+    async fn hear(&mut self) -> bool {
+        let (until, mut bytes_heard, mut kinds) = (self.clock.since_start() + HEARING, 0, [0; 4]);
+        let is_all = loop {
+            let Some((peer, bytes)) = self.socket.read().await else { break true };
+            bytes_heard += bytes.len();
+            kinds[self.sieve.kind(bytes)] += 1;
+            self.backlog.hear(peer, bytes);
+            if bytes_heard >= HEARING_BYTES || self.clock.since_start() > until {
+                break false;
+            }
+        };
+        if !is_all && is_flood(kinds, bytes_heard) && self.sieve.tighten(kinds, self.clock.since_start()) {
+            self.socket.sift(&self.sieve);
+        }
+        is_all
+    }
+
+    fn answer_urgent(&mut self) {
+        let (until, mut bytes) = (self.clock.since_start() + HEARING, 0);
+        while let Some(datagram) = self.backlog.take_urgent() {
+            self.answer(&datagram);
+            bytes += datagram.1.len();
+            if bytes >= HEARING_BYTES || self.clock.since_start() > until {
+                return;
+            }
+        }
+    }
+
+    fn loosen(&mut self) {
+        if self.sieve.loosen(self.clock.since_start()) {
+            self.socket.sift(&self.sieve);
+        }
+    }
+
+    fn catch_up(&mut self) {
+        let until = self.clock.since_start() + TURN;
+        while let Some(datagram) = self.backlog.take() {
+            self.answer(&datagram);
+            if self.clock.since_start() > until {
+                return;
+            }
+        }
+    }
+
+    fn answer(&mut self, (peer, bytes): &Datagram) {
+        let now = self.clock.now();
+        self.endpoint.handle_datagram(*peer, bytes, now);
+        self.settle(now);
+    }
+
+    /// Takes requests to the application and datagrams to the network, until there are none. A command too many is not begun.
+    fn settle(&mut self, now: Now) {
+        while let Some((exchange, request)) = self.endpoint.poll_request() {
+            let (sort, asked) = (Sort::of(request.method), &self.application);
+            let is_full = self.under_way.is_full(sort) && !A::IS_STOP(&request);
+            let said = if is_full && sort == Sort::Command {
+                asked.note_busy(&request);
+                Said::Now(busy())
+            } else {
+                application::answer(asked, &request)
+            };
+            match said {
+                Said::Now(answer) => self.endpoint.handle_answer(exchange, answer, now),
+                Said::Later(_) if is_full => self.endpoint.handle_answer(exchange, busy(), now),
+                Said::Later(answer) => self.under_way.add(exchange, sort, answer),
+            }
+        }
+        std::iter::from_fn(|| self.endpoint.poll_refused()).for_each(|refusal| self.application.note(refusal));
+        while let Some(transmit) = self.endpoint.poll_transmit() {
+            self.socket.send(&transmit);
+        }
+    }
+
+    async fn finish(&mut self) {
+        self.endpoint.close(&application::farewell());
+        self.settle(self.clock.now());
+        while let Some((exchange, answer)) = self.under_way.next().await {
+            self.endpoint.handle_answer(exchange, answer, self.clock.now());
+            self.settle(self.clock.now());
+        }
+    }
+}
+
+/// Whether what was heard in a turn that was not enough is more than anybody sends who means no harm. Few in a whole turn are none:
+/// this thread had to wait for others, and who is thinned out then loses what nobody flooded.
+fn is_flood(heard: Heard, bytes: usize) -> bool {
+    heard.iter().sum::<usize>() >= BATCH || bytes >= HEARING_BYTES
+}
+
+#[cfg(test)]
+#[path = "serve_tests.rs"]
+mod tests;

@@ -1,0 +1,57 @@
+//! Files of the page, built into the program: style, script, icon, vendored library. Nothing is read from the disk.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use axum::http::{HeaderMap, Uri, header};
+use axum::response::{IntoResponse, Response};
+
+use super::etag::conditional;
+use super::problem::Problem;
+use crate::api::fields::in_short;
+
+/// One file: its path, its media type, what is in it.
+struct Asset {
+    path: &'static str,
+    media_type: &'static str,
+    text: &'static str,
+}
+
+static ASSETS: [Asset; 6] = [
+    Asset {
+        path: "/static/console.css",
+        media_type: "text/css; charset=utf-8",
+        text: include_str!("../../../static/console.css"),
+    },
+    Asset {
+        path: "/static/console.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/console.js"),
+    },
+    Asset {
+        path: "/static/stop.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/stop.js"),
+    },
+    Asset {
+        path: "/static/vendor/idiomorph.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/vendor/idiomorph.js"),
+    },
+    Asset { path: "/static/icon.svg", media_type: "image/svg+xml", text: include_str!("../../../static/icon.svg") },
+    Asset { path: "/favicon.ico", media_type: "image/svg+xml", text: include_str!("../../../static/icon.svg") },
+];
+
+/// The file at this path.
+pub(super) async fn file(uri: Uri, headers: HeaderMap) -> Result<Response, Problem> {
+    let asset = ASSETS.iter().find(|asset| asset.path == uri.path());
+    let asset = asset.ok_or_else(|| Problem::not_found(format!("there is no file at {}", in_short(uri.path()))))?;
+    let tag = format!("W/\"{:016x}\"", fingerprint(asset.text));
+    Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, asset.media_type)], asset.text).into_response()))
+}
+
+/// Tells one build's file from another's; nobody is kept out by it.
+fn fingerprint(text: &str) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    text.hash(&mut hasher);
+    hasher.finish()
+}

@@ -1,0 +1,241 @@
+//! The commands of `/api/v1`: each reads its body, gives one command and answers with its revision.
+//! STOP reads no body at all: nothing that is wrong with a request may keep it from halting the robot.
+
+use axum::response::{IntoResponse, Response};
+
+use super::by::By;
+use super::problem::Problem;
+use super::reading::{Json, Number, OptionalJson};
+use crate::api::answer::AnswerJson;
+use crate::api::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, Unusable, VerdictBody};
+use hallsweep_core::command::{self, Command, LuggageRef};
+use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
+
+type Answer = Result<Response, Problem>;
+
+/// `POST commands/start`
+pub(super) async fn start(by: By, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
+    give(&by, Command::Start, body.epoch()).await
+}
+
+/// `POST commands/stop`
+pub(super) async fn stop(by: By) -> Answer {
+    give(&by, Command::Stop, None).await
+}
+
+/// `POST commands/backHome`
+pub(super) async fn back_home(by: By, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
+    give(&by, Command::BackHome, body.epoch()).await
+}
+
+/// `POST commands/retrieve`
+pub(super) async fn retrieve(by: By, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
+    give(&by, Command::Retrieve, body.epoch()).await
+}
+
+/// `POST commands/reset`
+pub(super) async fn reset(by: By, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
+    give(&by, Command::Reset, body.epoch()).await
+}
+
+/// `POST commands/move`. When it was heard to be a STOP nothing else of it counts.
+pub(super) async fn make_move(by: By, body: Result<Json<MoveBody>, Problem>) -> Answer {
+    if by.has_pressed_stop() {
+        return give(&by, Command::Stop, None).await;
+    }
+    let (command, epoch) = body?.0.command()?;
+    give(&by, command, epoch).await
+}
+
+/// `POST commands/goto`
+pub(super) async fn goto(by: By, Json(body): Json<GotoBody>) -> Answer {
+    let (command, epoch) = body.command()?;
+    give(&by, command, epoch).await
+}
+
+/// `POST luggage/{id}/verdict`
+pub(super) async fn verdict(by: By, Number(id): Number, Json(body): Json<VerdictBody>) -> Answer {
+    let luggage = LuggageRef::Id(LuggageId(id));
+    give(&by, Command::Verdict { luggage, verdict: body.verdict()? }, None).await
+}
+
+/// `POST luggage/{id}/photo`
+pub(super) async fn retake(by: By, Number(id): Number, _: OptionalJson<EpochBody>) -> Answer {
+    give(&by, Command::RetakePhoto(LuggageId(id)), None).await
+}
+
+/// `PUT strategy`
+pub(super) async fn strategy(by: By, Json(body): Json<StrategyBody>) -> Answer {
+    give(&by, Command::ChooseStrategy(body.strategy()?), None).await
+}
+
+/// `POST alarms/{id}/acknowledge`
+pub(super) async fn acknowledge(by: By, Number(id): Number, _: OptionalJson<EpochBody>) -> Answer {
+    give(&by, Command::Acknowledge(AlarmId(id)), None).await
+}
+
+/// `PUT temperature`
+pub(super) async fn temperature(by: By, Json(body): Json<TemperatureBody>) -> Answer {
+    give(&by, Command::Temperature(body.report()?), None).await
+}
+
+/// Gives a command by the interface and answers in JSON; the old console's routes end here too.
+pub(super) async fn give(by: &By, command: Command, epoch: Option<Epoch>) -> Answer {
+    let done = by.give(command::Door::Http, command, epoch).await?;
+    Ok(axum::Json(AnswerJson::new(done.accepted, &done.snapshot)).into_response())
+}
+
+impl From<Unusable> for Problem {
+    fn from(unusable: Unusable) -> Problem {
+        Problem::unusable(unusable.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{House, house, read};
+    use super::*;
+    use crate::api::fixture::searching;
+    use hallsweep_core::command::{Move, Refused, TemperatureReport, Verdict};
+    use hallsweep_core::units::Cell;
+
+    /// Sends JSON and expects this status; for problems also that they are complete.
+    async fn check(house: &House, method: &str, path: &str, body: &str, expect: u16) -> serde_json::Value {
+        let (status, json) = house.json(method, &format!("/api/v1{path}"), body).await;
+        assert_eq!(status, expect, "{method} {path} {body}: {json}");
+        if expect == 200 {
+            assert_eq!((&json["accepted"], &json["revision"], &json["epoch"]), (&true.into(), &20.into(), &1.into()));
+        } else {
+            assert_eq!(json["status"], expect);
+            assert!(["type", "title", "detail", "code"].iter().all(|field| json[field].is_string()), "{json}");
+        }
+        json
+    }
+
+    #[tokio::test]
+    async fn every_command_reaches_the_loop_as_what_it_says() {
+        let house = house(searching());
+        let cell = Cell::new(4, -2);
+        let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict };
+        let cases = [
+            ("POST", "/commands/start", "", Command::Start),
+            ("POST", "/commands/start", "{}", Command::Start),
+            ("POST", "/commands/stop", "", Command::Stop),
+            ("POST", "/commands/backHome", "", Command::BackHome),
+            ("POST", "/commands/retrieve", "", Command::Retrieve),
+            ("POST", "/commands/reset", "", Command::Reset),
+            ("POST", "/commands/move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
+            ("POST", "/commands/move", r#"{"move":"h"}"#, Command::Stop),
+            ("POST", "/commands/goto", r#"{"x":4,"y":-2}"#, Command::Goto(cell)),
+            ("POST", "/luggage/3/verdict", r#"{"verdict":"safe"}"#, verdict(Verdict::Safe)),
+            ("POST", "/luggage/3/verdict", r#"{"verdict":"danger"}"#, verdict(Verdict::Danger)),
+            ("POST", "/luggage/3/photo", "", Command::RetakePhoto(LuggageId(3))),
+            ("POST", "/alarms/1/acknowledge", "", Command::Acknowledge(AlarmId(1))),
+            ("PUT", "/temperature", r#"{"status":"tooHigh"}"#, Command::Temperature(TemperatureReport::TooHigh)),
+            ("PUT", "/strategy", r#"{"name":"snail"}"#, Command::ChooseStrategy(hallsweep_core::explore::Strategy::Snail)),
+        ];
+        for (method, path, body, command) in cases {
+            check(&house, method, path, body, 200).await;
+            assert_eq!(house.last().command, command, "{path}");
+        }
+    }
+
+    #[tokio::test]
+    async fn the_epoch_its_sender_saw_goes_with_a_command() {
+        let house = house(searching());
+        check(&house, "POST", "/commands/start", r#"{"epoch":7}"#, 200).await;
+        assert_eq!(house.last().epoch, Some(Epoch(7)));
+        check(&house, "POST", "/commands/goto", r#"{"x":1,"y":1,"epoch":8}"#, 200).await;
+        assert_eq!(house.last().epoch, Some(Epoch(8)));
+    }
+
+    #[tokio::test]
+    async fn what_is_malformed_is_refused_with_the_code_that_fits() {
+        let house = house(searching());
+        let cases = [
+            ("POST", "/commands/start", "{", 400),
+            ("POST", "/commands/start", "nonsense", 400),
+            ("POST", "/commands/start", r#"{"epoc":1}"#, 422),
+            ("POST", "/commands/start", r#"{"epoch":-1}"#, 422),
+            ("POST", "/commands/start", "[]", 422),
+            ("POST", "/commands/move", r#"["w"]"#, 422),
+            ("POST", "/luggage/3/verdict", r#"["danger"]"#, 422),
+            ("POST", "/luggage/3/verdict", r#"{"verdict":"safe","verdict":"danger"}"#, 422),
+            ("POST", "/commands/move", "", 400),
+            ("POST", "/commands/move", "{}", 422),
+            ("POST", "/commands/move", r#"{"move":"q"}"#, 422),
+            ("POST", "/commands/move", r#"{"move":1}"#, 422),
+            ("POST", "/commands/goto", r#"{"x":1}"#, 422),
+            ("POST", "/commands/goto", r#"{"x":1.5,"y":1}"#, 422),
+            ("POST", "/commands/goto", r#"{"x":8193,"y":1}"#, 422),
+            ("POST", "/commands/goto", r#"{"x":99999999999999999999,"y":1}"#, 422),
+            ("POST", "/luggage/3/verdict", r#"{"verdict":"maybe"}"#, 422),
+            ("POST", "/luggage/three/verdict", r#"{"verdict":"safe"}"#, 404),
+            ("POST", "/luggage/-1/photo", "", 404),
+            ("POST", "/luggage/%FF/photo", "", 404),
+            ("PUT", "/strategy", r#"{"name":"worm"}"#, 422),
+            ("PUT", "/temperature", r#"{}"#, 422),
+            ("PUT", "/temperature", r#"{"celsius":"warm"}"#, 422),
+            ("PUT", "/temperature", r#"{"celsius":NaN}"#, 400),
+            ("PUT", "/temperature", r#"{"celsius":-300}"#, 422),
+            ("POST", "/nothing", "", 404),
+        ];
+        for (method, path, body, expect) in cases {
+            check(&house, method, path, body, expect).await;
+        }
+        assert!(house.given.lock().unwrap().is_empty(), "nothing malformed reaches the loop");
+        let unknown = check(&house, "POST", "/commands/start", r#"{"epoc":1}"#, 422).await;
+        assert!(unknown["detail"].as_str().unwrap().contains("`epoc`"), "{unknown}");
+    }
+
+    #[tokio::test]
+    async fn wrong_types_large_bodies_and_wrong_methods_have_codes_too() {
+        let house = house(searching());
+        let (status, _) = read(house.send("POST", "/api/v1/commands/move", &[("content-type", "text/plain")], "w").await).await;
+        assert_eq!(status, 415);
+        let (status, _) = read(house.send("POST", "/api/v1/commands/move", &[], r#"{"move":"w"}"#).await).await;
+        assert_eq!(status, 415);
+        for (charset, expect) in [("utf-8", 200), ("\"UTF-8\"", 200), ("utf-16", 415), ("latin1", 415)] {
+            let media = format!("application/json; charset={charset}");
+            let sent = house.send("POST", "/api/v1/commands/move", &[("content-type", &media)], r#"{"move":"w"}"#).await;
+            assert_eq!(sent.status(), expect, "{charset}");
+        }
+        let large = format!("{{\"move\":\"{}\"}}", "w".repeat(20_000));
+        assert_eq!(house.json("POST", "/api/v1/commands/move", &large).await.0, 413);
+        let response = house.send("DELETE", "/api/v1/luggage/3/photo", &[], "").await;
+        let allow = response.headers()["allow"].to_str().unwrap().to_owned();
+        assert!(allow.contains("GET") && allow.contains("POST"), "{allow}");
+        assert_eq!(response.headers()["content-type"], "application/problem+json");
+        assert_eq!(read(response).await.0, 405);
+    }
+
+    #[tokio::test]
+    async fn a_stop_halts_whatever_its_body_is() {
+        let house = house(searching());
+        let huge = "x".repeat(100_000);
+        for (headers, body) in [(&[("content-type", "image/png")][..], "{{{"), (&[], &huge)] {
+            assert_eq!(house.send("POST", "/api/v1/commands/stop", headers, body).await.status(), 200);
+        }
+        assert_eq!(house.given.lock().unwrap().len(), 2);
+    }
+
+    #[tokio::test]
+    async fn refusals_say_why_and_verdicts_come_back_with_the_record() {
+        let house = house(searching());
+        house.refuse(Refused::Decided { luggage: LuggageId(2), verdict: Verdict::Danger });
+        let json = check(&house, "POST", "/luggage/2/verdict", r#"{"verdict":"safe"}"#, 409).await;
+        assert_eq!((&json["code"], &json["luggage"]["verdict"]), (&"decided".into(), &"danger".into()));
+        house.refuse(Refused::UnknownLuggage(LuggageId(9)));
+        let json = check(&house, "POST", "/luggage/9/verdict", r#"{"verdict":"safe"}"#, 404).await;
+        assert_eq!(json.get("luggage"), None);
+        house.refuse(Refused::StoreDown);
+        check(&house, "POST", "/luggage/3/verdict", r#"{"verdict":"danger"}"#, 503).await;
+    }
+
+    #[tokio::test]
+    async fn an_accepted_verdict_comes_with_the_record() {
+        let house = house(searching());
+        let json = check(&house, "POST", "/luggage/3/verdict", r#"{"verdict":"safe"}"#, 200).await;
+        assert_eq!(json["luggage"]["id"], 3);
+    }
+}

@@ -1,0 +1,127 @@
+//! What the page's forms ask for: from a form's fields to a command. Nothing is decided here.
+
+use serde::Deserialize;
+
+use super::super::problem::Problem;
+use crate::api::command::{self, StrategyBody};
+use crate::api::fields::in_short;
+use hallsweep_core::command::{Command, LuggageRef, TemperatureReport, Verdict};
+use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
+
+/// The fields of any of the forms; a field that is not there is not sent.
+#[derive(Debug, Default, Deserialize)]
+pub(in crate::doors::http) struct Fields {
+    epoch: Option<String>,
+    id: Option<String>,
+    #[serde(rename = "move")]
+    word: Option<String>,
+    x: Option<String>,
+    y: Option<String>,
+    name: Option<String>,
+    status: Option<String>,
+    celsius: Option<String>,
+}
+
+impl Fields {
+    /// The command of this form, and the epoch its page saw.
+    pub(super) fn command(&self, act: &str) -> Result<(Command, Option<Epoch>), Problem> {
+        let epoch = self.epoch.as_deref().map(|text| number("epoch", text)).transpose()?.map(Epoch);
+        let command = match act {
+            "start" => Command::Start,
+            "stop" => Command::Stop,
+            "backHome" => Command::BackHome,
+            "retrieve" => Command::Retrieve,
+            "reset" => Command::Reset,
+            "move" => command::move_word(needed("move", self.word.as_deref())?)?,
+            "goto" => {
+                command::goto(number("x", needed("x", self.x.as_deref())?)?, number("y", needed("y", self.y.as_deref())?)?)?
+            }
+            "safe" => self.verdict(Verdict::Safe)?,
+            "danger" => self.verdict(Verdict::Danger)?,
+            "retake" => Command::RetakePhoto(LuggageId(self.id()?)),
+            "acknowledge" => Command::Acknowledge(AlarmId(self.id()?)),
+            "strategy" => Command::ChooseStrategy(self.strategy()?),
+            "temperature" => Command::Temperature(self.temperature()?),
+            other => return Err(Problem::not_found(format!("the console has no button {:?}", in_short(other)))),
+        };
+        Ok((command, epoch))
+    }
+
+    /// The name of the button that was pressed, where the page shows a refusal of it.
+    pub(super) fn button(&self, act: &str) -> String {
+        match (act, &self.id) {
+            ("safe" | "danger" | "retake", Some(_)) => "verdict".to_owned(),
+            ("acknowledge", Some(id)) => format!("alarm-{id}"),
+            ("move" | "goto", _) => "drive".to_owned(),
+            // What is said beside STOP is its script's.
+            ("stop", _) => "page".to_owned(),
+            _ => act.to_owned(),
+        }
+    }
+
+    fn verdict(&self, verdict: Verdict) -> Result<Command, Problem> {
+        Ok(Command::Verdict { luggage: LuggageRef::Id(LuggageId(self.id()?)), verdict })
+    }
+
+    fn id(&self) -> Result<u64, Problem> {
+        number("id", needed("id", self.id.as_deref())?)
+    }
+
+    fn strategy(&self) -> Result<hallsweep_core::explore::Strategy, Problem> {
+        let body = StrategyBody::named(needed("name", self.name.as_deref())?);
+        Ok(body.strategy()?)
+    }
+
+    fn temperature(&self) -> Result<TemperatureReport, Problem> {
+        match (self.status.as_deref(), self.celsius.as_deref()) {
+            (Some("ok"), _) => Ok(TemperatureReport::Ok),
+            (Some("tooHigh"), _) => Ok(TemperatureReport::TooHigh),
+            (Some(other), _) => Err(Problem::unusable(format!("{:?} is no status: it is ok or tooHigh", in_short(other)))),
+            (None, degrees) => Ok(command::reading(number("celsius", &needed("celsius", degrees)?.replace(',', "."))?)?),
+        }
+    }
+}
+
+fn needed<'a>(name: &str, value: Option<&'a str>) -> Result<&'a str, Problem> {
+    let given = value.map(str::trim).filter(|text| !text.is_empty());
+    given.ok_or_else(|| Problem::unusable(format!("{name} is missing: fill it in")))
+}
+
+fn number<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, Problem> {
+    text.trim().parse().map_err(|_| Problem::unusable(format!("{name} is {:?}: a number belongs there", in_short(text))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hallsweep_core::units::Cell;
+
+    #[test]
+    fn every_form_is_understood_when_it_is_filled_in() {
+        let fields = Fields {
+            epoch: Some("4".to_owned()),
+            id: Some("3".to_owned()),
+            word: Some("w".to_owned()),
+            x: Some("1".to_owned()),
+            y: Some("-2".to_owned()),
+            name: Some("snail".to_owned()),
+            status: None,
+            celsius: Some("21,5".to_owned()),
+        };
+        let rows = super::super::super::routes::table();
+        let acts: Vec<&str> = rows.iter().filter_map(|row| row.path.strip_prefix("/console/")).collect();
+        let acts = acts.into_iter().filter(|act| *act != "live" && !act.starts_with("confirm"));
+        for act in acts {
+            assert_eq!(fields.command(act).map(|(_, epoch)| epoch).ok(), Some(Some(Epoch(4))), "{act}");
+        }
+        assert_eq!(fields.command("goto").unwrap().0, Command::Goto(Cell::new(1, -2)));
+    }
+
+    #[test]
+    fn what_is_missing_or_no_number_is_named() {
+        let problem = Fields::default().command("goto").unwrap_err();
+        assert!(problem.detail().contains("x is missing"), "{}", problem.detail());
+        let fields = Fields { celsius: Some("warm".to_owned()), ..Fields::default() };
+        assert!(fields.command("temperature").unwrap_err().detail().contains("\"warm\""));
+    }
+}

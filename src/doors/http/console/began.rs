@@ -1,0 +1,49 @@
+//! When the present mission began, for the time gone: it stands in the record of missions. Looked up once for each mission, and
+//! never waited for: without it a page shows everything else.
+
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+use super::super::Door;
+use hallsweep_core::units::{MissionId, Wall};
+
+/// A record that is not there sooner is left out: the page does not wait for a disk that hangs,
+const PATIENCE: Duration = Duration::from_millis(100);
+
+/// and does not ask it again before this.
+const AGAIN: Duration = Duration::from_secs(5);
+
+/// What is known of it; all pages of a door share it.
+#[derive(Debug, Default)]
+pub(in crate::doors::http) struct Began(Mutex<Known>);
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Known {
+    mission: MissionId,
+    began: Option<Wall>,
+    asked: Option<Duration>,
+}
+
+/// When this mission began; `None` before the first, and while the record cannot be read.
+pub(super) async fn began(door: &Door, mission: MissionId) -> Option<Wall> {
+    let now = door.clock.now().since_start;
+    let known = {
+        let mut known = door.began.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.mission != mission {
+            *known = Known { mission, ..Known::default() };
+        }
+        let is_due = mission != MissionId(0) && known.asked.is_none_or(|asked| now.saturating_sub(asked) >= AGAIN);
+        if known.began.is_some() || !is_due {
+            return known.began;
+        }
+        known.asked = Some(now);
+        &door.began.0
+    };
+    let found = tokio::time::timeout(PATIENCE, door.archive.look_up(move |archive| archive.mission(mission)));
+    let began = found.await.ok()?.ok()??.began;
+    let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
+    if known.mission == mission {
+        known.began = Some(began);
+    }
+    Some(began)
+}

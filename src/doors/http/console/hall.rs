@@ -1,0 +1,350 @@
+//! The hall as a picture, in pieces that can be sent one by one: a group per map tile, the labels, and the small layer of
+//! everything that moves. One cell is `CELL` units; runs of equal cells are one stroke of one path, so that a large hall stays
+//! light. Frames, legend and colours stand in template and style sheet.
+
+use std::fmt::Write;
+
+use hallsweep_core::units::{Cell, Heading};
+use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, TILE};
+use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// The side of a cell in the picture's units.
+const CELL: i32 = 10;
+
+/// The picture grows by this many cells at a time, so that it does not jump with every step.
+const GROWTH: i32 = 4;
+
+/// The picture is never smaller than this, in cells.
+const LEAST: (i32, i32) = (16, 12);
+
+/// As much of the way behind is shown, in cells.
+const TRAIL: usize = 48;
+
+/// The trail fades in this many parts.
+const FADES: usize = 4;
+
+/// Labels stand at every cell while they fit, then at every fifth, tenth and so on.
+const LABELS: i32 = 24;
+
+/// As far ahead as the sonar's ray is drawn, in cells.
+const RAY: i32 = 8;
+
+/// A picture of up to this many cells is drawn as it is; in a wider one what must be seen is drawn larger than its cell.
+const READABLE: i32 = 32;
+
+/// More frontier than this is not drawn: it would be most of what is sent with every step.
+const FRONTIER: usize = 2000;
+
+/// The part of the hall that is shown, in cells: what is known, rounded outwards.
+pub(super) fn shown(map: &HallMap) -> Bounds {
+    let known = map.known_bounds();
+    let least = Cell::new(round_down(known.least.x.min(-1)), round_down(known.least.y.min(-1)));
+    let far = |least: i32, most: i32, size: i32| least + size.max(round_up(most - least + 2)) - 1;
+    Bounds { least, most: Cell::new(far(least.x, known.most.x, LEAST.0), far(least.y, known.most.y, LEAST.1)) }
+}
+
+/// The `viewBox`, with a margin for the labels.
+pub(super) fn view_box(map: &HallMap) -> String {
+    let (shown, margin) = (shown(map), CELL * larger(map));
+    let (left, top) = (shown.least.x * CELL - margin, shown.least.y * CELL - margin);
+    format!("{left} {top} {} {}", shown.width() * CELL + margin, shown.height() * CELL + margin)
+}
+
+/// How many times its size the robot and its like are drawn in, so that they can be seen in a large hall too.
+fn larger(map: &HallMap) -> i32 {
+    let shown = shown(map);
+    let widest = shown.width().max(shown.height() * LEAST.0 / LEAST.1);
+    (widest + READABLE - 1) / READABLE
+}
+
+/// The name of a tile's group.
+pub(super) fn tile_id(corner: Cell) -> String {
+    format!("tile_{}_{}", corner.x / TILE, corner.y / TILE)
+}
+
+/// A tile's group: one path for each kind of mark there is in it.
+pub(super) fn tile(map: &HallMap, corner: Cell) -> String {
+    let mut group = format!("<g id=\"{}\">", tile_id(corner));
+    for (class, wanted) in
+        [("visited", Mark::Visited), ("wall", Mark::Wall), ("bag", Mark::Luggage), ("todo", Mark::NotInspected)]
+    {
+        let path = runs(map, corner, wanted);
+        if !path.is_empty() {
+            write(&mut group, format_args!("<path class=\"{class}\" d=\"{path}\"/>"));
+        }
+    }
+    group.push_str("</g>");
+    group
+}
+
+/// Row and column numbers along the upper and left edges, and the lines between the cells.
+pub(super) fn labels(map: &HallMap) -> String {
+    let shown = shown(map);
+    let mut group = String::from("<g id=\"hall-labels\">");
+    let step = |count: i32| [1, 5, 10, 50, 100, 500].into_iter().find(|step| count / step <= LABELS).unwrap_or(1000);
+    let (every_x, every_y) = (step(shown.width()), step(shown.height()));
+    let size = larger(map);
+    let (left, top) = (shown.least.x * CELL - CELL * size / 2, shown.least.y * CELL - CELL * size / 2);
+    for x in (shown.least.x..=shown.most.x).filter(|x| x % every_x == 0) {
+        label(&mut group, (x * CELL + CELL / 2, top), size, x);
+    }
+    for y in (shown.least.y..=shown.most.y).filter(|y| y % every_y == 0) {
+        label(&mut group, (left, y * CELL + CELL / 2), size, y);
+    }
+    group.push_str("</g>");
+    group
+}
+
+fn label(group: &mut String, (x, y): (i32, i32), size: i32, number: i32) {
+    write(group, format_args!("<text transform=\"translate({x} {y}) scale({size})\" y=\"2\">{number}</text>"));
+}
+
+/// Unknown cells beside visited ones: where the search goes on.
+pub(super) fn frontier(map: &HallMap) -> String {
+    let mut group = String::from("<g id=\"hall-frontier\">");
+    let cells = map.frontier();
+    if !cells.is_empty() && cells.len() <= FRONTIER {
+        let mut path = String::new();
+        for cell in cells {
+            write(&mut path, format_args!("M{} {}h{CELL}v{CELL}h-{CELL}z", cell.x * CELL, cell.y * CELL));
+        }
+        write(&mut group, format_args!("<path class=\"frontier\" d=\"{path}\"/>"));
+    }
+    group.push_str("</g>");
+    group
+}
+
+/// Everything that moves or is decided: trail, route, goal, home, luggage.
+pub(super) fn layer(snapshot: &Snapshot) -> String {
+    let size = larger(&snapshot.map);
+    let mut group = format!("<g id=\"hall-layer\"{}>", if size > 1 { " class=\"far\"" } else { "" });
+    trail(&mut group, snapshot);
+    home(&mut group, size);
+    snapshot.luggage.iter().for_each(|piece| luggage(&mut group, piece, size));
+    route(&mut group, snapshot, size);
+    ray(&mut group, snapshot);
+    group.push_str("</g>");
+    group
+}
+
+/// Home and what was found, without a robot: the layer of a mission's record.
+pub(super) fn found<'a>(map: &HallMap, pieces: impl Iterator<Item = &'a Luggage>) -> String {
+    let size = larger(map);
+    let mut group = String::from("<g>");
+    home(&mut group, size);
+    pieces.for_each(|piece| luggage(&mut group, piece, size));
+    group.push_str("</g>");
+    group
+}
+
+/// The robot, in a group of its own that glides from cell to cell.
+pub(super) fn robot(snapshot: &Snapshot) -> String {
+    let (x, y) = middle(snapshot.robot.pose.cell);
+    let turn = match snapshot.robot.pose.heading {
+        Heading::North => 0,
+        Heading::East => 90,
+        Heading::South => 180,
+        Heading::West => 270,
+    };
+    let size = larger(&snapshot.map);
+    let led = if snapshot.robot.led_blinking { "led blinking" } else { "led" };
+    let off_centre = if snapshot.robot.off_centre { " off-centre" } else { "" };
+    format!(
+        "<g id=\"hall-robot\" class=\"robot{off_centre}\" transform=\"translate({x} {y})\"><g transform=\"rotate({turn}) scale({size})\">\
+         <circle class=\"body\" r=\"4\"/><path class=\"nose\" d=\"M0 -3.4L2.4 1.2H-2.4Z\"/>\
+         <circle class=\"{led}\" cy=\"2.3\" r=\"0.9\"/></g></g>"
+    )
+}
+
+fn runs(map: &HallMap, corner: Cell, wanted: Mark) -> String {
+    let mut path = String::new();
+    for y in corner.y..corner.y + TILE {
+        let mut x = corner.x;
+        while x < corner.x + TILE {
+            let length = (x..corner.x + TILE).take_while(|x| map.at(Cell::new(*x, y)) == wanted).count();
+            let length = i32::try_from(length).expect("a run is not longer than a tile");
+            if length > 0 {
+                write(&mut path, format_args!("M{} {}h{}v{CELL}h-{}z", x * CELL, y * CELL, length * CELL, length * CELL));
+            }
+            x += length.max(1);
+        }
+    }
+    path
+}
+
+fn trail(group: &mut String, snapshot: &Snapshot) {
+    let mut trail = snapshot.mission.trail.to_vec();
+    if trail.last().is_some_and(|last| last.neighbours().contains(&snapshot.robot.pose.cell)) {
+        trail.push(snapshot.robot.pose.cell);
+    }
+    let latest = &trail[trail.len().saturating_sub(TRAIL)..];
+    let part = latest.len().div_ceil(FADES).max(1);
+    for (fade, cells) in latest.rchunks(part).enumerate() {
+        // Each part begins where the one before it ended, so that the line has no gaps.
+        let from = latest.len() - (fade * part + cells.len());
+        let to = (from + cells.len() + 1).min(latest.len());
+        if to - from > 1 {
+            let points = points(latest[from..to].iter().copied());
+            write(group, format_args!("<polyline class=\"trail fade-{fade}\" points=\"{points}\"/>"));
+        }
+    }
+}
+
+fn home(group: &mut String, size: i32) {
+    let (x, y) = middle(Cell::HOME);
+    write(
+        group,
+        format_args!(
+            "<path class=\"home\" transform=\"translate({x} {y}) scale({size})\" d=\"M-4 0l4 -3.4l4 3.4v4.4h-8z\"><title>home</title></path>"
+        ),
+    );
+}
+
+fn luggage(group: &mut String, piece: &Luggage, size: i32) {
+    let (x, y) = middle(piece.cell);
+    let verdict = piece.verdict_name();
+    let (shape, letter) = match verdict {
+        "safe" => ("<circle r=\"4.2\"/>", "S"),
+        "danger" => ("<path d=\"M0 -5L5 4H-5Z\"/>", "D"),
+        _ => ("<rect x=\"-4.2\" y=\"-4.2\" width=\"8.4\" height=\"8.4\"/>", "?"),
+    };
+    let id = piece.id;
+    // Where cells are tiny the numbers would cover each other; the title still says which piece it is.
+    let number = if size == 1 { format!("<text class=\"number\" y=\"7.4\">#{id}</text>") } else { String::new() };
+    write(
+        group,
+        format_args!(
+            "<g class=\"piece {verdict}\" transform=\"translate({x} {y}) scale({size})\">{shape}<text y=\"2\">{letter}</text>\
+             {number}<title>luggage #{id}: {verdict}</title></g>"
+        ),
+    );
+}
+
+fn route(group: &mut String, snapshot: &Snapshot, size: i32) {
+    let route = &snapshot.mission.route;
+    if !route.is_empty() {
+        let points = points(std::iter::once(snapshot.robot.pose.cell).chain(route.iter().copied()));
+        write(group, format_args!("<polyline class=\"route\" points=\"{points}\"/>"));
+    }
+    // A piece in the goal's cell says more than the goal's cross over it would.
+    let goal = snapshot.mission.goal.filter(|goal| snapshot.luggage.iter().all(|luggage| luggage.cell != *goal));
+    if let Some(goal) = goal {
+        let (x, y) = middle(goal);
+        write(
+            group,
+            format_args!(
+                "<path class=\"goal\" transform=\"translate({x} {y}) scale({size})\" d=\"M-3 -3l6 6m0 -6l-6 6\"><title>goal {goal}</title></path>"
+            ),
+        );
+    }
+}
+
+/// From the robot's front over the cells known to be free ahead; how far it really is stands beside the picture.
+fn ray(group: &mut String, snapshot: &Snapshot) {
+    let pose = snapshot.robot.pose;
+    let (dx, dy) = pose.heading.vector();
+    let ahead = |n: i32| Cell::new(pose.cell.x + dx * n, pose.cell.y + dy * n);
+    let free = (1..=RAY).take_while(|n| snapshot.map.at(ahead(*n)) == Mark::Visited).count();
+    let length = i32::try_from(free).unwrap_or(RAY) * CELL + CELL / 2;
+    let class = if snapshot.robot.sonar_cm.is_some() { "ray" } else { "ray nothing" };
+    let (x, y) = middle(pose.cell);
+    write(group, format_args!("<path class=\"{class}\" d=\"M{x} {y}l{} {}\"/>", dx * length, dy * length));
+}
+
+fn points(cells: impl Iterator<Item = Cell>) -> String {
+    let mut points = String::new();
+    for (x, y) in cells.map(middle) {
+        write(&mut points, format_args!("{x},{y} "));
+    }
+    points
+}
+
+const fn middle(cell: Cell) -> (i32, i32) {
+    (cell.x * CELL + CELL / 2, cell.y * CELL + CELL / 2)
+}
+
+const fn round_down(cells: i32) -> i32 {
+    if cells >= -1 { -1 } else { cells.div_euclid(GROWTH) * GROWTH - 1 }
+}
+
+const fn round_up(cells: i32) -> i32 {
+    (cells + GROWTH - 1).div_euclid(GROWTH) * GROWTH
+}
+
+fn write(text: &mut String, words: std::fmt::Arguments<'_>) {
+    text.write_fmt(words).expect("writing into a string does not fail");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::fixture::{drawn, idle, searching};
+    use hallsweep_core::units::Revision;
+
+    #[test]
+    fn equal_neighbours_are_one_stroke() {
+        let map = drawn(&["111", "WW"], 1);
+        let tile = tile(&map, Cell::HOME);
+        assert_eq!(
+            tile,
+            "<g id=\"tile_0_0\"><path class=\"visited\" d=\"M0 0h30v10h-30z\"/><path class=\"wall\" d=\"M0 10h20v10h-20z\"/></g>"
+        );
+    }
+
+    #[test]
+    fn the_picture_holds_everything_known_and_keeps_still_meanwhile() {
+        let mut map = HallMap::new(Cell::HOME, Revision(1));
+        let first = view_box(&map);
+        for cell in [Cell::new(3, 3), Cell::new(9, 6)] {
+            map.mark(cell, Mark::Visited, Revision(2));
+            assert_eq!(view_box(&map), first);
+        }
+        for cell in [Cell::new(40, 7), Cell::new(-9, -30), Cell::new(3, 90)] {
+            map.mark(cell, Mark::Wall, Revision(3));
+            assert!(shown(&map).contains(cell), "{cell}");
+        }
+    }
+
+    #[test]
+    fn the_layer_shows_goal_route_trail_and_every_piece() {
+        let layer = layer(&searching());
+        for part in ["class=\"goal\"", "class=\"route\"", "trail fade-0", "piece safe", "piece danger", "piece pending", "#3"] {
+            assert!(layer.contains(part), "{part} in {layer}");
+        }
+    }
+
+    #[test]
+    fn in_a_large_hall_what_matters_is_drawn_larger_and_the_numbers_are_left_out() {
+        let mut snapshot = searching();
+        assert!(robot(&snapshot).contains("scale(1)") && layer(&snapshot).contains(">#3<"));
+        snapshot.map.mark(Cell::new(199, 90), Mark::Visited, Revision(21));
+        assert!(robot(&snapshot).contains("scale(7)"), "{}", robot(&snapshot));
+        assert!(!layer(&snapshot).contains(">#3<") && layer(&snapshot).contains("luggage #3"));
+    }
+
+    #[test]
+    fn the_frontier_is_drawn_unless_it_is_endless() {
+        let mut map = drawn(&["11"], 1);
+        assert!(frontier(&map).contains("M20 0h10v10h-10z"), "{}", frontier(&map));
+        for x in 0..2000 {
+            map.mark(Cell::new(x, 0), Mark::Visited, Revision(2));
+        }
+        assert_eq!(frontier(&map), "<g id=\"hall-frontier\"></g>");
+    }
+
+    #[test]
+    fn a_trail_of_any_length_is_drawn_without_gaps() {
+        let mut snapshot = idle();
+        for length in 0..60 {
+            snapshot.mission.trail = (0..length).map(|x| Cell::new(x, 0)).collect();
+            let drawn = layer(&snapshot).matches("<polyline class=\"trail").count();
+            assert!(drawn <= FADES && (drawn > 0) == (length > 1), "{length} cells in {drawn} parts");
+        }
+    }
+
+    #[test]
+    fn tiles_west_and_north_of_home_have_names_of_their_own() {
+        assert_eq!(tile_id(Cell::new(-32, 32)), "tile_-1_1");
+    }
+}

@@ -1,0 +1,352 @@
+//! The pages of missions, those that are over and the present one: their list, and one of them with its hall, its luggage and
+//! everything that happened, commands with who gave them, where from, and what became of them. They work without a script.
+
+use askama::Template;
+use axum::extract::State;
+use axum::response::Html;
+
+use super::super::Door;
+use super::super::missions::{Kept, MISSIONS, after, before, happened, kept, newest, wanted};
+use super::super::problem::Problem;
+use super::super::query::Query;
+use super::super::reading::Number;
+use super::{hall, html};
+use crate::api::journal_words::{asked, outcome, words};
+use crate::api::luggage::photo_url;
+use crate::api::time::{Zone, rfc3339};
+use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
+use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::mission::PhaseName;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::units::{MissionId, Seq, Wall};
+use hallsweep_core::world::luggage::Luggage;
+
+/// Events on a page: a few screens.
+const EVENTS: u64 = 200;
+
+/// `GET missions`
+pub(in crate::doors::http) async fn list(State(door): State<Door>, query: Query) -> Result<Html<String>, Problem> {
+    query.only(&["before"])?;
+    let before = before(&query)?;
+    let (missions, next) = newest(&door, before, MISSIONS).await?;
+    Ok(html(&List { missions, before, next, zone: Zone::of(door.clock.now().wall) }))
+}
+
+/// `GET missions/{id}`
+pub(in crate::doors::http) async fn one(
+    State(door): State<Door>,
+    Number(id): Number,
+    query: Query,
+) -> Result<Html<String>, Problem> {
+    query.only(&["after", "show"])?;
+    let (after, show) = (after(&query)?, Show::of(query.word("show", &["all", "commands"])?));
+    let Kept { record, standing, damage } = kept(&door, id).await?;
+    let (events, next) = match show {
+        Show::Main => wanted(&door, id, after, EVENTS, is_main).await?,
+        Show::Commands => wanted(&door, id, after, EVENTS, is_command).await?,
+        Show::All => happened(&door, id, after, EVENTS).await?,
+    };
+    let zone = Zone::of(door.clock.now().wall);
+    Ok(html(&One { record, standing, damage, show, after, events, next, zone }))
+}
+
+/// How much is shown of what happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Show {
+    /// What people did and what was found.
+    Main,
+    /// What was commanded.
+    Commands,
+    /// Every step.
+    All,
+}
+
+impl Show {
+    fn of(word: Option<&str>) -> Show {
+        match word {
+            Some("all") => Show::All,
+            Some("commands") => Show::Commands,
+            _ => Show::Main,
+        }
+    }
+
+    /// What stands for it in an address, after what stands there already.
+    fn address(self, joined_by: &str) -> String {
+        match self {
+            Show::Main => String::new(),
+            Show::Commands => format!("{joined_by}show=commands"),
+            Show::All => format!("{joined_by}show=all"),
+        }
+    }
+}
+
+fn is_command(fact: &Fact) -> bool {
+    matches!(fact, Fact::Command { .. })
+}
+
+/// What people did and what was found; the robot's steps, of which there are thousands, are not it.
+fn is_main(fact: &Fact) -> bool {
+    let found = matches!(fact, Fact::Luggage { .. } | Fact::AlarmRaised(..) | Fact::Phase(_) | Fact::Holds(_));
+    let done = matches!(fact, Fact::Command { .. } | Fact::Verdict { .. } | Fact::AlarmAcknowledged(..) | Fact::Strategy(_));
+    let began =
+        matches!(fact, Fact::ProgramStarted(_) | Fact::ProgramEnded(_) | Fact::MissionBegan(..) | Fact::MissionArchived(..));
+    found || done || began
+}
+
+/// The list of missions, the newest first.
+#[derive(Template)]
+#[template(path = "missions/list.html")]
+struct List {
+    missions: Vec<MissionRecord>,
+    before: Option<MissionId>,
+    next: Option<MissionId>,
+    zone: Zone,
+}
+
+/// One mission, and a page of what happened in it.
+#[derive(Template)]
+#[template(path = "missions/one.html")]
+struct One {
+    record: MissionRecord,
+    standing: Option<Standing>,
+    /// What of it cannot be understood, a sentence each.
+    damage: Vec<String>,
+    show: Show,
+    after: Seq,
+    events: Vec<Happened>,
+    next: Option<Seq>,
+    zone: Zone,
+}
+
+/// One line of what happened.
+struct Event {
+    seq: Seq,
+    moment: String,
+    time: String,
+    what: String,
+    /// Who gave the command, from where and by which door, when it is one.
+    by: Option<String>,
+    /// What became of the command.
+    outcome: String,
+    refused: bool,
+}
+
+impl List {
+    fn time(&self, wall: &Wall) -> String {
+        self.zone.date_and_time(*wall)
+    }
+
+    fn came_to(&self, record: &MissionRecord) -> String {
+        came_to(record)
+    }
+}
+
+impl One {
+    fn time(&self, wall: &Wall) -> String {
+        self.zone.date_and_time(*wall)
+    }
+
+    fn came_to(&self) -> String {
+        came_to(&self.record)
+    }
+
+    fn view_box(&self, standing: &Standing) -> String {
+        hall::view_box(&standing.map)
+    }
+
+    fn hall(&self, standing: &Standing) -> String {
+        let map = &standing.map;
+        let tiles: String = map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect();
+        format!("{tiles}{}{}", hall::labels(map), hall::found(map, standing.luggage.values().map(|luggage| &**luggage)))
+    }
+
+    fn pieces<'s>(&self, standing: &'s Standing) -> Vec<(&'s Luggage, Option<String>)> {
+        standing.luggage.values().map(|luggage| (&**luggage, photo_url(luggage))).collect()
+    }
+
+    fn events(&self) -> Vec<Event> {
+        let event = |(seq, entry): &Happened| match entry {
+            Ok(entry) => Event::of(*seq, entry, self.zone),
+            Err(Unreadable(why)) => Event::unreadable(*seq, why),
+        };
+        self.events.iter().map(event).collect()
+    }
+
+    fn is_later_page(&self) -> bool {
+        self.after > Seq(0)
+    }
+
+    /// The views of what happened: their names, where they are, and whether this is the one.
+    fn views(&self) -> [(&'static str, String, bool); 3] {
+        let at = |show: Show| format!("/missions/{}{}#events", self.record.id, show.address("?"));
+        [("What was done and found", Show::Main), ("Commands only", Show::Commands), ("Every step", Show::All)]
+            .map(|(name, show)| (name, at(show), show == self.show))
+    }
+
+    fn beginning(&self) -> String {
+        format!("/missions/{}{}#events", self.record.id, self.show.address("?"))
+    }
+
+    fn further(&self, next: &Seq) -> String {
+        format!("/missions/{}?after={next}{}#events", self.record.id, self.show.address("&"))
+    }
+}
+
+impl Event {
+    /// What stands in the place of an entry that cannot be understood.
+    fn unreadable(seq: Seq, why: &str) -> Event {
+        let nothing = String::new;
+        Event { seq, moment: nothing(), time: nothing(), what: why.to_owned(), by: None, outcome: nothing(), refused: true }
+    }
+
+    fn of(seq: Seq, entry: &Entry, zone: Zone) -> Event {
+        let mut event = Event {
+            seq,
+            moment: rfc3339(entry.wall),
+            time: zone.date_and_time(entry.wall),
+            what: String::new(),
+            by: None,
+            outcome: String::new(),
+            refused: false,
+        };
+        if let Fact::Command { issuer, command, luggage, refused, .. } = &entry.fact {
+            event.what = asked(command, *luggage);
+            (event.by, event.outcome) = (Some(issuer.to_string()), outcome(refused.as_ref()));
+            event.refused = refused.is_some();
+        } else {
+            event.what = words(&entry.fact);
+        }
+        event
+    }
+}
+
+/// What a mission came to, in words for an operator.
+fn came_to(record: &MissionRecord) -> String {
+    let phase = PhaseName::ALL.into_iter().find(|phase| phase.name() == &*record.phase);
+    let words = phase.map_or(&*record.phase, |phase| phase.in_words());
+    let came_to = match (record.archived, phase) {
+        (_, Some(PhaseName::Explored)) => "The whole hall was searched".to_owned(),
+        (_, Some(PhaseName::BombLocated)) => "A bomb was located".to_owned(),
+        (_, Some(PhaseName::BagSecured)) => "The bomb was fetched and secured".to_owned(),
+        (None, _) => format!("Under way: {words}"),
+        (Some(_), _) => format!("Put away while {words}"),
+    };
+    let left: Vec<String> = record.left.iter().map(|luggage| format!("#{luggage}")).collect();
+    if left.is_empty() { came_to } else { format!("{came_to}; luggage {} was left in place", left.join(", ")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::testing::{House, house, text};
+    use crate::api::fixture::{TEN, searching};
+    use crate::api::time::Zone;
+    use crate::runtime::archive::MissionRecord;
+    use crate::runtime::clock::Clock;
+    use hallsweep_core::units::Wall;
+
+    async fn page(house: &House, path: &str) -> String {
+        let response = house.get(path).await;
+        assert_eq!(response.status(), 200, "{path}");
+        text(response).await
+    }
+
+    /// A moment as a page of this machine shows it.
+    fn here(wall: Wall) -> String {
+        Zone::of(Clock::default().now().wall).date_and_time(wall)
+    }
+
+    fn check(page: &str, wanted: &[&str]) {
+        for wanted in wanted {
+            assert!(page.contains(wanted), "{wanted} in {page}");
+        }
+    }
+
+    #[tokio::test]
+    async fn the_list_says_what_each_mission_came_to() {
+        let page = page(&house(searching()), "/missions").await;
+        let began = here(TEN);
+        check(
+            &page,
+            &[
+                "href=\"/missions/1\"",
+                &began,
+                "A bomb was located; luggage #2 was left in place",
+                "Under way: exploring",
+                "href=\"/\"",
+                "action=\"/console/stop\"",
+            ],
+        );
+        assert!(page.find("Mission 2") < page.find("Mission 1"), "the newest first");
+    }
+
+    #[tokio::test]
+    async fn a_mission_shows_its_hall_its_luggage_and_who_decided() {
+        let page = page(&house(searching()), "/missions/1").await;
+        let hall = ["<svg id=\"hall\"", "class=\"wall\"", "class=\"piece danger\"", "<title>home</title>"];
+        check(&page, &hall);
+        check(&page, &["What is missing here", "a mouse was at it"]);
+        let decided = format!("decided {} by operator", here(TEN));
+        check(&page, &["/api/v1/luggage/3/photo?take=1", &decided, "not decided"]);
+    }
+
+    /// Safety A6.
+    #[tokio::test]
+    async fn the_events_say_who_commanded_what_from_where_and_what_became_of_it() {
+        let house = house(searching());
+        let all = page(&house, "/missions/1").await;
+        check(&all, &["START <span class=\"by\">by anna (console, 192.0.2.7):</span> <b class=\"accepted\">accepted</b>"]);
+        check(
+            &all,
+            &["<b class=\"refused\">refused: the robot is moving: press STOP first</b>", "held: stopped by the operator"],
+        );
+        let commands = page(&house, "/missions/1?show=commands").await;
+        assert!(commands.contains("RESET") && !commands.contains("held: stopped by the operator"));
+        for view in [&all, &commands] {
+            check(view, &["<li class=\"warning\"><span class=\"seq\">6</span> entry 6 of the journal cannot be understood"]);
+        }
+        let steps = page(&house, "/missions/1?show=all").await;
+        check(&steps, &["robot at (0, 0)", "START", "<b>Every step</b>"]);
+        assert!(!all.contains("robot at (0, 0)") && all.contains("<b>What was done and found</b>"), "steps are a second view");
+        let later = page(&house, "/missions/1?after=3").await;
+        assert!(
+            !later.contains("anna") && later.contains("held: stopped by the operator") && later.contains("From the beginning")
+        );
+    }
+
+    #[tokio::test]
+    async fn nothing_on_the_pages_is_inline_or_of_another_origin() {
+        let house = house(searching());
+        for path in ["/missions", "/missions?before=2", "/missions/1", "/missions/2", "/missions/1?show=all&after=2"] {
+            let page = page(&house, path).await;
+            for unwanted in ["style=", "<style", "onclick", "http://", "https://"] {
+                assert!(!page.contains(unwanted), "{unwanted} in {path}");
+            }
+            assert_eq!(page.matches("<script").count(), page.matches("<script src=\"/static/stop.js\" defer>").count(), "{path}");
+        }
+    }
+
+    #[tokio::test]
+    async fn a_person_who_asks_for_what_is_not_there_is_told_so_on_a_page() {
+        let house = house(searching());
+        for (path, status, words) in [
+            ("/missions/9", 404, "there is no mission 9"),
+            ("/missions/99", 503, "the disk is on strike"),
+            ("/missions?before=x", 422, "a whole number from 1 belongs there"),
+            ("/missions/1?show=nothing", 422, "commands belongs there"),
+        ] {
+            let response = house.send("GET", path, &[("accept", "text/html")], "").await;
+            assert_eq!(response.status(), status, "{path}");
+            assert!(text(response).await.contains(words), "{path}");
+        }
+    }
+
+    #[test]
+    fn a_search_that_has_come_to_its_end_is_not_listed_as_under_way() {
+        let record = super::super::super::testing::present_mission();
+        let came_to = |phase: &str| super::came_to(&MissionRecord { phase: phase.into(), ..record.clone() });
+        assert_eq!(came_to("explored"), "The whole hall was searched");
+        assert_eq!(came_to("bombLocated"), "A bomb was located");
+        assert_eq!(came_to("bagSecured"), "The bomb was fetched and secured");
+        assert_eq!(came_to("returningHome"), "Under way: returning home");
+    }
+}

@@ -1,0 +1,232 @@
+//! The parts of the page. Each is rendered by the same template whether it is in a whole page or in the stream, and each knows
+//! which resources it shows, so that a change renders only what it touches.
+
+use askama::Template;
+
+use super::hall;
+use super::view::{View, place};
+use crate::api::luggage::photo_url;
+use crate::api::time::rfc3339;
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::units::{LuggageId, Wall};
+use hallsweep_core::world::log::LogLine;
+use hallsweep_core::world::luggage::{Luggage, PhotoState};
+use hallsweep_core::world::resource::Resource;
+
+/// Lines of the log on the page; the interface has more.
+const LINES: usize = 40;
+
+/// Pieces in the gallery: the latest; the interface has all.
+const PIECES: usize = 120;
+
+/// A part that the stream can replace; `id` is its element's.
+pub(super) struct Part {
+    pub(super) id: &'static str,
+    pub(super) shows: &'static [Resource],
+    pub(super) render: fn(&View<'_>) -> String,
+}
+
+/// All of them, in the page's order.
+pub(super) const PARTS: [Part; 16] = [
+    Part {
+        id: "announce",
+        shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms, Resource::Temperature],
+        render: |v| html(&Announce { v }),
+    },
+    Part {
+        id: "bar",
+        shows: &[Resource::Mission, Resource::Robot, Resource::Temperature, Resource::Luggage],
+        render: |v| html(&Bar { v }),
+    },
+    Part { id: "holds", shows: &[Resource::Mission, Resource::Temperature], render: |v| html(&Holds { v }) },
+    Part { id: "hall-labels", shows: &[Resource::Map], render: |v| hall::labels(&v.snapshot.map) },
+    Part { id: "hall-frontier", shows: &[Resource::Map], render: |v| hall::frontier(&v.snapshot.map) },
+    Part {
+        id: "hall-layer",
+        shows: &[Resource::Mission, Resource::Robot, Resource::Luggage, Resource::Map],
+        render: |v| hall::layer(v.snapshot),
+    },
+    Part { id: "hall-robot", shows: &[Resource::Robot, Resource::Map], render: |v| hall::robot(v.snapshot) },
+    Part { id: "progress", shows: &[Resource::Mission], render: |v| html(&Progress { v }) },
+    Part { id: "alarms", shows: &[Resource::Alarms], render: |v| html(&Alarms { v }) },
+    Part { id: "inspect", shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms], render: |v| html(&Inspect { v }) },
+    Part { id: "actions", shows: &[Resource::Mission, Resource::Luggage, Resource::Robot], render: |v| html(&Actions { v }) },
+    Part { id: "temperature", shows: &[Resource::Temperature, Resource::Mission], render: |v| html(&Temperature { v }) },
+    Part { id: "robot", shows: &[Resource::Robot], render: |v| html(&Robot { v }) },
+    Part { id: "more", shows: &[Resource::Mission], render: |v| html(&More { v }) },
+    Part { id: "gallery", shows: &[Resource::Luggage], render: |v| html(&Gallery { v }) },
+    Part { id: "log", shows: &[Resource::Log], render: |v| html(&Log { v }) },
+];
+
+/// The whole page.
+#[derive(Template)]
+#[template(path = "console/page.html")]
+pub(super) struct Page<'a> {
+    v: &'a View<'a>,
+}
+
+impl<'a> Page<'a> {
+    /// The page of this view.
+    pub(super) const fn new(v: &'a View<'a>) -> Page<'a> {
+        Page { v }
+    }
+
+    fn part(&self, id: &str) -> String {
+        let part = PARTS.iter().find(|part| part.id == id).expect("the page's template names only parts there are");
+        (part.render)(self.v)
+    }
+
+    fn view_box(&self) -> String {
+        hall::view_box(&self.v.snapshot.map)
+    }
+
+    fn made(&self) -> String {
+        self.v.zone().date_and_time(self.v.now)
+    }
+
+    fn tiles(&self) -> String {
+        let map = &self.v.snapshot.map;
+        map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect()
+    }
+}
+
+/// The page that asks once more, for browsers without script.
+#[derive(Template)]
+#[template(path = "console/confirm.html")]
+pub(super) struct Confirm {
+    question: String,
+    consequence: &'static str,
+    button: String,
+    action: &'static str,
+    id: Option<LuggageId>,
+    photo: Option<String>,
+}
+
+impl Confirm {
+    /// Before DANGER.
+    pub(super) fn danger(luggage: &Luggage) -> Confirm {
+        Confirm {
+            question: format!("Is luggage #{} dangerous?", luggage.id),
+            consequence: DANGER,
+            button: format!("Yes: DANGER #{}", luggage.id),
+            action: "/console/danger",
+            id: Some(luggage.id),
+            photo: photo_url(luggage),
+        }
+    }
+
+    /// Before RESET.
+    pub(super) fn reset() -> Confirm {
+        Confirm {
+            question: "Put this mission away?".to_owned(),
+            consequence: RESET,
+            button: "Yes: RESET".to_owned(),
+            action: "/console/reset",
+            id: None,
+            photo: None,
+        }
+    }
+}
+
+const DANGER: &str = "The search ends, the alarm is raised and the robot comes home. A verdict is final.";
+const RESET: &str = "The mission is archived; at home the map is emptied too. Nothing moves.";
+
+/// Declares the parts' templates.
+macro_rules! parts {
+    ($($name:ident $path:literal)*) => {$(
+        #[derive(Template)]
+        #[template(path = $path)]
+        struct $name<'a> {
+            v: &'a View<'a>,
+        }
+    )*};
+}
+
+parts! {
+    Announce "console/announce.html"
+    Bar "console/bar.html"
+    Holds "console/holds.html"
+    Progress "console/progress.html"
+    Alarms "console/alarms.html"
+    Inspect "console/inspect.html"
+    Actions "console/actions.html"
+    Temperature "console/temperature.html"
+    Robot "console/robot.html"
+    More "console/more.html"
+    Gallery "console/gallery.html"
+    Log "console/log.html"
+}
+
+impl Inspect<'_> {
+    fn photo(&self, luggage: &Luggage) -> Option<String> {
+        photo_url(luggage)
+    }
+
+    fn failure<'l>(&self, luggage: &'l Luggage) -> &'l str {
+        match &luggage.photo {
+            PhotoState::Taken { .. } => "",
+            PhotoState::Failed(reason) => reason,
+        }
+    }
+
+    fn where_and_when(&self, luggage: &Luggage) -> String {
+        let (cell, from) = (place(luggage.cell), place(luggage.pose.cell));
+        format!(
+            "The bag is at {cell}; seen from {from}, facing {}; {}",
+            luggage.pose.heading.name(),
+            self.v.zone().date_and_time(luggage.taken)
+        )
+    }
+
+    const fn danger(&self) -> &'static str {
+        DANGER
+    }
+
+    fn may_retake(&self, luggage: &Luggage) -> bool {
+        self.v.snapshot.mission.inspected == Some(luggage.id)
+    }
+}
+
+impl Robot<'_> {
+    fn sonar(&self) -> String {
+        self.v.snapshot.robot.sonar_cm.map_or_else(|| "nothing near".to_owned(), |cm| format!("{cm} cm"))
+    }
+}
+
+impl More<'_> {
+    const fn reset(&self) -> &'static str {
+        RESET
+    }
+
+    const fn strategies(&self) -> [Strategy; Strategy::ALL.len()] {
+        Strategy::ALL
+    }
+}
+
+impl Gallery<'_> {
+    fn pieces(&self) -> Vec<(&Luggage, Option<String>)> {
+        let latest = self.v.snapshot.luggage.iter().rev().take(PIECES);
+        latest.map(|luggage| (&**luggage, photo_url(luggage))).collect()
+    }
+
+    fn time(&self, wall: &Wall) -> String {
+        self.v.zone().clock_time(*wall)
+    }
+}
+
+impl Alarms<'_> {
+    fn time(&self, wall: &Wall) -> String {
+        self.v.zone().clock_time(*wall)
+    }
+}
+
+impl Log<'_> {
+    fn lines(&self) -> Vec<(&LogLine, String, String)> {
+        let latest = self.v.snapshot.log.iter().rev().take(LINES);
+        latest.map(|line| (&**line, rfc3339(line.wall), self.v.zone().clock_time(line.wall))).collect()
+    }
+}
+
+fn html(part: &impl Template) -> String {
+    part.render().expect("the console's templates only write strings, which does not fail")
+}

@@ -1,0 +1,488 @@
+//! What the console's parts look at: the snapshot in an operator's words. Markup stands in the templates.
+
+use std::sync::Arc;
+
+use askama::Template;
+
+use crate::access::{Need, Role};
+use crate::api::time::Zone;
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::units::{Cell, Celsius, Wall};
+use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::world::robot::RobotState;
+use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_core::world::temperature::{OPERATOR, TemperatureStatus};
+
+/// A snapshot, and what is to be said to the one who pressed a button.
+pub(super) struct View<'a> {
+    pub(super) snapshot: &'a Snapshot,
+    pub(super) hall: Place<'a>,
+    /// When the present mission began, where that is known.
+    pub(super) began: Option<Wall>,
+    /// Who looks; `None` where nobody is asked who he is.
+    pub(super) who: Option<Who>,
+    pub(super) why: Option<Why>,
+    pub(super) now: Wall,
+}
+
+/// What is known of the hall beforehand.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place<'a> {
+    pub(super) name: &'a str,
+    /// The side of a cell, in metres, where it is known.
+    pub(super) cell_m: Option<f64>,
+}
+
+/// Somebody who is signed in.
+#[derive(Clone, Debug)]
+pub(super) struct Who {
+    pub(super) name: Arc<str>,
+    pub(super) role: Role,
+}
+
+/// Why a viewer's buttons are dead.
+const VIEWER: &str = "you are signed in as a viewer";
+
+/// The reason of a refusal, and the button it belongs to; without text it is the place where the script puts one.
+#[derive(Clone, Template)]
+#[template(source = r#"<p class="why" id="why-{{ button }}" role="alert">{{ text }}</p>"#, ext = "html")]
+pub(super) struct Why {
+    button: String,
+    text: String,
+}
+
+impl Why {
+    /// This text, beside this button.
+    pub(super) fn new(button: &str, text: &str) -> Why {
+        Why { button: button.to_owned(), text: text.to_owned() }
+    }
+}
+
+/// How loud the banner is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mood {
+    /// Nothing goes on.
+    Calm,
+    /// The robot is at work.
+    Working,
+    /// It stands, or waits for somebody.
+    Held,
+    /// A bomb, or a fault.
+    Alarm,
+}
+
+impl Mood {
+    /// The class of the banner.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Mood::Calm => "calm",
+            Mood::Working => "working",
+            Mood::Held => "held",
+            Mood::Alarm => "alarm",
+        }
+    }
+}
+
+impl View<'_> {
+    /// What was refused at this button, or the empty place for it.
+    pub(super) fn why(&self, button: &str) -> Why {
+        self.why.clone().filter(|why| why.button == button).unwrap_or_else(|| Why::new(button, ""))
+    }
+
+    /// Why a button is dead: its own reason, or that whoever looks may only look.
+    pub(super) fn bar<'b>(&'b self, refusal: &'b Option<String>) -> Option<&'b str> {
+        self.looks_only().or(refusal.as_deref())
+    }
+
+    /// Why every button but STOP is dead, for whoever may only look.
+    pub(super) fn looks_only(&self) -> Option<&'static str> {
+        self.who.as_ref().filter(|who| !who.role.may(Need::Act)).map(|_| VIEWER)
+    }
+
+    /// What the mission does, in words.
+    pub(super) fn phase(&self) -> String {
+        let mission = &self.snapshot.mission;
+        let waits = self.snapshot.pending().filter(|_| mission.phase == PhaseName::Inspecting);
+        match (waits, mission.interrupted) {
+            (Some(luggage), _) => format!("luggage #{} waits for your verdict", luggage.id),
+            (None, Some(interrupted)) => format!("{} (was {})", mission.phase.in_words(), interrupted.in_words()),
+            (None, None) => mission.phase.in_words().to_owned(),
+        }
+    }
+
+    /// Whether the mission would go on, were it not held.
+    pub(super) fn is_halted(&self) -> bool {
+        !self.snapshot.mission.holds.is_empty() && self.mood() != Mood::Calm && self.waiting().is_none()
+    }
+
+    /// Whether the robot stands, as far as anybody knows.
+    pub(super) fn is_still(&self) -> bool {
+        self.snapshot.robot.state == RobotState::Stopped && !self.snapshot.robot.halting
+    }
+
+    /// What the robot does, in the bar: there a STOP is seen on a screen that has no room for what else holds the robot.
+    pub(super) fn doing(&self) -> &'static str {
+        let is_stopped = self.snapshot.mission.holds.contains(&Hold::Operator);
+        if is_stopped && self.is_still() { "held by STOP" } else { self.robot_state() }
+    }
+
+    /// Whether anything has been searched yet.
+    pub(super) fn is_begun(&self) -> bool {
+        self.snapshot.mission.phase != PhaseName::Idle || self.snapshot.mission.progress.visited > 1
+    }
+
+    /// What was searched, as `41 cells, 25.6 m²`.
+    pub(super) fn searched(&self) -> String {
+        let visited = self.snapshot.mission.progress.visited;
+        let cells = format!("{visited} {}", if visited == 1 { "cell" } else { "cells" });
+        let Some(side) = self.hall.cell_m else { return cells };
+        let visited = u32::try_from(visited).unwrap_or(u32::MAX);
+        format!("{cells}, {:.1} m²", f64::from(visited) * side * side)
+    }
+
+    /// What is still open, in words: how much there will be behind it nobody knows.
+    pub(super) fn open(&self) -> String {
+        match self.snapshot.mission.progress.unknown {
+            0 => "nothing is open: the hall is searched".to_owned(),
+            1 => "1 place still open".to_owned(),
+            open => format!("{open} places still open"),
+        }
+    }
+
+    /// When the mission began that goes on, so that its time is counted; one that is over has none.
+    pub(super) fn counts_since(&self) -> Option<Wall> {
+        let is_over = matches!(
+            self.snapshot.mission.phase,
+            PhaseName::Idle | PhaseName::BombLocated | PhaseName::BagSecured | PhaseName::Explored
+        );
+        self.began.filter(|_| !is_over)
+    }
+
+    /// The zone of every time on the page.
+    pub(super) const fn zone(&self) -> Zone {
+        Zone::of(self.now)
+    }
+
+    /// What holds the robot, in words, each with what to do about it.
+    pub(super) fn holds(&self) -> Vec<String> {
+        let heat = self.hot();
+        let words = |hold: &Hold| {
+            if *hold != Hold::Temperature || heat.is_empty() {
+                return hold.in_words().to_owned();
+            }
+            let hot: Vec<String> = heat.iter().map(|(source, reading)| format!("{source} {reading}")).collect();
+            format!("too hot: {}; {} or less is wanted", hot.join(", "), self.snapshot.temperature.cool)
+        };
+        self.snapshot.mission.holds.iter().map(words).collect()
+    }
+
+    /// Why nothing can be recorded, while that is so; without a full stop.
+    pub(super) fn unrecorded(&self) -> Option<&str> {
+        self.snapshot.mission.store_failure.as_deref().map(|words| words.trim_end_matches('.'))
+    }
+
+    /// What is to be done next, in the phases in which the robot waits for it and no button by itself says so.
+    pub(super) fn next_step(&self) -> Option<String> {
+        match self.snapshot.mission.phase {
+            PhaseName::BombLocated => {
+                let bomb = self.snapshot.luggage.iter().find(|luggage| luggage.is_dangerous());
+                let at =
+                    bomb.map_or_else(String::new, |bomb| format!("Luggage #{} at {} is dangerous. ", bomb.id, place(bomb.cell)));
+                let next = if self.unseen_alarms() > 0 { "acknowledge the alarm, then press RESET" } else { "press RESET" };
+                Some(format!("{at}When the hall is safe again, {next} to put this mission away."))
+            }
+            PhaseName::Explored => {
+                Some("The whole hall has been searched. START searches it anew, RESET puts this mission away.".into())
+            }
+            PhaseName::Idle
+            | PhaseName::Exploring
+            | PhaseName::Inspecting
+            | PhaseName::Driving
+            | PhaseName::ReturningHome
+            | PhaseName::AtHome
+            | PhaseName::ReturningWithAlarm
+            | PhaseName::Retrieving
+            | PhaseName::BagSecured
+            | PhaseName::Fault => None,
+        }
+    }
+
+    /// How loud the banner is to be.
+    pub(super) fn mood(&self) -> Mood {
+        let mission = &self.snapshot.mission;
+        let mood = match mission.phase {
+            PhaseName::Fault | PhaseName::ReturningWithAlarm | PhaseName::BombLocated => Mood::Alarm,
+            PhaseName::Idle | PhaseName::AtHome | PhaseName::BagSecured | PhaseName::Explored => Mood::Calm,
+            PhaseName::Exploring
+            | PhaseName::Inspecting
+            | PhaseName::Driving
+            | PhaseName::ReturningHome
+            | PhaseName::Retrieving => Mood::Working,
+        };
+        let is_held = !mission.holds.is_empty() || self.waiting().is_some();
+        if is_held && mood != Mood::Alarm { Mood::Held } else { mood }
+    }
+
+    /// The sentence for those who listen instead of looking.
+    pub(super) fn announcement(&self) -> String {
+        let mut words = vec![sentence(&self.phase())];
+        let mission = &self.snapshot.mission;
+        words.extend(mission.fault.iter().map(|fault| sentence(fault)));
+        if mission.phase != PhaseName::Inspecting {
+            words.extend(self.waiting().map(|luggage| format!("Luggage #{} waits for your verdict.", luggage.id)));
+        }
+        words.extend(self.holds().first().map(|hold| sentence(hold)));
+        words.extend(self.next_step());
+        words.extend(self.snapshot.alarms.iter().filter(|alarm| alarm.acknowledged.is_none()).map(|alarm| sentence(&alarm.text)));
+        words.join(" ")
+    }
+
+    /// The title of the window, so that another window does not hide what matters.
+    pub(super) fn title(&self) -> String {
+        let sign = match self.mood() {
+            Mood::Alarm => "⚠ ",
+            Mood::Held => "‖ ",
+            Mood::Working => "▶ ",
+            Mood::Calm => "",
+        };
+        format!("{sign}{} · hallsweep", self.phase())
+    }
+
+    /// The piece that waits for its verdict.
+    pub(super) fn waiting(&self) -> Option<&Luggage> {
+        self.snapshot.pending().map(|luggage| &**luggage)
+    }
+
+    /// Whether START is what an operator would press next: it is possible, and the robot is not on its way already.
+    pub(super) fn start_is_next(&self) -> bool {
+        let mission = &self.snapshot.mission;
+        let on_its_way = match mission.phase {
+            PhaseName::Exploring
+            | PhaseName::Inspecting
+            | PhaseName::ReturningHome
+            | PhaseName::ReturningWithAlarm
+            | PhaseName::Retrieving => mission.holds.is_empty(),
+            PhaseName::Driving => !self.is_still(),
+            PhaseName::Idle
+            | PhaseName::AtHome
+            | PhaseName::BombLocated
+            | PhaseName::BagSecured
+            | PhaseName::Explored
+            | PhaseName::Fault => false,
+        };
+        self.bar(&mission.refusals.start).is_none() && !on_its_way
+    }
+
+    /// Whether RETRIEVE has a meaning now.
+    pub(super) fn shows_retrieve(&self) -> bool {
+        matches!(self.snapshot.mission.phase, PhaseName::BombLocated | PhaseName::Retrieving)
+    }
+
+    /// The robot's state in words.
+    pub(super) const fn robot_state(&self) -> &'static str {
+        if self.snapshot.robot.halting {
+            return "halting …";
+        }
+        match self.snapshot.robot.state {
+            RobotState::Stopped => "stands still",
+            RobotState::MovingForward => "moves forward",
+            RobotState::MovingBackward => "moves backward",
+            RobotState::RotateLeft => "turns left",
+            RobotState::RotateRight => "turns right",
+            RobotState::TakingPhoto => "takes a photo",
+            RobotState::SendingPhoto => "sends the photo",
+        }
+    }
+
+    /// The reading that matters: the hottest of those that are too hot, else the last; or that there is none.
+    pub(super) fn celsius(&self) -> String {
+        let hottest = self.hot().iter().map(|(_, reading)| *reading).max_by(|a, b| a.degrees().total_cmp(&b.degrees()));
+        hottest.or(self.snapshot.temperature.celsius).map_or_else(|| "no reading".to_owned(), |celsius| celsius.to_string())
+    }
+
+    /// What the temperature means, in words.
+    pub(super) fn temperature_words(&self) -> &'static str {
+        match self.snapshot.temperature.status {
+            TemperatureStatus::Ok if self.snapshot.temperature.celsius.is_none() => {
+                "no thermometer was read: nobody says how warm it is"
+            }
+            TemperatureStatus::Ok => "ok",
+            TemperatureStatus::TooHigh if self.declared_too_high() => "too high by an operator's word: press OK to take it back",
+            TemperatureStatus::TooHigh => "too high: nothing moves",
+            TemperatureStatus::Stale => "sensor silent: nothing moves",
+        }
+    }
+
+    /// Every reading that keeps the hall too hot, and what ends it.
+    pub(super) fn heat(&self) -> Vec<String> {
+        let cool = self.snapshot.temperature.cool;
+        let words = |source: &str, reading: Celsius| match source {
+            OPERATOR => format!("An operator reported {reading}. It counts until a reading of {cool} or less is reported."),
+            sensor => format!("{} reads {reading}. It must fall to {cool} or less.", capital(sensor)),
+        };
+        self.hot().iter().map(|(source, reading)| words(source, *reading)).collect()
+    }
+
+    fn hot(&self) -> &[(Arc<str>, Celsius)] {
+        &self.snapshot.temperature.hot
+    }
+
+    /// Whether the button TOO HIGH stands.
+    pub(super) fn declared_too_high(&self) -> bool {
+        self.snapshot.mission.holds.contains(&Hold::TooHigh)
+    }
+
+    /// Whether a reading, and no button, says that it is not too hot.
+    pub(super) fn reads_ok(&self) -> bool {
+        self.snapshot.temperature.status == TemperatureStatus::Ok && self.snapshot.temperature.celsius.is_some()
+    }
+
+    /// How long ago a moment was, as `0:14`.
+    pub(super) fn gone(&self, since: &Wall) -> String {
+        let seconds = self.now.unix_ms.saturating_sub(since.unix_ms).max(0) / 1000;
+        format!("{}:{:02}", seconds / 60, seconds % 60)
+    }
+
+    /// How many alarms nobody has seen yet.
+    pub(super) fn unseen_alarms(&self) -> usize {
+        self.snapshot.alarms.iter().filter(|alarm| alarm.acknowledged.is_none()).count()
+    }
+}
+
+/// A cell in words: `column 3, row 4`.
+pub(super) fn place(cell: Cell) -> String {
+    format!("column {}, row {}", cell.x, cell.y)
+}
+
+fn sentence(words: &str) -> String {
+    format!("{}.", capital(words.trim_end_matches('.')))
+}
+
+fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    let first: String = letters.next().map(|letter| letter.to_uppercase().collect()).unwrap_or_default();
+    format!("{first}{}", letters.as_str())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::fixture::{TEN, degrees, idle, searching, touch};
+    use hallsweep_core::world::resource::Resource;
+    use hallsweep_core::world::snapshot::Progress;
+
+    fn view(snapshot: &Snapshot) -> View<'_> {
+        let hall = Place { name: "airport", cell_m: Some(0.5) };
+        View { snapshot, hall, began: Some(TEN), who: None, why: None, now: Wall { unix_ms: TEN.unix_ms + 74_900, ..TEN } }
+    }
+
+    #[test]
+    fn a_waiting_piece_is_what_is_said_first() {
+        let snapshot = searching();
+        let view = view(&snapshot);
+        assert_eq!(view.mood(), Mood::Held);
+        assert_eq!(view.announcement(), "Luggage #3 waits for your verdict. Luggage #2 is dangerous.");
+        assert_eq!(view.title(), "‖ luggage #3 waits for your verdict · hallsweep");
+        assert_eq!(view.gone(&snapshot.luggage[2].taken), "1:14");
+    }
+
+    #[test]
+    fn a_refusal_is_shown_at_its_own_button_only_and_escaped() {
+        let snapshot = idle();
+        let view = View { why: Some(Why::new("start", "a < b")), ..view(&snapshot) };
+        assert!(view.why("start").to_string().contains("a &#60; b"));
+        assert_eq!(view.why("reset").text, "");
+    }
+
+    #[test]
+    fn the_reading_that_is_too_hot_is_named_with_what_ends_it() {
+        let mut snapshot = searching();
+        snapshot.temperature.status = TemperatureStatus::TooHigh;
+        snapshot.temperature.celsius = Some(degrees(21.0));
+        snapshot.temperature.hot = vec![("hall".into(), degrees(27.0)), ("operator".into(), degrees(31.5))];
+        snapshot.mission.holds = vec![Hold::Temperature];
+        let view = view(&snapshot);
+        assert_eq!(view.celsius(), "31.5 °C");
+        assert_eq!(view.holds(), ["too hot: hall 27.0 °C, operator 31.5 °C; 24.0 °C or less is wanted"]);
+        assert_eq!(
+            view.heat(),
+            [
+                "Hall reads 27.0 °C. It must fall to 24.0 °C or less.",
+                "An operator reported 31.5 °C. It counts until a reading of 24.0 °C or less is reported."
+            ]
+        );
+    }
+
+    #[test]
+    fn a_robot_that_was_told_to_halt_is_halting_until_it_is_known_to_stand() {
+        let mut snapshot = searching();
+        for (state, halting, words, is_still) in [
+            (RobotState::MovingForward, false, "moves forward", false),
+            (RobotState::MovingForward, true, "halting …", false),
+            (RobotState::Stopped, true, "halting …", false),
+            (RobotState::Stopped, false, "stands still", true),
+        ] {
+            (snapshot.robot.state, snapshot.robot.halting) = (state, halting);
+            assert_eq!((view(&snapshot).doing(), view(&snapshot).is_still()), (words, is_still));
+        }
+        snapshot.mission.holds.push(Hold::Operator);
+        assert_eq!(view(&snapshot).doing(), "held by STOP");
+        snapshot.robot.halting = true;
+        assert_eq!(view(&snapshot).doing(), "halting …", "who pressed STOP is told so when the robot stands");
+    }
+
+    #[test]
+    fn without_a_reading_nothing_is_said_to_be_ok_and_no_button_is_lit() {
+        let mut snapshot = idle();
+        assert_eq!(view(&snapshot).celsius(), "no reading");
+        assert!(!view(&snapshot).temperature_words().contains("ok") && !view(&snapshot).reads_ok());
+        snapshot.temperature.celsius = Some(degrees(21.0));
+        assert!(view(&snapshot).temperature_words() == "ok" && view(&snapshot).reads_ok());
+        snapshot.temperature.status = TemperatureStatus::TooHigh;
+        assert!(!view(&snapshot).reads_ok(), "OK is not lit while it is too hot");
+        snapshot.temperature.status = TemperatureStatus::Stale;
+        assert!(!view(&snapshot).reads_ok(), "nor while the sensor is silent");
+    }
+
+    #[test]
+    fn progress_says_what_was_searched_and_what_is_open_and_counts_until_it_is_over() {
+        let mut snapshot = searching();
+        assert_eq!(
+            (view(&snapshot).searched().as_str(), view(&snapshot).open().as_str()),
+            ("15 cells, 3.8 m²", "4 places still open")
+        );
+        let unmeasured = View { hall: Place { name: "airport", cell_m: None }, ..view(&snapshot) };
+        assert_eq!(unmeasured.searched(), "15 cells");
+        assert_eq!(view(&snapshot).counts_since(), Some(TEN));
+        snapshot.mission.progress = Progress { visited: 19, unknown: 0 };
+        snapshot.mission.phase = PhaseName::Explored;
+        assert!(view(&snapshot).open().starts_with("nothing is open"));
+        assert_eq!(view(&snapshot).counts_since(), None);
+    }
+
+    #[test]
+    fn start_is_loud_only_while_it_is_the_next_thing_to_press() {
+        let mut snapshot = idle();
+        assert!(view(&snapshot).start_is_next());
+        snapshot.mission.phase = PhaseName::Exploring;
+        assert!(!view(&snapshot).start_is_next(), "it is on its way");
+        snapshot.mission.holds = vec![Hold::Operator];
+        assert!(view(&snapshot).start_is_next());
+        snapshot.mission.refusals.start = Some("no".to_owned());
+        assert!(!view(&snapshot).start_is_next());
+    }
+
+    #[test]
+    fn a_located_bomb_says_what_to_do_next() {
+        let mut snapshot = searching();
+        snapshot.mission.phase = PhaseName::BombLocated;
+        let next = view(&snapshot).next_step().unwrap();
+        assert!(
+            next.contains("Luggage #2 at column 1, row 2") && next.contains("acknowledge the alarm, then press RESET"),
+            "{next}"
+        );
+        snapshot.alarms = std::sync::Arc::from([]);
+        touch(&mut snapshot, 21, &[Resource::Alarms]);
+        assert!(!view(&snapshot).next_step().unwrap().contains("acknowledge"));
+    }
+}

@@ -1,0 +1,189 @@
+//! `GET /api/v1/events`: the state as server-sent events, the whole first and then only what changed.
+//! A reader that comes back says by `Last-Event-ID` what it has; one with an id of another run begins anew.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderName};
+use axum::response::sse::{Event, KeepAlive, Sse};
+use axum::response::{IntoResponse, Response};
+use futures_util::stream::{self, Stream, StreamExt};
+use serde::Serialize;
+
+use super::Door;
+use super::gate::LetIn;
+use super::problem::Problem;
+use super::watcher::{Wake, Watcher};
+use crate::api::changes::ChangesJson;
+use crate::api::state::StateJson;
+use hallsweep_core::units::Revision;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// A silent stream says every second that it lives: a reader may call it dead after three.
+pub(super) const HEARTBEAT: Duration = Duration::from_secs(1);
+
+/// The least time between two events of one stream: no program that watches a robot needs more than fifty a second.
+const PAUSE: Duration = Duration::from_millis(20);
+
+/// After a break a reader tries again this soon.
+const RETRY: Duration = Duration::from_secs(1);
+
+/// `GET events`
+pub(super) async fn events(State(door): State<Door>, LetIn(caller): LetIn, headers: HeaderMap) -> Result<Response, Problem> {
+    let (watcher, snapshot) = Watcher::open(&door, caller)?;
+    let resumed = headers.get("last-event-id").and_then(|id| known_revision(id.to_str().ok()?, &snapshot));
+    let first = first_event(&snapshot, resumed);
+    let events = stream::iter(first).chain(changes(watcher, snapshot)).map(Ok::<Event, Infallible>);
+    let beating = Sse::new(events).keep_alive(KeepAlive::new().interval(HEARTBEAT).text("heartbeat"));
+    Ok(([(HeaderName::from_static("x-accel-buffering"), "no")], beating).into_response())
+}
+
+/// The revision a returning reader has, when its id is of this run.
+fn known_revision(id: &str, snapshot: &Snapshot) -> Option<Revision> {
+    let (run, revision) = id.trim().rsplit_once('-')?;
+    let revision = Revision(revision.parse().ok()?);
+    (run == &*snapshot.run && revision <= snapshot.revision).then_some(revision)
+}
+
+/// What a stream begins with; nothing when the reader has everything.
+fn first_event(snapshot: &Snapshot, resumed: Option<Revision>) -> Option<Event> {
+    match resumed {
+        Some(revision) if revision == snapshot.revision => None,
+        Some(revision) => Some(event("changes", snapshot, &ChangesJson::since(snapshot, revision)).retry(RETRY)),
+        None => Some(event("snapshot", snapshot, &StateJson::from(snapshot)).retry(RETRY)),
+    }
+}
+
+fn changes(watcher: Watcher, snapshot: Arc<Snapshot>) -> impl Stream<Item = Event> {
+    stream::unfold((watcher, snapshot), |(mut watcher, older)| async move {
+        let snapshot = loop {
+            match watcher.next(PAUSE, Duration::MAX).await {
+                Wake::Changed(snapshot) if snapshot.revision > older.revision => break snapshot,
+                Wake::Changed(_) | Wake::Quiet => {}
+                Wake::Closed => return None,
+            }
+        };
+        let event = event("changes", &snapshot, &ChangesJson::between(&older, &snapshot));
+        Some((event, (watcher, snapshot)))
+    })
+}
+
+fn event(name: &str, snapshot: &Snapshot, data: &impl Serialize) -> Event {
+    let id = format!("{}-{}", snapshot.run, snapshot.revision);
+    let event = Event::default().event(name).id(id).json_data(data);
+    event.expect("the wire shapes are strings, numbers and lists, which JSON can hold")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::STREAMS;
+    use super::super::testing::{House, house};
+    use super::*;
+    use crate::api::fixture::{searching, touch};
+    use axum::body::{Body, BodyDataStream};
+    use hallsweep_core::units::Cell;
+    use hallsweep_core::world::hall_map::Mark;
+    use hallsweep_core::world::resource::Resource;
+    use serde_json::Value;
+
+    async fn open(house: &House, last_event_id: Option<&str>) -> BodyDataStream {
+        let headers: Vec<(&str, &str)> = last_event_id.map(|id| ("last-event-id", id)).into_iter().collect();
+        let response: Response<Body> = house.send("GET", "/api/v1/events", &headers, "").await;
+        assert_eq!(response.status(), 200);
+        assert!(response.headers().get("content-encoding").is_none());
+        response.into_body().into_data_stream()
+    }
+
+    /// The next event: its name, id and data.
+    async fn next(stream: &mut BodyDataStream) -> (String, String, Value) {
+        loop {
+            let bytes = tokio::time::timeout(Duration::from_secs(5), stream.next()).await.expect("an event within 5 s");
+            let text = String::from_utf8(bytes.expect("the stream goes on").unwrap().to_vec()).unwrap();
+            let field = |name: &str| text.lines().find_map(|line| line.strip_prefix(name)).map(|value| value.trim().to_owned());
+            if let Some(data) = field("data:") {
+                return (field("event:").unwrap(), field("id:").unwrap(), serde_json::from_str(&data).unwrap());
+            }
+        }
+    }
+
+    fn step(house: &House, revision: u64) {
+        let mut snapshot = Snapshot::clone(&house.publish.borrow());
+        snapshot.map.mark(Cell::new(4, 1), Mark::Visited, Revision(revision));
+        touch(&mut snapshot, revision, &[Resource::Map]);
+        house.publish.send_replace(Arc::new(snapshot));
+    }
+
+    #[tokio::test]
+    async fn the_whole_state_comes_first_and_then_only_what_changed() {
+        let house = house(searching());
+        let mut stream = open(&house, None).await;
+        let (name, id, state) = next(&mut stream).await;
+        assert_eq!((name.as_str(), id.as_str(), &state["revision"]), ("snapshot", "t-1-20", &20.into()));
+        step(&house, 21);
+        let (name, id, changes) = next(&mut stream).await;
+        assert_eq!((name.as_str(), id.as_str()), ("changes", "t-1-21"));
+        assert_eq!(changes["map"]["cells"], serde_json::json!([{"x": 4, "y": 1, "mark": "1"}]));
+        assert_eq!(changes.get("robot"), None);
+    }
+
+    #[tokio::test]
+    async fn a_reader_that_comes_back_gets_what_it_missed() {
+        let house = house(searching());
+        step(&house, 21);
+        let (name, id, changes) = next(&mut open(&house, Some("t-1-20")).await).await;
+        assert_eq!((name.as_str(), id.as_str()), ("changes", "t-1-21"));
+        assert!(changes.get("map").is_some() && changes.get("luggage").is_none(), "{changes}");
+    }
+
+    #[tokio::test]
+    async fn a_foreign_or_malformed_id_begins_anew() {
+        let house = house(searching());
+        for id in ["t-2-20", "t-1-21", "t-1-", "20", "", "-", "t-1-99999999999999999999999", "t-1--1"] {
+            let (name, _, _) = next(&mut open(&house, Some(id)).await).await;
+            assert_eq!(name, "snapshot", "{id}");
+        }
+    }
+
+    #[tokio::test]
+    async fn a_reader_with_everything_waits_for_the_next_change() {
+        let house = house(searching());
+        let mut stream = open(&house, Some("t-1-20")).await;
+        step(&house, 21);
+        assert_eq!(next(&mut stream).await.1, "t-1-21");
+    }
+
+    #[tokio::test]
+    async fn the_latest_state_wins() {
+        let house = house(searching());
+        let mut stream = open(&house, None).await;
+        next(&mut stream).await;
+        for revision in 21..=40 {
+            step(&house, revision);
+        }
+        assert_eq!(next(&mut stream).await.1, "t-1-40");
+    }
+
+    #[tokio::test]
+    async fn closing_ends_every_stream_at_once() {
+        let house = house(searching());
+        let mut stream = open(&house, None).await;
+        next(&mut stream).await;
+        house.door.close();
+        let end = tokio::time::timeout(Duration::from_millis(500), stream.next()).await.expect("it ends at once");
+        assert!(end.is_none());
+    }
+
+    #[tokio::test]
+    async fn there_are_only_so_many_streams_and_an_ended_one_makes_room() {
+        let house = house(searching());
+        let mut streams = Vec::new();
+        for _ in 0..STREAMS {
+            streams.push(open(&house, None).await);
+        }
+        assert_eq!(house.get("/api/v1/events").await.status(), 503);
+        streams.pop();
+        streams.push(open(&house, None).await);
+    }
+}

@@ -1,0 +1,234 @@
+//! The gate before every route: who somebody is, by bearer token or session cookie, and whether that is enough. What a route
+//! asks stands in the table (`routes`); what keys are, in `crate::access`.
+
+use std::net::IpAddr;
+use std::sync::Arc;
+
+use axum::extract::{FromRequestParts, Request, State};
+use axum::http::request::Parts;
+use axum::http::{HeaderMap, HeaderValue, Method, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Redirect, Response};
+
+use super::Door;
+use super::guard::is_for_people;
+use super::problem::{NotTaken, Problem};
+use super::scanning::KEYS;
+use super::sign_in::{Undone, sign_in_page};
+use crate::access::{Access, Caller, Need, Network};
+use crate::api::fields::in_short;
+use hallsweep_core::command::{self, Issuer, Refused};
+
+/// The other end of a connection. The accept loop puts it into every request.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Peer {
+    /// Its address, as the system says; what a proxy writes into headers is not believed.
+    pub(super) address: IpAddr,
+    /// Whether nobody between can read along.
+    pub(super) is_encrypted: bool,
+}
+
+/// Whoever sent a request, once the gate has let it through.
+pub(super) struct LetIn(pub(super) Caller);
+
+/// A gate that asks for this.
+#[derive(Clone)]
+pub(super) struct Gate {
+    door: Door,
+    need: Need,
+}
+
+/// What a client brought to say who it is.
+enum Shown {
+    Nothing,
+    Token(String),
+    Sessions(Vec<String>),
+}
+
+impl Peer {
+    /// The address for records.
+    pub(super) fn name(self) -> Arc<str> {
+        Arc::from(self.address.to_canonical().to_string())
+    }
+}
+
+impl Gate {
+    /// A gate of this door.
+    pub(super) const fn new(door: Door, need: Need) -> Gate {
+        Gate { door, need }
+    }
+}
+
+/// The sender of a command, as records name him.
+pub(super) fn issuer(caller: &Caller, door: command::Door, peer: Peer) -> Issuer {
+    Issuer { door, who: caller.name(), from: peer.name() }
+}
+
+/// Nothing when he may do what asks for `need`, else what to tell him.
+pub(super) fn allowed(caller: &Caller, need: Need) -> Result<(), Refused> {
+    caller.may(need).map_err(Refused::NotAllowed)
+}
+
+/// A route that was not put behind a gate lets nobody in.
+impl<S: Send + Sync> FromRequestParts<S> for LetIn {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<LetIn, Problem> {
+        parts.extensions.get().cloned().map(LetIn).ok_or_else(Problem::not_signed_in)
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for Peer {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Peer, Problem> {
+        parts.extensions.get().copied().ok_or_else(Problem::internal)
+    }
+}
+
+impl Door {
+    /// Whether answers can say when they were made: no machine's clock is right before 1970.
+    pub(super) fn can_date(&self) -> bool {
+        self.now_s() >= 0
+    }
+
+    /// Now, in seconds since 1970, for sessions.
+    pub(super) fn now_s(&self) -> i64 {
+        self.clock.now().wall.unix_ms.div_euclid(1000)
+    }
+
+    /// Whether somebody who was let in would be let in still.
+    pub(super) fn still_knows(&self, caller: &Caller) -> bool {
+        self.access.still_knows(caller, self.now_s())
+    }
+
+    /// Holds a refusal back: the longer, the more wrong keys came from there.
+    pub(super) async fn hold_back(&self, peer: Peer) {
+        let delay = self.attempts.wrong(Network::of(peer.address), self.clock.now().since_start);
+        self.log_stranger(|| tracing::warn!(from = %peer.address, delay_ms = delay.as_millis(), "a wrong key was shown"));
+        tokio::time::sleep(delay).await;
+    }
+
+    /// Puts on record that this door did not take what was asked for (safety A6).
+    pub(super) async fn note_refused(&self, issuer: Issuer, asked: String, refused: Refused) {
+        // A program that is ending has nobody left to tell.
+        let _ = self.handle.note_refused(issuer, asked, refused).await;
+    }
+
+    /// Writes a line about a stranger, unless there were too many of late.
+    fn log_stranger(&self, write: impl FnOnce()) {
+        self.strangers.write(self.clock.now().since_start, write);
+    }
+
+    /// Puts into the log what may not be in the journal: what strangers send, who must not be able to fill the disk.
+    pub(super) fn note_unrecorded(&self, peer: Peer, method: &Method, path: &str, why: &str) {
+        let (from, path) = (peer.name(), in_short(path));
+        self.log_stranger(|| tracing::info!(%from, %method, %path, why, "refused"));
+    }
+
+    /// Whoever one of the keys in these headers belongs to, be there wrong ones beside it.
+    pub(super) fn caller_by_any(&self, peer: Peer, headers: &HeaderMap) -> Option<Caller> {
+        let by_token = tokens(headers).find_map(|token| self.caller(peer, &Shown::Token(token)));
+        by_token.or_else(|| self.caller(peer, &Shown::Sessions(sessions(headers, self.cookie()))))
+    }
+
+    fn caller(&self, peer: Peer, shown: &Shown) -> Option<Caller> {
+        let keyring = match &self.access {
+            Access::Open => return self.access.unasked(peer.address),
+            Access::Keys(keyring) => keyring,
+        };
+        let signed_in = match shown {
+            Shown::Nothing => None,
+            Shown::Token(token) => keyring.check(token),
+            Shown::Sessions(cookies) => cookies.iter().find_map(|cookie| keyring.session(cookie, self.now_s())),
+        };
+        signed_in.map(Caller::Known)
+    }
+}
+
+/// Lets a request through to its route when whoever sent it may; tells everybody else what is missing.
+pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mut request: Request, next: Next) -> Response {
+    let shown = shown(request.headers(), door.cookie());
+    let Some(caller) = door.caller(peer, &shown) else {
+        if need == Need::Nothing {
+            return next.run(request).await;
+        }
+        if matches!(shown, Shown::Token(_)) {
+            door.hold_back(peer).await;
+        }
+        return stranger(&door, peer, &request);
+    };
+    let asked = asked(&request, need).map(|(by, asked)| (issuer(&caller, by, peer), asked));
+    if let Err(refused) = allowed(&caller, need) {
+        if let Some((issuer, asked)) = asked {
+            door.note_refused(issuer, asked, refused.clone()).await;
+        }
+        return Problem::refused(&refused, None).into_response();
+    }
+    request.extensions_mut().insert(caller);
+    let mut response = next.run(request).await;
+    if let (Some((issuer, asked)), Some(NotTaken(refusal))) = (asked, response.extensions_mut().remove::<NotTaken>()) {
+        door.note_refused(issuer, asked, Refused::Before(refusal)).await;
+    }
+    response
+}
+
+/// What goes on record when it is not taken, and as asked by which door: whatever wants to change something. Signing in and out
+/// are no commands.
+fn asked(request: &Request, need: Need) -> Option<(command::Door, String)> {
+    let looks = matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS);
+    if looks || need == Need::Nothing {
+        return None;
+    }
+    let path = request.uri().path();
+    Some((by_path(path), format!("{} {}", request.method(), in_short(path))))
+}
+
+/// By which door a path leads, as records name it.
+pub(super) fn by_path(path: &str) -> command::Door {
+    if path.starts_with("/console/") { command::Door::Console } else { command::Door::Http }
+}
+
+/// A person is led to the page where one signs in, and from there back, or is told there that what he pressed was not done; a
+/// program is told what to send.
+fn stranger(door: &Door, peer: Peer, request: &Request) -> Response {
+    if *request.method() != Method::GET {
+        door.note_unrecorded(peer, request.method(), request.uri().path(), "nobody is signed in");
+    }
+    if is_for_people(request.uri().path(), request.headers()) {
+        let path = request.uri().path();
+        let page = if *request.method() == Method::GET { sign_in_page(path) } else { Undone::of(path).page() };
+        return Redirect::to(&page).into_response();
+    }
+    let mut response = Problem::not_signed_in().into_response();
+    response.headers_mut().insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
+    response
+}
+
+/// A bearer token counts alone; any other kind of authorization is a proxy's business, and the cookie counts then.
+fn shown(headers: &HeaderMap, cookie: &str) -> Shown {
+    if let Some(token) = tokens(headers).next() {
+        return Shown::Token(token);
+    }
+    let ours = sessions(headers, cookie);
+    if ours.is_empty() { Shown::Nothing } else { Shown::Sessions(ours) }
+}
+
+fn tokens(headers: &HeaderMap) -> impl Iterator<Item = String> {
+    let shown = headers.get_all(header::AUTHORIZATION).iter();
+    let bearers = shown.filter_map(|value| {
+        let (scheme, token) = value.to_str().ok()?.split_once(' ')?;
+        scheme.eq_ignore_ascii_case("bearer").then(|| token.trim().to_owned())
+    });
+    bearers.take(KEYS)
+}
+
+fn sessions(headers: &HeaderMap, cookie: &str) -> Vec<String> {
+    let cookies = headers.get_all(header::COOKIE).iter().filter_map(|value| value.to_str().ok());
+    let pairs = cookies.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));
+    pairs.filter(|(name, _)| *name == cookie).map(|(_, value)| value.to_owned()).take(KEYS).collect()
+}
+
+#[cfg(test)]
+#[path = "gate_tests.rs"]
+mod tests;

@@ -1,0 +1,327 @@
+//! What stands in front of every route: security headers, refusal of other hosts' names and other origins' posts, pages for
+//! people in place of problems, compression, and the catching of panics. It knows no route.
+
+use std::borrow::Cow;
+use std::net::IpAddr;
+use std::sync::Arc;
+
+use askama::Template;
+use axum::Router;
+use axum::extract::{Request, State};
+use axum::http::uri::Authority;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
+use axum::middleware::{Next, from_fn, from_fn_with_state};
+use axum::response::{IntoResponse, Response};
+use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::compression::CompressionLayer;
+use tower_http::set_header::SetResponseHeaderLayer;
+
+use super::Door;
+use super::accept::preferred;
+use super::gate::Peer;
+use super::problem::{Problem, Said};
+use crate::api::fields::in_short;
+
+/// Nothing but this origin's own files, no inline script or style, no frame, no form to anywhere else.
+const CONTENT_SECURITY_POLICY: &str = "default-src 'self'; object-src 'none'; frame-ancestors 'none'; form-action 'self'; \
+                                       base-uri 'none'";
+
+/// On every answer, whatever it is.
+const SECURITY: [(HeaderName, &str); 6] = [
+    (header::CONTENT_SECURITY_POLICY, CONTENT_SECURITY_POLICY),
+    (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    (header::X_FRAME_OPTIONS, "DENY"),
+    (header::REFERRER_POLICY, "no-referrer"),
+    (HeaderName::from_static("cross-origin-opener-policy"), "same-origin"),
+    (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
+];
+
+/// By which names this program may be called, so that no page of the world can reach it by a name of its own that was made to
+/// point here (DNS rebinding). An address is no name, and nobody can make it point elsewhere.
+#[derive(Clone, Debug)]
+pub struct Hosts {
+    is_local: bool,
+    names: Arc<[String]>,
+}
+
+impl Hosts {
+    /// The names of this machine for itself, and `names`; where other machines reach it (`is_local` is false), any address too.
+    #[must_use]
+    pub fn new(is_local: bool, names: &[String]) -> Hosts {
+        Hosts { is_local, names: names.iter().map(|name| plain(name)).collect() }
+    }
+
+    /// Whether a host, with or without a port, is this program.
+    fn knows(&self, host: &str) -> bool {
+        let Ok(authority) = host.parse::<Authority>() else { return false };
+        let name = plain(authority.host());
+        match name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>() {
+            Ok(address) => !self.is_local || address.is_loopback(),
+            Err(_) => name == "localhost" || name.ends_with(".localhost") || self.names.contains(&name),
+        }
+    }
+
+    /// The first name a request calls this program by that is none of its own: `named` in its target, else in its headers.
+    pub(super) fn stranger(&self, named: Option<&str>, headers: &HeaderMap) -> Option<String> {
+        let hosts = headers.get_all(header::HOST).iter().map(|name| String::from_utf8_lossy(name.as_bytes()));
+        let mut names = named.map(Cow::Borrowed).into_iter().chain(hosts);
+        names.find(|name| !self.knows(name)).map(Cow::into_owned)
+    }
+
+    fn advice(&self) -> &'static str {
+        if self.is_local {
+            "while hallsweep listens on this machine alone, call it localhost or by 127.0.0.1; behind a proxy, list the names \
+             under which it is reached in http.hosts"
+        } else {
+            "call it by its address, or list the names under which it is reached in http.hosts"
+        }
+    }
+}
+
+/// A name as it is compared: in small letters, without the dot that may end it.
+fn plain(name: &str) -> String {
+    name.trim_end_matches('.').to_ascii_lowercase()
+}
+
+/// The routes behind their guard. Compression leaves event streams and pictures alone.
+pub(super) fn guarded(routes: Router, hosts: Hosts, door: &Door) -> Router {
+    let clock = door.clock;
+    let guarded = routes
+        .layer(from_fn_with_state(door.clone(), same_origin))
+        .layer(from_fn_with_state(hosts, own_name))
+        .layer(from_fn(for_people))
+        .layer(CatchPanicLayer::custom(|_: Box<dyn std::any::Any + Send>| Problem::internal().into_response()))
+        .layer(CompressionLayer::new())
+        .layer(SetResponseHeaderLayer::if_not_present(header::CACHE_CONTROL, HeaderValue::from_static("no-cache")))
+        .layer(SetResponseHeaderLayer::if_not_present(header::DATE, move |_: &Response| date(clock.now().wall.unix_ms)));
+    SECURITY.into_iter().fold(guarded, |router, (name, value)| {
+        router.layer(SetResponseHeaderLayer::overriding(name, HeaderValue::from_static(value)))
+    })
+}
+
+/// Whoever asks for this program by a name that is not its own was led here by somebody else.
+async fn own_name(State(hosts): State<Hosts>, request: Request, next: Next) -> Response {
+    match hosts.stranger(request.uri().authority().map(Authority::as_str), request.headers()) {
+        None => next.run(request).await,
+        Some(name) => Problem::misdirected(format!("this is not {:?}: {}", in_short(&name), hosts.advice())).into_response(),
+    }
+}
+
+/// Whether a person's browser asks for a page; under `/api` everybody is a program.
+pub(super) fn is_for_people(path: &str, headers: &HeaderMap) -> bool {
+    !path.starts_with("/api/") && preferred(headers, &["application/json", "text/html"]) == Some("text/html")
+}
+
+/// A browser that went astray is shown a page; programs get the problem itself, and under `/api` everybody does.
+async fn for_people(request: Request, next: Next) -> Response {
+    let is_program = !is_for_people(request.uri().path(), request.headers());
+    let mut response = next.run(request).await;
+    let Some(Said(detail)) = response.extensions_mut().remove::<Said>() else { return response };
+    response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
+    if is_program {
+        return response;
+    }
+    let (mut parts, _) = response.into_parts();
+    parts.headers.remove(header::CONTENT_LENGTH);
+    parts.headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8"));
+    // Under a name that is not ours STOP would be refused as well: nobody is to count on it there.
+    let may_stop = parts.status != StatusCode::MISDIRECTED_REQUEST;
+    let page = Astray { title: for_a_person(parts.status), detail, may_stop };
+    let page = page.render().expect("the template only writes strings, which does not fail");
+    Response::from_parts(parts, page.into())
+}
+
+/// What a status means to somebody who knows nothing of HTTP.
+fn for_a_person(status: StatusCode) -> &'static str {
+    match status.as_u16() {
+        401 => "Nobody is signed in",
+        403 => "You may not do that",
+        404 => "There is nothing here",
+        408 => "It came too slowly",
+        409 => "That is not possible now",
+        421 => "hallsweep is not called so",
+        500 => "Something went wrong in hallsweep",
+        503 => "That cannot be done just now",
+        _ => "That was not understood",
+    }
+}
+
+/// The page of somebody who went astray.
+#[derive(Template)]
+#[template(path = "astray.html")]
+struct Astray {
+    title: &'static str,
+    detail: String,
+    may_stop: bool,
+}
+
+/// A page of another origin may not press buttons here. Programs send neither header and pass.
+async fn same_origin(State(door): State<Door>, request: Request, next: Next) -> Response {
+    if matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS) || !is_foreign(request.headers()) {
+        return next.run(request).await;
+    }
+    if let Some(peer) = request.extensions().get::<Peer>() {
+        door.note_unrecorded(*peer, request.method(), request.uri().path(), "a page of another origin sent it");
+    }
+    Problem::foreign("a page of another origin sent this: commands are taken from hallsweep's own page and from programs".into())
+        .into_response()
+}
+
+/// By what the browser says of the sender; older ones name only the origin, which is then compared with the host asked for.
+pub(super) fn is_foreign(headers: &HeaderMap) -> bool {
+    let texts = |name: HeaderName| headers.get_all(name).iter().map(|value| value.to_str().unwrap_or("unreadable"));
+    let mut sites = texts(HeaderName::from_static("sec-fetch-site")).peekable();
+    if sites.peek().is_some() {
+        return sites.any(|site| !matches!(site, "same-origin" | "none"));
+    }
+    let host = texts(header::HOST).next();
+    texts(header::ORIGIN).any(|origin| origin.split_once("://").map(|(_, host)| host) != host)
+}
+
+/// The header `Date` (RFC 9110, section 6.6.1); none when no clock can be right that says so.
+fn date(unix_ms: i64) -> Option<HeaderValue> {
+    let now = jiff::Timestamp::from_millisecond(unix_ms).ok().filter(|_| unix_ms >= 0)?;
+    let text = jiff::fmt::rfc2822::DateTimePrinter::new().timestamp_to_rfc9110_string(&now).ok()?;
+    HeaderValue::from_str(&text).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{house, text};
+    use super::*;
+    use crate::api::fixture::searching;
+
+    fn foreign(headers: &[(&'static str, &'static str)]) -> bool {
+        let pairs = headers.iter().map(|(name, value)| (HeaderName::from_static(name), HeaderValue::from_static(value)));
+        is_foreign(&pairs.collect())
+    }
+
+    #[test]
+    fn programs_and_the_own_page_pass() {
+        assert!(!foreign(&[]));
+        assert!(!foreign(&[("host", "127.0.0.1:8080")]));
+        assert!(!foreign(&[("host", "127.0.0.1:8080"), ("origin", "http://127.0.0.1:8080")]));
+        assert!(!foreign(&[("sec-fetch-site", "same-origin"), ("origin", "https://behind-a-proxy.example")]));
+    }
+
+    #[test]
+    fn a_date_is_said_unless_the_clock_cannot_be_right() {
+        let said = |unix_ms| date(unix_ms).map(|date| date.to_str().unwrap().to_owned());
+        assert_eq!(said(1_770_109_512_250).as_deref(), Some("Tue, 03 Feb 2026 09:05:12 GMT"));
+        assert_eq!(said(0).as_deref(), Some("Thu, 01 Jan 1970 00:00:00 GMT"));
+        for wrong in [-1, i64::MIN, i64::MAX] {
+            assert_eq!(said(wrong), None, "{wrong}");
+        }
+    }
+
+    #[tokio::test]
+    async fn every_answer_of_every_kind_carries_the_security_headers() {
+        let house = house(searching());
+        let walk = [
+            ("GET", "/"),
+            ("GET", "/healthz"),
+            ("GET", "/api/v1/state"),
+            ("GET", "/api/v1/map"),
+            ("GET", "/api/v1/luggage"),
+            ("GET", "/api/v1/luggage/3"),
+            ("GET", "/api/v1/luggage/3/photo"),
+            ("GET", "/api/v1/events"),
+            ("GET", "/console/live"),
+            ("GET", "/console/confirm/reset"),
+            ("GET", "/console/confirm/danger/3"),
+            ("GET", "/static/console.css"),
+            ("GET", "/static/console.js"),
+            ("GET", "/static/vendor/idiomorph.js"),
+            ("GET", "/static/icon.svg"),
+            ("GET", "/favicon.ico"),
+            ("GET", "/nowhere"),
+            ("GET", "/api/v1/luggage/99"),
+            ("DELETE", "/"),
+            ("POST", "/api/v1/commands/start"),
+            ("POST", "/api/v1/commands/move"),
+            ("POST", "/console/start"),
+            ("POST", "/console/stop"),
+            ("POST", "/h"),
+            ("PUT", "/api/v1/temperature"),
+        ];
+        for (method, path) in walk {
+            let response = house.send(method, path, &[], "").await;
+            for (name, value) in SECURITY {
+                assert_eq!(
+                    response.headers().get(&name).map(|is| is.as_bytes()),
+                    Some(value.as_bytes()),
+                    "{method} {path} {name}"
+                );
+            }
+            assert_eq!(response.headers().get_all("cache-control").iter().count(), 1, "{method} {path}");
+        }
+    }
+
+    #[tokio::test]
+    async fn event_streams_are_not_compressed_and_a_vary_says_what_is() {
+        let house = house(searching());
+        for path in ["/api/v1/events", "/console/live"] {
+            let response = house.send("GET", path, &[("accept-encoding", "gzip")], "").await;
+            assert!(response.headers().get("content-encoding").is_none(), "{path}");
+        }
+        let response = house.send("GET", "/", &[("accept-encoding", "gzip")], "").await;
+        assert_eq!(response.headers()["content-encoding"], "gzip");
+        assert!(response.headers().get_all("vary").iter().any(|vary| vary == "accept-encoding"));
+    }
+
+    /// Safety A2.
+    #[test]
+    fn on_this_machine_alone_only_its_own_names_are_known() {
+        let hosts = Hosts::new(true, &["Sweep.Example.".to_owned()]);
+        for own in
+            ["localhost", "LOCALHOST:8080", "localhost.:80", "a.localhost", "127.0.0.1:8080", "127.9.9.9", "[::1]:1", "[::1]"]
+        {
+            assert!(hosts.knows(own), "{own}");
+        }
+        assert!(hosts.knows("sweep.example:443"), "a proxy's name that is listed");
+        for foreign in ["rebound.example:8080", "127.0.0.1.example", "localhost.example", "192.168.0.7", "", "a b", "[::2]"] {
+            assert!(!hosts.knows(foreign), "{foreign}");
+        }
+    }
+
+    /// Safety A2.
+    #[test]
+    fn beyond_it_any_address_is_known_and_names_that_are_listed() {
+        let hosts = Hosts::new(false, &["hall.example".to_owned()]);
+        for own in ["192.168.0.7:8080", "[2001:db8::1]:80", "127.0.0.1", "localhost:8080", "hall.example", "HALL.example.:80"] {
+            assert!(hosts.knows(own), "{own}");
+        }
+        for foreign in ["rebound.example", "a.hall.example", "hall.example.org", "", "999.1.1.1", "[::g]"] {
+            assert!(!hosts.knows(foreign), "{foreign}");
+        }
+        assert!(hosts.advice().contains("http.hosts"));
+    }
+
+    #[tokio::test]
+    async fn a_browser_gone_astray_sees_a_page_and_a_program_a_problem() {
+        let house = house(searching());
+        let browser = [("accept", "text/html,application/xhtml+xml,*/*;q=0.8")];
+        for (method, path, status) in
+            [("GET", "/nowhere", 404), ("GET", "/console/start", 405), ("GET", "/console/confirm/danger/x", 404)]
+        {
+            let response = house.send(method, path, &browser, "").await;
+            assert_eq!(response.status(), status, "{path}");
+            assert_eq!(response.headers()["content-type"], "text/html; charset=utf-8", "{path}");
+            let page = text(response).await;
+            assert!(page.contains("href=\"/\"") && page.contains("<h1>"), "{page}");
+            assert!(!page.contains("<h1>Not Found") && !page.contains("Unprocessable"), "in words of people: {page}");
+            let program = house.send(method, path, &[], "").await;
+            assert_eq!(program.headers()["content-type"], "application/problem+json", "{path}");
+        }
+        let response = house.send("GET", "/api/v1/nothing", &browser, "").await;
+        assert_eq!(response.headers()["content-type"], "application/problem+json");
+    }
+
+    #[test]
+    fn another_origin_does_not() {
+        assert!(foreign(&[("host", "127.0.0.1:8080"), ("origin", "http://elsewhere.example")]));
+        assert!(foreign(&[("host", "127.0.0.1:8080"), ("origin", "null")]));
+        assert!(foreign(&[("sec-fetch-site", "cross-site")]));
+        assert!(foreign(&[("sec-fetch-site", "same-site"), ("host", "a"), ("origin", "http://a")]));
+    }
+}

@@ -1,0 +1,363 @@
+//! What comes on one connection, from its first byte to its end: it waits in the vestibule until its first head has come, gets a
+//! place or is told that there is none, and is heard on whatever becomes of its requests. Everything here runs on the thread that
+//! hears.
+
+use std::pin::Pin;
+use std::sync::Arc;
+use std::time::Duration;
+
+use bytes::{BufMut, BytesMut};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
+use tokio::sync::Notify;
+use tokio::time::{Sleep, sleep, timeout};
+
+use super::judge::{Given, Judge};
+use super::line::Line;
+use super::stop_search::{Asked, Heard, StopSearch};
+use super::talk::{Shared, Talk, put};
+use crate::doors::http::gate::Peer;
+use crate::doors::http::places::{Claim, Place};
+use crate::doors::http::problem::Problem;
+use crate::doors::http::watcher::closed;
+use crate::doors::patience::Patient;
+use crate::doors::vestibule::Waiting;
+
+/// How long a client may take over a request's headers, and how long it may be silent between two requests.
+pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
+
+/// How long a first request waits for the rest of its body before it gets a conversation: most come whole, and a crowd of those that do
+/// not costs little meanwhile.
+const WHOLE_TIME: Duration = Duration::from_millis(100);
+
+/// How long a request's line and headers may be together; longer ones are answered with 431.
+pub(super) const HEADER_BYTES: usize = 64 * 1024;
+
+/// So much is read at once, in bytes, and so much at first; others have their turn after that, and after so many heads. A newcomer waits
+/// for the turns of a thousand at most, which together take some hundredths of a second.
+const TURN: usize = 4 * 1024;
+const FIRST: usize = 1024;
+const HEADS: usize = 32;
+
+/// So much of what was heard waits for room in the pipe, in bytes: the longest head with the longest body, and something over. When
+/// more comes, because a client takes no answers, nothing more is carried out on that connection, and it is heard all the same (safety
+/// S8).
+pub(in crate::doors::http) const AHEAD: usize = 96 * 1024;
+
+/// After the last answer a connection is heard on so long, and so far in bytes, for the end of a head that is coming, and so that the
+/// answer gets to the client.
+const LINGER_TIME: Duration = Duration::from_secs(5);
+const LINGER_BYTES: usize = 1024 * 1024;
+
+/// One connection.
+pub(super) struct Connection<R, W> {
+    from: R,
+    /// Until somebody talks to the client.
+    to: Option<W>,
+    cut: Arc<Notify>,
+    waiting: Option<Waiting>,
+    place: Option<Arc<Place>>,
+    talk: Option<Talk>,
+    line: Arc<Line>,
+    search: StopSearch,
+    shared: Arc<Shared>,
+    /// Of whom the first head was.
+    claim: Option<Claim>,
+    /// What was read, and how much of it the scanner has seen.
+    read: BytesMut,
+    scanned: usize,
+    /// What was heard and waits for room in the pipe,
+    ahead: BytesMut,
+    /// and whether something behind it was heard and not kept, so that nothing more can be handed on.
+    is_only_heard: bool,
+    /// A request was heard that may hand the connection over.
+    may_hand_over: bool,
+    /// What was read since others had their turn.
+    turn: usize,
+    /// Ends when the first head must have come, and then when its body should have.
+    late: Pin<Box<Sleep>>,
+}
+
+/// How it goes on.
+enum Next {
+    More,
+    /// Nothing more comes.
+    End,
+    /// Nothing more is answered.
+    Over,
+}
+
+impl<R, W> Connection<R, W>
+where
+    R: AsyncRead + Unpin + Send,
+    W: AsyncWrite + Unpin + Send + 'static,
+{
+    pub(super) fn new(from: R, to: W, peer: Peer, (waiting, cut): (Waiting, Arc<Notify>), line: Arc<Line>) -> Connection<R, W> {
+        Connection {
+            from,
+            to: Some(to),
+            cut,
+            waiting: Some(waiting),
+            place: None,
+            talk: None,
+            search: StopSearch::new(Judge { door: line.door.clone(), hosts: line.hosts.clone(), peer }),
+            line,
+            shared: Shared::new(),
+            claim: None,
+            read: BytesMut::new(),
+            scanned: 0,
+            ahead: BytesMut::new(),
+            is_only_heard: false,
+            may_hand_over: false,
+            turn: 0,
+            late: Box::pin(sleep(HEADER_TIME)),
+        }
+    }
+
+    /// Hears what was `said` already, and then on until there is nothing more to hear.
+    pub(super) async fn hear(mut self, said: BytesMut) {
+        self.read = said;
+        loop {
+            // It is known here before the client can know it, so that nothing of another protocol is heard.
+            if self.may_hand_over && self.shared.is_handed_over() {
+                return self.carry().await;
+            }
+            self.scan().await;
+            if self.place.is_none()
+                && self.has_come()
+                && let Err(problem) = self.take_place()
+            {
+                return self.refuse(&problem).await;
+            }
+            if self.is_to_be_answered() {
+                self.begin();
+            }
+            if self.talk.is_some() {
+                self.hand_on();
+            }
+            match self.go_on().await {
+                Next::More => {}
+                Next::Over => return self.linger().await,
+                Next::End => break,
+            }
+        }
+        let given = self.search.look();
+        self.keep(given);
+        if self.place.is_some() && self.talk.is_none() {
+            self.begin();
+            self.hand_on();
+        }
+        if let Some(talk) = self.talk.take() {
+            talk.ended(&self.shared, &self.ahead).await;
+        }
+    }
+
+    /// Hears what was read.
+    async fn scan(&mut self) {
+        let mut heads = 0;
+        while self.scanned < self.read.len() {
+            let (taken, heard, given) = self.search.take(&self.read[self.scanned..]);
+            self.scanned += taken;
+            match heard {
+                None => {}
+                Some(Heard::Body) => self.tell(|place| place.received()),
+                Some(Heard::Head(asked)) => {
+                    self.note(asked);
+                    heads += 1;
+                }
+            }
+            self.keep(given);
+            if heads == HEADS {
+                heads = 0;
+                tokio::task::yield_now().await;
+            }
+        }
+        let given = self.search.look_early();
+        self.keep(given);
+    }
+
+    /// Notes what is to be known of a request that will be carried out.
+    fn note(&mut self, asked: Asked) {
+        if self.is_only_heard {
+            return;
+        }
+        self.shared.came(self.search.number(), asked.came);
+        self.tell(|place| place.asked(asked.claim.clone(), asked.has_body));
+        self.claim.get_or_insert(asked.claim);
+        self.may_hand_over |= asked.may_hand_over;
+    }
+
+    /// Keeps a STOP for the request that will be answered by it.
+    fn keep(&self, given: Option<Given>) {
+        if let Some(given) = given.filter(|_| !self.is_only_heard) {
+            self.shared.keep(self.search.number(), given);
+        }
+    }
+
+    /// What was heard goes on when there is room for it; behind what was not kept nothing does.
+    fn hand_on(&mut self) {
+        self.is_only_heard |= self.ahead.len() + self.read.len() > AHEAD;
+        if !self.is_only_heard && self.ahead.is_empty() {
+            // What a burst took is given back.
+            self.ahead = BytesMut::from(&self.read[..]);
+        } else if !self.is_only_heard {
+            self.ahead.extend_from_slice(&self.read);
+        }
+        self.read.clear();
+        self.scanned = 0;
+    }
+
+    fn tell(&self, what: impl FnOnce(&Place)) {
+        if let Some(place) = &self.place {
+            what(place);
+        }
+    }
+
+    /// Whether there is something to answer: a head, or what can be none.
+    fn has_come(&self) -> bool {
+        self.claim.is_some() || self.read.len() >= HEADER_BYTES || self.search.scanner().is_no_request()
+    }
+
+    /// Takes a place, or says why not.
+    fn take_place(&mut self) -> Result<(), Problem> {
+        let has_heard = self.shared.has_heard();
+        // hyper would panic.
+        if !self.line.door.can_date() {
+            return Err(Problem::no_date(has_heard));
+        }
+        // Somebody else would give way to whoever goes in a moment.
+        if self.waiting.take().is_some_and(|waiting| !waiting.leave()) {
+            return Err(Problem::no_place(has_heard));
+        }
+        let claim = self.claim.clone().unwrap_or_else(|| Claim::new(self.search.judge().peer.address, None));
+        let cut = Arc::clone(&self.cut);
+        let place = self.line.places.take(claim.clone(), has_heard, cut).ok_or_else(|| Problem::no_place(has_heard))?;
+        for _ in 0..self.search.scanner().heads() {
+            place.asked(claim.clone(), !self.search.scanner().is_between());
+        }
+        self.place = Some(Arc::new(place));
+        self.late.set(sleep(WHOLE_TIME));
+        Ok(())
+    }
+
+    /// Whether it has a place and is worth a conversation: only the first of its requests may be one whose body has not come.
+    fn is_to_be_answered(&self) -> bool {
+        let is_whole = self.search.scanner().heads() != 1 || self.search.scanner().is_between();
+        let is_due = self.read.len() >= TURN || self.late.is_elapsed();
+        self.place.is_some() && self.talk.is_none() && (is_whole || is_due || self.shared.has_heard())
+    }
+
+    /// Begins to talk.
+    fn begin(&mut self) {
+        if let (Some(place), Some(to)) = (&self.place, self.to.take()) {
+            self.talk = Some(Talk::begin(to, (self.search.judge().peer, place), &self.line, &self.shared));
+        }
+    }
+
+    /// Carries bytes of another protocol, whose places are its own matter.
+    async fn carry(mut self) {
+        self.place = None;
+        // Nobody knows what another protocol would say behind what was not kept.
+        let Some(Talk { to: Some(to), over, .. }) = &mut self.talk else { return };
+        let carried = async {
+            to.write_all(&self.ahead).await?;
+            to.write_all(&self.read).await?;
+            tokio::io::copy(&mut self.from, to).await?;
+            to.shutdown().await
+        };
+        tokio::select! {
+            // What the other side has left to say is none of hearing.
+            _ = carried => {}
+            _ = over.changed() => return,
+        }
+        drop(over.changed().await);
+    }
+
+    /// Hands on what there is room for, else reads.
+    async fn go_on(&mut self) -> Next {
+        self.take_turns().await;
+        let mut closing = self.line.closing.clone();
+        let mut room = (&mut self.read).limit(TURN);
+        let read = match &mut self.talk {
+            Some(Talk { to, over, .. }) => {
+                if self.is_only_heard && self.ahead.is_empty() {
+                    *to = None;
+                }
+                tokio::select! {
+                    biased;
+                    () = self.shared.handed_over(), if self.may_hand_over => return Next::More,
+                    _ = over.changed() => return Next::Over,
+                    () = put(to, &mut self.ahead), if !self.ahead.is_empty() => return Next::More,
+                    read = self.from.read_buf(&mut room) => read,
+                }
+            }
+            None => tokio::select! {
+                biased;
+                read = self.from.read_buf(&mut room) => read,
+                () = &mut self.late => return if self.place.is_some() { Next::More } else { Next::End },
+                () = closed(&mut closing) => return Next::End,
+            },
+        };
+        match read {
+            Ok(0) | Err(_) => Next::End,
+            Ok(bytes) => {
+                self.turn += bytes;
+                Next::More
+            }
+        }
+    }
+
+    /// Lets others have their turn, and makes room to read.
+    async fn take_turns(&mut self) {
+        if self.turn >= TURN {
+            self.turn = 0;
+            tokio::task::yield_now().await;
+        }
+        // Most heads are short, and many wait.
+        self.read.reserve(if self.turn < FIRST { FIRST } else { TURN });
+    }
+
+    /// Nothing more is answered: what was begun is heard to its end, and the answer gets to whoever still sends. The place is free
+    /// for others meanwhile; of those who linger the oldest makes room.
+    async fn linger(mut self) {
+        // What comes now may be no part of that body, nor end soon.
+        drop((self.talk.take(), self.search.look()));
+        (self.waiting, self.place, self.is_only_heard) = (None, None, true);
+        let _lingering = self.line.lingering.enter(self.search.judge().peer.address, Arc::clone(&self.cut));
+        let mut closing = self.line.closing.clone();
+        let heard_on = async {
+            let mut left = LINGER_BYTES;
+            while left > 0 {
+                self.scan().await;
+                self.hand_on();
+                self.take_turns().await;
+                let Ok(bytes @ 1..) = self.from.read_buf(&mut (&mut self.read).limit(TURN)).await else { return };
+                self.turn += bytes;
+                left = left.saturating_sub(bytes);
+            }
+        };
+        tokio::select! {
+            _ = timeout(LINGER_TIME, heard_on) => {}
+            () = closed(&mut closing) => {}
+        }
+    }
+
+    /// Says why nothing is answered; a STOP has been heard all the same.
+    async fn refuse(mut self, problem: &Problem) {
+        let body = problem.json();
+        let answer = format!(
+            "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/problem+json\r\nContent-Length: {}\r\n\
+             Connection: close\r\nRetry-After: 1\r\n\r\n{body}",
+            body.len()
+        );
+        if let Some(to) = self.to.take() {
+            let mut to = Patient::new(to);
+            // Whoever does not take it is not waited for.
+            let _ = timeout(LINGER_TIME, async { drop((to.write_all(answer.as_bytes()).await, to.shutdown().await)) }).await;
+        }
+        self.linger().await;
+    }
+}
+
+#[cfg(test)]
+#[path = "connection_tests.rs"]
+mod tests;

@@ -1,0 +1,93 @@
+//! Who asks, by the same rules as the guard and the gate: what they would turn away does not halt. Of several keys any that is right
+//! is enough, since a STOP with a wrong one too is a STOP with a fault.
+
+use std::future::Future;
+use std::pin::Pin;
+
+use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
+
+use crate::access::Need;
+use crate::doors::http::Door;
+use crate::doors::http::by::{IDEMPOTENCY_KEY, command_id};
+use crate::doors::http::gate::{Peer, allowed, by_path, issuer};
+use crate::doors::http::guard::{Hosts, is_foreign};
+use crate::doors::http::places::Claim;
+use crate::doors::http::scanning::{Field, Head, names};
+use crate::runtime::carry_out::{Done, NotDone};
+use hallsweep_core::command::{Command, Request};
+
+/// A STOP that was given, and what becomes of it.
+pub(in crate::doors::http) type Given = Pin<Box<dyn Future<Output = Result<Done, NotDone>> + Send>>;
+
+/// A STOP of somebody who may stop.
+pub(super) enum Press {
+    /// The head has named it.
+    Named(Request),
+    /// It is one if the body says so.
+    Unsaid(Request),
+}
+
+/// What judges the requests of one connection.
+#[derive(Clone)]
+pub(super) struct Judge {
+    pub(super) door: Door,
+    pub(super) hosts: Hosts,
+    pub(super) peer: Peer,
+}
+
+impl Judge {
+    /// Whose request this is, and the STOP that it is or may be, when its sender may stop.
+    pub(super) fn hear(&self, head: &Head) -> (Claim, Option<Press>) {
+        let (headers, is_in_doubt) = headers(head);
+        let caller = self.door.caller_by_any(self.peer, &headers);
+        let claim = Claim::new(self.peer.address, caller.as_ref());
+        let stop = names::stop(&head.method, &head.target);
+        let route = stop.or_else(|| names::says_by_body(&head.method, &head.target));
+        let route = route.filter(|_| !is_in_doubt && self.is_ours(head, &headers));
+        let (Some(route), Some(caller)) = (route, caller.filter(|caller| allowed(caller, Need::Stop).is_ok())) else {
+            return (claim, None);
+        };
+        let issuer = issuer(&caller, by_path(route), self.peer);
+        let request = Request { id: command_id(&headers).unwrap_or_default(), ..Request::new(Command::Stop, issuer) };
+        (claim, Some(if stop.is_some() { Press::Named(request) } else { Press::Unsaid(request) }))
+    }
+
+    /// Halts.
+    pub(super) fn give(&self, stop: Request) -> Given {
+        Box::pin(self.door.handle.carry_out(stop))
+    }
+
+    /// Whether it was sent to this program by its name, and not by a page of another origin.
+    fn is_ours(&self, head: &Head, headers: &HeaderMap) -> bool {
+        let named = names::parts(&head.target).0.map(String::from_utf8_lossy);
+        self.hosts.stranger(named.as_deref(), headers).is_none() && !is_foreign(headers)
+    }
+}
+
+/// What was kept of a head, as the guard and the gate read it, and whether nobody can say that host and origin are ours.
+fn headers(head: &Head) -> (HeaderMap, bool) {
+    let (mut headers, mut is_in_doubt) = (HeaderMap::new(), head.is_in_doubt);
+    for (field, value) in &head.fields {
+        match (HeaderValue::from_bytes(value), field) {
+            (Ok(value), field) => drop(headers.append(name(*field), value)),
+            (Err(_), Field::Host | Field::Origin | Field::SecFetchSite) => is_in_doubt = true,
+            (Err(_), Field::Authorization | Field::Cookie | Field::IdempotencyKey) => {}
+        }
+    }
+    (headers, is_in_doubt)
+}
+
+fn name(field: Field) -> HeaderName {
+    match field {
+        Field::Host => header::HOST,
+        Field::Origin => header::ORIGIN,
+        Field::SecFetchSite => HeaderName::from_static("sec-fetch-site"),
+        Field::Authorization => header::AUTHORIZATION,
+        Field::Cookie => header::COOKIE,
+        Field::IdempotencyKey => IDEMPOTENCY_KEY,
+    }
+}
+
+#[cfg(test)]
+#[path = "judge_tests.rs"]
+mod tests;

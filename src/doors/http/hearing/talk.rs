@@ -1,0 +1,373 @@
+//! Request after request with hyper, from the bytes that were heard; each gets whoever is at the other end, and the STOP that was
+//! heard in it, written into it. A client that is gone is answered into nothing, so that what it sent before is carried out.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::pin::Pin;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::{Context, Poll};
+use std::time::Duration;
+
+use axum::body::{Body, Bytes};
+use axum::http::{StatusCode, header};
+use bytes::BytesMut;
+use hyper::body::{Frame, Incoming, SizeHint};
+use hyper::server::conn::http1;
+use hyper::service::{Service, service_fn};
+use hyper::{Request, Response};
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt, DuplexStream, ReadBuf};
+use tokio::sync::{Notify, watch};
+use tokio::task::JoinSet;
+
+use super::connection::{HEADER_BYTES, HEADER_TIME};
+use super::judge::Given;
+use super::line::Line;
+use crate::doors::http::gate::Peer;
+use crate::doors::http::places::Place;
+use crate::doors::http::watcher::closed;
+use crate::doors::patience::Patient;
+use hallsweep_core::units::Epoch;
+
+/// So much waits between hearing and hyper, in bytes.
+const PIPE: usize = 16 * 1024;
+
+/// STOPs that were heard on one connection and wait for hyper to come to their requests, at most: each is kept in some 1.5 KiB. Of
+/// more the requests give a STOP once again.
+const PRESSES: usize = 128;
+
+/// So long after a client is gone what it has sent is carried out; an endless answer ends then.
+const GONE_TIME: Duration = Duration::from_secs(2);
+
+/// The STOP that was heard in a request, if one was, or will be in its body; taken by its handler.
+#[derive(Clone)]
+pub(in crate::doors::http) struct Pressed {
+    shared: Arc<Shared>,
+    number: u64,
+}
+
+/// The epoch in which a request's head was heard: a STOP that came after it outdates it, however late it is carried out (safety S4).
+#[derive(Clone, Copy)]
+pub(in crate::doors::http) struct Arrived(pub(in crate::doors::http) Epoch);
+
+/// What hearing and talking tell each other.
+pub(super) struct Shared {
+    presses: Mutex<BTreeMap<u64, Given>>,
+    /// From which request on they came in which epoch.
+    epochs: Mutex<BTreeMap<u64, Epoch>>,
+    /// Whether an answer hands the connection over; it is the last.
+    is_handed_over: watch::Sender<bool>,
+    /// Whether an answer without an end has begun.
+    is_endless: watch::Sender<bool>,
+}
+
+/// A conversation on another runtime; it ends when this is dropped.
+pub(super) struct Talk {
+    /// Where the bytes go that were heard; nothing when no more do.
+    pub(super) to: Option<DuplexStream>,
+    /// Closed when nothing more can be answered; nothing is ever sent.
+    pub(super) over: watch::Receiver<()>,
+    task: JoinSet<()>,
+}
+
+impl Pressed {
+    /// What becomes of the STOP.
+    pub(in crate::doors::http) fn take(&self) -> Option<Given> {
+        self.shared.presses().remove(&self.number)
+    }
+
+    /// Whether there is one.
+    pub(in crate::doors::http) fn is_there(&self) -> bool {
+        self.shared.presses().contains_key(&self.number)
+    }
+}
+
+impl Shared {
+    pub(super) fn new() -> Arc<Shared> {
+        Arc::new(Shared {
+            presses: Mutex::default(),
+            epochs: Mutex::default(),
+            is_handed_over: watch::Sender::default(),
+            is_endless: watch::Sender::default(),
+        })
+    }
+
+    /// The head of the request of this number was heard in this epoch.
+    pub(super) fn came(&self, number: u64, epoch: Epoch) {
+        let mut epochs = self.epochs();
+        // Of too many changes the oldest stands: nothing is taken for newer than it is.
+        if epochs.len() < PRESSES && epochs.values().next_back() != Some(&epoch) {
+            epochs.insert(number, epoch);
+        }
+    }
+
+    /// In which epoch it was heard.
+    fn arrived(&self, number: u64) -> Option<Arrived> {
+        let mut epochs = self.epochs();
+        let (first, epoch) = epochs.range(..=number).next_back().map(|(first, epoch)| (*first, *epoch))?;
+        *epochs = epochs.split_off(&first);
+        Some(Arrived(epoch))
+    }
+
+    fn epochs(&self) -> MutexGuard<'_, BTreeMap<u64, Epoch>> {
+        self.epochs.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Keeps a STOP for the request of this number.
+    pub(super) fn keep(&self, number: u64, given: Given) {
+        let mut presses = self.presses();
+        if presses.len() < PRESSES {
+            presses.insert(number, given);
+        }
+    }
+
+    /// Whether a STOP waits for its request.
+    pub(super) fn has_heard(&self) -> bool {
+        !self.presses().is_empty()
+    }
+
+    /// Whether a request has handed the connection over to another protocol.
+    pub(super) fn is_handed_over(&self) -> bool {
+        *self.is_handed_over.borrow()
+    }
+
+    /// Waits until one has.
+    pub(super) async fn handed_over(&self) {
+        let mut is_handed_over = self.is_handed_over.subscribe();
+        // Whoever waits holds the sender.
+        drop(is_handed_over.wait_for(|is_handed_over| *is_handed_over).await);
+    }
+
+    /// Forgets the STOPs of requests before this, which nobody took.
+    fn forget_before(&self, number: u64) {
+        let mut presses = self.presses();
+        let later = presses.split_off(&number);
+        *presses = later;
+    }
+
+    fn presses(&self) -> MutexGuard<'_, BTreeMap<u64, Given>> {
+        self.presses.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Talk {
+    /// Begins to talk, where the routes are carried out.
+    pub(super) fn begin<W>(to: W, (peer, place): (Peer, &Arc<Place>), line: &Arc<Line>, shared: &Arc<Shared>) -> Talk
+    where
+        W: AsyncWrite + Unpin + Send + 'static,
+    {
+        let (ours, theirs) = tokio::io::duplex(PIPE);
+        let (held, over) = watch::channel(());
+        let gone = Arc::new(Notify::new());
+        let wire = Wire { from: theirs, to: Patient::new(to), gone: Arc::clone(&gone), is_gone: false, _held: held };
+        let mut task = JoinSet::new();
+        task.spawn_on(talk(wire, (peer, Arc::clone(place)), Arc::clone(line), Arc::clone(shared), gone), &line.work);
+        Talk { to: Some(ours), over, task }
+    }
+
+    /// Says that nothing more comes than these, and waits until everything is answered. Whoever looks on and hangs up is taken to be
+    /// gone.
+    pub(super) async fn ended(self, shared: &Shared, rest: &[u8]) {
+        let Talk { to, over: _over, mut task } = self;
+        let mut is_endless = shared.is_endless.subscribe();
+        let answered = async {
+            if let Some(mut to) = to {
+                // Whoever takes no more has said why.
+                let _ = to.write_all(rest).await;
+            }
+            task.join_next().await
+        };
+        tokio::select! {
+            _ = answered => {}
+            _ = is_endless.wait_for(|is_endless| *is_endless) => {}
+        }
+    }
+}
+
+/// Puts into the pipe what there is room for, when there is some. When nobody takes anything out any more, all of it is gone.
+pub(super) async fn put(to: &mut Option<DuplexStream>, bytes: &mut BytesMut) {
+    let is_put = match to {
+        Some(to) => to.write_buf(bytes).await.is_ok(),
+        None => false,
+    };
+    if !is_put {
+        bytes.clear();
+    }
+}
+
+async fn talk<W>(wire: Wire<W>, (peer, place): (Peer, Arc<Place>), line: Arc<Line>, shared: Arc<Shared>, gone: Arc<Notify>)
+where
+    W: AsyncWrite + Unpin + Send + 'static,
+{
+    let mut closing = line.closing.clone();
+    let routes = TowerToHyperService::new(line.router.clone());
+    let numbers = AtomicU64::new(0);
+    let service = service_fn(|mut request: Request<Incoming>| {
+        let number = numbers.fetch_add(1, Ordering::Relaxed);
+        request.extensions_mut().insert(peer);
+        if let Some(arrived) = shared.arrived(number) {
+            request.extensions_mut().insert(arrived);
+        }
+        shared.forget_before(number);
+        request.extensions_mut().insert(Pressed { shared: Arc::clone(&shared), number });
+        let asked = Asked(Arc::clone(&place));
+        let (answer, shared) = (routes.call(request), Arc::clone(&shared));
+        async move {
+            let answer = answer.await;
+            answer.map(|response: Response<Body>| {
+                if is_stream(&response) {
+                    asked.0.watches();
+                    shared.is_endless.send_replace(true);
+                }
+                if response.status() == StatusCode::SWITCHING_PROTOCOLS {
+                    // Before its client can know it.
+                    asked.0.hands_over();
+                    shared.is_handed_over.send_replace(true);
+                }
+                response.map(|body| Answer { body, asked })
+            })
+        }
+    });
+    let mut http = http1::Builder::new();
+    http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIME);
+    // The guard says the date. hyper looks at the clock behind every head all the same, and panics before 1970:
+    // hearing begins no talk then.
+    http.max_header_size(HEADER_BYTES).max_buf_size(HEADER_BYTES).half_close(true).auto_date_header(false);
+    let connection = http.serve_connection(TokioIo::new(wire), service).with_upgrades();
+    tokio::pin!(connection);
+    let late = async {
+        gone.notified().await;
+        tokio::time::sleep(GONE_TIME).await;
+    };
+    let ended = tokio::select! {
+        ended = connection.as_mut() => ended,
+        () = late => Ok(()),
+        () = closed(&mut closing) => {
+            connection.as_mut().graceful_shutdown();
+            connection.await
+        }
+    };
+    if let Err(error) = ended {
+        tracing::debug!(%error, "a connection broke");
+    }
+}
+
+fn is_stream(response: &Response<Body>) -> bool {
+    let media = response.headers().get(header::CONTENT_TYPE);
+    media.is_some_and(|media| media.as_bytes().starts_with(b"text/event-stream"))
+}
+
+/// A request under way.
+struct Asked(Arc<Place>);
+
+impl Drop for Asked {
+    fn drop(&mut self) {
+        self.0.answered();
+    }
+}
+
+/// The body of an answer; its request is over when all of it is on its way.
+struct Answer {
+    body: Body,
+    asked: Asked,
+}
+
+impl hyper::body::Body for Answer {
+    type Data = Bytes;
+    type Error = axum::Error;
+
+    fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        let frame = Pin::new(&mut self.body).poll_frame(cx);
+        if frame.is_ready() {
+            self.asked.0.sends();
+        }
+        frame
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.body.size_hint()
+    }
+}
+
+/// What was heard, and the way back to the client. When it is gone, answers are taken and forgotten.
+struct Wire<W> {
+    from: DuplexStream,
+    to: Patient<W>,
+    gone: Arc<Notify>,
+    is_gone: bool,
+    _held: watch::Sender<()>,
+}
+
+impl<W> Wire<W> {
+    fn forgiven<T>(&mut self, written: Poll<io::Result<T>>, instead: T) -> Poll<io::Result<T>> {
+        let Poll::Ready(Err(error)) = written else { return written };
+        tracing::debug!(%error, "a client was gone before its answer");
+        self.is_gone = true;
+        self.gone.notify_one();
+        Poll::Ready(Ok(instead))
+    }
+}
+
+impl<W: Unpin> AsyncRead for Wire<W> {
+    fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.from).poll_read(cx, buf)
+    }
+}
+
+impl<W: AsyncWrite + Unpin> AsyncWrite for Wire<W> {
+    fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        if self.is_gone {
+            return Poll::Ready(Ok(bytes.len()));
+        }
+        let written = Pin::new(&mut self.to).poll_write(cx, bytes);
+        self.forgiven(written, bytes.len())
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        if self.is_gone {
+            return Poll::Ready(Ok(()));
+        }
+        let flushed = Pin::new(&mut self.to).poll_flush(cx);
+        self.forgiven(flushed, ())
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        if self.is_gone {
+            return Poll::Ready(Ok(()));
+        }
+        let shut = Pin::new(&mut self.to).poll_shutdown(cx);
+        self.forgiven(shut, ())
+    }
+
+    fn poll_write_vectored(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bufs: &[io::IoSlice<'_>]) -> Poll<io::Result<usize>> {
+        let all = bufs.iter().map(|buf| buf.len()).sum();
+        if self.is_gone {
+            return Poll::Ready(Ok(all));
+        }
+        let written = Pin::new(&mut self.to).poll_write_vectored(cx, bufs);
+        self.forgiven(written, all)
+    }
+
+    fn is_write_vectored(&self) -> bool {
+        self.to.is_write_vectored()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Safety A5.
+    #[test]
+    fn no_more_stops_are_kept_for_their_requests_than_there_is_room_for() {
+        let shared = Shared::new();
+        (0..10_000).for_each(|number| shared.keep(number, Box::pin(std::future::pending())));
+        assert_eq!(shared.presses().len(), PRESSES);
+    }
+}

@@ -1,0 +1,292 @@
+//! Missions as they are kept, under `/api/v1/missions`: their list, one of them, its map, and what happened in it. The present
+//! one is among them. The pages for people are in `console::missions`.
+
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderValue, header};
+use axum::response::Response;
+
+use super::Door;
+use super::accept::preferred;
+use super::etag::by_content;
+use super::problem::Problem;
+use super::query::{MOST, Query};
+use super::reading::Number;
+use crate::api::map::{MapJson, Plan};
+use crate::api::map_text;
+use crate::api::mission_record::{Links, MissionListJson, MissionRecordJson, MissionWholeJson, events as events_json};
+use crate::api::time::rfc3339;
+use crate::runtime::archive::{Happened, MissionRecord, Sound};
+use hallsweep_core::effect::Fact;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::units::{MissionId, Seq};
+
+/// Missions in one answer, unless asked otherwise: a page of them.
+pub(super) const MISSIONS: u64 = 20;
+
+/// The most missions in one answer.
+const MOST_MISSIONS: u64 = 100;
+
+/// Events in one answer, unless asked otherwise, and the most there are: some 100 KiB of JSON.
+const EVENTS: u64 = 1000;
+
+/// So often is looked further for commands before a page is shown with what there is: it bounds what one request costs.
+const LOOKS: usize = 10;
+
+const JSON: &str = "application/json";
+
+/// `GET missions`, the newest first.
+pub(super) async fn list(State(door): State<Door>, query: Query, headers: HeaderMap) -> Result<Response, Problem> {
+    query.only(&["before", "limit"])?;
+    let limit = query.count("limit", 1..=MOST_MISSIONS)?.unwrap_or(MISSIONS);
+    let (records, next) = newest(&door, before(&query)?, limit).await?;
+    let next = next.map(|before| format!("/api/v1/missions?before={before}&limit={limit}"));
+    let missions = records.iter().map(MissionRecordJson::from).collect();
+    Ok(by_content(&headers, JSON, json(&MissionListJson { missions, next })))
+}
+
+/// `GET missions/{id}`, with luggage and map.
+pub(super) async fn mission(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
+    let Kept { record, standing, damage } = kept(&door, id).await?;
+    Ok(by_content(&headers, JSON, json(&MissionWholeJson::new((&record).into(), standing.as_ref(), damage))))
+}
+
+/// `GET missions/{id}/events`, oldest first.
+pub(super) async fn events(
+    State(door): State<Door>,
+    Number(id): Number,
+    query: Query,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    query.only(&["after", "limit"])?;
+    let limit = query.count("limit", 1..=EVENTS)?.unwrap_or(EVENTS);
+    let (entries, next) = happened(&door, id, after(&query)?, limit).await?;
+    let next = next.map(|after| format!("{}?after={after}&limit={limit}", Links::of(MissionId(id)).events));
+    let entries = entries.into_iter().map(|(seq, entry)| (seq, entry.map_err(|unreadable| unreadable.0))).collect();
+    Ok(by_content(&headers, JSON, events_json(MissionId(id), entries, next)))
+}
+
+/// `GET missions/{id}/map`, as JSON or as the text of old clients.
+pub(super) async fn map(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
+    const FORMATS: [&str; 2] = [JSON, "text/plain; charset=utf-8"];
+    let Some(format) = preferred(&headers, &[JSON, "text/plain"]) else {
+        return Err(Problem::not_acceptable("the map is there as application/json and as text/plain".to_owned()));
+    };
+    let standing = kept(&door, id).await?.standing;
+    let standing = standing.ok_or_else(|| Problem::not_found(format!("the map of mission {id} is not kept")))?;
+    let mut response = match format == JSON {
+        true => by_content(&headers, FORMATS[0], json(&MapJson::from(Plan::from(&standing)))),
+        false => by_content(&headers, FORMATS[1], map_text::lines(&standing)),
+    };
+    response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
+    Ok(response)
+}
+
+/// The mission before which a list begins.
+pub(super) fn before(query: &Query) -> Result<Option<MissionId>, Problem> {
+    Ok(query.count("before", 1..=MOST)?.map(MissionId))
+}
+
+/// The entry after which a list begins.
+pub(super) fn after(query: &Query) -> Result<Seq, Problem> {
+    Ok(Seq(query.count("after", 0..=MOST)?.unwrap_or(0)))
+}
+
+/// The newest missions before one, and before which the next page begins.
+pub(super) async fn newest(
+    door: &Door,
+    before: Option<MissionId>,
+    limit: u64,
+) -> Result<(Vec<MissionRecord>, Option<MissionId>), Problem> {
+    let limit = count(limit);
+    let mut records = door.archive.look_up(move |archive| archive.missions(before, limit + 1)).await?;
+    let more = records.len() > limit;
+    records.truncate(limit);
+    let next = records.last().map(|record| record.id).filter(|_| more);
+    Ok((records, next))
+}
+
+/// A mission as it is kept.
+pub(super) struct Kept {
+    pub(super) record: MissionRecord,
+    /// What stood when it was put away, or stands now.
+    pub(super) standing: Option<Standing>,
+    /// What of that cannot be understood, a sentence each.
+    pub(super) damage: Vec<String>,
+}
+
+/// A mission, and what stood when it was put away or stands now.
+pub(super) async fn kept(door: &Door, id: u64) -> Result<Kept, Problem> {
+    let mission = MissionId(id);
+    let found = door.archive.look_up(move |archive| Ok((archive.mission(mission)?, archive.standing(mission)?))).await?;
+    let (record, sound) = found;
+    let (standing, damage) = sound.map_or((None, Vec::new()), |Sound { of, damage }| (Some(of), damage));
+    Ok(Kept { record: record.ok_or_else(|| unknown(id))?, standing, damage })
+}
+
+/// What happened in a mission after an entry, oldest first, and after which entry the next page begins.
+pub(super) async fn happened(door: &Door, id: u64, after: Seq, limit: u64) -> Result<(Vec<Happened>, Option<Seq>), Problem> {
+    let (mission, limit) = (MissionId(id), count(limit));
+    let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
+        Some(_) => archive.entries(mission, after, limit + 1).map(Some),
+        None => Ok(None),
+    });
+    let mut entries = found.await?.ok_or_else(|| unknown(id))?;
+    let more = entries.len() > limit;
+    entries.truncate(limit);
+    let next = entries.last().map(|(seq, _)| *seq).filter(|_| more);
+    Ok((entries, next))
+}
+
+/// What `is_wanted` of a mission's entries after one of them, and what cannot be understood; at least so many where there are, and
+/// where to go on looking.
+pub(super) async fn wanted(
+    door: &Door,
+    id: u64,
+    after: Seq,
+    least: u64,
+    is_wanted: fn(&Fact) -> bool,
+) -> Result<(Vec<Happened>, Option<Seq>), Problem> {
+    let (mut found, mut from) = (Vec::new(), Some(after));
+    for _ in 0..LOOKS {
+        let Some(after) = from.filter(|_| found.len() < count(least)) else { break };
+        let (entries, next) = happened(door, id, after, EVENTS).await?;
+        found.extend(entries.into_iter().filter(|(_, entry)| entry.as_ref().map_or(true, |entry| is_wanted(&entry.fact))));
+        from = next;
+    }
+    Ok((found, from))
+}
+
+fn unknown(id: u64) -> Problem {
+    Problem::not_found(format!("there is no mission {id}: /api/v1/missions lists those there are"))
+}
+
+fn count(limit: u64) -> usize {
+    usize::try_from(limit).expect("a limit is at most a thousand")
+}
+
+fn json(value: &impl serde::Serialize) -> String {
+    serde_json::to_string(value).expect("a record is strings and numbers, which JSON can hold")
+}
+
+impl From<&MissionRecord> for MissionRecordJson {
+    fn from(record: &MissionRecord) -> MissionRecordJson {
+        MissionRecordJson {
+            id: record.id.0,
+            strategy: record.strategy.to_string(),
+            began: rfc3339(record.began),
+            archived: record.archived.map(rfc3339),
+            phase: record.phase.to_string(),
+            pieces: record.luggage,
+            dangerous: record.dangerous,
+            left: record.left.iter().map(|luggage| luggage.0).collect(),
+            links: Links::of(record.id),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{House, house, read, text};
+    use crate::api::fixture::searching;
+
+    async fn json(house: &House, path: &str) -> serde_json::Value {
+        let (status, json) = read(house.get(path).await).await;
+        assert_eq!(status, 200, "{path}: {json}");
+        json
+    }
+
+    fn ids(list: &serde_json::Value) -> Vec<u64> {
+        list["missions"].as_array().unwrap().iter().filter_map(|mission| mission["id"].as_u64()).collect()
+    }
+
+    #[tokio::test]
+    async fn missions_are_listed_newest_first_page_by_page() {
+        let house = house(searching());
+        let whole = json(&house, "/api/v1/missions").await;
+        assert_eq!((ids(&whole), &whole["next"]), (vec![2, 1], &serde_json::Value::Null));
+        let first = json(&house, "/api/v1/missions?limit=1").await;
+        assert_eq!(ids(&first), [2]);
+        let second = json(&house, first["next"].as_str().unwrap()).await;
+        assert_eq!((ids(&second), &second["next"]), (vec![1], &serde_json::Value::Null));
+        assert_eq!(second["missions"][0]["left"], serde_json::json!([2]));
+        assert_eq!((&whole["missions"][0]["archived"], &whole["missions"][0]["pieces"]), (&serde_json::Value::Null, &0.into()));
+    }
+
+    #[tokio::test]
+    async fn a_mission_that_is_over_keeps_its_luggage_and_its_map() {
+        let house = house(searching());
+        let mission = json(&house, "/api/v1/missions/1").await;
+        assert_eq!((&mission["phase"], &mission["dangerous"]), (&"bombLocated".into(), &1.into()));
+        assert_eq!(mission["luggage"][1]["decided"]["by"], "operator");
+        assert_eq!(mission["map"]["rows"][0], "r11X1X");
+        let link = |name: &str| mission["links"][name].as_str().unwrap().to_owned();
+        assert_eq!(json(&house, &link("map")).await, mission["map"]);
+        assert_eq!(json(&house, &link("self")).await, mission);
+        let plain = house.send("GET", &link("map"), &[("accept", "text/plain")], "").await;
+        assert!(plain.headers()["content-type"].to_str().unwrap().starts_with("text/plain"));
+        assert!(text(plain).await.starts_with("|r, 1, 1, X, 1, X, \n"));
+        assert_eq!(house.send("GET", &link("map"), &[("accept", "image/png")], "").await.status(), 406);
+    }
+
+    #[tokio::test]
+    async fn events_come_oldest_first_and_each_once() {
+        let house = house(searching());
+        let mut seen = Vec::new();
+        let mut next = Some("/api/v1/missions/1/events?limit=2".to_owned());
+        while let Some(path) = next {
+            let page = json(&house, &path).await;
+            let events = page["events"].as_array().unwrap();
+            assert!(!events.is_empty() && events.len() <= 2);
+            seen.extend(events.iter().filter_map(|event| event["seq"].as_u64()));
+            next = page["next"].as_str().map(str::to_owned);
+        }
+        assert_eq!(seen, [1, 2, 3, 4, 5, 6]);
+        let all = json(&house, "/api/v1/missions/1/events").await;
+        assert_eq!((&all["events"][1]["who"], &all["events"][1]["from"]), (&"anna".into(), &"192.0.2.7".into()));
+        assert_eq!(all["events"][2]["refused"]["code"], "moving");
+    }
+
+    #[tokio::test]
+    async fn what_is_damaged_is_said_beside_what_is_sound() {
+        let house = house(searching());
+        let mission = json(&house, "/api/v1/missions/1").await;
+        assert_eq!(mission["damage"], serde_json::json!(["entry 6 of the journal cannot be understood (a mouse was at it)"]));
+        assert!(mission["map"].is_object() && mission["luggage"][1]["id"].is_u64());
+        let all = json(&house, "/api/v1/missions/1/events").await;
+        assert_eq!((&all["events"][4]["kind"], &all["events"][5]["kind"]), (&"pose".into(), &"unreadable".into()));
+        assert!(all["events"][5]["why"].as_str().unwrap().contains("a mouse"), "{all}");
+        assert_eq!(json(&house, "/api/v1/missions/2").await["damage"], serde_json::json!([]));
+    }
+
+    #[tokio::test]
+    async fn what_a_client_already_has_is_not_sent_again() {
+        let house = house(searching());
+        for path in ["/missions", "/missions/1", "/missions/1/map", "/missions/1/events"].map(|path| format!("/api/v1{path}")) {
+            let tag = house.get(&path).await.headers()["etag"].clone();
+            let again = house.send("GET", &path, &[("if-none-match", tag.to_str().unwrap())], "").await;
+            assert_eq!((again.status().as_u16(), &again.headers()["etag"]), (304, &tag), "{path}");
+            assert_eq!(house.send("GET", &path, &[("if-none-match", "W/\"other\"")], "").await.status(), 200, "{path}");
+        }
+    }
+
+    #[tokio::test]
+    async fn what_is_unknown_wrong_or_unreadable_is_a_problem_in_words() {
+        let house = house(searching());
+        for (path, status, words) in [
+            ("/missions/9", 404, "there is no mission 9"),
+            ("/missions/9/events", 404, "there is no mission 9"),
+            ("/missions/9/map", 404, "there is no mission 9"),
+            ("/missions/x", 404, "a number belongs there"),
+            ("/missions/99", 503, "the disk is on strike"),
+            ("/missions?before=0", 422, "`before` is \"0\": a whole number from 1 belongs there"),
+            ("/missions?limit=101", 422, "`limit` is \"101\": a whole number from 1 to 100 belongs there"),
+            ("/missions?bfore=1", 422, "there is no `bfore`"),
+            ("/missions/1/events?limit=1001", 422, "from 1 to 1000"),
+            ("/missions/1/events?after=-1", 422, "`after` is \"-1\""),
+        ] {
+            let (got, problem) = read(house.get(&format!("/api/v1{path}")).await).await;
+            assert_eq!(got.as_u16(), status, "{path}: {problem}");
+            assert!(problem["detail"].as_str().unwrap().contains(words), "{path}: {problem}");
+        }
+    }
+}

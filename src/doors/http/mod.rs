@@ -1,0 +1,131 @@
+//! The HTTP door: JSON under `/api/v1`, the operator's console at `/`, the old console's routes. It turns requests into
+//! commands and snapshots into answers; it decides nothing about the mission.
+
+mod accept;
+mod assets;
+mod by;
+mod commands;
+mod console;
+mod etag;
+mod events;
+mod gate;
+mod guard;
+mod hearing;
+mod lines;
+mod missions;
+mod mqtt;
+mod old;
+mod places;
+mod problem;
+mod query;
+mod reading;
+mod reads;
+mod routes;
+pub mod scanning;
+mod serve;
+mod sign_in;
+mod streams;
+#[cfg(test)]
+mod testing;
+mod tls;
+mod watcher;
+
+use std::sync::Arc;
+
+use axum::Router;
+use tokio::sync::watch;
+
+pub use guard::Hosts;
+use lines::Lines;
+pub use mqtt::{Carried, Hall, Visitor};
+pub use serve::{Front, serve};
+use streams::Streams;
+pub use tls::{Tls, TlsError};
+
+use crate::access::{Access, Attempts};
+use crate::doors::room::Room;
+use crate::runtime::archive_reader::Reader;
+use crate::runtime::clock::Clock;
+use crate::runtime::handle::Handle;
+
+/// Streams open at once, the console's and the interface's together: every screen of a site, and a bound on what strangers cost.
+pub const STREAMS: usize = 256;
+
+/// What the door needs of the house. Cheap to clone.
+#[derive(Clone)]
+pub struct Door {
+    handle: Handle,
+    archive: Reader,
+    hall: Arc<str>,
+    streams: Streams,
+    closing: watch::Sender<bool>,
+    clock: Clock,
+    access: Access,
+    attempts: Arc<Attempts>,
+    strangers: Arc<Lines>,
+    cookie: Arc<str>,
+    mqtt: Option<Hall>,
+    /// The side of a cell, in metres, where it is known.
+    cell_m: Option<f64>,
+    began: Arc<console::Began>,
+}
+
+impl Door {
+    /// A door to the loop behind `handle`; `hall` is the name on the page,
+    /// `access` says who is let in.
+    #[must_use]
+    pub fn new(handle: Handle, archive: Reader, hall: &str, access: Access) -> Door {
+        Door {
+            handle,
+            archive,
+            hall: Arc::from(hall),
+            streams: Streams::new(STREAMS),
+            closing: watch::Sender::new(false),
+            clock: Clock::default(),
+            access,
+            attempts: Arc::default(),
+            strangers: Arc::default(),
+            cookie: sign_in::cookie_name(0),
+            mqtt: None,
+            cell_m: None,
+            began: Arc::default(),
+        }
+    }
+
+    /// The same, with a way to MQTT for web clients.
+    #[must_use]
+    pub fn with_mqtt(self, mqtt: Option<Hall>) -> Door {
+        Door { mqtt, ..self }
+    }
+
+    /// The same at this port, by which the cookies of several instances on one host are told apart: browsers do not look at ports.
+    fn at(self, port: u16) -> Door {
+        Door { cookie: sign_in::cookie_name(port), ..self }
+    }
+
+    /// The same, with as many streams as there is room for.
+    fn with_streams(self, room: Room) -> Door {
+        Door { streams: Streams::new(room.part(STREAMS)), ..self }
+    }
+
+    /// The name of its session's cookie.
+    fn cookie(&self) -> &str {
+        &self.cookie
+    }
+
+    /// The same, of a hall whose cells have sides of this many metres.
+    #[must_use]
+    pub fn with_cells_of(self, cell_m: f64) -> Door {
+        Door { cell_m: Some(cell_m), ..self }
+    }
+
+    /// Ends every open stream at once, and every one opened from now on.
+    pub fn close(&self) {
+        self.closing.send_replace(true);
+    }
+}
+
+/// Every route, with what stands in front of all of them.
+pub fn router(door: &Door, hosts: Hosts) -> Router {
+    guard::guarded(routes::routes(door), hosts, door)
+}

@@ -1,0 +1,232 @@
+//! `/mqtt`: MQTT over WebSocket, for web clients. The bytes in its messages are handed on as one stream; what is said in it is not
+//! this door's business, and neither is whom it lets in who shows nothing here.
+
+use std::fmt;
+use std::io;
+use std::net::IpAddr;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll};
+use std::time::Duration;
+
+use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::extract::{Request, State};
+use axum::http::HeaderMap;
+use axum::response::{IntoResponse, Response};
+use bytes::BytesMut;
+use futures_util::stream::{SplitSink, SplitStream};
+use futures_util::{SinkExt, StreamExt};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt, DuplexStream, ReadBuf, ReadHalf, WriteHalf};
+use tokio::sync::oneshot;
+
+use super::Door;
+use super::gate::{LetIn, Peer};
+use super::guard::is_foreign;
+use super::problem::Problem;
+use crate::access::{Access, Caller};
+use crate::doors::vestibule::Vestibule;
+
+/// How web clients call what they speak (MQTT 3.1.1 §6).
+const PROTOCOL: &str = "mqtt";
+
+/// So much waits between the two streams, each way, in bytes.
+const BETWEEN: usize = 64 * 1024;
+
+/// So much of a client's is read at once, in bytes: that room is taken for each, whether or not it says anything.
+const READ: usize = 4 * 1024;
+
+/// The longest message of a client, in bytes: the longest packet of MQTT it may send, and something over.
+const LONGEST: usize = 512 * 1024;
+
+/// So much waits for a client that reads nothing, answers to its pings included, in bytes: a message of the broker has room beside them.
+const UNREAD: usize = 3 * BETWEEN;
+
+/// So long what is left for a client may take to get to it after the broker has let go of it, and so long a farewell.
+const FAREWELL: Duration = Duration::from_secs(1);
+
+/// So many may still be on their way out when the broker, which bounds how many it has, has let go of them.
+const LEAVING: usize = 64;
+
+/// A web client that wants to speak MQTT.
+#[derive(Debug)]
+pub struct Visitor {
+    /// What it says, and what it is told.
+    pub stream: Carried,
+    /// Where it comes from.
+    pub from: IpAddr,
+    /// Who it is, if it has signed in to the console.
+    pub caller: Option<Caller>,
+    /// Who is let in by this way.
+    pub access: Access,
+}
+
+/// The broker's end of what is carried. When it is dropped, the connection ends, whether or not the client reads what is left for it.
+#[derive(Debug)]
+pub struct Carried {
+    stream: DuplexStream,
+    _held: oneshot::Sender<()>,
+}
+
+impl AsyncRead for Carried {
+    fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_read(cx, buf)
+    }
+}
+
+impl AsyncWrite for Carried {
+    fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        Pin::new(&mut self.stream).poll_write(cx, bytes)
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_flush(cx)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_shutdown(cx)
+    }
+}
+
+/// Where web clients are brought.
+#[derive(Clone)]
+pub struct Hall {
+    receive: Arc<dyn Fn(Visitor) + Send + Sync>,
+    /// Of those whom the broker has let go of.
+    leaving: Vestibule,
+}
+
+impl Hall {
+    /// Brings them there.
+    pub fn new(receive: impl Fn(Visitor) + Send + Sync + 'static) -> Hall {
+        Hall { receive: Arc::new(receive), leaving: Vestibule::new(LEAVING) }
+    }
+}
+
+impl fmt::Debug for Hall {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Hall")
+    }
+}
+
+/// `GET mqtt`. A browser lets any page of the world open a WebSocket and sends the cookies along, so pages of other origins are
+/// refused here as they are when they post.
+pub(super) async fn mqtt(
+    State(door): State<Door>,
+    peer: Peer,
+    caller: Result<LetIn, Problem>,
+    headers: HeaderMap,
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+    request: Request,
+) -> Result<Response, Problem> {
+    let Some(Hall { receive, leaving }) = door.mqtt.clone() else {
+        return Err(Problem::not_found(
+            "there is no MQTT broker here: mqtt.bind is none, or mqtt.broker names another".to_owned(),
+        ));
+    };
+    if is_foreign(&headers) {
+        door.note_unrecorded(peer, request.method(), request.uri().path(), "a page of another origin sent it");
+        return Err(Problem::foreign(
+            "a page of another origin opened this: MQTT is for hallsweep's own page and for programs".into(),
+        ));
+    }
+    let unspoken =
+        || Problem::malformed(format!("here MQTT is spoken over WebSocket: connect to it with the subprotocol {PROTOCOL}"));
+    let upgrade = upgrade.map_err(|_| unspoken())?.protocols([PROTOCOL]);
+    if upgrade.selected_protocol().is_none() {
+        return Err(unspoken());
+    }
+    let (access, caller) = (door.access.clone(), caller.ok().map(|LetIn(caller)| caller));
+    let upgrade = upgrade.read_buffer_size(READ).max_message_size(LONGEST).max_frame_size(LONGEST);
+    let upgrade = upgrade.write_buffer_size(BETWEEN).max_write_buffer_size(UNREAD);
+    Ok(upgrade
+        .on_upgrade(async move |socket| {
+            let (ours, stream) = tokio::io::duplex(BETWEEN);
+            let (held, let_go) = oneshot::channel();
+            receive(Visitor { stream: Carried { stream, _held: held }, from: peer.address, caller, access });
+            carry((socket, peer.address), ours, (let_go, leaving)).await;
+        })
+        .into_response())
+}
+
+/// Carries bytes both ways until either side ends; neither way waits for the other. A client that reads slowly does not keep the
+/// connection longer than the broker does.
+async fn carry((socket, address): (WebSocket, IpAddr), stream: DuplexStream, gone: (oneshot::Receiver<()>, Vestibule)) {
+    let (from, to) = tokio::io::split(stream);
+    let (mut send, receive) = socket.split();
+    let carried = async {
+        tokio::select! {
+            () = inward(receive, to) => {}
+            () = outward(from, &mut send) => {}
+        }
+        // Whoever is gone already needs no farewell.
+        let _ = tokio::time::timeout(FAREWELL, send.send(Message::Close(None))).await;
+    };
+    tokio::select! {
+        () = carried => {}
+        () = left(gone, address) => {}
+    }
+}
+
+/// Waits until a client had its time to read what was left for it when the broker let go of it, or has to make room for others.
+async fn left((let_go, leaving): (oneshot::Receiver<()>, Vestibule), address: IpAddr) {
+    let _ = let_go.await;
+    leaving.linger(address, tokio::time::sleep(FAREWELL)).await;
+}
+
+async fn inward(mut socket: SplitStream<WebSocket>, mut to: WriteHalf<DuplexStream>) {
+    while let Some(Ok(message)) = socket.next().await {
+        let carried = match message {
+            Message::Binary(bytes) => to.write_all(&bytes).await.is_ok(),
+            Message::Ping(_) | Message::Pong(_) => true,
+            // Text is no MQTT (§6).
+            Message::Text(_) | Message::Close(_) => false,
+        };
+        if !carried {
+            return;
+        }
+    }
+}
+
+async fn outward(mut from: ReadHalf<DuplexStream>, socket: &mut SplitSink<WebSocket, Message>) {
+    let mut bytes = BytesMut::with_capacity(READ);
+    while let Ok(read @ 1..) = from.read_buf(&mut bytes).await {
+        if socket.send(Message::Binary(bytes.split().freeze())).await.is_err() {
+            return;
+        }
+        // Whoever is told much is told it in fewer messages.
+        bytes.reserve(if read < READ { READ } else { BETWEEN });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use futures_util::FutureExt;
+
+    use super::*;
+    use crate::runtime::within::within;
+
+    /// Safety A5: however many come and go, and however little they read.
+    #[tokio::test(start_paused = true)]
+    async fn of_those_who_were_let_go_of_and_read_nothing_so_many_are_waited_for() {
+        let leaving = Vestibule::new(LEAVING);
+        let (kept, let_go) = oneshot::channel();
+        let mut staying = Box::pin(left((let_go, leaving.clone()), IpAddr::from([127, 0, 0, 1])));
+        let mut gone = Vec::new();
+        for _ in 0..LEAVING + 9 {
+            let (held, let_go) = oneshot::channel();
+            gone.push(tokio::spawn(left((let_go, leaving.clone()), IpAddr::from([127, 0, 0, 1]))));
+            drop(held);
+        }
+        for _ in 0..3 {
+            tokio::task::yield_now().await;
+        }
+        assert_eq!(gone.iter().filter(|left| left.is_finished()).count(), 9, "no time has passed");
+        for left in gone {
+            within("the end", left).await.unwrap();
+        }
+        assert!((&mut staying).now_or_never().is_none(), "whom the broker has, it has");
+        drop(kept);
+        staying.await;
+    }
+}

@@ -1,0 +1,93 @@
+//! What stands after the `?` of an address: every value is checked, and no name is ignored, so that a mistyped one is seen.
+
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+
+use axum::extract::FromRequestParts;
+use axum::http::request::Parts;
+
+use super::problem::Problem;
+use crate::api::fields::in_short;
+
+/// The largest number that a store can count to.
+pub(super) const MOST: u64 = i64::MAX as u64;
+
+/// The values by their names. They are numbers and plain words, so escapes are not undone.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Query(BTreeMap<String, String>);
+
+impl<S: Send + Sync> FromRequestParts<S> for Query {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Query, Problem> {
+        Query::of(parts.uri.query().unwrap_or_default())
+    }
+}
+
+impl Query {
+    fn of(text: &str) -> Result<Query, Problem> {
+        let mut values = BTreeMap::new();
+        for pair in text.split('&').filter(|pair| !pair.is_empty()) {
+            let (name, value) = pair.split_once('=').unwrap_or((pair, ""));
+            if values.insert(name.to_owned(), value.to_owned()).is_some() {
+                return Err(Problem::unusable(format!("`{}` is there twice: send it once", in_short(name))));
+            }
+        }
+        Ok(Query(values))
+    }
+
+    /// Refuses every name but these.
+    pub(super) fn only(&self, known: &[&str]) -> Result<(), Problem> {
+        let Some(unknown) = self.0.keys().find(|name| !known.contains(&name.as_str())) else { return Ok(()) };
+        let detail = format!("there is no `{}` to ask by: there are {}", in_short(unknown), known.join(", "));
+        Err(Problem::unusable(detail))
+    }
+
+    /// A whole number within `range` that may be absent.
+    pub(super) fn count(&self, name: &str, range: RangeInclusive<u64>) -> Result<Option<u64>, Problem> {
+        let Some(text) = self.0.get(name) else { return Ok(None) };
+        let sound = text.parse().ok().filter(|number| range.contains(number));
+        sound.map(Some).ok_or_else(|| {
+            let most = if *range.end() == MOST { String::new() } else { format!(" to {}", range.end()) };
+            let wanted = format!("a whole number from {}{most} belongs there", range.start());
+            Problem::unusable(format!("`{name}` is {:?}: {wanted}", in_short(text)))
+        })
+    }
+
+    /// One of these words, which may be absent.
+    pub(super) fn word<'w>(&self, name: &str, words: &[&'w str]) -> Result<Option<&'w str>, Problem> {
+        let Some(text) = self.0.get(name) else { return Ok(None) };
+        let known = words.iter().find(|word| *word == text);
+        known
+            .copied()
+            .map(Some)
+            .ok_or_else(|| Problem::unusable(format!("`{name}` is {:?}: {} belongs there", in_short(text), words.join(" or "))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn limit(text: &str) -> Result<Option<u64>, String> {
+        let said = |problem: Problem| problem.detail().to_owned();
+        Query::of(text).and_then(|query| query.only(&["limit"]).and_then(|()| query.count("limit", 1..=100))).map_err(said)
+    }
+
+    #[test]
+    fn a_number_within_its_range_is_taken_and_absent_ones_are_no_mistake() {
+        assert_eq!((limit(""), limit("limit=1"), limit("limit=100&")), (Ok(None), Ok(Some(1)), Ok(Some(100))));
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_name_its_value_and_what_belongs_there() {
+        for wrong in ["0", "101", "-1", "1.5", "", "ten", "99999999999999999999", "%31"] {
+            let said = format!("`limit` is {wrong:?}: a whole number from 1 to 100 belongs there");
+            assert_eq!(limit(&format!("limit={wrong}")), Err(said));
+        }
+        assert_eq!(limit("limt=3"), Err("there is no `limt` to ask by: there are limit".to_owned()));
+        assert_eq!(limit("limit=3&limit=4"), Err("`limit` is there twice: send it once".to_owned()));
+        let open = Query::of("after=x").unwrap().count("after", 0..=MOST).unwrap_err();
+        assert_eq!(open.detail(), "`after` is \"x\": a whole number from 0 belongs there");
+    }
+}

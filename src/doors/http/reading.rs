@@ -1,0 +1,188 @@
+//! Reading what a request carries: JSON bodies, form bodies and numbers in paths, bounded in size and time, every failure a
+//! `Problem` in words. What the fields mean stands in `crate::api::command`.
+
+use std::time::Duration;
+
+use axum::body::{Body, Bytes};
+use axum::extract::{FromRequest, FromRequestParts, Path, Request};
+use axum::http::request::Parts;
+use axum::http::{HeaderMap, HeaderValue, header};
+use bytes::BytesMut;
+use futures_util::StreamExt;
+use serde::de::DeserializeOwned;
+
+use super::problem::Problem;
+use crate::api::fields::{self, Body as Fields, Unread, in_short};
+
+/// The largest body that is read: a command is a few dozen bytes.
+pub(super) const BODY_BYTES: usize = 16 * 1024;
+
+/// So long a body may take before it is looked at how fast it comes,
+const BODY_BEGIN: Duration = Duration::from_secs(2);
+
+/// and then so much of it must come in each second, in bytes: the largest is here or refused within six.
+const BODY_RATE: usize = 4 * 1024;
+
+/// A JSON body.
+pub(super) struct Json<T>(pub(super) T);
+
+/// A JSON body that may be absent; an empty one is the default.
+pub(super) struct OptionalJson<T>(pub(super) T);
+
+/// The fields of a form.
+pub(super) struct Form<T>(pub(super) T);
+
+/// The number of a thing, from the path.
+pub(super) struct Number(pub(super) u64);
+
+impl<S: Send + Sync, T: Fields> FromRequest<S> for Json<T> {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, _: &S) -> Result<Json<T>, Problem> {
+        let (headers, body) = body_of(request).await?;
+        if body.is_empty() {
+            return Err(Problem::malformed("the body is empty: this command needs JSON, see docs/http.md".to_owned()));
+        }
+        json(&headers, &body).map(Json)
+    }
+}
+
+impl<S: Send + Sync, T: Fields + Default> FromRequest<S> for OptionalJson<T> {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, _: &S) -> Result<OptionalJson<T>, Problem> {
+        let (headers, body) = body_of(request).await?;
+        let value = if body.is_empty() { T::default() } else { json(&headers, &body)? };
+        Ok(OptionalJson(value))
+    }
+}
+
+impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Form<T> {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, state: &S) -> Result<Form<T>, Problem> {
+        let (headers, body) = body_of(request).await?;
+        let mut whole = Request::new(Body::from(body));
+        *whole.method_mut() = axum::http::Method::POST;
+        let form = HeaderMap::from_iter([(header::CONTENT_TYPE, form_type(&headers)?)]);
+        *whole.headers_mut() = form;
+        let read = axum::Form::<T>::from_request(whole, state).await;
+        read.map(|axum::Form(fields)| Form(fields))
+            .map_err(|_| Problem::unusable("the form cannot be read: send each of its fields once".to_owned()))
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for Number {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Number, Problem> {
+        let path = in_short(parts.uri.path());
+        let missing = || Problem::not_found(format!("there is nothing at {path}: a number belongs there, as 3"));
+        let Path(text) = Path::<String>::from_request_parts(parts, state).await.map_err(|_| missing())?;
+        text.parse().map(Number).map_err(|_| missing())
+    }
+}
+
+async fn body_of(request: Request) -> Result<(HeaderMap, Bytes), Problem> {
+    let (parts, body) = request.into_parts();
+    let announced = parts.headers.get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse::<u64>().ok());
+    if announced.is_some_and(|length| length > BODY_BYTES as u64) {
+        return Err(too_large());
+    }
+    Ok((parts.headers, read(body).await?))
+}
+
+/// All of a body, unless it is too large or comes too slowly.
+async fn read(body: Body) -> Result<Bytes, Problem> {
+    let (mut pieces, mut read) = (body.into_data_stream(), BytesMut::new());
+    let (mut span, mut before) = (BODY_BEGIN, None);
+    loop {
+        let all = async {
+            while let Some(piece) = pieces.next().await {
+                let piece = piece.map_err(|error| Problem::malformed(format!("the body could not be read: {error}")))?;
+                if read.len() + piece.len() > BODY_BYTES {
+                    return Err(too_large());
+                }
+                read.extend_from_slice(&piece);
+            }
+            Ok(())
+        };
+        match tokio::time::timeout(span, all).await {
+            Ok(all) => return all.map(|()| read.freeze()),
+            Err(_) if before.is_some_and(|before| read.len() < before + BODY_RATE) => {
+                let begin = BODY_BEGIN.as_secs();
+                return Err(Problem::too_slow(format!(
+                    "the body came too slowly: after {begin} s, {BODY_RATE} bytes a second are the least"
+                )));
+            }
+            Err(_) => (span, before) = (Duration::from_secs(1), Some(read.len())),
+        }
+    }
+}
+
+fn too_large() -> Problem {
+    Problem::too_large(format!("the body is larger than {BODY_BYTES} bytes: a command is a few dozen"))
+}
+
+fn json<T: Fields>(headers: &HeaderMap, body: &[u8]) -> Result<T, Problem> {
+    let media = media_type(headers)?.unwrap_or_else(|| "none".to_owned());
+    if media != "application/json" && !(media.starts_with("application/") && media.ends_with("+json")) {
+        return Err(Problem::wrong_type(format!("the content type is {}: send application/json", in_short(&media))));
+    }
+    fields::body(body).map_err(|unread| match unread {
+        Unread::Malformed(words) => Problem::malformed(words),
+        Unread::Unusable(unusable) => unusable.into(),
+    })
+}
+
+fn form_type(headers: &HeaderMap) -> Result<HeaderValue, Problem> {
+    const FORM: &str = "application/x-www-form-urlencoded";
+    match media_type(headers)? {
+        Some(named) if named != FORM => {
+            Err(Problem::wrong_type(format!("the content type is {}: a form is {FORM}", in_short(&named))))
+        }
+        _ => Ok(HeaderValue::from_static(FORM)),
+    }
+}
+
+/// The named media type in small letters, without its parameters; text in anything but UTF-8 is not read.
+fn media_type(headers: &HeaderMap) -> Result<Option<String>, Problem> {
+    let Some(named) = headers.get(header::CONTENT_TYPE) else { return Ok(None) };
+    let named = String::from_utf8_lossy(named.as_bytes()).to_ascii_lowercase();
+    let mut parts = named.split(';').map(str::trim);
+    let media = parts.next().unwrap_or_default().to_owned();
+    let charset = parts.find_map(|part| part.strip_prefix("charset=")).map(|charset| charset.trim_matches('"'));
+    match charset {
+        Some(charset) if charset != "utf-8" && charset != "utf8" => {
+            Err(Problem::wrong_type(format!("the charset is {}: send utf-8", in_short(charset))))
+        }
+        _ => Ok(Some(media)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use futures_util::stream;
+
+    /// What becomes of a body of so many pieces, each of this size and this much after the last.
+    async fn comes(pieces: usize, bytes: usize, after: Duration) -> Result<usize, u16> {
+        let body = Body::from_stream(stream::unfold(0, move |sent| async move {
+            tokio::time::sleep(after).await;
+            (sent < pieces).then(|| (Ok::<_, std::io::Error>(vec![b'x'; bytes]), sent + 1))
+        }));
+        read(body).await.map(|body| body.len()).map_err(|problem| problem.status().as_u16())
+    }
+
+    /// Safety S9, A5.
+    #[tokio::test(start_paused = true)]
+    async fn a_body_comes_at_a_least_rate_or_is_refused() {
+        let ms = Duration::from_millis;
+        assert_eq!(comes(4, 25, ms(400)).await, Ok(100), "a small one has some time");
+        assert_eq!(comes(16, 1024, ms(150)).await, Ok(16 * 1024));
+        assert_eq!(comes(100, 1, ms(500)).await, Err(408), "a byte now and then is no progress");
+        assert_eq!(comes(16, 1024, ms(900)).await, Err(408));
+        assert_eq!(comes(1, 100, Duration::MAX).await, Err(408));
+        assert_eq!(comes(17, 1024, ms(1)).await, Err(413));
+    }
+}

@@ -1,0 +1,182 @@
+//! What can be looked at under `/api/v1`, and `/healthz`. Nothing here changes anything.
+
+use std::sync::Arc;
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderValue, header};
+use axum::response::{IntoResponse, Redirect, Response};
+
+use super::Door;
+use super::accept::preferred;
+use super::etag::{conditional, tag};
+use super::problem::Problem;
+use super::reading::Number;
+use crate::api::luggage::LuggageJson;
+use crate::api::map::{MapJson, map_revision};
+use crate::api::map_text;
+use crate::api::state::{self, StateJson};
+use hallsweep_core::units::LuggageId;
+use hallsweep_core::world::luggage::{Luggage, NoPhoto};
+use hallsweep_core::world::resource::Resource;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// `GET state`
+pub(super) async fn state(State(door): State<Door>, headers: HeaderMap) -> Response {
+    let snapshot = door.handle.snapshot();
+    let tag = tag(&snapshot.run, snapshot.revision, "json");
+    conditional(&headers, &tag, || Json(StateJson::from(&*snapshot)).into_response())
+}
+
+/// `GET map`, as JSON or as the text of old clients.
+pub(super) async fn map(State(door): State<Door>, headers: HeaderMap) -> Result<Response, Problem> {
+    const FORMATS: [&str; 2] = ["application/json", "text/plain"];
+    let snapshot = door.handle.snapshot();
+    let Some(format) = preferred(&headers, &FORMATS) else {
+        return Err(Problem::not_acceptable("the map is there as application/json and as text/plain".to_owned()));
+    };
+    let is_json = format == FORMATS[0];
+    let tag = tag(&snapshot.run, map_revision(&snapshot), if is_json { "json" } else { "text" });
+    let mut response = conditional(&headers, &tag, || match is_json {
+        true => Json(MapJson::from(&*snapshot)).into_response(),
+        false => map_text::lines(&*snapshot).into_response(),
+    });
+    response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
+    Ok(response)
+}
+
+/// `GET luggage`
+pub(super) async fn luggage_list(State(door): State<Door>, headers: HeaderMap) -> Response {
+    let snapshot = door.handle.snapshot();
+    conditional(&headers, &luggage_tag(&snapshot), || Json(state::luggage(&snapshot)).into_response())
+}
+
+/// `GET luggage/{id}`
+pub(super) async fn luggage(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
+    let snapshot = door.handle.snapshot();
+    let luggage = record(&door, &snapshot, id).await?;
+    Ok(conditional(&headers, &luggage_tag(&snapshot), || Json(LuggageJson::from(&*luggage)).into_response()))
+}
+
+/// `GET luggage/{id}/photo`: the newest picture of a piece. A browser that opens it by itself is led to its page, because a bare
+/// picture has no STOP on it.
+pub(super) async fn photo(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
+    if preferred(&headers, &["image/*", "text/html"]) == Some("text/html") {
+        return Ok(([(header::VARY, "accept")], Redirect::to(&format!("/luggage/{id}"))).into_response());
+    }
+    let snapshot = door.handle.snapshot();
+    let take = record(&door, &snapshot, id).await?.take()?;
+    let kept = door.archive.look_up(move |archive| archive.photo(LuggageId(id))).await?;
+    let photo = kept.ok_or(NoPhoto::NotKept(LuggageId(id)))?;
+    let tag = tag(&snapshot.run, format_args!("{id}.{take}"), "photo");
+    let bytes = axum::body::Bytes::from_owner(photo.bytes);
+    let mut response = conditional(&headers, &tag, || ([(header::CONTENT_TYPE, photo.media_type)], bytes).into_response());
+    response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
+    Ok(response)
+}
+
+/// `GET /healthz`: `ok` and the revision, as long as the loop behind the door lives.
+pub(super) async fn health(State(door): State<Door>) -> Result<String, Problem> {
+    match door.handle.watch().has_changed() {
+        Ok(_) => Ok(format!("ok {}\n", door.handle.snapshot().revision)),
+        Err(_) => Err(Problem::closing()),
+    }
+}
+
+/// The record of a piece of this mission, or of one that is over.
+pub(super) async fn record(door: &Door, snapshot: &Snapshot, id: u64) -> Result<Arc<Luggage>, Problem> {
+    if let Some(luggage) = snapshot.luggage(LuggageId(id)) {
+        return Ok(Arc::clone(luggage));
+    }
+    let kept = door.archive.look_up(move |archive| archive.luggage(LuggageId(id))).await?.map(Arc::new);
+    kept.ok_or_else(|| Problem::no_luggage(id))
+}
+
+fn luggage_tag(snapshot: &Snapshot) -> String {
+    tag(&snapshot.run, snapshot.revision_of(Resource::Luggage), "json")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{House, house, read, text};
+    use crate::api::fixture::searching;
+    use hallsweep_core::world::luggage::{Luggage, PhotoState};
+    use std::sync::Arc;
+
+    async fn etag(house: &House, path: &str, accept: &str) -> String {
+        let response = house.send("GET", path, &[("accept", accept)], "").await;
+        assert_eq!(response.status(), 200, "{path}");
+        response.headers()["etag"].to_str().unwrap().to_owned()
+    }
+
+    #[tokio::test]
+    async fn what_a_client_already_has_is_not_sent_again() {
+        let house = house(searching());
+        for path in ["/state", "/map", "/luggage", "/luggage/3", "/luggage/3/photo"].map(|path| format!("/api/v1{path}")) {
+            let tag = etag(&house, &path, "*/*").await;
+            assert!(tag.starts_with("W/\"t-1-"), "{tag}");
+            let again = house.send("GET", &path, &[("if-none-match", &tag)], "").await;
+            assert_eq!((again.status().as_u16(), &again.headers()["etag"]), (304, &tag.parse().unwrap()), "{path}");
+            assert_eq!(again.headers()["cache-control"], "no-cache");
+            let other = house.send("GET", &path, &[("if-none-match", "W/\"t-0-20-json\"")], "").await;
+            assert_eq!(other.status(), 200, "{path}");
+        }
+    }
+
+    #[tokio::test]
+    async fn the_map_comes_in_the_format_that_is_asked_for() {
+        let house = house(searching());
+        let plain = house.send("GET", "/api/v1/map", &[("accept", "text/plain")], "").await;
+        assert!(plain.headers().get_all("vary").iter().any(|value| value == "accept"));
+        assert!(plain.headers()["content-type"].to_str().unwrap().starts_with("text/plain"));
+        assert!(text(plain).await.starts_with("|1, 1, 1, X, 1, X, \n"));
+        let (_, json) = read(house.get("/api/v1/map").await).await;
+        assert_eq!(json["rows"][2], "1XrX0X");
+        assert_eq!(house.send("GET", "/api/v1/map", &[("accept", "image/png")], "").await.status(), 406);
+        let (json, plain) = (etag(&house, "/api/v1/map", "*/*").await, etag(&house, "/api/v1/map", "text/plain").await);
+        assert_ne!(json, plain);
+    }
+
+    #[tokio::test]
+    async fn a_photo_is_the_picture_itself_and_never_compressed() {
+        let house = house(searching());
+        let response = house.send("GET", "/api/v1/luggage/3/photo", &[("accept-encoding", "gzip")], "").await;
+        assert_eq!(response.headers()["content-type"], "image/png");
+        assert!(response.headers().get("content-encoding").is_none());
+        let bytes = axum::body::to_bytes(response.into_body(), 100).await.unwrap();
+        assert_eq!(&bytes[..], b"\x89PNG");
+    }
+
+    #[tokio::test]
+    async fn a_failed_photo_says_why_it_is_not_there() {
+        let mut snapshot = searching();
+        let failed = Luggage { photo: PhotoState::Failed("lens covered".to_owned()), ..(*snapshot.luggage[2]).clone() };
+        Arc::make_mut(&mut snapshot.luggage)[2] = Arc::new(failed);
+        let (status, json) = read(house(snapshot).get("/api/v1/luggage/3/photo").await).await;
+        assert_eq!(status, 404);
+        assert!(json["detail"].as_str().unwrap().contains("lens covered"), "{json}");
+    }
+
+    #[tokio::test]
+    async fn what_is_large_travels_compressed_when_the_client_can() {
+        let house = house(searching());
+        let response = house.send("GET", "/api/v1/state", &[("accept-encoding", "gzip")], "").await;
+        assert_eq!(response.headers()["content-encoding"], "gzip");
+        assert!(response.headers()["etag"].to_str().unwrap().starts_with("W/"));
+    }
+
+    #[tokio::test]
+    async fn what_is_not_there_is_not_found() {
+        let house = house(searching());
+        for path in ["/api/v1/luggage/99", "/api/v1/luggage/x", "/api/v1/luggage/99/photo", "/api/v1/", "/api", "/nowhere"] {
+            let (status, json) = read(house.get(path).await).await;
+            assert_eq!((status.as_u16(), &json["status"]), (404, &404.into()), "{path}");
+        }
+    }
+
+    #[tokio::test]
+    async fn health_is_ok_until_the_loop_is_gone() {
+        let house = house(searching());
+        assert_eq!(text(house.get("/healthz").await).await, "ok 20\n");
+    }
+}

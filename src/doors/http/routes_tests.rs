@@ -1,0 +1,138 @@
+//! The table, walked: every route with nobody, a viewer and an operator at the door. What the routes do is tested beside them.
+
+use std::fmt::Write;
+
+use super::*;
+use crate::access::Access;
+use crate::api::fixture::searching;
+use crate::doors::http::testing;
+use crate::doors::http::testing::{House, guarded_house, house, keys, read, text};
+use hallsweep_core::command::Command;
+
+/// Sends what a row answers to, as somebody with this token.
+async fn sent(house: &House, row: &Row, token: Option<&str>, accept: &str) -> axum::http::Response<axum::body::Body> {
+    let bearer = token.map(|token| format!("Bearer {token}"));
+    let mut headers = vec![("accept", accept)];
+    headers.extend(bearer.as_deref().map(|bearer| ("authorization", bearer)));
+    house.send(row.method.as_str(), &row.path.replace("{id}", "3"), &headers, "").await
+}
+
+fn guarded() -> (House, testing::Tokens) {
+    let (keyring, tokens) = keys();
+    (guarded_house(searching(), Access::Keys(keyring)), tokens)
+}
+
+/// Safety A1.
+#[tokio::test]
+async fn every_route_lets_in_whom_the_table_says_and_nobody_else() {
+    let (house, tokens) = guarded();
+    for row in table() {
+        let (method, path) = (&row.method, row.path);
+        let stranger = sent(&house, &row, None, "*/*").await;
+        let expect_401 = row.need != Nothing;
+        assert_eq!(stranger.status() == 401, expect_401, "{method} {path} for nobody: {}", stranger.status());
+        assert_eq!(stranger.headers().contains_key("www-authenticate"), expect_401, "{method} {path}");
+
+        let viewer = sent(&house, &row, Some(&tokens.viewer), "*/*").await;
+        assert_ne!(viewer.status(), 401, "{method} {path} for a viewer");
+        assert_eq!(viewer.status() == 403, row.need == Act, "{method} {path} for a viewer: {}", viewer.status());
+        if row.need == Act {
+            assert_eq!(read(viewer).await.1["code"], "notAllowed", "{method} {path}");
+        }
+
+        let operator = sent(&house, &row, Some(&tokens.operator), "*/*").await;
+        assert!(![401, 403].contains(&operator.status().as_u16()), "{method} {path} for an operator: {}", operator.status());
+    }
+}
+
+/// Safety S1, A1.
+#[tokio::test]
+async fn all_that_a_viewer_can_make_the_core_do_is_to_stop() {
+    let (house, tokens) = guarded();
+    for row in table() {
+        sent(&house, &row, Some(&tokens.viewer), "*/*").await;
+    }
+    let given: Vec<Command> = house.given.lock().unwrap().drain(..).map(|request| request.command).collect();
+    assert_eq!(given, vec![Command::Stop; 4], "by the interface, the console, and two words of old clients");
+
+    let bearer = format!("Bearer {}", tokens.viewer);
+    let moved = async |path: &str, media: &str, body: &str| {
+        let headers = [("authorization", bearer.as_str()), ("content-type", media)];
+        house.send("POST", path, &headers, body).await.status().as_u16()
+    };
+    let (json, form) = ("application/json", "application/x-www-form-urlencoded");
+    assert_eq!(moved("/api/v1/commands/move", json, r#"{"move":"w"}"#).await, 403);
+    assert_eq!(moved("/console/move", form, "move=w").await, 403);
+    assert!(house.given.lock().unwrap().is_empty());
+    assert_eq!(moved("/api/v1/commands/move", json, r#"{"move":"h"}"#).await, 200, "`h` is STOP");
+    assert_eq!(moved("/console/move", form, "move=h").await, 303);
+    assert_eq!(&*house.last().issuer.who, "lobby");
+}
+
+#[tokio::test]
+async fn a_browser_that_nobody_is_signed_in_with_is_led_to_the_page_for_it() {
+    let (house, _) = guarded();
+    for row in table().iter().filter(|row| row.need != Nothing && !row.path.starts_with("/api/")) {
+        let response = sent(&house, row, None, "text/html,*/*;q=0.8").await;
+        let location = response.headers().get("location").and_then(|value| value.to_str().ok()).unwrap_or_default();
+        assert_eq!(response.status(), 303, "{}", row.path);
+        let leads_back = row.method == Method::GET && row.path != "/";
+        let expect = match row.method {
+            Method::GET if leads_back => format!("/sign-in?next={}", row.path.replace("{id}", "3")),
+            Method::GET => "/sign-in".to_owned(),
+            _ if ["/console/stop", "/stopappl", "/h"].contains(&row.path) => "/sign-in?undone=stop".to_owned(),
+            _ => "/sign-in?undone=command".to_owned(),
+        };
+        assert_eq!(location, expect);
+    }
+    assert!(house.given.lock().unwrap().is_empty());
+}
+
+#[tokio::test]
+async fn what_is_not_in_the_table_is_answered_to_those_who_may_look() {
+    let (house, tokens) = guarded();
+    let bearer = format!("Bearer {}", tokens.viewer);
+    for (method, path, status) in [("GET", "/nowhere", 404), ("DELETE", "/api/v1/state", 405), ("PATCH", "/healthz", 405)] {
+        assert_eq!(house.send(method, path, &[], "").await.status(), 401, "{path}");
+        assert_eq!(house.send(method, path, &[("authorization", &bearer)], "").await.status(), status, "{path}");
+    }
+}
+
+#[tokio::test]
+async fn an_open_door_asks_nobody_for_a_key() {
+    let house = house(searching());
+    for row in table() {
+        let response = sent(&house, &row, None, "*/*").await;
+        assert!(![401, 403].contains(&response.status().as_u16()), "{} {}: {}", row.method, row.path, response.status());
+    }
+    assert!(!text(house.get("/").await).await.contains("/sign-out"));
+}
+
+#[test]
+fn no_route_is_in_the_table_twice() {
+    let mut routes: Vec<(String, &str)> = table().iter().map(|row| (row.method.to_string(), row.path)).collect();
+    routes.sort();
+    let all = routes.len();
+    routes.dedup();
+    assert_eq!(routes.len(), all);
+}
+
+/// Where the documentation shows the table.
+const DOCUMENT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/http.md");
+
+#[test]
+fn the_documentation_shows_the_table_as_it_is() {
+    let mut shown = String::from("| route | for |\n|---|---|\n");
+    for row in table() {
+        writeln!(shown, "| `{} {}` | {} |", row.method, row.path, row.need.in_words()).unwrap();
+    }
+    let document = std::fs::read_to_string(DOCUMENT).unwrap();
+    let (begin, end) = ("<!-- the table of routes begins -->\n", "<!-- the table of routes ends -->");
+    let (before, rest) = document.split_once(begin).expect("the document has a place for the table");
+    let (written, after) = rest.split_once(end).expect("the place has an end");
+    if std::env::var_os("HALLSWEEP_UPDATE_DOCS").is_some() {
+        std::fs::write(DOCUMENT, format!("{before}{begin}{shown}{end}{after}")).unwrap();
+        return;
+    }
+    assert_eq!(written, shown, "write it anew with HALLSWEEP_UPDATE_DOCS=1 cargo test the_documentation_shows");
+}

@@ -1,0 +1,166 @@
+//! What names STOP: the routes that are STOP whatever is sent there, by any method but those that change nothing. A target with a
+//! fault (a slash too many, another case, blanks, escapes, a query, a whole address) names the same. What a body says is not read here.
+
+use crate::api::halt::bare;
+
+/// The routes that are STOP, as the table of routes has them.
+pub const STOPS: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
+
+/// What else people try.
+const OTHERWISE: [(&str, &str); 3] = [("/api/v1/commands/h", STOPS[0]), ("/console/h", STOPS[1]), ("/stop", STOPS[2])];
+
+/// The routes that are STOP when their body says so.
+pub const BY_BODY: [&str; 2] = ["/api/v1/commands/move", "/console/move"];
+
+/// The methods that change nothing (RFC 9110, section 9.2.1).
+const SAFE: [&[u8]; 4] = [b"GET", b"HEAD", b"OPTIONS", b"TRACE"];
+
+/// Which route of STOP a request names.
+#[must_use]
+pub fn stop(method: &[u8], target: &[u8]) -> Option<&'static str> {
+    if is_safe(method) {
+        return None;
+    }
+    let named = segments(target);
+    let mut routes = STOPS.into_iter().map(|route| (route, route)).chain(OTHERWISE);
+    routes.find(|(name, _)| is_at(&named, name)).map(|(_, route)| route)
+}
+
+/// Which route a request names that is STOP when its body says so.
+#[must_use]
+pub fn says_by_body(method: &[u8], target: &[u8]) -> Option<&'static str> {
+    if is_safe(method) {
+        return None;
+    }
+    let named = segments(target);
+    BY_BODY.into_iter().find(|route| is_at(&named, route))
+}
+
+fn is_safe(method: &[u8]) -> bool {
+    SAFE.iter().any(|safe| method.eq_ignore_ascii_case(safe))
+}
+
+/// Whether a target is the one where connections are handed over to another protocol.
+#[must_use]
+pub fn is_upgrade(target: &[u8]) -> bool {
+    is_at(&segments(target), "/mqtt")
+}
+
+/// The host that a target names, when it is a whole address (RFC 9112, section 3.2.2), and the path.
+#[must_use]
+pub fn parts(target: &[u8]) -> (Option<&[u8]>, &[u8]) {
+    let slash = target.iter().position(|byte| *byte == b'/').unwrap_or(target.len());
+    let Some(rest) = target[slash..].strip_prefix(b"//").filter(|_| target[..slash].ends_with(b":")) else {
+        return (None, target);
+    };
+    let end = rest.iter().position(|byte| *byte == b'/').unwrap_or(rest.len());
+    (Some(&rest[..end]), &rest[end..])
+}
+
+/// The words of a target's path in small letters, as the routes here are.
+fn segments(target: &[u8]) -> Vec<String> {
+    let path = String::from_utf8_lossy(&unescaped(parts(target).1)).to_ascii_lowercase();
+    path.split('/').map(bare).filter(|segment| !segment.is_empty() && *segment != ".").map(str::to_owned).collect()
+}
+
+fn is_at(named: &[String], route: &str) -> bool {
+    named.iter().map(String::as_str).eq(route.split('/').skip(1))
+}
+
+/// A path without its escapes (RFC 3986, section 2.1), those of slashes too. What is escaped twice stays something else.
+fn unescaped(path: &[u8]) -> Vec<u8> {
+    let mut plain = Vec::with_capacity(path.len());
+    let mut rest = path;
+    while let Some((&byte, behind)) = rest.split_first() {
+        let digit = |place: usize| behind.get(place).and_then(|byte| char::from(*byte).to_digit(16));
+        match (byte, digit(0), digit(1)) {
+            (b'%', Some(high), Some(low)) => {
+                plain.extend(u8::try_from(high * 16 + low));
+                rest = &behind[2..];
+            }
+            (_, _, _) => {
+                plain.push(byte);
+                rest = behind;
+            }
+        }
+    }
+    plain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::access::Need;
+    use crate::doors::http::routes::table;
+
+    /// Safety S1, S8.
+    #[test]
+    fn every_route_that_is_stop_names_it_and_no_other_does() {
+        let is_said_by_body = |path: &str| path.ends_with("/move");
+        for row in table() {
+            let is_stop = row.need == Need::Stop && !is_said_by_body(row.path);
+            let may_be = row.need == Need::Stop && is_said_by_body(row.path);
+            assert_eq!(stop(b"POST", row.path.as_bytes()), is_stop.then_some(row.path), "{}", row.path);
+            assert_eq!(says_by_body(b"POST", row.path.as_bytes()), may_be.then_some(row.path), "{}", row.path);
+            for method in ["GET", "HEAD", "OPTIONS", "TRACE", "get"] {
+                assert_eq!(stop(method.as_bytes(), row.path.as_bytes()), None, "{method} changes nothing");
+                assert_eq!(says_by_body(method.as_bytes(), row.path.as_bytes()), None, "{method} changes nothing");
+            }
+        }
+    }
+
+    /// Safety S8.
+    #[test]
+    fn a_target_with_a_fault_names_stop_all_the_same() {
+        for target in [
+            "/api/v1/commands/stop/",
+            "//api/v1//commands/stop",
+            "api/v1/commands/stop",
+            "/API/v1/commands/Stop",
+            "/api/v1/commands/stop%20",
+            "/api/v1/commands/stop%00",
+            "/api%2Fv1%2fcommands/stop%2f",
+            "/api/v1/commands/%0A%09stop%0d%c2%a0",
+            "/api/v1/commands/h",
+            "/./api/v1/commands/stop",
+            "/api/v1/commands/%73top",
+            "/api/v1/commands/st%6Fp",
+            "http://localhost/api/v1/commands/stop",
+            "https://127.0.0.1:8080/api/v1/commands/stop/",
+        ] {
+            assert_eq!(stop(b"POST", target.as_bytes()), Some(STOPS[0]), "{target}");
+        }
+        for method in ["PUT", "DELETE", "post", "FETCH", "", "\u{7f}"] {
+            assert_eq!(stop(method.as_bytes(), b"/h"), Some("/h"), "{method:?}");
+            assert_eq!(stop(method.as_bytes(), b"/Stop"), Some("/h"), "{method:?}");
+            assert_eq!(says_by_body(method.as_bytes(), b"/Console//move/"), Some("/console/move"), "{method:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_named_is_not_stop() {
+        for target in [
+            "",
+            "/",
+            "*",
+            "/stops",
+            "/api/v1/commands",
+            "/api/v1/commands/stop/now",
+            "/hh",
+            "/h%00h",
+            "/%68%68",
+            "/%2568",
+            "/h%3Fx",
+            "/x/../h",
+            "/%",
+            "http://h",
+            "http://h/",
+            "//h/x",
+        ] {
+            assert_eq!(stop(b"POST", target.as_bytes()), None, "{target}");
+        }
+        assert_eq!(parts(b"http://a.example:80/h"), (Some(&b"a.example:80"[..]), &b"/h"[..]));
+        assert_eq!(parts(b"/x://h"), (None, &b"/x://h"[..]));
+        assert!(is_upgrade(b"/mqtt") && is_upgrade(b"http://localhost/mqtt") && !is_upgrade(b"/"));
+    }
+}

@@ -1,0 +1,315 @@
+//! The accept loop with real sockets: its end, and who gets a place when there are more clients than places.
+
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream as Client};
+
+use std::net::Shutdown;
+
+use tokio::io::AsyncReadExt;
+use tokio::net::TcpListener;
+use tokio::sync::oneshot;
+use tokio::task::JoinHandle;
+use tokio::time::timeout;
+
+use super::*;
+use crate::access::Access;
+use crate::api::fixture::searching;
+use crate::doors::http::Hall;
+use crate::doors::http::testing::{House, guarded_house, house, keys};
+use crate::runtime::clock::Clock;
+use crate::runtime::within::within;
+use hallsweep_core::command::Door::Local;
+use hallsweep_core::command::{Command, Issuer, Request};
+
+/// A door that is served until it is told to end.
+struct Served {
+    address: SocketAddr,
+    end: oneshot::Sender<()>,
+    serving: JoinHandle<()>,
+}
+
+async fn served(house: &House, places: usize) -> Served {
+    let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let address = listener.local_addr().unwrap();
+    let (end, ended) = oneshot::channel::<()>();
+    let door = house.door.clone();
+    let serving = tokio::spawn(async move {
+        let end = async { drop(ended.await) };
+        serve_so_many(listener.into(), door, Front::default(), (places, places.min(WAITING)), end).await;
+    });
+    Served { address, end, serving }
+}
+
+fn client(address: SocketAddr, begins: &str) -> Client {
+    let mut client = Client::connect(address).unwrap();
+    client.set_read_timeout(Some(Duration::from_secs(5))).unwrap();
+    client.write_all(begins.as_bytes()).unwrap();
+    client
+}
+
+/// The first line of the answer; empty when the connection was closed instead.
+fn answered(client: &mut Client) -> String {
+    let mut first = [0; 12];
+    match client.read_exact(&mut first) {
+        Ok(()) => String::from_utf8_lossy(&first).into_owned(),
+        Err(_) => String::new(),
+    }
+}
+
+/// Whether the other end has hung up.
+fn is_closed(client: &mut Client) -> bool {
+    matches!(client.read(&mut [0]), Ok(0))
+        || client.read(&mut [0]).is_err_and(|error| error.kind() == std::io::ErrorKind::ConnectionReset)
+}
+
+/// Waits until so many STOPs have come to the loop, and fails when there are more.
+async fn stops(house: &House, expect: usize) {
+    let count = || house.given.lock().unwrap().iter().filter(|given| given.command == Command::Stop).count();
+    let come = async {
+        while count() < expect {
+            tokio::time::sleep(Duration::from_millis(1)).await;
+        }
+    };
+    timeout(Duration::from_secs(30), come).await.unwrap_or_else(|_| panic!("{} of {expect} STOPs came", count()));
+    // Records go through the loop's queue in order.
+    assert!(house.door.handle.give(Request::new(Command::Reset, Issuer::operator(Local))).await.is_ok());
+    assert_eq!(count(), expect, "one press is one STOP");
+}
+
+/// A STOP by this route with these headers and this body.
+fn press(route: &str, headers: &str, body: &str) -> String {
+    format!("POST {route} HTTP/1.1\r\nHost: localhost\r\n{headers}\r\n{body}")
+}
+
+const LOOK: &str = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
+const WATCH: &str = "GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n";
+const STOP: &str = "POST /api/v1/commands/stop HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n";
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn the_end_comes_within_two_seconds_whatever_clients_do() {
+    let house = house(searching());
+    let Served { address, end, serving } = served(&house, PLACES).await;
+    let _slow = client(address, "GET /api/v1/state HTTP/1.1\r\nHost: localhost\r\nX-Slow: ");
+    let _half = client(address, "POST /api/v1/commands/move HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{");
+    let mut watching = client(address, WATCH);
+    assert_eq!(answered(&mut watching), "HTTP/1.1 200");
+
+    end.send(()).unwrap();
+    timeout(Duration::from_secs(2), serving).await.expect("it ends within two seconds").unwrap();
+    watching.read_to_end(&mut Vec::new()).expect("the stream was closed, and in order");
+}
+
+/// Safety A5, S1.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn connections_that_ask_nothing_keep_no_stop_waiting() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let mut idle: Vec<Client> = (0..8).map(|_| client(address, "")).collect();
+    idle.extend((0..8).map(|_| client(address, "POST /api/v1/commands/stop HTTP/1.1\r\nHost: loc")));
+    assert_eq!(answered(&mut client(address, STOP)), "HTTP/1.1 200");
+    assert_eq!(house.last().command, Command::Stop);
+    assert!(is_closed(&mut idle[0]), "the oldest was cut");
+}
+
+/// Safety A5, S1.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn neither_do_connections_that_have_asked_and_rest() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let mut resting: Vec<Client> = (0..8).map(|_| client(address, LOOK)).collect();
+    for client in &mut resting {
+        assert_eq!(answered(client), "HTTP/1.1 200");
+    }
+    assert_eq!(answered(&mut client(address, STOP)), "HTTP/1.1 200");
+}
+
+/// Safety A5, S1, A3.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn nor_do_strangers_whose_refusal_is_held_back() {
+    let (keyring, tokens) = keys();
+    let house = guarded_house(searching(), Access::Keys(keyring));
+    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let asked = |token: &str| STOP.replace("Host", &format!("Authorization: Bearer {token}\r\nHost"));
+    let _strangers: Vec<Client> = (0..20).map(|_| client(address, &asked("wrong"))).collect();
+    assert_eq!(answered(&mut client(address, &asked(&tokens.viewer))), "HTTP/1.1 200");
+    assert_eq!(house.given.lock().unwrap().len(), 1);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn whoever_is_let_in_and_looks_on_is_not_cut_for_a_newcomer() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, 4).await;
+    let mut watching: Vec<Client> = (0..4).map(|_| client(address, WATCH)).collect();
+    for client in &mut watching {
+        assert_eq!(answered(client), "HTTP/1.1 200");
+    }
+    let mut late = client(address, LOOK);
+    assert_eq!(answered(&mut late), "HTTP/1.1 503", "there is no place left");
+    late.write_all(STOP.as_bytes()).unwrap();
+    stops(&house, 1).await;
+    let mut refused = String::new();
+    client(address, STOP).read_to_string(&mut refused).expect("an answer in order");
+    assert!(refused.starts_with("HTTP/1.1 503") && refused.contains("has halted the robot"), "{refused}");
+    stops(&house, 2).await;
+    drop(watching.pop());
+    // The place is free as soon as the door has seen that its client is gone.
+    let mut tries = (0..500).map(|_| answered(&mut client(address, LOOK)));
+    assert!(tries.any(|answer| answer == "HTTP/1.1 200"));
+    for client in &mut watching {
+        assert!(client.read(&mut [0; 64]).is_ok_and(|read| read > 0), "they look on");
+    }
+}
+
+/// Safety S9.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn bodies_that_do_not_come_keep_no_stop_out() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let half = "POST /api/v1/commands/goto HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{";
+    let mut half_said = Vec::new();
+    for number in 0..10 {
+        half_said.extend((0..20).map(|_| client(address, half)));
+        assert_eq!(answered(&mut client(address, STOP)), "HTTP/1.1 200", "{number}");
+    }
+    stops(&house, 10).await;
+}
+
+/// Safety A5.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn heads_longer_than_the_bound_are_refused_and_shorter_ones_are_not() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    for (filler, status) in [(65_000, "200"), (66_000, "431"), (70_000, "431")] {
+        let look = LOOK.replace("Host", &format!("X: {}\r\nHost", "x".repeat(filler)));
+        assert_eq!(answered(&mut client(address, &look)), format!("HTTP/1.1 {status}"), "{filler}");
+        // And so on a connection that has had an answer.
+        assert_eq!(answered(&mut client(address, &format!("{LOOK}{look}"))), "HTTP/1.1 200");
+    }
+}
+
+/// Safety S8: whatever became of a request that might have handed the connection over.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_stop_behind_an_upgrade_that_is_refused_and_over_halts() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nno header\r\n\r\n";
+    for number in 1..=20 {
+        let mut client = client(address, upgrade);
+        let mut refused = String::new();
+        client.read_to_string(&mut refused).expect("an answer in order");
+        assert!(refused.starts_with("HTTP/1.1 400"), "{refused}");
+        client.write_all(press("/h", "", "").as_bytes()).unwrap();
+        stops(&house, number).await;
+    }
+}
+
+/// Safety S8, S9: what it says is no HTTP, whatever it looks like, and others need not give way to it, nor it to them.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_place() {
+    let mut house = house(searching());
+    let (bring, mut brought) = tokio::sync::mpsc::channel(1);
+    let hall = Hall::new(move |visitor| bring.try_send(visitor).expect("there is one"));
+    house.door = house.door.with_mqtt(Some(hall));
+    let Served { address, end: _end, serving: _serving } = served(&house, 1).await;
+    let mut carried = client(
+        address,
+        "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
+         Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: mqtt\r\n\r\n",
+    );
+    assert_eq!(answered(&mut carried), "HTTP/1.1 101");
+    let mut visitor = within("whoever was brought", brought.recv()).await.unwrap();
+    let stop = "POST /h HTTP/1.1\n\n";
+    for _ in 0..3 {
+        assert_eq!(answered(&mut client(address, LOOK)), "HTTP/1.1 200");
+        // Masked with nothing, which is a mask as well.
+        carried.write_all(&[&[0x82, 0x80 | stop.len() as u8, 0, 0, 0, 0], stop.as_bytes()].concat()).unwrap();
+        let mut said = vec![0; stop.len()];
+        within("what it says", visitor.stream.read_exact(&mut said)).await.unwrap();
+        assert_eq!(said, stop.as_bytes());
+    }
+    stops(&house, 0).await;
+}
+
+/// Safety A5, S9: of those who get no further answer so many are heard on, and the oldest makes room.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn whoever_lingers_makes_room_for_who_lingers_later() {
+    let house = house(searching());
+    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let mut lingering = Vec::new();
+    for _ in 0..30 {
+        let mut client = client(address, "GET / HTTP/1.1\r\nno header\r\n\r\n");
+        let mut refused = String::new();
+        client.read_to_string(&mut refused).expect("an answer in order");
+        lingering.push(client);
+    }
+    for ended in &mut lingering[..10] {
+        // Nobody is there to take it.
+        let _ = ended.write_all(press("/h", "", "").as_bytes());
+    }
+    lingering[29].write_all(press("/h", "", "").as_bytes()).unwrap();
+    stops(&house, 1).await;
+}
+
+/// Safety S9.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn an_operators_kept_connection_stays_whatever_strangers_and_viewers_send() {
+    let (keyring, tokens) = keys();
+    let house = guarded_house(searching(), Access::Keys(keyring));
+    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let asks = |what: &str, token: &str| what.replace("Host", &format!("Authorization: Bearer {token}\r\nHost"));
+    let mut kept = client(address, &asks(LOOK, &tokens.operator));
+    assert_eq!(answered(&mut kept), "HTTP/1.1 200");
+    let half = "POST /api/v1/commands/goto HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{";
+    let mut others = Vec::new();
+    for _ in 0..30 {
+        others.push(client(address, ""));
+        others.push(client(address, "GET /api/v1/state HTTP/1.1\r\nHost: localhost\r\nX-Slow: x"));
+        others.push(client(address, half));
+        others.push(client(address, &asks(half, &tokens.viewer)));
+        others.push(client(address, &asks(LOOK, &tokens.viewer)));
+    }
+    kept.write_all(asks(STOP, &tokens.operator).as_bytes()).unwrap();
+    stops(&house, 1).await;
+    let mut answers = Vec::new();
+    while !String::from_utf8_lossy(&answers).contains("\"accepted\":true") {
+        let mut bytes = [0; 1024];
+        let read = kept.read(&mut bytes).unwrap();
+        assert!(read > 0, "the connection was cut");
+        answers.extend_from_slice(&bytes[..read]);
+    }
+}
+
+/// Safety S1, R5.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn before_1970_it_is_said_that_the_clock_is_wrong_and_a_stop_halts_all_the_same() {
+    let mut house = house(searching());
+    house.door.clock = Clock::off_by(-(house.door.now_s() + 3600) * 1000);
+    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    for (asked, is_stop) in [(LOOK, false), (STOP, true)] {
+        let mut answer = String::new();
+        client(address, asked).read_to_string(&mut answer).expect("an answer in order");
+        assert!(answer.starts_with("HTTP/1.1 503") && answer.contains("noDate") && answer.contains("before 1970"), "{answer}");
+        assert_eq!(answer.contains("has halted the robot"), is_stop, "{answer}");
+    }
+    stops(&house, 1).await;
+}
+
+#[path = "serve_stop_tests.rs"]
+mod stop_tests;
+
+/// Safety S7, S9, A7.
+#[tokio::test]
+async fn a_newcomer_is_heard_before_the_others_have_their_turn_and_a_mistake_ends_it_alone() {
+    let mut connections = JoinSet::new();
+    let (tell, mut told) = oneshot::channel();
+    let newcomer = async move {
+        let _ = tell.send(());
+        std::future::pending().await
+    };
+    begin(&mut connections, newcomer).await;
+    assert_eq!(told.try_recv(), Ok(()));
+    begin(&mut connections, async { panic!("a mistake") }).await;
+    begin(&mut connections, async {}).await;
+    assert_eq!(connections.len(), 1, "the first goes on");
+    assert!(connections.try_join_next().is_none());
+}

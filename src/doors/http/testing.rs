@@ -1,0 +1,157 @@
+//! For the tests of this door: a loop that answers commands from a script and publishes the snapshots it is handed, and a
+//! client that speaks to the router without a socket. It knows no mission.
+
+mod past;
+
+use std::net::Ipv4Addr;
+use std::sync::{Arc, Mutex};
+
+use axum::Router;
+use axum::body::{Body, to_bytes};
+use axum::http::{Request, Response, StatusCode};
+use serde_json::Value;
+use tokio::sync::watch;
+use tower_service::Service;
+
+use super::gate::Peer;
+use super::{Door, Hosts, router};
+use crate::access::{Access, Keyring, Keys, OPERATOR, Role};
+use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
+use crate::runtime::archive_reader::Reader;
+pub(super) use crate::runtime::obedient::Noted;
+use crate::runtime::obedient::{Script, obedient};
+use crate::runtime::within::within;
+use hallsweep_core::command::{self, Refused};
+use hallsweep_core::event::Photo;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::units::{LuggageId, MissionId, Seq};
+use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// A door before a loop that does as it is told.
+pub(super) struct House {
+    pub(super) door: Door,
+    pub(super) publish: watch::Sender<Arc<Snapshot>>,
+    pub(super) refuse: Arc<Mutex<Option<Refused>>>,
+    pub(super) given: Arc<Mutex<Vec<command::Request>>>,
+    pub(super) noted: Arc<Mutex<Vec<Noted>>>,
+}
+
+/// One picture for every piece, and the two missions of `past`.
+struct Pictures;
+
+impl Archive for Pictures {
+    fn photo(&self, _: LuggageId) -> Result<Option<Photo>, Unreadable> {
+        Ok(Some(Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" }))
+    }
+
+    fn luggage(&self, _: LuggageId) -> Result<Option<Luggage>, Unreadable> {
+        Ok(None)
+    }
+
+    fn missions(&self, before: Option<MissionId>, most: usize) -> Result<Vec<MissionRecord>, Unreadable> {
+        let older = |record: &MissionRecord| before.is_none_or(|before| record.id < before);
+        Ok(past::missions().into_iter().filter(older).take(most).collect())
+    }
+
+    fn mission(&self, mission: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
+        if mission == past::UNREADABLE {
+            return Err(Unreadable("the disk is on strike".to_owned()));
+        }
+        Ok(past::missions().into_iter().find(|record| record.id == mission))
+    }
+
+    fn standing(&self, mission: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
+        Ok((mission == MissionId(1)).then(past::standing).map(|of| Sound { of, damage: vec![past::DAMAGE.to_owned()] }))
+    }
+
+    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        let of_it = past::entries().into_iter().filter(|(seq, _)| mission == MissionId(1) && *seq > after);
+        Ok(of_it.take(most).collect())
+    }
+}
+
+/// The record of the mission that goes on.
+pub(super) fn present_mission() -> MissionRecord {
+    let [present, _] = past::missions();
+    present
+}
+
+/// A house in this state with an open door, whose loop accepts everything until told to refuse. Must be called inside a runtime.
+pub(super) fn house(snapshot: Snapshot) -> House {
+    guarded_house(snapshot, Access::Open)
+}
+
+/// The same, with a door that lets in whom it is told to.
+pub(super) fn guarded_house(snapshot: Snapshot, access: Access) -> House {
+    let (handle, Script { publish, refuse, given, noted }) = obedient(snapshot);
+    let door = Door::new(handle, Reader::new(Arc::new(Pictures)), "airport", access);
+    House { door, publish, refuse, given, noted }
+}
+
+/// The tokens of two keys.
+pub(super) struct Tokens {
+    pub(super) operator: String,
+    pub(super) viewer: String,
+}
+
+/// Keys of an operator and of a viewer named `lobby`.
+pub(super) fn keys() -> (Keyring, Tokens) {
+    let mut keys = Keys::first().unwrap();
+    let viewer = keys.add("lobby", Role::Viewer).unwrap().token.reveal().to_owned();
+    let operator = keys.named(OPERATOR).unwrap().token.reveal().to_owned();
+    (Keyring::of(keys), Tokens { operator, viewer })
+}
+
+impl House {
+    /// Sends a request with these headers.
+    pub(super) async fn send(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &str) -> Response<Body> {
+        let mut request = Request::builder().method(method).uri(path);
+        for (name, value) in headers {
+            request = request.header(*name, *value);
+        }
+        let peer = Peer { address: Ipv4Addr::LOCALHOST.into(), is_encrypted: false };
+        let request = request.extension(peer).body(Body::from(body.to_owned())).unwrap();
+        let mut router: Router = router(&self.door, Hosts::new(false, &[]));
+        within("the head of the answer", router.call(request)).await.unwrap()
+    }
+
+    /// `GET`.
+    pub(super) async fn get(&self, path: &str) -> Response<Body> {
+        self.send("GET", path, &[], "").await
+    }
+
+    /// Sends JSON.
+    pub(super) async fn json(&self, method: &str, path: &str, body: &str) -> (StatusCode, Value) {
+        let headers: &[(&str, &str)] = if body.is_empty() { &[] } else { &[("content-type", "application/json")] };
+        read(self.send(method, path, headers, body).await).await
+    }
+
+    /// Posts a form.
+    pub(super) async fn form(&self, path: &str, body: &str) -> Response<Body> {
+        self.send("POST", path, &[("content-type", "application/x-www-form-urlencoded")], body).await
+    }
+
+    /// What the loop was asked last.
+    pub(super) fn last(&self) -> command::Request {
+        self.given.lock().unwrap().last().cloned().expect("a command was given")
+    }
+
+    /// From now on everything is refused so.
+    pub(super) fn refuse(&self, refused: Refused) {
+        *self.refuse.lock().unwrap() = Some(refused);
+    }
+}
+
+/// The status and the JSON of an answer.
+pub(super) async fn read(response: Response<Body>) -> (StatusCode, Value) {
+    let status = response.status();
+    let text = text(response).await;
+    (status, serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error} in {text:?}")))
+}
+
+/// The text of an answer.
+pub(super) async fn text(response: Response<Body>) -> String {
+    let bytes = within("the end of the answer", to_bytes(response.into_body(), usize::MAX)).await.unwrap();
+    String::from_utf8(bytes.to_vec()).unwrap()
+}

@@ -1,0 +1,68 @@
+//! Two missions for the tests of this door, made by hand: the first is over and left a bomb behind, the second has just begun.
+//! How an archive finds them is `testing`'s business.
+
+use crate::api::fixture::{TEN, searching};
+use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
+use hallsweep_core::command::{Door, Issuer, Refusal, Refused};
+use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::mission::{Hold, Phase};
+use hallsweep_core::standing::Standing;
+use hallsweep_core::units::{LuggageId, MissionId, Pose, Seq, Wall};
+
+/// A mission that cannot be read.
+pub(super) const UNREADABLE: MissionId = MissionId(99);
+
+/// What is wrong with the record of the first.
+pub(super) const DAMAGE: &str = "entry 6 of the journal cannot be understood (a mouse was at it)";
+
+/// Both, the newest first.
+pub(super) fn missions() -> [MissionRecord; 2] {
+    let hour = |hours: i64| Wall { unix_ms: TEN.unix_ms + hours * 3_600_000, ..TEN };
+    let first = MissionRecord {
+        id: MissionId(1),
+        strategy: Strategy::Snail.name().into(),
+        began: TEN,
+        archived: Some(hour(1)),
+        phase: "bombLocated".into(),
+        luggage: 3,
+        dangerous: 1,
+        left: vec![LuggageId(2)],
+    };
+    let second = MissionRecord {
+        id: MissionId(2),
+        began: hour(2),
+        archived: None,
+        phase: "exploring".into(),
+        luggage: 0,
+        dangerous: 0,
+        left: Vec::new(),
+        ..first.clone()
+    };
+    [second, first]
+}
+
+/// What stood when the first was put away: the map and the luggage of the fixture.
+pub(super) fn standing() -> Standing {
+    let state = searching();
+    let luggage = state.luggage.iter().map(|luggage| (luggage.id, luggage.clone())).collect();
+    Standing { mission: MissionId(1), map: state.map, luggage, phase: Phase::BombLocated, ..Standing::first(Strategy::Snail) }
+}
+
+/// What happened in the first, and one entry that cannot be understood.
+pub(super) fn entries() -> Vec<Happened> {
+    let command = |command: &str, refused: Option<Refused>| {
+        let issuer = Issuer { door: Door::Console, who: "anna".into(), from: "192.0.2.7".into() };
+        let refused = refused.as_ref().map(Refusal::from);
+        Fact::Command { issuer, id: None, command: command.to_owned(), epoch: None, luggage: None, refused }
+    };
+    let facts = [
+        Fact::MissionBegan(MissionId(1), Strategy::Snail),
+        command("START", None),
+        command("RESET", Some(Refused::Moving)),
+        Fact::Holds(vec![Hold::Operator]),
+        Fact::Pose(Pose::START),
+    ];
+    let sound = facts.map(|fact| Ok(Entry { wall: TEN, fact }));
+    (1..).map(Seq).zip(sound.into_iter().chain([Err(Unreadable(DAMAGE.to_owned()))])).collect()
+}

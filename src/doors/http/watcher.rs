@@ -1,0 +1,78 @@
+//! One open stream's view of the state: the newest snapshot, never a queue. A slow reader skips what it missed; the end of the
+//! program ends every stream at once. What is sent stands in `events` and in the console's `live`.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::sync::watch;
+
+use super::Door;
+use super::problem::Problem;
+use super::streams::Stream;
+use crate::access::Caller;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// How often it is asked whether whoever looks may still look.
+const STILL_KNOWN: Duration = Duration::from_millis(250);
+
+/// An open stream; its place is free again when it is dropped.
+pub(super) struct Watcher {
+    snapshots: watch::Receiver<Arc<Snapshot>>,
+    closing: watch::Receiver<bool>,
+    door: Door,
+    caller: Caller,
+    _place: Stream,
+}
+
+/// What a stream wakes up for.
+pub(super) enum Wake {
+    /// There is a newer state.
+    Changed(Arc<Snapshot>),
+    /// Nothing has changed for the time that was asked for.
+    Quiet,
+    /// The program is ending, or whoever looks is not let in any more.
+    Closed,
+}
+
+impl Watcher {
+    /// Opens a stream and takes the state it begins with.
+    pub(super) fn open(door: &Door, caller: Caller) -> Result<(Watcher, Arc<Snapshot>), Problem> {
+        let place = door.streams.open(&caller, &door.access).ok_or_else(|| Problem::too_many_streams(door.streams.most()))?;
+        let mut snapshots = door.handle.watch();
+        let first = Arc::clone(&snapshots.borrow_and_update());
+        let watcher = Watcher { snapshots, closing: door.closing.subscribe(), door: door.clone(), caller, _place: place };
+        Ok((watcher, first))
+    }
+
+    /// Waits for the next newer state, but at least `pause`, so that a hasty robot does not flood its reader, and for `quiet` at
+    /// most.
+    pub(super) async fn next(&mut self, pause: Duration, quiet: Duration) -> Wake {
+        let Watcher { snapshots, closing, door, caller, .. } = self;
+        let newer = async {
+            tokio::time::sleep(pause).await;
+            snapshots.changed().await.map(|()| Arc::clone(&snapshots.borrow_and_update()))
+        };
+        tokio::select! {
+            biased;
+            () = closed(closing) => Wake::Closed,
+            () = shut_out(door, caller) => Wake::Closed,
+            newer = tokio::time::timeout(quiet, newer) => match newer {
+                Ok(Ok(snapshot)) => Wake::Changed(snapshot),
+                Ok(Err(_)) => Wake::Closed,
+                Err(_) => Wake::Quiet,
+            },
+        }
+    }
+}
+
+/// Waits until whoever looks would not be let in any more: the key was replaced or taken away, or the session is over.
+async fn shut_out(door: &Door, caller: &Caller) {
+    while door.still_knows(caller) {
+        tokio::time::sleep(STILL_KNOWN).await;
+    }
+}
+
+/// Waits for the end of the program.
+pub(super) async fn closed(closing: &mut watch::Receiver<bool>) {
+    drop(closing.wait_for(|closing| *closing).await);
+}

@@ -1,0 +1,37 @@
+//! Who hears commands beside the gate, and what is known of a packet before the gate comes to it. What is done with a message that was
+//! heard stands in `publishing`.
+
+use hallsweep_core::units::Epoch;
+
+/// Whoever hears commands; one for each connection, since it knows whose they are.
+pub trait Listener: Send + Sync {
+    /// Halts if this message names STOP, whatever else is wrong with it; whether it does.
+    fn halts(&self, topic: &[u8], payload: &[u8]) -> bool;
+
+    /// Any other message on the topic of a command, once, as it is sent, before anybody else gets it; the epoch in which it came, and
+    /// whether it was sent before.
+    fn hear(&self, topic: &str, payload: &[u8], came: (Option<Epoch>, bool)) -> Heard;
+
+    /// The epoch that the last stop has made.
+    fn epoch(&self) -> Epoch;
+}
+
+/// What is to be done with a message that was heard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Heard {
+    /// It goes on to whoever subscribed.
+    Pass,
+    /// Its sender may not say this: nobody gets it.
+    Forbidden,
+}
+
+/// What is known of a packet before its turn comes.
+#[derive(Clone, Copy, Debug)]
+pub struct Mark {
+    /// Where it begins, in bytes since the CONNECT.
+    pub begins: u64,
+    /// In which epoch of stops it came, and those behind it up to the next mark; of a STOP the one that it has made.
+    pub epoch: Epoch,
+    /// It has halted the robot already: it is a STOP no more when its turn comes.
+    pub has_halted: bool,
+}

@@ -1,0 +1,181 @@
+//! PUBLISH of a client, its will, and its acknowledgements. Which topics are whose stands in `routes`.
+
+use bytes::Bytes;
+
+use super::routes::{Dropped, Route, Way, is_for_commands};
+use super::{Ended, Heard, Mark, Turnstile};
+use crate::doors::mqtt::gate::filter;
+use crate::doors::mqtt::gate::frame::{Frame, Kind, frame};
+use crate::doors::mqtt::gate::ledger::COUNTED;
+use crate::doors::mqtt::gate::limits::{HOUSE_PACKET, KEPT_IDS, PADDED, SHARED};
+use crate::doors::mqtt::gate::packet::connect::Will;
+use crate::doors::mqtt::gate::packet::publish::{self, Publish};
+use crate::doors::mqtt::gate::packet::{Qos, text, write};
+
+impl Turnstile {
+    /// Whether messages wait for the engine.
+    #[must_use]
+    pub fn has_messages(&self) -> bool {
+        let mut rest = &self.to_engine[..];
+        while let Ok(Some(packet)) = frame(rest, HOUSE_PACKET) {
+            if packet.kind == Kind::Publish {
+                return true;
+            }
+            rest = &rest[packet.length..];
+        }
+        false
+    }
+
+    /// A PUBLISH: `packet` is the whole of it. Whatever becomes of it, its sender is told that it has arrived (section 3.3.5).
+    pub(super) fn publish(&mut self, frame: &Frame, packet: &[u8]) -> Result<(), Ended> {
+        let publish = publish::read(frame, packet)?;
+        match self.routes.route(publish.topic, self.guest, &self.gatehouse)? {
+            Route::Pass => self.pass(&publish)?,
+            Route::Hear => self.hear(&publish)?,
+            Route::Drop(why) => self.drop(&publish, why)?,
+        }
+        match publish.qos {
+            Qos::Zero => {}
+            Qos::One => write::ack(self.to_client.end(), Kind::Puback, publish.id),
+            Qos::Two => write::ack(self.to_client.end(), Kind::Pubrec, publish.id),
+        }
+        Ok(())
+    }
+
+    /// The client acknowledged a message, of the engine or a kept one.
+    pub(super) fn acknowledged(&mut self, id: u16) {
+        if KEPT_IDS.contains(&id) {
+            self.deliveries.acknowledged(id);
+            return;
+        }
+        if let Some(parcel) = self.outstanding.acknowledged(id) {
+            self.account.ledger().received(parcel);
+        }
+        self.acknowledge();
+    }
+
+    /// Tells the engine what it can be told of what it waits for.
+    pub(super) fn acknowledge(&mut self) {
+        while let Some(id) = self.outstanding.next() {
+            write::ack(&mut self.to_engine, Kind::Puback, id);
+        }
+    }
+
+    /// The client will not send a message of QoS 2 again.
+    pub(super) fn released(&mut self, id: u16) {
+        self.duplicates.released(id);
+        write::ack(self.to_client.end(), Kind::Pubcomp, id);
+    }
+
+    /// What a client left for the time after it.
+    pub(super) fn publish_will(&mut self, will: &Will) {
+        let place = self.gatehouse.topics.place(&will.topic);
+        let is_allowed = self.guest.may_leave_will(place) && !is_for_commands(place);
+        let route = self.routes.route(will.topic.as_bytes(), self.guest, &self.gatehouse);
+        if !is_allowed || route != Ok(Route::Pass) {
+            self.refusals.note(will.topic.as_bytes(), "such a will");
+            return;
+        }
+        self.forward(will.topic.as_bytes(), &will.payload, will.retain.then_some(will.qos));
+        self.routes.settle();
+    }
+
+    fn pass(&mut self, publish: &Publish<'_>) -> Result<(), Ended> {
+        if self.duplicates.is_unreleased(publish) {
+            return Ok(());
+        }
+        self.duplicates.handled(publish, None)?;
+        self.forward(publish.topic, publish.payload, publish.retain.then_some(publish.qos));
+        Ok(())
+    }
+
+    /// A message on the topic of the last route goes on to whoever reads it, and is kept, if it is to be kept at a QoS. Kept first: a
+    /// newcomer that nobody knew of yet finds it there.
+    fn forward(&mut self, topic: &[u8], payload: &[u8], retain: Option<Qos>) {
+        self.routes.begin(&self.gatehouse);
+        if self.routes.way(&self.payer, &self.gatehouse) == Way::Shut {
+            return self.refusals.note(topic, Dropped::Budget);
+        }
+        let retained = &self.gatehouse.retained;
+        let is_shared = payload.len() >= SHARED;
+        let shared = if retain.is_some() || is_shared { retained.share(payload) } else { Bytes::new() };
+        if let Some(qos) = retain
+            && let Ok(topic) = text(topic, "topic")
+        {
+            self.keep(topic, shared.clone(), qos);
+        }
+        match self.routes.way(&self.payer, &self.gatehouse) {
+            Way::Unread => {}
+            Way::Shut => self.refusals.note(topic, Dropped::Budget),
+            Way::Open if self.flooding.is_some_and(|now| self.routes.is_in_vain(now)) => self.routes.lost(payload.len()),
+            Way::Open => {
+                self.routes.passed(payload.len(), &self.gatehouse);
+                let length = PADDED.saturating_sub(COUNTED + topic.len());
+                if is_shared {
+                    let label = self.routes.send(&shared, &self.gatehouse);
+                    write::label(&mut self.to_engine, topic, label, length);
+                } else {
+                    write::publish_padded(&mut self.to_engine, topic, payload, length);
+                }
+            }
+        }
+    }
+
+    /// What may be a command is heard before anything can go wrong with it: a stop is heard even when there is no room left for it.
+    fn hear(&mut self, publish: &Publish<'_>) -> Result<(), Ended> {
+        let topic = text(publish.topic, "topic")?;
+        let print = self.gatehouse.budget.print((publish.topic, publish.payload));
+        let is_stop = self.has_halted() || self.listener.halts(publish.topic, publish.payload);
+        if !is_stop && self.duplicates.was_heard(publish, print) {
+            return Ok(());
+        }
+        let came = (self.arrived, publish.is_duplicate);
+        let heard = if is_stop { Heard::Pass } else { self.listener.hear(topic, publish.payload, came) };
+        let is_unreleased = self.duplicates.is_unreleased(publish);
+        self.duplicates.handled(publish, Some(print))?;
+        match heard {
+            Heard::Forbidden => self.refusals.note(publish.topic, Dropped::Forbidden),
+            Heard::Pass if is_unreleased => {}
+            Heard::Pass => match filter::topic(topic) {
+                Ok(()) => self.forward(publish.topic, publish.payload, None),
+                Err(unfit) => self.refusals.note(publish.topic, unfit),
+            },
+        }
+        Ok(())
+    }
+
+    /// Looks up what is known of the packet that is taken just now: its epoch, and whether it halted already when it came, which it does
+    /// not twice.
+    fn has_halted(&mut self) -> bool {
+        let mut has_halted = false;
+        while let Some(mark) = self.next_mark(|begins, taken| begins <= taken) {
+            has_halted = mark.has_halted && mark.begins == self.taken;
+        }
+        has_halted
+    }
+
+    /// The next mark, if it stands where this is so; its epoch is that of what comes behind it.
+    pub(super) fn next_mark(&mut self, is_there: impl Fn(u64, u64) -> bool) -> Option<Mark> {
+        let mark = self.marks.front().copied().filter(|mark| is_there(mark.begins, self.taken))?;
+        self.marks.pop_front();
+        self.arrived = Some(mark.epoch);
+        Some(mark)
+    }
+
+    fn drop(&mut self, publish: &Publish<'_>, why: Dropped) -> Result<(), Ended> {
+        if !self.duplicates.is_unreleased(publish) {
+            self.duplicates.handled(publish, None)?;
+            self.refusals.note(publish.topic, why);
+        }
+        Ok(())
+    }
+
+    fn keep(&mut self, topic: &str, payload: Bytes, qos: Qos) {
+        if is_for_commands(self.gatehouse.topics.place(topic)) || filter::topic(topic).is_err() {
+            return;
+        }
+        if !self.gatehouse.retained.keep_shared(&self.payer, topic, payload, qos) {
+            self.refusals.note(topic.as_bytes(), "it cannot be kept, there being too many kept messages; it was passed on");
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! A STOP behind its sender's own flood, and those who do not read it: simulated, no time passing but that for which the sender waits.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use bytes::BytesMut;
+
+use super::scene::{OPERATOR, STOP, Scene, gatehouse, publish};
+use crate::doors::mqtt::gate::limits::{LAG, LONG, NO_FLOOD, PATIENCE, QUIET, STILL};
+use crate::doors::mqtt::gate::packet::Qos;
+use crate::doors::mqtt::gate::turnstile::Gatehouse;
+use crate::doors::mqtt::topics::Topics;
+
+/// So deep the STOP stands, in messages of a kibibyte.
+const DEEP: usize = 4096;
+
+/// When the sender begins.
+const BEGINS: Duration = Duration::from_secs(100);
+
+/// The flood, and a STOP behind it.
+fn said() -> BytesMut {
+    let mut said = BytesMut::new();
+    let message = publish(0x30, "flood/a", &"x".repeat(1000), 0);
+    (0..DEEP).for_each(|_| said.extend_from_slice(&message));
+    said.extend_from_slice(&publish(0x30, STOP, "", 0));
+    said
+}
+
+/// How long it takes until the STOP is heard beside so many subscribers, of whom one after the other stops reading
+/// every so many turns. Whoever reads is never found behind.
+fn waited(crowd: usize, every: usize) -> Duration {
+    let gatehouse = gatehouse();
+    let mut readers: Vec<Scene> = (0..crowd).map(|_| Scene::in_house(&gatehouse, OPERATOR, |_| {})).collect();
+    readers.iter_mut().for_each(|reader| drop(reader.subscribe(&[("flood/#", Qos::Zero)])));
+    let mut sender = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+    let (mut said, mut now, mut turns) = (said(), BEGINS, 0);
+    while !said.is_empty() {
+        sender.turnstile.handle_turn(&mut said, now).unwrap();
+        let passed = std::mem::take(sender.turnstile.to_engine());
+        turns += 1;
+        for (n, reader) in readers.iter_mut().enumerate() {
+            if reader.turnstile.wants_engine() {
+                reader.engine(&passed).unwrap();
+            }
+            if turns <= n * every {
+                reader.turnstile.to_client().clear();
+            }
+            reader.turnstile.note_room(now);
+        }
+        while !sender.turnstile.poll_behind(now).is_empty() {
+            now = sender.turnstile.waits_until(now);
+            sender.turnstile.handle_waited(now);
+        }
+    }
+    assert_eq!(sender.heard(), [format!("{STOP} ")]);
+    now - BEGINS
+}
+
+/// Safety S1, S7.
+#[test]
+fn a_stop_four_mebibytes_deep_in_its_senders_flood_waits_less_than_a_tenth_of_a_second_for_those_who_do_not_read() {
+    assert_eq!(waited(1, 0), STILL, "it is waited for, in case it reads again");
+    for (crowd, every) in [(8, 0), (64, 0), (8, 40), (64, 4), (192, 2)] {
+        let waited = waited(crowd, every);
+        assert!(waited <= 2 * STILL && waited >= STILL, "{crowd} every {every} turns: {waited:?}");
+    }
+    assert!(2 * STILL < Duration::from_millis(100) && 2 * STILL < PATIENCE);
+}
+
+/// Somebody alone who reads what he says himself, if he reads at all.
+fn alone() -> Scene {
+    let gatehouse = Arc::new(Gatehouse::new(Topics::new("hallsweep", "discovery", "unibo/qak")));
+    let mut alone = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+    alone.subscribe(&[("flood/#", Qos::Zero)]);
+    alone
+}
+
+/// He says all this, and the engine sends nothing of it back; how many bytes of it the engine got, and when that was over.
+fn unread(deaf: &mut Scene, mut said: BytesMut, mut now: Duration) -> (usize, Duration) {
+    let mut passed = 0;
+    while !said.is_empty() {
+        while !deaf.turnstile.poll_behind(now).is_empty() {
+            now = deaf.turnstile.waits_until(now);
+            deaf.turnstile.handle_waited(now);
+        }
+        deaf.turnstile.handle_turn(&mut said, now).unwrap();
+        passed += std::mem::take(deaf.turnstile.to_engine()).len();
+    }
+    (passed, now)
+}
+
+/// Safety A5: each message costs the engine many times its bytes before it is lost there. Safety S1: the flood is taken all the same.
+#[test]
+fn of_a_flood_whose_readers_are_not_waited_for_the_engine_gets_little_and_the_stop_behind_it_is_heard() {
+    let mut deaf = alone();
+    let (passed, now) = unread(&mut deaf, said(), BEGINS);
+    let before_it_is_a_flood = i64::try_from(LONG).unwrap() * i64::try_from(NO_FLOOD).unwrap();
+    assert!(i64::try_from(passed).unwrap() <= before_it_is_a_flood + 2 * LAG, "{passed} bytes");
+    assert_eq!(deaf.heard(), [format!("{STOP} ")]);
+    // One message in a second is no flood, and somebody may read it.
+    let (passed, _) = unread(&mut deaf, publish(0x30, "flood/a", "seldom", 0), now + 2 * QUIET);
+    assert!(passed > 0);
+}
+
+/// What is kept is not lost for those who missed it, though it was the first of what they missed.
+#[test]
+fn what_was_kept_of_a_flood_that_went_no_further_comes_when_nothing_else_does() {
+    let mut deaf = alone();
+    let (_, now) = unread(&mut deaf, said(), BEGINS);
+    let (passed, now) = unread(&mut deaf, publish(0x31, "flood/b", "newest", 0), now);
+    assert_eq!(passed, 0);
+    let _ = deaf.turnstile.poll_behind(now);
+    deaf.turnstile.handle_timeout(now + QUIET).unwrap();
+    assert_eq!(deaf.client_got(), ["Publish flood/b=newest q0"]);
+}

@@ -1,0 +1,358 @@
+//! What clients publish: where it goes, what is heard, what is kept and what is dropped, and that everything is acknowledged.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::scene::{OPERATOR, START, STOP, Scene, VIEWER, gatehouse, publish, subscribe, taken};
+use crate::doors::mqtt::gate::budget::Payer;
+use crate::doors::mqtt::gate::limits::{
+    ENGINE_TOPICS, GUEST_PACKET, HANDLED, PADDED, PARCELS_AWAY, QUIET, SHARE_TOPICS, SHARED, UNRELEASED, VIEWERS_SHARE,
+};
+use crate::doors::mqtt::gate::packet::Qos;
+use crate::doors::mqtt::gate::rights::Guest;
+use crate::doors::mqtt::gate::turnstile::{Ended, Gatehouse, Mark};
+use crate::doors::mqtt::topics::Topics;
+use hallsweep_core::units::Epoch;
+
+const NONE: [&str; 0] = [];
+
+#[test]
+fn messages_reach_the_engine_at_qos_0_and_not_to_be_kept_and_are_acknowledged_here() {
+    let mut scene = Scene::of(OPERATOR);
+    let script = [
+        publish(0x30, "a", "0", 0),
+        publish(0x31, "a", "1", 0),
+        publish(0x33, "a", "2", 7),
+        publish(0x35, "b", "3", 8),
+        publish(0x3D, "b", "3", 8),
+    ];
+    scene.client(&script.concat()).unwrap();
+    scene.client(&[0x62, 2, 0, 8]).unwrap();
+    assert_eq!(scene.engine_got(), ["Publish a=0 q0", "Publish a=1 q0", "Publish a=2 q0", "Publish b=3 q0"]);
+    assert_eq!(scene.client_got(), ["Puback 7", "Pubrec 8", "Pubrec 8", "Pubcomp 8"]);
+    scene.client(&publish(0x34, "b", "4", 8)).unwrap();
+    assert_eq!(scene.engine_got(), ["Publish b=4 q0"], "a released id is free again");
+}
+
+#[test]
+fn what_would_end_the_engine_never_reaches_it() {
+    let mut scene = Scene::of(OPERATOR);
+    let long = "a".repeat(513);
+    let deep = "a/".repeat(32);
+    for topic in ["é", "日本", "$SYS/a", "$share/a/b", "$", &long, &deep] {
+        scene.client(&publish(0x33, topic, "x", 7)).unwrap();
+        assert_eq!((scene.engine_got(), scene.client_got()), (vec![], vec!["Puback 7".to_owned()]), "{topic}");
+    }
+    assert_eq!(scene.gatehouse.retained.count(), 0);
+}
+
+#[test]
+fn a_forbidden_message_is_acknowledged_and_goes_nowhere() {
+    for (guest, topic) in
+        [(OPERATOR, "hallsweep/discovery/state/robot"), (VIEWER, "a"), (OPERATOR, "homeassistant/device/discovery/config")]
+    {
+        let mut scene = Scene::of(guest);
+        let script = [publish(0x31, topic, "x", 0), publish(0x33, topic, "x", 1), publish(0x35, topic, "x", 2)];
+        scene.client(&script.concat()).unwrap();
+        scene.client(&[0x62, 2, 0, 2]).unwrap();
+        assert_eq!(scene.engine_got(), NONE, "{topic}");
+        assert_eq!(scene.client_got(), ["Puback 1", "Pubrec 2", "Pubcomp 2"]);
+        assert_eq!(scene.gatehouse.retained.count(), 0);
+    }
+}
+
+#[test]
+fn a_command_is_heard_before_it_goes_on_and_never_kept() {
+    for guest in [OPERATOR, VIEWER] {
+        let mut scene = Scene::of(guest);
+        scene.client(&publish(0x31, STOP, "", 0)).unwrap();
+        scene.client(&publish(0x33, "unibo/qak/robotmind", "x", 3)).unwrap();
+        scene.client(&publish(0x30, "hallsweep/discovery/command", "forbidden", 0)).unwrap();
+        assert_eq!(
+            scene.heard(),
+            [format!("{STOP} "), "unibo/qak/robotmind x".into(), "hallsweep/discovery/command forbidden".into()]
+        );
+        assert_eq!(scene.engine_got(), [format!("Publish {STOP}= q0"), "Publish unibo/qak/robotmind=x q0".into()]);
+        assert_eq!(scene.gatehouse.retained.count(), 0);
+    }
+}
+
+#[test]
+fn the_program_itself_is_not_heard_and_may_keep_what_it_likes_but_commands() {
+    let mut scene = Scene::of(Guest::House);
+    let script = [publish(0x31, "hallsweep/discovery/state/robot", "x", 0), publish(0x31, "unibo/qak/events", "y", 0)];
+    scene.client(&script.concat()).unwrap();
+    assert!(scene.heard().is_empty());
+    assert_eq!(scene.engine_got(), ["Publish hallsweep/discovery/state/robot=x q0", "Publish unibo/qak/events=y q0"]);
+    assert_eq!(scene.gatehouse.retained.count(), 1);
+}
+
+#[test]
+fn a_command_that_was_heard_is_not_heard_again_only_when_it_is_truly_the_same_packet() {
+    let mut scene = Scene::of(OPERATOR);
+    let mut heard = |bytes: &[u8]| {
+        scene.client(bytes).unwrap();
+        scene.heard().len()
+    };
+    assert_eq!(heard(&publish(0x32, START, "a", 7)), 1);
+    assert_eq!(heard(&publish(0x3A, START, "a", 7)), 0, "the same, and marked");
+    assert_eq!(heard(&publish(0x32, START, "a", 7)), 1, "not marked");
+    assert_eq!(heard(&publish(0x3A, START, "b", 7)), 1, "marked, and something else");
+    assert_eq!(heard(&publish(0x3A, START, "b", 8)), 1, "marked, and of an id that was not there");
+    assert_eq!(heard(&publish(0x30, START, "b", 0)) + heard(&publish(0x30, START, "b", 0)), 2, "QoS 0 is always heard");
+    assert_eq!(scene.client_got().len(), 5, "all of QoS 1 are acknowledged");
+}
+
+/// Safety S4: whoever carries it out is told that it may be old.
+#[test]
+fn a_command_that_was_sent_before_in_another_connection_is_heard_as_such() {
+    let mut scene = Scene::of(OPERATOR);
+    scene.client(&[publish(0x3A, START, "a", 7), publish(0x32, START, "b", 8), publish(0x3C, START, "c", 9)].concat()).unwrap();
+    assert_eq!(scene.heard(), [format!("{START} a again"), format!("{START} b"), format!("{START} c again")]);
+}
+
+#[test]
+fn a_command_of_qos_2_is_heard_once_until_it_is_released() {
+    let mut scene = Scene::of(OPERATOR);
+    scene.client(&[publish(0x34, START, "a", 7), publish(0x3C, START, "a", 7)].concat()).unwrap();
+    assert_eq!((scene.heard().len(), scene.engine_got().len()), (1, 1));
+    scene.client(&publish(0x34, START, "a", 7)).unwrap();
+    assert_eq!((scene.heard().len(), scene.engine_got().len()), (1, 0), "heard, as it is not marked; nobody else gets it twice");
+    scene.client(&[0x62, 2, 0, 7]).unwrap();
+    scene.client(&publish(0x3C, START, "a", 7)).unwrap();
+    assert_eq!((scene.heard().len(), scene.engine_got().len()), (1, 1), "a new one, whatever its mark");
+}
+
+#[test]
+fn a_command_of_qos_2_is_known_again_in_the_next_connection_of_a_session() {
+    let mut scene = Scene::of(OPERATOR);
+    scene.client(&publish(0x34, START, "a", 7)).unwrap();
+    let gatehouse = scene.gatehouse.clone();
+    let session = scene.turnstile.into_session();
+    let mut scene = Scene::in_house(&gatehouse, OPERATOR, |terms| terms.session = session);
+    scene.client(&publish(0x3C, START, "a", 7)).unwrap();
+    assert_eq!((scene.heard().len(), scene.client_got()), (0, vec!["Pubrec 7".to_owned()]));
+}
+
+/// Safety S1.
+#[test]
+fn a_stop_is_heard_as_often_as_it_comes_whatever_was_heard_before() {
+    let mut scene = Scene::of(OPERATOR);
+    for first in [0x32, 0x3A, 0x34, 0x3C] {
+        scene.client(&publish(first, STOP, "a", 7)).unwrap();
+        assert_eq!(scene.heard().len(), 1, "{first:#x}");
+    }
+}
+
+/// Safety A5: others may press STOP for ever while a client says nothing that is held against it.
+#[test]
+fn what_is_known_of_packets_is_forgotten_when_they_were_taken() {
+    let mut scene = Scene::of(OPERATOR);
+    let (said, before) = (publish(0x30, "a", "x", 0), scene.turnstile.held());
+    for round in 0..1000 {
+        let begins = round * u64::try_from(said.len()).unwrap();
+        scene.turnstile.handle_mark(Mark { begins, epoch: Epoch(round), has_halted: false });
+        scene.client(&said).unwrap();
+        scene.engine_got();
+    }
+    assert!(scene.turnstile.held() < before + 100, "{}", scene.turnstile.held());
+}
+
+/// Safety S1: in the first wait for readers and in the second.
+#[test]
+fn a_stop_that_halted_when_it_came_does_not_halt_again_when_its_turn_comes() {
+    let mut scene = Scene::of(OPERATOR);
+    let [other, stop, start] = [publish(0x30, "a", "x", 0), publish(0x30, STOP, "", 0), publish(0x30, START, "", 0)];
+    let waiting = [&other[..], &stop, &start, &stop].concat();
+    for round in 0..2 {
+        let begins = round * u64::try_from(waiting.len()).unwrap();
+        scene.turnstile.handle_mark(Mark { begins: begins + other.len() as u64, epoch: Epoch(1), has_halted: true });
+        scene.client(&waiting).unwrap();
+        assert_eq!(scene.heard(), [format!("{START} "), format!("{STOP} ")], "one of the two had halted in round {round}");
+        assert_eq!(scene.engine_got().len(), 4, "everybody is told of both");
+    }
+}
+
+#[test]
+fn what_is_remembered_of_commands_has_an_end() {
+    let mut scene = Scene::of(OPERATOR);
+    for id in 1..=2 * u16::try_from(HANDLED).unwrap() {
+        scene.client(&publish(0x32, START, "a", id)).unwrap();
+    }
+    scene.heard();
+    scene.client(&publish(0x3A, START, "a", 1)).unwrap();
+    assert_eq!(scene.heard().len(), 1, "forgotten, and so heard again");
+}
+
+#[test]
+fn nobody_leaves_too_much_unreleased_and_a_stop_is_heard_all_the_same() {
+    let mut scene = Scene::of(OPERATOR);
+    for id in 1..=u16::try_from(UNRELEASED).unwrap() {
+        scene.client(&publish(0x34, "a", "x", id)).unwrap();
+    }
+    let ended = scene.client(&publish(0x34, STOP, "", 60_000));
+    assert!(matches!(ended, Err(Ended::TooMuch { most: UNRELEASED, .. })), "{ended:?}");
+    assert_eq!(scene.heard().len(), 1);
+}
+
+/// Safety A5, S9 and S1.
+#[test]
+fn a_key_has_so_many_topics_the_rest_is_acknowledged_and_dropped_and_a_stop_is_heard_all_the_same() {
+    let gatehouse = gatehouse();
+    let mut scene = Scene::in_house(&gatehouse, OPERATOR, |terms| terms.has_key = true);
+    for n in 0..SHARE_TOPICS {
+        scene.client(&publish(0x30, &format!("a/{n}"), "", 0)).unwrap();
+    }
+    assert_eq!(scene.engine_got().len(), SHARE_TOPICS);
+    for n in SHARE_TOPICS..75_000 {
+        scene.client(&publish(0x33, &format!("a/{n}"), "x", 7)).unwrap();
+        assert_eq!(scene.client_got(), ["Puback 7"]);
+    }
+    assert_eq!((scene.engine_got().len(), gatehouse.retained.count()), (0, 0));
+    scene.client(&[publish(0x30, STOP, "", 0), publish(0x30, "a/0", "", 0)].concat()).unwrap();
+    assert_eq!((scene.heard().len(), scene.engine_got()), (1, vec!["Publish a/0= q0".to_owned()]));
+    assert!(!gatehouse.budget.is_exhausted());
+    let mut other = Scene::in_house(&gatehouse, OPERATOR, |terms| (terms.has_key, terms.name) = (true, "another".into()));
+    other.client(&publish(0x30, "b", "", 0)).unwrap();
+    assert_eq!(other.engine_got().len(), 1, "another key has its own");
+}
+
+/// Safety A5: not even topics of commands, of which a viewer may name as many as he likes.
+#[test]
+fn a_viewer_wears_no_engine_out_with_topics_that_he_may_not_publish_on_or_may() {
+    let gatehouse = gatehouse();
+    let mut scene = Scene::in_house(&gatehouse, VIEWER, |terms| terms.has_key = true);
+    for n in 0..75_000 {
+        let (mine, old, command) = (format!("a/{n}"), format!("unibo/qak/{n}"), format!("hallsweep/discovery/command/{n}"));
+        let said = [publish(0x30, &mine, "", 0), publish(0x30, &old, "", 0), publish(0x30, &command, "forbidden", 0)];
+        scene.client(&said.concat()).unwrap();
+    }
+    assert_eq!((scene.engine_got().len(), scene.heard().len()), (SHARE_TOPICS / VIEWERS_SHARE, 150_000));
+    assert!(!gatehouse.budget.is_exhausted());
+}
+
+#[test]
+fn what_nobody_reads_does_not_reach_the_engine_and_is_kept_all_the_same() {
+    let gatehouse = Arc::new(Gatehouse::new(Topics::new("hallsweep", "discovery", "unibo/qak")));
+    let mut scene = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+    let said = [publish(0x31, "a", "1", 0), publish(0x33, "b", "2", 7), publish(0x30, STOP, "", 0)].concat();
+    scene.client(&said).unwrap();
+    assert_eq!((scene.engine_got(), scene.client_got(), scene.heard().len()), (vec![], vec!["Puback 7".to_owned()], 1));
+    assert_eq!(gatehouse.retained.count(), 2);
+    let mut reader = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+    reader.client(&subscribe(1, &[("a", Qos::Zero)])).unwrap();
+    scene.client(&said).unwrap();
+    assert_eq!(scene.engine_got(), ["Publish a=1 q0"], "also while the engine has not answered the newcomer");
+    reader.engine_answers();
+    let session = reader.turnstile.into_session();
+    scene.client(&said).unwrap();
+    assert_eq!(scene.engine_got(), ["Publish a=1 q0"], "and for somebody who is remembered");
+    drop(session);
+    scene.client(&said).unwrap();
+    assert_eq!(scene.engine_got(), NONE, "until he is forgotten");
+}
+
+/// What the engine holds of a message beside its bytes is to be no more than the bytes that it counts.
+#[test]
+fn short_messages_are_padded_on_their_way_through_the_engine_and_nobody_sees_it() {
+    let mut scene = Scene::of(OPERATOR);
+    for length in [0, 1, 80, 90, 91, 92, 300] {
+        let payload = "x".repeat(length);
+        scene.client(&publish(0x30, "a", &payload, 0)).unwrap();
+        let through = std::mem::take(scene.turnstile.to_engine());
+        assert!(through.len() >= PADDED, "{length}");
+        scene.engine(&through).unwrap();
+        assert_eq!(taken(scene.turnstile.to_client()), publish(0x30, "a", &payload, 0), "{length}");
+    }
+    assert!(matches!(scene.engine(&[0x38, 3, 0, 1, b'a']), Err(Ended::EngineMalformed(_))), "padding without an end");
+    assert!(matches!(scene.engine(&[0x38, 4, 0, 1, b'a', 9]), Err(Ended::EngineMalformed(_))), "more than there is");
+}
+
+/// Safety A5: the engine copies what it sends for every reader, and keeps the room for that; a long message is there once.
+#[test]
+fn a_long_message_goes_past_the_engine_and_nobody_sees_it() {
+    let gatehouse = gatehouse();
+    let mut readers = [Qos::Zero, Qos::One].map(|qos| {
+        let mut reader = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+        reader.subscribe(&[("a", qos)]);
+        reader
+    });
+    let mut writer = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+    let payload = "x".repeat(GUEST_PACKET / 2);
+    writer.client(&publish(0x31, "a", &payload, 0)).unwrap();
+    let through = std::mem::take(writer.turnstile.to_engine());
+    assert!((PADDED..2 * PADDED).contains(&through.len()), "{}", through.len());
+    assert_eq!(gatehouse.retained.beside(), 0, "what is kept is the same");
+    for (reader, first) in readers.iter_mut().zip([0x30, 0x32]) {
+        // The engine gives it the id, and keeps the mark.
+        let [at_qos_0, at_qos_1] = [&[][..], &[0, 7]].map(|id| [&through[2..5], id, &through[5..]].concat());
+        let body = if first == 0x30 { at_qos_0 } else { at_qos_1 };
+        reader.engine(&[&[first | 8, u8::try_from(body.len()).unwrap()][..], &body].concat()).unwrap();
+        assert!(reader.turnstile.to_client().own() < PADDED);
+        assert_eq!(taken(reader.turnstile.to_client()), publish(first, "a", &payload, 7));
+    }
+    let [first, second] = readers;
+    assert_eq!((first.turnstile.elsewhere().0, second.turnstile.elsewhere().0), (0, payload.len()), "not acknowledged yet");
+    let mut again = Scene::in_house(&gatehouse, OPERATOR, |terms| terms.session = second.turnstile.into_session());
+    again.engine_answers();
+    again.client_got();
+    let body = [&through[2..5], &[0, 9], &through[5..]].concat();
+    again.engine(&[&[0x3A, u8::try_from(body.len()).unwrap()][..], &body].concat()).unwrap();
+    assert_eq!(taken(again.turnstile.to_client()), publish(0x3A, "a", &payload, 9), "it may know it");
+    again.client(&[0x40, 2, 0, 9]).unwrap();
+    assert_eq!((again.engine_got(), again.turnstile.elsewhere().0), (vec!["Puback 9".to_owned()], 0));
+    again.engine(&[&[0x3A, u8::try_from(body.len()).unwrap()][..], &body].concat()).unwrap();
+    assert_eq!((again.client_got(), again.engine_got().len()), (vec![], 1), "one that was lost is acknowledged for it");
+}
+
+/// Safety A5: whoever is away cannot read, and may be many.
+#[test]
+fn long_messages_wait_for_a_client_that_is_away_only_while_little_waits() {
+    let gatehouse = gatehouse();
+    let mut writer = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+    let long = "x".repeat(SHARED);
+    for (unread, comes, comes_later) in
+        [(PARCELS_AWAY + 1, &[][..], &["a/kept"][..]), (PARCELS_AWAY - SHARED, &["a/said", "a/kept"], &[])]
+    {
+        let mut reader = Scene::in_house(&gatehouse, OPERATOR, |_| {});
+        reader.subscribe(&[("a/#", Qos::Zero)]);
+        let session = reader.turnstile.into_session();
+        let unread = gatehouse.retained.share(&vec![0; unread]);
+        writer.client(&[publish(0x30, "a/said", &long, 0), publish(0x31, "a/kept", &long, 0)].concat()).unwrap();
+        drop(unread);
+        let mut again = Scene::in_house(&gatehouse, OPERATOR, |terms| terms.session = session);
+        again.engine_answers();
+        again.engine(&std::mem::take(writer.turnstile.to_engine())).unwrap();
+        let words = |topics: &[&str]| topics.iter().map(|topic| format!("Publish {topic}={long} q0")).collect::<Vec<_>>();
+        assert_eq!(again.client_got(), words(comes));
+        let at = Duration::from_secs(10);
+        assert!(again.turnstile.poll_behind(at).is_empty());
+        again.turnstile.handle_timeout(at + QUIET).unwrap();
+        assert_eq!(again.client_got(), words(comes_later), "the newest of what is kept");
+    }
+}
+
+#[test]
+fn an_engine_that_can_remember_no_more_gets_no_new_topics() {
+    let mut scene = Scene::of(OPERATOR);
+    for n in 0..ENGINE_TOPICS {
+        assert!(scene.gatehouse.budget.admits_topic(&Payer::Anybody, format!("b/{n}").as_bytes()));
+    }
+    scene.client(&[publish(0x33, "new", "x", 7), publish(0x30, STOP, "x", 0)].concat()).unwrap();
+    assert_eq!((scene.engine_got(), scene.client_got()), (vec![], vec!["Puback 7".to_owned()]));
+    assert_eq!((scene.heard().len(), scene.gatehouse.retained.count()), (1, 0));
+    assert!(scene.gatehouse.budget.is_exhausted());
+}
+
+#[test]
+fn guests_send_packets_of_256_kib_and_the_program_larger_ones() {
+    let payload = "x".repeat(GUEST_PACKET);
+    let too_long = publish(0x30, "a", &payload, 0);
+    assert!(matches!(Scene::of(OPERATOR).client(&too_long), Err(Ended::Malformed(_))));
+    let mut house = Scene::of(Guest::House);
+    house.client(&too_long).unwrap();
+    assert_eq!(house.engine_got().len(), 1);
+    let fitting = publish(0x30, "a", &payload[..GUEST_PACKET - 7], 0);
+    assert_eq!(fitting.len(), GUEST_PACKET);
+    assert!(Scene::of(OPERATOR).client(&fitting).is_ok());
+}

@@ -1,0 +1,209 @@
+//! For `hearing`: what halts, whatever is wrong with it, and what is passed on.
+
+use bytes::BytesMut;
+use proptest::prelude::*;
+use tokio::io::AsyncWriteExt;
+use tokio::sync::mpsc;
+
+use super::*;
+use crate::access::{Caller, Key, Keyring, Keys, OPERATOR, Role, Token};
+use crate::api::fixture::searching;
+use crate::doors::mqtt::gate::packet::{Qos, write};
+use crate::doors::mqtt::identity::Identity;
+use crate::doors::mqtt::orders::Orders;
+use crate::doors::mqtt::read_ahead::{Pool, Taker, read_ahead};
+use crate::doors::mqtt::topics::Topics;
+use crate::runtime::obedient::{Script, obedient};
+use crate::runtime::within::within;
+use hallsweep_core::command::Command;
+
+/// A client that is listened to, before a loop that does as it is told.
+struct Scene {
+    hearing: Hearing,
+    taker: Taker,
+    script: Script,
+}
+
+/// Somebody who may look and stop.
+fn viewer() -> Caller {
+    let token = || Token::draw().expect("the system gives chance");
+    let keys = [(OPERATOR, Role::Operator), ("wall", Role::Viewer)].map(|(name, role)| Key::new(name, role, token()).unwrap());
+    let keyring = Keyring::of(Keys::new(Vec::from(keys)).unwrap());
+    let shown = keyring.keys().named("wall").unwrap().token.reveal().to_owned();
+    Caller::Known(keyring.check(&shown).unwrap())
+}
+
+impl Scene {
+    fn of(identity: &Identity) -> Scene {
+        let (handle, script) = obedient(searching());
+        let topics = Topics::new("hallsweep", "discovery", "unibo/qak");
+        let orders = Orders::new(handle, topics, false, mpsc::channel(1024).0);
+        let (feeder, taker) = read_ahead(&Pool::default());
+        let listener = identity.listener(&orders, [127, 0, 0, 1].into());
+        Scene { hearing: Hearing::new(listener, feeder, Clock::default(), Handle::current()), taker, script }
+    }
+
+    /// How many STOPs have come to the loop, and that nothing else has.
+    async fn halted(&self) -> usize {
+        for _ in 0..8 {
+            tokio::task::yield_now().await;
+        }
+        let given = self.script.given.lock().unwrap();
+        assert!(given.iter().all(|given| given.command == Command::Stop), "{given:?}");
+        given.len()
+    }
+
+    fn passed_on(&self) -> (Vec<u8>, Vec<u64>) {
+        let (mut bytes, mut halted) = (BytesMut::new(), Vec::new());
+        while self.taker.take(&mut bytes, |mark| halted.extend(mark.has_halted.then_some(mark.begins))) {}
+        (bytes.to_vec(), halted)
+    }
+}
+
+fn publish(topic: &[u8], payload: &[u8]) -> BytesMut {
+    let mut out = BytesMut::new();
+    write::publish(&mut out, topic, payload, Qos::Zero, 0, false);
+    out
+}
+
+const COMMAND: &str = "hallsweep/discovery/command";
+
+/// Every way to say STOP.
+const STOPS: [(&str, &[u8]); 9] = [
+    ("hallsweep/discovery/command/stop", b""),
+    ("hallsweep/discovery/command/stop", br#"{"id":"k7"}"#),
+    ("hallsweep/discovery/command/move", br#"{"move":"h"}"#),
+    (COMMAND, b"stop"),
+    (COMMAND, b"\"STOP\""),
+    (COMMAND, b"h"),
+    ("unibo/qak/robotmind", b"msg(stopCmd,event,js,none,stopCmd,1)"),
+    ("unibo/qak/events", b"msg(stopExplore,dispatch,js,robotmind,stopExplore,1)"),
+    ("unibo/qak/robotmind", b"msg(userCmd,dispatch,js,robotmind,userCmd(h),1)"),
+];
+
+/// A PUBLISH as bytes, whatever they are.
+fn raw(first: u8, topic: &[u8], id: Option<u16>, payload: &[u8]) -> Vec<u8> {
+    let id = id.map(u16::to_be_bytes);
+    let plain = publish(topic, &[id.as_ref().map_or(&[][..], |id| &id[..]), payload].concat());
+    [&[first], &plain[1..]].concat()
+}
+
+/// A STOP with one thing wrong.
+fn wrong_stop() -> impl Strategy<Value = Vec<u8>> {
+    let junk = || prop::sample::select(vec![&b"\xff\xfe"[..], b"\0", b" ", b"!", b"}", b",", b"\r\n", b"\xc3"]);
+    (0..STOPS.len(), 0_u8..16, any::<u16>(), 0..9_usize, junk()).prop_map(|(stop, flags, id, fault, junk)| {
+        let (topic, payload) = STOPS[stop];
+        let (topic, plain) = (topic.as_bytes(), raw(0x30, topic.as_bytes(), None, payload));
+        let padded = |with: &[u8]| [payload, &with.repeat(5000)].concat();
+        match fault {
+            // Any flags: DUP at QoS 0, QoS 3 with and without an id, to be kept; any id, 0 too.
+            0 | 1 => raw(0x30 | flags, topic, (flags & 6 != 0).then_some(if fault == 0 { id } else { 0 }), payload),
+            2 => raw(0x36, topic, None, payload),
+            // What is no text, no JSON, no term, or too long.
+            3 => raw(0x30, topic, None, &[payload, junk].concat()),
+            4 => raw(0x30, topic, None, &padded(junk)),
+            // Topics on which nobody may publish.
+            5 => raw(0x30, &[topic, junk_of_topics(id)].concat(), None, payload),
+            6 => raw(0x30, &[b"/", topic].concat(), None, payload),
+            // What follows is no packet, or another one that nobody sends.
+            7 => [plain, vec![0x30, 0x80, 0x80, 0x80, 0x80]].concat(),
+            _ => [vec![0xF7, 1, 7], plain, vec![0x20, 0]].concat(),
+        }
+    })
+}
+
+fn junk_of_topics(id: u16) -> &'static [u8] {
+    [&b"/#"[..], b"#", b"/+", b"+", b"/", b"\xff", b"\0", b" "][usize::from(id) % 8]
+}
+
+proptest! {
+    /// Safety S8: any single fault that is added to a STOP leaves it halting, for whoever may look, in whatever pieces it comes.
+    #[test]
+    fn a_stop_halts_whatever_else_is_wrong_with_it(stop in wrong_stop(), cut in any::<prop::sample::Index>()) {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        runtime.block_on(async {
+            let mut scene = Scene::of(&Identity::Somebody(viewer()));
+            let (first, second) = stop.split_at(cut.index(stop.len() + 1));
+            scene.hearing.begin(first).await;
+            scene.hearing.begin(second).await;
+            let (bytes, halted) = scene.passed_on();
+            assert_eq!(bytes, stop, "all of it is judged later");
+            assert_eq!((scene.halted().await, halted.len()), (1, 1));
+        });
+    }
+}
+
+/// Safety S8, the other side of it: what does not say STOP does not halt.
+#[tokio::test]
+async fn nothing_else_halts() {
+    let mut scene = Scene::of(&Identity::Somebody(Caller::Here));
+    for (topic, payload) in [
+        ("hallsweep/discovery/command/start", &b"stop"[..]),
+        ("hallsweep/discovery/command/stop/result", b""),
+        ("hallsweep/discovery/command/move", br#"{"move":"w","remove":"h"}"#),
+        ("hallsweep/discovery/command/move", br#"{"move":"halt"}"#),
+        (COMMAND, b"stop it"),
+        (COMMAND, b"start"),
+        ("hallsweep/other/command/stop", b""),
+        ("unibo/qak/robotmind", b"msg(startCmd,event,js,none,startCmd,1)"),
+        ("unibo/qak/a/b", b"msg(stopCmd,event,js,none,stopCmd,1)"),
+        ("sensors/door", b"stop"),
+    ] {
+        scene.hearing.begin(&raw(0x30, topic.as_bytes(), None, payload)).await;
+    }
+    // An acknowledgement, and whatever else is no PUBLISH, says nothing.
+    let stop = publish(STOPS[0].0.as_bytes(), b"");
+    for first in [0x40, 0x50, 0x82, 0xE0] {
+        scene.hearing.begin(&[&[first], &stop[1..]].concat()).await;
+    }
+    assert_eq!(scene.halted().await, 0);
+}
+
+/// What our own session says on the old topics is news.
+#[tokio::test]
+async fn the_program_itself_is_not_heard() {
+    let mut scene = Scene::of(&Identity::House);
+    for (topic, payload) in STOPS {
+        scene.hearing.begin(&publish(topic.as_bytes(), payload)).await;
+    }
+    assert_eq!(scene.halted().await, 0);
+}
+
+/// Safety S1: a stop behind so much that nobody takes, as often as it waits, and in what has come when the connection ends.
+#[tokio::test]
+async fn a_stop_in_what_was_read_ahead_or_is_left_behind_halts_although_nothing_is_taken() {
+    let (mut client, stream) = tokio::io::duplex(8 * 1024 * 1024);
+    let Scene { hearing, taker, script } = Scene::of(&Identity::Somebody(Caller::Here));
+    let flood = publish(b"sensors/door", &[7; 1000]).repeat(300);
+    let stop = publish(STOPS[0].0.as_bytes(), b"");
+    let (reader, _writer) = tokio::io::split(stream);
+    tokio::spawn(hearing.run(Box::new(reader)));
+    let given = async |so_many| {
+        within("so many stops", async {
+            while script.given.lock().unwrap().len() < so_many {
+                tokio::task::yield_now().await;
+            }
+        })
+        .await;
+    };
+    for waits in 1..=2 {
+        client.write_all(&[&flood[..], &stop].concat()).await.unwrap();
+        given(waits).await;
+    }
+    client.write_all(&flood.repeat(10)).await.unwrap();
+    client.write_all(&stop).await.unwrap();
+    taker.full().await;
+    taker.leave(Left::HearsRest);
+    given(3).await;
+}
+
+/// A key that was taken away stops nobody.
+#[tokio::test]
+async fn whoever_is_not_known_any_more_is_not_heard() {
+    let (mut client, stream) = tokio::io::duplex(8 * 1024 * 1024);
+    let Scene { hearing, taker, script } = Scene::of(&Identity::Somebody(Caller::Here));
+    taker.leave(Left::Deaf);
+    client.write_all(&publish(STOPS[0].0.as_bytes(), b"")).await.unwrap();
+    hearing.run(Box::new(stream)).await;
+    assert!(script.given.lock().unwrap().is_empty());
+}

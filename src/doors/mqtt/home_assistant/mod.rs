@@ -1,0 +1,93 @@
+//! The robot in the words of Home Assistant: what it is told of it (`discovery`), and the state of a vacuum cleaner, which is how it
+//! shows a robot that drives through a hall. When it is told stands in `news`.
+
+pub mod discovery;
+#[cfg(test)]
+mod tests;
+
+use serde_json::{Value, json};
+
+use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::units::Cell;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// What Home Assistant shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct State {
+    /// What the robot does.
+    pub activity: Activity,
+    /// Whether an alarm stands that nobody has acknowledged, or a dangerous piece that is not secured.
+    pub alarm: bool,
+}
+
+/// What a vacuum cleaner can do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names say it, and `activity` when it is which")]
+pub enum Activity {
+    Cleaning,
+    Docked,
+    Paused,
+    Idle,
+    Returning,
+    Error,
+}
+
+impl State {
+    /// `{"state":"cleaning","alarm":false}`.
+    #[must_use]
+    pub fn json(self) -> Value {
+        json!({"state": self.activity.name(), "alarm": self.alarm})
+    }
+}
+
+impl Activity {
+    /// Its word.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Activity::Cleaning => "cleaning",
+            Activity::Docked => "docked",
+            Activity::Paused => "paused",
+            Activity::Idle => "idle",
+            Activity::Returning => "returning",
+            Activity::Error => "error",
+        }
+    }
+}
+
+/// What Home Assistant is shown of this state.
+#[must_use]
+pub fn state(snapshot: &Snapshot) -> State {
+    State { activity: activity(snapshot), alarm: is_alarmed(snapshot) }
+}
+
+/// The phase first. A mission that is held is paused, unless START cannot help before something is mended.
+fn activity(snapshot: &Snapshot) -> Activity {
+    let under_way = match snapshot.mission.phase {
+        PhaseName::Exploring | PhaseName::Inspecting | PhaseName::Driving | PhaseName::Retrieving => Activity::Cleaning,
+        PhaseName::ReturningHome | PhaseName::ReturningWithAlarm => Activity::Returning,
+        PhaseName::AtHome | PhaseName::BombLocated | PhaseName::BagSecured | PhaseName::Explored => Activity::Docked,
+        PhaseName::Idle if snapshot.robot.pose.cell == Cell::HOME => Activity::Docked,
+        PhaseName::Idle => Activity::Idle,
+        PhaseName::Fault => Activity::Error,
+    };
+    if snapshot.mission.holds.iter().any(|hold| must_be_mended(*hold)) {
+        return Activity::Error;
+    }
+    let is_held = !snapshot.mission.holds.is_empty() && matches!(under_way, Activity::Cleaning | Activity::Returning);
+    if is_held { Activity::Paused } else { under_way }
+}
+
+/// Whether a hold ends only when somebody mends something.
+const fn must_be_mended(hold: Hold) -> bool {
+    match hold {
+        Hold::TemperatureStale | Hold::RobotLink | Hold::Store => true,
+        Hold::Operator | Hold::TooHigh | Hold::Temperature | Hold::Restart | Hold::Alarm | Hold::AwaitingStart => false,
+    }
+}
+
+fn is_alarmed(snapshot: &Snapshot) -> bool {
+    let is_unseen = snapshot.alarms.iter().any(|alarm| alarm.acknowledged.is_none());
+    let is_secured = snapshot.mission.phase == PhaseName::BagSecured;
+    is_unseen || (!is_secured && snapshot.luggage.iter().any(|piece| piece.is_dangerous()))
+}

@@ -1,0 +1,209 @@
+//! Who a client is, by what its CONNECT shows: our own session, somebody on this machine at an open door, or whoever has a key, whose
+//! name is the user name and whose token is the password.
+
+use std::net::IpAddr;
+use std::sync::Arc;
+
+use subtle::ConstantTimeEq;
+
+use super::gate::packet::connect;
+use super::gate::rights::Guest;
+use super::gate::turnstile::{Heard, Listener};
+use super::orders::{self, Orders, Sender, Taken};
+use super::seats::Holder;
+use super::visitor::Origin;
+use crate::access::{Access, Caller, Need, Token};
+use hallsweep_core::units::Epoch;
+
+/// The name by which our own session comes. No key can have it.
+pub const HOUSE: &str = "$hallsweep";
+
+/// Who a client is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Identity {
+    /// Our own session.
+    House,
+    /// Somebody who was let in.
+    Somebody(Caller),
+}
+
+/// Why it is nobody.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unknown {
+    /// It shows nothing, and something is asked for.
+    Nothing,
+    /// What it shows is wrong.
+    Wrong,
+}
+
+impl Identity {
+    /// Who this client is, by the name and the password of its CONNECT.
+    ///
+    /// # Errors
+    /// When it is nobody who is let in.
+    pub(super) fn of(sender: &connect::Sender, origin: &Origin, secret: &Token) -> Result<Identity, Unknown> {
+        let password = sender.password.as_deref().unwrap_or_default();
+        let name = sender.name.as_deref();
+        if name == Some(HOUSE) {
+            let is_ours = secret.reveal().as_bytes().ct_eq(password);
+            return if is_ours.into() { Ok(Identity::House) } else { Err(Unknown::Wrong) };
+        }
+        if let Some(caller) = origin.caller.clone().or_else(|| origin.access.unasked(origin.from)) {
+            return Ok(Identity::Somebody(caller));
+        }
+        let (Access::Keys(keyring), Some(name)) = (&origin.access, name) else { return Err(Unknown::Nothing) };
+        let token = std::str::from_utf8(password).unwrap_or_default();
+        let signed_in = keyring.check(token).filter(|signed_in| &*signed_in.name == name);
+        signed_in.map(|signed_in| Identity::Somebody(Caller::Known(signed_in))).ok_or(Unknown::Wrong)
+    }
+
+    /// The name for records.
+    pub(super) fn name(&self) -> Arc<str> {
+        match self {
+            Identity::House => Arc::from(HOUSE),
+            Identity::Somebody(caller) => caller.name(),
+        }
+    }
+
+    /// Whether its name is that of a key.
+    pub(super) const fn has_key(&self) -> bool {
+        matches!(self, Identity::Somebody(Caller::Known(_)))
+    }
+
+    /// Whose seat it takes; our own session needs none.
+    pub(super) fn holder(&self) -> Option<Holder> {
+        let Identity::Somebody(caller) = self else { return None };
+        let has_share = matches!(caller, Caller::Known(_));
+        Some(Holder { who: caller.name(), is_viewer: caller.may(Need::Act).is_err(), has_share })
+    }
+
+    /// What the gate wants to know.
+    pub(super) const fn guest(&self) -> Guest {
+        match self {
+            Identity::House => Guest::House,
+            Identity::Somebody(caller) => Guest::Somebody(caller.role()),
+        }
+    }
+
+    /// Whether it would be let in still; `now_s` in seconds since 1970.
+    pub(super) fn is_known(&self, access: &Access, now_s: i64) -> bool {
+        match self {
+            Identity::House => true,
+            Identity::Somebody(caller) => access.still_knows(caller, now_s),
+        }
+    }
+
+    /// Who hears its commands. Our own session gives none: what it says on the old topics is news.
+    pub(super) fn listener(&self, orders: &Orders, from: IpAddr) -> Arc<dyn Listener> {
+        match self {
+            Identity::House => Arc::new(Deaf),
+            Identity::Somebody(caller) => {
+                let from = Arc::from(from.to_canonical().to_string());
+                Arc::new(Ear { orders: orders.clone(), sender: Sender::Known { caller: caller.clone(), from } })
+            }
+        }
+    }
+}
+
+/// Hears commands of somebody.
+struct Ear {
+    orders: Orders,
+    sender: Sender,
+}
+
+/// Hears nothing.
+struct Deaf;
+
+impl Listener for Ear {
+    fn hear(&self, topic: &str, payload: &[u8], (arrived, is_again): (Option<Epoch>, bool)) -> Heard {
+        match self.orders.take(&orders::Heard { topic, payload, arrived, is_again }, &self.sender) {
+            Taken::NotACommand | Taken::Taken => Heard::Pass,
+            Taken::Forbidden => Heard::Forbidden,
+        }
+    }
+
+    fn epoch(&self) -> Epoch {
+        self.orders.epoch()
+    }
+
+    fn halts(&self, topic: &[u8], payload: &[u8]) -> bool {
+        self.orders.halts(topic, payload, &self.sender)
+    }
+}
+
+impl Listener for Deaf {
+    fn hear(&self, _: &str, _: &[u8], _: (Option<Epoch>, bool)) -> Heard {
+        Heard::Pass
+    }
+
+    fn epoch(&self) -> Epoch {
+        Epoch(0)
+    }
+
+    fn halts(&self, _: &[u8], _: &[u8]) -> bool {
+        false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::access::{Key, Keyring, Keys, Role};
+
+    struct Tokens {
+        access: Access,
+        operator: String,
+        viewer: String,
+    }
+
+    fn keys() -> Tokens {
+        let [operator, viewer] = [Token::draw().unwrap(), Token::draw().unwrap()];
+        let keys = vec![
+            Key::new("operator", Role::Operator, operator.clone()).unwrap(),
+            Key::new("screen", Role::Viewer, viewer.clone()).unwrap(),
+        ];
+        let access = Access::Keys(Keyring::of(Keys::new(keys).unwrap()));
+        Tokens { access, operator: operator.reveal().to_owned(), viewer: viewer.reveal().to_owned() }
+    }
+
+    fn of(access: &Access, from: &str, login: Option<(&str, &str)>, secret: &Token) -> Result<Identity, Unknown> {
+        let sender = connect::Sender {
+            name: login.map(|(name, _)| name.to_owned()),
+            password: login.map(|(_, password)| password.to_owned().into()),
+            is_five: false,
+        };
+        let origin = Origin { from: from.parse().unwrap(), caller: None, access: access.clone() };
+        Identity::of(&sender, &origin, secret)
+    }
+
+    /// Safety A4.
+    #[test]
+    fn a_name_and_its_token_let_somebody_in_with_the_role_of_the_key() {
+        let (keys, secret) = (keys(), Token::draw().unwrap());
+        let try_in = |login| of(&keys.access, "192.0.2.7", login, &secret);
+        let who = |login| try_in(Some(login)).map(|identity| identity.guest());
+        assert_eq!(who(("operator", &keys.operator)), Ok(Guest::Somebody(Role::Operator)));
+        assert_eq!(who(("screen", &keys.viewer)), Ok(Guest::Somebody(Role::Viewer)));
+        assert_eq!(who(("operator", &keys.viewer)), Err(Unknown::Wrong), "somebody else's token");
+        assert_eq!(who(("nobody", "secret")), Err(Unknown::Wrong));
+        assert_eq!(try_in(None), Err(Unknown::Nothing));
+        assert_eq!(of(&keys.access, "127.0.0.1", None, &secret), Err(Unknown::Nothing), "this machine is asked too");
+    }
+
+    /// Safety A1.
+    #[test]
+    fn an_open_door_is_open_to_this_machine_alone() {
+        let secret = Token::draw().unwrap();
+        let here = of(&Access::Open, "127.0.0.1", Some(("anybody", "at all")), &secret);
+        assert_eq!(here, Ok(Identity::Somebody(Caller::Here)));
+        assert_eq!(of(&Access::Open, "192.0.2.7", None, &secret), Err(Unknown::Nothing));
+    }
+
+    #[test]
+    fn nobody_is_our_own_session_without_its_secret() {
+        let secret = Token::draw().unwrap();
+        assert_eq!(of(&Access::Open, "127.0.0.1", Some((HOUSE, secret.reveal())), &secret), Ok(Identity::House));
+        assert_eq!(of(&Access::Open, "127.0.0.1", Some((HOUSE, "guess")), &secret), Err(Unknown::Wrong));
+        assert!(Key::new(HOUSE, Role::Viewer, secret).is_err(), "no key has this name");
+    }
+}

@@ -1,0 +1,80 @@
+//! What Home Assistant is told beside the topics for everybody: of the robot itself, its state in words of its own, and the last
+//! photo. What these say stands in `home_assistant`.
+
+use std::time::Duration;
+
+use bytes::Bytes;
+
+use super::super::home_assistant::{self, discovery};
+use super::super::publication::Publication;
+use super::super::topics::Topics;
+use super::photos::Photos;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// The least time between two states.
+const PACE: Duration = Duration::from_millis(100);
+
+/// What was said to it.
+pub(super) struct Household {
+    /// The photos.
+    pub(super) photos: Photos,
+    config: Bytes,
+    is_introduced: bool,
+    state: Option<home_assistant::State>,
+    said: Option<home_assistant::State>,
+    next: Duration,
+}
+
+impl Household {
+    /// Nothing was said yet.
+    pub(super) fn new(topics: &Topics) -> Household {
+        Household {
+            photos: Photos::default(),
+            config: discovery::config(topics, env!("CARGO_PKG_VERSION")).to_string().into(),
+            is_introduced: false,
+            state: None,
+            said: None,
+            next: Duration::ZERO,
+        }
+    }
+
+    /// Notes what the state is.
+    pub(super) fn handle_state(&mut self, older: Option<&Snapshot>, newer: &Snapshot) {
+        self.state = Some(home_assistant::state(newer));
+        self.photos.handle_state(older, newer);
+    }
+
+    /// It has started, and is told of the robot again.
+    pub(super) const fn handle_birth(&mut self) {
+        self.is_introduced = false;
+    }
+
+    /// When something is to be said.
+    pub(super) fn due(&self) -> Option<Duration> {
+        if !self.is_introduced || self.photos.is_due() {
+            return Some(Duration::ZERO);
+        }
+        (self.state != self.said).then_some(self.next)
+    }
+
+    /// The next that is to be said.
+    pub(super) fn take(&mut self, topics: &Topics, now: Duration) -> Option<Publication> {
+        if !self.is_introduced {
+            self.is_introduced = true;
+            return Some(Publication::kept(topics.discovery(), self.config.clone()));
+        }
+        if self.photos.is_due() {
+            return self.photos.take().map(|photo| Publication::kept(topics.photo(), photo));
+        }
+        self.said = self.state;
+        self.next = now + PACE;
+        self.state.map(|state| Publication::kept(topics.home_assistant(), state.json().to_string()))
+    }
+
+    /// Everything is to be said again.
+    pub(super) fn renew(&mut self) {
+        self.is_introduced = false;
+        self.said = None;
+        self.photos.renew();
+    }
+}

@@ -1,0 +1,92 @@
+//! Which photo is the last one, and whether it is still to be shown. Reading it from the archive may touch a disk, so that is the
+//! business of whoever polls.
+
+use bytes::Bytes;
+
+use super::pieces;
+use hallsweep_core::event::Photo;
+use hallsweep_core::units::LuggageId;
+use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::world::resource::Resource;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// A photo with more bytes than this is not published: with its topic it must fit a packet of 1 MiB, the largest that a careful
+/// broker takes.
+pub const PHOTO_MOST: usize = 1024 * 1024 - 1024;
+
+/// One photo of a piece.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// The piece.
+    pub luggage: LuggageId,
+    /// 1 for its first photo, more after a retake.
+    pub take: u32,
+}
+
+/// What is known of the photos.
+#[derive(Default)]
+pub(super) struct Photos {
+    /// The last one there is.
+    newest: Option<Picture>,
+    /// The last one that was asked for.
+    asked: Option<Picture>,
+    /// The last one that was given back.
+    shown: Option<(Picture, Bytes)>,
+    /// Whether it is still to be said.
+    is_due: bool,
+}
+
+impl Photos {
+    /// Notes which photo is the last: the one of the latest change, and at first that of the last piece.
+    pub(super) fn handle_state(&mut self, older: Option<&Snapshot>, newer: &Snapshot) {
+        let Some(older) = older else {
+            self.newest = newer.luggage.iter().rev().find_map(|piece| picture(piece));
+            return;
+        };
+        if older.revision_of(Resource::Luggage) == newer.revision_of(Resource::Luggage) {
+            return;
+        }
+        let differs = |earlier: &Luggage, later: &Luggage| picture(earlier) != picture(later);
+        self.newest = pieces::changed(older, newer, differs).filter_map(|piece| picture(piece)).last().or(self.newest);
+    }
+
+    /// A photo to read that was not asked for before.
+    pub(super) fn poll(&mut self) -> Option<Picture> {
+        if self.newest == self.asked {
+            return None;
+        }
+        self.asked = self.newest;
+        self.asked
+    }
+
+    /// A photo was read; whether it will be said.
+    pub(super) fn handle(&mut self, picture: Picture, photo: Photo) -> bool {
+        let is_wanted = self.newest == Some(picture) && photo.bytes.len() <= PHOTO_MOST;
+        if is_wanted {
+            self.shown = Some((picture, Bytes::from_owner(photo.bytes)));
+            self.is_due = true;
+        }
+        is_wanted
+    }
+
+    /// Whether a photo is to be said.
+    pub(super) const fn is_due(&self) -> bool {
+        self.is_due
+    }
+
+    /// The photo that is to be said.
+    pub(super) fn take(&mut self) -> Option<Bytes> {
+        self.is_due = false;
+        self.shown.as_ref().map(|(_, bytes)| bytes.clone())
+    }
+
+    /// It is said again; one that was asked for in vain is asked for again.
+    pub(super) fn renew(&mut self) {
+        self.is_due = self.shown.is_some();
+        self.asked = self.shown.as_ref().map(|(picture, _)| *picture);
+    }
+}
+
+fn picture(luggage: &Luggage) -> Option<Picture> {
+    luggage.take().ok().map(|take| Picture { luggage: luggage.id, take })
+}

@@ -1,0 +1,299 @@
+//! What a message of the original system asks for (mission §8): one table from MSGIDs to commands, whether a message comes as an
+//! event or as a dispatch, and whoever sent it under whatever number. What becomes of the command is not decided here.
+
+use super::message::{Kind, Message, NoMessage};
+use super::outgoing::MODEL_CONTENT;
+use super::term::{Term, is_in_word};
+use crate::api::command::{goto, move_word};
+use crate::api::fields::in_short;
+use crate::api::halt::is_halt;
+use crate::api::old_clients::may_drive;
+use hallsweep_core::command::{Command, LuggageRef, Refusal, Refused, TemperatureReport, Verdict};
+use hallsweep_core::mission::in_words;
+
+/// What a message asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Asked {
+    /// This.
+    Command(Command),
+    /// To go on: to take the photo again where that has failed, else START.
+    GoOn,
+    /// Nothing of us: it is one that we publish ourselves, or an answer to somebody.
+    Nothing,
+    /// Nothing that is known, under this MSGID: other actors may say it to each other.
+    Unknown(String),
+}
+
+/// Why nothing is done about a message. `Display` is the sentence for log and record.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Wrong {
+    /// It is no message, or not a whole one.
+    #[error(transparent)]
+    NoMessage(#[from] NoMessage),
+    /// Its MSGID is known, and its CONTENT asks for nothing that there is.
+    #[error("the CONTENT of {id} is wrong: {words}")]
+    Content {
+        /// The MSGID.
+        id: &'static str,
+        /// What stands there, and what belongs there.
+        words: String,
+    },
+    /// An old client may not ask for that here.
+    #[error("{refused}")]
+    Refused {
+        /// What it asked for.
+        command: Command,
+        /// Why not.
+        refused: Refused,
+    },
+}
+
+/// What a payload on one of the old topics asks for. One that is too long, or no message at all, is unknown where it begins as
+/// one whose MSGID is not ours: other actors may write to each other what they like.
+///
+/// # Errors
+/// When it is no message, when what a known message says makes no sense, or when driving is asked for and `manual_driving` does
+/// not allow it.
+pub fn asked(payload: &[u8], manual_driving: bool) -> Result<Asked, Wrong> {
+    if is_stop(payload) {
+        return Ok(Asked::Command(Command::Stop));
+    }
+    if let Some(id) = beginning(payload).filter(|id| known(id).is_none()) {
+        return Ok(of_others(id));
+    }
+    let message = Message::parse(payload)?;
+    let Some(row) = known(&message.id) else { return Ok(of_others(message.id)) };
+    if message.kind == Kind::Reply {
+        return Ok(Asked::Nothing);
+    }
+    let command = row.command(&message.content).map_err(|words| Wrong::Content { id: row.id, words })?;
+    if matches!(row.asks, Asks::GoOn) {
+        return Ok(Asked::GoOn);
+    }
+    match may_drive(&command, manual_driving) {
+        Ok(()) => Ok(Asked::Command(command)),
+        Err(refused) => Err(Wrong::Refused { command, refused }),
+    }
+}
+
+fn of_others(id: String) -> Asked {
+    if id == MODEL_CONTENT { Asked::Nothing } else { Asked::Unknown(id) }
+}
+
+/// Whether a payload begins as a message whose MSGID is none of ours. It looks at no more than the beginning.
+#[must_use]
+pub fn is_of_others(payload: &[u8]) -> bool {
+    beginning(payload).is_some_and(|id| known(&id).is_none())
+}
+
+/// Whether a payload asks for STOP, whatever else is wrong with it: no number, a sender that cannot be read, the end missing, too
+/// long. It looks at no more than the beginning, but for those whose CONTENT says it, as `userCmd`. (Safety S1, S8.)
+#[must_use]
+pub fn is_stop(payload: &[u8]) -> bool {
+    let Some(id) = opening(payload) else { return false };
+    match known(&id).map(|row| &row.asks) {
+        Some(Asks::Halt(command)) => *command == Command::Stop,
+        Some(Asks::Move | Asks::Change) => {
+            let letters: Vec<u8> = letters(payload).collect();
+            MOVES.iter().any(|beginning| says_halt_behind(&letters, beginning))
+        }
+        Some(Asks::For(_) | Asks::GoOn | Asks::Goto) | None => false,
+    }
+}
+
+/// The table, a row a message, for the documentation.
+#[must_use]
+pub fn table_markdown() -> String {
+    let mut text = "| MSGID | CONTENT | asks for |\n|---|---|---|\n".to_owned();
+    for Row { id, asks } in &ROWS {
+        let (content, what) = match asks {
+            Asks::Halt(command) => ("anything".to_owned(), in_words(command)),
+            Asks::For(command) => (format!("`{id}`"), in_words(command)),
+            Asks::Goto => (format!("`{id}(X,Y)`"), "driving to the cell (X, Y), if old clients may drive".to_owned()),
+            Asks::Move => {
+                let what = "a move: `w` `s` `a` `l` `d` `r` `z` `x`, if old clients may drive; `h` and `stop` are STOP, always";
+                (format!("`{id}(w)`"), what.to_owned())
+            }
+            Asks::GoOn => (format!("`{id}`"), "taking the photo again where it has failed, else START".to_owned()),
+            Asks::Change => {
+                let what = "the same moves, `h` and `stop` being STOP; with `luggage`, `safe` or `danger`";
+                (format!("`{id}(robot,w)`, `{id}(luggage,safe)`"), what.to_owned())
+            }
+        };
+        text.push_str(&format!("| `{id}` | {content} | {what} |\n"));
+    }
+    text
+}
+
+impl Wrong {
+    /// What was asked for, in words for the record.
+    #[must_use]
+    pub fn asked(&self) -> String {
+        match self {
+            Wrong::NoMessage(_) => "a message".to_owned(),
+            Wrong::Content { id, .. } => (*id).to_owned(),
+            Wrong::Refused { command, .. } => in_words(command),
+        }
+    }
+
+    /// The refusal for the record.
+    #[must_use]
+    pub fn refused(&self) -> Refused {
+        match self {
+            Wrong::NoMessage(_) => Refused::Before(Refusal::named("malformed", self.to_string())),
+            Wrong::Content { .. } => Refused::Before(Refusal::named("unusable", self.to_string())),
+            Wrong::Refused { refused, .. } => refused.clone(),
+        }
+    }
+}
+
+/// A message that is known, and what it asks for.
+struct Row {
+    id: &'static str,
+    asks: Asks,
+}
+
+/// What a known message asks for, and what its CONTENT must be for that.
+enum Asks {
+    /// This, whatever the CONTENT is: nothing in it keeps a message that halts from halting.
+    Halt(Command),
+    /// This; the CONTENT is the MSGID again, perhaps with something in parentheses that nobody looks at, as the first sprint had it.
+    For(Command),
+    /// Driving to a cell, `MSGID(X,Y)`.
+    Goto,
+    /// A move, `MSGID(w)`; `h` is STOP.
+    Move,
+    /// To go on.
+    GoOn,
+    /// A move, `MSGID(robot,w)`, or a verdict, `MSGID(luggage,safe)`.
+    Change,
+}
+
+const SAFE: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe };
+const DANGER: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger };
+
+/// How the contents begin that are moves.
+const MOVES: [&str; 3] = ["userCmd(", "robotCmd(", "modelChange(robot,"];
+
+/// Every message that is known.
+const ROWS: [Row; 20] = [
+    row("startCmd", Asks::For(Command::Start)),
+    row("stopCmd", Asks::Halt(Command::Stop)),
+    row("backHomeCmd", Asks::For(Command::BackHome)),
+    row("temperatureOk", Asks::For(Command::Temperature(TemperatureReport::Ok))),
+    row("temperatureTooHigh", Asks::Halt(Command::Temperature(TemperatureReport::TooHigh))),
+    row("luggageSafe", Asks::For(SAFE)),
+    row("luggageDanger", Asks::For(DANGER)),
+    row("explore", Asks::For(Command::Start)),
+    row("stopExplore", Asks::Halt(Command::Stop)),
+    row("backHome", Asks::For(Command::BackHome)),
+    row("continueExplore", Asks::GoOn),
+    row("continueExploreAfterPhoto", Asks::For(SAFE)),
+    row("backHomeSinceBomb", Asks::For(DANGER)),
+    row("startTest", Asks::Goto),
+    row("userCmd", Asks::Move),
+    row("robotCmd", Asks::Move),
+    row("modelChange", Asks::Change),
+    row("startAppl", Asks::For(Command::Start)),
+    row("stopAppl", Asks::Halt(Command::Stop)),
+    row("reachBag", Asks::For(Command::Retrieve)),
+];
+
+const fn row(id: &'static str, asks: Asks) -> Row {
+    Row { id, asks }
+}
+
+fn known(id: &str) -> Option<&'static Row> {
+    const { &ROWS }.iter().find(|row| row.id == id)
+}
+
+impl Row {
+    /// The command behind a CONTENT, or what is wrong with it.
+    fn command(&self, content: &Term) -> Result<Command, String> {
+        let content = unquoted(content);
+        match (&self.asks, parts_of(self.id, &content)) {
+            (Asks::Halt(command), _) | (Asks::For(command), Some(_)) => Ok(command.clone()),
+            (Asks::GoOn, Some(_)) => Ok(Command::Start),
+            (Asks::Goto, Some([Term::Number(x), Term::Number(y)])) => match (x.text().parse(), y.text().parse()) {
+                (Ok(x), Ok(y)) => goto(x, y).map_err(|unusable| unusable.to_string()),
+                _ => Err(self.other(&content)),
+            },
+            (Asks::Move, Some([Term::Atom(word)])) => move_word(word).map_err(|unusable| unusable.to_string()),
+            (Asks::Change, Some([Term::Atom(of), Term::Atom(word)])) => match (of.as_str(), word.as_str()) {
+                ("robot", word) => move_word(word).map_err(|unusable| unusable.to_string()),
+                ("luggage", "safe") => Ok(SAFE),
+                ("luggage", "danger") => Ok(DANGER),
+                _ => Err(self.other(&content)),
+            },
+            (Asks::For(_) | Asks::GoOn | Asks::Goto | Asks::Move | Asks::Change, _) => Err(self.other(&content)),
+        }
+    }
+
+    fn other(&self, content: &Term) -> String {
+        let id = self.id;
+        let expected = match self.asks {
+            Asks::Halt(_) | Asks::For(_) | Asks::GoOn => id.to_owned(),
+            Asks::Goto => format!("{id}(X,Y), two whole numbers,"),
+            Asks::Move => format!("{id}(w), or another move,"),
+            Asks::Change => format!("{id}(robot,w), or another move, or {id}(luggage,safe) or {id}(luggage,danger)"),
+        };
+        format!("{} stands where {expected} belongs", in_short(&content.to_string()))
+    }
+}
+
+/// What stands in the parentheses behind `id`; nothing, where there are none.
+fn parts_of<'a>(id: &str, content: &'a Term) -> Option<&'a [Term]> {
+    match content {
+        Term::Compound(name, parts) if name == id => Some(parts),
+        Term::Atom(name) if name == id => Some(&[]),
+        Term::Atom(_) | Term::Compound(..) | Term::Number(_) => None,
+    }
+}
+
+/// A CONTENT may as a whole be in quotes, `'startTest(1,2)'`.
+fn unquoted(content: &Term) -> Term {
+    let within = match content {
+        Term::Atom(text) => Term::parse(text).ok(),
+        Term::Number(_) | Term::Compound(..) => None,
+    };
+    within.unwrap_or_else(|| content.clone())
+}
+
+/// The MSGID with which a payload begins, where a comma follows it.
+fn beginning(payload: &[u8]) -> Option<String> {
+    let id = opening(payload)?;
+    (letters(payload).nth(OPENING.len() + id.len()) == Some(b',')).then_some(id)
+}
+
+/// How every message begins.
+const OPENING: &[u8] = b"msg(";
+
+/// A word is looked at so far, in bytes: longer than any MSGID that is known.
+const LONGEST: usize = 64;
+
+/// The word with which the first part of a message begins, quoted or not.
+fn opening(payload: &[u8]) -> Option<String> {
+    if !letters(payload).take(OPENING.len()).eq(OPENING.iter().copied()) {
+        return None;
+    }
+    let word = letters(payload).skip(OPENING.len()).map(char::from).take_while(|letter| is_in_word(*letter));
+    Some(word.take(LONGEST).collect())
+}
+
+/// A payload without blanks and quotes, of which terms know the single ones alone.
+fn letters(payload: &[u8]) -> impl Iterator<Item = u8> {
+    payload.iter().copied().filter(|letter| !letter.is_ascii_whitespace() && !matches!(letter, b'\'' | b'"'))
+}
+
+/// Whether a move that is STOP follows where a content begins so.
+fn says_halt_behind(letters: &[u8], beginning: &str) -> bool {
+    let starts = letters.windows(beginning.len()).enumerate().filter(|(_, window)| *window == beginning.as_bytes());
+    starts.map(|(start, _)| &letters[start + beginning.len()..]).any(|rest| {
+        let end = rest.iter().position(|letter| !is_in_word(char::from(*letter))).unwrap_or(rest.len());
+        std::str::from_utf8(&rest[..end]).is_ok_and(is_halt)
+    })
+}
+
+#[cfg(test)]
+#[path = "incoming_tests.rs"]
+mod tests;

@@ -1,0 +1,217 @@
+//! One message of the original system, `msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM)`: read liberally, printed strictly.
+//! What a message means stands in `incoming` and `outgoing`.
+
+use std::fmt;
+
+use super::term::{Number, Printed, Term, Unreadable};
+use crate::api::fields::in_short;
+
+/// The name of every message's term.
+const MSG: &str = "msg";
+
+/// A message.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// What it is called, as `startCmd`.
+    pub id: String,
+    /// How it is sent.
+    pub kind: Kind,
+    /// Who says it, as `js`.
+    pub sender: String,
+    /// To whom; `none` where it is an event.
+    pub receiver: String,
+    /// What it says.
+    pub content: Term,
+    /// Its number; old clients write 1 in all of theirs.
+    pub number: u64,
+}
+
+/// How a message is sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// To whoever listens.
+    Event,
+    /// To one receiver, without an answer.
+    Dispatch,
+    /// To one receiver, who answers.
+    Request,
+    /// To one receiver, who may answer.
+    Invitation,
+    /// The answer to a request.
+    Reply,
+}
+
+/// Why a payload is no message. `Display` is a sentence for the log.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoMessage {
+    /// It is not even a term.
+    #[error("it is no message: {0}")]
+    Unreadable(#[from] Unreadable),
+    /// It is another term.
+    #[error("it is no message: {0} stands where msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM) belongs")]
+    OtherTerm(String),
+    /// One of its parts is wrong.
+    #[error("its {part} is {found}: {expected} belongs there")]
+    Part {
+        /// Which, as `SENDER`.
+        part: &'static str,
+        /// What stands there, in short.
+        found: String,
+        /// What should.
+        expected: &'static str,
+    },
+}
+
+impl Message {
+    /// Reads a payload: blanks round its parts and a line end behind it do not matter.
+    ///
+    /// # Errors
+    /// When it is no text, no term, or another term than a message.
+    pub fn parse(payload: &[u8]) -> Result<Message, NoMessage> {
+        let no_text = |error: std::str::Utf8Error| Unreadable::NotText { at: error.valid_up_to() };
+        match Term::parse(std::str::from_utf8(payload).map_err(no_text)?)? {
+            Term::Compound(name, parts) if name == MSG => Message::of(parts),
+            other @ (Term::Atom(_) | Term::Number(_) | Term::Compound(..)) => {
+                Err(NoMessage::OtherTerm(in_short(&other.to_string())))
+            }
+        }
+    }
+
+    fn of(parts: Vec<Term>) -> Result<Message, NoMessage> {
+        let parts: [Term; 6] =
+            parts.try_into().map_err(|parts: Vec<Term>| NoMessage::OtherTerm(format!("msg with {} parts", parts.len())))?;
+        let [id, kind, sender, receiver, content, number] = parts;
+        Ok(Message {
+            id: atom("MSGID", id)?,
+            kind: Kind::of(kind)?,
+            sender: atom("SENDER", sender)?,
+            receiver: atom("RECEIVER", receiver)?,
+            content,
+            number: count(&number)?,
+        })
+    }
+}
+
+impl fmt::Display for Message {
+    /// Without blanks round the commas.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (id, sender, receiver) = (Printed(&self.id), Printed(&self.sender), Printed(&self.receiver));
+        write!(f, "{MSG}({id},{},{sender},{receiver},{},{})", self.kind.name(), self.content, self.number)
+    }
+}
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Kind; 5] = [Kind::Event, Kind::Dispatch, Kind::Request, Kind::Invitation, Kind::Reply];
+
+    /// The word in a message.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Kind::Event => "event",
+            Kind::Dispatch => "dispatch",
+            Kind::Request => "request",
+            Kind::Invitation => "invitation",
+            Kind::Reply => "reply",
+        }
+    }
+
+    fn of(term: Term) -> Result<Kind, NoMessage> {
+        let expected = "event, dispatch, request, invitation or reply";
+        let known = matches!(term, Term::Atom(_)).then(|| Kind::ALL.into_iter().find(|kind| term.name() == Some(kind.name())));
+        known.flatten().ok_or_else(|| wrong("MSGTYPE", &term, expected))
+    }
+}
+
+fn atom(part: &'static str, term: Term) -> Result<String, NoMessage> {
+    match term {
+        Term::Atom(text) => Ok(text),
+        other @ (Term::Number(_) | Term::Compound(..)) => Err(wrong(part, &other, "a word")),
+    }
+}
+
+fn count(term: &Term) -> Result<u64, NoMessage> {
+    let number = match term {
+        Term::Number(number) => Number::text(number).parse().ok(),
+        Term::Atom(_) | Term::Compound(..) => None,
+    };
+    number.ok_or_else(|| wrong("SEQNUM", term, "a whole number from 0"))
+}
+
+fn wrong(part: &'static str, found: &Term, expected: &'static str) -> NoMessage {
+    NoMessage::Part { part, found: in_short(&found.to_string()), expected }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::term::tests::any_term;
+    use super::*;
+
+    fn any_message() -> impl Strategy<Value = Message> {
+        let word = || prop_oneof![3 => "[a-zA-Z]{1,10}", 1 => "\\PC{0,8}"];
+        let parts = (word(), prop::sample::select(&Kind::ALL[..]), word(), word(), any_term(), any::<u64>());
+        parts.prop_map(|(id, kind, sender, receiver, content, number)| Message { id, kind, sender, receiver, content, number })
+    }
+
+    proptest! {
+        #[test]
+        fn a_message_that_is_printed_is_read_again_as_the_same(message in any_message()) {
+            let printed = message.to_string();
+            let read = Message::parse(printed.as_bytes());
+            prop_assert_eq!(read.as_ref(), Ok(&message));
+            prop_assert_eq!(read.unwrap().to_string(), printed);
+        }
+    }
+
+    #[test]
+    fn messages_of_the_original_system_are_read_and_printed_as_they_were() {
+        let texts = [
+            "msg(startCmd,event,js,none,startCmd,1)",
+            "msg(stopCmd,dispatch,js,robotmind,stopCmd,1)",
+            "msg(startTest,dispatch,console,robotmind,startTest(0,8),3)",
+            "msg(userCmd,dispatch,js,robotmind,userCmd(w),1)",
+            "msg(sonarRobot,event,sonar,none,sonar(12.5),44)",
+            "msg(modelContent,event,resourcemodel,none,content(robot(state(stopped),direction(downDir),position(0,0))),7)",
+            "msg(modelContent,event,resourcemodel,none,content(roomMap(state('r 1 1 X @1 1 1 X @X X 0 X @'))),8)",
+            "msg(answer,reply,a,b,done,2)",
+        ];
+        for text in texts {
+            let message = Message::parse(text.as_bytes()).unwrap_or_else(|error| panic!("{text}: {error}"));
+            assert_eq!(message.to_string(), text);
+        }
+    }
+
+    #[test]
+    fn blanks_quotes_and_a_line_end_do_not_matter() {
+        let neat = Message::parse(b"msg(startTest,dispatch,js,robotmind,startTest(1,2),1)").unwrap();
+        for text in [
+            "msg( startTest, dispatch, js, robotmind, startTest( 1, 2 ), 1 )\n",
+            "\tmsg ('startTest',dispatch,'js',robotmind,startTest(1,2),01)\r\n",
+        ] {
+            assert_eq!(Message::parse(text.as_bytes()), Ok(neat.clone()), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_message_is_told_why() {
+        let cases: [(&[u8], &str); 9] = [
+            (b"", "it is no message: at byte 0 there is its end: a word, a number or a text in '\u{2026}' belongs there"),
+            (b"msg(\xff)", "it is no message: it is no UTF-8 from byte 4 on"),
+            (b"start", "it is no message: start stands where msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM) belongs"),
+            (
+                b"msg(a,b)",
+                "it is no message: msg with 2 parts stands where msg(MSGID,MSGTYPE,SENDER,RECEIVER,CONTENT,SEQNUM) belongs",
+            ),
+            (b"msg(1,event,a,none,a,1)", "its MSGID is 1: a word belongs there"),
+            (b"msg(a,shout,a,none,a,1)", "its MSGTYPE is shout: event, dispatch, request, invitation or reply belongs there"),
+            (b"msg(a,event(),a,none,a,1)", "its MSGTYPE is event(): event, dispatch, request, invitation or reply belongs there"),
+            (b"msg(a,event,f(x),none,a,1)", "its SENDER is f(x): a word belongs there"),
+            (b"msg(a,event,a,none,a,-1)", "its SEQNUM is -1: a whole number from 0 belongs there"),
+        ];
+        for (payload, words) in cases {
+            assert_eq!(Message::parse(payload).unwrap_err().to_string(), words);
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! What the original system's resource model says of itself (mission §8): the three contents of `modelContent`, and the message
+//! round them. When which of them is published is not decided here.
+
+use super::message::{Kind, Message};
+use super::term::Term;
+use crate::api::{map_text, old_items};
+use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// What every message of the resource model is called.
+pub(super) const MODEL_CONTENT: &str = "modelContent";
+
+/// `content(robot(state(movingForward),direction(downDir),position(0,0)))`.
+#[must_use]
+pub fn robot(snapshot: &Snapshot) -> Term {
+    let (robot, cell) = (&snapshot.robot, snapshot.robot.pose.cell);
+    let direction = Term::atom(old_items::direction(robot.pose.heading));
+    let parts = [
+        state(robot.state.name()),
+        Term::compound("direction", [direction]),
+        Term::compound("position", [Term::whole(cell.x), Term::whole(cell.y)]),
+    ];
+    content("robot", parts)
+}
+
+/// `content(roomMap(state('r 1 1 X @1 1 1 X @X X 0 X @')))`.
+#[must_use]
+pub fn room_map(snapshot: &Snapshot) -> Term {
+    content("roomMap", [state(map_text::one_line(snapshot))])
+}
+
+/// `content(luggage(state('photo 1, position: (0, 2), date: 2026-02-03T10:05:12.000+01:00')))`.
+#[must_use]
+pub fn luggage(luggage: &Luggage) -> Term {
+    content("luggage", [state(old_items::luggage_state(luggage))])
+}
+
+/// `content(luggage(state('refused: luggage #3 has no usable photo')))`: why a verdict was not taken, where a piece is shown.
+#[must_use]
+pub fn why_not(words: &str) -> Term {
+    let mut text = format!("refused: {words}");
+    while text.contains("))") {
+        text = text.replace("))", ") )");
+    }
+    content("luggage", [state(text)])
+}
+
+/// The number of a message that answers somebody: it is none of those that are counted.
+pub const ANSWER: u64 = 0;
+
+/// Whether a message that `message` has made is one of those that are counted.
+#[must_use]
+pub fn is_counted(message: &[u8]) -> bool {
+    !message.ends_with(format!(",{ANSWER})").as_bytes())
+}
+
+/// `msg(modelContent,event,resourcemodel,none,CONTENT,NUMBER)`.
+#[must_use]
+pub fn message(content: Term, number: u64) -> String {
+    let (sender, receiver) = ("resourcemodel".to_owned(), "none".to_owned());
+    Message { id: MODEL_CONTENT.to_owned(), kind: Kind::Event, sender, receiver, content, number }.to_string()
+}
+
+/// An old console looks for the word `content`, and shows what stands from the first `state` to the first `))`. So nothing that
+/// is said of a thing may hold two closing parentheses in a row.
+fn content(name: &str, parts: impl Into<Vec<Term>>) -> Term {
+    Term::compound("content", [Term::compound(name, parts)])
+}
+
+fn state(text: impl Into<String>) -> Term {
+    Term::compound("state", [Term::atom(text)])
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::api::fixture::{drawn, idle, piece, searching};
+    use hallsweep_core::units::{Cell, Heading, Pose, Wall};
+    use hallsweep_core::world::robot::RobotState;
+
+    /// What an old console shows of a message.
+    fn shown(text: &str) -> &str {
+        assert!(text.contains("content"), "the word it looks for: {text}");
+        let from = &text[text.find("state").unwrap()..];
+        &from[..from.find("))").unwrap()]
+    }
+
+    #[test]
+    fn an_old_console_shows_what_the_robot_does() {
+        let mut state = idle();
+        state.robot.state = RobotState::MovingForward;
+        assert_eq!(robot(&state).to_string(), "content(robot(state(movingForward),direction(downDir),position(0,0)))");
+        let text = message(robot(&state), 1);
+        assert_eq!(
+            text,
+            "msg(modelContent,event,resourcemodel,none,content(robot(state(movingForward),direction(downDir),position(0,0))),1)"
+        );
+        assert_eq!(shown(&text), "state(movingForward),direction(downDir),position(0,0");
+        state.robot.pose = Pose { cell: Cell::new(-3, 12), heading: Heading::West };
+        assert_eq!(shown(&message(robot(&state), 2)), "state(movingForward),direction(leftDir),position(-3,12");
+    }
+
+    #[test]
+    fn an_old_console_shows_the_map() {
+        let mut state = idle();
+        state.map = drawn(&["111W", "111W", "WW?W"], 2);
+        let text = message(room_map(&state), 9);
+        assert_eq!(text, "msg(modelContent,event,resourcemodel,none,content(roomMap(state('r 1 1 X @1 1 1 X @X X 0 X @'))),9)");
+        assert_eq!(shown(&text), "state('r 1 1 X @1 1 1 X @X X 0 X @'");
+    }
+
+    #[test]
+    fn an_old_console_shows_a_piece_of_luggage() {
+        let text = message(luggage(&piece(1, Cell::new(0, 2), None)), 3);
+        let state = "state('photo 1, position: (0, 2), date: 2026-02-03T10:00:00.000+01:00'";
+        assert_eq!(text, format!("msg(modelContent,event,resourcemodel,none,content(luggage({state}))),3)"));
+        assert_eq!(shown(&text), state);
+    }
+
+    #[test]
+    fn an_old_console_shows_why_a_verdict_was_not_taken() {
+        let text = message(why_not("no photo (the lens (left)) is covered))): take it again"), ANSWER);
+        assert_eq!(shown(&text), "state('refused: no photo (the lens (left) ) is covered) ) ): take it again'");
+        assert!(!is_counted(text.as_bytes()) && is_counted(message(room_map(&idle()), 10).as_bytes()));
+    }
+
+    #[test]
+    fn even_the_smallest_map_is_in_quotes_and_every_state_keeps_the_shape() {
+        assert_eq!(room_map(&idle()).to_string(), "content(roomMap(state('r @')))");
+        let state = searching();
+        for content in [robot(&state), room_map(&state), luggage(&state.luggage[0])] {
+            let text = message(content.clone(), u64::MAX);
+            assert_eq!(Message::parse(text.as_bytes()).unwrap().content, content);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn whenever_and_wherever_a_piece_is_found_the_whole_of_it_is_shown(
+            id in any::<u64>(), x in any::<i32>(), y in any::<i32>(), unix_ms in any::<i64>(), offset_s in any::<i32>(),
+        ) {
+            let mut found = Luggage::clone(&piece(id, Cell::new(1, 1), None));
+            (found.cell, found.taken) = (Cell::new(x, y), Wall { unix_ms, offset_s });
+            let text = message(luggage(&found), 1);
+            prop_assert_eq!(shown(&text), format!("state('{}'", old_items::luggage_state(&found)));
+        }
+    }
+}

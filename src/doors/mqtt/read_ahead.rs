@@ -1,0 +1,408 @@
+//! What has come from a client and waits for its turn: the thread that hears puts it here when it has looked through it for a STOP, and
+//! the connection's own task takes it. It has two ends, and a bound for each connection and for all of them.
+
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use bytes::BytesMut;
+use tokio::sync::Notify;
+
+use super::gate::turnstile::Mark;
+use super::limits::{ALWAYS_AHEAD, CONNECTION_BYTES, ENGINE_PART, READ_AHEAD, UNREAD_PART};
+use hallsweep_core::units::Epoch;
+
+/// So much is read at once, in bytes.
+pub(super) const READ: usize = 64 * 1024;
+
+/// What comes while something waits already has room for so much with it, in bytes.
+const PIECE: usize = 4 * 1024;
+
+/// What a STOP costs here, in bytes: where it begins is remembered.
+const STOP_COST: usize = size_of::<Mark>();
+
+/// What waits of all connections, in bytes. Cheap to clone.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pool(Arc<AtomicUsize>);
+
+impl Pool {
+    /// How many they are.
+    pub(super) fn bytes(&self) -> usize {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// The end of the thread that hears.
+#[derive(Debug)]
+pub(super) struct Feeder(Arc<Shared>);
+
+/// The end of the task that takes it.
+#[derive(Debug)]
+pub(super) struct Taker(Arc<Shared>);
+
+#[derive(Debug)]
+struct Shared {
+    state: Mutex<State>,
+    /// Something has come, or the end, or there is no room for more.
+    come: Notify,
+    /// There is room again, or nobody takes anything any more.
+    room: Notify,
+    pool: Pool,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    /// In pieces of at most `READ` bytes, which have little room for nothing, and each of which gives back its memory when it is taken.
+    pieces: VecDeque<BytesMut>,
+    bytes: usize,
+    /// Where the packets begin that have halted already, and those that came in another epoch than the ones before.
+    marks: Vec<Mark>,
+    /// How many bytes were put in all, and in which epoch the last of them came.
+    total: u64,
+    epoch: Option<Epoch>,
+    /// So much of the client waits elsewhere, in bytes.
+    held: usize,
+    /// The feeder waits for room. Only then it is told: to wake its thread for each packet makes every message late.
+    wants_room: bool,
+    has_ended: bool,
+    left: Option<Left>,
+}
+
+/// What the hearing side does when nobody takes anything any more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Left {
+    /// It listens to what has come already, and ends.
+    HearsRest,
+    /// It listens until the client ends the connection.
+    HearsOn,
+    /// It listens to nobody.
+    Deaf,
+}
+
+/// The two ends for a new connection.
+pub(super) fn read_ahead(pool: &Pool) -> (Feeder, Taker) {
+    let shared = Shared { state: Mutex::default(), come: Notify::new(), room: Notify::new(), pool: pool.clone() };
+    let shared = Arc::new(shared);
+    (Feeder(Arc::clone(&shared)), Taker(shared))
+}
+
+impl Feeder {
+    /// Waits until there is room, and says how much: no more than is read at once.
+    ///
+    /// # Errors
+    /// When nobody takes anything any more.
+    pub(super) async fn room(&self) -> Result<usize, Left> {
+        loop {
+            {
+                let mut state = self.0.state();
+                if let Some(left) = state.left {
+                    return Err(left);
+                }
+                let room = self.0.room_in(&state);
+                if room > 0 {
+                    return Ok(room.min(READ));
+                }
+                state.wants_room = true;
+            }
+            self.0.room.notified().await;
+        }
+    }
+
+    /// Waits until nobody takes anything any more.
+    pub(super) async fn left(&self) -> Left {
+        loop {
+            if let Some(left) = self.0.state().left {
+                return left;
+            }
+            self.0.room.notified().await;
+        }
+    }
+
+    /// These have come in this epoch, and the packets that begin there have halted, each of which has made another.
+    pub(super) fn put(&self, bytes: &[u8], came: Epoch, halted: &[(u64, Epoch)]) {
+        let mut state = self.0.state();
+        if state.left.is_some() {
+            return;
+        }
+        match state.pieces.back_mut() {
+            Some(piece) if piece.capacity() - piece.len() >= bytes.len() => piece.extend_from_slice(bytes),
+            Some(_) => {
+                let mut piece = BytesMut::with_capacity(bytes.len().max(PIECE));
+                piece.extend_from_slice(bytes);
+                state.pieces.push_back(piece);
+            }
+            None => state.pieces.push_back(BytesMut::from(bytes)),
+        }
+        state.bytes += bytes.len();
+        let begins = state.total;
+        // Of a STOP whose beginning came earlier these are the rest, and what follows it comes in the epoch that it has made.
+        let is_cut = halted.first().is_some_and(|(stop, _)| *stop < begins);
+        if state.epoch != Some(came) && !is_cut {
+            state.marks.push(Mark { begins, epoch: came, has_halted: false });
+        }
+        state.marks.extend(halted.iter().map(|(begins, epoch)| Mark { begins: *begins, epoch: *epoch, has_halted: true }));
+        state.epoch = Some(halted.last().map_or(came, |(_, epoch)| *epoch));
+        state.total += bytes.len() as u64;
+        // Before anybody can take them, so that the sum is never less than nothing.
+        self.0.pool.0.fetch_add(bytes.len(), Ordering::Relaxed);
+        drop(state);
+        self.0.come.notify_one();
+    }
+
+    /// Nothing more comes.
+    pub(super) fn end(&self) {
+        self.0.state().has_ended = true;
+        self.0.come.notify_one();
+    }
+}
+
+impl Drop for Feeder {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+impl Taker {
+    /// Moves the next piece to the end of `into`, and what is marked there to `marked`; false when nothing is there.
+    pub(super) fn take(&self, into: &mut BytesMut, marked: impl FnMut(Mark)) -> bool {
+        let mut state = self.0.state();
+        state.marks.drain(..).for_each(marked);
+        let Some(piece) = state.pieces.pop_front() else { return false };
+        state.bytes -= piece.len();
+        self.0.pool.0.fetch_sub(piece.len(), Ordering::Relaxed);
+        drop(state);
+        if into.is_empty() {
+            *into = piece;
+        } else {
+            if into.len() < READ {
+                // The rest of what was taken before is short, and its room may be long.
+                let mut rest = BytesMut::with_capacity(into.len() + piece.len());
+                rest.extend_from_slice(into);
+                *into = rest;
+            }
+            into.extend_from_slice(&piece);
+        }
+        true
+    }
+
+    /// Waits until something is there, or nothing comes any more: whether the latter.
+    pub(super) async fn come(&self) -> bool {
+        self.wait(|state| (!state.pieces.is_empty()).then_some(false).or(state.has_ended.then_some(true))).await
+    }
+
+    /// Waits until there is room for no more.
+    pub(super) async fn full(&self) {
+        self.wait(|state| (self.0.room_in(state) == 0).then_some(())).await;
+    }
+
+    /// So much of this client waits elsewhere, and more at the engine when it does not read; what may wait here is less by that.
+    pub(super) fn hold(&self, held: usize, reads: bool) {
+        let mut state = self.0.state();
+        state.held = if reads { held } else { held + UNREAD_PART };
+        if state.wants_room && self.0.room_in(&state) > 0 {
+            state.wants_room = false;
+            drop(state);
+            self.0.room.notify_one();
+        }
+    }
+
+    /// Nothing is taken any more.
+    pub(super) fn leave(&self, left: Left) {
+        let mut state = self.0.state();
+        self.0.pool.0.fetch_sub(state.bytes, Ordering::Relaxed);
+        (state.pieces, state.bytes) = (VecDeque::new(), 0);
+        state.left.get_or_insert(left);
+        drop(state);
+        self.0.room.notify_one();
+    }
+
+    /// Waits until nothing comes any more.
+    pub(super) async fn ended(&self) {
+        self.wait(|state| state.has_ended.then_some(())).await;
+    }
+
+    async fn wait<T>(&self, is_so: impl Fn(&State) -> Option<T>) -> T {
+        loop {
+            if let Some(so) = is_so(&self.0.state()) {
+                return so;
+            }
+            self.0.come.notified().await;
+        }
+    }
+}
+
+impl Drop for Taker {
+    fn drop(&mut self) {
+        self.leave(Left::HearsRest);
+    }
+}
+
+impl Shared {
+    /// How much more may come.
+    fn room_in(&self, state: &State) -> usize {
+        let is_lent_out = self.pool.bytes() >= READ_AHEAD;
+        let own = CONNECTION_BYTES.saturating_sub(ENGINE_PART + state.held);
+        let most = if is_lent_out { ALWAYS_AHEAD } else { own.max(ALWAYS_AHEAD) };
+        most.saturating_sub(state.bytes + STOP_COST * state.marks.len())
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::pin::{Pin, pin};
+    use std::sync::atomic::AtomicBool;
+    use std::task::{Context, Poll, Wake, Waker};
+
+    use super::*;
+
+    fn taken(taker: &Taker) -> (Vec<u8>, Vec<u64>) {
+        let (mut bytes, mut halted) = (BytesMut::new(), Vec::new());
+        while taker.take(&mut bytes, |mark| halted.extend(mark.has_halted.then_some(mark.begins))) {}
+        (bytes.to_vec(), halted)
+    }
+
+    /// Puts as much as there is room for; how much.
+    async fn fill(feeder: &Feeder) -> usize {
+        let mut put = 0;
+        loop {
+            let room = tokio::select! {
+                biased;
+                room = feeder.room() => room.expect("somebody takes it"),
+                () = std::future::ready(()) => return put,
+            };
+            feeder.put(&vec![7; room], Epoch(0), &[]);
+            put += room;
+        }
+    }
+
+    #[tokio::test]
+    async fn what_is_put_is_taken_in_order_and_then_comes_the_end() {
+        let (feeder, taker) = read_ahead(&Pool::default());
+        feeder.put(b"ab", Epoch(0), &[(0, Epoch(1))]);
+        feeder.put(b"c", Epoch(0), &[]);
+        assert!(!taker.come().await);
+        assert_eq!(taken(&taker), (b"abc".to_vec(), vec![0]));
+        feeder.put(b"d", Epoch(1), &[(3, Epoch(2))]);
+        drop(feeder);
+        assert!(!taker.come().await, "what came before the end is taken before it");
+        assert_eq!(taken(&taker), (b"d".to_vec(), vec![3]));
+        assert!(taker.come().await);
+    }
+
+    /// Safety S4: others may press STOP between the two halves of one.
+    #[test]
+    fn a_stop_in_two_pieces_is_marked_before_what_follows_it() {
+        let (feeder, taker) = read_ahead(&Pool::default());
+        feeder.put(b"first half", Epoch(1), &[]);
+        feeder.put(b"second half and a START", Epoch(2), &[(3, Epoch(3))]);
+        feeder.put(b"more", Epoch(4), &[]);
+        let (mut bytes, mut marks) = (BytesMut::new(), Vec::new());
+        while taker.take(&mut bytes, |mark| marks.push((mark.begins, mark.epoch, mark.has_halted))) {}
+        assert_eq!(marks, [(0, Epoch(1), false), (3, Epoch(3), true), (33, Epoch(4), false)]);
+    }
+
+    /// Safety A5.
+    #[tokio::test]
+    async fn what_waits_here_and_elsewhere_has_one_bound() {
+        let pool = Pool::default();
+        let (feeder, taker) = read_ahead(&pool);
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART - STOP_COST, "the first mark says when they came");
+        taker.full().await;
+        taken(&taker);
+        taker.hold(CONNECTION_BYTES - ENGINE_PART - 2 * READ, true);
+        assert_eq!(fill(&feeder).await, 2 * READ);
+        taken(&taker);
+        taker.hold(2 * CONNECTION_BYTES, true);
+        assert_eq!(fill(&feeder).await, ALWAYS_AHEAD, "something can always come");
+        taken(&taker);
+        taker.hold(0, false);
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART - UNREAD_PART, "what it does not read costs elsewhere");
+        taker.leave(Left::HearsRest);
+        assert_eq!(pool.bytes(), 0);
+        assert_eq!(feeder.room().await, Err(Left::HearsRest));
+    }
+
+    /// Safety A5, S9.
+    #[tokio::test]
+    async fn what_waits_of_all_has_a_bound_that_leaves_room_for_each() {
+        let pool = Pool::default();
+        let mut greedy = Vec::new();
+        while pool.bytes() < READ_AHEAD {
+            let (feeder, taker) = read_ahead(&pool);
+            fill(&feeder).await;
+            greedy.push((feeder, taker));
+        }
+        let (feeder, taker) = read_ahead(&pool);
+        assert_eq!(fill(&feeder).await, ALWAYS_AHEAD);
+        drop(greedy);
+        taken(&taker);
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART);
+    }
+
+    /// Safety A5: in whatever pieces it comes.
+    #[test]
+    fn what_waits_has_little_room_for_nothing() {
+        for step in [1, 30, 1_000, 5_000, 33_000] {
+            let (feeder, taker) = read_ahead(&Pool::default());
+            (0..600_000 / step).for_each(|_| feeder.put(&vec![7; step], Epoch(0), &[]));
+            let state = taker.0.state();
+            let rooms: usize = state.pieces.iter().map(BytesMut::capacity).sum();
+            assert!(rooms <= state.bytes * 5 / 4 && state.pieces.len() <= 600_000 / PIECE + 5, "{rooms} for pieces of {step}");
+        }
+    }
+
+    /// Safety A5: a stop costs more here than its bytes.
+    #[tokio::test]
+    async fn what_is_remembered_of_stops_counts() {
+        let (feeder, _taker) = read_ahead(&Pool::default());
+        feeder.put(&[7; 8], Epoch(0), &[(0, Epoch(0)); 999]);
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART - 8 - 1000 * STOP_COST);
+    }
+
+    /// Whether what was polled with it was woken.
+    #[derive(Default)]
+    struct Woken(AtomicBool);
+
+    impl Wake for Woken {
+        fn wake(self: Arc<Self>) {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
+
+    #[tokio::test]
+    async fn only_whoever_waits_for_room_is_woken() {
+        let (feeder, taker) = read_ahead(&Pool::default());
+        let woken = Arc::new(Woken::default());
+        let waker = Waker::from(Arc::clone(&woken));
+        let poll = |future: Pin<&mut dyn Future<Output = usize>>| future.poll(&mut Context::from_waker(&waker));
+        {
+            let mut left = pin!(async { feeder.left().await as usize });
+            assert!(poll(left.as_mut()).is_pending());
+            taker.hold(7, true);
+            assert!(!woken.0.load(Ordering::Relaxed), "it has room");
+        }
+        fill(&feeder).await;
+        let mut room = pin!(async { feeder.room().await.expect("somebody takes it") });
+        assert!(poll(room.as_mut()).is_pending());
+        taker.hold(7, true);
+        assert!(!woken.0.load(Ordering::Relaxed), "there is no room");
+        taken(&taker);
+        taker.hold(0, true);
+        assert!(woken.0.load(Ordering::Relaxed));
+        assert_eq!(poll(room.as_mut()), Poll::Ready(READ));
+    }
+
+    #[tokio::test]
+    async fn what_nobody_takes_any_more_is_not_kept() {
+        let pool = Pool::default();
+        let (feeder, taker) = read_ahead(&pool);
+        taker.leave(Left::Deaf);
+        drop(taker);
+        feeder.put(b"abc", Epoch(0), &[(0, Epoch(1))]);
+        assert_eq!((feeder.left().await, pool.bytes()), (Left::Deaf, 0));
+    }
+}

@@ -1,0 +1,75 @@
+//! The pauses between attempts to connect: longer each time, and by chance, so that many robots do not come back to a broker all
+//! at once. Nothing waits here.
+
+use std::time::Duration;
+
+use super::times::Times;
+use hallsweep_core::rng::Stream;
+
+/// The pauses between attempts to connect.
+#[derive(Debug)]
+pub(super) struct Backoff {
+    shortest: Duration,
+    longest: Duration,
+    /// The next pause is at most so long.
+    bound: Duration,
+    chance: Stream,
+}
+
+impl Backoff {
+    pub(super) fn new(times: &Times, chance: Stream) -> Backoff {
+        let (shortest, longest) = (times.shortest_pause, times.longest_pause);
+        Backoff { shortest, longest, bound: shortest, chance }
+    }
+
+    /// How long to wait now that a connection or an attempt at one has ended that `lasted` so long. What an attempt itself took is
+    /// part of the pause, so that a broker whose machine was off is found as soon as one whose port was closed.
+    pub(super) fn handle_ended(&mut self, lasted: Duration, was_open: bool) -> Duration {
+        if was_open && lasted >= self.longest {
+            self.bound = self.shortest;
+        }
+        self.bound = (self.bound * 2).min(self.longest);
+        let pause = self.shortest + self.bound.saturating_sub(self.shortest).mul_f64(self.chance.fraction());
+        if was_open { pause } else { pause.saturating_sub(lasted).max(self.shortest) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const AT_ONCE: Duration = Duration::ZERO;
+
+    fn backoff() -> (Backoff, Times) {
+        let times = Times::default();
+        (Backoff::new(&times, Stream::new(7, "test")), times)
+    }
+
+    #[test]
+    fn pauses_grow_from_the_shortest_to_the_longest_and_are_spread() {
+        let (mut backoff, times) = backoff();
+        let first = backoff.handle_ended(AT_ONCE, false);
+        assert!(first >= times.shortest_pause && first <= 2 * times.shortest_pause, "{first:?}");
+        let later: Vec<_> = (0..1000).map(|_| backoff.handle_ended(AT_ONCE, false)).collect();
+        assert!(later.iter().all(|pause| *pause >= times.shortest_pause && *pause <= times.longest_pause));
+        assert!(later.iter().any(|pause| *pause > times.longest_pause.mul_f64(0.9)), "it reaches the longest");
+        assert!(later[10..].iter().any(|pause| *pause < times.longest_pause.mul_f64(0.2)), "it is spread");
+    }
+
+    #[test]
+    fn a_connection_that_lasted_is_a_new_beginning_and_a_short_one_is_not() {
+        let (mut backoff, times) = backoff();
+        assert_eq!((0..10).map(|_| backoff.handle_ended(AT_ONCE, false)).count(), 10);
+        backoff.handle_ended(times.longest_pause / 2, true);
+        assert_eq!(backoff.bound, times.longest_pause);
+        let pause = backoff.handle_ended(times.longest_pause, true);
+        assert!(pause <= 2 * times.shortest_pause, "{pause:?}");
+    }
+
+    #[test]
+    fn what_an_attempt_took_is_part_of_the_pause() {
+        let (mut backoff, times) = backoff();
+        let after: Vec<_> = (0..20).map(|_| backoff.handle_ended(times.greeting, false)).collect();
+        assert!(after.iter().all(|pause| *pause == times.shortest_pause), "{after:?}");
+    }
+}

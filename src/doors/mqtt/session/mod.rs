@@ -1,0 +1,187 @@
+//! Our own MQTT client: it says what is new, hears commands at somebody else's broker, and comes back whenever the connection is
+//! lost, for as long as the program runs. What is said is decided in `news`, what is heard in `orders`.
+
+mod backoff;
+mod conversation;
+mod health;
+mod hearing;
+mod ledger;
+mod line;
+mod link;
+mod lost;
+mod photos;
+mod pulse;
+mod talk;
+#[cfg(test)]
+pub(super) mod testing;
+#[cfg(test)]
+mod tests;
+mod times;
+mod tls;
+
+pub use health::Health;
+pub use hearing::Hearing;
+pub use link::Link;
+pub use times::Times;
+pub use tls::{TlsError, believing};
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use tokio::sync::{mpsc, watch};
+
+use super::news::{News, OFFLINE};
+use super::orders::{Answer, Sender};
+use super::publication::Publication;
+use super::topics::{PULSE, Topics};
+use crate::runtime::archive_reader::Reader;
+use crate::runtime::clock::Clock;
+use backoff::Backoff;
+use hallsweep_core::rng::Stream;
+use hallsweep_core::world::snapshot::Snapshot;
+use health::Chart;
+use lost::Lost;
+use talk::Talk;
+
+/// What a session is made of.
+pub struct Parts {
+    /// Where the broker is.
+    pub link: Link,
+    /// Whose it is.
+    pub hearing: Hearing,
+    /// The topics of this robot.
+    pub topics: Topics,
+    /// Whether Home Assistant is told of it.
+    pub home_assistant: bool,
+    /// The state.
+    pub states: watch::Receiver<Arc<Snapshot>>,
+    /// The answers to commands.
+    pub answers: mpsc::Receiver<Answer>,
+    /// Where photos are read.
+    pub archive: Reader,
+    /// Who is told how the broker is.
+    pub health: watch::Sender<Health>,
+    /// Where the spread of pauses and the words of the pulse come from.
+    pub seed: u64,
+    /// How long is waited for what.
+    pub times: Times,
+}
+
+/// A client that keeps its connection to a broker.
+pub struct Session {
+    link: Link,
+    hearing: Hearing,
+    /// Whoever speaks at somebody else's broker.
+    sender: Sender,
+    topics: Topics,
+    home_assistant: bool,
+    news: News,
+    states: watch::Receiver<Arc<Snapshot>>,
+    answers: mpsc::Receiver<Answer>,
+    archive: Reader,
+    /// What happened, was said on a connection that was lost, and may not have arrived.
+    again: VecDeque<Publication>,
+    /// How many old messages may not have arrived.
+    unacknowledged: u64,
+    chart: Chart,
+    backoff: Backoff,
+    chance: Stream,
+    clock: Clock,
+    times: Times,
+    is_lost: bool,
+}
+
+impl Session {
+    /// A session that has not begun.
+    #[must_use]
+    pub fn new(parts: Parts) -> Session {
+        Session {
+            news: News::new(parts.topics.clone(), parts.home_assistant),
+            sender: Sender::Unknown { broker: parts.link.host.as_str().into() },
+            link: parts.link,
+            hearing: parts.hearing,
+            topics: parts.topics,
+            home_assistant: parts.home_assistant,
+            states: parts.states,
+            answers: parts.answers,
+            archive: parts.archive,
+            again: VecDeque::new(),
+            unacknowledged: 0,
+            chart: Chart::new(parts.health),
+            backoff: Backoff::new(&parts.times, Stream::new(parts.seed, "mqtt pauses")),
+            chance: Stream::new(parts.seed, "mqtt pulse"),
+            clock: Clock::default(),
+            times: parts.times,
+            is_lost: false,
+        }
+    }
+
+    /// Keeps the connection until `shutdown`, then takes leave, within a second.
+    pub async fn run(mut self, shutdown: impl Future<Output = ()>) {
+        tokio::pin!(shutdown);
+        loop {
+            let began = self.clock.now().since_start;
+            let mut talk = Talk::begin(&mut self);
+            let lost = tokio::select! {
+                () = &mut shutdown => return talk.take_leave().await,
+                lost = talk.go_on() => lost,
+            };
+            let was_open = talk.is_open();
+            let unacknowledged = talk.into_unacknowledged();
+            self.handle_lost(&lost, was_open, unacknowledged);
+            let lasted = self.clock.now().since_start.saturating_sub(began);
+            let pause = self.backoff.handle_ended(lasted, was_open);
+            tokio::select! {
+                () = &mut shutdown => return,
+                () = tokio::time::sleep(pause) => {}
+            }
+        }
+    }
+
+    /// What is said when the program ends, and by the broker when it is gone without a word.
+    fn offline(&self) -> Publication {
+        Publication::kept(self.topics.availability(), OFFLINE)
+    }
+
+    fn filters(&self) -> Vec<String> {
+        self.hearing.filters(&self.topics, self.home_assistant)
+    }
+
+    /// What is to be said next, if anything is due.
+    fn poll_publication(&mut self) -> Option<Publication> {
+        self.again.pop_front().or_else(|| self.news.poll_publication(self.clock.now().since_start))
+    }
+
+    /// The broker has greeted us and answered our subscription: everything is said, as to somebody who knows nothing.
+    fn handle_open(&mut self) {
+        if std::mem::take(&mut self.is_lost) {
+            tracing::info!(broker = %self.link, "the MQTT broker is back");
+        }
+        if matches!(self.hearing, Hearing::Other(_)) {
+            self.chart.handle_proof();
+        }
+        self.learn();
+        self.news.renew(std::mem::take(&mut self.unacknowledged));
+    }
+
+    /// The newest state.
+    fn learn(&mut self) {
+        let state = Arc::clone(&self.states.borrow_and_update());
+        self.news.handle_state(state);
+    }
+
+    /// One line in the log when it is lost, and none for the attempts after that. What may not have arrived is said again: what a
+    /// broker keeps, because all of that is said anew; the rest as it was.
+    fn handle_lost(&mut self, lost: &Lost, was_open: bool, unacknowledged: Vec<Publication>) {
+        self.chart.handle_lost();
+        let (numbered, others): (Vec<_>, Vec<_>) = unacknowledged.into_iter().partition(|said| self.news.is_numbered(said));
+        self.unacknowledged += numbered.len() as u64;
+        self.again.extend(others.into_iter().filter(|said| !said.retain && said.topic != PULSE));
+        if std::mem::replace(&mut self.is_lost, true) {
+            tracing::debug!(broker = %self.link, reason = %lost, "the MQTT broker still cannot be reached");
+        } else {
+            let what = if was_open { "is lost" } else { "cannot be reached" };
+            tracing::warn!(broker = %self.link, reason = %lost, "the MQTT broker {what}; it is tried again until it answers");
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! For the tests of the session: a broker that does what it is told, over loopback, and a house whose state it is told of. It routes
+//! nothing; real brokers are in the tests of the service.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+use bytes::BytesMut;
+use rumqttc::mqttbytes::Error;
+use rumqttc::{
+    ConnAck, Connect, ConnectReturnCode, Packet, PubAck, Publish, QoS, SubAck, Subscribe, SubscribeFilter, SubscribeReasonCode,
+};
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{mpsc, oneshot, watch};
+use tokio::task::JoinHandle;
+
+use super::super::orders::Orders;
+use super::super::topics::Topics;
+use super::link::LARGEST;
+use super::{Health, Hearing, Link, Parts, Session, Times};
+use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
+use crate::runtime::archive_reader::Reader;
+use crate::runtime::obedient::{Script, obedient};
+use crate::runtime::within::within;
+use hallsweep_core::event::Photo;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::units::{LuggageId, MissionId, Seq};
+use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// Whose broker it is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Whose {
+    Own,
+    Others,
+}
+
+/// A session that runs, and all that it is told.
+pub(super) struct House {
+    pub(super) script: Script,
+    pub(super) health: watch::Receiver<Health>,
+    shutdown: Option<oneshot::Sender<()>>,
+    session: JoinHandle<()>,
+}
+
+/// The port of a broker.
+pub(super) struct Broker(TcpListener);
+
+/// One connection to it.
+pub(in super::super) struct Peer {
+    stream: TcpStream,
+    buffer: BytesMut,
+}
+
+/// The topics of all these tests.
+pub(in super::super) fn topics() -> Topics {
+    Topics::new("hallsweep", "discovery", "unibo/qak")
+}
+
+/// A publication of somebody's, with a packet id.
+pub(in super::super) fn publish(topic: &str, payload: &str, id: u16) -> Publish {
+    let mut publish = Publish::new(topic, QoS::AtLeastOnce, payload);
+    publish.pkid = id;
+    publish
+}
+
+impl House {
+    /// Runs a session with this broker. Must be called inside a runtime.
+    pub(super) fn run(snapshot: Snapshot, broker: SocketAddr, whose: Whose, times: Times) -> House {
+        let (handle, script) = obedient(snapshot);
+        let (give, answers) = mpsc::channel(16);
+        let (told, health) = watch::channel(Health::Unproven);
+        let orders = Orders::new(handle, topics(), true, give);
+        let session = Session::new(Parts {
+            link: Link {
+                host: broker.ip().to_string(),
+                port: broker.port(),
+                tls: None,
+                login: Some(("robot".to_owned(), "secret".to_owned())),
+                client_id: "hallsweep-discovery".to_owned(),
+            },
+            hearing: if whose == Whose::Own { Hearing::Own } else { Hearing::Other(orders) },
+            topics: topics(),
+            home_assistant: true,
+            states: script.publish.subscribe(),
+            answers,
+            archive: Reader::new(Arc::new(Album)),
+            health: told,
+            seed: 1,
+            times,
+        });
+        let (shutdown, ended) = oneshot::channel();
+        let session = tokio::spawn(session.run(async {
+            let _ = ended.await;
+        }));
+        House { script, health, shutdown: Some(shutdown), session }
+    }
+
+    /// Tells it to end.
+    pub(super) fn shut_down(&mut self) {
+        let shutdown = self.shutdown.take().expect("it is told once");
+        shutdown.send(()).expect("it runs");
+    }
+
+    /// Waits until it has ended.
+    pub(super) async fn ended(self) {
+        within("its end", self.session).await.expect("it did not panic");
+    }
+
+    /// Waits until the broker is found to be so.
+    pub(super) async fn finds(&mut self, wanted: Health) {
+        within(&format!("{wanted:?}"), self.health.wait_for(|health| *health == wanted)).await.expect("it runs");
+    }
+}
+
+impl Broker {
+    pub(super) async fn open() -> Broker {
+        Broker(TcpListener::bind("127.0.0.1:0").await.expect("there is a free port"))
+    }
+
+    pub(super) fn address(&self) -> SocketAddr {
+        self.0.local_addr().expect("it is bound")
+    }
+
+    /// The next connection.
+    pub(super) async fn peer(&self) -> Peer {
+        let (stream, _) = within("somebody", self.0.accept()).await.expect("somebody connects");
+        Peer { stream, buffer: BytesMut::new() }
+    }
+
+    /// The next connection, greeted and subscribed; and with what it subscribed.
+    pub(super) async fn guest(&self) -> (Peer, Connect, Vec<String>) {
+        let mut peer = self.peer().await;
+        let (connect, filters) = peer.greet().await;
+        (peer, connect, filters)
+    }
+}
+
+impl Peer {
+    /// A client's end of a connection to this broker.
+    pub(in super::super) async fn come(broker: SocketAddr) -> Peer {
+        let stream = within("the broker", TcpStream::connect(broker)).await.expect("the broker listens");
+        Peer { stream, buffer: BytesMut::new() }
+    }
+
+    /// A client says who it is; what it is told, `None` when it is nothing.
+    pub(in super::super) async fn introduces(&mut self, connect: Packet) -> Option<ConnectReturnCode> {
+        self.says(connect).await;
+        match self.hears().await {
+            Some(Packet::ConnAck(answer)) => Some(answer.code),
+            Some(_) | None => None,
+        }
+    }
+
+    /// A client subscribes, and is granted it.
+    pub(in super::super) async fn asks_for(&mut self, filters: impl IntoIterator<Item = &str>) {
+        let filters = filters.into_iter().map(|filter| SubscribeFilter::new(filter.to_owned(), QoS::AtMostOnce));
+        let mut asked = Subscribe::new_many(filters);
+        asked.pkid = 1;
+        self.says(Packet::Subscribe(asked)).await;
+        while !matches!(within("an answer", self.hears()).await.expect("it is answered"), Packet::SubAck(_)) {}
+    }
+
+    /// The next message to a client.
+    pub(in super::super) async fn hears_message(&mut self) -> Publish {
+        self.unacknowledged(|_| true).await
+    }
+
+    /// The next packet; `None` when the connection has ended.
+    pub(super) async fn hears(&mut self) -> Option<Packet> {
+        loop {
+            match Packet::read(&mut self.buffer, LARGEST) {
+                Ok(packet) => return Some(packet),
+                Err(Error::InsufficientBytes(_)) => {}
+                Err(error) => panic!("no client says this: {error}"),
+            }
+            if within("a packet", self.stream.read_buf(&mut self.buffer)).await.unwrap_or(0) == 0 {
+                return None;
+            }
+        }
+    }
+
+    /// Says this; whoever has gone does not hear it.
+    pub(in super::super) async fn says(&mut self, packet: Packet) {
+        let mut bytes = BytesMut::new();
+        packet.write(&mut bytes, LARGEST).expect("it is a packet");
+        let _ = self.stream.write_all(&bytes).await;
+    }
+
+    /// Answers CONNECT with this.
+    pub(super) async fn answers(&mut self, code: ConnectReturnCode) -> Connect {
+        let Some(Packet::Connect(connect)) = self.hears().await else { panic!("a client says who it is") };
+        self.says(Packet::ConnAck(ConnAck::new(code, false))).await;
+        connect
+    }
+
+    /// Greets, and grants the subscription.
+    pub(super) async fn greet(&mut self) -> (Connect, Vec<String>) {
+        let connect = self.answers(ConnectReturnCode::Success).await;
+        let Some(Packet::Subscribe(asked)) = self.hears().await else { panic!("it subscribes before it says anything") };
+        let granted = vec![SubscribeReasonCode::Success(QoS::AtLeastOnce); asked.filters.len()];
+        self.says(Packet::SubAck(SubAck::new(asked.pkid, granted))).await;
+        (connect, asked.filters.into_iter().map(|filter| filter.path).collect())
+    }
+
+    /// Acknowledges what is published, up to and with something on this topic.
+    pub(super) async fn until(&mut self, topic: &str) -> Publish {
+        loop {
+            let publish = self.unacknowledged(|_| true).await;
+            self.says(Packet::PubAck(PubAck::new(publish.pkid))).await;
+            if publish.topic == topic {
+                return publish;
+            }
+        }
+    }
+
+    /// The next publication like this, which is not acknowledged, nor anything before it.
+    pub(super) async fn unacknowledged(&mut self, is_it: impl Fn(&Publish) -> bool) -> Publish {
+        loop {
+            match self.hears().await {
+                Some(Packet::Publish(publish)) if is_it(&publish) => return publish,
+                Some(_) => {}
+                None => panic!("the connection has ended"),
+            }
+        }
+    }
+
+    /// Acknowledges everything, and brings back what was sent on this topic, until the connection ends.
+    pub(super) async fn echoes(&mut self, topic: &str) {
+        while let Some(packet) = self.hears().await {
+            let Packet::Publish(publish) = packet else { continue };
+            self.says(Packet::PubAck(PubAck::new(publish.pkid))).await;
+            if publish.topic == topic {
+                self.says(Packet::Publish(publish)).await;
+            }
+        }
+    }
+
+    /// Waits until the other side has closed the connection.
+    pub(in super::super) async fn is_left(&mut self) {
+        while self.hears().await.is_some() {}
+    }
+}
+
+/// One picture for every piece there is.
+pub(in super::super) struct Album;
+
+impl Archive for Album {
+    fn photo(&self, _: LuggageId) -> Result<Option<Photo>, Unreadable> {
+        Ok(Some(Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" }))
+    }
+
+    fn luggage(&self, _: LuggageId) -> Result<Option<Luggage>, Unreadable> {
+        Ok(None)
+    }
+
+    fn missions(&self, _: Option<MissionId>, _: usize) -> Result<Vec<MissionRecord>, Unreadable> {
+        Ok(Vec::new())
+    }
+
+    fn mission(&self, _: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
+        Ok(None)
+    }
+
+    fn standing(&self, _: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
+        Ok(None)
+    }
+
+    fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
+        Ok(Vec::new())
+    }
+}

@@ -1,0 +1,188 @@
+//! The names of all topics, and whose business each is. What is said on them stands in the files of each.
+
+use hallsweep_core::world::resource::Resource;
+
+/// The word before the name of a command.
+const COMMAND: &str = "command";
+
+/// The word after the name of a command, where its answer is.
+const RESULT: &str = "result";
+
+/// Where events of the original system are.
+const EVENTS: &str = "events";
+
+/// Where Home Assistant says that it has started.
+pub const HOME_ASSISTANT_STATUS: &str = "homeassistant/status";
+
+/// Where the embedded broker is asked whether it is well. It lies beside our own topics, so that nobody who follows those sees it.
+pub const PULSE: &str = "hallsweep-pulse";
+
+/// The topics of one robot.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Topics {
+    /// `hallsweep/discovery`.
+    base: String,
+    /// `unibo/qak`.
+    old: String,
+    /// `discovery`.
+    id: String,
+}
+
+/// Whose business a topic is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place<'a> {
+    /// `…/command/NAME`: a command of this name, in JSON.
+    Command(&'a str),
+    /// `…/command`: the bare name of a command without arguments.
+    Word,
+    /// Messages of the original system.
+    Old,
+    /// Everything else under our prefix, and what tells Home Assistant of us: only the program itself publishes there.
+    Ours,
+    /// Somebody else's.
+    Elsewhere,
+}
+
+impl Topics {
+    /// The topics under `PREFIX/ID`, and those of the original system under `old`.
+    #[must_use]
+    pub fn new(prefix: &str, id: &str, old: &str) -> Topics {
+        Topics { base: format!("{prefix}/{id}"), old: old.to_owned(), id: id.to_owned() }
+    }
+
+    /// The robot's id.
+    #[must_use]
+    pub fn id(&self) -> &str {
+        &self.id
+    }
+
+    /// Where a resource is shown.
+    #[must_use]
+    pub fn state(&self, resource: Resource) -> String {
+        format!("{}/state/{}", self.base, resource.name())
+    }
+
+    /// Where it is told what happens.
+    #[must_use]
+    pub fn event(&self) -> String {
+        format!("{}/event", self.base)
+    }
+
+    /// Where it stands whether the program is there.
+    #[must_use]
+    pub fn availability(&self) -> String {
+        format!("{}/availability", self.base)
+    }
+
+    /// Where the bare names of commands are taken.
+    #[must_use]
+    pub fn word(&self) -> String {
+        format!("{}/{COMMAND}", self.base)
+    }
+
+    /// Where the command of this name is taken.
+    #[must_use]
+    pub fn command(&self, name: &str) -> String {
+        format!("{}/{COMMAND}/{name}", self.base)
+    }
+
+    /// Where the answer to the command of this name is given.
+    #[must_use]
+    pub fn result(&self, name: &str) -> String {
+        format!("{}/{COMMAND}/{name}/{RESULT}", self.base)
+    }
+
+    /// Where the state of the robot is in the words of Home Assistant.
+    #[must_use]
+    pub fn home_assistant(&self) -> String {
+        format!("{}/homeassistant", self.base)
+    }
+
+    /// Where the last photo is, for Home Assistant.
+    #[must_use]
+    pub fn photo(&self) -> String {
+        format!("{}/photo", self.base)
+    }
+
+    /// Where Home Assistant learns of this robot.
+    #[must_use]
+    pub fn discovery(&self) -> String {
+        format!("homeassistant/device/{}/config", self.id)
+    }
+
+    /// Where the original system's events are.
+    #[must_use]
+    pub fn old_events(&self) -> String {
+        format!("{}/{EVENTS}", self.old)
+    }
+
+    /// What commands can be found under: the filters to subscribe to at somebody else's broker. Answers are not among them.
+    #[must_use]
+    pub fn commands(&self) -> [String; 3] {
+        [self.word(), self.command("+"), format!("{}/+", self.old)]
+    }
+
+    /// Whose business this topic is.
+    #[must_use]
+    pub fn place<'a>(&self, topic: &'a str) -> Place<'a> {
+        if let Some(name) = under(&self.old, topic) {
+            return if name.contains('/') { Place::Elsewhere } else { Place::Old };
+        }
+        let Some(rest) = under(&self.base, topic) else {
+            let is_ours = topic == self.base || topic == self.discovery() || topic == PULSE;
+            return if is_ours { Place::Ours } else { Place::Elsewhere };
+        };
+        match rest.split_once('/') {
+            None if rest == COMMAND => Place::Word,
+            Some((COMMAND, name)) if !name.contains('/') => Place::Command(name),
+            None | Some(_) => Place::Ours,
+        }
+    }
+}
+
+/// What stands below `above` in a topic.
+fn under<'a>(above: &str, topic: &'a str) -> Option<&'a str> {
+    topic.strip_prefix(above)?.strip_prefix('/')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_topic_is_somebodys_business() {
+        let topics = Topics::new("hallsweep", "discovery", "unibo/qak");
+        let cases = [
+            ("hallsweep/discovery/command/start", Place::Command("start")),
+            ("hallsweep/discovery/command", Place::Word),
+            ("hallsweep/discovery/command/start/result", Place::Ours),
+            ("hallsweep/discovery/state/robot", Place::Ours),
+            ("hallsweep/discovery", Place::Ours),
+            ("homeassistant/device/discovery/config", Place::Ours),
+            ("homeassistant/status", Place::Elsewhere),
+            (PULSE, Place::Ours),
+            ("unibo/qak/events", Place::Old),
+            ("unibo/qak/robotmind", Place::Old),
+            ("unibo/qak/a/b", Place::Elsewhere),
+            ("unibo/qak", Place::Elsewhere),
+            ("hallsweep/discovery2/command/start", Place::Elsewhere),
+            ("hallsweep/other/state/robot", Place::Elsewhere),
+            ("", Place::Elsewhere),
+        ];
+        for (topic, place) in cases {
+            assert_eq!(topics.place(topic), place, "{topic}");
+        }
+    }
+
+    #[test]
+    fn what_is_published_is_ours_and_what_is_taken_is_a_command() {
+        let topics = Topics::new("site/robots", "r2", "r2/qak");
+        let published = [topics.event(), topics.availability(), topics.result("goto"), topics.photo(), topics.home_assistant()];
+        let states = Resource::ALL.map(|resource| topics.state(resource));
+        for topic in published.iter().chain(&states).chain([&topics.discovery()]) {
+            assert_eq!(topics.place(topic), Place::Ours, "{topic}");
+        }
+        assert_eq!(topics.place(&topics.command("goto")), Place::Command("goto"));
+        assert_eq!(topics.place(&topics.old_events()), Place::Old);
+    }
+}

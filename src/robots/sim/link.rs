@@ -1,0 +1,451 @@
+//! Joins the simulated robot to the loop: channels, timers, the speed of time, and the threads on which photos are drawn and the
+//! diary is written.
+//! What the robot does is decided by `simulator`; this is the only file of the simulator that waits.
+
+use std::time::Duration;
+
+use tokio::sync::mpsc;
+use tokio::task::JoinHandle;
+use tokio::time::Instant;
+
+use super::diary::Diary;
+use crate::runtime::clock::Clock;
+use crate::runtime::link::{RobotSide, Stamped};
+use hallsweep_core::effect::Order;
+use hallsweep_core::event::{Capabilities, Photo, RobotEvent};
+use hallsweep_core::units::{Now, OrderId};
+use hallsweep_sim::Sim;
+use hallsweep_sim::{Speed, times};
+
+/// What drawing a photo may take of real time, whatever the speed; the core is told so. It takes some hundredths of a second, but the
+/// machine may have much else to do, and a photo that is late counts as none.
+const DEVELOPING: Duration = Duration::from_secs(3);
+
+/// Timers are not set further ahead than this; then it is looked again.
+const LONGEST_WAIT: Duration = Duration::from_secs(3600);
+
+/// So long after the diary could not be written it is tried again, when nothing new has happened before.
+const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
+
+/// Runs a simulated robot until the loop's end of its channels is gone. What it must not forget goes into the diary, when there
+/// is one, before anybody is told of it.
+pub async fn run(sim: Sim, side: RobotSide, clock: Clock, speed: Speed, diary: Option<Diary>) {
+    let began = clock.now().since_start;
+    let link = Link {
+        sim,
+        side,
+        clock,
+        speed,
+        began,
+        skipped: Duration::ZERO,
+        report: None,
+        developing: None,
+        obeyed: 0,
+        diary,
+        writing: None,
+        write_again: None,
+    };
+    link.run().await;
+}
+
+struct Link {
+    sim: Sim,
+    side: RobotSide,
+    clock: Clock,
+    speed: Speed,
+    /// When simulated time began, by the real clock.
+    began: Duration,
+    /// The simulated time that was jumped over.
+    skipped: Duration,
+    /// A report on its way. Until it is taken nothing but a halt is listened to, so that reports cannot pile up.
+    report: Option<RobotEvent>,
+    /// The photo being drawn, and for which order.
+    developing: Option<(OrderId, JoinHandle<Photo>)>,
+    /// The halts of which the last order that was begun knew.
+    obeyed: u64,
+    /// The diary, while it is not being written.
+    diary: Option<Diary>,
+    /// The diary being written: on a thread of its own, so that a disk that hangs delays no halt. Until it is done nothing else
+    /// goes on.
+    writing: Option<JoinHandle<Diary>>,
+    /// When what could not be written is tried again, by the real clock.
+    write_again: Option<Duration>,
+}
+
+impl Link {
+    async fn run(mut self) {
+        loop {
+            self.write();
+            self.next_report();
+            let free = self.report.is_none() && self.writing.is_none();
+            let jumps = free && self.speed == Speed::Max && self.sim.is_busy() && !self.sim.is_developing();
+            let wake = self.wake();
+            tokio::select! {
+                biased;
+                halts = self.side.halts.raised() => self.halt(halts.count),
+                sent = hand_over(&self.side.reports, &mut self.report), if self.report.is_some() => if !sent { return },
+                diary = written(&mut self.writing) => self.written(diary),
+                Ok(()) = self.side.led.changed() => self.led(),
+                given = self.side.orders.recv(), if free => match given {
+                    Some(stamped) => self.order(stamped),
+                    None => return,
+                },
+                photo = developed(&mut self.developing), if free => self.deliver(photo),
+                () = std::future::ready(()), if jumps => self.jump(),
+                () = tokio::time::sleep_until(wake), if free => self.sim.handle_timeout(self.now()),
+            }
+        }
+    }
+
+    /// The time in the simulation.
+    fn now(&self) -> Now {
+        let Now { since_start, wall } = self.clock.now();
+        let passed = times(since_start.saturating_sub(self.began), self.speed.pace());
+        Now { since_start: passed.saturating_add(self.skipped), wall }
+    }
+
+    /// When the simulation has to be looked at again, by the real clock.
+    fn wake(&self) -> Instant {
+        let wait = self.sim.poll_timeout().map(|at| at.saturating_sub(self.now().since_start));
+        let wait = wait.map_or(LONGEST_WAIT, |wait| times(wait, 1.0 / self.speed.pace()).min(LONGEST_WAIT));
+        let at = self.clock.now().since_start + wait;
+        self.clock.instant(self.write_again.map_or(at, |again| again.min(at)))
+    }
+
+    /// Begins to write down what has changed, or what is still owed when its time has come.
+    fn write(&mut self) {
+        let Some(mut diary) = self.diary.take() else { return };
+        let again = self.write_again.is_some_and(|at| at <= self.clock.now().since_start);
+        let Some(memory) = self.sim.poll_memory().or_else(|| diary.owed().filter(|_| again)) else {
+            self.diary = Some(diary);
+            return;
+        };
+        self.writing = Some(tokio::task::spawn_blocking(move || {
+            diary.keep(memory);
+            diary
+        }));
+    }
+
+    fn written(&mut self, diary: Option<Diary>) {
+        let owes = diary.as_ref().is_some_and(|diary| diary.owed().is_some());
+        self.write_again = owes.then(|| self.clock.now().since_start + WRITTEN_AGAIN);
+        self.diary = diary;
+    }
+
+    /// Takes the next report, unless one is on its way already, or what it follows from is not written down yet.
+    fn next_report(&mut self) {
+        if self.report.is_some() || self.writing.is_some() {
+            return;
+        }
+        self.report = self.sim.poll_event();
+        if let Some(RobotEvent::LinkUp(capabilities)) = self.report {
+            self.report = Some(RobotEvent::LinkUp(self.in_real_time(capabilities)));
+        }
+    }
+
+    fn in_real_time(&self, simulated: Capabilities) -> Capabilities {
+        let Capabilities { step, turn, photo, nudges } = simulated;
+        let photo = self.speed.to_real(photo) + DEVELOPING;
+        Capabilities { step: self.speed.to_real(step), turn: self.speed.to_real(turn), photo, nudges }
+    }
+
+    fn led(&mut self) {
+        let blinks = *self.side.led.borrow_and_update();
+        self.sim.handle_led(blinks);
+    }
+
+    /// A halt concerns what was begun before it was raised: an order may have overtaken the news of a halt that it knows of.
+    fn halt(&mut self, count: u64) {
+        if self.obeyed < count {
+            self.sim.handle_halt(self.now());
+        }
+    }
+
+    fn order(&mut self, Stamped { order, halts }: Stamped) {
+        if halts < self.side.halts.now().count && order.action.is_motion() {
+            self.report = Some(RobotEvent::Halted(order.id, self.sim.is_off_centre()));
+            return;
+        }
+        self.obeyed = halts;
+        let deadline = self.speed.to_simulated(order.deadline);
+        self.sim.handle_order(Order { deadline, ..order }, self.now());
+        if let Some((id, exposure)) = self.sim.take_exposure() {
+            self.developing = Some((id, tokio::task::spawn_blocking(move || exposure.develop())));
+        }
+    }
+
+    /// Brings a drawn photo to the simulation. One that could not be drawn is missed by its order's deadline.
+    fn deliver(&mut self, (order, photo): (OrderId, Option<Photo>)) {
+        if let Some(photo) = photo {
+            self.sim.handle_photo(order, photo, self.now());
+        }
+    }
+
+    /// Jumps to whatever comes next.
+    fn jump(&mut self) {
+        if let Some(at) = self.sim.poll_timeout() {
+            self.skipped += at.saturating_sub(self.now().since_start);
+        }
+        self.sim.handle_timeout(self.now());
+    }
+}
+
+/// Sends the report as soon as there is room for it; false when nobody receives any more.
+async fn hand_over(reports: &mpsc::Sender<RobotEvent>, report: &mut Option<RobotEvent>) -> bool {
+    let Ok(room) = reports.reserve().await else { return false };
+    if let Some(report) = report.take() {
+        room.send(report);
+    }
+    true
+}
+
+/// Waits for the diary being written; for ever when it is not.
+async fn written(writing: &mut Option<JoinHandle<Diary>>) -> Option<Diary> {
+    let Some(under_way) = writing else { return std::future::pending().await };
+    let diary = under_way.await.ok();
+    *writing = None;
+    diary
+}
+
+/// Waits for the photo being drawn; for ever when there is none.
+async fn developed(developing: &mut Option<(OrderId, JoinHandle<Photo>)>) -> (OrderId, Option<Photo>) {
+    let Some((order, drawing)) = developing else { return std::future::pending().await };
+    let drawn = (*order, drawing.await.ok());
+    *developing = None;
+    drawn
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::sync::Arc;
+
+    use super::super::diary::Folder;
+    use super::*;
+    use crate::runtime::halt::Halter;
+    use crate::runtime::link::{REPORTS, RobotLink, link};
+    use crate::runtime::within::within;
+    use hallsweep_core::command::Move;
+    use hallsweep_core::effect::{Action, Stamp};
+    use hallsweep_core::event::Whereabouts;
+    use hallsweep_core::units::{Epoch, Pose, Wall};
+    use hallsweep_sim::{Camera, Hall, SimMemory, SimSettings};
+
+    struct Test {
+        link: RobotLink,
+        halter: Halter,
+        task: JoinHandle<()>,
+        capabilities: Capabilities,
+    }
+
+    impl Test {
+        async fn begin(rows: &[&str], speed: Speed) -> Test {
+            let settings = SimSettings { sonar_noise_cm: 0.0, ..SimSettings::new(1, Camera::Rendered) };
+            let sim = Sim::new(Arc::new(Hall::from_rows("test", rows).unwrap()), settings);
+            Test::with(sim, speed, None).await.0
+        }
+
+        async fn with(sim: Sim, speed: Speed, diary: Option<Diary>) -> (Test, Whereabouts) {
+            let halter = Halter::new(Epoch(0));
+            let (mut link, side) = link(halter.watch());
+            let task = tokio::spawn(run(sim, side, Clock::default(), speed, diary));
+            let Some(RobotEvent::Stands(whereabouts)) = within("where it is", link.reports.recv()).await else {
+                panic!("first it says where it is")
+            };
+            let Some(RobotEvent::LinkUp(capabilities)) = within("the link", link.reports.recv()).await else {
+                panic!("then the link comes up")
+            };
+            (Test { link, halter, task, capabilities }, whereabouts)
+        }
+
+        async fn give(&mut self, id: u64, action: Action, halts: u64) {
+            let order = Order { id: OrderId(id), action, epoch: Epoch(0), deadline: Duration::from_secs(5) };
+            self.link.orders.send(Stamped { order, halts }).await.unwrap();
+        }
+
+        /// The answer to the order under way, past what the sonar says.
+        async fn answer(&mut self) -> RobotEvent {
+            loop {
+                let event = within("the robot's answer", self.link.reports.recv()).await.expect("the robot is running");
+                if !matches!(event, RobotEvent::Sonar(_)) {
+                    return event;
+                }
+            }
+        }
+    }
+
+    const FORWARD: Action = Action::Move(Move::Forward);
+    const LEFT: Action = Action::Move(Move::TurnLeft);
+
+    fn photograph() -> Action {
+        Action::Photograph(Stamp { pose: Pose::START, wall: Wall::default() })
+    }
+
+    #[tokio::test]
+    async fn at_full_speed_a_thousand_steps_are_all_answered() {
+        let mut test = Test::begin(&["S", "."], Speed::Max).await;
+        for id in 0..1000 {
+            test.give(id, Action::Move(if id % 2 == 0 { Move::Forward } else { Move::Backward }), 0).await;
+            assert_eq!(test.answer().await, RobotEvent::Done(OrderId(id)));
+        }
+    }
+
+    #[tokio::test]
+    async fn durations_are_told_and_kept_in_real_time() {
+        let mut test = Test::begin(&["S", "."], Speed::Times(10.0)).await;
+        assert_eq!(test.capabilities.step, Duration::from_millis(33));
+        let clock = Clock::default();
+        test.give(1, FORWARD, 0).await;
+        assert_eq!(test.answer().await, RobotEvent::Done(OrderId(1)));
+        assert!(clock.now().since_start >= Duration::from_millis(32));
+    }
+
+    #[tokio::test]
+    async fn a_halt_stops_the_order_under_way_at_once() {
+        let mut test = Test::begin(&["S", "."], Speed::Times(0.1)).await;
+        test.give(1, FORWARD, 0).await;
+        tokio::time::sleep(Duration::from_millis(50)).await;
+        test.halter.halt();
+        assert_eq!(test.answer().await, RobotEvent::Halted(OrderId(1), true));
+        test.give(2, Action::Recentre, 1).await;
+        assert_eq!(test.answer().await, RobotEvent::Done(OrderId(2)));
+    }
+
+    #[tokio::test]
+    async fn an_order_from_before_a_halt_is_not_begun_and_one_from_after_it_is() {
+        let mut test = Test::begin(&["S", "."], Speed::Max).await;
+        test.halter.halt();
+        test.give(1, FORWARD, 0).await;
+        assert_eq!(test.answer().await, RobotEvent::Halted(OrderId(1), false));
+        test.halter.halt();
+        test.give(2, FORWARD, 2).await;
+        assert_eq!(test.answer().await, RobotEvent::Done(OrderId(2)));
+    }
+
+    #[tokio::test]
+    async fn a_halt_gets_through_while_nobody_takes_the_reports() {
+        let mut test = Test::begin(&["S", "."], Speed::Max).await;
+        // Each turn makes an answer and a sonar reading at most: so many fill the channel, and the robot waits with the next.
+        let orders = REPORTS as u64 + 8;
+        let mut given = 0;
+        while given < orders && tokio::time::timeout(Duration::from_millis(200), test.give(given, LEFT, 0)).await.is_ok() {
+            given += 1;
+        }
+        assert!(given < orders, "the robot never had to wait");
+        test.halter.halt();
+        let mut last = RobotEvent::Sonar(None);
+        for _ in 0..given {
+            last = test.answer().await;
+        }
+        assert!(
+            matches!(last, RobotEvent::Halted(id, _) if id == OrderId(given - 1)),
+            "what was still queued did not begin: {last:?}"
+        );
+    }
+
+    #[tokio::test]
+    async fn a_photo_is_drawn_beside_the_loop_and_no_halt_cuts_it_short() {
+        let mut test = Test::begin(&["S", "a"], Speed::Times(2.0)).await;
+        test.give(1, photograph(), 0).await;
+        tokio::time::sleep(Duration::from_millis(50)).await;
+        test.halter.halt();
+        let RobotEvent::Photo(OrderId(1), photo) = test.answer().await else { panic!("a photo was ordered") };
+        assert_eq!(photo.media_type, "image/png");
+    }
+
+    fn hall() -> Arc<Hall> {
+        Arc::new(Hall::from_rows("test", &["S", "."]).unwrap())
+    }
+
+    /// Begins with what the diary in this folder remembers.
+    async fn begin_in(folder: &Path, speed: Speed) -> (Test, Whereabouts) {
+        let (diary, memory) = Diary::open(folder, &hall()).unwrap();
+        let settings = SimSettings::new(1, Camera::Stub);
+        let sim = match memory {
+            Some(memory) => Sim::remembering(hall(), settings, memory),
+            None => Sim::new(hall(), settings),
+        };
+        Test::with(sim, speed, Some(diary)).await
+    }
+
+    /// Looks into the folder until what is remembered there is as expected.
+    async fn until_remembered(folder: &Path, expect: impl Fn(SimMemory) -> bool) {
+        let seen = async {
+            while !Diary::open(folder, &hall()).unwrap().1.is_some_and(&expect) {
+                tokio::time::sleep(Duration::from_millis(1)).await;
+            }
+        };
+        within("what is to be remembered", seen).await;
+    }
+
+    /// Safety R2.
+    #[tokio::test]
+    async fn whatever_was_reported_before_the_program_died_is_known_to_the_next() {
+        let folder = Folder::new("link");
+        let mut pose = Pose::START;
+        for id in 0..20 {
+            let (mut test, whereabouts) = begin_in(folder.path(), Speed::Max).await;
+            assert_eq!(whereabouts, Whereabouts { pose, off_centre: false });
+            let step = if pose.cell.y == 0 { Move::Forward } else { Move::Backward };
+            test.give(id, Action::Move(step), 0).await;
+            assert_eq!(test.answer().await, RobotEvent::Done(OrderId(id)));
+            pose.cell.y = 1 - pose.cell.y;
+            test.task.abort();
+        }
+    }
+
+    /// Safety R2.
+    #[tokio::test]
+    async fn a_step_under_way_when_the_program_dies_leaves_it_off_centre() {
+        let folder = Folder::new("under-way");
+        let (mut test, _) = begin_in(folder.path(), Speed::Times(0.1)).await;
+        test.give(1, FORWARD, 0).await;
+        until_remembered(folder.path(), |memory| memory.motion.is_some()).await;
+        test.task.abort();
+        let (mut test, whereabouts) = begin_in(folder.path(), Speed::Max).await;
+        assert_eq!(whereabouts, Whereabouts { pose: Pose::START, off_centre: true });
+        test.give(1, Action::Recentre, 0).await;
+        assert_eq!(test.answer().await, RobotEvent::Done(OrderId(1)));
+    }
+
+    #[tokio::test]
+    async fn without_a_folder_to_write_in_it_goes_on_and_writes_as_soon_as_there_is_one() {
+        let folder = Folder::new("late");
+        let late = folder.path().join("late");
+        let (mut test, _) = begin_in(&late, Speed::Max).await;
+        test.give(1, FORWARD, 0).await;
+        assert_eq!(test.answer().await, RobotEvent::Done(OrderId(1)));
+        std::fs::create_dir(&late).unwrap();
+        until_remembered(&late, |memory| memory.pose != Pose::START).await;
+    }
+
+    /// Safety S1.
+    #[cfg(unix)]
+    #[tokio::test]
+    async fn a_disk_that_hangs_delays_no_halt() {
+        let folder = Folder::new("hangs");
+        let late = folder.path().join("late");
+        let (mut test, _) = begin_in(&late, Speed::Times(0.5)).await;
+        // The next writing waits for somebody at the other end of a pipe.
+        let pipe = late.join("simulated-robot.new");
+        std::fs::create_dir(&late).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        test.give(1, FORWARD, 0).await;
+        tokio::time::sleep(Duration::from_millis(200)).await;
+        test.halter.halt();
+        // By now the step would have ended.
+        tokio::time::sleep(Duration::from_millis(800)).await;
+        assert!(test.link.reports.try_recv().is_err(), "nothing is told that is not written");
+        std::fs::rename(&pipe, folder.path().join("pipe")).unwrap();
+        let other_end = tokio::task::spawn_blocking(move || std::fs::read(folder.path().join("pipe")).map(|_| folder));
+        assert_eq!(test.answer().await, RobotEvent::Halted(OrderId(1), true));
+        drop(other_end.await);
+    }
+
+    #[tokio::test]
+    async fn it_ends_when_the_loop_is_gone() {
+        let Test { link, task, .. } = Test::begin(&["S"], Speed::Times(1.0)).await;
+        drop(link);
+        within("its end", task).await.unwrap();
+    }
+}

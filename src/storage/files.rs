@@ -1,0 +1,171 @@
+//! How the files of the data folder are made and opened, for all that keeps something there. Made for their owner alone, or for
+//! the group as well where the folder is the group's. Opened only when they are plain files: a pipe in the place of one would
+//! keep whoever opens it waiting for ever, and a link that leads nowhere would look like a file that never was.
+
+use std::fs::{self, DirBuilder, File, Metadata, OpenOptions};
+use std::io::{self, Read};
+use std::path::Path;
+
+/// What is wrong with a file that cannot be opened: see `check_plain`.
+const DANGLING: &str = "it is a link that leads nowhere";
+
+/// Fails, with the reason in a few words, when something else than a plain file has this name. That nothing has it is none.
+pub(crate) fn check_plain(path: &Path) -> io::Result<()> {
+    match fs::metadata(path) {
+        Ok(there) if there.is_file() => Ok(()),
+        Ok(there) => Err(io::Error::other(other_than_a_file(&there))),
+        Err(error) if error.kind() == io::ErrorKind::NotFound && is_link(path) => Err(io::Error::other(DANGLING)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(error) => Err(error),
+    }
+}
+
+/// The same for a folder.
+pub(crate) fn check_folder(path: &Path) -> io::Result<()> {
+    match fs::metadata(path) {
+        Ok(there) if there.is_dir() => Ok(()),
+        Ok(_) => Err(io::Error::other("it is not a folder")),
+        Err(error) if error.kind() == io::ErrorKind::NotFound && is_link(path) => Err(io::Error::other(DANGLING)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(error) => Err(error),
+    }
+}
+
+/// The bytes of a plain file, and one more than `most` when it has more than that.
+pub(crate) fn read(path: &Path, most: usize) -> io::Result<Vec<u8>> {
+    check_plain(path)?;
+    let mut bytes = Vec::new();
+    File::open(path)?.take(most as u64 + 1).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Opens a plain file as `options` say; one that is made by that is private.
+pub(crate) fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
+    check_plain(path)?;
+    open_unchecked(path, options)
+}
+
+/// Makes a file anew, for one that is still to be given its name; it is waited for whatever has this name.
+pub(crate) fn create(path: &Path) -> io::Result<File> {
+    open_unchecked(path, File::options().write(true).create(true).truncate(true))
+}
+
+fn open_unchecked(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
+    let is_new = !path.exists();
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(options, 0o600);
+    let file = options.open(path)?;
+    if is_new {
+        share(path, &file)?;
+    }
+    Ok(file)
+}
+
+/// Makes a folder for its owner alone, and those above it.
+pub(crate) fn make_folder(path: &Path) -> io::Result<()> {
+    let mut builder = DirBuilder::new();
+    #[cfg(unix)]
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    builder.recursive(true).create(path)
+}
+
+/// Makes a folder in one that is there; for the group as well where that is the group's.
+pub(crate) fn make_folder_within(path: &Path) -> io::Result<()> {
+    if path.is_dir() {
+        return Ok(());
+    }
+    make_folder(path)?;
+    share(path, &File::open(path)?)
+}
+
+/// Gives the group what the owner has, where the folder in which it stands is the group's to write to: what the mask of the
+/// process says is no matter then.
+#[cfg(unix)]
+fn share(path: &Path, made: &File) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    const GROUP_WRITES: u32 = 0o020;
+    let above = path.parent().filter(|above| !above.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if fs::metadata(above)?.permissions().mode() & GROUP_WRITES == 0 {
+        return Ok(());
+    }
+    let owner = made.metadata()?.permissions().mode() & 0o700;
+    made.set_permissions(fs::Permissions::from_mode(owner | owner >> 3))
+}
+
+/// Elsewhere a file has the rights of its folder.
+#[cfg(not(unix))]
+#[expect(clippy::unnecessary_wraps, reason = "it has the shape of the one that shares")]
+fn share(_: &Path, _: &File) -> io::Result<()> {
+    Ok(())
+}
+
+fn other_than_a_file(there: &Metadata) -> &'static str {
+    if there.is_dir() { "it is a folder" } else { "it is no plain file, but a pipe or a device" }
+}
+
+fn is_link(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok_and(|there| there.is_symlink())
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::os::unix::fs::PermissionsExt;
+
+    use super::*;
+
+    struct Scratch(std::path::PathBuf);
+
+    impl Scratch {
+        fn new(name: &str) -> Scratch {
+            let path = std::env::temp_dir().join(format!("hallsweep-files-{}-{name}", std::process::id()));
+            fs::create_dir(&path).expect("the folder of temporary files takes it");
+            Scratch(path)
+        }
+    }
+
+    impl Drop for Scratch {
+        fn drop(&mut self) {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+
+    fn mode(path: &Path) -> u32 {
+        fs::metadata(path).expect("it is there").permissions().mode() & 0o777
+    }
+
+    /// Safety R5.
+    #[test]
+    fn what_is_no_plain_file_is_said_to_be_none_and_not_waited_for() {
+        let scratch = Scratch::new("plain");
+        let at = |name: &str| scratch.0.join(name);
+        assert!(std::process::Command::new("mkfifo").arg(at("pipe")).status().unwrap().success());
+        std::os::unix::fs::symlink("/nowhere/at/all", at("link")).unwrap();
+        fs::write(at("file"), "four").unwrap();
+        std::os::unix::fs::symlink(at("file"), at("good-link")).unwrap();
+        for (name, words) in [("", "it is a folder"), ("pipe", "a pipe or a device"), ("link", "a link that leads nowhere")] {
+            let said = read(&at(name), 9).unwrap_err();
+            assert!(said.to_string().contains(words), "{name}: {said}");
+            assert!(open(&at(name), OpenOptions::new().write(true)).is_err(), "{name}");
+        }
+        assert_eq!(read(&at("none"), 9).unwrap_err().kind(), io::ErrorKind::NotFound);
+        assert_eq!((read(&at("file"), 9).unwrap(), read(&at("good-link"), 2).unwrap()), (b"four".to_vec(), b"fou".to_vec()));
+        assert!(check_folder(&at("file")).is_err() && check_folder(&at("link")).is_err() && check_folder(&at("none")).is_ok());
+    }
+
+    #[test]
+    fn what_is_made_is_private_or_the_groups_where_the_folder_is() {
+        let scratch = Scratch::new("modes");
+        for (folder, file, inner) in [(0o755, 0o600, 0o700), (0o700, 0o600, 0o700), (0o770, 0o660, 0o770), (0o2775, 0o660, 0o770)]
+        {
+            let above = scratch.0.join(format!("{folder:o}"));
+            fs::create_dir(&above).unwrap();
+            fs::set_permissions(&above, fs::Permissions::from_mode(folder)).unwrap();
+            open(&above.join("file"), OpenOptions::new().write(true).create(true)).unwrap();
+            make_folder_within(&above.join("inner")).unwrap();
+            assert_eq!((mode(&above.join("file")), mode(&above.join("inner"))), (file, inner), "in {folder:o}");
+            fs::set_permissions(above.join("file"), fs::Permissions::from_mode(0o640)).unwrap();
+            open(&above.join("file"), OpenOptions::new().write(true)).unwrap();
+            assert_eq!(mode(&above.join("file")), 0o640, "what is there is left as somebody wanted it");
+        }
+    }
+}

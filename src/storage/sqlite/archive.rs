@@ -1,0 +1,159 @@
+//! What the doors fetch: photos, luggage, missions that are over, their entries. Each question has a connection of its own, so
+//! that none waits for another, for the writer, or for a disk that cannot be written.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use rusqlite::{Connection, OptionalExtension, Row, params};
+
+use super::connect::Reader;
+use super::fault::{Fault, count, whole};
+use super::folder::Folder;
+use super::reading::unreadable;
+use super::rows::{self, Which};
+use super::{connect, photos, project, recall};
+use crate::api::journal::{self, Picture};
+use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
+use hallsweep_core::command::Verdict;
+use hallsweep_core::event::Photo;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::units::{LuggageId, MissionId, Seq, Wall};
+use hallsweep_core::world::luggage::{Decision, Luggage};
+
+/// So many connections are kept for the next question: as many as are asked at once in a busy moment.
+const IDLE: usize = 4;
+
+/// The columns of a mission, in the order in which `record` takes them.
+const MISSION: &str = "SELECT id, strategy, began_ms, began_offset_s, archived_ms, archived_offset_s, phase, left_in_place,
+    (SELECT count(*) FROM luggage WHERE mission = missions.id),
+    (SELECT count(*) FROM luggage WHERE mission = missions.id AND verdict = 'danger') FROM missions";
+
+/// The reading side of the store.
+#[derive(Debug)]
+pub(super) struct SqliteArchive {
+    folder: Folder,
+    idle: Mutex<Vec<Reader>>,
+}
+
+impl SqliteArchive {
+    pub(super) fn new(folder: Folder) -> SqliteArchive {
+        SqliteArchive { folder, idle: Mutex::default() }
+    }
+
+    /// Answers with a connection; with what nothing gives, where there is no journal yet.
+    fn ask<T: Default>(&self, question: impl FnOnce(&Connection) -> Result<T, Fault>) -> Result<T, Unreadable> {
+        let idle = self.idle().pop();
+        let opened = idle.map_or_else(|| connect::reader(&self.folder), |reader| Ok(Some(reader)));
+        let Some(reader) = opened.map_err(|fault| unreadable(&self.folder, &fault))? else { return Ok(T::default()) };
+        let answer = question(&reader.connection).map_err(|fault| unreadable(&self.folder, &fault))?;
+        let mut idle = self.idle();
+        if idle.len() < IDLE && !reader.is_still {
+            idle.push(reader);
+        }
+        Ok(answer)
+    }
+
+    fn idle(&self) -> MutexGuard<'_, Vec<Reader>> {
+        // A list of connections is whole whoever panicked.
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Archive for SqliteArchive {
+    fn photo(&self, luggage: LuggageId) -> Result<Option<Photo>, Unreadable> {
+        let picture = self.ask(|connection| {
+            let sql = "SELECT digest, media_type FROM luggage JOIN photos ON digest = photo WHERE id = ?1";
+            let picture = |row: &Row<'_>| Ok(Picture { digest: row.get(0)?, media_type: row.get(1)? });
+            Ok(connection.prepare_cached(sql)?.query_row([whole(luggage.0)?], picture).optional()?)
+        })?;
+        let photo = picture.map(|picture| photos::read(&self.folder, &picture)).transpose();
+        photo.map_err(|fault| unreadable(&self.folder, &fault))
+    }
+
+    fn luggage(&self, luggage: LuggageId) -> Result<Option<Luggage>, Unreadable> {
+        self.ask(|connection| {
+            let sql = "SELECT record, verdict, decided_by, decided_ms, decided_offset_s FROM luggage WHERE id = ?1";
+            let mut statement = connection.prepare_cached(sql)?;
+            let mut rows = statement.query([whole(luggage.0)?])?;
+            rows.next()?.map(|row| luggage_of(luggage, row)).transpose()
+        })
+    }
+
+    fn missions(&self, before: Option<MissionId>, most: usize) -> Result<Vec<MissionRecord>, Unreadable> {
+        self.ask(|connection| {
+            let sql = format!("{MISSION} WHERE id < ?1 ORDER BY id DESC LIMIT ?2");
+            let before = before.map_or(Ok(i64::MAX), |mission| whole(mission.0))?;
+            let mut statement = connection.prepare_cached(&sql)?;
+            let mut rows = statement.query(params![before, i64::try_from(most).unwrap_or(i64::MAX)])?;
+            let mut missions = Vec::new();
+            while let Some(row) = rows.next()? {
+                missions.push(record(row)?);
+            }
+            Ok(missions)
+        })
+    }
+
+    fn mission(&self, mission: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
+        self.ask(|connection| {
+            let mut statement = connection.prepare_cached(&format!("{MISSION} WHERE id = ?1"))?;
+            let mut rows = statement.query([whole(mission.0)?])?;
+            rows.next()?.map(record).transpose()
+        })
+    }
+
+    fn standing(&self, mission: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
+        self.ask(|connection| {
+            let sql = "SELECT archived_seq FROM missions WHERE id = ?1";
+            let found = connection.prepare_cached(sql)?.query_row([whole(mission.0)?], |row| row.get::<_, Option<i64>>(0));
+            let Some(archived) = found.optional()? else { return Ok(None) };
+            let words = |fault: &Fault| fault.words_of_an_entry(self.folder.path());
+            recall::standing_of(connection, mission, archived.map(|seq| Seq(count(seq))), words).map(Some)
+        })
+    }
+
+    fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        self.ask(|connection| {
+            let mut entries = Vec::new();
+            let which = Which { after: Some(after), mission: Some(mission), most: Some(most), ..Which::default() };
+            rows::each(connection, which, |seq, line| {
+                entries.push((
+                    seq,
+                    line.map(|line| line.entry).map_err(|fault| Unreadable(fault.words_of_an_entry(self.folder.path()))),
+                ));
+                Ok(())
+            })?;
+            Ok(entries)
+        })
+    }
+}
+
+fn record(row: &Row<'_>) -> Result<MissionRecord, Fault> {
+    let (id, strategy): (i64, String) = (row.get(0)?, row.get(1)?);
+    let archived: Option<i64> = row.get(4)?;
+    let offset: Option<i32> = row.get(5)?;
+    Ok(MissionRecord {
+        id: MissionId(count(id)),
+        strategy: Arc::from(strategy),
+        began: Wall { unix_ms: row.get(2)?, offset_s: row.get(3)? },
+        archived: archived.map(|unix_ms| Wall { unix_ms, offset_s: offset.unwrap_or(0) }),
+        phase: Arc::from(row.get::<_, String>(6)?),
+        luggage: count(row.get(8)?),
+        dangerous: count(row.get(9)?),
+        left: project::left_in_place(&row.get::<_, String>(7)?),
+    })
+}
+
+fn luggage_of(id: LuggageId, row: &Row<'_>) -> Result<Luggage, Fault> {
+    let broken = |what: &dyn std::fmt::Display| Fault::Damaged(format!("the record of luggage #{id} cannot be read: {what}"));
+    let record = journal::read_record(&row.get::<_, String>(0)?).map_err(|why| broken(&why))?;
+    let verdict: Option<String> = row.get(1)?;
+    let verdict = verdict.map(|name| match name.as_str() {
+        "safe" => Ok(Verdict::Safe),
+        "danger" => Ok(Verdict::Danger),
+        other => Err(broken(&format!("its verdict is {other}"))),
+    });
+    let decision = |verdict| -> Result<Decision, Fault> {
+        let wall = Wall { unix_ms: row.get(3)?, offset_s: row.get(4)? };
+        Ok(Decision { verdict, who: Arc::from(row.get::<_, String>(2)?), wall })
+    };
+    Ok(Luggage { verdict: verdict.transpose()?.map(decision).transpose()?, ..record })
+}

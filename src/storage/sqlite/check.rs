@@ -1,0 +1,169 @@
+//! `hallsweep journal check`: whether the file is sound, the entries follow one another and can be understood, the tables are
+//! what follows from them, and every photo is there.
+
+use rusqlite::Connection;
+use rusqlite::types::Value;
+
+use super::fault::{ALL, Fault, Then, count, one_line};
+use super::folder::Folder;
+use super::rows::{self, Which};
+use super::{marker, photos, project, recall, schema};
+use crate::api::journal::Picture;
+use hallsweep_core::units::Seq;
+
+/// At most so many findings are listed: who has more needs a backup, not a list.
+const LISTED: usize = 100;
+
+/// What a check came to.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Findings {
+    /// What is wrong, a sentence each, the first 100.
+    pub faults: Vec<String>,
+    /// How much is wrong, also what is not listed.
+    pub count: u64,
+    /// What is right, and still worth knowing.
+    pub notes: Vec<String>,
+    /// How many entries there are.
+    pub entries: u64,
+    /// How many photos.
+    pub photos: u64,
+}
+
+impl Findings {
+    fn fault(&mut self, words: String) {
+        self.count += 1;
+        if self.faults.len() < LISTED {
+            self.faults.push(words);
+        }
+    }
+}
+
+/// Checks everything, at one moment of a journal that may be written on meanwhile.
+pub(super) fn check(connection: &Connection, folder: &Folder) -> Result<Findings, Fault> {
+    let mut findings = Findings::default();
+    let moment = connection.unchecked_transaction()?;
+    structure(&moment, &mut findings)?;
+    if findings.faults.is_empty() {
+        let (anew, unclear) = entries(&moment, folder, &mut findings)?;
+        if unclear {
+            findings.notes.push(advice(folder));
+        } else {
+            projections(&moment, &anew, &mut findings)?;
+        }
+        pictures(&moment, folder, &mut findings)?;
+    }
+    Ok(findings)
+}
+
+/// What SQLite itself finds.
+fn structure(connection: &Connection, findings: &mut Findings) -> Result<(), Fault> {
+    let mut statement = connection.prepare(&format!("PRAGMA integrity_check({LISTED})"))?;
+    let mut rows = statement.query([])?;
+    while let Some(row) = rows.next()? {
+        let found: String = row.get(0)?;
+        if found != "ok" {
+            findings.fault(format!("the file is damaged: {}", one_line(&found)));
+        }
+    }
+    Ok(())
+}
+
+/// The order of the entries, and what they say; the tables that follow from them, and whether some cannot be understood.
+fn entries(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<(Connection, bool), Fault> {
+    let losses = losses(connection)?;
+    let mut anew = Connection::open_in_memory()?;
+    schema::bring_up_to_date(&mut anew)?;
+    let (mut before, mut unclear) = (Seq(0), false);
+    rows::each(connection, Which::default(), |_, line| {
+        findings.entries += 1;
+        let line = match line {
+            Ok(line) => line,
+            Err(fault) => {
+                unclear = true;
+                findings.fault(fault.words_of_an_entry(folder.path()));
+                before = before.next();
+                return Ok(());
+            }
+        };
+        if line.seq != before.next() {
+            gap(before, line.seq, &losses, findings);
+        }
+        before = line.seq;
+        project::project(&anew, &line)
+    })?;
+    Ok((anew, unclear))
+}
+
+/// What to do about entries that cannot be understood, so that nothing sound is lost. The tables are not held against the entries
+/// then: they were made when these could be understood, and know more.
+fn advice(folder: &Folder) -> String {
+    let goes_on = marker::read(folder).and_then(|lost_after| recall::recall(folder, lost_after)).is_ok();
+    let then = if goes_on {
+        "hallsweep goes on without them, so nothing has to be done".to_owned()
+    } else {
+        format!(
+            "hallsweep does not go on over them: end it, copy the whole folder {}, then put a backup in place of the journal, or move \
+             {ALL} away together to begin anew",
+            folder.path().display()
+        )
+    };
+    format!(
+        "some entries cannot be understood, all others are sound (`hallsweep journal export` writes them out): {then}; do not run \
+         `hallsweep journal rebuild`, because the tables still know what these entries said"
+    )
+}
+
+fn gap(before: Seq, after: Seq, losses: &[Seq], findings: &mut Findings) {
+    let which = format!("entries {} to {}", before.next(), after.0.saturating_sub(1));
+    if losses.contains(&before) {
+        findings.notes.push(format!("{which} were lost while the store could not write, and said to be lost"));
+    } else {
+        findings.fault(format!("{which} are missing, and no failure of the store is on record that explains it"));
+    }
+}
+
+fn losses(connection: &Connection) -> Result<Vec<Seq>, Fault> {
+    let mut statement = connection.prepare("SELECT kept FROM losses")?;
+    let kept = statement.query_map([], |row| row.get::<_, i64>(0))?;
+    Ok(kept.map(|kept| kept.map(|kept| Seq(count(kept)))).collect::<Result<_, _>>()?)
+}
+
+/// Whether the tables are what follows from the entries.
+fn projections(connection: &Connection, anew: &Connection, findings: &mut Findings) -> Result<(), Fault> {
+    for table in ["missions", "photos", "luggage"] {
+        let (there, expected) = (rows_of(connection, table)?, rows_of(anew, table)?);
+        let differing = there.iter().filter(|row| !expected.contains(*row)).count();
+        let missing = expected.iter().filter(|row| !there.contains(*row)).count();
+        if differing + missing > 0 {
+            findings.fault(format!(
+                "the table {table} is not what follows from the journal ({differing} rows differ, {missing} are missing): \
+                 end hallsweep and run `hallsweep journal rebuild`"
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn rows_of(connection: &Connection, table: &str) -> Result<std::collections::BTreeSet<String>, Fault> {
+    let mut statement = connection.prepare(&format!("SELECT * FROM {table}"))?;
+    let columns = statement.column_count();
+    let rows = statement.query_map([], |row| {
+        let values: Vec<Value> = (0..columns).map(|column| row.get(column)).collect::<Result<_, _>>()?;
+        Ok(format!("{values:?}"))
+    })?;
+    Ok(rows.collect::<Result<_, _>>()?)
+}
+
+/// Whether every photo is there, and is what it was.
+fn pictures(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<(), Fault> {
+    let mut statement = connection.prepare("SELECT digest, media_type FROM photos")?;
+    let pictures = statement.query_map([], |row| Ok(Picture { digest: row.get(0)?, media_type: row.get(1)? }))?;
+    for picture in pictures {
+        let picture = picture?;
+        findings.photos += 1;
+        if let Err(fault) = photos::read(folder, &picture) {
+            findings.fault(format!("photo {}: {}", picture.digest, fault.words(folder.path(), Then::StartAgain)));
+        }
+    }
+    Ok(())
+}

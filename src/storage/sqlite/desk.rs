@@ -1,0 +1,214 @@
+//! What store, writer and watchman know together: the store's word, and whether the writer is at work. Every change of the word
+//! is made here, under one lock, so that nothing is ever said to be both kept and lost.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
+
+use tokio::sync::watch;
+
+use super::fault::Fault;
+use super::marker::Marker;
+use crate::runtime::store::StoreWord;
+use hallsweep_core::units::Seq;
+
+/// The word and the work.
+#[derive(Debug)]
+pub(super) struct Desk {
+    word: watch::Sender<StoreWord>,
+    work: Mutex<Work>,
+    marker: Marker,
+}
+
+#[derive(Debug, Default)]
+struct Work {
+    /// How many batches were begun.
+    batches: u64,
+    /// Whether one is being written.
+    busy: bool,
+    /// Whether a loss is decided on and not announced yet: it is being put down where a kill leaves it.
+    losing: bool,
+    /// Whether pages were dropped while a failure stood already.
+    overflowed: bool,
+}
+
+impl Desk {
+    /// Before anything was handed over. What cannot be written from the start counts as a loss, so that nobody waits for it.
+    pub(super) fn new(marker: Marker, kept: Seq, failure: Option<&str>) -> Desk {
+        let word = StoreWord { kept, failure: failure.map(Arc::from), losses: u64::from(failure.is_some()) };
+        Desk { word: watch::Sender::new(word), work: Mutex::default(), marker }
+    }
+
+    /// The word as it is and will be. Whoever listens hears the first one too.
+    pub(super) fn word(&self) -> watch::Receiver<StoreWord> {
+        let mut word = self.word.subscribe();
+        word.mark_changed();
+        word
+    }
+
+    pub(super) fn losses(&self) -> u64 {
+        self.word.borrow().losses
+    }
+
+    /// Whether nothing is to be written, or will not be in a moment.
+    pub(super) fn is_failing(&self) -> bool {
+        self.fails(&self.work())
+    }
+
+    /// Whether everybody can know of the failure.
+    pub(super) fn is_announced(&self) -> bool {
+        let work = self.work();
+        self.fails(&work) && !work.losing
+    }
+
+    /// Whether a batch that was begun after so many losses is still wanted.
+    pub(super) fn wants(&self, losses: u64) -> bool {
+        let work = self.work();
+        !work.losing && self.losses() == losses
+    }
+
+    /// A batch is begun; the losses so far.
+    pub(super) fn begin(&self) -> u64 {
+        let mut work = self.work();
+        (work.batches, work.busy) = (work.batches + 1, true);
+        self.losses()
+    }
+
+    /// The batch that was begun after so many losses is on the disk up to `last`. False when it has been given up for lost in the
+    /// meantime: then it must be taken back.
+    #[must_use]
+    pub(super) fn keep(&self, losses: u64, last: Seq) -> bool {
+        let mut work = self.work();
+        work.busy = false;
+        let stands = !work.losing && self.losses() == losses;
+        if stands {
+            self.word.send_modify(|word| word.kept = last);
+        }
+        stands
+    }
+
+    /// What was begun has failed, unless it was given up before.
+    pub(super) fn fail(&self, losses: u64, words: &str) {
+        let mut work = self.work();
+        work.busy = false;
+        if !work.losing && self.losses() == losses {
+            self.lose(work, words);
+        }
+    }
+
+    /// What was handed over cannot be taken. Only the first time is a loss: until the failure ends the rest is counted as one.
+    /// Never waits: it is announced in a moment.
+    pub(super) fn overflow(self: &Arc<Desk>, words: String) {
+        let mut work = self.work();
+        if self.fails(&work) {
+            work.overflowed = true;
+            return;
+        }
+        work.losing = true;
+        drop(work);
+        let (desk, said) = (Arc::clone(self), words.clone());
+        let announced = thread::Builder::new().name("journal-loss".to_owned()).spawn(move || desk.announce(&said, true));
+        if announced.is_err() {
+            self.announce(&words, false);
+        }
+    }
+
+    /// The failure still stands, for this reason.
+    pub(super) fn still_failing(&self, words: &str) {
+        let _work = self.work();
+        self.word.send_if_modified(|word| {
+            let news = word.failure.as_deref() != Some(words);
+            if news {
+                word.failure = Some(Arc::from(words));
+            }
+            news
+        });
+    }
+
+    /// It writes again.
+    pub(super) fn recover(&self) {
+        let mut work = self.work();
+        let lost = u64::from(std::mem::take(&mut work.overflowed));
+        self.word.send_modify(|word| {
+            word.failure = None;
+            word.losses += lost;
+        });
+    }
+
+    /// The batch that is being written, if one is.
+    pub(super) fn at_work(&self) -> Option<u64> {
+        let work = self.work();
+        work.busy.then_some(work.batches)
+    }
+
+    /// Gives the batch up if it is still being written; what was handed over behind it is lost with it.
+    pub(super) fn give_up(&self, batch: u64, words: &str) {
+        let work = self.work();
+        if work.busy && work.batches == batch && !self.fails(&work) {
+            self.lose(work, words);
+        }
+    }
+
+    /// It writes again, and what was lost has been taken back: a kill may find everything that is there.
+    pub(super) fn clear_marker(&self) -> Result<(), Fault> {
+        self.marker.clear()
+    }
+
+    fn fails(&self, work: &Work) -> bool {
+        work.losing || self.word.borrow().failure.is_some()
+    }
+
+    /// From here on nothing more is kept, so that what is put down as the last entry kept stays that.
+    fn lose(&self, mut work: MutexGuard<'_, Work>, words: &str) {
+        work.losing = true;
+        drop(work);
+        self.announce(words, true);
+    }
+
+    fn announce(&self, words: &str, with_marker: bool) {
+        if with_marker {
+            let kept = self.word.borrow().kept;
+            self.marker.put(kept);
+        }
+        let mut work = self.work();
+        work.losing = false;
+        self.word.send_modify(|word| {
+            word.losses += 1;
+            word.failure = Some(Arc::from(words));
+        });
+    }
+
+    fn work(&self) -> MutexGuard<'_, Work> {
+        // Nothing that is done under the lock can panic halfway.
+        self.work.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::folder::Folder;
+    use super::*;
+
+    /// Safety V3: between the decision that something is lost and the announcement.
+    #[test]
+    fn while_a_loss_is_being_put_down_nothing_is_kept_and_nothing_is_well_again() {
+        let desk = Desk::new(Marker::new(&Folder::new(Path::new("nowhere"))), Seq(5), None);
+        let losses = desk.begin();
+        desk.work().losing = true;
+        assert!(!desk.wants(losses) && !desk.keep(losses, Seq(6)));
+        assert_eq!(desk.word().borrow().kept, Seq(5));
+        assert!(desk.is_failing() && !desk.is_announced());
+    }
+
+    /// Safety R3: the watchman may have looked a moment ago.
+    #[test]
+    fn a_batch_that_is_over_is_not_given_up_in_place_of_the_next() {
+        let desk = Desk::new(Marker::new(&Folder::new(Path::new("nowhere"))), Seq(0), None);
+        assert!(desk.keep(desk.begin(), Seq(1)));
+        let before = desk.at_work();
+        let losses = desk.begin();
+        desk.give_up(1, "the disk does not answer");
+        assert_eq!((before, desk.losses(), desk.keep(losses, Seq(2))), (None, 0, true));
+    }
+}

@@ -1,0 +1,289 @@
+//! What can go wrong between the journal and the disk, and what an operator is told to do about it.
+
+use std::fmt::Display;
+use std::io;
+use std::path::Path;
+
+use rusqlite::ErrorCode;
+
+use crate::api::journal::Unparsed;
+use hallsweep_core::units::Seq;
+
+/// What belongs together: whoever moves one of these without the others has half a journal.
+pub(super) const ALL: &str = "journal.db, journal.db-wal, journal.db-shm and the folder photos";
+
+/// Of what SQLite found so many characters are shown: it lists pages by the hundred.
+const SHOWN: usize = 200;
+
+/// Something went wrong. The words for it need the folder: see `words`.
+#[derive(Debug)]
+pub(super) enum Fault {
+    /// SQLite says so.
+    Sql(rusqlite::Error),
+    /// The system says so, of a file beside the journal.
+    File(io::Error),
+    /// The journal's own structure is broken; what SQLite found.
+    Damaged(String),
+    /// The journal is missing or empty, and its write-ahead log is not.
+    OnlyLog,
+    /// The journal has no entry, and there are photos.
+    OnlyPhotos,
+    /// Something of this name cannot be the file that it should be; why.
+    Unusable(&'static str, String),
+    /// This file was deleted or replaced while it was open.
+    TakenAway(&'static str),
+    /// It was written by a version that knows more; its format.
+    Newer(i64),
+    /// It was written by an older version, and nothing can be written to bring it up to date.
+    Older(i64),
+    /// The file is some other program's.
+    Foreign,
+    /// An entry of the journal says nothing that this version understands.
+    Unparsed(Seq, Unparsed),
+    /// Its last entry is not the one that was read at the start.
+    Changed,
+    /// Another hallsweep writes into the folder.
+    InUse,
+    /// Nothing can be created there.
+    Unwritable,
+    /// A photo's file is not there, or is not what it was.
+    Photo(&'static str),
+    /// A number that SQLite cannot hold.
+    Number(u64),
+    /// It took so long that what was handed over has been given up for lost.
+    GivenUp,
+    /// The disk does not answer.
+    Hung,
+    /// More was handed over than the disk takes.
+    Behind,
+    /// The thread that writes is gone.
+    Gone,
+}
+
+/// What follows once the cause of a fault is gone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Then {
+    /// Writing goes on by itself.
+    GoesOn,
+    /// What was kept is not known: the program must be started again.
+    StartAgain,
+}
+
+impl Fault {
+    /// Whether waiting helps nobody: the file itself must be seen to.
+    pub(super) fn is_final(&self) -> bool {
+        match self {
+            Fault::Sql(error) => is_damage(error),
+            Fault::Damaged(_)
+            | Fault::OnlyLog
+            | Fault::OnlyPhotos
+            | Fault::Unusable(..)
+            | Fault::TakenAway(_)
+            | Fault::Newer(_)
+            | Fault::Foreign
+            | Fault::Unparsed(..)
+            | Fault::Changed
+            | Fault::Gone => true,
+            Fault::File(_)
+            | Fault::Older(_)
+            | Fault::InUse
+            | Fault::Unwritable
+            | Fault::Photo(_)
+            | Fault::Number(_)
+            | Fault::GivenUp
+            | Fault::Hung
+            | Fault::Behind => false,
+        }
+    }
+
+    /// What an operator reads: what is wrong, and what to do.
+    pub(super) fn words(&self, folder: &Path, then: Then) -> String {
+        match self.trouble() {
+            Some(trouble) => trouble.words(folder, then),
+            None => self.words_of_the_file(folder, then),
+        }
+    }
+
+    /// What whoever only reads is told of an entry that cannot be understood, beside those that can.
+    pub(super) fn words_of_an_entry(&self, folder: &Path) -> String {
+        if let Fault::Unparsed(seq, why) = self {
+            return format!("entry {seq} of the journal cannot be understood ({})", one_line(why));
+        }
+        if let Fault::Damaged(detail) = self { one_line(detail) } else { self.words(folder, Then::StartAgain) }
+    }
+
+    /// What ails the disk, where it is the disk.
+    fn trouble(&self) -> Option<Trouble> {
+        match self {
+            Fault::Sql(error) if is_damage(error) => None,
+            Fault::Sql(error) => Some(Trouble::of_sql(error)),
+            Fault::File(error) => Some(Trouble::of_file(error)),
+            Fault::Unwritable => Some(Trouble::Locked),
+            Fault::GivenUp | Fault::Hung => Some(Trouble::Silent),
+            Fault::Behind => Some(Trouble::Slow),
+            Fault::Damaged(_)
+            | Fault::OnlyLog
+            | Fault::OnlyPhotos
+            | Fault::Unusable(..)
+            | Fault::TakenAway(_)
+            | Fault::Newer(_)
+            | Fault::Older(_)
+            | Fault::Foreign
+            | Fault::Unparsed(..)
+            | Fault::Changed
+            | Fault::InUse
+            | Fault::Photo(_)
+            | Fault::Number(_)
+            | Fault::Gone => None,
+        }
+    }
+
+    fn words_of_the_file(&self, folder: &Path, then: Then) -> String {
+        let file = folder.join("journal.db");
+        let (file, shown) = (file.display(), folder.display());
+        let damaged = |detail: &dyn Display| {
+            format!(
+                "the journal {file} is damaged; it is left as it is: move {ALL} away together, or put a backup in their place, \
+                 then start hallsweep again ({})",
+                one_line(detail)
+            )
+        };
+        match self {
+            Fault::Damaged(detail) => damaged(detail),
+            Fault::Sql(error) => damaged(error),
+            Fault::OnlyLog => format!(
+                "the journal {file} is missing or empty, but journal.db-wal beside it holds entries; nothing is touched: put \
+                 the journal.db that belongs to it back, or move {ALL} away together, then start hallsweep again"
+            ),
+            Fault::OnlyPhotos => format!(
+                "the journal {file} has no entry, but photos are kept in {shown}; nothing is touched: put the journal that \
+                 belongs to them back, or move {ALL} away together to begin anew, then start hallsweep again"
+            ),
+            Fault::Unusable(name, why) => unusable(name, why, folder),
+            Fault::TakenAway(name) => format!(
+                "{name} in {shown} was deleted or replaced while hallsweep was using it; nothing is recorded any more: end \
+                 hallsweep, put the journal back, then start hallsweep again"
+            ),
+            Fault::Newer(format) => format!(
+                "the journal {file} was written by a newer hallsweep (format {format}); it is left as it is: start the newer \
+                 one, or choose another folder with --data"
+            ),
+            Fault::Older(format) => {
+                let locked = Trouble::Locked.words(folder, then);
+                format!("the journal {file} is of an older hallsweep (format {format}) and must be written to once: {locked}")
+            }
+            Fault::Foreign => {
+                format!("{file} is no journal of hallsweep; it is left as it is: choose another folder with --data")
+            }
+            Fault::Unparsed(seq, why) => format!(
+                "entry {seq} of the journal {file} cannot be understood ({why}); nothing is written after it: write out the sound \
+                 ones with `hallsweep journal export` if you want them, put a backup in its place, or move {ALL} away together, then \
+                 start hallsweep again"
+            ),
+            Fault::Changed => format!("the journal {file} is not the one that was read at the start: start hallsweep again"),
+            Fault::InUse => format!("another hallsweep uses the folder {shown}: end it, or choose another folder with --data"),
+            Fault::Photo(what) => format!("the file of the photo {what}: put the folder photos of a backup back into {shown}"),
+            Fault::Number(number) => format!("the journal has no room for the number {number}"),
+            Fault::Gone => "the writer of the journal has ended by a mistake of its own: start hallsweep again".to_owned(),
+            Fault::File(_) | Fault::Unwritable | Fault::GivenUp | Fault::Hung | Fault::Behind => {
+                Trouble::Silent.words(folder, then)
+            }
+        }
+    }
+}
+
+/// What can ail a disk.
+enum Trouble {
+    Full,
+    Locked,
+    /// Another program has locked the journal.
+    Busy,
+    Broken(String),
+    Silent,
+    Slow,
+}
+
+impl Trouble {
+    fn of_sql(error: &rusqlite::Error) -> Trouble {
+        let code = error.sqlite_error_code();
+        if code == Some(ErrorCode::DiskFull) {
+            Trouble::Full
+        } else if matches!(code, Some(ErrorCode::ReadOnly | ErrorCode::CannotOpen | ErrorCode::PermissionDenied)) {
+            Trouble::Locked
+        } else if matches!(code, Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked)) {
+            Trouble::Busy
+        } else {
+            Trouble::Broken(error.to_string())
+        }
+    }
+
+    fn of_file(error: &io::Error) -> Trouble {
+        if matches!(error.kind(), io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded) {
+            Trouble::Full
+        } else if matches!(error.kind(), io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem) {
+            Trouble::Locked
+        } else {
+            Trouble::Broken(error.to_string())
+        }
+    }
+
+    fn words(&self, folder: &Path, then: Then) -> String {
+        let folder = folder.display();
+        let then = match then {
+            Then::GoesOn => "recording goes on by itself",
+            Then::StartAgain => "then start hallsweep again",
+        };
+        match self {
+            Trouble::Full => format!("the disk is full: free some space for {folder}; {then}"),
+            Trouble::Locked => format!("{folder} cannot be written to: make it writable; {then}"),
+            Trouble::Busy => format!("another program keeps the journal in {folder} locked: end it; {then}"),
+            Trouble::Broken(error) => format!("the disk reports an error ({error}): look after {folder}; {then}"),
+            Trouble::Silent => format!("the disk does not answer: look after {folder}; {then}"),
+            Trouble::Slow => format!("the disk does not keep up: look after {folder}; {then}"),
+        }
+    }
+}
+
+/// What to do about a file that cannot be what its name says.
+fn unusable(name: &str, why: &str, folder: &Path) -> String {
+    let what = if name.starts_with("journal.db") || name == "photos" {
+        format!("it is left as it is: put the one that belongs there back, or move {ALL} away together to begin anew")
+    } else if name == "journal.lost" {
+        "move it away; what stands in the journal counts then, also what may have been answered as not recorded".to_owned()
+    } else {
+        "move it away".to_owned()
+    };
+    format!("{} cannot be used ({why}): {what}, then start hallsweep again", folder.join(name).display())
+}
+
+/// What SQLite says over several lines, as a few words.
+pub(super) fn one_line(detail: &dyn Display) -> String {
+    let text = detail.to_string().replace("*** in database main ***", " ");
+    text.split_whitespace().collect::<Vec<_>>().join(" ").chars().take(SHOWN).collect()
+}
+
+fn is_damage(error: &rusqlite::Error) -> bool {
+    matches!(error.sqlite_error_code(), Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase))
+}
+
+impl From<rusqlite::Error> for Fault {
+    fn from(error: rusqlite::Error) -> Fault {
+        Fault::Sql(error)
+    }
+}
+
+impl From<io::Error> for Fault {
+    fn from(error: io::Error) -> Fault {
+        Fault::File(error)
+    }
+}
+
+/// A number as SQLite holds it.
+pub(super) fn whole(number: u64) -> Result<i64, Fault> {
+    i64::try_from(number).map_err(|_| Fault::Number(number))
+}
+
+/// A number that `whole` made; a negative one, which nobody wrote, becomes 0.
+pub(super) fn count(number: i64) -> u64 {
+    u64::try_from(number).unwrap_or(0)
+}

@@ -1,0 +1,213 @@
+//! The folder in which everything is kept: the names in it, who may read it, and that only one hallsweep uses it at a time.
+//!
+//! ```text
+//!   journal.db          the journal (with journal.db-wal and journal.db-shm beside it while it is open)
+//!   journal.lock        held by the program that writes
+//!   journal.lost        after which entry everything was said to be lost
+//!   photos/ab/cdef….png a photo, named by the digest of its bytes
+//! ```
+
+use std::fs::{File, TryLockError};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use super::fault::Fault;
+use crate::api::journal::Picture;
+use crate::storage::files;
+
+/// The folder, which may not be there yet.
+#[derive(Clone, Debug)]
+pub(super) struct Folder(PathBuf);
+
+/// As long as this lives no other hallsweep writes into the folder; the system ends it with the program, however that ends.
+#[derive(Debug)]
+pub(super) struct Lock {
+    file: File,
+    path: PathBuf,
+}
+
+/// The device and the number of a file, by which it differs from all others that are there. Where the system has no such numbers
+/// all files look the same; but there a file that is open cannot be taken away either.
+pub(super) type Identity = (u64, u64);
+
+impl Lock {
+    /// Whether the file that is locked is still the one that the next hallsweep would lock.
+    pub(super) fn is_in_place(&self) -> bool {
+        let held = self.file.metadata().map(|file| identity(&file));
+        let there = std::fs::metadata(&self.path).map(|file| identity(&file));
+        matches!((held, there), (Ok(held), Ok(there)) if held == there)
+    }
+}
+
+impl Folder {
+    pub(super) fn new(path: &Path) -> Folder {
+        Folder(path.to_owned())
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.0
+    }
+
+    pub(super) fn journal(&self) -> PathBuf {
+        self.0.join("journal.db")
+    }
+
+    pub(super) fn write_ahead_log(&self) -> PathBuf {
+        self.0.join("journal.db-wal")
+    }
+
+    pub(super) fn marker(&self) -> PathBuf {
+        self.0.join("journal.lost")
+    }
+
+    /// Where a photo is, whether or not it is there.
+    pub(super) fn photo(&self, picture: &Picture) -> PathBuf {
+        let (first, rest) = picture.digest.split_at(2);
+        self.photos().join(first).join(format!("{rest}.{}", extension(&picture.media_type)))
+    }
+
+    pub(super) fn photos(&self) -> PathBuf {
+        self.0.join("photos")
+    }
+
+    /// Whether there is a journal: a file that is not empty. What cannot be looked at may be one.
+    pub(super) fn has_journal(&self) -> Result<bool, Fault> {
+        match std::fs::metadata(self.journal()) {
+            Ok(file) if file.len() > 0 => Ok(true),
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error.into()),
+            // SQLite would begin a new journal and write over the log.
+            Ok(_) | Err(_) if self.has_log() => Err(Fault::OnlyLog),
+            Ok(_) | Err(_) => Ok(false),
+        }
+    }
+
+    /// Whether something stands in the write-ahead log.
+    pub(super) fn has_log(&self) -> bool {
+        std::fs::metadata(self.write_ahead_log()).is_ok_and(|file| file.len() > 0)
+    }
+
+    /// Whether a photo is kept.
+    pub(super) fn has_photos(&self) -> bool {
+        let shelves = std::fs::read_dir(self.photos()).into_iter().flatten().flatten();
+        let mut files = shelves.filter_map(|shelf| std::fs::read_dir(shelf.path()).ok()).flatten().flatten();
+        files.any(|file| file.path().extension() != Some("unfinished".as_ref()))
+    }
+
+    /// Fails when something has the name of a file of the journal that cannot be one (safety R5): SQLite would wait at a pipe for
+    /// ever, and say of a folder that the disk is ill.
+    pub(super) fn check_journal(&self) -> Result<(), Fault> {
+        self.check_plain(&["journal.db", "journal.db-wal", "journal.db-shm"])?;
+        self.check_log()
+    }
+
+    /// The same of what is beside it, without which it can be read all the same.
+    pub(super) fn check_beside(&self) -> Result<(), Fault> {
+        self.check_plain(&["journal.lock", "journal.lost"])?;
+        files::check_folder(&self.photos()).map_err(|error| Fault::Unusable("photos", error.to_string()))
+    }
+
+    fn check_plain(&self, names: &[&'static str]) -> Result<(), Fault> {
+        let unusable = |name: &'static str| move |error: io::Error| Fault::Unusable(name, error.to_string());
+        names.iter().try_for_each(|name| files::check_plain(&self.0.join(name)).map_err(unusable(name)))
+    }
+
+    /// SQLite passes over a log that does not begin like one, and would write over the entries in it.
+    fn check_log(&self) -> Result<(), Fault> {
+        const BEGINS: [[u8; 4]; 2] = [0x377f_0682_u32.to_be_bytes(), 0x377f_0683_u32.to_be_bytes()];
+        let bytes = match files::read(&self.write_ahead_log(), BEGINS[0].len()) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+            read => read?,
+        };
+        let begins = bytes.is_empty() || BEGINS.iter().any(|begins| bytes.starts_with(begins));
+        if begins { Ok(()) } else { Err(Fault::Unusable("journal.db-wal", "it does not begin as it should".to_owned())) }
+    }
+
+    /// Which file the journal is just now.
+    pub(super) fn journal_identity(&self) -> Result<Identity, Fault> {
+        Ok(identity(&std::fs::metadata(self.journal())?))
+    }
+
+    /// Which file the lock is just now; `None` when there is none.
+    pub(super) fn lock_identity(&self) -> Option<Identity> {
+        std::fs::metadata(self.0.join("journal.lock")).ok().map(|file| identity(&file))
+    }
+
+    /// Creates what is not there yet: the folder for its owner alone, and an empty file for the journal, likewise. SQLite gives
+    /// the files beside it the same rights.
+    pub(super) fn create(&self) -> Result<(), Fault> {
+        self.create_path()?;
+        if !self.journal().exists() {
+            files::open(&self.journal(), File::options().write(true).create_new(true))?.sync_all()?;
+        }
+        sync_folder(&self.0)?;
+        Ok(())
+    }
+
+    /// Creates the folder itself.
+    pub(super) fn create_path(&self) -> Result<(), Fault> {
+        if !self.0.is_dir() {
+            files::make_folder(&self.0)?;
+            sync_parent(&self.0)?;
+        }
+        Ok(())
+    }
+
+    /// Proves that so many bytes can be written to the folder and flushed.
+    pub(super) fn prove_room(&self, bytes: usize) -> Result<(), Fault> {
+        let path = self.0.join("room.unfinished");
+        // One that a kill left behind, or a pipe that somebody put there, is none of anybody's.
+        let _ = std::fs::remove_file(&path);
+        let written = files::open(&path, File::options().write(true).create_new(true)).and_then(|mut file| {
+            file.write_all(&vec![0; bytes])?;
+            file.sync_all()
+        });
+        // It has done its work, whatever came of it.
+        let removed = std::fs::remove_file(&path);
+        Ok(written.and(removed)?)
+    }
+
+    /// Takes the folder for this program alone. Without that nothing may be written there.
+    pub(super) fn lock(&self) -> Result<Lock, Fault> {
+        let path = self.0.join("journal.lock");
+        files::check_plain(&path)?;
+        let opened = files::open(&path, File::options().read(true).write(true).create(true).truncate(false));
+        // Where nothing can be written, a lock that is there can still be held.
+        let file = opened.or_else(|error| File::open(&path).map_err(|_| error))?;
+        match file.try_lock() {
+            Ok(()) => Ok(Lock { file, path }),
+            Err(TryLockError::WouldBlock) => Err(Fault::InUse),
+            Err(TryLockError::Error(error)) => Err(error.into()),
+        }
+    }
+}
+
+#[cfg(unix)]
+fn identity(file: &std::fs::Metadata) -> Identity {
+    use std::os::unix::fs::MetadataExt;
+    (file.dev(), file.ino())
+}
+
+#[cfg(not(unix))]
+fn identity(_file: &std::fs::Metadata) -> Identity {
+    (0, 0)
+}
+
+/// The end of a photo's name. It is for people who look into the folder; the program goes by the media type on record.
+fn extension(media_type: &str) -> &'static str {
+    match media_type {
+        "image/png" => "png",
+        "image/jpeg" => "jpg",
+        _ => "photo",
+    }
+}
+
+/// Makes the names in a folder last.
+pub(super) fn sync_folder(path: &Path) -> io::Result<()> {
+    // Elsewhere a folder cannot be opened as a file, and its names last by themselves.
+    if cfg!(unix) { File::open(path)?.sync_all() } else { Ok(()) }
+}
+
+fn sync_parent(path: &Path) -> io::Result<()> {
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    sync_folder(parent.unwrap_or(Path::new(".")))
+}

@@ -1,0 +1,137 @@
+//! The file `journal.lost`: after which entry everything was said to be lost. A commit whose flush hangs can be found whole after
+//! a kill; this file, for which nothing is flushed, outlives the kill too, so that what was said to be lost stays lost (safety V3).
+//!
+//! ```text
+//!   failure ─► put K ─► the loss is announced          taken back, durably ─► clear, durably ─► the end of the failure is announced
+//! ```
+//! Taking back is not done here: see `pages`.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::time::Duration;
+
+use super::fault::Fault;
+use super::folder::{Folder, Identity, sync_folder};
+use crate::storage::files;
+use hallsweep_core::units::Seq;
+
+/// So long an announcement waits for the file: a disk that hangs even for these few bytes must not keep it from being said.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// The words around the number of the entry.
+const WORDS: [&str; 2] = ["everything after entry ", " was said to be lost\n"];
+
+/// What is said otherwise.
+const NOTHING: &str = "nothing was said to be lost";
+
+/// Puts the file down and clears it, never both at once.
+#[derive(Debug)]
+pub(super) struct Marker {
+    folder: Folder,
+    /// The lock of the folder this was made for: whoever has moved that away and put another in its place must not find there what
+    /// this program has lost.
+    lock: Option<Identity>,
+    /// How many threads are at putting it down.
+    putting: Arc<AtomicUsize>,
+}
+
+impl Marker {
+    pub(super) fn new(folder: &Folder) -> Marker {
+        Marker { folder: folder.clone(), lock: folder.lock_identity(), putting: Arc::default() }
+    }
+
+    /// Says that everything after `kept` is lost, if that can be said in half a second. Else it is said when the disk lets it.
+    pub(super) fn put(&self, kept: Seq) {
+        let (folder, lock, putting) = (self.folder.clone(), self.lock, Arc::clone(&self.putting));
+        let (done, waiting) = mpsc::channel::<()>();
+        putting.fetch_add(1, Ordering::SeqCst);
+        let put = std::thread::Builder::new().name("journal-marker".to_owned()).spawn(move || {
+            let is_ours = lock.is_none() || folder.lock_identity() == lock;
+            if let Some(error) = is_ours.then(|| write(&folder, &text(Some(kept)))).and_then(Result::err) {
+                tracing::warn!(%error, "what is lost could not be written down: a kill now may bring it back");
+            }
+            putting.fetch_sub(1, Ordering::SeqCst);
+            drop(done);
+        });
+        match put {
+            // Nothing is ever sent: it is over when the other end is gone.
+            Ok(_) => drop(waiting.recv_timeout(PATIENCE)),
+            Err(_) => drop(self.putting.fetch_sub(1, Ordering::SeqCst)),
+        }
+    }
+
+    /// Says, so that it lasts, that nothing is lost any more: what was lost has been taken back.
+    pub(super) fn clear(&self) -> Result<(), Fault> {
+        // Whoever is still at putting it down would otherwise do so afterwards.
+        if self.putting.load(Ordering::SeqCst) > 0 { Err(Fault::Hung) } else { clear(&self.folder) }
+    }
+}
+
+/// Says, so that it lasts, that nothing is lost. The file is there from then on, so that putting it down needs no room.
+pub(super) fn clear(folder: &Folder) -> Result<(), Fault> {
+    write(folder, &text(None))?.sync_all()?;
+    Ok(sync_folder(folder.path())?)
+}
+
+/// After which entry everything was said to be lost.
+pub(super) fn read(folder: &Folder) -> Result<Option<Seq>, Fault> {
+    let bytes = match files::read(&folder.marker(), text(None).len()) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(error.into()),
+    };
+    let damaged = || Fault::Unusable("journal.lost", "it is damaged, so that what was said to be lost is not known".to_owned());
+    understood(&bytes).ok_or_else(damaged)
+}
+
+/// What a file with these bytes says; `None` when it is not one of ours. A kill may leave it empty when it has just been made.
+fn understood(bytes: &[u8]) -> Option<Option<Seq>> {
+    let said = std::str::from_utf8(bytes).ok()?;
+    if said.is_empty() || said == text(None) { Some(None) } else { lost_after(said).map(Some) }
+}
+
+/// Both texts are of one length, and each is written at once over the other: no kill leaves half of one.
+fn text(lost_after: Option<Seq>) -> String {
+    let lost = |seq: Seq| format!("{}{:020}{}", WORDS[0], seq.0, WORDS[1]);
+    let length = lost(Seq(0)).len() - 1;
+    lost_after.map_or_else(|| format!("{NOTHING:length$}\n"), lost)
+}
+
+fn lost_after(text: &str) -> Option<Seq> {
+    text.strip_prefix(WORDS[0])?.strip_suffix(WORDS[1])?.parse().ok().map(Seq)
+}
+
+fn write(folder: &Folder, text: &str) -> io::Result<File> {
+    let mut file = files::open(&folder.marker(), File::options().write(true).create(true).truncate(false))?;
+    file.write_all(text.as_bytes())?;
+    Ok(file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_is_read_and_the_texts_cover_each_other() {
+        for seq in [Seq(0), Seq(42), Seq(u64::MAX)] {
+            assert_eq!(understood(text(Some(seq)).as_bytes()), Some(Some(seq)));
+            assert_eq!(text(Some(seq)).len(), text(None).len());
+        }
+        assert_eq!((understood(text(None).as_bytes()), understood(b"")), (Some(None), Some(None)));
+        for damaged in ["everything after entry 12", "nothing", &"\0".repeat(text(None).len()), &format!("{}x", text(None))] {
+            assert_eq!(understood(damaged.as_bytes()), None, "{damaged}");
+        }
+        assert_eq!(understood(&[0xff; 9]), None);
+    }
+
+    /// Safety V3: else it would be there afterwards, and the next start would take back what was kept since.
+    #[test]
+    fn it_is_not_cleared_while_somebody_is_at_putting_it_down() {
+        let marker = Marker::new(&Folder::new(std::path::Path::new("nowhere")));
+        marker.putting.fetch_add(1, Ordering::SeqCst);
+        assert!(matches!(marker.clear(), Err(Fault::Hung)));
+    }
+}

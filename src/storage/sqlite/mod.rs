@@ -1,0 +1,215 @@
+//! The store on disk: an SQLite journal whose entries are the truth, tables that follow from it, and photos as files. START HERE.
+//!
+//! ```text
+//!   Task ─ record ─► SqliteStore ─ queue ─► Writer ─► Pages ─► journal.db, photos/      (one thread, one connection)
+//!     ▲                  Desk  ◄── kept, failed ──┘
+//!     └── StoreWord ◄────┘ ◄────── hangs ──── watchman
+//!   doors ─ Archive ─► Reading ─► journal.db, photos/                                   (their own connections)
+//! ```
+//! What is kept at which moment is the core's business; this keeps it (safety D1, D2, D3, R3). A file that cannot be opened is
+//! never written over, renamed or deleted.
+
+mod archive;
+mod check;
+mod connect;
+mod desk;
+mod fault;
+mod folder;
+mod marker;
+mod pages;
+mod photos;
+mod project;
+mod reading;
+mod recall;
+mod rows;
+mod schema;
+mod writer;
+
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::{self, Receiver, Sender, SyncSender, TrySendError};
+
+use tokio::sync::watch;
+
+use self::archive::SqliteArchive;
+pub use self::check::Findings;
+use self::desk::Desk;
+use self::fault::{Fault, Then};
+use self::folder::Folder;
+use self::marker::Marker;
+use self::pages::Pages;
+pub use self::reading::{Reading, rebuild};
+use self::writer::{Hand, Handed, Patience, Writer};
+use crate::runtime::archive::Archive;
+use crate::runtime::store::{Store, StoreWord};
+use hallsweep_core::effect::Page;
+use hallsweep_core::sweep::Recalled;
+use hallsweep_core::units::Seq;
+
+/// So many pages may wait for the disk. The robot waits for the record before each move, so that what comes beyond a move is only
+/// commands and sensors: minutes of them.
+const QUEUE: usize = 1024;
+
+/// Why nothing at all can be done with a folder: the program should not go on.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// Another hallsweep writes into it.
+    #[error("{0}")]
+    InUse(String),
+    /// The system gives no threads.
+    #[error("the system does not let the store start: {0}")]
+    System(std::io::Error),
+}
+
+/// What became of opening a folder.
+pub struct Opened {
+    /// Keeps what is to be kept; says by its word when it cannot.
+    pub store: Box<dyn Store>,
+    /// Reads what was kept, also while nothing can be written.
+    pub archive: Arc<dyn Archive>,
+    /// What was kept before; `None` when nothing was, or when it cannot be read.
+    pub recalled: Option<Recalled>,
+    /// Why nothing can be written, in words for an operator; the store's word says the same.
+    pub failure: Option<String>,
+}
+
+/// Hands pages to the writer; never waits.
+#[derive(Debug)]
+pub struct SqliteStore {
+    folder: Folder,
+    desk: Arc<Desk>,
+    /// These three end writer and watchman when they are dropped.
+    pages: Option<SyncSender<Handed>>,
+    ends: Vec<Sender<()>>,
+    done: Receiver<()>,
+    patience: Patience,
+}
+
+/// Opens the folder `path`, and creates it where there is none. No fault of the files is an error here: it is said by `failure`.
+/// `beside` is what ails other files that the program keeps there, in words that end with what to do: then nothing is written, so
+/// that nothing moves, until it is started again (safety R5).
+///
+/// # Errors
+/// When another hallsweep uses the folder, or the system gives no threads.
+pub fn open(path: &Path, beside: Option<String>) -> Result<Opened, OpenError> {
+    open_with(path, beside, Patience::USUAL)
+}
+
+fn open_with(path: &Path, beside: Option<String>, patience: Patience) -> Result<Opened, OpenError> {
+    let folder = Folder::new(path);
+    let found = look(&folder).map_err(|fault| OpenError::InUse(fault.words(path, Then::GoesOn)))?;
+    let (hand, recalled, failure) = match (found, beside) {
+        (found, None) => found,
+        ((_, recalled, failure), Some(beside)) => {
+            let all: Vec<String> = [Some(beside), failure].into_iter().flatten().collect();
+            (Hand::Closed, recalled, Some(all.join("; and ")))
+        }
+    };
+    let kept = recalled.as_ref().map_or(Seq(0), |recalled| recalled.written);
+    let desk = Arc::new(Desk::new(Marker::new(&folder), kept, failure.as_deref()));
+    let store = SqliteStore::start(&folder, desk, hand, kept, patience).map_err(OpenError::System)?;
+    let archive = Arc::new(SqliteArchive::new(folder));
+    Ok(Opened { store: Box::new(store), archive, recalled, failure })
+}
+
+/// Reads what was kept, and opens the journal for writing if that is known. Only a folder in use is an error.
+fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fault> {
+    let words = |fault: &Fault, then| Some(fault.words(folder.path(), then));
+    // Where the folder cannot be created there is no lock either; both are tried again by whoever writes.
+    let _ = folder.create_path();
+    let lock = match folder.lock() {
+        Err(Fault::InUse) => return Err(Fault::InUse),
+        other => other.ok(),
+    };
+    if let Err(fault) = folder.check_journal() {
+        return Ok((Hand::Closed, None, words(&fault, Then::StartAgain)));
+    }
+    let lost_after = match folder.check_beside().and_then(|()| marker::read(folder)) {
+        Ok(lost_after) => lost_after,
+        // What stands is shown as far as the journal says it, and nothing is written after it.
+        Err(fault) => return Ok((Hand::Closed, recall::recall(folder, None).unwrap_or(None), words(&fault, Then::StartAgain))),
+    };
+    let recalled = match recall_up_to_date(folder, lost_after) {
+        // Somebody took the journal away, or SQLite did: a new one beside the photos of the old would hide that.
+        Ok(None) if folder.has_photos() => return Ok((Hand::Closed, None, words(&Fault::OnlyPhotos, Then::StartAgain))),
+        Ok(recalled) => recalled,
+        Err(fault) => return Ok((Hand::Closed, None, words(&fault, Then::StartAgain))),
+    };
+    let kept = recalled.as_ref().map_or(Seq(0), |recalled| recalled.written);
+    let standing = recalled.as_ref().map(|recalled| &recalled.standing);
+    let under_way = standing.filter(|standing| standing.under_way).map(|standing| standing.mission);
+    match Pages::open(folder, lock, kept, under_way) {
+        Ok(pages) => Ok((Hand::Writing(pages), recalled, None)),
+        Err(Fault::InUse) => Err(Fault::InUse),
+        Err(fault) if fault.is_final() => Ok((Hand::Closed, recalled, words(&fault, Then::StartAgain))),
+        Err(fault) => Ok((Hand::Waiting(under_way), recalled, words(&fault, Then::GoesOn))),
+    }
+}
+
+/// What was kept; a file of an older version is brought up to date first.
+fn recall_up_to_date(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<Recalled>, Fault> {
+    match recall::recall(folder, lost_after) {
+        Err(Fault::Older(_)) => {
+            schema::bring_up_to_date(&mut connect::writer(folder)?)?;
+            recall::recall(folder, lost_after)
+        }
+        recalled => recalled,
+    }
+}
+
+impl SqliteStore {
+    fn start(folder: &Folder, desk: Arc<Desk>, hand: Hand, kept: Seq, patience: Patience) -> std::io::Result<SqliteStore> {
+        let (pages, handed) = mpsc::sync_channel(QUEUE);
+        let ((end_writer, ended), (end_watchman, watched)) = (mpsc::channel(), mpsc::channel());
+        let (say_done, done) = mpsc::channel();
+        let (to_write, to_watch) = (Arc::clone(&desk), (Arc::clone(&desk), folder.clone()));
+        let writer = Writer { folder: folder.clone(), desk: to_write, pages: handed, ended, hand, kept, bulk: 0, patience };
+        thread("journal", move || {
+            writer.run();
+            drop(say_done);
+        })?;
+        thread("journal-watchman", move || writer::watch(&to_watch.0, &to_watch.1, &watched, patience))?;
+        let store = SqliteStore {
+            folder: folder.clone(),
+            desk,
+            pages: Some(pages),
+            ends: vec![end_writer, end_watchman],
+            done,
+            patience,
+        };
+        Ok(store)
+    }
+}
+
+impl Store for SqliteStore {
+    fn record(&mut self, page: Page, losses: u64) {
+        let Some(pages) = &self.pages else { return };
+        let fault = match pages.try_send(Handed { page, losses }) {
+            Ok(()) => return,
+            Err(TrySendError::Full(_)) => Fault::Behind,
+            Err(TrySendError::Disconnected(_)) => Fault::Gone,
+        };
+        self.desk.overflow(fault.words(self.folder.path(), Then::GoesOn));
+    }
+
+    fn word(&self) -> watch::Receiver<StoreWord> {
+        self.desk.word()
+    }
+}
+
+/// The last pages are still kept, if the disk takes them.
+impl Drop for SqliteStore {
+    fn drop(&mut self) {
+        self.pages = None;
+        self.ends.clear();
+        // Nothing is ever sent: either the writer comes to its end in time, or it is left behind.
+        let _ = self.done.recv_timeout(self.patience.end);
+    }
+}
+
+fn thread(name: &str, run: impl FnOnce() + Send + 'static) -> std::io::Result<()> {
+    std::thread::Builder::new().name(name.to_owned()).spawn(run).map(drop)
+}

@@ -1,0 +1,134 @@
+//! The projections: missions, luggage with its verdicts, and photos, as they follow from the entries (safety D2).
+//! They are written in the transaction of the entries themselves, and can be made anew from them at any time.
+
+use rusqlite::{Connection, params};
+
+use super::fault::{Fault, count, whole};
+use super::rows::{self, Which};
+use crate::api::journal::{self, Line, Picture};
+use hallsweep_core::effect::Fact;
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::mission::Phase;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::units::{LuggageId, MissionId, Seq, Wall};
+use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
+
+/// Writes down what follows from one more entry.
+pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault> {
+    let (seq, wall) = (line.seq, line.entry.wall);
+    match &line.entry.fact {
+        Fact::MissionBegan(mission, strategy) => began(connection, *mission, *strategy, wall),
+        Fact::MissionArchived(mission, left) => archived(connection, *mission, left, wall, seq),
+        Fact::Phase(phase) => line.mission.map_or(Ok(()), |mission| came_to(connection, mission, phase, wall)),
+        Fact::Luggage { record, .. } => found(connection, line.mission, record, line.picture.as_ref()),
+        Fact::Verdict { luggage, verdict, who } => {
+            decided(connection, *luggage, &Decision { verdict: *verdict, who: who.clone(), wall })
+        }
+        Fact::Standing(standing) => stands(connection, standing, wall, seq),
+        Fact::ProgramStarted(_)
+        | Fact::ProgramEnded(_)
+        | Fact::Command { .. }
+        | Fact::Holds(_)
+        | Fact::Epoch(_)
+        | Fact::Goal(..)
+        | Fact::Pose(_)
+        | Fact::Led(_)
+        | Fact::Obstacle(..)
+        | Fact::Mark(..)
+        | Fact::Temperature(..)
+        | Fact::AlarmRaised(..)
+        | Fact::AlarmAcknowledged(..)
+        | Fact::Strategy(_)
+        | Fact::MapEmptied(_) => Ok(()),
+    }
+}
+
+/// Makes all projections anew; how many entries they follow from.
+pub(super) fn rebuild(connection: &Connection) -> Result<u64, Fault> {
+    connection.execute_batch("DELETE FROM luggage; DELETE FROM photos; DELETE FROM missions;")?;
+    let mut entries = 0;
+    rows::each(connection, Which { milestones: true, ..Which::default() }, |_, line| {
+        entries += 1;
+        project(connection, &line?)
+    })?;
+    Ok(entries)
+}
+
+/// The numbers of the bombs that were left in place, as the column holds them.
+pub(super) fn left_in_place(text: &str) -> Vec<LuggageId> {
+    let numbers = text.trim_matches(['[', ']']).split(',');
+    numbers.filter_map(|number| number.trim().parse().ok()).map(LuggageId).collect()
+}
+
+fn began(connection: &Connection, mission: MissionId, strategy: Strategy, wall: Wall) -> Result<(), Fault> {
+    let sql = "INSERT INTO missions (id, strategy, began_ms, began_offset_s, phase) VALUES (?1, ?2, ?3, ?4, 'idle')
+               ON CONFLICT (id) DO UPDATE SET strategy = excluded.strategy";
+    let values = params![whole(mission.0)?, strategy.name(), wall.unix_ms, wall.offset_s];
+    connection.prepare_cached(sql)?.execute(values)?;
+    Ok(())
+}
+
+fn archived(connection: &Connection, mission: MissionId, left: &[LuggageId], wall: Wall, seq: Seq) -> Result<(), Fault> {
+    let sql = "UPDATE missions SET archived_ms = ?2, archived_offset_s = ?3, archived_seq = ?4, left_in_place = ?5
+               WHERE id = ?1 AND archived_seq IS NULL";
+    let left: Vec<String> = left.iter().map(LuggageId::to_string).collect();
+    let left = format!("[{}]", left.join(","));
+    let values = params![whole(mission.0)?, wall.unix_ms, wall.offset_s, whole(seq.0)?, left];
+    connection.prepare_cached(sql)?.execute(values)?;
+    Ok(())
+}
+
+/// The phase in which a mission begins is on record just before its beginning, which then says by which strategy.
+fn came_to(connection: &Connection, mission: MissionId, phase: &Phase, wall: Wall) -> Result<(), Fault> {
+    let sql = "INSERT INTO missions (id, strategy, began_ms, began_offset_s, phase) VALUES (?1, ?2, ?3, ?4, ?5)
+               ON CONFLICT (id) DO UPDATE SET phase = excluded.phase WHERE archived_seq IS NULL";
+    let (strategy, phase) = (Strategy::default().name(), phase.name().name());
+    connection.prepare_cached(sql)?.execute(params![whole(mission.0)?, strategy, wall.unix_ms, wall.offset_s, phase])?;
+    Ok(())
+}
+
+/// A piece, or another photo of it. Where no new photo came the older one stays good.
+fn found(connection: &Connection, mission: Option<MissionId>, record: &Luggage, picture: Option<&Picture>) -> Result<(), Fault> {
+    if let (Some(picture), PhotoState::Taken { bytes, .. }) = (picture, &record.photo) {
+        let sql = "INSERT INTO photos (digest, media_type, bytes) VALUES (?1, ?2, ?3) ON CONFLICT (digest) DO NOTHING";
+        let values = params![picture.digest, picture.media_type, whole(*bytes as u64)?];
+        connection.prepare_cached(sql)?.execute(values)?;
+    }
+    let sql = "INSERT INTO luggage (id, mission, record, photo) VALUES (?1, ?2, ?3, ?4) ON CONFLICT (id) DO UPDATE
+               SET record = excluded.record, photo = coalesce(excluded.photo, photo)";
+    let mission = mission.map(|mission| whole(mission.0)).transpose()?;
+    let text = journal::record(&Luggage { verdict: None, ..record.clone() });
+    let values = params![whole(record.id.0)?, mission, text, picture.map(|picture| &picture.digest)];
+    connection.prepare_cached(sql)?.execute(values)?;
+    Ok(())
+}
+
+fn decided(connection: &Connection, luggage: LuggageId, decision: &Decision) -> Result<(), Fault> {
+    let sql = "UPDATE luggage SET verdict = ?2, decided_by = ?3, decided_ms = ?4, decided_offset_s = ?5 WHERE id = ?1";
+    let Decision { verdict, who, wall } = decision;
+    let values = params![whole(luggage.0)?, verdict.name(), &**who, wall.unix_ms, wall.offset_s];
+    connection.prepare_cached(sql)?.execute(values)?;
+    Ok(())
+}
+
+/// Everything that stands also says what a failed store may have lost: a mission's beginning, the end of the one before, luggage.
+fn stands(connection: &Connection, standing: &Standing, wall: Wall, seq: Seq) -> Result<(), Fault> {
+    let current = standing.under_way.then_some(standing.mission);
+    for open in open_missions(connection)?.into_iter().filter(|open| Some(*open) != current) {
+        archived(connection, open, &[], wall, seq)?;
+    }
+    let Some(mission) = current else { return Ok(()) };
+    began(connection, mission, standing.strategy, wall)?;
+    came_to(connection, mission, &standing.phase, wall)?;
+    for record in standing.luggage.values() {
+        found(connection, current, record, None)?;
+        record.verdict.as_ref().map_or(Ok(()), |decision| decided(connection, record.id, decision))?;
+    }
+    Ok(())
+}
+
+fn open_missions(connection: &Connection) -> Result<Vec<MissionId>, Fault> {
+    let mut statement = connection.prepare_cached("SELECT id FROM missions WHERE archived_seq IS NULL")?;
+    let ids = statement.query_map([], |row| row.get::<_, i64>(0))?;
+    Ok(ids.map(|id| id.map(|id| MissionId(count(id)))).collect::<Result<_, _>>()?)
+}

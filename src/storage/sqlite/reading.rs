@@ -1,0 +1,93 @@
+//! The journal for whoever only looks at it, as the command `hallsweep journal` does, beside a running program or without one.
+//! What the doors ask for stands in `archive`.
+
+use std::path::Path;
+
+use rusqlite::{Connection, TransactionBehavior};
+
+use super::check::{self, Findings};
+use super::fault::{Fault, Then};
+use super::folder::Folder;
+use super::rows::{self, Which};
+use super::{connect, project};
+use crate::api::journal::Line;
+use crate::runtime::archive::Unreadable;
+use hallsweep_core::units::{MissionId, Seq};
+
+/// A journal opened for reading.
+#[derive(Debug)]
+pub struct Reading {
+    folder: Folder,
+    connection: Connection,
+}
+
+impl Reading {
+    /// Opens the journal in the folder `path`.
+    ///
+    /// # Errors
+    /// When there is none, or when it cannot be read.
+    pub fn open(path: &Path) -> Result<Reading, Unreadable> {
+        let folder = Folder::new(path);
+        let opened = connect::reader(&folder).map_err(|fault| unreadable(&folder, &fault))?;
+        let none = || Unreadable(format!("there is no journal in {}: name its folder with --data", path.display()));
+        Ok(Reading { connection: opened.ok_or_else(none)?.connection, folder })
+    }
+
+    /// Walks over the entries, oldest first, of one mission or of all, all of them or the `last` ones, while `visit` says to go
+    /// on. Of what cannot be understood its place is given, and a sentence.
+    ///
+    /// # Errors
+    /// When the journal cannot be read on.
+    pub fn lines(
+        &self,
+        mission: Option<MissionId>,
+        last: Option<u64>,
+        mut visit: impl FnMut(Seq, Result<Line, String>) -> bool,
+    ) -> Result<(), Unreadable> {
+        let words = |fault: Fault| fault.words_of_an_entry(self.folder.path());
+        let mut walk = || {
+            // Both looks see the same entries, though a running program writes on.
+            let _unchanging = self.connection.unchecked_transaction()?;
+            let after = last.map_or(Ok(None), |last| rows::before_the_last(&self.connection, mission, last))?;
+            rows::each(&self.connection, Which { after, mission, ..Which::default() }, |seq, line| {
+                if visit(seq, line.map_err(words)) { Ok(()) } else { Err(Fault::GivenUp) }
+            })
+        };
+        match walk() {
+            Ok(()) | Err(Fault::GivenUp) => Ok(()),
+            Err(fault) => Err(unreadable(&self.folder, &fault)),
+        }
+    }
+
+    /// Checks everything there is to check.
+    ///
+    /// # Errors
+    /// When it cannot be read so far as to be checked.
+    pub fn check(&self) -> Result<Findings, Unreadable> {
+        check::check(&self.connection, &self.folder).map_err(|fault| unreadable(&self.folder, &fault))
+    }
+}
+
+/// Makes the tables that follow from the journal anew, in one transaction; how many entries they follow from.
+///
+/// # Errors
+/// When a hallsweep is running there, or the journal cannot be read or written.
+pub fn rebuild(path: &Path) -> Result<u64, Unreadable> {
+    let folder = Folder::new(path);
+    // Who is not there is not created.
+    drop(Reading::open(path)?);
+    let rebuilt = || {
+        let lock = folder.lock()?;
+        let mut connection = connect::writer(&folder)?;
+        let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
+        let entries = project::rebuild(&transaction)?;
+        transaction.commit()?;
+        drop(lock);
+        Ok(entries)
+    };
+    rebuilt().map_err(|fault| unreadable(&folder, &fault))
+}
+
+pub(super) fn unreadable(folder: &Folder, fault: &Fault) -> Unreadable {
+    Unreadable(fault.words(folder.path(), Then::StartAgain))
+}

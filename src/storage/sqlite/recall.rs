@@ -1,0 +1,186 @@
+//! Reading back what was kept: everything that stands, folded from the last entry that says all of it (safety R1).
+
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
+
+use rusqlite::{Connection, ErrorCode};
+
+use super::connect;
+use super::fault::Fault;
+use super::folder::Folder;
+use super::rows::{self, Which};
+use crate::api::journal::Line;
+use crate::api::journal_words;
+use crate::runtime::archive::Sound;
+use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::standing::Standing;
+use hallsweep_core::sweep::{IDS, Recalled, Remembered};
+use hallsweep_core::units::{MissionId, Seq};
+use hallsweep_core::world::log::Tone;
+
+/// So many entries are recalled for people to read: as many as a console shows without being scrolled for long,
+const LATEST: usize = 60;
+
+/// found among so many of the last: between two of them a robot may have gone a long way.
+const LATEST_AMONG: u64 = 10_000;
+
+/// So many sentences are said about one mission's damage; of the rest, how many there are.
+const DAMAGES: usize = 8;
+
+/// So long a start waits for SQLite's own check; some 500 MB on a common disk. `hallsweep journal check` takes all the time.
+const CHECK_PATIENCE: Duration = Duration::from_secs(5);
+
+/// Looks at what was kept, and changes nothing; `None` when nothing was. What was said to be lost before a kill is not looked at,
+/// although it may be there: all after `lost_after`.
+pub(super) fn recall(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<Recalled>, Fault> {
+    let Some(connect::Reader { connection, .. }) = connect::reader(folder)? else { return Ok(None) };
+    check_quickly(&connection)?;
+    let written = rows::last_up_to(&connection, lost_after)?;
+    if written == Seq(0) {
+        return Ok(None);
+    }
+    let standing = standing(&connection, written)?;
+    let commands = repeatable(&connection, written)?;
+    let latest = rows::latest(&connection, written, LATEST, LATEST_AMONG)?.iter().map(remembered).collect();
+    Ok(Some(Recalled { standing, written, commands, latest }))
+}
+
+/// What people did and what was found, as a line of the log.
+fn remembered(entry: &Entry) -> Remembered {
+    let is_refused = matches!(entry.fact, Fact::Command { refused: Some(_), .. });
+    let quiet = if is_refused { Tone::Warning } else { Tone::Info };
+    let tone = if matches!(entry.fact, Fact::AlarmRaised(..)) { Tone::Alarm } else { quiet };
+    Remembered { wall: entry.wall, tone, text: journal_words::words(&entry.fact) }
+}
+
+/// What stands after all entries up to `written`.
+fn standing(connection: &Connection, written: Seq) -> Result<Standing, Fault> {
+    let mut standing = Standing::first(Strategy::default());
+    each_from_standing(connection, rows::last_standing(connection, Some(written.next()))?, Some(written.next()), |line| {
+        standing.apply(&line?.entry);
+        Ok(())
+    })?;
+    Ok(standing)
+}
+
+/// What stood of a mission when the entry `before` put it away, or stands of it now, as far as it can be understood; `words` makes
+/// sentences of the faults.
+pub(super) fn standing_of(
+    connection: &Connection,
+    mission: MissionId,
+    before: Option<Seq>,
+    words: impl Fn(&Fault) -> String,
+) -> Result<Sound<Standing>, Fault> {
+    let mut standing = Standing::first(Strategy::default());
+    let mut damage = Damage { words, said: Vec::new(), more: 0 };
+    let from = sound_standing(connection, before)?;
+    each_from_standing(connection, from, before, |line| {
+        let line = match line {
+            Ok(line) => line,
+            // SQLite itself does not get on: then nothing behind it is known either.
+            Err(fault @ Fault::Sql(_)) => return Err(fault),
+            Err(fault) => {
+                damage.say(&fault);
+                return Ok(());
+            }
+        };
+        let begun = standing.under_way && standing.mission == mission;
+        // The phase that follows on the mission is on record just before its end.
+        if !(begun && line.mission != Some(mission) && matches!(line.entry.fact, Fact::Phase(_))) {
+            standing.apply(&line.entry);
+        }
+        Ok(())
+    })?;
+    Ok(Sound { of: standing, damage: damage.all() })
+}
+
+/// The last entry before `before` that says everything that stands and can be understood: the walk begins there, and comes by
+/// those that cannot.
+fn sound_standing(connection: &Connection, before: Option<Seq>) -> Result<Option<Seq>, Fault> {
+    let mut from = rows::last_standing(connection, before)?;
+    while let Some(seq) = from {
+        let mut is_sound = false;
+        let one = Which { after: Some(Seq(seq.0.saturating_sub(1))), before: Some(seq.next()), ..Which::default() };
+        rows::each(connection, one, |_, line| {
+            is_sound = line.is_ok();
+            Ok(())
+        })?;
+        if is_sound {
+            break;
+        }
+        from = rows::last_standing(connection, from)?;
+    }
+    Ok(from)
+}
+
+/// Walks over the entries from this one that says everything that stands.
+fn each_from_standing(
+    connection: &Connection,
+    from: Option<Seq>,
+    before: Option<Seq>,
+    mut visit: impl FnMut(Result<Line, Fault>) -> Result<(), Fault>,
+) -> Result<(), Fault> {
+    let after = from.map(|seq| Seq(seq.0.saturating_sub(1)));
+    rows::each(connection, Which { after, before, ..Which::default() }, |_, line| visit(line))
+}
+
+/// The sentences about what cannot be understood.
+struct Damage<W> {
+    words: W,
+    said: Vec<String>,
+    more: usize,
+}
+
+impl<W: Fn(&Fault) -> String> Damage<W> {
+    fn say(&mut self, fault: &Fault) {
+        if self.said.len() < DAMAGES {
+            self.said.push((self.words)(fault));
+        } else {
+            self.more += 1;
+        }
+    }
+
+    fn all(mut self) -> Vec<String> {
+        if self.more > 0 {
+            self.said.push(format!("{} more entries cannot be understood: `hallsweep journal check` lists them", self.more));
+        }
+        self.said
+    }
+}
+
+/// The latest commands that carried an id, oldest first: as many as are remembered, however long ago they came.
+fn repeatable(connection: &Connection, written: Seq) -> Result<Vec<Entry>, Fault> {
+    let mut commands = Vec::new();
+    let after = rows::before_the_last_named(connection, written, IDS as u64)?;
+    let before = Some(written.next());
+    rows::each(connection, Which { after, before, named: true, ..Which::default() }, |_, line| {
+        commands.push(line?.entry);
+        Ok(())
+    })?;
+    Ok(commands)
+}
+
+/// SQLite's own check of the file's structure, given up without a finding when the file is too large for a start to wait for.
+fn check_quickly(connection: &Connection) -> Result<(), Fault> {
+    let handle = connection.get_interrupt_handle();
+    let (checked, waiting) = mpsc::channel::<()>();
+    let watch = std::thread::Builder::new().name("journal-check".to_owned()).spawn(move || {
+        if waiting.recv_timeout(CHECK_PATIENCE) == Err(RecvTimeoutError::Timeout) {
+            handle.interrupt();
+        }
+    });
+    let found: Result<String, _> = connection.query_row("PRAGMA quick_check(1)", [], |row| row.get(0));
+    drop(checked);
+    // The handle must be gone before the connection is used on; a thread that could not begin holds none.
+    let _ = watch.map(std::thread::JoinHandle::join);
+    match found {
+        Ok(found) if found == "ok" => Ok(()),
+        Ok(found) => Err(Fault::Damaged(found)),
+        Err(error) if error.sqlite_error_code() == Some(ErrorCode::OperationInterrupted) => {
+            tracing::warn!("the journal is too large to be checked at every start: run `hallsweep journal check` now and then");
+            Ok(())
+        }
+        Err(error) => Err(error.into()),
+    }
+}

@@ -1,0 +1,165 @@
+//! Entries as rows of the table of events.
+
+use rusqlite::types::Value;
+use rusqlite::{Connection, OptionalExtension, Row, params, params_from_iter};
+
+use super::fault::{Fault, count, whole};
+use crate::api::journal::{self, Line};
+use hallsweep_core::command::Verdict;
+use hallsweep_core::effect::Entry;
+use hallsweep_core::units::{LuggageId, MissionId, Seq, Wall};
+
+/// The columns of an entry, in the order in which `line` takes them.
+const COLUMNS: &str = "seq, mission, at_ms, offset_s, kind, body";
+
+/// Which entries are commands with an id: in the words of the index, or SQLite would not take it,
+const NAMED: &str = "kind = 'command' AND iif(json_valid(body), body ->> 'id', NULL) IS NOT NULL";
+
+/// and take it it must: without it every entry would be looked at.
+const BY_NAME: &str = "INDEXED BY named_commands";
+
+/// Which entries are meant; all of them, when nothing is said.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Which {
+    /// Only those behind this one.
+    pub(super) after: Option<Seq>,
+    /// Only those before this one.
+    pub(super) before: Option<Seq>,
+    /// Only those of this mission.
+    pub(super) mission: Option<MissionId>,
+    /// Only commands that carry an id.
+    pub(super) named: bool,
+    /// Only those from which the projections follow.
+    pub(super) milestones: bool,
+    /// At most so many.
+    pub(super) most: Option<usize>,
+}
+
+/// Writes an entry. One that is there already is a fault.
+pub(super) fn insert(connection: &Connection, line: &Line) -> Result<(), Fault> {
+    let sql = "INSERT INTO events (seq, mission, at_ms, offset_s, kind, body) VALUES (?1, ?2, ?3, ?4, ?5, ?6)";
+    let Line { seq, mission, entry: Entry { wall, fact }, picture } = line;
+    let mission = mission.map(|mission| whole(mission.0)).transpose()?;
+    let (kind, body) = (journal::kind(fact), journal::body(fact, picture.as_ref()));
+    connection.prepare_cached(sql)?.execute(params![whole(seq.0)?, mission, wall.unix_ms, wall.offset_s, kind, body])?;
+    Ok(())
+}
+
+/// Takes back every entry behind `kept`; how many there were.
+pub(super) fn take_back(connection: &Connection, kept: Seq) -> Result<usize, Fault> {
+    Ok(connection.execute("DELETE FROM events WHERE seq > ?1", [whole(kept.0)?])?)
+}
+
+/// The place of the last entry that is not behind `most`; 0 when there is none.
+pub(super) fn last_up_to(connection: &Connection, most: Option<Seq>) -> Result<Seq, Fault> {
+    let most = most.map_or(Ok(i64::MAX), |most| whole(most.0))?;
+    let last: Option<i64> = connection.query_row("SELECT max(seq) FROM events WHERE seq <= ?1", [most], |row| row.get(0))?;
+    Ok(Seq(count(last.unwrap_or(0))))
+}
+
+/// The place of the last entry that says everything that stands, before `before`.
+pub(super) fn last_standing(connection: &Connection, before: Option<Seq>) -> Result<Option<Seq>, Fault> {
+    let sql = "SELECT seq FROM events WHERE kind = 'standing' AND seq < ?1 ORDER BY seq DESC LIMIT 1";
+    let before = before.map_or(Ok(i64::MAX), |before| whole(before.0))?;
+    let found: Option<i64> = connection.prepare_cached(sql)?.query_row([before], |row| row.get(0)).optional()?;
+    Ok(found.map(|seq| Seq(count(seq))))
+}
+
+/// The place behind which stand the last `count` entries, of a mission or of all.
+pub(super) fn before_the_last(connection: &Connection, mission: Option<MissionId>, count: u64) -> Result<Option<Seq>, Fault> {
+    let sql = "SELECT seq FROM events WHERE mission = ?1 OR ?1 IS NULL ORDER BY seq DESC LIMIT 1 OFFSET ?2";
+    let values = params![mission.map(|mission| whole(mission.0)).transpose()?, whole(count)?];
+    let found: Option<i64> = connection.prepare_cached(sql)?.query_row(values, |row| row.get(0)).optional()?;
+    Ok(found.map(|seq| Seq(super::fault::count(seq))))
+}
+
+/// The latest entries that say what people did and what was found, oldest first: at most `most`, of the last `searched`.
+pub(super) fn latest(connection: &Connection, written: Seq, most: usize, searched: u64) -> Result<Vec<Entry>, Fault> {
+    let sql = format!(
+        "SELECT {COLUMNS} FROM events WHERE seq > ?1 AND seq <= ?2 AND kind IN ('command', 'missionBegan', 'missionArchived',
+         'phase', 'luggage', 'verdict', 'alarmRaised', 'alarmAcknowledged', 'programEnded') ORDER BY seq DESC LIMIT {most}"
+    );
+    let bounds = [whole(written.0.saturating_sub(searched))?, whole(written.0)?];
+    let mut statement = connection.prepare_cached(&sql)?;
+    let mut rows = statement.query(bounds)?;
+    let mut latest = Vec::new();
+    while let Some(row) = rows.next()? {
+        // These are for people to read: one that cannot be understood and does not count any more is passed over.
+        latest.extend(line(connection, row).1.ok().map(|line| line.entry));
+    }
+    latest.reverse();
+    Ok(latest)
+}
+
+/// The place behind which stand the last `count` commands up to `written` that carry an id; `None` when there are no more than
+/// these.
+pub(super) fn before_the_last_named(connection: &Connection, written: Seq, count: u64) -> Result<Option<Seq>, Fault> {
+    let sql = format!("SELECT seq FROM events {BY_NAME} WHERE {NAMED} AND seq <= ?1 ORDER BY seq DESC LIMIT 1 OFFSET ?2");
+    let bounds = [whole(written.0)?, whole(count)?];
+    let found: Option<i64> = connection.prepare_cached(&sql)?.query_row(bounds, |row| row.get(0)).optional()?;
+    Ok(found.map(|seq| Seq(super::fault::count(seq))))
+}
+
+/// Walks over entries, oldest first. One that cannot be understood is given as such; the walk ends when `visit` fails.
+pub(super) fn each(
+    connection: &Connection,
+    which: Which,
+    mut visit: impl FnMut(Seq, Result<Line, Fault>) -> Result<(), Fault>,
+) -> Result<(), Fault> {
+    let (sql, values) = which.query()?;
+    let mut statement = connection.prepare_cached(&sql)?;
+    let mut rows = statement.query(params_from_iter(values))?;
+    while let Some(row) = rows.next()? {
+        let (seq, line) = line(connection, row);
+        visit(seq, line)?;
+    }
+    Ok(())
+}
+
+impl Which {
+    fn query(self) -> Result<(String, Vec<Value>), Fault> {
+        let bounds = [("seq > ?", self.after.map(|seq| seq.0)), ("seq < ?", self.before.map(|seq| seq.0))];
+        let mission = [("mission = ?", self.mission.map(|mission| mission.0))];
+        let given: Vec<_> = bounds.into_iter().chain(mission).filter_map(|(sql, number)| Some((sql, number?))).collect();
+        let mut conditions: Vec<&str> = given.iter().map(|(sql, _)| *sql).collect();
+        if self.named {
+            conditions.push(NAMED);
+        }
+        if self.milestones {
+            conditions.push("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict')");
+        }
+        let filter = if conditions.is_empty() { String::new() } else { format!(" WHERE {}", conditions.join(" AND ")) };
+        let limit = self.most.map(|most| format!(" LIMIT {most}")).unwrap_or_default();
+        let values = given.iter().map(|(_, number)| whole(*number).map(Value::from)).collect::<Result<_, _>>()?;
+        let index = if self.named { BY_NAME } else { "" };
+        Ok((format!("SELECT {COLUMNS} FROM events {index}{filter} ORDER BY seq{limit}"), values))
+    }
+}
+
+/// The entry of a row, and its place.
+fn line(connection: &Connection, row: &Row<'_>) -> (Seq, Result<Line, Fault>) {
+    // The place is the key of the table, which is a number whatever else is damaged.
+    let seq = Seq(row.get(0).map_or(0, count));
+    (seq, understood(connection, row, seq))
+}
+
+fn understood(connection: &Connection, row: &Row<'_>, seq: Seq) -> Result<Line, Fault> {
+    let mission: Option<i64> = row.get(1)?;
+    let wall = Wall { unix_ms: row.get(2)?, offset_s: row.get(3)? };
+    let body = row.get_ref(5)?.as_str().map_err(|error| Fault::Damaged(format!("entry {seq} holds no text: {error}")))?;
+    let (fact, picture) = journal::read_body(body).map_err(|why| Fault::Unparsed(seq, why))?;
+    if row.get_ref(4)?.as_str().ok() != Some(journal::kind(&fact)) {
+        return Err(Fault::Damaged(format!("entry {seq} is not of the kind that it says")));
+    }
+    // Where this cannot be asked the entry is given as it was written.
+    let fact = fact.as_it_was(|luggage| verdict_on(connection, luggage).ok().flatten());
+    Ok(Line { seq, mission: mission.map(|mission| MissionId(count(mission))), entry: Entry { wall, fact }, picture })
+}
+
+/// What a piece was found to be in the end.
+fn verdict_on(connection: &Connection, luggage: LuggageId) -> Result<Option<Verdict>, Fault> {
+    let mut statement =
+        connection.prepare_cached("SELECT verdict = 'danger' FROM luggage WHERE id = ?1 AND verdict IS NOT NULL")?;
+    let dangerous: Option<bool> = statement.query_row([whole(luggage.0)?], |row| row.get(0)).optional()?;
+    Ok(dangerous.map(|dangerous| if dangerous { Verdict::Danger } else { Verdict::Safe }))
+}

@@ -1,0 +1,69 @@
+//! Killed while it writes: whatever was said to be kept is there (safety V3, D1, D2). The child is this test program itself.
+
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Command, Stdio};
+
+use super::super::{Reading, open};
+use super::testing::*;
+use hallsweep_core::command::Verdict;
+use hallsweep_core::units::Seq;
+
+/// Where the child is to write; whoever runs the test without it is not the child.
+const FOLDER: &str = "HALLSWEEP_CRASH_FOLDER";
+
+/// How the child says that a page is kept.
+const KEPT: &str = "kept ";
+
+/// How often it is killed.
+const KILLS: usize = 12;
+
+/// Writes until it is killed, some pages with a photo, and says what is kept.
+#[test]
+fn writes_until_it_is_killed() {
+    let Some(folder) = std::env::var_os(FOLDER) else { return };
+    let mut scribe = Scribe::new(open(folder.as_ref(), None).expect("nobody else uses it"));
+    let mut said = scribe.opened.store.word();
+    let mut out = std::io::stderr();
+    for number in scribe.until(|_| true).kept.0 + 1.. {
+        let picture = (number % 5 == 0).then(|| photo(&format!("bag {number}").repeat(4000)));
+        let last = scribe.hand(vec![found(number, picture), verdict(number, Verdict::Danger), wall(1, 1)]);
+        // Some wait for their page, others are gathered into one transaction.
+        if number % 3 == 0 {
+            scribe.until(|word| word.kept >= last);
+        }
+        if said.has_changed().unwrap_or(false) {
+            let kept = said.borrow_and_update().kept;
+            writeln!(out, "{KEPT}{kept}").expect("somebody listens");
+        }
+    }
+}
+
+#[test]
+fn what_was_said_to_be_kept_outlives_a_kill() {
+    let scratch = Scratch::new();
+    let mut acknowledged = 0;
+    for kill in 1..=KILLS {
+        let mut child = Command::new(std::env::current_exe().expect("this program"))
+            .args(["--exact", "storage::sqlite::tests::crash::writes_until_it_is_killed", "--nocapture"])
+            .env(FOLDER, scratch.data())
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("this program starts again");
+        let lines = BufReader::new(child.stderr.take().expect("it is a pipe")).lines();
+        let said = lines.map_while(Result::ok).filter_map(|line| line.strip_prefix(KEPT)?.parse::<u64>().ok());
+        acknowledged = said.take(7 * kill).last().expect("it keeps something");
+        child.kill().expect("it is ours");
+        child.wait().expect("it ends");
+
+        let opened = scratch.open();
+        let recalled = opened.recalled.expect("something was kept");
+        assert!(recalled.written >= Seq(acknowledged), "{acknowledged} was said to be kept, {} is there", recalled.written);
+        assert_eq!(recalled.written.0 % 3, 0, "a page is kept whole or not at all");
+        drop((opened.store, opened.archive));
+        let findings = Reading::open(&scratch.data()).unwrap().check().unwrap();
+        assert_eq!((findings.faults, findings.notes), (Vec::new(), Vec::new()), "after {kill} kills");
+    }
+    assert!(acknowledged > 0);
+}

@@ -1,0 +1,193 @@
+//! What the tests of the store have in common: a folder that goes with them, pages of a small mission, and waiting for a word.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
+
+use super::super::writer::Patience;
+use super::super::{OpenError, Opened, open_with};
+use crate::runtime::store::StoreWord;
+use crate::runtime::within::within;
+use hallsweep_core::command::{CommandId, Door, Issuer, Verdict};
+use hallsweep_core::effect::{Entry, Fact, Page};
+use hallsweep_core::event::Photo;
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::mission::{Inspection, Phase, Stage};
+use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, Wall};
+use hallsweep_core::world::hall_map::Mark;
+use hallsweep_core::world::luggage::{Luggage, PhotoState};
+
+/// No waiting but for the disk, and for that as long as it takes.
+pub(super) const HASTE: Patience =
+    Patience { retry: Duration::from_millis(1), looks: u32::MAX, look: Duration::from_millis(1), end: Duration::from_secs(600) };
+
+/// A folder of one test.
+pub(super) struct Scratch(PathBuf);
+
+/// How often a folder in use is tried again, and how long after each time: a minute in all.
+const LOOKS: u32 = 12_000;
+const GLANCE: std::time::Duration = std::time::Duration::from_millis(5);
+
+impl Scratch {
+    pub(super) fn new() -> Scratch {
+        static NUMBER: AtomicU32 = AtomicU32::new(0);
+        let name = format!("hallsweep-store-{}-{}", std::process::id(), NUMBER.fetch_add(1, Ordering::Relaxed));
+        let path = std::env::temp_dir().join(name);
+        std::fs::create_dir(&path).expect("a fresh folder");
+        Scratch(path)
+    }
+
+    /// Where the store is to be; not created yet.
+    pub(super) fn data(&self) -> PathBuf {
+        self.0.join("data")
+    }
+
+    /// Opens the store. A child that another test is just starting holds every open file of this process, and so the lock of a
+    /// store that was closed a moment ago, until it is a program of its own: that moment is waited for.
+    pub(super) fn open(&self) -> Opened {
+        self.open_with(HASTE)
+    }
+
+    /// The same, with another patience.
+    pub(super) fn open_with(&self, patience: Patience) -> Opened {
+        for _ in 0..LOOKS {
+            match open_with(&self.data(), None, patience) {
+                Err(OpenError::InUse(_)) => std::thread::sleep(GLANCE),
+                opened => return opened.expect("the system lets it start"),
+            }
+        }
+        panic!("somebody else uses {}", self.data().display())
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Hands pages over, one after the other, and numbers them.
+pub(super) struct Scribe {
+    pub(super) opened: Opened,
+    written: Seq,
+    word: tokio::sync::watch::Receiver<StoreWord>,
+}
+
+impl Scribe {
+    pub(super) fn new(opened: Opened) -> Scribe {
+        let written = opened.recalled.as_ref().map_or(Seq(0), |recalled| recalled.written);
+        let word = opened.store.word();
+        Scribe { opened, written, word }
+    }
+
+    /// Hands a page over, knowing of all losses.
+    pub(super) fn hand(&mut self, facts: Vec<Fact>) -> Seq {
+        let losses = self.word.borrow().losses;
+        self.hand_knowing(facts, losses)
+    }
+
+    pub(super) fn hand_knowing(&mut self, facts: Vec<Fact>, losses: u64) -> Seq {
+        let page = Page { first: self.written.next(), entries: facts.into_iter().map(at_noon).collect() };
+        self.written = page.last();
+        self.opened.store.record(page, losses);
+        self.written
+    }
+
+    /// Waits until the word is as wanted.
+    pub(super) fn until(&mut self, wanted: impl FnMut(&StoreWord) -> bool) -> StoreWord {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a small runtime");
+        let heard = self.word.clone();
+        let waited = runtime.block_on(async { tokio::time::timeout(Duration::from_secs(60), self.word.wait_for(wanted)).await });
+        let word = waited.unwrap_or_else(|_| panic!("it does not come to be within a minute: {:?}", *heard.borrow()));
+        word.expect("the store lives").clone()
+    }
+
+    /// Hands a page over and waits until it is kept.
+    pub(super) fn keep(&mut self, facts: Vec<Fact>) -> Seq {
+        let last = self.hand(facts);
+        self.until(|word| word.kept >= last);
+        last
+    }
+}
+
+/// Waits until it is so; what, goes on after "waited in vain for".
+pub(super) fn eventually(what: &str, is_so: impl Fn() -> bool) {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a small runtime");
+    runtime.block_on(within(what, async {
+        while !is_so() {
+            tokio::time::sleep(Duration::from_millis(1)).await;
+        }
+    }));
+}
+
+pub(super) fn at_noon(fact: Fact) -> Entry {
+    Entry { wall: Wall { unix_ms: 1_770_000_000_000, offset_s: 3600 }, fact }
+}
+
+pub(super) fn command(id: Option<&str>) -> Fact {
+    let id = id.and_then(CommandId::new);
+    Fact::Command {
+        issuer: Issuer::operator(Door::Http),
+        id,
+        command: "START".to_owned(),
+        epoch: None,
+        luggage: None,
+        refused: None,
+    }
+}
+
+/// As the core begins a mission: the phase before the beginning.
+pub(super) fn begin(mission: u64) -> Vec<Fact> {
+    vec![command(None), Fact::Phase(Phase::Exploring), Fact::MissionBegan(MissionId(mission), Strategy::Snail), Fact::Led(true)]
+}
+
+/// As the core puts a mission away: the phase before the end.
+pub(super) fn archive(mission: u64) -> Vec<Fact> {
+    vec![command(None), Fact::Phase(Phase::Idle), Fact::MissionArchived(MissionId(mission), vec![LuggageId(9)])]
+}
+
+pub(super) fn photo(text: &str) -> Photo {
+    Photo { bytes: text.as_bytes().into(), media_type: "image/png" }
+}
+
+pub(super) fn inspecting(id: u64) -> Fact {
+    let stage = Stage::AwaitingVerdict(LuggageId(id));
+    Fact::Phase(Phase::Inspecting(Inspection { cell: Cell::new(0, 1), piece: None, pose: Pose::START, stage }))
+}
+
+pub(super) fn found(id: u64, photo: Option<Photo>) -> Fact {
+    let taken = photo.as_ref().map(|photo| PhotoState::Taken { bytes: photo.bytes.len(), take: 1 });
+    let record = Luggage {
+        id: LuggageId(id),
+        cell: Cell::new(0, 1),
+        pose: Pose::START,
+        taken: Wall::default(),
+        photo: taken.unwrap_or(PhotoState::Failed("dark".to_owned())),
+        verdict: None,
+        piece: None,
+    };
+    Fact::Luggage { record: Arc::new(record), photo }
+}
+
+pub(super) fn verdict(id: u64, verdict: Verdict) -> Fact {
+    Fact::Verdict { luggage: LuggageId(id), verdict, who: "anna".into() }
+}
+
+pub(super) fn wall(x: i32, y: i32) -> Fact {
+    Fact::Mark(Cell::new(x, y), Mark::Wall)
+}
+
+/// Every file below a folder, with its bytes; what SQLite keeps beside the journal while it is open is left out.
+pub(super) fn bytes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).expect("the folder is there").map(|entry| entry.expect("it can be read").path()) {
+        if entry.is_dir() {
+            files.extend(bytes(&entry));
+        } else if !["db-wal", "db-shm", "lock"].iter().any(|end| entry.extension().is_some_and(|extension| extension == *end)) {
+            files.push((entry.clone(), std::fs::read(&entry).expect("it can be read")));
+        }
+    }
+    files.sort();
+    files
+}

@@ -1,0 +1,221 @@
+//! A second rope for STOP (safety S4): a stop is answered before its record, so its epoch also goes into a tiny file of its own,
+//! in place, where it outlives `kill -9` also when the journal cannot be written. What follows from it at the next start is the
+//! app's business, and who stopped is on record in the journal alone.
+//!
+//! ```text
+//!   hallsweep stops 1 00000000000000000041 5d1c0a8e77f0b3c2     two lines like this; the greater one that is whole counts,
+//!   hallsweep stops 1 00000000000000000042 90b2f3a4c5d60718     and the other one is written next
+//! ```
+//! The file has its full size from the first start, so that a full disk has room for every later stop. Nothing is flushed: what is
+//! written is in the system's hands at once, and only a power cut may take the last seconds of it.
+
+use std::fs::File;
+use std::io::{self, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use sha2::{Digest, Sha256};
+
+use crate::runtime::halt::Halter;
+use crate::storage::files;
+use hallsweep_core::units::Epoch;
+
+/// The name of the file in the data folder.
+const FILE: &str = "stops";
+
+/// How a line begins: whose it is, and its version.
+const BEGINS: &str = "hallsweep stops 1 ";
+
+/// The bytes of a line: its beginning, twenty digits, a space, sixteen of checksum, the end of the line.
+const LINE: usize = BEGINS.len() + 20 + 1 + 16 + 1;
+
+/// The bytes of the file. Both lines lie in one sector.
+const SIZE: usize = 2 * LINE;
+
+/// A greater epoch was never reached by pressing a button: nobody wrote that.
+const GREATEST: u64 = i64::MAX as u64;
+
+/// So long after the file could not be written it is tried again, when nobody stops before.
+const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
+
+/// The file, and what stands in it.
+#[derive(Debug)]
+pub struct Stops {
+    path: PathBuf,
+    epoch: Epoch,
+    /// The line that is written next.
+    turn: usize,
+    /// The file, opened for writing; `None` before it could be, and after a writing that failed.
+    file: Option<File>,
+    /// Whether it was said already that it cannot be written.
+    is_failing: bool,
+    /// Whether what stood there could not be understood.
+    was_damaged: bool,
+}
+
+/// What the bytes of a file come to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Found {
+    epoch: Epoch,
+    /// Which line says so.
+    line: usize,
+}
+
+impl Stops {
+    /// Why the file in the folder `dir` cannot be had at all, in words that end with what to do; `None` where it can, or where
+    /// there is none yet. Nothing is changed.
+    #[must_use]
+    pub fn unusable(dir: &Path) -> Option<String> {
+        let (path, unfinished) = (dir.join(FILE), dir.join(FILE).with_extension("new"));
+        let unusable = |path: &Path, error: &io::Error| {
+            format!("{} cannot be used ({error}): move it away, then start hallsweep again", path.display())
+        };
+        match files::read(&path, SIZE) {
+            Ok(_) => None,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                files::check_plain(&unfinished).err().map(|error| unusable(&unfinished, &error))
+            }
+            Err(error) => Some(unusable(&path, &error)),
+        }
+    }
+
+    /// The file in the folder `dir`, made with its full size when there is none. No fault of it is an error: the log says it, and
+    /// it is tried again with the next stop. One that cannot be understood is begun anew.
+    #[must_use]
+    pub fn open(dir: &Path) -> Stops {
+        let mut stops =
+            Stops { path: dir.join(FILE), epoch: Epoch(0), turn: 0, file: None, is_failing: false, was_damaged: false };
+        match files::read(&stops.path, SIZE) {
+            Ok(bytes) => match understood(&bytes) {
+                Some(Found { epoch, line }) => {
+                    (stops.epoch, stops.turn) = (epoch, 1 - line);
+                    return stops;
+                }
+                None => stops.was_damaged = true,
+            },
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(error) => {
+                tracing::warn!(file = %stops.path.display(), %error, "what this file remembers of STOP cannot be read");
+                return stops;
+            }
+        }
+        let made = stops.make();
+        stops.hear(made);
+        stops
+    }
+
+    /// The epoch of the last stop that was written down; 0 when none was.
+    #[must_use]
+    pub const fn epoch(&self) -> Epoch {
+        self.epoch
+    }
+
+    /// Where the file is, if what stood there could not be understood: nobody knows then whether the last stop is on record.
+    #[must_use]
+    pub fn damaged(&self) -> Option<&Path> {
+        self.was_damaged.then_some(&self.path)
+    }
+
+    /// Writes an epoch down, unless a later one stands there already. When that fails the log says so, and it stays to be done.
+    fn keep(&mut self, epoch: Epoch) {
+        if epoch > self.epoch {
+            let kept = self.write(epoch);
+            self.hear(kept);
+        }
+    }
+
+    fn write(&mut self, epoch: Epoch) -> io::Result<()> {
+        let mut file = match self.file.take() {
+            Some(file) => file,
+            None => match files::open(&self.path, File::options().write(true)) {
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                    self.make()?;
+                    files::open(&self.path, File::options().write(true))?
+                }
+                opened => opened?,
+            },
+        };
+        file.seek(SeekFrom::Start((self.turn * LINE) as u64))?;
+        file.write_all(line(epoch).as_bytes())?;
+        (self.epoch, self.turn, self.file) = (epoch, 1 - self.turn, Some(file));
+        Ok(())
+    }
+
+    /// Makes the file whole or not at all. It is made once a folder, so here the disk is waited for.
+    fn make(&mut self) -> io::Result<()> {
+        let unfinished = self.path.with_extension("new");
+        let mut file = files::open(&unfinished, File::options().write(true).create(true).truncate(true))?;
+        file.write_all(line(self.epoch).repeat(2).as_bytes())?;
+        file.sync_all()?;
+        std::fs::rename(&unfinished, &self.path)?;
+        (self.turn, self.file) = (0, Some(file));
+        Ok(())
+    }
+
+    fn hear(&mut self, outcome: io::Result<()>) {
+        match outcome {
+            Ok(()) if std::mem::take(&mut self.is_failing) => {
+                tracing::info!(file = %self.path.display(), "STOP is remembered again")
+            }
+            Ok(()) => {}
+            Err(error) if !std::mem::replace(&mut self.is_failing, true) => tracing::warn!(
+                file = %self.path.display(), %error,
+                "a STOP cannot be written down beside the journal: make room, or the folder writable; it is tried again"
+            ),
+            Err(_) => {}
+        }
+    }
+}
+
+/// Writes down every stop and says so to the halter, on a thread where blocking is allowed: a disk that hangs keeps nobody from
+/// stopping. Ends with the program.
+pub async fn follow(mut stops: Stops, halter: Halter) {
+    let mut halts = halter.watch();
+    halter.note(Some(stops.epoch()));
+    loop {
+        let epoch = halts.now().epoch;
+        if epoch > stops.epoch() {
+            let writing = tokio::task::spawn_blocking(move || {
+                stops.keep(epoch);
+                stops
+            });
+            let Ok(written) = writing.await else { return halter.note(None) };
+            stops = written;
+        }
+        if epoch > stops.epoch() {
+            halter.note(None);
+            // It could not be written: the next halt or the time to try again, whichever comes first.
+            let _ = tokio::time::timeout(WRITTEN_AGAIN, halts.raised()).await;
+        } else {
+            halter.note(Some(stops.epoch()));
+            halts.raised().await;
+        }
+    }
+}
+
+/// The greater epoch of those lines that are whole; `None` when none is, or when it is some other file.
+fn understood(bytes: &[u8]) -> Option<Found> {
+    if bytes.len() != SIZE {
+        return None;
+    }
+    let found = bytes.chunks(LINE).enumerate().filter_map(|(line, bytes)| Some(Found { epoch: epoch_of(bytes)?, line }));
+    found.max_by_key(|found| found.epoch)
+}
+
+/// The epoch of a line, if it is one that `line` made.
+fn epoch_of(bytes: &[u8]) -> Option<Epoch> {
+    let digits = std::str::from_utf8(bytes).ok()?.strip_prefix(BEGINS)?.get(..20)?;
+    let epoch = digits.parse().ok().filter(|epoch| *epoch <= GREATEST).map(Epoch)?;
+    (line(epoch).as_bytes() == bytes).then_some(epoch)
+}
+
+fn line(Epoch(epoch): Epoch) -> String {
+    let said = format!("{BEGINS}{epoch:020}");
+    let digest = Sha256::digest(said.as_bytes());
+    let checksum: String = digest.iter().take(8).map(|byte| format!("{byte:02x}")).collect();
+    format!("{said} {checksum}\n")
+}
+
+#[cfg(test)]
+#[path = "stops_tests.rs"]
+mod tests;
