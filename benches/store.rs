@@ -12,12 +12,12 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use hallsweep::api::journal;
-use hallsweep::runtime::store::StoreWord;
+use hallsweep::runtime::store::StoreStatus;
 use hallsweep::storage::sqlite::{self, Opened, Reading};
 use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::explore::Strategy;
-use hallsweep_core::standing::Standing;
-use hallsweep_core::units::{Cell, Heading, Pose, Revision, Seq, Wall};
+use hallsweep_core::state::PersistentState;
+use hallsweep_core::units::{Cell, Heading, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
 use tokio::sync::watch;
 
@@ -85,8 +85,8 @@ fn long_journal(folder: &Path) {
     println!("opened, all of them folded, in {:.2?}", start.elapsed());
     let mut store = opened.store;
     let mut word = store.word();
-    let standing = Fact::Standing(Box::new(Standing::first(Strategy::Snail)));
-    store.record(Page { first: Seq(LONG + 1), entries: vec![Entry { wall: Wall::default(), fact: standing }] }, 0);
+    let standing = Fact::State(Box::new(PersistentState::first(Strategy::Snail)));
+    store.record(Page { first: Seq(LONG + 1), entries: vec![Entry { wall: WallTime::default(), fact: standing }] }, 0);
     until(&mut word, Seq(LONG + 1));
     drop(store);
     let start = Instant::now();
@@ -102,15 +102,15 @@ fn long_journal(folder: &Path) {
 fn large_map() {
     let cells = || (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| Cell::new(x, y)));
     let mark = |cell: Cell| if (cell.x * 7 + cell.y * 13) % 11 == 0 { Mark::Wall } else { Mark::Visited };
-    let mut standing = Standing::first(Strategy::Snail);
+    let mut standing = PersistentState::first(Strategy::Snail);
     let start = Instant::now();
-    cells().for_each(|cell| standing.apply(&Entry { wall: Wall::default(), fact: Fact::Mark(cell, mark(cell)) }));
+    cells().for_each(|cell| standing.apply(&Entry { wall: WallTime::default(), fact: Fact::Mark(cell, mark(cell)) }));
     println!("{SIDE} × {SIDE} cells folded one by one in {:.2?}", start.elapsed());
     let mut map = HallMap::new(Cell::HOME, Revision(1));
     let start = Instant::now();
     let changed = cells().filter(|cell| map.mark(*cell, mark(*cell), Revision(1))).count();
     println!("{changed} of them, only marked, in {:.2?}", start.elapsed());
-    let fact = Fact::Standing(Box::new(standing));
+    let fact = Fact::State(Box::new(standing));
     let start = Instant::now();
     let text = journal::body(&fact, None);
     println!("written as JSON in {:.2?}, {} KiB", start.elapsed(), text.len() / 1024);
@@ -124,10 +124,10 @@ fn pose(n: u64) -> Entry {
     let cell = Cell::new((n % 500) as i32, (n / 500 % 500) as i32);
     let fact =
         if n.is_multiple_of(2) { Fact::Mark(cell, Mark::Visited) } else { Fact::Pose(Pose { cell, heading: Heading::East }) };
-    Entry { wall: Wall { unix_ms: 1_770_000_000_000, offset_s: 3600 }, fact }
+    Entry { wall: WallTime { unix_ms: 1_770_000_000_000, offset_s: 3600 }, fact }
 }
 
-fn until(word: &mut watch::Receiver<StoreWord>, seq: Seq) {
+fn until(word: &mut watch::Receiver<StoreStatus>, seq: Seq) {
     let runtime = tokio::runtime::Builder::new_current_thread().build().expect("a small runtime");
     let word = runtime.block_on(word.wait_for(|word| word.kept >= seq || word.failure.is_some())).expect("the store lives");
     assert_eq!(word.failure, None);

@@ -29,8 +29,8 @@ use crate::runtime::link::{RobotSide, link};
 use crate::runtime::task::{Course, Task};
 use crate::runtime::threads::Thread;
 use crate::storage::stops;
+use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::mission::Hold;
-use hallsweep_core::sweep::{Recalled, Sweep};
 use hallsweep_core::units::Epoch;
 use hallsweep_sim::{Camera, Hall, SimSettings, Speed};
 
@@ -201,10 +201,10 @@ async fn start(
     if let Some(stops) = kept.stops.take() {
         threads.core.handle().spawn(stops::follow(stops, halter.clone()));
     }
-    let mut sweep = sweep(settings, kept.recalled.take(), halter.watch().now().epoch, &clock);
+    let mut engine = engine(settings, kept.recalled.take(), halter.watch().now().epoch, &clock);
     if let Some(words) = &in_doubt {
         tracing::warn!(words, "the robot is held");
-        sweep.note_damage(words, clock.now());
+        engine.note_damage(words, clock.now());
     }
     let (link, side) = link(halter.watch());
     let (robot, mut diary) = match kept.robot(hall, sim) {
@@ -214,7 +214,7 @@ async fn start(
             (None, None)
         }
     };
-    if kept.elsewhere && !elsewhere::put_down(&mut sweep, &mut *kept.store, &link, halter, &clock).await {
+    if kept.elsewhere && !elsewhere::put_down(&mut engine, &mut *kept.store, &link, halter, &clock).await {
         // The old one stays, so that robot and map are in the same hall at the next start as well.
         diary = None;
     }
@@ -225,27 +225,27 @@ async fn start(
         // The link stays down, and nobody is told that its adapter has ended.
         (None, None) => drop(on.spawn(async move { side.reports.closed().await })),
     }
-    let (handle, task) = Task::new(sweep, link, kept.store, clock, halter.clone());
+    let (handle, task) = Task::new(engine, link, kept.store, clock, halter.clone());
     (handle, threads.core.handle().spawn(task.run(course)))
 }
 
 /// The core as it was, or as it is at the very first start.
-fn sweep(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: &Clock) -> Sweep {
+fn engine(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: &Clock) -> Engine {
     let (run, now) = (run_id(clock), clock.now());
-    let mut sweep = match recalled {
-        Some(recalled) => Sweep::recall(settings.core, run, recalled, now),
+    let mut engine = match recalled {
+        Some(recalled) => Engine::recall(settings.core, run, recalled, now),
         None => {
-            let mut sweep = Sweep::new(settings.core, settings.strategy, run);
-            sweep.open_journal(now);
-            sweep
+            let mut engine = Engine::new(settings.core, settings.strategy, run);
+            engine.open_journal(now);
+            engine
         }
     };
     // A stop that the record does not know of is heard now; one that it knows of changes nothing.
-    sweep.handle_halt(epoch, now);
+    engine.handle_halt(epoch, now);
     for sensor in &settings.sensors {
-        sweep.watch_sensor(Arc::clone(sensor), settings.sensor_silence, now);
+        engine.watch_sensor(Arc::clone(sensor), settings.sensor_silence, now);
     }
-    sweep
+    engine
 }
 
 /// Tells this run's revisions from those of any other: the millisecond in which it began.

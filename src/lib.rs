@@ -1,7 +1,7 @@
 //! hallsweep: a robot searches an evacuated airport hall for dangerous luggage. START HERE.
 //!
 //! ```text
-//!  browser ─ HTTP ─► Command ─► Handle ─► Sweep::handle_command ─► Effect ─► RobotLink ─► robot or simulator
+//!  browser ─ HTTP ─► Command ─► Handle ─► Engine::handle_command ─► Effect ─► RobotLink ─► robot or simulator
 //!     ▲                                        ▲                     │                        │
 //!     │                                        └─── handle_event ◄───┼──── RobotEvent ◄───────┘
 //!     └────── watch<Arc<Snapshot>> ◄── World ──┘                     └─► Record ─► store ─► Recorded ─► handle_event

@@ -4,7 +4,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
-use hallsweep::runtime::store::{Store, StoreWord};
+use hallsweep::runtime::store::{Store, StoreStatus};
 use hallsweep_core::effect::Page;
 use hallsweep_core::units::Seq;
 use tokio::sync::watch;
@@ -15,7 +15,7 @@ const PAGES: usize = 65_536;
 /// The store's end in the loop.
 pub(crate) struct Tardy {
     pages: SyncSender<Seq>,
-    word: watch::Receiver<StoreWord>,
+    word: watch::Receiver<StoreStatus>,
 }
 
 /// Lets the store hang, and go on.
@@ -26,7 +26,7 @@ impl Tardy {
     /// A store that takes this long over every page, on a thread of its own that ends with it.
     pub(crate) fn start(takes: Duration) -> (Tardy, Keeping) {
         let (pages, handed) = sync_channel(PAGES);
-        let (say, word) = watch::channel(StoreWord::default());
+        let (say, word) = watch::channel(StoreStatus::default());
         let keeping = Keeping::default();
         let kept = keeping.clone();
         std::thread::spawn(move || kept.keep(&handed, takes, &say));
@@ -39,7 +39,7 @@ impl Store for Tardy {
         self.pages.try_send(page.last()).expect("fewer pages come than may wait");
     }
 
-    fn word(&self) -> watch::Receiver<StoreWord> {
+    fn word(&self) -> watch::Receiver<StoreStatus> {
         self.word.clone()
     }
 }
@@ -53,7 +53,7 @@ impl Keeping {
     }
 
     /// What has come while a page was written is kept with the next one, as a disk does it.
-    fn keep(&self, handed: &Receiver<Seq>, takes: Duration, say: &watch::Sender<StoreWord>) {
+    fn keep(&self, handed: &Receiver<Seq>, takes: Duration, say: &watch::Sender<StoreStatus>) {
         while let Ok(first) = handed.recv() {
             let last = handed.try_iter().last().unwrap_or(first);
             std::thread::sleep(takes);

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use coap_lite::{CoapOption, Packet};
-use hallsweep_fuzz::core::units::{Now, Wall};
+use hallsweep_fuzz::core::units::{Now, WallTime};
 use hallsweep_fuzz::inbound::coap::endpoint::code::Code;
 use hallsweep_fuzz::inbound::coap::endpoint::format::Format;
 use hallsweep_fuzz::inbound::coap::endpoint::limits::{AMPLIFICATION, ASSEMBLIES, BLOCK, EXCHANGE_LIFETIME, HEAD, OBSERVERS_OF_A_PEER, WAITING};
@@ -211,7 +211,7 @@ impl Play {
 
     fn clock(&self) -> Now {
         let unix_ms = 1_770_000_000_000 + i64::try_from(self.now.as_millis()).expect("hours, not ages");
-        Now { since_start: self.now, wall: Wall { unix_ms, offset_s: 3600 } }
+        Now { since_start: self.now, wall: WallTime { unix_ms, offset_s: 3600 } }
     }
 }
 

@@ -4,8 +4,8 @@
 
 use hallsweep_fuzz::core::explore::Strategy;
 use hallsweep_fuzz::core::settings::Settings;
-use hallsweep_fuzz::core::standing::Standing;
-use hallsweep_fuzz::core::sweep::{Recalled, Sweep};
+use hallsweep_fuzz::core::standing::PersistentState;
+use hallsweep_fuzz::core::engine::{Recalled, Engine};
 use hallsweep_fuzz::core::units::{Now, Seq};
 use hallsweep_fuzz::wire::journal::{Line, Unparsed, body, line, read_body, read_line, read_record, record};
 use libfuzzer_sys::fuzz_target;
@@ -18,10 +18,10 @@ fuzz_target!(|bytes: &[u8]| {
     same(text, read_record, record);
     same(text, read_body, |(fact, picture)| body(fact, picture.as_ref()));
     if let Some(Line { entry, seq, .. }) = same(text, |text| read_line(text.as_bytes()), line) {
-        let mut standing = Standing::first(Strategy::default());
+        let mut standing = PersistentState::first(Strategy::default());
         standing.apply(&entry);
         let recalled = Recalled { standing, written: seq.min(LAST), commands: vec![entry], latest: Vec::new() };
-        Sweep::recall(Settings::default(), "fuzzed".into(), recalled, Now::default()).snapshot();
+        Engine::recall(Settings::default(), "fuzzed".into(), recalled, Now::default()).snapshot();
     }
 });
 

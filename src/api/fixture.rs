@@ -6,7 +6,7 @@ use std::sync::Arc;
 use hallsweep_core::command::Verdict;
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::PhaseName;
-use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, Wall};
+use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, WallTime};
 use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::hall_map::{HallMap, Mark};
 use hallsweep_core::world::log::{LogLine, Tone};
@@ -17,7 +17,7 @@ use hallsweep_core::world::snapshot::{MissionView, Progress, Refusals, Snapshot}
 use hallsweep_core::world::temperature::{TemperatureStatus, TemperatureView};
 
 /// Ten in the morning of the 3rd of February 2026, one hour east of Greenwich.
-pub(crate) const TEN: Wall = Wall { unix_ms: 1_770_109_200_000, offset_s: 3600 };
+pub(crate) const TEN: WallTime = WallTime { unix_ms: 1_770_109_200_000, offset_s: 3600 };
 
 /// An idle robot at home, nothing known but its cell, at revision 1.
 pub(crate) fn idle() -> Snapshot {

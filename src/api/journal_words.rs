@@ -27,7 +27,7 @@ fn said(fact: &Fact) -> String {
     match fact {
         Fact::ProgramStarted(version) => format!("program started, version {version}"),
         Fact::ProgramEnded(by) => format!("program ended by {by}"),
-        Fact::Standing(standing) => {
+        Fact::State(standing) => {
             let mission = if standing.under_way { format!("mission {}", standing.mission) } else { "no mission".to_owned() };
             format!("all that stands: {mission}, {} cells visited", standing.map.visited())
         }
@@ -115,10 +115,10 @@ mod tests {
     use crate::api::fixture::piece;
     use hallsweep_core::command::{Door, Issuer, Refused};
     use hallsweep_core::mission::{FaultCause, Inspection};
-    use hallsweep_core::units::{Cell, Pose, Wall};
+    use hallsweep_core::units::{Cell, Pose, WallTime};
 
     fn check(fact: Fact, expect: &str) {
-        assert_eq!(line(&Entry { wall: Wall::default(), fact }), format!("1970-01-01T00:00:00.000+00:00 {expect}"));
+        assert_eq!(line(&Entry { wall: WallTime::default(), fact }), format!("1970-01-01T00:00:00.000+00:00 {expect}"));
     }
 
     fn command(refused: Option<Refused>) -> Fact {

@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use super::robot::Place;
-use hallsweep_core::standing::Standing;
+use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, Revision};
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, cells_of};
 use hallsweep_core::world::resource::Resource;
@@ -77,8 +77,8 @@ impl<'a> From<&'a Snapshot> for Plan<'a> {
     }
 }
 
-impl<'a> From<&'a Standing> for Plan<'a> {
-    fn from(standing: &'a Standing) -> Plan<'a> {
+impl<'a> From<&'a PersistentState> for Plan<'a> {
+    fn from(standing: &'a PersistentState) -> Plan<'a> {
         Plan { hall: &standing.map, robot: standing.pose.cell }
     }
 }

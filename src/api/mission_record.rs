@@ -7,7 +7,7 @@ use super::journal;
 use super::luggage::LuggageJson;
 use super::map::{MapJson, Plan};
 use hallsweep_core::effect::Entry;
-use hallsweep_core::standing::Standing;
+use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
 
 /// A mission in one line.
@@ -82,7 +82,7 @@ impl Links {
 impl MissionWholeJson {
     /// A mission and what stood, and what of that cannot be understood.
     #[must_use]
-    pub fn new(record: MissionRecordJson, standing: Option<&Standing>, damage: Vec<String>) -> MissionWholeJson {
+    pub fn new(record: MissionRecordJson, standing: Option<&PersistentState>, damage: Vec<String>) -> MissionWholeJson {
         let luggage = standing.into_iter().flat_map(|standing| standing.luggage.values());
         let luggage = luggage.map(|luggage| LuggageJson::from(&**luggage)).collect();
         MissionWholeJson { record, luggage, map: standing.map(|standing| MapJson::from(Plan::from(standing))), damage }
@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn a_mission_comes_with_its_luggage_its_map_and_where_there_is_more() {
-        let mut standing = Standing::first(Strategy::Snail);
+        let mut standing = PersistentState::first(Strategy::Snail);
         standing.map = drawn(&["11W"], 1);
         let piece = piece(7, Cell::new(2, 0), None);
         standing.luggage.insert(piece.id, piece);

@@ -4,24 +4,24 @@
 use jiff::Timestamp;
 use jiff::tz::{Offset, TimeZone};
 
-use hallsweep_core::units::Wall;
+use hallsweep_core::units::WallTime;
 
 /// As `2026-02-03T10:05:12.000+01:00`: RFC 3339 with milliseconds and the zone's offset.
 #[must_use]
-pub fn rfc3339(wall: Wall) -> String {
+pub fn rfc3339(wall: WallTime) -> String {
     let at = zoned(wall);
     format!("{}{}", at.strftime("%Y-%m-%dT%H:%M:%S%.3f"), at.strftime("%:z"))
 }
 
 /// As `10:05:12`, in the moment's own zone.
 #[must_use]
-pub fn clock_time(wall: Wall) -> String {
+pub fn clock_time(wall: WallTime) -> String {
     zoned(wall).strftime("%H:%M:%S").to_string()
 }
 
 /// As `3 Feb 2026, 10:05:12`, in the moment's own zone.
 #[must_use]
-pub fn date_and_time(wall: Wall) -> String {
+pub fn date_and_time(wall: WallTime) -> String {
     zoned(wall).strftime("%-d %b %Y, %H:%M:%S").to_string()
 }
 
@@ -34,14 +34,14 @@ pub struct Zone {
 impl Zone {
     /// The zone of this moment.
     #[must_use]
-    pub const fn of(wall: Wall) -> Zone {
+    pub const fn of(wall: WallTime) -> Zone {
         Zone { offset_s: wall.offset_s }
     }
 
     /// As `UTC+01:00`.
     #[must_use]
     pub fn name(self) -> String {
-        format!("UTC{}", zoned(Wall { unix_ms: 0, offset_s: self.offset_s }).strftime("%:z"))
+        format!("UTC{}", zoned(WallTime { unix_ms: 0, offset_s: self.offset_s }).strftime("%:z"))
     }
 
     /// East of Greenwich, in seconds.
@@ -52,23 +52,23 @@ impl Zone {
 
     /// As `10:05:12`.
     #[must_use]
-    pub fn clock_time(self, wall: Wall) -> String {
+    pub fn clock_time(self, wall: WallTime) -> String {
         clock_time(self.shown(wall))
     }
 
     /// As `3 Feb 2026, 10:05:12`.
     #[must_use]
-    pub fn date_and_time(self, wall: Wall) -> String {
+    pub fn date_and_time(self, wall: WallTime) -> String {
         date_and_time(self.shown(wall))
     }
 
-    const fn shown(self, wall: Wall) -> Wall {
-        Wall { offset_s: self.offset_s, ..wall }
+    const fn shown(self, wall: WallTime) -> WallTime {
+        WallTime { offset_s: self.offset_s, ..wall }
     }
 }
 
 /// A moment or an offset beyond what a calendar can show is shown as the calendar's nearest.
-fn zoned(wall: Wall) -> jiff::Zoned {
+fn zoned(wall: WallTime) -> jiff::Zoned {
     let nearest = if wall.unix_ms < 0 { Timestamp::MIN } else { Timestamp::MAX };
     let at = Timestamp::from_millisecond(wall.unix_ms).unwrap_or(nearest);
     let offset = Offset::from_seconds(wall.offset_s).unwrap_or(Offset::UTC);
@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn a_moment_carries_its_zone() {
-        let wall = Wall { unix_ms: 1_770_109_512_250, offset_s: 3600 };
+        let wall = WallTime { unix_ms: 1_770_109_512_250, offset_s: 3600 };
         assert_eq!(rfc3339(wall), "2026-02-03T10:05:12.250+01:00");
         assert_eq!(clock_time(wall), "10:05:12");
         assert_eq!(date_and_time(wall), "3 Feb 2026, 10:05:12");
@@ -89,8 +89,8 @@ mod tests {
 
     #[test]
     fn a_page_shows_the_moments_of_every_zone_in_its_own() {
-        let zone = Zone::of(Wall { unix_ms: 0, offset_s: 3600 });
-        let elsewhere = Wall { unix_ms: 1_770_109_512_250, offset_s: -12_600 };
+        let zone = Zone::of(WallTime { unix_ms: 0, offset_s: 3600 });
+        let elsewhere = WallTime { unix_ms: 1_770_109_512_250, offset_s: -12_600 };
         assert_eq!(zone.name(), "UTC+01:00");
         assert_eq!(
             (zone.clock_time(elsewhere), zone.date_and_time(elsewhere)),
@@ -100,14 +100,14 @@ mod tests {
 
     #[test]
     fn utc_and_zones_of_half_hours_are_written_too() {
-        assert_eq!(rfc3339(Wall { unix_ms: 0, offset_s: 0 }), "1970-01-01T00:00:00.000+00:00");
-        assert_eq!(rfc3339(Wall { unix_ms: 0, offset_s: -12_600 }), "1969-12-31T20:30:00.000-03:30");
+        assert_eq!(rfc3339(WallTime { unix_ms: 0, offset_s: 0 }), "1970-01-01T00:00:00.000+00:00");
+        assert_eq!(rfc3339(WallTime { unix_ms: 0, offset_s: -12_600 }), "1969-12-31T20:30:00.000-03:30");
     }
 
     #[test]
     fn a_moment_no_calendar_can_show_does_not_end_the_program() {
         for unix_ms in [i64::MIN, i64::MAX] {
-            assert!(!rfc3339(Wall { unix_ms, offset_s: i32::MAX }).is_empty());
+            assert!(!rfc3339(WallTime { unix_ms, offset_s: i32::MAX }).is_empty());
         }
     }
 }

@@ -8,23 +8,29 @@ use crate::runtime::halt::Halter;
 use crate::runtime::link::RobotLink;
 use crate::runtime::store::Store;
 use hallsweep_core::effect::Effect;
+use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Event, RobotId};
-use hallsweep_core::sweep::Sweep;
 use hallsweep_core::units::Seq;
 
 /// So long the disk is waited for. After that the program serves all the same, without a diary: the next start tries again.
 const KEPT_WITHIN: Duration = Duration::from_secs(5);
 
 /// Puts the robot down and keeps what follows from it; whether it is kept.
-pub(super) async fn put_down(sweep: &mut Sweep, store: &mut dyn Store, link: &RobotLink, halter: &Halter, clock: &Clock) -> bool {
-    sweep.put_down_elsewhere(clock.now());
+pub(super) async fn put_down(
+    engine: &mut Engine,
+    store: &mut dyn Store,
+    link: &RobotLink,
+    halter: &Halter,
+    clock: &Clock,
+) -> bool {
+    engine.put_down_elsewhere(clock.now());
     let mut word = store.word();
     let losses = word.borrow().losses;
-    let last = hand_over(sweep, store, (link, halter), losses);
+    let last = hand_over(engine, store, (link, halter), losses);
     let settled = word.wait_for(|word| word.kept >= last || word.losses > losses || word.failure.is_some());
     let is_settled = matches!(tokio::time::timeout(KEPT_WITHIN, settled).await, Ok(Ok(_)));
     let kept = word.borrow().kept;
-    sweep.handle_event(Event::Recorded(kept), clock.now());
+    engine.handle_event(Event::Recorded(kept), clock.now());
     let is_kept = is_settled && kept >= last;
     if !is_kept {
         tracing::warn!("that the robot was put down in another hall cannot be put on record: the next start tries it again");
@@ -34,9 +40,9 @@ pub(super) async fn put_down(sweep: &mut Sweep, store: &mut dyn Store, link: &Ro
 
 /// Hands everything to the store that is to be kept; the last entry of it. No robot is linked yet and nobody has asked anything,
 /// so that beside records there are only halts and the LED.
-fn hand_over(sweep: &mut Sweep, store: &mut dyn Store, (link, halter): (&RobotLink, &Halter), losses: u64) -> Seq {
+fn hand_over(engine: &mut Engine, store: &mut dyn Store, (link, halter): (&RobotLink, &Halter), losses: u64) -> Seq {
     let mut last = Seq(0);
-    while let Some(effect) = sweep.poll_effect() {
+    while let Some(effect) = engine.poll_effect() {
         match effect {
             Effect::Record(page) => {
                 last = page.last();
@@ -56,14 +62,14 @@ mod tests {
 
     use super::*;
     use crate::runtime::link::link;
-    use crate::runtime::store::StoreWord;
+    use crate::runtime::store::StoreStatus;
     use hallsweep_core::effect::Page;
     use hallsweep_core::settings::Settings;
     use hallsweep_core::units::Epoch;
 
     /// Keeps pages when it is told to.
     struct Slow {
-        word: watch::Sender<StoreWord>,
+        word: watch::Sender<StoreStatus>,
         pages: Vec<Page>,
     }
 
@@ -72,14 +78,14 @@ mod tests {
             self.pages.push(page);
         }
 
-        fn word(&self) -> watch::Receiver<StoreWord> {
+        fn word(&self) -> watch::Receiver<StoreStatus> {
             self.word.subscribe()
         }
     }
 
-    /// A sweep that was put down, and what came of it when the store says this of it after a while.
-    async fn put_down_with(say: impl FnOnce(&mut StoreWord) + Send + 'static) -> (bool, Sweep, Slow) {
-        let mut sweep = Sweep::new(Settings::default(), Default::default(), "test".into());
+    /// An engine that was put down, and what came of it when the store says this of it after a while.
+    async fn put_down_with(say: impl FnOnce(&mut StoreStatus) + Send + 'static) -> (bool, Engine, Slow) {
+        let mut engine = Engine::new(Settings::default(), Default::default(), "test".into());
         let mut store = Slow { word: watch::Sender::default(), pages: Vec::new() };
         let word = store.word.clone();
         tokio::spawn(async move {
@@ -88,24 +94,24 @@ mod tests {
         });
         let halter = Halter::new(Epoch(0));
         let (link, _side) = link(halter.watch());
-        let kept = put_down(&mut sweep, &mut store, &link, &halter, &Clock::default()).await;
-        (kept, sweep, store)
+        let kept = put_down(&mut engine, &mut store, &link, &halter, &Clock::default()).await;
+        (kept, engine, store)
     }
 
     /// Safety R1, R2.
     #[tokio::test(start_paused = true)]
     async fn it_is_done_when_all_of_it_is_on_record() {
-        let (kept, mut sweep, store) = put_down_with(|word| word.kept = Seq(100)).await;
+        let (kept, mut engine, store) = put_down_with(|word| word.kept = Seq(100)).await;
         assert!(kept);
         assert!(!store.pages.is_empty(), "there was something to keep");
-        assert!(sweep.poll_effect().is_none(), "the loop finds nothing that was left behind");
+        assert!(engine.poll_effect().is_none(), "the loop finds nothing that was left behind");
     }
 
     #[tokio::test(start_paused = true)]
     async fn a_disk_that_fails_or_hangs_gives_no_diary() {
         assert!(!put_down_with(|_| {}).await.0, "it says nothing");
         assert!(!put_down_with(|word| word.kept = Seq(0)).await.0, "it keeps nothing");
-        let fails = |word: &mut StoreWord| (word.losses, word.failure) = (1, Some("the disk is full".into()));
+        let fails = |word: &mut StoreStatus| (word.losses, word.failure) = (1, Some("the disk is full".into()));
         assert!(!put_down_with(fails).await.0);
     }
 }

@@ -12,7 +12,7 @@ use crate::runtime::store::Store;
 use crate::storage::memory::Memory;
 use crate::storage::sqlite;
 use crate::storage::stops::Stops;
-use hallsweep_core::sweep::Recalled;
+use hallsweep_core::engine::Recalled;
 use hallsweep_core::units::Epoch;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_sim::{Hall, Sim, SimMemory, SimSettings};

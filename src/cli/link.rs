@@ -52,7 +52,7 @@ mod tests {
         begins(&http, "[::]:8080", "http://[::1]:8080");
         begins(&http, "192.0.2.7:80", "http://192.0.2.7:80");
         begins(&http, "[2001:db8::1]:80", "http://[2001:db8::1]:80");
-        http.hosts = vec!["hall.example".to_owned(), "sweep".to_owned()];
+        http.hosts = vec!["hall.example".to_owned(), "engine".to_owned()];
         begins(&http, "0.0.0.0:8080", "http://hall.example:8080");
     }
 }

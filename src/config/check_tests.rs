@@ -334,7 +334,7 @@ fn old_clients_do_not_drive_unless_they_are_let() {
 #[test]
 fn names_of_hosts_come_in_a_list_or_alone() {
     let hosts = |value: &str| load(&environment("HALLSWEEP__HTTP__HOSTS", value)).expect("names").http.hosts;
-    assert_eq!(hosts("[\"hall.example\", \"sweep\"]"), ["hall.example", "sweep"]);
+    assert_eq!(hosts("[\"hall.example\", \"engine\"]"), ["hall.example", "engine"]);
     assert_eq!(hosts("hall.example"), ["hall.example"]);
     assert_eq!(load(&Sources::default()).expect("the defaults are good").http.hosts, Vec::<String>::new());
 }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use hallsweep_core::effect::Entry;
 use hallsweep_core::event::Photo;
-use hallsweep_core::standing::Standing;
-use hallsweep_core::units::{LuggageId, MissionId, Seq, Wall};
+use hallsweep_core::state::PersistentState;
+use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::Luggage;
 
 /// Reading failed; why, in words for an operator.
@@ -34,9 +34,9 @@ pub struct MissionRecord {
     /// The order of its search, by its name.
     pub strategy: Arc<str>,
     /// When it began.
-    pub began: Wall,
+    pub began: WallTime,
     /// When it was put away; `None` while it is the present one.
-    pub archived: Option<Wall>,
+    pub archived: Option<WallTime>,
     /// The last phase it came to, by the name of the doors.
     pub phase: Arc<str>,
     /// How many pieces were found.
@@ -77,7 +77,7 @@ pub trait Archive: Send + Sync {
     ///
     /// # Errors
     /// When the record cannot be read.
-    fn standing(&self, mission: MissionId) -> Result<Option<Sound<Standing>>, Unreadable>;
+    fn standing(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable>;
 
     /// The entries of a mission after `after`, oldest first, at most `most`.
     ///

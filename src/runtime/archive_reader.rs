@@ -61,7 +61,7 @@ mod tests {
     use super::*;
     use crate::runtime::archive::{Happened, MissionRecord, Sound};
     use hallsweep_core::event::Photo;
-    use hallsweep_core::standing::Standing;
+    use hallsweep_core::state::PersistentState;
     use hallsweep_core::units::{LuggageId, MissionId, Seq};
     use hallsweep_core::world::luggage::Luggage;
 
@@ -85,7 +85,7 @@ mod tests {
             Ok(None)
         }
 
-        fn standing(&self, _: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
+        fn standing(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
             Ok(None)
         }
 

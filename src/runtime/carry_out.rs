@@ -75,15 +75,15 @@ mod tests {
     use crate::runtime::halt::Halter;
     use crate::runtime::handle::{COMMANDS, Envelope};
     use hallsweep_core::command::{Command, Door, Issuer};
+    use hallsweep_core::engine::Engine;
     use hallsweep_core::settings::Settings;
-    use hallsweep_core::sweep::Sweep;
     use hallsweep_core::units::{Epoch, LuggageId, Revision};
 
     /// A handle before a loop that answers one command so, and publishes the state of that revision after a while.
     fn answering(answer: Result<Accepted, Refused>, published: Revision) -> Handle {
         let (commands, mut envelopes) = mpsc::channel(COMMANDS);
-        let mut sweep = Sweep::new(Settings::default(), Default::default(), "test".into());
-        let (publish, snapshots) = watch::channel(sweep.snapshot());
+        let mut engine = Engine::new(Settings::default(), Default::default(), "test".into());
+        let (publish, snapshots) = watch::channel(engine.snapshot());
         tokio::spawn(async move {
             let Some(Envelope::Command(_, asks)) = envelopes.recv().await else { return };
             let _ = asks.send(answer);

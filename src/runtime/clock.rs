@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use tokio::time::Instant;
 
-use hallsweep_core::units::{Now, Wall};
+use hallsweep_core::units::{Now, WallTime};
 
 /// The real clock, counted from when it was made. Where a test lets time stand, it stands with it.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +32,7 @@ impl Clock {
     #[must_use]
     pub fn now(&self) -> Now {
         let zoned = jiff::Zoned::now();
-        let wall = Wall { unix_ms: zoned.timestamp().as_millisecond() + self.off_ms, offset_s: zoned.offset().seconds() };
+        let wall = WallTime { unix_ms: zoned.timestamp().as_millisecond() + self.off_ms, offset_s: zoned.offset().seconds() };
         Now { since_start: self.start.elapsed(), wall }
     }
 

@@ -177,8 +177,8 @@ mod tests {
     use super::*;
     use crate::runtime::within::within;
     use hallsweep_core::command::{Door, Move};
+    use hallsweep_core::engine::Engine;
     use hallsweep_core::settings::Settings;
-    use hallsweep_core::sweep::Sweep;
     use hallsweep_core::units::Epoch;
 
     /// A handle before a loop that does not run, and what would come to the loop.
@@ -190,7 +190,7 @@ mod tests {
     fn handle_with_overflow() -> (Handle, mpsc::Receiver<Envelope>, Halter, OverflowOut) {
         let (commands, envelopes) = mpsc::channel(COMMANDS);
         let halter = Halter::new(Epoch(4));
-        let (_, snapshots) = watch::channel(Sweep::new(Settings::default(), Default::default(), "test".into()).snapshot());
+        let (_, snapshots) = watch::channel(Engine::new(Settings::default(), Default::default(), "test".into()).snapshot());
         let (handle, overflow) = Handle::with_overflow(commands, snapshots, halter.clone());
         (handle, envelopes, halter, overflow)
     }

@@ -9,7 +9,7 @@ use hallsweep_core::units::Seq;
 
 /// What the store says of the pages it was given.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct StoreWord {
+pub struct StoreStatus {
     /// Up to which entry everything is kept, but for what losses took.
     pub kept: Seq,
     /// Why nothing can be written just now, in words for an operator.
@@ -26,5 +26,5 @@ pub trait Store: Send {
     fn record(&mut self, page: Page, losses: u64);
 
     /// Where the store's latest word is found.
-    fn word(&self) -> watch::Receiver<StoreWord>;
+    fn word(&self) -> watch::Receiver<StoreStatus>;
 }

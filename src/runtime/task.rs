@@ -11,21 +11,21 @@ use super::halt::{HaltWatch, Halter};
 use super::handle::{Answer, COMMANDS, Envelope, Handle};
 use super::link::{RobotLink, Stamped};
 use super::overflow::{Counted, Overflow, OverflowOut};
-use super::store::{Store, StoreWord};
+use super::store::{Store, StoreStatus};
 use hallsweep_core::command::{Command, Issuer, Refused, Request};
 use hallsweep_core::effect::{Effect, Order};
+use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Event, RobotEvent, RobotId};
-use hallsweep_core::sweep::Sweep;
 use hallsweep_core::units::{Epoch, Seq, Ticket};
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// The loop, not yet running.
 pub struct Task {
-    sweep: Sweep,
+    engine: Engine,
     link: RobotLink,
     store: Box<dyn Store>,
     /// What the store says of the entries it was given.
-    word: watch::Receiver<StoreWord>,
+    word: watch::Receiver<StoreStatus>,
     clock: Clock,
     halter: Halter,
     halts: HaltWatch,
@@ -58,17 +58,17 @@ pub struct Course {
 }
 
 impl Task {
-    /// A loop round a sweep, and the handle by which doors reach it.
+    /// A loop round an engine, and the handle by which doors reach it.
     #[must_use]
-    pub fn new(mut sweep: Sweep, link: RobotLink, store: Box<dyn Store>, clock: Clock, halter: Halter) -> (Handle, Task) {
+    pub fn new(mut engine: Engine, link: RobotLink, store: Box<dyn Store>, clock: Clock, halter: Halter) -> (Handle, Task) {
         let (commands_out, commands) = mpsc::channel(COMMANDS);
-        let snapshots = watch::Sender::new(sweep.snapshot());
+        let snapshots = watch::Sender::new(engine.snapshot());
         let halts = halter.watch();
         let (handle, overflow) = Handle::with_overflow(commands_out, snapshots.subscribe(), halter.clone());
         let answers = BTreeMap::new();
         let word = store.word();
         let task = Task {
-            sweep,
+            engine,
             link,
             store,
             word,
@@ -94,13 +94,13 @@ impl Task {
         self.hear_store();
         self.settle();
         loop {
-            let due = self.sweep.poll_timeout();
+            let due = self.engine.poll_timeout();
             tokio::select! {
                 biased;
                 changed = course.changed() => {
                     let Course { ended_by, is_over } = *course.borrow_and_update();
                     if let Some(by) = ended_by.filter(|_| !std::mem::replace(&mut self.is_ending, true)) {
-                        self.sweep.handle_end(by, self.clock.now());
+                        self.engine.handle_end(by, self.clock.now());
                     }
                     if is_over || changed.is_err() {
                         break;
@@ -108,7 +108,7 @@ impl Task {
                 }
                 Ok(()) = self.word.changed() => self.hear_store(),
                 // Before commands and reports: a steady flow of these must not keep a silent sensor from being noticed.
-                () = self.clock.reach(due) => self.sweep.handle_timeout(self.clock.now()),
+                () = self.clock.reach(due) => self.engine.handle_timeout(self.clock.now()),
                 report = self.link.reports.recv(), if !self.link_gone => self.take_report(report),
                 envelope = self.commands.recv() => match envelope {
                     Some(envelope) => self.take(envelope),
@@ -122,7 +122,7 @@ impl Task {
             self.settle();
         }
         self.take_rest();
-        self.sweep.record_rest(self.clock.now());
+        self.engine.record_rest(self.clock.now());
         self.settle();
     }
 
@@ -141,7 +141,7 @@ impl Task {
             self.link_gone = true;
             RobotEvent::LinkLost("the robot's adapter has ended".to_owned())
         });
-        self.sweep.handle_event(Event::Robot(RobotId::Discovery, report), self.clock.now());
+        self.engine.handle_event(Event::Robot(RobotId::Discovery, report), self.clock.now());
     }
 
     /// Tells the core of stops, before anything that was given after them, and of what else found no room in the queue.
@@ -149,15 +149,15 @@ impl Task {
         let epoch = self.halts.now().epoch;
         if epoch > self.heard {
             self.heard = epoch;
-            self.sweep.handle_halt(epoch, self.clock.now());
+            self.engine.handle_halt(epoch, self.clock.now());
         }
         let Overflow { stops, refusals } = self.overflow.take();
         for Counted { last, count, answers, .. } in stops.into_values() {
-            let given = self.sweep.handle_stops(last, count, self.clock.now());
+            let given = self.engine.handle_stops(last, count, self.clock.now());
             self.await_answer(given, answers);
         }
         for Counted { last: (issuer, asked, refused), count, .. } in refusals.into_values() {
-            self.sweep.note_refused(issuer, asked, &refused, count, self.clock.now());
+            self.engine.note_refused(issuer, asked, &refused, count, self.clock.now());
         }
     }
 
@@ -170,7 +170,7 @@ impl Task {
     }
 
     fn note_refused(&mut self, issuer: Issuer, asked: String, refused: Refused, answer: Option<oneshot::Sender<Answer>>) {
-        let noted = self.sweep.note_refused(issuer, asked, &refused, 1, self.clock.now());
+        let noted = self.engine.note_refused(issuer, asked, &refused, 1, self.clock.now());
         let Some(answer) = answer else { return };
         if let Some(seq) = noted {
             self.refusals.push_back((seq, answer, refused));
@@ -181,7 +181,7 @@ impl Task {
     }
 
     fn take_command(&mut self, request: Request, answer: oneshot::Sender<Answer>) {
-        let given = self.sweep.handle_command(request, self.clock.now());
+        let given = self.engine.handle_command(request, self.clock.now());
         self.await_answer(given, vec![answer]);
     }
 
@@ -189,7 +189,7 @@ impl Task {
         match given {
             Ok(ticket) => drop(self.answers.insert(ticket, answers)),
             Err(refused) => {
-                let seq = self.sweep.written();
+                let seq = self.engine.written();
                 self.refusals.extend(answers.into_iter().map(|answer| (seq, answer, refused.clone())));
             }
         }
@@ -199,7 +199,7 @@ impl Task {
     fn settle(&mut self) {
         let mut answers = Vec::new();
         loop {
-            while let Some(effect) = self.sweep.poll_effect() {
+            while let Some(effect) = self.engine.poll_effect() {
                 match effect {
                     Effect::Order(RobotId::Discovery, order) => self.send(order),
                     Effect::Halt(RobotId::Discovery) => self.halter.halt(),
@@ -249,19 +249,19 @@ impl Task {
 
     fn hear_store(&mut self) {
         let now = self.clock.now();
-        let StoreWord { kept, failure, losses } = self.word.borrow_and_update().clone();
-        self.sweep.handle_event(Event::Recorded(kept), now);
+        let StoreStatus { kept, failure, losses } = self.word.borrow_and_update().clone();
+        self.engine.handle_event(Event::Recorded(kept), now);
         if losses > self.losses || (failure.is_some() && !self.store_failed) {
             (self.losses, self.store_failed) = (losses, true);
             let words = failure.as_deref().unwrap_or("writing failed for a moment").to_owned();
             tracing::error!(words, "the record cannot be written");
-            self.sweep.handle_event(Event::StoreFailed(words), now);
+            self.engine.handle_event(Event::StoreFailed(words), now);
         } else if let Some(words) = failure.as_deref() {
-            self.sweep.handle_event(Event::StoreReason(words.to_owned()), now);
+            self.engine.handle_event(Event::StoreReason(words.to_owned()), now);
         }
         if failure.is_none() && std::mem::take(&mut self.store_failed) {
             tracing::info!("the record is written again");
-            self.sweep.handle_event(Event::StoreRestored, now);
+            self.engine.handle_event(Event::StoreRestored, now);
         }
     }
 
@@ -270,18 +270,18 @@ impl Task {
     fn send(&mut self, order: Order) {
         let halts = self.halts.now();
         let answer = if order.epoch < halts.epoch && order.action.is_motion() {
-            self.sweep.handle_halt(halts.epoch, self.clock.now());
+            self.engine.handle_halt(halts.epoch, self.clock.now());
             RobotEvent::Halted(order.id, false)
         } else {
             let Err(error) = self.link.orders.try_send(Stamped { order, halts: halts.count }) else { return };
             tracing::warn!(%error, "the robot's adapter does not take its orders");
             RobotEvent::Failed(order.id, "its adapter does not take orders".to_owned())
         };
-        self.sweep.handle_event(Event::Robot(RobotId::Discovery, answer), self.clock.now());
+        self.engine.handle_event(Event::Robot(RobotId::Discovery, answer), self.clock.now());
     }
 
     fn publish(&mut self) {
-        let snapshot = self.sweep.snapshot();
+        let snapshot = self.engine.snapshot();
         self.snapshots.send_if_modified(|current| {
             let newer = current.revision != snapshot.revision;
             if newer {

@@ -17,7 +17,7 @@ use hallsweep_core::world::robot::RobotState;
 
 /// Keeps nothing, but says that it did: at once, or when the test lets it.
 struct Forgetful {
-    word: watch::Sender<StoreWord>,
+    word: watch::Sender<StoreStatus>,
     at_once: Arc<AtomicBool>,
 }
 
@@ -28,7 +28,7 @@ impl Store for Forgetful {
         }
     }
 
-    fn word(&self) -> watch::Receiver<StoreWord> {
+    fn word(&self) -> watch::Receiver<StoreStatus> {
         self.word.subscribe()
     }
 }
@@ -69,17 +69,17 @@ fn task() -> (Handle, Task, RobotSide) {
     (handle, task, robot)
 }
 
-fn task_with(at_once: bool) -> (Handle, Task, RobotSide, watch::Sender<StoreWord>) {
+fn task_with(at_once: bool) -> (Handle, Task, RobotSide, watch::Sender<StoreStatus>) {
     task_keeping(&Arc::new(AtomicBool::new(at_once)))
 }
 
-fn task_keeping(at_once: &Arc<AtomicBool>) -> (Handle, Task, RobotSide, watch::Sender<StoreWord>) {
-    let word = watch::Sender::new(StoreWord::default());
+fn task_keeping(at_once: &Arc<AtomicBool>) -> (Handle, Task, RobotSide, watch::Sender<StoreStatus>) {
+    let word = watch::Sender::new(StoreStatus::default());
     let store = Forgetful { word: word.clone(), at_once: Arc::clone(at_once) };
     let halter = Halter::new(Epoch(0));
     let (loop_side, robot_side) = link(halter.watch());
-    let sweep = Sweep::new(Settings::default(), Default::default(), "test".into());
-    let (handle, task) = Task::new(sweep, loop_side, Box::new(store), Clock::default(), halter);
+    let engine = Engine::new(Settings::default(), Default::default(), "test".into());
+    let (handle, task) = Task::new(engine, loop_side, Box::new(store), Clock::default(), halter);
     (handle, task, robot_side, word)
 }
 
@@ -158,12 +158,12 @@ async fn a_stop_between_an_order_and_its_sending_holds_the_robot() {
     let can = Capabilities { step: second, turn: second, photo: second, nudges: false };
     task.take_report(Some(RobotEvent::LinkUp(can)));
     task.settle();
-    let start = task.sweep.handle_command(request(Command::Start), task.clock.now());
+    let start = task.engine.handle_command(request(Command::Start), task.clock.now());
     assert!(start.is_ok());
     task.halter.stop();
     task.settle();
     assert!(robot.orders.try_recv().is_err());
-    assert!(task.sweep.snapshot().mission.holds.contains(&Hold::Operator));
+    assert!(task.engine.snapshot().mission.holds.contains(&Hold::Operator));
 }
 
 /// Safety S2: heat halts as directly as a stop does.
@@ -274,7 +274,7 @@ async fn a_robot_and_a_disk_that_do_not_obey_cost_the_answer_a_tenth_of_a_second
 /// Safety A6: nobody waits for their answers any more.
 #[tokio::test]
 async fn stops_that_were_given_before_the_end_are_on_record() {
-    struct Listing(watch::Sender<StoreWord>, Arc<std::sync::Mutex<Vec<String>>>);
+    struct Listing(watch::Sender<StoreStatus>, Arc<std::sync::Mutex<Vec<String>>>);
     impl Store for Listing {
         fn record(&mut self, page: Page, _losses: u64) {
             let mut listed = self.1.lock().unwrap();
@@ -285,7 +285,7 @@ async fn stops_that_were_given_before_the_end_are_on_record() {
             }
         }
 
-        fn word(&self) -> watch::Receiver<StoreWord> {
+        fn word(&self) -> watch::Receiver<StoreStatus> {
             self.0.subscribe()
         }
     }
@@ -293,8 +293,8 @@ async fn stops_that_were_given_before_the_end_are_on_record() {
     let store = Box::new(Listing(watch::Sender::default(), Arc::clone(&listed)));
     let halter = Halter::new(Epoch(0));
     let (loop_side, _robot) = link(halter.watch());
-    let sweep = Sweep::new(Settings::default(), Default::default(), "test".into());
-    let (handle, task) = Task::new(sweep, loop_side, store, Clock::default(), halter);
+    let engine = Engine::new(Settings::default(), Default::default(), "test".into());
+    let (handle, task) = Task::new(engine, loop_side, store, Clock::default(), halter);
     (0..100).for_each(|_| drop(handle.give(request(Command::Stop))));
     drop(handle.give(request(Command::Start)));
     let (course, coursed) = watch::channel(Course::default());

@@ -24,5 +24,5 @@ fn begun(entry: &Entry) -> Option<Option<MissionId>> {
     if let Fact::MissionBegan(mission, _) = &entry.fact {
         return Some(Some(*mission));
     }
-    if let Fact::Standing(standing) = &entry.fact { Some(standing.under_way.then_some(standing.mission)) } else { None }
+    if let Fact::State(standing) = &entry.fact { Some(standing.under_way.then_some(standing.mission)) } else { None }
 }

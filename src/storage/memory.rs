@@ -8,13 +8,13 @@ use tokio::sync::watch;
 
 use super::belonging::belongs;
 use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
-use crate::runtime::store::{Store, StoreWord};
+use crate::runtime::store::{Store, StoreStatus};
 use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::event::Photo;
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::Phase;
-use hallsweep_core::standing::Standing;
-use hallsweep_core::units::{LuggageId, MissionId, Seq, Wall};
+use hallsweep_core::state::PersistentState;
+use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::{Decision, Luggage};
 
 /// How many entries are kept: some missions of a large hall, at about 100 bytes each.
@@ -33,12 +33,12 @@ pub const MISSIONS: usize = 256;
 #[derive(Clone, Debug)]
 pub struct Memory {
     kept: Arc<Mutex<Kept>>,
-    word: watch::Sender<StoreWord>,
+    word: watch::Sender<StoreStatus>,
 }
 
 #[derive(Debug)]
 struct Kept {
-    standing: Standing,
+    standing: PersistentState,
     entries: VecDeque<(Seq, Option<MissionId>, Entry)>,
     missions: BTreeMap<MissionId, Mission>,
     under_way: Option<MissionId>,
@@ -52,22 +52,22 @@ struct Kept {
 #[derive(Debug)]
 struct Mission {
     strategy: Strategy,
-    began: Wall,
+    began: WallTime,
     ended: Option<Ended>,
 }
 
 /// How a mission was put away.
 #[derive(Debug)]
 struct Ended {
-    wall: Wall,
+    wall: WallTime,
     left: Vec<LuggageId>,
-    standing: Standing,
+    standing: PersistentState,
 }
 
 impl Default for Memory {
     fn default() -> Memory {
         let kept = Kept {
-            standing: Standing::first(Strategy::default()),
+            standing: PersistentState::first(Strategy::default()),
             entries: VecDeque::new(),
             missions: BTreeMap::new(),
             under_way: None,
@@ -75,7 +75,7 @@ impl Default for Memory {
             photos: BTreeMap::new(),
             records: BTreeMap::new(),
         };
-        Memory { kept: Arc::new(Mutex::new(kept)), word: watch::Sender::new(StoreWord::default()) }
+        Memory { kept: Arc::new(Mutex::new(kept)), word: watch::Sender::new(StoreStatus::default()) }
     }
 }
 
@@ -135,7 +135,7 @@ impl Kept {
         {
             // The phase that follows on the mission is on record just before its end.
             let phase = self.phase_before.clone();
-            let standing = Standing { phase, ..self.standing.clone() };
+            let standing = PersistentState { phase, ..self.standing.clone() };
             known.ended = Some(Ended { wall: *wall, left: left.clone(), standing });
         }
         if self.missions.len() > MISSIONS {
@@ -196,7 +196,7 @@ impl Store for Memory {
         self.word.send_modify(|word| word.kept = last);
     }
 
-    fn word(&self) -> watch::Receiver<StoreWord> {
+    fn word(&self) -> watch::Receiver<StoreStatus> {
         self.word.subscribe()
     }
 }
@@ -220,7 +220,7 @@ impl Archive for Memory {
         Ok(self.lock().record(mission))
     }
 
-    fn standing(&self, mission: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
+    fn standing(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
         let kept = self.lock();
         let known = kept.missions.get(&mission);
         let of = known.map(|known| known.ended.as_ref().map_or(&kept.standing, |ended| &ended.standing).clone());
@@ -242,12 +242,12 @@ mod tests {
     use hallsweep_core::world::luggage::PhotoState;
 
     fn phase() -> Entry {
-        Entry { wall: Wall::default(), fact: Fact::Phase(Phase::Exploring) }
+        Entry { wall: WallTime::default(), fact: Fact::Phase(Phase::Exploring) }
     }
 
     fn luggage(id: u64, photo: Result<&str, &str>) -> Entry {
         let photo = photo.map(|text| Photo { bytes: text.as_bytes().into(), media_type: "image/png" }).map_err(str::to_owned);
-        let (cell, pose, taken) = (Cell::new(0, 1), Pose::START, Wall::default());
+        let (cell, pose, taken) = (Cell::new(0, 1), Pose::START, WallTime::default());
         let state = PhotoState::after(None, &photo);
         let record = Arc::new(Luggage { id: LuggageId(id), cell, pose, taken, photo: state, verdict: None, piece: None });
         Entry { wall: taken, fact: Fact::Luggage { record, photo: photo.ok() } }
@@ -287,7 +287,10 @@ mod tests {
     fn a_piece_is_found_with_its_verdict_whatever_mission_it_was_of() {
         let mut memory = Memory::new();
         let verdict = Fact::Verdict { luggage: LuggageId(1), verdict: Verdict::Safe, who: "operator".into() };
-        record(&mut memory, [luggage(1, Ok("first")), Entry { wall: Wall::default(), fact: verdict }, luggage(2, Err("dark"))]);
+        record(
+            &mut memory,
+            [luggage(1, Ok("first")), Entry { wall: WallTime::default(), fact: verdict }, luggage(2, Err("dark"))],
+        );
         let first = memory.luggage(LuggageId(1)).unwrap().expect("the first piece is kept");
         assert_eq!((first.verdict_name(), first.has_photo()), ("safe", true));
         assert_eq!(memory.luggage(LuggageId(2)).unwrap().map(|record| record.has_photo()), Some(false));
@@ -324,7 +327,7 @@ mod tests {
     #[test]
     fn a_mission_that_is_over_is_read_as_it_ended() {
         let mut memory = Memory::new();
-        let at = |fact| Entry { wall: Wall::default(), fact };
+        let at = |fact| Entry { wall: WallTime::default(), fact };
         let mission = MissionId(1);
         let began = vec![phase(), at(Fact::MissionBegan(mission, Strategy::Snail)), luggage(1, Ok("first"))];
         memory.record(Page { first: Seq(1), entries: began }, 0);

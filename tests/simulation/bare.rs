@@ -1,22 +1,22 @@
-//! A sweep without a simulator: the test is the robot and the store, and answers when and how it likes.
+//! An engine without a simulator: the test is the robot and the store, and answers when and how it likes.
 
 use std::sync::Arc;
 use std::time::Duration;
 
 use hallsweep_core::command::{Accepted, Command, Door, Issuer, LuggageRef, Move, Refused, Request, Verdict};
 use hallsweep_core::effect::{Action, Effect, Entry, Fact, Order};
+use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Capabilities, Event, Obstacle, Photo, Piece, RobotEvent, RobotId};
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::settings::Settings;
-use hallsweep_core::sweep::Sweep;
-use hallsweep_core::units::{Cell, Epoch, LuggageId, Now, Seq, Ticket, Wall};
+use hallsweep_core::units::{Cell, Epoch, LuggageId, Now, Seq, Ticket, WallTime};
 use hallsweep_core::world::snapshot::Snapshot;
 
 use crate::shown::Record;
 
 /// The core, and what came out of it.
 pub(crate) struct Bare {
-    pub(crate) sweep: Sweep,
+    pub(crate) engine: Engine,
     pub(crate) seconds: u64,
     /// Effects in the order in which they came, since the last look.
     pub(crate) effects: Vec<Effect>,
@@ -33,9 +33,9 @@ pub(crate) struct Bare {
 impl Bare {
     /// Before the link is up.
     pub(crate) fn unlinked() -> Bare {
-        let sweep = Sweep::new(Settings::default(), Default::default(), "bare".into());
+        let engine = Engine::new(Settings::default(), Default::default(), "bare".into());
         Bare {
-            sweep,
+            engine,
             seconds: 0,
             effects: Vec::new(),
             answers: Vec::new(),
@@ -97,20 +97,20 @@ impl Bare {
             Event::Recorded(_) => self.record.keep(&std::mem::take(&mut self.on_the_way)),
             _ => {}
         }
-        self.sweep.handle_event(event, self.now());
+        self.engine.handle_event(event, self.now());
         self.drain();
     }
 
     /// A sensor is configured that is not heard.
     pub(crate) fn watch_silent(&mut self, sensor: &str) {
-        self.sweep.watch_sensor(sensor.into(), Duration::from_secs(3600), self.now());
+        self.engine.watch_sensor(sensor.into(), Duration::from_secs(3600), self.now());
         self.drain();
     }
 
     /// Somebody presses STOP: it halts ahead of the queue of commands, and who it was follows. Which stop that is.
     pub(crate) fn raise(&mut self) -> Epoch {
         let raised = self.state().mission.epoch.next();
-        self.sweep.handle_halt(raised, self.now());
+        self.engine.handle_halt(raised, self.now());
         self.drain();
         raised
     }
@@ -124,7 +124,7 @@ impl Bare {
     }
 
     pub(crate) fn ask(&mut self, request: Request) -> Result<Ticket, Refused> {
-        let result = self.sweep.handle_command(request, self.now());
+        let result = self.engine.handle_command(request, self.now());
         self.drain();
         result
     }
@@ -205,14 +205,14 @@ impl Bare {
 
     /// Lets time pass until the answer of a stop has waited long enough, or the open order counts as unanswered.
     pub(crate) fn wait_in_vain(&mut self) {
-        let due = self.sweep.poll_timeout().expect("something is due");
+        let due = self.engine.poll_timeout().expect("something is due");
         self.seconds = due.as_secs() + 1;
-        self.sweep.handle_timeout(self.now());
+        self.engine.handle_timeout(self.now());
         self.drain();
     }
 
     pub(crate) fn state(&mut self) -> Arc<Snapshot> {
-        self.sweep.snapshot()
+        self.engine.snapshot()
     }
 
     pub(crate) fn phase(&mut self) -> PhaseName {
@@ -232,11 +232,11 @@ impl Bare {
     }
 
     fn now(&self) -> Now {
-        Now { since_start: Duration::from_secs(self.seconds), wall: Wall::default() }
+        Now { since_start: Duration::from_secs(self.seconds), wall: WallTime::default() }
     }
 
     fn drain(&mut self) {
-        while let Some(effect) = self.sweep.poll_effect() {
+        while let Some(effect) = self.engine.poll_effect() {
             match &effect {
                 Effect::Order(_, order) => self.order = Some(*order),
                 Effect::Record(page) => {
@@ -244,7 +244,7 @@ impl Bare {
                     self.on_the_way.extend(page.entries.iter().cloned());
                     if self.keeps {
                         self.record.keep(&std::mem::take(&mut self.on_the_way));
-                        self.sweep.handle_event(Event::Recorded(page.last()), self.now());
+                        self.engine.handle_event(Event::Recorded(page.last()), self.now());
                     }
                 }
                 Effect::Answer(ticket, answer) => self.answers.push((*ticket, answer.clone())),

@@ -7,17 +7,17 @@ use std::time::Duration;
 
 use hallsweep_core::command::{Accepted, Command, Door, Issuer, Refused, Request};
 use hallsweep_core::effect::{Effect, Entry, Fact, Page};
+use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::{Event, RobotId};
 use hallsweep_core::settings::Settings;
-use hallsweep_core::standing::Standing;
-use hallsweep_core::sweep::{Recalled, Sweep};
-use hallsweep_core::units::{Now, Seq, Ticket, Wall};
+use hallsweep_core::state::PersistentState;
+use hallsweep_core::units::{Now, Seq, Ticket, WallTime};
 use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_sim::{BodyPose, Hall, Sim, SimMemory, SimSettings};
 
 /// The program, its disk and its robot.
 pub(crate) struct Mortal {
-    pub(crate) sweep: Sweep,
+    pub(crate) engine: Engine,
     pub(crate) sim: Sim,
     /// What is on the disk.
     pub(crate) disk: Vec<Entry>,
@@ -33,7 +33,7 @@ pub(crate) struct Mortal {
 impl Mortal {
     pub(crate) fn born(hall: Arc<Hall>, settings: SimSettings) -> Mortal {
         let mut mortal = Mortal {
-            sweep: Sweep::new(Settings::default(), Default::default(), "mortal".into()),
+            engine: Engine::new(Settings::default(), Default::default(), "mortal".into()),
             sim: Sim::new(Arc::clone(&hall), settings),
             disk: Vec::new(),
             on_the_way: VecDeque::new(),
@@ -56,15 +56,15 @@ impl Mortal {
             Some(memory) => Sim::remembering(Arc::clone(&self.hall), self.settings, memory),
             None => Sim::new(Arc::clone(&self.hall), self.settings),
         };
-        let sweep = Sweep::recall(Settings::default(), "reborn".into(), self.recalled(), now);
-        let mut reborn = Mortal { sweep, sim, on_the_way: VecDeque::new(), answers: BTreeMap::new(), now, ..self };
+        let engine = Engine::recall(Settings::default(), "reborn".into(), self.recalled(), now);
+        let mut reborn = Mortal { engine, sim, on_the_way: VecDeque::new(), answers: BTreeMap::new(), now, ..self };
         reborn.settle();
         reborn
     }
 
     /// What a new start would read from the disk.
     pub(crate) fn recalled(&self) -> Recalled {
-        let mut standing = Standing::first(Default::default());
+        let mut standing = PersistentState::first(Default::default());
         self.disk.iter().for_each(|entry| standing.apply(entry));
         let named = |entry: &&Entry| matches!(entry.fact, Fact::Command { id: Some(_), .. });
         let commands = self.disk.iter().filter(named).cloned().collect();
@@ -76,7 +76,7 @@ impl Mortal {
     }
 
     pub(crate) fn ask(&mut self, request: Request) -> Result<Ticket, Refused> {
-        let given = self.sweep.handle_command(request, self.now);
+        let given = self.engine.handle_command(request, self.now);
         self.settle();
         given
     }
@@ -87,7 +87,7 @@ impl Mortal {
         let last = page.last();
         self.disk.extend(page.entries);
         assert_eq!(last, Seq(self.disk.len() as u64), "the journal has no gaps");
-        self.sweep.handle_event(Event::Recorded(last), self.now);
+        self.engine.handle_event(Event::Recorded(last), self.now);
         self.settle();
         true
     }
@@ -98,7 +98,7 @@ impl Mortal {
 
     /// The next thing that takes time; false when nothing happens by itself any more.
     pub(crate) fn advance(&mut self) -> bool {
-        let due = [self.sim.poll_timeout(), self.sweep.poll_timeout()].into_iter().flatten().min();
+        let due = [self.sim.poll_timeout(), self.engine.poll_timeout()].into_iter().flatten().min();
         due.is_some_and(|due| {
             self.wait_until(due);
             true
@@ -108,14 +108,14 @@ impl Mortal {
     /// A minute passes.
     pub(crate) fn wait_a_minute(&mut self) {
         let end = self.now.since_start + Duration::from_secs(60);
-        while [self.sim.poll_timeout(), self.sweep.poll_timeout()].into_iter().flatten().min().is_some_and(|due| due <= end) {
+        while [self.sim.poll_timeout(), self.engine.poll_timeout()].into_iter().flatten().min().is_some_and(|due| due <= end) {
             self.advance();
         }
         self.wait_until(end);
     }
 
     pub(crate) fn state(&mut self) -> Arc<Snapshot> {
-        self.sweep.snapshot()
+        self.engine.snapshot()
     }
 
     pub(crate) fn body(&self) -> BodyPose {
@@ -123,21 +123,21 @@ impl Mortal {
     }
 
     fn wait_until(&mut self, since_start: Duration) {
-        self.now = Now { since_start: since_start.max(self.now.since_start), wall: Wall::default() };
+        self.now = Now { since_start: since_start.max(self.now.since_start), wall: WallTime::default() };
         self.sim.handle_timeout(self.now);
-        self.sweep.handle_timeout(self.now);
+        self.engine.handle_timeout(self.now);
         self.settle();
     }
 
     fn settle(&mut self) {
         loop {
             self.memory = self.sim.poll_memory().or(self.memory);
-            if let Some(effect) = self.sweep.poll_effect() {
+            if let Some(effect) = self.engine.poll_effect() {
                 self.perform(effect);
             } else if let Some((order, exposure)) = self.sim.take_exposure() {
                 self.sim.handle_photo(order, exposure.develop(), self.now);
             } else if let Some(report) = self.sim.poll_event() {
-                self.sweep.handle_event(Event::Robot(RobotId::Discovery, report), self.now);
+                self.engine.handle_event(Event::Robot(RobotId::Discovery, report), self.now);
             } else {
                 return;
             }

@@ -102,7 +102,7 @@ impl Watch {
 /// Something happens that nobody commanded: the link or a sensor goes and comes back, the store fails and recovers.
 pub(crate) fn from_outside(dice: &mut Stream, run: &mut Run) {
     if dice.below(3) == 0 {
-        run.sweep.watch_sensor("roof".into(), Duration::from_secs(3600), run.now());
+        run.engine.watch_sensor("roof".into(), Duration::from_secs(3600), run.now());
         return drop(run.give(sensor_reads("roof", 20.0)));
     }
     let (gone, back) = match dice.below(2) {

@@ -31,7 +31,7 @@ fn whatever_robot_and_store_answer_the_core_keeps_its_rules() {
         bare.keeps = true;
         bare.event(Event::StoreRestored);
         bare.keep();
-        if bare.sweep.poll_timeout().is_some() {
+        if bare.engine.poll_timeout().is_some() {
             // The answer to a stop waits for a robot that says nothing, but not for long.
             bare.wait_in_vain();
         }
@@ -84,7 +84,7 @@ fn answer(dice: &mut Stream, bare: &mut Bare) {
         1 if forward => bare.meets(Obstacle::Unknown),
         2 if forward => bare.meets(Obstacle::Wall { left: dice.below(3) as u16, right: dice.below(3) as u16 }),
         3 if photo => bare.photo_fails(),
-        4 if bare.sweep.poll_timeout().is_some() => bare.wait_in_vain(),
+        4 if bare.engine.poll_timeout().is_some() => bare.wait_in_vain(),
         5 => {
             let order = bare.takes_back().expect("an order is under way");
             bare.robot(RobotEvent::Failed(order.id, "wheel".to_owned()));

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use hallsweep_core::command::{Command, CommandId, Door, Issuer, LuggageRef, Refused, Request, TemperatureReport, Verdict};
 use hallsweep_core::effect::{Effect, Fact};
+use hallsweep_core::engine::IDS;
 use hallsweep_core::mission::PhaseName;
-use hallsweep_core::sweep::IDS;
 use hallsweep_core::units::{Celsius, Epoch, LuggageId};
 
 use crate::bare::{Bare, records};

@@ -34,7 +34,7 @@ fn the_hold_ends_only_when_the_last_reading_of_every_source_permits() {
     run.reading(30.0).unwrap();
     let robot = |degrees| RobotEvent::Temperature(Celsius::new(degrees).unwrap());
     let now = run.now();
-    run.sweep.handle_event(Event::Robot(RobotId::Discovery, robot(20.0)), now);
+    run.engine.handle_event(Event::Robot(RobotId::Discovery, robot(20.0)), now);
     assert_eq!(run.holds(), [Hold::Temperature]);
     run.reading(20.0).unwrap();
     assert!(run.holds().is_empty());
@@ -72,7 +72,7 @@ fn the_end_of_a_cause_alone_never_sets_anything_moving() {
     run.wait(1.0);
     type Change = fn(&mut Run);
     let sensor: (Change, Change) = (
-        |run| run.sweep.watch_sensor("roof".into(), Duration::from_secs(3600), run.now()),
+        |run| run.engine.watch_sensor("roof".into(), Duration::from_secs(3600), run.now()),
         |run| drop(run.give(sensor_reads("roof", 20.0))),
     );
     let store: (Change, Change) =
@@ -131,10 +131,10 @@ fn a_lost_link_holds_and_the_robot_is_recentred_before_it_goes_on() {
     let now = run.now();
     let can = run.sim.capabilities();
     run.sim.handle_halt(now);
-    run.sweep.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::LinkLost("cable".to_owned())), now);
+    run.engine.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::LinkLost("cable".to_owned())), now);
     assert_eq!(run.holds(), [Hold::RobotLink, Hold::AwaitingStart]);
     assert!(matches!(run.give(Command::Start), Err(Refused::Held(..))));
-    run.sweep.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::LinkUp(can)), now);
+    run.engine.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::LinkUp(can)), now);
     run.stands_still();
     run.give(Command::Start).unwrap();
     run.until_explored();

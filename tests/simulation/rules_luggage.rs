@@ -42,7 +42,7 @@ fn under_a_failed_store_a_verdict_is_refused_but_danger_still_alarms() {
     use hallsweep_core::event::Event;
     let mut run = at_the_bag();
     let now = run.now();
-    run.sweep.handle_event(Event::StoreFailed("disk full".to_owned()), now);
+    run.engine.handle_event(Event::StoreFailed("disk full".to_owned()), now);
     assert_eq!(run.verdict(1, Verdict::Safe), Err(Refused::StoreDown));
     assert!(run.state().alarms.is_empty());
     assert_eq!(run.verdict(1, Verdict::Danger), Err(Refused::StoreDown));

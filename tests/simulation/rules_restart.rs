@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use hallsweep_core::command::{Command, CommandId, Door, Issuer, LuggageRef, Refused, Request, TemperatureReport, Verdict};
 use hallsweep_core::effect::{Action, Effect, Entry, Fact};
+use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::{Obstacle, Piece, RobotEvent, Whereabouts};
 use hallsweep_core::mission::{Hold, Phase, PhaseName};
 use hallsweep_core::rng::Stream;
 use hallsweep_core::settings::Settings;
-use hallsweep_core::standing::Standing;
-use hallsweep_core::sweep::{Recalled, Sweep};
+use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{AlarmId, Cell, Celsius, LuggageId, Now, Pose, Seq};
 use hallsweep_sim::headless::Run;
 use hallsweep_sim::{Camera, Hall, SimSettings};
@@ -52,11 +52,11 @@ fn a_mission_after_a_mission_is_folded_from_its_own_beginning() {
         run.give(Command::Start).unwrap();
         run.until_explored();
     }
-    let fact = |entry: &Entry| matches!(entry.fact, Fact::Standing(_));
+    let fact = |entry: &Entry| matches!(entry.fact, Fact::State(_));
     let last = run.journal.iter().rposition(fact).expect("the second mission begins with everything that stands");
-    let mut standing = Standing::first(Default::default());
+    let mut standing = PersistentState::first(Default::default());
     run.journal[last..].iter().for_each(|entry| standing.apply(entry));
-    assert_eq!(standing, run.sweep.standing());
+    assert_eq!(standing, run.engine.standing());
     assert_eq!(standing.mission.0, 2);
     assert!(standing.luggage.values().all(|luggage| luggage.verdict.as_ref().unwrap().verdict == Verdict::Safe));
 }
@@ -165,9 +165,9 @@ fn a_fault_outlives_the_program_with_what_it_interrupted() {
     bare.give(Command::Start).unwrap();
     bare.wait_in_vain();
     assert_eq!(bare.phase(), PhaseName::Fault);
-    let recalled = Recalled { standing: bare.sweep.standing(), written: Seq(100), commands: Vec::new(), latest: Vec::new() };
+    let recalled = Recalled { standing: bare.engine.standing(), written: Seq(100), commands: Vec::new(), latest: Vec::new() };
     let mut again = Bare::linked();
-    again.sweep = Sweep::recall(Settings::default(), "reborn".into(), recalled, Now::default());
+    again.engine = Engine::recall(Settings::default(), "reborn".into(), recalled, Now::default());
     assert_eq!(again.phase(), PhaseName::Fault);
     assert_eq!(again.state().mission.fault, bare.state().mission.fault);
     again.link_up();
@@ -247,14 +247,14 @@ fn in_another_hall_everything_begins_anew_but_the_numbers() {
         }
     }
     mortal.keep_all();
-    let mut sweep = Sweep::recall(Settings::default(), "elsewhere".into(), mortal.recalled(), Now::default());
-    let before = sweep.standing();
-    sweep.put_down_elsewhere(Now::default());
-    let after = sweep.standing();
+    let mut engine = Engine::recall(Settings::default(), "elsewhere".into(), mortal.recalled(), Now::default());
+    let before = engine.standing();
+    engine.put_down_elsewhere(Now::default());
+    let after = engine.standing();
     assert_eq!((after.phase.clone(), after.pose, after.map.visited(), after.luggage.len()), (Phase::Idle, Pose::START, 1, 0));
     assert_eq!((after.last_luggage, after.mission), (before.last_luggage, before.mission));
     let mut folded = before;
-    while let Some(effect) = sweep.poll_effect() {
+    while let Some(effect) = engine.poll_effect() {
         if let Effect::Record(page) = effect {
             page.entries.iter().for_each(|entry| folded.apply(entry));
         }
@@ -268,13 +268,13 @@ fn hall(name: &str) -> Arc<Hall> {
 
 /// A journal that is folded as it grows.
 struct Folded {
-    standing: Standing,
+    standing: PersistentState,
     read: usize,
 }
 
 impl Default for Folded {
     fn default() -> Folded {
-        Folded { standing: Standing::first(Default::default()), read: 0 }
+        Folded { standing: PersistentState::first(Default::default()), read: 0 }
     }
 }
 
@@ -282,10 +282,10 @@ impl Folded {
     fn check(&mut self, run: &Run, seed: u64) {
         run.journal[self.read..].iter().for_each(|entry| self.standing.apply(entry));
         self.read = run.journal.len();
-        let mut live = run.sweep.standing();
+        let mut live = run.engine.standing();
         // Not on record: how far the search looked ahead when it found nothing to do, and the next move of a drive by hand, which
         // no restart goes on with.
-        let mut folded = Standing { search: live.search.clone(), ..self.standing.clone() };
+        let mut folded = PersistentState { search: live.search.clone(), ..self.standing.clone() };
         for standing in [&mut folded, &mut live] {
             if let Phase::Driving { next, .. } = &mut standing.phase {
                 *next = None;
@@ -297,9 +297,9 @@ impl Folded {
     }
 }
 
-fn explain(folded: &Standing, live: &Standing, seed: u64) {
+fn explain(folded: &PersistentState, live: &PersistentState, seed: u64) {
     assert_eq!(folded.map.changes_since(&live.map), [], "seed {seed}: the maps differ");
-    let bare = |standing: &Standing| format!("{:#?}", Standing { map: live.map.clone(), ..standing.clone() });
+    let bare = |standing: &PersistentState| format!("{:#?}", PersistentState { map: live.map.clone(), ..standing.clone() });
     let (folded, live) = (bare(folded), bare(live));
     let differ: Vec<_> = folded.lines().zip(live.lines()).filter(|(folded, live)| folded != live).collect();
     panic!("seed {seed}: folded and live differ: {differ:#?}");

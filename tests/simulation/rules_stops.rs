@@ -58,7 +58,7 @@ fn a_stop_is_answered_when_the_robot_stands_or_after_a_tenth_of_a_second() {
 
     let mut bare = driving();
     let ticket = bare.give(Command::Stop).unwrap();
-    let due = bare.sweep.poll_timeout().expect("the answer does not wait for ever");
+    let due = bare.engine.poll_timeout().expect("the answer does not wait for ever");
     assert_eq!(due.as_millis(), 100, "nothing has taken time so far");
     bare.wait_in_vain();
     let revision = bare.answer(ticket).expect("it has waited long enough").unwrap().revision;

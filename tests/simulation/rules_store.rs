@@ -124,9 +124,9 @@ fn an_order_that_has_not_gone_out_never_follows_a_halt() {
     bare.effects.clear();
     let kept = Event::Recorded(hallsweep_core::units::Seq(1000));
     let now = hallsweep_core::units::Now::default();
-    bare.sweep.handle_event(kept, now);
-    bare.sweep.handle_event(Event::StoreFailed("disk full".to_owned()), now);
-    let effects: Vec<Effect> = std::iter::from_fn(|| bare.sweep.poll_effect()).collect();
+    bare.engine.handle_event(kept, now);
+    bare.engine.handle_event(Event::StoreFailed("disk full".to_owned()), now);
+    let effects: Vec<Effect> = std::iter::from_fn(|| bare.engine.poll_effect()).collect();
     assert!(effects.contains(&Effect::Halt(RobotId::Discovery)));
     assert!(!effects.iter().any(|effect| matches!(effect, Effect::Order(..))));
 }

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::mission::PhaseName;
-use hallsweep_core::standing::Standing;
+use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId, MissionId};
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// The journal as far as it is kept, and what was shown of numbers so far.
 pub(crate) struct Record {
-    standing: Standing,
+    standing: PersistentState,
     entries: usize,
     /// Where in the journal each mission began.
     began: BTreeMap<MissionId, usize>,
@@ -27,7 +27,7 @@ pub(crate) struct Record {
 impl Record {
     pub(crate) fn empty() -> Record {
         Record {
-            standing: Standing::first(Default::default()),
+            standing: PersistentState::first(Default::default()),
             entries: 0,
             began: BTreeMap::new(),
             missions: BTreeMap::new(),
@@ -42,7 +42,7 @@ impl Record {
     pub(crate) fn keep<'a>(&mut self, entries: impl IntoIterator<Item = &'a Entry>) {
         for entry in entries {
             self.standing.apply(entry);
-            self.is_whole |= matches!(entry.fact, Fact::Standing(_));
+            self.is_whole |= matches!(entry.fact, Fact::State(_));
             if let Fact::MissionBegan(mission, _) = entry.fact {
                 let before = self.began.insert(mission, self.entries);
                 assert!(before.is_none(), "mission {mission:?} began twice");

@@ -25,9 +25,9 @@ use hallsweep::runtime::link::{RobotSide, Stamped, link};
 use hallsweep::runtime::store::Store;
 use hallsweep::runtime::task::{Course, Task};
 use hallsweep::storage::memory::Memory;
+use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Capabilities, RobotEvent};
 use hallsweep_core::settings::Settings;
-use hallsweep_core::sweep::Sweep;
 use hallsweep_core::units::Epoch;
 
 #[path = "broker.rs"]
@@ -66,8 +66,8 @@ impl House {
     pub(crate) async fn open(store: Box<dyn Store>, on_halt: impl Fn(Halts) + Send + Sync + 'static) -> House {
         let (clock, halter) = (Clock::default(), Halter::new(Epoch(0)));
         let (link, side) = link(halter.watch());
-        let sweep = Sweep::new(Settings::default(), Default::default(), "stops".into());
-        let (handle, task) = Task::new(sweep, link, store, clock, halter);
+        let engine = Engine::new(Settings::default(), Default::default(), "stops".into());
+        let (handle, task) = Task::new(engine, link, store, clock, halter);
         let listener = TcpListener::bind("127.0.0.1:0").await.expect("this machine has a free port");
         let address = listener.local_addr().expect("a bound socket has an address");
         let (closing, closed) = watch::channel(false);

@@ -8,8 +8,8 @@ use super::command::{Accepted, CommandId, Issuer, Move, Refusal, Refused, Verdic
 use super::event::{Photo, RobotId};
 use super::explore::{Search, Strategy};
 use super::mission::{Goal, Hold, Input, Phase};
-use super::standing::Standing;
-use super::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, OrderId, Pose, Seq, Ticket, Wall};
+use super::state::PersistentState;
+use super::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, OrderId, Pose, Seq, Ticket, WallTime};
 use super::world::hall_map::Mark;
 use super::world::luggage::Luggage;
 
@@ -66,7 +66,7 @@ pub struct Stamp {
     /// Where the robot stands, in the map's own cells.
     pub pose: Pose,
     /// When.
-    pub wall: Wall,
+    pub wall: WallTime,
 }
 
 /// What one input put on record: kept together or not at all, so that the journal never ends in the middle of one.
@@ -90,7 +90,7 @@ impl Page {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
     /// When it happened.
-    pub wall: Wall,
+    pub wall: WallTime,
     /// What happened.
     pub fact: Fact,
 }
@@ -109,7 +109,7 @@ impl Fact {
     }
 }
 
-/// What is worth keeping for good. `crate::standing` folds them into what stands.
+/// What is worth keeping for good. `crate::state` folds them into what stands.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fact {
     /// The program was started, in this version, over what had been kept before.
@@ -117,7 +117,7 @@ pub enum Fact {
     /// The program was asked to end, by this.
     ProgramEnded(String),
     /// Everything that stands, so that nothing before needs to be read to go on.
-    Standing(Box<Standing>),
+    State(Box<PersistentState>),
     /// A command came, and what became of it.
     Command {
         /// Who gave it, where from and by which door.

@@ -5,13 +5,13 @@
 
 pub mod command;
 pub mod effect;
+pub mod engine;
 pub mod event;
 pub mod explore;
 pub mod mission;
 pub mod refused;
 pub mod rng;
 pub mod settings;
-pub mod standing;
-pub mod sweep;
+pub mod state;
 pub mod units;
 pub mod world;

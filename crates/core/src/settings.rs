@@ -2,7 +2,7 @@
 
 use super::units::Celsius;
 
-/// The settings of a sweep.
+/// The settings of an engine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Above this the hall is too hot for anything to move.

@@ -157,7 +157,7 @@ impl fmt::Display for Celsius {
 
 /// A moment of the wall clock, for display and records only; order is kept by sequence numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Wall {
+pub struct WallTime {
     /// Milliseconds since 1970-01-01T00:00:00Z.
     pub unix_ms: i64,
     /// Seconds east of UTC of the zone in which the moment is shown.
@@ -170,7 +170,7 @@ pub struct Now {
     /// Since the program (or the simulated run) began; never goes back.
     pub since_start: Duration,
     /// The wall clock at that moment.
-    pub wall: Wall,
+    pub wall: WallTime,
 }
 
 /// Declares the numbers by which things are known, so that none is taken for another.

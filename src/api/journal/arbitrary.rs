@@ -12,8 +12,8 @@ use hallsweep_core::event::Piece;
 use hallsweep_core::explore::{Search, Strategy as Order};
 use hallsweep_core::mission::{FaultCause, Goal, Hold, Inspection, Phase, Stage};
 use hallsweep_core::refused::CODES;
-use hallsweep_core::standing::Standing;
-use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, Wall};
+use hallsweep_core::state::PersistentState;
+use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, WallTime};
 use hallsweep_core::world::alarm::Alarm;
 use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
@@ -30,7 +30,7 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
     prop_oneof![
         text().prop_map(Fact::ProgramStarted),
         text().prop_map(Fact::ProgramEnded),
-        standing().prop_map(|standing| Fact::Standing(Box::new(standing))),
+        standing().prop_map(|standing| Fact::State(Box::new(standing))),
         command(),
         any::<u64>().prop_map(|id| Fact::MissionBegan(MissionId(id), Order::Snail)),
         (any::<u64>(), vec(any::<u64>().prop_map(LuggageId), 0..4))
@@ -72,7 +72,7 @@ fn command() -> impl Strategy<Value = Fact> {
     })
 }
 
-fn standing() -> impl Strategy<Value = Standing> {
+fn standing() -> impl Strategy<Value = PersistentState> {
     let numbers = (any::<u64>(), any::<bool>(), any::<u64>(), any::<u64>(), any::<u64>(), any::<bool>());
     let mission = (phase(), btree_set(hold(), 0..9), search(), option::of(goal()), btree_set(cell(), 0..4), pose());
     let world = (hall_map(), btree_set(any::<u32>().prop_map(Piece), 0..4), vec(luggage(), 0..4), vec(alarm(), 0..4));
@@ -80,7 +80,7 @@ fn standing() -> impl Strategy<Value = Standing> {
         let (id, under_way, epoch, last_luggage, last_alarm, led_blinking) = numbers;
         let (phase, holds, search, goal, blocked, pose) = mission;
         let (map, pieces, luggage, alarms) = world;
-        Standing {
+        PersistentState {
             mission: MissionId(id),
             under_way,
             phase,
@@ -206,8 +206,8 @@ fn cell() -> impl Strategy<Value = Cell> {
     (-2 * REACH..=2 * REACH, -2 * REACH..=2 * REACH).prop_map(|(x, y)| Cell::new(x, y))
 }
 
-fn wall() -> impl Strategy<Value = Wall> {
-    (any::<i64>(), any::<i32>()).prop_map(|(unix_ms, offset_s)| Wall { unix_ms, offset_s })
+fn wall() -> impl Strategy<Value = WallTime> {
+    (any::<i64>(), any::<i32>()).prop_map(|(unix_ms, offset_s)| WallTime { unix_ms, offset_s })
 }
 
 fn celsius() -> impl Strategy<Value = Celsius> {

@@ -24,7 +24,7 @@ pub(super) enum Shape {
     ProgramEnded {
         by: String,
     },
-    Standing {
+    PersistentState {
         standing: Box<StandingShape>,
     },
     Command(CommandShape),
@@ -124,7 +124,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
     match fact {
         Fact::ProgramStarted(_) => "programStarted",
         Fact::ProgramEnded(_) => "programEnded",
-        Fact::Standing(_) => "standing",
+        Fact::State(_) => "standing",
         Fact::Command { .. } => "command",
         Fact::MissionBegan(..) => "missionBegan",
         Fact::MissionArchived(..) => "missionArchived",
@@ -152,7 +152,7 @@ impl Shape {
         match fact {
             Fact::ProgramStarted(version) => Shape::ProgramStarted { version: version.clone() },
             Fact::ProgramEnded(by) => Shape::ProgramEnded { by: by.clone() },
-            Fact::Standing(standing) => Shape::Standing { standing: Box::new((&**standing).into()) },
+            Fact::State(standing) => Shape::PersistentState { standing: Box::new((&**standing).into()) },
             Fact::Command { issuer, id, command, epoch, luggage, refused } => {
                 let shape = CommandShape::of(issuer, id.as_ref(), command, *luggage, refused.as_ref());
                 Shape::Command(CommandShape { epoch: epoch.map(|epoch| epoch.0), ..shape })
@@ -196,7 +196,7 @@ impl Shape {
             }
             Shape::ProgramStarted { version } => Fact::ProgramStarted(version),
             Shape::ProgramEnded { by } => Fact::ProgramEnded(by),
-            Shape::Standing { standing } => Fact::Standing(Box::new(standing.standing()?)),
+            Shape::PersistentState { standing } => Fact::State(Box::new(standing.standing()?)),
             Shape::Command(command) => command.fact()?,
             Shape::MissionBegan { number, strategy } => Fact::MissionBegan(MissionId(number), names::strategy(&strategy)?),
             Shape::MissionArchived { number, left } => {

@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 use self::fact::Shape;
 use super::time::rfc3339;
 use hallsweep_core::effect::{Entry, Fact};
-use hallsweep_core::units::{MissionId, Seq, Wall};
+use hallsweep_core::units::{MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::Luggage;
 
 /// Why no fact can be made of what was kept, as a sentence.
@@ -97,7 +97,7 @@ pub fn read_body(text: &str) -> Result<(Fact, Option<Picture>), Unparsed> {
 /// A line of the journal, without a line break.
 #[must_use]
 pub fn line(line: &Line) -> String {
-    let Wall { unix_ms, offset_s } = line.entry.wall;
+    let WallTime { unix_ms, offset_s } = line.entry.wall;
     written(&LineShape {
         seq: line.seq.0,
         at: rfc3339(line.entry.wall),
@@ -121,7 +121,7 @@ pub fn unreadable(seq: Seq, why: &str) -> String {
 pub fn read_line(bytes: &[u8]) -> Result<Line, Unparsed> {
     let LineShape { seq, unix_ms, offset_s, mission, fact, .. } = parsed(bytes)?;
     let (fact, picture) = fact.fact()?;
-    let entry = Entry { wall: Wall { unix_ms, offset_s }, fact };
+    let entry = Entry { wall: WallTime { unix_ms, offset_s }, fact };
     Ok(Line { seq: Seq(seq), mission: mission.map(MissionId), entry, picture })
 }
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use super::{Unparsed, names};
 use crate::api::time::rfc3339;
 use hallsweep_core::mission::Goal;
-use hallsweep_core::units::{Cell, Pose, Wall};
+use hallsweep_core::units::{Cell, Pose, WallTime};
 use hallsweep_core::world::hall_map::REACH;
 
 /// Cells further from home than this are in no journal: no map reaches half so far.
@@ -74,15 +74,15 @@ impl PoseShape {
     }
 }
 
-impl From<Wall> for Moment {
-    fn from(wall: Wall) -> Moment {
+impl From<WallTime> for Moment {
+    fn from(wall: WallTime) -> Moment {
         Moment { at: rfc3339(wall), unix_ms: wall.unix_ms, offset_s: wall.offset_s }
     }
 }
 
-impl From<Moment> for Wall {
-    fn from(Moment { unix_ms, offset_s, .. }: Moment) -> Wall {
-        Wall { unix_ms, offset_s }
+impl From<Moment> for WallTime {
+    fn from(Moment { unix_ms, offset_s, .. }: Moment) -> WallTime {
+        WallTime { unix_ms, offset_s }
     }
 }
 

@@ -12,7 +12,7 @@ use super::phase::PhaseShape;
 use super::places::{GoalShape, Point, PoseShape};
 use super::{Unparsed, names};
 use hallsweep_core::event::Piece;
-use hallsweep_core::standing::Standing;
+use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{AlarmId, Epoch, LuggageId, MissionId};
 use hallsweep_core::world::luggage::Luggage;
 
@@ -40,8 +40,8 @@ pub(super) struct StandingShape {
     reading: Option<f64>,
 }
 
-impl From<&Standing> for StandingShape {
-    fn from(standing: &Standing) -> StandingShape {
+impl From<&PersistentState> for StandingShape {
+    fn from(standing: &PersistentState) -> StandingShape {
         StandingShape {
             mission: standing.mission.0,
             under_way: standing.under_way,
@@ -66,8 +66,8 @@ impl From<&Standing> for StandingShape {
 }
 
 impl StandingShape {
-    pub(super) fn standing(self) -> Result<Standing, Unparsed> {
-        Ok(Standing {
+    pub(super) fn standing(self) -> Result<PersistentState, Unparsed> {
+        Ok(PersistentState {
             mission: MissionId(self.mission),
             under_way: self.under_way,
             phase: self.phase.phase()?,

@@ -4,12 +4,12 @@ use proptest::prelude::*;
 
 use super::*;
 use hallsweep_core::effect::Fact;
-use hallsweep_core::standing::Standing;
+use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, Pose, Revision};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
 
 fn at(seq: u64, fact: Fact) -> Line {
-    let entry = Entry { wall: Wall { unix_ms: 1_770_109_512_250, offset_s: 3600 }, fact };
+    let entry = Entry { wall: WallTime { unix_ms: 1_770_109_512_250, offset_s: 3600 }, fact };
     Line { seq: Seq(seq), mission: Some(MissionId(3)), entry, picture: None }
 }
 
@@ -103,7 +103,7 @@ fn phases_inside_phases_without_end_are_refused() {
 #[test]
 fn a_row_of_the_map_cannot_be_without_end() {
     for row in [r#"[0,0,"V2000000000"]"#, r#"[0,2000000000,"V1"]"#, r#"[9000,0,"V1"]"#, r#"[0,0,"V0"]"#, r#"[0,0,"V"]"#] {
-        let whole = body(&Fact::Standing(Box::new(Standing::first(Default::default()))), None);
+        let whole = body(&Fact::State(Box::new(PersistentState::first(Default::default()))), None);
         let drawn = whole.replace(r#"[0,0,"V1"]"#, row);
         assert_ne!(whole, drawn);
         assert!(refused(&drawn).contains("of the map is no row"), "{row}");
@@ -122,11 +122,11 @@ fn a_cell_that_no_map_reaches_is_refused() {
 
 #[test]
 fn a_large_hall_takes_some_kilobytes() {
-    let mut standing = Standing::first(Default::default());
+    let mut standing = PersistentState::first(Default::default());
     standing.map = hall(512);
-    let text = body(&Fact::Standing(Box::new(standing.clone())), None);
+    let text = body(&Fact::State(Box::new(standing.clone())), None);
     assert!(text.len() < 64 * 1024, "{} bytes", text.len());
-    assert_eq!(read_body(&text).unwrap().0, Fact::Standing(Box::new(standing)));
+    assert_eq!(read_body(&text).unwrap().0, Fact::State(Box::new(standing)));
 }
 
 /// A hall of so many columns and rows, walls round it, a pillar here and there.

@@ -272,13 +272,13 @@ mod tests {
     /// Safety A2.
     #[test]
     fn on_this_machine_alone_only_its_own_names_are_known() {
-        let hosts = Hosts::new(true, &["Sweep.Example.".to_owned()]);
+        let hosts = Hosts::new(true, &["Engine.Example.".to_owned()]);
         for own in
             ["localhost", "LOCALHOST:8080", "localhost.:80", "a.localhost", "127.0.0.1:8080", "127.9.9.9", "[::1]:1", "[::1]"]
         {
             assert!(hosts.knows(own), "{own}");
         }
-        assert!(hosts.knows("sweep.example:443"), "a proxy's name that is listed");
+        assert!(hosts.knows("engine.example:443"), "a proxy's name that is listed");
         for foreign in ["rebound.example:8080", "127.0.0.1.example", "localhost.example", "192.168.0.7", "", "a b", "[::2]"] {
             assert!(!hosts.knows(foreign), "{foreign}");
         }

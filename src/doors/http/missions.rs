@@ -17,7 +17,7 @@ use crate::api::mission_record::{Links, MissionListJson, MissionRecordJson, Miss
 use crate::api::time::rfc3339;
 use crate::runtime::archive::{Happened, MissionRecord, Sound};
 use hallsweep_core::effect::Fact;
-use hallsweep_core::standing::Standing;
+use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
 
 /// Missions in one answer, unless asked otherwise: a page of them.
@@ -109,7 +109,7 @@ pub(super) async fn newest(
 pub(super) struct Kept {
     pub(super) record: MissionRecord,
     /// What stood when it was put away, or stands now.
-    pub(super) standing: Option<Standing>,
+    pub(super) standing: Option<PersistentState>,
     /// What of that cannot be understood, a sentence each.
     pub(super) damage: Vec<String>,
 }

@@ -23,7 +23,7 @@ use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::command::{self, Refused};
 use hallsweep_core::event::Photo;
-use hallsweep_core::standing::Standing;
+use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::snapshot::Snapshot;
@@ -61,7 +61,7 @@ impl Archive for Pictures {
         Ok(past::missions().into_iter().find(|record| record.id == mission))
     }
 
-    fn standing(&self, mission: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
+    fn standing(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
         Ok((mission == MissionId(1)).then(past::standing).map(|of| Sound { of, damage: vec![past::DAMAGE.to_owned()] }))
     }
 

@@ -228,7 +228,7 @@ mod tests {
     use hallsweep_core::command::Move;
     use hallsweep_core::effect::{Action, Stamp};
     use hallsweep_core::event::Whereabouts;
-    use hallsweep_core::units::{Epoch, Pose, Wall};
+    use hallsweep_core::units::{Epoch, Pose, WallTime};
     use hallsweep_sim::{Camera, Hall, SimMemory, SimSettings};
 
     struct Test {
@@ -278,7 +278,7 @@ mod tests {
     const LEFT: Action = Action::Move(Move::TurnLeft);
 
     fn photograph() -> Action {
-        Action::Photograph(Stamp { pose: Pose::START, wall: Wall::default() })
+        Action::Photograph(Stamp { pose: Pose::START, wall: WallTime::default() })
     }
 
     #[tokio::test]

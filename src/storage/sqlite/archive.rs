@@ -15,8 +15,8 @@ use crate::api::journal::{self, Picture};
 use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::event::Photo;
-use hallsweep_core::standing::Standing;
-use hallsweep_core::units::{LuggageId, MissionId, Seq, Wall};
+use hallsweep_core::state::PersistentState;
+use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::{Decision, Luggage};
 
 /// So many connections are kept for the next question: as many as are asked at once in a busy moment.
@@ -100,7 +100,7 @@ impl Archive for SqliteArchive {
         })
     }
 
-    fn standing(&self, mission: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
+    fn standing(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
         self.ask(|connection| {
             let sql = "SELECT archived_seq FROM missions WHERE id = ?1";
             let found = connection.prepare_cached(sql)?.query_row([whole(mission.0)?], |row| row.get::<_, Option<i64>>(0));
@@ -133,8 +133,8 @@ fn record(row: &Row<'_>) -> Result<MissionRecord, Fault> {
     Ok(MissionRecord {
         id: MissionId(count(id)),
         strategy: Arc::from(strategy),
-        began: Wall { unix_ms: row.get(2)?, offset_s: row.get(3)? },
-        archived: archived.map(|unix_ms| Wall { unix_ms, offset_s: offset.unwrap_or(0) }),
+        began: WallTime { unix_ms: row.get(2)?, offset_s: row.get(3)? },
+        archived: archived.map(|unix_ms| WallTime { unix_ms, offset_s: offset.unwrap_or(0) }),
         phase: Arc::from(row.get::<_, String>(6)?),
         luggage: count(row.get(8)?),
         dangerous: count(row.get(9)?),
@@ -152,7 +152,7 @@ fn luggage_of(id: LuggageId, row: &Row<'_>) -> Result<Luggage, Fault> {
         other => Err(broken(&format!("its verdict is {other}"))),
     });
     let decision = |verdict| -> Result<Decision, Fault> {
-        let wall = Wall { unix_ms: row.get(3)?, offset_s: row.get(4)? };
+        let wall = WallTime { unix_ms: row.get(3)?, offset_s: row.get(4)? };
         Ok(Decision { verdict, who: Arc::from(row.get::<_, String>(2)?), wall })
     };
     Ok(Luggage { verdict: verdict.transpose()?.map(decision).transpose()?, ..record })

@@ -8,13 +8,13 @@ use tokio::sync::watch;
 
 use super::fault::Fault;
 use super::marker::Marker;
-use crate::runtime::store::StoreWord;
+use crate::runtime::store::StoreStatus;
 use hallsweep_core::units::Seq;
 
 /// The word and the work.
 #[derive(Debug)]
 pub(super) struct Desk {
-    word: watch::Sender<StoreWord>,
+    word: watch::Sender<StoreStatus>,
     work: Mutex<Work>,
     marker: Marker,
 }
@@ -34,12 +34,12 @@ struct Work {
 impl Desk {
     /// Before anything was handed over. What cannot be written from the start counts as a loss, so that nobody waits for it.
     pub(super) fn new(marker: Marker, kept: Seq, failure: Option<&str>) -> Desk {
-        let word = StoreWord { kept, failure: failure.map(Arc::from), losses: u64::from(failure.is_some()) };
+        let word = StoreStatus { kept, failure: failure.map(Arc::from), losses: u64::from(failure.is_some()) };
         Desk { word: watch::Sender::new(word), work: Mutex::default(), marker }
     }
 
     /// The word as it is and will be. Whoever listens hears the first one too.
-    pub(super) fn word(&self) -> watch::Receiver<StoreWord> {
+    pub(super) fn word(&self) -> watch::Receiver<StoreStatus> {
         let mut word = self.word.subscribe();
         word.mark_changed();
         word

@@ -3,7 +3,7 @@
 //! ```text
 //!   Task ─ record ─► SqliteStore ─ queue ─► Writer ─► Pages ─► journal.db, photos/      (one thread, one connection)
 //!     ▲                  Desk  ◄── kept, failed ──┘
-//!     └── StoreWord ◄────┘ ◄────── hangs ──── watchman
+//!     └── StoreStatus ◄────┘ ◄────── hangs ──── watchman
 //!   doors ─ Archive ─► Reading ─► journal.db, photos/                                   (their own connections)
 //! ```
 //! What is kept at which moment is the core's business; this keeps it (safety D1, D2, D3, R3). A file that cannot be opened is
@@ -44,9 +44,9 @@ use self::pages::Pages;
 pub use self::reading::{Reading, rebuild};
 use self::writer::{Hand, Handed, Patience, Writer};
 use crate::runtime::archive::Archive;
-use crate::runtime::store::{Store, StoreWord};
+use crate::runtime::store::{Store, StoreStatus};
 use hallsweep_core::effect::Page;
-use hallsweep_core::sweep::Recalled;
+use hallsweep_core::engine::Recalled;
 use hallsweep_core::units::Seq;
 
 /// So many pages may wait for the disk. The robot waits for the record before each move, so that what comes beyond a move is only
@@ -195,7 +195,7 @@ impl Store for SqliteStore {
         self.desk.overflow(fault.words(self.folder.path(), Then::GoesOn));
     }
 
-    fn word(&self) -> watch::Receiver<StoreWord> {
+    fn word(&self) -> watch::Receiver<StoreStatus> {
         self.desk.word()
     }
 }

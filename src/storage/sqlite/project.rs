@@ -9,8 +9,8 @@ use crate::api::journal::{self, Line, Picture};
 use hallsweep_core::effect::Fact;
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::Phase;
-use hallsweep_core::standing::Standing;
-use hallsweep_core::units::{LuggageId, MissionId, Seq, Wall};
+use hallsweep_core::state::PersistentState;
+use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
 /// Writes down what follows from one more entry.
@@ -24,7 +24,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         Fact::Verdict { luggage, verdict, who } => {
             decided(connection, *luggage, &Decision { verdict: *verdict, who: who.clone(), wall })
         }
-        Fact::Standing(standing) => stands(connection, standing, wall, seq),
+        Fact::State(standing) => stands(connection, standing, wall, seq),
         Fact::ProgramStarted(_)
         | Fact::ProgramEnded(_)
         | Fact::Command { .. }
@@ -60,7 +60,7 @@ pub(super) fn left_in_place(text: &str) -> Vec<LuggageId> {
     numbers.filter_map(|number| number.trim().parse().ok()).map(LuggageId).collect()
 }
 
-fn began(connection: &Connection, mission: MissionId, strategy: Strategy, wall: Wall) -> Result<(), Fault> {
+fn began(connection: &Connection, mission: MissionId, strategy: Strategy, wall: WallTime) -> Result<(), Fault> {
     let sql = "INSERT INTO missions (id, strategy, began_ms, began_offset_s, phase) VALUES (?1, ?2, ?3, ?4, 'idle')
                ON CONFLICT (id) DO UPDATE SET strategy = excluded.strategy";
     let values = params![whole(mission.0)?, strategy.name(), wall.unix_ms, wall.offset_s];
@@ -68,7 +68,7 @@ fn began(connection: &Connection, mission: MissionId, strategy: Strategy, wall: 
     Ok(())
 }
 
-fn archived(connection: &Connection, mission: MissionId, left: &[LuggageId], wall: Wall, seq: Seq) -> Result<(), Fault> {
+fn archived(connection: &Connection, mission: MissionId, left: &[LuggageId], wall: WallTime, seq: Seq) -> Result<(), Fault> {
     let sql = "UPDATE missions SET archived_ms = ?2, archived_offset_s = ?3, archived_seq = ?4, left_in_place = ?5
                WHERE id = ?1 AND archived_seq IS NULL";
     let left: Vec<String> = left.iter().map(LuggageId::to_string).collect();
@@ -79,7 +79,7 @@ fn archived(connection: &Connection, mission: MissionId, left: &[LuggageId], wal
 }
 
 /// The phase in which a mission begins is on record just before its beginning, which then says by which strategy.
-fn came_to(connection: &Connection, mission: MissionId, phase: &Phase, wall: Wall) -> Result<(), Fault> {
+fn came_to(connection: &Connection, mission: MissionId, phase: &Phase, wall: WallTime) -> Result<(), Fault> {
     let sql = "INSERT INTO missions (id, strategy, began_ms, began_offset_s, phase) VALUES (?1, ?2, ?3, ?4, ?5)
                ON CONFLICT (id) DO UPDATE SET phase = excluded.phase WHERE archived_seq IS NULL";
     let (strategy, phase) = (Strategy::default().name(), phase.name().name());
@@ -112,7 +112,7 @@ fn decided(connection: &Connection, luggage: LuggageId, decision: &Decision) -> 
 }
 
 /// Everything that stands also says what a failed store may have lost: a mission's beginning, the end of the one before, luggage.
-fn stands(connection: &Connection, standing: &Standing, wall: Wall, seq: Seq) -> Result<(), Fault> {
+fn stands(connection: &Connection, standing: &PersistentState, wall: WallTime, seq: Seq) -> Result<(), Fault> {
     let current = standing.under_way.then_some(standing.mission);
     for open in open_missions(connection)?.into_iter().filter(|open| Some(*open) != current) {
         archived(connection, open, &[], wall, seq)?;

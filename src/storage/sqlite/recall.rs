@@ -13,9 +13,9 @@ use crate::api::journal::Line;
 use crate::api::journal_words;
 use crate::runtime::archive::Sound;
 use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::engine::{IDS, Recalled, Remembered};
 use hallsweep_core::explore::Strategy;
-use hallsweep_core::standing::Standing;
-use hallsweep_core::sweep::{IDS, Recalled, Remembered};
+use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
 use hallsweep_core::world::log::Tone;
 
@@ -55,8 +55,8 @@ fn remembered(entry: &Entry) -> Remembered {
 }
 
 /// What stands after all entries up to `written`.
-fn standing(connection: &Connection, written: Seq) -> Result<Standing, Fault> {
-    let mut standing = Standing::first(Strategy::default());
+fn standing(connection: &Connection, written: Seq) -> Result<PersistentState, Fault> {
+    let mut standing = PersistentState::first(Strategy::default());
     each_from_standing(connection, rows::last_standing(connection, Some(written.next()))?, Some(written.next()), |line| {
         standing.apply(&line?.entry);
         Ok(())
@@ -71,8 +71,8 @@ pub(super) fn standing_of(
     mission: MissionId,
     before: Option<Seq>,
     words: impl Fn(&Fault) -> String,
-) -> Result<Sound<Standing>, Fault> {
-    let mut standing = Standing::first(Strategy::default());
+) -> Result<Sound<PersistentState>, Fault> {
+    let mut standing = PersistentState::first(Strategy::default());
     let mut damage = Damage { words, said: Vec::new(), more: 0 };
     let from = sound_standing(connection, before)?;
     each_from_standing(connection, from, before, |line| {

@@ -7,7 +7,7 @@ use super::fault::{Fault, count, whole};
 use crate::api::journal::{self, Line};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::Entry;
-use hallsweep_core::units::{LuggageId, MissionId, Seq, Wall};
+use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 
 /// The columns of an entry, in the order in which `line` takes them.
 const COLUMNS: &str = "seq, mission, at_ms, offset_s, kind, body";
@@ -145,7 +145,7 @@ fn line(connection: &Connection, row: &Row<'_>) -> (Seq, Result<Line, Fault>) {
 
 fn understood(connection: &Connection, row: &Row<'_>, seq: Seq) -> Result<Line, Fault> {
     let mission: Option<i64> = row.get(1)?;
-    let wall = Wall { unix_ms: row.get(2)?, offset_s: row.get(3)? };
+    let wall = WallTime { unix_ms: row.get(2)?, offset_s: row.get(3)? };
     let body = row.get_ref(5)?.as_str().map_err(|error| Fault::Damaged(format!("entry {seq} holds no text: {error}")))?;
     let (fact, picture) = journal::read_body(body).map_err(|why| Fault::Unparsed(seq, why))?;
     if row.get_ref(4)?.as_str().ok() != Some(journal::kind(&fact)) {

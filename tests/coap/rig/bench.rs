@@ -8,7 +8,7 @@ use std::time::Duration;
 use hallsweep::doors::coap::endpoint::response::Answer;
 use hallsweep::doors::coap::endpoint::{Backlog, Endpoint, ExchangeId};
 use hallsweep_core::rng::Stream;
-use hallsweep_core::units::{Now, Wall};
+use hallsweep_core::units::{Now, WallTime};
 
 use super::message::Message;
 use super::server::{Said, Server};
@@ -174,7 +174,7 @@ impl Bench {
 
     fn time(&self) -> Now {
         let unix_ms = i64::try_from(self.now.as_millis()).expect("simulated times are short");
-        Now { since_start: self.now, wall: Wall { unix_ms, offset_s: 0 } }
+        Now { since_start: self.now, wall: WallTime { unix_ms, offset_s: 0 } }
     }
 
     /// Answers what is asked and collects what is sent, until nothing is left.

@@ -10,9 +10,9 @@ use hallsweep::runtime::archive_reader::Reader;
 use hallsweep::runtime::halt::Halter;
 use hallsweep::runtime::handle::{Envelope, Handle};
 use hallsweep::storage::memory::Memory;
+use hallsweep_core::engine::Engine;
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::settings::Settings;
-use hallsweep_core::sweep::Sweep;
 use hallsweep_core::units::{Epoch, Revision};
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
@@ -42,7 +42,7 @@ struct House {
 impl House {
     fn at(broker: &Broker, tls: bool) -> House {
         let runtime = Runtime::new().expect("there are threads");
-        let (states, watched) = watch::channel(Sweep::new(Settings::default(), Strategy::default(), "test".into()).snapshot());
+        let (states, watched) = watch::channel(Engine::new(Settings::default(), Strategy::default(), "test".into()).snapshot());
         let (commands, given) = mpsc::channel(16);
         let (answer, answers) = mpsc::channel(16);
         let (told, health) = watch::channel(Health::Unproven);

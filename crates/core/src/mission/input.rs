@@ -1,5 +1,5 @@
 //! Everything that can reach a mission, by name: the columns of the table.
-//! What an input carries (which piece, which cell) stands beside it, in `Matter`.
+//! What an input carries (which piece, which cell) stands beside it, in `InputContext`.
 
 use std::sync::Arc;
 
@@ -152,7 +152,7 @@ impl Input {
 
 /// What an input is about. Which fields matter depends on the input; the rest stays empty.
 #[derive(Clone, Debug, Default)]
-pub struct Matter {
+pub struct InputContext {
     /// Who gave the command.
     pub issuer: Option<Issuer>,
     /// The epoch that a stop has raised; of another command, the one in which it was given.
@@ -181,11 +181,11 @@ pub struct Matter {
     pub words: Option<String>,
 }
 
-impl Matter {
+impl InputContext {
     /// The input a command is, and what it is about. `pending` is the piece a bare word would mean.
     #[must_use]
-    pub fn of(command: &Command, issuer: &Issuer, pending: Option<LuggageId>) -> (Input, Matter) {
-        let mut matter = Matter { issuer: Some(issuer.clone()), ..Matter::default() };
+    pub fn of(command: &Command, issuer: &Issuer, pending: Option<LuggageId>) -> (Input, InputContext) {
+        let mut context = InputContext { issuer: Some(issuer.clone()), ..InputContext::default() };
         let input = match command {
             Command::Start => Input::Start,
             Command::Stop => Input::Stop,
@@ -193,48 +193,48 @@ impl Matter {
             Command::Retrieve => Input::Retrieve,
             Command::Reset => Input::Reset,
             Command::Move(step) => {
-                matter.step = Some(*step);
+                context.step = Some(*step);
                 Input::Move
             }
             Command::Goto(cell) => {
-                matter.cell = Some(*cell);
+                context.cell = Some(*cell);
                 Input::Goto
             }
             Command::Verdict { luggage, verdict } => {
-                matter.luggage = match luggage {
+                context.luggage = match luggage {
                     LuggageRef::Id(id) => Some(*id),
                     LuggageRef::Pending => pending,
                 };
-                matter.verdict = Some(*verdict);
+                context.verdict = Some(*verdict);
                 match verdict {
                     Verdict::Safe => Input::Safe,
                     Verdict::Danger => Input::Danger,
                 }
             }
             Command::RetakePhoto(id) => {
-                matter.luggage = Some(*id);
+                context.luggage = Some(*id);
                 Input::RetakePhoto
             }
             Command::Acknowledge(id) => {
-                matter.alarm = Some(*id);
+                context.alarm = Some(*id);
                 Input::Acknowledge
             }
             Command::ChooseStrategy(strategy) => {
-                matter.strategy = Some(*strategy);
+                context.strategy = Some(*strategy);
                 Input::Strategy
             }
             Command::Temperature(TemperatureReport::Ok) => Input::TemperatureOk,
             Command::Temperature(TemperatureReport::TooHigh) => Input::TemperatureTooHigh,
             Command::Temperature(TemperatureReport::Reading(celsius)) => {
-                matter.reading = Some((Arc::from(OPERATOR), *celsius));
+                context.reading = Some((Arc::from(OPERATOR), *celsius));
                 Input::Reading
             }
             Command::Temperature(TemperatureReport::Sensor(sensor, celsius)) => {
-                matter.reading = Some((Arc::clone(sensor), *celsius));
+                context.reading = Some((Arc::clone(sensor), *celsius));
                 Input::SensorReading
             }
         };
-        (input, matter)
+        (input, context)
     }
 
     /// What the command is about, for the log: ` #3`, ` (1, 2)`, or nothing.
@@ -254,8 +254,8 @@ impl Matter {
 /// What is asked, in words: two commands with the same words are the same command.
 #[must_use]
 pub fn in_words(command: &Command) -> String {
-    let (input, matter) = Matter::of(command, &Issuer::operator(Door::Local), None);
-    format!("{}{}", input.in_words(), matter.in_words())
+    let (input, context) = InputContext::of(command, &Issuer::operator(Door::Local), None);
+    format!("{}{}", input.in_words(), context.in_words())
 }
 
 const fn step_in_words(step: Move) -> &'static str {

@@ -1,5 +1,5 @@
 //! The mission: its phases, what holds it, and the one total table that says what every input does in every phase.
-//! The table and its words are here; `crate::sweep` carries its acts out.
+//! The table and its words are here; `crate::engine` carries its acts out.
 
 mod hold;
 mod input;
@@ -9,9 +9,9 @@ mod rule;
 mod state;
 mod table;
 pub use hold::{Hold, Holds};
-pub use input::{Input, Matter, in_words};
+pub use input::{Input, InputContext, in_words};
 pub use phase::{FaultCause, Inspection, Phase, PhaseName, Stage};
 pub use print::table_markdown;
-pub use rule::{Act, Bar, Case, Rule, To};
+pub use rule::{Act, Case, Guard, Rule, To};
 pub use state::{Deciding, Goal, Mission, Recording};
 pub use table::rules;

@@ -1,21 +1,21 @@
-//! The words in which the table is written: what may bar an input, what a case depends on, what follows.
-//! Here they are only named and explained; `crate::sweep` tests the bars and cases and carries out the acts.
+//! The words in which the table is written: what may forbid an input (its guards), what a case depends on, what follows.
+//! Here they are only named and explained; `crate::engine` tests the guards and cases and carries out the acts.
 
 use super::{Hold, PhaseName};
 
 /// One line of a cell of the table; the first that applies decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
-    /// Refused if this bars it.
-    RefuseIf(Bar),
-    /// Refused if this bars it, but these acts are done all the same.
-    RefuseIfThen(Bar, &'static [Act]),
+    /// Refused if this guard forbids it.
+    RefuseIf(Guard),
+    /// Refused if this guard forbids it, but these acts are done all the same.
+    RefuseIfThen(Guard, &'static [Act]),
     /// In this case: on to a phase, with these acts.
     When(Case, To, &'static [Act]),
     /// Else: on to a phase, with these acts. Always the last line.
     Go(To, &'static [Act]),
     /// Always refused. The last line.
-    Never(Bar),
+    Never(Guard),
     /// As in the phase that was interrupted, which stays interrupted. The only line.
     AsInterrupted,
 }
@@ -31,10 +31,10 @@ pub enum To {
     Interrupted,
 }
 
-/// What may bar an input; each is a refusal with its reason.
+/// What may forbid an input (its guards); each is a refusal with its reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(missing_docs, reason = "each is explained by `Bar::in_words`, which the documentation prints")]
-pub enum Bar {
+#[expect(missing_docs, reason = "each is explained by `Guard::in_words`, which the documentation prints")]
+pub enum Guard {
     Held,
     NotInPhase,
     VerdictAwaited,
@@ -60,34 +60,34 @@ pub enum Bar {
     UnknownSensor,
 }
 
-impl Bar {
+impl Guard {
     /// For the documentation: `refused if …`.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
-            Bar::Held => "a hold stands that it does not clear",
-            Bar::NotInPhase => "not in this phase",
-            Bar::VerdictAwaited => "it would explore while a piece with a usable photo waits for its verdict",
-            Bar::VerdictPending => "a verdict is pending",
-            Bar::OperatorAsked => "the piece in front of the robot waits for its verdict",
-            Bar::Driving => "the robot is driven by hand",
-            Bar::NotStopped => "`operator` does not stand",
-            Bar::IntoObstacle => "the way leads into a known obstacle",
-            Bar::NotCapable => "the robot cannot do that",
-            Bar::Moving => "the robot is not stationary",
-            Bar::Unrecorded => "a piece is being recorded",
-            Bar::BombUnfetched => "a bomb is unfetched and its alarm not acknowledged",
-            Bar::UnknownLuggage => "there is no such piece",
-            Bar::Decided => "another verdict stands",
-            Bar::NoPhoto => "there is no usable photo",
-            Bar::NotInspected => "it is not the undecided piece in front of the robot",
-            Bar::PhotoUnderWay => "the photo is being taken",
-            Bar::PhotoHeld => "`robotLink` or `store` stands",
-            Bar::StoreDown => "`store` stands",
-            Bar::UnknownAlarm => "there is no such alarm",
-            Bar::NoRetrievalRobot => "no retrieval robot is there",
-            Bar::FaultStands => "the cause of the fault still stands",
-            Bar::UnknownSensor => "no such sensor is configured",
+            Guard::Held => "a hold stands that it does not clear",
+            Guard::NotInPhase => "not in this phase",
+            Guard::VerdictAwaited => "it would explore while a piece with a usable photo waits for its verdict",
+            Guard::VerdictPending => "a verdict is pending",
+            Guard::OperatorAsked => "the piece in front of the robot waits for its verdict",
+            Guard::Driving => "the robot is driven by hand",
+            Guard::NotStopped => "`operator` does not stand",
+            Guard::IntoObstacle => "the way leads into a known obstacle",
+            Guard::NotCapable => "the robot cannot do that",
+            Guard::Moving => "the robot is not stationary",
+            Guard::Unrecorded => "a piece is being recorded",
+            Guard::BombUnfetched => "a bomb is unfetched and its alarm not acknowledged",
+            Guard::UnknownLuggage => "there is no such piece",
+            Guard::Decided => "another verdict stands",
+            Guard::NoPhoto => "there is no usable photo",
+            Guard::NotInspected => "it is not the undecided piece in front of the robot",
+            Guard::PhotoUnderWay => "the photo is being taken",
+            Guard::PhotoHeld => "`robotLink` or `store` stands",
+            Guard::StoreDown => "`store` stands",
+            Guard::UnknownAlarm => "there is no such alarm",
+            Guard::NoRetrievalRobot => "no retrieval robot is there",
+            Guard::FaultStands => "the cause of the fault still stands",
+            Guard::UnknownSensor => "no such sensor is configured",
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use crate::units::{AlarmId, LuggageId, Wall};
+use crate::units::{AlarmId, LuggageId, WallTime};
 
 /// One alarm.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -11,13 +11,13 @@ pub struct Alarm {
     /// Its number.
     pub id: AlarmId,
     /// When it was raised.
-    pub raised: Wall,
+    pub raised: WallTime,
     /// What it says to an operator.
     pub text: String,
     /// The piece it is about, where it is about one.
     pub luggage: Option<LuggageId>,
     /// Who has seen it, and when.
-    pub acknowledged: Option<(Arc<str>, Wall)>,
+    pub acknowledged: Option<(Arc<str>, WallTime)>,
 }
 
 /// What is shown of an alarm.
@@ -26,13 +26,13 @@ pub struct AlarmView {
     /// Its number; `None` until it is on record.
     pub id: Option<AlarmId>,
     /// When it was raised.
-    pub raised: Wall,
+    pub raised: WallTime,
     /// What it says to an operator.
     pub text: String,
     /// The piece it is about, where it is about one.
     pub luggage: Option<LuggageId>,
     /// Who has seen it, and when.
-    pub acknowledged: Option<(Arc<str>, Wall)>,
+    pub acknowledged: Option<(Arc<str>, WallTime)>,
 }
 
 impl AlarmView {

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use crate::units::{Seq, Wall};
+use crate::units::{Seq, WallTime};
 
 /// How many lines are at hand: as many as a person scrolls through; older ones are the journal's.
 pub const LOG_LINES: usize = 256;
@@ -14,7 +14,7 @@ pub struct LogLine {
     /// Its number, from 1 without gaps.
     pub number: u64,
     /// When.
-    pub wall: Wall,
+    pub wall: WallTime,
     /// How loud.
     pub tone: Tone,
     /// What happened, as a sentence.
@@ -56,14 +56,14 @@ pub struct Log {
 #[derive(Clone, Debug)]
 struct Waiting {
     seq: Option<Seq>,
-    wall: Wall,
+    wall: WallTime,
     text: String,
 }
 
 impl Log {
     /// Writes a line: a warning is there at once, and then it says so; any other waits for its record. Of too many that wait the
     /// oldest is left to the journal.
-    pub fn write(&mut self, wall: Wall, tone: Tone, text: String) -> bool {
+    pub fn write(&mut self, wall: WallTime, tone: Tone, text: String) -> bool {
         if tone != Tone::Info {
             self.put(wall, tone, text);
             return true;
@@ -93,7 +93,7 @@ impl Log {
     }
 
     /// Puts a line where it is seen; the oldest gives way when there are too many.
-    pub fn put(&mut self, wall: Wall, tone: Tone, text: String) {
+    pub fn put(&mut self, wall: WallTime, tone: Tone, text: String) {
         self.written += 1;
         if self.lines.len() == LOG_LINES {
             self.lines.pop_front();

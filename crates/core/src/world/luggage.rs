@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::command::Verdict;
 use crate::event::{Photo, Piece};
-use crate::units::{Cell, LuggageId, Pose, Wall};
+use crate::units::{Cell, LuggageId, Pose, WallTime};
 
 /// The record of one piece.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,7 +16,7 @@ pub struct Luggage {
     /// Where the robot stood when it took the photo, and which way it faced.
     pub pose: Pose,
     /// When the photo was taken (or failed).
-    pub taken: Wall,
+    pub taken: WallTime,
     /// What became of the photo.
     pub photo: PhotoState,
     /// What was decided.
@@ -74,7 +74,7 @@ pub struct Decision {
     /// Who said so.
     pub who: Arc<str>,
     /// When.
-    pub wall: Wall,
+    pub wall: WallTime,
 }
 
 impl Luggage {

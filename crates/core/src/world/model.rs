@@ -13,7 +13,7 @@ use super::robot::{RobotState, RobotView};
 use super::temperature::Thermometer;
 use crate::event::Piece;
 use crate::settings::Settings;
-use crate::units::{AlarmId, Cell, LuggageId, Pose, Revision, Wall};
+use crate::units::{AlarmId, Cell, LuggageId, Pose, Revision, WallTime};
 
 /// What is known.
 #[derive(Clone, Debug)]
@@ -101,14 +101,14 @@ impl World {
     }
 
     /// Writes a log line: a warning at once, what follows from a command or a find when that is on record (safety R4).
-    pub fn write(&mut self, wall: Wall, tone: Tone, text: String) {
+    pub fn write(&mut self, wall: WallTime, tone: Tone, text: String) {
         if self.log.write(wall, tone, text) {
             self.touch(Resource::Log);
         }
     }
 
     /// Raises an alarm; `None` when the same one is already there and not yet seen.
-    pub fn alarm(&mut self, wall: Wall, luggage: Option<LuggageId>, text: &str) -> Option<AlarmId> {
+    pub fn alarm(&mut self, wall: WallTime, luggage: Option<LuggageId>, text: &str) -> Option<AlarmId> {
         if self.alarms.iter().any(|alarm| alarm.acknowledged.is_none() && alarm.luggage == luggage && alarm.text == text) {
             return None;
         }

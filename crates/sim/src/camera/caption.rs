@@ -7,7 +7,7 @@ use super::font;
 use super::space::Paint;
 use super::view::{HEIGHT, WIDTH};
 use hallsweep_core::effect::Stamp;
-use hallsweep_core::units::Wall;
+use hallsweep_core::units::WallTime;
 
 /// The side of a dot of the font, in pixels.
 const DOT: usize = 2;
@@ -44,7 +44,7 @@ fn where_line(hall: &Hall, stamp: Stamp) -> String {
 }
 
 /// A moment as `2026-11-21 08:20:20 +00:00`, in its own zone. One beyond the calendar is shown as its milliseconds.
-fn in_words(wall: Wall) -> String {
+fn in_words(wall: WallTime) -> String {
     let offset = jiff::tz::Offset::from_seconds(wall.offset_s).unwrap_or(jiff::tz::Offset::UTC);
     match jiff::Timestamp::from_millisecond(wall.unix_ms) {
         Ok(moment) => moment.to_zoned(offset.to_time_zone()).strftime("%Y-%m-%d %H:%M:%S %:z").to_string(),
@@ -67,9 +67,9 @@ mod tests {
 
     #[test]
     fn the_time_is_shown_in_its_zone() {
-        let wall = Wall { unix_ms: 1_795_249_220_123, offset_s: 0 };
+        let wall = WallTime { unix_ms: 1_795_249_220_123, offset_s: 0 };
         assert_eq!(in_words(wall), "2026-11-21 08:20:20 +00:00");
-        assert_eq!(in_words(Wall { offset_s: 3600, ..wall }), "2026-11-21 09:20:20 +01:00");
-        assert_eq!(in_words(Wall { unix_ms: i64::MAX, offset_s: i32::MAX }), "9223372036854775807 ms");
+        assert_eq!(in_words(WallTime { offset_s: 3600, ..wall }), "2026-11-21 09:20:20 +01:00");
+        assert_eq!(in_words(WallTime { unix_ms: i64::MAX, offset_s: i32::MAX }), "9223372036854775807 ms");
     }
 }

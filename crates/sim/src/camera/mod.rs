@@ -54,7 +54,7 @@ impl Exposure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hallsweep_core::units::{Heading, Wall};
+    use hallsweep_core::units::{Heading, WallTime};
 
     /// A photo of each piece of the airport from every free cell beside it.
     fn photos(camera: Camera) -> Vec<(String, Vec<u8>)> {
@@ -66,7 +66,7 @@ mod tests {
             for (cell, heading) in sides {
                 let pose = Pose { cell: cell.ahead(heading.opposite()), heading };
                 if reachable.contains(&pose.cell) {
-                    let stamp = Stamp { pose, wall: Wall { unix_ms: 1_795_249_220_000, offset_s: 0 } };
+                    let stamp = Stamp { pose, wall: WallTime { unix_ms: 1_795_249_220_000, offset_s: 0 } };
                     let body = BodyPose::centred(pose, hall.cell_m());
                     let photo = Exposure::new(Arc::clone(&hall), camera, body, pose, stamp).develop();
                     photos.push((format!("{}-{}-{}", bag.piece.0, bag.name, heading.name()), photo.bytes.to_vec()));

@@ -11,13 +11,13 @@ use std::time::Duration;
 use crate::{Hall, Sim, SimSettings};
 use hallsweep_core::command::{Accepted, Command, Door, Issuer, Move, Refused, Request};
 use hallsweep_core::effect::{Action, Effect, Entry, Page};
+use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Event, RobotEvent, RobotId};
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::rng::Stream;
 use hallsweep_core::settings::Settings;
-use hallsweep_core::sweep::Sweep;
-use hallsweep_core::units::{Now, Ticket, Wall};
+use hallsweep_core::units::{Now, Ticket, WallTime};
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// 2026-01-01T08:00:00Z: the day on which every simulated run begins, at a second drawn from its seed.
@@ -27,7 +27,7 @@ const FIRST_DAY_MS: i64 = 1_767_254_400_000;
 #[derive(Debug)]
 pub struct Run {
     /// The core.
-    pub sweep: Sweep,
+    pub engine: Engine,
     /// The robot.
     pub sim: Sim,
     /// Everything that was put on record, in order.
@@ -67,11 +67,11 @@ impl Run {
         let second = Stream::new(seed, "clock").below(12 * 3600);
         let began_ms = FIRST_DAY_MS + i64::try_from(second).unwrap_or(0) * 1000;
         let mut run = Run {
-            sweep: Sweep::new(settings, strategy, Arc::from(format!("seed-{seed}"))),
+            engine: Engine::new(settings, strategy, Arc::from(format!("seed-{seed}"))),
             sim: Sim::new(hall, sim),
             journal: Vec::new(),
             moves: Moves::default(),
-            now: Now { since_start: Duration::ZERO, wall: Wall { unix_ms: began_ms, offset_s: 0 } },
+            now: Now { since_start: Duration::ZERO, wall: WallTime { unix_ms: began_ms, offset_s: 0 } },
             began_ms,
             open: None,
             answers: BTreeMap::new(),
@@ -93,7 +93,7 @@ impl Run {
     /// # Errors
     /// The core's refusal.
     pub fn ask(&mut self, request: Request) -> Result<Accepted, Refused> {
-        let ticket = self.sweep.handle_command(request, self.now);
+        let ticket = self.engine.handle_command(request, self.now);
         self.settle();
         let ticket = ticket?;
         self.answers.remove(&ticket).expect("a store in memory keeps every record at once, so every answer is given at once")
@@ -101,13 +101,13 @@ impl Run {
 
     /// Lets something happen to the core that the simulator does not do by itself.
     pub fn happen(&mut self, event: Event) {
-        self.sweep.handle_event(event, self.now);
+        self.engine.handle_event(event, self.now);
         self.settle();
     }
 
     /// Lets the next thing happen that takes time; false when nothing more will happen by itself.
     pub fn advance(&mut self) -> bool {
-        let Some(next) = [self.sim.poll_timeout(), self.sweep.poll_timeout()].into_iter().flatten().min() else { return false };
+        let Some(next) = [self.sim.poll_timeout(), self.engine.poll_timeout()].into_iter().flatten().min() else { return false };
         self.wait_until(next);
         true
     }
@@ -115,7 +115,7 @@ impl Run {
     /// Lets `seconds` of simulated time pass.
     pub fn wait(&mut self, seconds: f64) {
         let end = self.now.since_start + Duration::from_secs_f64(seconds);
-        while [self.sim.poll_timeout(), self.sweep.poll_timeout()].into_iter().flatten().min().is_some_and(|next| next <= end) {
+        while [self.sim.poll_timeout(), self.engine.poll_timeout()].into_iter().flatten().min().is_some_and(|next| next <= end) {
             self.advance();
         }
         self.wait_until(end);
@@ -136,7 +136,7 @@ impl Run {
 
     /// The state now.
     pub fn state(&mut self) -> Arc<Snapshot> {
-        self.sweep.snapshot()
+        self.engine.snapshot()
     }
 
     /// The phase now.
@@ -155,20 +155,20 @@ impl Run {
         self.now.since_start += passed;
         self.now.wall.unix_ms = self.began_ms + i64::try_from(self.now.since_start.as_millis()).unwrap_or(0);
         self.sim.handle_timeout(self.now);
-        self.sweep.handle_timeout(self.now);
+        self.engine.handle_timeout(self.now);
         self.settle();
     }
 
     /// Carries effects and events to and fro until both sides are quiet.
     fn settle(&mut self) {
         loop {
-            if let Some(effect) = self.sweep.poll_effect() {
+            if let Some(effect) = self.engine.poll_effect() {
                 self.perform(effect);
             } else if let Some((order, exposure)) = self.sim.take_exposure() {
                 self.sim.handle_photo(order, exposure.develop(), self.now);
             } else if let Some(report) = self.sim.poll_event() {
                 self.count(&report);
-                self.sweep.handle_event(Event::Robot(RobotId::Discovery, report), self.now);
+                self.engine.handle_event(Event::Robot(RobotId::Discovery, report), self.now);
             } else {
                 break;
             }
@@ -193,7 +193,7 @@ impl Run {
     fn record(&mut self, page: Page) {
         let last = page.last();
         self.journal.extend(page.entries);
-        self.sweep.handle_event(Event::Recorded(last), self.now);
+        self.engine.handle_event(Event::Recorded(last), self.now);
     }
 
     fn count(&mut self, report: &RobotEvent) {

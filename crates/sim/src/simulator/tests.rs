@@ -291,7 +291,7 @@ fn any_move(choice: u64) -> Action {
 }
 
 fn photograph() -> Action {
-    Action::Photograph(Stamp { pose: Pose::START, wall: hallsweep_core::units::Wall::default() })
+    Action::Photograph(Stamp { pose: Pose::START, wall: hallsweep_core::units::WallTime::default() })
 }
 
 #[test]

@@ -15,7 +15,7 @@ use crate::doors::coap::application::Application;
 use crate::doors::coap::endpoint::code::Code;
 use crate::doors::coap::endpoint::{Endpoint, Transmit};
 use crate::doors::coap::resources::table::Table;
-use hallsweep_core::units::{Now, Wall};
+use hallsweep_core::units::{Now, WallTime};
 
 /// A door: what comes to its socket, and the loop behind it.
 struct Door {
@@ -54,7 +54,7 @@ impl Door {
     /// Takes a datagram, and everything that follows from it; what is sent back.
     fn take(&mut self, peer: SocketAddr, bytes: &[u8]) -> Vec<Transmit> {
         self.now += Duration::from_millis(1);
-        let now = Now { since_start: self.now, wall: Wall { unix_ms: 1_770_000_000_000, offset_s: 0 } };
+        let now = Now { since_start: self.now, wall: WallTime { unix_ms: 1_770_000_000_000, offset_s: 0 } };
         self.endpoint.handle_datagram(peer, bytes, now);
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             let resources = &self.house.resources;

@@ -18,7 +18,7 @@ use crate::runtime::obedient::{Noted, Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::command::{self, Refused};
 use hallsweep_core::event::Photo;
-use hallsweep_core::standing::Standing;
+use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Seq};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::snapshot::Snapshot;
@@ -65,7 +65,7 @@ impl Archive for Pictures {
         Ok(None)
     }
 
-    fn standing(&self, _: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
+    fn standing(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
         Ok(None)
     }
 

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use super::super::Door;
-use hallsweep_core::units::{MissionId, Wall};
+use hallsweep_core::units::{MissionId, WallTime};
 
 /// A record that is not there sooner is left out: the page does not wait for a disk that hangs,
 const PATIENCE: Duration = Duration::from_millis(100);
@@ -20,12 +20,12 @@ pub(in crate::doors::http) struct Began(Mutex<Known>);
 #[derive(Clone, Copy, Debug, Default)]
 struct Known {
     mission: MissionId,
-    began: Option<Wall>,
+    began: Option<WallTime>,
     asked: Option<Duration>,
 }
 
 /// When this mission began; `None` before the first, and while the record cannot be read.
-pub(super) async fn began(door: &Door, mission: MissionId) -> Option<Wall> {
+pub(super) async fn began(door: &Door, mission: MissionId) -> Option<WallTime> {
     let now = door.clock.now().since_start;
     let known = {
         let mut known = door.began.0.lock().unwrap_or_else(PoisonError::into_inner);

@@ -22,7 +22,7 @@ use super::super::watcher::{Wake, Watcher};
 use super::parts::PARTS;
 use super::view::{Place, View, Who};
 use super::{UNBUFFERED, began, hall, who};
-use hallsweep_core::units::Wall;
+use hallsweep_core::units::WallTime;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// The least time between two messages: ten a second are as many as an eye can use.
@@ -85,7 +85,14 @@ fn message(message: &Message) -> Event {
 
 impl Shown {
     /// What this page lacks of a snapshot; from now on it shows it.
-    fn update(&mut self, snapshot: Arc<Snapshot>, hall: Place<'_>, began: Option<Wall>, who: Option<Who>, now: Wall) -> Message {
+    fn update(
+        &mut self,
+        snapshot: Arc<Snapshot>,
+        hall: Place<'_>,
+        began: Option<WallTime>,
+        who: Option<Who>,
+        now: WallTime,
+    ) -> Message {
         let view = View { snapshot: &snapshot, hall, began, who, why: None, now };
         let older = self.older.take();
         let mut parts = tiles(older.as_deref(), &snapshot);

@@ -17,8 +17,8 @@ use crate::api::time::{Zone, rfc3339};
 use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::mission::PhaseName;
-use hallsweep_core::standing::Standing;
-use hallsweep_core::units::{MissionId, Seq, Wall};
+use hallsweep_core::state::PersistentState;
+use hallsweep_core::units::{MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::Luggage;
 
 /// Events on a page: a few screens.
@@ -108,7 +108,7 @@ struct List {
 #[template(path = "missions/one.html")]
 struct One {
     record: MissionRecord,
-    standing: Option<Standing>,
+    standing: Option<PersistentState>,
     /// What of it cannot be understood, a sentence each.
     damage: Vec<String>,
     show: Show,
@@ -132,7 +132,7 @@ struct Event {
 }
 
 impl List {
-    fn time(&self, wall: &Wall) -> String {
+    fn time(&self, wall: &WallTime) -> String {
         self.zone.date_and_time(*wall)
     }
 
@@ -142,7 +142,7 @@ impl List {
 }
 
 impl One {
-    fn time(&self, wall: &Wall) -> String {
+    fn time(&self, wall: &WallTime) -> String {
         self.zone.date_and_time(*wall)
     }
 
@@ -150,17 +150,17 @@ impl One {
         came_to(&self.record)
     }
 
-    fn view_box(&self, standing: &Standing) -> String {
+    fn view_box(&self, standing: &PersistentState) -> String {
         hall::view_box(&standing.map)
     }
 
-    fn hall(&self, standing: &Standing) -> String {
+    fn hall(&self, standing: &PersistentState) -> String {
         let map = &standing.map;
         let tiles: String = map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect();
         format!("{tiles}{}{}", hall::labels(map), hall::found(map, standing.luggage.values().map(|luggage| &**luggage)))
     }
 
-    fn pieces<'s>(&self, standing: &'s Standing) -> Vec<(&'s Luggage, Option<String>)> {
+    fn pieces<'s>(&self, standing: &'s PersistentState) -> Vec<(&'s Luggage, Option<String>)> {
         standing.luggage.values().map(|luggage| (&**luggage, photo_url(luggage))).collect()
     }
 
@@ -242,7 +242,7 @@ mod tests {
     use crate::api::time::Zone;
     use crate::runtime::archive::MissionRecord;
     use crate::runtime::clock::Clock;
-    use hallsweep_core::units::Wall;
+    use hallsweep_core::units::WallTime;
 
     async fn page(house: &House, path: &str) -> String {
         let response = house.get(path).await;
@@ -251,7 +251,7 @@ mod tests {
     }
 
     /// A moment as a page of this machine shows it.
-    fn here(wall: Wall) -> String {
+    fn here(wall: WallTime) -> String {
         Zone::of(Clock::default().now().wall).date_and_time(wall)
     }
 

@@ -8,7 +8,7 @@ use super::view::{View, place};
 use crate::api::luggage::photo_url;
 use crate::api::time::rfc3339;
 use hallsweep_core::explore::Strategy;
-use hallsweep_core::units::{LuggageId, Wall};
+use hallsweep_core::units::{LuggageId, WallTime};
 use hallsweep_core::world::log::LogLine;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_core::world::resource::Resource;
@@ -209,13 +209,13 @@ impl Gallery<'_> {
         latest.map(|luggage| (&**luggage, photo_url(luggage))).collect()
     }
 
-    fn time(&self, wall: &Wall) -> String {
+    fn time(&self, wall: &WallTime) -> String {
         self.v.zone().clock_time(*wall)
     }
 }
 
 impl Alarms<'_> {
-    fn time(&self, wall: &Wall) -> String {
+    fn time(&self, wall: &WallTime) -> String {
         self.v.zone().clock_time(*wall)
     }
 }

@@ -12,7 +12,7 @@ use super::html;
 use super::view::place;
 use crate::api::luggage::photo_url;
 use crate::api::time::Zone;
-use hallsweep_core::units::Wall;
+use hallsweep_core::units::WallTime;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
 /// `GET luggage/{id}`
@@ -30,7 +30,7 @@ struct PhotoPage<'a> {
 }
 
 impl PhotoPage<'_> {
-    fn time(&self, wall: &Wall) -> String {
+    fn time(&self, wall: &WallTime) -> String {
         self.zone.date_and_time(*wall)
     }
 

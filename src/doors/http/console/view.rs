@@ -7,7 +7,7 @@ use askama::Template;
 use crate::access::{Need, Role};
 use crate::api::time::Zone;
 use hallsweep_core::mission::{Hold, PhaseName};
-use hallsweep_core::units::{Cell, Celsius, Wall};
+use hallsweep_core::units::{Cell, Celsius, WallTime};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::robot::RobotState;
 use hallsweep_core::world::snapshot::Snapshot;
@@ -18,11 +18,11 @@ pub(super) struct View<'a> {
     pub(super) snapshot: &'a Snapshot,
     pub(super) hall: Place<'a>,
     /// When the present mission began, where that is known.
-    pub(super) began: Option<Wall>,
+    pub(super) began: Option<WallTime>,
     /// Who looks; `None` where nobody is asked who he is.
     pub(super) who: Option<Who>,
     pub(super) why: Option<Why>,
-    pub(super) now: Wall,
+    pub(super) now: WallTime,
 }
 
 /// What is known of the hall beforehand.
@@ -150,7 +150,7 @@ impl View<'_> {
     }
 
     /// When the mission began that goes on, so that its time is counted; one that is over has none.
-    pub(super) fn counts_since(&self) -> Option<Wall> {
+    pub(super) fn counts_since(&self) -> Option<WallTime> {
         let is_over = matches!(
             self.snapshot.mission.phase,
             PhaseName::Idle | PhaseName::BombLocated | PhaseName::BagSecured | PhaseName::Explored
@@ -338,7 +338,7 @@ impl View<'_> {
     }
 
     /// How long ago a moment was, as `0:14`.
-    pub(super) fn gone(&self, since: &Wall) -> String {
+    pub(super) fn gone(&self, since: &WallTime) -> String {
         let seconds = self.now.unix_ms.saturating_sub(since.unix_ms).max(0) / 1000;
         format!("{}:{:02}", seconds / 60, seconds % 60)
     }
@@ -373,7 +373,7 @@ mod tests {
 
     fn view(snapshot: &Snapshot) -> View<'_> {
         let hall = Place { name: "airport", cell_m: Some(0.5) };
-        View { snapshot, hall, began: Some(TEN), who: None, why: None, now: Wall { unix_ms: TEN.unix_ms + 74_900, ..TEN } }
+        View { snapshot, hall, began: Some(TEN), who: None, why: None, now: WallTime { unix_ms: TEN.unix_ms + 74_900, ..TEN } }
     }
 
     #[test]

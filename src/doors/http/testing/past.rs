@@ -7,8 +7,8 @@ use hallsweep_core::command::{Door, Issuer, Refusal, Refused};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::{Hold, Phase};
-use hallsweep_core::standing::Standing;
-use hallsweep_core::units::{LuggageId, MissionId, Pose, Seq, Wall};
+use hallsweep_core::state::PersistentState;
+use hallsweep_core::units::{LuggageId, MissionId, Pose, Seq, WallTime};
 
 /// A mission that cannot be read.
 pub(super) const UNREADABLE: MissionId = MissionId(99);
@@ -18,7 +18,7 @@ pub(super) const DAMAGE: &str = "entry 6 of the journal cannot be understood (a 
 
 /// Both, the newest first.
 pub(super) fn missions() -> [MissionRecord; 2] {
-    let hour = |hours: i64| Wall { unix_ms: TEN.unix_ms + hours * 3_600_000, ..TEN };
+    let hour = |hours: i64| WallTime { unix_ms: TEN.unix_ms + hours * 3_600_000, ..TEN };
     let first = MissionRecord {
         id: MissionId(1),
         strategy: Strategy::Snail.name().into(),
@@ -43,10 +43,16 @@ pub(super) fn missions() -> [MissionRecord; 2] {
 }
 
 /// What stood when the first was put away: the map and the luggage of the fixture.
-pub(super) fn standing() -> Standing {
+pub(super) fn standing() -> PersistentState {
     let state = searching();
     let luggage = state.luggage.iter().map(|luggage| (luggage.id, luggage.clone())).collect();
-    Standing { mission: MissionId(1), map: state.map, luggage, phase: Phase::BombLocated, ..Standing::first(Strategy::Snail) }
+    PersistentState {
+        mission: MissionId(1),
+        map: state.map,
+        luggage,
+        phase: Phase::BombLocated,
+        ..PersistentState::first(Strategy::Snail)
+    }
 }
 
 /// What happened in the first, and one entry that cannot be understood.

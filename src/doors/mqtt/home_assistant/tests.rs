@@ -12,7 +12,7 @@ use crate::doors::mqtt::news::News;
 use crate::doors::mqtt::topics::{Place, Topics};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::event::Photo;
-use hallsweep_core::units::Wall;
+use hallsweep_core::units::WallTime;
 use hallsweep_core::world::alarm::AlarmView;
 
 fn topics() -> Topics {
@@ -157,7 +157,7 @@ fn every_phase_is_one_of_the_activities_of_a_vacuum() {
 fn an_alarm_stands_until_it_is_seen_and_a_danger_until_it_is_secured() {
     let mut snapshot = idle();
     assert!(!state(&snapshot).alarm);
-    let seen = |who: Option<(Arc<str>, Wall)>| {
+    let seen = |who: Option<(Arc<str>, WallTime)>| {
         let text = "a parcel was lost".to_owned();
         Arc::from([AlarmView { id: None, raised: TEN, text, luggage: None, acknowledged: who }])
     };

@@ -8,7 +8,7 @@ use crate::api::log::LogLineJson;
 use crate::api::state::StateJson;
 use crate::doors::mqtt::topics::Place;
 use hallsweep_core::command::Verdict;
-use hallsweep_core::units::{Cell, LuggageId, Wall};
+use hallsweep_core::units::{Cell, LuggageId, WallTime};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::log::Tone;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
@@ -71,7 +71,7 @@ fn json(publications: &[Publication], topic: &str) -> Value {
 /// A piece of this number, photographed so many seconds after ten.
 fn found(id: u64, seconds: i64) -> Arc<Luggage> {
     let mut luggage = Luggage::clone(&piece(id, Cell::new(1, 2), None));
-    luggage.taken = Wall { unix_ms: luggage.taken.unix_ms + seconds * 1000, ..luggage.taken };
+    luggage.taken = WallTime { unix_ms: luggage.taken.unix_ms + seconds * 1000, ..luggage.taken };
     Arc::new(luggage)
 }
 

@@ -12,13 +12,13 @@ use crate::runtime::clock::Clock;
 use crate::runtime::halt::Halter;
 use crate::runtime::handle::{COMMANDS, Envelope};
 use crate::runtime::link::link;
-use crate::runtime::store::{Store, StoreWord};
+use crate::runtime::store::{Store, StoreStatus};
 use crate::runtime::task::{Course, Task};
 use crate::runtime::within::within;
 use hallsweep_core::effect::Page;
+use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Capabilities, RobotEvent};
 use hallsweep_core::settings::Settings;
-use hallsweep_core::sweep::Sweep;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// So many commands may be under way where nobody signs in.
@@ -161,14 +161,14 @@ async fn commands_keep_the_order_in_which_they_came() {
 }
 
 /// Keeps nothing, and says at once that it did.
-struct Forgetful(watch::Sender<StoreWord>);
+struct Forgetful(watch::Sender<StoreStatus>);
 
 impl Store for Forgetful {
     fn record(&mut self, page: Page, _losses: u64) {
         self.0.send_modify(|word| word.kept = page.last());
     }
 
-    fn word(&self) -> watch::Receiver<StoreWord> {
+    fn word(&self) -> watch::Receiver<StoreStatus> {
         self.0.subscribe()
     }
 }
@@ -178,9 +178,9 @@ impl Store for Forgetful {
 async fn a_command_that_comes_again_under_its_name_acts_once_and_is_answered_as_before() {
     let halter = Halter::new(Epoch(0));
     let (loop_side, robot) = link(halter.watch());
-    let sweep = Sweep::new(Settings::default(), Default::default(), "test".into());
-    let store = Box::new(Forgetful(watch::Sender::new(StoreWord::default())));
-    let (handle, task) = Task::new(sweep, loop_side, store, Clock::default(), halter);
+    let engine = Engine::new(Settings::default(), Default::default(), "test".into());
+    let store = Box::new(Forgetful(watch::Sender::new(StoreStatus::default())));
+    let (handle, task) = Task::new(engine, loop_side, store, Clock::default(), halter);
     let (_course, coursed) = watch::channel(Course::default());
     tokio::spawn(task.run(coursed));
     let second = Duration::from_secs(1);

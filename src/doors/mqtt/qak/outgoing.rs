@@ -77,7 +77,7 @@ mod tests {
 
     use super::*;
     use crate::api::fixture::{drawn, idle, piece, searching};
-    use hallsweep_core::units::{Cell, Heading, Pose, Wall};
+    use hallsweep_core::units::{Cell, Heading, Pose, WallTime};
     use hallsweep_core::world::robot::RobotState;
 
     /// What an old console shows of a message.
@@ -142,7 +142,7 @@ mod tests {
             id in any::<u64>(), x in any::<i32>(), y in any::<i32>(), unix_ms in any::<i64>(), offset_s in any::<i32>(),
         ) {
             let mut found = Luggage::clone(&piece(id, Cell::new(1, 1), None));
-            (found.cell, found.taken) = (Cell::new(x, y), Wall { unix_ms, offset_s });
+            (found.cell, found.taken) = (Cell::new(x, y), WallTime { unix_ms, offset_s });
             let text = message(luggage(&found), 1);
             prop_assert_eq!(shown(&text), format!("state('{}'", old_items::luggage_state(&found)));
         }

@@ -23,7 +23,7 @@ use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::event::Photo;
-use hallsweep_core::standing::Standing;
+use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::snapshot::Snapshot;
@@ -262,7 +262,7 @@ impl Archive for Album {
         Ok(None)
     }
 
-    fn standing(&self, _: MissionId) -> Result<Option<Sound<Standing>>, Unreadable> {
+    fn standing(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
         Ok(None)
     }
 

@@ -21,7 +21,7 @@ use hallsweep_core::effect::{Fact, Page};
 use hallsweep_core::units::{LuggageId, Seq};
 
 /// What a start would read.
-fn recalled(path: &std::path::Path) -> Result<Option<hallsweep_core::sweep::Recalled>, Fault> {
+fn recalled(path: &std::path::Path) -> Result<Option<hallsweep_core::engine::Recalled>, Fault> {
     let folder = Folder::new(path);
     recall::recall(&folder, marker::read(&folder)?)
 }

@@ -9,15 +9,15 @@ use crate::api::journal_words;
 use crate::runtime::archive::{Sound, Unreadable};
 use hallsweep_core::command::{CommandId, Verdict};
 use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::engine::{IDS, Recalled};
 use hallsweep_core::explore::Strategy as Order;
 use hallsweep_core::mission::Phase;
-use hallsweep_core::standing::Standing;
-use hallsweep_core::sweep::{IDS, Recalled};
+use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Seq};
 use hallsweep_core::world::log::Tone;
 
-fn fold<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Standing {
-    let mut standing = Standing::first(Order::default());
+fn fold<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> PersistentState {
+    let mut standing = PersistentState::first(Order::default());
     entries.into_iter().for_each(|entry| standing.apply(entry));
     standing
 }
@@ -110,7 +110,7 @@ proptest! {
 fn harmless() -> impl Strategy<Value = Fact> {
     arbitrary::fact().prop_filter("numbers beyond 2^63", |fact| {
         !matches!(fact, Fact::MissionBegan(..) | Fact::MissionArchived(..) | Fact::Verdict { .. } | Fact::Luggage { .. })
-            && !matches!(fact, Fact::Standing(_))
+            && !matches!(fact, Fact::State(_))
     })
 }
 
@@ -119,7 +119,7 @@ fn reading_begins_at_the_last_entry_that_says_everything() {
     let scratch = Scratch::new();
     let mut scribe = Scribe::new(scratch.open());
     scribe.keep(vec![wall(1, 1)]);
-    scribe.keep(vec![Fact::Standing(Box::new(Standing::first(Order::Snail)))]);
+    scribe.keep(vec![Fact::State(Box::new(PersistentState::first(Order::Snail)))]);
     scribe.keep(vec![wall(2, 2)]);
     drop(scribe);
     let standing = scratch.open().recalled.expect("something was kept").standing;
@@ -209,7 +209,7 @@ fn a_journal_of_the_first_format_is_brought_up_to_date() {
     let standing = Line {
         seq: Seq(8),
         mission: None,
-        entry: at_noon(Fact::Standing(Box::new(Standing::first(Order::Snail)))),
+        entry: at_noon(Fact::State(Box::new(PersistentState::first(Order::Snail)))),
         picture: None,
     };
     rows::insert(&old, &standing).unwrap();
@@ -322,8 +322,8 @@ fn of_a_mission_with_a_damaged_entry_the_rest_is_shown_and_the_damage_said() {
     let lost = scribe.keep(vec![wall(4, 4)]);
     scribe.keep(vec![wall(5, 5)]);
     scribe.keep(archive(1));
-    let standing = Standing::first(Order::default());
-    let summed_up = scribe.keep(vec![Fact::Standing(Box::new(standing))]);
+    let standing = PersistentState::first(Order::default());
+    let summed_up = scribe.keep(vec![Fact::State(Box::new(standing))]);
     scribe.keep(begin(2));
     let ended = scribe.keep([vec![wall(6, 6)], archive(2)].concat());
     damage(&scratch, lost);

@@ -7,14 +7,14 @@ use std::time::Duration;
 
 use super::super::writer::Patience;
 use super::super::{OpenError, Opened, open_with};
-use crate::runtime::store::StoreWord;
+use crate::runtime::store::StoreStatus;
 use crate::runtime::within::within;
 use hallsweep_core::command::{CommandId, Door, Issuer, Verdict};
 use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::event::Photo;
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::{Inspection, Phase, Stage};
-use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, Wall};
+use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
@@ -71,7 +71,7 @@ impl Drop for Scratch {
 pub(super) struct Scribe {
     pub(super) opened: Opened,
     written: Seq,
-    word: tokio::sync::watch::Receiver<StoreWord>,
+    word: tokio::sync::watch::Receiver<StoreStatus>,
 }
 
 impl Scribe {
@@ -95,7 +95,7 @@ impl Scribe {
     }
 
     /// Waits until the word is as wanted.
-    pub(super) fn until(&mut self, wanted: impl FnMut(&StoreWord) -> bool) -> StoreWord {
+    pub(super) fn until(&mut self, wanted: impl FnMut(&StoreStatus) -> bool) -> StoreStatus {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a small runtime");
         let heard = self.word.clone();
         let waited = runtime.block_on(async { tokio::time::timeout(Duration::from_secs(60), self.word.wait_for(wanted)).await });
@@ -122,7 +122,7 @@ pub(super) fn eventually(what: &str, is_so: impl Fn() -> bool) {
 }
 
 pub(super) fn at_noon(fact: Fact) -> Entry {
-    Entry { wall: Wall { unix_ms: 1_770_000_000_000, offset_s: 3600 }, fact }
+    Entry { wall: WallTime { unix_ms: 1_770_000_000_000, offset_s: 3600 }, fact }
 }
 
 pub(super) fn command(id: Option<&str>) -> Fact {
@@ -162,7 +162,7 @@ pub(super) fn found(id: u64, photo: Option<Photo>) -> Fact {
         id: LuggageId(id),
         cell: Cell::new(0, 1),
         pose: Pose::START,
-        taken: Wall::default(),
+        taken: WallTime::default(),
         photo: taken.unwrap_or(PhotoState::Failed("dark".to_owned())),
         verdict: None,
         piece: None,

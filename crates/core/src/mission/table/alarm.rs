@@ -8,7 +8,7 @@ use super::shared::{
 use crate::mission::rule::Act::{Release, RetryBlocked};
 use crate::mission::rule::Rule::{AsInterrupted, Go, Never, RefuseIf};
 use crate::mission::rule::To::{Interrupted, Phase};
-use crate::mission::rule::{Bar, Rule};
+use crate::mission::rule::{Guard, Rule};
 use crate::mission::{Input, PhaseName};
 
 /// On the way home after danger.
@@ -63,7 +63,7 @@ pub(super) const fn bomb_located(input: Input) -> &'static [Rule] {
         Input::TemperatureTooHigh => BUTTON_TOO_HIGH,
         Input::Reading => READING,
         Input::SensorReading => SENSOR_READING,
-        Input::Retrieve => &[RefuseIf(Bar::Held), Never(Bar::NoRetrievalRobot)],
+        Input::Retrieve => &[RefuseIf(Guard::Held), Never(Guard::NoRetrievalRobot)],
         Input::Reset => RESET,
         Input::Acknowledge => ACKNOWLEDGE,
         Input::Done
@@ -176,9 +176,9 @@ pub(super) const fn bag_secured(input: Input) -> &'static [Rule] {
 pub(super) const fn fault(input: Input) -> &'static [Rule] {
     match input {
         Input::Start => &[
-            RefuseIf(Bar::Held),
-            RefuseIf(Bar::FaultStands),
-            RefuseIf(Bar::VerdictAwaited),
+            RefuseIf(Guard::Held),
+            RefuseIf(Guard::FaultStands),
+            RefuseIf(Guard::VerdictAwaited),
             Go(Interrupted, &[Release, RetryBlocked]),
         ],
         Input::Stop => STOP,

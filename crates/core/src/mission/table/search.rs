@@ -10,13 +10,13 @@ use super::shared::{
 use crate::mission::rule::Act::{Begin, FacePiece, LedOff, Raise, RecordPiece, RecordRetake, Release, Retake, Stop};
 use crate::mission::rule::Rule::{AsInterrupted, Go, Never, RefuseIf, When};
 use crate::mission::rule::To::{Interrupted, Phase, Stay};
-use crate::mission::rule::{Bar, Case, Rule};
+use crate::mission::rule::{Case, Guard, Rule};
 use crate::mission::{Hold, Input, PhaseName};
 
 /// No mission.
 pub(super) const fn idle(input: Input) -> &'static [Rule] {
     match input {
-        Input::Start => &[RefuseIf(Bar::Held), Go(Phase(PhaseName::Exploring), &[Release, Begin])],
+        Input::Start => &[RefuseIf(Guard::Held), Go(Phase(PhaseName::Exploring), &[Release, Begin])],
         Input::Stop => STOP,
         Input::BackHome | Input::Retrieve => NOT_HERE,
         Input::RetakePhoto => RETAKE_ELSEWHERE,
@@ -96,7 +96,7 @@ pub(super) const fn exploring(input: Input) -> &'static [Rule] {
 /// At a piece of luggage.
 pub(super) const fn inspecting(input: Input) -> &'static [Rule] {
     match input {
-        Input::Start => &[RefuseIf(Bar::Held), RefuseIf(Bar::OperatorAsked), Go(Stay, &[Release])],
+        Input::Start => &[RefuseIf(Guard::Held), RefuseIf(Guard::OperatorAsked), Go(Stay, &[Release])],
         Input::Stop => STOP,
         Input::BackHome => GO_HOME,
         Input::Safe => SAFE,
@@ -108,7 +108,7 @@ pub(super) const fn inspecting(input: Input) -> &'static [Rule] {
         Input::Retrieve | Input::Move | Input::Goto | Input::Strategy => NOT_HERE,
         Input::Reset => RESET,
         Input::RetakePhoto => {
-            &[RefuseIf(Bar::NotInspected), RefuseIf(Bar::PhotoUnderWay), RefuseIf(Bar::PhotoHeld), Go(Stay, &[Retake])]
+            &[RefuseIf(Guard::NotInspected), RefuseIf(Guard::PhotoUnderWay), RefuseIf(Guard::PhotoHeld), Go(Stay, &[Retake])]
         }
         Input::Acknowledge => ACKNOWLEDGE,
         Input::Done => &[When(Case::BackedUp, Stay, &[FacePiece]), Go(Stay, &[])],
@@ -133,7 +133,7 @@ pub(super) const fn inspecting(input: Input) -> &'static [Rule] {
 /// Driven by hand: whatever holds the robot also ends the drive.
 pub(super) const fn driving(input: Input) -> &'static [Rule] {
     match input {
-        Input::Start | Input::BackHome | Input::Move | Input::Goto => &[Never(Bar::Driving)],
+        Input::Start | Input::BackHome | Input::Move | Input::Goto => &[Never(Guard::Driving)],
         Input::Stop => &[Go(Interrupted, &[Stop])],
         Input::Safe => SAFE,
         Input::Danger => DANGER,
@@ -224,7 +224,7 @@ pub(super) const fn returning_home(input: Input) -> &'static [Rule] {
 /// Home after BACK HOME, waiting for START.
 pub(super) const fn at_home(input: Input) -> &'static [Rule] {
     match input {
-        Input::Start => &[RefuseIf(Bar::Held), RefuseIf(Bar::VerdictAwaited), Go(Phase(PhaseName::Exploring), &[Release])],
+        Input::Start => &[RefuseIf(Guard::Held), RefuseIf(Guard::VerdictAwaited), Go(Phase(PhaseName::Exploring), &[Release])],
         Input::Stop => STOP,
         Input::BackHome => RESUME,
         Input::Safe => SAFE,

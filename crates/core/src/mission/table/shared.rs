@@ -6,64 +6,68 @@ use crate::mission::rule::Act::{
 };
 use crate::mission::rule::Rule::{Go, Never, RefuseIf, RefuseIfThen, When};
 use crate::mission::rule::To::{Phase, Stay};
-use crate::mission::rule::{Bar, Case, Rule};
+use crate::mission::rule::{Case, Guard, Rule};
 use crate::mission::{Hold, PhaseName};
 
 pub(super) const NOTHING: &[Rule] = &[Go(Stay, &[])];
-pub(super) const NOT_HERE: &[Rule] = &[Never(Bar::NotInPhase)];
+pub(super) const NOT_HERE: &[Rule] = &[Never(Guard::NotInPhase)];
 /// A piece that does not exist is unknown everywhere.
-pub(super) const RETAKE_ELSEWHERE: &[Rule] = &[RefuseIf(Bar::UnknownLuggage), Never(Bar::NotInPhase)];
+pub(super) const RETAKE_ELSEWHERE: &[Rule] = &[RefuseIf(Guard::UnknownLuggage), Never(Guard::NotInPhase)];
 pub(super) const STOP: &[Rule] = &[Go(Stay, &[Stop])];
-pub(super) const RESUME: &[Rule] = &[RefuseIf(Bar::Held), Go(Stay, &[Release])];
-pub(super) const EXPLORE_ON: &[Rule] = &[RefuseIf(Bar::Held), RefuseIf(Bar::VerdictAwaited), Go(Stay, &[Release])];
+pub(super) const RESUME: &[Rule] = &[RefuseIf(Guard::Held), Go(Stay, &[Release])];
+pub(super) const EXPLORE_ON: &[Rule] = &[RefuseIf(Guard::Held), RefuseIf(Guard::VerdictAwaited), Go(Stay, &[Release])];
 pub(super) const EXPLORE_AGAIN: &[Rule] = &[
-    RefuseIf(Bar::Held),
-    RefuseIf(Bar::VerdictPending),
-    RefuseIf(Bar::BombUnfetched),
+    RefuseIf(Guard::Held),
+    RefuseIf(Guard::VerdictPending),
+    RefuseIf(Guard::BombUnfetched),
     Go(Phase(PhaseName::Exploring), &[Archive, Release, EmptyMap, Begin]),
 ];
-pub(super) const GO_HOME: &[Rule] = &[RefuseIf(Bar::Held), Go(Phase(PhaseName::ReturningHome), &[Release])];
+pub(super) const GO_HOME: &[Rule] = &[RefuseIf(Guard::Held), Go(Phase(PhaseName::ReturningHome), &[Release])];
 pub(super) const SAFE: &[Rule] = &[
-    RefuseIf(Bar::UnknownLuggage),
+    RefuseIf(Guard::UnknownLuggage),
     When(Case::SameVerdict, Stay, &[]),
-    RefuseIf(Bar::Decided),
-    RefuseIf(Bar::StoreDown),
-    RefuseIf(Bar::NoPhoto),
+    RefuseIf(Guard::Decided),
+    RefuseIf(Guard::StoreDown),
+    RefuseIf(Guard::NoPhoto),
     Go(Stay, &[RecordVerdict]),
 ];
 pub(super) const DANGER: &[Rule] = &[
-    RefuseIf(Bar::UnknownLuggage),
+    RefuseIf(Guard::UnknownLuggage),
     When(Case::SameVerdict, Stay, &[]),
-    RefuseIf(Bar::Decided),
-    RefuseIfThen(Bar::StoreDown, &[AlarmUnrecorded]),
+    RefuseIf(Guard::Decided),
+    RefuseIfThen(Guard::StoreDown, &[AlarmUnrecorded]),
     Go(Stay, &[RecordVerdict]),
 ];
-pub(super) const BUTTON_OK: &[Rule] = &[RefuseIf(Bar::StoreDown), Go(Stay, &[Clear(Hold::TooHigh)])];
+pub(super) const BUTTON_OK: &[Rule] = &[RefuseIf(Guard::StoreDown), Go(Stay, &[Clear(Hold::TooHigh)])];
 /// What makes it safer is done although it cannot be put on record; its sender is told that it is not.
 pub(super) const BUTTON_TOO_HIGH: &[Rule] =
-    &[RefuseIfThen(Bar::StoreDown, &[Raise(Hold::TooHigh)]), Go(Stay, &[Raise(Hold::TooHigh)])];
-pub(super) const READING: &[Rule] = &[RefuseIfThen(Bar::StoreDown, &[NoteReading]), Go(Stay, &[NoteReading])];
-pub(super) const SENSOR_READING: &[Rule] = &[RefuseIf(Bar::UnknownSensor), Go(Stay, &[HearSensor])];
+    &[RefuseIfThen(Guard::StoreDown, &[Raise(Hold::TooHigh)]), Go(Stay, &[Raise(Hold::TooHigh)])];
+pub(super) const READING: &[Rule] = &[RefuseIfThen(Guard::StoreDown, &[NoteReading]), Go(Stay, &[NoteReading])];
+pub(super) const SENSOR_READING: &[Rule] = &[RefuseIf(Guard::UnknownSensor), Go(Stay, &[HearSensor])];
 pub(super) const RESET: &[Rule] = &[
-    RefuseIf(Bar::Moving),
-    RefuseIf(Bar::Unrecorded),
-    RefuseIf(Bar::VerdictPending),
-    RefuseIf(Bar::BombUnfetched),
-    RefuseIf(Bar::StoreDown),
+    RefuseIf(Guard::Moving),
+    RefuseIf(Guard::Unrecorded),
+    RefuseIf(Guard::VerdictPending),
+    RefuseIf(Guard::BombUnfetched),
+    RefuseIf(Guard::StoreDown),
     When(Case::RobotAtHome, Phase(PhaseName::Idle), &[Archive, LedOff, Release, EmptyMap]),
     Go(Phase(PhaseName::Idle), &[Archive, LedOff, Release]),
 ];
-pub(super) const DRIVE: &[Rule] =
-    &[RefuseIf(Bar::Held), RefuseIf(Bar::NotCapable), RefuseIf(Bar::IntoObstacle), Go(Phase(PhaseName::Driving), &[Release])];
-pub(super) const DRIVE_IF_STOPPED: &[Rule] = &[
-    RefuseIf(Bar::Held),
-    RefuseIf(Bar::NotStopped),
-    RefuseIf(Bar::NotCapable),
-    RefuseIf(Bar::IntoObstacle),
+pub(super) const DRIVE: &[Rule] = &[
+    RefuseIf(Guard::Held),
+    RefuseIf(Guard::NotCapable),
+    RefuseIf(Guard::IntoObstacle),
     Go(Phase(PhaseName::Driving), &[Release]),
 ];
-pub(super) const ACKNOWLEDGE: &[Rule] = &[RefuseIf(Bar::UnknownAlarm), RefuseIf(Bar::StoreDown), Go(Stay, &[Acknowledge])];
-pub(super) const CHOOSE: &[Rule] = &[RefuseIf(Bar::StoreDown), Go(Stay, &[ChooseStrategy])];
+pub(super) const DRIVE_IF_STOPPED: &[Rule] = &[
+    RefuseIf(Guard::Held),
+    RefuseIf(Guard::NotStopped),
+    RefuseIf(Guard::NotCapable),
+    RefuseIf(Guard::IntoObstacle),
+    Go(Phase(PhaseName::Driving), &[Release]),
+];
+pub(super) const ACKNOWLEDGE: &[Rule] = &[RefuseIf(Guard::UnknownAlarm), RefuseIf(Guard::StoreDown), Go(Stay, &[Acknowledge])];
+pub(super) const CHOOSE: &[Rule] = &[RefuseIf(Guard::StoreDown), Go(Stay, &[ChooseStrategy])];
 pub(super) const RECORDED: &[Rule] = &[Go(Stay, &[AskOperator])];
 pub(super) const ANOTHER_DANGER: &[Rule] = &[Go(Stay, &[LedOff, AlarmDanger])];
 pub(super) const DANGER_ON_THE_WAY: &[Rule] = &[Go(Phase(PhaseName::ReturningWithAlarm), &[LedOff, AlarmDanger])];

@@ -1,30 +1,30 @@
 //! Going from phase to phase: what each one takes along from the one before.
 
-use super::Sweep;
+use super::Engine;
 use super::decide::Step;
 use crate::effect::Fact;
-use crate::mission::{FaultCause, Input, Inspection, Matter, Phase, PhaseName, Stage, To};
+use crate::mission::{FaultCause, Input, InputContext, Inspection, Phase, PhaseName, Stage, To};
 use crate::units::{Cell, LuggageId};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
 
-impl Sweep {
+impl Engine {
     /// Decides and carries out an input that cannot be refused.
-    pub(super) fn feed(&mut self, input: Input, matter: &Matter) {
-        if let Ok(step) = self.decide(input, matter) {
-            self.apply(step, matter);
+    pub(super) fn feed(&mut self, input: Input, context: &InputContext) {
+        if let Ok(step) = self.decide(input, context) {
+            self.apply(step, context);
         }
     }
 
     /// Carries out what the table said.
-    pub(super) fn apply(&mut self, step: Step, matter: &Matter) {
-        self.go(step, matter);
-        self.perform_all(step.acts, matter);
+    pub(super) fn apply(&mut self, step: Step, context: &InputContext) {
+        self.go(step, context);
+        self.perform_all(step.acts, context);
     }
 
     /// Moves to where a step leads: the phase that stands, or the one that many interruptions below it.
-    fn go(&mut self, step: Step, matter: &Matter) {
+    fn go(&mut self, step: Step, context: &InputContext) {
         if step.to == To::Stay {
             return;
         }
@@ -33,7 +33,7 @@ impl Sweep {
         let new = match step.to {
             To::Stay => old,
             To::Interrupted => self.resumed(old),
-            To::Phase(name) => self.entered(name, old, matter),
+            To::Phase(name) => self.entered(name, old, context),
         };
         *self.slot(step.depth) = new;
         self.mission.route.clear();
@@ -52,7 +52,7 @@ impl Sweep {
     /// Whether the robot stands in the middle of its home cell and is not about to leave it, by hand or otherwise.
     pub(super) fn rests_at_home(&self) -> bool {
         let driven = matches!(self.mission.phase, Phase::Driving { .. });
-        self.world.is_home() && !self.helm.is_moving() && !driven
+        self.world.is_home() && !self.controller.is_moving() && !driven
     }
 
     /// The phase that was interrupted. Waiting at home is over once the robot has been driven away, or is just being.
@@ -61,12 +61,12 @@ impl Sweep {
         if *interrupted == Phase::AtHome && !self.rests_at_home() { Phase::Exploring } else { *interrupted }
     }
 
-    fn entered(&mut self, name: PhaseName, old: Phase, matter: &Matter) -> Phase {
+    fn entered(&mut self, name: PhaseName, old: Phase, context: &InputContext) -> Phase {
         match name {
             PhaseName::Idle => Phase::Idle,
             PhaseName::Exploring => Phase::Exploring,
-            PhaseName::Inspecting => Phase::Inspecting(self.inspection(matter)),
-            PhaseName::Driving => Phase::Driving { goal: matter.cell, next: matter.step, interrupted: Box::new(old) },
+            PhaseName::Inspecting => Phase::Inspecting(self.inspection(context)),
+            PhaseName::Driving => Phase::Driving { goal: context.cell, next: context.step, interrupted: Box::new(old) },
             PhaseName::ReturningHome => Phase::ReturningHome,
             PhaseName::AtHome => Phase::AtHome,
             PhaseName::ReturningWithAlarm => Phase::ReturningWithAlarm,
@@ -74,25 +74,25 @@ impl Sweep {
             PhaseName::Retrieving => Phase::Retrieving,
             PhaseName::BagSecured => Phase::BagSecured,
             PhaseName::Explored => Phase::Explored,
-            PhaseName::Fault => self.fault(old, matter),
+            PhaseName::Fault => self.fault(old, context),
         }
     }
 
     /// The inspection of the obstacle just met, or of a recorded piece whose photo is still missing.
-    fn inspection(&self, matter: &Matter) -> Inspection {
+    fn inspection(&self, context: &InputContext) -> Inspection {
         let pose = self.world.robot.pose;
-        let piece = matter.obstacle.and_then(super::reports::piece_of);
-        match matter.luggage.and_then(|id| self.world.luggage.get(&id)) {
+        let piece = context.obstacle.and_then(super::reports::piece_of);
+        match context.luggage.and_then(|id| self.world.luggage.get(&id)) {
             Some(luggage) => {
                 Inspection { cell: luggage.cell, piece: luggage.piece, pose, stage: Stage::RetakingPhoto(luggage.id) }
             }
-            None => Inspection { cell: matter.cell.unwrap_or(pose.ahead()), piece, pose, stage: Stage::BackingUp },
+            None => Inspection { cell: context.cell.unwrap_or(pose.ahead()), piece, pose, stage: Stage::BackingUp },
         }
     }
 
     /// A fault interrupts what a drive by hand had interrupted, and halts.
-    fn fault(&mut self, old: Phase, matter: &Matter) -> Phase {
-        let cause = matter.fault.clone().unwrap_or_else(|| FaultCause::Robot("it did not say why".to_owned()));
+    fn fault(&mut self, old: Phase, context: &InputContext) -> Phase {
+        let cause = context.fault.clone().unwrap_or_else(|| FaultCause::Robot("it did not say why".to_owned()));
         self.halt_robot();
         self.world.write(self.now.wall, Tone::Alarm, format!("fault: {cause}"));
         let interrupted = if matches!(old, Phase::Driving { .. }) { self.resumed(old) } else { old };

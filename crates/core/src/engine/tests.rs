@@ -1,4 +1,4 @@
-//! Moments of a sweep that no door can bring about at will. What every pair of phase and input leads to is in `by_hand`, what is
+//! Moments of an engine that no door can bring about at will. What every pair of phase and input leads to is in `by_hand`, what is
 //! shown meanwhile in `shown`.
 
 mod by_hand;
@@ -12,11 +12,11 @@ use crate::command::{Command, Door, Issuer, LuggageRef, Move, TemperatureReport,
 use crate::effect::Action;
 use crate::event::{Capabilities, Obstacle, RobotEvent};
 use crate::mission::{FaultCause, Hold, Holds, Inspection, Phase, PhaseName, Stage};
-use crate::units::{AlarmId, Cell, Celsius, OrderId, Pose, Seq, Wall};
+use crate::units::{AlarmId, Cell, Celsius, OrderId, Pose, Seq, WallTime};
 use crate::world::luggage::{Luggage, PhotoState};
 
 fn now(seconds: u64) -> Now {
-    Now { since_start: Duration::from_secs(seconds), wall: Wall::default() }
+    Now { since_start: Duration::from_secs(seconds), wall: WallTime::default() }
 }
 
 fn phase(name: PhaseName) -> Phase {
@@ -38,44 +38,44 @@ fn phase(name: PhaseName) -> Phase {
     }
 }
 
-/// A sweep in a phase and under holds, with a linked robot in the middle of a cell away from home, and one pending piece.
-fn sweep_in(name: PhaseName, holds: &[Hold]) -> Sweep {
-    let mut sweep = Sweep::new(Settings::default(), Strategy::Snail, "test".into());
+/// An engine in a phase and under holds, with a linked robot in the middle of a cell away from home, and one pending piece.
+fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
+    let mut engine = Engine::new(Settings::default(), Strategy::Snail, "test".into());
     let quick = Duration::from_millis(1);
     let can = Capabilities { step: quick, turn: quick, photo: quick, nudges: false };
-    sweep.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::LinkUp(can)), now(0));
-    sweep.world.robot.pose.cell = Cell::new(0, 1);
-    sweep.mark(Cell::new(0, 1), crate::world::hall_map::Mark::Visited);
+    engine.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::LinkUp(can)), now(0));
+    engine.world.robot.pose.cell = Cell::new(0, 1);
+    engine.mark(Cell::new(0, 1), crate::world::hall_map::Mark::Visited);
     let luggage = Luggage {
         id: LuggageId(1),
         cell: Cell::new(0, 2),
-        pose: sweep.world.robot.pose,
-        taken: Wall::default(),
+        pose: engine.world.robot.pose,
+        taken: WallTime::default(),
         photo: PhotoState::Taken { bytes: 1, take: 1 },
         verdict: None,
         piece: None,
     };
-    sweep.world.luggage.insert(LuggageId(1), Arc::new(luggage));
-    sweep.mission.last_luggage = LuggageId(1);
-    sweep.mission.phase = phase(name);
-    sweep.mission.holds = Holds::default();
+    engine.world.luggage.insert(LuggageId(1), Arc::new(luggage));
+    engine.mission.last_luggage = LuggageId(1);
+    engine.mission.phase = phase(name);
+    engine.mission.holds = Holds::default();
     for hold in holds {
-        sweep.mission.holds.raise(*hold);
+        engine.mission.holds.raise(*hold);
     }
-    while let Some(effect) = sweep.poll_effect() {
+    while let Some(effect) = engine.poll_effect() {
         if let Effect::Record(page) = effect {
-            sweep.outbox.keep(page.last());
+            engine.outbox.keep(page.last());
         }
     }
-    sweep
+    engine
 }
 
 /// Performs records at once, as a store in memory does; returns the orders that were given.
-fn settle(sweep: &mut Sweep) -> Vec<Action> {
+fn settle(engine: &mut Engine) -> Vec<Action> {
     let mut orders = Vec::new();
-    while let Some(effect) = sweep.poll_effect() {
+    while let Some(effect) = engine.poll_effect() {
         match effect {
-            Effect::Record(page) => sweep.handle_event(Event::Recorded(page.last()), now(1)),
+            Effect::Record(page) => engine.handle_event(Event::Recorded(page.last()), now(1)),
             Effect::Order(_, order) => orders.push(order.action),
             Effect::Halt(_) | Effect::Led(..) | Effect::Answer(..) => {}
         }
@@ -133,54 +133,55 @@ fn command(input: Input) -> Option<Command> {
 #[test]
 fn a_hold_raised_during_a_mission_also_waits_for_a_start() {
     for name in PhaseName::ALL {
-        let mut sweep = sweep_in(name, &[]);
-        sweep.feed(Input::Heat, &Matter::default());
+        let mut engine = sweep_in(name, &[]);
+        engine.feed(Input::Heat, &InputContext::default());
         let mission = !matches!(name, PhaseName::Idle | PhaseName::Explored | PhaseName::BagSecured);
-        assert_eq!(sweep.mission.holds.contains(Hold::AwaitingStart), mission, "{name:?}");
+        assert_eq!(engine.mission.holds.contains(Hold::AwaitingStart), mission, "{name:?}");
     }
 }
 
 /// Safety V1: the first verdict that is kept is final, and a danger that comes before a safe is kept takes its place.
 #[test]
 fn a_danger_that_comes_before_a_safe_is_kept_replaces_it() {
-    let give = |sweep: &mut Sweep, verdict| {
+    let give = |engine: &mut Engine, verdict| {
         let command = Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict };
-        sweep.handle_command(Request::new(command, Issuer::operator(Door::Local)), now(1))
+        engine.handle_command(Request::new(command, Issuer::operator(Door::Local)), now(1))
     };
-    let mut sweep = sweep_in(PhaseName::Inspecting, &[]);
-    let safe = give(&mut sweep, Verdict::Safe).unwrap();
-    let danger = give(&mut sweep, Verdict::Danger).unwrap();
+    let mut engine = sweep_in(PhaseName::Inspecting, &[]);
+    let safe = give(&mut engine, Verdict::Safe).unwrap();
+    let danger = give(&mut engine, Verdict::Danger).unwrap();
     let refused = Refused::Decided { luggage: LuggageId(1), verdict: Verdict::Danger };
-    assert_eq!(give(&mut sweep, Verdict::Safe), Err(refused.clone()), "no safe takes the place of a danger");
+    assert_eq!(give(&mut engine, Verdict::Safe), Err(refused.clone()), "no safe takes the place of a danger");
     let mut answers = Vec::new();
-    while let Some(effect) = sweep.poll_effect() {
+    while let Some(effect) = engine.poll_effect() {
         match effect {
-            Effect::Record(page) => sweep.handle_event(Event::Recorded(page.last()), now(1)),
+            Effect::Record(page) => engine.handle_event(Event::Recorded(page.last()), now(1)),
             Effect::Answer(ticket, answer) => answers.push((ticket, answer.map(|accepted| accepted.luggage))),
             Effect::Order(..) | Effect::Halt(_) | Effect::Led(..) => {}
         }
     }
     assert_eq!(answers, [(safe, Err(refused)), (danger, Ok(Some(LuggageId(1))))]);
-    assert_eq!(sweep.phase_name(), PhaseName::ReturningWithAlarm);
+    assert_eq!(engine.phase_name(), PhaseName::ReturningWithAlarm);
 }
 
 /// Safety S2: starting motion waits for the record; a stop does not.
 #[test]
 fn nothing_begins_to_move_before_its_record_is_kept_and_a_stop_is_answered_at_once() {
     let order = |effect: &Effect| matches!(effect, Effect::Order(..));
-    let give =
-        |sweep: &mut Sweep, command| sweep.handle_command(Request::new(command, Issuer::operator(Door::Local)), now(1)).unwrap();
-    let mut sweep = sweep_in(PhaseName::Idle, &[]);
-    give(&mut sweep, Command::Start);
-    let effects: Vec<Effect> = std::iter::from_fn(|| sweep.poll_effect()).collect();
+    let give = |engine: &mut Engine, command| {
+        engine.handle_command(Request::new(command, Issuer::operator(Door::Local)), now(1)).unwrap()
+    };
+    let mut engine = sweep_in(PhaseName::Idle, &[]);
+    give(&mut engine, Command::Start);
+    let effects: Vec<Effect> = std::iter::from_fn(|| engine.poll_effect()).collect();
     assert!(!effects.iter().any(order) && !effects.iter().any(|effect| matches!(effect, Effect::Answer(..))));
-    give(&mut sweep, Command::Stop);
-    let effects: Vec<Effect> = std::iter::from_fn(|| sweep.poll_effect()).collect();
+    give(&mut engine, Command::Stop);
+    let effects: Vec<Effect> = std::iter::from_fn(|| engine.poll_effect()).collect();
     assert!(effects.contains(&Effect::Halt(RobotId::Discovery)));
     assert!(effects.iter().any(|effect| matches!(effect, Effect::Answer(_, Ok(_)))));
-    sweep.handle_event(Event::Recorded(Seq(1000)), now(1));
+    engine.handle_event(Event::Recorded(Seq(1000)), now(1));
     assert!(
-        !std::iter::from_fn(|| sweep.poll_effect()).any(|effect| order(&effect)),
+        !std::iter::from_fn(|| engine.poll_effect()).any(|effect| order(&effect)),
         "the stop outlives the record of the start"
     );
 }
@@ -188,39 +189,39 @@ fn nothing_begins_to_move_before_its_record_is_kept_and_a_stop_is_answered_at_on
 /// Safety S5: every order has a deadline.
 #[test]
 fn an_order_that_is_not_answered_in_time_is_a_fault_and_start_recentres_first() {
-    let mut sweep = sweep_in(PhaseName::Exploring, &[]);
-    sweep.pump();
-    assert!(matches!(settle(&mut sweep)[..], [Action::Move(_)]));
-    sweep.world.luggage.clear();
-    let due = sweep.poll_timeout().expect("an open order has a deadline");
-    sweep.handle_timeout(Now { since_start: due, wall: Wall::default() });
-    assert_eq!(sweep.phase_name(), PhaseName::Fault);
-    settle(&mut sweep);
+    let mut engine = sweep_in(PhaseName::Exploring, &[]);
+    engine.pump();
+    assert!(matches!(settle(&mut engine)[..], [Action::Move(_)]));
+    engine.world.luggage.clear();
+    let due = engine.poll_timeout().expect("an open order has a deadline");
+    engine.handle_timeout(Now { since_start: due, wall: WallTime::default() });
+    assert_eq!(engine.phase_name(), PhaseName::Fault);
+    settle(&mut engine);
     let start = Request::new(Command::Start, Issuer::operator(Door::Local));
-    sweep.handle_command(start, now(9)).unwrap();
-    assert_eq!(settle(&mut sweep), [Action::Recentre]);
-    assert_eq!(sweep.phase_name(), PhaseName::Exploring);
+    engine.handle_command(start, now(9)).unwrap();
+    assert_eq!(settle(&mut engine), [Action::Recentre]);
+    assert_eq!(engine.phase_name(), PhaseName::Exploring);
 }
 
 #[test]
 fn without_a_known_way_home_there_is_a_fault_and_start_tries_the_blocked_cell_again() {
-    let mut sweep = sweep_in(PhaseName::ReturningWithAlarm, &[]);
-    let obstacle = |sweep: &mut Sweep, id| {
+    let mut engine = sweep_in(PhaseName::ReturningWithAlarm, &[]);
+    let obstacle = |engine: &mut Engine, id| {
         let blocked = RobotEvent::Blocked(id, Obstacle::Unknown);
-        sweep.handle_event(Event::Robot(RobotId::Discovery, blocked), now(1));
+        engine.handle_event(Event::Robot(RobotId::Discovery, blocked), now(1));
     };
-    sweep.world.robot.pose.heading = crate::units::Heading::North;
-    sweep.pump();
-    assert_eq!(settle(&mut sweep), [Action::Move(Move::Forward)], "home lies one step to the north");
-    let open = sweep.helm.open().expect("the step is under way").id;
-    obstacle(&mut sweep, open);
-    settle(&mut sweep);
-    let recentre = sweep.helm.open().map_or(OrderId(0), |order| order.id);
-    sweep.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::Done(recentre)), now(1));
-    assert_eq!(sweep.phase_name(), PhaseName::Fault);
+    engine.world.robot.pose.heading = crate::units::Heading::North;
+    engine.pump();
+    assert_eq!(settle(&mut engine), [Action::Move(Move::Forward)], "home lies one step to the north");
+    let open = engine.controller.open().expect("the step is under way").id;
+    obstacle(&mut engine, open);
+    settle(&mut engine);
+    let recentre = engine.controller.open().map_or(OrderId(0), |order| order.id);
+    engine.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::Done(recentre)), now(1));
+    assert_eq!(engine.phase_name(), PhaseName::Fault);
     let start = || Request::new(Command::Start, Issuer::operator(Door::Local));
-    settle(&mut sweep);
-    sweep.handle_command(start(), now(1)).unwrap();
-    assert_eq!(sweep.phase_name(), PhaseName::ReturningWithAlarm, "a cell that was free once is tried again");
-    assert_eq!(settle(&mut sweep), [Action::Move(Move::Forward)]);
+    settle(&mut engine);
+    engine.handle_command(start(), now(1)).unwrap();
+    assert_eq!(engine.phase_name(), PhaseName::ReturningWithAlarm, "a cell that was free once is tried again");
+    assert_eq!(settle(&mut engine), [Action::Move(Move::Forward)]);
 }

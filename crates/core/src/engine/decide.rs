@@ -1,11 +1,11 @@
-//! Asks the table: tests bars and cases against the state, changes nothing.
+//! Asks the table: tests guards and cases against the state, changes nothing.
 
 use std::sync::Arc;
 
-use super::Sweep;
+use super::Engine;
 use crate::command::{Move, Refused, Request};
 use crate::explore::plan::{Planner, Through, after};
-use crate::mission::{Act, Bar, Case, FaultCause, Hold, Input, Matter, Phase, PhaseName, Rule, Stage, To, rules};
+use crate::mission::{Act, Case, FaultCause, Guard, Hold, Input, InputContext, Phase, PhaseName, Rule, Stage, To, rules};
 use crate::units::{Cell, Epoch, LuggageId};
 use crate::world::hall_map::Mark;
 
@@ -21,21 +21,21 @@ pub(super) struct Step {
 /// A refusal, and what is done all the same.
 pub(super) type Refusal = (Refused, &'static [Act]);
 
-impl Sweep {
+impl Engine {
     /// What the table says of this input now.
-    pub(super) fn decide(&self, input: Input, matter: &Matter) -> Result<Step, Refusal> {
+    pub(super) fn decide(&self, input: Input, context: &InputContext) -> Result<Step, Refusal> {
         let mut phase = &self.mission.phase;
         let mut depth = 0;
         loop {
             for rule in rules(phase.name(), input) {
                 match *rule {
-                    Rule::RefuseIf(bar) | Rule::Never(bar) => {
-                        self.bar(bar, phase, input, matter).map_or(Ok(()), |refused| Err((refused, &[][..])))?
+                    Rule::RefuseIf(guard) | Rule::Never(guard) => {
+                        self.guard(guard, phase, input, context).map_or(Ok(()), |refused| Err((refused, &[][..])))?
                     }
-                    Rule::RefuseIfThen(bar, acts) => {
-                        self.bar(bar, phase, input, matter).map_or(Ok(()), |refused| Err((refused, acts)))?
+                    Rule::RefuseIfThen(guard, acts) => {
+                        self.guard(guard, phase, input, context).map_or(Ok(()), |refused| Err((refused, acts)))?
                     }
-                    Rule::When(case, to, acts) if self.case(case, phase, matter) => return Ok(Step { to, acts, depth }),
+                    Rule::When(case, to, acts) if self.case(case, phase, context) => return Ok(Step { to, acts, depth }),
                     Rule::When(..) | Rule::AsInterrupted => {}
                     Rule::Go(to, acts) => return Ok(Step { to, acts, depth }),
                 }
@@ -55,51 +55,51 @@ impl Sweep {
         }
     }
 
-    /// Whether this bars the input, and with which words.
-    fn bar(&self, bar: Bar, phase: &Phase, input: Input, matter: &Matter) -> Option<Refused> {
-        let luggage = matter.luggage.and_then(|id| self.world.luggage.get(&id));
-        let bars = |yes: bool, refused: Refused| yes.then_some(refused);
-        match bar {
-            Bar::Held => self.held(self.mission.holds.standing_against_start()),
-            Bar::NotInPhase => Some(Refused::NotInPhase(phase.name())),
-            Bar::VerdictAwaited => self.first_pending(true).filter(|_| explores(phase)).map(Refused::VerdictPending),
-            Bar::VerdictPending => self.first_pending(false).map(Refused::VerdictPending),
-            Bar::OperatorAsked => self.asked().map(Refused::VerdictPending),
-            Bar::Driving => Some(Refused::Driving),
-            Bar::NotStopped => bars(!self.mission.holds.contains(Hold::Operator), Refused::NotStopped),
-            Bar::IntoObstacle => {
-                self.aims_at(matter).filter(|cell| self.world.map.at(*cell).is_obstacle()).map(Refused::IntoObstacle)
+    /// Whether this guard forbids the input, and with which words.
+    fn guard(&self, guard: Guard, phase: &Phase, input: Input, context: &InputContext) -> Option<Refused> {
+        let luggage = context.luggage.and_then(|id| self.world.luggage.get(&id));
+        let forbids = |yes: bool, refused: Refused| yes.then_some(refused);
+        match guard {
+            Guard::Held => self.held(self.mission.holds.standing_against_start()),
+            Guard::NotInPhase => Some(Refused::NotInPhase(phase.name())),
+            Guard::VerdictAwaited => self.first_pending(true).filter(|_| explores(phase)).map(Refused::VerdictPending),
+            Guard::VerdictPending => self.first_pending(false).map(Refused::VerdictPending),
+            Guard::OperatorAsked => self.asked().map(Refused::VerdictPending),
+            Guard::Driving => Some(Refused::Driving),
+            Guard::NotStopped => forbids(!self.mission.holds.contains(Hold::Operator), Refused::NotStopped),
+            Guard::IntoObstacle => {
+                self.aims_at(context).filter(|cell| self.world.map.at(*cell).is_obstacle()).map(Refused::IntoObstacle)
             }
-            Bar::NotCapable => bars(self.cannot(matter.step), Refused::NotCapable),
-            Bar::Moving => bars(self.helm.is_moving() || self.is_about_to_move(), Refused::Moving),
-            Bar::Unrecorded => bars(self.is_unrecorded(), Refused::Unrecorded),
-            Bar::BombUnfetched => self.bomb_unseen().map(Refused::BombUnfetched),
-            Bar::UnknownLuggage => match matter.luggage {
+            Guard::NotCapable => forbids(self.cannot(context.step), Refused::NotCapable),
+            Guard::Moving => forbids(self.controller.is_moving() || self.is_about_to_move(), Refused::Moving),
+            Guard::Unrecorded => forbids(self.is_unrecorded(), Refused::Unrecorded),
+            Guard::BombUnfetched => self.bomb_unseen().map(Refused::BombUnfetched),
+            Guard::UnknownLuggage => match context.luggage {
                 None => Some(Refused::NothingPending),
-                Some(id) => bars(luggage.is_none(), Refused::UnknownLuggage(id)),
+                Some(id) => forbids(luggage.is_none(), Refused::UnknownLuggage(id)),
             },
-            Bar::Decided => self.decided(input, matter),
-            Bar::NoPhoto => luggage.filter(|luggage| !luggage.has_photo()).map(|luggage| Refused::NoPhoto(luggage.id)),
-            Bar::NotInspected => match matter.luggage {
+            Guard::Decided => self.decided(input, context),
+            Guard::NoPhoto => luggage.filter(|luggage| !luggage.has_photo()).map(|luggage| Refused::NoPhoto(luggage.id)),
+            Guard::NotInspected => match context.luggage {
                 None => Some(Refused::NothingPending),
                 Some(id) if luggage.is_none() => Some(Refused::UnknownLuggage(id)),
                 Some(id) => {
-                    bars(self.inspected() != Some(id) || self.decided(input, matter).is_some(), Refused::NotInspected(id))
+                    forbids(self.inspected() != Some(id) || self.decided(input, context).is_some(), Refused::NotInspected(id))
                 }
             },
-            Bar::PhotoUnderWay => bars(matches!(self.stage(), Some(Stage::RetakingPhoto(_))), Refused::PhotoUnderWay),
-            Bar::PhotoHeld => {
+            Guard::PhotoUnderWay => forbids(matches!(self.stage(), Some(Stage::RetakingPhoto(_))), Refused::PhotoUnderWay),
+            Guard::PhotoHeld => {
                 let holds = [Hold::RobotLink, Hold::Store].into_iter();
                 self.held(holds.filter(|hold| self.mission.holds.contains(*hold)).collect())
             }
-            Bar::StoreDown => bars(self.mission.holds.contains(Hold::Store), Refused::StoreDown),
-            Bar::UnknownAlarm => matter.alarm.filter(|id| !self.is_on_record(*id)).map(Refused::UnknownAlarm),
-            Bar::NoRetrievalRobot => Some(Refused::NoRetrievalRobot),
-            Bar::UnknownSensor => {
-                let sensor = matter.reading.as_ref().map(|(sensor, _)| sensor);
-                sensor.filter(|sensor| !self.vigil.watches(sensor)).map(|sensor| Refused::UnknownSensor(Arc::clone(sensor)))
+            Guard::StoreDown => forbids(self.mission.holds.contains(Hold::Store), Refused::StoreDown),
+            Guard::UnknownAlarm => context.alarm.filter(|id| !self.is_on_record(*id)).map(Refused::UnknownAlarm),
+            Guard::NoRetrievalRobot => Some(Refused::NoRetrievalRobot),
+            Guard::UnknownSensor => {
+                let sensor = context.reading.as_ref().map(|(sensor, _)| sensor);
+                sensor.filter(|sensor| !self.watchdog.watches(sensor)).map(|sensor| Refused::UnknownSensor(Arc::clone(sensor)))
             }
-            Bar::FaultStands => self.fault_stands(phase).map(|cause| Refused::FaultStands(cause.to_string())),
+            Guard::FaultStands => self.fault_stands(phase).map(|cause| Refused::FaultStands(cause.to_string())),
         }
     }
 
@@ -108,22 +108,22 @@ impl Sweep {
         (!holds.is_empty()).then_some(Refused::Held(holds, store_failure))
     }
 
-    fn case(&self, case: Case, phase: &Phase, matter: &Matter) -> bool {
+    fn case(&self, case: Case, phase: &Phase, context: &InputContext) -> bool {
         match case {
-            Case::ToBeInspected => matter.cell.is_some_and(|cell| self.world.map.at(cell) == Mark::NotInspected),
+            Case::ToBeInspected => context.cell.is_some_and(|cell| self.world.map.at(cell) == Mark::NotInspected),
             Case::BackedUp => self.stage() == Some(Stage::BackingUp) && !self.world.robot.off_centre,
             Case::FirstPhoto => self.stage() == Some(Stage::TakingPhoto),
-            Case::ThisPiece => matches!(phase, Phase::Inspecting(inspection) if inspection.luggage() == matter.luggage),
-            Case::SameVerdict => matter.verdict.is_some() && self.verdict_of(matter.luggage) == matter.verdict,
+            Case::ThisPiece => matches!(phase, Phase::Inspecting(inspection) if inspection.luggage() == context.luggage),
+            Case::SameVerdict => context.verdict.is_some() && self.verdict_of(context.luggage) == context.verdict,
             Case::FromIdle => matches!(phase.underlying(), Phase::Idle),
             Case::RobotAtHome => self.rests_at_home(),
         }
     }
 
     /// A verdict that stands, or danger on its way to the store, is not changed by another.
-    fn decided(&self, input: Input, matter: &Matter) -> Option<Refused> {
+    fn decided(&self, input: Input, context: &InputContext) -> Option<Refused> {
         use crate::command::Verdict;
-        let luggage = matter.luggage?;
+        let luggage = context.luggage?;
         let final_verdict =
             self.world.luggage.get(&luggage).and_then(|luggage| luggage.verdict.as_ref()).map(|decision| decision.verdict);
         let replaceable = input == Input::Danger;
@@ -155,14 +155,14 @@ impl Sweep {
     }
 
     /// The cell a move or goto would enter first of all, or aims at.
-    fn aims_at(&self, matter: &Matter) -> Option<Cell> {
+    fn aims_at(&self, context: &InputContext) -> Option<Cell> {
         let pose = self.world.robot.pose;
-        matter.cell.or(matter.step.map(|step| after(pose, step).cell)).filter(|cell| *cell != pose.cell)
+        context.cell.or(context.step.map(|step| after(pose, step).cell)).filter(|cell| *cell != pose.cell)
     }
 
     fn cannot(&self, step: Option<Move>) -> bool {
         let nudge = matches!(step, Some(Move::NudgeLeft | Move::NudgeRight));
-        nudge && !self.helm.capabilities.is_some_and(|can| can.nudges)
+        nudge && !self.controller.capabilities.is_some_and(|can| can.nudges)
     }
 
     fn is_about_to_move(&self) -> bool {
@@ -196,7 +196,7 @@ impl Sweep {
                 self.mission.blocked.is_empty() && (way.is_none() || self.world.map.at(Cell::HOME).is_obstacle())
             }
             FaultCause::Undecided => true,
-            FaultCause::Unanswered | FaultCause::Robot(_) => self.helm.capabilities.is_none(),
+            FaultCause::Unanswered | FaultCause::Robot(_) => self.controller.capabilities.is_none(),
         };
         stands.then_some(cause)
     }

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use super::Sweep;
+use super::Engine;
 use super::on_record::View;
 use crate::command::Refused;
 use crate::explore::plan::cells_along;
-use crate::mission::{Hold, Input, Matter, PhaseName, Stage};
+use crate::mission::{Hold, Input, InputContext, PhaseName, Stage};
 use crate::world::alarm::AlarmView;
 use crate::world::resource::Resource;
 use crate::world::robot::{RobotState, RobotView};
@@ -26,10 +26,11 @@ type Of = fn(&Refusals) -> Option<&String>;
 /// Why a button would be refused that what is on record does not refuse.
 const NOT_ON_RECORD: &str = "what was done last is not on record yet: wait a moment";
 
-impl Sweep {
+impl Engine {
     pub(super) fn shown(&self) -> Shown {
         let led_blinking = self.world.robot.led_blinking && self.on_record.shown.led_blinking;
-        let robot = RobotView { state: self.robot_state(), halting: self.helm.is_halting(), led_blinking, ..self.world.robot };
+        let robot =
+            RobotView { state: self.robot_state(), halting: self.controller.is_halting(), led_blinking, ..self.world.robot };
         Shown { mission: self.mission_view(), robot, temperature: self.temperature_view() }
     }
 
@@ -98,7 +99,7 @@ impl Sweep {
     }
 
     fn robot_state(&self) -> RobotState {
-        match (self.helm.state(), self.stage()) {
+        match (self.controller.state(), self.stage()) {
             (RobotState::Stopped, Some(Stage::Recording(_))) => RobotState::SendingPhoto,
             (state, _) => state,
         }
@@ -131,7 +132,7 @@ impl Sweep {
 
     /// What each button would be refused with, as far as it is on record.
     pub(super) fn refusals(&self) -> Refusals {
-        self.each_button(|input, matter, _| self.decide(input, matter).err().map(|(refused, _)| refused.to_string()))
+        self.each_button(|input, context, _| self.decide(input, context).err().map(|(refused, _)| refused.to_string()))
     }
 
     /// The same as it is shown: what holds the robot is said at once, and so is that something else has changed of which there is
@@ -141,7 +142,7 @@ impl Sweep {
         if self.on_record.is_current() {
             return shown.clone();
         }
-        self.each_button(|input, matter, of| match (self.decide(input, matter), of(shown)) {
+        self.each_button(|input, context, of| match (self.decide(input, context), of(shown)) {
             (Err((refused @ Refused::Held(..), _)), _) => Some(refused.to_string()),
             (_, Some(words)) => Some(words.clone()),
             (Err(_), None) => Some(NOT_ON_RECORD.to_owned()),
@@ -149,10 +150,10 @@ impl Sweep {
         })
     }
 
-    fn each_button(&self, why: impl Fn(Input, &Matter, Of) -> Option<String>) -> Refusals {
-        let plain = Matter::default();
-        let turn = Matter { step: Some(crate::command::Move::TurnLeft), ..Matter::default() };
-        let piece = Matter { luggage: self.inspected(), ..Matter::default() };
+    fn each_button(&self, why: impl Fn(Input, &InputContext, Of) -> Option<String>) -> Refusals {
+        let plain = InputContext::default();
+        let turn = InputContext { step: Some(crate::command::Move::TurnLeft), ..InputContext::default() };
+        let piece = InputContext { luggage: self.inspected(), ..InputContext::default() };
         Refusals {
             start: why(Input::Start, &plain, |refusals| refusals.start.as_ref()),
             back_home: why(Input::BackHome, &plain, |refusals| refusals.back_home.as_ref()),

@@ -1,12 +1,12 @@
 //! What the robot is to do next: one order at a time, through one gate (safety S5).
 
-use super::Sweep;
+use super::Engine;
 use crate::command::Move;
 use crate::effect::{Action, Effect, Fact, Stamp};
 use crate::event::RobotId;
 use crate::explore::plan::Through;
 use crate::explore::{Decision, View};
-use crate::mission::{FaultCause, Goal, Hold, Input, Matter, Phase, Stage};
+use crate::mission::{FaultCause, Goal, Hold, Input, InputContext, Phase, Stage};
 use crate::units::{Cell, LuggageId};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
@@ -39,7 +39,7 @@ enum Turn {
     Again,
 }
 
-impl Sweep {
+impl Engine {
     /// Gives the next order, if there is one to give.
     pub(super) fn pump(&mut self) {
         for _ in 0..TURNS {
@@ -47,7 +47,7 @@ impl Sweep {
                 return;
             }
         }
-        self.feed(Input::NoWayHome, &Matter { fault: Some(FaultCause::Undecided), ..Matter::default() });
+        self.feed(Input::NoWayHome, &InputContext { fault: Some(FaultCause::Undecided), ..InputContext::default() });
     }
 
     /// The one gate between planner and robot.
@@ -58,9 +58,9 @@ impl Sweep {
             Err(Barred::Ending)
         } else if !self.outbox.is_settled() {
             Err(Barred::Unrecorded)
-        } else if self.helm.capabilities.is_none() {
+        } else if self.controller.capabilities.is_none() {
             Err(Barred::Unlinked)
-        } else if self.helm.open().is_some() {
+        } else if self.controller.open().is_some() {
             Err(Barred::Busy)
         } else {
             Ok(())
@@ -69,11 +69,11 @@ impl Sweep {
 
     fn turn(&mut self) -> Turn {
         if self.has_come_home() {
-            self.feed(Input::CameHome, &Matter::default());
+            self.feed(Input::CameHome, &InputContext::default());
             return Turn::Again;
         }
         if self.has_backed_up() {
-            self.feed(Input::Done, &Matter::default());
+            self.feed(Input::Done, &InputContext::default());
             return Turn::Again;
         }
         if self.wants_photo() {
@@ -108,19 +108,19 @@ impl Sweep {
     /// Coming home needs no motion, so it is noticed also while something holds the robot.
     fn has_come_home(&self) -> bool {
         let on_the_way = matches!(self.mission.phase, Phase::ReturningHome | Phase::ReturningWithAlarm);
-        on_the_way && self.world.is_home() && self.helm.open().is_none()
+        on_the_way && self.world.is_home() && self.controller.open().is_none()
     }
 
     /// The robot had backed up already when the program was killed, and says so.
     fn has_backed_up(&self) -> bool {
-        let centred = self.helm.capabilities.is_some() && self.helm.open().is_none() && !self.world.robot.off_centre;
+        let centred = self.controller.capabilities.is_some() && self.controller.open().is_none() && !self.world.robot.off_centre;
         centred && matches!(&self.mission.phase, Phase::Inspecting(inspection) if inspection.stage == Stage::BackingUp)
     }
 
     /// A photo is not motion: it is taken under holds too, as long as there is a robot to take it and a store to keep it.
     fn wants_photo(&self) -> bool {
         let wanted = matches!(self.stage(), Some(Stage::TakingPhoto | Stage::RetakingPhoto(_)));
-        let possible = self.helm.capabilities.is_some() && self.helm.open().is_none();
+        let possible = self.controller.capabilities.is_some() && self.controller.open().is_none();
         let barred = [Hold::RobotLink, Hold::Store].into_iter().any(|hold| self.mission.holds.contains(hold));
         wanted && possible && !barred && !matches!(self.mission.phase, Phase::Fault { .. })
     }
@@ -131,7 +131,7 @@ impl Sweep {
     }
 
     fn order(&mut self, action: Action) -> Turn {
-        let order = self.helm.give(action, self.mission.epoch, self.now.since_start);
+        let order = self.controller.give(action, self.mission.epoch, self.now.since_start);
         self.outbox.send(Effect::Order(RobotId::Discovery, order));
         self.world.touch(Resource::Robot);
         Turn::Rest
@@ -143,7 +143,7 @@ impl Sweep {
             return turn;
         }
         let Some(goal) = self.mission.goal.filter(|goal| self.is_wanted(*goal)).or_else(|| self.next_goal()) else {
-            self.feed(Input::AllExplored, &Matter::default());
+            self.feed(Input::AllExplored, &InputContext::default());
             return Turn::Again;
         };
         self.pursue(goal);
@@ -223,7 +223,7 @@ impl Sweep {
         let (id, pose): (LuggageId, _) =
             self.world.luggage.values().find(|luggage| without(luggage)).map(|luggage| (luggage.id, luggage.pose))?;
         if self.world.robot.pose == pose {
-            self.feed(Input::AtPiece, &Matter { luggage: Some(id), ..Matter::default() });
+            self.feed(Input::AtPiece, &InputContext { luggage: Some(id), ..InputContext::default() });
             return Some(Turn::Again);
         }
         if self.mission.route.is_empty() {
@@ -253,7 +253,7 @@ impl Sweep {
     }
 
     fn no_way_home(&mut self) {
-        self.feed(Input::NoWayHome, &Matter { fault: Some(FaultCause::NoWayHome), ..Matter::default() });
+        self.feed(Input::NoWayHome, &InputContext { fault: Some(FaultCause::NoWayHome), ..InputContext::default() });
     }
 
     /// The next move of a drive by hand, or its end.
@@ -277,7 +277,7 @@ impl Sweep {
             }
             self.world.write(self.now.wall, Tone::Warning, format!("no way leads to {goal}"));
         }
-        self.feed(Input::DriveEnded, &Matter::default());
+        self.feed(Input::DriveEnded, &InputContext::default());
         Turn::Again
     }
 }

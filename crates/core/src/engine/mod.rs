@@ -1,4 +1,4 @@
-//! The sweep: world and mission together, behind the verbs of the core. Commands and events go in, effects come out, and a
+//! The engine: world and mission together, behind the verbs of the core. Commands and events go in, effects come out, and a
 //! snapshot can be taken at any time. No clock, no I/O: `now` is an argument, and whoever polls the effects performs them.
 //!
 //! ```text
@@ -8,8 +8,8 @@
 //! ```
 
 mod acts;
+mod controller;
 mod decide;
-mod helm;
 mod motion;
 mod on_record;
 mod outbox;
@@ -22,7 +22,7 @@ mod reports;
 mod sharing;
 mod stops;
 mod view;
-mod vigil;
+mod watchdog;
 
 #[cfg(test)]
 mod tests;
@@ -30,8 +30,8 @@ mod tests;
 use std::sync::Arc;
 use std::time::Duration;
 
+use self::controller::RobotController;
 use self::decide::Step;
-use self::helm::Helm;
 pub use self::recall::{Recalled, Remembered};
 pub use self::repeats::IDS;
 
@@ -41,13 +41,13 @@ use self::refusals::Refusals;
 use self::repeats::{Known, Outcome, Repeats, content};
 use self::stops::Stops;
 use self::view::Shown;
-use self::vigil::Vigil;
+use self::watchdog::SensorWatchdog;
 use super::command::{Accepted, Command, LuggageRef, Refusal, Refused, Request, TemperatureReport};
 use super::effect::{Effect, Fact};
 use super::event::{Event, RobotId};
 use super::explore::Strategy;
 use super::explore::plan::Planner;
-use super::mission::{Hold, Input, Matter, Mission, in_words};
+use super::mission::{Hold, Input, InputContext, Mission, in_words};
 use super::settings::Settings;
 use super::units::{Epoch, LuggageId, Now, Seq, Ticket};
 use super::world::log::Tone;
@@ -57,15 +57,15 @@ use super::world::snapshot::Snapshot;
 
 /// The whole core.
 #[derive(Clone, Debug)]
-pub struct Sweep {
+pub struct Engine {
     settings: Settings,
     now: Now,
     world: World,
     mission: Mission,
-    helm: Helm,
+    controller: RobotController,
     planner: Planner,
     outbox: Outbox,
-    vigil: Vigil,
+    watchdog: SensorWatchdog,
     repeats: Repeats,
     refusals: Refusals,
     stops: Stops,
@@ -77,19 +77,19 @@ pub struct Sweep {
     taken: Option<Arc<Snapshot>>,
 }
 
-impl Sweep {
-    /// A sweep in which nothing has happened yet: the robot at home, facing south, idle. `run` names this run of the program.
+impl Engine {
+    /// An engine in which nothing has happened yet: the robot at home, facing south, idle. `run` names this run of the program.
     #[must_use]
-    pub fn new(settings: Settings, strategy: Strategy, run: Arc<str>) -> Sweep {
-        Sweep {
+    pub fn new(settings: Settings, strategy: Strategy, run: Arc<str>) -> Engine {
+        Engine {
             settings,
             now: Now::default(),
             world: World::new(run, &settings),
             mission: Mission::new(strategy),
-            helm: Helm::default(),
+            controller: RobotController::default(),
             planner: Planner::default(),
             outbox: Outbox::default(),
-            vigil: Vigil::default(),
+            watchdog: SensorWatchdog::default(),
             repeats: Repeats::default(),
             refusals: Refusals::default(),
             stops: Stops::default(),
@@ -122,18 +122,18 @@ impl Sweep {
         if let Some(repeated) = self.repeated(&request) {
             return repeated;
         }
-        let (input, mut matter) = Matter::of(&request.command, &request.issuer, self.pending());
+        let (input, mut context) = InputContext::of(&request.command, &request.issuer, self.pending());
         // A number that no stop has made yet is none: what was given before a stop does not come after it.
-        matter.epoch = [request.epoch, request.arrived].into_iter().flatten().min();
-        let outcome = match self.refuse_outdated(input, &request, matter.epoch) {
-            Ok(()) => self.decide(input, &matter),
+        context.epoch = [request.epoch, request.arrived].into_iter().flatten().min();
+        let outcome = match self.refuse_outdated(input, &request, context.epoch) {
+            Ok(()) => self.decide(input, &context),
             Err(outdated) => Err((outdated, &[][..])),
         };
-        self.write_command(&request, &matter, outcome.as_ref().err().map(|(refused, _)| refused));
+        self.write_command(&request, &context, outcome.as_ref().err().map(|(refused, _)| refused));
         let answer = match outcome {
-            Ok(step) => Ok(self.carry_out((&request, count), input, step, &matter)),
+            Ok(step) => Ok(self.carry_out((&request, count), input, step, &context)),
             Err((refused, acts)) => {
-                self.perform_all(acts, &matter);
+                self.perform_all(acts, &context);
                 self.remember(&request, Outcome::Answered(Err(refused.clone())));
                 Err(refused)
             }
@@ -158,15 +158,18 @@ impl Sweep {
     /// From now on this sensor must be heard at least every `patience`; until it is for the first time it counts as silent.
     pub fn watch_sensor(&mut self, sensor: Arc<str>, patience: Duration, now: Now) {
         self.begin(now);
-        self.vigil.begin(Arc::clone(&sensor), patience);
-        self.feed(Input::SensorSilent, &Matter { words: Some(format!("{sensor} has not been heard yet")), ..Matter::default() });
+        self.watchdog.begin(Arc::clone(&sensor), patience);
+        self.feed(
+            Input::SensorSilent,
+            &InputContext { words: Some(format!("{sensor} has not been heard yet")), ..InputContext::default() },
+        );
     }
 
     /// A halt was raised outside the queue of commands (safety S1): hold at once; the command with its sender's name follows.
     pub fn handle_halt(&mut self, epoch: Epoch, now: Now) {
         self.begin(now);
         if epoch > self.mission.epoch {
-            self.feed(Input::Stop, &Matter { epoch: Some(epoch), ..Matter::default() });
+            self.feed(Input::Stop, &InputContext { epoch: Some(epoch), ..InputContext::default() });
         }
     }
 
@@ -179,7 +182,7 @@ impl Sweep {
             Event::StoreFailed(words) => {
                 self.world.store_failure = Some(words.clone());
                 self.show_nothing_lost();
-                self.feed(Input::StoreFailed, &Matter { words: Some(words), ..Matter::default() });
+                self.feed(Input::StoreFailed, &InputContext { words: Some(words), ..InputContext::default() });
                 self.withdraw_unkept();
             }
             Event::StoreReason(words) => {
@@ -188,7 +191,7 @@ impl Sweep {
             }
             Event::StoreRestored => {
                 self.world.store_failure = None;
-                self.feed(Input::StoreRestored, &Matter::default());
+                self.feed(Input::StoreRestored, &InputContext::default());
                 self.record_anew();
             }
         }
@@ -201,10 +204,10 @@ impl Sweep {
         self.record_shared_refusals();
         self.record_shared_stops();
         self.outbox.record_overdue(now);
-        while let Some(sensor) = self.vigil.falls_silent(now.since_start) {
-            self.feed(Input::SensorSilent, &Matter { words: Some(sensor.to_string()), ..Matter::default() });
+        while let Some(sensor) = self.watchdog.falls_silent(now.since_start) {
+            self.feed(Input::SensorSilent, &InputContext { words: Some(sensor.to_string()), ..InputContext::default() });
         }
-        if self.helm.due().is_some_and(|due| due <= now.since_start) {
+        if self.controller.due().is_some_and(|due| due <= now.since_start) {
             self.order_unanswered();
         }
         self.answer_overdue_stops();
@@ -231,7 +234,7 @@ impl Sweep {
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         let records = [self.stops.due(), self.refusals.due(), self.outbox.due_record()];
-        [self.helm.due(), self.vigil.due()].into_iter().chain(records).flatten().min()
+        [self.controller.due(), self.watchdog.due()].into_iter().chain(records).flatten().min()
     }
 
     /// Everything that can be seen, at this moment; the same `Arc` until something changes.
@@ -271,11 +274,11 @@ impl Sweep {
 
     /// Carries out an accepted command; it is answered once it is kept with all that followed from it. A stop waits for no record; and
     /// what the table still accepts while the store cannot write is on record already, or need not be.
-    fn carry_out(&mut self, (request, count): (&Request, u64), input: Input, step: Step, matter: &Matter) -> Ticket {
+    fn carry_out(&mut self, (request, count): (&Request, u64), input: Input, step: Step, context: &InputContext) -> Ticket {
         // What a stop does was done when it was raised, ahead of the queue: what was given since then to release the robot stands.
         let is_over = |raised: Epoch| raised <= self.mission.epoch && self.released.is_some_and(|released| released >= raised);
-        if input != Input::Stop || !matter.epoch.is_some_and(is_over) {
-            self.apply(step, matter);
+        if input != Input::Stop || !context.epoch.is_some_and(is_over) {
+            self.apply(step, context);
         }
         if input == Input::Stop {
             self.record_stop(request, count);
@@ -287,9 +290,9 @@ impl Sweep {
             self.answer_standing(ticket);
         } else if waits {
             let seq = self.outbox.written();
-            self.outbox.wait(Waiting { ticket, seq, luggage: matter.luggage, verdict: matter.verdict, decided: false });
+            self.outbox.wait(Waiting { ticket, seq, luggage: context.luggage, verdict: context.verdict, decided: false });
         } else {
-            self.answer(ticket, matter.luggage);
+            self.answer(ticket, context.luggage);
         }
         ticket
     }
@@ -311,8 +314,8 @@ impl Sweep {
             Known::New => return None,
             Known::Other => {
                 let refused = Refused::OtherContent(id.clone());
-                let (_, matter) = Matter::of(&request.command, &request.issuer, None);
-                self.write_command(request, &matter, Some(&refused));
+                let (_, context) = InputContext::of(&request.command, &request.issuer, None);
+                self.write_command(request, &context, Some(&refused));
                 return Some(Err(refused));
             }
             Known::Same(outcome) => outcome.clone(),
@@ -343,29 +346,29 @@ impl Sweep {
 
     /// Every command goes into the log and the journal, a refused one too (safety A6); only what a sensor says again and again
     /// does not.
-    fn write_command(&mut self, request: &Request, matter: &Matter, refused: Option<&Refused>) {
+    fn write_command(&mut self, request: &Request, context: &InputContext, refused: Option<&Refused>) {
         // A stop goes on record behind what it does.
         let is_left_out = matches!(request.command, Command::Temperature(TemperatureReport::Sensor(..)) | Command::Stop);
         if is_left_out && refused.is_none() {
             return;
         }
         let (issuer, command) = (request.issuer.clone(), in_words(&request.command));
-        let meant = matter.luggage.filter(|_| request.command.luggage() == Some(LuggageRef::Pending));
+        let meant = context.luggage.filter(|_| request.command.luggage() == Some(LuggageRef::Pending));
         let meant = meant.map_or_else(String::new, |id| format!(" #{id}"));
         let (tone, text) = match refused {
             None => (Tone::Info, format!("{command}{meant}, by {issuer}")),
             Some(refused) => (Tone::Warning, format!("{command}{meant} refused, by {issuer}: {refused}")),
         };
         self.world.write(self.now.wall, tone, text);
-        let if_lost = refused.is_none().then_some(if matter.verdict.is_some() { Refused::StoreDown } else { Refused::NotKept });
-        let (luggage, refused) = (matter.luggage, refused.map(Refusal::from));
+        let if_lost = refused.is_none().then_some(if context.verdict.is_some() { Refused::StoreDown } else { Refused::NotKept });
+        let (luggage, refused) = (context.luggage, refused.map(Refusal::from));
         let fact = Fact::Command { issuer, id: request.id.clone(), command, epoch: request.epoch, luggage, refused };
         self.outbox.record_command(self.now.wall, fact, if_lost);
     }
 
     /// Puts everything that stands on record at once.
     pub(super) fn record_standing(&mut self) {
-        self.outbox.record(self.now.wall, Fact::Standing(Box::new(self.standing())));
+        self.outbox.record(self.now.wall, Fact::State(Box::new(self.standing())));
     }
 
     /// The piece that a bare word means: the one in front of the robot, else the only one that is pending.

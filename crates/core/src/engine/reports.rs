@@ -2,19 +2,19 @@
 
 use std::sync::Arc;
 
-use super::Sweep;
+use super::Engine;
 use crate::command::Move;
 use crate::effect::{Action, Fact, Order};
 use crate::event::{Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent, Whereabouts};
 use crate::explore::plan::after;
-use crate::mission::{FaultCause, Input, Matter, Phase, PhaseName, Stage};
+use crate::mission::{FaultCause, Input, InputContext, Phase, PhaseName, Stage};
 use crate::units::{Cell, Heading, OrderId};
 use crate::world::hall_map::{Mark, REACH};
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
 use crate::world::temperature::ROBOT;
 
-impl Sweep {
+impl Engine {
     pub(super) fn report(&mut self, report: RobotEvent) {
         match report {
             RobotEvent::Stands(whereabouts) => self.stands(whereabouts),
@@ -63,20 +63,20 @@ impl Sweep {
     }
 
     fn link_up(&mut self, can: Capabilities) {
-        self.helm.link_up(can);
+        self.controller.link_up(can);
         self.world.touch(Resource::Robot);
-        self.feed(Input::LinkUp, &Matter::default());
+        self.feed(Input::LinkUp, &InputContext::default());
     }
 
     /// The robot halts by itself; where exactly it stands is not known before it is recentred.
     fn link_lost(&mut self, words: String) {
-        self.world.robot.off_centre |= self.helm.lose();
+        self.world.robot.off_centre |= self.controller.lose();
         self.world.touch(Resource::Robot);
-        self.feed(Input::LinkLost, &Matter { words: Some(words), ..Matter::default() });
+        self.feed(Input::LinkLost, &InputContext { words: Some(words), ..InputContext::default() });
     }
 
     fn close(&mut self, id: OrderId) -> Option<Order> {
-        let order = self.helm.close(id)?;
+        let order = self.controller.close(id)?;
         self.world.touch(Resource::Robot);
         Some(order)
     }
@@ -88,7 +88,7 @@ impl Sweep {
             Action::Recentre => self.world.robot.off_centre = false,
             Action::Photograph(_) => {}
         }
-        self.feed(Input::Done, &Matter::default());
+        self.feed(Input::Done, &InputContext::default());
     }
 
     /// The robot stands where the move led; after a late answer too, so it is not off centre any more.
@@ -124,7 +124,7 @@ impl Sweep {
         let obstacle = if self.settings.inspect_everything { Obstacle::Unknown } else { obstacle };
         let cell = after(self.world.robot.pose, step).cell;
         self.meet(cell, obstacle);
-        self.feed(Input::Blocked, &Matter { cell: Some(cell), obstacle: Some(obstacle), ..Matter::default() });
+        self.feed(Input::Blocked, &InputContext { cell: Some(cell), obstacle: Some(obstacle), ..InputContext::default() });
     }
 
     /// Marks the obstacle by what it was taken for (mission §3).
@@ -170,13 +170,13 @@ impl Sweep {
 
     fn photo_taken(&mut self, id: OrderId, photo: Photo) {
         if self.close(id).is_some() {
-            self.feed(Input::PhotoTaken, &Matter { photo: Some(photo), ..Matter::default() });
+            self.feed(Input::PhotoTaken, &InputContext { photo: Some(photo), ..InputContext::default() });
         }
     }
 
     fn photo_failed(&mut self, id: OrderId, words: String) {
         if self.close(id).is_some() {
-            self.feed(Input::PhotoFailed, &Matter { words: Some(words), ..Matter::default() });
+            self.feed(Input::PhotoFailed, &InputContext { words: Some(words), ..InputContext::default() });
         }
     }
 
@@ -186,25 +186,25 @@ impl Sweep {
             self.world.robot.off_centre = true;
             self.robot_failed(words);
         } else {
-            self.feed(Input::PhotoFailed, &Matter { words: Some(words), ..Matter::default() });
+            self.feed(Input::PhotoFailed, &InputContext { words: Some(words), ..InputContext::default() });
         }
     }
 
     fn robot_failed(&mut self, words: String) {
-        self.feed(Input::RobotFailed, &Matter { fault: Some(FaultCause::Robot(words)), ..Matter::default() });
+        self.feed(Input::RobotFailed, &InputContext { fault: Some(FaultCause::Robot(words)), ..InputContext::default() });
     }
 
     /// The deadline of the open order and its grace have passed without an answer.
     pub(super) fn order_unanswered(&mut self) {
-        let Some(order) = self.helm.give_up() else { return };
+        let Some(order) = self.controller.give_up() else { return };
         self.world.touch(Resource::Robot);
         if order.action.is_motion() {
             self.world.robot.off_centre = true;
             self.send_halt();
-            self.feed(Input::Unanswered, &Matter { fault: Some(FaultCause::Unanswered), ..Matter::default() });
+            self.feed(Input::Unanswered, &InputContext { fault: Some(FaultCause::Unanswered), ..InputContext::default() });
         } else {
             let words = "the camera did not answer in time".to_owned();
-            self.feed(Input::PhotoFailed, &Matter { words: Some(words), ..Matter::default() });
+            self.feed(Input::PhotoFailed, &InputContext { words: Some(words), ..InputContext::default() });
         }
     }
 

@@ -2,31 +2,31 @@
 
 use std::sync::Arc;
 
-use super::Sweep;
+use super::Engine;
 use super::outbox::Waiting;
 use crate::command::{Accepted, Refused, Verdict};
 use crate::effect::Fact;
 use crate::event::Photo;
-use crate::mission::{Deciding, Input, Inspection, Matter, Phase, Recording, Stage};
+use crate::mission::{Deciding, Input, InputContext, Inspection, Phase, Recording, Stage};
 use crate::units::{LuggageId, Seq};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
 use crate::world::luggage::{Decision, Luggage, PhotoState};
 use crate::world::resource::Resource;
 
-impl Sweep {
-    pub(super) fn retake(&mut self, matter: &Matter) {
-        if let Some(id) = matter.luggage {
+impl Engine {
+    pub(super) fn retake(&mut self, context: &InputContext) {
+        if let Some(id) = context.luggage {
             self.set_stage(Stage::RetakingPhoto(id));
         }
     }
 
     /// The first record of the piece in front of the robot.
-    pub(super) fn record_piece(&mut self, matter: &Matter) {
+    pub(super) fn record_piece(&mut self, context: &InputContext) {
         let Phase::Inspecting(Inspection { cell, piece, pose, .. }) = *self.mission.phase.underlying() else { return };
         let id = self.mission.last_luggage.next();
         self.mission.last_luggage = id;
-        let photo = photo_of(matter);
+        let photo = photo_of(context);
         let state = PhotoState::after(None, &photo);
         let luggage = Luggage { id, cell, pose, taken: self.now.wall, photo: state, verdict: None, piece };
         self.send_record(luggage, photo);
@@ -34,16 +34,16 @@ impl Sweep {
     }
 
     /// A new photo of a recorded piece; when it failed, an older one stays good.
-    pub(super) fn record_retake(&mut self, matter: &Matter) {
+    pub(super) fn record_retake(&mut self, context: &InputContext) {
         let Some(Stage::RetakingPhoto(id)) = self.stage() else { return };
         self.set_stage(Stage::AwaitingVerdict(id));
         let Some(known) = self.world.luggage.get(&id) else { return };
-        if matter.photo.is_none() && known.has_photo() {
+        if context.photo.is_none() && known.has_photo() {
             let text = format!("photo of luggage #{id} could not be taken again; the first one stays");
             self.world.write(self.now.wall, Tone::Warning, text);
             return;
         }
-        let photo = photo_of(matter);
+        let photo = photo_of(context);
         let state = PhotoState::after(Some(&known.photo), &photo);
         let luggage = Luggage { taken: self.now.wall, photo: state, ..Luggage::clone(known) };
         self.send_record(luggage, photo);
@@ -57,15 +57,15 @@ impl Sweep {
     }
 
     /// The record of a piece is kept: show it and wait for the operator.
-    pub(super) fn ask_operator(&mut self, matter: &Matter) {
-        let Some(luggage) = matter.luggage.and_then(|id| self.world.luggage.get(&id)).map(Arc::clone) else { return };
+    pub(super) fn ask_operator(&mut self, context: &InputContext) {
+        let Some(luggage) = context.luggage.and_then(|id| self.world.luggage.get(&id)).map(Arc::clone) else { return };
         self.mark(luggage.cell, Mark::Luggage);
         self.set_stage(Stage::AwaitingVerdict(luggage.id));
     }
 
     /// Puts a verdict on its way; a danger takes the place of a safe that is not kept yet (safety V1).
-    pub(super) fn record_verdict(&mut self, matter: &Matter) {
-        let (Some(luggage), Some(verdict), Some(issuer)) = (matter.luggage, matter.verdict, &matter.issuer) else { return };
+    pub(super) fn record_verdict(&mut self, context: &InputContext) {
+        let (Some(luggage), Some(verdict), Some(issuer)) = (context.luggage, context.verdict, &context.issuer) else { return };
         let who = Arc::clone(&issuer.who);
         let seq = self.outbox.record(self.now.wall, Fact::Verdict { luggage, verdict, who: Arc::clone(&who) });
         self.mission.deciding.retain(|deciding| deciding.luggage != luggage);
@@ -106,7 +106,7 @@ impl Sweep {
         };
         self.world.write(self.now.wall, Tone::Info, text);
         if known.is_none() {
-            self.feed(Input::LuggageRecorded, &Matter { luggage: Some(id), ..Matter::default() });
+            self.feed(Input::LuggageRecorded, &InputContext { luggage: Some(id), ..InputContext::default() });
         }
     }
 
@@ -119,7 +119,7 @@ impl Sweep {
             Verdict::Safe => Input::SafeRecorded,
             Verdict::Danger => Input::DangerRecorded,
         };
-        self.feed(input, &Matter { luggage: Some(deciding.luggage), verdict: Some(verdict), ..Matter::default() });
+        self.feed(input, &InputContext { luggage: Some(deciding.luggage), verdict: Some(verdict), ..InputContext::default() });
     }
 
     /// Answers what waited for a record that is kept now.
@@ -182,6 +182,6 @@ impl Sweep {
 }
 
 /// The photo that came, or why none did.
-fn photo_of(matter: &Matter) -> Result<Photo, String> {
-    matter.photo.clone().ok_or_else(|| matter.words.clone().unwrap_or_else(|| "no photo came".to_owned()))
+fn photo_of(context: &InputContext) -> Result<Photo, String> {
+    context.photo.clone().ok_or_else(|| context.words.clone().unwrap_or_else(|| "no photo came".to_owned()))
 }

@@ -158,39 +158,39 @@ fn expected(table: &'static str, phase: PhaseName, input: Input, holds: &[Hold])
     }
 }
 
-/// The sweep of this phase: where the robot waits it is at home, elsewhere a cell to the south. One alarm is on record, a sensor is
+/// The engine of this phase: where the robot waits it is at home, elsewhere a cell to the south. One alarm is on record, a sensor is
 /// configured, the piece is decided or not, and an obstacle stands at (1, 1) that nobody has looked at.
-fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Sweep {
-    let mut sweep = sweep_in(name, &[]);
+fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
+    let mut engine = sweep_in(name, &[]);
     let waits = [PhaseName::Idle, PhaseName::AtHome, PhaseName::BombLocated, PhaseName::BagSecured, PhaseName::Explored];
     if waits.contains(&name) {
-        sweep.world.robot.pose = Pose::START;
+        engine.world.robot.pose = Pose::START;
     }
-    sweep.mark(Cell::new(1, 1), Mark::NotInspected);
-    sweep.vigil.begin("roof".into(), Duration::from_secs(3600));
-    sweep.vigil.hear("roof", Duration::ZERO);
-    sweep.world.alarm(Wall::default(), None, "something");
-    sweep.world.robot.led_blinking = true;
+    engine.mark(Cell::new(1, 1), Mark::NotInspected);
+    engine.watchdog.begin("roof".into(), Duration::from_secs(3600));
+    engine.watchdog.hear("roof", Duration::ZERO);
+    engine.world.alarm(WallTime::default(), None, "something");
+    engine.world.robot.led_blinking = true;
     if table == DECIDED {
         let decision = crate::world::luggage::Decision {
             verdict: Verdict::Safe,
             who: Issuer::operator(Door::Local).who,
-            wall: Wall::default(),
+            wall: WallTime::default(),
         };
-        let luggage = Luggage { verdict: Some(decision), ..Luggage::clone(&sweep.world.luggage[&LuggageId(1)]) };
-        sweep.world.luggage.insert(LuggageId(1), Arc::new(luggage));
+        let luggage = Luggage { verdict: Some(decision), ..Luggage::clone(&engine.world.luggage[&LuggageId(1)]) };
+        engine.world.luggage.insert(LuggageId(1), Arc::new(luggage));
     }
-    sweep.record_standing();
-    while let Some(effect) = sweep.poll_effect() {
+    engine.record_standing();
+    while let Some(effect) = engine.poll_effect() {
         if let Effect::Record(page) = effect {
-            sweep.outbox.keep(page.last());
+            engine.outbox.keep(page.last());
         }
     }
-    sweep.look();
+    engine.look();
     for hold in holds {
-        sweep.mission.holds.raise(*hold);
+        engine.mission.holds.raise(*hold);
     }
-    sweep
+    engine
 }
 
 const HOLDS: [&[Hold]; 5] = [
@@ -218,32 +218,32 @@ fn every_command_in_every_phase_does_what_the_mission_says() {
 
 fn check_command(table: &'static str, name: PhaseName, input: Input, holds: &'static [Hold]) {
     let pair = format!("{name:?} × {input:?} under {holds:?}, {}", if table == DECIDED { "decided" } else { "pending" });
-    let mut sweep = moment(name, table, holds);
-    let before = sweep.clone();
+    let mut engine = moment(name, table, holds);
+    let before = engine.clone();
     let request = Request::new(command(input).expect("every input of COMMANDS is a command"), Issuer::operator(Door::Local));
-    let answer = sweep.handle_command(request, now(1)).map_err(|refused| Refusal::from(&refused).code);
-    let moves = settle(&mut sweep).into_iter().any(Action::is_motion);
-    assert!(!moves || sweep.mission.holds.is_empty(), "{pair}: moved while held");
+    let answer = engine.handle_command(request, now(1)).map_err(|refused| Refusal::from(&refused).code);
+    let moves = settle(&mut engine).into_iter().any(Action::is_motion);
+    assert!(!moves || engine.mission.holds.is_empty(), "{pair}: moved while held");
     let expected = expected(table, name, input, holds);
-    assert_eq!(answer.map(|_| sweep.mission.phase.name()), expected, "{pair}");
+    assert_eq!(answer.map(|_| engine.mission.phase.name()), expected, "{pair}");
     match expected {
-        Ok(_) => check_effects(&before, &sweep, input, table, &pair),
+        Ok(_) => check_effects(&before, &engine, input, table, &pair),
         Err(_) => {
-            assert_eq!(before.mission.phase, sweep.mission.phase, "{pair}");
-            let cleared = before.mission.holds.to_vec().into_iter().any(|hold| !sweep.mission.holds.contains(hold));
+            assert_eq!(before.mission.phase, engine.mission.phase, "{pair}");
+            let cleared = before.mission.holds.to_vec().into_iter().any(|hold| !engine.mission.holds.contains(hold));
             assert!(!cleared, "{pair}: what was refused cleared a hold");
-            let raises = input == Input::TemperatureTooHigh && sweep.mission.holds.contains(Hold::TooHigh);
+            let raises = input == Input::TemperatureTooHigh && engine.mission.holds.contains(Hold::TooHigh);
             let alarms = input == Input::Danger && holds.first() == Some(&Hold::Store) && table == PENDING;
-            assert!(raises || alarms || before.mission.holds == sweep.mission.holds, "{pair}");
-            assert_eq!(alarms, sweep.mission.holds.contains(Hold::Alarm), "{pair}: danger that could not be recorded holds");
-            assert_eq!(alarms, sweep.world.alarms.len() > before.world.alarms.len(), "{pair}: and alarms");
+            assert!(raises || alarms || before.mission.holds == engine.mission.holds, "{pair}");
+            assert_eq!(alarms, engine.mission.holds.contains(Hold::Alarm), "{pair}: danger that could not be recorded holds");
+            assert_eq!(alarms, engine.world.alarms.len() > before.world.alarms.len(), "{pair}: and alarms");
         }
     }
 }
 
 /// The sentences of mission §4 on what an accepted command does, beside the phase.
 #[expect(clippy::wildcard_enum_match_arm, reason = "whatever has no sentence of its own does nothing beside the phase")]
-fn check_effects(before: &Sweep, after: &Sweep, input: Input, table: &str, pair: &str) {
+fn check_effects(before: &Engine, after: &Engine, input: Input, table: &str, pair: &str) {
     let (was, is) = (&before.mission.holds, &after.mission.holds);
     let waits = [Hold::Operator, Hold::Restart, Hold::AwaitingStart];
     let verdict = after.world.luggage.get(&LuggageId(1)).and_then(|luggage| luggage.verdict.as_ref()).map(|kept| kept.verdict);
@@ -276,7 +276,7 @@ fn check_effects(before: &Sweep, after: &Sweep, input: Input, table: &str, pair:
     let begins = input == Input::Start && (ended || before.phase_name() == PhaseName::Idle);
     assert_eq!(after.mission.id.0 - before.mission.id.0, u64::from(begins), "{pair}: a mission begins");
     let fresh = begins && ended || input == Input::Reset && before.world.is_home();
-    let known = |sweep: &Sweep| sweep.world.map.at(Cell::new(1, 1)) == Mark::NotInspected;
+    let known = |engine: &Engine| engine.world.map.at(Cell::new(1, 1)) == Mark::NotInspected;
     assert_eq!(known(after), !fresh, "{pair}: the map is emptied for a new search, and at home");
     let away = begins && ended || input == Input::Reset;
     assert_eq!(after.world.luggage.is_empty(), away, "{pair}: luggage is put away with its mission");
@@ -297,21 +297,21 @@ fn every_event_in_every_phase_does_what_the_mission_says() {
 fn check_event(name: PhaseName, input: Input) {
     let pair = format!("{name:?} × {input:?}");
     let ends = CAUSES.into_iter().find(|(_, _, end)| *end == input).map(|(hold, _, _)| hold);
-    let mut sweep = moment(name, PENDING, &ends.into_iter().collect::<Vec<_>>());
-    let matter = Matter {
+    let mut engine = moment(name, PENDING, &ends.into_iter().collect::<Vec<_>>());
+    let context = InputContext {
         luggage: Some(LuggageId(1)).filter(|_| input != Input::Blocked),
         cell: Some(Cell::new(1, 1)),
         words: Some("a test".to_owned()),
-        ..Matter::default()
+        ..InputContext::default()
     };
     if input == Input::DangerRecorded {
-        sweep.mission.holds.raise(Hold::Operator);
+        engine.mission.holds.raise(Hold::Operator);
     }
-    sweep.feed(input, &matter);
+    engine.feed(input, &context);
     let (_, leads) = EVENTS.iter().find(|(known, _)| *known == input).expect("every event is written");
     let lead = leads.split_whitespace().filter_map(|lead| lead.split_once('>')).find(|(from, _)| named(from) == name);
-    assert_eq!(sweep.phase_name(), lead.map_or(name, |(_, to)| named(to)), "{pair}");
-    let holds = &sweep.mission.holds;
+    assert_eq!(engine.phase_name(), lead.map_or(name, |(_, to)| named(to)), "{pair}");
+    let holds = &engine.mission.holds;
     assert!(ends.is_none_or(|hold| !holds.contains(hold)), "{pair}: the cause has ended");
     let raised = CAUSES.into_iter().find(|(_, begin, _)| *begin == input).map(|(hold, _, _)| hold);
     let raised = raised.or(Some(Hold::Restart).filter(|_| input == Input::Restarted));
@@ -321,8 +321,8 @@ fn check_event(name: PhaseName, input: Input) {
     let drive_ends = name == PhaseName::Driving && (raised.is_some() || input == Input::DriveEnded);
     assert_eq!(holds.contains(Hold::Operator), drive_ends || input == Input::DangerRecorded, "{pair}: no drive goes on unasked");
     let over = input == Input::DangerRecorded || input == Input::AllExplored && name == PhaseName::Exploring;
-    assert_eq!(sweep.world.robot.led_blinking, !over, "{pair}: the LED blinks until the search is over");
-    let alarms = sweep.world.alarms.iter().filter(|alarm| alarm.luggage == Some(LuggageId(1))).count();
+    assert_eq!(engine.world.robot.led_blinking, !over, "{pair}: the LED blinks until the search is over");
+    let alarms = engine.world.alarms.iter().filter(|alarm| alarm.luggage == Some(LuggageId(1))).count();
     assert_eq!(alarms, usize::from(input == Input::DangerRecorded), "{pair}: danger alarms");
 }
 
@@ -330,10 +330,10 @@ fn check_event(name: PhaseName, input: Input) {
 #[test]
 fn a_verdict_acts_on_the_phase_that_was_interrupted() {
     for name in [PhaseName::Driving, PhaseName::Fault] {
-        let mut sweep = moment(name, PENDING, &[]);
-        sweep.feed(Input::DangerRecorded, &Matter { luggage: Some(LuggageId(1)), ..Matter::default() });
-        assert_eq!(sweep.phase_name(), name);
-        assert_eq!(sweep.mission.phase.underlying().name(), PhaseName::ReturningWithAlarm, "{name:?}");
+        let mut engine = moment(name, PENDING, &[]);
+        engine.feed(Input::DangerRecorded, &InputContext { luggage: Some(LuggageId(1)), ..InputContext::default() });
+        assert_eq!(engine.phase_name(), name);
+        assert_eq!(engine.mission.phase.underlying().name(), PhaseName::ReturningWithAlarm, "{name:?}");
     }
 }
 
@@ -343,9 +343,13 @@ fn a_drive_from_idle_ends_in_idle_and_waits_for_nobody() {
     for (end, hold) in
         [(Input::DriveEnded, None), (Input::Heat, Some(Hold::Temperature)), (Input::LinkLost, Some(Hold::RobotLink))]
     {
-        let mut sweep = moment(PhaseName::Driving, DECIDED, &[]);
-        sweep.mission.phase = Phase::Driving { goal: None, next: None, interrupted: Box::new(Phase::Idle) };
-        sweep.feed(end, &Matter::default());
-        assert_eq!((sweep.phase_name(), sweep.mission.holds.to_vec()), (PhaseName::Idle, hold.into_iter().collect()), "{end:?}");
+        let mut engine = moment(PhaseName::Driving, DECIDED, &[]);
+        engine.mission.phase = Phase::Driving { goal: None, next: None, interrupted: Box::new(Phase::Idle) };
+        engine.feed(end, &InputContext::default());
+        assert_eq!(
+            (engine.phase_name(), engine.mission.holds.to_vec()),
+            (PhaseName::Idle, hold.into_iter().collect()),
+            "{end:?}"
+        );
     }
 }

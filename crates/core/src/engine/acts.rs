@@ -3,54 +3,54 @@
 
 use std::sync::Arc;
 
-use super::Sweep;
+use super::Engine;
 use crate::effect::{Effect, Fact};
 use crate::event::RobotId;
-use crate::mission::{Act, Hold, Input, Matter, Stage};
+use crate::mission::{Act, Hold, Input, InputContext, Stage};
 use crate::units::{Cell, Celsius, LuggageId};
 use crate::world::alarm::Alarm;
 use crate::world::hall_map::{HallMap, Mark};
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
 
-impl Sweep {
-    pub(super) fn perform_all(&mut self, acts: &[Act], matter: &Matter) {
+impl Engine {
+    pub(super) fn perform_all(&mut self, acts: &[Act], context: &InputContext) {
         for act in acts {
-            self.perform(*act, matter);
+            self.perform(*act, context);
         }
     }
 
-    fn perform(&mut self, act: Act, matter: &Matter) {
+    fn perform(&mut self, act: Act, context: &InputContext) {
         match act {
-            Act::Release => self.release(matter),
+            Act::Release => self.release(context),
             Act::Begin => self.begin_mission(),
             Act::EmptyMap => self.empty_map(),
-            Act::Stop => self.stop(matter),
-            Act::Raise(hold) => self.raise(hold, matter.words.as_deref()),
+            Act::Stop => self.stop(context),
+            Act::Raise(hold) => self.raise(hold, context.words.as_deref()),
             Act::Clear(hold) => self.clear(hold),
             Act::LedOff => self.led(false),
             Act::AlarmDanger => {
-                self.alarm_about(matter.luggage, "dangerous");
+                self.alarm_about(context.luggage, "dangerous");
                 self.end_alarm_hold();
             }
-            Act::AlarmUnrecorded => matter.luggage.map_or((), |id| self.alarm_unrecorded(id)),
+            Act::AlarmUnrecorded => context.luggage.map_or((), |id| self.alarm_unrecorded(id)),
             Act::FacePiece => self.set_stage(Stage::TakingPhoto),
-            Act::Retake => self.retake(matter),
-            Act::RecordPiece => self.record_piece(matter),
-            Act::RecordRetake => self.record_retake(matter),
-            Act::AskOperator => self.ask_operator(matter),
-            Act::RecordVerdict => self.record_verdict(matter),
-            Act::NoteReading => self.note_reading(matter),
-            Act::HearSensor => self.hear_sensor(matter),
-            Act::Acknowledge => self.acknowledge(matter),
-            Act::ChooseStrategy => self.choose_strategy(matter),
+            Act::Retake => self.retake(context),
+            Act::RecordPiece => self.record_piece(context),
+            Act::RecordRetake => self.record_retake(context),
+            Act::AskOperator => self.ask_operator(context),
+            Act::RecordVerdict => self.record_verdict(context),
+            Act::NoteReading => self.note_reading(context),
+            Act::HearSensor => self.hear_sensor(context),
+            Act::Acknowledge => self.acknowledge(context),
+            Act::ChooseStrategy => self.choose_strategy(context),
             Act::Archive => self.archive(),
             Act::RetryBlocked => self.retry_blocked(),
         }
     }
 
-    fn release(&mut self, matter: &Matter) {
-        self.released = matter.epoch.or(Some(self.mission.epoch));
+    fn release(&mut self, context: &InputContext) {
+        self.released = context.epoch.or(Some(self.mission.epoch));
         if self.mission.holds.release() {
             self.note_holds();
         }
@@ -77,10 +77,10 @@ impl Sweep {
     }
 
     /// A stop acts first and is recorded afterwards.
-    fn stop(&mut self, matter: &Matter) {
+    fn stop(&mut self, context: &InputContext) {
         let next = self.mission.epoch.next();
         let before = self.mission.epoch;
-        self.mission.epoch = matter.epoch.map_or(next, |raised| raised.max(before));
+        self.mission.epoch = context.epoch.map_or(next, |raised| raised.max(before));
         if self.mission.epoch != before {
             self.outbox.record_soon(self.now, Fact::Epoch(self.mission.epoch));
         }
@@ -117,7 +117,7 @@ impl Sweep {
 
     /// Halts the robot if it is moving.
     pub(super) fn halt_robot(&mut self) {
-        if self.helm.is_moving() {
+        if self.controller.is_moving() {
             self.send_halt();
         }
     }
@@ -126,9 +126,9 @@ impl Sweep {
     /// will.
     pub(super) fn send_halt(&mut self) {
         if let Some(order) = self.outbox.halt(RobotId::Discovery) {
-            self.helm.close(order.id);
+            self.controller.close(order.id);
         }
-        self.helm.halt();
+        self.controller.halt();
         self.world.touch(Resource::Robot);
     }
 
@@ -170,8 +170,8 @@ impl Sweep {
         }
     }
 
-    fn acknowledge(&mut self, matter: &Matter) {
-        let (Some(id), Some(issuer)) = (matter.alarm, &matter.issuer) else { return };
+    fn acknowledge(&mut self, context: &InputContext) {
+        let (Some(id), Some(issuer)) = (context.alarm, &context.issuer) else { return };
         let Some(alarm) = self.world.alarms.iter_mut().find(|alarm| alarm.id == id && alarm.acknowledged.is_none()) else {
             return;
         };
@@ -181,19 +181,19 @@ impl Sweep {
         self.end_alarm_hold();
     }
 
-    fn note_reading(&mut self, matter: &Matter) {
-        if let Some((source, celsius)) = &matter.reading {
+    fn note_reading(&mut self, context: &InputContext) {
+        if let Some((source, celsius)) = &context.reading {
             self.read_temperature(source, *celsius);
         }
     }
 
     /// What the configured sensor reads; it is not silent.
-    fn hear_sensor(&mut self, matter: &Matter) {
-        let sensor = matter.reading.as_ref().map(|(sensor, _)| Arc::clone(sensor));
-        if sensor.is_some_and(|sensor| self.vigil.hear(&sensor, self.now.since_start)) {
-            self.feed(Input::SensorBack, &Matter::default());
+    fn hear_sensor(&mut self, context: &InputContext) {
+        let sensor = context.reading.as_ref().map(|(sensor, _)| Arc::clone(sensor));
+        if sensor.is_some_and(|sensor| self.watchdog.hear(&sensor, self.now.since_start)) {
+            self.feed(Input::SensorBack, &InputContext::default());
         }
-        self.note_reading(matter);
+        self.note_reading(context);
     }
 
     /// Takes a reading and raises or ends the hold that follows from it.
@@ -204,16 +204,16 @@ impl Sweep {
             self.outbox.record(self.now.wall, Fact::Temperature(Arc::clone(source), celsius));
         }
         let held = self.mission.holds.contains(Hold::Temperature);
-        let matter = Matter { words: Some(celsius.to_string()), ..Matter::default() };
+        let context = InputContext { words: Some(celsius.to_string()), ..InputContext::default() };
         match (self.world.thermometer.is_hot(), held) {
-            (true, false) => self.feed(Input::Heat, &matter),
-            (false, true) => self.feed(Input::Cool, &matter),
+            (true, false) => self.feed(Input::Heat, &context),
+            (false, true) => self.feed(Input::Cool, &context),
             (true, true) | (false, false) => {}
         }
     }
 
-    fn choose_strategy(&mut self, matter: &Matter) {
-        let Some(strategy) = matter.strategy else { return };
+    fn choose_strategy(&mut self, context: &InputContext) {
+        let Some(strategy) = context.strategy else { return };
         self.mission.strategy = strategy;
         self.mission.restart_search();
         self.world.touch(Resource::Mission);

@@ -8,7 +8,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::Sweep;
+use super::Engine;
 use crate::effect::Effect;
 use crate::event::RobotId;
 use crate::explore::Strategy;
@@ -127,7 +127,7 @@ impl OnRecord {
     }
 }
 
-impl Sweep {
+impl Engine {
     /// Looks at what has become of the mission since the last look, and shows of it what is on record.
     pub(super) fn look(&mut self) {
         let looked = (self.world.revision(), self.outbox.written());

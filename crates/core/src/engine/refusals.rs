@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use super::Sweep;
+use super::Engine;
 use super::sharing::{Limits, Shared, Sharing};
 use crate::command::{Issuer, Refusal, Refused};
 use crate::effect::Fact;
@@ -56,7 +56,7 @@ impl Refusals {
     }
 }
 
-impl Sweep {
+impl Engine {
     /// Notes a command that a door refused to take from its sender (safety A6): `asked` is what was asked for, as the door knows
     /// it, the last of `count`. Its place in the journal; of who is refused without end some share an entry, which has none yet.
     pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, count: u64, now: Now) -> Option<Seq> {

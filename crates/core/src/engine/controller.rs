@@ -1,4 +1,4 @@
-//! What the sweep knows of the robot's reins: the one open order, what the robot can do, and how it got off centre.
+//! What the engine knows of one robot: the one open order, what the robot can do, and how it got off centre.
 
 use std::time::Duration;
 
@@ -11,9 +11,9 @@ use crate::world::robot::RobotState;
 /// How much longer than the robot's own deadline an answer is waited for: the way there and back.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// The reins of one robot.
+/// The controller of one robot.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Helm {
+pub(super) struct RobotController {
     /// What the robot can do; nothing is known before its link is up.
     pub(super) capabilities: Option<Capabilities>,
     open: Option<Open>,
@@ -32,7 +32,7 @@ struct Open {
     sent: Duration,
 }
 
-impl Helm {
+impl RobotController {
     /// The order under way.
     pub(super) fn open(&self) -> Option<Order> {
         self.open.map(|open| open.order)

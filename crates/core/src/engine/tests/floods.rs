@@ -3,11 +3,11 @@
 use super::*;
 use crate::command::CommandId;
 use crate::effect::{Entry, Fact};
-use crate::standing::Standing;
+use crate::state::PersistentState;
 
-/// A sweep, and what it has put on record.
+/// An engine, and what it has put on record.
 struct Recorder {
-    sweep: Sweep,
+    engine: Engine,
     millis: u64,
     pages: usize,
     entries: Vec<Entry>,
@@ -17,13 +17,13 @@ struct Recorder {
 
 impl Recorder {
     fn new() -> Recorder {
-        let mut sweep = sweep_in(PhaseName::Exploring, &[]);
-        sweep.world.luggage.clear();
-        Recorder { sweep, millis: 0, pages: 0, entries: Vec::new(), answers: 0, epoch: Epoch(0) }
+        let mut engine = sweep_in(PhaseName::Exploring, &[]);
+        engine.world.luggage.clear();
+        Recorder { engine, millis: 0, pages: 0, entries: Vec::new(), answers: 0, epoch: Epoch(0) }
     }
 
     fn now(&self) -> Now {
-        Now { since_start: Duration::from_millis(self.millis), wall: Wall::default() }
+        Now { since_start: Duration::from_millis(self.millis), wall: WallTime::default() }
     }
 
     /// As the loop takes a STOP: it halts first, and who pressed it follows.
@@ -39,28 +39,28 @@ impl Recorder {
 
     fn press(&mut self, issuer: Issuer, id: Option<CommandId>) {
         self.epoch = self.epoch.next();
-        self.sweep.handle_halt(self.epoch, self.now());
+        self.engine.handle_halt(self.epoch, self.now());
         self.drain();
         let stop = Request { epoch: Some(self.epoch), id, ..Request::new(Command::Stop, issuer) };
-        self.sweep.handle_command(stop, self.now()).expect("a stop is never refused");
+        self.engine.handle_command(stop, self.now()).expect("a stop is never refused");
         self.drain();
-        assert_eq!(self.sweep.snapshot().mission.epoch, self.epoch, "it is shown at once");
+        assert_eq!(self.engine.snapshot().mission.epoch, self.epoch, "it is shown at once");
     }
 
     fn wait_until(&mut self, millis: u64) {
         self.millis = millis;
-        while self.sweep.poll_timeout().is_some_and(|due| due <= self.now().since_start) {
-            self.sweep.handle_timeout(self.now());
+        while self.engine.poll_timeout().is_some_and(|due| due <= self.now().since_start) {
+            self.engine.handle_timeout(self.now());
             self.drain();
         }
     }
 
     fn drain(&mut self) {
-        while let Some(effect) = self.sweep.poll_effect() {
+        while let Some(effect) = self.engine.poll_effect() {
             match effect {
                 Effect::Record(page) => {
                     self.pages += 1;
-                    self.sweep.handle_event(Event::Recorded(page.last()), self.now());
+                    self.engine.handle_event(Event::Recorded(page.last()), self.now());
                     self.entries.extend(page.entries);
                 }
                 Effect::Answer(_, answer) => self.answers += usize::from(answer.is_ok()),
@@ -76,7 +76,7 @@ impl Recorder {
 
     /// In which epoch a start would go on from what is on record.
     fn epoch_on_record(&self) -> Epoch {
-        let mut standing = Standing::first(Strategy::Snail);
+        let mut standing = PersistentState::first(Strategy::Snail);
         self.entries.iter().for_each(|entry| standing.apply(entry));
         standing.epoch
     }
@@ -128,12 +128,12 @@ fn the_epoch_of_a_flood_is_on_record_with_the_next_entry_or_soon() {
 
     (0..100).for_each(|_| recorder.stop("lobby", "192.0.2.7"));
     let start = Request::new(Command::Start, Issuer::operator(Door::Http));
-    recorder.sweep.handle_command(start, recorder.now()).expect("nothing else holds it");
+    recorder.engine.handle_command(start, recorder.now()).expect("nothing else holds it");
     recorder.drain();
     assert_eq!(recorder.epoch_on_record(), Epoch(200), "the START is on record behind the stops that it came after");
 
     (0..100).for_each(|_| recorder.stop("lobby", "192.0.2.7"));
-    recorder.sweep.record_rest(recorder.now());
+    recorder.engine.record_rest(recorder.now());
     recorder.drain();
     assert_eq!(recorder.epoch_on_record(), Epoch(300));
     assert_eq!(recorder.by("lobby").iter().map(|words| count(words)).sum::<u64>(), 300);
@@ -158,7 +158,7 @@ fn a_stop_under_the_name_of_the_one_before_halts_again_and_is_the_same_press() {
     recorder.stop_named("bert", "k1");
     assert_eq!(recorder.by("bert"), ["STOP"], "a name belongs to its sender");
     let start = Request::new(Command::Start, Issuer::operator(Door::Http));
-    recorder.sweep.handle_command(start, recorder.now()).expect("nothing else holds it");
+    recorder.engine.handle_command(start, recorder.now()).expect("nothing else holds it");
     recorder.drain();
     recorder.stop_named("anna", "k1");
     assert_eq!(recorder.by("anna").len(), 4, "what stops a robot that was released is on record");
@@ -176,8 +176,8 @@ fn presses_that_were_forgotten_or_come_in_crowds_are_on_record() {
     }
     let issuer = Issuer { door: Door::Http, who: "anna".into(), from: "192.0.2.7".into() };
     let last = Request { epoch: Some(recorder.epoch), id: CommandId::new("k0"), ..Request::new(Command::Stop, issuer) };
-    recorder.sweep.handle_stops(last, 1000, recorder.now()).expect("a stop is never refused");
-    recorder.sweep.record_rest(recorder.now());
+    recorder.engine.handle_stops(last, 1000, recorder.now()).expect("a stop is never refused");
+    recorder.engine.record_rest(recorder.now());
     recorder.drain();
     let words = recorder.by("anna");
     assert_eq!(words.iter().map(|words| count(words)).sum::<u64>(), 128 + 2 + 1000, "{words:?}");
@@ -193,12 +193,12 @@ fn all_that_doors_refuse_is_on_record() {
         let issuer = Issuer { door, who: "lobby".into(), from: "192.0.2.7".into() };
         for _ in 0..100 {
             let refused = Refused::NotAllowed("lobby may only look".to_owned());
-            recorder.sweep.note_refused(issuer.clone(), "RESET".to_owned(), &refused, 1, recorder.now());
+            recorder.engine.note_refused(issuer.clone(), "RESET".to_owned(), &refused, 1, recorder.now());
         }
     }
     recorder.drain();
     assert_eq!(recorder.by("lobby"), ["RESET"; 120]);
-    recorder.sweep.record_rest(recorder.now());
+    recorder.engine.record_rest(recorder.now());
     recorder.drain();
     assert_eq!(recorder.by("lobby")[120..], ["RESET, and 39 more that were refused"; 2]);
 }
@@ -208,11 +208,11 @@ fn all_that_doors_refuse_is_on_record() {
 fn an_epoch_goes_on_record_although_no_command_follows() {
     let mut recorder = Recorder::new();
     recorder.stop("anna", "192.0.2.8");
-    recorder.sweep.handle_halt(Epoch(7), recorder.now());
+    recorder.engine.handle_halt(Epoch(7), recorder.now());
     recorder.drain();
     recorder.wait_until(5000);
     assert_eq!(recorder.epoch_on_record(), Epoch(7));
-    assert_eq!(recorder.sweep.poll_timeout(), None, "nothing is left to be done");
+    assert_eq!(recorder.engine.poll_timeout(), None, "nothing is left to be done");
 }
 
 /// Where nobody signs in all have one name.

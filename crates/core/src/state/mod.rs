@@ -1,5 +1,5 @@
 //! What stands: everything that outlives the program, and how it follows from the facts on record, one by one (safety R1).
-//! How facts are written and read back is the store's business; what is done with them after a restart is `sweep::recall`'s.
+//! How facts are written and read back is the store's business; what is done with them after a restart is `engine::recall`'s.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use super::effect::{Entry, Fact};
 use super::event::Piece;
 use super::explore::{Search, Strategy};
 use super::mission::{Goal, Hold, Phase};
-use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, Wall};
+use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, WallTime};
 use super::world::alarm::Alarm;
 use super::world::hall_map::{HallMap, Mark};
 use super::world::luggage::{Decision, Luggage};
@@ -16,7 +16,7 @@ use super::world::temperature::OPERATOR;
 
 /// Everything that is as it was after a restart.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Standing {
+pub struct PersistentState {
     /// The number of the mission, or of the last.
     pub mission: MissionId,
     /// Whether it has begun and is not archived yet.
@@ -55,11 +55,11 @@ pub struct Standing {
     pub reading: Option<Celsius>,
 }
 
-impl Standing {
+impl PersistentState {
     /// Before anything has happened.
     #[must_use]
-    pub fn first(strategy: Strategy) -> Standing {
-        Standing {
+    pub fn first(strategy: Strategy) -> PersistentState {
+        PersistentState {
             mission: MissionId(0),
             under_way: false,
             phase: Phase::Idle,
@@ -85,7 +85,7 @@ impl Standing {
     pub fn apply(&mut self, Entry { wall, fact }: &Entry) {
         match fact {
             Fact::ProgramStarted(_) | Fact::ProgramEnded(_) | Fact::Command { .. } | Fact::Obstacle(..) => {}
-            Fact::Standing(standing) => *self = Standing::clone(standing),
+            Fact::State(standing) => *self = PersistentState::clone(standing),
             Fact::MissionBegan(mission, strategy) => {
                 (self.mission, self.under_way, self.strategy) = (*mission, true, *strategy);
                 self.search_anew();
@@ -156,12 +156,12 @@ impl Standing {
         }
     }
 
-    fn alarm(&mut self, id: AlarmId, luggage: Option<LuggageId>, text: &str, raised: Wall) {
+    fn alarm(&mut self, id: AlarmId, luggage: Option<LuggageId>, text: &str, raised: WallTime) {
         self.alarms.push(Arc::new(Alarm { id, raised, text: text.to_owned(), luggage, acknowledged: None }));
         self.last_alarm = self.last_alarm.max(id);
     }
 
-    fn acknowledge(&mut self, id: AlarmId, who: &Arc<str>, wall: Wall) {
+    fn acknowledge(&mut self, id: AlarmId, who: &Arc<str>, wall: WallTime) {
         if let Some(alarm) = self.alarms.iter_mut().find(|alarm| alarm.id == id) {
             *alarm = Arc::new(Alarm { acknowledged: Some((Arc::clone(who), wall)), ..Alarm::clone(alarm) });
         }

@@ -1,17 +1,17 @@
-//! The end of the program, and after a restart: the sweep as it was, held, and what a kill cut short brought to its end (safety R1, R2).
-//! How what stands follows from the journal is said by `crate::standing`.
+//! The end of the program, and after a restart: the engine as it was, held, and what a kill cut short brought to its end (safety R1, R2).
+//! How what stands follows from the journal is said by `crate::state`.
 
 use std::sync::Arc;
 
-use super::Sweep;
+use super::Engine;
 use super::on_record::OnRecord;
 use super::outbox::Outbox;
 use crate::effect::{Effect, Entry, Fact};
 use crate::event::RobotId;
-use crate::mission::{Hold, Holds, Input, Matter, Mission, Phase, PhaseName, Stage};
+use crate::mission::{Hold, Holds, Input, InputContext, Mission, Phase, PhaseName, Stage};
 use crate::settings::Settings;
-use crate::standing::Standing;
-use crate::units::{LuggageId, Now, Pose, Seq, Wall};
+use crate::state::PersistentState;
+use crate::units::{LuggageId, Now, Pose, Seq, WallTime};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
 use crate::world::luggage::Luggage;
@@ -21,7 +21,7 @@ use crate::world::temperature::OPERATOR;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recalled {
     /// What stands.
-    pub standing: Standing,
+    pub standing: PersistentState,
     /// The last entry of the journal.
     pub written: Seq,
     /// The latest commands that carried an id, oldest first.
@@ -34,34 +34,34 @@ pub struct Recalled {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remembered {
     /// When it was.
-    pub wall: Wall,
+    pub wall: WallTime,
     /// How loud.
     pub tone: Tone,
     /// What happened, as a sentence.
     pub text: String,
 }
 
-impl Sweep {
-    /// A sweep that goes on from what was recalled. Nothing moves until a START.
+impl Engine {
+    /// An engine that goes on from what was recalled. Nothing moves until a START.
     #[must_use]
-    pub fn recall(settings: Settings, run: Arc<str>, recalled: Recalled, now: Now) -> Sweep {
+    pub fn recall(settings: Settings, run: Arc<str>, recalled: Recalled, now: Now) -> Engine {
         let Recalled { standing, written, commands, latest } = recalled;
-        let mut sweep = Sweep::new(settings, standing.strategy, run);
-        sweep.outbox = Outbox::after(written);
-        sweep.repeats.recall(&commands);
-        sweep.begin(now);
+        let mut engine = Engine::new(settings, standing.strategy, run);
+        engine.outbox = Outbox::after(written);
+        engine.repeats.recall(&commands);
+        engine.begin(now);
         for Remembered { wall, tone, text } in latest {
-            sweep.world.log.put(wall, tone, text);
+            engine.world.log.put(wall, tone, text);
         }
-        sweep.take_up(standing);
-        sweep.on_record = OnRecord::of(sweep.mission_as_it_is());
-        sweep.note_start();
-        sweep.world.write(now.wall, Tone::Info, "the program was started again; everything is as it was".to_owned());
-        sweep.feed(Input::Restarted, &Matter::default());
-        sweep.finish();
-        sweep.outbox.sum_up();
-        sweep.pump();
-        sweep
+        engine.take_up(standing);
+        engine.on_record = OnRecord::of(engine.mission_as_it_is());
+        engine.note_start();
+        engine.world.write(now.wall, Tone::Info, "the program was started again; everything is as it was".to_owned());
+        engine.feed(Input::Restarted, &InputContext::default());
+        engine.finish();
+        engine.outbox.sum_up();
+        engine.pump();
+        engine
     }
 
     /// The program was asked to end, by this: the robot halts and gets no order any more. What it was about stays as it is, and a
@@ -102,9 +102,9 @@ impl Sweep {
 
     /// Everything that stands, as it would be read back.
     #[must_use]
-    pub fn standing(&self) -> Standing {
+    pub fn standing(&self) -> PersistentState {
         let (mission, world) = (&self.mission, &self.world);
-        Standing {
+        PersistentState {
             mission: mission.id,
             under_way: mission.under_way,
             phase: mission.phase.clone(),
@@ -126,8 +126,8 @@ impl Sweep {
         }
     }
 
-    fn take_up(&mut self, standing: Standing) {
-        let Standing { pose, led_blinking, map, pieces, luggage, alarms, last_alarm, reading, .. } = standing.clone();
+    fn take_up(&mut self, standing: PersistentState) {
+        let PersistentState { pose, led_blinking, map, pieces, luggage, alarms, last_alarm, reading, .. } = standing.clone();
         (self.world.map, self.world.pieces, self.world.luggage) = (map, pieces, luggage);
         self.world.take_up_alarms(alarms, last_alarm);
         self.world.robot.pose = pose;
@@ -148,7 +148,7 @@ impl Sweep {
 
     /// A kill may fall between a record and what follows from it: then it follows now.
     fn finish(&mut self) {
-        let about = |luggage: &Luggage| Matter { luggage: Some(luggage.id), ..Matter::default() };
+        let about = |luggage: &Luggage| InputContext { luggage: Some(luggage.id), ..InputContext::default() };
         for luggage in self.world.luggage.values().map(Arc::clone).collect::<Vec<_>>() {
             if self.world.map.at(luggage.cell) == Mark::NotInspected {
                 self.feed(Input::LuggageRecorded, &about(&luggage));
@@ -172,7 +172,7 @@ impl Sweep {
 }
 
 /// The mission that stands. What holds it because of something outside is not known before that says so again.
-fn mission_of(standing: Standing) -> Mission {
+fn mission_of(standing: PersistentState) -> Mission {
     let mut holds = Holds::default();
     holds.raise(Hold::RobotLink);
     for hold in standing.holds {

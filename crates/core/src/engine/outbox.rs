@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::command::{Refusal, Refused};
 use crate::effect::{Effect, Entry, Fact, Order, Page};
 use crate::event::RobotId;
-use crate::units::{LuggageId, Now, Seq, Ticket, Wall};
+use crate::units::{LuggageId, Now, Seq, Ticket, WallTime};
 
 /// After so many entries everything that stands is put on record, so that a start need not read more than these: half a second.
 const SUM_UP_AFTER: u64 = 10_000;
@@ -17,7 +17,7 @@ const SOON: Duration = Duration::from_secs(1);
 /// So many commands are put on record once more after the store has failed: an hour of nervous clicking.
 const COMMANDS: usize = 1024;
 
-/// The outgoing side of a sweep.
+/// The outgoing side of an engine.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outbox {
     effects: VecDeque<Effect>,
@@ -129,14 +129,14 @@ impl Outbox {
     }
 
     /// Puts a fact on its way to the store, behind what waits for one; its place in the journal.
-    pub(super) fn record(&mut self, wall: Wall, fact: Fact) -> Seq {
+    pub(super) fn record(&mut self, wall: WallTime, fact: Fact) -> Seq {
         if let Some((Entry { wall, fact }, _)) = self.soon.take() {
             self.record(wall, fact);
         }
         self.written = self.written.next();
         let entry = Entry { wall, fact };
         self.since_summed_up += 1;
-        if matches!(entry.fact, Fact::Standing(_)) {
+        if matches!(entry.fact, Fact::State(_)) {
             (self.sums_up, self.since_summed_up) = (false, 0);
         }
         // Whoever sends commands and readings without end must not keep the robot from moving.
@@ -148,7 +148,7 @@ impl Outbox {
     }
 
     /// Puts a command on its way to the store; `if_lost` is what its sender is told when it never gets there.
-    pub(super) fn record_command(&mut self, wall: Wall, fact: Fact, if_lost: Option<Refused>) {
+    pub(super) fn record_command(&mut self, wall: WallTime, fact: Fact, if_lost: Option<Refused>) {
         let entry = Entry { wall, fact };
         let seq = self.record(wall, entry.fact.clone());
         if self.commands.len() < COMMANDS {
@@ -246,7 +246,7 @@ mod tests {
     fn a_halt_goes_ahead_of_whatever_was_on_its_way() {
         let mut outbox = Outbox::default();
         outbox.send(Effect::Led(RobotId::Discovery, true));
-        outbox.record(Wall::default(), Fact::Led(true));
+        outbox.record(WallTime::default(), Fact::Led(true));
         assert_eq!(outbox.halt(RobotId::Discovery), None);
         assert_eq!(outbox.poll(), Some(Effect::Halt(RobotId::Discovery)));
         assert!(matches!(outbox.poll(), Some(Effect::Record(_))));

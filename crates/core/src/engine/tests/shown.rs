@@ -4,33 +4,33 @@ use super::*;
 use crate::rng::Stream;
 use crate::world::snapshot::Refusals;
 
-fn give(sweep: &mut Sweep, command: Command) -> Result<Ticket, Refused> {
-    sweep.handle_command(Request::new(command, Issuer::operator(Door::Local)), now(1))
+fn give(engine: &mut Engine, command: Command) -> Result<Ticket, Refused> {
+    engine.handle_command(Request::new(command, Issuer::operator(Door::Local)), now(1))
 }
 
 /// Safety R4 and A5.
 #[test]
 fn at_most_64_views_wait_for_a_store_that_lags_and_none_is_shown_early() {
-    let mut sweep = sweep_in(PhaseName::Idle, &[]);
-    sweep.world.luggage.clear();
+    let mut engine = sweep_in(PhaseName::Idle, &[]);
+    engine.world.luggage.clear();
     let mut begun = Vec::new();
     for _ in 0..60 {
-        give(&mut sweep, Command::Start).unwrap();
-        begun.push((sweep.written(), sweep.mission.id));
-        give(&mut sweep, Command::Stop).unwrap();
-        give(&mut sweep, Command::Reset).unwrap();
-        assert!(sweep.on_record.waiting() <= 64, "{}", sweep.on_record.waiting());
+        give(&mut engine, Command::Start).unwrap();
+        begun.push((engine.written(), engine.mission.id));
+        give(&mut engine, Command::Stop).unwrap();
+        give(&mut engine, Command::Reset).unwrap();
+        assert!(engine.on_record.waiting() <= 64, "{}", engine.on_record.waiting());
     }
-    assert_eq!(sweep.on_record.waiting(), 64);
+    assert_eq!(engine.on_record.waiting(), 64);
     for (nth, (seq, mission)) in begun.iter().enumerate() {
-        sweep.handle_event(Event::Recorded(*seq), now(1));
-        let shown = sweep.snapshot().mission.id;
+        engine.handle_event(Event::Recorded(*seq), now(1));
+        let shown = engine.snapshot().mission.id;
         assert!(shown <= *mission, "{shown:?} is not on record yet");
         assert!(nth >= 20 || shown == *mission, "{mission:?} is on record and was not given up");
     }
-    let last = sweep.written();
-    sweep.handle_event(Event::Recorded(last), now(1));
-    let state = sweep.snapshot();
+    let last = engine.written();
+    engine.handle_event(Event::Recorded(last), now(1));
+    let state = engine.snapshot();
     assert_eq!((state.mission.id, state.mission.phase), (begun[59].1, PhaseName::Idle), "and the latest is shown in the end");
 }
 
@@ -40,22 +40,22 @@ fn at_most_64_views_wait_for_a_store_that_lags_and_none_is_shown_early() {
 fn nothing_that_is_shown_contradicts_a_button() {
     for seed in 0..200 {
         let mut dice = Stream::new(seed, "buttons");
-        let mut sweep = sweep_in(PhaseName::ALL[dice.below(PhaseName::ALL.len() as u64) as usize], &[]);
-        let mut kept = sweep.written().0;
+        let mut engine = sweep_in(PhaseName::ALL[dice.below(PhaseName::ALL.len() as u64) as usize], &[]);
+        let mut kept = engine.written().0;
         for _ in 0..30 {
             let input = Input::COMMANDS[dice.below(Input::COMMANDS.len() as u64) as usize];
-            let _ = command(input).map(|command| give(&mut sweep, command));
+            let _ = command(input).map(|command| give(&mut engine, command));
             if dice.below(3) == 0 {
-                kept += dice.below(sweep.written().0 - kept + 1);
-                sweep.handle_event(Event::Recorded(Seq(kept)), now(1));
+                kept += dice.below(engine.written().0 - kept + 1);
+                engine.handle_event(Event::Recorded(Seq(kept)), now(1));
             }
-            check_buttons(&mut sweep, seed);
+            check_buttons(&mut engine, seed);
         }
     }
 }
 
-fn check_buttons(sweep: &mut Sweep, seed: u64) {
-    let state = sweep.snapshot();
+fn check_buttons(engine: &mut Engine, seed: u64) {
+    let state = engine.snapshot();
     let Refusals { start, back_home, retrieve, reset, drive, strategy, retake } = &state.mission.refusals;
     let buttons = [
         (start, Command::Start),
@@ -67,11 +67,11 @@ fn check_buttons(sweep: &mut Sweep, seed: u64) {
         (retake, Command::RetakePhoto(state.mission.inspected.unwrap_or(LuggageId(1)))),
     ];
     for (shown, command) in buttons {
-        let does = give(&mut sweep.clone(), command.clone()).err().map(|refused| refused.to_string());
+        let does = give(&mut engine.clone(), command.clone()).err().map(|refused| refused.to_string());
         if shown.is_none() {
             assert_eq!(does, None, "seed {seed}: {command:?} in {:?}", state.mission.phase);
         }
-        if sweep.on_record.is_current() && !matches!(command, Command::RetakePhoto(_)) {
+        if engine.on_record.is_current() && !matches!(command, Command::RetakePhoto(_)) {
             assert_eq!(&does, shown, "seed {seed}: {command:?} in {:?}", state.mission.phase);
         }
     }

@@ -7,12 +7,12 @@ use std::net::IpAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::Sweep;
+use super::Engine;
 use super::sharing::{Limits, Sender, Shared, Sharing};
 use crate::command::{CommandId, Issuer, Request};
 use crate::effect::Fact;
 use crate::mission::Input;
-use crate::units::{Epoch, Ticket, Wall};
+use crate::units::{Epoch, Ticket, WallTime};
 use crate::world::log::Tone;
 use crate::world::temperature::OPERATOR;
 
@@ -55,7 +55,7 @@ struct Named {
 struct Press {
     issuer: Issuer,
     id: Option<CommandId>,
-    wall: Wall,
+    wall: WallTime,
 }
 
 impl Default for Stops {
@@ -71,10 +71,10 @@ impl Stops {
     }
 }
 
-impl Sweep {
+impl Engine {
     /// Answers a stop as soon as the robot stands.
     pub(super) fn answer_standing(&mut self, ticket: Ticket) {
-        if self.helm.is_halting() {
+        if self.controller.is_halting() {
             self.stops.waiting.push((ticket, self.now.since_start.saturating_add(PATIENCE)));
         } else {
             self.answer(ticket, None);
@@ -85,7 +85,7 @@ impl Sweep {
     /// the revision of their answers is one in which it does.
     pub(super) fn go_on(&mut self) {
         self.stops.put_off = None;
-        if self.stops.waiting.is_empty() || self.helm.is_halting() {
+        if self.stops.waiting.is_empty() || self.controller.is_halting() {
             return self.pump();
         }
         self.stops.put_off = Some(self.now.since_start);

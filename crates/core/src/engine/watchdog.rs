@@ -6,7 +6,7 @@ use std::time::Duration;
 
 /// The sensors that must be heard.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Vigil(Vec<Watched>);
+pub(super) struct SensorWatchdog(Vec<Watched>);
 
 #[derive(Clone, Debug)]
 struct Watched {
@@ -16,7 +16,7 @@ struct Watched {
     due: Option<Duration>,
 }
 
-impl Vigil {
+impl SensorWatchdog {
     /// Watches one more sensor, which has not been heard yet and counts as silent until it is.
     pub(super) fn begin(&mut self, sensor: Arc<str>, patience: Duration) {
         self.0.retain(|watched| watched.sensor != sensor);
