@@ -30,9 +30,11 @@ mod testing;
 mod tls;
 mod watcher;
 
+use std::net::IpAddr;
 use std::sync::Arc;
 
 use axum::Router;
+use axum::http::Request;
 use tokio::sync::watch;
 
 pub use guard::Hosts;
@@ -125,7 +127,15 @@ impl Door {
     }
 }
 
-/// Every route, with what stands in front of all of them.
+/// A request that comes from this address, encrypted or not: the accept loop says so of every one, and whoever asks the router
+/// without it must, too.
+#[must_use]
+pub fn coming_from<B>(mut request: Request<B>, address: IpAddr, is_encrypted: bool) -> Request<B> {
+    request.extensions_mut().insert(gate::Peer { address, is_encrypted });
+    request
+}
+
+/// Every route, with what stands in front of all of them. Every request must be `coming_from` somewhere.
 pub fn router(door: &Door, hosts: Hosts) -> Router {
     guard::guarded(routes::routes(door), hosts, door)
 }
