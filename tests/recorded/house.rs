@@ -1,0 +1,132 @@
+//! The program without its sockets: core and simulator in simulated time, a store in memory, and a loop that answers what comes
+//! by a handle, as the doors use it.
+
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::Duration;
+
+use tokio::sync::{mpsc, watch};
+
+use super::doors::{
+    COMMANDS, Command, Envelope, Event, Hall, Halter, Handle, Memory, Page, Refused, Run, Seq, Settings, SimSettings, Snapshot,
+    Store, Strategy,
+};
+
+/// The name of the sensor that some missions have.
+pub(crate) const SENSOR: &str = "roof";
+
+/// A mission under way, and the way to it. Cheap to clone.
+#[derive(Clone)]
+pub(crate) struct House {
+    pub(crate) hall: Arc<Hall>,
+    pub(crate) handle: Handle,
+    pub(crate) memory: Memory,
+    inside: Arc<Mutex<Inside>>,
+}
+
+/// What the loop works on.
+pub(crate) struct Inside {
+    pub(crate) run: Run,
+    /// With what every command is refused.
+    pub(crate) refuse: Option<Refused>,
+    memory: Memory,
+    kept: usize,
+    publish: watch::Sender<Arc<Snapshot>>,
+}
+
+impl House {
+    /// A robot at home. Must be called inside a runtime.
+    pub(crate) fn new(hall: &Arc<Hall>, sim: SimSettings, with_sensor: bool) -> House {
+        let mut run = Run::new(Arc::clone(hall), sim, Settings::default(), Strategy::default());
+        if with_sensor {
+            let now = run.now();
+            run.sweep.watch_sensor(SENSOR.into(), Duration::from_secs(600), now);
+            run.wait(0.0);
+        }
+        let first = run.state();
+        let (commands, envelopes) = mpsc::channel(COMMANDS);
+        let publish = watch::Sender::new(Arc::clone(&first));
+        let handle = Handle::new(commands, publish.subscribe(), Halter::new(first.mission.epoch));
+        let memory = Memory::new();
+        let mut inside = Inside { run, refuse: None, memory: memory.clone(), kept: 0, publish };
+        inside.publish();
+        let inside = Arc::new(Mutex::new(inside));
+        tokio::spawn(serve(Arc::clone(&inside), envelopes));
+        House { hall: Arc::clone(hall), handle, memory, inside }
+    }
+
+    /// What the loop works on. Not to be held while something is waited for.
+    pub(crate) fn inside(&self) -> MutexGuard<'_, Inside> {
+        self.inside.lock().expect("nobody panicked here")
+    }
+
+    /// The state now.
+    pub(crate) fn state(&self) -> Arc<Snapshot> {
+        self.inside().run.state()
+    }
+
+    /// Gives a command past the doors; whether it was accepted.
+    pub(crate) fn give(&self, command: Command) -> bool {
+        let mut inside = self.inside();
+        let is_accepted = inside.run.give(command).is_ok();
+        inside.publish();
+        is_accepted
+    }
+
+    /// Lets something happen that the simulator does not do by itself.
+    pub(crate) fn happen(&self, event: Event) {
+        let mut inside = self.inside();
+        inside.run.happen(event);
+        inside.publish();
+    }
+
+    /// Lets the next thing happen that takes time; false when there is none.
+    pub(crate) fn advance(&self) -> bool {
+        let mut inside = self.inside();
+        let went_on = inside.run.advance();
+        inside.publish();
+        went_on
+    }
+}
+
+async fn serve(inside: Arc<Mutex<Inside>>, mut envelopes: mpsc::Receiver<Envelope>) {
+    while let Some(envelope) = envelopes.recv().await {
+        inside.lock().expect("nobody panicked here").take(envelope);
+    }
+}
+
+impl Inside {
+    fn take(&mut self, envelope: Envelope) {
+        let now = self.run.now();
+        match envelope {
+            Envelope::Command(_, answer) if self.refuse.is_some() => {
+                let _ = answer.send(Err(self.refuse.clone().expect("it was just there")));
+            }
+            Envelope::Command(request, answer) => {
+                if let Some(epoch) = request.epoch.filter(|_| request.command == Command::Stop) {
+                    self.run.sweep.handle_halt(epoch, now);
+                }
+                let given = self.run.ask(request);
+                self.publish();
+                let _ = answer.send(given);
+            }
+            Envelope::Refused(issuer, asked, refused, answer) => {
+                self.run.sweep.note_refused(issuer, asked, &refused, 1, now);
+                self.run.wait(0.0);
+                self.publish();
+                let _ = answer.map(|answer| answer.send(Err(refused)));
+            }
+        }
+    }
+
+    /// Keeps what is new on record, and shows the state to the doors.
+    fn publish(&mut self) {
+        let entries = self.run.journal[self.kept..].to_vec();
+        if !entries.is_empty() {
+            let first = Seq(self.kept as u64 + 1);
+            self.kept += entries.len();
+            self.memory.record(Page { first, entries }, 0);
+        }
+        let state = self.run.state();
+        self.publish.send_replace(state);
+    }
+}

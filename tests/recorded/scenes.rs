@@ -1,0 +1,178 @@
+//! Every command of the table in every scene: a state that is made anew for each, so that every command is accepted somewhere and
+//! refused somewhere else.
+
+use std::fmt::Write;
+use std::sync::Arc;
+
+use super::book::Book;
+use super::doors::{
+    Camera, Command, Event, Hall, LuggageRef, PhaseName, RobotEvent, RobotId, SimSettings, Stream, TemperatureReport, Verdict,
+};
+use super::house::House;
+use super::play::Player;
+use super::table::forms;
+
+/// More things than happen in any of these scenes.
+const PLENTY: usize = 10_000;
+
+/// A state to be in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Scene {
+    Idle,
+    Silent,
+    Searching,
+    Stopped,
+    Hot,
+    CoolAgain,
+    Inspecting,
+    WithoutPhoto,
+    BombLocated,
+    Explored,
+    LinkLost,
+    StoreFailed,
+}
+
+const ALL: [Scene; 12] = [
+    Scene::Idle,
+    Scene::Silent,
+    Scene::Searching,
+    Scene::Stopped,
+    Scene::Hot,
+    Scene::CoolAgain,
+    Scene::Inspecting,
+    Scene::WithoutPhoto,
+    Scene::BombLocated,
+    Scene::Explored,
+    Scene::LinkLost,
+    Scene::StoreFailed,
+];
+
+impl Scene {
+    const fn name(self) -> &'static str {
+        match self {
+            Scene::Idle => "idle",
+            Scene::Silent => "a sensor is silent",
+            Scene::Searching => "searching",
+            Scene::Stopped => "stopped",
+            Scene::Hot => "too hot",
+            Scene::CoolAgain => "cool again",
+            Scene::Inspecting => "inspecting",
+            Scene::WithoutPhoto => "without a photo",
+            Scene::BombLocated => "a bomb is located",
+            Scene::Explored => "explored",
+            Scene::LinkLost => "the link is lost",
+            Scene::StoreFailed => "the store has failed",
+        }
+    }
+
+    /// A house in this state.
+    fn house(self) -> House {
+        let rows: &[&str] = if self == Scene::Explored { &["S..", "..."] } else { &["S...", ".T..", "...."] };
+        let hall = Arc::new(Hall::from_rows("scene", rows).expect("a sound hall"));
+        let photo_failure_rate = if self == Scene::WithoutPhoto { 1.0 } else { 0.0 };
+        let sim = SimSettings { photo_failure_rate, ..SimSettings::new(1, Camera::Stub) };
+        let house = House::new(&hall, sim, self == Scene::Silent);
+        if matches!(self, Scene::Idle | Scene::Silent) {
+            return house;
+        }
+        given(&house, Command::Start);
+        match self {
+            Scene::Idle | Scene::Silent => {}
+            Scene::Searching | Scene::Stopped | Scene::Hot | Scene::CoolAgain | Scene::LinkLost | Scene::StoreFailed => {
+                some(&house, 4);
+                self.halt(&house);
+            }
+            Scene::Inspecting | Scene::WithoutPhoto | Scene::BombLocated => {
+                until(&house, |house| house.state().mission.inspected.is_some());
+                some(&house, 3);
+                if self == Scene::BombLocated {
+                    given(&house, Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger });
+                    until(&house, |house| house.state().mission.phase == PhaseName::BombLocated);
+                }
+            }
+            Scene::Explored => until(&house, |house| house.state().mission.phase == PhaseName::Explored),
+        }
+        house
+    }
+
+    /// What keeps a robot from searching on.
+    fn halt(self, house: &House) {
+        if self == Scene::Stopped {
+            given(house, Command::Stop);
+            some(house, 3);
+        }
+        if matches!(self, Scene::Hot | Scene::CoolAgain) {
+            given(house, Command::Temperature(TemperatureReport::TooHigh));
+            some(house, 3);
+        }
+        if self == Scene::CoolAgain {
+            given(house, Command::Temperature(TemperatureReport::Ok));
+        }
+        if self == Scene::LinkLost {
+            house.happen(Event::Robot(RobotId::Discovery, RobotEvent::LinkLost("the cable is out".to_owned())));
+        }
+        if self == Scene::StoreFailed {
+            house.happen(Event::StoreFailed("the disk is full".to_owned()));
+        }
+    }
+}
+
+/// Lets so many things happen, if there are so many.
+fn some(house: &House, things: usize) {
+    for _ in 0..things {
+        house.advance();
+    }
+}
+
+fn given(house: &House, command: Command) {
+    assert!(house.give(command.clone()), "{command:?} in phase {}", house.state().mission.phase.name());
+}
+
+fn until(house: &House, is_there: impl Fn(&House) -> bool) {
+    for _ in 0..PLENTY {
+        if is_there(house) {
+            return;
+        }
+        assert!(house.advance(), "nothing more happens");
+    }
+    panic!("it did not come to that");
+}
+
+/// Gives every command in every scene. Where not everything is `in_full`, the answer is written where it is accepted first, or else
+/// where it was given first, and all of them as a digest.
+pub(crate) async fn play(book: &mut Book, in_full: bool) -> Vec<String> {
+    for scene in ALL {
+        book.forget();
+        book.place = scene.name().to_owned();
+        Player::new(scene.house(), Stream::new(1, "scene")).look_at_all(book).await;
+    }
+    let mut outcomes = Vec::new();
+    for form in forms() {
+        let (mut pattern, mut all, mut first) = (String::new(), Vec::new(), None);
+        for scene in ALL {
+            book.place = scene.name().to_owned();
+            let mut player = Player::new(scene.house(), Stream::new(1, "scene"));
+            let given = player.answer(&form).await;
+            pattern.push(if given.is_accepted { '+' } else { '-' });
+            all.extend_from_slice(&given.said);
+            if in_full {
+                book.write(given.kind, &given.title, &given.said);
+            }
+            let is_better =
+                given.is_accepted && first.as_ref().is_none_or(|(_, first): &(_, super::play::Given)| !first.is_accepted);
+            if first.is_none() || is_better {
+                first = Some((scene, given));
+            }
+        }
+        let (scene, first) = first.expect("there are scenes");
+        outcomes.push(format!("{pattern} {} {}", first.kind, first.title));
+        if !in_full {
+            book.place = format!("{} {pattern}", scene.name());
+            book.write(first.kind, &first.title, &first.said);
+            let mut digest = String::new();
+            write!(digest, "in all scenes {}", super::book::digest(&all)).expect("a text takes everything");
+            book.write_on(first.kind, &digest);
+        }
+    }
+    outcomes
+}
