@@ -39,7 +39,7 @@ impl House {
         let mut run = Run::new(Arc::clone(hall), sim, Settings::default(), Strategy::default());
         if with_sensor {
             let now = run.now();
-            run.sweep.watch_sensor(SENSOR.into(), Duration::from_secs(600), now);
+            run.engine.watch_sensor(SENSOR.into(), Duration::from_secs(600), now);
             run.wait(0.0);
         }
         let first = run.state();
@@ -103,14 +103,14 @@ impl Inside {
             }
             Envelope::Command(request, answer) => {
                 if let Some(epoch) = request.epoch.filter(|_| request.command == Command::Stop) {
-                    self.run.sweep.handle_halt(epoch, now);
+                    self.run.engine.handle_halt(epoch, now);
                 }
                 let given = self.run.ask(request);
                 self.publish();
                 let _ = answer.send(given);
             }
             Envelope::Refused(issuer, asked, refused, answer) => {
-                self.run.sweep.note_refused(issuer, asked, &refused, 1, now);
+                self.run.engine.note_refused(issuer, asked, &refused, 1, now);
                 self.run.wait(0.0);
                 self.publish();
                 let _ = answer.map(|answer| answer.send(Err(refused)));

@@ -24,7 +24,7 @@ pub(super) enum Shape {
     ProgramEnded {
         by: String,
     },
-    PersistentState {
+    Standing {
         standing: Box<StandingShape>,
     },
     Command(CommandShape),
@@ -152,7 +152,7 @@ impl Shape {
         match fact {
             Fact::ProgramStarted(version) => Shape::ProgramStarted { version: version.clone() },
             Fact::ProgramEnded(by) => Shape::ProgramEnded { by: by.clone() },
-            Fact::State(standing) => Shape::PersistentState { standing: Box::new((&**standing).into()) },
+            Fact::State(standing) => Shape::Standing { standing: Box::new((&**standing).into()) },
             Fact::Command { issuer, id, command, epoch, luggage, refused } => {
                 let shape = CommandShape::of(issuer, id.as_ref(), command, *luggage, refused.as_ref());
                 Shape::Command(CommandShape { epoch: epoch.map(|epoch| epoch.0), ..shape })
@@ -196,7 +196,7 @@ impl Shape {
             }
             Shape::ProgramStarted { version } => Fact::ProgramStarted(version),
             Shape::ProgramEnded { by } => Fact::ProgramEnded(by),
-            Shape::PersistentState { standing } => Fact::State(Box::new(standing.standing()?)),
+            Shape::Standing { standing } => Fact::State(Box::new(standing.standing()?)),
             Shape::Command(command) => command.fact()?,
             Shape::MissionBegan { number, strategy } => Fact::MissionBegan(MissionId(number), names::strategy(&strategy)?),
             Shape::MissionArchived { number, left } => {
