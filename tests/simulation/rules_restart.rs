@@ -282,17 +282,9 @@ impl Folded {
     fn check(&mut self, run: &Run, seed: u64) {
         run.journal[self.read..].iter().for_each(|entry| self.standing.apply(entry));
         self.read = run.journal.len();
-        let mut live = run.engine.standing();
-        // Not on record: how far the search looked ahead when it found nothing to do, and the next move of a drive by hand, which
-        // no restart goes on with.
-        let mut folded = PersistentState { search: live.search.clone(), ..self.standing.clone() };
-        for standing in [&mut folded, &mut live] {
-            if let Phase::Driving { next, .. } = &mut standing.phase {
-                *next = None;
-            }
-        }
+        let (folded, live) = (&self.standing, &run.engine.standing());
         if folded != live {
-            explain(&folded, &live, seed);
+            explain(folded, live, seed);
         }
     }
 }

@@ -46,7 +46,7 @@ impl From<&PersistentState> for StandingShape {
             mission: standing.mission.0,
             under_way: standing.under_way,
             phase: (&standing.phase).into(),
-            holds: standing.holds.iter().map(|hold| hold.name().to_owned()).collect(),
+            holds: standing.holds.to_vec().into_iter().map(|hold| hold.name().to_owned()).collect(),
             epoch: standing.epoch.0,
             strategy: standing.strategy.name().to_owned(),
             search: (&standing.search).into(),

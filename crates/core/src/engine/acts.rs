@@ -6,10 +6,10 @@ use std::sync::Arc;
 use super::Engine;
 use crate::effect::{Effect, Fact};
 use crate::event::RobotId;
-use crate::mission::{Act, Hold, Input, InputContext, Stage};
-use crate::units::{Cell, Celsius, LuggageId};
+use crate::mission::{Act, Hold, Holds, Input, InputContext, Stage};
+use crate::units::{Celsius, LuggageId};
 use crate::world::alarm::Alarm;
-use crate::world::hall_map::{HallMap, Mark};
+use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
 
@@ -50,39 +50,35 @@ impl Engine {
     }
 
     fn release(&mut self, context: &InputContext) {
-        self.released = context.epoch.or(Some(self.mission.epoch));
-        if self.mission.holds.release() {
-            self.note_holds();
+        self.released = context.epoch.or(Some(self.state.epoch));
+        let mut holds = self.state.holds.clone();
+        if holds.release() {
+            self.note_holds(&holds);
         }
     }
 
     fn begin_mission(&mut self) {
-        self.mission.id = self.mission.id.next();
-        self.mission.under_way = true;
-        self.mission.restart_search();
+        self.mission.forget_way();
         self.world.touch(Resource::Mission);
-        self.outbox.record(self.now.wall, Fact::MissionBegan(self.mission.id, self.mission.strategy));
+        self.record(Fact::MissionBegan(self.state.mission.next(), self.state.strategy));
         self.led(true);
     }
 
     pub(super) fn empty_map(&mut self) {
         self.keep_map_shown();
-        let revision = self.world.touch(Resource::Mission);
-        self.world.map = HallMap::new(Cell::HOME, revision);
-        self.world.pieces.clear();
-        self.mission.blocked.clear();
-        self.mission.restart_search();
-        self.outbox.record(self.now.wall, Fact::MapEmptied(self.world.robot.pose.heading));
+        self.world.touch(Resource::Mission);
+        self.mission.forget_way();
+        self.record(Fact::MapEmptied(self.state.pose.heading));
         self.outbox.sum_up();
     }
 
     /// A stop acts first and is recorded afterwards.
     fn stop(&mut self, context: &InputContext) {
-        let next = self.mission.epoch.next();
-        let before = self.mission.epoch;
-        self.mission.epoch = context.epoch.map_or(next, |raised| raised.max(before));
-        if self.mission.epoch != before {
-            self.outbox.record_soon(self.now, Fact::Epoch(self.mission.epoch));
+        let next = self.state.epoch.next();
+        let before = self.state.epoch;
+        let epoch = context.epoch.map_or(next, |raised| raised.max(before));
+        if epoch != before {
+            self.record_soon(Fact::Epoch(epoch));
         }
         self.send_halt();
         self.world.touch(Resource::Mission);
@@ -91,28 +87,30 @@ impl Engine {
 
     pub(super) fn raise(&mut self, hold: Hold, words: Option<&str>) {
         self.halt_robot();
-        let fresh = self.mission.holds.raise(hold);
-        let waits = self.mission.phase.is_mission() && self.mission.holds.raise(Hold::AwaitingStart);
+        let mut holds = self.state.holds.clone();
+        let fresh = holds.raise(hold);
+        let waits = self.state.phase.is_mission() && holds.raise(Hold::AwaitingStart);
         if fresh {
             let why = words.map(|words| format!(" ({words})")).unwrap_or_default();
             self.world.write(self.now.wall, Tone::Warning, format!("held: {}{why}", hold.in_words()));
         }
         if fresh || waits {
-            self.note_holds();
+            self.note_holds(&holds);
         }
     }
 
     fn clear(&mut self, hold: Hold) {
-        if self.mission.holds.clear(hold) {
+        let mut holds = self.state.holds.clone();
+        if holds.clear(hold) {
             self.world.write(self.now.wall, Tone::Info, hold.over_in_words().to_owned());
-            self.note_holds();
+            self.note_holds(&holds);
         }
     }
 
-    fn note_holds(&mut self) {
+    fn note_holds(&mut self, holds: &Holds) {
         self.world.touch(Resource::Mission);
         self.world.touch(Resource::Temperature);
-        self.outbox.record(self.now.wall, Fact::Holds(self.mission.holds.to_vec()));
+        self.record(Fact::Holds(holds.to_vec()));
     }
 
     /// Halts the robot if it is moving.
@@ -133,10 +131,9 @@ impl Engine {
     }
 
     fn led(&mut self, blinks: bool) {
-        if self.world.robot.led_blinking != blinks {
-            self.world.robot.led_blinking = blinks;
+        if self.state.led_blinking != blinks {
             self.world.touch(Resource::Robot);
-            self.outbox.record(self.now.wall, Fact::Led(blinks));
+            self.record(Fact::Led(blinks));
             // That it blinks shows a mission: it begins to when that is on record.
             if !blinks {
                 self.on_record.put_out();
@@ -146,11 +143,13 @@ impl Engine {
     }
 
     fn alarm_about(&mut self, luggage: Option<LuggageId>, what: &str) {
-        let Some(record) = luggage.and_then(|id| self.world.luggage.get(&id)) else { return };
+        let Some(record) = luggage.and_then(|id| self.state.luggage.get(&id)) else { return };
         let text = format!("luggage #{} at {} is {what}", record.id, record.cell);
-        if let Some(id) = self.world.alarm(self.now.wall, luggage, &text) {
+        let is_same = |alarm: &Alarm| alarm.acknowledged.is_none() && alarm.luggage == luggage && alarm.text == text;
+        if !self.state.alarms.iter().any(|alarm| is_same(alarm)) {
+            self.world.touch(Resource::Alarms);
             self.world.write(self.now.wall, Tone::Alarm, text.clone());
-            self.outbox.record(self.now.wall, Fact::AlarmRaised(id, luggage, text));
+            self.record(Fact::AlarmRaised(self.state.last_alarm.next(), luggage, text));
         }
     }
 
@@ -163,8 +162,8 @@ impl Engine {
 
     /// The hold ends when of every piece that alarms danger is on record, or the alarm was seen.
     pub(super) fn end_alarm_hold(&mut self) {
-        let dangerous = |id: LuggageId| self.world.luggage.get(&id).is_some_and(|luggage| luggage.is_dangerous());
-        let unseen = self.world.alarms.iter().filter(|alarm| alarm.acknowledged.is_none());
+        let dangerous = |id: LuggageId| self.state.luggage.get(&id).is_some_and(|luggage| luggage.is_dangerous());
+        let unseen = self.state.alarms.iter().filter(|alarm| alarm.acknowledged.is_none());
         if unseen.filter_map(|alarm| alarm.luggage).all(dangerous) {
             self.clear(Hold::Alarm);
         }
@@ -172,12 +171,11 @@ impl Engine {
 
     fn acknowledge(&mut self, context: &InputContext) {
         let (Some(id), Some(issuer)) = (context.alarm, &context.issuer) else { return };
-        let Some(alarm) = self.world.alarms.iter_mut().find(|alarm| alarm.id == id && alarm.acknowledged.is_none()) else {
+        if !self.state.alarms.iter().any(|alarm| alarm.id == id && alarm.acknowledged.is_none()) {
             return;
-        };
-        *alarm = Arc::new(Alarm { acknowledged: Some((Arc::clone(&issuer.who), self.now.wall)), ..Alarm::clone(alarm) });
+        }
         self.world.touch(Resource::Mission);
-        self.outbox.record(self.now.wall, Fact::AlarmAcknowledged(id, Arc::clone(&issuer.who)));
+        self.record(Fact::AlarmAcknowledged(id, Arc::clone(&issuer.who)));
         self.end_alarm_hold();
     }
 
@@ -201,9 +199,9 @@ impl Engine {
         // A sensor that says the same again and again does not fill the journal.
         if self.world.thermometer.read(source, celsius) {
             self.world.touch(Resource::Temperature);
-            self.outbox.record(self.now.wall, Fact::Temperature(Arc::clone(source), celsius));
+            self.record(Fact::Temperature(Arc::clone(source), celsius));
         }
-        let held = self.mission.holds.contains(Hold::Temperature);
+        let held = self.state.holds.contains(Hold::Temperature);
         let context = InputContext { words: Some(celsius.to_string()), ..InputContext::default() };
         match (self.world.thermometer.is_hot(), held) {
             (true, false) => self.feed(Input::Heat, &context),
@@ -214,29 +212,28 @@ impl Engine {
 
     fn choose_strategy(&mut self, context: &InputContext) {
         let Some(strategy) = context.strategy else { return };
-        self.mission.strategy = strategy;
-        self.mission.restart_search();
+        self.mission.forget_way();
         self.world.touch(Resource::Mission);
-        self.outbox.record(self.now.wall, Fact::Strategy(strategy));
+        self.record(Fact::Strategy(strategy));
     }
 
     /// Puts the mission away; its records stay in the journal.
     pub(super) fn archive(&mut self) {
-        if self.mission.under_way {
-            self.mission.under_way = false;
-            let bombs = self.world.luggage.values().filter(|luggage| luggage.is_dangerous()).map(|luggage| luggage.id).collect();
-            self.outbox.record(self.now.wall, Fact::MissionArchived(self.mission.id, bombs));
+        if self.state.under_way {
+            let bombs = self.state.luggage.values().filter(|luggage| luggage.is_dangerous()).map(|luggage| luggage.id).collect();
+            self.record(Fact::MissionArchived(self.state.mission, bombs));
+        } else {
+            // Of this there is no fact but the one with which the page ends, which says everything.
+            self.state.put_away();
         }
         self.outbox.sum_up();
-        self.mission.restart_search();
-        self.world.luggage.clear();
-        self.world.alarms.retain(|alarm| alarm.acknowledged.is_none());
+        self.mission.forget_way();
         self.world.touch(Resource::Mission);
     }
 
     /// Takes the cells that were found blocked after they had been free for free once more: somebody may have cleared the way.
     fn retry_blocked(&mut self) {
-        for cell in std::mem::take(&mut self.mission.blocked) {
+        for cell in self.state.blocked.clone() {
             self.mark(cell, Mark::Visited);
         }
     }

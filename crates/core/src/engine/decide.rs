@@ -24,7 +24,7 @@ pub(super) type Refusal = (Refused, &'static [Act]);
 impl Engine {
     /// What the table says of this input now.
     pub(super) fn decide(&self, input: Input, context: &InputContext) -> Result<Step, Refusal> {
-        let mut phase = &self.mission.phase;
+        let mut phase = &self.state.phase;
         let mut depth = 0;
         loop {
             for rule in rules(phase.name(), input) {
@@ -50,25 +50,25 @@ impl Engine {
         let moves = matches!(input, Input::Start | Input::BackHome | Input::Retrieve | Input::Move | Input::Goto);
         match sent {
             _ if moves && request.is_again && request.epoch.is_none() => Err(Refused::SentBefore),
-            Some(sent) if moves && sent < self.mission.epoch => Err(Refused::Outdated { sent, now: self.mission.epoch }),
+            Some(sent) if moves && sent < self.state.epoch => Err(Refused::Outdated { sent, now: self.state.epoch }),
             Some(_) | None => Ok(()),
         }
     }
 
     /// Whether this guard forbids the input, and with which words.
     fn guard(&self, guard: Guard, phase: &Phase, input: Input, context: &InputContext) -> Option<Refused> {
-        let luggage = context.luggage.and_then(|id| self.world.luggage.get(&id));
+        let luggage = context.luggage.and_then(|id| self.state.luggage.get(&id));
         let forbids = |yes: bool, refused: Refused| yes.then_some(refused);
         match guard {
-            Guard::Held => self.held(self.mission.holds.standing_against_start()),
+            Guard::Held => self.held(self.state.holds.standing_against_start()),
             Guard::NotInPhase => Some(Refused::NotInPhase(phase.name())),
             Guard::VerdictAwaited => self.first_pending(true).filter(|_| explores(phase)).map(Refused::VerdictPending),
             Guard::VerdictPending => self.first_pending(false).map(Refused::VerdictPending),
             Guard::OperatorAsked => self.asked().map(Refused::VerdictPending),
             Guard::Driving => Some(Refused::Driving),
-            Guard::NotStopped => forbids(!self.mission.holds.contains(Hold::Operator), Refused::NotStopped),
+            Guard::NotStopped => forbids(!self.state.holds.contains(Hold::Operator), Refused::NotStopped),
             Guard::IntoObstacle => {
-                self.aims_at(context).filter(|cell| self.world.map.at(*cell).is_obstacle()).map(Refused::IntoObstacle)
+                self.aims_at(context).filter(|cell| self.state.map.at(*cell).is_obstacle()).map(Refused::IntoObstacle)
             }
             Guard::NotCapable => forbids(self.cannot(context.step), Refused::NotCapable),
             Guard::Moving => forbids(self.controller.is_moving() || self.is_about_to_move(), Refused::Moving),
@@ -90,9 +90,9 @@ impl Engine {
             Guard::PhotoUnderWay => forbids(matches!(self.stage(), Some(Stage::RetakingPhoto(_))), Refused::PhotoUnderWay),
             Guard::PhotoHeld => {
                 let holds = [Hold::RobotLink, Hold::Store].into_iter();
-                self.held(holds.filter(|hold| self.mission.holds.contains(*hold)).collect())
+                self.held(holds.filter(|hold| self.state.holds.contains(*hold)).collect())
             }
-            Guard::StoreDown => forbids(self.mission.holds.contains(Hold::Store), Refused::StoreDown),
+            Guard::StoreDown => forbids(self.state.holds.contains(Hold::Store), Refused::StoreDown),
             Guard::UnknownAlarm => context.alarm.filter(|id| !self.is_on_record(*id)).map(Refused::UnknownAlarm),
             Guard::NoRetrievalRobot => Some(Refused::NoRetrievalRobot),
             Guard::UnknownSensor => {
@@ -110,7 +110,7 @@ impl Engine {
 
     fn case(&self, case: Case, phase: &Phase, context: &InputContext) -> bool {
         match case {
-            Case::ToBeInspected => context.cell.is_some_and(|cell| self.world.map.at(cell) == Mark::NotInspected),
+            Case::ToBeInspected => context.cell.is_some_and(|cell| self.state.map.at(cell) == Mark::NotInspected),
             Case::BackedUp => self.stage() == Some(Stage::BackingUp) && !self.world.robot.off_centre,
             Case::FirstPhoto => self.stage() == Some(Stage::TakingPhoto),
             Case::ThisPiece => matches!(phase, Phase::Inspecting(inspection) if inspection.luggage() == context.luggage),
@@ -125,7 +125,7 @@ impl Engine {
         use crate::command::Verdict;
         let luggage = context.luggage?;
         let final_verdict =
-            self.world.luggage.get(&luggage).and_then(|luggage| luggage.verdict.as_ref()).map(|decision| decision.verdict);
+            self.state.luggage.get(&luggage).and_then(|luggage| luggage.verdict.as_ref()).map(|decision| decision.verdict);
         let replaceable = input == Input::Danger;
         let in_flight = self
             .mission
@@ -138,25 +138,25 @@ impl Engine {
     /// The verdict that stands for a piece, or is on its way to the store.
     fn verdict_of(&self, luggage: Option<LuggageId>) -> Option<crate::command::Verdict> {
         let id = luggage?;
-        let stands = self.world.luggage.get(&id).and_then(|luggage| luggage.verdict.as_ref()).map(|decision| decision.verdict);
+        let stands = self.state.luggage.get(&id).and_then(|luggage| luggage.verdict.as_ref()).map(|decision| decision.verdict);
         stands.or(self.mission.deciding(id).map(|(verdict, _)| verdict))
     }
 
     /// The first piece whose verdict is pending, or with a usable photo and pending.
     fn first_pending(&self, with_photo: bool) -> Option<LuggageId> {
         let mut pending =
-            self.world.luggage.values().filter(|luggage| luggage.is_pending() && (!with_photo || luggage.has_photo()));
+            self.state.luggage.values().filter(|luggage| luggage.is_pending() && (!with_photo || luggage.has_photo()));
         pending.next().map(|luggage| luggage.id)
     }
 
     /// The piece in front of the robot, if it waits for its verdict.
     fn asked(&self) -> Option<LuggageId> {
-        self.inspected().filter(|id| self.world.luggage.get(id).is_some_and(|luggage| luggage.is_pending()))
+        self.inspected().filter(|id| self.state.luggage.get(id).is_some_and(|luggage| luggage.is_pending()))
     }
 
     /// The cell a move or goto would enter first of all, or aims at.
     fn aims_at(&self, context: &InputContext) -> Option<Cell> {
-        let pose = self.world.robot.pose;
+        let pose = self.state.pose;
         context.cell.or(context.step.map(|step| after(pose, step).cell)).filter(|cell| *cell != pose.cell)
     }
 
@@ -166,14 +166,14 @@ impl Engine {
     }
 
     fn is_about_to_move(&self) -> bool {
-        let moves = match &self.mission.phase {
+        let moves = match &self.state.phase {
             Phase::Exploring | Phase::ReturningHome | Phase::ReturningWithAlarm | Phase::Driving { .. } | Phase::Retrieving => {
                 true
             }
             Phase::Inspecting(inspection) => inspection.stage == Stage::BackingUp,
             Phase::Idle | Phase::AtHome | Phase::BombLocated | Phase::BagSecured | Phase::Explored | Phase::Fault { .. } => false,
         };
-        moves && self.mission.holds.is_empty()
+        moves && self.state.holds.is_empty()
     }
 
     fn is_unrecorded(&self) -> bool {
@@ -183,8 +183,8 @@ impl Engine {
     /// A dangerous piece whose alarm nobody has acknowledged.
     fn bomb_unseen(&self) -> Option<LuggageId> {
         let unseen =
-            |id: LuggageId| self.world.alarms.iter().any(|alarm| alarm.luggage == Some(id) && alarm.acknowledged.is_none());
-        self.world.luggage.values().filter(|luggage| luggage.is_dangerous()).map(|luggage| luggage.id).find(|id| unseen(*id))
+            |id: LuggageId| self.state.alarms.iter().any(|alarm| alarm.luggage == Some(id) && alarm.acknowledged.is_none());
+        self.state.luggage.values().filter(|luggage| luggage.is_dangerous()).map(|luggage| luggage.id).find(|id| unseen(*id))
     }
 
     /// The cause of the fault, if START would not get past it. A cell that was free once may be tried again.
@@ -192,8 +192,8 @@ impl Engine {
         let cause = phase.fault()?;
         let stands = match cause {
             FaultCause::NoWayHome => {
-                let way = Planner::default().to_cell(&self.world.map, self.world.robot.pose, Cell::HOME, Through::Known);
-                self.mission.blocked.is_empty() && (way.is_none() || self.world.map.at(Cell::HOME).is_obstacle())
+                let way = Planner::default().to_cell(&self.state.map, self.state.pose, Cell::HOME, Through::Known);
+                self.state.blocked.is_empty() && (way.is_none() || self.state.map.at(Cell::HOME).is_obstacle())
             }
             FaultCause::Undecided => true,
             FaultCause::Unanswered | FaultCause::Robot(_) => self.controller.capabilities.is_none(),
@@ -203,7 +203,7 @@ impl Engine {
 
     /// The phase that stands, by name.
     pub(super) fn phase_name(&self) -> PhaseName {
-        self.mission.phase.name()
+        self.state.phase.name()
     }
 }
 

@@ -49,6 +49,7 @@ use super::explore::Strategy;
 use super::explore::plan::Planner;
 use super::mission::{Hold, Input, InputContext, Mission, in_words};
 use super::settings::Settings;
+use super::state::PersistentState;
 use super::units::{Epoch, LuggageId, Now, Seq, Ticket};
 use super::world::log::Tone;
 use super::world::model::World;
@@ -60,6 +61,7 @@ use super::world::snapshot::Snapshot;
 pub struct Engine {
     settings: Settings,
     now: Now,
+    state: PersistentState,
     world: World,
     mission: Mission,
     controller: RobotController,
@@ -84,8 +86,9 @@ impl Engine {
         Engine {
             settings,
             now: Now::default(),
+            state: PersistentState::first(strategy).after_restart(),
             world: World::new(run, &settings),
-            mission: Mission::new(strategy),
+            mission: Mission::default(),
             controller: RobotController::default(),
             planner: Planner::default(),
             outbox: Outbox::default(),
@@ -146,7 +149,7 @@ impl Engine {
     pub fn open_journal(&mut self, now: Now) {
         self.begin(now);
         self.note_start();
-        self.outbox.record(now.wall, Fact::Strategy(self.mission.strategy));
+        self.record(Fact::Strategy(self.state.strategy));
     }
 
     /// Notes what an operator must know of the files in which this is kept (safety R5).
@@ -168,7 +171,7 @@ impl Engine {
     /// A halt was raised outside the queue of commands (safety S1): hold at once; the command with its sender's name follows.
     pub fn handle_halt(&mut self, epoch: Epoch, now: Now) {
         self.begin(now);
-        if epoch > self.mission.epoch {
+        if epoch > self.state.epoch {
             self.feed(Input::Stop, &InputContext { epoch: Some(epoch), ..InputContext::default() });
         }
     }
@@ -276,7 +279,7 @@ impl Engine {
     /// what the table still accepts while the store cannot write is on record already, or need not be.
     fn carry_out(&mut self, (request, count): (&Request, u64), input: Input, step: Step, context: &InputContext) -> Ticket {
         // What a stop does was done when it was raised, ahead of the queue: what was given since then to release the robot stands.
-        let is_over = |raised: Epoch| raised <= self.mission.epoch && self.released.is_some_and(|released| released >= raised);
+        let is_over = |raised: Epoch| raised <= self.state.epoch && self.released.is_some_and(|released| released >= raised);
         if input != Input::Stop || !context.epoch.is_some_and(is_over) {
             self.apply(step, context);
         }
@@ -285,7 +288,7 @@ impl Engine {
         }
         let ticket = self.outbox.next_ticket();
         self.remember(request, Outcome::Open(ticket));
-        let waits = !self.mission.holds.contains(Hold::Store) && !self.outbox.is_kept();
+        let waits = !self.state.holds.contains(Hold::Store) && !self.outbox.is_kept();
         if input == Input::Stop {
             self.answer_standing(ticket);
         } else if waits {
@@ -299,7 +302,7 @@ impl Engine {
 
     fn answer(&mut self, ticket: Ticket, luggage: Option<LuggageId>) {
         let revision = self.world.revision();
-        self.send_answer(ticket, Ok(Accepted { revision, epoch: self.mission.epoch, luggage }));
+        self.send_answer(ticket, Ok(Accepted { revision, epoch: self.state.epoch, luggage }));
     }
 
     pub(super) fn send_answer(&mut self, ticket: Ticket, answer: Result<Accepted, Refused>) {
@@ -366,16 +369,28 @@ impl Engine {
         self.outbox.record_command(self.now.wall, fact, if_lost);
     }
 
+    /// This has happened: what outlives the program follows from it at once, and it goes on record. Its place in the journal.
+    pub(super) fn record(&mut self, fact: Fact) -> Seq {
+        self.state.follow(&fact, self.now.wall, self.world.revision());
+        self.outbox.record(self.now.wall, fact)
+    }
+
+    /// The same, but it goes on record with the next entry or in a moment, unless it is replaced by then.
+    pub(super) fn record_soon(&mut self, fact: Fact) {
+        self.state.follow(&fact, self.now.wall, self.world.revision());
+        self.outbox.record_soon(self.now, fact);
+    }
+
     /// Puts everything that stands on record at once.
     pub(super) fn record_standing(&mut self) {
-        self.outbox.record(self.now.wall, Fact::State(Box::new(self.standing())));
+        self.outbox.record(self.now.wall, Fact::State(Box::new(self.state.clone())));
     }
 
     /// The piece that a bare word means: the one in front of the robot, else the only one that is pending.
     fn pending(&self) -> Option<LuggageId> {
-        let mut pending = self.world.luggage.values().filter(|luggage| luggage.is_pending()).map(|luggage| luggage.id);
+        let mut pending = self.state.luggage.values().filter(|luggage| luggage.is_pending()).map(|luggage| luggage.id);
         let first = pending.next();
-        let inspected = self.inspected().filter(|id| self.world.luggage.get(id).is_some_and(|luggage| luggage.is_pending()));
+        let inspected = self.inspected().filter(|id| self.state.luggage.get(id).is_some_and(|luggage| luggage.is_pending()));
         inspected.or(first.filter(|_| pending.next().is_none()))
     }
 }

@@ -5,7 +5,7 @@ use crate::command::Move;
 use crate::effect::{Action, Effect, Fact, Stamp};
 use crate::event::RobotId;
 use crate::explore::plan::Through;
-use crate::explore::{Decision, View};
+use crate::explore::{Decision, Search, View};
 use crate::mission::{FaultCause, Goal, Hold, Input, InputContext, Phase, Stage};
 use crate::units::{Cell, LuggageId};
 use crate::world::hall_map::Mark;
@@ -52,7 +52,7 @@ impl Engine {
 
     /// The one gate between planner and robot.
     fn may_move(&self) -> Result<(), Barred> {
-        if !self.mission.holds.is_empty() {
+        if !self.state.holds.is_empty() {
             Err(Barred::Held)
         } else if self.is_ending {
             Err(Barred::Ending)
@@ -65,6 +65,11 @@ impl Engine {
         } else {
             Ok(())
         }
+    }
+
+    /// Whether the robot stands in the middle of its home cell.
+    pub(super) fn is_home(&self) -> bool {
+        self.state.pose.cell == Cell::HOME && !self.world.robot.off_centre
     }
 
     fn turn(&mut self) -> Turn {
@@ -84,13 +89,13 @@ impl Engine {
             return Turn::Rest;
         }
         let moves = !matches!(
-            self.mission.phase,
+            self.state.phase,
             Phase::Idle | Phase::AtHome | Phase::BombLocated | Phase::BagSecured | Phase::Explored | Phase::Fault { .. }
         );
         if self.world.robot.off_centre && moves {
             return self.order(Action::Recentre);
         }
-        match self.mission.phase {
+        match self.state.phase {
             Phase::Exploring => self.explore(),
             Phase::ReturningHome | Phase::ReturningWithAlarm => self.go_home(),
             Phase::Driving { goal, next, .. } => self.drive(goal, next),
@@ -107,31 +112,31 @@ impl Engine {
 
     /// Coming home needs no motion, so it is noticed also while something holds the robot.
     fn has_come_home(&self) -> bool {
-        let on_the_way = matches!(self.mission.phase, Phase::ReturningHome | Phase::ReturningWithAlarm);
-        on_the_way && self.world.is_home() && self.controller.open().is_none()
+        let on_the_way = matches!(self.state.phase, Phase::ReturningHome | Phase::ReturningWithAlarm);
+        on_the_way && self.is_home() && self.controller.open().is_none()
     }
 
     /// The robot had backed up already when the program was killed, and says so.
     fn has_backed_up(&self) -> bool {
         let centred = self.controller.capabilities.is_some() && self.controller.open().is_none() && !self.world.robot.off_centre;
-        centred && matches!(&self.mission.phase, Phase::Inspecting(inspection) if inspection.stage == Stage::BackingUp)
+        centred && matches!(&self.state.phase, Phase::Inspecting(inspection) if inspection.stage == Stage::BackingUp)
     }
 
     /// A photo is not motion: it is taken under holds too, as long as there is a robot to take it and a store to keep it.
     fn wants_photo(&self) -> bool {
         let wanted = matches!(self.stage(), Some(Stage::TakingPhoto | Stage::RetakingPhoto(_)));
         let possible = self.controller.capabilities.is_some() && self.controller.open().is_none();
-        let barred = [Hold::RobotLink, Hold::Store].into_iter().any(|hold| self.mission.holds.contains(hold));
-        wanted && possible && !barred && !matches!(self.mission.phase, Phase::Fault { .. })
+        let barred = [Hold::RobotLink, Hold::Store].into_iter().any(|hold| self.state.holds.contains(hold));
+        wanted && possible && !barred && !matches!(self.state.phase, Phase::Fault { .. })
     }
 
     fn order_photo(&mut self) {
-        let stamp = Stamp { pose: self.world.robot.pose, wall: self.now.wall };
+        let stamp = Stamp { pose: self.state.pose, wall: self.now.wall };
         self.order(Action::Photograph(stamp));
     }
 
     fn order(&mut self, action: Action) -> Turn {
-        let order = self.controller.give(action, self.mission.epoch, self.now.since_start);
+        let order = self.controller.give(action, self.state.epoch, self.now.since_start);
         self.outbox.send(Effect::Order(RobotId::Discovery, order));
         self.world.touch(Resource::Robot);
         Turn::Rest
@@ -142,7 +147,7 @@ impl Engine {
         if let Some(turn) = self.revisit() {
             return turn;
         }
-        let Some(goal) = self.mission.goal.filter(|goal| self.is_wanted(*goal)).or_else(|| self.next_goal()) else {
+        let Some(goal) = self.state.goal.filter(|goal| self.is_wanted(*goal)).or_else(|| self.next_goal()) else {
             self.feed(Input::AllExplored, &InputContext::default());
             return Turn::Again;
         };
@@ -153,44 +158,44 @@ impl Engine {
         if goal == Goal::Home {
             self.no_way_home();
         } else {
-            self.set_goal(None);
+            self.set_goal(None, self.state.search.clone());
         }
         Turn::Again
     }
 
     fn is_wanted(&self, goal: Goal) -> bool {
         match goal {
-            Goal::Visit(cell) => matches!(self.world.map.at(cell), Mark::Unknown | Mark::NotInspected),
-            Goal::Home => self.world.robot.pose.cell != Cell::HOME,
+            Goal::Visit(cell) => matches!(self.state.map.at(cell), Mark::Unknown | Mark::NotInspected),
+            Goal::Home => self.state.pose.cell != Cell::HOME,
         }
     }
 
     /// Asks the strategy until it wants something that is not done already; `None` when the hall is explored and the robot home.
     fn next_goal(&mut self) -> Option<Goal> {
+        let mut search = self.state.search.clone();
         loop {
-            let view = View { map: &self.world.map, pose: self.world.robot.pose };
-            let goal = match self.mission.search.next(&view, &mut self.planner) {
+            let view = View { map: &self.state.map, pose: self.state.pose };
+            let goal = match search.next(&view, &mut self.planner) {
                 Decision::Visit(cell) => Goal::Visit(cell),
                 Decision::GoHome => Goal::Home,
-                Decision::Finished if self.world.is_home() => {
-                    self.set_goal(None);
+                Decision::Finished if self.is_home() => {
+                    self.set_goal(None, search);
                     return None;
                 }
                 Decision::Finished => Goal::Home,
             };
             if self.is_wanted(goal) {
-                self.set_goal(Some(goal));
+                self.set_goal(Some(goal), search);
                 return Some(goal);
             }
         }
     }
 
-    fn set_goal(&mut self, goal: Option<Goal>) {
-        if self.mission.goal != goal {
-            self.mission.goal = goal;
+    fn set_goal(&mut self, goal: Option<Goal>, search: Search) {
+        if self.state.goal != goal {
             self.mission.route.clear();
             self.world.touch(Resource::Mission);
-            self.outbox.record(self.now.wall, Fact::Goal(goal, self.mission.search.clone()));
+            self.record(Fact::Goal(goal, search));
         }
     }
 
@@ -199,7 +204,7 @@ impl Engine {
         if !self.mission.route.is_empty() {
             return;
         }
-        let (map, pose) = (&self.world.map, self.world.robot.pose);
+        let (map, pose) = (&self.state.map, self.state.pose);
         let way = match goal {
             Goal::Visit(cell) => self.planner.to_cell(map, pose, cell, Through::Unknown),
             Goal::Home => self.way_home(Through::Known).or_else(|| self.way_home(Through::Unknown)),
@@ -221,13 +226,13 @@ impl Engine {
     fn revisit(&mut self) -> Option<Turn> {
         let without = |luggage: &crate::world::luggage::Luggage| luggage.is_pending() && !luggage.has_photo();
         let (id, pose): (LuggageId, _) =
-            self.world.luggage.values().find(|luggage| without(luggage)).map(|luggage| (luggage.id, luggage.pose))?;
-        if self.world.robot.pose == pose {
+            self.state.luggage.values().find(|luggage| without(luggage)).map(|luggage| (luggage.id, luggage.pose))?;
+        if self.state.pose == pose {
             self.feed(Input::AtPiece, &InputContext { luggage: Some(id), ..InputContext::default() });
             return Some(Turn::Again);
         }
         if self.mission.route.is_empty() {
-            self.mission.route = self.planner.to_pose(&self.world.map, self.world.robot.pose, pose)?.into();
+            self.mission.route = self.planner.to_pose(&self.state.map, self.state.pose, pose)?.into();
             self.world.touch(Resource::Mission);
         }
         self.follow_route().then_some(Turn::Rest)
@@ -248,8 +253,8 @@ impl Engine {
 
     /// The way home; none leads there while something stands in the home cell itself.
     fn way_home(&mut self, through: Through) -> Option<Vec<Move>> {
-        let free = !self.world.map.at(Cell::HOME).is_obstacle();
-        free.then(|| self.planner.to_cell(&self.world.map, self.world.robot.pose, Cell::HOME, through))?
+        let free = !self.state.map.at(Cell::HOME).is_obstacle();
+        free.then(|| self.planner.to_cell(&self.state.map, self.state.pose, Cell::HOME, through))?
     }
 
     fn no_way_home(&mut self) {
@@ -258,17 +263,14 @@ impl Engine {
 
     /// The next move of a drive by hand, or its end.
     fn drive(&mut self, goal: Option<Cell>, step: Option<Move>) -> Turn {
-        if let Some(step) = step {
-            if let Phase::Driving { next, .. } = &mut self.mission.phase {
-                *next = None;
-            }
+        if let Some(step) = step.filter(|_| !std::mem::replace(&mut self.mission.is_driven, true)) {
             return self.order(Action::Move(step));
         }
-        let here = self.world.robot.pose;
-        let wanted = goal.filter(|goal| here.cell != *goal && !self.world.map.at(*goal).is_obstacle());
+        let here = self.state.pose;
+        let wanted = goal.filter(|goal| here.cell != *goal && !self.state.map.at(*goal).is_obstacle());
         if let Some(goal) = wanted {
             if self.mission.route.is_empty() {
-                let way = self.planner.to_cell(&self.world.map, here, goal, Through::Unknown);
+                let way = self.planner.to_cell(&self.state.map, here, goal, Through::Unknown);
                 self.mission.route = way.unwrap_or_default().into();
                 self.world.touch(Resource::Mission);
             }

@@ -171,14 +171,14 @@ impl Engine {
 
     /// The map that is shown.
     pub(super) fn shown_map(&self) -> &HallMap {
-        self.on_record.before.as_ref().unwrap_or(&self.world.map)
+        self.on_record.before.as_ref().unwrap_or(&self.state.map)
     }
 
     /// The map is about to be emptied; it is shown until that is on record.
     pub(super) fn keep_map_shown(&mut self) {
         self.on_record.emptied += 1;
         if self.on_record.before.is_none() {
-            self.on_record.before = Some(self.world.map.clone());
+            self.on_record.before = Some(self.state.map.clone());
         }
     }
 
@@ -216,12 +216,12 @@ impl Engine {
     fn show_emptied_map(&mut self) {
         if self.on_record.shown.emptied == self.on_record.emptied && self.on_record.before.take().is_some() {
             let revision = self.world.touch(Resource::Map);
-            self.world.map.show_first_at(revision);
+            self.state.map.show_first_at(revision);
         }
     }
 
     fn light(&mut self) {
-        if self.on_record.shown.led_blinking && self.world.robot.led_blinking && !self.on_record.lit {
+        if self.on_record.shown.led_blinking && self.state.led_blinking && !self.on_record.lit {
             self.on_record.lit = true;
             self.outbox.send(Effect::Led(RobotId::Discovery, true));
         }
@@ -229,20 +229,20 @@ impl Engine {
 
     /// The mission as it is, on record or not.
     pub(super) fn mission_as_it_is(&self) -> View {
-        let (mission, world) = (&self.mission, &self.world);
+        let state = &self.state;
         View {
-            mission: mission.id,
-            under_way: mission.under_way,
-            phase: mission.phase.name(),
-            interrupted: mission.phase.interrupted().map(Phase::name),
-            fault: mission.phase.fault().map(ToString::to_string),
-            inspected: self.inspected().filter(|id| world.luggage.contains_key(id)),
-            strategy: mission.strategy,
+            mission: state.mission,
+            under_way: state.under_way,
+            phase: state.phase.name(),
+            interrupted: state.phase.interrupted().map(Phase::name),
+            fault: state.phase.fault().map(ToString::to_string),
+            inspected: self.inspected().filter(|id| state.luggage.contains_key(id)),
+            strategy: state.strategy,
             goal: self.goal(),
-            holds: mission.holds.to_vec(),
-            led_blinking: world.robot.led_blinking,
-            luggage: world.luggage.values().map(Arc::clone).collect(),
-            alarms: world.alarms.iter().map(Arc::clone).collect(),
+            holds: state.holds.to_vec(),
+            led_blinking: state.led_blinking,
+            luggage: state.luggage.values().map(Arc::clone).collect(),
+            alarms: state.alarms.iter().map(Arc::clone).collect(),
             refusals: self.refusals(),
             emptied: self.on_record.emptied,
         }
@@ -250,10 +250,10 @@ impl Engine {
 
     /// The cell the robot is after: home on the ways home, the cell of a goto, else the goal of the search.
     fn goal(&self) -> Option<Cell> {
-        match &self.mission.phase {
+        match &self.state.phase {
             Phase::ReturningHome | Phase::ReturningWithAlarm => Some(Cell::HOME),
             Phase::Driving { goal, .. } => *goal,
-            Phase::Exploring | Phase::Inspecting(_) | Phase::AtHome | Phase::Fault { .. } => self.mission.goal.map(Goal::cell),
+            Phase::Exploring | Phase::Inspecting(_) | Phase::AtHome | Phase::Fault { .. } => self.state.goal.map(Goal::cell),
             Phase::Idle | Phase::BombLocated | Phase::Retrieving | Phase::BagSecured | Phase::Explored => None,
         }
     }

@@ -28,37 +28,33 @@ impl Engine {
         if step.to == To::Stay {
             return;
         }
-        let before = self.phase_name();
-        let old = std::mem::replace(self.slot(step.depth), Phase::Idle);
+        let mut phase = self.state.phase.clone();
+        let slot = slot(&mut phase, step.depth);
+        let old = std::mem::replace(slot, Phase::Idle);
         let new = match step.to {
             To::Stay => old,
             To::Interrupted => self.resumed(old),
             To::Phase(name) => self.entered(name, old, context),
         };
-        *self.slot(step.depth) = new;
+        *slot = new;
         self.mission.route.clear();
-        self.note_phase(before);
-    }
-
-    fn slot(&mut self, depth: usize) -> &mut Phase {
-        let mut phase = &mut self.mission.phase;
-        for _ in 0..depth {
-            let (Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. }) = phase else { break };
-            phase = interrupted;
-        }
-        phase
+        self.mission.is_driven = false;
+        self.note_phase(phase);
     }
 
     /// Whether the robot stands in the middle of its home cell and is not about to leave it, by hand or otherwise.
     pub(super) fn rests_at_home(&self) -> bool {
-        let driven = matches!(self.mission.phase, Phase::Driving { .. });
-        self.world.is_home() && !self.controller.is_moving() && !driven
+        self.stands_at_home() && !matches!(self.state.phase, Phase::Driving { .. })
+    }
+
+    fn stands_at_home(&self) -> bool {
+        self.is_home() && !self.controller.is_moving()
     }
 
     /// The phase that was interrupted. Waiting at home is over once the robot has been driven away, or is just being.
     fn resumed(&self, phase: Phase) -> Phase {
         let (Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. }) = phase else { return phase };
-        if *interrupted == Phase::AtHome && !self.rests_at_home() { Phase::Exploring } else { *interrupted }
+        if *interrupted == Phase::AtHome && !self.stands_at_home() { Phase::Exploring } else { *interrupted }
     }
 
     fn entered(&mut self, name: PhaseName, old: Phase, context: &InputContext) -> Phase {
@@ -80,9 +76,9 @@ impl Engine {
 
     /// The inspection of the obstacle just met, or of a recorded piece whose photo is still missing.
     fn inspection(&self, context: &InputContext) -> Inspection {
-        let pose = self.world.robot.pose;
+        let pose = self.state.pose;
         let piece = context.obstacle.and_then(super::reports::piece_of);
-        match context.luggage.and_then(|id| self.world.luggage.get(&id)) {
+        match context.luggage.and_then(|id| self.state.luggage.get(&id)) {
             Some(luggage) => {
                 Inspection { cell: luggage.cell, piece: luggage.piece, pose, stage: Stage::RetakingPhoto(luggage.id) }
             }
@@ -99,51 +95,49 @@ impl Engine {
         Phase::Fault { cause, interrupted: Box::new(interrupted) }
     }
 
-    pub(super) fn note_phase(&mut self, before: PhaseName) {
-        let after = self.phase_name();
+    pub(super) fn note_phase(&mut self, phase: Phase) {
+        let (before, after) = (self.phase_name(), phase.name());
         self.world.touch(Resource::Mission);
         self.world.touch(Resource::Robot);
-        self.outbox.record(self.now.wall, self.phase_fact());
+        self.record(Fact::Phase(phase));
         if after != before {
             self.world.write(self.now.wall, Tone::Info, format!("{} → {}", before.in_words(), after.in_words()));
         }
     }
 
-    /// The phase as it is put on record.
-    pub(super) fn phase_fact(&self) -> Fact {
-        Fact::Phase(self.mission.phase.clone())
-    }
-
     /// How far the inspection has come, interrupted or not.
     pub(super) fn stage(&self) -> Option<Stage> {
-        self.mission.phase.inspection().map(|inspection| inspection.stage)
+        self.state.phase.inspection().map(|inspection| inspection.stage)
     }
 
     /// Lets the inspection come to a stage, if there is one.
     pub(super) fn set_stage(&mut self, stage: Stage) {
-        if let Phase::Inspecting(inspection) = self.mission.phase.underlying_mut() {
+        let mut phase = self.state.phase.clone();
+        if let Phase::Inspecting(inspection) = phase.underlying_mut() {
             inspection.stage = stage;
-            self.world.touch(Resource::Mission);
-            self.world.touch(Resource::Robot);
-            self.outbox.record(self.now.wall, self.phase_fact());
+            self.note_phase(phase);
         }
     }
 
     /// The record of the piece in front of the robot.
     pub(super) fn inspected(&self) -> Option<LuggageId> {
-        self.mission.phase.inspection().and_then(Inspection::luggage)
+        self.state.phase.inspection().and_then(Inspection::luggage)
     }
 
-    /// Writes a mark on the map; a cell that was free once and is blocked now may be tried again after a fault.
+    /// Writes a mark on the map, unless it is there.
     pub(super) fn mark(&mut self, cell: Cell, mark: Mark) {
-        if self.world.map.at(cell) == Mark::Visited && mark.is_obstacle() {
-            self.mission.blocked.insert(cell);
-        } else if mark == Mark::Visited {
-            self.mission.blocked.remove(&cell);
-        }
-        let revision = self.world.touch(Resource::Map);
-        if self.world.map.mark(cell, mark, revision) {
-            self.outbox.record(self.now.wall, Fact::Mark(cell, mark));
+        self.world.touch(Resource::Map);
+        if self.state.map.is_news(cell, mark) {
+            self.record(Fact::Mark(cell, mark));
         }
     }
+}
+
+/// The phase that many interruptions below this one.
+fn slot(phase: &mut Phase, depth: usize) -> &mut Phase {
+    if depth == 0 || phase.interrupted().is_none() {
+        return phase;
+    }
+    let (Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. }) = phase else { return phase };
+    slot(interrupted, depth - 1)
 }

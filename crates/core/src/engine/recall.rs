@@ -8,7 +8,7 @@ use super::on_record::OnRecord;
 use super::outbox::Outbox;
 use crate::effect::{Effect, Entry, Fact};
 use crate::event::RobotId;
-use crate::mission::{Hold, Holds, Input, InputContext, Mission, Phase, PhaseName, Stage};
+use crate::mission::{Input, InputContext, Phase, PhaseName, Stage};
 use crate::settings::Settings;
 use crate::state::PersistentState;
 use crate::units::{LuggageId, Now, Pose, Seq, WallTime};
@@ -71,7 +71,7 @@ impl Engine {
         self.is_ending = true;
         self.send_halt();
         self.world.write(now.wall, Tone::Warning, format!("the program was ended by {by}: the robot halts"));
-        self.outbox.record(now.wall, Fact::ProgramEnded(by.to_owned()));
+        self.record(Fact::ProgramEnded(by.to_owned()));
     }
 
     /// The last of all: what has waited for more of its kind goes on record.
@@ -82,66 +82,39 @@ impl Engine {
     }
 
     pub(super) fn note_start(&mut self) {
-        self.outbox.record(self.now.wall, Fact::ProgramStarted(env!("CARGO_PKG_VERSION").to_owned()));
+        self.record(Fact::ProgramStarted(env!("CARGO_PKG_VERSION").to_owned()));
     }
 
     /// The robot was put down at home in another hall: what was recalled of the old one is put away. Only while no mission is
     /// under way in the old one.
     pub fn put_down_elsewhere(&mut self, now: Now) {
         self.begin(now);
-        let before = self.phase_name();
         self.archive();
-        self.world.robot.pose = Pose::START;
         self.world.robot.off_centre = false;
-        self.outbox.record(now.wall, Fact::Pose(Pose::START));
+        self.record(Fact::Pose(Pose::START));
         self.empty_map();
-        self.mission.phase = Phase::Idle;
-        self.note_phase(before);
+        self.note_phase(Phase::Idle);
         self.world.write(now.wall, Tone::Info, "the robot was put down in another hall".to_owned());
     }
 
-    /// Everything that stands, as it would be read back.
+    /// Everything that outlives the program, as it would be read back.
     #[must_use]
     pub fn standing(&self) -> PersistentState {
-        let (mission, world) = (&self.mission, &self.world);
-        PersistentState {
-            mission: mission.id,
-            under_way: mission.under_way,
-            phase: mission.phase.clone(),
-            holds: mission.holds.to_vec().into_iter().collect(),
-            epoch: mission.epoch,
-            strategy: mission.strategy,
-            search: mission.search.clone(),
-            goal: mission.goal,
-            blocked: mission.blocked.clone(),
-            pose: world.robot.pose,
-            led_blinking: world.robot.led_blinking,
-            map: world.map.clone(),
-            pieces: world.pieces.clone(),
-            luggage: world.luggage.clone(),
-            last_luggage: mission.last_luggage,
-            alarms: world.alarms.clone(),
-            last_alarm: world.last_alarm(),
-            reading: world.thermometer.reading_of(OPERATOR),
-        }
+        self.state.clone()
     }
 
-    fn take_up(&mut self, standing: PersistentState) {
-        let PersistentState { pose, led_blinking, map, pieces, luggage, alarms, last_alarm, reading, .. } = standing.clone();
-        (self.world.map, self.world.pieces, self.world.luggage) = (map, pieces, luggage);
-        self.world.take_up_alarms(alarms, last_alarm);
-        self.world.robot.pose = pose;
+    fn take_up(&mut self, state: PersistentState) {
         // Where exactly a robot stands that was on its way is not known until it says so, or senses.
-        self.world.robot.off_centre = was_moving(&standing.phase);
-        self.world.robot.led_blinking = led_blinking;
-        if led_blinking {
+        self.world.robot.off_centre = was_moving(&state.phase);
+        if state.led_blinking {
             self.outbox.send(Effect::Led(RobotId::Discovery, true));
         }
-        self.mission = mission_of(standing);
-        if self.world.map.at(pose.cell) != Mark::Visited {
-            self.mark(pose.cell, Mark::Visited);
+        self.state = state.after_restart();
+        let cell = self.state.pose.cell;
+        if self.state.map.at(cell) != Mark::Visited {
+            self.mark(cell, Mark::Visited);
         }
-        if let Some(celsius) = reading {
+        if let Some(celsius) = self.state.reading {
             self.read_temperature(&Arc::from(OPERATOR), celsius);
         }
     }
@@ -149,8 +122,8 @@ impl Engine {
     /// A kill may fall between a record and what follows from it: then it follows now.
     fn finish(&mut self) {
         let about = |luggage: &Luggage| InputContext { luggage: Some(luggage.id), ..InputContext::default() };
-        for luggage in self.world.luggage.values().map(Arc::clone).collect::<Vec<_>>() {
-            if self.world.map.at(luggage.cell) == Mark::NotInspected {
+        for luggage in self.state.luggage.values().map(Arc::clone).collect::<Vec<_>>() {
+            if self.state.map.at(luggage.cell) == Mark::NotInspected {
                 self.feed(Input::LuggageRecorded, &about(&luggage));
             }
             if luggage.is_dangerous() && !self.is_alarmed_about(luggage.id) {
@@ -164,34 +137,10 @@ impl Engine {
 
     fn is_alarmed_about(&self, luggage: LuggageId) -> bool {
         let searches = matches!(
-            self.mission.phase.underlying().name(),
+            self.state.phase.underlying().name(),
             PhaseName::Exploring | PhaseName::Inspecting | PhaseName::ReturningHome | PhaseName::AtHome
         );
-        !searches && self.world.alarms.iter().any(|alarm| alarm.luggage == Some(luggage))
-    }
-}
-
-/// The mission that stands. What holds it because of something outside is not known before that says so again.
-fn mission_of(standing: PersistentState) -> Mission {
-    let mut holds = Holds::default();
-    holds.raise(Hold::RobotLink);
-    for hold in standing.holds {
-        match hold {
-            Hold::Operator | Hold::TooHigh | Hold::Restart | Hold::Alarm | Hold::AwaitingStart => drop(holds.raise(hold)),
-            Hold::Temperature | Hold::TemperatureStale | Hold::RobotLink | Hold::Store => {}
-        }
-    }
-    Mission {
-        id: standing.mission,
-        under_way: standing.under_way,
-        phase: standing.phase,
-        holds,
-        epoch: standing.epoch,
-        search: standing.search,
-        goal: standing.goal,
-        blocked: standing.blocked,
-        last_luggage: standing.last_luggage,
-        ..Mission::new(standing.strategy)
+        !searches && self.state.alarms.iter().any(|alarm| alarm.luggage == Some(luggage))
     }
 }
 

@@ -11,7 +11,7 @@ use crate::mission::{Deciding, Input, InputContext, Inspection, Phase, Recording
 use crate::units::{LuggageId, Seq};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
-use crate::world::luggage::{Decision, Luggage, PhotoState};
+use crate::world::luggage::{Luggage, PhotoState};
 use crate::world::resource::Resource;
 
 impl Engine {
@@ -23,9 +23,8 @@ impl Engine {
 
     /// The first record of the piece in front of the robot.
     pub(super) fn record_piece(&mut self, context: &InputContext) {
-        let Phase::Inspecting(Inspection { cell, piece, pose, .. }) = *self.mission.phase.underlying() else { return };
-        let id = self.mission.last_luggage.next();
-        self.mission.last_luggage = id;
+        let Phase::Inspecting(Inspection { cell, piece, pose, .. }) = *self.state.phase.underlying() else { return };
+        let id = self.state.last_luggage.next();
         let photo = photo_of(context);
         let state = PhotoState::after(None, &photo);
         let luggage = Luggage { id, cell, pose, taken: self.now.wall, photo: state, verdict: None, piece };
@@ -37,7 +36,7 @@ impl Engine {
     pub(super) fn record_retake(&mut self, context: &InputContext) {
         let Some(Stage::RetakingPhoto(id)) = self.stage() else { return };
         self.set_stage(Stage::AwaitingVerdict(id));
-        let Some(known) = self.world.luggage.get(&id) else { return };
+        let Some(known) = self.state.luggage.get(&id) else { return };
         if context.photo.is_none() && known.has_photo() {
             let text = format!("photo of luggage #{id} could not be taken again; the first one stays");
             self.world.write(self.now.wall, Tone::Warning, text);
@@ -50,15 +49,14 @@ impl Engine {
     }
 
     fn send_record(&mut self, luggage: Luggage, photo: Result<Photo, String>) {
-        let fact = Fact::Luggage { record: Arc::new(luggage.clone()), photo: photo.ok() };
-        self.world.pieces.extend(luggage.piece);
-        let seq = self.outbox.record(self.now.wall, fact.clone());
-        self.mission.recording.push(Recording { seq, luggage, fact });
+        let fact = Fact::Luggage { record: Arc::new(luggage), photo: photo.ok() };
+        let (wall, seq) = (self.now.wall, self.outbox.record(self.now.wall, fact.clone()));
+        self.mission.recording.push(Recording { seq, wall, fact });
     }
 
     /// The record of a piece is kept: show it and wait for the operator.
     pub(super) fn ask_operator(&mut self, context: &InputContext) {
-        let Some(luggage) = context.luggage.and_then(|id| self.world.luggage.get(&id)).map(Arc::clone) else { return };
+        let Some(luggage) = context.luggage.and_then(|id| self.state.luggage.get(&id)).map(Arc::clone) else { return };
         self.mark(luggage.cell, Mark::Luggage);
         self.set_stage(Stage::AwaitingVerdict(luggage.id));
     }
@@ -70,8 +68,7 @@ impl Engine {
         let seq = self.outbox.record(self.now.wall, Fact::Verdict { luggage, verdict, who: Arc::clone(&who) });
         self.mission.deciding.retain(|deciding| deciding.luggage != luggage);
         self.outbox.defer(luggage, seq);
-        let decision = Decision { verdict, who, wall: self.now.wall };
-        self.mission.deciding.push(Deciding { seq, luggage, decision });
+        self.mission.deciding.push(Deciding { seq, wall: self.now.wall, luggage, verdict, who });
     }
 
     /// Everything up to `seq` is kept: what waited for it happens now, in order.
@@ -82,7 +79,7 @@ impl Engine {
             std::mem::take(&mut self.mission.recording).into_iter().partition(|recording| recording.seq <= seq);
         self.mission.recording = waiting;
         for recording in kept {
-            self.show_record(recording.luggage);
+            self.keep_record(&recording);
         }
         let (kept, waiting) = std::mem::take(&mut self.mission.deciding).into_iter().partition(|deciding| deciding.seq <= seq);
         self.mission.deciding = waiting;
@@ -92,34 +89,32 @@ impl Engine {
         self.answer_due();
     }
 
-    fn show_record(&mut self, luggage: Luggage) {
-        let (id, cell) = (luggage.id, luggage.cell);
-        let what = if luggage.has_photo() { "" } else { ", but its photo failed: take it again, or answer danger" };
-        let known = self.world.luggage.get(&id).map(Arc::clone);
-        let verdict = known.as_ref().and_then(|known| known.verdict.clone());
-        self.world.luggage.insert(id, Arc::new(Luggage { verdict, ..luggage }));
+    fn keep_record(&mut self, Recording { fact, wall, .. }: &Recording) {
+        let Fact::Luggage { record, .. } = fact else { return };
+        let (id, cell) = (record.id, record.cell);
+        let what = if record.has_photo() { "" } else { ", but its photo failed: take it again, or answer danger" };
+        let is_known = self.state.luggage.contains_key(&id);
         self.world.touch(Resource::Mission);
-        let text = if known.is_some() {
-            format!("luggage #{id} photographed again")
-        } else {
-            format!("luggage #{id} found at {cell}{what}")
-        };
+        self.state.follow(fact, *wall, self.world.revision());
+        let text =
+            if is_known { format!("luggage #{id} photographed again") } else { format!("luggage #{id} found at {cell}{what}") };
         self.world.write(self.now.wall, Tone::Info, text);
-        if known.is_none() {
+        if !is_known {
             self.feed(Input::LuggageRecorded, &InputContext { luggage: Some(id), ..InputContext::default() });
         }
     }
 
-    fn decide_piece(&mut self, deciding: Deciding) {
-        let Some(luggage) = self.world.luggage.get_mut(&deciding.luggage) else { return };
-        let verdict = deciding.decision.verdict;
-        *luggage = Arc::new(Luggage { verdict: Some(deciding.decision), ..Luggage::clone(luggage) });
+    fn decide_piece(&mut self, Deciding { wall, luggage, verdict, who, .. }: Deciding) {
+        if !self.state.luggage.contains_key(&luggage) {
+            return;
+        }
         self.world.touch(Resource::Mission);
+        self.state.follow(&Fact::Verdict { luggage, verdict, who }, wall, self.world.revision());
         let input = match verdict {
             Verdict::Safe => Input::SafeRecorded,
             Verdict::Danger => Input::DangerRecorded,
         };
-        self.feed(input, &InputContext { luggage: Some(deciding.luggage), verdict: Some(verdict), ..InputContext::default() });
+        self.feed(input, &InputContext { luggage: Some(luggage), verdict: Some(verdict), ..InputContext::default() });
     }
 
     /// Answers what waited for a record that is kept now.
@@ -138,7 +133,7 @@ impl Engine {
         let stands = waiting.luggage.and_then(|id| self.verdict_kept(id));
         let answer = match (waiting.luggage, waiting.verdict, stands) {
             (Some(luggage), Some(given), Some(verdict)) if given != verdict => Err(Refused::Decided { luggage, verdict }),
-            _ => Ok(Accepted { revision: self.world.revision(), epoch: self.mission.epoch, luggage: waiting.luggage }),
+            _ => Ok(Accepted { revision: self.world.revision(), epoch: self.state.epoch, luggage: waiting.luggage }),
         };
         if let Err(refused) = &answer {
             self.world.write(self.now.wall, Tone::Warning, format!("a safe was overtaken, and so refused: {refused}"));
@@ -150,7 +145,7 @@ impl Engine {
     /// for a record is told so.
     pub(super) fn withdraw_unkept(&mut self) {
         for deciding in std::mem::take(&mut self.mission.deciding) {
-            if deciding.decision.verdict == Verdict::Danger {
+            if deciding.verdict == Verdict::Danger {
                 self.alarm_unrecorded(deciding.luggage);
             }
         }
@@ -177,7 +172,7 @@ impl Engine {
     }
 
     pub(super) fn verdict_kept(&self, id: LuggageId) -> Option<Verdict> {
-        self.world.luggage.get(&id)?.verdict.as_ref().map(|decision| decision.verdict)
+        self.state.luggage.get(&id)?.verdict.as_ref().map(|decision| decision.verdict)
     }
 }
 

@@ -7,7 +7,7 @@ use crate::command::Move;
 use crate::effect::{Action, Fact, Order};
 use crate::event::{Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent, Whereabouts};
 use crate::explore::plan::after;
-use crate::mission::{FaultCause, Input, InputContext, Phase, PhaseName, Stage};
+use crate::mission::{FaultCause, Input, InputContext, Phase, Stage};
 use crate::units::{Cell, Heading, OrderId};
 use crate::world::hall_map::{Mark, REACH};
 use crate::world::log::Tone;
@@ -33,18 +33,18 @@ impl Engine {
 
     /// The robot's own reckoning counts: it may have ended a move of which the record says nothing (safety R2).
     fn stands(&mut self, Whereabouts { pose, off_centre }: Whereabouts) {
-        let before = self.world.robot;
-        if before.pose == pose && before.off_centre == off_centre {
+        let is_elsewhere = self.state.pose != pose;
+        if !is_elsewhere && self.world.robot.off_centre == off_centre {
             return;
         }
-        (self.world.robot.pose, self.world.robot.off_centre) = (pose, off_centre);
+        self.world.robot.off_centre = off_centre;
         self.world.touch(Resource::Robot);
-        if before.pose != pose {
+        if is_elsewhere {
             let text = format!("the robot says that it stands at {}, facing {}", pose.cell, pose.heading.name());
             self.world.write(self.now.wall, Tone::Info, text);
             self.mission.route.clear();
             self.mark(pose.cell, Mark::Visited);
-            self.outbox.record(self.now.wall, Fact::Pose(pose));
+            self.record(Fact::Pose(pose));
             self.leave_inspection();
         }
     }
@@ -54,8 +54,9 @@ impl Engine {
     fn leave_inspection(&mut self) {
         match self.stage() {
             Some(Stage::BackingUp | Stage::TakingPhoto) => {
-                *self.mission.phase.underlying_mut() = Phase::Exploring;
-                self.note_phase(PhaseName::Inspecting);
+                let mut phase = self.state.phase.clone();
+                *phase.underlying_mut() = Phase::Exploring;
+                self.note_phase(phase);
             }
             Some(Stage::RetakingPhoto(id)) => self.set_stage(Stage::AwaitingVerdict(id)),
             Some(Stage::Recording(_) | Stage::AwaitingVerdict(_)) | None => {}
@@ -94,9 +95,8 @@ impl Engine {
     /// The robot stands where the move led; after a late answer too, so it is not off centre any more.
     fn moved(&mut self, step: Move) {
         self.world.robot.off_centre = false;
-        let before = self.world.robot.pose;
+        let before = self.state.pose;
         let pose = after(before, step);
-        self.world.robot.pose = pose;
         if self.mission.route.front() == Some(&step) {
             self.mission.route.pop_front();
             self.world.touch(Resource::Mission);
@@ -105,11 +105,11 @@ impl Engine {
         }
         if pose.cell != before.cell {
             self.mission.leave(before.cell);
-            if self.world.map.at(pose.cell) != Mark::Visited {
+            if self.state.map.at(pose.cell) != Mark::Visited {
                 self.mark(pose.cell, Mark::Visited);
             }
         }
-        self.outbox.record(self.now.wall, Fact::Pose(pose));
+        self.record(Fact::Pose(pose));
     }
 
     /// The cell that was to be entered is an obstacle; the robot stands against it until it is recentred.
@@ -122,7 +122,7 @@ impl Engine {
             return self.robot_failed(words);
         };
         let obstacle = if self.settings.inspect_everything { Obstacle::Unknown } else { obstacle };
-        let cell = after(self.world.robot.pose, step).cell;
+        let cell = after(self.state.pose, step).cell;
         self.meet(cell, obstacle);
         self.feed(Input::Blocked, &InputContext { cell: Some(cell), obstacle: Some(obstacle), ..InputContext::default() });
     }
@@ -131,11 +131,11 @@ impl Engine {
     fn meet(&mut self, cell: Cell, obstacle: Obstacle) {
         let mark = match obstacle {
             Obstacle::Wall { .. } => Mark::Wall,
-            Obstacle::Luggage(piece) if self.world.pieces.contains(&piece) => Mark::Luggage,
+            Obstacle::Luggage(piece) if self.state.pieces.contains(&piece) => Mark::Luggage,
             Obstacle::Luggage(_) | Obstacle::Unknown => Mark::NotInspected,
         };
         // A mark that was settled stays: an inspected bag is not asked about again because the camera could not tell this time.
-        if !matches!(self.world.map.at(cell), Mark::Wall | Mark::Luggage) {
+        if !matches!(self.state.map.at(cell), Mark::Wall | Mark::Luggage) {
             self.mark(cell, mark);
         }
         let taken_for = match obstacle {
@@ -143,9 +143,9 @@ impl Engine {
             Obstacle::Luggage(_) => "luggage",
             Obstacle::Unknown => "unknown",
         };
-        self.outbox.record(self.now.wall, Fact::Obstacle(cell, taken_for));
+        self.record(Fact::Obstacle(cell, taken_for));
         if let (Obstacle::Wall { left, right }, Mark::Wall, true) = (obstacle, mark, self.settings.wall_lines) {
-            let heading = self.world.robot.pose.heading;
+            let heading = self.state.pose.heading;
             self.reveal_wall(cell, heading.left(), left);
             self.reveal_wall(cell, heading.right(), right);
         }
@@ -156,7 +156,7 @@ impl Engine {
         let mut cell = from;
         for _ in 0..i32::from(count).min(REACH) {
             cell = cell.ahead(towards);
-            if self.world.map.at(cell) == Mark::Unknown {
+            if self.state.map.at(cell) == Mark::Unknown {
                 self.mark(cell, Mark::Wall);
             }
         }

@@ -44,23 +44,23 @@ fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
     let quick = Duration::from_millis(1);
     let can = Capabilities { step: quick, turn: quick, photo: quick, nudges: false };
     engine.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::LinkUp(can)), now(0));
-    engine.world.robot.pose.cell = Cell::new(0, 1);
+    engine.state.pose.cell = Cell::new(0, 1);
     engine.mark(Cell::new(0, 1), crate::world::hall_map::Mark::Visited);
     let luggage = Luggage {
         id: LuggageId(1),
         cell: Cell::new(0, 2),
-        pose: engine.world.robot.pose,
+        pose: engine.state.pose,
         taken: WallTime::default(),
         photo: PhotoState::Taken { bytes: 1, take: 1 },
         verdict: None,
         piece: None,
     };
-    engine.world.luggage.insert(LuggageId(1), Arc::new(luggage));
-    engine.mission.last_luggage = LuggageId(1);
-    engine.mission.phase = phase(name);
-    engine.mission.holds = Holds::default();
+    engine.state.luggage.insert(LuggageId(1), Arc::new(luggage));
+    engine.state.last_luggage = LuggageId(1);
+    engine.state.phase = phase(name);
+    engine.state.holds = Holds::default();
     for hold in holds {
-        engine.mission.holds.raise(*hold);
+        engine.state.holds.raise(*hold);
     }
     while let Some(effect) = engine.poll_effect() {
         if let Effect::Record(page) = effect {
@@ -136,7 +136,7 @@ fn a_hold_raised_during_a_mission_also_waits_for_a_start() {
         let mut engine = sweep_in(name, &[]);
         engine.feed(Input::Heat, &InputContext::default());
         let mission = !matches!(name, PhaseName::Idle | PhaseName::Explored | PhaseName::BagSecured);
-        assert_eq!(engine.mission.holds.contains(Hold::AwaitingStart), mission, "{name:?}");
+        assert_eq!(engine.state.holds.contains(Hold::AwaitingStart), mission, "{name:?}");
     }
 }
 
@@ -192,7 +192,7 @@ fn an_order_that_is_not_answered_in_time_is_a_fault_and_start_recentres_first() 
     let mut engine = sweep_in(PhaseName::Exploring, &[]);
     engine.pump();
     assert!(matches!(settle(&mut engine)[..], [Action::Move(_)]));
-    engine.world.luggage.clear();
+    engine.state.luggage.clear();
     let due = engine.poll_timeout().expect("an open order has a deadline");
     engine.handle_timeout(Now { since_start: due, wall: WallTime::default() });
     assert_eq!(engine.phase_name(), PhaseName::Fault);
@@ -210,7 +210,7 @@ fn without_a_known_way_home_there_is_a_fault_and_start_tries_the_blocked_cell_ag
         let blocked = RobotEvent::Blocked(id, Obstacle::Unknown);
         engine.handle_event(Event::Robot(RobotId::Discovery, blocked), now(1));
     };
-    engine.world.robot.pose.heading = crate::units::Heading::North;
+    engine.state.pose.heading = crate::units::Heading::North;
     engine.pump();
     assert_eq!(settle(&mut engine), [Action::Move(Move::Forward)], "home lies one step to the north");
     let open = engine.controller.open().expect("the step is under way").id;

@@ -28,9 +28,14 @@ const NOT_ON_RECORD: &str = "what was done last is not on record yet: wait a mom
 
 impl Engine {
     pub(super) fn shown(&self) -> Shown {
-        let led_blinking = self.world.robot.led_blinking && self.on_record.shown.led_blinking;
-        let robot =
-            RobotView { state: self.robot_state(), halting: self.controller.is_halting(), led_blinking, ..self.world.robot };
+        let led_blinking = self.state.led_blinking && self.on_record.shown.led_blinking;
+        let robot = RobotView {
+            pose: self.state.pose,
+            state: self.robot_state(),
+            halting: self.controller.is_halting(),
+            led_blinking,
+            ..self.world.robot
+        };
         Shown { mission: self.mission_view(), robot, temperature: self.temperature_view() }
     }
 
@@ -56,8 +61,8 @@ impl Engine {
     /// What follows from commands and finds as far as it is on record; what warns or halts as it is.
     fn mission_view(&self) -> MissionView {
         let shown = &self.on_record.shown;
-        let as_it_is = (shown.mission, shown.phase) == (self.mission.id, self.phase_name());
-        let route = if as_it_is { cells_along(self.world.robot.pose, self.mission.route.iter().copied()) } else { Vec::new() };
+        let as_it_is = (shown.mission, shown.phase) == (self.state.mission, self.phase_name());
+        let route = if as_it_is { cells_along(self.state.pose, self.mission.route.iter().copied()) } else { Vec::new() };
         let (phase, interrupted, fault) = self.phase_shown(shown);
         MissionView {
             id: shown.mission,
@@ -71,7 +76,7 @@ impl Engine {
             trail: self.mission.trail.iter().copied().collect(),
             inspected: shown.inspected,
             strategy: shown.strategy,
-            epoch: self.mission.epoch,
+            epoch: self.state.epoch,
             progress: self.progress(),
             refusals: self.refusals_shown(),
         }
@@ -79,7 +84,7 @@ impl Engine {
 
     /// A fault warns, so it is shown at once; what it interrupts is what was shown before.
     fn phase_shown(&self, shown: &View) -> (PhaseName, Option<PhaseName>, Option<String>) {
-        let Some(cause) = self.mission.phase.fault() else { return (shown.phase, shown.interrupted, shown.fault.clone()) };
+        let Some(cause) = self.state.phase.fault() else { return (shown.phase, shown.interrupted, shown.fault.clone()) };
         (PhaseName::Fault, shown.interrupted.or(Some(shown.phase)), Some(cause.to_string()))
     }
 
@@ -87,13 +92,13 @@ impl Engine {
     fn holds_shown(&self) -> Vec<Hold> {
         let by_command = |hold: &Hold| hold.cleared_by_start() || matches!(hold, Hold::TooHigh | Hold::Alarm);
         let stands =
-            |hold: &Hold| self.mission.holds.contains(*hold) || by_command(hold) && self.on_record.shown.holds.contains(hold);
+            |hold: &Hold| self.state.holds.contains(*hold) || by_command(hold) && self.on_record.shown.holds.contains(hold);
         Hold::ALL.into_iter().filter(stands).collect()
     }
 
     /// The alarms on record, and those that are not on record yet.
     fn alarms_shown(&self) -> Arc<[AlarmView]> {
-        let unrecorded = self.world.alarms.iter().filter(|alarm| !self.is_on_record(alarm.id));
+        let unrecorded = self.state.alarms.iter().filter(|alarm| !self.is_on_record(alarm.id));
         let recorded = self.on_record.shown.alarms.iter().map(|alarm| AlarmView::recorded(alarm));
         recorded.chain(unrecorded.map(|alarm| AlarmView::unrecorded(alarm))).collect()
     }

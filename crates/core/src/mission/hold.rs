@@ -141,6 +141,12 @@ impl Holds {
     }
 }
 
+impl FromIterator<Hold> for Holds {
+    fn from_iter<I: IntoIterator<Item = Hold>>(holds: I) -> Holds {
+        Holds(holds.into_iter().collect())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

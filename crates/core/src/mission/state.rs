@@ -1,44 +1,25 @@
-//! What a mission is made of, beside the map it makes: number, phase, holds, search, goal, and what is on its way to the store.
+//! What of a mission ends with the program: the way ahead and behind, and what is on its way to the store; and what a search is after.
+//! What outlives the program is `crate::state`.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::VecDeque;
+use std::sync::Arc;
 
-use super::{Hold, Holds, Phase};
 use crate::command::{Move, Verdict};
 use crate::effect::Fact;
-use crate::explore::{Search, Strategy};
-use crate::units::{Cell, Epoch, LuggageId, MissionId, Seq};
-use crate::world::luggage::{Decision, Luggage};
+use crate::units::{Cell, LuggageId, Seq, WallTime};
 
 /// How many cells of the way behind the robot are shown.
 const TRAIL: usize = 48;
 
-/// A mission, or the idle time between two.
-#[derive(Clone, Debug)]
+/// What ends with the program.
+#[derive(Clone, Debug, Default)]
 pub struct Mission {
-    /// The number of this mission, or of the last.
-    pub id: MissionId,
-    /// Whether it has begun and is not archived yet.
-    pub under_way: bool,
-    /// Where it stands.
-    pub phase: Phase,
-    /// What holds it.
-    pub holds: Holds,
-    /// Raised by every stop.
-    pub epoch: Epoch,
-    /// The order of the search.
-    pub strategy: Strategy,
-    /// How far the search has come.
-    pub search: Search,
-    /// What the search is after; kept through every interruption.
-    pub goal: Option<Goal>,
-    /// The moves still to be made towards it; empty when they are to be planned anew.
+    /// The moves still to be made towards the goal; empty when they are to be planned anew.
     pub route: VecDeque<Move>,
     /// The cells behind the robot, the latest last.
     pub trail: VecDeque<Cell>,
-    /// Cells that were free once and blocked later.
-    pub blocked: BTreeSet<Cell>,
-    /// The number of the last piece of luggage of all missions.
-    pub last_luggage: LuggageId,
+    /// Whether the move by hand that the phase names has been ordered.
+    pub is_driven: bool,
     /// Records on their way to the store.
     pub recording: Vec<Recording>,
     /// Verdicts on their way to the store; at most one a piece.
@@ -70,9 +51,9 @@ impl Goal {
 pub struct Recording {
     /// Its place in the journal.
     pub seq: Seq,
-    /// What will be shown once it is on record.
-    pub luggage: Luggage,
-    /// What is being recorded, in case the store loses it.
+    /// When it was found, or photographed again.
+    pub wall: WallTime,
+    /// What is being recorded.
     pub fact: Fact,
 }
 
@@ -81,40 +62,19 @@ pub struct Recording {
 pub struct Deciding {
     /// Its place in the journal.
     pub seq: Seq,
+    /// When it was given.
+    pub wall: WallTime,
     /// The piece.
     pub luggage: LuggageId,
     /// What it will be once it is on record.
-    pub decision: Decision,
+    pub verdict: Verdict,
+    /// Who says so.
+    pub who: Arc<str>,
 }
 
 impl Mission {
-    /// Before the first mission. No robot is linked yet, so nothing moves.
-    #[must_use]
-    pub fn new(strategy: Strategy) -> Mission {
-        let mut holds = Holds::default();
-        holds.raise(Hold::RobotLink);
-        Mission {
-            id: MissionId(0),
-            under_way: false,
-            phase: Phase::Idle,
-            holds,
-            epoch: Epoch(0),
-            strategy,
-            search: strategy.begin(),
-            goal: None,
-            route: VecDeque::new(),
-            trail: VecDeque::new(),
-            blocked: BTreeSet::new(),
-            last_luggage: LuggageId(0),
-            recording: Vec::new(),
-            deciding: Vec::new(),
-        }
-    }
-
-    /// Begins the search anew.
-    pub fn restart_search(&mut self) {
-        self.search = self.strategy.begin();
-        self.goal = None;
+    /// Forgets the way of a search that ends.
+    pub fn forget_way(&mut self) {
         self.route.clear();
         self.trail.clear();
     }
@@ -130,9 +90,6 @@ impl Mission {
     /// The verdict on its way to the store for this piece.
     #[must_use]
     pub fn deciding(&self, luggage: LuggageId) -> Option<(Verdict, Seq)> {
-        self.deciding
-            .iter()
-            .find(|deciding| deciding.luggage == luggage)
-            .map(|deciding| (deciding.decision.verdict, deciding.seq))
+        self.deciding.iter().find(|deciding| deciding.luggage == luggage).map(|deciding| (deciding.verdict, deciding.seq))
     }
 }

@@ -1,5 +1,6 @@
-//! What stands: everything that outlives the program, and how it follows from the facts on record, one by one (safety R1).
-//! How facts are written and read back is the store's business; what is done with them after a restart is `engine::recall`'s.
+//! What outlives the program, and how it follows from the facts, one by one (safety R1): live and when a journal is read back
+//! by the same code. Nothing else changes it, but for what must be said anew after a restart (`after_restart`).
+//! How facts are written and read back is the store's business.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -7,7 +8,7 @@ use std::sync::Arc;
 use super::effect::{Entry, Fact};
 use super::event::Piece;
 use super::explore::{Search, Strategy};
-use super::mission::{Goal, Hold, Phase};
+use super::mission::{Goal, Hold, Holds, Phase};
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, WallTime};
 use super::world::alarm::Alarm;
 use super::world::hall_map::{HallMap, Mark};
@@ -24,7 +25,7 @@ pub struct PersistentState {
     /// Where it stands.
     pub phase: Phase,
     /// What holds the robot.
-    pub holds: BTreeSet<Hold>,
+    pub holds: Holds,
     /// Raised by every stop.
     pub epoch: Epoch,
     /// The order of the search.
@@ -63,7 +64,7 @@ impl PersistentState {
             mission: MissionId(0),
             under_way: false,
             phase: Phase::Idle,
-            holds: BTreeSet::new(),
+            holds: Holds::default(),
             epoch: Epoch(0),
             strategy,
             search: strategy.begin(),
@@ -81,65 +82,82 @@ impl PersistentState {
         }
     }
 
-    /// What stands after one more entry.
-    pub fn apply(&mut self, Entry { wall, fact }: &Entry) {
+    /// What stands after one more entry of a journal.
+    pub fn apply(&mut self, entry: &Entry) {
+        self.follow(&entry.fact, entry.wall, Revision(1));
+    }
+
+    /// What stands once this has happened; changes of the map are of this revision.
+    pub(crate) fn follow(&mut self, fact: &Fact, wall: WallTime, revision: Revision) {
         match fact {
             Fact::ProgramStarted(_) | Fact::ProgramEnded(_) | Fact::Command { .. } | Fact::Obstacle(..) => {}
-            Fact::State(standing) => *self = PersistentState::clone(standing),
+            Fact::State(state) => *self = PersistentState::clone(state),
             Fact::MissionBegan(mission, strategy) => {
                 (self.mission, self.under_way, self.strategy) = (*mission, true, *strategy);
                 self.search_anew();
             }
-            Fact::MissionArchived(..) => self.archive(),
+            Fact::MissionArchived(..) => self.put_away(),
             Fact::Phase(phase) => self.phase = phase.clone(),
             Fact::Holds(holds) => self.holds = holds.iter().copied().collect(),
             Fact::Epoch(epoch) => self.epoch = *epoch,
             Fact::Goal(goal, search) => (self.goal, self.search) = (*goal, search.clone()),
             Fact::Pose(pose) => self.pose = *pose,
             Fact::Led(blinking) => self.led_blinking = *blinking,
-            Fact::Mark(cell, mark) => self.mark(*cell, *mark),
+            Fact::Mark(cell, mark) => self.mark(*cell, *mark, revision),
             Fact::Luggage { record, .. } => self.keep(record),
             Fact::Verdict { luggage, verdict, who } => {
-                self.decide(*luggage, Decision { verdict: *verdict, who: Arc::clone(who), wall: *wall });
+                self.decide(*luggage, Decision { verdict: *verdict, who: Arc::clone(who), wall });
             }
             Fact::Temperature(source, celsius) if **source == *OPERATOR => self.reading = Some(*celsius),
             Fact::Temperature(..) => {}
-            Fact::AlarmRaised(id, luggage, text) => self.alarm(*id, *luggage, text, *wall),
-            Fact::AlarmAcknowledged(id, who) => self.acknowledge(*id, who, *wall),
+            Fact::AlarmRaised(id, luggage, text) => self.alarm(*id, *luggage, text, wall),
+            Fact::AlarmAcknowledged(id, who) => self.acknowledge(*id, who, wall),
             Fact::Strategy(strategy) => {
                 self.strategy = *strategy;
                 self.search_anew();
             }
-            Fact::MapEmptied(_) => self.empty_map(),
+            Fact::MapEmptied(_) => self.empty_map(revision),
         }
     }
 
-    fn search_anew(&mut self) {
-        (self.search, self.goal) = (self.strategy.begin(), None);
+    /// What stands when the program comes back. What holds the robot because of something outside is not known before that says so
+    /// again, and no robot is linked yet.
+    #[must_use]
+    pub(crate) fn after_restart(mut self) -> PersistentState {
+        for hold in [Hold::Temperature, Hold::TemperatureStale, Hold::Store] {
+            self.holds.clear(hold);
+        }
+        self.holds.raise(Hold::RobotLink);
+        self
     }
 
-    fn archive(&mut self) {
+    /// Puts a mission away, begun or not.
+    pub(crate) fn put_away(&mut self) {
         self.under_way = false;
         self.search_anew();
         self.luggage.clear();
         self.alarms.retain(|alarm| alarm.acknowledged.is_none());
     }
 
-    fn empty_map(&mut self) {
-        self.map = HallMap::new(Cell::HOME, Revision(1));
+    fn search_anew(&mut self) {
+        (self.search, self.goal) = (self.strategy.begin(), None);
+    }
+
+    fn empty_map(&mut self, revision: Revision) {
+        self.map = HallMap::new(Cell::HOME, revision);
         self.pieces.clear();
         self.blocked.clear();
         self.search_anew();
     }
 
     /// A cell that was free once and is blocked now may be tried again after a fault.
-    fn mark(&mut self, cell: Cell, mark: Mark) {
+    fn mark(&mut self, cell: Cell, mark: Mark, revision: Revision) {
         if self.map.at(cell) == Mark::Visited && mark.is_obstacle() {
             self.blocked.insert(cell);
         } else if mark == Mark::Visited {
             self.blocked.remove(&cell);
         }
-        self.map.mark(cell, mark, Revision(1));
+        self.map.mark(cell, mark, revision);
     }
 
     /// A record of a piece known already keeps the verdict that was given in the meantime.

@@ -155,12 +155,18 @@ impl HallMap {
         self.tile(tile_of(cell)).map_or(Mark::Unknown, |tile| tile.marks[place_in_tile(cell)])
     }
 
+    /// Whether this mark would change anything.
+    #[must_use]
+    pub fn is_news(&self, cell: Cell, mark: Mark) -> bool {
+        self.at(cell) != mark && cell.x.abs() <= REACH && cell.y.abs() <= REACH
+    }
+
     /// Writes a mark; true when it changed anything. Cells beyond `REACH` are not kept.
     pub fn mark(&mut self, cell: Cell, mark: Mark, revision: Revision) -> bool {
-        let before = self.at(cell);
-        if before == mark || cell.x.abs() > REACH || cell.y.abs() > REACH {
+        if !self.is_news(cell, mark) {
             return false;
         }
+        let before = self.at(cell);
         let tile = self.tile_mut(tile_of(cell));
         tile.revision = revision;
         tile.marks[place_in_tile(cell)] = mark;

@@ -164,21 +164,21 @@ fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
     let mut engine = sweep_in(name, &[]);
     let waits = [PhaseName::Idle, PhaseName::AtHome, PhaseName::BombLocated, PhaseName::BagSecured, PhaseName::Explored];
     if waits.contains(&name) {
-        engine.world.robot.pose = Pose::START;
+        engine.state.pose = Pose::START;
     }
     engine.mark(Cell::new(1, 1), Mark::NotInspected);
     engine.watchdog.begin("roof".into(), Duration::from_secs(3600));
     engine.watchdog.hear("roof", Duration::ZERO);
-    engine.world.alarm(WallTime::default(), None, "something");
-    engine.world.robot.led_blinking = true;
+    engine.record(crate::effect::Fact::AlarmRaised(AlarmId(1), None, "something".to_owned()));
+    engine.state.led_blinking = true;
     if table == DECIDED {
         let decision = crate::world::luggage::Decision {
             verdict: Verdict::Safe,
             who: Issuer::operator(Door::Local).who,
             wall: WallTime::default(),
         };
-        let luggage = Luggage { verdict: Some(decision), ..Luggage::clone(&engine.world.luggage[&LuggageId(1)]) };
-        engine.world.luggage.insert(LuggageId(1), Arc::new(luggage));
+        let luggage = Luggage { verdict: Some(decision), ..Luggage::clone(&engine.state.luggage[&LuggageId(1)]) };
+        engine.state.luggage.insert(LuggageId(1), Arc::new(luggage));
     }
     engine.record_standing();
     while let Some(effect) = engine.poll_effect() {
@@ -188,7 +188,7 @@ fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
     }
     engine.look();
     for hold in holds {
-        engine.mission.holds.raise(*hold);
+        engine.state.holds.raise(*hold);
     }
     engine
 }
@@ -223,20 +223,20 @@ fn check_command(table: &'static str, name: PhaseName, input: Input, holds: &'st
     let request = Request::new(command(input).expect("every input of COMMANDS is a command"), Issuer::operator(Door::Local));
     let answer = engine.handle_command(request, now(1)).map_err(|refused| Refusal::from(&refused).code);
     let moves = settle(&mut engine).into_iter().any(Action::is_motion);
-    assert!(!moves || engine.mission.holds.is_empty(), "{pair}: moved while held");
+    assert!(!moves || engine.state.holds.is_empty(), "{pair}: moved while held");
     let expected = expected(table, name, input, holds);
-    assert_eq!(answer.map(|_| engine.mission.phase.name()), expected, "{pair}");
+    assert_eq!(answer.map(|_| engine.state.phase.name()), expected, "{pair}");
     match expected {
         Ok(_) => check_effects(&before, &engine, input, table, &pair),
         Err(_) => {
-            assert_eq!(before.mission.phase, engine.mission.phase, "{pair}");
-            let cleared = before.mission.holds.to_vec().into_iter().any(|hold| !engine.mission.holds.contains(hold));
+            assert_eq!(before.state.phase, engine.state.phase, "{pair}");
+            let cleared = before.state.holds.to_vec().into_iter().any(|hold| !engine.state.holds.contains(hold));
             assert!(!cleared, "{pair}: what was refused cleared a hold");
-            let raises = input == Input::TemperatureTooHigh && engine.mission.holds.contains(Hold::TooHigh);
+            let raises = input == Input::TemperatureTooHigh && engine.state.holds.contains(Hold::TooHigh);
             let alarms = input == Input::Danger && holds.first() == Some(&Hold::Store) && table == PENDING;
-            assert!(raises || alarms || before.mission.holds == engine.mission.holds, "{pair}");
-            assert_eq!(alarms, engine.mission.holds.contains(Hold::Alarm), "{pair}: danger that could not be recorded holds");
-            assert_eq!(alarms, engine.world.alarms.len() > before.world.alarms.len(), "{pair}: and alarms");
+            assert!(raises || alarms || before.state.holds == engine.state.holds, "{pair}");
+            assert_eq!(alarms, engine.state.holds.contains(Hold::Alarm), "{pair}: danger that could not be recorded holds");
+            assert_eq!(alarms, engine.state.alarms.len() > before.state.alarms.len(), "{pair}: and alarms");
         }
     }
 }
@@ -244,21 +244,21 @@ fn check_command(table: &'static str, name: PhaseName, input: Input, holds: &'st
 /// The sentences of mission §4 on what an accepted command does, beside the phase.
 #[expect(clippy::wildcard_enum_match_arm, reason = "whatever has no sentence of its own does nothing beside the phase")]
 fn check_effects(before: &Engine, after: &Engine, input: Input, table: &str, pair: &str) {
-    let (was, is) = (&before.mission.holds, &after.mission.holds);
+    let (was, is) = (&before.state.holds, &after.state.holds);
     let waits = [Hold::Operator, Hold::Restart, Hold::AwaitingStart];
-    let verdict = after.world.luggage.get(&LuggageId(1)).and_then(|luggage| luggage.verdict.as_ref()).map(|kept| kept.verdict);
+    let verdict = after.state.luggage.get(&LuggageId(1)).and_then(|luggage| luggage.verdict.as_ref()).map(|kept| kept.verdict);
     match input {
         Input::Start | Input::BackHome | Input::Retrieve | Input::Move | Input::Goto | Input::Reset => {
             assert!(!waits.into_iter().any(|hold| is.contains(hold)), "{pair}: it clears what waits for it");
         }
         Input::Stop => {
-            assert!(is.contains(Hold::Operator) && after.mission.epoch > before.mission.epoch, "{pair}: STOP holds");
+            assert!(is.contains(Hold::Operator) && after.state.epoch > before.state.epoch, "{pair}: STOP holds");
         }
         Input::TemperatureTooHigh => assert!(is.contains(Hold::TooHigh), "{pair}"),
         Input::TemperatureOk => assert!(!is.contains(Hold::TooHigh), "{pair}"),
         Input::Safe => assert_eq!(verdict, Some(Verdict::Safe), "{pair}"),
         Input::Danger => assert_eq!(verdict, Some(Verdict::Danger), "{pair}"),
-        Input::Acknowledge => assert!(after.world.alarms[0].acknowledged.is_some(), "{pair}"),
+        Input::Acknowledge => assert!(after.state.alarms[0].acknowledged.is_some(), "{pair}"),
         Input::Reading | Input::SensorReading => assert!(after.world.thermometer.last().is_some(), "{pair}"),
         Input::RetakePhoto => assert_eq!(after.stage(), Some(Stage::RetakingPhoto(LuggageId(1))), "{pair}"),
         _ => {}
@@ -274,14 +274,14 @@ fn check_effects(before: &Engine, after: &Engine, input: Input, table: &str, pai
     assert!(stands, "{pair}: nothing else is cleared");
     let ended = [PhaseName::Explored, PhaseName::BagSecured].contains(&before.phase_name());
     let begins = input == Input::Start && (ended || before.phase_name() == PhaseName::Idle);
-    assert_eq!(after.mission.id.0 - before.mission.id.0, u64::from(begins), "{pair}: a mission begins");
-    let fresh = begins && ended || input == Input::Reset && before.world.is_home();
-    let known = |engine: &Engine| engine.world.map.at(Cell::new(1, 1)) == Mark::NotInspected;
+    assert_eq!(after.state.mission.0 - before.state.mission.0, u64::from(begins), "{pair}: a mission begins");
+    let fresh = begins && ended || input == Input::Reset && before.is_home();
+    let known = |engine: &Engine| engine.state.map.at(Cell::new(1, 1)) == Mark::NotInspected;
     assert_eq!(known(after), !fresh, "{pair}: the map is emptied for a new search, and at home");
     let away = begins && ended || input == Input::Reset;
-    assert_eq!(after.world.luggage.is_empty(), away, "{pair}: luggage is put away with its mission");
+    assert_eq!(after.state.luggage.is_empty(), away, "{pair}: luggage is put away with its mission");
     let ends = input == Input::Reset || input == Input::Danger && table == PENDING;
-    assert_eq!(after.world.robot.led_blinking, !ends, "{pair}: the LED");
+    assert_eq!(after.state.led_blinking, !ends, "{pair}: the LED");
 }
 
 /// Mission §4, every cell of the events: where they lead, what they raise and end, and what danger does.
@@ -305,13 +305,13 @@ fn check_event(name: PhaseName, input: Input) {
         ..InputContext::default()
     };
     if input == Input::DangerRecorded {
-        engine.mission.holds.raise(Hold::Operator);
+        engine.state.holds.raise(Hold::Operator);
     }
     engine.feed(input, &context);
     let (_, leads) = EVENTS.iter().find(|(known, _)| *known == input).expect("every event is written");
     let lead = leads.split_whitespace().filter_map(|lead| lead.split_once('>')).find(|(from, _)| named(from) == name);
     assert_eq!(engine.phase_name(), lead.map_or(name, |(_, to)| named(to)), "{pair}");
-    let holds = &engine.mission.holds;
+    let holds = &engine.state.holds;
     assert!(ends.is_none_or(|hold| !holds.contains(hold)), "{pair}: the cause has ended");
     let raised = CAUSES.into_iter().find(|(_, begin, _)| *begin == input).map(|(hold, _, _)| hold);
     let raised = raised.or(Some(Hold::Restart).filter(|_| input == Input::Restarted));
@@ -321,8 +321,8 @@ fn check_event(name: PhaseName, input: Input) {
     let drive_ends = name == PhaseName::Driving && (raised.is_some() || input == Input::DriveEnded);
     assert_eq!(holds.contains(Hold::Operator), drive_ends || input == Input::DangerRecorded, "{pair}: no drive goes on unasked");
     let over = input == Input::DangerRecorded || input == Input::AllExplored && name == PhaseName::Exploring;
-    assert_eq!(engine.world.robot.led_blinking, !over, "{pair}: the LED blinks until the search is over");
-    let alarms = engine.world.alarms.iter().filter(|alarm| alarm.luggage == Some(LuggageId(1))).count();
+    assert_eq!(engine.state.led_blinking, !over, "{pair}: the LED blinks until the search is over");
+    let alarms = engine.state.alarms.iter().filter(|alarm| alarm.luggage == Some(LuggageId(1))).count();
     assert_eq!(alarms, usize::from(input == Input::DangerRecorded), "{pair}: danger alarms");
 }
 
@@ -333,7 +333,7 @@ fn a_verdict_acts_on_the_phase_that_was_interrupted() {
         let mut engine = moment(name, PENDING, &[]);
         engine.feed(Input::DangerRecorded, &InputContext { luggage: Some(LuggageId(1)), ..InputContext::default() });
         assert_eq!(engine.phase_name(), name);
-        assert_eq!(engine.mission.phase.underlying().name(), PhaseName::ReturningWithAlarm, "{name:?}");
+        assert_eq!(engine.state.phase.underlying().name(), PhaseName::ReturningWithAlarm, "{name:?}");
     }
 }
 
@@ -344,12 +344,8 @@ fn a_drive_from_idle_ends_in_idle_and_waits_for_nobody() {
         [(Input::DriveEnded, None), (Input::Heat, Some(Hold::Temperature)), (Input::LinkLost, Some(Hold::RobotLink))]
     {
         let mut engine = moment(PhaseName::Driving, DECIDED, &[]);
-        engine.mission.phase = Phase::Driving { goal: None, next: None, interrupted: Box::new(Phase::Idle) };
+        engine.state.phase = Phase::Driving { goal: None, next: None, interrupted: Box::new(Phase::Idle) };
         engine.feed(end, &InputContext::default());
-        assert_eq!(
-            (engine.phase_name(), engine.mission.holds.to_vec()),
-            (PhaseName::Idle, hold.into_iter().collect()),
-            "{end:?}"
-        );
+        assert_eq!((engine.phase_name(), engine.state.holds.to_vec()), (PhaseName::Idle, hold.into_iter().collect()), "{end:?}");
     }
 }

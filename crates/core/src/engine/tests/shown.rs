@@ -12,11 +12,11 @@ fn give(engine: &mut Engine, command: Command) -> Result<Ticket, Refused> {
 #[test]
 fn at_most_64_views_wait_for_a_store_that_lags_and_none_is_shown_early() {
     let mut engine = sweep_in(PhaseName::Idle, &[]);
-    engine.world.luggage.clear();
+    engine.state.luggage.clear();
     let mut begun = Vec::new();
     for _ in 0..60 {
         give(&mut engine, Command::Start).unwrap();
-        begun.push((engine.written(), engine.mission.id));
+        begun.push((engine.written(), engine.state.mission));
         give(&mut engine, Command::Stop).unwrap();
         give(&mut engine, Command::Reset).unwrap();
         assert!(engine.on_record.waiting() <= 64, "{}", engine.on_record.waiting());
