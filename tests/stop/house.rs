@@ -26,7 +26,7 @@ use hallsweep::runtime::store::Store;
 use hallsweep::runtime::task::{Course, Task};
 use hallsweep::storage::memory::Memory;
 use hallsweep_core::engine::Engine;
-use hallsweep_core::event::{Capabilities, RobotEvent};
+use hallsweep_core::event::{Capabilities, Parts, RobotEvent, RobotId};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::Epoch;
 
@@ -67,7 +67,7 @@ impl House {
         let (clock, halter) = (Clock::default(), Halter::new(Epoch(0)));
         let (link, side) = link(halter.watch());
         let engine = Engine::new(Settings::default(), Default::default(), "stops".into());
-        let (handle, task) = Task::new(engine, link, store, clock, halter);
+        let (handle, task) = Task::new(engine, [(RobotId::discovery(), link)], store, clock, halter);
         let listener = TcpListener::bind("127.0.0.1:0").await.expect("this machine has a free port");
         let address = listener.local_addr().expect("a bound socket has an address");
         let (closing, closed) = watch::channel(false);
@@ -107,7 +107,7 @@ struct Wheels {
 
 impl Wheels {
     async fn run(mut self) {
-        let can = Capabilities { step: STEP, turn: STEP, photo: STEP, nudges: false };
+        let can = Capabilities { step: STEP, turn: STEP, photo: STEP, nudges: false, parts: Parts::ROUND_ROBOT };
         let mut report = RobotEvent::LinkUp(can);
         while self.side.reports.send(report).await.is_ok() {
             report = tokio::select! {

@@ -8,7 +8,6 @@
 //! ```
 
 mod acts;
-mod controller;
 mod decide;
 mod motion;
 mod on_record;
@@ -30,8 +29,8 @@ mod tests;
 use std::sync::Arc;
 use std::time::Duration;
 
-use self::controller::RobotController;
 use self::decide::Step;
+pub use self::motion::Barred;
 pub use self::recall::{Recalled, Remembered};
 pub use self::repeats::IDS;
 
@@ -48,6 +47,7 @@ use super::event::{Event, RobotId};
 use super::explore::Strategy;
 use super::explore::plan::Planner;
 use super::mission::{Hold, Input, InputContext, Mission, in_words};
+use super::robots::Robots;
 use super::settings::Settings;
 use super::state::PersistentState;
 use super::units::{Epoch, LuggageId, Now, Seq, Ticket};
@@ -64,7 +64,7 @@ pub struct Engine {
     state: PersistentState,
     world: World,
     mission: Mission,
-    controller: RobotController,
+    robots: Robots,
     planner: Planner,
     outbox: Outbox,
     watchdog: SensorWatchdog,
@@ -89,7 +89,7 @@ impl Engine {
             state: PersistentState::first(strategy).after_restart(),
             world: World::new(run, &settings),
             mission: Mission::default(),
-            controller: RobotController::default(),
+            robots: Robots::of(RobotId::discovery()),
             planner: Planner::default(),
             outbox: Outbox::default(),
             watchdog: SensorWatchdog::default(),
@@ -168,6 +168,13 @@ impl Engine {
         );
     }
 
+    /// There is one more robot beside the one that searches; it stands at home as long as it does not say otherwise.
+    pub fn add_robot(&mut self, robot: RobotId, now: Now) {
+        self.begin(now);
+        self.robots.add(robot);
+        self.world.touch(Resource::Robot);
+    }
+
     /// A halt was raised outside the queue of commands (safety S1): hold at once; the command with its sender's name follows.
     pub fn handle_halt(&mut self, epoch: Epoch, now: Now) {
         self.begin(now);
@@ -180,7 +187,7 @@ impl Engine {
     pub fn handle_event(&mut self, event: Event, now: Now) {
         self.begin(now);
         match event {
-            Event::Robot(RobotId::Discovery, report) => self.report(report),
+            Event::Robot(robot, report) => self.report(&robot, report),
             Event::Recorded(seq) => self.kept(seq),
             Event::StoreFailed(words) => {
                 self.world.store_failure = Some(words.clone());
@@ -210,8 +217,8 @@ impl Engine {
         while let Some(sensor) = self.watchdog.falls_silent(now.since_start) {
             self.feed(Input::SensorSilent, &InputContext { words: Some(sensor.to_string()), ..InputContext::default() });
         }
-        if self.controller.due().is_some_and(|due| due <= now.since_start) {
-            self.order_unanswered();
+        while let Some(robot) = self.robots.overdue(now.since_start) {
+            self.order_unanswered(&robot);
         }
         self.answer_overdue_stops();
         self.go_on();
@@ -237,7 +244,7 @@ impl Engine {
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         let records = [self.stops.due(), self.refusals.due(), self.outbox.due_record()];
-        [self.controller.due(), self.watchdog.due()].into_iter().chain(records).flatten().min()
+        [self.robots.due(), self.watchdog.due()].into_iter().chain(records).flatten().min()
     }
 
     /// Everything that can be seen, at this moment; the same `Arc` until something changes.

@@ -13,9 +13,9 @@ const GRACE: Duration = Duration::from_secs(2);
 
 /// The controller of one robot.
 #[derive(Clone, Debug, Default)]
-pub(super) struct RobotController {
+pub(crate) struct RobotController {
     /// What the robot can do; nothing is known before its link is up.
-    pub(super) capabilities: Option<Capabilities>,
+    pub(crate) capabilities: Option<Capabilities>,
     open: Option<Open>,
     /// An order that was given up: its answer may still come.
     overdue: Option<Order>,
@@ -34,27 +34,27 @@ struct Open {
 
 impl RobotController {
     /// The order under way.
-    pub(super) fn open(&self) -> Option<Order> {
+    pub(crate) fn open(&self) -> Option<Order> {
         self.open.map(|open| open.order)
     }
 
     /// Whether the robot was told to move and has not answered yet.
-    pub(super) fn is_moving(&self) -> bool {
+    pub(crate) fn is_moving(&self) -> bool {
         self.open.is_some_and(|open| open.order.action.is_motion())
     }
 
     /// Whether the robot may still be moving although it was told to halt, or its link was lost (safety S8).
-    pub(super) const fn is_halting(&self) -> bool {
+    pub(crate) const fn is_halting(&self) -> bool {
         self.halting
     }
 
     /// The robot is told to halt.
-    pub(super) fn halt(&mut self) {
+    pub(crate) fn halt(&mut self) {
         self.halting |= self.may_be_moving();
     }
 
     /// The robot's link is lost; true when it was on the move. It halts by itself, and says so when it is back.
-    pub(super) fn lose(&mut self) -> bool {
+    pub(crate) fn lose(&mut self) -> bool {
         self.capabilities = None;
         let halting = self.halting || self.may_be_moving();
         let was_moving = self.drop_open().is_some_and(|order| order.action.is_motion());
@@ -63,7 +63,7 @@ impl RobotController {
     }
 
     /// The robot's link is up: it stands, unless it has an order.
-    pub(super) fn link_up(&mut self, can: Capabilities) {
+    pub(crate) fn link_up(&mut self, can: Capabilities) {
         self.capabilities = Some(can);
         self.halting &= self.is_moving();
     }
@@ -74,7 +74,7 @@ impl RobotController {
     }
 
     /// A new open order. It begins after whatever the robot was told before; who gives one after a fault has looked after it.
-    pub(super) fn give(&mut self, action: Action, epoch: Epoch, since_start: Duration) -> Order {
+    pub(crate) fn give(&mut self, action: Action, epoch: Epoch, since_start: Duration) -> Order {
         self.last = self.last.next();
         let order = Order { id: self.last, action, epoch, deadline: self.deadline(action) };
         self.open = Some(Open { order, sent: since_start });
@@ -83,7 +83,7 @@ impl RobotController {
     }
 
     /// Closes the open order, or the one that was given up, if it is this one; an answer to any other is out of date.
-    pub(super) fn close(&mut self, id: OrderId) -> Option<Order> {
+    pub(crate) fn close(&mut self, id: OrderId) -> Option<Order> {
         let order = self.overdue.take_if(|order| order.id == id).or_else(|| self.close_open(id))?;
         self.halting &= self.may_be_moving();
         Some(order)
@@ -99,23 +99,23 @@ impl RobotController {
     }
 
     /// Closes the open order without an answer: none will come.
-    pub(super) fn drop_open(&mut self) -> Option<Order> {
+    pub(crate) fn drop_open(&mut self) -> Option<Order> {
         self.open.and_then(|open| self.close(open.order.id))
     }
 
     /// Gives the open order up; its answer may still come late.
-    pub(super) fn give_up(&mut self) -> Option<Order> {
+    pub(crate) fn give_up(&mut self) -> Option<Order> {
         self.overdue = self.drop_open();
         self.overdue
     }
 
     /// When the open order counts as unanswered.
-    pub(super) fn due(&self) -> Option<Duration> {
+    pub(crate) fn due(&self) -> Option<Duration> {
         self.open.map(|open| open.sent.saturating_add(open.order.deadline).saturating_add(GRACE))
     }
 
     /// What the robot is seen doing.
-    pub(super) fn state(&self) -> RobotState {
+    pub(crate) fn state(&self) -> RobotState {
         match self.open.map(|open| open.order.action) {
             None => RobotState::Stopped,
             Some(Action::Photograph(_)) => RobotState::TakingPhoto,
