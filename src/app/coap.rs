@@ -8,8 +8,9 @@ use tokio::sync::watch;
 use tokio::task::JoinHandle;
 
 use super::AppError;
-use crate::doors::coap::{self, Resources, Socket, endpoint::Endpoint};
+use crate::doors::coap::{self, Resources, Socket};
 use crate::runtime::threads::Thread;
+use coap_endpoint::Endpoint;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// A secret of the endpoint's, the states that are shown, and what says when it is over.

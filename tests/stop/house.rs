@@ -14,8 +14,8 @@ use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::sync::{oneshot, watch};
 
+use coap_endpoint::Endpoint;
 use hallsweep::access::Access;
-use hallsweep::doors::coap::endpoint::Endpoint;
 use hallsweep::doors::coap::{self, Resources, Socket};
 use hallsweep::doors::http::{self, Door, Front};
 use hallsweep::runtime::archive_reader::Reader;

@@ -5,11 +5,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::pin::Pin;
 use std::sync::Arc;
 
-use super::endpoint::Refusal;
-use super::endpoint::code::Code;
-use super::endpoint::request::Request;
-use super::endpoint::response::{Answer, Response};
 use crate::runtime::handle::Gone;
+use coap_endpoint::Refusal;
+use coap_endpoint::code::Code;
+use coap_endpoint::request::Request;
+use coap_endpoint::response::{Answer, Response};
 
 /// What the application says to a request.
 pub enum Said {

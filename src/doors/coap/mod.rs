@@ -2,8 +2,6 @@
 //! into commands and snapshots into answers; it decides nothing about the mission.
 
 mod application;
-pub mod endpoint;
-pub mod links;
 mod news;
 mod resources;
 mod serve;

@@ -7,9 +7,9 @@ use std::time::Duration;
 use tokio::sync::watch;
 
 use super::application::{self, Application};
-use super::endpoint::limits::PACE;
-use super::endpoint::{Endpoint, response::Answer};
 use crate::runtime::clock::Clock;
+use coap_endpoint::limits::PACE;
+use coap_endpoint::{Endpoint, response::Answer};
 use hallsweep_core::units::Now;
 use hallsweep_core::world::snapshot::Snapshot;
 

@@ -7,12 +7,12 @@ use std::time::Duration;
 use tokio::sync::watch;
 
 use super::application::{self, Application, Said};
-use super::endpoint::{Backlog, Datagram, Endpoint};
 use super::news::{self, News};
 use super::sieve::{Heard, Sieve};
 use super::socket::{BATCH, Socket};
 use super::under_way::{Sort, UnderWay, busy};
 use crate::runtime::clock::Clock;
+use coap_endpoint::{Backlog, Datagram, Endpoint};
 use hallsweep_core::units::Now;
 use hallsweep_core::world::snapshot::Snapshot;
 

@@ -8,8 +8,8 @@ use std::time::Duration;
 use socket2::{Domain, SockRef, Type};
 use tokio::net::UdpSocket;
 
-use super::endpoint::Transmit;
 use super::sieve::Sieve;
+use coap_endpoint::Transmit;
 
 /// So many bytes are asked for in each direction: every observer there may be acknowledges at once. The system may give less, and
 /// then what did not fit is sent again.

@@ -7,10 +7,10 @@ use std::time::Duration;
 use tokio::task::{Id, JoinSet};
 
 use super::application::broken;
-use super::endpoint::ExchangeId;
-use super::endpoint::code::{Code, Method};
-use super::endpoint::limits::OPEN;
-use super::endpoint::response::{Answer, Response};
+use coap_endpoint::ExchangeId;
+use coap_endpoint::code::{Code, Method};
+use coap_endpoint::limits::OPEN;
+use coap_endpoint::response::{Answer, Response};
 
 /// Commands under way at once; urgent ones are taken all the same.
 pub(super) const COMMANDS: usize = 256;
@@ -95,8 +95,8 @@ fn unavailable(words: String) -> Answer {
 
 #[cfg(test)]
 mod tests {
-    use super::super::endpoint::Endpoint;
     use super::*;
+    use coap_endpoint::Endpoint;
 
     /// Safety A5.
     #[tokio::test]

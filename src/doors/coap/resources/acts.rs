@@ -1,10 +1,6 @@
 //! What can be asked to be done: each act's need, the command it becomes, and how an accepted one is answered. Giving it to the
 //! core is `Resources`' business; the old resource's words are in `old`.
 
-use super::super::endpoint::code::Code;
-use super::super::endpoint::format::Format;
-use super::super::endpoint::request::Request;
-use super::super::endpoint::response::Response;
 use super::bodies::{body, optional};
 use super::problem::Problem;
 use super::{old, shows};
@@ -13,6 +9,10 @@ use crate::api::answer::AnswerJson;
 use crate::api::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody, no_command_id};
 use crate::api::fields::in_short;
 use crate::runtime::carry_out::Done;
+use coap_endpoint::code::Code;
+use coap_endpoint::format::Format;
+use coap_endpoint::request::Request;
+use coap_endpoint::response::Response;
 use hallsweep_core::command::{Command, CommandId, LuggageRef};
 use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
 

@@ -1,11 +1,11 @@
 //! Reading what a command carries: JSON, also where no format is named, or CBOR. What the fields mean stands in
 //! `crate::api::command`; how large a body may be is the endpoint's business.
 
-use super::super::endpoint::format::Format;
-use super::super::endpoint::request::Request;
 use super::problem::Problem;
 use crate::api::cbor;
 use crate::api::fields::{self, Body};
+use coap_endpoint::format::Format;
+use coap_endpoint::request::Request;
 
 /// The body of a command that needs one.
 pub(super) fn body<T: Body>(request: &Request) -> Result<T, Problem> {

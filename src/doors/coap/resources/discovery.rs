@@ -1,11 +1,11 @@
 //! `/.well-known/core`: the table as links, a path with a number once for each thing there is (RFC 6690). How links are filtered
 //! and written stands in `super::super::links`.
 
-use super::super::endpoint::format::Format;
-use super::super::endpoint::response::Response;
-use super::super::links::{Link, listed};
 use super::kept;
 use super::table::{Row, Show, Table};
+use coap_endpoint::format::Format;
+use coap_endpoint::links::{Link, listed};
+use coap_endpoint::response::Response;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::PhotoState;
 use hallsweep_core::world::snapshot::Snapshot;

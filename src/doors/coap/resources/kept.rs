@@ -6,10 +6,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use hashlink::LinkedHashMap;
 
-use super::super::endpoint::format::Format;
-use super::super::endpoint::response::{Answer, Response, Tag};
 use super::shows;
 use super::table::Show;
+use coap_endpoint::format::Format;
+use coap_endpoint::response::{Answer, Response, Tag};
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::snapshot::Snapshot;
 

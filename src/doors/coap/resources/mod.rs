@@ -27,13 +27,13 @@ use self::photos::Photos;
 use self::problem::Problem;
 use self::table::{Found, Table};
 use super::application::{Application, Said};
-use super::endpoint::request::{Conditions, Request};
-use super::endpoint::response::{Answer, Response};
-use super::endpoint::{self, code::Method};
 use crate::api::fields::in_short;
 use crate::doors::seldom::Seldom;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::handle::Handle;
+use coap_endpoint::code::Method;
+use coap_endpoint::request::{Conditions, Request};
+use coap_endpoint::response::{Answer, Response};
 use hallsweep_core::command::{self, RefusalKind, Refused};
 
 /// The resources of this door.
@@ -90,7 +90,7 @@ impl Application for Resources {
     }
 
     /// Safety A6, as in `refused`.
-    fn note(&self, refusal: endpoint::Refusal) {
+    fn note(&self, refusal: coap_endpoint::Refusal) {
         let kept = command::Refusal { code: "malformed", kind: RefusalKind::Mismatch, words: refusal.words };
         self.handle.note_refused_at_once(caller::issuer(refusal.peer), in_short(&refusal.asked), Refused::Before(kept));
     }

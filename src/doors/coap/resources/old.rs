@@ -4,9 +4,6 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::super::endpoint::format::Format;
-use super::super::endpoint::request::Request;
-use super::super::endpoint::response::Answer;
 use super::kept::{Copies, Kept};
 use super::problem::Problem;
 use super::shows::{LUGGAGE, MAP, ROBOT, revision};
@@ -14,6 +11,9 @@ use super::table::Show;
 use crate::api::command::move_word;
 use crate::api::halt::is_halt;
 use crate::api::old_clients;
+use coap_endpoint::format::Format;
+use coap_endpoint::request::Request;
+use coap_endpoint::response::Answer;
 use hallsweep_core::command::{Command, LuggageRef, Verdict};
 use hallsweep_core::mission::in_words;
 use hallsweep_core::units::Revision;

@@ -4,12 +4,12 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::super::endpoint::format::Format;
-use super::super::endpoint::request::Request;
-use super::super::endpoint::response::{Answer, Response, Tag};
 use super::kept;
 use super::problem::Problem;
 use crate::runtime::archive_reader::Reader;
+use coap_endpoint::format::Format;
+use coap_endpoint::request::Request;
+use coap_endpoint::response::{Answer, Response, Tag};
 use hallsweep_core::event::Photo;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};

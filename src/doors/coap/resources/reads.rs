@@ -4,12 +4,12 @@
 use std::sync::Arc;
 
 use super::super::application::Said;
-use super::super::endpoint::format::Format;
-use super::super::endpoint::request::Request;
-use super::super::endpoint::response::{Answer, Response, Tag};
 use super::problem::Problem;
 use super::table::{Row, Show, Shown};
 use super::{Resources, discovery, photos, shows};
+use coap_endpoint::format::Format;
+use coap_endpoint::request::Request;
+use coap_endpoint::response::{Answer, Response, Tag};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::snapshot::Snapshot;
 

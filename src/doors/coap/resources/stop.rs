@@ -2,13 +2,13 @@
 //! wrong with it is told afterwards (safety S8). How the robot is halted is the handle's business.
 
 use super::super::application::Said;
-use super::super::endpoint::request::Request;
-use super::super::endpoint::response::Answer;
 use super::Resources;
 use super::acts::{self, Terms};
 use super::caller::{self, Caller};
 use super::problem::Problem;
 use crate::api::halt::{bare, is_halt, is_halt_word, says_halt};
+use coap_endpoint::request::Request;
+use coap_endpoint::response::Answer;
 use hallsweep_core::command::{self, Command};
 
 /// Whether a request halts the robot. Methods that are not taken here halt as well, but for those that only look.

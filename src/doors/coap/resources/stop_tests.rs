@@ -12,9 +12,9 @@ use super::*;
 use crate::access::Need;
 use crate::api::fixture::searching;
 use crate::doors::coap::application::Application;
-use crate::doors::coap::endpoint::code::Code;
-use crate::doors::coap::endpoint::{Endpoint, Transmit};
 use crate::doors::coap::resources::table::Table;
+use coap_endpoint::code::Code;
+use coap_endpoint::{Endpoint, Transmit};
 use hallsweep_core::units::{Now, Wall};
 
 /// A door: what comes to its socket, and the loop behind it.

@@ -2,9 +2,9 @@
 //! to do. Routing, the answer to a wrong method, `/.well-known/core` and the table in `docs/coap.md` are walks over it; what is not
 //! listed is not there. Every resource of `Resource::ALL` has its row.
 
-use super::super::endpoint::code::Method;
-use super::super::endpoint::format::Format;
 use super::acts::Act;
+use coap_endpoint::code::Method;
+use coap_endpoint::format::Format;
 use hallsweep_core::world::resource::Resource;
 
 /// Every path.

@@ -7,8 +7,8 @@ use super::super::testing::{House, get, house, request};
 use super::*;
 use crate::access::Need;
 use crate::api::fixture::searching;
-use crate::doors::coap::endpoint::code::Code;
-use crate::doors::coap::endpoint::request::Request;
+use coap_endpoint::code::Code;
+use coap_endpoint::request::Request;
 use hallsweep_core::command::Command;
 
 const METHODS: [Method; 7] =

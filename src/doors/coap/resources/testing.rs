@@ -7,15 +7,15 @@ use std::sync::{Arc, Mutex};
 use tokio::sync::watch;
 
 use super::super::application::{Application, Said};
-use super::super::endpoint::code::Method;
-use super::super::endpoint::request::{Conditions, Request};
-use super::super::endpoint::response::Answer;
 use super::Resources;
 use crate::api::fixture::piece;
 use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Noted, Script, obedient};
 use crate::runtime::within::within;
+use coap_endpoint::code::Method;
+use coap_endpoint::request::{Conditions, Request};
+use coap_endpoint::response::Answer;
 use hallsweep_core::command::{self, Refused};
 use hallsweep_core::event::Photo;
 use hallsweep_core::standing::Standing;

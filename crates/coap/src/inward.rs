@@ -1,0 +1,288 @@
+//! The way in: from a datagram to a request for the application, or to what is answered without it. The way out is `outward`.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+use super::block::{Block, BodyKey, Taken, too_large};
+use super::code::{Code, Method};
+use super::exchange::{Known, MessageKey};
+use super::limits::{BODY, OPEN, PATIENCE, REFUSED};
+use super::message::{Heard, Incoming, Kind, Token, empty, heard};
+use super::network::is_this_machine;
+use super::options::{self, Read};
+use super::reliable::About;
+use super::reply::Shape;
+use super::request::Request;
+use super::response::Response;
+use super::{Endpoint, ExchangeId, HALTED, Open, Refusal, lenient};
+use hallsweep_core::units::Now;
+
+/// Where an answer goes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Back {
+    pub(super) key: MessageKey,
+    pub(super) kind: Kind,
+    pub(super) token: Token,
+    /// The classes of answers that its sender does not want (RFC 7967).
+    pub(super) no_response: u32,
+}
+
+impl Back {
+    /// Whether an answer of this code is wanted; to go on with the next block always is.
+    pub(super) fn is_wanted(self, code: Code) -> bool {
+        code == Code::CONTINUE || self.no_response & (1 << (code.class().max(1) - 1)) == 0
+    }
+}
+
+impl Endpoint {
+    /// Takes a datagram from the network.
+    pub fn handle_datagram(&mut self, peer: SocketAddr, bytes: &[u8], now: Now) {
+        self.guard.received(peer, bytes.len());
+        match heard(bytes) {
+            Heard::Nothing => {}
+            Heard::Senseless(kind, id) => self.take_senseless(MessageKey::of(peer, id, bytes), kind, bytes, now),
+            Heard::Ack(id) => self.take_acknowledgement(peer, id, now),
+            Heard::Rst(id) => self.take_rejection(peer, id, now),
+            Heard::Request(incoming) => {
+                let key = MessageKey::of(peer, incoming.id, bytes);
+                self.take_request(key, incoming, bytes, now);
+            }
+        }
+    }
+
+    /// What breaks the grammar is rejected, and may name a STOP all the same, each time that it is not a repetition.
+    fn take_senseless(&mut self, key: MessageKey, kind: Kind, bytes: &[u8], now: Now) {
+        let is_new = self.exchanges.known(key, now.since_start).is_none();
+        if let Some(stop) = self.stop_in(key.peer, bytes).filter(|_| is_new) {
+            let exchange = self.open_exchange(key, true, now);
+            self.exchanges.answered(key, &[]);
+            self.asked.push_back((exchange, stop));
+        }
+        if kind == Kind::Con {
+            self.transmit(key.peer, empty(Kind::Rst, key.id), now);
+        }
+    }
+
+    /// The STOP that a datagram names, whatever else is wrong with it.
+    pub(super) fn stop_in(&self, peer: SocketAddr, bytes: &[u8]) -> Option<Request> {
+        lenient::requests(peer, bytes).find(self.is_stop)
+    }
+
+    fn open_exchange(&mut self, key: MessageKey, acts: bool, now: Now) -> ExchangeId {
+        self.counted += 1;
+        let exchange = ExchangeId(self.counted);
+        self.exchanges.open(key, exchange, acts, now.since_start);
+        exchange
+    }
+
+    fn take_acknowledgement(&mut self, peer: SocketAddr, id: u16, now: Now) {
+        let Some((sent, once)) = self.reliable.settled(peer, id) else { return };
+        let at = now.since_start;
+        self.guard.heard_us(peer, at);
+        if let About::Notification(observer, thing, version) = sent.about {
+            // After a retransmission nobody knows which of the two was acknowledged (Karn's rule).
+            let away = once.then(|| at.saturating_sub(sent.first));
+            self.observers.acknowledged(observer, (thing, version), away, at);
+        }
+        self.go_on(peer, now);
+    }
+
+    /// Somebody does not know what we are talking about: it observes no longer, or wants the answer no more.
+    fn take_rejection(&mut self, peer: SocketAddr, id: u16, now: Now) {
+        let on_its_way = self.reliable.settled(peer, id).map(|(sent, _)| sent.about);
+        let observer = match on_its_way {
+            Some(About::Notification(observer, ..)) => Some(observer),
+            Some(About::Answer) => None,
+            None => self.observers.told_by(peer, id),
+        };
+        if let Some(observer) = observer {
+            self.forget(peer, observer);
+        }
+        self.go_on(peer, now);
+    }
+
+    fn take_request(&mut self, key: MessageKey, incoming: Incoming, bytes: &[u8], now: Now) {
+        let (peer, no_response) = (key.peer, options::no_response(&incoming.packet));
+        let back = Back { key, kind: incoming.kind, token: incoming.token, no_response };
+        match self.exchanges.known(back.key, now.since_start).cloned() {
+            Some(Known::Answered(datagram)) if datagram.is_empty() => return,
+            Some(Known::Answered(datagram)) => {
+                self.transmit(peer, datagram, now);
+                return;
+            }
+            Some(Known::Open(exchange)) => return self.acknowledge_open(back, exchange, now),
+            None => {}
+        }
+        if self.guard.is_too_much(peer, now.since_start) {
+            let words = "too many requests: wait a second".to_owned();
+            let response = Response { max_age: Some(1), ..Response::refusal(Code::TOO_MANY_REQUESTS, words) };
+            return self.reply(back, &response, None, now);
+        }
+        let looks = Method::of(incoming.code).is_some_and(Method::only_looks);
+        let asked = (!looks).then(|| options::asked(&incoming));
+        let acts = is_this_machine(peer.ip()) && !looks;
+        let exchange = self.open_exchange(back.key, acts, now);
+        let response = match options::read(peer, incoming) {
+            Ok(read) => return self.take_read(back, exchange, read, now),
+            Err(response) => response,
+        };
+        let (response, asked) = match self.stop_in(peer, bytes) {
+            // That it has halted is on record; that it was refused as well would be read as if it had not.
+            Some(stop) => {
+                self.asked.push_back((exchange, stop));
+                (halted(&response), None)
+            }
+            None => (response, asked),
+        };
+        // What cannot be understood and wants no acknowledgement is passed over (RFC 7252, section 5.4.1).
+        if back.kind == Kind::Non && response.code == Code::BAD_OPTION {
+            self.note(peer, asked, &response);
+            return self.exchanges.answered(back.key, &[]);
+        }
+        self.refuse(back, asked, response, None, now);
+    }
+
+    fn take_read(&mut self, back: Back, exchange: ExchangeId, mut read: Read, now: Now) {
+        if let Some(echo) = &read.echo {
+            self.guard.echoed(back.key.peer, echo, now.since_start);
+        }
+        let later = read.block2.filter(|block| read.block1.is_none() && block.number > 0 && !read.request.method.only_looks());
+        let is_stop = (self.is_stop)(&read.request);
+        if let Some(block) =
+            later.filter(|block| !is_stop || self.kept.is_next(&deed(&read.request, &[]), *block, now.since_start))
+        {
+            return self.read_on(back, &read, block, now);
+        }
+        if is_stop {
+            return self.ask(back, exchange, read, now);
+        }
+        if read.request.method == Method::Get && read.observe != Some(1) && self.observes_on(back, &read, now) {
+            return;
+        }
+        match self.whole(&mut read, now) {
+            Ok(true) => {}
+            Ok(false) => {
+                let more = read.block1.map(|block| Block { more: true, ..block });
+                return self.reply(back, &Response::new(Code::CONTINUE), more, now);
+            }
+            Err(response) => {
+                let asked = format!("{} {}", read.request.method.name(), read.request.path_text());
+                return self.refuse(back, Some(asked), response, read.block1, now);
+            }
+        }
+        let is_get = read.request.method == Method::Get;
+        if is_get && read.observe == Some(0) && !self.guard.is_proved(back.key.peer, now.since_start) {
+            return self.challenge(back, now);
+        }
+        self.ask(back, exchange, read, now);
+    }
+
+    /// Refuses what the application does not see; who asked for a change reads that first.
+    fn refuse(&mut self, back: Back, asked: Option<String>, response: Response, block1: Option<Block>, now: Now) {
+        let words = String::from_utf8_lossy(&response.body).into_owned();
+        let worded = if asked.is_some() { format!("refused: {words}").into_bytes().into() } else { Arc::clone(&response.body) };
+        self.note(back.key.peer, asked, &response);
+        self.reply(back, &Response { body: worded, ..response }, block1, now);
+    }
+
+    /// Notes for the record what somebody of this machine wanted to change.
+    fn note(&mut self, peer: SocketAddr, asked: Option<String>, response: &Response) {
+        let Some(asked) = asked.filter(|_| is_this_machine(peer.ip()) && self.refused.len() < REFUSED) else { return };
+        let words = String::from_utf8_lossy(&response.body).into_owned();
+        self.refused.push_back(Refusal { peer, asked, words });
+    }
+
+    /// Whether this was a further block of what a notification began, and is answered.
+    fn observes_on(&mut self, back: Back, read: &Read, now: Now) -> bool {
+        let Some(block) = read.block2.filter(|block| block.number > 0) else {
+            if read.observe.is_none() {
+                self.observers.read_anew(&read.request);
+            }
+            return false;
+        };
+        let Some(begun) = self.observers.read_on(&read.request, block, now.since_start) else { return false };
+        self.send_reply(back, &begun, &Shape { block2: Some(block), wants_size: read.wants_size, ..Shape::default() }, now);
+        true
+    }
+
+    /// Another block of the answer to what was done already.
+    fn read_on(&mut self, back: Back, read: &Read, block: Block, now: Now) {
+        let shape = Shape { block2: Some(block), wants_size: read.wants_size, ..Shape::default() };
+        if let Some(answer) = self.kept.read(&deed(&read.request, &[]), block, now.since_start) {
+            return self.send_reply(back, &answer, &shape, now);
+        }
+        let words = "there is no answer to read on: do it again, from its first block".to_owned();
+        self.reply(back, &Response::refusal(Code::INCOMPLETE, words), None, now);
+    }
+
+    /// Whether the whole body is there; it is in the request then.
+    fn whole(&mut self, read: &mut Read, now: Now) -> Result<bool, Response> {
+        let request = &mut read.request;
+        if request.payload.len() > BODY || read.size1.is_some_and(|size| size as usize > BODY) {
+            return Err(too_large());
+        }
+        let Some(block) = read.block1.filter(|_| request.method != Method::Get) else { return Ok(true) };
+        let key = deed(request, &read.request_tags);
+        match self.assemblies.take(key, block, &request.payload, now.since_start)? {
+            Taken::More => Ok(false),
+            Taken::Whole(body) => {
+                request.payload = body;
+                Ok(true)
+            }
+        }
+    }
+
+    /// Hands a request to the application.
+    fn ask(&mut self, back: Back, exchange: ExchangeId, read: Read, now: Now) {
+        let Read { request, etags, observe, block1, block2, wants_size, .. } = read;
+        let is_get = request.method == Method::Get;
+        let open = Open {
+            back,
+            is_acknowledged: false,
+            is_get,
+            observe,
+            request: (is_get && observe == Some(0)).then(|| Box::new(request.clone())),
+            deed: (!request.method.only_looks()).then(|| Box::new(deed(&request, &[]))),
+            etags,
+            block1: block1.filter(|_| !is_get),
+            block2,
+            wants_size,
+        };
+        self.open.insert(exchange, open);
+        if back.kind == Kind::Con {
+            self.patience.insert(exchange, now.since_start + PATIENCE);
+        }
+        if let Some((given_up, _)) = (self.open.len() > OPEN).then(|| self.open.pop_first()).flatten() {
+            self.patience.remove(&given_up);
+        }
+        self.asked.push_back((exchange, request));
+    }
+
+    /// The sender asks again while it is still being answered.
+    fn acknowledge_open(&mut self, back: Back, exchange: ExchangeId, now: Now) {
+        let Some(open) = self.open.get_mut(&exchange).filter(|_| back.kind == Kind::Con) else { return };
+        open.is_acknowledged = true;
+        self.patience.remove(&exchange);
+        let acknowledgement = empty(Kind::Ack, back.key.id);
+        // Should it be lost, the sender asks once more, perhaps when the answer has gone already.
+        self.exchanges.answered(back.key, &acknowledgement);
+        self.transmit(back.key.peer, acknowledgement, now);
+    }
+}
+
+/// A refusal of what was a STOP: whoever reads it must not think that nothing has halted.
+fn halted(response: &Response) -> Response {
+    let words = format!("refused: {HALTED}; {}", String::from_utf8_lossy(&response.body));
+    Response { body: words.into_bytes().into(), ..response.clone() }
+}
+
+/// By what the bodies of a request and of its answer are known, while they come and go in blocks.
+fn deed(request: &Request, tags: &[Vec<u8>]) -> BodyKey {
+    BodyKey {
+        peer: request.peer,
+        method: request.method,
+        path: request.path.clone(),
+        queries: request.queries.clone(),
+        tags: tags.to_vec(),
+    }
+}

@@ -1,0 +1,246 @@
+//! A CoAP server endpoint that knows no resource, socket or clock: datagrams in, requests out to an application, its answers back
+//! in, datagrams out (RFC 7252, 7641, 7959, 7967, 9175). What is at which path is the application's business.
+//!
+//! ```text
+//!   hear ─► queue (what waits, when more comes than is answered)
+//!             ▼
+//!   handle_datagram ─► message ─► guard ─► exchange ─► options ─► block ─► poll_request ─► the application
+//!   poll_transmit   ◄─ message ◄─ guard ◄─ exchange ◄─ reply ◄─ block ◄─ observe ◄─ handle_answer, handle_change
+//!                                            reliable ◄─┘ (what this side sends and wants acknowledged)
+//! ```
+
+use std::collections::{BTreeMap, VecDeque};
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use hashlink::LinkedHashMap;
+
+mod block;
+pub mod code;
+mod exchange;
+pub mod format;
+mod guard;
+mod hear;
+mod inward;
+mod kept;
+mod knowledge;
+mod lenient;
+pub mod limits;
+pub mod links;
+mod message;
+mod network;
+mod observe;
+mod options;
+mod outward;
+mod queue;
+mod reliable;
+mod reply;
+pub mod request;
+pub mod response;
+mod shares;
+mod subject;
+
+pub use hear::Backlog;
+pub use observe::SubjectId;
+pub use queue::Datagram;
+
+use self::block::{Assemblies, Block, BodyKey};
+use self::exchange::Exchanges;
+use self::guard::Guard;
+use self::inward::Back;
+use self::kept::Kept;
+use self::observe::Observers;
+use self::reliable::Reliable;
+use self::request::Request;
+use self::response::{Answer, Response, Tag};
+use hallsweep_core::rng::Stream;
+use hallsweep_core::units::Now;
+
+/// What whoever pressed STOP is told first, where his request is refused.
+pub const HALTED: &str = "halted all the same";
+
+/// A request that waits for the application's answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ExchangeId(u64);
+
+/// A datagram to be sent.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Transmit {
+    /// To whom.
+    pub peer: SocketAddr,
+    /// What.
+    pub bytes: Vec<u8>,
+}
+
+/// A request that was refused before the application saw it, and wanted to change something.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// Who sent it.
+    pub peer: SocketAddr,
+    /// What it asked for, as `POST /commands/start`.
+    pub asked: String,
+    /// What it was told.
+    pub words: String,
+}
+
+/// How much the endpoint remembers; every number has its bound in `limits`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Messages with their answers.
+    pub exchanges: usize,
+    /// Requests that wait for the application.
+    pub open: usize,
+    /// Observations.
+    pub observers: usize,
+    /// Bodies that are being put together.
+    pub assemblies: usize,
+    /// Answers that are kept to be read on.
+    pub kept: usize,
+    /// Messages that wait for an acknowledgement, or for their turn.
+    pub reliable: usize,
+    /// Addresses and networks beyond this machine, and peers that were given message ids.
+    pub peers: usize,
+}
+
+/// The endpoint.
+pub struct Endpoint {
+    guard: Guard,
+    exchanges: Exchanges,
+    assemblies: Assemblies,
+    kept: Kept,
+    reliable: Reliable,
+    observers: Observers,
+    open: BTreeMap<ExchangeId, Open>,
+    /// Those of them whose sender is to be told that the answer takes longer, each with when, in the order of their times.
+    patience: BTreeMap<ExchangeId, Duration>,
+    counted: u64,
+    /// The latest message id for each peer.
+    ids: LinkedHashMap<SocketAddr, u16>,
+    chance: Stream,
+    asked: VecDeque<(ExchangeId, Request)>,
+    refused: VecDeque<Refusal>,
+    is_stop: fn(&Request) -> bool,
+    out: VecDeque<Transmit>,
+}
+
+/// What must be known of a request when its answer comes.
+#[derive(Debug)]
+struct Open {
+    back: Back,
+    /// Whether its sender was told already that the answer comes separately.
+    is_acknowledged: bool,
+    is_get: bool,
+    observe: Option<u32>,
+    /// What is to be observed, for one who wants to.
+    request: Option<Box<Request>>,
+    /// By what its answer is kept when it does not fit into one message; `None` for one that only looks.
+    deed: Option<Box<BodyKey>>,
+    etags: Vec<Tag>,
+    block1: Option<Block>,
+    block2: Option<Block>,
+    wants_size: bool,
+}
+
+impl Endpoint {
+    /// An endpoint all of whose chance comes from this secret: message ids, the spread of times, proofs of addresses.
+    #[must_use]
+    pub fn new(secret: [u8; 32]) -> Endpoint {
+        let (seed, secret) = secret.split_at(8);
+        let seed = seed.iter().fold(0, |seed, byte| (seed << 8) | u64::from(*byte));
+        Endpoint {
+            guard: Guard::new(secret),
+            exchanges: Exchanges::default(),
+            assemblies: Assemblies::default(),
+            kept: Kept::default(),
+            reliable: Reliable::new(Stream::new(seed, "coap retransmission")),
+            observers: Observers::default(),
+            open: BTreeMap::new(),
+            patience: BTreeMap::new(),
+            counted: 0,
+            ids: LinkedHashMap::new(),
+            chance: Stream::new(seed, "coap message ids"),
+            asked: VecDeque::new(),
+            refused: VecDeque::new(),
+            is_stop: |_| false,
+            out: VecDeque::new(),
+        }
+    }
+
+    /// With requests that are handed over once each, whatever is wrong with them (safety S8): those that this finds to be a STOP
+    /// by who sent them, and by as much of their method, path and payload as can be read. One that has to be refused is handed
+    /// over and refused; what the application answers to it is not sent.
+    #[must_use]
+    pub fn with_stop(self, is_stop: fn(&Request) -> bool) -> Endpoint {
+        Endpoint { is_stop, ..self }
+    }
+
+    /// Takes the application's answer to a request, at once or whenever it comes.
+    pub fn handle_answer(&mut self, exchange: ExchangeId, answer: Answer, now: Now) {
+        self.patience.remove(&exchange);
+        if let Some(open) = self.open.remove(&exchange) {
+            self.answer(open, answer, now);
+        }
+    }
+
+    /// Takes what the observers of a subject are to see now; what has not changed is not sent.
+    pub fn handle_change(&mut self, subject: SubjectId, things: Vec<Arc<Response>>, now: Now) {
+        self.observers.change(subject, things, now.since_start);
+    }
+
+    /// Tells every observer that this is the end, and why.
+    pub fn close(&mut self, farewell: &Response) {
+        for (peer, token) in self.observers.clear() {
+            self.bid_farewell(peer, token, farewell);
+        }
+    }
+
+    /// Does what is due.
+    pub fn handle_timeout(&mut self, now: Now) {
+        self.acknowledge_slow(now);
+        self.repeat_late(now);
+        self.notify_due(now);
+    }
+
+    /// The next request for the application.
+    pub fn poll_request(&mut self) -> Option<(ExchangeId, Request)> {
+        self.asked.pop_front()
+    }
+
+    /// The next request that was refused before the application saw it, for the record.
+    pub fn poll_refused(&mut self) -> Option<Refusal> {
+        self.refused.pop_front()
+    }
+
+    /// The next datagram for the network.
+    pub fn poll_transmit(&mut self) -> Option<Transmit> {
+        self.out.pop_front()
+    }
+
+    /// When `handle_timeout` is to be called next, since the start.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Option<Duration> {
+        let slow = self.patience.first_key_value().map(|(_, due)| *due);
+        [slow, self.reliable.timeout(), self.observers.timeout()].into_iter().flatten().min()
+    }
+
+    /// Everything that is observed, each once, as its first observer asked for it.
+    #[must_use]
+    pub fn subjects(&self) -> Vec<(SubjectId, Arc<Request>)> {
+        self.observers.subjects()
+    }
+
+    /// How much is remembered.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        Counts {
+            exchanges: self.exchanges.count(),
+            open: self.open.len(),
+            observers: self.observers.count(),
+            assemblies: self.assemblies.count(),
+            kept: self.kept.count(),
+            reliable: self.reliable.count(),
+            peers: self.guard.count() + self.ids.len(),
+        }
+    }
+}
