@@ -2,6 +2,7 @@
 
 use std::net::SocketAddr;
 use std::sync::Arc;
+use std::time::Duration;
 
 use super::block::{Block, BodyKey, Taken, too_large};
 use super::code::{Code, Method};
@@ -15,7 +16,6 @@ use super::reply::Shape;
 use super::request::Request;
 use super::response::Response;
 use super::{Endpoint, ExchangeId, HALTED, Open, Refusal, lenient};
-use hallsweep_core::units::Now;
 
 /// Where an answer goes.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +36,7 @@ impl Back {
 
 impl Endpoint {
     /// Takes a datagram from the network.
-    pub fn handle_datagram(&mut self, peer: SocketAddr, bytes: &[u8], now: Now) {
+    pub fn handle_datagram(&mut self, peer: SocketAddr, bytes: &[u8], now: Duration) {
         self.guard.received(peer, bytes.len());
         match heard(bytes) {
             Heard::Nothing => {}
@@ -51,8 +51,8 @@ impl Endpoint {
     }
 
     /// What breaks the grammar is rejected, and may name a STOP all the same, each time that it is not a repetition.
-    fn take_senseless(&mut self, key: MessageKey, kind: Kind, bytes: &[u8], now: Now) {
-        let is_new = self.exchanges.known(key, now.since_start).is_none();
+    fn take_senseless(&mut self, key: MessageKey, kind: Kind, bytes: &[u8], now: Duration) {
+        let is_new = self.exchanges.known(key, now).is_none();
         if let Some(stop) = self.stop_in(key.peer, bytes).filter(|_| is_new) {
             let exchange = self.open_exchange(key, true, now);
             self.exchanges.answered(key, &[]);
@@ -68,27 +68,26 @@ impl Endpoint {
         lenient::requests(peer, bytes).find(self.is_stop)
     }
 
-    fn open_exchange(&mut self, key: MessageKey, acts: bool, now: Now) -> ExchangeId {
+    fn open_exchange(&mut self, key: MessageKey, acts: bool, now: Duration) -> ExchangeId {
         self.counted += 1;
         let exchange = ExchangeId(self.counted);
-        self.exchanges.open(key, exchange, acts, now.since_start);
+        self.exchanges.open(key, exchange, acts, now);
         exchange
     }
 
-    fn take_acknowledgement(&mut self, peer: SocketAddr, id: u16, now: Now) {
+    fn take_acknowledgement(&mut self, peer: SocketAddr, id: u16, now: Duration) {
         let Some((sent, once)) = self.reliable.settled(peer, id) else { return };
-        let at = now.since_start;
-        self.guard.heard_us(peer, at);
+        self.guard.heard_us(peer, now);
         if let About::Notification(observer, thing, version) = sent.about {
             // After a retransmission nobody knows which of the two was acknowledged (Karn's rule).
-            let away = once.then(|| at.saturating_sub(sent.first));
-            self.observers.acknowledged(observer, (thing, version), away, at);
+            let away = once.then(|| now.saturating_sub(sent.first));
+            self.observers.acknowledged(observer, (thing, version), away, now);
         }
         self.go_on(peer, now);
     }
 
     /// Somebody does not know what we are talking about: it observes no longer, or wants the answer no more.
-    fn take_rejection(&mut self, peer: SocketAddr, id: u16, now: Now) {
+    fn take_rejection(&mut self, peer: SocketAddr, id: u16, now: Duration) {
         let on_its_way = self.reliable.settled(peer, id).map(|(sent, _)| sent.about);
         let observer = match on_its_way {
             Some(About::Notification(observer, ..)) => Some(observer),
@@ -101,10 +100,10 @@ impl Endpoint {
         self.go_on(peer, now);
     }
 
-    fn take_request(&mut self, key: MessageKey, incoming: Incoming, bytes: &[u8], now: Now) {
+    fn take_request(&mut self, key: MessageKey, incoming: Incoming, bytes: &[u8], now: Duration) {
         let (peer, no_response) = (key.peer, options::no_response(&incoming.packet));
         let back = Back { key, kind: incoming.kind, token: incoming.token, no_response };
-        match self.exchanges.known(back.key, now.since_start).cloned() {
+        match self.exchanges.known(back.key, now).cloned() {
             Some(Known::Answered(datagram)) if datagram.is_empty() => return,
             Some(Known::Answered(datagram)) => {
                 self.transmit(peer, datagram, now);
@@ -113,7 +112,7 @@ impl Endpoint {
             Some(Known::Open(exchange)) => return self.acknowledge_open(back, exchange, now),
             None => {}
         }
-        if self.guard.is_too_much(peer, now.since_start) {
+        if self.guard.is_too_much(peer, now) {
             let words = "too many requests: wait a second".to_owned();
             let response = Response { max_age: Some(1), ..Response::refusal(Code::TOO_MANY_REQUESTS, words) };
             return self.reply(back, &response, None, now);
@@ -142,15 +141,13 @@ impl Endpoint {
         self.refuse(back, asked, response, None, now);
     }
 
-    fn take_read(&mut self, back: Back, exchange: ExchangeId, mut read: Read, now: Now) {
+    fn take_read(&mut self, back: Back, exchange: ExchangeId, mut read: Read, now: Duration) {
         if let Some(echo) = &read.echo {
-            self.guard.echoed(back.key.peer, echo, now.since_start);
+            self.guard.echoed(back.key.peer, echo, now);
         }
         let later = read.block2.filter(|block| read.block1.is_none() && block.number > 0 && !read.request.method.only_looks());
         let is_stop = (self.is_stop)(&read.request);
-        if let Some(block) =
-            later.filter(|block| !is_stop || self.kept.is_next(&deed(&read.request, &[]), *block, now.since_start))
-        {
+        if let Some(block) = later.filter(|block| !is_stop || self.kept.is_next(&deed(&read.request, &[]), *block, now)) {
             return self.read_on(back, &read, block, now);
         }
         if is_stop {
@@ -171,14 +168,14 @@ impl Endpoint {
             }
         }
         let is_get = read.request.method == Method::Get;
-        if is_get && read.observe == Some(0) && !self.guard.is_proved(back.key.peer, now.since_start) {
+        if is_get && read.observe == Some(0) && !self.guard.is_proved(back.key.peer, now) {
             return self.challenge(back, now);
         }
         self.ask(back, exchange, read, now);
     }
 
     /// Refuses what the application does not see; who asked for a change reads that first.
-    fn refuse(&mut self, back: Back, asked: Option<String>, response: Response, block1: Option<Block>, now: Now) {
+    fn refuse(&mut self, back: Back, asked: Option<String>, response: Response, block1: Option<Block>, now: Duration) {
         let words = String::from_utf8_lossy(&response.body).into_owned();
         let worded = if asked.is_some() { format!("refused: {words}").into_bytes().into() } else { Arc::clone(&response.body) };
         self.note(back.key.peer, asked, &response);
@@ -193,22 +190,22 @@ impl Endpoint {
     }
 
     /// Whether this was a further block of what a notification began, and is answered.
-    fn observes_on(&mut self, back: Back, read: &Read, now: Now) -> bool {
+    fn observes_on(&mut self, back: Back, read: &Read, now: Duration) -> bool {
         let Some(block) = read.block2.filter(|block| block.number > 0) else {
             if read.observe.is_none() {
                 self.observers.read_anew(&read.request);
             }
             return false;
         };
-        let Some(begun) = self.observers.read_on(&read.request, block, now.since_start) else { return false };
+        let Some(begun) = self.observers.read_on(&read.request, block, now) else { return false };
         self.send_reply(back, &begun, &Shape { block2: Some(block), wants_size: read.wants_size, ..Shape::default() }, now);
         true
     }
 
     /// Another block of the answer to what was done already.
-    fn read_on(&mut self, back: Back, read: &Read, block: Block, now: Now) {
+    fn read_on(&mut self, back: Back, read: &Read, block: Block, now: Duration) {
         let shape = Shape { block2: Some(block), wants_size: read.wants_size, ..Shape::default() };
-        if let Some(answer) = self.kept.read(&deed(&read.request, &[]), block, now.since_start) {
+        if let Some(answer) = self.kept.read(&deed(&read.request, &[]), block, now) {
             return self.send_reply(back, &answer, &shape, now);
         }
         let words = "there is no answer to read on: do it again, from its first block".to_owned();
@@ -216,14 +213,14 @@ impl Endpoint {
     }
 
     /// Whether the whole body is there; it is in the request then.
-    fn whole(&mut self, read: &mut Read, now: Now) -> Result<bool, Response> {
+    fn whole(&mut self, read: &mut Read, now: Duration) -> Result<bool, Response> {
         let request = &mut read.request;
         if request.payload.len() > BODY || read.size1.is_some_and(|size| size as usize > BODY) {
             return Err(too_large());
         }
         let Some(block) = read.block1.filter(|_| request.method != Method::Get) else { return Ok(true) };
         let key = deed(request, &read.request_tags);
-        match self.assemblies.take(key, block, &request.payload, now.since_start)? {
+        match self.assemblies.take(key, block, &request.payload, now)? {
             Taken::More => Ok(false),
             Taken::Whole(body) => {
                 request.payload = body;
@@ -233,7 +230,7 @@ impl Endpoint {
     }
 
     /// Hands a request to the application.
-    fn ask(&mut self, back: Back, exchange: ExchangeId, read: Read, now: Now) {
+    fn ask(&mut self, back: Back, exchange: ExchangeId, read: Read, now: Duration) {
         let Read { request, etags, observe, block1, block2, wants_size, .. } = read;
         let is_get = request.method == Method::Get;
         let open = Open {
@@ -250,7 +247,7 @@ impl Endpoint {
         };
         self.open.insert(exchange, open);
         if back.kind == Kind::Con {
-            self.patience.insert(exchange, now.since_start + PATIENCE);
+            self.patience.insert(exchange, now + PATIENCE);
         }
         if let Some((given_up, _)) = (self.open.len() > OPEN).then(|| self.open.pop_first()).flatten() {
             self.patience.remove(&given_up);
@@ -259,7 +256,7 @@ impl Endpoint {
     }
 
     /// The sender asks again while it is still being answered.
-    fn acknowledge_open(&mut self, back: Back, exchange: ExchangeId, now: Now) {
+    fn acknowledge_open(&mut self, back: Back, exchange: ExchangeId, now: Duration) {
         let Some(open) = self.open.get_mut(&exchange).filter(|_| back.kind == Kind::Con) else { return };
         open.is_acknowledged = true;
         self.patience.remove(&exchange);

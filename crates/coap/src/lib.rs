@@ -17,6 +17,7 @@ use std::time::Duration;
 use hashlink::LinkedHashMap;
 
 mod block;
+mod chance;
 pub mod code;
 mod exchange;
 pub mod format;
@@ -46,6 +47,7 @@ pub use observe::SubjectId;
 pub use queue::Datagram;
 
 use self::block::{Assemblies, Block, BodyKey};
+use self::chance::{Chance, Purpose};
 use self::exchange::Exchanges;
 use self::guard::Guard;
 use self::inward::Back;
@@ -54,8 +56,6 @@ use self::observe::Observers;
 use self::reliable::Reliable;
 use self::request::Request;
 use self::response::{Answer, Response, Tag};
-use hallsweep_core::rng::Stream;
-use hallsweep_core::units::Now;
 
 /// What whoever pressed STOP is told first, where his request is refused.
 pub const HALTED: &str = "halted all the same";
@@ -117,7 +117,7 @@ pub struct Endpoint {
     counted: u64,
     /// The latest message id for each peer.
     ids: LinkedHashMap<SocketAddr, u16>,
-    chance: Stream,
+    chance: Chance,
     asked: VecDeque<(ExchangeId, Request)>,
     refused: VecDeque<Refusal>,
     is_stop: fn(&Request) -> bool,
@@ -153,18 +153,25 @@ impl Endpoint {
             exchanges: Exchanges::default(),
             assemblies: Assemblies::default(),
             kept: Kept::default(),
-            reliable: Reliable::new(Stream::new(seed, "coap retransmission")),
+            reliable: Reliable::new(Chance::new(seed, Purpose::Spread)),
             observers: Observers::default(),
             open: BTreeMap::new(),
             patience: BTreeMap::new(),
             counted: 0,
             ids: LinkedHashMap::new(),
-            chance: Stream::new(seed, "coap message ids"),
+            chance: Chance::new(seed, Purpose::MessageIds),
             asked: VecDeque::new(),
             refused: VecDeque::new(),
             is_stop: |_| false,
             out: VecDeque::new(),
         }
+    }
+
+    /// With what the wall clock shows at `Duration::ZERO` of the time that is told, since the beginning of 1970. By it the numbers of
+    /// notifications go on from those before a restart, so that an observer takes none for an old one (RFC 7641, section 4.4).
+    #[must_use]
+    pub fn started_at(self, since_1970: Duration) -> Endpoint {
+        Endpoint { observers: Observers::new(since_1970), ..self }
     }
 
     /// With requests that are handed over once each, whatever is wrong with them (safety S8): those that this finds to be a STOP
@@ -176,7 +183,7 @@ impl Endpoint {
     }
 
     /// Takes the application's answer to a request, at once or whenever it comes.
-    pub fn handle_answer(&mut self, exchange: ExchangeId, answer: Answer, now: Now) {
+    pub fn handle_answer(&mut self, exchange: ExchangeId, answer: Answer, now: Duration) {
         self.patience.remove(&exchange);
         if let Some(open) = self.open.remove(&exchange) {
             self.answer(open, answer, now);
@@ -184,8 +191,8 @@ impl Endpoint {
     }
 
     /// Takes what the observers of a subject are to see now; what has not changed is not sent.
-    pub fn handle_change(&mut self, subject: SubjectId, things: Vec<Arc<Response>>, now: Now) {
-        self.observers.change(subject, things, now.since_start);
+    pub fn handle_change(&mut self, subject: SubjectId, things: Vec<Arc<Response>>, now: Duration) {
+        self.observers.change(subject, things, now);
     }
 
     /// Tells every observer that this is the end, and why.
@@ -196,7 +203,7 @@ impl Endpoint {
     }
 
     /// Does what is due.
-    pub fn handle_timeout(&mut self, now: Now) {
+    pub fn handle_timeout(&mut self, now: Duration) {
         self.acknowledge_slow(now);
         self.repeat_late(now);
         self.notify_due(now);

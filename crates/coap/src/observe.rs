@@ -23,7 +23,6 @@ use super::network::{Network, is_this_machine};
 use super::request::Request;
 use super::response::Response;
 use super::subject::{Subject, Target};
-use hallsweep_core::units::Now;
 
 /// One observation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -63,8 +62,8 @@ pub(super) struct Observers {
     by_peer: HashMap<SocketAddr, Vec<ObserverId>>,
     due: BTreeSet<(Duration, ObserverId)>,
     counted: u64,
-    /// The wall clock at the beginning, in milliseconds: sequences go on from there, also after a restart.
-    began_ms: Option<i64>,
+    /// The wall clock at the beginning, since 1970: sequences go on from there, also after a restart.
+    began: Duration,
 }
 
 #[derive(Debug)]
@@ -91,6 +90,12 @@ struct Observer {
 }
 
 impl Observers {
+    /// None yet; at the beginning of time as it is counted here, the wall clock shows so long since 1970.
+    #[must_use]
+    pub(super) fn new(began: Duration) -> Observers {
+        Observers { began, ..Observers::default() }
+    }
+
     /// How many observations there are.
     #[must_use]
     pub(super) fn count(&self) -> usize {
@@ -111,37 +116,36 @@ impl Observers {
         (request, token, exponent): (&Request, Token, u8),
         (shown, things): (&Arc<Response>, Vec<Arc<Response>>),
         is_sure: bool,
-        now: Now,
+        now: Duration,
     ) -> Option<u32> {
         if !self.has_room_for(request) {
             return None;
         }
         let subject = self.subject(request);
-        self.change(subject, things, now.since_start);
+        self.change(subject, things, now);
         self.counted += 1;
         let id = ObserverId(self.counted);
         let known = self.subjects.get_mut(&subject).expect("it was found or made just now");
         known.observers.insert(id);
-        let at = now.since_start;
         let mut observer = Observer {
             peer: request.peer,
             token,
             subject,
             exponent,
-            knowledge: Knowledge::of(&known.things, shown, is_sure, at),
+            knowledge: Knowledge::of(&known.things, shown, is_sure, now),
             begun: None,
             is_reading: false,
             ids: [None; 4],
             sequence: 0,
-            sent: at,
-            confirmed: at,
+            sent: now,
+            confirmed: now,
             away: None,
             due: None,
         };
         observer.begin(shown);
         self.observers.insert(id, observer);
         self.by_peer.entry(request.peer).or_default().push(id);
-        self.schedule(id, at);
+        self.schedule(id, now);
         self.sequence(id, now)
     }
 
@@ -164,7 +168,7 @@ impl Observers {
 
     /// Ends all observations, and says whose they were.
     pub(super) fn clear(&mut self) -> Vec<(SocketAddr, Token)> {
-        let gone = std::mem::take(self).observers;
+        let gone = std::mem::replace(self, Observers::new(self.began)).observers;
         gone.into_values().map(|observer| (observer.peer, observer.token)).collect()
     }
 
@@ -212,28 +216,27 @@ impl Observers {
     }
 
     /// What an observer is to be told.
-    pub(super) fn notification(&mut self, id: ObserverId, now: Now) -> Option<Notification> {
+    pub(super) fn notification(&mut self, id: ObserverId, now: Duration) -> Option<Notification> {
         let observer = self.observers.get(&id)?;
         let things = &self.subjects.get(&observer.subject)?.things;
-        let at = now.since_start;
-        let (thing, is_news) = match observer.knowledge.lack(things, at) {
+        let (thing, is_news) = match observer.knowledge.lack(things, now) {
             Some(Lack::News(thing)) => (thing, true),
             Some(Lack::Unsure(thing)) => (thing, false),
-            None if at >= observer.sent + REFRESH => (observer.knowledge.latest(), false),
+            None if now >= observer.sent + REFRESH => (observer.knowledge.latest(), false),
             None => return None,
         };
         let told = things.get(thing)?;
         let (response, version) = (Arc::clone(&told.response), told.version);
         let is_far = observer.away.is_none() && !is_this_machine(observer.peer.ip());
         let is_last = !response.code.is_success();
-        let confirm = !is_news || is_far || is_last || at >= observer.confirmed + CONFIRM_EVERY;
+        let confirm = !is_news || is_far || is_last || now >= observer.confirmed + CONFIRM_EVERY;
         let (peer, token, exponent) = (observer.peer, observer.token, observer.exponent);
         let sequence = if is_last { None } else { self.sequence(id, now) };
         Some(Notification { peer, token, response, thing, version, exponent, confirm, sequence })
     }
 
     /// The newest version of what a notification that is on its way tells of, when there is a newer one.
-    pub(super) fn newer(&mut self, id: ObserverId, thing: usize, version: u64, now: Now) -> Option<Notification> {
+    pub(super) fn newer(&mut self, id: ObserverId, thing: usize, version: u64, now: Duration) -> Option<Notification> {
         let observer = self.observers.get(&id)?;
         let newest = self.subjects.get(&observer.subject)?.things.get(thing).filter(|newest| newest.version > version)?;
         let (response, version) = (Arc::clone(&newest.response), newest.version);
@@ -358,11 +361,8 @@ impl Observers {
 
     /// The next number in the order of an observer's notifications: from the clock, 32 a millisecond, and always more than the
     /// one before. Numbers of a later start of the program follow those of an earlier one (RFC 7641, section 4.4).
-    fn sequence(&mut self, id: ObserverId, now: Now) -> Option<u32> {
-        let since_ms = i64::try_from(now.since_start.as_millis()).unwrap_or(i64::MAX);
-        let began = *self.began_ms.get_or_insert(now.wall.unix_ms.saturating_sub(since_ms));
-        #[expect(clippy::cast_sign_loss, reason = "only the order within minutes counts, and that is kept")]
-        let ticks = (began as u64).wrapping_mul(32).wrapping_add(u64::try_from(now.since_start.as_micros() * 4 / 125).ok()?);
+    fn sequence(&mut self, id: ObserverId, now: Duration) -> Option<u32> {
+        let ticks = u64::try_from((self.began + now).as_micros() * 4 / 125).ok()?;
         let observer = self.observers.get_mut(&id)?;
         observer.sequence = ticks.max(observer.sequence + 1);
         u32::try_from(observer.sequence & 0x00FF_FFFF).ok()

@@ -2,6 +2,7 @@
 
 use std::net::SocketAddr;
 use std::sync::Arc;
+use std::time::Duration;
 
 use super::block::Block;
 use super::code::Code;
@@ -13,11 +14,10 @@ use super::reliable::{About, Late, Sent};
 use super::reply::{self, Shape};
 use super::response::{Answer, Response};
 use super::{Endpoint, Open, Transmit};
-use hallsweep_core::units::Now;
 
 impl Endpoint {
     /// Answers a request with what the application said.
-    pub(super) fn answer(&mut self, mut open: Open, answer: Answer, now: Now) {
+    pub(super) fn answer(&mut self, mut open: Open, answer: Answer, now: Duration) {
         let observe = self.observe(&mut open, &answer, now);
         let is_shown = |thing: &&Arc<Response>| thing.body == answer.response.body;
         // What is observed is as fresh as a notification, which stays so until the next.
@@ -29,7 +29,7 @@ impl Endpoint {
         }
         let block = open.block2.unwrap_or(Block::FIRST);
         if let Some(deed) = open.deed.take().filter(|_| response.body.len() > block.size()) {
-            self.kept.keep(*deed, Arc::clone(&response), block, now.since_start);
+            self.kept.keep(*deed, Arc::clone(&response), block, now);
         }
         let Open { back, is_acknowledged, block1, block2, wants_size, .. } = open;
         let shape = Shape { block1, block2, wants_size, observe, echo: None };
@@ -38,7 +38,7 @@ impl Endpoint {
         }
         if back.is_wanted(response.code) {
             let mut message = reply::message(back.token, &response, &shape);
-            if !self.guard.has_room(back.key.peer, message.length(), now.since_start) {
+            if !self.guard.has_room(back.key.peer, message.length(), now) {
                 message = self.challenging(back, now);
             }
             self.send_separately(back.key.peer, message, now);
@@ -46,27 +46,27 @@ impl Endpoint {
     }
 
     /// Answers a request that the application does not see.
-    pub(super) fn reply(&mut self, back: Back, response: &Response, block1: Option<Block>, now: Now) {
+    pub(super) fn reply(&mut self, back: Back, response: &Response, block1: Option<Block>, now: Duration) {
         self.send_reply(back, response, &Shape { block1, ..Shape::default() }, now);
     }
 
     /// 4.01: prove first that you hear what is sent to your address (RFC 9175, section 2.3).
-    pub(super) fn challenge(&mut self, back: Back, now: Now) {
+    pub(super) fn challenge(&mut self, back: Back, now: Duration) {
         let (kind, id) = self.head_of_reply(back);
         let bytes = self.challenging(back, now).datagram(kind, id);
         self.exchanges.answered(back.key, &bytes);
         self.transmit(back.key.peer, bytes, now);
     }
 
-    fn challenging(&self, back: Back, now: Now) -> Outgoing {
-        let (peer, at) = (back.key.peer, now.since_start);
-        let shape = Shape { echo: Some(self.guard.echo(peer, at)), ..Shape::default() };
+    fn challenging(&self, back: Back, now: Duration) -> Outgoing {
+        let peer = back.key.peer;
+        let shape = Shape { echo: Some(self.guard.echo(peer, now)), ..Shape::default() };
         let message = |words: &str| {
             let response = Response::refusal(Code::UNAUTHORIZED, words.to_owned());
             reply::message(back.token, &response, &shape)
         };
         let worded = message("send the Echo option back");
-        if self.guard.has_room(peer, worded.length(), at) { worded } else { message("") }
+        if self.guard.has_room(peer, worded.length(), now) { worded } else { message("") }
     }
 
     /// An acknowledgement carries the answer to what wants one; any other answer is a message of its own.
@@ -91,7 +91,7 @@ impl Endpoint {
     }
 
     /// After a message is off its way: the next answer for this peer, else whatever its observers are to be told.
-    pub(super) fn go_on(&mut self, peer: SocketAddr, now: Now) {
+    pub(super) fn go_on(&mut self, peer: SocketAddr, now: Duration) {
         if self.reliable.is_busy(peer) {
             return;
         }
@@ -99,13 +99,13 @@ impl Endpoint {
             Some(message) => {
                 self.send_confirmable(peer, message, About::Answer, now);
             }
-            None => self.observers.wake(peer, now.since_start),
+            None => self.observers.wake(peer, now),
         }
     }
 
     /// Tells senders whose answer takes longer that it will come.
-    pub(super) fn acknowledge_slow(&mut self, now: Now) {
-        while let Some((exchange, _)) = self.patience.first_key_value().filter(|(_, due)| **due <= now.since_start) {
+    pub(super) fn acknowledge_slow(&mut self, now: Duration) {
+        while let Some((exchange, _)) = self.patience.first_key_value().filter(|(_, due)| **due <= now) {
             let exchange = *exchange;
             self.patience.remove(&exchange);
             let Some(open) = self.open.get_mut(&exchange) else { continue };
@@ -118,8 +118,8 @@ impl Endpoint {
     }
 
     /// Sends again what was not acknowledged in time, the newest state in the place of an older one.
-    pub(super) fn repeat_late(&mut self, now: Now) {
-        while let Some(late) = self.reliable.late(now.since_start) {
+    pub(super) fn repeat_late(&mut self, now: Duration) {
+        while let Some(late) = self.reliable.late(now) {
             match late {
                 Late::Again(peer, sent) => self.repeat(peer, sent, now),
                 Late::GivenUp(peer, sent) => {
@@ -135,15 +135,15 @@ impl Endpoint {
     }
 
     /// Tells every observer whose turn has come.
-    pub(super) fn notify_due(&mut self, now: Now) {
-        while let Some(observer) = self.observers.due(now.since_start) {
+    pub(super) fn notify_due(&mut self, now: Duration) {
+        while let Some(observer) = self.observers.due(now) {
             if let Some(notification) = self.observers.notification(observer, now) {
                 self.notify(observer, &notification, now);
             }
         }
     }
 
-    fn notify(&mut self, observer: ObserverId, notification: &Notification, now: Now) {
+    fn notify(&mut self, observer: ObserverId, notification: &Notification, now: Duration) {
         let peer = notification.peer;
         let on_its_way = self.reliable.about(peer);
         let is_its_own = matches!(on_its_way, Some(About::Notification(whose, ..)) if whose == observer);
@@ -159,14 +159,14 @@ impl Endpoint {
         if notification.confirm {
             let about = About::Notification(observer, notification.thing, notification.version);
             let id = self.send_confirmable(peer, message, about, now);
-            return self.observers.told(observer, notification, id, now.since_start);
+            return self.observers.told(observer, notification, id, now);
         }
         let id = self.next_id(peer);
         self.send_to_observer(peer, message.datagram(Kind::Non, id));
-        self.observers.told(observer, notification, id, now.since_start);
+        self.observers.told(observer, notification, id, now);
     }
 
-    fn repeat(&mut self, peer: SocketAddr, sent: Sent, now: Now) {
+    fn repeat(&mut self, peer: SocketAddr, sent: Sent, now: Duration) {
         let newer = match sent.about {
             About::Notification(observer, thing, version) => {
                 self.observers.newer(observer, thing, version, now).map(|newer| (observer, newer))
@@ -177,7 +177,7 @@ impl Endpoint {
         let id = self.next_id(peer);
         let bytes = message_of(&newer).datagram(Kind::Con, id);
         let about = if newer.sequence.is_some() {
-            self.observers.told(observer, &newer, id, now.since_start);
+            self.observers.told(observer, &newer, id, now);
             About::Notification(observer, newer.thing, newer.version)
         } else {
             self.observers.remove(observer);
@@ -188,7 +188,7 @@ impl Endpoint {
     }
 
     /// Begins or ends an observation, as the request asks; the number that goes with its answer.
-    fn observe(&mut self, open: &mut Open, answer: &Answer, now: Now) -> Option<u32> {
+    fn observe(&mut self, open: &mut Open, answer: &Answer, now: Duration) -> Option<u32> {
         let asks = open.observe.filter(|asks| open.is_get && *asks <= 1)?;
         let Back { key, kind, token, .. } = open.back;
         let peer = key.peer;
@@ -207,7 +207,7 @@ impl Endpoint {
         self.observers.register((&request, token, exponent), things, is_sure, now)
     }
 
-    pub(super) fn send_reply(&mut self, back: Back, response: &Response, shape: &Shape, now: Now) {
+    pub(super) fn send_reply(&mut self, back: Back, response: &Response, shape: &Shape, now: Duration) {
         if !back.is_wanted(response.code) {
             return self.say_nothing(back, now);
         }
@@ -226,7 +226,7 @@ impl Endpoint {
     }
 
     /// An answer that is not wanted: a message that asks for an acknowledgement gets that and no more.
-    fn say_nothing(&mut self, back: Back, now: Now) {
+    fn say_nothing(&mut self, back: Back, now: Duration) {
         if back.kind == Kind::Con {
             let acknowledgement = empty(Kind::Ack, back.key.id);
             self.exchanges.answered(back.key, &acknowledgement);
@@ -237,7 +237,7 @@ impl Endpoint {
     }
 
     /// Sends an answer in a message of its own, when its turn comes.
-    fn send_separately(&mut self, peer: SocketAddr, message: Outgoing, now: Now) {
+    fn send_separately(&mut self, peer: SocketAddr, message: Outgoing, now: Duration) {
         let is_busy = self.reliable.is_busy(peer);
         if !is_busy && !self.reliable.is_full() {
             self.send_confirmable(peer, message, About::Answer, now);
@@ -250,15 +250,15 @@ impl Endpoint {
         }
     }
 
-    fn send_confirmable(&mut self, peer: SocketAddr, message: Outgoing, about: About, now: Now) -> u16 {
+    fn send_confirmable(&mut self, peer: SocketAddr, message: Outgoing, about: About, now: Duration) -> u16 {
         let id = self.next_id(peer);
         let bytes = message.datagram(Kind::Con, id);
-        self.reliable.sent(peer, id, about, bytes.clone(), now.since_start);
+        self.reliable.sent(peer, id, about, bytes.clone(), now);
         self.send_about(peer, about, bytes, now);
         id
     }
 
-    fn send_about(&mut self, peer: SocketAddr, about: About, bytes: Vec<u8>, now: Now) {
+    fn send_about(&mut self, peer: SocketAddr, about: About, bytes: Vec<u8>, now: Duration) {
         match about {
             About::Notification(..) => self.send_to_observer(peer, bytes),
             About::Answer => {
@@ -273,8 +273,8 @@ impl Endpoint {
     }
 
     /// Puts a datagram on its way, if it may go there; whether it may.
-    pub(super) fn transmit(&mut self, peer: SocketAddr, bytes: Vec<u8>, now: Now) -> bool {
-        let may = self.guard.lets_out(peer, bytes.len(), now.since_start);
+    pub(super) fn transmit(&mut self, peer: SocketAddr, bytes: Vec<u8>, now: Duration) -> bool {
+        let may = self.guard.lets_out(peer, bytes.len(), now);
         if may {
             self.out.push_back(Transmit { peer, bytes });
         }
@@ -283,9 +283,7 @@ impl Endpoint {
 
     /// A message id that this peer has not seen for long: its own count, from a place of chance.
     fn next_id(&mut self, peer: SocketAddr) -> u16 {
-        let chance = &mut self.chance;
-        let first = || u16::try_from(chance.below(1 << 16)).unwrap_or_default();
-        let id = self.ids.entry(peer).or_insert_with(first);
+        let id = self.ids.entry(peer).or_insert_with(|| self.chance.number());
         *id = id.wrapping_add(1);
         let id = *id;
         self.ids.to_back(&peer);

@@ -5,10 +5,10 @@ use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::net::SocketAddr;
 use std::time::Duration;
 
+use super::chance::Chance;
 use super::limits::{ACK_SPREAD, ACK_TIMEOUT, LINES, MAX_RETRANSMIT, WAITING};
 use super::message::Outgoing;
 use super::observe::ObserverId;
-use hallsweep_core::rng::Stream;
 
 /// What a message is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +49,7 @@ pub(super) enum Late {
 pub(super) struct Reliable {
     lines: HashMap<SocketAddr, Line>,
     due: BTreeSet<(Duration, SocketAddr)>,
-    chance: Stream,
+    chance: Chance,
 }
 
 #[derive(Debug, Default)]
@@ -62,7 +62,7 @@ struct Line {
 impl Reliable {
     /// Nothing is on its way; the spread of the times comes from `chance`.
     #[must_use]
-    pub(super) fn new(chance: Stream) -> Reliable {
+    pub(super) fn new(chance: Chance) -> Reliable {
         Reliable { lines: HashMap::new(), due: BTreeSet::new(), chance }
     }
 
@@ -174,6 +174,7 @@ impl Reliable {
 
 #[cfg(test)]
 mod tests {
+    use super::super::chance::Purpose;
     use super::super::code::Code;
     use super::super::message::Token;
     use super::*;
@@ -187,7 +188,7 @@ mod tests {
     }
 
     fn reliable() -> Reliable {
-        Reliable::new(Stream::new(1, "test"))
+        Reliable::new(Chance::new(1, Purpose::Spread))
     }
 
     #[test]

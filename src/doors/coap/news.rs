@@ -10,7 +10,6 @@ use super::application::{self, Application};
 use crate::runtime::clock::Clock;
 use coap_endpoint::limits::PACE;
 use coap_endpoint::{Endpoint, response::Answer};
-use hallsweep_core::units::Now;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// Where it is learned.
@@ -36,7 +35,7 @@ impl News {
         if self.states.changed().await.is_err() {
             std::future::pending::<()>().await;
         }
-        self.next = Some(self.clock.now().since_start + PACE);
+        self.next = Some(self.clock.since_start() + PACE);
     }
 
     /// Says it once more when this answer is observed: it was looked up before, and may have changed since.
@@ -48,7 +47,7 @@ impl News {
 }
 
 /// Tells the endpoint what the observers of each subject see now.
-pub(super) fn tell(endpoint: &mut Endpoint, application: &impl Application, now: Now) {
+pub(super) fn tell(endpoint: &mut Endpoint, application: &impl Application, now: Duration) {
     application::changed(application);
     for (subject, request) in endpoint.subjects() {
         if let Some(things) = application::things(application, &request) {

@@ -13,7 +13,6 @@ use super::socket::{BATCH, Socket};
 use super::under_way::{Sort, UnderWay, busy};
 use crate::runtime::clock::Clock;
 use coap_endpoint::{Backlog, Datagram, Endpoint};
-use hallsweep_core::units::Now;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// So long requests under way are waited for at the end: within two seconds, with the HTTP door, which ends at the same time.
@@ -43,16 +42,16 @@ struct Driver<A> {
     clock: Clock,
 }
 
-/// Serves until `shutdown`, then waits shortly for what is under way.
+/// Serves until `shutdown`, then waits shortly for what is under way. All chance of the endpoint comes from `secret`.
 pub async fn serve<A: Application>(
     socket: Socket,
-    endpoint: Endpoint,
+    secret: [u8; 32],
     application: A,
     states: watch::Receiver<Arc<Snapshot>>,
     shutdown: impl Future<Output = ()>,
 ) {
     let clock = Clock::default();
-    let endpoint = endpoint.with_stop(A::IS_STOP);
+    let endpoint = Endpoint::new(secret).started_at(began(&clock)).with_stop(A::IS_STOP);
     let (under_way, backlog, sieve) = (UnderWay::default(), Backlog::new(A::IS_STOP), Sieve::new(A::STOP_WORDS));
     let mut driver = Driver { socket, endpoint, application, under_way, backlog, sieve, hearings: 0, clock };
     let mut news = News::of(states, clock);
@@ -64,14 +63,14 @@ pub async fn serve<A: Application>(
             () = &mut shutdown => break,
             Some((exchange, answer)) = driver.under_way.next() => {
                 news.again_for(&answer);
-                driver.endpoint.handle_answer(exchange, answer, clock.now());
+                driver.endpoint.handle_answer(exchange, answer, clock.since_start());
             }
-            () = clock.reach(due) => driver.endpoint.handle_timeout(clock.now()),
+            () = clock.reach(due) => driver.endpoint.handle_timeout(clock.since_start()),
             () = clock.reach(driver.sieve.due()) => driver.loosen(),
-            () = news.come() => news::tell(&mut driver.endpoint, &driver.application, clock.now()),
+            () = news.come() => news::tell(&mut driver.endpoint, &driver.application, clock.since_start()),
             () = async { if !is_behind { driver.socket.readable().await } } => driver.turn().await,
         }
-        driver.settle(clock.now());
+        driver.settle(clock.since_start());
     }
     let _ = tokio::time::timeout(GRACE, driver.finish()).await;
 }
@@ -103,8 +102,8 @@ impl<A: Application> Driver<A> {
     async fn answer_as_they_come(&mut self) -> bool {
         let until = self.clock.since_start() + TURN;
         for _ in 0..BATCH {
-            let now = self.clock.now();
-            if now.since_start > until {
+            let now = self.clock.since_start();
+            if now > until {
                 return false;
             }
             let Some((peer, bytes)) = self.socket.read().await else { return true };
@@ -160,13 +159,13 @@ impl<A: Application> Driver<A> {
     }
 
     fn answer(&mut self, (peer, bytes): &Datagram) {
-        let now = self.clock.now();
+        let now = self.clock.since_start();
         self.endpoint.handle_datagram(*peer, bytes, now);
         self.settle(now);
     }
 
     /// Takes requests to the application and datagrams to the network, until there are none. A command too many is not begun.
-    fn settle(&mut self, now: Now) {
+    fn settle(&mut self, now: Duration) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             let (sort, asked) = (Sort::of(request.method), &self.application);
             let is_full = self.under_way.is_full(sort) && !A::IS_STOP(&request);
@@ -190,12 +189,18 @@ impl<A: Application> Driver<A> {
 
     async fn finish(&mut self) {
         self.endpoint.close(&application::farewell());
-        self.settle(self.clock.now());
+        self.settle(self.clock.since_start());
         while let Some((exchange, answer)) = self.under_way.next().await {
-            self.endpoint.handle_answer(exchange, answer, self.clock.now());
-            self.settle(self.clock.now());
+            self.endpoint.handle_answer(exchange, answer, self.clock.since_start());
+            self.settle(self.clock.since_start());
         }
     }
+}
+
+/// What the wall clock showed when this one began, since 1970.
+fn began(clock: &Clock) -> Duration {
+    let now = clock.now();
+    Duration::from_millis(u64::try_from(now.wall.unix_ms).unwrap_or(0)).saturating_sub(now.since_start)
 }
 
 /// Whether what was heard in a turn that was not enough is more than anybody sends who means no harm. Few in a whole turn are none:

@@ -110,7 +110,7 @@ fn house() -> House {
         asked: Arc::clone(&asked),
         busy: Arc::clone(&busy),
     };
-    let door = tokio::spawn(serve(socket, Endpoint::new([7; 32]), application, states.subscribe(), async { drop(closed.await) }));
+    let door = tokio::spawn(serve(socket, [7; 32], application, states.subscribe(), async { drop(closed.await) }));
     House { address, states, go, unlucky, asked, busy, closing, door }
 }
 

@@ -102,11 +102,7 @@ mod tests {
     #[tokio::test]
     async fn looks_and_commands_have_places_of_their_own_and_beyond_all_of_them_nothing_is_waited_for() {
         let mut endpoint = Endpoint::new([7; 32]);
-        endpoint.handle_datagram(
-            ([127, 0, 0, 1], 1).into(),
-            b"\x40\x02\x00\x01\xB4take",
-            crate::runtime::clock::Clock::default().now(),
-        );
+        endpoint.handle_datagram(([127, 0, 0, 1], 1).into(), b"\x40\x02\x00\x01\xB4take", Duration::ZERO);
         let exchange = endpoint.poll_request().expect("it is one").0;
         let mut under_way = UnderWay::default();
         let mut begin = |sort, count: usize| {

@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use std::net::SocketAddr;
 use std::time::Duration;
 
+use crate::rig::chance::Chance;
 use coap_endpoint::code::Code;
 use coap_endpoint::limits;
-use hallsweep_core::rng::Stream;
 
 use crate::rig::bench::Bench;
 use crate::rig::each_seed;
@@ -31,14 +31,14 @@ const PATHS: [&str; 12] = [
 const OPTIONS: [u16; 20] = [1, 3, 4, 5, 6, 7, 8, 9, 11, 12, 14, 15, 17, 23, 27, 28, 35, 60, 252, 258];
 
 /// Who speaks: some here, some anywhere.
-fn peer(chance: &mut Stream) -> SocketAddr {
+fn peer(chance: &mut Chance) -> SocketAddr {
     let port = 40_000 + u16::try_from(chance.below(5)).unwrap();
     let last = u8::try_from(chance.below(5)).unwrap();
     if chance.happens(0.5) { ([127, 0, 0, 1 + last], port).into() } else { ([192, 0, 2, last], port).into() }
 }
 
-fn message(chance: &mut Stream, heard: &[Message]) -> Message {
-    let pick = |chance: &mut Stream, bound: usize| usize::try_from(chance.below(bound as u64)).unwrap();
+fn message(chance: &mut Chance, heard: &[Message]) -> Message {
+    let pick = |chance: &mut Chance, bound: usize| usize::try_from(chance.below(bound as u64)).unwrap();
     if !heard.is_empty() && chance.happens(0.3) {
         let kind = if chance.happens(0.7) { Kind::Ack } else { Kind::Rst };
         return Message::empty(kind, heard[pick(chance, heard.len())].id);
@@ -70,7 +70,7 @@ fn message(chance: &mut Stream, heard: &[Message]) -> Message {
 }
 
 /// Some of the bytes become others, or are missing, or are too many.
-fn spoilt(mut bytes: Vec<u8>, chance: &mut Stream) -> Vec<u8> {
+fn spoilt(mut bytes: Vec<u8>, chance: &mut Chance) -> Vec<u8> {
     for _ in 0..chance.below(4) {
         let place = usize::try_from(chance.below(bytes.len() as u64 + 1)).unwrap();
         match chance.below(3) {
@@ -91,7 +91,7 @@ struct Account {
 }
 
 fn cook(seed: u64) {
-    let mut chance = Stream::new(seed, "soup");
+    let mut chance = Chance::new(seed, "soup");
     let mut bench = Bench::seeded(seed);
     let mut heard: HashMap<SocketAddr, Vec<Message>> = HashMap::new();
     let mut accounts: HashMap<SocketAddr, Account> = HashMap::new();
@@ -146,7 +146,7 @@ fn a_soup_of_messages_harms_nothing() {
 #[test]
 fn bytes_by_chance_harm_nothing() {
     each_seed(20, |seed| {
-        let mut chance = Stream::new(seed, "bytes");
+        let mut chance = Chance::new(seed, "bytes");
         let mut bench = Bench::seeded(seed);
         for _ in 0..3_000 {
             let length = chance.below(40);

@@ -15,7 +15,6 @@ use crate::doors::coap::application::Application;
 use crate::doors::coap::resources::table::Table;
 use coap_endpoint::code::Code;
 use coap_endpoint::{Endpoint, Transmit};
-use hallsweep_core::units::{Now, Wall};
 
 /// A door: what comes to its socket, and the loop behind it.
 struct Door {
@@ -54,8 +53,7 @@ impl Door {
     /// Takes a datagram, and everything that follows from it; what is sent back.
     fn take(&mut self, peer: SocketAddr, bytes: &[u8]) -> Vec<Transmit> {
         self.now += Duration::from_millis(1);
-        let now = Now { since_start: self.now, wall: Wall { unix_ms: 1_770_000_000_000, offset_s: 0 } };
-        self.endpoint.handle_datagram(peer, bytes, now);
+        self.endpoint.handle_datagram(peer, bytes, self.now);
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             let resources = &self.house.resources;
             let answer = self.runtime.block_on(async {
@@ -64,7 +62,7 @@ impl Door {
                     Said::Later(answer) => answer.await,
                 }
             });
-            self.endpoint.handle_answer(exchange, answer, now);
+            self.endpoint.handle_answer(exchange, answer, self.now);
         }
         std::iter::from_fn(|| self.endpoint.poll_transmit()).collect()
     }

@@ -5,10 +5,9 @@ use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::time::Duration;
 
+use super::chance::Chance;
 use coap_endpoint::response::Answer;
 use coap_endpoint::{Backlog, Endpoint, ExchangeId};
-use hallsweep_core::rng::Stream;
-use hallsweep_core::units::{Now, Wall};
 
 use super::message::Message;
 use super::server::{Said, Server};
@@ -70,7 +69,7 @@ impl Bench {
 
     /// Puts a datagram in.
     pub(crate) fn deliver(&mut self, peer: SocketAddr, bytes: &[u8]) {
-        self.endpoint.handle_datagram(peer, bytes, self.time());
+        self.endpoint.handle_datagram(peer, bytes, self.now);
         self.pump();
         self.run_until(self.now);
     }
@@ -83,7 +82,7 @@ impl Bench {
     /// Lets the next of those that wait have their turn.
     pub(crate) fn take_turn(&mut self) {
         if let Some((peer, bytes)) = self.backlog.take() {
-            self.endpoint.handle_datagram(peer, &bytes, self.time());
+            self.endpoint.handle_datagram(peer, &bytes, self.now);
             self.pump();
         }
     }
@@ -144,7 +143,7 @@ impl Bench {
             assert!(circles < CIRCLES, "at {:?} the endpoint asks for {at:?} again and again", self.now);
             self.now = self.now.max(at);
             self.answer_later();
-            self.endpoint.handle_timeout(self.time());
+            self.endpoint.handle_timeout(self.now);
             self.pump();
         }
         self.now = self.now.max(end);
@@ -172,17 +171,12 @@ impl Bench {
         Vec::into_iter(its).map(|out: Out| Message::decoded(&out.bytes)).collect()
     }
 
-    fn time(&self) -> Now {
-        let unix_ms = i64::try_from(self.now.as_millis()).expect("simulated times are short");
-        Now { since_start: self.now, wall: Wall { unix_ms, offset_s: 0 } }
-    }
-
     /// Answers what is asked and collects what is sent, until nothing is left.
     fn pump(&mut self) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
             self.asked += 1;
             match self.server.answer(&request) {
-                Said::Now(answer) => self.endpoint.handle_answer(exchange, answer, self.time()),
+                Said::Now(answer) => self.endpoint.handle_answer(exchange, answer, self.now),
                 Said::Later(delay, answer) => drop(self.later.insert((self.now + delay, self.asked), (exchange, answer))),
             }
             self.tell_changes();
@@ -198,20 +192,20 @@ impl Bench {
         }
         for (subject, request) in self.endpoint.subjects() {
             let things = self.server.things(&request);
-            self.endpoint.handle_change(subject, things, self.time());
+            self.endpoint.handle_change(subject, things, self.now);
         }
     }
 
     fn answer_later(&mut self) {
         while let Some(first) = self.later.first_entry().filter(|entry| entry.key().0 <= self.now) {
             let (exchange, answer) = first.remove();
-            self.endpoint.handle_answer(exchange, answer, self.time());
+            self.endpoint.handle_answer(exchange, answer, self.now);
         }
     }
 }
 
 fn secret(seed: u64) -> [u8; 32] {
-    let mut chance = Stream::new(seed, "secret");
+    let mut chance = Chance::new(seed, "secret");
     let mut secret = [0; 32];
     secret.chunks_mut(8).for_each(|chunk| chunk.copy_from_slice(&chance.number().to_le_bytes()));
     secret

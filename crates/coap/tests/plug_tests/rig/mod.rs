@@ -2,6 +2,7 @@
 //! Everything runs in simulated time; a failure prints the seed it happened with. No case is tested here.
 
 pub(crate) mod bench;
+pub(crate) mod chance;
 pub(crate) mod client;
 pub(crate) mod message;
 pub(crate) mod network;

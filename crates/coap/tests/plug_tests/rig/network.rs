@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use hallsweep_core::rng::Stream;
+use super::chance::Chance;
 
 /// What may become of a datagram, either way.
 #[derive(Clone, Copy, Debug)]
@@ -41,14 +41,14 @@ pub(crate) struct Datagram {
 /// All datagrams on their way.
 pub(crate) struct Network {
     pub(crate) weather: Weather,
-    chance: Stream,
+    chance: Chance,
     flying: BTreeMap<(Duration, u64), Datagram>,
     counted: u64,
 }
 
 impl Network {
     pub(crate) fn new(seed: u64, weather: Weather) -> Network {
-        Network { weather, chance: Stream::new(seed, "network"), flying: BTreeMap::new(), counted: 0 }
+        Network { weather, chance: Chance::new(seed, "network"), flying: BTreeMap::new(), counted: 0 }
     }
 
     /// Sends a datagram off.

@@ -9,8 +9,8 @@ use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::net::SocketAddr;
 use std::time::Duration;
 
+use crate::rig::chance::Chance;
 use coap_endpoint::code::{Code, Method};
-use hallsweep_core::rng::Stream;
 
 use super::message::{Kind, Message, option};
 use ask::Ask;
@@ -35,7 +35,7 @@ pub(crate) struct Client {
     /// What messages of the endpoint were answered with, as they may come again.
     replies: HashMap<u16, (Duration, Kind)>,
     out: VecDeque<Message>,
-    chance: Stream,
+    chance: Chance,
     next_id: u16,
     next_token: u32,
     /// When something is to be done next; kept, as it is asked for often.
@@ -44,7 +44,7 @@ pub(crate) struct Client {
 
 impl Client {
     pub(crate) fn new(address: SocketAddr, seed: u64) -> Client {
-        let mut chance = Stream::new(seed, &format!("client {address}"));
+        let mut chance = Chance::new(seed, &format!("client {address}"));
         let next_id = u16::try_from(chance.below(1 << 16)).expect("16 bits");
         Client {
             address,
