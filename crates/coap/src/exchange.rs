@@ -141,7 +141,7 @@ mod tests {
     fn another_message_under_the_same_id_is_another_message() {
         let mut exchanges = Exchanges::default();
         exchanges.open(key(1), ExchangeId(1), true, Duration::ZERO);
-        let other = MessageKey::of(key(1).peer, 1, b"stop");
+        let other = MessageKey::of(key(1).peer, 1, b"other");
         assert_eq!(exchanges.known(other, Duration::ZERO), None);
     }
 
@@ -157,7 +157,7 @@ mod tests {
         assert_eq!(exchanges.count(), EXCHANGES + 1);
     }
 
-    /// Safety S4, A5: from another address, and from another program at the same.
+    /// Neither from another address nor from another program at the same: what was forgotten would act twice.
     #[test]
     fn nobodys_flood_of_acts_makes_those_of_another_forgotten() {
         for flood in ["127.0.0.7:1", "127.0.0.1:2"] {

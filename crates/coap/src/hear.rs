@@ -1,37 +1,37 @@
-//! Hearing without answering, for when more comes than is answered: what has come waits in the order in which it is taken, a STOP
-//! before all else. What a datagram means is `inward`'s business; sockets are not here.
+//! Hearing without answering, for when more comes than is answered: what has come waits in the order in which it is taken,
+//! urgent requests before all else. What a datagram means is `inward`'s business; sockets are not here.
 
 use std::net::SocketAddr;
 
-use super::limits::{COMMANDS_WAITING, LOOKS_WAITING, SIGNS_WAITING, STOPS_WAITING};
+use super::limits::{COMMANDS_WAITING, LOOKS_WAITING, SIGNS_WAITING, URGENT_WAITING};
 use super::queue::{Datagram, Queue};
 use super::request::Request;
 use super::{lenient, message};
 
 /// What was heard and waits to be taken.
 pub struct Backlog {
-    is_stop: fn(&Request) -> bool,
-    stops: Queue,
+    is_urgent: fn(&Request) -> bool,
+    urgent: Queue,
     commands: Queue,
     /// Acknowledgements, rejections and what else asks for nothing.
     signs: Queue,
     looks: Queue,
-    /// How often one was taken that is no STOP: those of the three kinds take turns.
+    /// How often one was taken that is not urgent: those of the three kinds take turns.
     turns: usize,
 }
 
 impl Backlog {
-    /// Room for what comes; `is_stop` says which requests are a STOP, as in `Endpoint::with_stop`.
+    /// Room for what comes; `is_urgent` says which requests are urgent, as in `Endpoint::with_stop`.
     #[must_use]
-    pub fn new(is_stop: fn(&Request) -> bool) -> Backlog {
-        let [stops, commands] = [STOPS_WAITING, COMMANDS_WAITING].map(Queue::of);
+    pub fn new(is_urgent: fn(&Request) -> bool) -> Backlog {
+        let [urgent, commands] = [URGENT_WAITING, COMMANDS_WAITING].map(Queue::of);
         let [signs, looks] = [SIGNS_WAITING, LOOKS_WAITING].map(Queue::of);
-        Backlog { is_stop, stops, commands, signs, looks, turns: 0 }
+        Backlog { is_urgent, urgent, commands, signs, looks, turns: 0 }
     }
 
-    /// Keeps a datagram, or loses it when its sender has more there than is left for others (safety S9). A STOP is taken before all
-    /// else, but for the commands that came before it, of which one could else set in motion what it has halted (safety S1): that
-    /// goes for a STOP that is lost too, in whose place those that wait halt.
+    /// Keeps a datagram, or loses it when its sender has more there than is left for others: nobody's flood keeps out another. An
+    /// urgent request is taken before all else, but for the commands that came before it, of which one could else undo what it has
+    /// done: that goes for an urgent request that is lost too, in whose place those that wait take effect.
     pub fn hear(&mut self, peer: SocketAddr, bytes: &[u8]) {
         let Some(code) = message::asks(bytes) else {
             if message::is_of_this_version(bytes) {
@@ -41,8 +41,8 @@ impl Backlog {
         };
         if !lenient::acts(code) {
             self.looks.push(peer, bytes);
-        } else if lenient::requests(peer, bytes).any(|request| (self.is_stop)(&request)) {
-            self.stops.push(peer, bytes);
+        } else if lenient::requests(peer, bytes).any(|request| (self.is_urgent)(&request)) {
+            self.urgent.push(peer, bytes);
             self.commands.put_first();
         } else {
             self.commands.push(peer, bytes);
@@ -52,22 +52,22 @@ impl Backlog {
     /// Whether nothing waits.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        [&self.stops, &self.commands, &self.signs, &self.looks].into_iter().all(Queue::is_empty)
+        [&self.urgent, &self.commands, &self.signs, &self.looks].into_iter().all(Queue::is_empty)
     }
 
-    /// Whether a STOP waits, or a command that is to be taken before one.
+    /// Whether an urgent request waits, or a command that is to be taken before one.
     #[must_use]
-    pub fn is_urgent(&self) -> bool {
-        self.commands.has_first() || !self.stops.is_empty()
+    pub fn has_urgent(&self) -> bool {
+        self.commands.has_first() || !self.urgent.is_empty()
     }
 
-    /// The next STOP that waits, after the commands that came before it.
+    /// The next urgent request that waits, after the commands that came before it.
     pub fn take_urgent(&mut self) -> Option<Datagram> {
-        self.commands.next_first().or_else(|| self.stops.next())
+        self.commands.next_first().or_else(|| self.urgent.next())
     }
 
-    /// The next to be taken. No command that came after a STOP is taken before it, but for those that a further STOP follows: that halts
-    /// what they begin.
+    /// The next to be taken. No command that came after an urgent request is taken before it, but for those that a further urgent
+    /// request follows, which then takes effect after them.
     pub fn take(&mut self) -> Option<Datagram> {
         if let Some(urgent) = self.take_urgent() {
             return Some(urgent);

@@ -15,7 +15,7 @@ use super::reliable::About;
 use super::reply::Shape;
 use super::request::Request;
 use super::response::Response;
-use super::{Endpoint, ExchangeId, HALTED, Open, Refusal, lenient};
+use super::{Endpoint, ExchangeId, Open, Refusal, lenient};
 
 /// Where an answer goes.
 #[derive(Clone, Copy, Debug)]
@@ -50,22 +50,22 @@ impl Endpoint {
         }
     }
 
-    /// What breaks the grammar is rejected, and may name a STOP all the same, each time that it is not a repetition.
+    /// What breaks the grammar is rejected, and may ask for something urgent all the same, each time that it is not a repetition.
     fn take_senseless(&mut self, key: MessageKey, kind: Kind, bytes: &[u8], now: Duration) {
         let is_new = self.exchanges.known(key, now).is_none();
-        if let Some(stop) = self.stop_in(key.peer, bytes).filter(|_| is_new) {
+        if let Some(urgent) = self.urgent_in(key.peer, bytes).filter(|_| is_new) {
             let exchange = self.open_exchange(key, true, now);
             self.exchanges.answered(key, &[]);
-            self.asked.push_back((exchange, stop));
+            self.asked.push_back((exchange, urgent));
         }
         if kind == Kind::Con {
             self.transmit(key.peer, empty(Kind::Rst, key.id), now);
         }
     }
 
-    /// The STOP that a datagram names, whatever else is wrong with it.
-    pub(super) fn stop_in(&self, peer: SocketAddr, bytes: &[u8]) -> Option<Request> {
-        lenient::requests(peer, bytes).find(self.is_stop)
+    /// The urgent request in a datagram, whatever else is wrong with it.
+    pub(super) fn urgent_in(&self, peer: SocketAddr, bytes: &[u8]) -> Option<Request> {
+        lenient::requests(peer, bytes).find(self.is_urgent)
     }
 
     fn open_exchange(&mut self, key: MessageKey, acts: bool, now: Duration) -> ExchangeId {
@@ -125,11 +125,12 @@ impl Endpoint {
             Ok(read) => return self.take_read(back, exchange, read, now),
             Err(response) => response,
         };
-        let (response, asked) = match self.stop_in(peer, bytes) {
-            // That it has halted is on record; that it was refused as well would be read as if it had not.
-            Some(stop) => {
-                self.asked.push_back((exchange, stop));
-                (halted(&response), None)
+        let (response, asked) = match self.urgent_in(peer, bytes) {
+            // What it did is for the record; that it was refused as well would be read as if it had done nothing.
+            Some(urgent) => {
+                self.asked.push_back((exchange, urgent));
+                let words = format!("refused: {}; {}", self.took_effect, String::from_utf8_lossy(&response.body));
+                (Response { body: words.into_bytes().into(), ..response }, None)
             }
             None => (response, asked),
         };
@@ -146,11 +147,11 @@ impl Endpoint {
             self.guard.echoed(back.key.peer, echo, now);
         }
         let later = read.block2.filter(|block| read.block1.is_none() && block.number > 0 && !read.request.method.only_looks());
-        let is_stop = (self.is_stop)(&read.request);
-        if let Some(block) = later.filter(|block| !is_stop || self.kept.is_next(&deed(&read.request, &[]), *block, now)) {
+        let is_urgent = (self.is_urgent)(&read.request);
+        if let Some(block) = later.filter(|block| !is_urgent || self.kept.is_next(&deed(&read.request, &[]), *block, now)) {
             return self.read_on(back, &read, block, now);
         }
-        if is_stop {
+        if is_urgent {
             return self.ask(back, exchange, read, now);
         }
         if read.request.method == Method::Get && read.observe != Some(1) && self.observes_on(back, &read, now) {
@@ -265,12 +266,6 @@ impl Endpoint {
         self.exchanges.answered(back.key, &acknowledgement);
         self.transmit(back.key.peer, acknowledgement, now);
     }
-}
-
-/// A refusal of what was a STOP: whoever reads it must not think that nothing has halted.
-fn halted(response: &Response) -> Response {
-    let words = format!("refused: {HALTED}; {}", String::from_utf8_lossy(&response.body));
-    Response { body: words.into_bytes().into(), ..response.clone() }
 }
 
 /// By what the bodies of a request and of its answer are known, while they come and go in blocks.

@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn whoever_was_shown_one_thing_is_told_the_others() {
         let thing = |words: &str| Thing { response: Arc::new(Response::refusal(Code::CONTENT, words.to_owned())), version: 1 };
-        let things = [thing("robot"), thing("map"), thing("luggage")];
+        let things = [thing("robot"), thing("map"), thing("lamp")];
         let mut knowledge = Knowledge::of(&things, &things[1].response, true, Duration::ZERO);
         assert_eq!(order(&mut knowledge, &things), [0, 2]);
     }

@@ -1,5 +1,5 @@
-//! What a datagram asks for, as far as it can be read: for requests that a strict reader refuses, because they may name a STOP, which
-//! halts whatever is wrong with it (safety S8). Which request is a STOP is the application's business; how it is refused, `inward`'s.
+//! What a datagram asks for, as far as it can be read: for requests that a strict reader refuses, because one may be urgent, which
+//! takes effect whatever is wrong with it. Which request is urgent is the application's business; how it is refused, `inward`'s.
 
 use std::iter;
 use std::net::SocketAddr;
@@ -133,18 +133,18 @@ mod tests {
         requests(peer(), bytes).any(|request| request.path == path && request.payload == payload)
     }
 
-    const STOP: [(u16, &[u8]); 2] = [(URI_PATH, b"commands"), (URI_PATH, b"stop")];
+    const URGENT: [(u16, &[u8]); 2] = [(URI_PATH, b"commands"), (URI_PATH, b"stop")];
     const PATH: [&str; 2] = ["commands", "stop"];
 
     #[test]
     fn what_is_sound_is_read_as_it_is() {
-        let options = [STOP[0], STOP[1], (15, &b"id=1"[..]), (2049, &[0; 300])];
+        let options = [URGENT[0], URGENT[1], (15, &b"id=1"[..]), (2049, &[0; 300])];
         assert!(reads(&message(2, b"tokn", &options, b"body"), &PATH, b"body"));
     }
 
     #[test]
     fn a_path_is_read_whatever_breaks_the_grammar_behind_it() {
-        let sound = message(2, b"", &STOP, b"");
+        let sound = message(2, b"", &URGENT, b"");
         for broken in
             [&b"\xFF"[..], b"\xF0", b"\x0F", b"\xD0", b"\xE0\x00", b"\x45abc", b"\x0E\xFF\xFF", b"\xE0\xFF\xFF\xE0\xFF\xFF"]
         {
@@ -158,14 +158,14 @@ mod tests {
     fn a_token_of_any_length_is_passed_over() {
         for bits in 0..16_u8 {
             for token in [0, 3, 8, usize::from(bits)] {
-                let mut bytes = message(2, b"", &STOP, b"");
+                let mut bytes = message(2, b"", &URGENT, b"");
                 bytes[0] |= bits;
                 bytes.splice(4..4, vec![0x33; token]);
                 assert!(reads(&bytes, &PATH, b""), "{bits} said, {token} there");
             }
         }
         let long = |bits: u8, length: &[u8], token: usize| {
-            let mut bytes = message(2, b"", &STOP, b"");
+            let mut bytes = message(2, b"", &URGENT, b"");
             bytes[0] |= bits;
             bytes.splice(4..4, [length, &vec![0x33; token]].concat());
             bytes
@@ -188,32 +188,32 @@ mod tests {
         for address in ["coap://host:5683/commands/stop", "coap://host//commands/stop/?a=/b#c", "/commands/stop"] {
             assert!(reads(&message(2, b"t", &[(PROXY_URI, address.as_bytes())], b"h"), &PATH, b"h"), "{address}");
         }
-        assert!(reads(&message(2, b"", &[STOP[0], STOP[1], (PROXY_URI, b"coap://host/map")], b""), &PATH, b""));
+        assert!(reads(&message(2, b"", &[URGENT[0], URGENT[1], (PROXY_URI, b"coap://host/map")], b""), &PATH, b""));
         for none in ["coap://commands", "coap://host/", "", "?/commands/stop"] {
             assert_eq!(requests(peer(), &message(2, b"", &[(PROXY_URI, none.as_bytes())], b"")).count(), 0, "{none}");
         }
     }
 
-    /// Safety S7.
+    /// What comes in one datagram must not hold up others.
     #[test]
     fn no_more_than_so_many_options_are_read() {
         let many = message(2, b"", &[(URI_PATH, &b""[..]); 60_000], b"");
         assert!(requests(peer(), &many).all(|request| request.path.len() <= OPTIONS));
-        let behind = [[(1, &b"x"[..]); 100].as_slice(), &STOP].concat();
+        let behind = [[(1, &b"x"[..]); 100].as_slice(), &URGENT].concat();
         assert!(reads(&message(2, b"", &behind, b""), &PATH, b""));
     }
 
-    /// Safety S7.
+    /// For the same reason.
     #[test]
     fn of_a_long_payload_no_more_is_read_than_a_body_may_have() {
-        let long = message(2, b"", &STOP, &[b'x'; 60_000]);
+        let long = message(2, b"", &URGENT, &[b'x'; 60_000]);
         assert!(requests(peer(), &long).count() > 0 && requests(peer(), &long).all(|request| request.payload.len() <= BODY));
     }
 
     #[test]
     fn what_only_looks_and_what_is_no_request_is_not_read() {
         for code in 0..=255 {
-            let count = requests(peer(), &message(code, b"", &STOP, b"")).count();
+            let count = requests(peer(), &message(code, b"", &URGENT, b"")).count();
             assert_eq!(count > 0, code < 32 && code != 1 && code != 5, "{code}");
         }
         for short in [&b""[..], b"\x40", b"\x40\x02", b"\x40\x02\x00"] {

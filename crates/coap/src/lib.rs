@@ -57,9 +57,6 @@ use self::reliable::Reliable;
 use self::request::Request;
 use self::response::{Answer, Response, Tag};
 
-/// What whoever pressed STOP is told first, where his request is refused.
-pub const HALTED: &str = "halted all the same";
-
 /// A request that waits for the application's answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ExchangeId(u64);
@@ -120,7 +117,9 @@ pub struct Endpoint {
     chance: Chance,
     asked: VecDeque<(ExchangeId, Request)>,
     refused: VecDeque<Refusal>,
-    is_stop: fn(&Request) -> bool,
+    is_urgent: fn(&Request) -> bool,
+    /// What the sender of an urgent request reads first that is refused.
+    took_effect: &'static str,
     out: VecDeque<Transmit>,
 }
 
@@ -162,7 +161,8 @@ impl Endpoint {
             chance: Chance::new(seed, Purpose::MessageIds),
             asked: VecDeque::new(),
             refused: VecDeque::new(),
-            is_stop: |_| false,
+            is_urgent: |_| false,
+            took_effect: "",
             out: VecDeque::new(),
         }
     }
@@ -174,12 +174,12 @@ impl Endpoint {
         Endpoint { observers: Observers::new(since_1970), ..self }
     }
 
-    /// With requests that are handed over once each, whatever is wrong with them (safety S8): those that this finds to be a STOP
-    /// by who sent them, and by as much of their method, path and payload as can be read. One that has to be refused is handed
-    /// over and refused; what the application answers to it is not sent.
+    /// With urgent requests: those that must take effect whatever is wrong with them. They are handed over once each; `is_urgent`
+    /// knows them by who sent them, and by as much of their method, path and payload as can be read. One that has to be refused is
+    /// handed over and refused: what the application answers to it is not sent, and the refusal says first that it `took_effect`.
     #[must_use]
-    pub fn with_stop(self, is_stop: fn(&Request) -> bool) -> Endpoint {
-        Endpoint { is_stop, ..self }
+    pub fn with_urgent(self, is_urgent: fn(&Request) -> bool, took_effect: &'static str) -> Endpoint {
+        Endpoint { is_urgent, took_effect, ..self }
     }
 
     /// Takes the application's answer to a request, at once or whenever it comes.

@@ -60,7 +60,7 @@ pub const OBSERVERS_OF_A_NETWORK: usize = 256;
 /// The most bytes of path and query of something that is observed, which are kept as long as it is.
 pub const TARGET: usize = 256;
 
-/// The least time between two notifications of one observation: nobody who watches a robot needs more than fifty a second.
+/// The least time between two notifications of one observation: nobody who watches needs more than fifty a second.
 pub const PACE: Duration = Duration::from_millis(20);
 
 /// And between two notifications of one peer, whatever it observes: message ids have 16 bits and may not come again within
@@ -102,13 +102,13 @@ pub const PROVED: Duration = Duration::from_secs(3600);
 /// How old the Echo may be that proves an address (RFC 9175, section 2.4).
 pub const ECHO_AGE: Duration = Duration::from_secs(60);
 
-/// When more comes than is answered, so many bytes of commands wait for their turn: all of them are taken before a STOP that came
-/// after them, and that must not take long.
+/// When more comes than is answered, so many bytes of commands wait for their turn: all of them are taken before an urgent request
+/// that came after them, and that must not take long.
 pub const COMMANDS_WAITING: usize = 128 * 1024;
 
-/// And so many bytes of STOPs, so that one of 64 KiB leaves more than it takes to others: when these are full the robot is halted
-/// all the time, and a further one is lost.
-pub const STOPS_WAITING: usize = 256 * 1024;
+/// And so many bytes of urgent requests, so that one of 64 KiB leaves more than it takes to others: when these are full one takes
+/// effect all the time, and a further one is lost.
+pub const URGENT_WAITING: usize = 256 * 1024;
 
 /// And so many bytes of acknowledgements and rejections: every observer there may be acknowledges at once.
 pub const SIGNS_WAITING: usize = 1024 * 1024;

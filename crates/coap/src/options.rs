@@ -233,7 +233,7 @@ mod tests {
     fn options_say_what_they_say() {
         let block: u32 = (5000 << 4) | 6;
         let options: [(u16, &[u8]); 8] = [
-            (URI_PATH, b"luggage"),
+            (URI_PATH, b"lamps"),
             (URI_PATH, b"3"),
             (URI_QUERY, b"a=b"),
             (IF_MATCH, b""),
@@ -243,7 +243,7 @@ mod tests {
             (BLOCK2, &block.to_be_bytes()[1..]),
         ];
         let read = read_of(&options);
-        assert_eq!(read.request.path_text(), "/luggage/3");
+        assert_eq!(read.request.path_text(), "/lamps/3");
         assert_eq!((read.request.accept, read.observe), (Some(Format::CBOR), Some(0)));
         assert_eq!(read.request.conditions.if_match, [None]);
         assert_eq!(read.etags, [Tag::new(b"t").unwrap()]);

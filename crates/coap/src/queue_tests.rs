@@ -64,7 +64,6 @@ fn what_is_put_first_goes_before_what_comes_later_and_has_its_room_until_it_goes
     assert_eq!(queue.left, 90 * COST);
 }
 
-/// Safety S9, A5.
 #[test]
 fn a_flood_loses_its_own_and_takes_neither_the_room_nor_the_turn_of_others() {
     for floods in 1..20 {
@@ -79,7 +78,7 @@ fn a_flood_loses_its_own_and_takes_neither_the_room_nor_the_turn_of_others() {
     }
 }
 
-/// Safety S9: whoever has an address has all its ports, and whoever has one of a /64 has them all.
+/// Whoever has an address has all its ports, and whoever has one of a /64 has them all.
 #[test]
 fn a_crowd_of_ports_of_one_address_takes_neither_the_room_nor_the_turn_of_another() {
     let crowds: [fn(u16) -> SocketAddr; 3] = [
@@ -102,7 +101,6 @@ fn a_crowd_of_ports_of_one_address_takes_neither_the_room_nor_the_turn_of_anothe
     }
 }
 
-/// Safety A5.
 #[test]
 fn no_more_is_kept_than_there_is_room_for() {
     let mut queue = Queue::of(100_000);

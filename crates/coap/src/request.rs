@@ -38,7 +38,7 @@ pub struct Conditions {
 }
 
 impl Request {
-    /// The path as text, as `/luggage/3`.
+    /// The path as text, as `/lamps/3`.
     #[must_use]
     pub fn path_text(&self) -> String {
         if self.path.is_empty() { "/".to_owned() } else { self.path.iter().map(|segment| format!("/{segment}")).collect() }

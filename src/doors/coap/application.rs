@@ -11,6 +11,9 @@ use coap_endpoint::code::Code;
 use coap_endpoint::request::Request;
 use coap_endpoint::response::{Answer, Response};
 
+/// What whoever pressed STOP is told first, where his request is refused.
+pub(super) const HALTED: &str = "halted all the same";
+
 /// What the application says to a request.
 pub enum Said {
     /// The answer.

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
-use super::application::{self, Application, Said};
+use super::application::{self, Application, HALTED, Said};
 use super::news::{self, News};
 use super::sieve::{Heard, Sieve};
 use super::socket::{BATCH, Socket};
@@ -51,7 +51,7 @@ pub async fn serve<A: Application>(
     shutdown: impl Future<Output = ()>,
 ) {
     let clock = Clock::default();
-    let endpoint = Endpoint::new(secret).started_at(began(&clock)).with_stop(A::IS_STOP);
+    let endpoint = Endpoint::new(secret).started_at(began(&clock)).with_urgent(A::IS_STOP, HALTED);
     let (under_way, backlog, sieve) = (UnderWay::default(), Backlog::new(A::IS_STOP), Sieve::new(A::STOP_WORDS));
     let mut driver = Driver { socket, endpoint, application, under_way, backlog, sieve, hearings: 0, clock };
     let mut news = News::of(states, clock);
@@ -79,7 +79,7 @@ impl<A: Application> Driver<A> {
     /// Takes what has come, but not for long. When more comes than is answered, it hears first, so that a STOP is found behind
     /// whatever others send (safety S1, S7).
     async fn turn(&mut self) {
-        if self.backlog.is_urgent() {
+        if self.backlog.has_urgent() {
             // Nothing is heard meanwhile: what came after a STOP would be taken before the STOPs that wait, were another heard
             // behind it.
             self.answer_urgent();

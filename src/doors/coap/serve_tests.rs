@@ -325,7 +325,7 @@ fn driver() -> (Driver<Obedient>, SocketAddr) {
     let application = Obedient { states, go, unlucky, asked: Arc::default(), busy: Arc::default() };
     let driver = Driver {
         socket: Socket::new(bound).unwrap(),
-        endpoint: Endpoint::new([7; 32]).with_stop(Obedient::IS_STOP),
+        endpoint: Endpoint::new([7; 32]).with_urgent(Obedient::IS_STOP, HALTED),
         application,
         under_way: UnderWay::default(),
         backlog: Backlog::new(Obedient::IS_STOP),

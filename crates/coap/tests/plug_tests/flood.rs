@@ -17,14 +17,15 @@ fn flooder(n: u16) -> SocketAddr {
     SocketAddr::from(([127, 0, 0, 2], 10_000 + n))
 }
 
-fn is_stop(request: &Request) -> bool {
+fn is_urgent(request: &Request) -> bool {
     request.peer.ip().is_loopback() && !request.method.only_looks() && request.path == ["stop"]
 }
 
 fn bench() -> Bench {
     let mut bench = Bench::new();
-    bench.endpoint = std::mem::replace(&mut bench.endpoint, Bench::seeded(2).endpoint).with_stop(is_stop);
-    bench.backlog = Backlog::new(is_stop);
+    bench.endpoint =
+        std::mem::replace(&mut bench.endpoint, Bench::seeded(2).endpoint).with_urgent(is_urgent, "it took effect all the same");
+    bench.backlog = Backlog::new(is_urgent);
     bench
 }
 
@@ -33,9 +34,8 @@ fn asked(bench: &Bench) -> Vec<String> {
     bench.server.asked.iter().map(|request| format!("{} {}", request.method.name(), request.path_text())).collect()
 }
 
-/// Safety S1, S7, S8.
 #[test]
-fn a_stop_behind_thousands_of_looks_is_acted_on_before_any_of_them_is_answered() {
+fn an_urgent_request_behind_thousands_of_looks_is_acted_on_before_any_of_them_is_answered() {
     let stop = || Message::con(Method::Post, 1).path("/stop");
     let half = [stop().encoded(), b"\xF0".to_vec()].concat();
     let long_token = [b"\x4F\x02\x00\x01".to_vec(), stop().encoded()[4..].to_vec()].concat();
@@ -54,9 +54,9 @@ fn a_stop_behind_thousands_of_looks_is_acted_on_before_any_of_them_is_answered()
     }
 }
 
-/// Safety S8: whatever follows its path, and be it as much as a datagram holds.
+/// Whatever follows its path, and be it as much as a datagram holds.
 #[test]
-fn a_stop_as_long_as_a_datagram_can_be_is_acted_on_in_a_flood() {
+fn an_urgent_request_as_long_as_a_datagram_can_be_is_acted_on_in_a_flood() {
     let mut bench = bench();
     (0..10_000).for_each(|id| bench.hear(flooder(id % 3), &Message::get("/test", id).encoded()));
     let mut stop = Message::con(Method::Post, 1).path("/stop").payload([b'x'; 65_507]).encoded();
@@ -66,9 +66,9 @@ fn a_stop_as_long_as_a_datagram_can_be_is_acted_on_in_a_flood() {
     assert_eq!(asked(&bench), ["POST /stop"]);
 }
 
-/// Safety S1: one of them could set in motion what the STOP has halted.
+/// One of them could undo what the urgent request has done.
 #[test]
-fn commands_that_came_before_a_stop_are_taken_before_it_and_those_that_came_after_it_later() {
+fn commands_that_came_before_an_urgent_request_are_taken_before_it_and_those_that_came_after_it_later() {
     let mut bench = bench();
     let put = |path: &str, id| Message::con(Method::Put, id).path(path).payload("x").encoded();
     for (n, path) in ["/test", "/create1", "/create2"].iter().enumerate() {
@@ -82,9 +82,9 @@ fn commands_that_came_before_a_stop_are_taken_before_it_and_those_that_came_afte
     assert_eq!(asked(&bench)[120..], ["POST /stop", "PUT /create3", "GET /test"]);
 }
 
-/// Safety S1: nobody hinders another's STOP with his own, and a command goes before a STOP only if it came before it.
+/// Nobody hinders another's urgent request with his own, and a command goes before one only if it came before it.
 #[test]
-fn a_flood_of_stops_loses_its_own_and_no_command_overtakes_a_stop_that_waits() {
+fn a_flood_of_urgent_requests_loses_its_own_and_no_command_overtakes_one_that_waits() {
     let mut bench = bench();
     let stop = |id| Message::con(Method::Post, id).path("/stop").encoded();
     for id in 0..10_000 {
@@ -100,9 +100,9 @@ fn a_flood_of_stops_loses_its_own_and_no_command_overtakes_a_stop_that_waits() {
     assert!((300..1_000).contains(&asked.len()), "{} of them are kept", asked.len());
 }
 
-/// Safety S1: the STOPs that wait halt in the place of one that is lost.
+/// Those that wait take effect in the place of one that is lost.
 #[test]
-fn no_command_that_came_before_a_stop_without_room_acts_later_than_the_stops_that_wait() {
+fn no_command_that_came_before_an_urgent_request_without_room_acts_later_than_those_that_wait() {
     let mut bench = bench();
     let stop = |id| Message::con(Method::Post, id).path("/stop").encoded();
     let put = |path: &str, id| Message::con(Method::Put, id).path(path).payload("x").encoded();
@@ -117,9 +117,8 @@ fn no_command_that_came_before_a_stop_without_room_acts_later_than_the_stops_tha
     assert!(asked[1..asked.len() - 1].iter().all(|asked| asked == "POST /stop"));
 }
 
-/// Safety S1, S8.
 #[test]
-fn what_is_no_stop_waits_for_its_turn() {
+fn what_is_not_urgent_waits_for_its_turn() {
     let mut bench = bench();
     let put = |path: &str, id| Message::con(Method::Put, id).path(path).payload("x").encoded();
     bench.hear(here(), &put("/create1", 1));
@@ -140,7 +139,6 @@ fn what_is_no_stop_waits_for_its_turn() {
     assert_eq!(asked(&bench), ["GET /test", "GET /stop", "FETCH /stop"]);
 }
 
-/// Safety S9.
 #[test]
 fn whatever_peers_flood_the_request_of_another_has_its_turn() {
     let floods: [Flood; 6] = [
@@ -173,7 +171,7 @@ fn whatever_peers_flood_the_request_of_another_has_its_turn() {
     }
 }
 
-/// Safety S9: of one address, or of one network of IPv6.
+/// Of one address, or of one network of IPv6.
 #[test]
 fn a_crowd_of_ports_of_one_address_does_not_push_out_the_request_of_another() {
     let crowds: [fn(u16) -> SocketAddr; 2] = [flooder, |n| SocketAddr::from(([0x2001, 0xdb8, 0, 0, n, 0, 0, 1], 5683))];
@@ -221,9 +219,8 @@ fn acknowledgements_and_rejections_wait_behind_no_request() {
     assert_eq!(bench.endpoint.counts().observers, 0);
 }
 
-/// Safety A6.
 #[test]
-fn every_command_that_a_stop_overtakes_in_a_flood_is_noted_when_it_is_refused() {
+fn every_command_that_an_urgent_request_overtakes_in_a_flood_is_noted_when_it_is_refused() {
     let mut bench = bench();
     for id in 0..300 {
         bench.hear(flooder(id % 30), &Message::con(Method::Put, id).path("/test").with(option::PROXY_URI, b"coap://x").encoded());

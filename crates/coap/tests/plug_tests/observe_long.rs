@@ -25,7 +25,7 @@ fn heard(bench: &mut Bench) -> Vec<String> {
     texts
 }
 
-/// A reset takes the luggage away; the next mission's must not be taken for the last one's.
+/// What comes back must not be taken for what was there before.
 #[test]
 fn a_thing_that_went_away_and_comes_back_is_told() {
     let mut bench = Bench::new();
@@ -74,7 +74,6 @@ fn who_is_gone_keeps_no_place_although_nothing_changes() {
     assert_eq!(bench.endpoint.counts().observers, 0);
 }
 
-/// Safety A5.
 #[test]
 fn strangers_leave_places_to_this_machine() {
     let mut bench = Bench::new();

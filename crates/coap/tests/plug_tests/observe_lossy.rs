@@ -91,13 +91,13 @@ fn of_several_things_each_arrives_at_last_though_others_change_all_the_time() {
                     server.set_model(1, &format!("map {turn}"));
                 }
                 if turn == 30 {
-                    server.set_model(2, "luggage 1");
+                    server.set_model(2, "lamp 1");
                 }
             });
         }
         scene.wait(Duration::from_secs(200));
         let states = scene.clients[0].states(&token).join("\n");
-        for last in ["robot 200", "map 200", "luggage 1"] {
+        for last in ["robot 200", "map 200", "lamp 1"] {
             assert!(states.contains(last), "{last} never arrived");
         }
     });

@@ -184,9 +184,9 @@ fn a_client_that_has_the_state_already_registers_with_2_03() {
 fn several_things_are_told_each_when_it_changed_and_in_their_order() {
     let mut bench = Bench::new();
     let first = observe(&mut bench, "/model", b"m");
-    assert_eq!(first.text(), "robot 0\nmap 0\nluggage 0");
+    assert_eq!(first.text(), "robot 0\nmap 0\nlamp 0");
     let said = bench.wait_ms(200);
-    assert_eq!(said.iter().map(Message::text).collect::<Vec<_>>(), ["robot 0", "map 0", "luggage 0"], "none was shown alone");
+    assert_eq!(said.iter().map(Message::text).collect::<Vec<_>>(), ["robot 0", "map 0", "lamp 0"], "none was shown alone");
     bench.change(|server| server.set_model(1, "map 1"));
     let said = bench.wait_ms(200);
     assert_eq!(said.iter().map(Message::text).collect::<Vec<_>>(), ["map 1"]);
@@ -198,7 +198,7 @@ fn several_things_are_told_each_when_it_changed_and_in_their_order() {
 }
 
 #[test]
-fn luggage_is_not_hidden_by_a_robot_and_a_map_that_change_all_the_time() {
+fn a_lamp_is_not_hidden_by_a_robot_and_a_map_that_change_all_the_time() {
     let mut bench = Bench::new();
     observe(&mut bench, "/model", b"m");
     let mut waited = None;
@@ -207,12 +207,12 @@ fn luggage_is_not_hidden_by_a_robot_and_a_map_that_change_all_the_time() {
             server.set_model(0, &format!("robot {turn}"));
             server.set_model(1, &format!("map {turn}"));
             if turn == 250 {
-                server.set_model(2, "luggage 1");
+                server.set_model(2, "lamp 1");
             }
         });
         let said = bench.wait_ms(10);
         acknowledge(&mut bench, &said);
-        if said.iter().any(|message| message.text() == "luggage 1") {
+        if said.iter().any(|message| message.text() == "lamp 1") {
             waited.get_or_insert(turn - 250);
         }
     }
@@ -220,10 +220,10 @@ fn luggage_is_not_hidden_by_a_robot_and_a_map_that_change_all_the_time() {
 }
 
 #[test]
-fn luggage_that_was_lost_on_its_way_is_told_again_with_an_acknowledgement() {
+fn a_lamp_that_was_lost_on_its_way_is_told_again_with_an_acknowledgement() {
     let mut bench = Bench::new();
     observe(&mut bench, "/model", b"m");
-    bench.change(|server| server.set_model(2, "luggage 1"));
+    bench.change(|server| server.set_model(2, "lamp 1"));
     bench.wait_ms(100);
     let mut seen = Vec::new();
     for turn in 0..100 {
@@ -232,7 +232,7 @@ fn luggage_that_was_lost_on_its_way_is_told_again_with_an_acknowledgement() {
         acknowledge(&mut bench, &said);
         seen.extend(said);
     }
-    let again = seen.iter().find(|message| message.text() == "luggage 1");
+    let again = seen.iter().find(|message| message.text() == "lamp 1");
     assert_eq!(again.map(|message| message.kind), Some(Kind::Con), "while the robot goes on moving");
 }
 

@@ -11,7 +11,6 @@ fn block(number: u32, more: bool) -> Block {
     (number, more, 0)
 }
 
-/// Safety A6.
 #[test]
 fn a_refused_change_says_so_and_is_for_the_record() {
     let cases = [
@@ -46,14 +45,14 @@ fn no_more_refusals_wait_than_there_is_room_for() {
     assert_eq!(noted, limits::REFUSED);
 }
 
-/// Safety S1, S8.
 #[test]
-fn a_stop_is_handed_over_whatever_is_wrong_with_its_body() {
-    fn is_stop(request: &Request) -> bool {
+fn an_urgent_request_is_handed_over_whatever_is_wrong_with_its_body() {
+    fn is_urgent(request: &Request) -> bool {
         request.path == ["stop"]
     }
     let mut bench = Bench::new();
-    bench.endpoint = std::mem::replace(&mut bench.endpoint, Bench::seeded(2).endpoint).with_stop(is_stop);
+    bench.endpoint =
+        std::mem::replace(&mut bench.endpoint, Bench::seeded(2).endpoint).with_urgent(is_urgent, "it took effect all the same");
     let stop = |id| Message::con(Method::Post, id).path("/stop");
     for request in [
         stop(1).block1(block(0, true)).payload([b'x'; 16]),

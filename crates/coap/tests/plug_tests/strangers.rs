@@ -202,7 +202,6 @@ fn a_stranger_that_observes_is_told_at_the_pace_of_its_distance() {
     assert_eq!(con.text(), "seen 1");
 }
 
-/// Safety S9, A5.
 #[test]
 fn strangers_drive_out_no_body_of_this_machine_and_no_memory_of_what_it_did() {
     let mut bench = Bench::new();

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::super::application::HALTED;
 use super::shows;
 use super::table::Row;
 use crate::api::concise_problem;
@@ -11,7 +12,6 @@ use crate::api::problem::ProblemJson;
 use crate::runtime::archive::Unreadable;
 use crate::runtime::carry_out::NotDone;
 use crate::runtime::handle::Gone;
-use coap_endpoint::HALTED;
 use coap_endpoint::code::{Code, Method};
 use coap_endpoint::format::Format;
 use coap_endpoint::request::Request;

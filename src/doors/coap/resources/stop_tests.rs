@@ -11,7 +11,7 @@ use super::super::testing::{House, house};
 use super::*;
 use crate::access::Need;
 use crate::api::fixture::searching;
-use crate::doors::coap::application::Application;
+use crate::doors::coap::application::{Application, HALTED};
 use crate::doors::coap::resources::table::Table;
 use coap_endpoint::code::Code;
 use coap_endpoint::{Endpoint, Transmit};
@@ -46,7 +46,7 @@ impl Door {
     fn new() -> Door {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().unwrap();
         let house = runtime.block_on(async { house(searching()) });
-        let endpoint = Endpoint::new([7; 32]).with_stop(Resources::IS_STOP);
+        let endpoint = Endpoint::new([7; 32]).with_urgent(Resources::IS_STOP, HALTED);
         Door { endpoint, house, runtime, now: Duration::from_secs(100) }
     }
 

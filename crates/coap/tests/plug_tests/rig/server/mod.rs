@@ -34,7 +34,7 @@ pub(crate) enum Said {
 pub(crate) struct Server {
     /// What is at which path.
     pub(crate) things: BTreeMap<String, Thing>,
-    /// What `/model` shows: robot, map, luggage; one that is empty is not there.
+    /// What `/model` shows: robot, map, lamp; one that is empty is not there.
     pub(crate) model: [String; 3],
     /// How long `/separate` takes.
     pub(crate) slow: Duration,
@@ -66,7 +66,7 @@ impl Server {
         ];
         Server {
             things: things.map(|(path, thing)| (path.to_owned(), thing)).into(),
-            model: ["robot 0", "map 0", "luggage 0"].map(str::to_owned),
+            model: ["robot 0", "map 0", "lamp 0"].map(str::to_owned),
             slow: SLOW,
             slow_observable: false,
             asked: Vec::new(),
