@@ -18,9 +18,9 @@ use hashlink::LinkedHashMap;
 
 mod block;
 mod chance;
-pub mod code;
+mod code;
 mod exchange;
-pub mod format;
+mod format;
 mod guard;
 mod hear;
 mod inward;
@@ -28,7 +28,7 @@ mod kept;
 mod knowledge;
 mod lenient;
 pub mod limits;
-pub mod links;
+mod links;
 mod message;
 mod network;
 mod observe;
@@ -37,14 +37,19 @@ mod outward;
 mod queue;
 mod reliable;
 mod reply;
-pub mod request;
-pub mod response;
+mod request;
+mod response;
 mod shares;
 mod subject;
 
+pub use code::{Code, Method};
+pub use format::Format;
 pub use hear::Backlog;
+pub use links::{Link, listed};
 pub use observe::SubjectId;
 pub use queue::Datagram;
+pub use request::{Conditions, Request};
+pub use response::{Answer, Response, Tag};
 
 use self::block::{Assemblies, Block, BodyKey};
 use self::chance::{Chance, Purpose};
@@ -54,8 +59,6 @@ use self::inward::Back;
 use self::kept::Kept;
 use self::observe::Observers;
 use self::reliable::Reliable;
-use self::request::Request;
-use self::response::{Answer, Response, Tag};
 
 /// A request that waits for the application's answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -27,16 +27,16 @@ pub const OPEN: usize = 4096;
 
 /// An answer that takes longer than this comes separately, after an empty acknowledgement: well before the sender asks again
 /// after two seconds.
-pub const PATIENCE: Duration = Duration::from_millis(500);
+pub(super) const PATIENCE: Duration = Duration::from_millis(500);
 
 /// A message that wants an acknowledgement is sent again after this,
 pub const ACK_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// or up to half as much longer, by chance, so that not all who lost something repeat it at once,
-pub const ACK_SPREAD: f64 = 0.5;
+pub(super) const ACK_SPREAD: f64 = 0.5;
 
 /// then after twice as long, and so on, so many times.
-pub const MAX_RETRANSMIT: u32 = 4;
+pub(super) const MAX_RETRANSMIT: u32 = 4;
 
 /// Separate answers that wait for the one before to be acknowledged, for one peer; more are sent without.
 pub const WAITING: usize = 32;
@@ -58,37 +58,37 @@ pub const OBSERVERS_BEYOND: usize = 1024;
 pub const OBSERVERS_OF_A_NETWORK: usize = 256;
 
 /// The most bytes of path and query of something that is observed, which are kept as long as it is.
-pub const TARGET: usize = 256;
+pub(super) const TARGET: usize = 256;
 
 /// The least time between two notifications of one observation: nobody who watches needs more than fifty a second.
 pub const PACE: Duration = Duration::from_millis(20);
 
 /// And between two notifications of one peer, whatever it observes: message ids have 16 bits and may not come again within
 /// `EXCHANGE_LIFETIME`, which leaves 265 a second.
-pub const PACE_OF_A_PEER: Duration = Duration::from_millis(5);
+pub(super) const PACE_OF_A_PEER: Duration = Duration::from_millis(5);
 
 /// The same as `PACE` for a peer that is not on this machine, as long as nobody knows how far away it is (RFC 7641, section 4.5.1).
-pub const PACE_UNKNOWN: Duration = Duration::from_secs(3);
+pub(super) const PACE_UNKNOWN: Duration = Duration::from_secs(3);
 
 /// So long an observer is left to read on what came to it in several blocks, before it is told what has become of it since: else
 /// a slow reader of what changes all the time would never come to an end of anything. Who has read it is told at once.
-pub const READING: Duration = Duration::from_secs(1);
+pub(super) const READING: Duration = Duration::from_secs(1);
 
 /// Notifications that go out at once; the next ones follow a millisecond later, so that neither our buffers nor a reader's
 /// overflow.
-pub const BURST: usize = 32;
+pub(super) const BURST: usize = 32;
 
 /// When a thing has not changed for so long since it was told without acknowledgement, it is told with one. It is longer than a
 /// second because much changes every second, and an acknowledgement that is lost then holds up what comes after it.
-pub const SETTLED: Duration = Duration::from_millis(1500);
+pub(super) const SETTLED: Duration = Duration::from_millis(1500);
 
 /// Who observes what does not change is told it again, with a wish for an acknowledgement, before the 60 seconds of Max-Age are
 /// over: so it knows that it is not out of date, and who is gone does not keep a place.
-pub const REFRESH: Duration = Duration::from_secs(50);
+pub(super) const REFRESH: Duration = Duration::from_secs(50);
 
 /// While it changes all the time, so often an acknowledgement is asked for all the same, and those who are gone are found out.
 /// RFC 7641, section 4.5, asks for one a day.
-pub const CONFIRM_EVERY: Duration = Duration::from_secs(30);
+pub(super) const CONFIRM_EVERY: Duration = Duration::from_secs(30);
 
 /// To an address that has not proved to be the sender's go at most so many times the bytes that came from it.
 pub const AMPLIFICATION: usize = 3;
@@ -97,33 +97,33 @@ pub const AMPLIFICATION: usize = 3;
 pub const PEERS: usize = 4096;
 
 /// How long a proved address counts as proved.
-pub const PROVED: Duration = Duration::from_secs(3600);
+pub(super) const PROVED: Duration = Duration::from_secs(3600);
 
 /// How old the Echo may be that proves an address (RFC 9175, section 2.4).
-pub const ECHO_AGE: Duration = Duration::from_secs(60);
+pub(super) const ECHO_AGE: Duration = Duration::from_secs(60);
 
 /// When more comes than is answered, so many bytes of commands wait for their turn: all of them are taken before an urgent request
 /// that came after them, and that must not take long.
-pub const COMMANDS_WAITING: usize = 128 * 1024;
+pub(super) const COMMANDS_WAITING: usize = 128 * 1024;
 
 /// And so many bytes of urgent requests, so that one of 64 KiB leaves more than it takes to others: when these are full one takes
 /// effect all the time, and a further one is lost.
-pub const URGENT_WAITING: usize = 256 * 1024;
+pub(super) const URGENT_WAITING: usize = 256 * 1024;
 
 /// And so many bytes of acknowledgements and rejections: every observer there may be acknowledges at once.
-pub const SIGNS_WAITING: usize = 1024 * 1024;
+pub(super) const SIGNS_WAITING: usize = 1024 * 1024;
 
 /// And so many bytes of all else.
-pub const LOOKS_WAITING: usize = 2 * 1024 * 1024;
+pub(super) const LOOKS_WAITING: usize = 2 * 1024 * 1024;
 
 /// So many bytes does a datagram that waits take beside its own, about.
-pub const WAITING_HEAD: usize = 128;
+pub(super) const WAITING_HEAD: usize = 128;
 
 /// Refusals that wait until the application takes them for the record, which it does after each datagram.
 pub const REFUSED: usize = 1024;
 
 /// Requests a second from one network beyond this machine: a photo in the smallest blocks takes half a minute.
-pub const RATE: f64 = 200.0;
+pub(super) const RATE: f64 = 200.0;
 
 /// Requests at once from there.
-pub const RATE_BURST: f64 = 400.0;
+pub(super) const RATE_BURST: f64 = 400.0;

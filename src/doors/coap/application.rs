@@ -6,10 +6,7 @@ use std::pin::Pin;
 use std::sync::Arc;
 
 use crate::runtime::handle::Gone;
-use coap_endpoint::Refusal;
-use coap_endpoint::code::Code;
-use coap_endpoint::request::Request;
-use coap_endpoint::response::{Answer, Response};
+use coap_endpoint::{Answer, Code, Refusal, Request, Response};
 
 /// What whoever pressed STOP is told first, where his request is refused.
 pub(super) const HALTED: &str = "halted all the same";

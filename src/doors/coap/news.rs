@@ -8,8 +8,7 @@ use tokio::sync::watch;
 
 use super::application::{self, Application};
 use crate::runtime::clock::Clock;
-use coap_endpoint::limits::PACE;
-use coap_endpoint::{Endpoint, response::Answer};
+use coap_endpoint::{Answer, Endpoint, limits::PACE};
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// Where it is learned.

@@ -12,11 +12,7 @@ use tokio::task::JoinHandle;
 use super::*;
 use crate::api::fixture::searching;
 use crate::doors::coap::under_way::{COMMANDS, LOOKS};
-use coap_endpoint::Refusal;
-use coap_endpoint::code::{Code, Method};
-use coap_endpoint::format::Format;
-use coap_endpoint::request::Request;
-use coap_endpoint::response::{Answer, Response};
+use coap_endpoint::{Answer, Code, Format, Method, Refusal, Request, Response};
 
 /// How long anything is waited for.
 const PATIENCE: Duration = Duration::from_secs(30);

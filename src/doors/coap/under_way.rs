@@ -7,10 +7,7 @@ use std::time::Duration;
 use tokio::task::{Id, JoinSet};
 
 use super::application::broken;
-use coap_endpoint::ExchangeId;
-use coap_endpoint::code::{Code, Method};
-use coap_endpoint::limits::OPEN;
-use coap_endpoint::response::{Answer, Response};
+use coap_endpoint::{Answer, Code, ExchangeId, Method, Response, limits::OPEN};
 
 /// Commands under way at once; urgent ones are taken all the same.
 pub(super) const COMMANDS: usize = 256;

@@ -1,6 +1,6 @@
 //! TD_COAP_BLOCK_01 to 06: bodies in blocks, both ways, sizes named early and late.
 
-use coap_endpoint::code::{Code, Method};
+use coap_endpoint::{Code, Method};
 
 use crate::rig::bench::Bench;
 use crate::rig::client::ask::Ask;

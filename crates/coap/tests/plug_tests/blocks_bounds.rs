@@ -1,6 +1,6 @@
 //! Blocks at their bounds: the largest numbers, the reserved size, past the end, gaps, and bodies that are too large.
 
-use coap_endpoint::code::{Code, Method};
+use coap_endpoint::{Code, Method};
 
 use crate::rig::bench::{Bench, here};
 use crate::rig::client::ask::Ask;

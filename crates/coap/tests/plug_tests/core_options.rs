@@ -1,6 +1,6 @@
 //! TD_COAP_CORE_14 and 18 to 23: queries, locations, Accept, ETag and conditions.
 
-use coap_endpoint::code::{Code, Method};
+use coap_endpoint::{Code, Method};
 
 use crate::rig::bench::Bench;
 use crate::rig::message::{Message, option};

@@ -2,9 +2,7 @@
 
 use std::net::SocketAddr;
 
-use coap_endpoint::Backlog;
-use coap_endpoint::code::{Code, Method};
-use coap_endpoint::request::Request;
+use coap_endpoint::{Backlog, Code, Method, Request};
 
 use crate::rig::bench::{Bench, here, stranger};
 use crate::rig::message::{Kind, Message, option};

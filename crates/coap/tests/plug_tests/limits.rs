@@ -3,8 +3,7 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use coap_endpoint::code::{Code, Method};
-use coap_endpoint::limits;
+use coap_endpoint::{Code, Method, limits};
 
 use crate::rig::bench::{Bench, here};
 use crate::rig::message::{Kind, Message};

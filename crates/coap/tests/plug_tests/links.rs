@@ -1,6 +1,6 @@
 //! TD_COAP_LINK_01 to 09: `/.well-known/core` and its filters, over the wire.
 
-use coap_endpoint::code::Code;
+use coap_endpoint::Code;
 
 use crate::rig::bench::Bench;
 use crate::rig::message::{Message, option};

@@ -1,6 +1,6 @@
 //! Messages that are not quite as they should be, and options that are not understood.
 
-use coap_endpoint::code::{Code, Method};
+use coap_endpoint::{Code, Method};
 
 use crate::rig::bench::{Bench, here};
 use crate::rig::message::{Kind, Message, option};

@@ -2,8 +2,7 @@
 
 use std::time::Duration;
 
-use coap_endpoint::code::{Code, Method};
-use coap_endpoint::limits::ACK_TIMEOUT;
+use coap_endpoint::{Code, Method, limits::ACK_TIMEOUT};
 
 use crate::rig::bench::{Bench, here};
 use crate::rig::client::ask::Ask;

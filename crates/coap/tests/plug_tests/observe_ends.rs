@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use coap_endpoint::code::{Code, Method};
+use coap_endpoint::{Code, Method};
 
 use crate::observe::{notifies, observe, told};
 use crate::rig::bench::{Bench, here};

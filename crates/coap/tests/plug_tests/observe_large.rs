@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use coap_endpoint::code::Code;
+use coap_endpoint::Code;
 
 use crate::observe::observe;
 use crate::rig::bench::Bench;

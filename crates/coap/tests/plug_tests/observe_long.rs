@@ -3,9 +3,7 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use coap_endpoint::code::{Code, Method};
-use coap_endpoint::limits;
-use coap_endpoint::response::Response;
+use coap_endpoint::{Code, Method, Response, limits};
 
 use crate::observe::{observe, told};
 use crate::rig::bench::{Bench, here};

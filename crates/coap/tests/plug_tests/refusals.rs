@@ -1,8 +1,6 @@
 //! What the endpoint refuses by itself: in words, for the record, and without hiding what matters more.
 
-use coap_endpoint::code::{Code, Method};
-use coap_endpoint::limits;
-use coap_endpoint::request::Request;
+use coap_endpoint::{Code, Method, Request, limits};
 
 use crate::rig::bench::{Bench, here, stranger};
 use crate::rig::message::{Block, Message, option};

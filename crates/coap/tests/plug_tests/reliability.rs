@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use coap_endpoint::code::Code;
+use coap_endpoint::Code;
 
 use crate::rig::bench::{Bench, Out, here};
 use crate::rig::each_seed;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use coap_endpoint::code::{Code, Method};
+use coap_endpoint::{Code, Method};
 
 use crate::rig::bench::{Bench, here};
 use crate::rig::message::{Kind, Message, option};

@@ -6,8 +6,7 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use crate::rig::chance::Chance;
-use coap_endpoint::code::Code;
-use coap_endpoint::limits;
+use coap_endpoint::{Code, limits};
 
 use crate::rig::bench::Bench;
 use crate::rig::each_seed;

@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use coap_endpoint::code::{Code, Method};
+use coap_endpoint::{Code, Method};
 
 use crate::rig::bench::{Bench, here, stranger};
 use crate::rig::message::{Kind, Message, option};

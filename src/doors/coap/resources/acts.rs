@@ -9,10 +9,7 @@ use crate::api::answer::AnswerJson;
 use crate::api::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody, no_command_id};
 use crate::api::fields::in_short;
 use crate::runtime::carry_out::Done;
-use coap_endpoint::code::Code;
-use coap_endpoint::format::Format;
-use coap_endpoint::request::Request;
-use coap_endpoint::response::Response;
+use coap_endpoint::{Code, Format, Request, Response};
 use hallsweep_core::command::{Command, CommandId, LuggageRef};
 use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
 

@@ -4,8 +4,7 @@
 use super::problem::Problem;
 use crate::api::cbor;
 use crate::api::fields::{self, Body};
-use coap_endpoint::format::Format;
-use coap_endpoint::request::Request;
+use coap_endpoint::{Format, Request};
 
 /// The body of a command that needs one.
 pub(super) fn body<T: Body>(request: &Request) -> Result<T, Problem> {

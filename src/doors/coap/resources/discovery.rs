@@ -3,9 +3,7 @@
 
 use super::kept;
 use super::table::{Row, Show, Table};
-use coap_endpoint::format::Format;
-use coap_endpoint::links::{Link, listed};
-use coap_endpoint::response::Response;
+use coap_endpoint::{Format, Link, Response, listed};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::PhotoState;
 use hallsweep_core::world::snapshot::Snapshot;

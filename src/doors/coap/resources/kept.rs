@@ -8,8 +8,7 @@ use hashlink::LinkedHashMap;
 
 use super::shows;
 use super::table::Show;
-use coap_endpoint::format::Format;
-use coap_endpoint::response::{Answer, Response, Tag};
+use coap_endpoint::{Answer, Format, Response, Tag};
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::snapshot::Snapshot;
 

@@ -31,9 +31,7 @@ use crate::api::fields::in_short;
 use crate::doors::seldom::Seldom;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::handle::Handle;
-use coap_endpoint::code::Method;
-use coap_endpoint::request::{Conditions, Request};
-use coap_endpoint::response::{Answer, Response};
+use coap_endpoint::{Answer, Conditions, Method, Request, Response};
 use hallsweep_core::command::{self, RefusalKind, Refused};
 
 /// The resources of this door.

@@ -7,9 +7,7 @@ use super::super::application::Said;
 use super::problem::Problem;
 use super::table::{Row, Show, Shown};
 use super::{Resources, discovery, photos, shows};
-use coap_endpoint::format::Format;
-use coap_endpoint::request::Request;
-use coap_endpoint::response::{Answer, Response, Tag};
+use coap_endpoint::{Answer, Format, Request, Response, Tag};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::snapshot::Snapshot;
 

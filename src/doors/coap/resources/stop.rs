@@ -7,8 +7,7 @@ use super::acts::{self, Terms};
 use super::caller::{self, Caller};
 use super::problem::Problem;
 use crate::api::halt::{bare, is_halt, is_halt_word, says_halt};
-use coap_endpoint::request::Request;
-use coap_endpoint::response::Answer;
+use coap_endpoint::{Answer, Request};
 use hallsweep_core::command::{self, Command};
 
 /// Whether a request halts the robot. Methods that are not taken here halt as well, but for those that only look.

@@ -13,8 +13,7 @@ use crate::access::Need;
 use crate::api::fixture::searching;
 use crate::doors::coap::application::{Application, HALTED};
 use crate::doors::coap::resources::table::Table;
-use coap_endpoint::code::Code;
-use coap_endpoint::{Endpoint, Transmit};
+use coap_endpoint::{Code, Endpoint, Transmit};
 
 /// A door: what comes to its socket, and the loop behind it.
 struct Door {

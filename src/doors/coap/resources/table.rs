@@ -3,8 +3,7 @@
 //! listed is not there. Every resource of `Resource::ALL` has its row.
 
 use super::acts::Act;
-use coap_endpoint::code::Method;
-use coap_endpoint::format::Format;
+use coap_endpoint::{Format, Method};
 use hallsweep_core::world::resource::Resource;
 
 /// Every path.

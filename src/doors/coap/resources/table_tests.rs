@@ -7,8 +7,7 @@ use super::super::testing::{House, get, house, request};
 use super::*;
 use crate::access::Need;
 use crate::api::fixture::searching;
-use coap_endpoint::code::Code;
-use coap_endpoint::request::Request;
+use coap_endpoint::{Code, Request};
 use hallsweep_core::command::Command;
 
 const METHODS: [Method; 7] =

@@ -13,9 +13,7 @@ use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadabl
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Noted, Script, obedient};
 use crate::runtime::within::within;
-use coap_endpoint::code::Method;
-use coap_endpoint::request::{Conditions, Request};
-use coap_endpoint::response::Answer;
+use coap_endpoint::{Answer, Conditions, Method, Request};
 use hallsweep_core::command::{self, Refused};
 use hallsweep_core::event::Photo;
 use hallsweep_core::standing::Standing;

@@ -7,8 +7,7 @@ use super::testing::{House, PAST, UNREADABLE, driven_house, get, house, post, pu
 use super::*;
 use crate::api::cbor;
 use crate::api::fixture::{idle, piece, searching, touch};
-use coap_endpoint::code::Code;
-use coap_endpoint::format::Format;
+use coap_endpoint::{Code, Format};
 use hallsweep_core::command::{Command, LuggageRef, Move, TemperatureReport, Verdict};
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::in_words;

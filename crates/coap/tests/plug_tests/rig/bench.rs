@@ -6,8 +6,7 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use super::chance::Chance;
-use coap_endpoint::response::Answer;
-use coap_endpoint::{Backlog, Endpoint, ExchangeId};
+use coap_endpoint::{Answer, Backlog, Endpoint, ExchangeId};
 
 use super::message::Message;
 use super::server::{Said, Server};

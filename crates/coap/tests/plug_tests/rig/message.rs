@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use coap_endpoint::code::{Code, Method};
+use coap_endpoint::{Code, Method};
 use coap_lite::{CoapOption, MessageClass, MessageType, Packet};
 
 /// Numbers of options.

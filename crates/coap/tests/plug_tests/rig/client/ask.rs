@@ -1,6 +1,6 @@
 //! What a client wants, before it is put into messages.
 
-use coap_endpoint::code::Method;
+use coap_endpoint::Method;
 
 use crate::rig::message::{Message, option};
 

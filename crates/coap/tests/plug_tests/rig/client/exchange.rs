@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use coap_endpoint::code::Code;
+use coap_endpoint::Code;
 
 use super::ask::Ask;
 use super::observation::Observation;

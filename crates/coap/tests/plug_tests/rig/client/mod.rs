@@ -10,7 +10,7 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use crate::rig::chance::Chance;
-use coap_endpoint::code::{Code, Method};
+use coap_endpoint::{Code, Method};
 
 use super::message::{Kind, Message, option};
 use ask::Ask;

@@ -1,7 +1,7 @@
 //! What the test application lists at `/.well-known/core`, as the plug-test descriptions of the LINK cases want it. How a list is
 //! filtered is the door's own code, which the LINK cases are about.
 
-use coap_endpoint::links::Link;
+use coap_endpoint::Link;
 
 /// All links.
 pub(crate) fn links() -> Vec<Link> {

@@ -8,11 +8,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use coap_endpoint::code::{Code, Method};
-use coap_endpoint::format::Format;
-use coap_endpoint::links::listed;
-use coap_endpoint::request::Request;
-use coap_endpoint::response::{Answer, Response};
+use coap_endpoint::{Answer, Code, Format, Method, Request, Response, listed};
 
 use thing::{Thing, long_body};
 

@@ -3,9 +3,7 @@
 
 use std::sync::Arc;
 
-use coap_endpoint::format::Format;
-use coap_endpoint::request::Request;
-use coap_endpoint::response::{Response, Tag};
+use coap_endpoint::{Format, Request, Response, Tag};
 
 /// One resource.
 #[derive(Clone, Debug)]
