@@ -35,7 +35,6 @@ impl Block {
         (exponent < 7).then_some(Block { number: value >> 4, more: value & 8 != 0, exponent })
     }
 
-    /// The option's value.
     #[must_use]
     pub(super) fn value(self) -> u32 {
         (self.number << 4) | (u32::from(self.more) << 3) | u32::from(self.exponent)
@@ -93,7 +92,6 @@ pub(super) struct Assemblies {
 type Bodies = LinkedHashMap<BodyKey, (Duration, Vec<u8>)>;
 
 impl Assemblies {
-    /// How many there are.
     #[must_use]
     pub(super) fn count(&self) -> usize {
         self.here.len() + self.beyond.len()

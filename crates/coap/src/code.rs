@@ -127,9 +127,9 @@ impl Method {
         })
     }
 
-    /// Whether it changes nothing, so that it may be done again.
+    /// Whether it changes nothing, so that it may be done again (RFC 7252, section 5.1).
     #[must_use]
-    pub const fn only_looks(self) -> bool {
+    pub const fn is_safe(self) -> bool {
         matches!(self, Method::Get | Method::Fetch)
     }
 

@@ -34,25 +34,25 @@ impl MessageKey {
 
 /// What is known of a message that came before.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Known {
+pub(super) enum KnownMessage {
     /// It is still being answered, as this exchange.
     Open(ExchangeId),
     /// It was answered with this datagram; with nothing, when it is empty.
     Answered(Vec<u8>),
 }
 
-/// The messages of the last minutes. Those that look and those that act have a table each, so that a flood of the former does not
+/// The messages of the last minutes. Those that only read and commands have a table each, so that a flood of the former does not
 /// make the latter forgotten.
 #[derive(Debug, Default)]
 pub(super) struct Exchanges {
-    looks: Table,
-    acts: Table,
+    reads: Table,
+    commands: Table,
 }
 
 /// Messages, oldest first, and whose they are.
 #[derive(Debug, Default)]
 struct Table {
-    messages: LinkedHashMap<MessageKey, (Duration, Known)>,
+    messages: LinkedHashMap<MessageKey, (Duration, KnownMessage)>,
     shares: Shares<MessageKey>,
 }
 
@@ -67,7 +67,7 @@ impl Table {
     }
 
     /// Remembers one more, in the place of the oldest of whoever has most when there is no room.
-    fn insert(&mut self, key: MessageKey, known: (Duration, Known)) {
+    fn insert(&mut self, key: MessageKey, known: (Duration, KnownMessage)) {
         if self.messages.insert(key, known).is_none() {
             self.shares.add(key.peer, key);
         }
@@ -80,33 +80,32 @@ impl Table {
 }
 
 impl Exchanges {
-    /// How many messages are remembered.
     #[must_use]
     pub(super) fn count(&self) -> usize {
-        self.looks.messages.len() + self.acts.messages.len()
+        self.reads.messages.len() + self.commands.messages.len()
     }
 
     /// What is known of this message, if it came before.
     #[must_use]
-    pub(super) fn known(&mut self, key: MessageKey, now: Duration) -> Option<&Known> {
+    pub(super) fn known(&mut self, key: MessageKey, now: Duration) -> Option<&KnownMessage> {
         // From here on the same id is another message.
-        for table in [&mut self.looks, &mut self.acts] {
+        for table in [&mut self.reads, &mut self.commands] {
             table.clear(now);
         }
-        self.looks.messages.get(&key).or_else(|| self.acts.messages.get(&key)).map(|(_, known)| known)
+        self.reads.messages.get(&key).or_else(|| self.commands.messages.get(&key)).map(|(_, known)| known)
     }
 
     /// Remembers a message that is to be answered, of which nothing was known.
-    pub(super) fn open(&mut self, key: MessageKey, exchange: ExchangeId, acts: bool, now: Duration) {
-        let table = if acts { &mut self.acts } else { &mut self.looks };
-        table.insert(key, (now, Known::Open(exchange)));
+    pub(super) fn open(&mut self, key: MessageKey, exchange: ExchangeId, is_command: bool, now: Duration) {
+        let table = if is_command { &mut self.commands } else { &mut self.reads };
+        table.insert(key, (now, KnownMessage::Open(exchange)));
     }
 
     /// Remembers what a message was answered with.
     pub(super) fn answered(&mut self, key: MessageKey, datagram: &[u8]) {
-        for table in [&mut self.looks, &mut self.acts] {
+        for table in [&mut self.reads, &mut self.commands] {
             if let Some((_, known)) = table.messages.get_mut(&key) {
-                *known = Known::Answered(datagram.to_vec());
+                *known = KnownMessage::Answered(datagram.to_vec());
                 return;
             }
         }
@@ -132,7 +131,7 @@ mod tests {
         let mut exchanges = Exchanges::default();
         exchanges.open(key(1), ExchangeId(1), false, Duration::ZERO);
         exchanges.answered(key(1), b"x");
-        assert_eq!(exchanges.known(key(1), EXCHANGE_LIFETIME), Some(&Known::Answered(b"x".to_vec())));
+        assert_eq!(exchanges.known(key(1), EXCHANGE_LIFETIME), Some(&KnownMessage::Answered(b"x".to_vec())));
         assert_eq!(exchanges.known(key(1), EXCHANGE_LIFETIME + Duration::from_millis(1)), None);
         assert_eq!(exchanges.known(key(2), Duration::ZERO), None);
     }
@@ -146,27 +145,32 @@ mod tests {
     }
 
     #[test]
-    fn a_flood_of_looks_does_not_make_an_act_forgotten() {
+    fn a_flood_of_reads_does_not_make_a_command_forgotten() {
         let mut exchanges = Exchanges::default();
         exchanges.open(key(0), ExchangeId(1), true, Duration::ZERO);
         for port in 1..=60_000 {
             let peer = format!("127.0.0.2:{port}").parse().unwrap();
-            exchanges.open(MessageKey::of(peer, 9, b"look"), ExchangeId(2), false, Duration::ZERO);
+            exchanges.open(MessageKey::of(peer, 9, b"read"), ExchangeId(2), false, Duration::ZERO);
         }
-        assert_eq!(exchanges.known(key(0), Duration::ZERO), Some(&Known::Open(ExchangeId(1))));
+        assert_eq!(exchanges.known(key(0), Duration::ZERO), Some(&KnownMessage::Open(ExchangeId(1))));
         assert_eq!(exchanges.count(), EXCHANGES + 1);
     }
 
     /// Neither from another address nor from another program at the same: what was forgotten would act twice.
     #[test]
-    fn nobodys_flood_of_acts_makes_those_of_another_forgotten() {
+    fn nobodys_flood_of_commands_makes_those_of_another_forgotten() {
         for flood in ["127.0.0.7:1", "127.0.0.1:2"] {
             let mut exchanges = Exchanges::default();
             (0..9).for_each(|id| exchanges.open(key(id), ExchangeId(1), true, Duration::ZERO));
             let peer: SocketAddr = flood.parse().unwrap();
             for number in 0..3 * EXCHANGES {
                 let (id, port) = (u16::try_from(number).unwrap(), peer.port() + u16::try_from(number % 100).unwrap());
-                exchanges.open(MessageKey::of(SocketAddr::new(peer.ip(), port), id, b"act"), ExchangeId(2), true, Duration::ZERO);
+                exchanges.open(
+                    MessageKey::of(SocketAddr::new(peer.ip(), port), id, b"command"),
+                    ExchangeId(2),
+                    true,
+                    Duration::ZERO,
+                );
             }
             assert!((0..9).all(|id| exchanges.known(key(id), Duration::ZERO).is_some()), "{flood}");
             assert_eq!(exchanges.count(), EXCHANGES);
@@ -183,7 +187,7 @@ mod tests {
         let later = EXCHANGE_LIFETIME * 2;
         assert_eq!(exchanges.known(key(1), later), None);
         exchanges.open(key(1), ExchangeId(1), false, later);
-        assert_eq!(exchanges.known(key(1), later), Some(&Known::Open(ExchangeId(1))));
+        assert_eq!(exchanges.known(key(1), later), Some(&KnownMessage::Open(ExchangeId(1))));
         assert_eq!(exchanges.count(), 1);
     }
 }

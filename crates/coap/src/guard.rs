@@ -49,7 +49,6 @@ impl Guard {
         Guard { secret: secret.to_vec(), peers: LinkedHashMap::new(), networks: LinkedHashMap::new() }
     }
 
-    /// How many addresses are remembered.
     #[must_use]
     pub(super) fn count(&self) -> usize {
         self.peers.len() + self.networks.len()

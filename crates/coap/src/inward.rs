@@ -6,20 +6,20 @@ use std::time::Duration;
 
 use super::block::{Block, BodyKey, Taken, too_large};
 use super::code::{Code, Method};
-use super::exchange::{Known, MessageKey};
+use super::exchange::{KnownMessage, MessageKey};
 use super::limits::{BODY, OPEN, PATIENCE, REFUSED};
-use super::message::{Heard, Incoming, Kind, Token, empty, heard};
+use super::message::{Incoming, Kind, Received, Token, empty, parse};
 use super::network::is_this_machine;
-use super::options::{self, Read};
+use super::options::{self, ParsedRequest};
 use super::reliable::About;
-use super::reply::Shape;
+use super::reply::ReplyOptions;
 use super::request::Request;
 use super::response::Response;
-use super::{Endpoint, ExchangeId, Open, Refusal, lenient};
+use super::{Endpoint, ExchangeId, Open, RefusedRequest, lenient};
 
 /// Where an answer goes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Back {
+pub(super) struct ReplyTo {
     pub(super) key: MessageKey,
     pub(super) kind: Kind,
     pub(super) token: Token,
@@ -27,7 +27,7 @@ pub(super) struct Back {
     pub(super) no_response: u32,
 }
 
-impl Back {
+impl ReplyTo {
     /// Whether an answer of this code is wanted; to go on with the next block always is.
     pub(super) fn is_wanted(self, code: Code) -> bool {
         code == Code::CONTINUE || self.no_response & (1 << (code.class().max(1) - 1)) == 0
@@ -38,12 +38,12 @@ impl Endpoint {
     /// Takes a datagram from the network.
     pub fn handle_datagram(&mut self, peer: SocketAddr, bytes: &[u8], now: Duration) {
         self.guard.received(peer, bytes.len());
-        match heard(bytes) {
-            Heard::Nothing => {}
-            Heard::Senseless(kind, id) => self.take_senseless(MessageKey::of(peer, id, bytes), kind, bytes, now),
-            Heard::Ack(id) => self.take_acknowledgement(peer, id, now),
-            Heard::Rst(id) => self.take_rejection(peer, id, now),
-            Heard::Request(incoming) => {
+        match parse(bytes) {
+            Received::Nothing => {}
+            Received::Malformed(kind, id) => self.take_malformed(MessageKey::of(peer, id, bytes), kind, bytes, now),
+            Received::Ack(id) => self.take_acknowledgement(peer, id, now),
+            Received::Rst(id) => self.take_rejection(peer, id, now),
+            Received::Request(incoming) => {
                 let key = MessageKey::of(peer, incoming.id, bytes);
                 self.take_request(key, incoming, bytes, now);
             }
@@ -51,7 +51,7 @@ impl Endpoint {
     }
 
     /// What breaks the grammar is rejected, and may ask for something urgent all the same, each time that it is not a repetition.
-    fn take_senseless(&mut self, key: MessageKey, kind: Kind, bytes: &[u8], now: Duration) {
+    fn take_malformed(&mut self, key: MessageKey, kind: Kind, bytes: &[u8], now: Duration) {
         let is_new = self.exchanges.known(key, now).is_none();
         if let Some(urgent) = self.urgent_in(key.peer, bytes).filter(|_| is_new) {
             let exchange = self.open_exchange(key, true, now);
@@ -68,10 +68,10 @@ impl Endpoint {
         lenient::requests(peer, bytes).find(self.is_urgent)
     }
 
-    fn open_exchange(&mut self, key: MessageKey, acts: bool, now: Duration) -> ExchangeId {
+    fn open_exchange(&mut self, key: MessageKey, is_command: bool, now: Duration) -> ExchangeId {
         self.counted += 1;
         let exchange = ExchangeId(self.counted);
-        self.exchanges.open(key, exchange, acts, now);
+        self.exchanges.open(key, exchange, is_command, now);
         exchange
     }
 
@@ -102,14 +102,14 @@ impl Endpoint {
 
     fn take_request(&mut self, key: MessageKey, incoming: Incoming, bytes: &[u8], now: Duration) {
         let (peer, no_response) = (key.peer, options::no_response(&incoming.packet));
-        let back = Back { key, kind: incoming.kind, token: incoming.token, no_response };
+        let back = ReplyTo { key, kind: incoming.kind, token: incoming.token, no_response };
         match self.exchanges.known(back.key, now).cloned() {
-            Some(Known::Answered(datagram)) if datagram.is_empty() => return,
-            Some(Known::Answered(datagram)) => {
+            Some(KnownMessage::Answered(datagram)) if datagram.is_empty() => return,
+            Some(KnownMessage::Answered(datagram)) => {
                 self.transmit(peer, datagram, now);
                 return;
             }
-            Some(Known::Open(exchange)) => return self.acknowledge_open(back, exchange, now),
+            Some(KnownMessage::Open(exchange)) => return self.acknowledge_open(back, exchange, now),
             None => {}
         }
         if self.guard.is_too_much(peer, now) {
@@ -117,10 +117,10 @@ impl Endpoint {
             let response = Response { max_age: Some(1), ..Response::refusal(Code::TOO_MANY_REQUESTS, words) };
             return self.reply(back, &response, None, now);
         }
-        let looks = Method::of(incoming.code).is_some_and(Method::only_looks);
-        let asked = (!looks).then(|| options::asked(&incoming));
-        let acts = is_this_machine(peer.ip()) && !looks;
-        let exchange = self.open_exchange(back.key, acts, now);
+        let is_safe = Method::of(incoming.code).is_some_and(Method::is_safe);
+        let asked = (!is_safe).then(|| options::asked(&incoming));
+        let is_command = is_this_machine(peer.ip()) && !is_safe;
+        let exchange = self.open_exchange(back.key, is_command, now);
         let response = match options::read(peer, incoming) {
             Ok(read) => return self.take_read(back, exchange, read, now),
             Err(response) => response,
@@ -142,13 +142,15 @@ impl Endpoint {
         self.refuse(back, asked, response, None, now);
     }
 
-    fn take_read(&mut self, back: Back, exchange: ExchangeId, mut read: Read, now: Duration) {
+    fn take_read(&mut self, back: ReplyTo, exchange: ExchangeId, mut read: ParsedRequest, now: Duration) {
         if let Some(echo) = &read.echo {
             self.guard.echoed(back.key.peer, echo, now);
         }
-        let later = read.block2.filter(|block| read.block1.is_none() && block.number > 0 && !read.request.method.only_looks());
+        let later = read.block2.filter(|block| read.block1.is_none() && block.number > 0 && !read.request.method.is_safe());
         let is_urgent = (self.is_urgent)(&read.request);
-        if let Some(block) = later.filter(|block| !is_urgent || self.kept.is_next(&deed(&read.request, &[]), *block, now)) {
+        if let Some(block) =
+            later.filter(|block| !is_urgent || self.long_answers.is_next(&body_key(&read.request, &[]), *block, now))
+        {
             return self.read_on(back, &read, block, now);
         }
         if is_urgent {
@@ -176,7 +178,7 @@ impl Endpoint {
     }
 
     /// Refuses what the application does not see; who asked for a change reads that first.
-    fn refuse(&mut self, back: Back, asked: Option<String>, response: Response, block1: Option<Block>, now: Duration) {
+    fn refuse(&mut self, back: ReplyTo, asked: Option<String>, response: Response, block1: Option<Block>, now: Duration) {
         let words = String::from_utf8_lossy(&response.body).into_owned();
         let worded = if asked.is_some() { format!("refused: {words}").into_bytes().into() } else { Arc::clone(&response.body) };
         self.note(back.key.peer, asked, &response);
@@ -187,11 +189,11 @@ impl Endpoint {
     fn note(&mut self, peer: SocketAddr, asked: Option<String>, response: &Response) {
         let Some(asked) = asked.filter(|_| is_this_machine(peer.ip()) && self.refused.len() < REFUSED) else { return };
         let words = String::from_utf8_lossy(&response.body).into_owned();
-        self.refused.push_back(Refusal { peer, asked, words });
+        self.refused.push_back(RefusedRequest { peer, asked, words });
     }
 
     /// Whether this was a further block of what a notification began, and is answered.
-    fn observes_on(&mut self, back: Back, read: &Read, now: Duration) -> bool {
+    fn observes_on(&mut self, back: ReplyTo, read: &ParsedRequest, now: Duration) -> bool {
         let Some(block) = read.block2.filter(|block| block.number > 0) else {
             if read.observe.is_none() {
                 self.observers.read_anew(&read.request);
@@ -199,14 +201,19 @@ impl Endpoint {
             return false;
         };
         let Some(begun) = self.observers.read_on(&read.request, block, now) else { return false };
-        self.send_reply(back, &begun, &Shape { block2: Some(block), wants_size: read.wants_size, ..Shape::default() }, now);
+        self.send_reply(
+            back,
+            &begun,
+            &ReplyOptions { block2: Some(block), wants_size: read.wants_size, ..ReplyOptions::default() },
+            now,
+        );
         true
     }
 
     /// Another block of the answer to what was done already.
-    fn read_on(&mut self, back: Back, read: &Read, block: Block, now: Duration) {
-        let shape = Shape { block2: Some(block), wants_size: read.wants_size, ..Shape::default() };
-        if let Some(answer) = self.kept.read(&deed(&read.request, &[]), block, now) {
+    fn read_on(&mut self, back: ReplyTo, read: &ParsedRequest, block: Block, now: Duration) {
+        let shape = ReplyOptions { block2: Some(block), wants_size: read.wants_size, ..ReplyOptions::default() };
+        if let Some(answer) = self.long_answers.read(&body_key(&read.request, &[]), block, now) {
             return self.send_reply(back, &answer, &shape, now);
         }
         let words = "there is no answer to read on: do it again, from its first block".to_owned();
@@ -214,13 +221,13 @@ impl Endpoint {
     }
 
     /// Whether the whole body is there; it is in the request then.
-    fn whole(&mut self, read: &mut Read, now: Duration) -> Result<bool, Response> {
+    fn whole(&mut self, read: &mut ParsedRequest, now: Duration) -> Result<bool, Response> {
         let request = &mut read.request;
         if request.payload.len() > BODY || read.size1.is_some_and(|size| size as usize > BODY) {
             return Err(too_large());
         }
         let Some(block) = read.block1.filter(|_| request.method != Method::Get) else { return Ok(true) };
-        let key = deed(request, &read.request_tags);
+        let key = body_key(request, &read.request_tags);
         match self.assemblies.take(key, block, &request.payload, now)? {
             Taken::More => Ok(false),
             Taken::Whole(body) => {
@@ -231,8 +238,8 @@ impl Endpoint {
     }
 
     /// Hands a request to the application.
-    fn ask(&mut self, back: Back, exchange: ExchangeId, read: Read, now: Duration) {
-        let Read { request, etags, observe, block1, block2, wants_size, .. } = read;
+    fn ask(&mut self, back: ReplyTo, exchange: ExchangeId, read: ParsedRequest, now: Duration) {
+        let ParsedRequest { request, etags, observe, block1, block2, wants_size, .. } = read;
         let is_get = request.method == Method::Get;
         let open = Open {
             back,
@@ -240,7 +247,7 @@ impl Endpoint {
             is_get,
             observe,
             request: (is_get && observe == Some(0)).then(|| Box::new(request.clone())),
-            deed: (!request.method.only_looks()).then(|| Box::new(deed(&request, &[]))),
+            kept_as: (!request.method.is_safe()).then(|| Box::new(body_key(&request, &[]))),
             etags,
             block1: block1.filter(|_| !is_get),
             block2,
@@ -257,7 +264,7 @@ impl Endpoint {
     }
 
     /// The sender asks again while it is still being answered.
-    fn acknowledge_open(&mut self, back: Back, exchange: ExchangeId, now: Duration) {
+    fn acknowledge_open(&mut self, back: ReplyTo, exchange: ExchangeId, now: Duration) {
         let Some(open) = self.open.get_mut(&exchange).filter(|_| back.kind == Kind::Con) else { return };
         open.is_acknowledged = true;
         self.patience.remove(&exchange);
@@ -269,7 +276,7 @@ impl Endpoint {
 }
 
 /// By what the bodies of a request and of its answer are known, while they come and go in blocks.
-fn deed(request: &Request, tags: &[Vec<u8>]) -> BodyKey {
+fn body_key(request: &Request, tags: &[Vec<u8>]) -> BodyKey {
     BodyKey {
         peer: request.peer,
         method: request.method,

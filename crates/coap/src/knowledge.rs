@@ -30,16 +30,15 @@ pub(super) enum Lack {
 /// What an observer knows.
 #[derive(Debug)]
 pub(super) struct Knowledge {
-    things: Vec<Known>,
+    things: Vec<KnownThing>,
     /// Whose turn is next; things are told in their order, from here on and round again.
     next: usize,
-    /// What it was told last.
     latest: usize,
 }
 
 /// What it knows of one thing.
 #[derive(Clone, Copy, Debug, Default)]
-struct Known {
+struct KnownThing {
     /// The version it was told of last,
     told: u64,
     /// when that was,
@@ -64,8 +63,8 @@ impl Knowledge {
     #[must_use]
     pub(super) fn of(things: &[Thing], shown: &Response, is_sure: bool, now: Duration) -> Knowledge {
         let is_shown = |thing: &Thing| things.len() == 1 || thing.response.body == shown.body;
-        let told = |thing: &Thing| Known { told: thing.version, at: now, sure: if is_sure { thing.version } else { 0 } };
-        let known = |thing: &Thing| if is_shown(thing) { told(thing) } else { Known::default() };
+        let told = |thing: &Thing| KnownThing { told: thing.version, at: now, sure: if is_sure { thing.version } else { 0 } };
+        let known = |thing: &Thing| if is_shown(thing) { told(thing) } else { KnownThing::default() };
         let latest = things.iter().position(is_shown).unwrap_or(0);
         Knowledge { things: things.iter().map(known).collect(), next: 0, latest }
     }
@@ -77,7 +76,6 @@ impl Knowledge {
         from_here.or_else(|| self.lack_within(things, 0..self.next.min(things.len()), now))
     }
 
-    /// What it was told last.
     #[must_use]
     pub(super) const fn latest(&self) -> usize {
         self.latest
@@ -122,13 +120,13 @@ impl Knowledge {
         self.known(place).told < things[place].version
     }
 
-    fn known(&self, place: usize) -> Known {
+    fn known(&self, place: usize) -> KnownThing {
         self.things.get(place).copied().unwrap_or_default()
     }
 
-    fn known_mut(&mut self, place: usize) -> &mut Known {
+    fn known_mut(&mut self, place: usize) -> &mut KnownThing {
         if self.things.len() <= place {
-            self.things.resize(place + 1, Known::default());
+            self.things.resize(place + 1, KnownThing::default());
         }
         &mut self.things[place]
     }

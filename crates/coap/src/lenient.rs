@@ -22,8 +22,8 @@ const TOKEN: usize = 8;
 const OPTIONS: usize = 128;
 
 /// Whether what has this code may ask for something to be done. A code that stands for no method does.
-pub(super) fn acts(code: Code) -> bool {
-    code.class() == 0 && !Method::of(code).is_some_and(Method::only_looks)
+pub(super) fn is_command(code: Code) -> bool {
+    code.class() == 0 && !Method::of(code).is_some_and(Method::is_safe)
 }
 
 /// What a datagram of this version may ask for, read once for every length that its token may have: the one that it says, in the
@@ -31,7 +31,7 @@ pub(super) fn acts(code: Code) -> bool {
 pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = Request> {
     let (code, said) = (bytes.get(1).copied().map_or(Code::CONTENT, Code), bytes.first().map_or(0, |first| first & 0x0F));
     let method = Method::of(code).unwrap_or(Method::Post);
-    let tokens = acts(code).then(|| token_lengths(said, bytes)).into_iter().flatten();
+    let tokens = is_command(code).then(|| token_lengths(said, bytes)).into_iter().flatten();
     tokens.filter_map(move |token| request(peer, method, bytes.get(HEADER + token..)?))
 }
 

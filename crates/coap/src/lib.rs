@@ -2,7 +2,7 @@
 //! in, datagrams out (RFC 7252, 7641, 7959, 7967, 9175). What is at which path is the application's business.
 //!
 //! ```text
-//!   hear ─► queue (what waits, when more comes than is answered)
+//!   backlog (what waits, when more comes than is answered)
 //!             ▼
 //!   handle_datagram ─► message ─► guard ─► exchange ─► options ─► block ─► poll_request ─► the application
 //!   poll_transmit   ◄─ message ◄─ guard ◄─ exchange ◄─ reply ◄─ block ◄─ observe ◄─ handle_answer, handle_change
@@ -16,19 +16,19 @@ use std::time::Duration;
 
 use hashlink::LinkedHashMap;
 
+mod backlog;
 mod block;
 mod chance;
 mod code;
 mod exchange;
 mod format;
 mod guard;
-mod hear;
 mod inward;
-mod kept;
 mod knowledge;
 mod lenient;
 pub mod limits;
 mod links;
+mod long_answers;
 mod message;
 mod network;
 mod observe;
@@ -42,21 +42,21 @@ mod response;
 mod shares;
 mod subject;
 
+pub use backlog::Backlog;
 pub use code::{Code, Method};
 pub use format::Format;
-pub use hear::Backlog;
-pub use links::{Link, listed};
+pub use links::{Link, link_format};
 pub use observe::SubjectId;
 pub use queue::Datagram;
 pub use request::{Conditions, Request};
-pub use response::{Answer, Response, Tag};
+pub use response::{Answer, ETag, Response};
 
 use self::block::{Assemblies, Block, BodyKey};
 use self::chance::{Chance, Purpose};
 use self::exchange::Exchanges;
 use self::guard::Guard;
-use self::inward::Back;
-use self::kept::Kept;
+use self::inward::ReplyTo;
+use self::long_answers::LongAnswers;
 use self::observe::Observers;
 use self::reliable::Reliable;
 
@@ -75,7 +75,7 @@ pub struct Transmit {
 
 /// A request that was refused before the application saw it, and wanted to change something.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refusal {
+pub struct RefusedRequest {
     /// Who sent it.
     pub peer: SocketAddr,
     /// What it asked for, as `POST /commands/start`.
@@ -96,7 +96,7 @@ pub struct Counts {
     /// Bodies that are being put together.
     pub assemblies: usize,
     /// Answers that are kept to be read on.
-    pub kept: usize,
+    pub long_answers: usize,
     /// Messages that wait for an acknowledgement, or for their turn.
     pub reliable: usize,
     /// Addresses and networks beyond this machine, and peers that were given message ids.
@@ -108,7 +108,7 @@ pub struct Endpoint {
     guard: Guard,
     exchanges: Exchanges,
     assemblies: Assemblies,
-    kept: Kept,
+    long_answers: LongAnswers,
     reliable: Reliable,
     observers: Observers,
     open: BTreeMap<ExchangeId, Open>,
@@ -119,7 +119,7 @@ pub struct Endpoint {
     ids: LinkedHashMap<SocketAddr, u16>,
     chance: Chance,
     asked: VecDeque<(ExchangeId, Request)>,
-    refused: VecDeque<Refusal>,
+    refused: VecDeque<RefusedRequest>,
     is_urgent: fn(&Request) -> bool,
     /// What the sender of an urgent request reads first that is refused.
     took_effect: &'static str,
@@ -129,7 +129,7 @@ pub struct Endpoint {
 /// What must be known of a request when its answer comes.
 #[derive(Debug)]
 struct Open {
-    back: Back,
+    back: ReplyTo,
     /// Whether its sender was told already that the answer comes separately.
     is_acknowledged: bool,
     is_get: bool,
@@ -137,8 +137,8 @@ struct Open {
     /// What is to be observed, for one who wants to.
     request: Option<Box<Request>>,
     /// By what its answer is kept when it does not fit into one message; `None` for one that only looks.
-    deed: Option<Box<BodyKey>>,
-    etags: Vec<Tag>,
+    kept_as: Option<Box<BodyKey>>,
+    etags: Vec<ETag>,
     block1: Option<Block>,
     block2: Option<Block>,
     wants_size: bool,
@@ -154,7 +154,7 @@ impl Endpoint {
             guard: Guard::new(secret),
             exchanges: Exchanges::default(),
             assemblies: Assemblies::default(),
-            kept: Kept::default(),
+            long_answers: LongAnswers::default(),
             reliable: Reliable::new(Chance::new(seed, Purpose::Spread)),
             observers: Observers::default(),
             open: BTreeMap::new(),
@@ -218,7 +218,7 @@ impl Endpoint {
     }
 
     /// The next request that was refused before the application saw it, for the record.
-    pub fn poll_refused(&mut self) -> Option<Refusal> {
+    pub fn poll_refused(&mut self) -> Option<RefusedRequest> {
         self.refused.pop_front()
     }
 
@@ -248,7 +248,7 @@ impl Endpoint {
             open: self.open.len(),
             observers: self.observers.count(),
             assemblies: self.assemblies.count(),
-            kept: self.kept.count(),
+            long_answers: self.long_answers.count(),
             reliable: self.reliable.count(),
             peers: self.guard.count() + self.ids.len(),
         }

@@ -19,7 +19,7 @@ pub const ASSEMBLIES: usize = 64;
 pub const EXCHANGE_LIFETIME: Duration = Duration::from_secs(247);
 
 /// Messages remembered with their answers, at most some 1.2 kB each; the oldest gives way. What this machine asks to be done has
-/// a table of its own, so that no flood of looks, or of strangers, drives out what was done.
+/// a table of its own, so that no flood of reads, or of strangers, drives out what was done.
 pub const EXCHANGES: usize = 8192;
 
 /// Requests that wait for the application at once; the answer to the oldest is given up, not what it asked for.
@@ -43,7 +43,7 @@ pub const WAITING: usize = 32;
 
 /// Peers to whom something is on its way that they have not acknowledged, twice as many as can observe; what others are answered
 /// late goes out without a wish for an acknowledgement.
-pub const LINES: usize = 4096;
+pub const RELIABLE_PEERS: usize = 4096;
 
 /// Observations in all: every screen and device of a site.
 pub const OBSERVERS: usize = 2048;
@@ -114,7 +114,7 @@ pub(super) const URGENT_WAITING: usize = 256 * 1024;
 pub(super) const SIGNS_WAITING: usize = 1024 * 1024;
 
 /// And so many bytes of all else.
-pub(super) const LOOKS_WAITING: usize = 2 * 1024 * 1024;
+pub(super) const READS_WAITING: usize = 2 * 1024 * 1024;
 
 /// So many bytes does a datagram that waits take beside its own, about.
 pub(super) const WAITING_HEAD: usize = 128;

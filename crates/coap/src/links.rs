@@ -62,7 +62,7 @@ impl Link {
 
 /// The links that every query lets through, in `application/link-format`; no link gives an empty text.
 #[must_use]
-pub fn listed(links: &[Link], queries: &[String]) -> String {
+pub fn link_format(links: &[Link], queries: &[String]) -> String {
     let mut list = String::new();
     for link in links.iter().filter(|link| queries.iter().all(|query| link.matches(query))) {
         if !list.is_empty() {
@@ -101,7 +101,7 @@ mod tests {
     /// Which of the three links a query lets through, by the first letters of their paths after the slash.
     fn check(queries: &[&str], expect: &[&str]) {
         let queries: Vec<String> = queries.iter().map(|query| (*query).to_owned()).collect();
-        let list = listed(&links(), &queries);
+        let list = link_format(&links(), &queries);
         let found: Vec<&str> = list.split('<').skip(1).filter_map(|link| link.split('>').next()).collect();
         assert_eq!(found, expect, "{queries:?}");
     }
@@ -111,8 +111,8 @@ mod tests {
         let list = "</robot>;rt=\"robot core.pose\";if=\"sensor\";ct=\"50 60\";obs,\
                     </photo>;rt=\"photo\";ct=23;sz=70000;title=\"say \\\"cheese\\\" here\",\
                     </robot/arm>;if=\"sense\";title=\"A long arm\"";
-        assert_eq!(listed(&links(), &[]), list);
-        assert_eq!(listed(&[], &[]), "");
+        assert_eq!(link_format(&links(), &[]), list);
+        assert_eq!(link_format(&[], &[]), "");
     }
 
     #[test]

@@ -28,11 +28,11 @@ pub(super) struct Token {
 
 /// What a datagram turns out to be.
 #[derive(Debug)]
-pub(super) enum Heard {
+pub(super) enum Received {
     /// Nothing that is answered.
     Nothing,
     /// A message that cannot be read, or that a server does not get; a CON is answered with a RST of this id.
-    Senseless(Kind, u16),
+    Malformed(Kind, u16),
     /// An acknowledgement of the message with this id.
     Ack(u16),
     /// A rejection of the message with this id.
@@ -44,15 +44,10 @@ pub(super) enum Heard {
 /// A request as it came.
 #[derive(Debug)]
 pub(super) struct Incoming {
-    /// `Con` or `Non`.
     pub(super) kind: Kind,
-    /// Its message id.
     pub(super) id: u16,
-    /// Its token.
     pub(super) token: Token,
-    /// Its code.
     pub(super) code: Code,
-    /// Options and payload.
     pub(super) packet: Packet,
 }
 
@@ -78,7 +73,6 @@ impl Token {
         Token { bytes, length: u8::try_from(given.len()).unwrap_or(8) }
     }
 
-    /// Its bytes.
     #[must_use]
     pub(super) fn bytes(&self) -> &[u8] {
         &self.bytes[..usize::from(self.length)]
@@ -87,24 +81,24 @@ impl Token {
 
 /// Reads a datagram.
 #[must_use]
-pub(super) fn heard(bytes: &[u8]) -> Heard {
-    let [first, code, high, low, ..] = *bytes else { return Heard::Nothing };
+pub(super) fn parse(bytes: &[u8]) -> Received {
+    let [first, code, high, low, ..] = *bytes else { return Received::Nothing };
     if !is_of_this_version(bytes) {
-        return Heard::Nothing;
+        return Received::Nothing;
     }
     let (kind, code, id) = (kind(first), Code(code), u16::from_be_bytes([high, low]));
     match (kind, code) {
-        (Kind::Ack, _) => Heard::Ack(id),
-        (Kind::Rst, Code::EMPTY) if bytes.len() == 4 => Heard::Rst(id),
-        (Kind::Rst, _) => Heard::Nothing,
+        (Kind::Ack, _) => Received::Ack(id),
+        (Kind::Rst, Code::EMPTY) if bytes.len() == 4 => Received::Rst(id),
+        (Kind::Rst, _) => Received::Nothing,
         // An empty message asks whether anybody is there, one that is not quite empty is an error: both are answered alike.
-        (Kind::Con | Kind::Non, Code::EMPTY) => Heard::Senseless(kind, id),
-        (Kind::Con | Kind::Non, _) if code.class() != 0 => Heard::Senseless(kind, id),
+        (Kind::Con | Kind::Non, Code::EMPTY) => Received::Malformed(kind, id),
+        (Kind::Con | Kind::Non, _) if code.class() != 0 => Received::Malformed(kind, id),
         (Kind::Con | Kind::Non, _) => match Packet::from_bytes(bytes) {
             Ok(packet) if written_length(&packet) == bytes.len() => {
-                Heard::Request(Incoming { kind, id, token: Token::new(packet.get_token()), code, packet })
+                Received::Request(Incoming { kind, id, token: Token::new(packet.get_token()), code, packet })
             }
-            _ => Heard::Senseless(kind, id),
+            _ => Received::Malformed(kind, id),
         },
     }
 }
@@ -178,7 +172,6 @@ impl Outgoing {
         }
     }
 
-    /// How long its datagram is.
     #[must_use]
     pub(super) fn length(&self) -> usize {
         self.bytes.len()
@@ -239,33 +232,33 @@ mod tests {
 
     use super::*;
 
-    fn is_senseless(bytes: &[u8]) -> bool {
-        matches!(heard(bytes), Heard::Senseless(Kind::Con, 0x1234))
+    fn is_malformed(bytes: &[u8]) -> bool {
+        matches!(parse(bytes), Received::Malformed(Kind::Con, 0x1234))
     }
 
     #[test]
     fn what_is_no_message_of_this_version_is_nothing() {
         for bytes in [&[][..], &[0x40], &[0x40, 1, 2], &[0x80, 1, 0x12, 0x34], &[0x00, 1, 0x12, 0x34], &[0xC0, 0, 1, 2]] {
-            assert!(matches!(heard(bytes), Heard::Nothing), "{bytes:?}");
+            assert!(matches!(parse(bytes), Received::Nothing), "{bytes:?}");
         }
     }
 
     #[test]
     fn a_message_that_breaks_the_grammar_makes_no_sense() {
-        assert!(is_senseless(&[0x49, 1, 0x12, 0x34, 0, 0, 0, 0, 0, 0, 0, 0, 0]), "a token of nine bytes");
-        assert!(is_senseless(&[0x42, 1, 0x12, 0x34, 0]), "half a token");
-        assert!(is_senseless(&[0x40, 1, 0x12, 0x34, 0xFF]), "a marker without a payload");
-        assert!(is_senseless(&[0x40, 1, 0x12, 0x34, 0xB1, b'a', 0xFF]), "a marker after an option");
-        assert!(is_senseless(&[0x40, 1, 0x12, 0x34, 0xF1, 0]), "a reserved delta");
-        assert!(is_senseless(&[0x40, 1, 0x12, 0x34, 0xB5, b'a']), "half an option");
-        assert!(is_senseless(&[0x40, 0, 0x12, 0x34, 0]), "an empty message with a payload");
-        assert!(is_senseless(&[0x41, 0, 0x12, 0x34, 9]), "an empty message with a token");
-        assert!(is_senseless(&[0x40, 0x45, 0x12, 0x34]), "a response to nobody");
+        assert!(is_malformed(&[0x49, 1, 0x12, 0x34, 0, 0, 0, 0, 0, 0, 0, 0, 0]), "a token of nine bytes");
+        assert!(is_malformed(&[0x42, 1, 0x12, 0x34, 0]), "half a token");
+        assert!(is_malformed(&[0x40, 1, 0x12, 0x34, 0xFF]), "a marker without a payload");
+        assert!(is_malformed(&[0x40, 1, 0x12, 0x34, 0xB1, b'a', 0xFF]), "a marker after an option");
+        assert!(is_malformed(&[0x40, 1, 0x12, 0x34, 0xF1, 0]), "a reserved delta");
+        assert!(is_malformed(&[0x40, 1, 0x12, 0x34, 0xB5, b'a']), "half an option");
+        assert!(is_malformed(&[0x40, 0, 0x12, 0x34, 0]), "an empty message with a payload");
+        assert!(is_malformed(&[0x41, 0, 0x12, 0x34, 9]), "an empty message with a token");
+        assert!(is_malformed(&[0x40, 0x45, 0x12, 0x34]), "a response to nobody");
     }
 
     #[test]
     fn a_value_that_ends_in_the_markers_byte_is_a_value() {
-        let Heard::Request(incoming) = heard(&[0x40, 1, 0x12, 0x34, 0xB1, 0xFF]) else { panic!("it is a request") };
+        let Received::Request(incoming) = parse(&[0x40, 1, 0x12, 0x34, 0xB1, 0xFF]) else { panic!("it is a request") };
         assert_eq!(incoming.packet.get_first_option(CoapOption::UriPath), Some(&vec![0xFF]));
     }
 
@@ -277,7 +270,7 @@ mod tests {
         message.add_number(258, 0x0001_0203);
         message.add_number(65000, 0);
         message.carry(b"payload");
-        let Heard::Request(read) = heard(&message.datagram(Kind::Non, 77)) else { panic!("it is a request") };
+        let Received::Request(read) = parse(&message.datagram(Kind::Non, 77)) else { panic!("it is a request") };
         assert_eq!((read.kind, read.code, read.id, read.token), (Kind::Non, Code(3), 77, Token::new(b"tok")));
         assert_eq!(read.packet.payload, b"payload");
         let paths = read.packet.get_option(CoapOption::UriPath).map(|paths| paths.iter().map(Vec::len).collect::<Vec<_>>());
@@ -289,7 +282,7 @@ mod tests {
     #[test]
     fn an_empty_message_is_four_bytes() {
         assert_eq!(empty(Kind::Rst, 0x1234), [0x70, 0, 0x12, 0x34]);
-        assert!(matches!(heard(&empty(Kind::Ack, 5)), Heard::Ack(5)));
-        assert!(matches!(heard(&empty(Kind::Rst, 5)), Heard::Rst(5)));
+        assert!(matches!(parse(&empty(Kind::Ack, 5)), Received::Ack(5)));
+        assert!(matches!(parse(&empty(Kind::Rst, 5)), Received::Rst(5)));
     }
 }

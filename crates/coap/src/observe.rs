@@ -96,13 +96,11 @@ impl Observers {
         Observers { began, ..Observers::default() }
     }
 
-    /// How many observations there are.
     #[must_use]
     pub(super) fn count(&self) -> usize {
         self.observers.len()
     }
 
-    /// Everything that is observed, each once.
     #[must_use]
     pub(super) fn subjects(&self) -> Vec<(SubjectId, Arc<Request>)> {
         self.subjects.iter().map(|(id, subject)| (*id, Arc::clone(&subject.request))).collect()
@@ -161,7 +159,6 @@ impl Observers {
         self.of_peer(peer).find(|whose| self.observers.get(whose).is_some_and(|observer| observer.ids.contains(&Some(id))))
     }
 
-    /// All observations of a peer.
     pub(super) fn of_peer(&self, peer: SocketAddr) -> impl Iterator<Item = ObserverId> {
         self.by_peer.get(&peer).into_iter().flatten().copied()
     }
@@ -172,7 +169,6 @@ impl Observers {
         gone.into_values().map(|observer| (observer.peer, observer.token)).collect()
     }
 
-    /// Ends an observation.
     pub(super) fn remove(&mut self, id: ObserverId) {
         let Some(observer) = self.observers.remove(&id) else { return };
         if let Some(due) = observer.due {

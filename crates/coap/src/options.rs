@@ -10,7 +10,7 @@ use super::code::{Code, Method};
 use super::format::Format;
 use super::message::Incoming;
 use super::request::{Conditions, Request};
-use super::response::{Response, Tag};
+use super::response::{ETag, Response};
 
 /// Numbers of the options that are read or sent.
 pub(super) mod number {
@@ -45,11 +45,11 @@ use number::{
 
 /// A request with what the endpoint itself wants to know of it.
 #[derive(Debug)]
-pub(super) struct Read {
+pub(super) struct ParsedRequest {
     /// What the application sees; its payload is that of this message.
     pub(super) request: Request,
     /// The states of the resource that the client has.
-    pub(super) etags: Vec<Tag>,
+    pub(super) etags: Vec<ETag>,
     /// 0 to observe, 1 to observe no longer.
     pub(super) observe: Option<u32>,
     /// Which block of a body this is.
@@ -84,7 +84,7 @@ const fn critical(number: u16) -> Option<(usize, usize, bool)> {
 /// # Errors
 /// 4.02 for a critical option that is not understood, 4.00 for a block that cannot be, 4.05 for an unknown method, 5.05 for what
 /// a proxy is to do.
-pub(super) fn read(peer: SocketAddr, incoming: Incoming) -> Result<Read, Response> {
+pub(super) fn read(peer: SocketAddr, incoming: Incoming) -> Result<ParsedRequest, Response> {
     let Incoming { code, mut packet, .. } = incoming;
     if packet.get_option(CoapOption::from(PROXY_URI)).is_some() || packet.get_option(CoapOption::from(PROXY_SCHEME)).is_some() {
         return Err(Response::refusal(Code::NO_PROXY, "this is no proxy: ask for its own resources".to_owned()));
@@ -94,7 +94,7 @@ pub(super) fn read(peer: SocketAddr, incoming: Incoming) -> Result<Read, Respons
         return Err(Response::refusal(Code::METHOD_NOT_ALLOWED, format!("there is no method {code}")));
     };
     let payload = std::mem::take(&mut packet.payload);
-    let tags = |number| values(&packet, number).map(|value| Tag::new(value)).collect::<Vec<Option<Tag>>>();
+    let tags = |number| values(&packet, number).map(|value| ETag::new(value)).collect::<Vec<Option<ETag>>>();
     let request = Request {
         peer,
         method,
@@ -108,7 +108,7 @@ pub(super) fn read(peer: SocketAddr, incoming: Incoming) -> Result<Read, Respons
         },
         payload,
     };
-    Ok(Read {
+    Ok(ParsedRequest {
         etags: tags(ETAG).into_iter().flatten().collect(),
         observe: number_of(&packet, OBSERVE, 3),
         block1: block(&packet, BLOCK1)?,
@@ -204,7 +204,7 @@ mod tests {
         read(peer, packet(options)).unwrap_err().code
     }
 
-    fn read_of(options: &[(u16, &[u8])]) -> Read {
+    fn read_of(options: &[(u16, &[u8])]) -> ParsedRequest {
         let peer = "127.0.0.1:1".parse().unwrap();
         read(peer, packet(options)).unwrap()
     }
@@ -246,7 +246,7 @@ mod tests {
         assert_eq!(read.request.path_text(), "/lamps/3");
         assert_eq!((read.request.accept, read.observe), (Some(Format::CBOR), Some(0)));
         assert_eq!(read.request.conditions.if_match, [None]);
-        assert_eq!(read.etags, [Tag::new(b"t").unwrap()]);
+        assert_eq!(read.etags, [ETag::new(b"t").unwrap()]);
         assert_eq!(read.block2.map(|block| (block.number, block.size())), Some((5000, 1024)));
     }
 }

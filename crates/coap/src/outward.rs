@@ -6,12 +6,12 @@ use std::time::Duration;
 
 use super::block::Block;
 use super::code::Code;
-use super::inward::Back;
+use super::inward::ReplyTo;
 use super::limits::PEERS;
 use super::message::{Kind, Outgoing, Token, empty};
 use super::observe::{Notification, ObserverId};
 use super::reliable::{About, Late, Sent};
-use super::reply::{self, Shape};
+use super::reply::{self, ReplyOptions};
 use super::response::{Answer, Response};
 use super::{Endpoint, Open, Transmit};
 
@@ -28,11 +28,11 @@ impl Endpoint {
             response = Arc::new(Response { tag, max_age, ..Response::new(Code::VALID) });
         }
         let block = open.block2.unwrap_or(Block::FIRST);
-        if let Some(deed) = open.deed.take().filter(|_| response.body.len() > block.size()) {
-            self.kept.keep(*deed, Arc::clone(&response), block, now);
+        if let Some(key) = open.kept_as.take().filter(|_| response.body.len() > block.size()) {
+            self.long_answers.keep(*key, Arc::clone(&response), block, now);
         }
         let Open { back, is_acknowledged, block1, block2, wants_size, .. } = open;
-        let shape = Shape { block1, block2, wants_size, observe, echo: None };
+        let shape = ReplyOptions { block1, block2, wants_size, observe, echo: None };
         if !is_acknowledged {
             return self.send_reply(back, &response, &shape, now);
         }
@@ -46,21 +46,21 @@ impl Endpoint {
     }
 
     /// Answers a request that the application does not see.
-    pub(super) fn reply(&mut self, back: Back, response: &Response, block1: Option<Block>, now: Duration) {
-        self.send_reply(back, response, &Shape { block1, ..Shape::default() }, now);
+    pub(super) fn reply(&mut self, back: ReplyTo, response: &Response, block1: Option<Block>, now: Duration) {
+        self.send_reply(back, response, &ReplyOptions { block1, ..ReplyOptions::default() }, now);
     }
 
     /// 4.01: prove first that you hear what is sent to your address (RFC 9175, section 2.3).
-    pub(super) fn challenge(&mut self, back: Back, now: Duration) {
+    pub(super) fn challenge(&mut self, back: ReplyTo, now: Duration) {
         let (kind, id) = self.head_of_reply(back);
         let bytes = self.challenging(back, now).datagram(kind, id);
         self.exchanges.answered(back.key, &bytes);
         self.transmit(back.key.peer, bytes, now);
     }
 
-    fn challenging(&self, back: Back, now: Duration) -> Outgoing {
+    fn challenging(&self, back: ReplyTo, now: Duration) -> Outgoing {
         let peer = back.key.peer;
-        let shape = Shape { echo: Some(self.guard.echo(peer, now)), ..Shape::default() };
+        let shape = ReplyOptions { echo: Some(self.guard.echo(peer, now)), ..ReplyOptions::default() };
         let message = |words: &str| {
             let response = Response::refusal(Code::UNAUTHORIZED, words.to_owned());
             reply::message(back.token, &response, &shape)
@@ -70,7 +70,7 @@ impl Endpoint {
     }
 
     /// An acknowledgement carries the answer to what wants one; any other answer is a message of its own.
-    fn head_of_reply(&mut self, back: Back) -> (Kind, u16) {
+    fn head_of_reply(&mut self, back: ReplyTo) -> (Kind, u16) {
         match back.kind {
             Kind::Con => (Kind::Ack, back.key.id),
             Kind::Non | Kind::Ack | Kind::Rst => (Kind::Non, self.next_id(back.key.peer)),
@@ -80,7 +80,7 @@ impl Endpoint {
     /// An observer's last word, which nobody waits to be acknowledged.
     pub(super) fn bid_farewell(&mut self, peer: SocketAddr, token: Token, farewell: &Response) {
         let id = self.next_id(peer);
-        let message = reply::message(token, farewell, &Shape::default());
+        let message = reply::message(token, farewell, &ReplyOptions::default());
         self.send_to_observer(peer, message.datagram(Kind::Non, id));
     }
 
@@ -190,7 +190,7 @@ impl Endpoint {
     /// Begins or ends an observation, as the request asks; the number that goes with its answer.
     fn observe(&mut self, open: &mut Open, answer: &Answer, now: Duration) -> Option<u32> {
         let asks = open.observe.filter(|asks| open.is_get && *asks <= 1)?;
-        let Back { key, kind, token, .. } = open.back;
+        let ReplyTo { key, kind, token, .. } = open.back;
         let peer = key.peer;
         if let Some(before) = self.observers.find(peer, token) {
             self.forget(peer, before);
@@ -207,7 +207,7 @@ impl Endpoint {
         self.observers.register((&request, token, exponent), things, is_sure, now)
     }
 
-    pub(super) fn send_reply(&mut self, back: Back, response: &Response, shape: &Shape, now: Duration) {
+    pub(super) fn send_reply(&mut self, back: ReplyTo, response: &Response, shape: &ReplyOptions, now: Duration) {
         if !back.is_wanted(response.code) {
             return self.say_nothing(back, now);
         }
@@ -226,7 +226,7 @@ impl Endpoint {
     }
 
     /// An answer that is not wanted: a message that asks for an acknowledgement gets that and no more.
-    fn say_nothing(&mut self, back: Back, now: Duration) {
+    fn say_nothing(&mut self, back: ReplyTo, now: Duration) {
         if back.kind == Kind::Con {
             let acknowledgement = empty(Kind::Ack, back.key.id);
             self.exchanges.answered(back.key, &acknowledgement);
@@ -298,5 +298,5 @@ fn message_of(notification: &Notification) -> Outgoing {
     let Notification { token, response, exponent, sequence, .. } = notification;
     let whole = response.body.len() <= 16 << exponent;
     let block2 = (!whole).then_some(Block { number: 0, more: false, exponent: *exponent });
-    reply::message(*token, response, &Shape { block2, observe: *sequence, ..Shape::default() })
+    reply::message(*token, response, &ReplyOptions { block2, observe: *sequence, ..ReplyOptions::default() })
 }

@@ -6,7 +6,7 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use super::chance::Chance;
-use super::limits::{ACK_SPREAD, ACK_TIMEOUT, LINES, MAX_RETRANSMIT, WAITING};
+use super::limits::{ACK_SPREAD, ACK_TIMEOUT, MAX_RETRANSMIT, RELIABLE_PEERS, WAITING};
 use super::message::Outgoing;
 use super::observe::ObserverId;
 
@@ -22,13 +22,9 @@ pub(super) enum About {
 /// A message on its way.
 #[derive(Clone, Debug)]
 pub(super) struct Sent {
-    /// Its id.
     pub(super) id: u16,
-    /// What it is about.
     pub(super) about: About,
-    /// The datagram.
     pub(super) bytes: Vec<u8>,
-    /// When it went out first.
     pub(super) first: Duration,
     due: Duration,
     wait: Duration,
@@ -47,13 +43,13 @@ pub(super) enum Late {
 /// All messages that wait for their acknowledgement, or for the one before them to have its own.
 #[derive(Debug)]
 pub(super) struct Reliable {
-    lines: HashMap<SocketAddr, Line>,
+    peers: HashMap<SocketAddr, PeerQueue>,
     due: BTreeSet<(Duration, SocketAddr)>,
     chance: Chance,
 }
 
 #[derive(Debug, Default)]
-struct Line {
+struct PeerQueue {
     sent: Option<Sent>,
     /// Answers, their ids not given yet.
     waiting: VecDeque<Outgoing>,
@@ -63,40 +59,38 @@ impl Reliable {
     /// Nothing is on its way; the spread of the times comes from `chance`.
     #[must_use]
     pub(super) fn new(chance: Chance) -> Reliable {
-        Reliable { lines: HashMap::new(), due: BTreeSet::new(), chance }
+        Reliable { peers: HashMap::new(), due: BTreeSet::new(), chance }
     }
 
-    /// How many messages are on their way or wait.
     #[must_use]
     pub(super) fn count(&self) -> usize {
-        self.lines.values().map(|line| line.waiting.len() + usize::from(line.sent.is_some())).sum()
+        self.peers.values().map(|queue| queue.waiting.len() + usize::from(queue.sent.is_some())).sum()
     }
 
     /// Whether there is no room for one more peer.
     #[must_use]
     pub(super) fn is_full(&self) -> bool {
-        self.lines.len() >= LINES
+        self.peers.len() >= RELIABLE_PEERS
     }
 
-    /// Whether a message to this peer is on its way.
     #[must_use]
     pub(super) fn is_busy(&self, peer: SocketAddr) -> bool {
-        self.lines.get(&peer).is_some_and(|line| line.sent.is_some())
+        self.peers.get(&peer).is_some_and(|queue| queue.sent.is_some())
     }
 
     /// What the message is about that is on its way to this peer.
     #[must_use]
     pub(super) fn about(&self, peer: SocketAddr) -> Option<About> {
-        self.lines.get(&peer)?.sent.as_ref().map(|sent| sent.about)
+        self.peers.get(&peer)?.sent.as_ref().map(|sent| sent.about)
     }
 
     /// Notes that a message went out. There must be none on its way to this peer.
     pub(super) fn sent(&mut self, peer: SocketAddr, id: u16, about: About, bytes: Vec<u8>, now: Duration) {
         let wait = ACK_TIMEOUT.mul_f64(1.0 + ACK_SPREAD * self.chance.fraction());
         let due = now + wait;
-        let line = self.lines.entry(peer).or_default();
-        debug_assert!(line.sent.is_none(), "one at a time");
-        line.sent = Some(Sent { id, about, bytes, first: now, due, wait, tries: 0 });
+        let queue = self.peers.entry(peer).or_default();
+        debug_assert!(queue.sent.is_none(), "one at a time");
+        queue.sent = Some(Sent { id, about, bytes, first: now, due, wait, tries: 0 });
         self.due.insert((due, peer));
     }
 
@@ -105,28 +99,28 @@ impl Reliable {
     /// # Errors
     /// Gives it back when too many wait.
     pub(super) fn wait(&mut self, peer: SocketAddr, waiting: Outgoing) -> Result<(), Outgoing> {
-        let line = self.lines.entry(peer).or_default();
-        if line.waiting.len() >= WAITING {
+        let queue = self.peers.entry(peer).or_default();
+        if queue.waiting.len() >= WAITING {
             return Err(waiting);
         }
-        line.waiting.push_back(waiting);
+        queue.waiting.push_back(waiting);
         Ok(())
     }
 
     /// The next answer that waits for this peer, when nothing is on its way there.
     pub(super) fn next(&mut self, peer: SocketAddr) -> Option<Outgoing> {
-        let line = self.lines.get_mut(&peer).filter(|line| line.sent.is_none())?;
-        let next = line.waiting.pop_front();
+        let queue = self.peers.get_mut(&peer).filter(|queue| queue.sent.is_none())?;
+        let next = queue.waiting.pop_front();
         if next.is_none() {
-            self.lines.remove(&peer);
+            self.peers.remove(&peer);
         }
         next
     }
 
     /// Takes a message off its way because it was acknowledged or rejected; with whether it had been sent only once.
     pub(super) fn settled(&mut self, peer: SocketAddr, id: u16) -> Option<(Sent, bool)> {
-        let line = self.lines.get_mut(&peer)?;
-        let sent = line.sent.take_if(|sent| sent.id == id)?;
+        let queue = self.peers.get_mut(&peer)?;
+        let sent = queue.sent.take_if(|sent| sent.id == id)?;
         self.due.remove(&(sent.due, peer));
         let once = sent.tries == 0;
         Some((sent, once))
@@ -134,9 +128,9 @@ impl Reliable {
 
     /// Takes the notification of an observer that is gone off its way.
     pub(super) fn withdraw(&mut self, peer: SocketAddr, observer: ObserverId) {
-        let Some(line) = self.lines.get_mut(&peer) else { return };
+        let Some(queue) = self.peers.get_mut(&peer) else { return };
         let is_its = |sent: &mut Sent| matches!(sent.about, About::Notification(whose, ..) if whose == observer);
-        if let Some(sent) = line.sent.take_if(is_its) {
+        if let Some(sent) = queue.sent.take_if(is_its) {
             self.due.remove(&(sent.due, peer));
         }
     }
@@ -146,11 +140,11 @@ impl Reliable {
     pub(super) fn late(&mut self, now: Duration) -> Option<Late> {
         let (due, peer) = *self.due.first().filter(|(due, _)| *due <= now)?;
         self.due.remove(&(due, peer));
-        let line = self.lines.get_mut(&peer)?;
-        if line.sent.as_ref()?.tries >= MAX_RETRANSMIT {
-            return line.sent.take().map(|sent| Late::GivenUp(peer, sent));
+        let queue = self.peers.get_mut(&peer)?;
+        if queue.sent.as_ref()?.tries >= MAX_RETRANSMIT {
+            return queue.sent.take().map(|sent| Late::GivenUp(peer, sent));
         }
-        let sent = line.sent.as_mut()?;
+        let sent = queue.sent.as_mut()?;
         sent.tries += 1;
         sent.wait *= 2;
         sent.due = now + sent.wait;
@@ -160,7 +154,7 @@ impl Reliable {
 
     /// Puts something newer in the place of a message that is on its way; its tries go on (RFC 7641, section 4.5.2).
     pub(super) fn replace(&mut self, peer: SocketAddr, id: u16, about: About, bytes: Vec<u8>) {
-        if let Some(sent) = self.lines.get_mut(&peer).and_then(|line| line.sent.as_mut()) {
+        if let Some(sent) = self.peers.get_mut(&peer).and_then(|queue| queue.sent.as_mut()) {
             (sent.id, sent.about, sent.bytes) = (id, about, bytes);
         }
     }

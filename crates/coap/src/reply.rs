@@ -9,7 +9,7 @@ use super::response::Response;
 
 /// What goes with a response beside what the application says.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Shape {
+pub(super) struct ReplyOptions {
     /// The block of the request's body that is answered.
     pub(super) block1: Option<Block>,
     /// The block of the answer's body that is wanted.
@@ -24,7 +24,7 @@ pub(super) struct Shape {
 
 /// The message that carries a response.
 #[must_use]
-pub(super) fn message(token: Token, response: &Response, shape: &Shape) -> Outgoing {
+pub(super) fn message(token: Token, response: &Response, shape: &ReplyOptions) -> Outgoing {
     let length = response.body.len();
     let wanted = shape.block2.unwrap_or(Block::FIRST);
     // Only of what is there can a later block be asked for: of an error its beginning is sent, whatever was asked for.
@@ -33,7 +33,7 @@ pub(super) fn message(token: Token, response: &Response, shape: &Shape) -> Outgo
     let Some((block, range)) = wanted.within(length) else {
         let words = format!("there is no such block: the whole has {length} bytes");
         let past = Response::refusal(Code::BAD_REQUEST, words);
-        return message(token, &past, &Shape { block2: None, ..shape.clone() });
+        return message(token, &past, &ReplyOptions { block2: None, ..shape.clone() });
     };
     let is_part = block.more || block.number > 0;
     let sliced = is_part || (shape.block2.is_some() && response.code == Code::CONTENT);

@@ -5,7 +5,7 @@ use std::net::SocketAddr;
 
 use super::code::{Code, Method};
 use super::format::Format;
-use super::response::{Response, Tag};
+use super::response::{ETag, Response};
 
 /// One request.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,7 +32,7 @@ pub struct Request {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Conditions {
     /// It is carried out only when the resource is one of these; `None` among them means whatever it is, so long as it exists.
-    pub if_match: Vec<Option<Tag>>,
+    pub if_match: Vec<Option<ETag>>,
     /// It is carried out only when there is no such resource.
     pub if_none_match: bool,
 }
@@ -69,11 +69,11 @@ impl Conditions {
     ///
     /// # Errors
     /// 4.12 when it may not.
-    pub fn met(&self, exists: bool, tag: Option<Tag>) -> Result<(), Response> {
+    pub fn met(&self, exists: bool, tag: Option<ETag>) -> Result<(), Response> {
         if self.if_none_match && exists {
             return Err(Response::refusal(Code::PRECONDITION_FAILED, "If-None-Match: it is there already".to_owned()));
         }
-        let matches = |wanted: &Option<Tag>| wanted.map_or(exists, |wanted| tag == Some(wanted));
+        let matches = |wanted: &Option<ETag>| wanted.map_or(exists, |wanted| tag == Some(wanted));
         if self.if_match.is_empty() || self.if_match.iter().any(matches) {
             return Ok(());
         }
@@ -88,8 +88,8 @@ impl Conditions {
 mod tests {
     use super::*;
 
-    fn tag(text: &str) -> Tag {
-        Tag::new(text.as_bytes()).expect("a short tag")
+    fn tag(text: &str) -> ETag {
+        ETag::new(text.as_bytes()).expect("a short tag")
     }
 
     #[test]

@@ -8,18 +8,18 @@ use super::format::Format;
 
 /// An entity tag: 1 to 8 bytes that name one state of a resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Tag {
+pub struct ETag {
     bytes: [u8; 8],
     length: u8,
 }
 
-impl Tag {
+impl ETag {
     /// These bytes as a tag; `None` when there are none, or more than 8.
     #[must_use]
-    pub fn new(given: &[u8]) -> Option<Tag> {
+    pub fn new(given: &[u8]) -> Option<ETag> {
         let mut bytes = [0; 8];
         bytes.get_mut(..given.len()).filter(|room| !room.is_empty())?.copy_from_slice(given);
-        Some(Tag { bytes, length: u8::try_from(given.len()).ok()? })
+        Some(ETag { bytes, length: u8::try_from(given.len()).ok()? })
     }
 
     /// Its bytes.
@@ -37,7 +37,7 @@ pub struct Response {
     /// The format of the body; none for a diagnostic text (RFC 7252, section 5.5.2).
     pub format: Option<Format>,
     /// Which state of the resource this is.
-    pub tag: Option<Tag>,
+    pub tag: Option<ETag>,
     /// So many seconds it may be taken for the present state; without it, 60.
     pub max_age: Option<u32>,
     /// Where what was created is.
@@ -107,9 +107,9 @@ mod tests {
 
     #[test]
     fn a_tag_has_one_to_eight_bytes() {
-        assert_eq!(Tag::new(b""), None);
-        assert_eq!(Tag::new(b"123456789"), None);
-        assert_eq!(Tag::new(b"12345678").unwrap().bytes(), b"12345678");
-        assert_ne!(Tag::new(b"1"), Tag::new(b"1\0"));
+        assert_eq!(ETag::new(b""), None);
+        assert_eq!(ETag::new(b"123456789"), None);
+        assert_eq!(ETag::new(b"12345678").unwrap().bytes(), b"12345678");
+        assert_ne!(ETag::new(b"1"), ETag::new(b"1\0"));
     }
 }

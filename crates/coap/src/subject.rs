@@ -23,16 +23,13 @@ pub(super) struct Target {
 pub(super) struct Subject {
     /// As its first observer asked for it.
     pub(super) request: Arc<Request>,
-    /// What it shows.
     pub(super) things: Vec<Thing>,
     /// How often any of the things changed.
     changes: u64,
-    /// Whoever observes it.
     pub(super) observers: BTreeSet<ObserverId>,
 }
 
 impl Target {
-    /// That of a request.
     #[must_use]
     pub(super) fn of(request: &Request) -> Target {
         Target { path: request.path.clone(), queries: request.queries.clone(), accept: request.accept }

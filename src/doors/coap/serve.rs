@@ -1,4 +1,4 @@
-//! The loop of the door: datagrams to the endpoint, its requests to the application, answers, news and time back to it, and what
+//! The loop of the door: datagrams to the endpoint, its requests to the application, answers, changes and time back to it, and what
 //! it wants sent to the socket. It understands none of it.
 
 use std::sync::Arc;
@@ -6,13 +6,14 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
-use super::application::{self, Application, HALTED, Said};
-use super::news::{self, News};
-use super::sieve::{Heard, Sieve};
+use super::application::{self, Application, HALTED, Reply};
+use super::change_feed::{self, ChangeFeed};
+use super::flood_filter::{FloodFilter, KindCounts};
+use super::pending::{PendingAnswers, RequestKind, busy};
 use super::socket::{BATCH, Socket};
-use super::under_way::{Sort, UnderWay, busy};
 use crate::runtime::clock::Clock;
-use coap_endpoint::{Backlog, Datagram, Endpoint};
+use crate::runtime::handle::Gone;
+use coap_endpoint::{Backlog, Code, Datagram, Endpoint, Response};
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// So long requests under way are waited for at the end: within two seconds, with the HTTP door, which ends at the same time.
@@ -33,10 +34,10 @@ struct Driver<A> {
     socket: Socket,
     endpoint: Endpoint,
     application: A,
-    under_way: UnderWay,
+    pending: PendingAnswers,
     /// What was heard and waits.
     backlog: Backlog,
-    sieve: Sieve,
+    filter: FloodFilter,
     /// How often in a row it was heard and not answered.
     hearings: u32,
     clock: Clock,
@@ -52,22 +53,22 @@ pub async fn serve<A: Application>(
 ) {
     let clock = Clock::default();
     let endpoint = Endpoint::new(secret).started_at(began(&clock)).with_urgent(A::IS_STOP, HALTED);
-    let (under_way, backlog, sieve) = (UnderWay::default(), Backlog::new(A::IS_STOP), Sieve::new(A::STOP_WORDS));
-    let mut driver = Driver { socket, endpoint, application, under_way, backlog, sieve, hearings: 0, clock };
-    let mut news = News::of(states, clock);
+    let (pending, backlog, filter) = (PendingAnswers::default(), Backlog::new(A::IS_STOP), FloodFilter::new(A::STOP_WORDS));
+    let mut driver = Driver { socket, endpoint, application, pending, backlog, filter, hearings: 0, clock };
+    let mut changes = ChangeFeed::of(states, clock);
     tokio::pin!(shutdown);
     loop {
         let (due, is_behind) = (driver.endpoint.poll_timeout(), !driver.backlog.is_empty());
         tokio::select! {
             biased;
             () = &mut shutdown => break,
-            Some((exchange, answer)) = driver.under_way.next() => {
-                news.again_for(&answer);
+            Some((exchange, answer)) = driver.pending.next() => {
+                changes.again_for(&answer);
                 driver.endpoint.handle_answer(exchange, answer, clock.since_start());
             }
             () = clock.reach(due) => driver.endpoint.handle_timeout(clock.since_start()),
-            () = clock.reach(driver.sieve.due()) => driver.loosen(),
-            () = news.come() => news::tell(&mut driver.endpoint, &driver.application, clock.since_start()),
+            () = clock.reach(driver.filter.due()) => driver.loosen(),
+            () = changes.next() => change_feed::tell(&mut driver.endpoint, &driver.application, clock.since_start()),
             () = async { if !is_behind { driver.socket.readable().await } } => driver.turn().await,
         }
         driver.settle(clock.since_start());
@@ -119,14 +120,14 @@ impl<A: Application> Driver<A> {
         let is_all = loop {
             let Some((peer, bytes)) = self.socket.read().await else { break true };
             bytes_heard += bytes.len();
-            kinds[self.sieve.kind(bytes)] += 1;
+            kinds[self.filter.kind(bytes)] += 1;
             self.backlog.hear(peer, bytes);
             if bytes_heard >= HEARING_BYTES || self.clock.since_start() > until {
                 break false;
             }
         };
-        if !is_all && is_flood(kinds, bytes_heard) && self.sieve.tighten(kinds, self.clock.since_start()) {
-            self.socket.sift(&self.sieve);
+        if !is_all && is_flood(kinds, bytes_heard) && self.filter.tighten(kinds, self.clock.since_start()) {
+            self.socket.attach(&self.filter);
         }
         is_all
     }
@@ -143,8 +144,8 @@ impl<A: Application> Driver<A> {
     }
 
     fn loosen(&mut self) {
-        if self.sieve.loosen(self.clock.since_start()) {
-            self.socket.sift(&self.sieve);
+        if self.filter.loosen(self.clock.since_start()) {
+            self.socket.attach(&self.filter);
         }
     }
 
@@ -167,18 +168,18 @@ impl<A: Application> Driver<A> {
     /// Takes requests to the application and datagrams to the network, until there are none. A command too many is not begun.
     fn settle(&mut self, now: Duration) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
-            let (sort, asked) = (Sort::of(request.method), &self.application);
-            let is_full = self.under_way.is_full(sort) && !A::IS_STOP(&request);
-            let said = if is_full && sort == Sort::Command {
+            let (kind, asked) = (RequestKind::of(request.method), &self.application);
+            let is_full = self.pending.is_full(kind) && !A::IS_STOP(&request);
+            let said = if is_full && kind == RequestKind::Command {
                 asked.note_busy(&request);
-                Said::Now(busy())
+                Reply::Now(busy())
             } else {
                 application::answer(asked, &request)
             };
             match said {
-                Said::Now(answer) => self.endpoint.handle_answer(exchange, answer, now),
-                Said::Later(_) if is_full => self.endpoint.handle_answer(exchange, busy(), now),
-                Said::Later(answer) => self.under_way.add(exchange, sort, answer),
+                Reply::Now(answer) => self.endpoint.handle_answer(exchange, answer, now),
+                Reply::Later(_) if is_full => self.endpoint.handle_answer(exchange, busy(), now),
+                Reply::Later(answer) => self.pending.add(exchange, kind, answer),
             }
         }
         std::iter::from_fn(|| self.endpoint.poll_refused()).for_each(|refusal| self.application.note(refusal));
@@ -188,9 +189,10 @@ impl<A: Application> Driver<A> {
     }
 
     async fn finish(&mut self) {
-        self.endpoint.close(&application::farewell());
+        // The last that observers hear.
+        self.endpoint.close(&Response::refusal(Code::UNAVAILABLE, Gone.to_string()));
         self.settle(self.clock.since_start());
-        while let Some((exchange, answer)) = self.under_way.next().await {
+        while let Some((exchange, answer)) = self.pending.next().await {
             self.endpoint.handle_answer(exchange, answer, self.clock.since_start());
             self.settle(self.clock.since_start());
         }
@@ -205,7 +207,7 @@ fn began(clock: &Clock) -> Duration {
 
 /// Whether what was heard in a turn that was not enough is more than anybody sends who means no harm. Few in a whole turn are none:
 /// this thread had to wait for others, and who is thinned out then loses what nobody flooded.
-fn is_flood(heard: Heard, bytes: usize) -> bool {
+fn is_flood(heard: KindCounts, bytes: usize) -> bool {
     heard.iter().sum::<usize>() >= BATCH || bytes >= HEARING_BYTES
 }
 

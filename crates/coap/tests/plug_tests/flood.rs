@@ -16,7 +16,7 @@ fn flooder(n: u16) -> SocketAddr {
 }
 
 fn is_urgent(request: &Request) -> bool {
-    request.peer.ip().is_loopback() && !request.method.only_looks() && request.path == ["stop"]
+    request.peer.ip().is_loopback() && !request.method.is_safe() && request.path == ["stop"]
 }
 
 fn bench() -> Bench {
@@ -33,7 +33,7 @@ fn asked(bench: &Bench) -> Vec<String> {
 }
 
 #[test]
-fn an_urgent_request_behind_thousands_of_looks_is_acted_on_before_any_of_them_is_answered() {
+fn an_urgent_request_behind_thousands_of_reads_is_acted_on_before_any_of_them_is_answered() {
     let stop = || Message::con(Method::Post, 1).path("/stop");
     let half = [stop().encoded(), b"\xF0".to_vec()].concat();
     let long_token = [b"\x4F\x02\x00\x01".to_vec(), stop().encoded()[4..].to_vec()].concat();

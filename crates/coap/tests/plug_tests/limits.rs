@@ -83,7 +83,7 @@ fn answers_that_are_never_read_on_give_way() {
         let request = Message::con(Method::Post, 1).path("/large-post").payload([b'x'; 100]).block2((0, false, 0));
         assert_eq!(bench.ask_from(peer(n), &request).code, Code::CHANGED);
     }
-    assert!(bench.endpoint.counts().kept <= limits::ASSEMBLIES, "{:?}", bench.endpoint.counts());
+    assert!(bench.endpoint.counts().long_answers <= limits::ASSEMBLIES, "{:?}", bench.endpoint.counts());
 }
 
 #[test]
@@ -131,14 +131,14 @@ fn observers_that_are_all_gone_are_all_found_out() {
 #[test]
 fn peers_that_acknowledge_nothing_are_only_so_many() {
     let mut bench = Bench::new();
-    for n in 0..limits::LINES + 500 {
+    for n in 0..limits::RELIABLE_PEERS + 500 {
         bench.deliver(peer(n), &Message::get("/separate", 1).encoded());
         if n % 1000 == 0 {
             bench.wait(Duration::from_millis(1_300));
         }
     }
     bench.wait(Duration::from_millis(1_300));
-    assert!(bench.endpoint.counts().reliable <= limits::LINES, "{:?}", bench.endpoint.counts());
+    assert!(bench.endpoint.counts().reliable <= limits::RELIABLE_PEERS, "{:?}", bench.endpoint.counts());
     let nons = bench.take().into_iter().filter(|out| Message::decoded(&out.bytes).kind == Kind::Non).count();
     assert!(nons >= 500, "the others went out without a wish for an acknowledgement: {nons}");
 }

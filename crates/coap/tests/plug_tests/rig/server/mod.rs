@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use coap_endpoint::{Answer, Code, Format, Method, Request, Response, listed};
+use coap_endpoint::{Answer, Code, Format, Method, Request, Response, link_format};
 
 use thing::{Thing, long_body};
 
@@ -175,7 +175,7 @@ impl Server {
 
 /// What is not stored but made for each request.
 fn made_up(request: &Request) -> Response {
-    let links = |links: &[_], queries: &[String]| Response::content(Format::LINKS, listed(links, queries).into_bytes());
+    let links = |links: &[_], queries: &[String]| Response::content(Format::LINKS, link_format(links, queries).into_bytes());
     match request.segments().as_slice() {
         ["query"] => Response::content(Format::TEXT, request.queries.join("&").into_bytes()),
         ["multi-format"] => request.negotiated(&[Format::TEXT, XML]).map_or_else(

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use coap_endpoint::{Format, Request, Response, Tag};
+use coap_endpoint::{ETag, Format, Request, Response};
 
 /// One resource.
 #[derive(Clone, Debug)]
@@ -35,8 +35,8 @@ impl Thing {
         self.version += 1;
     }
 
-    pub(crate) fn tag(&self) -> Tag {
-        Tag::new(&self.version.to_be_bytes()).expect("four bytes")
+    pub(crate) fn tag(&self) -> ETag {
+        ETag::new(&self.version.to_be_bytes()).expect("four bytes")
     }
 
     /// What a GET is answered.

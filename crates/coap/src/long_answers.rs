@@ -13,7 +13,7 @@ use super::response::Response;
 
 /// Answers of which the last block may not have been read yet.
 #[derive(Debug, Default)]
-pub(super) struct Kept(LinkedHashMap<BodyKey, Answered>);
+pub(super) struct LongAnswers(LinkedHashMap<BodyKey, Answered>);
 
 #[derive(Debug)]
 struct Answered {
@@ -23,8 +23,7 @@ struct Answered {
     next: usize,
 }
 
-impl Kept {
-    /// How many there are.
+impl LongAnswers {
     #[must_use]
     pub(super) fn count(&self) -> usize {
         self.0.len()
@@ -78,35 +77,35 @@ mod tests {
 
     #[test]
     fn the_latest_answer_is_kept_for_its_lifetime() {
-        let mut kept = Kept::default();
-        kept.keep(key(1), answer("old"), Block::FIRST, Duration::ZERO);
-        kept.keep(key(1), answer("new"), Block::FIRST, Duration::from_secs(1));
-        assert_eq!(kept.read(&key(1), Block::FIRST, EXCHANGE_LIFETIME), Some(answer("new")));
-        assert_eq!(kept.read(&key(1), Block::FIRST, EXCHANGE_LIFETIME * 2), None);
-        assert_eq!(kept.read(&key(2), Block::FIRST, Duration::ZERO), None);
+        let mut answers = LongAnswers::default();
+        answers.keep(key(1), answer("old"), Block::FIRST, Duration::ZERO);
+        answers.keep(key(1), answer("new"), Block::FIRST, Duration::from_secs(1));
+        assert_eq!(answers.read(&key(1), Block::FIRST, EXCHANGE_LIFETIME), Some(answer("new")));
+        assert_eq!(answers.read(&key(1), Block::FIRST, EXCHANGE_LIFETIME * 2), None);
+        assert_eq!(answers.read(&key(2), Block::FIRST, Duration::ZERO), None);
     }
 
     #[test]
     fn only_the_block_behind_the_last_one_goes_on_reading() {
-        let mut kept = Kept::default();
+        let mut answers = LongAnswers::default();
         let block = |number| Block { number, more: false, exponent: 0 };
-        let is_next = |kept: &Kept, number| kept.is_next(&key(1), block(number), Duration::ZERO);
-        assert!(!is_next(&kept, 1));
-        kept.keep(key(1), answer(&"x".repeat(40)), block(0), Duration::ZERO);
-        assert!(is_next(&kept, 1) && !is_next(&kept, 0) && !is_next(&kept, 2));
-        assert!(kept.read(&key(1), block(1), Duration::ZERO).is_some());
-        assert!(!is_next(&kept, 1) && is_next(&kept, 2));
-        assert!(!kept.is_next(&key(1), block(2), EXCHANGE_LIFETIME * 2));
-        assert!(kept.read(&key(1), block(2), Duration::ZERO).is_some());
-        assert!(!is_next(&kept, 3), "there is no more");
+        let is_next = |answers: &LongAnswers, number| answers.is_next(&key(1), block(number), Duration::ZERO);
+        assert!(!is_next(&answers, 1));
+        answers.keep(key(1), answer(&"x".repeat(40)), block(0), Duration::ZERO);
+        assert!(is_next(&answers, 1) && !is_next(&answers, 0) && !is_next(&answers, 2));
+        assert!(answers.read(&key(1), block(1), Duration::ZERO).is_some());
+        assert!(!is_next(&answers, 1) && is_next(&answers, 2));
+        assert!(!answers.is_next(&key(1), block(2), EXCHANGE_LIFETIME * 2));
+        assert!(answers.read(&key(1), block(2), Duration::ZERO).is_some());
+        assert!(!is_next(&answers, 3), "there is no more");
     }
 
     #[test]
     fn no_more_answers_are_kept_than_there_is_room_for() {
-        let mut kept = Kept::default();
-        (0..500).for_each(|port| kept.keep(key(port), answer("x"), Block::FIRST, Duration::ZERO));
-        assert_eq!(kept.count(), ASSEMBLIES);
-        kept.keep(key(500), answer("x"), Block::FIRST, EXCHANGE_LIFETIME * 2);
-        assert_eq!(kept.count(), 1, "the old ones are let go");
+        let mut answers = LongAnswers::default();
+        (0..500).for_each(|port| answers.keep(key(port), answer("x"), Block::FIRST, Duration::ZERO));
+        assert_eq!(answers.count(), ASSEMBLIES);
+        answers.keep(key(500), answer("x"), Block::FIRST, EXCHANGE_LIFETIME * 2);
+        assert_eq!(answers.count(), 1, "the old ones are let go");
     }
 }

@@ -8,7 +8,7 @@ use hashlink::LinkedHashMap;
 
 use super::shows;
 use super::table::Show;
-use coap_endpoint::{Answer, Format, Response, Tag};
+use coap_endpoint::{Answer, ETag, Format, Response};
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::snapshot::Snapshot;
 
@@ -18,7 +18,7 @@ const MOST: usize = 128;
 
 /// Everything that is kept.
 #[derive(Default)]
-pub(super) struct Kept(Mutex<LinkedHashMap<Key, (Revision, Copies)>>);
+pub(super) struct RepresentationCache(Mutex<LinkedHashMap<Key, (Revision, Copies)>>);
 
 /// What, which of several, and in which format.
 type Key = (Show, u64, Format);
@@ -44,33 +44,33 @@ impl Copies {
     }
 }
 
-impl Kept {
+impl RepresentationCache {
     /// What is shown in this format; `number` says which where there are several.
     pub(super) fn copies(&self, show: Show, number: u64, format: Format, snapshot: &Snapshot) -> Copies {
         let (key, revision) = ((show, number, format), shows::revision(show, number, snapshot));
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, copies)) = kept.get(&key).filter(|(made_at, _)| *made_at == revision) {
+        let mut things = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, copies)) = things.get(&key).filter(|(made_at, _)| *made_at == revision) {
             return copies.clone();
         }
         let tag = tag(&[snapshot.run.as_bytes(), &number.to_be_bytes(), &revision.0.to_be_bytes(), &format.0.to_be_bytes()]);
         let body = shows::body(show, number, format, snapshot);
         let copies = Copies::new(Response { tag: Some(tag), ..Response::content(format, body) });
-        kept.insert(key, (revision, copies.clone()));
-        if kept.len() > MOST {
-            kept.pop_front();
+        things.insert(key, (revision, copies.clone()));
+        if things.len() > MOST {
+            things.pop_front();
         }
         copies
     }
 }
 
 /// The tag of what these parts tell apart; the same parts have the same tag in every run and on every machine.
-pub(super) fn tag(parts: &[&[u8]]) -> Tag {
+pub(super) fn tag(parts: &[&[u8]]) -> ETag {
     let mut hasher = Fnv::default();
     for part in parts {
         hasher.write(&(part.len() as u64).to_be_bytes());
         hasher.write(part);
     }
-    Tag::new(&hasher.finish().to_be_bytes()).expect("a number of 64 bits is eight bytes")
+    ETag::new(&hasher.finish().to_be_bytes()).expect("a number of 64 bits is eight bytes")
 }
 
 /// FNV-1a of 64 bits: the standard library does not promise that its own hash stays the same.
@@ -104,22 +104,23 @@ mod tests {
 
     #[test]
     fn what_has_not_changed_is_not_made_anew() {
-        let (kept, mut state) = (Kept::default(), searching());
-        let first = kept.copies(TEMPERATURE, 0, Format::JSON, &state);
+        let (cache, mut state) = (RepresentationCache::default(), searching());
+        let first = cache.copies(TEMPERATURE, 0, Format::JSON, &state);
         touch(&mut state, 21, &[Resource::Robot]);
-        let again = kept.copies(TEMPERATURE, 0, Format::JSON, &state);
+        let again = cache.copies(TEMPERATURE, 0, Format::JSON, &state);
         assert!(Arc::ptr_eq(&first.plain, &again.plain) && Arc::ptr_eq(&first.watched, &again.watched));
         assert!(Arc::ptr_eq(&first.plain.body, &first.watched.body), "both share the body");
         touch(&mut state, 22, &[Resource::Temperature]);
-        let newer = kept.copies(TEMPERATURE, 0, Format::JSON, &state);
+        let newer = cache.copies(TEMPERATURE, 0, Format::JSON, &state);
         assert_ne!(newer.plain.tag, first.plain.tag);
     }
 
     #[test]
     fn a_tag_tells_runs_revisions_and_formats_apart() {
-        let (kept, state) = (Kept::default(), searching());
-        let tag_in = |format, state: &Snapshot| Kept::default().copies(TEMPERATURE, 0, format, state).plain.tag.unwrap();
-        let json = kept.copies(TEMPERATURE, 0, Format::JSON, &state).plain.tag.unwrap();
+        let (cache, state) = (RepresentationCache::default(), searching());
+        let tag_in =
+            |format, state: &Snapshot| RepresentationCache::default().copies(TEMPERATURE, 0, format, state).plain.tag.unwrap();
+        let json = cache.copies(TEMPERATURE, 0, Format::JSON, &state).plain.tag.unwrap();
         assert_eq!(tag_in(Format::JSON, &state), json, "and is the same for the same");
         assert_ne!(tag_in(Format::CBOR, &state), json);
         let other_run = Snapshot { run: Arc::from("t-2"), ..searching() };
@@ -129,11 +130,11 @@ mod tests {
     /// Safety A5.
     #[test]
     fn no_number_of_things_that_are_asked_for_fills_the_memory() {
-        let (kept, state) = (Kept::default(), searching());
+        let (cache, state) = (RepresentationCache::default(), searching());
         let last = 10 * u16::try_from(MOST).unwrap();
-        let latest: Vec<Copies> = (0..=last).map(|format| kept.copies(Show::Piece, 3, Format(format), &state)).collect();
-        assert_eq!(kept.0.lock().unwrap().len(), MOST, "the others are kept when one gives way");
-        let before = kept.copies(Show::Piece, 3, Format(last - 1), &state);
+        let latest: Vec<Copies> = (0..=last).map(|format| cache.copies(Show::Piece, 3, Format(format), &state)).collect();
+        assert_eq!(cache.0.lock().unwrap().len(), MOST, "the others are kept when one gives way");
+        let before = cache.copies(Show::Piece, 3, Format(last - 1), &state);
         assert!(Arc::ptr_eq(&before.plain, &latest[usize::from(last) - 1].plain));
     }
 }

@@ -12,21 +12,21 @@ use coap_endpoint::{Answer, Endpoint, limits::PACE};
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// Where it is learned.
-pub(super) struct News {
+pub(super) struct ChangeFeed {
     states: watch::Receiver<Arc<Snapshot>>,
     clock: Clock,
     /// Until then nothing is said; `None` once that is over.
     next: Option<Duration>,
 }
 
-impl News {
-    /// News of these states, from now on.
-    pub(super) fn of(states: watch::Receiver<Arc<Snapshot>>, clock: Clock) -> News {
-        News { states, clock, next: None }
+impl ChangeFeed {
+    /// The changes of these states from now on.
+    pub(super) fn of(states: watch::Receiver<Arc<Snapshot>>, clock: Clock) -> ChangeFeed {
+        ChangeFeed { states, clock, next: None }
     }
 
     /// Waits for a state that is newer than at the last time; for ever, when none will come. May be dropped while it waits.
-    pub(super) async fn come(&mut self) {
+    pub(super) async fn next(&mut self) {
         if self.next.is_some() {
             self.clock.reach(self.next).await;
             self.next = None;

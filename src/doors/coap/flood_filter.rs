@@ -20,28 +20,28 @@ const PART: usize = 8;
 /// Where the words begin at the earliest, behind the header.
 const HEADER: usize = 4;
 
-/// How many were heard of each kind: looks, commands, signs, and commands that come through however fine it is.
-pub(super) type Heard = [usize; 4];
+/// How many were heard of each kind: reads, commands, signs, and commands that come through however fine it is.
+pub(super) type KindCounts = [usize; 4];
 
 /// What is let through now.
-pub(super) struct Sieve {
+pub(super) struct FloodFilter {
     /// Four bytes each, of which a STOP has one as it is usually written, with the bit set that makes letters small.
     words: &'static [[u8; 4]],
-    /// Of looks, commands and signs one in two to the power of this.
+    /// Of reads, commands and signs one in two to the power of this.
     fine: [u32; 3],
     /// When it was last changed.
     since: Duration,
 }
 
-impl Sieve {
+impl FloodFilter {
     /// One that lets everything through.
-    pub(super) fn new(words: &'static [[u8; 4]]) -> Sieve {
-        Sieve { words, fine: [0; 3], since: Duration::ZERO }
+    pub(super) fn new(words: &'static [[u8; 4]]) -> FloodFilter {
+        FloodFilter { words, fine: [0; 3], since: Duration::ZERO }
     }
 
     /// More came than was heard, so many of each kind: fewer are to be let through of the most frequent that can be thinned out
     /// further. Whether that changes anything.
-    pub(super) fn tighten(&mut self, heard: Heard, now: Duration) -> bool {
+    pub(super) fn tighten(&mut self, heard: KindCounts, now: Duration) -> bool {
         let all: usize = heard.iter().sum();
         let floods: Vec<usize> = (0..self.fine.len()).filter(|kind| heard[*kind] > 0 && heard[*kind] * PART >= all).collect();
         if floods.is_empty() {
@@ -69,7 +69,7 @@ impl Sieve {
         true
     }
 
-    /// What the system takes a datagram for, as an index of `Heard`.
+    /// What the system takes a datagram for, as an index of `KindCounts`.
     pub(super) fn kind(&self, bytes: &[u8]) -> usize {
         match bytes.get(1) {
             Some(1 | 5) => 0,
@@ -99,7 +99,7 @@ impl Sieve {
 /// As a program of the classic Berkeley packet filter, which sees a datagram from its UDP header on, and throws away what ends before
 /// it has read what it wants to.
 #[cfg(target_os = "linux")]
-fn program(words: &[[u8; 4]], [looks, commands, signs]: [u32; 3]) -> Vec<socket2::SockFilter> {
+fn program(words: &[[u8; 4]], [reads, commands, signs]: [u32; 3]) -> Vec<socket2::SockFilter> {
     use socket2::SockFilter;
 
     const UDP: u32 = 8;
@@ -112,7 +112,7 @@ fn program(words: &[[u8; 4]], [looks, commands, signs]: [u32; 3]) -> Vec<socket2
     // Goes on behind its four steps with those that chance has not chosen.
     let one_in = |power: u32| [load(CHANCE), SockFilter::new(0x54, 0, 0, (1 << power) - 1), is_equal(0, 0, 1), take()];
     let mut steps = vec![load_byte(UDP + 1), is_equal(1, 3, 0), is_equal(5, 2, 0), is_equal(0, 6, 0), is_least(32, 5, 10)];
-    steps.extend(one_in(looks));
+    steps.extend(one_in(reads));
     steps.push(lose());
     steps.extend(one_in(signs));
     steps.push(lose());
@@ -142,11 +142,11 @@ mod tests {
     const MS: Duration = Duration::from_millis(1);
     const LAST: &[u8] = b"\x40\x02\x00\x01the last: stop";
 
-    /// What of these datagrams comes through a sieve that was tightened so often for each kind.
+    /// What of these datagrams comes through a filter that was tightened so often for each kind.
     fn through(fine: [u32; 3], datagrams: &[Vec<u8>]) -> Vec<Vec<u8>> {
         let [to, from] = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
         for fine in [[30; 3], fine] {
-            Sieve { fine, ..Sieve::new(WORDS) }.fit(&SockRef::from(&to)).unwrap();
+            FloodFilter { fine, ..FloodFilter::new(WORDS) }.fit(&SockRef::from(&to)).unwrap();
         }
         to.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
         let (mut came, mut buffer) = (Vec::new(), [0; 2048]);
@@ -155,7 +155,7 @@ mod tests {
             if n % 50 < 49 && n + 1 < datagrams.len() {
                 continue;
             }
-            // This one comes through every sieve, behind those before it.
+            // This one comes through every filter, behind those before it.
             from.send_to(LAST, to.local_addr().unwrap()).unwrap();
             loop {
                 let length = to.recv(&mut buffer).expect("the last one comes");
@@ -183,13 +183,13 @@ mod tests {
             datagram(0x40, 2, &[&[0x33; 140][..], b"stop", &[0x33; 700]].concat()),
         ];
         assert_eq!(through([30; 3], &stops), stops);
-        assert!(stops.iter().all(|stop| Sieve::new(WORDS).kind(stop) == 3));
+        assert!(stops.iter().all(|stop| FloodFilter::new(WORDS).kind(stop) == 3));
     }
 
     /// What is counted as a kind is what the system thins out as that kind.
     #[test]
     fn the_kind_of_a_datagram_is_that_which_the_system_takes_it_for() {
-        let sieve = Sieve::new(WORDS);
+        let filter = FloodFilter::new(WORDS);
         let behind = |count: usize| datagram(0x40, 2, &[&vec![0x33; count][..], b"sTOp"].concat());
         let mut datagrams: Vec<Vec<u8>> = [155, 156].map(behind).into();
         datagrams.extend([&b"\x40\x02"[..], b"\x40\x02\x00\x01sto"].map(<[u8]>::to_vec));
@@ -203,7 +203,7 @@ mod tests {
                 fine.iter_mut().skip(kind).take(1).for_each(|fine| *fine = 0);
                 through(fine, std::slice::from_ref(&bytes)).len() == 1
             };
-            let kind = sieve.kind(&bytes);
+            let kind = filter.kind(&bytes);
             assert_eq!(
                 (0..4).map(comes_with).collect::<Vec<_>>(),
                 (0..4).map(|with| kind == 3 || kind == with).collect::<Vec<_>>(),
@@ -215,7 +215,7 @@ mod tests {
     /// Safety A5: of each kind so many as was said, and of the others all.
     #[test]
     fn of_a_kind_of_which_too_much_comes_only_some_come_through() {
-        let kinds = [(0x40, 1, "look"), (0x40, 2, "act"), (0x60, 0, "acknowledge")];
+        let kinds = [(0x40, 1, "read"), (0x40, 2, "act"), (0x60, 0, "acknowledge")];
         for (n, (first, code, word)) in kinds.into_iter().enumerate() {
             let all: Vec<Vec<u8>> = (0..2000).map(|_| datagram(first, code, word.as_bytes())).collect();
             let mut fine = [30; 3];
@@ -231,47 +231,47 @@ mod tests {
     /// Safety S9.
     #[test]
     fn it_becomes_finer_for_what_floods_and_lets_everything_through_again_after_a_while() {
-        let mut sieve = Sieve::new(&[]);
-        assert_eq!(sieve.due(), None);
-        (1..=FINEST).for_each(|n| assert!(sieve.tighten([100, 3, 2, 0], n * MS)));
-        assert!(!sieve.tighten([100, 3, 2, 0], 10 * MS), "it is as fine as can be");
-        assert!(sieve.tighten([3, 100, 2, 0], 10 * MS));
-        assert_eq!(sieve.fine, [FINEST, 1, 0]);
-        assert!(!sieve.loosen(59 * MS) && sieve.loosen(60 * MS));
-        assert_eq!(sieve.fine, [FINEST - 1, 0, 0]);
-        while let Some(due) = sieve.due() {
-            assert!(sieve.loosen(due));
+        let mut filter = FloodFilter::new(&[]);
+        assert_eq!(filter.due(), None);
+        (1..=FINEST).for_each(|n| assert!(filter.tighten([100, 3, 2, 0], n * MS)));
+        assert!(!filter.tighten([100, 3, 2, 0], 10 * MS), "it is as fine as can be");
+        assert!(filter.tighten([3, 100, 2, 0], 10 * MS));
+        assert_eq!(filter.fine, [FINEST, 1, 0]);
+        assert!(!filter.loosen(59 * MS) && filter.loosen(60 * MS));
+        assert_eq!(filter.fine, [FINEST - 1, 0, 0]);
+        while let Some(due) = filter.due() {
+            assert!(filter.loosen(due));
         }
-        assert_eq!(sieve.fine, [0; 3]);
+        assert_eq!(filter.fine, [0; 3]);
     }
 
     /// Safety S9: to thin out the commands of others would make no such flood any smaller.
     #[test]
     fn what_comes_through_anyway_makes_it_no_finer_for_anything_else() {
-        let mut sieve = Sieve::new(WORDS);
+        let mut filter = FloodFilter::new(WORDS);
         let mut heard = [0; 4];
         for put in vec![datagram(0x40, 3, b"\xBD\x00resourcemodel\xFFx"); 500] {
-            heard[sieve.kind(&put)] += 1;
+            heard[filter.kind(&put)] += 1;
         }
         for few in [datagram(0x40, 2, b"\xB8commands\x05start"), datagram(0x40, 1, b"\xB5state")] {
-            heard[sieve.kind(&few)] += 1;
+            heard[filter.kind(&few)] += 1;
         }
         assert_eq!(heard, [1, 1, 0, 500]);
-        assert!(!sieve.tighten(heard, MS) && sieve.due().is_none());
-        assert!(!sieve.tighten([0, 0, 0, 500], MS));
-        assert!(sieve.tighten([200, 1, 0, 300], MS));
-        assert_eq!(sieve.fine, [1, 0, 0], "the looks that come with them are thinned out");
-        assert!(!sieve.tighten([1, 1, 0, 500], 2 * MS) && sieve.loosen(51 * MS), "nor does it keep it fine");
+        assert!(!filter.tighten(heard, MS) && filter.due().is_none());
+        assert!(!filter.tighten([0, 0, 0, 500], MS));
+        assert!(filter.tighten([200, 1, 0, 300], MS));
+        assert_eq!(filter.fine, [1, 0, 0], "the reads that come with them are thinned out");
+        assert!(!filter.tighten([1, 1, 0, 500], 2 * MS) && filter.loosen(51 * MS), "nor does it keep it fine");
     }
 
     /// Safety S9.
     #[test]
     fn when_one_kind_is_as_fine_as_can_be_the_next_is_thinned_out() {
-        let mut sieve = Sieve { fine: [0, FINEST, 0], ..Sieve::new(&[]) };
+        let mut filter = FloodFilter { fine: [0, FINEST, 0], ..FloodFilter::new(&[]) };
         for fine in 1..=FINEST {
-            assert!(sieve.tighten([40, 60, 2, 0], MS));
-            assert_eq!(sieve.fine, [fine, FINEST, 0]);
+            assert!(filter.tighten([40, 60, 2, 0], MS));
+            assert_eq!(filter.fine, [fine, FINEST, 0]);
         }
-        assert!(!sieve.tighten([40, 60, 2, 0], MS), "of the signs come few");
+        assert!(!filter.tighten([40, 60, 2, 0], MS), "of the signs come few");
     }
 }

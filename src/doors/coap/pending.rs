@@ -12,9 +12,9 @@ use coap_endpoint::{Answer, Code, ExchangeId, Method, Response, limits::OPEN};
 /// Commands under way at once; urgent ones are taken all the same.
 pub(super) const COMMANDS: usize = 256;
 
-/// Looks at the disk under way at once. They have places of their own: anybody may look, and a disk that hangs must not keep out
+/// Reads from the disk under way at once. They have places of their own: anybody may read, and a disk that hangs must not keep out
 /// commands.
-pub(super) const LOOKS: usize = 64;
+pub(super) const READS: usize = 64;
 
 /// Whoever asks for one more is told to ask again after so many seconds.
 const BUSY_S: u32 = 2;
@@ -24,55 +24,50 @@ const PATIENCE: Duration = Duration::from_secs(93);
 
 /// What a request is, for the places there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Sort {
+pub(super) enum RequestKind {
     /// It changes nothing, and nothing is begun before its future is waited for.
-    Look,
+    Read,
     /// It may be begun as soon as the application has heard of it.
     Command,
 }
 
-/// All of them.
 #[derive(Default)]
-pub(super) struct UnderWay {
+pub(super) struct PendingAnswers {
     tasks: JoinSet<Answer>,
-    exchanges: HashMap<Id, (ExchangeId, Sort)>,
-    looks: usize,
+    exchanges: HashMap<Id, (ExchangeId, RequestKind)>,
+    reads: usize,
 }
 
-impl Sort {
-    /// What a request of this method is.
-    pub(super) const fn of(method: Method) -> Sort {
-        match method {
-            Method::Get | Method::Fetch => Sort::Look,
-            Method::Post | Method::Put | Method::Delete | Method::Patch | Method::IPatch => Sort::Command,
-        }
+impl RequestKind {
+    pub(super) const fn of(method: Method) -> RequestKind {
+        if method.is_safe() { RequestKind::Read } else { RequestKind::Command }
     }
 }
 
-impl UnderWay {
+impl PendingAnswers {
     /// Whether no more of them are to be begun, but for urgent ones.
-    pub(super) fn is_full(&self, sort: Sort) -> bool {
-        match sort {
-            Sort::Look => self.looks >= LOOKS,
-            Sort::Command => self.tasks.len() - self.looks >= COMMANDS,
+    pub(super) fn is_full(&self, kind: RequestKind) -> bool {
+        match kind {
+            RequestKind::Read => self.reads >= READS,
+            RequestKind::Command => self.tasks.len() - self.reads >= COMMANDS,
         }
     }
 
     /// Waits for an answer in the background. Of urgent ones beyond what the endpoint remembers the answer is given up, and not
     /// what they asked for.
-    pub(super) fn add(&mut self, exchange: ExchangeId, sort: Sort, answer: Pin<Box<dyn Future<Output = Answer> + Send>>) {
+    pub(super) fn add(&mut self, exchange: ExchangeId, kind: RequestKind, answer: Pin<Box<dyn Future<Output = Answer> + Send>>) {
         if self.tasks.len() < OPEN {
             let bounded = async { tokio::time::timeout(PATIENCE, answer).await.unwrap_or_else(|_| slow()) };
-            self.exchanges.insert(self.tasks.spawn(bounded).id(), (exchange, sort));
-            self.looks += usize::from(sort == Sort::Look);
+            self.exchanges.insert(self.tasks.spawn(bounded).id(), (exchange, kind));
+            self.reads += usize::from(kind == RequestKind::Read);
         }
     }
 
     /// The next that is answered; `None` when none is under way. May be dropped while it waits.
     pub(super) async fn next(&mut self) -> Option<(ExchangeId, Answer)> {
         let (id, answer) = self.tasks.join_next_with_id().await?.unwrap_or_else(|error| (error.id(), broken()));
-        let (exchange, sort) = self.exchanges.remove(&id)?;
-        self.looks -= usize::from(sort == Sort::Look);
+        let (exchange, kind) = self.exchanges.remove(&id)?;
+        self.reads -= usize::from(kind == RequestKind::Read);
         Some((exchange, answer))
     }
 }
@@ -97,20 +92,20 @@ mod tests {
 
     /// Safety A5.
     #[tokio::test]
-    async fn looks_and_commands_have_places_of_their_own_and_beyond_all_of_them_nothing_is_waited_for() {
+    async fn reads_and_commands_have_places_of_their_own_and_beyond_all_of_them_nothing_is_waited_for() {
         let mut endpoint = Endpoint::new([7; 32]);
         endpoint.handle_datagram(([127, 0, 0, 1], 1).into(), b"\x40\x02\x00\x01\xB4take", Duration::ZERO);
         let exchange = endpoint.poll_request().expect("it is one").0;
-        let mut under_way = UnderWay::default();
-        let mut begin = |sort, count: usize| {
-            (0..count).for_each(|_| under_way.add(exchange, sort, Box::pin(std::future::pending())));
-            [Sort::Look, Sort::Command].map(|sort| under_way.is_full(sort))
+        let mut pending = PendingAnswers::default();
+        let mut begin = |kind, count: usize| {
+            (0..count).for_each(|_| pending.add(exchange, kind, Box::pin(std::future::pending())));
+            [RequestKind::Read, RequestKind::Command].map(|kind| pending.is_full(kind))
         };
-        assert_eq!(begin(Sort::Look, LOOKS - 1), [false, false]);
-        assert_eq!(begin(Sort::Look, 1), [true, false]);
-        assert_eq!(begin(Sort::Command, COMMANDS - 1), [true, false]);
-        assert_eq!(begin(Sort::Command, 1), [true, true]);
-        begin(Sort::Command, 2 * OPEN);
-        assert_eq!((under_way.tasks.len(), under_way.exchanges.len()), (OPEN, OPEN));
+        assert_eq!(begin(RequestKind::Read, READS - 1), [false, false]);
+        assert_eq!(begin(RequestKind::Read, 1), [true, false]);
+        assert_eq!(begin(RequestKind::Command, COMMANDS - 1), [true, false]);
+        assert_eq!(begin(RequestKind::Command, 1), [true, true]);
+        begin(RequestKind::Command, 2 * OPEN);
+        assert_eq!((pending.tasks.len(), pending.exchanges.len()), (OPEN, OPEN));
     }
 }

@@ -3,7 +3,7 @@
 
 use std::net::SocketAddr;
 
-use super::limits::{COMMANDS_WAITING, LOOKS_WAITING, SIGNS_WAITING, URGENT_WAITING};
+use super::limits::{COMMANDS_WAITING, READS_WAITING, SIGNS_WAITING, URGENT_WAITING};
 use super::queue::{Datagram, Queue};
 use super::request::Request;
 use super::{lenient, message};
@@ -15,7 +15,7 @@ pub struct Backlog {
     commands: Queue,
     /// Acknowledgements, rejections and what else asks for nothing.
     signs: Queue,
-    looks: Queue,
+    reads: Queue,
     /// How often one was taken that is not urgent: those of the three kinds take turns.
     turns: usize,
 }
@@ -25,8 +25,8 @@ impl Backlog {
     #[must_use]
     pub fn new(is_urgent: fn(&Request) -> bool) -> Backlog {
         let [urgent, commands] = [URGENT_WAITING, COMMANDS_WAITING].map(Queue::of);
-        let [signs, looks] = [SIGNS_WAITING, LOOKS_WAITING].map(Queue::of);
-        Backlog { is_urgent, urgent, commands, signs, looks, turns: 0 }
+        let [signs, reads] = [SIGNS_WAITING, READS_WAITING].map(Queue::of);
+        Backlog { is_urgent, urgent, commands, signs, reads, turns: 0 }
     }
 
     /// Keeps a datagram, or loses it when its sender has more there than is left for others: nobody's flood keeps out another. An
@@ -39,8 +39,8 @@ impl Backlog {
             }
             return;
         };
-        if !lenient::acts(code) {
-            self.looks.push(peer, bytes);
+        if !lenient::is_command(code) {
+            self.reads.push(peer, bytes);
         } else if lenient::requests(peer, bytes).any(|request| (self.is_urgent)(&request)) {
             self.urgent.push(peer, bytes);
             self.commands.put_first();
@@ -52,7 +52,7 @@ impl Backlog {
     /// Whether nothing waits.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        [&self.urgent, &self.commands, &self.signs, &self.looks].into_iter().all(Queue::is_empty)
+        [&self.urgent, &self.commands, &self.signs, &self.reads].into_iter().all(Queue::is_empty)
     }
 
     /// Whether an urgent request waits, or a command that is to be taken before one.
@@ -72,7 +72,7 @@ impl Backlog {
         if let Some(urgent) = self.take_urgent() {
             return Some(urgent);
         }
-        let mut kinds = [&mut self.commands, &mut self.signs, &mut self.looks];
+        let mut kinds = [&mut self.commands, &mut self.signs, &mut self.reads];
         let (begin, count) = (self.turns, kinds.len());
         self.turns = self.turns.wrapping_add(1);
         (0..count).find_map(|n| kinds[begin.wrapping_add(n) % count].next())
