@@ -254,3 +254,8 @@ impl Endpoint {
         }
     }
 }
+
+/// The example in the README is one that runs.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
