@@ -102,27 +102,27 @@ impl Endpoint {
 
     fn take_request(&mut self, key: MessageKey, incoming: Incoming, bytes: &[u8], now: Duration) {
         let (peer, no_response) = (key.peer, options::no_response(&incoming.packet));
-        let back = ReplyTo { key, kind: incoming.kind, token: incoming.token, no_response };
-        match self.exchanges.known(back.key, now).cloned() {
+        let reply_to = ReplyTo { key, kind: incoming.kind, token: incoming.token, no_response };
+        match self.exchanges.known(reply_to.key, now).cloned() {
             Some(KnownMessage::Answered(datagram)) if datagram.is_empty() => return,
             Some(KnownMessage::Answered(datagram)) => {
                 self.transmit(peer, datagram, now);
                 return;
             }
-            Some(KnownMessage::Open(exchange)) => return self.acknowledge_open(back, exchange, now),
+            Some(KnownMessage::Open(exchange)) => return self.acknowledge_open(reply_to, exchange, now),
             None => {}
         }
         if self.guard.is_too_much(peer, now) {
             let words = "too many requests: wait a second".to_owned();
             let response = Response { max_age: Some(1), ..Response::refusal(Code::TOO_MANY_REQUESTS, words) };
-            return self.reply(back, &response, None, now);
+            return self.reply(reply_to, &response, None, now);
         }
         let is_safe = Method::of(incoming.code).is_some_and(Method::is_safe);
         let asked = (!is_safe).then(|| options::asked(&incoming));
         let is_command = is_this_machine(peer.ip()) && !is_safe;
-        let exchange = self.open_exchange(back.key, is_command, now);
+        let exchange = self.open_exchange(reply_to.key, is_command, now);
         let response = match options::read(peer, incoming) {
-            Ok(read) => return self.take_read(back, exchange, read, now),
+            Ok(read) => return self.take_read(reply_to, exchange, read, now),
             Err(response) => response,
         };
         let (response, asked) = match self.urgent_in(peer, bytes) {
@@ -135,54 +135,54 @@ impl Endpoint {
             None => (response, asked),
         };
         // What cannot be understood and wants no acknowledgement is passed over (RFC 7252, section 5.4.1).
-        if back.kind == Kind::Non && response.code == Code::BAD_OPTION {
+        if reply_to.kind == Kind::Non && response.code == Code::BAD_OPTION {
             self.note(peer, asked, &response);
-            return self.exchanges.answered(back.key, &[]);
+            return self.exchanges.answered(reply_to.key, &[]);
         }
-        self.refuse(back, asked, response, None, now);
+        self.refuse(reply_to, asked, response, None, now);
     }
 
-    fn take_read(&mut self, back: ReplyTo, exchange: ExchangeId, mut read: ParsedRequest, now: Duration) {
+    fn take_read(&mut self, reply_to: ReplyTo, exchange: ExchangeId, mut read: ParsedRequest, now: Duration) {
         if let Some(echo) = &read.echo {
-            self.guard.echoed(back.key.peer, echo, now);
+            self.guard.echoed(reply_to.key.peer, echo, now);
         }
         let later = read.block2.filter(|block| read.block1.is_none() && block.number > 0 && !read.request.method.is_safe());
         let is_urgent = (self.is_urgent)(&read.request);
         if let Some(block) =
             later.filter(|block| !is_urgent || self.long_answers.is_next(&body_key(&read.request, &[]), *block, now))
         {
-            return self.read_on(back, &read, block, now);
+            return self.read_on(reply_to, &read, block, now);
         }
         if is_urgent {
-            return self.ask(back, exchange, read, now);
+            return self.ask(reply_to, exchange, read, now);
         }
-        if read.request.method == Method::Get && read.observe != Some(1) && self.observes_on(back, &read, now) {
+        if read.request.method == Method::Get && read.observe != Some(1) && self.observes_on(reply_to, &read, now) {
             return;
         }
         match self.whole(&mut read, now) {
             Ok(true) => {}
             Ok(false) => {
                 let more = read.block1.map(|block| Block { more: true, ..block });
-                return self.reply(back, &Response::new(Code::CONTINUE), more, now);
+                return self.reply(reply_to, &Response::new(Code::CONTINUE), more, now);
             }
             Err(response) => {
                 let asked = format!("{} {}", read.request.method.name(), read.request.path_text());
-                return self.refuse(back, Some(asked), response, read.block1, now);
+                return self.refuse(reply_to, Some(asked), response, read.block1, now);
             }
         }
         let is_get = read.request.method == Method::Get;
-        if is_get && read.observe == Some(0) && !self.guard.is_proved(back.key.peer, now) {
-            return self.challenge(back, now);
+        if is_get && read.observe == Some(0) && !self.guard.is_proved(reply_to.key.peer, now) {
+            return self.challenge(reply_to, now);
         }
-        self.ask(back, exchange, read, now);
+        self.ask(reply_to, exchange, read, now);
     }
 
     /// Refuses what the application does not see; who asked for a change reads that first.
-    fn refuse(&mut self, back: ReplyTo, asked: Option<String>, response: Response, block1: Option<Block>, now: Duration) {
+    fn refuse(&mut self, reply_to: ReplyTo, asked: Option<String>, response: Response, block1: Option<Block>, now: Duration) {
         let words = String::from_utf8_lossy(&response.body).into_owned();
         let worded = if asked.is_some() { format!("refused: {words}").into_bytes().into() } else { Arc::clone(&response.body) };
-        self.note(back.key.peer, asked, &response);
-        self.reply(back, &Response { body: worded, ..response }, block1, now);
+        self.note(reply_to.key.peer, asked, &response);
+        self.reply(reply_to, &Response { body: worded, ..response }, block1, now);
     }
 
     /// Notes for the record what somebody of this machine wanted to change.
@@ -193,7 +193,7 @@ impl Endpoint {
     }
 
     /// Whether this was a further block of what a notification began, and is answered.
-    fn observes_on(&mut self, back: ReplyTo, read: &ParsedRequest, now: Duration) -> bool {
+    fn observes_on(&mut self, reply_to: ReplyTo, read: &ParsedRequest, now: Duration) -> bool {
         let Some(block) = read.block2.filter(|block| block.number > 0) else {
             if read.observe.is_none() {
                 self.observers.read_anew(&read.request);
@@ -202,7 +202,7 @@ impl Endpoint {
         };
         let Some(begun) = self.observers.read_on(&read.request, block, now) else { return false };
         self.send_reply(
-            back,
+            reply_to,
             &begun,
             &ReplyOptions { block2: Some(block), wants_size: read.wants_size, ..ReplyOptions::default() },
             now,
@@ -211,13 +211,13 @@ impl Endpoint {
     }
 
     /// Another block of the answer to what was done already.
-    fn read_on(&mut self, back: ReplyTo, read: &ParsedRequest, block: Block, now: Duration) {
+    fn read_on(&mut self, reply_to: ReplyTo, read: &ParsedRequest, block: Block, now: Duration) {
         let shape = ReplyOptions { block2: Some(block), wants_size: read.wants_size, ..ReplyOptions::default() };
         if let Some(answer) = self.long_answers.read(&body_key(&read.request, &[]), block, now) {
-            return self.send_reply(back, &answer, &shape, now);
+            return self.send_reply(reply_to, &answer, &shape, now);
         }
         let words = "there is no answer to read on: do it again, from its first block".to_owned();
-        self.reply(back, &Response::refusal(Code::INCOMPLETE, words), None, now);
+        self.reply(reply_to, &Response::refusal(Code::INCOMPLETE, words), None, now);
     }
 
     /// Whether the whole body is there; it is in the request then.
@@ -238,11 +238,11 @@ impl Endpoint {
     }
 
     /// Hands a request to the application.
-    fn ask(&mut self, back: ReplyTo, exchange: ExchangeId, read: ParsedRequest, now: Duration) {
+    fn ask(&mut self, reply_to: ReplyTo, exchange: ExchangeId, read: ParsedRequest, now: Duration) {
         let ParsedRequest { request, etags, observe, block1, block2, wants_size, .. } = read;
         let is_get = request.method == Method::Get;
         let open = Open {
-            back,
+            reply_to,
             is_acknowledged: false,
             is_get,
             observe,
@@ -254,7 +254,7 @@ impl Endpoint {
             wants_size,
         };
         self.open.insert(exchange, open);
-        if back.kind == Kind::Con {
+        if reply_to.kind == Kind::Con {
             self.patience.insert(exchange, now + PATIENCE);
         }
         if let Some((given_up, _)) = (self.open.len() > OPEN).then(|| self.open.pop_first()).flatten() {
@@ -264,14 +264,14 @@ impl Endpoint {
     }
 
     /// The sender asks again while it is still being answered.
-    fn acknowledge_open(&mut self, back: ReplyTo, exchange: ExchangeId, now: Duration) {
-        let Some(open) = self.open.get_mut(&exchange).filter(|_| back.kind == Kind::Con) else { return };
+    fn acknowledge_open(&mut self, reply_to: ReplyTo, exchange: ExchangeId, now: Duration) {
+        let Some(open) = self.open.get_mut(&exchange).filter(|_| reply_to.kind == Kind::Con) else { return };
         open.is_acknowledged = true;
         self.patience.remove(&exchange);
-        let acknowledgement = empty(Kind::Ack, back.key.id);
+        let acknowledgement = empty(Kind::Ack, reply_to.key.id);
         // Should it be lost, the sender asks once more, perhaps when the answer has gone already.
-        self.exchanges.answered(back.key, &acknowledgement);
-        self.transmit(back.key.peer, acknowledgement, now);
+        self.exchanges.answered(reply_to.key, &acknowledgement);
+        self.transmit(reply_to.key.peer, acknowledgement, now);
     }
 }
 

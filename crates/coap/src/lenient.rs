@@ -27,7 +27,7 @@ pub(super) fn is_command(code: Code) -> bool {
 }
 
 /// What a datagram of this version may ask for, read once for every length that its token may have: the one that it says, in the
-/// sense of RFC 7252 or of RFC 8974, and any other. Nothing that only looks, and nothing that is no request, is read.
+/// sense of RFC 7252 or of RFC 8974, and any other. Nothing that only reads, and nothing that is no request, is read.
 pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = Request> {
     let (code, said) = (bytes.get(1).copied().map_or(Code::CONTENT, Code), bytes.first().map_or(0, |first| first & 0x0F));
     let method = Method::of(code).unwrap_or(Method::Post);
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn what_only_looks_and_what_is_no_request_is_not_read() {
+    fn what_only_reads_and_what_is_no_request_is_not_read() {
         for code in 0..=255 {
             let count = requests(peer(), &message(code, b"", &URGENT, b"")).count();
             assert_eq!(count > 0, code < 32 && code != 1 && code != 5, "{code}");

@@ -129,14 +129,14 @@ pub struct Endpoint {
 /// What must be known of a request when its answer comes.
 #[derive(Debug)]
 struct Open {
-    back: ReplyTo,
+    reply_to: ReplyTo,
     /// Whether its sender was told already that the answer comes separately.
     is_acknowledged: bool,
     is_get: bool,
     observe: Option<u32>,
     /// What is to be observed, for one who wants to.
     request: Option<Box<Request>>,
-    /// By what its answer is kept when it does not fit into one message; `None` for one that only looks.
+    /// By what its answer is kept when it does not fit into one message; `None` for one that only reads.
     kept_as: Option<Box<BodyKey>>,
     etags: Vec<ETag>,
     block1: Option<Block>,

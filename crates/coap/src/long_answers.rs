@@ -1,5 +1,5 @@
 //! Answers to what was done that do not fit into one message. They are kept for a while for whoever reads them block by block,
-//! because to read on must not do it again. What only looks needs none of this: the application is asked again.
+//! because to read on must not do it again. What only reads needs none of this: the application is asked again.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -31,49 +31,49 @@ impl Endpoint {
         if let Some(key) = open.kept_as.take().filter(|_| response.body.len() > block.size()) {
             self.long_answers.keep(*key, Arc::clone(&response), block, now);
         }
-        let Open { back, is_acknowledged, block1, block2, wants_size, .. } = open;
+        let Open { reply_to, is_acknowledged, block1, block2, wants_size, .. } = open;
         let shape = ReplyOptions { block1, block2, wants_size, observe, echo: None };
         if !is_acknowledged {
-            return self.send_reply(back, &response, &shape, now);
+            return self.send_reply(reply_to, &response, &shape, now);
         }
-        if back.is_wanted(response.code) {
-            let mut message = reply::message(back.token, &response, &shape);
-            if !self.guard.has_room(back.key.peer, message.length(), now) {
-                message = self.challenging(back, now);
+        if reply_to.is_wanted(response.code) {
+            let mut message = reply::message(reply_to.token, &response, &shape);
+            if !self.guard.has_room(reply_to.key.peer, message.length(), now) {
+                message = self.challenging(reply_to, now);
             }
-            self.send_separately(back.key.peer, message, now);
+            self.send_separately(reply_to.key.peer, message, now);
         }
     }
 
     /// Answers a request that the application does not see.
-    pub(super) fn reply(&mut self, back: ReplyTo, response: &Response, block1: Option<Block>, now: Duration) {
-        self.send_reply(back, response, &ReplyOptions { block1, ..ReplyOptions::default() }, now);
+    pub(super) fn reply(&mut self, reply_to: ReplyTo, response: &Response, block1: Option<Block>, now: Duration) {
+        self.send_reply(reply_to, response, &ReplyOptions { block1, ..ReplyOptions::default() }, now);
     }
 
     /// 4.01: prove first that you hear what is sent to your address (RFC 9175, section 2.3).
-    pub(super) fn challenge(&mut self, back: ReplyTo, now: Duration) {
-        let (kind, id) = self.head_of_reply(back);
-        let bytes = self.challenging(back, now).datagram(kind, id);
-        self.exchanges.answered(back.key, &bytes);
-        self.transmit(back.key.peer, bytes, now);
+    pub(super) fn challenge(&mut self, reply_to: ReplyTo, now: Duration) {
+        let (kind, id) = self.head_of_reply(reply_to);
+        let bytes = self.challenging(reply_to, now).datagram(kind, id);
+        self.exchanges.answered(reply_to.key, &bytes);
+        self.transmit(reply_to.key.peer, bytes, now);
     }
 
-    fn challenging(&self, back: ReplyTo, now: Duration) -> Outgoing {
-        let peer = back.key.peer;
+    fn challenging(&self, reply_to: ReplyTo, now: Duration) -> Outgoing {
+        let peer = reply_to.key.peer;
         let shape = ReplyOptions { echo: Some(self.guard.echo(peer, now)), ..ReplyOptions::default() };
         let message = |words: &str| {
             let response = Response::refusal(Code::UNAUTHORIZED, words.to_owned());
-            reply::message(back.token, &response, &shape)
+            reply::message(reply_to.token, &response, &shape)
         };
         let worded = message("send the Echo option back");
         if self.guard.has_room(peer, worded.length(), now) { worded } else { message("") }
     }
 
     /// An acknowledgement carries the answer to what wants one; any other answer is a message of its own.
-    fn head_of_reply(&mut self, back: ReplyTo) -> (Kind, u16) {
-        match back.kind {
-            Kind::Con => (Kind::Ack, back.key.id),
-            Kind::Non | Kind::Ack | Kind::Rst => (Kind::Non, self.next_id(back.key.peer)),
+    fn head_of_reply(&mut self, reply_to: ReplyTo) -> (Kind, u16) {
+        match reply_to.kind {
+            Kind::Con => (Kind::Ack, reply_to.key.id),
+            Kind::Non | Kind::Ack | Kind::Rst => (Kind::Non, self.next_id(reply_to.key.peer)),
         }
     }
 
@@ -110,7 +110,7 @@ impl Endpoint {
             self.patience.remove(&exchange);
             let Some(open) = self.open.get_mut(&exchange) else { continue };
             open.is_acknowledged = true;
-            let key = open.back.key;
+            let key = open.reply_to.key;
             let acknowledgement = empty(Kind::Ack, key.id);
             self.exchanges.answered(key, &acknowledgement);
             self.transmit(key.peer, acknowledgement, now);
@@ -190,7 +190,7 @@ impl Endpoint {
     /// Begins or ends an observation, as the request asks; the number that goes with its answer.
     fn observe(&mut self, open: &mut Open, answer: &Answer, now: Duration) -> Option<u32> {
         let asks = open.observe.filter(|asks| open.is_get && *asks <= 1)?;
-        let ReplyTo { key, kind, token, .. } = open.back;
+        let ReplyTo { key, kind, token, .. } = open.reply_to;
         let peer = key.peer;
         if let Some(before) = self.observers.find(peer, token) {
             self.forget(peer, before);
@@ -207,32 +207,32 @@ impl Endpoint {
         self.observers.register((&request, token, exponent), things, is_sure, now)
     }
 
-    pub(super) fn send_reply(&mut self, back: ReplyTo, response: &Response, shape: &ReplyOptions, now: Duration) {
-        if !back.is_wanted(response.code) {
-            return self.say_nothing(back, now);
+    pub(super) fn send_reply(&mut self, reply_to: ReplyTo, response: &Response, shape: &ReplyOptions, now: Duration) {
+        if !reply_to.is_wanted(response.code) {
+            return self.say_nothing(reply_to, now);
         }
-        let peer = back.key.peer;
-        let (kind, id) = self.head_of_reply(back);
-        let bytes = reply::message(back.token, response, shape).datagram(kind, id);
-        self.exchanges.answered(back.key, &bytes);
+        let peer = reply_to.key.peer;
+        let (kind, id) = self.head_of_reply(reply_to);
+        let bytes = reply::message(reply_to.token, response, shape).datagram(kind, id);
+        self.exchanges.answered(reply_to.key, &bytes);
         if self.transmit(peer, bytes, now) {
             return;
         }
         if response.code.is_success() || response.body.is_empty() {
-            return self.challenge(back, now);
+            return self.challenge(reply_to, now);
         }
         // The code alone says more to whoever cannot prove its address than that it should.
-        self.send_reply(back, &Response { max_age: response.max_age, ..Response::new(response.code) }, shape, now);
+        self.send_reply(reply_to, &Response { max_age: response.max_age, ..Response::new(response.code) }, shape, now);
     }
 
     /// An answer that is not wanted: a message that asks for an acknowledgement gets that and no more.
-    fn say_nothing(&mut self, back: ReplyTo, now: Duration) {
-        if back.kind == Kind::Con {
-            let acknowledgement = empty(Kind::Ack, back.key.id);
-            self.exchanges.answered(back.key, &acknowledgement);
-            self.transmit(back.key.peer, acknowledgement, now);
+    fn say_nothing(&mut self, reply_to: ReplyTo, now: Duration) {
+        if reply_to.kind == Kind::Con {
+            let acknowledgement = empty(Kind::Ack, reply_to.key.id);
+            self.exchanges.answered(reply_to.key, &acknowledgement);
+            self.transmit(reply_to.key.peer, acknowledgement, now);
         } else {
-            self.exchanges.answered(back.key, &[]);
+            self.exchanges.answered(reply_to.key, &[]);
         }
     }
 
