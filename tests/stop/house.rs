@@ -15,7 +15,6 @@ use tokio::net::TcpListener;
 use tokio::sync::{oneshot, watch};
 
 use hallsweep::access::Access;
-use hallsweep::doors::coap::endpoint::Endpoint;
 use hallsweep::doors::coap::{self, Resources, Socket};
 use hallsweep::doors::http::{self, Door, Front};
 use hallsweep::runtime::archive_reader::Reader;
@@ -85,7 +84,7 @@ impl House {
         let watched = Arc::new(Watched { began, late, standing, on_halt: Box::new(on_halt) });
         let (course, coursed) = watch::channel(Course::default());
         tokio::spawn(task.run(coursed));
-        tokio::spawn(coap::serve(socket, Endpoint::new([7; 32]), resources, states, coap_ended));
+        tokio::spawn(coap::serve(socket, [7; 32], resources, states, coap_ended));
         tokio::spawn(Wheels { side, watched: Arc::clone(&watched) }.run());
         tokio::spawn(http::serve(listener.into(), door, Front::default(), async { drop(ended.await) }));
         House { address, coap, mqtt, watched, closing, course, _door: end }
