@@ -126,13 +126,8 @@ impl Sim {
     /// What it can do, in simulated time.
     #[must_use]
     pub const fn capabilities(&self) -> Capabilities {
-        Capabilities {
-            step: self.settings.step,
-            turn: self.settings.turn,
-            photo: self.settings.photo,
-            nudges: false,
-            parts: Parts::ROUND_ROBOT,
-        }
+        let SimSettings { step, turn, photo, .. } = self.settings;
+        Capabilities { step, turn, photo, nudges: false, parts: Parts::ROUND_ROBOT }
     }
 
     /// Begins an order, or answers at once why it cannot.
