@@ -3,6 +3,7 @@
 
 mod embedded;
 mod engine;
+#[path = "../../../crates/mqtt/src/mod.rs"]
 pub mod gate;
 mod guests;
 mod hearing;
