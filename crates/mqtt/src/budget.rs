@@ -7,7 +7,7 @@ use std::hash::{BuildHasher, RandomState};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::limits::{ENGINE_FILTERS, ENGINE_TOPICS, SHARE_FILTERS, SHARE_TOPICS, VIEWERS_FILTERS, VIEWERS_SHARE, VIEWERS_TOPICS};
-use crate::access::Role;
+use super::rights::Tier;
 
 /// At whose cost something is kept, or shown to the engine.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,8 +20,8 @@ pub enum Payer {
     Key {
         /// Its name.
         name: Arc<str>,
-        /// What it is good for.
-        role: Role,
+        /// How large a share it has.
+        tier: Tier,
     },
 }
 
@@ -109,12 +109,12 @@ impl Spent {
         let admits = match payer {
             Payer::House => true,
             Payer::Anybody => self.has_room(most),
-            Payer::Key { name, role } => {
+            Payer::Key { name, tier } => {
                 let own = self.keys.get(name).copied().unwrap_or_default();
-                match role {
-                    Role::Operator => own < most.operators_key && self.has_room(most),
+                match tier {
+                    Tier::Full => own < most.operators_key && self.has_room(most),
                     // Whatever they ask for, nobody needs another engine for it.
-                    Role::Viewer => own < most.viewers_key && self.viewers < most.viewers && self.guests < most.guests,
+                    Tier::Limited => own < most.viewers_key && self.viewers < most.viewers && self.guests < most.guests,
                 }
             }
         };
@@ -133,8 +133,8 @@ impl Spent {
 
     fn count(&mut self, payer: &Payer) {
         self.guests += usize::from(*payer != Payer::House);
-        if let Payer::Key { name, role } = payer {
-            self.viewers += usize::from(*role == Role::Viewer);
+        if let Payer::Key { name, tier } = payer {
+            self.viewers += usize::from(*tier == Tier::Limited);
             *self.keys.entry(Arc::clone(name)).or_default() += 1;
         }
     }
@@ -148,8 +148,8 @@ fn spent(spent: &Mutex<Spent>) -> MutexGuard<'_, Spent> {
 mod tests {
     use super::*;
 
-    fn key(name: &str, role: Role) -> Payer {
-        Payer::Key { name: Arc::from(name), role }
+    fn key(name: &str, tier: Tier) -> Payer {
+        Payer::Key { name: Arc::from(name), tier }
     }
 
     fn filters(budget: &Budget, payer: &Payer, first: &str) -> usize {
@@ -177,13 +177,13 @@ mod tests {
     #[test]
     fn viewers_have_a_part_and_wear_no_engine_out() {
         let budget = Budget::default();
-        let viewer = |n: usize| key(&format!("viewer{n}"), Role::Viewer);
+        let viewer = |n: usize| key(&format!("viewer{n}"), Tier::Limited);
         assert_eq!(filters(&budget, &viewer(0), "0"), SHARE_FILTERS / VIEWERS_SHARE, "one of them has a share of that");
         let all: usize = (0..20).map(|n| filters(&budget, &viewer(n), &n.to_string())).sum();
         assert_eq!(all, VIEWERS_FILTERS);
         let named: usize = (0..20).map(|n| topics(&budget, &viewer(n), &n.to_string(), 4_000)).sum();
         assert_eq!(named, VIEWERS_TOPICS);
-        let operator = key("operator", Role::Operator);
+        let operator = key("operator", Tier::Full);
         assert!(!budget.is_exhausted() && budget.admits_filter(&operator, "b") && budget.admits_topic(&operator, b"b"));
         assert!(budget.admits_filter(&viewer(0), "b"), "what the engine knows costs nothing");
     }
@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn one_key_uses_its_own_share_up_and_nothing_else() {
         let budget = Budget::default();
-        let (greedy, modest) = (key("greedy", Role::Operator), key("modest", Role::Operator));
+        let (greedy, modest) = (key("greedy", Tier::Full), key("modest", Tier::Full));
         assert_eq!((filters(&budget, &greedy, "a"), topics(&budget, &greedy, "a", 75_000)), (SHARE_FILTERS, SHARE_TOPICS));
         assert!(!budget.is_exhausted());
         assert_eq!((filters(&budget, &modest, "b"), topics(&budget, &modest, "b", 75_000)), (SHARE_FILTERS, SHARE_TOPICS));

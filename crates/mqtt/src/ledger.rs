@@ -8,12 +8,13 @@
 //!        waits while it is more than LAG behind, until it is no more than RELIEF, or until it is forgiven
 //! ```
 
+use std::future::poll_fn;
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
 use bytes::Bytes;
-use tokio::sync::Notify;
 
 use super::limits::{ENGINE_HOLDS, ENGINE_KEEPS, FORGIVEN, FORGIVEN_LONGEST, HEAVIEST, LAG, MENDED, PADDED, PATIENCE, RELIEF};
 use super::parcels::{Label, Parcels};
@@ -34,7 +35,8 @@ pub struct Ledger {
     parcels: Mutex<Parcels>,
     /// How many filters it holds: the engine keeps messages for each.
     filters: AtomicI64,
-    relief: Notify,
+    /// Who is to be woken when it has caught up.
+    waiting: Mutex<Vec<Waker>>,
     /// Since when it was behind whenever somebody looked, in milliseconds on the clock of all connections; 0: it is not.
     behind_since_ms: AtomicU64,
     /// Since when its client keeps more from coming, on the same clock; 0: it takes what comes.
@@ -70,7 +72,7 @@ impl Default for Ledger {
             lag: AtomicI64::default(),
             parcels: Mutex::default(),
             filters: AtomicI64::default(),
-            relief: Notify::new(),
+            waiting: Mutex::default(),
             behind_since_ms: zero(),
             still_since_ms: zero(),
             forgiven_until_ms: zero(),
@@ -181,13 +183,28 @@ impl Ledger {
 
     /// Waits until it has caught up, or nobody waits for it any more.
     pub async fn relieved(&self) {
-        loop {
-            let relief = self.relief.notified();
-            if self.lag.load(Ordering::Relaxed) <= RELIEF {
-                return;
-            }
-            relief.await;
+        poll_fn(|cx| self.poll_relieved(cx)).await;
+    }
+
+    fn poll_relieved(&self, cx: &Context<'_>) -> Poll<()> {
+        let mut waiting = self.waiting();
+        // Looked at under the lock, so that whoever takes something off it meanwhile finds whom to wake.
+        if self.lag.load(Ordering::Relaxed) <= RELIEF {
+            return Poll::Ready(());
         }
+        if !waiting.iter().any(|waker| waker.will_wake(cx.waker())) {
+            waiting.push(cx.waker().clone());
+        }
+        Poll::Pending
+    }
+
+    fn wake_all(&self) {
+        let waiting = std::mem::take(&mut *self.waiting());
+        waiting.into_iter().for_each(Waker::wake);
+    }
+
+    fn waiting(&self) -> MutexGuard<'_, Vec<Waker>> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Whether its client keeps more from coming: as much waits for it as may wait, however little of that it takes now and then, or
@@ -218,7 +235,7 @@ impl Ledger {
         self.forgiven_for_ms.store(next, Ordering::Relaxed);
         self.forgiven_until_ms.store(ms(now) + next, Ordering::Relaxed);
         self.behind_since_ms.store(0, Ordering::Relaxed);
-        self.relief.notify_waiters();
+        self.wake_all();
         true
     }
 
@@ -229,7 +246,7 @@ impl Ledger {
         if self.forgiven_for_ms.load(Ordering::Relaxed) <= ms(FORGIVEN) {
             self.forgiven_until_ms.store(0, Ordering::Relaxed);
         }
-        self.relief.notify_waiters();
+        self.wake_all();
     }
 }
 

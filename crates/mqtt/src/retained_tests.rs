@@ -3,13 +3,13 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::access::Role;
 use crate::doors::mqtt::gate::filter::matches;
+use crate::doors::mqtt::gate::rights::Tier;
 
 const ANYBODY: Payer = Payer::Anybody;
 
 fn key(name: &str) -> Payer {
-    Payer::Key { name: Arc::from(name), role: Role::Operator }
+    Payer::Key { name: Arc::from(name), tier: Tier::Full }
 }
 
 fn all(retained: &Retained, filter: &str, since: u64) -> Vec<Arc<Kept>> {

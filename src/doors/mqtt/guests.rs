@@ -273,7 +273,7 @@ impl House {
         if is_nameless || connect.client_id.len() > CLIENT_ID {
             return Some(Welcome::ClientId);
         }
-        let is_allowed = |topic: &str| identity.guest().may_leave_will(self.0.gatehouse.topics.place(topic));
+        let is_allowed = |topic: &str| self.0.gatehouse.rights.may_leave_will(identity.guest(), topic);
         connect.will.as_ref().filter(|will| !is_allowed(&will.topic)).map(|_| Welcome::NotAllowed)
     }
 

@@ -8,12 +8,13 @@ use subtle::ConstantTimeEq;
 
 use super::gate::packet::connect;
 use super::gate::rights::Guest;
-use super::gate::turnstile::{Heard, Listener};
+use super::gate::turnstile::{Epoch, Heard, Listener};
 use super::orders::{self, Orders, Sender, Taken};
+use super::rights;
 use super::seats::Holder;
 use super::visitor::Origin;
 use crate::access::{Access, Caller, Need, Token};
-use hallsweep_core::units::Epoch;
+use hallsweep_core::units;
 
 /// The name by which our own session comes. No key can have it.
 pub const HOUSE: &str = "$hallsweep";
@@ -80,8 +81,8 @@ impl Identity {
     /// What the gate wants to know.
     pub(super) const fn guest(&self) -> Guest {
         match self {
-            Identity::House => Guest::House,
-            Identity::Somebody(caller) => Guest::Somebody(caller.role()),
+            Identity::House => Guest::Program,
+            Identity::Somebody(caller) => rights::guest(caller.role()),
         }
     }
 
@@ -116,6 +117,7 @@ struct Deaf;
 
 impl Listener for Ear {
     fn hear(&self, topic: &str, payload: &[u8], (arrived, is_again): (Option<Epoch>, bool)) -> Heard {
+        let arrived = arrived.map(|Epoch(epoch)| units::Epoch(epoch));
         match self.orders.take(&orders::Heard { topic, payload, arrived, is_again }, &self.sender) {
             Taken::NotACommand | Taken::Taken => Heard::Pass,
             Taken::Forbidden => Heard::Forbidden,
@@ -123,7 +125,7 @@ impl Listener for Ear {
     }
 
     fn epoch(&self) -> Epoch {
-        self.orders.epoch()
+        Epoch(self.orders.epoch().0)
     }
 
     fn halts(&self, topic: &[u8], payload: &[u8]) -> bool {
@@ -182,8 +184,8 @@ mod tests {
         let (keys, secret) = (keys(), Token::draw().unwrap());
         let try_in = |login| of(&keys.access, "192.0.2.7", login, &secret);
         let who = |login| try_in(Some(login)).map(|identity| identity.guest());
-        assert_eq!(who(("operator", &keys.operator)), Ok(Guest::Somebody(Role::Operator)));
-        assert_eq!(who(("screen", &keys.viewer)), Ok(Guest::Somebody(Role::Viewer)));
+        assert_eq!(who(("operator", &keys.operator)), Ok(rights::guest(Role::Operator)));
+        assert_eq!(who(("screen", &keys.viewer)), Ok(rights::guest(Role::Viewer)));
         assert_eq!(who(("operator", &keys.viewer)), Err(Unknown::Wrong), "somebody else's token");
         assert_eq!(who(("nobody", "secret")), Err(Unknown::Wrong));
         assert_eq!(try_in(None), Err(Unknown::Nothing));

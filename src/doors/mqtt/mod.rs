@@ -18,6 +18,7 @@ pub mod publication;
 mod pump;
 pub mod qak;
 mod read_ahead;
+mod rights;
 mod seats;
 pub mod session;
 mod slots;

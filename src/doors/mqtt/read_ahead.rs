@@ -8,9 +8,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use bytes::BytesMut;
 use tokio::sync::Notify;
 
-use super::gate::turnstile::Mark;
+use super::gate::turnstile::{Epoch, Mark};
 use super::limits::{ALWAYS_AHEAD, CONNECTION_BYTES, ENGINE_PART, READ_AHEAD, UNREAD_PART};
-use hallsweep_core::units::Epoch;
 
 /// So much is read at once, in bytes.
 pub(super) const READ: usize = 64 * 1024;

@@ -79,7 +79,7 @@ impl Turnstile {
         *came += weight(publish.topic.len(), length);
         let ledger = self.account.ledger();
         let parcel = label.and_then(|label| ledger.parcel(label));
-        let is_seen = self.guest.may_see(publish.topic) && parcel.is_some() == label.is_some();
+        let is_seen = self.gatehouse.rights.may_see(self.guest, publish.topic) && parcel.is_some() == label.is_some();
         let payload = parcel.as_deref().unwrap_or(publish.payload);
         let number = label.map(|label| label.number);
         let is_duplicate = match publish.qos {

@@ -1,7 +1,9 @@
 //! Who hears commands beside the gate, and what is known of a packet before the gate comes to it. What is done with a message that was
 //! heard stands in `publishing`.
 
-use hallsweep_core::units::Epoch;
+/// What the listener stamps on what has come, so that it knows again what came before and what after. Nobody else reads it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Epoch(pub u64);
 
 /// Whoever hears commands; one for each connection, since it knows whose they are.
 pub trait Listener: Send + Sync {

@@ -28,7 +28,7 @@ use bytes::{Buf, BytesMut};
 
 pub use self::ended::Ended;
 pub use self::subscribing::Session;
-pub use listener::{Heard, Listener, Mark};
+pub use listener::{Epoch, Heard, Listener, Mark};
 
 use self::duplicates::Duplicates;
 use self::flood::Flood;
@@ -46,15 +46,13 @@ use super::packet::connect::Will;
 use super::packet::{ack, write};
 use super::readers::Readers;
 use super::retained::Retained;
-use super::rights::Guest;
-use crate::doors::mqtt::topics::Topics;
-use hallsweep_core::units::Epoch;
+use super::rights::{Guest, Rights};
 
 /// What all connections of a broker share.
 #[derive(Debug)]
 pub struct Gatehouse {
-    /// Whose business each topic is.
-    pub topics: Topics,
+    /// Who may do what on which topic.
+    pub rights: Box<dyn Rights>,
     /// The kept messages.
     pub retained: Retained,
     /// What may still reach the engine.
@@ -72,9 +70,9 @@ pub struct Gatehouse {
 impl Gatehouse {
     /// A gatehouse of a broker at which nothing was said yet.
     #[must_use]
-    pub fn new(topics: Topics) -> Gatehouse {
+    pub fn new(rights: impl Rights + 'static) -> Gatehouse {
         Gatehouse {
-            topics,
+            rights: Box::new(rights),
             retained: Retained::default(),
             budget: Budget::default(),
             readers: Arc::default(),
@@ -97,7 +95,7 @@ pub struct Terms {
     pub listener: Arc<dyn Listener>,
     /// From its CONNECT, in seconds; 0: as long as is allowed.
     pub keep_alive_s: u16,
-    /// From its CONNECT, when [`Guest::may_leave_will`] allows it.
+    /// From its CONNECT, when [`Rights::may_leave_will`] allows it.
     pub will: Option<Will>,
     /// What is remembered of it from earlier connections.
     pub session: Session,
@@ -144,9 +142,9 @@ impl Turnstile {
         let one_and_a_half = Duration::from_millis(1500 * u64::from(terms.keep_alive_s));
         let account = Account::open(&gatehouse.readers);
         let payer = match terms.guest {
-            Guest::House => Payer::House,
-            Guest::Somebody(role) if terms.has_key => Payer::Key { name: Arc::clone(&terms.name), role },
-            Guest::Somebody(_) => Payer::Anybody,
+            Guest::Program => Payer::House,
+            Guest::Client(tier) if terms.has_key => Payer::Key { name: Arc::clone(&terms.name), tier },
+            Guest::Client(_) => Payer::Anybody,
         };
         let mut turnstile = Turnstile {
             account,
@@ -198,7 +196,7 @@ impl Turnstile {
     /// # Errors
     /// When the connection has come to its end; what was before that is done.
     pub fn handle_turn(&mut self, bytes: &mut BytesMut, now: Duration) -> Result<bool, Ended> {
-        let limit = if self.guest == Guest::House { HOUSE_PACKET } else { GUEST_PACKET };
+        let limit = if self.guest == Guest::Program { HOUSE_PACKET } else { GUEST_PACKET };
         let (mut read, mut packets) = (0, 0);
         let outcome = loop {
             if packets == TURN || self.routes.take_piece() || self.subscriptions.has_asked_much() {
@@ -290,7 +288,7 @@ impl Turnstile {
         let is_owed = !self.account.ledger().is_even() && self.wants_engine() && self.outstanding.has_room();
         self.quiet_at = is_owed.then(|| self.quiet_at.unwrap_or(now + QUIET));
         let passed = self.routes.take_passed();
-        let is_flood = self.flood.handle_passed(passed, now) && self.guest != Guest::House;
+        let is_flood = self.flood.handle_passed(passed, now) && self.guest != Guest::Program;
         self.flooding = is_flood.then_some(now);
         if !is_flood {
             return Vec::new();

@@ -2,7 +2,7 @@
 
 use bytes::Bytes;
 
-use super::routes::{Dropped, Route, Way, is_for_commands};
+use super::routes::{Dropped, Route, Way};
 use super::{Ended, Heard, Mark, Turnstile};
 use crate::doors::mqtt::gate::filter;
 use crate::doors::mqtt::gate::frame::{Frame, Kind, frame};
@@ -69,8 +69,8 @@ impl Turnstile {
 
     /// What a client left for the time after it.
     pub(super) fn publish_will(&mut self, will: &Will) {
-        let place = self.gatehouse.topics.place(&will.topic);
-        let is_allowed = self.guest.may_leave_will(place) && !is_for_commands(place);
+        let rights = &self.gatehouse.rights;
+        let is_allowed = rights.may_leave_will(self.guest, &will.topic) && !rights.is_for_commands(&will.topic);
         let route = self.routes.route(will.topic.as_bytes(), self.guest, &self.gatehouse);
         if !is_allowed || route != Ok(Route::Pass) {
             self.refusals.note(will.topic.as_bytes(), "such a will");
@@ -171,7 +171,7 @@ impl Turnstile {
     }
 
     fn keep(&mut self, topic: &str, payload: Bytes, qos: Qos) {
-        if is_for_commands(self.gatehouse.topics.place(topic)) || filter::topic(topic).is_err() {
+        if self.gatehouse.rights.is_for_commands(topic) || filter::topic(topic).is_err() {
             return;
         }
         if !self.gatehouse.retained.keep_shared(&self.payer, topic, payload, qos) {

@@ -16,7 +16,6 @@ use crate::doors::mqtt::gate::packet::text;
 use crate::doors::mqtt::gate::parcels::Label;
 use crate::doors::mqtt::gate::readers::Reader;
 use crate::doors::mqtt::gate::rights::Guest;
-use crate::doors::mqtt::topics::Place;
 
 /// What becomes of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -190,20 +189,11 @@ fn judge(topic: &[u8], guest: Guest, gatehouse: &Gatehouse) -> Result<Route, End
     if topic.is_empty() || topic.contains(['+', '#']) {
         return Err(Malformed::Topic.into());
     }
-    let place = gatehouse.topics.place(topic);
-    if is_for_commands(place) && guest != Guest::House {
+    if guest != Guest::Program && gatehouse.rights.is_for_commands(topic) {
         return Ok(Route::Hear);
     }
-    if !guest.may_publish(place) {
+    if !gatehouse.rights.may_publish(guest, topic) {
         return Ok(Route::Drop(Dropped::Forbidden));
     }
     Ok(filter::topic(topic).map_or_else(|unfit| Route::Drop(Dropped::Unfit(unfit)), |()| Route::Pass))
-}
-
-/// Whether commands are taken there. Nothing is ever kept there: a command is for now.
-pub(super) const fn is_for_commands(place: Place<'_>) -> bool {
-    match place {
-        Place::Command(_) | Place::Word | Place::Old => true,
-        Place::Ours | Place::Elsewhere => false,
-    }
 }

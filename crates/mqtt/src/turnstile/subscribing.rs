@@ -211,7 +211,7 @@ impl Turnstile {
     /// Takes a filter, or says why not. When it is held at another QoS, that is changed.
     fn accept(&mut self, filter: &str, qos: Qos) -> Result<(Arc<str>, Qos), Box<dyn Display>> {
         filter::filter(filter).map_err(|unfit| Box::new(unfit) as Box<dyn Display>)?;
-        if !self.guest.may_subscribe(filter) {
+        if !self.gatehouse.rights.may_subscribe(self.guest, filter) {
             return Err(Box::new("that is the program's own business"));
         }
         if let Some((name, held)) = self.subscriptions.held.get_key_value(filter) {

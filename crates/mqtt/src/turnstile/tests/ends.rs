@@ -64,14 +64,9 @@ fn when_the_program_ends_no_will_is_published() {
 
 #[test]
 fn a_forbidden_will_goes_nowhere() {
-    for (guest, topic) in [
-        (OPERATOR, STOP),
-        (OPERATOR, "unibo/qak/x"),
-        (OPERATOR, "hallsweep/discovery/event"),
-        (VIEWER, "a"),
-        (OPERATOR, "$a"),
-        (OPERATOR, "é"),
-    ] {
+    for (guest, topic) in
+        [(OPERATOR, STOP), (OPERATOR, "old/x"), (OPERATOR, "site/robot/event"), (VIEWER, "a"), (OPERATOR, "$a"), (OPERATOR, "é")]
+    {
         let mut scene = with_will(guest, topic);
         scene.turnstile.handle_end(Ended::Gone);
         assert!(scene.engine_got().is_empty() && scene.heard().is_empty(), "{topic}");

@@ -2,12 +2,11 @@
 
 use std::time::Duration;
 
-use super::scene::{OPERATOR, Scene, gatehouse, publish, subscribe, taken};
+use super::scene::{OPERATOR, PULSE, Scene, gatehouse, publish, subscribe, taken};
 use crate::doors::mqtt::gate::limits::{ENGINE_KEEPS, HEAVIEST, QUIET};
 use crate::doors::mqtt::gate::packet::Qos;
 use crate::doors::mqtt::gate::rights::Guest;
 use crate::doors::mqtt::gate::turnstile::Ended;
-use crate::doors::mqtt::topics::PULSE;
 
 /// So many of the heaviest messages the engine keeps.
 const KEPT_THERE: usize = ENGINE_KEEPS as usize / HEAVIEST;
@@ -43,7 +42,7 @@ fn the_pulse_is_for_the_program_alone_and_acknowledged_for_others() {
     scene.engine(&script.concat()).unwrap();
     assert_eq!(scene.client_got(), ["Publish a=1 q0", "Publish b=2 q0"]);
     assert_eq!(scene.engine_got(), ["Puback 1"]);
-    let mut scene = Scene::of(Guest::House);
+    let mut scene = Scene::of(Guest::Program);
     scene.engine(&script.concat()).unwrap();
     assert_eq!(scene.client_got().len(), 4);
 }

@@ -5,11 +5,10 @@ use std::time::Duration;
 
 use bytes::BytesMut;
 
-use super::scene::{OPERATOR, STOP, Scene, gatehouse, publish};
+use super::scene::{OPERATOR, STOP, Scene, TestRights, gatehouse, publish};
 use crate::doors::mqtt::gate::limits::{LAG, LONG, NO_FLOOD, PATIENCE, QUIET, STILL};
 use crate::doors::mqtt::gate::packet::Qos;
 use crate::doors::mqtt::gate::turnstile::Gatehouse;
-use crate::doors::mqtt::topics::Topics;
 
 /// So deep the STOP stands, in messages of a kibibyte.
 const DEEP: usize = 4096;
@@ -69,7 +68,7 @@ fn a_stop_four_mebibytes_deep_in_its_senders_flood_waits_less_than_a_tenth_of_a_
 
 /// Somebody alone who reads what he says himself, if he reads at all.
 fn alone() -> Scene {
-    let gatehouse = Arc::new(Gatehouse::new(Topics::new("hallsweep", "discovery", "unibo/qak")));
+    let gatehouse = Arc::new(Gatehouse::new(TestRights));
     let mut alone = Scene::in_house(&gatehouse, OPERATOR, |_| {});
     alone.subscribe(&[("flood/#", Qos::Zero)]);
     alone

@@ -3,16 +3,14 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::scene::{OPERATOR, START, STOP, Scene, VIEWER, gatehouse, publish, subscribe, taken};
+use super::scene::{OPERATOR, START, STOP, Scene, TestRights, VIEWER, gatehouse, publish, subscribe, taken};
 use crate::doors::mqtt::gate::budget::Payer;
 use crate::doors::mqtt::gate::limits::{
     ENGINE_TOPICS, GUEST_PACKET, HANDLED, PADDED, PARCELS_AWAY, QUIET, SHARE_TOPICS, SHARED, UNRELEASED, VIEWERS_SHARE,
 };
 use crate::doors::mqtt::gate::packet::Qos;
 use crate::doors::mqtt::gate::rights::Guest;
-use crate::doors::mqtt::gate::turnstile::{Ended, Gatehouse, Mark};
-use crate::doors::mqtt::topics::Topics;
-use hallsweep_core::units::Epoch;
+use crate::doors::mqtt::gate::turnstile::{Ended, Epoch, Gatehouse, Mark};
 
 const NONE: [&str; 0] = [];
 
@@ -48,9 +46,7 @@ fn what_would_end_the_engine_never_reaches_it() {
 
 #[test]
 fn a_forbidden_message_is_acknowledged_and_goes_nowhere() {
-    for (guest, topic) in
-        [(OPERATOR, "hallsweep/discovery/state/robot"), (VIEWER, "a"), (OPERATOR, "homeassistant/device/discovery/config")]
-    {
+    for (guest, topic) in [(OPERATOR, "site/robot/state/robot"), (VIEWER, "a"), (OPERATOR, "directory/robot")] {
         let mut scene = Scene::of(guest);
         let script = [publish(0x31, topic, "x", 0), publish(0x33, topic, "x", 1), publish(0x35, topic, "x", 2)];
         scene.client(&script.concat()).unwrap();
@@ -66,24 +62,21 @@ fn a_command_is_heard_before_it_goes_on_and_never_kept() {
     for guest in [OPERATOR, VIEWER] {
         let mut scene = Scene::of(guest);
         scene.client(&publish(0x31, STOP, "", 0)).unwrap();
-        scene.client(&publish(0x33, "unibo/qak/robotmind", "x", 3)).unwrap();
-        scene.client(&publish(0x30, "hallsweep/discovery/command", "forbidden", 0)).unwrap();
-        assert_eq!(
-            scene.heard(),
-            [format!("{STOP} "), "unibo/qak/robotmind x".into(), "hallsweep/discovery/command forbidden".into()]
-        );
-        assert_eq!(scene.engine_got(), [format!("Publish {STOP}= q0"), "Publish unibo/qak/robotmind=x q0".into()]);
+        scene.client(&publish(0x33, "old/robotmind", "x", 3)).unwrap();
+        scene.client(&publish(0x30, "site/robot/command", "forbidden", 0)).unwrap();
+        assert_eq!(scene.heard(), [format!("{STOP} "), "old/robotmind x".into(), "site/robot/command forbidden".into()]);
+        assert_eq!(scene.engine_got(), [format!("Publish {STOP}= q0"), "Publish old/robotmind=x q0".into()]);
         assert_eq!(scene.gatehouse.retained.count(), 0);
     }
 }
 
 #[test]
 fn the_program_itself_is_not_heard_and_may_keep_what_it_likes_but_commands() {
-    let mut scene = Scene::of(Guest::House);
-    let script = [publish(0x31, "hallsweep/discovery/state/robot", "x", 0), publish(0x31, "unibo/qak/events", "y", 0)];
+    let mut scene = Scene::of(Guest::Program);
+    let script = [publish(0x31, "site/robot/state/robot", "x", 0), publish(0x31, "old/events", "y", 0)];
     scene.client(&script.concat()).unwrap();
     assert!(scene.heard().is_empty());
-    assert_eq!(scene.engine_got(), ["Publish hallsweep/discovery/state/robot=x q0", "Publish unibo/qak/events=y q0"]);
+    assert_eq!(scene.engine_got(), ["Publish site/robot/state/robot=x q0", "Publish old/events=y q0"]);
     assert_eq!(scene.gatehouse.retained.count(), 1);
 }
 
@@ -223,7 +216,7 @@ fn a_viewer_wears_no_engine_out_with_topics_that_he_may_not_publish_on_or_may() 
     let gatehouse = gatehouse();
     let mut scene = Scene::in_house(&gatehouse, VIEWER, |terms| terms.has_key = true);
     for n in 0..75_000 {
-        let (mine, old, command) = (format!("a/{n}"), format!("unibo/qak/{n}"), format!("hallsweep/discovery/command/{n}"));
+        let (mine, old, command) = (format!("a/{n}"), format!("old/{n}"), format!("site/robot/command/{n}"));
         let said = [publish(0x30, &mine, "", 0), publish(0x30, &old, "", 0), publish(0x30, &command, "forbidden", 0)];
         scene.client(&said.concat()).unwrap();
     }
@@ -233,7 +226,7 @@ fn a_viewer_wears_no_engine_out_with_topics_that_he_may_not_publish_on_or_may() 
 
 #[test]
 fn what_nobody_reads_does_not_reach_the_engine_and_is_kept_all_the_same() {
-    let gatehouse = Arc::new(Gatehouse::new(Topics::new("hallsweep", "discovery", "unibo/qak")));
+    let gatehouse = Arc::new(Gatehouse::new(TestRights));
     let mut scene = Scene::in_house(&gatehouse, OPERATOR, |_| {});
     let said = [publish(0x31, "a", "1", 0), publish(0x33, "b", "2", 7), publish(0x30, STOP, "", 0)].concat();
     scene.client(&said).unwrap();
@@ -349,7 +342,7 @@ fn guests_send_packets_of_256_kib_and_the_program_larger_ones() {
     let payload = "x".repeat(GUEST_PACKET);
     let too_long = publish(0x30, "a", &payload, 0);
     assert!(matches!(Scene::of(OPERATOR).client(&too_long), Err(Ended::Malformed(_))));
-    let mut house = Scene::of(Guest::House);
+    let mut house = Scene::of(Guest::Program);
     house.client(&too_long).unwrap();
     assert_eq!(house.engine_got().len(), 1);
     let fitting = publish(0x30, "a", &payload[..GUEST_PACKET - 7], 0);

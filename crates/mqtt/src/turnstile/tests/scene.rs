@@ -5,20 +5,54 @@ use std::time::Duration;
 
 use bytes::{Buf, BytesMut};
 
-use crate::access::Role;
 use crate::doors::mqtt::gate::frame::{Frame, Kind, frame};
 use crate::doors::mqtt::gate::outbox::Outbox;
 use crate::doors::mqtt::gate::packet::filters::Filters;
 use crate::doors::mqtt::gate::packet::{Qos, ack, publish, write};
-use crate::doors::mqtt::gate::rights::Guest;
-use crate::doors::mqtt::gate::turnstile::{Ended, Gatehouse, Heard, Listener, Session, Terms, Turnstile};
-use crate::doors::mqtt::topics::Topics;
-use hallsweep_core::units::Epoch;
+use crate::doors::mqtt::gate::rights::{Guest, Rights, Tier};
+use crate::doors::mqtt::gate::turnstile::{Ended, Epoch, Gatehouse, Heard, Listener, Session, Terms, Turnstile};
 
-pub(super) const OPERATOR: Guest = Guest::Somebody(Role::Operator);
-pub(super) const VIEWER: Guest = Guest::Somebody(Role::Viewer);
-pub(super) const START: &str = "hallsweep/discovery/command/start";
-pub(super) const STOP: &str = "hallsweep/discovery/command/stop";
+pub(super) const OPERATOR: Guest = Guest::Client(Tier::Full);
+pub(super) const VIEWER: Guest = Guest::Client(Tier::Limited);
+pub(super) const START: &str = "site/robot/command/start";
+pub(super) const STOP: &str = "site/robot/command/stop";
+
+/// What only the program reads.
+pub(super) const PULSE: &str = "broker-pulse";
+
+/// Commands are taken on `site/robot/command`, on the names below it, and on those below `old`; all else of `site/robot` and
+/// `directory/robot` is the program's own, and what is left is for clients with full rights.
+#[derive(Debug)]
+pub(super) struct TestRights;
+
+impl TestRights {
+    fn is_own(topic: &str) -> bool {
+        topic.starts_with("site/robot/") || ["site/robot", "directory/robot", PULSE].contains(&topic)
+    }
+}
+
+impl Rights for TestRights {
+    fn is_for_commands(&self, topic: &str) -> bool {
+        let is_name_below = |above: &str| topic.strip_prefix(above).is_some_and(|name| !name.contains('/'));
+        topic == "site/robot/command" || is_name_below("site/robot/command/") || is_name_below("old/")
+    }
+
+    fn may_publish(&self, who: Guest, topic: &str) -> bool {
+        who == Guest::Program || self.is_for_commands(topic) || who == OPERATOR && !TestRights::is_own(topic)
+    }
+
+    fn may_subscribe(&self, who: Guest, filter: &str) -> bool {
+        who == Guest::Program || filter != PULSE
+    }
+
+    fn may_see(&self, who: Guest, topic: &[u8]) -> bool {
+        who == Guest::Program || topic != PULSE.as_bytes()
+    }
+
+    fn may_leave_will(&self, who: Guest, topic: &str) -> bool {
+        !self.is_for_commands(topic) && self.may_publish(who, topic)
+    }
+}
 
 /// Hears commands, and forbids those that say so.
 #[derive(Debug, Default)]
@@ -52,8 +86,7 @@ pub(super) struct Scene {
 }
 
 pub(super) fn gatehouse() -> Arc<Gatehouse> {
-    let topics = Topics::new("hallsweep", "discovery", "unibo/qak");
-    let gatehouse = Gatehouse::new(topics);
+    let gatehouse = Gatehouse::new(TestRights);
     // Somebody reads everything: what nobody reads goes nowhere.
     gatehouse.readers.enter(&Arc::from("#"), &Arc::default(), false);
     Arc::new(gatehouse)
