@@ -12,7 +12,6 @@ use crate::access::{self, Access, Token};
 use crate::config::{Broker, MqttSettings, OtherBroker, Settings};
 use crate::doors::http;
 use crate::doors::listeners::Listeners;
-use crate::doors::mqtt::gate::turnstile::Gatehouse;
 use crate::doors::mqtt::orders::{ANSWERS, Answer, Orders};
 use crate::doors::mqtt::session::{Health, Hearing, Link, Parts, Session, Times, believing};
 use crate::doors::mqtt::topics::Topics;
@@ -20,6 +19,7 @@ use crate::doors::mqtt::{Embedded, HOUSE, House, Origin, Visitor, Ways};
 use crate::doors::room::Room;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::handle::Handle;
+use mqtt_gate::turnstile::Gatehouse;
 
 /// Web clients that wait to be received: the broker is never busy for long.
 const VISITORS: usize = 16;

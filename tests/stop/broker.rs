@@ -7,7 +7,6 @@ use tokio::net::TcpListener;
 use tokio::sync::{mpsc, watch};
 
 use hallsweep::access::{Access, Token};
-use hallsweep::doors::mqtt::gate::turnstile::Gatehouse;
 use hallsweep::doors::mqtt::orders::Orders;
 use hallsweep::doors::mqtt::session::{Health, Hearing, Link, Parts, Session, Times};
 use hallsweep::doors::mqtt::topics::Topics;
@@ -15,6 +14,7 @@ use hallsweep::doors::mqtt::{Embedded, HOUSE, House, Ways};
 use hallsweep::runtime::archive_reader::Reader;
 use hallsweep::runtime::handle::Handle;
 use hallsweep::storage::memory::Memory;
+use mqtt_gate::turnstile::Gatehouse;
 
 /// Opens the door on a free port of this machine; it ends when `closed` does. Must be called inside a runtime.
 pub(crate) async fn open(handle: Handle, closed: watch::Receiver<bool>) -> SocketAddr {

@@ -321,7 +321,7 @@ fn ms(duration: Duration) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::doors::mqtt::gate::limits::STILL;
+    use crate::limits::STILL;
 
     const NOW: Duration = Duration::from_secs(100);
 

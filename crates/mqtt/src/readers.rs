@@ -106,7 +106,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::doors::mqtt::gate::filter::matches;
+    use crate::filter::matches;
 
     fn level() -> impl Strategy<Value = &'static str> {
         prop::sample::select(vec!["", "a", "b", "ab", "a!", "a0", "$a", "é"])

@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::doors::mqtt::gate::filter::matches;
-use crate::doors::mqtt::gate::rights::Tier;
+use crate::filter::matches;
+use crate::rights::Tier;
 
 const ANYBODY: Payer = Payer::Anybody;
 

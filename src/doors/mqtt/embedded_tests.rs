@@ -11,8 +11,6 @@ use tokio::sync::oneshot;
 use super::*;
 use crate::access::Token;
 use crate::api::fixture::{idle, touch};
-use crate::doors::mqtt::gate::limits::{ENGINE_FILTERS, FILTERS};
-use crate::doors::mqtt::gate::turnstile::Gatehouse;
 use crate::doors::mqtt::identity::HOUSE;
 use crate::doors::mqtt::orders::Orders;
 use crate::doors::mqtt::session::testing::{Album, Peer, publish, topics};
@@ -23,6 +21,8 @@ use crate::runtime::within::within;
 use hallsweep_core::command::Command;
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
+use mqtt_gate::limits::{ENGINE_FILTERS, FILTERS};
+use mqtt_gate::turnstile::Gatehouse;
 
 /// A broker with our own session at it.
 struct Broker {

@@ -13,9 +13,9 @@ use rumqttd::{ConnectionId, ConnectionSettings, LinkType, Router, RouterConfig, 
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::watch;
 
-use super::gate::limits::{HOUSE_PACKET, SEGMENT_BYTES, SEGMENTS};
 use super::limits;
 use crate::access::Token;
+use mqtt_gate::limits::{HOUSE_PACKET, SEGMENT_BYTES, SEGMENTS};
 
 /// By this name the gate enters.
 const GATE: &str = "gate";

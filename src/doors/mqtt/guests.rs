@@ -15,11 +15,6 @@ use tokio::runtime::Handle;
 use tokio::sync::{Semaphore, oneshot};
 
 use super::embedded::Running;
-use super::gate::frame::{Kind, frame};
-use super::gate::limits::CONNECT;
-use super::gate::packet::connect::{self, Connect};
-use super::gate::packet::write::{self, Welcome};
-use super::gate::turnstile::{Ended, Gatehouse, Listener, Terms, Turnstile};
 use super::hearing::Hearing;
 use super::identity::{Identity, Unknown};
 use super::introduction::{Sent, introduction};
@@ -35,6 +30,11 @@ use crate::access::{Attempts, Network, Token};
 use crate::doors::room::Room;
 use crate::doors::vestibule::{Vestibule, Waiting};
 use crate::runtime::clock::Clock;
+use mqtt_gate::frame::{Kind, frame};
+use mqtt_gate::limits::CONNECT;
+use mqtt_gate::packet::connect::{self, Connect};
+use mqtt_gate::packet::write::{self, Welcome};
+use mqtt_gate::turnstile::{Ended, Gatehouse, Listener, Terms, Turnstile};
 
 /// So long the engine may take to answer; it takes less than a millisecond.
 const ENGINE_TIME: Duration = Duration::from_secs(5);

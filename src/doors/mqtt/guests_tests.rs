@@ -7,14 +7,14 @@ use super::*;
 use crate::access::{Access, Key, Keyring, Keys, OPERATOR, Role};
 use crate::api::fixture::idle;
 use crate::doors::mqtt::engine::Engine;
-use crate::doors::mqtt::gate::packet::Qos;
-use crate::doors::mqtt::gate::turnstile::Session;
 use crate::doors::mqtt::identity::Identity;
 use crate::doors::mqtt::limits::CONNECTIONS;
 use crate::doors::mqtt::session::testing::topics;
 use crate::runtime::obedient::obedient;
 use crate::runtime::within::within;
 use hallsweep_core::command::Command;
+use mqtt_gate::packet::Qos;
+use mqtt_gate::turnstile::Session;
 
 /// Safety A5, S9: however many come with one name, no more of them wait than there are seats.
 #[tokio::test(start_paused = true)]

@@ -11,11 +11,11 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, ReadBuf};
 use tokio::runtime::Handle;
 
-use super::gate::stop_search::StopSearch;
-use super::gate::turnstile::Listener;
 use super::read_ahead::{Feeder, Left, READ};
 use super::visitor::Reader;
 use crate::runtime::clock::Clock;
+use mqtt_gate::stop_search::StopSearch;
+use mqtt_gate::turnstile::Listener;
 
 /// After so long it is read what others say.
 const TURN: Duration = Duration::from_millis(2);

@@ -8,7 +8,6 @@ use tokio::sync::mpsc;
 use super::*;
 use crate::access::{Caller, Key, Keyring, Keys, OPERATOR, Role, Token};
 use crate::api::fixture::searching;
-use crate::doors::mqtt::gate::packet::{Qos, write};
 use crate::doors::mqtt::identity::Identity;
 use crate::doors::mqtt::orders::Orders;
 use crate::doors::mqtt::read_ahead::{Pool, Taker, read_ahead};
@@ -16,6 +15,7 @@ use crate::doors::mqtt::topics::Topics;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::command::Command;
+use mqtt_gate::packet::{Qos, write};
 
 /// A client that is listened to, before a loop that does as it is told.
 struct Scene {

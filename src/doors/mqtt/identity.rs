@@ -6,15 +6,15 @@ use std::sync::Arc;
 
 use subtle::ConstantTimeEq;
 
-use super::gate::packet::connect;
-use super::gate::rights::Guest;
-use super::gate::turnstile::{Epoch, Heard, Listener};
 use super::orders::{self, Orders, Sender, Taken};
 use super::rights;
 use super::seats::Holder;
 use super::visitor::Origin;
 use crate::access::{Access, Caller, Need, Token};
 use hallsweep_core::units;
+use mqtt_gate::packet::connect;
+use mqtt_gate::rights::Guest;
+use mqtt_gate::turnstile::{Epoch, Heard, Listener};
 
 /// The name by which our own session comes. No key can have it.
 pub const HOUSE: &str = "$hallsweep";

@@ -3,12 +3,12 @@
 use bytes::{Buf, BytesMut};
 use tokio::io::AsyncReadExt;
 
-use super::gate::frame::{Kind, Malformed, frame};
-use super::gate::limits::CONNECT;
-use super::gate::packet::connect::{self, Connect, NoConnect};
-use super::gate::packet::write::Welcome;
-use super::gate::turnstile::Ended;
 use super::visitor::Reader;
+use mqtt_gate::frame::{Kind, Malformed, frame};
+use mqtt_gate::limits::CONNECT;
+use mqtt_gate::packet::connect::{self, Connect, NoConnect};
+use mqtt_gate::packet::write::Welcome;
+use mqtt_gate::turnstile::Ended;
 
 /// Why a visitor did not become a guest, or is one no more.
 #[derive(Debug, thiserror::Error)]

@@ -3,8 +3,6 @@
 
 mod embedded;
 mod engine;
-#[path = "../../../crates/mqtt/src/mod.rs"]
-pub mod gate;
 mod guests;
 mod hearing;
 pub mod home_assistant;

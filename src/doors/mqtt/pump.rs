@@ -13,10 +13,6 @@ use bytes::BytesMut;
 use tokio::io::AsyncWriteExt;
 use tokio::sync::Semaphore;
 
-use super::gate::ledger::Ledger;
-use super::gate::limits::ANSWER_ROOM;
-use super::gate::outbox::give_back;
-use super::gate::turnstile::{Ended, Turnstile};
 use super::identity::Identity;
 use super::read_ahead::{Left, READ, Taker};
 use super::seats::{Seat, Unread, given_up};
@@ -26,6 +22,10 @@ use super::visitor::Writer;
 use crate::access::Access;
 use crate::doors::vestibule::Vestibule;
 use crate::runtime::clock::Clock;
+use mqtt_gate::ledger::Ledger;
+use mqtt_gate::limits::ANSWER_ROOM;
+use mqtt_gate::outbox::give_back;
+use mqtt_gate::turnstile::{Ended, Turnstile};
 
 /// After so long of one client's packets others have their turn.
 const TURN: Duration = Duration::from_millis(1);

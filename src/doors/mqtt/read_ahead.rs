@@ -8,8 +8,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use bytes::BytesMut;
 use tokio::sync::Notify;
 
-use super::gate::turnstile::{Epoch, Mark};
 use super::limits::{ALWAYS_AHEAD, CONNECTION_BYTES, ENGINE_PART, READ_AHEAD, UNREAD_PART};
+use mqtt_gate::turnstile::{Epoch, Mark};
 
 /// So much is read at once, in bytes.
 pub(super) const READ: usize = 64 * 1024;

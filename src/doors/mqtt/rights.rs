@@ -1,8 +1,8 @@
 //! Who may publish, subscribe and leave a will where. What a command is good for is judged by whoever hears it.
 
-use super::gate::rights::{Guest, Rights, Tier};
 use super::topics::{PULSE, Place, Topics};
 use crate::access::Role;
+use mqtt_gate::rights::{Guest, Rights, Tier};
 
 /// What somebody of this role is to the gate.
 pub(super) const fn guest(role: Role) -> Guest {

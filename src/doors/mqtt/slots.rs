@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
-use super::gate::turnstile::Session;
+use mqtt_gate::turnstile::Session;
 
 /// Clients that are remembered while they are away; of more the one who has been away for longest is forgotten.
 const REMEMBERED: usize = 128;
@@ -183,7 +183,7 @@ mod tests {
     use futures_util::FutureExt;
 
     use super::*;
-    use crate::doors::mqtt::gate::packet::Qos;
+    use mqtt_gate::packet::Qos;
 
     fn name(client: &str) -> Name {
         Name { who: Arc::from("operator"), client: client.to_owned() }

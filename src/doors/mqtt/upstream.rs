@@ -10,9 +10,9 @@ use tokio::sync::OwnedSemaphorePermit;
 
 use super::embedded::Running;
 use super::engine::Engine;
-use super::gate::frame::Kind;
-use super::gate::packet::write::{self, Welcome};
 use super::slots::Slot;
+use mqtt_gate::frame::Kind;
+use mqtt_gate::packet::write::{self, Welcome};
 
 /// How long the gate may be silent towards the engine, in seconds: the most there is, and longer than the longest silence of a client.
 const SILENCE_S: u16 = u16::MAX;

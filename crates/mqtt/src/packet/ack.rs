@@ -1,7 +1,7 @@
 //! Packets that are nothing but the id of another: PUBACK, PUBREC, PUBREL, PUBCOMP, UNSUBACK; and SUBACK, as the engine writes it.
 
 use super::Fields;
-use crate::doors::mqtt::gate::frame::Malformed;
+use crate::frame::Malformed;
 
 /// The id that is acknowledged.
 ///

@@ -3,7 +3,7 @@
 use bytes::Bytes;
 
 use super::{Fields, Qos};
-use crate::doors::mqtt::gate::frame::Malformed;
+use crate::frame::Malformed;
 
 /// A CONNECT of MQTT 3.1.1.
 #[derive(Clone, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! SUBSCRIBE and UNSUBSCRIBE (sections 3.8 and 3.10): an id and filters. Whether a filter is a good one stands in `filter`.
 
 use super::{Fields, Qos};
-use crate::doors::mqtt::gate::frame::Malformed;
-use crate::doors::mqtt::gate::limits::PACKET_FILTERS;
+use crate::frame::Malformed;
+use crate::limits::PACKET_FILTERS;
 
 /// The filters of a SUBSCRIBE with the QoS that is wanted for each, or of an UNSUBSCRIBE.
 #[derive(Clone, Copy, Debug)]

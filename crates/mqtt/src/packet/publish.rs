@@ -1,8 +1,8 @@
 //! The head of a PUBLISH (section 3.3). Whether its topic is one, is asked apart, since senders use few topics and send much.
 
 use super::{Fields, Qos};
-use crate::doors::mqtt::gate::frame::{Frame, Malformed};
-use crate::doors::mqtt::gate::parcels::Label;
+use crate::frame::{Frame, Malformed};
+use crate::parcels::Label;
 
 /// A PUBLISH.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +76,7 @@ fn read_label(bytes: &[u8]) -> Option<Label> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::doors::mqtt::gate::frame::frame;
+    use crate::frame::frame;
 
     fn check(packet: &[u8], expected: Result<(u8, u16, &[u8]), Malformed>) {
         let frame = frame(packet, 100).unwrap().unwrap();

@@ -4,8 +4,8 @@ use bytes::{BufMut, BytesMut};
 
 use super::Qos;
 use super::publish::{LABEL, PADDED, Publish};
-use crate::doors::mqtt::gate::frame::Kind;
-use crate::doors::mqtt::gate::parcels::Label;
+use crate::frame::Kind;
+use crate::parcels::Label;
 
 /// PINGREQ.
 pub const PINGREQ: [u8; 2] = [Kind::Pingreq.first_byte(), 0];
@@ -168,8 +168,8 @@ fn bytes(out: &mut BytesMut, bytes: &[u8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::doors::mqtt::gate::frame::frame;
-    use crate::doors::mqtt::gate::packet::{connect, filters::Filters, publish as read};
+    use crate::frame::frame;
+    use crate::packet::{connect, filters::Filters, publish as read};
 
     fn body(out: &BytesMut) -> &[u8] {
         let frame = frame(out, usize::MAX).unwrap().unwrap();

@@ -4,9 +4,9 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use super::Ended;
-use crate::doors::mqtt::gate::limits::{HANDLED, UNRELEASED};
-use crate::doors::mqtt::gate::packet::Qos;
-use crate::doors::mqtt::gate::packet::publish::Publish;
+use crate::limits::{HANDLED, UNRELEASED};
+use crate::packet::Qos;
+use crate::packet::publish::Publish;
 
 /// The print of what was no command.
 const NO_COMMAND: u64 = 0;

@@ -1,6 +1,6 @@
 //! Why a connection ends. Those that only the pump can know are here, too, so that there is one list of them.
 
-use crate::doors::mqtt::gate::frame::{Kind, Malformed};
+use crate::frame::{Kind, Malformed};
 
 /// Why a connection ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

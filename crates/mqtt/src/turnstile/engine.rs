@@ -5,11 +5,11 @@ use std::sync::atomic::Ordering;
 use bytes::{Buf, Bytes, BytesMut};
 
 use super::{Ended, Turnstile};
-use crate::doors::mqtt::gate::frame::{Frame, Kind, frame};
-use crate::doors::mqtt::gate::ledger::weight;
-use crate::doors::mqtt::gate::limits::HOUSE_PACKET;
-use crate::doors::mqtt::gate::packet::publish::{self, Publish};
-use crate::doors::mqtt::gate::packet::{Qos, ack, write};
+use crate::frame::{Frame, Kind, frame};
+use crate::ledger::weight;
+use crate::limits::HOUSE_PACKET;
+use crate::packet::publish::{self, Publish};
+use crate::packet::{Qos, ack, write};
 
 /// A message that goes out at QoS 1 is longer by its id than it was at QoS 0, and its length may need a byte more.
 const LONGEST: usize = HOUSE_PACKET + 3;

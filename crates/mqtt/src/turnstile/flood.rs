@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::Turnstile;
-use crate::doors::mqtt::gate::limits::{NO_FLOOD, STILL, STILL_SHORTEST};
+use crate::limits::{NO_FLOOD, STILL, STILL_SHORTEST};
 
 /// What it has published of late.
 #[derive(Debug, Default)]

@@ -4,10 +4,10 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use crate::doors::mqtt::gate::limits::{KEPT_IDS, KEPT_ROOM, KEPT_STEPS, KEPT_UNDER_WAY, SHARED};
-use crate::doors::mqtt::gate::outbox::Outbox;
-use crate::doors::mqtt::gate::packet::{Qos, write};
-use crate::doors::mqtt::gate::retained::{Kept, Retained, Walk};
+use crate::limits::{KEPT_IDS, KEPT_ROOM, KEPT_STEPS, KEPT_UNDER_WAY, SHARED};
+use crate::outbox::Outbox;
+use crate::packet::{Qos, write};
+use crate::retained::{Kept, Retained, Walk};
 
 /// What is on its way.
 #[derive(Debug, Default)]

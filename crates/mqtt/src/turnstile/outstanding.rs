@@ -5,7 +5,7 @@
 use std::collections::VecDeque;
 
 use super::Ended;
-use crate::doors::mqtt::gate::limits::{ENGINE_WINDOW, OUTSTANDING};
+use crate::limits::{ENGINE_WINDOW, OUTSTANDING};
 
 /// What the engine waits for, the oldest first.
 #[derive(Debug, Default)]

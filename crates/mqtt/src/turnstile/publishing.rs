@@ -4,13 +4,13 @@ use bytes::Bytes;
 
 use super::routes::{Dropped, Route, Way};
 use super::{Ended, Heard, Mark, Turnstile};
-use crate::doors::mqtt::gate::filter;
-use crate::doors::mqtt::gate::frame::{Frame, Kind, frame};
-use crate::doors::mqtt::gate::ledger::COUNTED;
-use crate::doors::mqtt::gate::limits::{HOUSE_PACKET, KEPT_IDS, PADDED, SHARED};
-use crate::doors::mqtt::gate::packet::connect::Will;
-use crate::doors::mqtt::gate::packet::publish::{self, Publish};
-use crate::doors::mqtt::gate::packet::{Qos, text, write};
+use crate::filter;
+use crate::frame::{Frame, Kind, frame};
+use crate::ledger::COUNTED;
+use crate::limits::{HOUSE_PACKET, KEPT_IDS, PADDED, SHARED};
+use crate::packet::connect::Will;
+use crate::packet::publish::{self, Publish};
+use crate::packet::{Qos, text, write};
 
 impl Turnstile {
     /// Whether messages wait for the engine.

@@ -2,7 +2,7 @@
 //! business.
 
 use super::{Mark, Turnstile};
-use crate::doors::mqtt::gate::limits::{ANSWER_ROOM, CLIENT_ROOM, ENGINE_ROOM};
+use crate::limits::{ANSWER_ROOM, CLIENT_ROOM, ENGINE_ROOM};
 
 impl Turnstile {
     /// Whether there is room for more from the client.

@@ -7,15 +7,15 @@ use std::time::Duration;
 use bytes::Bytes;
 
 use super::{Ended, Gatehouse};
-use crate::doors::mqtt::gate::budget::Payer;
-use crate::doors::mqtt::gate::filter::{self, Unfit};
-use crate::doors::mqtt::gate::frame::Malformed;
-use crate::doors::mqtt::gate::ledger::{Ledger, weight};
-use crate::doors::mqtt::gate::limits::{LONG, PADDED, PARCELS_AWAY, PIECE, SHARED};
-use crate::doors::mqtt::gate::packet::text;
-use crate::doors::mqtt::gate::parcels::Label;
-use crate::doors::mqtt::gate::readers::Reader;
-use crate::doors::mqtt::gate::rights::Guest;
+use crate::budget::Payer;
+use crate::filter::{self, Unfit};
+use crate::frame::Malformed;
+use crate::ledger::{Ledger, weight};
+use crate::limits::{LONG, PADDED, PARCELS_AWAY, PIECE, SHARED};
+use crate::packet::text;
+use crate::parcels::Label;
+use crate::readers::Reader;
+use crate::rights::Guest;
 
 /// What becomes of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,12 +8,12 @@ use std::sync::Arc;
 use super::duplicates::Duplicates;
 use super::outstanding::Outstanding;
 use super::{Ended, Turnstile};
-use crate::doors::mqtt::gate::filter;
-use crate::doors::mqtt::gate::frame::{Kind, Malformed};
-use crate::doors::mqtt::gate::ledger::Account;
-use crate::doors::mqtt::gate::limits::{ASKED, FILTERS};
-use crate::doors::mqtt::gate::packet::filters::Filters;
-use crate::doors::mqtt::gate::packet::{Qos, write};
+use crate::filter;
+use crate::frame::{Kind, Malformed};
+use crate::ledger::Account;
+use crate::limits::{ASKED, FILTERS};
+use crate::packet::filters::Filters;
+use crate::packet::{Qos, write};
 
 /// What is remembered of a client between its connections.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

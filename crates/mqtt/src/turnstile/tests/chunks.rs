@@ -5,11 +5,11 @@ use proptest::prelude::*;
 use std::time::Duration;
 
 use super::scene::{OPERATOR, STOP, Scene, in_words, packets, publish, subscribe, taken, unsubscribe};
-use crate::doors::mqtt::gate::filter;
-use crate::doors::mqtt::gate::frame::Kind;
-use crate::doors::mqtt::gate::packet::Qos;
-use crate::doors::mqtt::gate::packet::filters::Filters;
-use crate::doors::mqtt::gate::turnstile::Ended;
+use crate::filter;
+use crate::frame::Kind;
+use crate::packet::Qos;
+use crate::packet::filters::Filters;
+use crate::turnstile::Ended;
 
 /// What came of a client's bytes.
 #[derive(Debug, PartialEq)]

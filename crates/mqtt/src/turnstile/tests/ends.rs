@@ -5,13 +5,13 @@ use std::time::Duration;
 use bytes::Bytes;
 
 use super::scene::{OPERATOR, STOP, Scene, VIEWER, gatehouse, publish};
-use crate::doors::mqtt::gate::frame::{Kind, Malformed};
-use crate::doors::mqtt::gate::limits::SILENCE;
-use crate::doors::mqtt::gate::packet::Qos;
-use crate::doors::mqtt::gate::packet::connect::Will;
-use crate::doors::mqtt::gate::retained::Walk;
-use crate::doors::mqtt::gate::rights::Guest;
-use crate::doors::mqtt::gate::turnstile::Ended;
+use crate::frame::{Kind, Malformed};
+use crate::limits::SILENCE;
+use crate::packet::Qos;
+use crate::packet::connect::Will;
+use crate::retained::Walk;
+use crate::rights::Guest;
+use crate::turnstile::Ended;
 
 fn with_will(guest: Guest, topic: &str) -> Scene {
     let will = Will { topic: topic.to_owned(), payload: Bytes::from("gone"), qos: Qos::One, retain: true };

@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use super::scene::{OPERATOR, PULSE, Scene, gatehouse, publish, subscribe, taken};
-use crate::doors::mqtt::gate::limits::{ENGINE_KEEPS, HEAVIEST, QUIET};
-use crate::doors::mqtt::gate::packet::Qos;
-use crate::doors::mqtt::gate::rights::Guest;
-use crate::doors::mqtt::gate::turnstile::Ended;
+use crate::limits::{ENGINE_KEEPS, HEAVIEST, QUIET};
+use crate::packet::Qos;
+use crate::rights::Guest;
+use crate::turnstile::Ended;
 
 /// So many of the heaviest messages the engine keeps.
 const KEPT_THERE: usize = ENGINE_KEEPS as usize / HEAVIEST;

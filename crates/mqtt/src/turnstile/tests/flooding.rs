@@ -6,9 +6,9 @@ use std::time::Duration;
 use bytes::BytesMut;
 
 use super::scene::{OPERATOR, STOP, Scene, TestRights, gatehouse, publish};
-use crate::doors::mqtt::gate::limits::{LAG, LONG, NO_FLOOD, PATIENCE, QUIET, STILL};
-use crate::doors::mqtt::gate::packet::Qos;
-use crate::doors::mqtt::gate::turnstile::Gatehouse;
+use crate::limits::{LAG, LONG, NO_FLOOD, PATIENCE, QUIET, STILL};
+use crate::packet::Qos;
+use crate::turnstile::Gatehouse;
 
 /// So deep the STOP stands, in messages of a kibibyte.
 const DEEP: usize = 4096;

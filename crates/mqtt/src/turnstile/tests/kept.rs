@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::scene::{OPERATOR, Scene, publish, subscribe, unsubscribe};
-use crate::doors::mqtt::gate::budget::Payer;
-use crate::doors::mqtt::gate::limits::{GUEST_PACKET, KEPT_ROOM, KEPT_UNDER_WAY};
-use crate::doors::mqtt::gate::packet::Qos;
+use crate::budget::Payer;
+use crate::limits::{GUEST_PACKET, KEPT_ROOM, KEPT_UNDER_WAY};
+use crate::packet::Qos;
 
 fn scene_with(count: usize, payload: &str, qos: Qos) -> Scene {
     let scene = Scene::of(OPERATOR);

@@ -4,13 +4,13 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::scene::{OPERATOR, START, STOP, Scene, TestRights, VIEWER, gatehouse, publish, subscribe, taken};
-use crate::doors::mqtt::gate::budget::Payer;
-use crate::doors::mqtt::gate::limits::{
+use crate::budget::Payer;
+use crate::limits::{
     ENGINE_TOPICS, GUEST_PACKET, HANDLED, PADDED, PARCELS_AWAY, QUIET, SHARE_TOPICS, SHARED, UNRELEASED, VIEWERS_SHARE,
 };
-use crate::doors::mqtt::gate::packet::Qos;
-use crate::doors::mqtt::gate::rights::Guest;
-use crate::doors::mqtt::gate::turnstile::{Ended, Epoch, Gatehouse, Mark};
+use crate::packet::Qos;
+use crate::rights::Guest;
+use crate::turnstile::{Ended, Epoch, Gatehouse, Mark};
 
 const NONE: [&str; 0] = [];
 

@@ -5,12 +5,12 @@ use std::time::Duration;
 
 use bytes::{Buf, BytesMut};
 
-use crate::doors::mqtt::gate::frame::{Frame, Kind, frame};
-use crate::doors::mqtt::gate::outbox::Outbox;
-use crate::doors::mqtt::gate::packet::filters::Filters;
-use crate::doors::mqtt::gate::packet::{Qos, ack, publish, write};
-use crate::doors::mqtt::gate::rights::{Guest, Rights, Tier};
-use crate::doors::mqtt::gate::turnstile::{Ended, Epoch, Gatehouse, Heard, Listener, Session, Terms, Turnstile};
+use crate::frame::{Frame, Kind, frame};
+use crate::outbox::Outbox;
+use crate::packet::filters::Filters;
+use crate::packet::{Qos, ack, publish, write};
+use crate::rights::{Guest, Rights, Tier};
+use crate::turnstile::{Ended, Epoch, Gatehouse, Heard, Listener, Session, Terms, Turnstile};
 
 pub(super) const OPERATOR: Guest = Guest::Client(Tier::Full);
 pub(super) const VIEWER: Guest = Guest::Client(Tier::Limited);

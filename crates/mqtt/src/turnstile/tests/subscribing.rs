@@ -5,9 +5,9 @@ use std::time::Duration;
 use bytes::BytesMut;
 
 use super::scene::{OPERATOR, PULSE, Scene, VIEWER, gatehouse, in_words, subscribe, unsubscribe};
-use crate::doors::mqtt::gate::budget::Payer;
-use crate::doors::mqtt::gate::limits::{ASKED, CLIENT_ROOM, ENGINE_FILTERS, FILTERS};
-use crate::doors::mqtt::gate::packet::Qos;
+use crate::budget::Payer;
+use crate::limits::{ASKED, CLIENT_ROOM, ENGINE_FILTERS, FILTERS};
+use crate::packet::Qos;
 
 const NONE: [&str; 0] = [];
 
