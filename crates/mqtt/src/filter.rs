@@ -17,7 +17,7 @@ pub enum Unfit {
     /// `$…`.
     #[error("it begins with `$`, and there is nothing like that here")]
     Dollar,
-    /// The engine cannot be given such a topic.
+    /// The router cannot be given such a topic.
     #[error("it does not begin with an ASCII character")]
     NotAscii,
     /// `#` or `+` where they cannot be.
@@ -25,7 +25,7 @@ pub enum Unfit {
     Wildcards,
 }
 
-/// Whether a topic, not empty and without wildcards, can be given to the engine.
+/// Whether a topic, not empty and without wildcards, can be given to the router.
 ///
 /// # Errors
 /// Why not.
@@ -38,7 +38,7 @@ pub fn topic(topic: &str) -> Result<(), Unfit> {
     }
 }
 
-/// Whether a filter, not empty, can be given to the engine.
+/// Whether a filter, not empty, can be given to the router.
 ///
 /// # Errors
 /// Why not.
@@ -53,8 +53,8 @@ pub fn filter(filter: &str) -> Result<(), Unfit> {
 }
 
 /// Whether a filter matches a topic. `#` and `+` at the head match no `$…` (section 4.7.2).
-#[must_use]
-pub fn matches(filter: &str, topic: &str) -> bool {
+#[cfg(test)]
+pub(crate) fn matches(filter: &str, topic: &str) -> bool {
     if topic.starts_with('$') && filter.starts_with(['+', '#']) {
         return false;
     }
@@ -71,8 +71,7 @@ pub fn matches(filter: &str, topic: &str) -> bool {
 }
 
 /// What every topic that a filter matches begins with: the levels before the first wildcard.
-#[must_use]
-pub fn stem(filter: &str) -> &str {
+pub(crate) fn stem(filter: &str) -> &str {
     match filter.find(['+', '#']) {
         Some(wildcard) => filter[..wildcard].strip_suffix('/').unwrap_or(""),
         None => filter,
@@ -81,7 +80,7 @@ pub fn stem(filter: &str) -> &str {
 
 /// Where to look next among topics in the order of their bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Next {
+pub(crate) enum Next {
     /// This topic matches.
     Here,
     /// None before this one does.
@@ -92,8 +91,7 @@ pub enum Next {
 
 /// Whether a filter matches this topic; if not, where the next one can be that it matches. So whoever looks goes level by level, as
 /// in a tree, and passes over what lies between.
-#[must_use]
-pub fn look(filter: &str, topic: &str) -> Next {
+pub(crate) fn look(filter: &str, topic: &str) -> Next {
     if topic.starts_with('$') && filter.starts_with(['+', '#']) {
         // Behind all of these.
         return Next::From("%".to_owned());
@@ -182,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn a_topic_that_would_end_the_engine_is_unfit() {
+    fn a_topic_that_would_end_the_router_is_unfit() {
         assert_eq!(topic("é"), Err(Unfit::NotAscii));
         assert_eq!(topic("aé"), Ok(()));
         assert_eq!(topic("$SYS"), Err(Unfit::Dollar));

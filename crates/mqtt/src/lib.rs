@@ -1,26 +1,41 @@
-//! The gate before the engine: everything that decides what of a client's bytes reaches the engine, and what of the engine's bytes
-//! the client. All of it is arithmetic on bytes: no socket, no clock, no task is here.
+//! MQTT 3.1.1 on the server's side, as arithmetic on bytes: no socket, no clock, no task is here. It stands as a gate before a router
+//! of messages that is fast and trusts everybody, and decides what of a client's bytes reaches the router, and what of the router's
+//! bytes the client.
 //!
 //! ```text
-//!   client ──► frame ──► packet ──► turnstile ──► engine       QoS 0 PUBLISH, SUBSCRIBE, UNSUBSCRIBE, PUBACK in order, PINGREQ
-//!   client ◄──────────────────────  turnstile ◄── engine       PUBLISH, SUBACK, UNSUBACK
-//!                                    │  rights, budget, kept messages, commands heard
+//!   client ──► frame ──► packet ──► ClientConnection ──► router       QoS 0 PUBLISH, SUBSCRIBE, UNSUBSCRIBE, PUBACK in order, PINGREQ
+//!   client ◄──────────────────────  ClientConnection ◄── router       PUBLISH, SUBACK, UNSUBACK
+//!                                    │  Broker: rights, budget, kept messages, who reads what and who lags
+//!                                    └► Listener: commands, and what is urgent
 //! ```
 //!
-//! What the engine never sees, because each of it ends or stops it for everybody: a client's own id, a will, a retained message, a
-//! DISCONNECT (the connection is simply closed), QoS 1 and 2 of clients (acknowledged here), `$…` and `$share`, topics that do not
-//! begin with an ASCII character, acknowledgements it does not wait for, and more filters and topics than it can remember.
+//! What the router never sees, because there are routers that each of it ends or stops for everybody: a client's own id, a will, a
+//! retained message, a DISCONNECT (the connection is simply closed), QoS 1 and 2 of clients (acknowledged here), `$…` and `$share`,
+//! topics that do not begin with an ASCII character, acknowledgements it does not wait for, and more filters and topics than it can
+//! remember.
+//!
+//! Begin with [`ClientConnection`]. The program owns the sockets: it hands in what came ([`ClientConnection::handle_client`],
+//! [`ClientConnection::handle_router`]) with the time, and sends what is in [`ClientConnection::outgoing`].
 
-pub mod budget;
+mod broker;
+mod budget;
+mod connection;
 pub mod filter;
-pub mod frame;
-pub mod ledger;
+mod frame;
 pub mod limits;
-pub mod outbox;
+mod outbox;
 pub mod packet;
-pub mod parcels;
-pub mod readers;
-pub mod retained;
-pub mod rights;
-pub mod stop_search;
-pub mod turnstile;
+mod parcels;
+mod readers;
+mod retained;
+mod rights;
+mod subscriber_lag;
+mod urgent_search;
+
+pub use broker::Broker;
+pub use connection::{ClientConnection, CommandDecision, Ended, Epoch, Listener, Mark, Session, Terms};
+pub use frame::{Frame, Kind, Malformed, frame};
+pub use outbox::{Outbox, give_back};
+pub use rights::{Principal, Rights, Tier};
+pub use subscriber_lag::SubscriberLag;
+pub use urgent_search::{PartialPublish, UrgentSearch};

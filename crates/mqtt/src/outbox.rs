@@ -46,7 +46,7 @@ impl Outbox {
     }
 
     /// What others have as well comes next.
-    pub fn share(&mut self, bytes: Bytes) {
+    pub(crate) fn share(&mut self, bytes: Bytes) {
         self.seal();
         self.length += bytes.len();
         if !bytes.is_empty() {
@@ -71,8 +71,7 @@ impl Outbox {
     }
 
     /// How many of them nobody else has.
-    #[must_use]
-    pub fn own(&self) -> usize {
+    pub(crate) fn own(&self) -> usize {
         self.own + self.last.len()
     }
 
@@ -172,7 +171,6 @@ mod tests {
         assert!(outbox.is_empty() && outbox.chunk().is_empty());
     }
 
-    /// Safety A5.
     #[test]
     fn small_messages_have_little_room_for_nothing() {
         let mut outbox = Outbox::default();
@@ -183,7 +181,7 @@ mod tests {
         assert!(rooms.sum::<usize>() + last <= 300_000 * 5 / 4);
     }
 
-    /// Safety A5: a long message that has gone out costs nothing any more.
+    /// A long message that has gone out costs nothing any more.
     #[test]
     fn the_room_of_what_has_gone_out_is_given_back() {
         let mut outbox = Outbox::default();

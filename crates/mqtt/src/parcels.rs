@@ -1,4 +1,4 @@
-//! Long messages on their way to one reader. Through the engine goes but a number for each, since the engine copies what it sends for
+//! Long messages on their way to one reader. Through the router goes but a number for each, since the router copies what it sends for
 //! every reader; what all readers have in common stays here, and is put together again when the number comes. Whoever lags too far
 //! behind loses the oldest, alone.
 
@@ -8,27 +8,27 @@ use bytes::Bytes;
 
 use super::limits::PARCELS_BYTES;
 
-/// What goes through the engine in the place of a long message.
+/// What goes through the router in the place of a long message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Label {
+pub(crate) struct Label {
     /// Which it is.
-    pub number: u64,
+    pub(crate) number: u64,
     /// Nothing that it says was kept before this stamp.
-    pub stamp: u64,
+    pub(crate) stamp: u64,
     /// How many bytes it has.
-    pub length: u32,
+    pub(crate) length: u32,
 }
 
 /// The long messages that wait for one reader, the oldest first.
 #[derive(Debug, Default)]
-pub(super) struct Parcels {
+pub(crate) struct Parcels {
     waiting: VecDeque<(u64, Bytes)>,
     bytes: usize,
 }
 
 impl Parcels {
     /// One more; of more than there is room for the oldest are lost, but never the newest.
-    pub(super) fn push(&mut self, number: u64, payload: &Bytes) {
+    pub(crate) fn push(&mut self, number: u64, payload: &Bytes) {
         self.waiting.push_back((number, payload.clone()));
         self.bytes += payload.len();
         while self.bytes > PARCELS_BYTES
@@ -40,12 +40,12 @@ impl Parcels {
     }
 
     /// The one of this number, unless it was lost.
-    pub(super) fn find(&self, number: u64) -> Option<Bytes> {
+    pub(crate) fn find(&self, number: u64) -> Option<Bytes> {
         self.waiting.iter().find(|(known, _)| *known == number).map(|(_, payload)| payload.clone())
     }
 
     /// The reader has it.
-    pub(super) fn remove(&mut self, number: u64) {
+    pub(crate) fn remove(&mut self, number: u64) {
         let place = self.waiting.iter().position(|(known, _)| *known == number);
         if let Some((_, payload)) = place.and_then(|place| self.waiting.remove(place)) {
             self.bytes -= payload.len();
@@ -53,7 +53,7 @@ impl Parcels {
     }
 
     /// How many bytes they are.
-    pub(super) const fn bytes(&self) -> usize {
+    pub(crate) const fn bytes(&self) -> usize {
         self.bytes
     }
 }
@@ -76,7 +76,6 @@ mod tests {
         assert_eq!((parcels.find(2), parcels.bytes()), (None, 8));
     }
 
-    /// Safety A5.
     #[test]
     fn of_more_than_there_is_room_for_the_newest_are_there() {
         let mut parcels = Parcels::default();

@@ -1,24 +1,24 @@
 //! Who reads what: the filters of all who subscribe, in order, so that those that match a topic are found level by level and nothing
-//! else is looked at. How far each reader is behind stands in `ledger`.
+//! else is looked at. How far each reader is behind stands in `subscriber_lag`.
 
 use std::collections::BTreeMap;
 use std::ops::Bound;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::ledger::Ledger;
+use super::subscriber_lag::SubscriberLag;
 
 /// Somebody who gets what is published on a topic.
 #[derive(Clone, Debug)]
-pub(super) struct Reader {
-    pub(super) ledger: Arc<Ledger>,
-    /// Whether it is counted what he is owed: he is here, and the engine knows of his filter.
-    pub(super) is_owed: bool,
+pub(crate) struct Reader {
+    pub(crate) lag: Arc<SubscriberLag>,
+    /// Whether it is counted what he is owed: he is here, and the router knows of his filter.
+    pub(crate) is_owed: bool,
 }
 
 /// The filters of all who subscribe.
 #[derive(Debug, Default)]
-pub struct Readers {
+pub(crate) struct Readers {
     /// Raised by every change, so that who looked before looks again.
     generation: AtomicU64,
     held: Mutex<Held>,
@@ -28,13 +28,12 @@ type Held = BTreeMap<Arc<str>, Vec<Reader>>;
 
 impl Readers {
     /// What changes whenever the readers of any topic may have.
-    pub(super) fn generation(&self) -> u64 {
+    pub(crate) fn generation(&self) -> u64 {
         self.generation.load(Ordering::Acquire)
     }
 
     /// Those who get what is published on this topic: one for each filter of theirs that matches.
-    #[must_use]
-    pub(super) fn of(&self, topic: &str) -> Vec<Reader> {
+    pub(crate) fn of(&self, topic: &str) -> Vec<Reader> {
         let levels: Vec<&str> = topic.split('/').collect();
         let mut found = Vec::new();
         collect(&self.held(), &mut String::with_capacity(topic.len() + 2), &levels, &mut found);
@@ -42,22 +41,22 @@ impl Readers {
     }
 
     /// Somebody holds a filter.
-    pub(super) fn enter(&self, filter: &Arc<str>, ledger: &Arc<Ledger>, is_owed: bool) {
+    pub(crate) fn enter(&self, filter: &Arc<str>, lag: &Arc<SubscriberLag>, is_owed: bool) {
         let mut held = self.held();
         let readers = held.entry(Arc::clone(filter)).or_default();
-        match readers.iter_mut().find(|reader| Arc::ptr_eq(&reader.ledger, ledger)) {
+        match readers.iter_mut().find(|reader| Arc::ptr_eq(&reader.lag, lag)) {
             Some(reader) if reader.is_owed == is_owed => return,
             Some(reader) => reader.is_owed = is_owed,
-            None => readers.push(Reader { ledger: Arc::clone(ledger), is_owed }),
+            None => readers.push(Reader { lag: Arc::clone(lag), is_owed }),
         }
         self.generation.fetch_add(1, Ordering::Release);
     }
 
     /// Somebody holds it no more.
-    pub(super) fn strike(&self, filter: &str, ledger: &Arc<Ledger>) {
+    pub(crate) fn strike(&self, filter: &str, lag: &Arc<SubscriberLag>) {
         let mut held = self.held();
         let Some(readers) = held.get_mut(filter) else { return };
-        readers.retain(|reader| !Arc::ptr_eq(&reader.ledger, ledger));
+        readers.retain(|reader| !Arc::ptr_eq(&reader.lag, lag));
         if readers.is_empty() {
             held.remove(filter);
         }
@@ -128,13 +127,13 @@ mod tests {
             levels in prop::collection::vec(level(), 1..5),
         ) {
             let (readers, topic) = (Readers::default(), levels.join("/"));
-            let all: Vec<(String, Arc<Ledger>)> = filters.into_iter().map(|filter| (filter, Arc::default())).collect();
-            for (filter, ledger) in &all {
-                readers.enter(&Arc::from(filter.as_str()), ledger, true);
+            let all: Vec<(String, Arc<SubscriberLag>)> = filters.into_iter().map(|filter| (filter, Arc::default())).collect();
+            for (filter, lag) in &all {
+                readers.enter(&Arc::from(filter.as_str()), lag, true);
             }
             let found = readers.of(&topic);
-            for (filter, ledger) in &all {
-                let count = found.iter().filter(|reader| Arc::ptr_eq(&reader.ledger, ledger)).count();
+            for (filter, lag) in &all {
+                let count = found.iter().filter(|reader| Arc::ptr_eq(&reader.lag, lag)).count();
                 prop_assert_eq!(count, usize::from(matches(filter, &topic)), "{} {}", filter, topic);
             }
         }
@@ -143,8 +142,8 @@ mod tests {
     #[test]
     fn whoever_holds_several_filters_that_match_is_a_reader_for_each() {
         let (readers, one, other) = (Readers::default(), Arc::default(), Arc::default());
-        for (filter, ledger) in [("a/#", &one), ("a/+", &one), ("a/+", &one), ("b", &other)] {
-            readers.enter(&Arc::from(filter), ledger, true);
+        for (filter, lag) in [("a/#", &one), ("a/+", &one), ("a/+", &one), ("b", &other)] {
+            readers.enter(&Arc::from(filter), lag, true);
         }
         assert_eq!(readers.of("a/x").len(), 2);
         let before = readers.generation();

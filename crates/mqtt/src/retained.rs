@@ -1,5 +1,5 @@
 //! The kept messages of the whole broker: the last one of each topic that was to be kept, bounded in number and bytes, for all and for
-//! each key. The engine knows none of them. Who may put one here, and how they come to a subscriber, stands in the turnstile.
+//! each key. The router knows none of them. Who may put one here, and how they come to a subscriber, stands in `connection`.
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Bound;
@@ -11,14 +11,14 @@ use bytes::Bytes;
 use super::budget::Payer;
 use super::filter::{Next, look, stem};
 use super::limits::{
-    KEPT, KEPT_BYTES, KEPT_COST, KEPT_LITTLE, KEPT_LITTLE_BYTES, KEPT_OURS, KEPT_OURS_BYTES, KEPT_RESERVE, KEPT_RESERVE_BYTES,
-    KEPT_SHARE, KEPT_SHARE_BYTES,
+    KEPT, KEPT_BYTES, KEPT_COST, KEPT_LITTLE, KEPT_LITTLE_BYTES, KEPT_RESERVE, KEPT_RESERVE_BYTES, KEPT_SHARE, KEPT_SHARE_BYTES,
+    PROGRAM_KEPT, PROGRAM_KEPT_BYTES,
 };
 use super::packet::Qos;
 
 /// The kept messages.
 #[derive(Debug, Default)]
-pub struct Retained {
+pub(crate) struct Retained {
     shelf: Mutex<Shelf>,
     /// That of the latest one.
     stamp: AtomicU64,
@@ -34,20 +34,20 @@ struct Counted {
 
 /// A kept message.
 #[derive(Debug, PartialEq, Eq)]
-pub struct Kept {
+pub(crate) struct RetainedMessage {
     /// Where it was published.
-    pub topic: Arc<str>,
+    pub(crate) topic: Arc<str>,
     /// What.
-    pub payload: Bytes,
+    pub(crate) payload: Bytes,
     /// And at what QoS.
-    pub qos: Qos,
+    pub(crate) qos: Qos,
     /// Later ones have higher ones.
     stamp: u64,
 }
 
 /// How far what is kept for one filter was gone through. Topics that come and go meanwhile do not matter.
 #[derive(Debug)]
-pub struct Walk {
+pub(crate) struct Walk {
     filter: Arc<str>,
     /// Only what was kept after this.
     since: u64,
@@ -60,15 +60,15 @@ struct Shelf {
     kept: BTreeMap<Arc<str>, Entry>,
     /// What each key keeps; it has no line here when that is nothing.
     shares: HashMap<Arc<str>, Used>,
-    guests: Used,
-    ours: Used,
+    clients: Used,
+    program: Used,
     /// The bytes of all payloads here.
     payloads: usize,
 }
 
 #[derive(Debug)]
 struct Entry {
-    kept: Arc<Kept>,
+    kept: Arc<RetainedMessage>,
     payer: Payer,
 }
 
@@ -79,14 +79,14 @@ struct Used {
 }
 
 impl Retained {
-    /// Keeps a message in the place of the one that was there; an empty one takes that away. Whether there was room: without it
-    /// nothing is kept there any more, since what was is not so now.
-    pub fn keep(&self, payer: &Payer, topic: &str, payload: &[u8], qos: Qos) -> bool {
+    #[cfg(test)]
+    pub(crate) fn keep(&self, payer: &Payer, topic: &str, payload: &[u8], qos: Qos) -> bool {
         self.keep_shared(payer, topic, self.share(payload), qos)
     }
 
-    /// The same with what others may have as well.
-    pub(super) fn keep_shared(&self, payer: &Payer, topic: &str, payload: Bytes, qos: Qos) -> bool {
+    /// Keeps a message, which others may have as well, in the place of the one that was there; an empty one takes that away. Whether
+    /// there was room: without it nothing is kept there any more, since what was is not so now.
+    pub(crate) fn keep_shared(&self, payer: &Payer, topic: &str, payload: Bytes, qos: Qos) -> bool {
         let mut shelf = self.shelf();
         shelf.remove(topic);
         if payload.is_empty() {
@@ -95,11 +95,11 @@ impl Retained {
         // Whoever reads it without the lock does so to know what came later, and that has a higher one in any case.
         let stamp = self.stamp.fetch_add(1, Ordering::AcqRel) + 1;
         let topic: Arc<str> = Arc::from(topic);
-        shelf.put(payer, Kept { topic, payload, qos, stamp })
+        shelf.put(payer, RetainedMessage { topic, payload, qos, stamp })
     }
 
     /// The next one of a walk, which goes on for no more steps than there are left; without one it is over, or they are used up.
-    pub fn next(&self, walk: &mut Walk, steps: &mut usize) -> Option<Arc<Kept>> {
+    pub(crate) fn next(&self, walk: &mut Walk, steps: &mut usize) -> Option<Arc<RetainedMessage>> {
         let shelf = self.shelf();
         while *steps > 0 {
             let from = walk.from.take()?;
@@ -120,33 +120,30 @@ impl Retained {
     }
 
     /// What is kept from now on is later than this.
-    #[must_use]
-    pub fn stamp(&self) -> u64 {
+    pub(crate) fn stamp(&self) -> u64 {
         self.stamp.load(Ordering::Acquire)
     }
 
     /// How many there are.
-    #[must_use]
-    pub fn count(&self) -> usize {
+    #[cfg(test)]
+    pub(crate) fn count(&self) -> usize {
         self.shelf().kept.len()
     }
 
     /// And their bytes.
-    #[must_use]
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         let shelf = self.shelf();
-        shelf.guests.bytes + shelf.ours.bytes
+        shelf.clients.bytes + shelf.program.bytes
     }
 
     /// How many bytes of payloads wait for clients that have not read them, and are not kept, or not any more.
-    #[must_use]
-    pub fn beside(&self) -> usize {
+    pub(crate) fn beside(&self) -> usize {
         let kept = self.shelf().payloads;
         self.alive.load(Ordering::Relaxed).saturating_sub(kept)
     }
 
     /// A payload that several may have; it counts until nobody has it.
-    pub(super) fn share(&self, payload: &[u8]) -> Bytes {
+    pub(crate) fn share(&self, payload: &[u8]) -> Bytes {
         self.alive.fetch_add(payload.len(), Ordering::Relaxed);
         Bytes::from_owner(Counted { payload: payload.into(), alive: Arc::clone(&self.alive) })
     }
@@ -168,7 +165,7 @@ impl Drop for Counted {
     }
 }
 
-impl Kept {
+impl RetainedMessage {
     fn cost(&self) -> usize {
         KEPT_COST + self.topic.len() + self.payload.len()
     }
@@ -176,21 +173,18 @@ impl Kept {
 
 impl Walk {
     /// From the first one on, of those that were kept after this stamp.
-    #[must_use]
-    pub fn new(filter: Arc<str>, since: u64) -> Walk {
+    pub(crate) fn new(filter: Arc<str>, since: u64) -> Walk {
         let from = Some(stem(&filter).to_owned());
         Walk { filter, since, from }
     }
 
     /// For which filter.
-    #[must_use]
-    pub fn filter(&self) -> &str {
+    pub(crate) fn filter(&self) -> &str {
         &self.filter
     }
 
     /// Whether it has come to its end.
-    #[must_use]
-    pub const fn is_over(&self) -> bool {
+    pub(crate) const fn is_over(&self) -> bool {
         self.from.is_none()
     }
 }
@@ -212,14 +206,14 @@ impl Shelf {
     }
 
     /// Whether there was room in the pool, and in the payer's share of it.
-    fn put(&mut self, payer: &Payer, kept: Kept) -> bool {
+    fn put(&mut self, payer: &Payer, kept: RetainedMessage) -> bool {
         let bytes = kept.cost();
         let share = match payer {
-            Payer::House | Payer::Anybody => Used::default(),
+            Payer::Program | Payer::Anybody => Used::default(),
             Payer::Key { name, .. } => self.shares.get(name).copied().unwrap_or_default(),
         };
         let (count_most, bytes_most) = match payer {
-            Payer::House => (KEPT_OURS, KEPT_OURS_BYTES),
+            Payer::Program => (PROGRAM_KEPT, PROGRAM_KEPT_BYTES),
             Payer::Key { .. } if !share.has_room(bytes, KEPT_LITTLE, KEPT_LITTLE_BYTES) => {
                 (KEPT - KEPT_RESERVE, KEPT_BYTES - KEPT_RESERVE_BYTES)
             }
@@ -239,8 +233,8 @@ impl Shelf {
 
     const fn pool(&mut self, payer: &Payer) -> &mut Used {
         match payer {
-            Payer::House => &mut self.ours,
-            Payer::Anybody | Payer::Key { .. } => &mut self.guests,
+            Payer::Program => &mut self.program,
+            Payer::Anybody | Payer::Key { .. } => &mut self.clients,
         }
     }
 }

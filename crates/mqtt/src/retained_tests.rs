@@ -12,7 +12,7 @@ fn key(name: &str) -> Payer {
     Payer::Key { name: Arc::from(name), tier: Tier::Full }
 }
 
-fn all(retained: &Retained, filter: &str, since: u64) -> Vec<Arc<Kept>> {
+fn all(retained: &Retained, filter: &str, since: u64) -> Vec<Arc<RetainedMessage>> {
     let (mut walk, mut found) = (Walk::new(Arc::from(filter), since), Vec::new());
     while !walk.is_over() {
         found.extend(retained.next(&mut walk, &mut 3));
@@ -84,7 +84,7 @@ fn what_was_kept_since_is_told_from_what_was_there() {
     assert_eq!(newer, ["b", "c"]);
 }
 
-/// Safety S7: what lies beside the way costs nothing.
+/// What lies beside the way costs nothing.
 #[test]
 fn what_others_have_kept_costs_nobody_a_step_who_does_not_ask_for_it() {
     let retained = Retained::default();
@@ -93,7 +93,8 @@ fn what_others_have_kept_costs_nobody_a_step_who_does_not_ask_for_it() {
     }
     assert!(!retained.keep(&ANYBODY, "one/more", b"x", Qos::Zero));
     assert!(
-        retained.keep(&Payer::House, "state/a/x", b"x", Qos::Zero) && retained.keep(&Payer::House, "state/b", b"x", Qos::Zero)
+        retained.keep(&Payer::Program, "state/a/x", b"x", Qos::Zero)
+            && retained.keep(&Payer::Program, "state/b", b"x", Qos::Zero)
     );
     for (filter, found) in [("state/a/x", 1), ("state/+/x", 1), ("+/b", 1), ("nothing/+/c", 0), ("nothing/#", 0), ("+", 0)] {
         let (mut walk, mut steps) = (Walk::new(Arc::from(filter), 0), 16);
@@ -102,7 +103,6 @@ fn what_others_have_kept_costs_nobody_a_step_who_does_not_ask_for_it() {
     }
 }
 
-/// Safety S7.
 #[test]
 fn a_deep_filter_takes_a_few_steps_for_each_branch_and_no_more_in_a_turn_than_it_may() {
     let retained = Retained::default();
@@ -138,10 +138,9 @@ fn there_is_an_end_to_their_bytes() {
         assert!(retained.keep(&ANYBODY, &format!("a/{n}"), b"", Qos::Zero));
     }
     assert!(retained.keep(&ANYBODY, "b", b"", Qos::Zero));
-    assert_eq!((retained.count(), retained.shelf().guests), (0, Used::default()));
+    assert_eq!((retained.count(), retained.shelf().clients), (0, Used::default()));
 }
 
-/// Safety A5 and S9.
 #[test]
 fn a_key_keeps_its_share_and_leaves_others_theirs() {
     let retained = Retained::default();
@@ -156,7 +155,7 @@ fn a_key_keeps_its_share_and_leaves_others_theirs() {
     assert!(!retained.keep(&greedy, "a/newer", b"y", Qos::Zero));
 }
 
-/// Safety S9: however much some keys keep, there is room for others who keep little, in places and in bytes.
+/// However much some keys keep, there is room for others who keep little, in places and in bytes.
 #[test]
 fn keys_that_keep_much_leave_room_for_those_that_keep_little() {
     let (short, long): (&[u8], &[u8]) = (b"x", &[7; 100 * 1024]);
@@ -173,7 +172,6 @@ fn keys_that_keep_much_leave_room_for_those_that_keep_little() {
     }
 }
 
-/// Safety A5.
 #[test]
 fn the_bytes_of_a_key_are_bounded_too_and_come_back() {
     let (retained, greedy) = (Retained::default(), key("greedy"));
@@ -185,23 +183,21 @@ fn the_bytes_of_a_key_are_bounded_too_and_come_back() {
     assert!(retained.shelf().shares.is_empty() && keep_all() == most);
 }
 
-/// Safety A5.
 #[test]
 fn what_the_program_says_has_room_whatever_others_have_kept_and_an_end_as_well() {
     let retained = Retained::default();
     let mebibyte = vec![0; 1024 * 1024];
     let kept = (0..40).filter(|n| retained.keep(&ANYBODY, &format!("a/{n}"), &mebibyte, Qos::Zero)).count();
     assert!(kept < 40 && !retained.keep(&ANYBODY, "a/39", &mebibyte, Qos::Zero));
-    let ours = (0..40).filter(|n| retained.keep(&Payer::House, &format!("state/{n}"), &mebibyte, Qos::One)).count();
-    assert_eq!(ours, KEPT_OURS_BYTES / mebibyte.len() - 1, "our own bytes are bounded");
-    assert!(retained.keep(&Payer::House, "state/0", b"newer", Qos::One));
-    let more = (0..2 * KEPT_OURS).filter(|n| retained.keep(&Payer::House, &format!("more/{n}"), b"x", Qos::One)).count();
-    assert_eq!(more, KEPT_OURS - ours, "and so is their number");
+    let ours = (0..40).filter(|n| retained.keep(&Payer::Program, &format!("state/{n}"), &mebibyte, Qos::One)).count();
+    assert_eq!(ours, PROGRAM_KEPT_BYTES / mebibyte.len() - 1, "our own bytes are bounded");
+    assert!(retained.keep(&Payer::Program, "state/0", b"newer", Qos::One));
+    let more = (0..2 * PROGRAM_KEPT).filter(|n| retained.keep(&Payer::Program, &format!("more/{n}"), b"x", Qos::One)).count();
+    assert_eq!(more, PROGRAM_KEPT - ours, "and so is their number");
     assert!(!retained.keep(&ANYBODY, "a/0", &vec![0; 4 * mebibyte.len()], Qos::Zero));
     assert!(all(&retained, "a/0", 0).is_empty(), "what it said before is not so any more");
 }
 
-/// Safety A5.
 #[test]
 fn what_is_kept_no_more_is_counted_until_nobody_waits_for_it() {
     let retained = Retained::default();

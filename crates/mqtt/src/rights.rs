@@ -5,7 +5,7 @@ use std::fmt::Debug;
 
 /// Who is at the other end of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Guest {
+pub enum Principal {
     /// The program that runs the broker: it has room of its own, may send long packets, and waits for nobody.
     Program,
     /// Somebody who was let in.
@@ -27,14 +27,14 @@ pub trait Rights: Debug + Send + Sync {
     fn is_for_commands(&self, topic: &str) -> bool;
 
     /// Whether one may publish there. Clients are not asked about where commands are taken: whoever hears those decides.
-    fn may_publish(&self, who: Guest, topic: &str) -> bool;
+    fn may_publish(&self, who: Principal, topic: &str) -> bool;
 
     /// Whether one may subscribe to a filter.
-    fn may_subscribe(&self, who: Guest, filter: &str) -> bool;
+    fn may_subscribe(&self, who: Principal, filter: &str) -> bool;
 
     /// Whether one sees what is published on a topic that a filter of his matches.
-    fn may_see(&self, who: Guest, topic: &[u8]) -> bool;
+    fn may_see(&self, who: Principal, topic: &[u8]) -> bool;
 
     /// Whether one may leave a will there.
-    fn may_leave_will(&self, who: Guest, topic: &str) -> bool;
+    fn may_leave_will(&self, who: Principal, topic: &str) -> bool;
 }

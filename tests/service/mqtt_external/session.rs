@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep::doors::mqtt::orders::Orders;
+use hallsweep::doors::mqtt::commands::Commands;
 use hallsweep::doors::mqtt::session::{Health, Hearing, Link, Parts, Session, Times, believing};
 use hallsweep::doors::mqtt::topics::Topics;
 use hallsweep::runtime::archive_reader::Reader;
@@ -56,7 +56,7 @@ impl House {
                 login: Some((LOGIN.0.to_owned(), LOGIN.1.to_owned())),
                 client_id: "hallsweep-discovery".to_owned(),
             },
-            hearing: Hearing::Other(Orders::new(handle, topics.clone(), false, answer)),
+            hearing: Hearing::Other(Commands::new(handle, topics.clone(), false, answer)),
             topics,
             home_assistant: false,
             states: watched,

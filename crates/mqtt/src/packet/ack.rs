@@ -1,4 +1,4 @@
-//! Packets that are nothing but the id of another: PUBACK, PUBREC, PUBREL, PUBCOMP, UNSUBACK; and SUBACK, as the engine writes it.
+//! Packets that are nothing but the id of another: PUBACK, PUBREC, PUBREL, PUBCOMP, UNSUBACK; and SUBACK, as the router writes it.
 
 use super::Fields;
 use crate::frame::Malformed;

@@ -16,8 +16,8 @@ pub struct Connect {
     pub keep_alive_s: u16,
     /// What is published when it goes without a word.
     pub will: Option<Will>,
-    /// Who sends it.
-    pub sender: Sender,
+    /// By what its sender can be known.
+    pub credentials: Credentials,
 }
 
 /// A last will.
@@ -80,13 +80,13 @@ pub fn read(body: &[u8]) -> Result<Connect, NoConnect> {
     let name = if flags & 0x80 == 0 { None } else { Some(fields.text("name")?.to_owned()) };
     let password = if flags & 0x40 == 0 { None } else { Some(Bytes::copy_from_slice(fields.bytes("password")?)) };
     fields.end()?;
-    let sender = Sender { name, password, is_five: false };
-    Ok(Connect { client_id, clean_session: flags & 2 != 0, keep_alive_s, will, sender })
+    let credentials = Credentials { name, password, is_five: false };
+    Ok(Connect { client_id, clean_session: flags & 2 != 0, keep_alive_s, will, credentials })
 }
 
-/// Who sends a CONNECT, as far as that can be read of one that is wrong, or of another version.
+/// By what the sender of a CONNECT can be known, as far as that can be read of one that is wrong, or of another version.
 #[derive(Clone, Default, PartialEq, Eq)]
-pub struct Sender {
+pub struct Credentials {
     /// Its name.
     pub name: Option<String>,
     /// Its password.
@@ -95,38 +95,38 @@ pub struct Sender {
     pub is_five: bool,
 }
 
-impl std::fmt::Debug for Sender {
+impl std::fmt::Debug for Credentials {
     /// Without name and password, which are in no log.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Sender").field("is_five", &self.is_five).finish_non_exhaustive()
+        f.debug_struct("Credentials").field("is_five", &self.is_five).finish_non_exhaustive()
     }
 }
 
-/// Reads of the body of a CONNECT who sends it, whatever else is wrong.
+/// Reads the credentials in the body of a CONNECT, whatever else is wrong.
 #[must_use]
-pub fn sender(body: &[u8]) -> Sender {
-    let mut sender = Sender::default();
-    let _ = read_sender(&mut Fields::new(body), &mut sender);
-    sender
+pub fn credentials(body: &[u8]) -> Credentials {
+    let mut credentials = Credentials::default();
+    let _ = read_credentials(&mut Fields::new(body), &mut credentials);
+    credentials
 }
 
-fn read_sender(fields: &mut Fields<'_>, sender: &mut Sender) -> Result<(), Malformed> {
+fn read_credentials(fields: &mut Fields<'_>, credentials: &mut Credentials) -> Result<(), Malformed> {
     fields.bytes("protocol")?;
-    sender.is_five = fields.byte("level")? == 5;
+    credentials.is_five = fields.byte("level")? == 5;
     let flags = fields.byte("flags")?;
     fields.number("keep alive")?;
-    skip_properties(fields, sender.is_five)?;
+    skip_properties(fields, credentials.is_five)?;
     fields.bytes("client id")?;
     if flags & 4 != 0 {
-        skip_properties(fields, sender.is_five)?;
+        skip_properties(fields, credentials.is_five)?;
         fields.bytes("topic of the will")?;
         fields.bytes("will")?;
     }
     if flags & 0x80 != 0 {
-        sender.name = Some(fields.text("name")?.to_owned());
+        credentials.name = Some(fields.text("name")?.to_owned());
     }
     if flags & 0x40 != 0 {
-        sender.password = Some(Bytes::copy_from_slice(fields.bytes("password")?));
+        credentials.password = Some(Bytes::copy_from_slice(fields.bytes("password")?));
     }
     Ok(())
 }
@@ -189,8 +189,8 @@ mod tests {
         let connect = read(&body("MQTT", 4, 0xEC, &[b"id", b"a/b", b"gone", b"me", &[0xFF]])).unwrap();
         assert_eq!((&*connect.client_id, connect.clean_session, connect.keep_alive_s), ("id", false, 60));
         let will = Will { topic: "a/b".to_owned(), payload: Bytes::from("gone"), qos: Qos::One, retain: true };
-        assert_eq!((connect.will, connect.sender.name.as_deref()), (Some(will), Some("me")));
-        assert_eq!(connect.sender.password.as_deref(), Some(&[0xFF][..]));
+        assert_eq!((connect.will, connect.credentials.name.as_deref()), (Some(will), Some("me")));
+        assert_eq!(connect.credentials.password.as_deref(), Some(&[0xFF][..]));
         assert!(read(&body("MQTT", 4, 2, &[b""])).unwrap().clean_session);
     }
 
@@ -204,26 +204,26 @@ mod tests {
         }
     }
 
-    /// Safety S8: who asks is known whatever else is wrong.
+    /// Who asks is known whatever else is wrong.
     #[test]
     fn who_sends_a_connect_is_read_although_it_is_wrong_or_of_another_version() {
-        let me = |is_five| Sender { name: Some("me".to_owned()), password: Some(Bytes::from("secret")), is_five };
+        let me = |is_five| Credentials { name: Some("me".to_owned()), password: Some(Bytes::from("secret")), is_five };
         let fields: [&[u8]; 5] = [b"id", b"a/b", b"gone", b"me", b"secret"];
         for (protocol, level) in [("MQTT", 4), ("MQIsdp", 3), ("MQTT", 7), ("HTTP", 4)] {
             for flags in [0xEC, 0xC7, 0xFE] {
-                assert_eq!(sender(&body(protocol, level, flags, &fields)), me(false), "{protocol} {level} {flags:#x}");
+                assert_eq!(credentials(&body(protocol, level, flags, &fields)), me(false), "{protocol} {level} {flags:#x}");
             }
         }
         let wrong = body("MQTT", 4, 0xC2, &[&[0xC3], b"me", b"secret", b"more"]);
-        assert_eq!(sender(&wrong), me(false));
+        assert_eq!(credentials(&wrong), me(false));
         let mut five = body("MQTT", 5, 0xC2, &[]);
         five.extend([&[5, 0x11, 0, 0, 0, 9][..], &[0, 2], b"id", &[0, 2], b"me", &[0, 6], b"secret"].concat());
-        assert_eq!(sender(&five), me(true));
+        assert_eq!(credentials(&five), me(true));
         let mut with_will = body("MQTT", 5, 0xC6, &[]);
         with_will.extend([&[0, 0, 0][..], &[2, 1, 1], &[0, 1, b'a', 0, 0], &[0, 2], b"me", &[0, 6], b"secret"].concat());
-        assert_eq!(sender(&with_will), me(true));
+        assert_eq!(credentials(&with_will), me(true));
         for end in 0..five.len() {
-            assert_eq!(sender(&five[..end]).password, None, "{end}");
+            assert_eq!(credentials(&five[..end]).password, None, "{end}");
         }
     }
 

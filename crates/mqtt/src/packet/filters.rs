@@ -90,7 +90,7 @@ mod tests {
         }
     }
 
-    /// Safety S7.
+    /// A packet's work is bounded.
     #[test]
     fn a_packet_has_so_many_filters_and_more_are_not_even_read() {
         let of = |count: usize| [&[0, 7][..], &[0, 1, b'a'].repeat(count)].concat();

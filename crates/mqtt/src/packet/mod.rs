@@ -88,6 +88,6 @@ impl<'a> Fields<'a> {
 ///
 /// # Errors
 /// `Malformed::Text` when it is not UTF-8 or has a U+0000 in it.
-pub fn text<'a>(bytes: &'a [u8], what: &'static str) -> Result<&'a str, Malformed> {
+pub(crate) fn text<'a>(bytes: &'a [u8], what: &'static str) -> Result<&'a str, Malformed> {
     std::str::from_utf8(bytes).ok().filter(|_| !bytes.contains(&0)).ok_or(Malformed::Text(what))
 }

@@ -37,17 +37,17 @@ pub fn read<'a>(frame: &Frame, packet: &'a [u8]) -> Result<Publish<'a>, Malforme
     Ok(Publish { topic, payload: fields.rest(), qos, id, is_duplicate, retain: frame.flags & 1 != 0 })
 }
 
-/// The flag of a PUBLISH that is padded on its way through the engine, which takes it for that of a duplicate and passes it on.
-pub const PADDED: u8 = 8;
+/// The flag of a PUBLISH that is padded on its way through the router, which takes it for that of a duplicate and passes it on.
+pub(crate) const PADDED: u8 = 8;
 
 /// So many bytes a label has at least, with its mark.
-pub const LABEL: usize = 8 + 8 + 4 + 1;
+pub(crate) const LABEL: usize = 8 + 8 + 4 + 1;
 
-/// Reads a PUBLISH of the engine, without its padding. With a label it has no payload of its own.
+/// Reads a PUBLISH of the router, without its padding. With a label it has no payload of its own.
 ///
 /// # Errors
 /// When it is none.
-pub fn read_padded<'a>(frame: &Frame, packet: &'a [u8]) -> Result<(Publish<'a>, Option<Label>), Malformed> {
+pub(crate) fn read_padded<'a>(frame: &Frame, packet: &'a [u8]) -> Result<(Publish<'a>, Option<Label>), Malformed> {
     let is_padded = frame.flags & PADDED != 0;
     let mut publish = read(&Frame { flags: frame.flags & !PADDED, ..*frame }, packet)?;
     let mut label = None;

@@ -43,7 +43,7 @@ pub const fn connack(welcome: Welcome, session_present: bool) -> [u8; 4] {
     [Kind::Connack.first_byte(), 2, session_present as u8, welcome as u8]
 }
 
-/// A CONNECT to the engine: an id, by what it lets us in, and nothing that it could stumble over.
+/// A CONNECT to the router: an id, by what it lets us in, and nothing that it could stumble over.
 pub fn connect(out: &mut BytesMut, client_id: &str, clean_session: bool, keep_alive_s: u16, (name, password): (&str, &str)) {
     head(out, Kind::Connect.first_byte(), 16 + client_id.len() + name.len() + password.len());
     text(out, "MQTT");
@@ -60,7 +60,7 @@ pub fn publish(out: &mut BytesMut, topic: &[u8], payload: &[u8], qos: Qos, id: u
 }
 
 /// All of a PUBLISH that was read that comes before its payload, which has so many bytes, and whether it may have been sent before.
-pub fn publish_head_again(out: &mut BytesMut, publish: &Publish<'_>, payload: usize, is_duplicate: bool) {
+pub(crate) fn publish_head_again(out: &mut BytesMut, publish: &Publish<'_>, payload: usize, is_duplicate: bool) {
     let start = out.len();
     publish_head(out, publish.topic, payload, (publish.qos, publish.id, publish.retain));
     if is_duplicate {
@@ -69,7 +69,7 @@ pub fn publish_head_again(out: &mut BytesMut, publish: &Publish<'_>, payload: us
 }
 
 /// All of a PUBLISH that comes before its payload, which has so many bytes.
-pub fn publish_head(out: &mut BytesMut, topic: &[u8], payload: usize, (qos, id, retain): (Qos, u16, bool)) {
+pub(crate) fn publish_head(out: &mut BytesMut, topic: &[u8], payload: usize, (qos, id, retain): (Qos, u16, bool)) {
     let id_length = if qos == Qos::Zero { 0 } else { 2 };
     let first = Kind::Publish.first_byte() | (qos as u8) << 1 | u8::from(retain);
     head(out, first, 2 + topic.len() + id_length + payload);
@@ -80,7 +80,7 @@ pub fn publish_head(out: &mut BytesMut, topic: &[u8], payload: usize, (qos, id, 
 }
 
 /// A PUBLISH that was read, and whether it may have been sent before.
-pub fn publish_again(out: &mut BytesMut, publish: &Publish<'_>, is_duplicate: bool) {
+pub(crate) fn publish_again(out: &mut BytesMut, publish: &Publish<'_>, is_duplicate: bool) {
     let start = out.len();
     self::publish(out, publish.topic, publish.payload, publish.qos, publish.id, publish.retain);
     if is_duplicate {
@@ -88,8 +88,8 @@ pub fn publish_again(out: &mut BytesMut, publish: &Publish<'_>, is_duplicate: bo
     }
 }
 
-/// A PUBLISH of QoS 0 for the engine; a short one is padded to so many bytes of payload, and marked as what no client can send.
-pub fn publish_padded(out: &mut BytesMut, topic: &[u8], payload: &[u8], length: usize) {
+/// A PUBLISH of QoS 0 for the router; a short one is padded to so many bytes of payload, and marked as what no client can send.
+pub(crate) fn publish_padded(out: &mut BytesMut, topic: &[u8], payload: &[u8], length: usize) {
     let Some(padding) = length.checked_sub(payload.len()).and_then(|padding| u8::try_from(padding).ok()).filter(|it| *it > 0)
     else {
         return publish(out, topic, payload, Qos::Zero, 0, false);
@@ -101,9 +101,9 @@ pub fn publish_padded(out: &mut BytesMut, topic: &[u8], payload: &[u8], length: 
     out.put_u8(padding);
 }
 
-/// The PUBLISH that goes through the engine in the place of a long one: at least so long as a padded one, and marked likewise; what
+/// The PUBLISH that goes through the router in the place of a long one: at least so long as a padded one, and marked likewise; what
 /// stands in the place of the padding's length is none.
-pub fn label(out: &mut BytesMut, topic: &[u8], label: Label, length: usize) {
+pub(crate) fn label(out: &mut BytesMut, topic: &[u8], label: Label, length: usize) {
     let padding = length.saturating_sub(LABEL);
     head(out, Kind::Publish.first_byte() | PADDED, 2 + topic.len() + LABEL + padding);
     bytes(out, topic);
@@ -193,12 +193,12 @@ mod tests {
     }
 
     #[test]
-    fn questions_to_the_engine_are_read_again() {
+    fn questions_to_the_router_are_read_again() {
         let mut out = BytesMut::new();
         connect(&mut out, "c17", true, 65_535, ("gate", "secret"));
         let connect = connect::read(body(&out)).unwrap();
-        let sender = connect.sender;
-        assert_eq!((sender.name.as_deref(), sender.password.as_deref()), (Some("gate"), Some(&b"secret"[..])));
+        let credentials = connect.credentials;
+        assert_eq!((credentials.name.as_deref(), credentials.password.as_deref()), (Some("gate"), Some(&b"secret"[..])));
         assert_eq!((&*connect.client_id, connect.clean_session, connect.keep_alive_s), ("c17", true, 65_535));
         let mut out = BytesMut::new();
         subscribe(&mut out, 7, &[("a/+", Qos::One), ("b", Qos::Zero)]);
