@@ -32,9 +32,14 @@ pub trait Rights: Debug + Send + Sync {
     /// Whether one may subscribe to a filter.
     fn may_subscribe(&self, who: Principal, filter: &str) -> bool;
 
-    /// Whether one sees what is published on a topic that a filter of his matches.
-    fn may_see(&self, who: Principal, topic: &[u8]) -> bool;
+    /// Whether one sees what is published on a topic that a filter of his matches; everybody does, if nothing else is said.
+    fn may_see(&self, who: Principal, topic: &[u8]) -> bool {
+        let _ = (who, topic);
+        true
+    }
 
-    /// Whether one may leave a will there.
-    fn may_leave_will(&self, who: Principal, topic: &str) -> bool;
+    /// Whether one may leave a will there: where he may publish, and never a command, since nobody stands behind it when it is read.
+    fn may_leave_will(&self, who: Principal, topic: &str) -> bool {
+        !self.is_for_commands(topic) && self.may_publish(who, topic)
+    }
 }

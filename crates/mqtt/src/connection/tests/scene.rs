@@ -48,10 +48,6 @@ impl Rights for TestRights {
     fn may_see(&self, who: Principal, topic: &[u8]) -> bool {
         who == Principal::Program || topic != PULSE.as_bytes()
     }
-
-    fn may_leave_will(&self, who: Principal, topic: &str) -> bool {
-        !self.is_for_commands(topic) && self.may_publish(who, topic)
-    }
 }
 
 /// Hears commands, and forbids those that say so.

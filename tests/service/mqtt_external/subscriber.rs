@@ -21,17 +21,17 @@ const PAUSE: Duration = Duration::from_millis(20);
 const LARGEST: usize = 4 << 20;
 
 /// Somebody who listens.
-pub(crate) struct Ear {
+pub(crate) struct TestSubscriber {
     client: Client,
     coming: mpsc::Receiver<Publish>,
     heard: RefCell<Vec<Publish>>,
 }
 
-impl Ear {
+impl TestSubscriber {
     /// Connects, as often as it takes, and listens to this filter from then on: first what the broker has kept, then what is said.
-    pub(crate) fn at(broker: &Broker, filter: &str) -> Ear {
-        static EARS: AtomicUsize = AtomicUsize::new(0);
-        let name = format!("ear-{}", EARS.fetch_add(1, Ordering::Relaxed));
+    pub(crate) fn at(broker: &Broker, filter: &str) -> TestSubscriber {
+        static SUBSCRIBERS: AtomicUsize = AtomicUsize::new(0);
+        let name = format!("subscriber-{}", SUBSCRIBERS.fetch_add(1, Ordering::Relaxed));
         let mut options = MqttOptions::new(name, "127.0.0.1", broker.port());
         options.set_credentials(LOGIN.0, LOGIN.1).set_max_packet_size(LARGEST, LARGEST);
         let (client, mut connection) = Client::new(options, 100);
@@ -60,7 +60,7 @@ impl Ear {
             }
         });
         begun.recv_timeout(PATIENCE).expect("the broker takes a subscription");
-        Ear { client, coming, heard: RefCell::default() }
+        TestSubscriber { client, coming, heard: RefCell::default() }
     }
 
     /// The next message.
@@ -97,7 +97,7 @@ impl Ear {
     }
 }
 
-impl Drop for Ear {
+impl Drop for TestSubscriber {
     fn drop(&mut self) {
         let _ = self.client.try_disconnect();
     }

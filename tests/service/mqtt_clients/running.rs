@@ -20,7 +20,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 const GLANCE: Duration = Duration::from_millis(5);
 
 /// A running client.
-pub(crate) struct Talk<'a> {
+pub(crate) struct RunningClient<'a> {
     client: Client,
     door: SocketAddr,
     hello: Hello<'a>,
@@ -39,16 +39,16 @@ struct Printed {
     words: Vec<String>,
 }
 
-impl<'a> Talk<'a> {
+impl<'a> RunningClient<'a> {
     /// Starts a client, and waits until it is let in and subscribed.
-    pub(crate) fn begin(client: Client, program: &Program, hello: Hello<'a>) -> Talk<'a> {
-        let talk = Talk::knock(client, program, hello);
-        talk.until_word("Subscribed");
-        talk
+    pub(crate) fn begin(client: Client, program: &Program, hello: Hello<'a>) -> RunningClient<'a> {
+        let process = RunningClient::knock(client, program, hello);
+        process.until_word("Subscribed");
+        process
     }
 
     /// Starts a client, and does not wait for anything.
-    pub(crate) fn knock(client: Client, program: &Program, hello: Hello<'a>) -> Talk<'a> {
+    pub(crate) fn knock(client: Client, program: &Program, hello: Hello<'a>) -> RunningClient<'a> {
         let door = client.door(program);
         let mut command = client.command(door, &hello);
         let started = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
@@ -57,7 +57,7 @@ impl<'a> Talk<'a> {
         note(child.stdout.take().expect("standard output is a pipe"), Arc::clone(&printed));
         note(child.stderr.take().expect("standard error is a pipe"), Arc::clone(&printed));
         let input = Some(tell(child.stdin.take().expect("standard input is a pipe")));
-        Talk { client, door, hello, child, input, printed, said: 0 }
+        RunningClient { client, door, hello, child, input, printed, said: 0 }
     }
 
     /// Publishes a message; at QoS 0 it is handed over when this returns, else it is acknowledged.
@@ -173,7 +173,7 @@ impl Printed {
 }
 
 /// A test that fails leaves no client behind.
-impl Drop for Talk<'_> {
+impl Drop for RunningClient<'_> {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
