@@ -7,7 +7,7 @@ use hallsweep_fuzz::core::settings::Settings;
 use hallsweep_fuzz::core::standing::Standing;
 use hallsweep_fuzz::core::sweep::{Recalled, Sweep};
 use hallsweep_fuzz::core::units::{Now, Seq};
-use hallsweep_fuzz::wire::journal::{Line, Unparsed, body, line, read_body, read_line, read_record, record};
+use hallsweep_fuzz::api::journal::{Line, Unparsed, body, line, read_body, read_line, read_record, record};
 use libfuzzer_sys::fuzz_target;
 
 /// The store numbers entries by SQLite's integers, which end here.

@@ -1,4 +1,4 @@
 //! What can be told of requests from their bytes alone.
 
-#[path = "../../../src/inbound/http/scanning/mod.rs"]
+#[path = "../../../src/doors/http/scanning/mod.rs"]
 pub mod scanning;
