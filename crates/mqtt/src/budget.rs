@@ -1,6 +1,6 @@
 //! How many filters and topics ever reached the router that runs now. It forgets none of them until it ends, so that there must be an
-//! end to them, and an end to it. Each key has a share of them, clients of the limited tier together a part, and the program itself what it needs. Only
-//! prints are remembered here, and whoever starts and ends routers stands elsewhere.
+//! end to them, and an end to it. Each key has a share of them, clients of the limited tier together a part, and the program itself what
+//! it needs. Only prints are remembered here, and whoever starts and ends routers stands elsewhere.
 
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, RandomState};

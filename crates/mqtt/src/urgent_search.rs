@@ -1,5 +1,6 @@
 //! Where a client says something urgent in what has come from it, before anything of that is judged: it is to be heard although much
-//! stands before it, and whatever is wrong with it. No more of a packet is read than names it, in whatever pieces it comes; what is wrong with packets is found in `frame`, `packet` and `connection`, later.
+//! stands before it, and whatever is wrong with it. No more of a packet is read than names it, in whatever pieces it comes; what is
+//! wrong with packets is found in `frame`, `packet` and `connection`, later.
 
 use super::frame::Kind;
 

@@ -14,10 +14,9 @@ use tokio::time::MissedTickBehavior;
 use super::clients::Clients;
 use super::incoming::{IncomingConnection, Origin};
 use super::limits::APPETITE;
-use super::memory;
 use super::router::{Router, RouterError};
 use super::session::Health;
-use super::suspicion::{Suspicion, is_greedy};
+use super::suspicion::{Suspicion, is_greedy, memory_in_use};
 use crate::access::Access;
 use crate::doors::listeners::Listeners;
 use crate::doors::patience::Patient;
@@ -166,7 +165,7 @@ impl Embedded {
 
     /// Why another router is needed, though this one is not ill.
     fn worn_out(&mut self) -> Option<&'static str> {
-        if let Some(in_use) = memory::in_use() {
+        if let Some(in_use) = memory_in_use() {
             let in_use = in_use.saturating_sub(self.clients.held_bytes());
             // What the router before had is given back to the system a little later, or kept for what comes: that is not usual.
             self.least = self.least.min(in_use);

@@ -11,7 +11,6 @@ mod identity;
 mod incoming;
 mod introduction;
 mod limits;
-mod memory;
 pub mod publication;
 mod pump;
 pub mod qak;

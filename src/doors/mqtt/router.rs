@@ -1,4 +1,4 @@
-//! The router that routes messages, behind one small handle: where it is, by what it is entered, and its end. It is rumqttd, which
+//! The router of messages, behind one small handle: where it is, by what it is entered, and its end. It is rumqttd, which
 //! listens on a port of this machine alone and is not fit for an open one: whoever comes in from outside meets the gate instead,
 //! and only the gate knows how to enter. Whether it is well shows in the pulse of our own session, not here.
 

@@ -7,6 +7,10 @@ use std::time::Duration;
 use super::limits::{APPETITE, MEAL};
 use super::session::Health;
 
+/// Where Linux tells a program about itself, and on which line.
+const STATUS: &str = "/proc/self/status";
+const RESIDENT: &str = "VmRSS:";
+
 /// A router out of which a message came within this time passes messages on; our own would have had to come back within it.
 const LATELY: Duration = Duration::from_secs(5);
 
@@ -58,6 +62,17 @@ pub(super) const fn is_greedy(more: usize, fed: u64) -> bool {
     more > APPETITE && fed > MEAL
 }
 
+/// The memory that the program has in use, in bytes, where the system tells (Linux does); `None`: the system does not tell.
+pub(super) fn memory_in_use() -> Option<usize> {
+    resident(&std::fs::read_to_string(STATUS).ok()?)
+}
+
+fn resident(status: &str) -> Option<usize> {
+    let line = status.lines().find_map(|line| line.strip_prefix(RESIDENT))?;
+    let kibibytes: usize = line.trim().strip_suffix(" kB")?.parse().ok()?;
+    kibibytes.checked_mul(1024)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -95,5 +110,15 @@ mod tests {
         assert!(!suspicion.handle_told(Health::Ill, NOW), "that is another router");
         suspicion.renew();
         assert!(suspicion.handle_told(Health::Ill, NOW), "nothing has come out of this one");
+    }
+
+    #[test]
+    fn the_memory_in_use_is_read_as_linux_writes_it_and_nothing_else_is() {
+        assert_eq!(resident("VmPeak:\t  9000 kB\nVmRSS:\t   8123 kB\nThreads:\t1\n"), Some(8123 * 1024));
+        for strange in
+            ["", "VmRSS:", "VmRSS: many kB", "VmRSS: 8 MB", "VmRSS: 99999999999999999999 kB", "VmRSS: 18446744073709551615 kB"]
+        {
+            assert_eq!(resident(strange), None, "{strange}");
+        }
     }
 }

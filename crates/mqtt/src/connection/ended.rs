@@ -1,4 +1,4 @@
-//! Why a connection ends. Those that only the pump can know are here, too, so that there is one list of them.
+//! Why a connection ends. Those that only whoever moves the bytes can know are here, too, so that there is one list of them.
 
 use crate::frame::{Kind, Malformed};
 

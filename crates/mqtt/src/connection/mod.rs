@@ -154,7 +154,7 @@ impl ClientConnection {
         Ok(())
     }
 
-    /// Takes some whole packets from the head of what the client sent, no more than [`TURN`] of them; whether there may be more.
+    /// Takes some whole packets from the head of what the client sent, no more than are taken at once; whether there may be more.
     ///
     /// # Errors
     /// When the connection has come to its end; what was before that is done.

@@ -1,5 +1,5 @@
-//! How much waits for a client and for the router, and whether there is room for more. What is done when there is none, is the pump's
-//! business.
+//! How much waits for a client and for the router, and whether there is room for more. What is done when there is none, is the business of
+//! whoever moves the bytes.
 
 use super::{ClientConnection, Mark};
 use crate::limits::{ANSWER_ROOM, CLIENT_ROOM, ROUTER_ROOM};
