@@ -1,4 +1,4 @@
-//! What the MQTT door can carry, printed beside its bare engine and beside mosquitto, all measured in this run and by the same load on
+//! What the MQTT door can carry, printed beside its bare router and beside mosquitto, all measured in this run and by the same load on
 //! loopback: messages a second to one and to ten subscribers at both qualities, how long single messages take, and memory after a
 //! million. A rival that is not to be had is left out; without hallsweep, or with a goal missed that was met before, it ends with an
 //! exit code that says so.

@@ -6,41 +6,41 @@ use std::panic;
 
 use tracing_subscriber::EnvFilter;
 
-/// The crate of the MQTT engine.
-const ENGINE: &str = "rumqttd";
+/// The crate of the MQTT router.
+const RUMQTTD: &str = "rumqttd";
 
-/// How the thread of the MQTT engine's router is called, before its number.
+/// How the thread of the MQTT router is called, before its number.
 const ROUTER: &str = "router-";
 
 /// Starts writing log lines that pass `filter`, which `crate::config` has checked. A second call changes nothing.
 pub fn start(filter: &str) {
-    let filter = EnvFilter::builder().parse_lossy(without_engine(filter));
+    let filter = EnvFilter::builder().parse_lossy(without_router(filter));
     let coloured = std::io::stderr().is_terminal();
     let lines = tracing_subscriber::fmt().compact().with_env_filter(filter).with_ansi(coloured).with_writer(std::io::stderr);
     if lines.try_init().is_err() {
         tracing::debug!("log lines were being written already");
         return;
     }
-    note_panics_of_engine();
+    note_panics_of_router();
 }
 
-/// The MQTT engine's router ends in a panic, and in no other way, whenever it ends: that is a line of the log, as its restart is. Every
+/// The thread of the MQTT router ends in a panic, and in no other way, whenever it ends: that is a line of the log, as its restart is. Every
 /// other panic is told as ever.
-fn note_panics_of_engine() {
+fn note_panics_of_router() {
     let told = panic::take_hook();
     panic::set_hook(Box::new(move |panicked| {
         if std::thread::current().name().is_some_and(|name| name.starts_with(ROUTER)) {
-            tracing::debug!(%panicked, "the router of the MQTT engine has ended");
+            tracing::debug!(%panicked, "the thread of the MQTT router has ended");
         } else {
             told(panicked);
         }
     }));
 }
 
-/// The filter without the lines of the MQTT engine, unless it asks for them by name: they speak of connections by numbers of its
+/// The filter without the lines of the MQTT router, unless it asks for them by name: they speak of connections by numbers of its
 /// own, and cost time with every message. What of it matters is said by the gate.
-fn without_engine(filter: &str) -> String {
-    if filter.contains(ENGINE) { filter.to_owned() } else { format!("{filter},{ENGINE}=off") }
+fn without_router(filter: &str) -> String {
+    if filter.contains(RUMQTTD) { filter.to_owned() } else { format!("{filter},{RUMQTTD}=off") }
 }
 
 /// Warns of environment variables that look like settings and are none.
@@ -55,9 +55,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_mqtt_engine_is_silent_unless_it_is_asked_for() {
-        assert_eq!(without_engine("info"), "info,rumqttd=off");
-        assert_eq!(without_engine("info,rumqttd=warn"), "info,rumqttd=warn");
-        assert!(EnvFilter::builder().parse(without_engine("warn,hallsweep=debug")).is_ok());
+    fn the_mqtt_router_is_silent_unless_it_is_asked_for() {
+        assert_eq!(without_router("info"), "info,rumqttd=off");
+        assert_eq!(without_router("info,rumqttd=warn"), "info,rumqttd=warn");
+        assert!(EnvFilter::builder().parse(without_router("warn,hallsweep=debug")).is_ok());
     }
 }

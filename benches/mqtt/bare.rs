@@ -1,4 +1,4 @@
-//! The bare engine, rumqttd, in a process of its own and with nothing before it: this program calls itself for it. It is set up as
+//! The bare router, rumqttd, in a process of its own and with nothing before it: this program calls itself for it. It is set up as
 //! hallsweep sets it up; no client but the load may ever reach it.
 
 use std::collections::HashMap;

@@ -21,9 +21,9 @@ const LOOK: Duration = Duration::from_millis(50);
 /// Who is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// hallsweep's public port: gate and engine.
+    /// hallsweep's public port: gate and router.
     Hallsweep,
-    /// The engine alone.
+    /// The router alone.
     Bare,
     /// mosquitto, as Debian has it.
     Mosquitto,
@@ -34,7 +34,7 @@ impl Kind {
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Kind::Hallsweep => "hallsweep",
-            Kind::Bare => "bare engine",
+            Kind::Bare => "bare router",
             Kind::Mosquitto => "mosquitto",
         }
     }

@@ -1,8 +1,8 @@
 //! What holds for the body of every command, however it is written: it is a command, or a sentence that repeats little of it. Which
 //! notation that is, the targets say.
 
-use hallsweep_fuzz::wire::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, Unusable, VerdictBody};
-use hallsweep_fuzz::wire::fields::{Body, Unread};
+use hallsweep_fuzz::api::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, Unusable, VerdictBody};
+use hallsweep_fuzz::api::fields::{Body, Unread};
 
 /// The longest sentence about a body of any length.
 const SENTENCE: usize = 400;

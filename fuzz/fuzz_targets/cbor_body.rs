@@ -5,8 +5,8 @@
 mod bodies;
 
 use bodies::Notation;
-use hallsweep_fuzz::wire::cbor;
-use hallsweep_fuzz::wire::fields::{Body, Unread};
+use hallsweep_fuzz::api::cbor;
+use hallsweep_fuzz::api::fields::{Body, Unread};
 use libfuzzer_sys::fuzz_target;
 
 struct Cbor;

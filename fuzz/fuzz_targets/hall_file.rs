@@ -3,7 +3,7 @@
 #![no_main]
 
 use hallsweep_fuzz::core::units::Cell;
-use hallsweep_fuzz::outbound::robot::sim::{Hall, Truth};
+use hallsweep_fuzz::sim::{Hall, Truth};
 use libfuzzer_sys::fuzz_target;
 
 /// The longest sentence: it repeats a line of the file at most, never the file.

@@ -7,7 +7,7 @@ use std::cell::RefCell;
 use std::convert::Infallible;
 use std::rc::Rc;
 
-use hallsweep_fuzz::inbound::http::scanning::{Heard, Scanner, names};
+use hallsweep_fuzz::doors::http::scanning::{Heard, Scanner, names};
 use hyper::body::{Body, Bytes, Frame, Incoming};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;

@@ -4,10 +4,10 @@
 
 use hallsweep_fuzz::core::explore::Strategy;
 use hallsweep_fuzz::core::settings::Settings;
-use hallsweep_fuzz::core::standing::PersistentState;
+use hallsweep_core::state::PersistentState;
 use hallsweep_fuzz::core::engine::{Recalled, Engine};
 use hallsweep_fuzz::core::units::{Now, Seq};
-use hallsweep_fuzz::wire::journal::{Line, Unparsed, body, line, read_body, read_line, read_record, record};
+use hallsweep_fuzz::api::journal::{Line, Unparsed, body, line, read_body, read_line, read_record, record};
 use libfuzzer_sys::fuzz_target;
 
 /// The store numbers entries by SQLite's integers, which end here.

@@ -5,7 +5,7 @@
 mod bodies;
 
 use bodies::Notation;
-use hallsweep_fuzz::wire::fields::{self, Body, Unread};
+use hallsweep_fuzz::api::fields::{self, Body, Unread};
 use libfuzzer_sys::fuzz_target;
 
 struct Json;

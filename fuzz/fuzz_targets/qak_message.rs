@@ -3,8 +3,8 @@
 #![no_main]
 
 use hallsweep_fuzz::core::command::Command;
-use hallsweep_fuzz::inbound::mqtt::qak::incoming::{Asked, asked, is_stop};
-use hallsweep_fuzz::inbound::mqtt::qak::message::Message;
+use hallsweep_fuzz::doors::mqtt::qak::incoming::{Asked, asked, is_stop};
+use hallsweep_fuzz::doors::mqtt::qak::message::Message;
 use libfuzzer_sys::fuzz_target;
 
 /// The longest sentence, in bytes: it repeats little of the message.

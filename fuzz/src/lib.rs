@@ -2,11 +2,11 @@
 //! target needs, all of this is built for fuzzing in a fraction of the time. Nothing is here that is not there.
 
 pub mod access;
-#[path = "../../src/core/mod.rs"]
-pub mod core;
-pub mod inbound;
-pub mod outbound;
+#[path = "../../src/api/mod.rs"]
+pub mod api;
+pub mod doors;
 #[path = "../../src/runtime/mod.rs"]
 pub mod runtime;
-#[path = "../../src/wire/mod.rs"]
-pub mod wire;
+
+pub use hallsweep_core as core;
+pub use hallsweep_sim as sim;

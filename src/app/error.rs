@@ -34,7 +34,7 @@ pub enum AppError {
     MqttTls(#[from] mqtt::session::TlsError),
     /// Our own broker cannot be had.
     #[error(transparent)]
-    Mqtt(#[from] mqtt::EngineError),
+    Mqtt(#[from] mqtt::RouterError),
     /// The port cannot be had.
     #[error("cannot listen on {address} for {}: {error}; {}", .port.name(), what_to_do(*.port, .error))]
     Bind {

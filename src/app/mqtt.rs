@@ -12,17 +12,16 @@ use crate::access::{self, Access, Token};
 use crate::config::{Broker, MqttSettings, OtherBroker, Settings};
 use crate::doors::http;
 use crate::doors::listeners::Listeners;
-use crate::doors::mqtt::gate::turnstile::Gatehouse;
-use crate::doors::mqtt::orders::{ANSWERS, Answer, Orders};
+use crate::doors::mqtt::commands::{ANSWERS, Answer, Commands};
 use crate::doors::mqtt::session::{Health, Hearing, Link, Parts, Session, Times, believing};
 use crate::doors::mqtt::topics::Topics;
-use crate::doors::mqtt::{Embedded, HOUSE, House, Origin, Visitor, Ways};
+use crate::doors::mqtt::{Clients, Embedded, IncomingConnection, OWN_SESSION, Origin, Ways};
 use crate::doors::room::Room;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::handle::Handle;
 
 /// Web clients that wait to be received: the broker is never busy for long.
-const VISITORS: usize = 16;
+const WEB_CLIENTS: usize = 16;
 
 /// The running door.
 pub(super) struct Mqtt {
@@ -81,8 +80,8 @@ impl Mqtt {
 }
 
 impl Common {
-    fn orders(&self, answers: mpsc::Sender<Answer>) -> Orders {
-        Orders::new(self.handle.clone(), self.topics.clone(), self.manual_driving, answers)
+    fn commands(&self, answers: mpsc::Sender<Answer>) -> Commands {
+        Commands::new(self.handle.clone(), self.topics.clone(), self.manual_driving, answers)
     }
 
     /// The session through this link; it ends when the program does.
@@ -119,20 +118,20 @@ async fn own(
     access: Access,
 ) -> Result<Mqtt, AppError> {
     let (answer, answers) = mpsc::channel(ANSWERS);
-    let (visit, visitors) = mpsc::channel(VISITORS);
+    let (visit, web_clients) = mpsc::channel(WEB_CLIENTS);
     let health = watch::Sender::new(Health::Unproven);
     let secret = Token::draw()?;
     let link = Link {
         host: near(at).ip().to_string(),
         port: at.port(),
         tls: None,
-        login: Some((HOUSE.to_owned(), secret.reveal().to_owned())),
+        login: Some((OWN_SESSION.to_owned(), secret.reveal().to_owned())),
         client_id: format!("hallsweep-{}", common.topics.id()),
     };
-    let house = House::with_room(Gatehouse::new(common.topics.clone()), common.orders(answer), secret, room);
-    let broker = Embedded::start(house).await?;
+    let clients = Clients::with_room(mqtt_gate::Broker::new(common.topics.clone()), common.commands(answer), secret, room);
+    let broker = Embedded::start(clients).await?;
     let hearing = threads.mqtt.handle().clone();
-    let ways = Ways { listeners, access, visitors, hearing, health: health.subscribe() };
+    let ways = Ways { listeners, access, web_clients, hearing, health: health.subscribe() };
     let session = common.session((link, Hearing::Own), answers, health)?;
     let (leave, left) = watch::channel(());
     let session = tokio::spawn(async move {
@@ -161,16 +160,16 @@ fn other_broker(common: Common, other: &OtherBroker) -> Result<Mqtt, AppError> {
         login: other.login.as_ref().map(|login| (login.name.clone(), login.password.clone())),
         client_id: format!("hallsweep-{}", common.topics.id()),
     };
-    let hearing = Hearing::Other(common.orders(answer));
+    let hearing = Hearing::Other(common.commands(answer));
     let session = common.session((link, hearing), answers, watch::Sender::new(Health::Unproven))?;
     Ok(Mqtt { session, broker: None, hall: None })
 }
 
 /// Where web clients are brought. One that finds the broker busy is sent away, and comes again.
-fn hall(visit: mpsc::Sender<Visitor>) -> http::Hall {
+fn hall(visit: mpsc::Sender<IncomingConnection>) -> http::Hall {
     http::Hall::new(move |visitor: http::Visitor| {
         let origin = Origin { from: visitor.from, caller: visitor.caller, access: visitor.access };
-        if visit.try_send(Visitor::over(visitor.stream, origin)).is_err() {
+        if visit.try_send(IncomingConnection::over(visitor.stream, origin)).is_err() {
             tracing::debug!("a web client found the MQTT broker busy");
         }
     })

@@ -5,7 +5,8 @@ use tokio::sync::mpsc;
 
 use super::book::{Book, readable};
 use super::doors::{
-    ANSWERS, Access, Answer, Archive, Caller, Heard, Keyring, News, Orders, Publication, Sender, Snapshot, Taken, Topics,
+    ANSWERS, Access, Answer, Archive, Caller, ChangeFeed, CommandSender, Commands, IncomingMessage, Keyring, Publication,
+    Snapshot, Taken, Topics,
 };
 use super::house::House;
 
@@ -17,9 +18,9 @@ pub(crate) const OLD: &str = "unibo/qak";
 
 /// A door without its sockets.
 pub(crate) struct Mqtt {
-    news: News,
-    plain_news: News,
-    orders: Orders,
+    feed: ChangeFeed,
+    plain_feed: ChangeFeed,
+    commands: Commands,
     answers: mpsc::Receiver<Answer>,
 }
 
@@ -27,18 +28,18 @@ impl Mqtt {
     /// A door of this house, at which old clients may drive or not.
     pub(crate) fn new(house: &House, manual_driving: bool) -> Mqtt {
         let (give, answers) = mpsc::channel(ANSWERS);
-        let orders = Orders::new(house.handle.clone(), topics(), manual_driving, give);
-        Mqtt { news: News::new(topics(), true), plain_news: News::new(topics(), false), orders, answers }
+        let commands = Commands::new(house.handle.clone(), topics(), manual_driving, give);
+        Mqtt { feed: ChangeFeed::new(topics(), true), plain_feed: ChangeFeed::new(topics(), false), commands, answers }
     }
 
     /// Everything that goes out for this state.
     pub(crate) fn look(&mut self, book: &mut Book, house: &House, state: &std::sync::Arc<Snapshot>) {
         let now = house.inside().run.now().since_start;
-        self.news.handle_state(std::sync::Arc::clone(state));
-        self.plain_news.handle_state(std::sync::Arc::clone(state));
-        while let Some(picture) = self.news.poll_photo() {
+        self.feed.handle_state(std::sync::Arc::clone(state));
+        self.plain_feed.handle_state(std::sync::Arc::clone(state));
+        while let Some(picture) = self.feed.poll_photo() {
             if let Ok(Some(photo)) = house.memory.photo(picture.luggage) {
-                let goes_out = self.news.handle_photo(picture, photo);
+                let goes_out = self.feed.handle_photo(picture, photo);
                 book.write(
                     "mqtt",
                     &format!("photo {} take {}", picture.luggage.0, picture.take),
@@ -46,11 +47,11 @@ impl Mqtt {
                 );
             }
         }
-        while let Some(publication) = self.news.poll_publication(now) {
-            let counted = if self.news.is_numbered(&publication) { " · numbered" } else { "" };
+        while let Some(publication) = self.feed.poll_publication(now) {
+            let counted = if self.feed.is_numbered(&publication) { " · numbered" } else { "" };
             write(book, "mqtt", counted, &publication);
         }
-        while let Some(publication) = self.plain_news.poll_publication(now) {
+        while let Some(publication) = self.plain_feed.poll_publication(now) {
             write(book, "mqtt_plain", "", &publication);
         }
     }
@@ -58,14 +59,14 @@ impl Mqtt {
     /// The connection is a new one, and Home Assistant has started.
     pub(crate) fn renew(&mut self, book: &mut Book) {
         book.write("mqtt", "a new connection", b"");
-        self.news.renew(2);
-        self.plain_news.renew(0);
-        self.news.handle_birth();
+        self.feed.renew(2);
+        self.plain_feed.renew(0);
+        self.feed.handle_birth();
     }
 
     /// Says something, and collects what is published about it.
-    pub(crate) async fn say(&mut self, topic: &str, payload: &[u8], sender: &Sender) -> (Taken, Vec<String>) {
-        let taken = self.orders.take(&Heard { topic, payload, arrived: None, is_again: false }, sender);
+    pub(crate) async fn say(&mut self, topic: &str, payload: &[u8], sender: &CommandSender) -> (Taken, Vec<String>) {
+        let taken = self.commands.take(&IncomingMessage { topic, payload, arrived: None, is_again: false }, sender);
         // Everything is on this thread: loop and results get their turns.
         for _ in 0..24 {
             tokio::task::yield_now().await;
@@ -79,18 +80,18 @@ impl Mqtt {
 }
 
 /// Somebody on this machine.
-pub(crate) fn here() -> Sender {
-    Sender::Known { caller: Caller::Here, from: "127.0.0.1".into() }
+pub(crate) fn here() -> CommandSender {
+    CommandSender::Known { caller: Caller::Here, from: "127.0.0.1".into() }
 }
 
 /// Somebody at somebody else's broker.
-pub(crate) fn unknown() -> Sender {
-    Sender::Unknown { broker: "broker.example".into() }
+pub(crate) fn unknown() -> CommandSender {
+    CommandSender::Unknown { broker: "broker.example".into() }
 }
 
 /// Somebody with this key.
-pub(crate) fn with_key(keyring: &Keyring, token: &str) -> Sender {
-    Sender::Known { caller: Caller::Known(keyring.check(token).expect("the key is there")), from: "192.0.2.7".into() }
+pub(crate) fn with_key(keyring: &Keyring, token: &str) -> CommandSender {
+    CommandSender::Known { caller: Caller::Known(keyring.check(token).expect("the key is there")), from: "192.0.2.7".into() }
 }
 
 /// Access by these keys.

@@ -10,5 +10,8 @@ fn the_documentation_prints_the_table_as_it_is() {
         std::fs::write(path, &printed).expect("docs/ can be written");
     }
     let documented = std::fs::read_to_string(path).unwrap_or_default();
-    assert!(documented == printed, "{path} is out of date: HALLSWEEP_UPDATE_DOCS=1 cargo test -p hallsweep-sim --test simulation table");
+    assert!(
+        documented == printed,
+        "{path} is out of date: HALLSWEEP_UPDATE_DOCS=1 cargo test -p hallsweep-sim --test simulation table"
+    );
 }

@@ -7,14 +7,14 @@ use tokio::net::TcpListener;
 use tokio::sync::{mpsc, watch};
 
 use hallsweep::access::{Access, Token};
-use hallsweep::doors::mqtt::gate::turnstile::Gatehouse;
-use hallsweep::doors::mqtt::orders::Orders;
+use hallsweep::doors::mqtt::commands::Commands;
 use hallsweep::doors::mqtt::session::{Health, Hearing, Link, Parts, Session, Times};
 use hallsweep::doors::mqtt::topics::Topics;
-use hallsweep::doors::mqtt::{Embedded, HOUSE, House, Ways};
+use hallsweep::doors::mqtt::{Clients, Embedded, OWN_SESSION, Ways};
 use hallsweep::runtime::archive_reader::Reader;
 use hallsweep::runtime::handle::Handle;
 use hallsweep::storage::memory::Memory;
+use mqtt_gate::Broker;
 
 /// Opens the door on a free port of this machine; it ends when `closed` does. Must be called inside a runtime.
 pub(crate) async fn open(handle: Handle, closed: watch::Receiver<bool>) -> SocketAddr {
@@ -27,14 +27,14 @@ pub(crate) async fn open(handle: Handle, closed: watch::Receiver<bool>) -> Socke
         host: address.ip().to_string(),
         port: address.port(),
         tls: None,
-        login: Some((HOUSE.to_owned(), secret.reveal().to_owned())),
+        login: Some((OWN_SESSION.to_owned(), secret.reveal().to_owned())),
         client_id: "hallsweep-discovery".to_owned(),
     };
-    let orders = Orders::new(handle.clone(), topics.clone(), false, answer);
-    let broker = Embedded::start(House::new(Gatehouse::new(topics.clone()), orders, secret)).await.expect("an engine starts");
-    let (_, visitors) = mpsc::channel(1);
+    let commands = Commands::new(handle.clone(), topics.clone(), false, answer);
+    let broker = Embedded::start(Clients::new(Broker::new(topics.clone()), commands, secret)).await.expect("a router starts");
+    let (_, web_clients) = mpsc::channel(1);
     let hearing = tokio::runtime::Handle::current();
-    let ways = Ways { listeners: listener.into(), access: Access::Open, visitors, hearing, health: health.subscribe() };
+    let ways = Ways { listeners: listener.into(), access: Access::Open, web_clients, hearing, health: health.subscribe() };
     let session = Session::new(Parts {
         link,
         hearing: Hearing::Own,

@@ -48,6 +48,7 @@ const RULES: [Rule; 11] = [
             "hyper",
             "hyper_util",
             "jiff",
+            "mqtt_gate",
             "rumqttc",
             "rumqttd",
             "rustls",
@@ -81,7 +82,7 @@ const RULES: [Rule; 11] = [
     Rule {
         module: "app",
         modules: &["access", "config", "doors", "robots", "storage", "runtime"],
-        crates: &["hallsweep_core", "hallsweep_sim", "rlimit", "rustix", "socket2", "thiserror", "tokio", "tracing"],
+        crates: &["hallsweep_core", "hallsweep_sim", "mqtt_gate", "rlimit", "rustix", "socket2", "thiserror", "tokio", "tracing"],
     },
     Rule {
         module: "cli",

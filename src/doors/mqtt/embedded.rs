@@ -1,4 +1,4 @@
-//! Our own broker, from its start to its end: clients come in by TCP and by WebSocket and are shown to the gate; the engine behind it
+//! Our own broker, from its start to its end: clients come in by TCP and by WebSocket and are shown to the gate; the router behind it
 //! is started anew when the pulse says that it is ill. What a client may do is the gate's business.
 
 use std::net::SocketAddr;
@@ -11,26 +11,25 @@ use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
 use tokio::time::MissedTickBehavior;
 
-use super::engine::{Engine, EngineError};
-use super::guests::House;
+use super::clients::Clients;
+use super::incoming::{IncomingConnection, Origin};
 use super::limits::APPETITE;
-use super::memory;
+use super::router::{Router, RouterError};
 use super::session::Health;
-use super::suspicion::{Suspicion, is_greedy};
-use super::visitor::{Origin, Visitor};
+use super::suspicion::{Suspicion, is_greedy, memory_in_use};
 use crate::access::Access;
 use crate::doors::listeners::Listeners;
 use crate::doors::patience::Patient;
 use crate::runtime::clock::Clock;
 
-/// How often it is looked whether messages come out of the engine, and whether it was shown too much or has taken too much memory: in
+/// How often it is looked whether messages come out of the router, and whether it was shown too much or has taken too much memory: in
 /// this time it takes some ten mebibytes at the worst.
 const GLANCE: Duration = Duration::from_millis(50);
 
 /// After an accept has failed (as with too many open files) the next is tried this much later.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// An engine is not started anew sooner than this after the last time: an illness that does not end with it is another's.
+/// A router is not started anew sooner than this after the last time: an illness that does not end with it is another's.
 const REST: Duration = Duration::from_secs(5);
 
 /// So long the last words may take to reach the clients when the program ends; it is to end within two seconds.
@@ -39,8 +38,8 @@ const LAST_WORDS: Duration = Duration::from_millis(500);
 /// One that was shown too much is replaced no sooner than this after the last: in between, new topics and filters are refused.
 const WORN_REST: Duration = Duration::from_secs(600);
 
-/// The engine that messages are routed by just now; closed when the program ends.
-pub(super) type Running = watch::Receiver<Arc<Engine>>;
+/// The router that messages are routed by just now; closed when the program ends.
+pub(super) type Running = watch::Receiver<Arc<Router>>;
 
 /// How clients come to our own broker, and who says whether it is well.
 pub struct Ways {
@@ -49,7 +48,7 @@ pub struct Ways {
     /// where these are let in;
     pub access: Access,
     /// and by WebSocket.
-    pub visitors: mpsc::Receiver<Visitor>,
+    pub web_clients: mpsc::Receiver<IncomingConnection>,
     /// Where what they say is heard, and nothing else is done (safety S7); the listeners wait there, too.
     pub hearing: Handle,
     /// What our own session finds.
@@ -58,21 +57,21 @@ pub struct Ways {
 
 /// A broker that has started.
 pub struct Embedded {
-    house: House,
-    engine: watch::Sender<Arc<Engine>>,
+    clients: Clients,
+    router: watch::Sender<Arc<Router>>,
     clock: Clock,
-    /// Until then the engine is left as it is.
+    /// Until then the router is left as it is.
     rests_until: Duration,
     /// When it was last replaced for having been shown too much.
     worn_at: Option<Duration>,
-    /// The fewest bytes that the program was seen to have in use since this engine began, or a little above the fewest of all,
+    /// The fewest bytes that the program was seen to have in use since this router began, or a little above the fewest of all,
     usual: usize,
     /// which are these.
     least: usize,
     suspicion: Suspicion,
 }
 
-/// What is found of the engine.
+/// What is found of the router.
 enum Finding {
     /// It cannot go on; why.
     Broken(&'static str),
@@ -81,15 +80,15 @@ enum Finding {
 }
 
 impl Embedded {
-    /// Starts the engine for this house.
+    /// Starts the router for these clients.
     ///
     /// # Errors
-    /// When there is no engine to be had.
-    pub async fn start(house: House) -> Result<Embedded, EngineError> {
-        let engine = watch::Sender::new(Arc::new(Engine::start().await?));
+    /// When there is no router to be had.
+    pub async fn start(clients: Clients) -> Result<Embedded, RouterError> {
+        let router = watch::Sender::new(Arc::new(Router::start().await?));
         Ok(Embedded {
-            house,
-            engine,
+            clients,
+            router,
             clock: Clock::default(),
             rests_until: Duration::ZERO,
             worn_at: None,
@@ -102,9 +101,10 @@ impl Embedded {
     /// Serves until `shutdown`; then every connection ends, when what was said before that has reached its client. All but the hearing
     /// is done where this is called.
     pub async fn serve(mut self, ways: Ways, shutdown: impl Future<Output = ()>) {
-        let Ways { listeners, access, visitors, mut health, hearing } = ways;
-        let reception = Reception { house: self.house.clone(), access, engine: self.engine.subscribe(), work: Handle::current() };
-        let reception = hearing.spawn(reception.receive(listeners, visitors));
+        let Ways { listeners, access, web_clients, mut health, hearing } = ways;
+        let reception =
+            Reception { clients: self.clients.clone(), access, router: self.router.subscribe(), work: Handle::current() };
+        let reception = hearing.spawn(reception.receive(listeners, web_clients));
         let mut glances = tokio::time::interval(GLANCE);
         glances.set_missed_tick_behavior(MissedTickBehavior::Delay);
         tokio::pin!(shutdown);
@@ -118,27 +118,27 @@ impl Embedded {
                     }
                 }
                 _ = glances.tick() => {
-                    self.suspicion.handle_came(self.house.came(), self.clock.now().since_start);
+                    self.suspicion.handle_came(self.clients.broker().came(), self.clock.now().since_start);
                     if let Some(why) = self.worn_out() {
                         self.renew(why).await;
                     }
                 }
             }
         }
-        // Every connection is told by this that it ends; the engine is there still, for what they have to say.
-        let _last = Arc::clone(&self.engine.borrow());
-        drop(self.engine);
+        // Every connection is told by this that it ends; the router is there still, for what they have to say.
+        let _last = Arc::clone(&self.router.borrow());
+        drop(self.router);
         if reception.await.is_err() {
             tracing::error!("whoever listened to MQTT clients has ended by a mistake of its own");
         }
     }
 
-    /// Waits until there is something to be found of the engine.
+    /// Waits until there is something to be found of the router.
     async fn look(&self, health: &mut watch::Receiver<Health>) -> Finding {
         self.clock.reach(Some(self.rests_until)).await;
         let (ended, shut) = {
-            let engine = self.engine.borrow();
-            (engine.ended(), engine.shut())
+            let router = self.router.borrow();
+            (router.ended(), router.shut())
         };
         tokio::select! {
             () = ended => Finding::Broken("it has ended"),
@@ -147,7 +147,7 @@ impl Embedded {
         }
     }
 
-    /// Why the engine has to be started anew, if it has to.
+    /// Why the router has to be started anew, if it has to.
     fn illness(&mut self, finding: &Finding) -> Option<&'static str> {
         let now = self.clock.now().since_start;
         match *finding {
@@ -163,39 +163,39 @@ impl Embedded {
         }
     }
 
-    /// Why another engine is needed, though this one is not ill.
+    /// Why another router is needed, though this one is not ill.
     fn worn_out(&mut self) -> Option<&'static str> {
-        if let Some(in_use) = memory::in_use() {
-            let in_use = in_use.saturating_sub(self.house.held_bytes());
-            // What the engine before had is given back to the system a little later, or kept for what comes: that is not usual.
+        if let Some(in_use) = memory_in_use() {
+            let in_use = in_use.saturating_sub(self.clients.held_bytes());
+            // What the router before had is given back to the system a little later, or kept for what comes: that is not usual.
             self.least = self.least.min(in_use);
             self.usual = self.usual.min(in_use).min(self.least + APPETITE / 4);
             if in_use - self.usual <= APPETITE / 2 {
-                self.house.forget_fed();
+                self.clients.broker().forget_fed();
             }
-            if is_greedy(in_use - self.usual, self.house.fed_bytes()) {
+            if is_greedy(in_use - self.usual, self.clients.broker().fed_bytes()) {
                 return Some("it takes too much memory");
             }
         }
         let now = self.clock.now().since_start;
-        let is_worn_out = self.house.is_worn_out() && self.worn_at.is_none_or(|last| now >= last + WORN_REST);
+        let is_worn_out = self.clients.broker().is_exhausted() && self.worn_at.is_none_or(|last| now >= last + WORN_REST);
         if is_worn_out {
             self.worn_at = Some(now);
         }
         is_worn_out.then_some("too many different topics were shown to it")
     }
 
-    /// Ends the engine and starts another in its place. Whoever was connected has to come again; what is kept is kept by the gate.
+    /// Ends the router and starts another in its place. Whoever was connected has to come again; what is kept is kept by the gate.
     async fn renew(&mut self, why: &str) {
-        let end = self.engine.borrow().end();
+        let end = self.router.borrow().end();
         end.await;
         self.usual = usize::MAX;
-        match Engine::start().await {
-            Ok(engine) => {
+        match Router::start().await {
+            Ok(router) => {
                 tracing::warn!(why, "the MQTT broker was started anew: its clients have to connect again");
-                self.house.renew();
+                self.clients.broker().renew();
                 self.suspicion.renew();
-                self.engine.send_replace(Arc::new(engine));
+                self.router.send_replace(Arc::new(router));
             }
             Err(error) => tracing::error!(%error, why, "the MQTT broker is to be started anew, and cannot be"),
         }
@@ -205,45 +205,45 @@ impl Embedded {
 
 /// Lets clients in, on the thread that hears.
 struct Reception {
-    house: House,
+    clients: Clients,
     access: Access,
-    engine: Running,
+    router: Running,
     /// Where all else is done.
     work: Handle,
 }
 
 impl Reception {
-    /// Lets clients in until there are no engines any more, and then waits until they have left; whoever takes long is cut off.
-    async fn receive(self, mut listeners: Listeners, mut visitors: mpsc::Receiver<Visitor>) {
-        let mut guests = JoinSet::new();
-        let mut engine = self.engine.clone();
+    /// Lets clients in until there are no routers any more, and then waits until they have left; whoever takes long is cut off.
+    async fn receive(self, mut listeners: Listeners, mut web_clients: mpsc::Receiver<IncomingConnection>) {
+        let mut clients = JoinSet::new();
+        let mut router = self.router.clone();
         let (clock, mut accepts_at) = (Clock::default(), Duration::ZERO);
         loop {
             tokio::select! {
-                // In any order: neither a flood of connections nor one of WebSocket visitors keeps the others out.
-                changed = engine.changed() => if changed.is_err() { break },
-                Some(_) = guests.join_next() => {}
+                // In any order: neither a flood of connections nor one of web clients keeps the others out.
+                changed = router.changed() => if changed.is_err() { break },
+                Some(_) = clients.join_next() => {}
                 accepted = accept_at(&mut listeners, clock, accepts_at) => match accepted {
-                    Ok((stream, address)) => self.receive_one(&mut guests, visitor(stream, address, &self.access)),
+                    Ok((stream, address)) => self.receive_one(&mut clients, incoming(stream, address, &self.access)),
                     Err(error) => {
-                        tracing::warn!(%error, relieved = self.house.relieve(), "an MQTT connection could not be accepted");
+                        tracing::warn!(%error, relieved = self.clients.relieve(), "an MQTT connection could not be accepted");
                         // Meanwhile those come in who have their connection already.
                         accepts_at = clock.now().since_start + ACCEPT_PAUSE;
                     }
                 },
-                Some(visitor) = visitors.recv() => self.receive_one(&mut guests, visitor),
+                Some(incoming) = web_clients.recv() => self.receive_one(&mut clients, incoming),
             }
         }
         drop(listeners);
-        let ended = async { while guests.join_next().await.is_some() {} };
+        let ended = async { while clients.join_next().await.is_some() {} };
         if tokio::time::timeout(LAST_WORDS, ended).await.is_err() {
-            tracing::debug!(cut = guests.len(), "some MQTT clients were cut off");
+            tracing::debug!(cut = clients.len(), "some MQTT clients were cut off");
         }
     }
 
-    fn receive_one(&self, guests: &mut JoinSet<()>, visitor: Visitor) {
-        let waiting = self.house.let_wait(visitor.origin.from);
-        guests.spawn(self.house.clone().entertain(visitor, waiting, (self.engine.clone(), self.work.clone())));
+    fn receive_one(&self, clients: &mut JoinSet<()>, incoming: IncomingConnection) {
+        let waiting = self.clients.let_wait(incoming.origin.from);
+        clients.spawn(self.clients.clone().attend(incoming, waiting, (self.router.clone(), self.work.clone())));
     }
 }
 
@@ -254,13 +254,13 @@ async fn accept_at(listeners: &mut Listeners, clock: Clock, then: Duration) -> s
 }
 
 /// A client that came by TCP.
-fn visitor(stream: TcpStream, address: SocketAddr, access: &Access) -> Visitor {
+fn incoming(stream: TcpStream, address: SocketAddr, access: &Access) -> IncomingConnection {
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "small packets of a connection will be held back");
     }
     let origin = Origin { from: address.ip(), caller: None, access: access.clone() };
     let (reader, writer) = stream.into_split();
-    Visitor { reader: Box::new(reader), writer: Box::new(Patient::new(writer)), origin }
+    IncomingConnection { reader: Box::new(reader), writer: Box::new(Patient::new(writer)), origin }
 }
 
 /// Waits until our own session says how the broker is. It says so again while it is ill.

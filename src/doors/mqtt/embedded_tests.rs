@@ -1,4 +1,4 @@
-//! For `embedded`: engines that are ended by what is known to end them, from the inside, where no gate stands in between.
+//! For `embedded`: routers that are ended by what is known to end them, from the inside, where no gate stands in between.
 
 use std::collections::HashSet;
 
@@ -11,10 +11,8 @@ use tokio::sync::oneshot;
 use super::*;
 use crate::access::Token;
 use crate::api::fixture::{idle, touch};
-use crate::doors::mqtt::gate::limits::{ENGINE_FILTERS, FILTERS};
-use crate::doors::mqtt::gate::turnstile::Gatehouse;
-use crate::doors::mqtt::identity::HOUSE;
-use crate::doors::mqtt::orders::Orders;
+use crate::doors::mqtt::commands::Commands;
+use crate::doors::mqtt::identity::OWN_SESSION;
 use crate::doors::mqtt::session::testing::{Album, Peer, publish, topics};
 use crate::doors::mqtt::session::{Hearing, Link, Parts, Session, Times};
 use crate::runtime::archive_reader::Reader;
@@ -23,23 +21,24 @@ use crate::runtime::within::within;
 use hallsweep_core::command::Command;
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
+use mqtt_gate::limits::{FILTERS, ROUTER_FILTERS};
 
 /// A broker with our own session at it.
-struct Broker {
+struct TestBroker {
     address: SocketAddr,
-    engine: watch::Receiver<Arc<Engine>>,
+    router: watch::Receiver<Arc<Router>>,
     health: watch::Sender<Health>,
     script: Script,
     _shutdown: oneshot::Sender<()>,
 }
 
-impl Broker {
-    async fn start() -> Broker {
-        Broker::before(None).await
+impl TestBroker {
+    async fn start() -> TestBroker {
+        TestBroker::before(None).await
     }
 
-    /// A broker before this engine, or one of its own.
-    async fn before(other: Option<Engine>) -> Broker {
+    /// A broker before this router, or one of its own.
+    async fn before(other: Option<Router>) -> TestBroker {
         let listener = TcpListener::bind("127.0.0.1:0").await.expect("there is a free port");
         let address = listener.local_addr().expect("it is bound");
         let (handle, script) = obedient(idle());
@@ -49,20 +48,20 @@ impl Broker {
             host: address.ip().to_string(),
             port: address.port(),
             tls: None,
-            login: Some((HOUSE.to_owned(), secret.reveal().to_owned())),
+            login: Some((OWN_SESSION.to_owned(), secret.reveal().to_owned())),
             client_id: "hallsweep-discovery".to_owned(),
         };
-        let house = House::new(Gatehouse::new(topics()), Orders::new(handle, topics(), true, give), secret);
-        let embedded = Embedded::start(house).await.expect("it starts");
-        let engine = embedded.engine.subscribe();
+        let clients = Clients::new(mqtt_gate::Broker::new(topics()), Commands::new(handle, topics(), true, give), secret);
+        let embedded = Embedded::start(clients).await.expect("it starts");
+        let router = embedded.router.subscribe();
         if let Some(other) = other {
-            embedded.engine.send_replace(Arc::new(other));
+            embedded.router.send_replace(Arc::new(other));
         }
-        let (_, visitors) = mpsc::channel(1);
+        let (_, web_clients) = mpsc::channel(1);
         let ways = Ways {
             listeners: listener.into(),
             access: Access::Open,
-            visitors,
+            web_clients,
             hearing: Handle::current(),
             health: told.subscribe(),
         };
@@ -81,7 +80,7 @@ impl Broker {
         });
         tokio::spawn(session.run(std::future::pending()));
         tokio::spawn(embedded.serve(ways, async { drop(ended.await) }));
-        Broker { address, engine, health: told, script, _shutdown: shutdown }
+        TestBroker { address, router, health: told, script, _shutdown: shutdown }
     }
 
     /// A client that gets in, sooner or later.
@@ -123,17 +122,17 @@ impl Broker {
     /// One who has come past the gate.
     async fn burglar(&self, id: &str) -> Peer {
         let (address, login) = {
-            let engine = self.engine.borrow();
-            (engine.address(), engine.login().1.to_owned())
+            let router = self.router.borrow();
+            (router.address(), router.login().1.to_owned())
         };
         let mut peer = Peer::come(address).await;
         peer.introduces(connect(id, Some(Login::new("gate", login)))).await;
         peer
     }
 
-    /// The engine is started anew, and everything is as it was: whoever comes again finds every state, and hears of the next change.
+    /// The router is started anew, and everything is as it was: whoever comes again finds every state, and hears of the next change.
     async fn is_whole_again(&mut self) {
-        within("another engine", self.engine.changed()).await.expect("it runs");
+        within("another router", self.router.changed()).await.expect("it runs");
         let mut client = self.client().await;
         client.asks_for(["hallsweep/#"]).await;
         let mut wanted: HashSet<String> = Resource::ALL.map(|resource| topics().state(resource)).into();
@@ -164,8 +163,8 @@ fn connect(id: &str, login: Option<Login>) -> Packet {
 
 /// The router panics when a topic does not begin with an ASCII character.
 #[tokio::test]
-async fn an_engine_whose_router_has_ended_is_started_anew() {
-    let mut broker = Broker::start().await;
+async fn a_router_whose_router_has_ended_is_started_anew() {
+    let mut broker = TestBroker::start().await;
     let mut client = broker.client().await;
     let mut burglar = broker.burglar("burglar").await;
     burglar.asks_for(["any"]).await;
@@ -174,25 +173,25 @@ async fn an_engine_whose_router_has_ended_is_started_anew() {
     broker.is_whole_again().await;
 }
 
-/// A client id with a wildcard, twice, poisons a lock, after which the engine lets nobody in and serves whoever is there.
+/// A client id with a wildcard, twice, poisons a lock, after which the router lets nobody in and serves whoever is there.
 #[tokio::test]
-async fn an_engine_that_lets_nobody_in_is_started_anew() {
-    let mut broker = Broker::start().await;
+async fn a_router_that_lets_nobody_in_is_started_anew() {
+    let mut broker = TestBroker::start().await;
     let mut client = broker.client().await;
     for _ in 0..2 {
         broker.burglar("a+").await;
     }
-    // The gate does not wait for the engine to welcome somebody, and learns behind him how that is.
+    // The gate does not wait for the router to welcome somebody, and learns behind him how that is.
     assert_eq!(broker.knock().await, Some(ConnectReturnCode::Success));
     client.is_left().await;
     broker.is_whole_again().await;
 }
 
-/// Safety S1, S7: nothing that a client says first waits for the engine, its STOP least of all.
+/// Safety S1, S7: nothing that a client says first waits for the router, its STOP least of all.
 #[tokio::test]
-async fn a_first_stop_halts_although_the_engine_hangs() {
+async fn a_first_stop_halts_although_the_router_hangs() {
     let hangs = TcpListener::bind("127.0.0.1:0").await.expect("there is a free port");
-    let broker = Broker::before(Some(Engine::hanging(hangs.local_addr().expect("it is bound")))).await;
+    let broker = TestBroker::before(Some(Router::hanging(hangs.local_addr().expect("it is bound")))).await;
     let stop = || Packet::Publish(publish("hallsweep/discovery/command/stop", "", 1));
     let mut patient = Peer::come(broker.address).await;
     assert_eq!(patient.introduces(connect("patient", None)).await, Some(ConnectReturnCode::Success));
@@ -205,10 +204,10 @@ async fn a_first_stop_halts_although_the_engine_hangs() {
     drop(hangs);
 }
 
-/// What is acknowledged is passed on, though whoever said it left before there was a way to the engine for it.
+/// What is acknowledged is passed on, though whoever said it left before there was a way to the router for it.
 #[tokio::test]
 async fn what_a_client_says_that_leaves_at_once_reaches_those_who_read_it() {
-    let broker = Broker::start().await;
+    let broker = TestBroker::start().await;
     let mut reader = broker.client_named("reader").await;
     reader.asks_for(["said/#"]).await;
     for n in 0..50 {
@@ -224,7 +223,7 @@ async fn what_a_client_says_that_leaves_at_once_reaches_those_who_read_it() {
 /// Safety S8: who asks is known, and what is asked; that the rest of the CONNECT is refused comes second.
 #[tokio::test]
 async fn a_stop_behind_a_connect_that_is_refused_halts() {
-    let broker = Broker::start().await;
+    let broker = TestBroker::start().await;
     let mut refused = Peer::come(broker.address).await;
     refused.says(connect(&"x".repeat(257), None)).await;
     refused.says(Packet::Publish(publish("hallsweep/discovery/command/stop", "", 1))).await;
@@ -233,10 +232,10 @@ async fn a_stop_behind_a_connect_that_is_refused_halts() {
 
 /// Safety A5.
 #[tokio::test]
-async fn an_engine_that_was_shown_more_than_it_can_remember_is_started_anew() {
-    let mut broker = Broker::start().await;
+async fn a_router_that_was_shown_more_than_it_can_remember_is_started_anew() {
+    let mut broker = TestBroker::start().await;
     let mut holders = Vec::new();
-    for n in 0..=ENGINE_FILTERS / FILTERS {
+    for n in 0..=ROUTER_FILTERS / FILTERS {
         let mut holder = broker.client_named(&n.to_string()).await;
         let filters: Vec<String> = (0..FILTERS).map(|filter| format!("{n}/{filter}")).collect();
         holder.asks_for(filters.iter().map(String::as_str)).await;
@@ -248,10 +247,10 @@ async fn an_engine_that_was_shown_more_than_it_can_remember_is_started_anew() {
     broker.is_whole_again().await;
 }
 
-/// What our own session finds is believed, though the engine seems to run.
+/// What our own session finds is believed, though the router seems to run.
 #[tokio::test]
-async fn an_engine_that_is_called_ill_is_started_anew() {
-    let mut broker = Broker::start().await;
+async fn a_router_that_is_called_ill_is_started_anew() {
+    let mut broker = TestBroker::start().await;
     let mut client = broker.client().await;
     // Its own echoes pass: it is not believed at once.
     let calls = async {
@@ -275,14 +274,18 @@ async fn a_port_that_lets_nobody_in_keeps_no_web_client_waiting() {
     let mut listeners = Listeners::from(port);
     assert!(listeners.accept().await.is_err());
     let secret = Token::draw().expect("the system gives chance");
-    let house = House::new(Gatehouse::new(topics()), Orders::new(obedient(idle()).0, topics(), true, mpsc::channel(1).0), secret);
-    let (_engines, engine) = watch::channel(Arc::new(Engine::hanging("127.0.0.1:9".parse().expect("an address"))));
-    let (come, visitors) = mpsc::channel(1);
-    tokio::spawn(Reception { house, access: Access::Open, engine, work: Handle::current() }.receive(listeners, visitors));
+    let clients = Clients::new(
+        mqtt_gate::Broker::new(topics()),
+        Commands::new(obedient(idle()).0, topics(), true, mpsc::channel(1).0),
+        secret,
+    );
+    let (_routers, router) = watch::channel(Arc::new(Router::hanging("127.0.0.1:9".parse().expect("an address"))));
+    let (come, web_clients) = mpsc::channel(1);
+    tokio::spawn(Reception { clients, access: Access::Open, router, work: Handle::current() }.receive(listeners, web_clients));
     for _ in 0..3 {
         let (mut client, stream) = tokio::io::duplex(1024);
         let origin = Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access: Access::Open };
-        assert!(come.send(Visitor::over(stream, origin)).await.is_ok(), "somebody receives visitors");
+        assert!(come.send(IncomingConnection::over(stream, origin)).await.is_ok(), "somebody receives web clients");
         client.write_all(b"\x10\x0d\0\x04MQTT\x04\x02\0\x3c\0\x01a").await.expect("it is taken");
         let mut greeting = [0; 4];
         within("the greeting", client.read_exact(&mut greeting)).await.expect("it comes");

@@ -11,11 +11,11 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, ReadBuf};
 use tokio::runtime::Handle;
 
-use super::gate::stop_search::StopSearch;
-use super::gate::turnstile::Listener;
+use super::incoming::Reader;
 use super::read_ahead::{Feeder, Left, READ};
-use super::visitor::Reader;
 use crate::runtime::clock::Clock;
+use mqtt_gate::Listener;
+use mqtt_gate::UrgentSearch;
 
 /// After so long it is read what others say.
 const TURN: Duration = Duration::from_millis(2);
@@ -28,12 +28,12 @@ const FAREWELL: Duration = Duration::from_secs(1);
 
 thread_local! {
     /// Where everything is read into on this thread: a client that says nothing costs no room for it.
-    static DESK: RefCell<Box<[u8]>> = RefCell::new(vec![0; READ].into());
+    static READ_BUFFER: RefCell<Box<[u8]>> = RefCell::new(vec![0; READ].into());
 }
 
 /// Listens to one client.
 pub(super) struct Hearing {
-    search: StopSearch,
+    search: UrgentSearch,
     listener: Arc<dyn Listener>,
     feeder: Feeder,
     clock: Clock,
@@ -51,12 +51,12 @@ struct Read {
 impl Hearing {
     /// Hears for `listener`, and passes on to `feeder`.
     pub(super) fn new(listener: Arc<dyn Listener>, feeder: Feeder, clock: Clock, work: Handle) -> Hearing {
-        Hearing { search: StopSearch::default(), listener, feeder, clock, work }
+        Hearing { search: UrgentSearch::default(), listener, feeder, clock, work }
     }
 
     /// The same for a client of MQTT 5.
-    pub(super) fn of_five(self) -> Hearing {
-        Hearing { search: StopSearch::of_five(), ..self }
+    pub(super) fn for_mqtt5(self) -> Hearing {
+        Hearing { search: UrgentSearch::for_mqtt5(), ..self }
     }
 
     /// What came together with the CONNECT.
@@ -144,7 +144,7 @@ impl Hearing {
 
 /// Looks through what was read, and passes it on; what was not looked through when the time was over.
 fn hear(
-    search: &mut StopSearch,
+    search: &mut UrgentSearch,
     listener: &dyn Listener,
     feeder: &Feeder,
     (clock, work): (Clock, &Handle),
@@ -152,7 +152,7 @@ fn hear(
 ) -> Vec<u8> {
     let _elsewhere = work.enter();
     let (mut rest, came, mut halted, mut until) = (bytes, listener.epoch(), Vec::new(), None);
-    while let Some(begins) = search.next(&mut rest, |said| listener.halts(said.topic, said.payload)) {
+    while let Some(begins) = search.next(&mut rest, |said| listener.hear_urgent(said.topic, said.payload)) {
         halted.push((begins, listener.epoch()));
         let now = clock.now().since_start;
         if now >= *until.get_or_insert(now + TURN) {
@@ -173,8 +173,8 @@ fn poll_read(
     hear: &mut impl FnMut(&[u8]) -> Vec<u8>,
     cx: &mut Context<'_>,
 ) -> Poll<io::Result<Read>> {
-    DESK.with_borrow_mut(|desk| {
-        let mut into = ReadBuf::new(&mut desk[..room]);
+    READ_BUFFER.with_borrow_mut(|buffer| {
+        let mut into = ReadBuf::new(&mut buffer[..room]);
         ready!(Pin::new(reader).poll_read(cx, &mut into))?;
         match into.filled() {
             [] => Poll::Ready(Err(io::ErrorKind::UnexpectedEof.into())),

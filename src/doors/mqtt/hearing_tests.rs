@@ -8,14 +8,14 @@ use tokio::sync::mpsc;
 use super::*;
 use crate::access::{Caller, Key, Keyring, Keys, OPERATOR, Role, Token};
 use crate::api::fixture::searching;
-use crate::doors::mqtt::gate::packet::{Qos, write};
+use crate::doors::mqtt::commands::Commands;
 use crate::doors::mqtt::identity::Identity;
-use crate::doors::mqtt::orders::Orders;
 use crate::doors::mqtt::read_ahead::{Pool, Taker, read_ahead};
 use crate::doors::mqtt::topics::Topics;
 use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::command::Command;
+use mqtt_gate::packet::{Qos, write};
 
 /// A client that is listened to, before a loop that does as it is told.
 struct Scene {
@@ -37,9 +37,9 @@ impl Scene {
     fn of(identity: &Identity) -> Scene {
         let (handle, script) = obedient(searching());
         let topics = Topics::new("hallsweep", "discovery", "unibo/qak");
-        let orders = Orders::new(handle, topics, false, mpsc::channel(1024).0);
+        let commands = Commands::new(handle, topics, false, mpsc::channel(1024).0);
         let (feeder, taker) = read_ahead(&Pool::default());
-        let listener = identity.listener(&orders, [127, 0, 0, 1].into());
+        let listener = identity.listener(&commands, [127, 0, 0, 1].into());
         Scene { hearing: Hearing::new(listener, feeder, Clock::default(), Handle::current()), taker, script }
     }
 
@@ -55,7 +55,7 @@ impl Scene {
 
     fn passed_on(&self) -> (Vec<u8>, Vec<u64>) {
         let (mut bytes, mut halted) = (BytesMut::new(), Vec::new());
-        while self.taker.take(&mut bytes, |mark| halted.extend(mark.has_halted.then_some(mark.begins))) {}
+        while self.taker.take(&mut bytes, |mark| halted.extend(mark.heard_ahead.then_some(mark.begins))) {}
         (bytes.to_vec(), halted)
     }
 }
@@ -162,7 +162,7 @@ async fn nothing_else_halts() {
 /// What our own session says on the old topics is news.
 #[tokio::test]
 async fn the_program_itself_is_not_heard() {
-    let mut scene = Scene::of(&Identity::House);
+    let mut scene = Scene::of(&Identity::OwnSession);
     for (topic, payload) in STOPS {
         scene.hearing.begin(&publish(topic.as_bytes(), payload)).await;
     }

@@ -6,23 +6,24 @@ use std::sync::Arc;
 
 use subtle::ConstantTimeEq;
 
-use super::gate::packet::connect;
-use super::gate::rights::Guest;
-use super::gate::turnstile::{Heard, Listener};
-use super::orders::{self, Orders, Sender, Taken};
+use super::commands::{CommandSender, Commands, IncomingMessage, Taken};
+use super::incoming::Origin;
+use super::rights;
 use super::seats::Holder;
-use super::visitor::Origin;
 use crate::access::{Access, Caller, Need, Token};
-use hallsweep_core::units::Epoch;
+use hallsweep_core::units;
+use mqtt_gate::Principal;
+use mqtt_gate::packet::connect;
+use mqtt_gate::{CommandDecision, Epoch, Listener};
 
 /// The name by which our own session comes. No key can have it.
-pub const HOUSE: &str = "$hallsweep";
+pub const OWN_SESSION: &str = "$hallsweep";
 
 /// Who a client is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Identity {
     /// Our own session.
-    House,
+    OwnSession,
     /// Somebody who was let in.
     Somebody(Caller),
 }
@@ -41,12 +42,12 @@ impl Identity {
     ///
     /// # Errors
     /// When it is nobody who is let in.
-    pub(super) fn of(sender: &connect::Sender, origin: &Origin, secret: &Token) -> Result<Identity, Unknown> {
-        let password = sender.password.as_deref().unwrap_or_default();
-        let name = sender.name.as_deref();
-        if name == Some(HOUSE) {
+    pub(super) fn of(credentials: &connect::Credentials, origin: &Origin, secret: &Token) -> Result<Identity, Unknown> {
+        let password = credentials.password.as_deref().unwrap_or_default();
+        let name = credentials.name.as_deref();
+        if name == Some(OWN_SESSION) {
             let is_ours = secret.reveal().as_bytes().ct_eq(password);
-            return if is_ours.into() { Ok(Identity::House) } else { Err(Unknown::Wrong) };
+            return if is_ours.into() { Ok(Identity::OwnSession) } else { Err(Unknown::Wrong) };
         }
         if let Some(caller) = origin.caller.clone().or_else(|| origin.access.unasked(origin.from)) {
             return Ok(Identity::Somebody(caller));
@@ -60,7 +61,7 @@ impl Identity {
     /// The name for records.
     pub(super) fn name(&self) -> Arc<str> {
         match self {
-            Identity::House => Arc::from(HOUSE),
+            Identity::OwnSession => Arc::from(OWN_SESSION),
             Identity::Somebody(caller) => caller.name(),
         }
     }
@@ -78,69 +79,73 @@ impl Identity {
     }
 
     /// What the gate wants to know.
-    pub(super) const fn guest(&self) -> Guest {
+    pub(super) const fn principal(&self) -> Principal {
         match self {
-            Identity::House => Guest::House,
-            Identity::Somebody(caller) => Guest::Somebody(caller.role()),
+            Identity::OwnSession => Principal::Program,
+            Identity::Somebody(caller) => rights::principal(caller.role()),
         }
     }
 
     /// Whether it would be let in still; `now_s` in seconds since 1970.
     pub(super) fn is_known(&self, access: &Access, now_s: i64) -> bool {
         match self {
-            Identity::House => true,
+            Identity::OwnSession => true,
             Identity::Somebody(caller) => access.still_knows(caller, now_s),
         }
     }
 
     /// Who hears its commands. Our own session gives none: what it says on the old topics is news.
-    pub(super) fn listener(&self, orders: &Orders, from: IpAddr) -> Arc<dyn Listener> {
+    pub(super) fn listener(&self, commands: &Commands, from: IpAddr) -> Arc<dyn Listener> {
         match self {
-            Identity::House => Arc::new(Deaf),
+            Identity::OwnSession => Arc::new(Deaf),
             Identity::Somebody(caller) => {
                 let from = Arc::from(from.to_canonical().to_string());
-                Arc::new(Ear { orders: orders.clone(), sender: Sender::Known { caller: caller.clone(), from } })
+                Arc::new(CommandListener {
+                    commands: commands.clone(),
+                    sender: CommandSender::Known { caller: caller.clone(), from },
+                })
             }
         }
     }
 }
 
 /// Hears commands of somebody.
-struct Ear {
-    orders: Orders,
-    sender: Sender,
+struct CommandListener {
+    commands: Commands,
+    sender: CommandSender,
 }
 
 /// Hears nothing.
 struct Deaf;
 
-impl Listener for Ear {
-    fn hear(&self, topic: &str, payload: &[u8], (arrived, is_again): (Option<Epoch>, bool)) -> Heard {
-        match self.orders.take(&orders::Heard { topic, payload, arrived, is_again }, &self.sender) {
-            Taken::NotACommand | Taken::Taken => Heard::Pass,
-            Taken::Forbidden => Heard::Forbidden,
+impl Listener for CommandListener {
+    fn hear(&self, topic: &str, payload: &[u8], (arrived, is_again): (Option<Epoch>, bool)) -> CommandDecision {
+        let arrived = arrived.map(|Epoch(epoch)| units::Epoch(epoch));
+        match self.commands.take(&IncomingMessage { topic, payload, arrived, is_again }, &self.sender) {
+            Taken::NotACommand | Taken::Taken => CommandDecision::Pass,
+            Taken::Forbidden => CommandDecision::Forbidden,
         }
     }
 
     fn epoch(&self) -> Epoch {
-        self.orders.epoch()
+        Epoch(self.commands.epoch().0)
     }
 
-    fn halts(&self, topic: &[u8], payload: &[u8]) -> bool {
-        self.orders.halts(topic, payload, &self.sender)
+    fn hear_urgent(&self, topic: &[u8], payload: &[u8]) -> bool {
+        self.commands.halts(topic, payload, &self.sender)
     }
 }
 
 impl Listener for Deaf {
-    fn hear(&self, _: &str, _: &[u8], _: (Option<Epoch>, bool)) -> Heard {
-        Heard::Pass
+    fn hear(&self, _: &str, _: &[u8], _: (Option<Epoch>, bool)) -> CommandDecision {
+        CommandDecision::Pass
     }
 
     fn epoch(&self) -> Epoch {
         Epoch(0)
     }
 
-    fn halts(&self, _: &[u8], _: &[u8]) -> bool {
+    fn hear_urgent(&self, _: &[u8], _: &[u8]) -> bool {
         false
     }
 }
@@ -167,13 +172,13 @@ mod tests {
     }
 
     fn of(access: &Access, from: &str, login: Option<(&str, &str)>, secret: &Token) -> Result<Identity, Unknown> {
-        let sender = connect::Sender {
+        let credentials = connect::Credentials {
             name: login.map(|(name, _)| name.to_owned()),
             password: login.map(|(_, password)| password.to_owned().into()),
             is_five: false,
         };
         let origin = Origin { from: from.parse().unwrap(), caller: None, access: access.clone() };
-        Identity::of(&sender, &origin, secret)
+        Identity::of(&credentials, &origin, secret)
     }
 
     /// Safety A4.
@@ -181,9 +186,9 @@ mod tests {
     fn a_name_and_its_token_let_somebody_in_with_the_role_of_the_key() {
         let (keys, secret) = (keys(), Token::draw().unwrap());
         let try_in = |login| of(&keys.access, "192.0.2.7", login, &secret);
-        let who = |login| try_in(Some(login)).map(|identity| identity.guest());
-        assert_eq!(who(("operator", &keys.operator)), Ok(Guest::Somebody(Role::Operator)));
-        assert_eq!(who(("screen", &keys.viewer)), Ok(Guest::Somebody(Role::Viewer)));
+        let who = |login| try_in(Some(login)).map(|identity| identity.principal());
+        assert_eq!(who(("operator", &keys.operator)), Ok(rights::principal(Role::Operator)));
+        assert_eq!(who(("screen", &keys.viewer)), Ok(rights::principal(Role::Viewer)));
         assert_eq!(who(("operator", &keys.viewer)), Err(Unknown::Wrong), "somebody else's token");
         assert_eq!(who(("nobody", "secret")), Err(Unknown::Wrong));
         assert_eq!(try_in(None), Err(Unknown::Nothing));
@@ -202,8 +207,8 @@ mod tests {
     #[test]
     fn nobody_is_our_own_session_without_its_secret() {
         let secret = Token::draw().unwrap();
-        assert_eq!(of(&Access::Open, "127.0.0.1", Some((HOUSE, secret.reveal())), &secret), Ok(Identity::House));
-        assert_eq!(of(&Access::Open, "127.0.0.1", Some((HOUSE, "guess")), &secret), Err(Unknown::Wrong));
-        assert!(Key::new(HOUSE, Role::Viewer, secret).is_err(), "no key has this name");
+        assert_eq!(of(&Access::Open, "127.0.0.1", Some((OWN_SESSION, secret.reveal())), &secret), Ok(Identity::OwnSession));
+        assert_eq!(of(&Access::Open, "127.0.0.1", Some((OWN_SESSION, "guess")), &secret), Err(Unknown::Wrong));
+        assert!(Key::new(OWN_SESSION, Role::Viewer, secret).is_err(), "no key has this name");
     }
 }

@@ -1,16 +1,16 @@
-//! What a visitor says first, and why it is sent away.
+//! What a newcomer says first, and why it is sent away.
 
 use bytes::{Buf, BytesMut};
 use tokio::io::AsyncReadExt;
 
-use super::gate::frame::{Kind, Malformed, frame};
-use super::gate::limits::CONNECT;
-use super::gate::packet::connect::{self, Connect, NoConnect};
-use super::gate::packet::write::Welcome;
-use super::gate::turnstile::Ended;
-use super::visitor::Reader;
+use super::incoming::Reader;
+use mqtt_gate::Ended;
+use mqtt_gate::limits::CONNECT;
+use mqtt_gate::packet::connect::{self, Connect, NoConnect};
+use mqtt_gate::packet::write::Welcome;
+use mqtt_gate::{Kind, Malformed, frame};
 
-/// Why a visitor did not become a guest, or is one no more.
+/// Why a newcomer was not let in, or is no client any more.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Sent {
     #[error("it did not say in time who it is")]

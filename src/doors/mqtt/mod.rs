@@ -1,32 +1,31 @@
 //! The MQTT door: the old topics, the JSON topics, and a broker of our own behind a gate, or somebody else's. It turns messages
 //! into commands and snapshots into messages; it decides nothing about the mission.
 
+pub mod change_feed;
+mod clients;
+pub mod commands;
 mod embedded;
-mod engine;
-pub mod gate;
-mod guests;
 mod hearing;
 pub mod home_assistant;
 mod identity;
+mod incoming;
 mod introduction;
 mod limits;
-mod memory;
-pub mod news;
-pub mod orders;
 pub mod publication;
 mod pump;
 pub mod qak;
 mod read_ahead;
+mod rights;
+mod router;
 mod seats;
 pub mod session;
 mod slots;
 mod suspicion;
 pub mod topics;
 mod upstream;
-mod visitor;
 
+pub use clients::Clients;
 pub use embedded::{Embedded, Ways};
-pub use engine::EngineError;
-pub use guests::House;
-pub use identity::HOUSE;
-pub use visitor::{Origin, Reader, Visitor, Writer};
+pub use identity::OWN_SESSION;
+pub use incoming::{IncomingConnection, Origin, Reader, Writer};
+pub use router::RouterError;

@@ -1,4 +1,4 @@
-//! Moves bytes between a client, the gate and the engine, for as long as all three go on. It understands none of them: what is let
+//! Moves bytes between a client, the gate and the router, for as long as all three go on. It understands none of them: what is let
 //! through, and how much may wait, is said by the gate. What the client says has been looked through for a STOP before it comes here,
 //! so that nothing here is urgent: it works in short turns, and others have theirs in between.
 
@@ -13,24 +13,24 @@ use bytes::BytesMut;
 use tokio::io::AsyncWriteExt;
 use tokio::sync::Semaphore;
 
-use super::gate::ledger::Ledger;
-use super::gate::limits::ANSWER_ROOM;
-use super::gate::outbox::give_back;
-use super::gate::turnstile::{Ended, Turnstile};
 use super::identity::Identity;
+use super::incoming::Writer;
 use super::read_ahead::{Left, READ, Taker};
 use super::seats::{Seat, Unread, given_up};
 use super::slots::Slot;
-use super::upstream::{ToEngine, Upstream, leave, read_some, write_some};
-use super::visitor::Writer;
+use super::upstream::{ToRouter, Upstream, leave, read_some, write_some};
 use crate::access::Access;
 use crate::doors::vestibule::Vestibule;
 use crate::runtime::clock::Clock;
+use mqtt_gate::SubscriberLag;
+use mqtt_gate::give_back;
+use mqtt_gate::limits::ANSWER_ROOM;
+use mqtt_gate::{ClientConnection, Ended};
 
 /// After so long of one client's packets others have their turn.
 const TURN: Duration = Duration::from_millis(1);
 
-/// So much room there is for what the engine sends, in bytes, while no more than that comes at once.
+/// So much room there is for what the router sends, in bytes, while no more than that comes at once.
 const FEW: usize = 4 * 1024;
 
 /// How often it is looked whether a client would be let in still: a key that was taken away is good for no longer than this.
@@ -39,7 +39,7 @@ const GLANCE: Duration = Duration::from_millis(500);
 /// So long the last words of a connection may take to get to the other side,
 const FAREWELL: Duration = Duration::from_secs(1);
 
-/// and so long the messages of a client that left before it had a way to the engine.
+/// and so long the messages of a client that left before it had a way to the router.
 const LATE: Duration = Duration::from_secs(5);
 
 /// How often it is looked, when the program ends, whether a client was told everything.
@@ -57,7 +57,7 @@ pub(super) struct Ends {
     pub(super) seat: Option<Seat>,
     /// Where those are who leave, and from where this one came.
     pub(super) leaving: (Vestibule, IpAddr),
-    /// Room for those who have left and whose messages wait for a way to the engine.
+    /// Room for those who have left and whose messages wait for a way to the router.
     pub(super) late: Arc<Semaphore>,
 }
 
@@ -66,41 +66,41 @@ pub(super) type Whose<'a> = (&'a Identity, &'a Access, Clock);
 
 /// The gate in the middle, and what has come from both sides.
 struct Pump<'a> {
-    turnstile: Turnstile,
+    connection: ClientConnection,
     client: Writer,
     ahead: Taker,
     seat: Option<&'a Seat>,
-    /// Not before the engine has let us in.
-    engine: Option<ToEngine>,
+    /// Not before the router has let us in.
+    router: Option<ToRouter>,
     clock: Clock,
     from_client: BytesMut,
     /// Whole packets of the client may be there that were not taken in the last turn;
     is_cut: bool,
     /// others have their turn first.
     is_long: bool,
-    from_engine: BytesMut,
+    from_router: BytesMut,
     /// When the client had last taken much, or all, of what waited for it, and how much since then.
     read_at: Duration,
     taken: usize,
     /// The client has published in a flood, and these subscribers do not keep up.
-    waiting: Option<Waiting>,
+    waiting: Option<LagWait>,
 }
 
 #[derive(Clone)]
-struct Waiting {
-    ledgers: Arc<[Arc<Ledger>]>,
+struct LagWait {
+    behind: Arc<[Arc<SubscriberLag>]>,
     until: Duration,
 }
 
-/// Runs until it has to end, and says why. The client is served although `joining`, which finds the way to the engine, takes long; for
+/// Runs until it has to end, and says why. The client is served although `joining`, which finds the way to the router, takes long; for
 /// a client that is gone it is not waited for while it only `waits`, unless what it published is there and has room.
 pub(super) async fn run(
-    turnstile: Turnstile,
+    connection: ClientConnection,
     Ends { client, ahead, seat, leaving, late }: Ends,
     (joining, waits): (impl Future<Output = Result<Upstream, Ended>>, &AtomicBool),
     whose: Whose<'_>,
 ) -> Ended {
-    let mut pump = Pump::new(turnstile, (client, ahead, seat.as_ref()), whose.2);
+    let mut pump = Pump::new(connection, (client, ahead, seat.as_ref()), whose.2);
     let (mut joining, mut shut_out) = (pin!(joining), pin!(shut_out(whose, seat.as_ref())));
     let joined = tokio::select! {
         ended = pump.flow() => Err(ended),
@@ -111,12 +111,12 @@ pub(super) async fn run(
     let is_joining = has_not_joined && !waits.load(Ordering::Relaxed);
     let (ended, slot, way) = match joined.and_then(|joined| joined) {
         Err(ended) => (ended, None, None),
-        Ok(Upstream { stream, mut slot, mut engine, way }) => {
-            pump.engine = Some(stream.into_split());
+        Ok(Upstream { stream, mut slot, mut router, way }) => {
+            pump.router = Some(stream.into_split());
             let ended = tokio::select! {
                 ended = pump.flow() => ended,
                 () = slot.wanted() => Ended::TakenOver,
-                changed = engine.changed() => if changed.is_ok() { Ended::EngineGone } else { Ended::Closing },
+                changed = router.changed() => if changed.is_ok() { Ended::RouterGone } else { Ended::Closing },
                 ended = &mut shut_out => ended,
             };
             (ended, Some(slot), Some(way))
@@ -127,34 +127,34 @@ pub(super) async fn run(
         seat.give_back();
     }
     pump.ahead.leave(left(ended));
-    pump.turnstile.handle_end(ended);
+    pump.connection.handle_end(ended);
     if ended == Ended::GaveWay {
         // What waited for it may be why.
-        pump.turnstile.to_client().clear();
+        pump.connection.to_client().clear();
     }
-    let room = (has_not_joined && pump.turnstile.has_messages()).then(|| late.try_acquire_owned().ok()).flatten();
+    let room = (has_not_joined && pump.connection.has_messages()).then(|| late.try_acquire_owned().ok()).flatten();
     let patience = if room.is_some() { LATE } else { FAREWELL };
     let joined = async { if is_joining || room.is_some() { joining.await.ok() } else { None } };
     if let Some(slot) = pump.take_leave(ended, (joined, patience), leaving).await.or(slot) {
-        slot.remember(pump.turnstile.into_session());
+        slot.remember(pump.connection.into_session());
     }
     drop(way);
     ended
 }
 
 impl<'a> Pump<'a> {
-    fn new(turnstile: Turnstile, (client, ahead, seat): (Writer, Taker, Option<&'a Seat>), clock: Clock) -> Pump<'a> {
+    fn new(connection: ClientConnection, (client, ahead, seat): (Writer, Taker, Option<&'a Seat>), clock: Clock) -> Pump<'a> {
         Pump {
-            turnstile,
+            connection,
             client,
             ahead,
             seat,
-            engine: None,
+            router: None,
             clock,
             from_client: BytesMut::new(),
             is_cut: false,
             is_long: false,
-            from_engine: BytesMut::new(),
+            from_router: BytesMut::new(),
             read_at: clock.now().since_start,
             taken: 0,
             waiting: None,
@@ -164,9 +164,9 @@ impl<'a> Pump<'a> {
     /// The program ends: moves bytes until the client was told everything that was published for it, as that the program ends. Whoever
     /// ends connections bounds the time for this.
     async fn see_out(&mut self) -> Ended {
-        let ledger = self.turnstile.ledger();
+        let lag = self.connection.lag();
         let settled = async {
-            while !ledger.is_settled() {
+            while !lag.is_settled() {
                 tokio::time::sleep(BREATH).await;
             }
         };
@@ -176,7 +176,7 @@ impl<'a> Pump<'a> {
         }
     }
 
-    /// Says the last words to both sides. The engine is left only after it has let us in: one that was left before that may let nobody
+    /// Says the last words to both sides. The router is left only after it has let us in: one that was left before that may let nobody
     /// in again. So a way to it that comes late is taken, and with it the slot that it was for.
     async fn take_leave(
         &mut self,
@@ -184,7 +184,7 @@ impl<'a> Pump<'a> {
         (late, patience): (impl Future<Output = Option<Upstream>>, Duration),
         (leaving, from): (Vestibule, IpAddr),
     ) -> Option<Slot> {
-        let (to_engine, to_client) = self.turnstile.outgoing();
+        let (to_router, to_client) = self.connection.outgoing();
         let told = async {
             // Whoever is gone already hears nothing.
             let _ = self.client.write_all_buf(to_client).await;
@@ -199,21 +199,21 @@ impl<'a> Pump<'a> {
             // closed it, too.
             self.ahead.ended().await;
         };
-        let to_engine = async {
-            match self.engine.take() {
-                Some(mut engine) => {
-                    leave(&mut engine, to_engine).await;
+        let to_router = async {
+            match self.router.take() {
+                Some(mut router) => {
+                    leave(&mut router, to_router).await;
                     None
                 }
                 None => {
                     let Upstream { stream, slot, .. } = late.await?;
-                    leave(&mut stream.into_split(), to_engine).await;
+                    leave(&mut stream.into_split(), to_router).await;
                     Some(slot)
                 }
             }
         };
-        let (to_client, to_engine) = (tokio::time::timeout(FAREWELL, to_client), tokio::time::timeout(patience, to_engine));
-        tokio::join!(to_client, to_engine).1.ok().flatten()
+        let (to_client, to_router) = (tokio::time::timeout(FAREWELL, to_client), tokio::time::timeout(patience, to_router));
+        tokio::join!(to_client, to_router).1.ok().flatten()
     }
 
     /// Moves bytes until something ends it.
@@ -224,22 +224,23 @@ impl<'a> Pump<'a> {
                 return ended;
             }
             let behind = self.behind();
-            let hears_client = behind.is_none() && self.turnstile.wants_client();
-            let (is_unread, hears_engine) = (self.turnstile.is_unread(), self.turnstile.wants_engine() && self.engine.is_some());
-            let silent_until = self.turnstile.poll_timeout();
+            let hears_client = behind.is_none() && self.connection.wants_client();
+            let (is_unread, hears_router) =
+                (self.connection.is_unread(), self.connection.wants_router() && self.router.is_some());
+            let silent_until = self.connection.poll_timeout();
             self.note_held();
-            if hears_engine {
-                make_room(&mut self.from_engine, read);
+            if hears_router {
+                make_room(&mut self.from_router, read);
             }
-            let has_more = self.turnstile.wants_turn();
-            let (for_engine, for_client) = self.turnstile.outgoing();
-            let tells_engine = !for_engine.is_empty() && self.engine.is_some();
-            let (engine, to_engine) = self.engine.as_mut().map(|(read, write)| (read, write)).unzip();
+            let has_more = self.connection.wants_turn();
+            let (for_router, for_client) = self.connection.outgoing();
+            let tells_router = !for_router.is_empty() && self.router.is_some();
+            let (router, to_router) = self.router.as_mut().map(|(read, write)| (read, write)).unzip();
             outcome = tokio::select! {
                 biased;
-                written = write_some(to_engine, for_engine), if tells_engine => {
-                    give_back(for_engine);
-                    went(written, Ended::EngineGone)
+                written = write_some(to_router, for_router), if tells_router => {
+                    give_back(for_router);
+                    went(written, Ended::RouterGone)
                 }
                 written = self.client.write_buf(for_client), if !for_client.is_empty() => {
                     self.handle_read(&written);
@@ -249,22 +250,22 @@ impl<'a> Pump<'a> {
                     if has_ended { Err(Ended::Gone) } else { self.client_said() }
                 }
                 () = self.ahead.full(), if is_unread => Err(Ended::TooMuch { what: "bytes of answers unread", most: ANSWER_ROOM }),
-                came = read_some(engine, &mut self.from_engine), if hears_engine => {
+                came = read_some(router, &mut self.from_router), if hears_router => {
                     read = came.as_ref().copied().unwrap_or_default();
-                    went(came, Ended::EngineGone).and_then(|()| self.turnstile.handle_engine(&mut self.from_engine))
+                    went(came, Ended::RouterGone).and_then(|()| self.connection.handle_router(&mut self.from_router))
                 }
                 in_vain = caught_up(behind.as_ref(), self.clock) => {
                     self.waiting = None;
                     if in_vain {
-                        self.turnstile.handle_waited(self.clock.now().since_start);
+                        self.connection.handle_waited(self.clock.now().since_start);
                     }
                     Ok(())
                 }
                 () = tokio::task::yield_now(), if has_more => {
-                    self.turnstile.handle_drained();
+                    self.connection.handle_drained();
                     Ok(())
                 }
-                () = self.clock.reach(Some(silent_until)) => self.turnstile.handle_timeout(self.clock.now().since_start),
+                () = self.clock.reach(Some(silent_until)) => self.connection.handle_timeout(self.clock.now().since_start),
             };
         }
     }
@@ -275,32 +276,32 @@ impl<'a> Pump<'a> {
         if self.taken >= MUCH {
             (self.read_at, self.taken) = (self.clock.now().since_start, 0);
         }
-        self.turnstile.handle_drained();
+        self.connection.handle_drained();
         self.moves();
     }
 
     /// Says how much waits here, for the client and of it.
     fn note_held(&mut self) {
-        let here = self.turnstile.held() + self.from_client.len() + self.from_engine.len();
-        self.ahead.hold(here, self.turnstile.wants_engine());
-        let (shared, at_engine) = self.turnstile.elsewhere();
-        if self.turnstile.to_client().is_empty() {
+        let here = self.connection.held() + self.from_client.len() + self.from_router.len();
+        self.ahead.hold(here, self.connection.wants_router());
+        let (shared, at_router) = self.connection.elsewhere();
+        if self.connection.to_client().is_empty() {
             (self.read_at, self.taken) = (self.clock.now().since_start, 0);
         }
         if let Some(seat) = self.seat {
-            seat.note_unread(Unread { here, at_engine, shared }, self.read_at, || self.turnstile.beside());
+            seat.note_unread(Unread { here, at_router, shared }, self.read_at, || self.connection.beside());
         }
     }
 
     /// For whom nothing is taken from the client, and until when.
-    fn behind(&mut self) -> Option<Waiting> {
+    fn behind(&mut self) -> Option<LagWait> {
         let now = self.clock.now().since_start;
         if self.waiting.is_none() {
-            let ledgers = self.turnstile.poll_behind(now);
-            let until = self.turnstile.waits_until(now);
-            self.waiting = (!ledgers.is_empty()).then(|| Waiting { ledgers: ledgers.into(), until });
+            let behind = self.connection.poll_behind(now);
+            let until = self.connection.waits_until(now);
+            self.waiting = (!behind.is_empty()).then(|| LagWait { behind: behind.into(), until });
         } else {
-            self.turnstile.note_room(now);
+            self.connection.note_room(now);
         }
         self.waiting.clone()
     }
@@ -310,14 +311,14 @@ impl<'a> Pump<'a> {
         let now = self.clock.now().since_start;
         let before = self.from_client.len();
         if !self.is_cut {
-            let turnstile = &mut self.turnstile;
-            self.ahead.take(&mut self.from_client, |mark| turnstile.handle_mark(mark));
+            let connection = &mut self.connection;
+            self.ahead.take(&mut self.from_client, |mark| connection.handle_mark(mark));
         }
         self.is_long = self.from_client.len() - before >= READ / 2;
         loop {
-            self.is_cut = self.turnstile.handle_turn(&mut self.from_client, now)?;
+            self.is_cut = self.connection.handle_turn(&mut self.from_client, now)?;
             let is_over = self.clock.now().since_start >= now + TURN;
-            if !self.is_cut || is_over || !self.turnstile.wants_client() || self.behind().is_some() {
+            if !self.is_cut || is_over || !self.connection.wants_client() || self.behind().is_some() {
                 break;
             }
         }
@@ -364,11 +365,11 @@ fn make_room(buffer: &mut BytesMut, read: usize) {
 
 /// Waits until all subscribers have caught up, or it is time to look who does not read: whether the latter. For ever, when there is none
 /// to wait for.
-async fn caught_up(waiting: Option<&Waiting>, clock: Clock) -> bool {
-    let Some(Waiting { ledgers, until }) = waiting else { return std::future::pending().await };
+async fn caught_up(waiting: Option<&LagWait>, clock: Clock) -> bool {
+    let Some(LagWait { behind, until }) = waiting else { return std::future::pending().await };
     let all_relieved = async {
-        for ledger in ledgers.iter() {
-            ledger.relieved().await;
+        for lag in behind.iter() {
+            lag.relieved().await;
         }
     };
     tokio::select! {

@@ -8,9 +8,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use bytes::BytesMut;
 use tokio::sync::Notify;
 
-use super::gate::turnstile::Mark;
-use super::limits::{ALWAYS_AHEAD, CONNECTION_BYTES, ENGINE_PART, READ_AHEAD, UNREAD_PART};
-use hallsweep_core::units::Epoch;
+use super::limits::{ALWAYS_AHEAD, CONNECTION_BYTES, READ_AHEAD, ROUTER_PART, UNREAD_PART};
+use mqtt_gate::{Epoch, Mark};
 
 /// So much is read at once, in bytes.
 pub(super) const READ: usize = 64 * 1024;
@@ -138,9 +137,9 @@ impl Feeder {
         // Of a STOP whose beginning came earlier these are the rest, and what follows it comes in the epoch that it has made.
         let is_cut = halted.first().is_some_and(|(stop, _)| *stop < begins);
         if state.epoch != Some(came) && !is_cut {
-            state.marks.push(Mark { begins, epoch: came, has_halted: false });
+            state.marks.push(Mark { begins, epoch: came, heard_ahead: false });
         }
-        state.marks.extend(halted.iter().map(|(begins, epoch)| Mark { begins: *begins, epoch: *epoch, has_halted: true }));
+        state.marks.extend(halted.iter().map(|(begins, epoch)| Mark { begins: *begins, epoch: *epoch, heard_ahead: true }));
         state.epoch = Some(halted.last().map_or(came, |(_, epoch)| *epoch));
         state.total += bytes.len() as u64;
         // Before anybody can take them, so that the sum is never less than nothing.
@@ -195,7 +194,7 @@ impl Taker {
         self.wait(|state| (self.0.room_in(state) == 0).then_some(())).await;
     }
 
-    /// So much of this client waits elsewhere, and more at the engine when it does not read; what may wait here is less by that.
+    /// So much of this client waits elsewhere, and more at the router when it does not read; what may wait here is less by that.
     pub(super) fn hold(&self, held: usize, reads: bool) {
         let mut state = self.0.state();
         state.held = if reads { held } else { held + UNREAD_PART };
@@ -241,7 +240,7 @@ impl Shared {
     /// How much more may come.
     fn room_in(&self, state: &State) -> usize {
         let is_lent_out = self.pool.bytes() >= READ_AHEAD;
-        let own = CONNECTION_BYTES.saturating_sub(ENGINE_PART + state.held);
+        let own = CONNECTION_BYTES.saturating_sub(ROUTER_PART + state.held);
         let most = if is_lent_out { ALWAYS_AHEAD } else { own.max(ALWAYS_AHEAD) };
         most.saturating_sub(state.bytes + STOP_COST * state.marks.len())
     }
@@ -261,7 +260,7 @@ mod tests {
 
     fn taken(taker: &Taker) -> (Vec<u8>, Vec<u64>) {
         let (mut bytes, mut halted) = (BytesMut::new(), Vec::new());
-        while taker.take(&mut bytes, |mark| halted.extend(mark.has_halted.then_some(mark.begins))) {}
+        while taker.take(&mut bytes, |mark| halted.extend(mark.heard_ahead.then_some(mark.begins))) {}
         (bytes.to_vec(), halted)
     }
 
@@ -301,7 +300,7 @@ mod tests {
         feeder.put(b"second half and a START", Epoch(2), &[(3, Epoch(3))]);
         feeder.put(b"more", Epoch(4), &[]);
         let (mut bytes, mut marks) = (BytesMut::new(), Vec::new());
-        while taker.take(&mut bytes, |mark| marks.push((mark.begins, mark.epoch, mark.has_halted))) {}
+        while taker.take(&mut bytes, |mark| marks.push((mark.begins, mark.epoch, mark.heard_ahead))) {}
         assert_eq!(marks, [(0, Epoch(1), false), (3, Epoch(3), true), (33, Epoch(4), false)]);
     }
 
@@ -310,17 +309,17 @@ mod tests {
     async fn what_waits_here_and_elsewhere_has_one_bound() {
         let pool = Pool::default();
         let (feeder, taker) = read_ahead(&pool);
-        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART - STOP_COST, "the first mark says when they came");
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ROUTER_PART - STOP_COST, "the first mark says when they came");
         taker.full().await;
         taken(&taker);
-        taker.hold(CONNECTION_BYTES - ENGINE_PART - 2 * READ, true);
+        taker.hold(CONNECTION_BYTES - ROUTER_PART - 2 * READ, true);
         assert_eq!(fill(&feeder).await, 2 * READ);
         taken(&taker);
         taker.hold(2 * CONNECTION_BYTES, true);
         assert_eq!(fill(&feeder).await, ALWAYS_AHEAD, "something can always come");
         taken(&taker);
         taker.hold(0, false);
-        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART - UNREAD_PART, "what it does not read costs elsewhere");
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ROUTER_PART - UNREAD_PART, "what it does not read costs elsewhere");
         taker.leave(Left::HearsRest);
         assert_eq!(pool.bytes(), 0);
         assert_eq!(feeder.room().await, Err(Left::HearsRest));
@@ -340,7 +339,7 @@ mod tests {
         assert_eq!(fill(&feeder).await, ALWAYS_AHEAD);
         drop(greedy);
         taken(&taker);
-        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART);
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ROUTER_PART);
     }
 
     /// Safety A5: in whatever pieces it comes.
@@ -360,7 +359,7 @@ mod tests {
     async fn what_is_remembered_of_stops_counts() {
         let (feeder, _taker) = read_ahead(&Pool::default());
         feeder.put(&[7; 8], Epoch(0), &[(0, Epoch(0)); 999]);
-        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ENGINE_PART - 8 - 1000 * STOP_COST);
+        assert_eq!(fill(&feeder).await, CONNECTION_BYTES - ROUTER_PART - 8 - 1000 * STOP_COST);
     }
 
     /// Whether what was polled with it was woken.

@@ -55,8 +55,8 @@ struct Taken {
 pub(super) struct Unread {
     /// Here,
     pub(super) here: usize,
-    /// at the engine,
-    pub(super) at_engine: usize,
+    /// at the router,
+    pub(super) at_router: usize,
     /// and what others have as well.
     pub(super) shared: usize,
 }
@@ -74,7 +74,7 @@ pub(super) struct Seat {
 
 impl Unread {
     const fn own(self) -> usize {
-        self.here + self.at_engine
+        self.here + self.at_router
     }
 
     const fn all(self) -> usize {
@@ -378,8 +378,8 @@ mod tests {
         let shared = Unread { shared: MUCH, ..Unread::default() };
         all.iter().for_each(|seat| seat.note_unread(shared, NOW, || 0));
         assert_eq!(lost(&all).await, 0);
-        let waits_at_engine = Unread { at_engine: MUCH, ..shared };
-        all[5].note_unread(waits_at_engine, NOW + NOW, || UNREAD);
+        let waits_at_router = Unread { at_router: MUCH, ..shared };
+        all[5].note_unread(waits_at_router, NOW + NOW, || UNREAD);
         assert_eq!((lost(&all[..1]).await, lost(&all).await), (1, 1), "one is enough");
     }
 

@@ -1,4 +1,4 @@
-//! By which name the engine knows a client. The engine forgets no name it has ever heard, and takes some amiss, so it only ever
+//! By which name the router knows a client. The router forgets no name it has ever heard, and takes some amiss, so it only ever
 //! hears those of a few slots, which are given out again. A client's own name counts here: whoever comes with one that is present
 //! takes the other's place, and whoever wants to be remembered gets the slot he had.
 
@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
-use super::gate::turnstile::Session;
+use mqtt_gate::Session;
 
 /// Clients that are remembered while they are away; of more the one who has been away for longest is forgotten.
 const REMEMBERED: usize = 128;
@@ -29,14 +29,14 @@ pub(super) struct Name {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Slots(Arc<Mutex<Table>>);
 
-/// A client's place at the engine; free again when it is dropped.
+/// A client's place at the router; free again when it is dropped.
 #[derive(Debug)]
 pub(super) struct Slot {
     slots: Slots,
     name: Name,
     moment: u64,
     number: usize,
-    /// Whether the engine is to remember the client.
+    /// Whether the router is to remember the client.
     pub(super) is_kept: bool,
     /// What is remembered of it; `None`: nothing is.
     pub(super) session: Option<Session>,
@@ -147,7 +147,7 @@ impl Table {
 }
 
 impl Slot {
-    /// The name for the engine.
+    /// The name for the router.
     pub(super) fn id(&self) -> String {
         format!("slot{}", self.number)
     }
@@ -183,7 +183,7 @@ mod tests {
     use futures_util::FutureExt;
 
     use super::*;
-    use crate::doors::mqtt::gate::packet::Qos;
+    use mqtt_gate::packet::Qos;
 
     fn name(client: &str) -> Name {
         Name { who: Arc::from("operator"), client: client.to_owned() }
@@ -245,7 +245,7 @@ mod tests {
         let slots = Slots::default();
         let slot = slots.take(name("panel"), true).await;
         assert_eq!(slot.session, None, "he was never here");
-        let session = Session { filters: [(Arc::from("a/#"), Qos::One)].into(), ..Session::default() };
+        let session = Session::holding([(Arc::from("a/#"), Qos::One)]);
         slot.remember(session.clone());
         let id = slot.id();
         drop(slot);
@@ -258,7 +258,7 @@ mod tests {
         assert_eq!(
             (forgotten.id(), forgotten.session.clone()),
             (id.clone(), None),
-            "the engine is told to forget by the same name"
+            "the router is told to forget by the same name"
         );
         drop(forgotten);
         assert_eq!(slots.take(name("next"), false).await.id(), id);

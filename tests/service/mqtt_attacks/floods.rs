@@ -12,14 +12,14 @@ const MESSAGE: usize = 16 * 1024;
 /// The most memory that the program may take, in MiB.
 const MEMORY_MIB: u64 = 128;
 
-/// The most it may take before its engine is started anew, in MiB: the 64 of docs/mqtt.md beyond the usual, what the allocator has not
-/// given back of the engine before, and what comes until somebody looks on a machine that is busy with all these tests.
-const ENGINE_MIB: u64 = 160;
+/// The most it may take before its router is started anew, in MiB: the 64 of docs/mqtt.md beyond the usual, what the allocator has not
+/// given back of the router before, and what comes until somebody looks on a machine that is busy with all these tests.
+const ROUTER_MIB: u64 = 160;
 
-/// So often an engine is filled: what one took does not add to what the next takes.
+/// So often a router is filled: what one took does not add to what the next takes.
 const ROUNDS: usize = 3;
 
-/// So many filters are held that each has an account of its own at the engine, by so many clients,
+/// So many filters are held that each has an account of its own at the router, by so many clients,
 const HOLDERS: usize = 24;
 
 /// and messages of so many bytes go through it, as long as may be.
@@ -72,7 +72,7 @@ fn a_subscriber_that_never_reads_costs_little_and_nobody_else_anything() {
     siege.stands();
 }
 
-/// Short messages cost the engine more than it counts, and under many filters each as often as there are filters. Safety A5.
+/// Short messages cost the router more than it counts, and under many filters each as often as there are filters. Safety A5.
 #[test]
 fn short_messages_under_many_filters_cost_little_and_nobody_else_anything() {
     let mut siege = Siege::begin();
@@ -91,12 +91,12 @@ fn short_messages_under_many_filters_cost_little_and_nobody_else_anything() {
     siege.stands();
 }
 
-/// Whatever is said, and by whomever: where an engine takes too much another takes its place, and the memory comes back. Safety A5.
+/// Whatever is said, and by whomever: where a router takes too much another takes its place, and the memory comes back. Safety A5.
 #[test]
-fn an_engine_that_takes_too_much_memory_is_started_anew_each_time() {
+fn a_router_that_takes_too_much_memory_is_started_anew_each_time() {
     let mut siege = Siege::begin();
     for round in 1..=ROUNDS {
-        // What was said stays in the engine, though it is read.
+        // What was said stays in the router, though it is read.
         let holders: Vec<_> = (0..HOLDERS).map(|holder| siege.client(&format!("holder-{holder}"))).collect();
         let holding = holders.into_iter().enumerate().map(|(holder, mut client)| {
             let filters: Vec<String> = (0..64).map(|n| format!("long/{holder}/{n}")).collect();
@@ -114,7 +114,7 @@ fn an_engine_that_takes_too_much_memory_is_started_anew_each_time() {
                 publisher = siege.client("publisher");
             }
             let memory = siege.memory_mib();
-            assert!(memory < ENGINE_MIB, "{memory} MiB in round {round}");
+            assert!(memory < ROUTER_MIB, "{memory} MiB in round {round}");
         }
         siege.screen_comes_again();
         holding.into_iter().for_each(|holder| holder.join().expect("it was sent away"));

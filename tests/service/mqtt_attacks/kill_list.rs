@@ -1,4 +1,4 @@
-//! What ends or stops the bare engine, one after the other, each through the public door: the engine must never see it.
+//! What ends or stops the bare router, one after the other, each through the public door: the router must never see it.
 
 use super::client::{Came, Client};
 use super::packets::{
@@ -8,7 +8,7 @@ use super::packets::{
 use super::siege::Siege;
 
 #[test]
-fn client_ids_that_the_engine_cannot_bear_are_as_good_as_others() {
+fn client_ids_that_the_router_cannot_bear_are_as_good_as_others() {
     let mut siege = Siege::begin();
     let long = "x".repeat(256);
     for id in ["a+", "$SYS", "#", "/", "a/b/+", "$share/a/#", "ü", "\u{feff}", " ", "slot0", "'; --", &long] {
@@ -116,7 +116,7 @@ fn whoever_lets_go_of_what_it_does_not_hold_is_answered() {
 }
 
 #[test]
-fn topics_that_the_engine_cannot_take_apart_are_acknowledged_and_go_nowhere() {
+fn topics_that_the_router_cannot_take_apart_are_acknowledged_and_go_nowhere() {
     let mut siege = Siege::begin();
     let mut listener = siege.client("listener");
     assert_eq!(listener.subscribe("#", 0), 0);

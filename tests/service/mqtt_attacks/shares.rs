@@ -1,11 +1,11 @@
-//! What one key may take of what all share: it uses up what is its own, and neither others nor the engine are the worse for it.
+//! What one key may take of what all share: it uses up what is its own, and neither others nor the router are the worse for it.
 
 use super::client::Client;
 use super::packets::{PUBACK, RETAIN, SUBACK, connect_as, packet, publish, subscribe_all};
 use super::siege::Siege;
 use crate::access::Folder;
 
-/// So many topics are named, more than the engine remembers.
+/// So many topics are named, more than the router remembers.
 const TOPICS: usize = 75_000;
 
 /// So many messages are to be kept,
@@ -57,7 +57,7 @@ fn kept(siege: &Siege, filter: &str) -> usize {
 
 /// Safety A5 and S9.
 #[test]
-fn one_keys_topics_and_kept_messages_leave_others_and_the_engine_as_they_were() {
+fn one_keys_topics_and_kept_messages_leave_others_and_the_router_as_they_were() {
     let folder = Folder::new("mqtt-shares");
     folder.token(&["add", "greedy", "--role", "operator"]);
     let mut siege = Siege::with_keys(&folder);

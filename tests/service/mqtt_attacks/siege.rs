@@ -1,5 +1,5 @@
 //! A program under attack, with a screen that was there before: whatever is done to the broker, the screen is served as before,
-//! others get in, and neither the program nor its engine had to begin anew.
+//! others get in, and neither the program nor its router had to begin anew.
 
 use std::fs::File;
 use std::net::SocketAddr;
@@ -97,7 +97,7 @@ impl Siege {
         self.is_served();
     }
 
-    /// Nothing was lost: the screen is served still, a newcomer gets in and finds the state, the engine is the one that it was, and
+    /// Nothing was lost: the screen is served still, a newcomer gets in and finds the state, the router is the one that it was, and
     /// nothing broke.
     pub(crate) fn stands(&mut self) {
         self.is_served();

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use super::talk::Talk;
+use super::running::RunningClient;
 use super::told::Hello;
 use super::{AVAILABILITY, OURS, with_each};
 use crate::program::Program;
@@ -15,12 +15,12 @@ const PATIENCE: Duration = Duration::from_secs(30);
 fn everybody_is_told_that_the_program_is_there_and_that_it_ends() {
     with_each(|client| {
         let mut program = Program::serve("empty-8x8", "max");
-        let talk = Talk::begin(client, &program, Hello::following(&[AVAILABILITY], 1));
-        talk.until_newest(AVAILABILITY, "online", |message| message.payload == "online");
+        let process = RunningClient::begin(client, &program, Hello::following(&[AVAILABILITY], 1));
+        process.until_newest(AVAILABILITY, "online", |message| message.payload == "online");
         program.signal("TERM");
-        talk.until_newest(AVAILABILITY, "offline", |message| message.payload == "offline" && !message.kept);
+        process.until_newest(AVAILABILITY, "offline", |message| message.payload == "offline" && !message.kept);
         assert!(program.ended_within(PATIENCE).is_some_and(|status| status.success()));
-        let said: Vec<String> = talk.heard().into_iter().map(|message| message.payload).collect();
+        let said: Vec<String> = process.heard().into_iter().map(|message| message.payload).collect();
         assert_eq!(said.last().map(String::as_str), Some("offline"), "{said:?}");
         assert_eq!(said.iter().filter(|word| *word == "offline").count(), 1, "once: {said:?}");
     });
@@ -34,14 +34,14 @@ fn a_newcomer_is_told_what_stands() {
         program.until_phase("explored");
         let state = program.json("state");
         // What is kept is as it stands a moment later at the latest; only then there is nothing more to come.
-        let early = Talk::begin(client, &program, Hello::following(&[OURS], 0));
+        let early = RunningClient::begin(client, &program, Hello::following(&[OURS], 0));
         let shown = |name: &str| format!("hallsweep/discovery/state/{name}");
         let resources = ["mission", "robot", "map", "luggage", "temperature", "alarms", "log"];
         for name in resources {
             early.until_newest(&shown(name), "as it stands", |message| message.json() == state[name]);
         }
         early.leave();
-        let late = Talk::begin(client, &program, Hello::following(&[OURS], 1));
+        let late = RunningClient::begin(client, &program, Hello::following(&[OURS], 1));
         late.until("all that is kept", |heard| (heard.len() > resources.len()).then_some(()));
         let heard = late.heard();
         assert!(heard.iter().all(|message| message.kept && message.qos == 1), "{heard:#?}");

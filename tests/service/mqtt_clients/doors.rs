@@ -10,7 +10,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::client::Client;
-use super::talk::Talk;
+use super::running::RunningClient;
 use super::told::{Hello, Say};
 use super::{OURS, command};
 use crate::coap::client::Coap;
@@ -115,9 +115,9 @@ fn observe(program: &Program, ended: &Arc<AtomicBool>) -> (Watched, Vec<JoinHand
 }
 
 /// What a subscriber has heard.
-fn watched(talk: &Talk) -> Watched {
+fn watched(process: &RunningClient) -> Watched {
     let watched = Watched::default();
-    for message in talk.heard() {
+    for message in process.heard() {
         let resource = message.topic.strip_prefix("hallsweep/discovery/state/");
         if let Some(resource) = REVISED.into_iter().find(|known| Some(*known) == resource) {
             watched.note(resource, message.json());
@@ -127,8 +127,8 @@ fn watched(talk: &Talk) -> Watched {
 }
 
 /// One door gives START, another says safe, a third danger.
-fn a_mission(program: &Program, talk: &mut Talk) {
-    talk.say(Say::plain(&command("start"), "").at(1));
+fn a_mission(program: &Program, process: &mut RunningClient) {
+    process.say(Say::plain(&command("start"), "").at(1));
     let first = program.until_asked();
     let safe = format!("luggage/{first}/verdict");
     let reply = Coap::at(program.coap()).ask("POST", &safe, "{\"verdict\":\"safe\"}").expect("the door answers");
@@ -166,11 +166,11 @@ fn compare(one: &Seen, other: &Seen) -> BTreeMap<&'static str, usize> {
 }
 
 /// What carries no revision is compared when everything stands; CoAP shows each piece below its own root.
-fn compare_the_rest(program: &Program, state: &Value, stream: &BTreeMap<&'static str, Value>, talk: &Talk) {
+fn compare_the_rest(program: &Program, state: &Value, stream: &BTreeMap<&'static str, Value>, process: &RunningClient) {
     for resource in UNREVISED {
         assert_eq!(stream[resource], state[resource]);
         let topic = format!("hallsweep/discovery/state/{resource}");
-        talk.until_newest(&topic, "as it stands", |message| message.json() == state[resource]);
+        process.until_newest(&topic, "as it stands", |message| message.json() == state[resource]);
     }
     let mut coap = Coap::at(program.coap());
     let mut read = |path: &str| -> Value {
@@ -193,18 +193,18 @@ fn the_three_doors_agree_through_a_mission() {
     let ended = Arc::new(AtomicBool::new(false));
     let (stream, streaming) = follow_stream(&program);
     let (coap, observing) = observe(&program, &ended);
-    let mut talk = Talk::begin(Client::Mosquitto, &program, Hello::following(&[OURS], 1));
-    a_mission(&program, &mut talk);
+    let mut process = RunningClient::begin(Client::Mosquitto, &program, Hello::following(&[OURS], 1));
+    a_mission(&program, &mut process);
     let others = streaming.join().expect("the stream is as it should be");
-    let state = until_all_show(&program, |state| stream.shows(state) && coap.shows(state) && watched(&talk).shows(state));
+    let state = until_all_show(&program, |state| stream.shows(state) && coap.shows(state) && watched(&process).shows(state));
     ended.store(true, Ordering::Relaxed);
     observing.into_iter().for_each(|thread| thread.join().expect("what was observed is as it should be"));
 
-    let [stream, coap, mqtt] = [&stream, &coap, &watched(&talk)].map(Watched::seen);
+    let [stream, coap, mqtt] = [&stream, &coap, &watched(&process)].map(Watched::seen);
     for both in [compare(&stream, &coap), compare(&stream, &mqtt), compare(&coap, &mqtt)] {
         // The search was seen on both, and not its end alone.
         assert!(both.len() == REVISED.len() && both["robot"] > 2 && both["map"] > 2, "{both:?}");
     }
-    compare_the_rest(&program, &state, &others, &talk);
-    talk.leave();
+    compare_the_rest(&program, &state, &others, &process);
+    process.leave();
 }

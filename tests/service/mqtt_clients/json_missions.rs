@@ -4,7 +4,7 @@
 use serde_json::{Value, json};
 
 use super::client::Client;
-use super::talk::Talk;
+use super::running::RunningClient;
 use super::told::{Hello, Message, Say};
 use super::{AVAILABILITY, OURS, command, results};
 use crate::program::Program;
@@ -17,15 +17,15 @@ const RESOURCES: [&str; 7] = ["mission", "robot", "map", "luggage", "temperature
 
 /// A console that speaks JSON.
 struct Console<'a> {
-    talk: Talk<'a>,
+    process: RunningClient<'a>,
     given: u32,
 }
 
 impl Console<'_> {
     fn of(client: Client, program: &Program) -> Console<'static> {
-        let talk = Talk::begin(client, program, Hello::following(&[OURS], 1));
-        talk.until_newest(AVAILABILITY, "online", |message| message.payload == "online");
-        Console { talk, given: 0 }
+        let process = RunningClient::begin(client, program, Hello::following(&[OURS], 1));
+        process.until_newest(AVAILABILITY, "online", |message| message.payload == "online");
+        Console { process, given: 0 }
     }
 
     /// Gives a command under a name of its own, and returns what became of it.
@@ -33,8 +33,8 @@ impl Console<'_> {
         self.given += 1;
         let id = format!("command-{}", self.given);
         body["id"] = id.clone().into();
-        self.talk.say(Say::plain(&command(name), &body.to_string()).at(1));
-        self.talk.until(&format!("the result of {body}"), |heard| {
+        self.process.say(Say::plain(&command(name), &body.to_string()).at(1));
+        self.process.until(&format!("the result of {body}"), |heard| {
             results(heard, name).into_iter().find(|result| result["id"] == id.as_str())
         })
     }
@@ -47,7 +47,7 @@ impl Console<'_> {
     }
 
     fn until_state(&self, resource: &str, wanted: &str, is_so: impl Fn(&Value) -> bool) -> Value {
-        self.talk.until_newest(&state(resource), wanted, |message| is_so(&message.json())).json()
+        self.process.until_newest(&state(resource), wanted, |message| is_so(&message.json())).json()
     }
 
     /// Waits until another piece than `before` waits for its verdict, and returns its number.
@@ -67,14 +67,14 @@ impl Console<'_> {
             self.until_state(resource, "as it stands", |seen| *seen == program.json("state")[resource]);
         }
         let last = program.json("state")["log"].as_array().and_then(|lines| lines.last().cloned()).expect("there are lines");
-        self.talk.until_newest(EVENT, "the last line", |message| message.json() == last);
-        let heard = self.talk.heard();
+        self.process.until_newest(EVENT, "the last line", |message| message.json() == last);
+        let heard = self.process.heard();
         let events: Vec<&Message> = heard.iter().filter(|message| message.topic == EVENT).collect();
         let numbers: Vec<u64> = events.iter().filter_map(|event| event.json()["number"].as_u64()).collect();
         assert!(numbers.windows(2).all(|pair| pair[1] == pair[0] + 1) && numbers.len() > 5, "{numbers:?}");
         let is_state = |message: &Message| message.topic.contains("/state/") || message.topic == AVAILABILITY;
         assert!(heard.iter().all(|message| !message.kept || is_state(message)), "only what stands is kept");
-        self.talk.leave();
+        self.process.leave();
     }
 }
 
@@ -95,8 +95,8 @@ fn a_bomb_is_found(client: Client) {
     let mut console = Console::of(client, &program);
     console.accepted("start", json!({}));
     let first = console.until_asked(0);
-    console.talk.say(Say::plain("hallsweep/discovery/command", "stop").at(1));
-    console.talk.until("the result of a bare word", |heard| results(heard, "stop").pop().filter(|it| it["accepted"] == true));
+    console.process.say(Say::plain("hallsweep/discovery/command", "stop").at(1));
+    console.process.until("the result of a bare word", |heard| results(heard, "stop").pop().filter(|it| it["accepted"] == true));
     console.until_state("mission", "held", |mission| mission["holds"].to_string().contains("\"operator\""));
     console.accepted("temperature", json!({"celsius": 31.5}));
     console.until_state("temperature", "hot", |temperature| temperature["celsius"] == 31.5);

@@ -1,12 +1,12 @@
 //! What clients let the broker keep: all of it reaches whoever comes later, however much it is, and can be taken away again.
 
 use super::client::Client;
-use super::talk::Talk;
+use super::running::RunningClient;
 use super::told::{Hello, Say};
 use super::with_each;
 use crate::program::Program;
 
-/// So many topics: more than engine and clients have under way at once, many times.
+/// So many topics: more than router and clients have under way at once, many times.
 const TOPICS: usize = 5_000;
 
 fn topic(number: usize) -> String {
@@ -18,13 +18,13 @@ fn five_thousand_kept_messages_reach_a_newcomer() {
     // Mosquitto's command publishes one message at a time.
     let Some(client) = [Client::Paho, Client::MqttJs].into_iter().find(|client| client.is_here()) else { return };
     let program = Program::serve("empty-8x8", "max");
-    let mut writer = Talk::begin(client, &program, Hello::speaking());
+    let mut writer = RunningClient::begin(client, &program, Hello::speaking());
     let topics: Vec<String> = (0..TOPICS).map(topic).collect();
     let all: Vec<Say> = topics.iter().map(|topic| Say::plain(topic, topic).at(1).kept()).collect();
     writer.say_all(&all);
     with_each(|client| {
         for qos in [0, 1] {
-            let reader = Talk::begin(client, &program, Hello::following(&["site/shelf/#"], qos));
+            let reader = RunningClient::begin(client, &program, Hello::following(&["site/shelf/#"], qos));
             let heard = reader.until("all of them", |heard| (heard.len() >= TOPICS).then(|| heard.to_vec()));
             let mut seen: Vec<&str> = heard.iter().map(|message| message.topic.as_str()).collect();
             seen.sort_unstable();
@@ -39,7 +39,7 @@ fn five_thousand_kept_messages_reach_a_newcomer() {
     writer.say_all(&empty);
     writer.say(Say::plain("site/shelf/last", "last").at(1).kept());
     with_each(|client| {
-        let reader = Talk::begin(client, &program, Hello::following(&["site/shelf/#"], 1));
+        let reader = RunningClient::begin(client, &program, Hello::following(&["site/shelf/#"], 1));
         reader.until_newest("site/shelf/last", "there", |message| message.kept);
         let left: Vec<String> = reader.heard().into_iter().map(|message| message.topic).collect();
         assert_eq!(left, [topics[0].as_str(), "site/shelf/last"], "{client:?}");

@@ -13,8 +13,8 @@ mod old_words;
 mod once;
 mod opening;
 mod rights;
+mod running;
 mod sessions;
-mod talk;
 mod told;
 mod web;
 

@@ -5,14 +5,14 @@ use serde_json::Value;
 
 use super::client::Client;
 use super::old_words::{EVENTS, check_numbers, event, luggage, map, model, newest, piece, robot};
-use super::talk::Talk;
+use super::running::RunningClient;
 use super::told::{Hello, Say};
 use super::with_each;
 use crate::program::{Program, hallsweep};
 
 /// An old console, and the program it works with.
 struct Console<'a> {
-    talk: Talk<'a>,
+    process: RunningClient<'a>,
     qos: u8,
 }
 
@@ -20,31 +20,31 @@ impl Console<'_> {
     fn of(client: Client, program: &Program) -> Console<'static> {
         // As the old console did it; but what two processes publish keeps its order only if each is told that it has arrived.
         let qos = u8::from(client == Client::Mosquitto);
-        Console { talk: Talk::begin(client, program, Hello::following(&[EVENTS], 0)), qos }
+        Console { process: RunningClient::begin(client, program, Hello::following(&[EVENTS], 0)), qos }
     }
 
     fn say(&mut self, name: &str) {
-        self.talk.say(Say::plain(EVENTS, &event(name)).at(self.qos));
+        self.process.say(Say::plain(EVENTS, &event(name)).at(self.qos));
     }
 
     fn tell(&mut self, actor: &str, name: &str, content: &str) {
         let message = format!("msg({name},dispatch,js,{actor},{content},1)");
-        self.talk.say(Say::plain(&format!("unibo/qak/{actor}"), &message).at(self.qos));
+        self.process.say(Say::plain(&format!("unibo/qak/{actor}"), &message).at(self.qos));
     }
 
     /// Waits until this piece is shown.
     fn until_piece(&self, number: u64) {
-        self.talk.until(&format!("luggage {number}"), |heard| (piece(heard) == Some(number)).then_some(()));
+        self.process.until(&format!("luggage {number}"), |heard| (piece(heard) == Some(number)).then_some(()));
     }
 
     fn until_newest(&self, head: &str, wanted: &str) {
-        self.talk.until(wanted, |heard| (newest(heard, head) == Some(wanted)).then_some(()));
+        self.process.until(wanted, |heard| (newest(heard, head) == Some(wanted)).then_some(()));
     }
 
     /// Waits until the robot stands at home.
     fn until_home(&self) {
         let is_home = |item: &str| item.contains("state(stopped)") && item.contains("position(0,0)");
-        self.talk.until("the robot at home", |heard| newest(heard, "robot").is_some_and(is_home).then_some(()));
+        self.process.until("the robot at home", |heard| newest(heard, "robot").is_some_and(is_home).then_some(()));
     }
 
     /// The newest of each kind is what follows from the state that stands, to the byte, and no message was left out.
@@ -53,8 +53,8 @@ impl Console<'_> {
         self.until_newest("robot", &robot(&state));
         self.until_newest("roomMap", &map(program));
         self.until_newest("luggage", &luggage(&state));
-        check_numbers(&self.talk.heard());
-        self.talk.leave();
+        check_numbers(&self.process.heard());
+        self.process.leave();
     }
 }
 
@@ -159,7 +159,7 @@ fn a_hall_is_explored_over_the_old_topics_although_the_camera_fails() {
         for number in 1..=3 {
             // What is told of a piece, since the console last acted.
             let told = |console: &Console, seen: usize| {
-                console.talk.until("what is told of a piece", |heard| {
+                console.process.until("what is told of a piece", |heard| {
                     let told: Vec<&str> =
                         model(heard).into_iter().map(|(content, _)| content).filter(|it| it.contains("luggage(")).collect();
                     (told.len() > seen).then(|| (told[seen].to_owned(), seen + 1))
@@ -201,11 +201,11 @@ fn every_client_stops_a_robot_that_moves() {
         for stop in stops {
             console.say("startCmd");
             program.until("it goes on", |state| !holds(state, "operator") && state["mission"]["phase"] == "exploring");
-            console.talk.until("a robot that moves", |heard| newest(heard, "robot")?.contains("state(moving").then_some(()));
+            console.process.until("a robot that moves", |heard| newest(heard, "robot")?.contains("state(moving").then_some(()));
             stop(&mut console);
             let state = program.until("it stands", |state| holds(state, "operator") && state["robot"]["state"] == "stopped");
             console.until_newest("robot", &robot(&state));
         }
-        console.talk.leave();
+        console.process.leave();
     });
 }

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::talk::Talk;
+use super::running::RunningClient;
 use super::told::{Hello, Message, Say};
 use super::{AVAILABILITY, command, results, with_each};
 use crate::program::Program;
@@ -17,15 +17,16 @@ fn a_command_acts_once_at_every_qos() {
     with_each(|client| {
         let program = Program::serve("empty-8x8", "max");
         let stop = command("stop");
-        let mut talk = Talk::begin(client, &program, Hello::following(&["hallsweep/discovery/command/stop/result"], 1));
+        let mut process =
+            RunningClient::begin(client, &program, Hello::following(&["hallsweep/discovery/command/stop/result"], 1));
         for (given, qos) in [(1, 0), (2, 1), (3, 2)] {
-            talk.say(Say::plain(&stop, "").at(qos));
-            talk.until("a result of each", |heard| (results(heard, "stop").len() == given).then_some(()));
+            process.say(Say::plain(&stop, "").at(qos));
+            process.until("a result of each", |heard| (results(heard, "stop").len() == given).then_some(()));
         }
-        talk.say(Say::plain("unibo/qak/events", "msg(stopCmd,event,js,none,stopCmd,1)").at(2));
-        talk.say(Say::plain("unibo/qak/events", "msg(stopCmd,event,js,none,stopCmd,1)").at(1));
+        process.say(Say::plain("unibo/qak/events", "msg(stopCmd,event,js,none,stopCmd,1)").at(2));
+        process.say(Say::plain("unibo/qak/events", "msg(stopCmd,event,js,none,stopCmd,1)").at(1));
         program.until("two more", |state| state["mission"]["epoch"].as_u64() >= Some(5));
-        talk.leave();
+        process.leave();
         assert_eq!(stops(&program), 5);
     });
 }
@@ -36,19 +37,19 @@ fn a_command_that_was_to_be_kept_acts_when_it_is_said_and_not_later() {
     with_each(|client| {
         let program = Program::serve("empty-8x8", "4");
         let (start, events) = (command("start"), "unibo/qak/events");
-        let mut talk = Talk::begin(client, &program, Hello::speaking());
-        talk.say(Say::plain(&start, "").at(1).kept());
+        let mut process = RunningClient::begin(client, &program, Hello::speaking());
+        process.say(Say::plain(&start, "").at(1).kept());
         program.until_phase("exploring");
-        talk.say(Say::plain(&command("stop"), "").at(1).kept());
-        talk.say(Say::plain(events, "msg(stopCmd,event,js,none,stopCmd,1)").at(1).kept());
+        process.say(Say::plain(&command("stop"), "").at(1).kept());
+        process.say(Say::plain(events, "msg(stopCmd,event,js,none,stopCmd,1)").at(1).kept());
         let stands = |state: &Value| state["mission"]["epoch"] == 2 && state["robot"]["state"] == "stopped";
         program.until("both stops", stands);
-        talk.leave();
+        process.leave();
         let filters = ["hallsweep/discovery/command/#", "unibo/#", AVAILABILITY];
-        let late = Talk::begin(client, &program, Hello::following(&filters, 1));
+        let late = RunningClient::begin(client, &program, Hello::following(&filters, 1));
         late.until_newest(AVAILABILITY, "online", |message| message.payload == "online");
         late.leave();
-        let late = Talk::begin(client, &program, Hello::following(&filters, 1));
+        let late = RunningClient::begin(client, &program, Hello::following(&filters, 1));
         late.until_newest(AVAILABILITY, "online", |message| message.payload == "online");
         let kept: Vec<Message> = late.heard().into_iter().filter(|message| message.kept).collect();
         assert!(kept.iter().all(|message| message.topic == AVAILABILITY), "{kept:#?}");

@@ -3,7 +3,7 @@
 use std::net::TcpListener;
 
 use super::AVAILABILITY;
-use super::talk::Talk;
+use super::running::RunningClient;
 use super::told::Hello;
 use super::with_each;
 use crate::program::{Program, run};
@@ -38,12 +38,12 @@ fn the_names_of_the_topics_are_settings() {
         let mut command = crate::program::hallsweep(&["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8"]);
         command.env("HALLSWEEP__MQTT__PREFIX", "airport/robots").env("HALLSWEEP__MQTT__ID", "r2");
         let program = Program::started(command.env("HALLSWEEP__MQTT__OLD_PREFIX", "r2/qak"));
-        let talk = Talk::begin(client, &program, Hello::following(&["#"], 0));
-        talk.until_newest("airport/robots/r2/availability", "online", |message| message.payload == "online");
+        let process = RunningClient::begin(client, &program, Hello::following(&["#"], 0));
+        process.until_newest("airport/robots/r2/availability", "online", |message| message.payload == "online");
         program.command("start").accepted();
-        talk.until_newest("r2/qak/events", "the old words", |message| message.payload.contains("content(robot("));
-        let heard = talk.heard();
+        process.until_newest("r2/qak/events", "the old words", |message| message.payload.contains("content(robot("));
+        let heard = process.heard();
         assert!(heard.iter().all(|message| message.topic != AVAILABILITY && !message.topic.starts_with("unibo")), "{heard:#?}");
-        talk.leave();
+        process.leave();
     });
 }

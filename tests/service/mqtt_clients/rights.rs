@@ -2,7 +2,7 @@
 //! gate; here each kind of refusal reaches real clients.
 
 use super::client::Client;
-use super::talk::Talk;
+use super::running::RunningClient;
 use super::told::{Hello, Say};
 use super::{AVAILABILITY, OURS, command, results, with_each};
 use crate::access::{Folder, Site};
@@ -29,7 +29,7 @@ fn with_each_by_tcp(scenario: impl Fn(Client)) {
 fn whoever_shows_no_key_or_a_wrong_one_is_told_so() {
     let site = site("mqtt-login");
     with_each_by_tcp(|client| {
-        Talk::knock(client, &site.program, Hello::speaking()).until_refused(5);
+        RunningClient::knock(client, &site.program, Hello::speaking()).until_refused(5);
         // One each: whoever goes on showing wrong keys waits longer each time.
         let wrong = format!("{}0", &site.operator[1..]);
         let (name, password) = match client {
@@ -37,8 +37,8 @@ fn whoever_shows_no_key_or_a_wrong_one_is_told_so() {
             Client::Paho => ("lobby", &site.operator),
             Client::MqttJs | Client::MqttJsWeb => ("nobody", &site.operator),
         };
-        Talk::knock(client, &site.program, Hello::speaking().with_login(name, password)).until_refused(4);
-        Talk::begin(client, &site.program, Hello::speaking().with_login("operator", &site.operator)).leave();
+        RunningClient::knock(client, &site.program, Hello::speaking().with_login(name, password)).until_refused(4);
+        RunningClient::begin(client, &site.program, Hello::speaking().with_login("operator", &site.operator)).leave();
     });
 }
 
@@ -50,8 +50,8 @@ fn a_broker_for_others_asks_for_keys() {
     let program = Program::started(&mut command);
     let operator = folder.token_of("operator");
     with_each_by_tcp(|client| {
-        Talk::knock(client, &program, Hello::speaking()).until_refused(5);
-        Talk::begin(client, &program, Hello::speaking().with_login("operator", &operator)).leave();
+        RunningClient::knock(client, &program, Hello::speaking()).until_refused(5);
+        RunningClient::begin(client, &program, Hello::speaking().with_login("operator", &operator)).leave();
     });
 }
 
@@ -62,7 +62,7 @@ fn a_viewer_watches_and_stops_and_does_nothing_else() {
     with_each_by_tcp(|client| {
         let program = &site.program;
         let epoch = program.json("state")["mission"]["epoch"].as_u64().expect("an epoch");
-        let mut viewer = Talk::begin(client, program, Hello::following(&[OURS], 1).with_login("lobby", &site.viewer));
+        let mut viewer = RunningClient::begin(client, program, Hello::following(&[OURS], 1).with_login("lobby", &site.viewer));
         viewer.until_newest(AVAILABILITY, "it sees", |message| message.payload == "online");
         viewer.say(Say::plain(&command("start"), "{\"id\":\"v1\"}").at(1));
         let refused = viewer.until("a refusal", |heard| results(heard, "start").into_iter().find(|it| it["id"] == "v1"));
@@ -91,19 +91,19 @@ fn what_is_published_on_a_forbidden_topic_reaches_nobody() {
         let login = |name| {
             Hello::following(&[ROBOT, "site/#"], 1).with_login(name, if name == "lobby" { &site.viewer } else { &site.operator })
         };
-        let mut operator = Talk::begin(client, &site.program, login("operator"));
-        let mut viewer = Talk::begin(client, &site.program, login("lobby"));
+        let mut operator = RunningClient::begin(client, &site.program, login("operator"));
+        let mut viewer = RunningClient::begin(client, &site.program, login("lobby"));
         operator.say(Say::plain(ROBOT, "forged").at(1).kept());
         for topic in [ROBOT, "site/lamp"] {
             viewer.say(Say::plain(topic, "forged").at(1).kept());
         }
         operator.say(Say::plain("site/lamp", "true").at(1));
-        for talk in [operator, viewer] {
-            talk.until_newest("site/lamp", "what may be said", |message| message.payload == "true");
-            assert!(talk.heard().iter().all(|message| message.payload != "forged"));
-            talk.leave();
+        for process in [operator, viewer] {
+            process.until_newest("site/lamp", "what may be said", |message| message.payload == "true");
+            assert!(process.heard().iter().all(|message| message.payload != "forged"));
+            process.leave();
         }
-        let late = Talk::begin(client, &site.program, login("operator"));
+        let late = RunningClient::begin(client, &site.program, login("operator"));
         late.until_newest(ROBOT, "as it stands", |message| message.json() == site.program.json("state")["robot"]);
         assert!(late.heard().iter().all(|message| message.payload != "forged"), "nothing forged is kept");
         late.leave();
@@ -118,17 +118,17 @@ fn a_will_is_published_where_its_client_may_and_refused_elsewhere() {
         let start = command("start");
         for forbidden in [start.as_str(), "unibo/qak/events", ROBOT, AVAILABILITY] {
             let will = Say::plain(forbidden, "offline").at(1);
-            Talk::knock(client, &site.program, operator().with_will(will)).until_refused(5);
+            RunningClient::knock(client, &site.program, operator().with_will(will)).until_refused(5);
         }
         let will = Say::plain("site/last", "gone").at(1);
         let viewer = Hello::speaking().with_login("lobby", &site.viewer).with_will(will);
-        Talk::knock(client, &site.program, viewer).until_refused(5);
+        RunningClient::knock(client, &site.program, viewer).until_refused(5);
 
         let follow = Hello { follow: vec![("site/#", 1)], ..operator() };
-        let mut witness = Talk::begin(client, &site.program, follow);
+        let mut witness = RunningClient::begin(client, &site.program, follow);
         let left = Say::plain("site/left", "gone").at(1);
-        Talk::begin(client, &site.program, operator().with_will(left)).leave();
-        Talk::begin(client, &site.program, operator().with_will(will)).break_off();
+        RunningClient::begin(client, &site.program, operator().with_will(left)).leave();
+        RunningClient::begin(client, &site.program, operator().with_will(will)).break_off();
         witness.until_newest("site/last", "the will", |message| message.payload == "gone");
         witness.say(Say::plain("site/end", "").at(1));
         witness.until_newest("site/end", "the end", |_| true);
@@ -143,11 +143,11 @@ fn a_filter_that_cannot_be_had_is_refused_and_the_connection_lives() {
     with_each(|client| {
         let program = Program::serve("empty-8x8", "max");
         let filters = ["$SYS/#", OURS, "hallsweep-pulse", "$share/group/site/#"];
-        let mut talk = Talk::begin(client, &program, Hello::following(&filters, 1));
-        assert_eq!(talk.granted(), [128, 1, 128, 128], "{client:?}");
-        talk.until_newest(AVAILABILITY, "it is served", |message| message.payload == "online");
-        talk.say(Say::plain(&command("stop"), "").at(1));
-        talk.until("a result", |heard| results(heard, "stop").pop());
-        talk.leave();
+        let mut process = RunningClient::begin(client, &program, Hello::following(&filters, 1));
+        assert_eq!(process.granted(), [128, 1, 128, 128], "{client:?}");
+        process.until_newest(AVAILABILITY, "it is served", |message| message.payload == "online");
+        process.say(Say::plain(&command("stop"), "").at(1));
+        process.until("a result", |heard| results(heard, "stop").pop());
+        process.leave();
     });
 }

@@ -1,7 +1,7 @@
 //! Clients that come back, and clients that come twice: what was said meanwhile is not lost, and one of two makes room.
 
 use super::client::Client;
-use super::talk::Talk;
+use super::running::RunningClient;
 use super::told::{Hello, Say};
 use super::{AVAILABILITY, with_each};
 use crate::program::Program;
@@ -13,13 +13,13 @@ fn a_client_that_is_remembered_gets_what_was_said_while_it_was_away() {
     with_each(|client| {
         let program = Program::serve("empty-8x8", "max");
         let hello = || Hello::following(&[NEWS], 1).remembered("night-shift");
-        let mut writer = Talk::begin(client, &program, Hello::speaking());
-        let first = Talk::begin(client, &program, hello());
+        let mut writer = RunningClient::begin(client, &program, Hello::speaking());
+        let first = RunningClient::begin(client, &program, hello());
         writer.say(Say::plain(NEWS, "0").at(1));
         first.until_newest(NEWS, "it is there", |message| message.payload == "0");
         first.leave();
         writer.say_all(&[Say::plain(NEWS, "1").at(1), Say::plain(NEWS, "2").at(2)]);
-        let second = Talk::begin(client, &program, hello());
+        let second = RunningClient::begin(client, &program, hello());
         second.until_newest(NEWS, "said meanwhile", |message| message.payload == "2");
         writer.say(Say::plain(NEWS, "3").at(1));
         second.until_newest(NEWS, "said now", |message| message.payload == "3");
@@ -27,7 +27,7 @@ fn a_client_that_is_remembered_gets_what_was_said_while_it_was_away() {
         assert_eq!(heard, ["1", "2", "3"], "{client:?}");
         second.break_off();
         writer.say(Say::plain(NEWS, "4").at(1));
-        let third = Talk::begin(client, &program, hello());
+        let third = RunningClient::begin(client, &program, hello());
         third.until_newest(NEWS, "said after it broke off", |message| message.payload == "4");
         third.leave();
     });
@@ -38,10 +38,10 @@ fn a_client_that_is_not_remembered_gets_what_is_said_from_now_on() {
     with_each(|client| {
         let program = Program::serve("empty-8x8", "max");
         let hello = || Hello::following(&[NEWS], 1).called("passer-by");
-        let mut writer = Talk::begin(client, &program, Hello::speaking());
-        Talk::begin(client, &program, hello()).leave();
+        let mut writer = RunningClient::begin(client, &program, Hello::speaking());
+        RunningClient::begin(client, &program, hello()).leave();
         writer.say(Say::plain(NEWS, "1").at(1));
-        let again = Talk::begin(client, &program, hello());
+        let again = RunningClient::begin(client, &program, hello());
         writer.say(Say::plain(NEWS, "2").at(1));
         again.until_newest(NEWS, "said now", |message| message.payload == "2");
         assert_eq!(again.heard().len(), 1, "{client:?}");
@@ -56,8 +56,8 @@ fn of_two_clients_with_one_id_the_later_stays() {
     for client in [Client::Paho, Client::MqttJs, Client::MqttJsWeb].into_iter().filter(|client| client.is_here()) {
         let program = Program::serve("empty-8x8", "max");
         let hello = || Hello::following(&[NEWS, AVAILABILITY], 1).called("twin");
-        let first = Talk::begin(client, &program, hello());
-        let mut second = Talk::begin(client, &program, hello());
+        let first = RunningClient::begin(client, &program, hello());
+        let mut second = RunningClient::begin(client, &program, hello());
         first.until_word("Closed");
         second.say(Say::plain(NEWS, "for the later").at(1));
         second.until_newest(NEWS, "it serves", |message| message.payload == "for the later");
@@ -71,7 +71,7 @@ fn a_client_without_a_keepalive_is_served() {
     // Mosquitto's command knows no 0.
     for client in [Client::Paho, Client::MqttJs, Client::MqttJsWeb].into_iter().filter(|client| client.is_here()) {
         let program = Program::serve("empty-8x8", "max");
-        let mut silent = Talk::begin(client, &program, Hello { keepalive_s: 0, ..Hello::following(&[NEWS], 1) });
+        let mut silent = RunningClient::begin(client, &program, Hello { keepalive_s: 0, ..Hello::following(&[NEWS], 1) });
         silent.say(Say::plain(NEWS, "heard").at(2));
         silent.until_newest(NEWS, "it is served", |message| message.payload == "heard");
         silent.leave();

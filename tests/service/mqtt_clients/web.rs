@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::AVAILABILITY;
 use super::client::Client;
-use super::talk::Talk;
+use super::running::RunningClient;
 use super::told::{Hello, Say};
 use crate::access::{Site, sign_in};
 use crate::program::Program;
@@ -60,11 +60,11 @@ fn whoever_is_signed_in_to_the_console_needs_no_password() {
     }
     let site = Site::new("mqtt-web", &["HTTP__REQUIRE_TOKEN"]);
     let program = &site.program;
-    let begin = |hello| Talk::begin(Client::MqttJsWeb, program, hello);
+    let begin = |hello| RunningClient::begin(Client::MqttJsWeb, program, hello);
 
-    Talk::knock(Client::MqttJsWeb, program, Hello::speaking()).until_refused(5);
+    RunningClient::knock(Client::MqttJsWeb, program, Hello::speaking()).until_refused(5);
     let wrong = Hello::speaking().with_login("operator", "wrong");
-    Talk::knock(Client::MqttJsWeb, program, wrong).until_refused(4);
+    RunningClient::knock(Client::MqttJsWeb, program, wrong).until_refused(4);
     begin(Hello::speaking().with_login("operator", &site.operator)).leave();
 
     let lamp = Say::plain("site/lamp", "on").at(1);

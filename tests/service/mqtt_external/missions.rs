@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::broker::{Broker, CERTIFICATE, Kind, LOGIN};
-use super::ear::Ear;
+use super::subscriber::TestSubscriber;
 use crate::program::{Program, hallsweep};
 
 /// Everything of this robot.
@@ -30,32 +30,32 @@ fn serve(broker: &Broker, hall: &str, speed: &str) -> Program {
 }
 
 /// Gives a command in JSON, and waits for its own result.
-fn give(ear: &Ear, name: &str, mut payload: Value, id: &str) -> Value {
+fn give(subscriber: &TestSubscriber, name: &str, mut payload: Value, id: &str) -> Value {
     payload["id"] = id.into();
-    ear.say(&format!("hallsweep/discovery/command/{name}"), &payload.to_string());
-    ear.json(&format!("hallsweep/discovery/command/{name}/result"), |result| result["id"] == id)
+    subscriber.say(&format!("hallsweep/discovery/command/{name}"), &payload.to_string());
+    subscriber.json(&format!("hallsweep/discovery/command/{name}/result"), |result| result["id"] == id)
 }
 
 /// The same, which must be accepted.
-fn accepted(ear: &Ear, name: &str, payload: Value, id: &str) {
-    let result = give(ear, name, payload, id);
+fn accepted(subscriber: &TestSubscriber, name: &str, payload: Value, id: &str) {
+    let result = give(subscriber, name, payload, id);
     assert_eq!(result["accepted"], true, "{name}: {result}");
 }
 
 /// Whoever reads that it is there is heard.
-fn until_online(ear: &Ear) {
-    ear.until("online", |said| said.topic.ends_with("/availability") && &said.payload[..] == b"online");
+fn until_online(subscriber: &TestSubscriber) {
+    subscriber.until("online", |said| said.topic.ends_with("/availability") && &said.payload[..] == b"online");
 }
 
-fn until_phase(ear: &Ear, phase: &str) {
-    ear.json("hallsweep/discovery/state/mission", |mission| mission["phase"] == phase);
+fn until_phase(subscriber: &TestSubscriber, phase: &str) {
+    subscriber.json("hallsweep/discovery/state/mission", |mission| mission["phase"] == phase);
 }
 
 /// The number of the piece that waits for its verdict after this one.
-fn until_asked(ear: &Ear, after: u64) -> u64 {
+fn until_asked(subscriber: &TestSubscriber, after: u64) -> u64 {
     let is_next = |piece: &&Value| piece["verdict"] == "pending" && piece["id"].as_u64().is_some_and(|id| id > after);
     let waits = |pieces: &Value| pieces.as_array()?.iter().find(is_next)?["id"].as_u64();
-    let pieces = ear.json("hallsweep/discovery/state/luggage", |pieces| waits(pieces).is_some());
+    let pieces = subscriber.json("hallsweep/discovery/state/luggage", |pieces| waits(pieces).is_some());
     waits(&pieces).expect("it was there just now")
 }
 
@@ -65,30 +65,30 @@ fn over_json(kind: Kind, name: &str) {
         return;
     }
     let broker = Broker::start(kind, name);
-    let ear = Ear::at(&broker, OURS);
+    let subscriber = TestSubscriber::at(&broker, OURS);
     let _program = serve(&broker, "airport", "max");
-    until_online(&ear);
-    let refused = give(&ear, "retrieve", json!({}), "early");
+    until_online(&subscriber);
+    let refused = give(&subscriber, "retrieve", json!({}), "early");
     assert_eq!((&refused["accepted"], &refused["status"]), (&json!(false), &json!(409)), "{refused}");
-    accepted(&ear, "start", json!({}), "a");
-    let first = until_asked(&ear, 0);
-    accepted(&ear, "verdict", json!({"luggage": first, "verdict": "safe"}), "b");
-    let second = until_asked(&ear, first);
-    accepted(&ear, "verdict", json!({"luggage": second, "verdict": "danger"}), "c");
-    until_phase(&ear, "bombLocated");
+    accepted(&subscriber, "start", json!({}), "a");
+    let first = until_asked(&subscriber, 0);
+    accepted(&subscriber, "verdict", json!({"luggage": first, "verdict": "safe"}), "b");
+    let second = until_asked(&subscriber, first);
+    accepted(&subscriber, "verdict", json!({"luggage": second, "verdict": "danger"}), "c");
+    until_phase(&subscriber, "bombLocated");
     // Whoever comes now sees how things stand.
-    let late = Ear::at(&broker, "hallsweep/discovery/state/+");
+    let late = TestSubscriber::at(&broker, "hallsweep/discovery/state/+");
     let alarms = late.json("hallsweep/discovery/state/alarms", |alarms| alarms.as_array().is_some_and(|all| !all.is_empty()));
     for (place, alarm) in alarms.as_array().expect("a list").iter().enumerate() {
-        accepted(&ear, "acknowledge", json!({"alarm": alarm["id"]}), &format!("d{place}"));
+        accepted(&subscriber, "acknowledge", json!({"alarm": alarm["id"]}), &format!("d{place}"));
     }
-    accepted(&ear, "reset", json!({}), "e");
-    until_phase(&Ear::at(&broker, OURS), "idle");
+    accepted(&subscriber, "reset", json!({}), "e");
+    until_phase(&TestSubscriber::at(&broker, OURS), "idle");
 }
 
 /// What the old console shows of the messages it hears: their contents, and their numbers without a gap.
 struct Console {
-    ear: Ear,
+    subscriber: TestSubscriber,
     last: u64,
 }
 
@@ -96,7 +96,7 @@ impl Console {
     /// The next content like this.
     fn until(&mut self, wanted: &str, is_it: impl Fn(&str) -> bool) -> String {
         loop {
-            let said = self.ear.next(wanted);
+            let said = self.subscriber.next(wanted);
             if !said.payload.starts_with(b"msg(modelContent,") {
                 continue;
             }
@@ -113,12 +113,12 @@ impl Console {
 
     /// An event, as the old buttons publish it.
     fn event(&self, name: &str) {
-        self.ear.say("unibo/qak/events", &format!("msg({name},event,js,none,{name},1)"));
+        self.subscriber.say("unibo/qak/events", &format!("msg({name},event,js,none,{name},1)"));
     }
 
     /// A dispatch, as others do.
     fn dispatch(&self, name: &str) {
-        self.ear.say("unibo/qak/robotmind", &format!("msg({name},dispatch,js,robotmind,{name},1)"));
+        self.subscriber.say("unibo/qak/robotmind", &format!("msg({name},dispatch,js,robotmind,{name},1)"));
     }
 }
 
@@ -128,7 +128,7 @@ fn over_old_topics(kind: Kind, name: &str) {
         return;
     }
     let broker = Broker::start(kind, name);
-    let mut console = Console { ear: Ear::at(&broker, OLD), last: 0 };
+    let mut console = Console { subscriber: TestSubscriber::at(&broker, OLD), last: 0 };
     let program = serve(&broker, "airport", "max");
     let at_home = |content: &str| content.starts_with("content(robot(state(stopped),") && content.contains("position(0,0)");
     console.until("the robot at home", at_home);
@@ -149,21 +149,21 @@ fn away(kind: Kind, name: &str) {
     }
     let mut broker = Broker::start(kind, name);
     let program = serve(&broker, "airport", "max");
-    let ear = Ear::at(&broker, OURS);
-    until_online(&ear);
-    accepted(&ear, "start", json!({}), "a");
-    let first = until_asked(&ear, 0);
-    drop(ear);
+    let subscriber = TestSubscriber::at(&broker, OURS);
+    until_online(&subscriber);
+    accepted(&subscriber, "start", json!({}), "a");
+    let first = until_asked(&subscriber, 0);
+    drop(subscriber);
     broker.kill();
     program.verdict(first, "safe").accepted();
     let second = program.until("the next piece", |state| state["luggage"][1]["verdict"] == "pending")["luggage"][1]["id"].clone();
     broker.start_again();
-    let ear = Ear::at(&broker, OURS);
-    until_online(&ear);
+    let subscriber = TestSubscriber::at(&broker, OURS);
+    until_online(&subscriber);
     let is_newest = |pieces: &Value| pieces[0]["verdict"] == "safe" && pieces[1]["id"] == second;
-    ear.json("hallsweep/discovery/state/luggage", is_newest);
-    accepted(&ear, "verdict", json!({"luggage": second, "verdict": "danger"}), "b");
-    until_phase(&ear, "bombLocated");
+    subscriber.json("hallsweep/discovery/state/luggage", is_newest);
+    accepted(&subscriber, "verdict", json!({"luggage": second, "verdict": "danger"}), "b");
+    until_phase(&subscriber, "bombLocated");
 }
 
 #[test]

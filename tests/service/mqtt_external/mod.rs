@@ -4,6 +4,6 @@
 //! Where a broker is absent its share is left out with a word; with `HALLSWEEP_REQUIRE_CLIENTS=1` it fails.
 
 mod broker;
-mod ear;
 mod missions;
 mod session;
+mod subscriber;

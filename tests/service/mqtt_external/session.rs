@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep::doors::mqtt::orders::Orders;
+use hallsweep::doors::mqtt::commands::Commands;
 use hallsweep::doors::mqtt::session::{Health, Hearing, Link, Parts, Session, Times, believing};
 use hallsweep::doors::mqtt::topics::Topics;
 use hallsweep::runtime::archive_reader::Reader;
@@ -20,7 +20,7 @@ use tokio::runtime::Runtime;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::broker::{Broker, CERTIFICATE, Kind, LOGIN};
-use super::ear::Ear;
+use super::subscriber::TestSubscriber;
 
 /// How long anything is waited for: far longer than it takes, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -30,7 +30,7 @@ const ROBOT: &str = "hallsweep/discovery/state/robot";
 const AVAILABILITY: &str = "hallsweep/discovery/availability";
 
 /// A session and what it is told.
-struct House {
+struct TestApp {
     runtime: Runtime,
     states: watch::Sender<Arc<Snapshot>>,
     given: mpsc::Receiver<Envelope>,
@@ -39,8 +39,8 @@ struct House {
     session: tokio::task::JoinHandle<()>,
 }
 
-impl House {
-    fn at(broker: &Broker, tls: bool) -> House {
+impl TestApp {
+    fn at(broker: &Broker, tls: bool) -> TestApp {
         let runtime = Runtime::new().expect("there are threads");
         let (states, watched) = watch::channel(Engine::new(Settings::default(), Strategy::default(), "test".into()).snapshot());
         let (commands, given) = mpsc::channel(16);
@@ -56,7 +56,7 @@ impl House {
                 login: Some((LOGIN.0.to_owned(), LOGIN.1.to_owned())),
                 client_id: "hallsweep-discovery".to_owned(),
             },
-            hearing: Hearing::Other(Orders::new(handle, topics.clone(), false, answer)),
+            hearing: Hearing::Other(Commands::new(handle, topics.clone(), false, answer)),
             topics,
             home_assistant: false,
             states: watched,
@@ -70,7 +70,7 @@ impl House {
         let session = runtime.spawn(session.run(async {
             let _ = ended.await;
         }));
-        House { runtime, states, given, health, shutdown, session }
+        TestApp { runtime, states, given, health, shutdown, session }
     }
 
     /// From now on the robot's sonar measures this.
@@ -103,8 +103,8 @@ fn soon<T>(runtime: &Runtime, what: impl Future<Output = T>) -> Option<T> {
 }
 
 /// Whether the robot is shown with this sonar.
-fn measures(ear: &Ear, distance_cm: u16) {
-    ear.json(ROBOT, |robot| robot["sonar"] == distance_cm);
+fn measures(subscriber: &TestSubscriber, distance_cm: u16) {
+    subscriber.json(ROBOT, |robot| robot["sonar"] == distance_cm);
 }
 
 /// A broker that was killed hears, as soon as it is back, what the state is by then; and commands are heard there again.
@@ -113,20 +113,20 @@ fn check(kind: Kind, name: &str) {
         return;
     }
     let mut broker = Broker::start(kind, name);
-    let mut house = House::at(&broker, false);
-    house.measure(11);
-    measures(&Ear::at(&broker, "hallsweep/#"), 11);
+    let mut app = TestApp::at(&broker, false);
+    app.measure(11);
+    measures(&TestSubscriber::at(&broker, "hallsweep/#"), 11);
     broker.kill();
-    (12..20).for_each(|distance_cm| house.measure(distance_cm));
+    (12..20).for_each(|distance_cm| app.measure(distance_cm));
     broker.start_again();
-    measures(&Ear::at(&broker, "hallsweep/#"), 19);
-    Ear::at(&broker, AVAILABILITY).until("online", |said| &said.payload[..] == b"online");
-    let speaker = Ear::at(&broker, "nothing");
+    measures(&TestSubscriber::at(&broker, "hallsweep/#"), 19);
+    TestSubscriber::at(&broker, AVAILABILITY).until("online", |said| &said.payload[..] == b"online");
+    let speaker = TestSubscriber::at(&broker, "nothing");
     speaker.say("hallsweep/discovery/command/stop", "");
-    house.is_given_something();
-    assert_eq!(*house.health.borrow(), Health::Well);
-    house.end();
-    Ear::at(&broker, AVAILABILITY).until("offline", |said| &said.payload[..] == b"offline");
+    app.is_given_something();
+    assert_eq!(*app.health.borrow(), Health::Well);
+    app.end();
+    TestSubscriber::at(&broker, AVAILABILITY).until("offline", |said| &said.payload[..] == b"offline");
 }
 
 #[test]
@@ -150,9 +150,8 @@ fn a_broker_is_reached_by_tls_when_its_certificate_is_believed() {
         return;
     }
     let broker = Broker::start(Kind::MosquittoByTls, "session-tls");
-    let mut house = House::at(&broker, true);
-    let is_well =
-        soon(&house.runtime, house.health.wait_for(|health| *health == Health::Well)).is_some_and(|health| health.is_ok());
+    let mut app = TestApp::at(&broker, true);
+    let is_well = soon(&app.runtime, app.health.wait_for(|health| *health == Health::Well)).is_some_and(|health| health.is_ok());
     assert!(is_well, "{}", broker.log());
-    house.end();
+    app.end();
 }

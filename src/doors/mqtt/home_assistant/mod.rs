@@ -1,5 +1,5 @@
 //! The robot in the words of Home Assistant: what it is told of it (`discovery`), and the state of a vacuum cleaner, which is how it
-//! shows a robot that drives through a hall. When it is told stands in `news`.
+//! shows a robot that drives through a hall. When it is told stands in `change_feed`.
 
 pub mod discovery;
 #[cfg(test)]

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::*;
 use crate::api::fixture::{TEN, idle, piece, searching};
-use crate::doors::mqtt::news::News;
+use crate::doors::mqtt::change_feed::ChangeFeed;
 use crate::doors::mqtt::topics::{Place, Topics};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::event::Photo;
@@ -27,12 +27,12 @@ fn components(topics: &Topics) -> BTreeMap<String, Value> {
 
 /// The last message on each topic that is published, of a state.
 fn published(snapshot: &Snapshot) -> BTreeMap<String, Vec<u8>> {
-    let mut news = News::new(topics(), true);
-    news.handle_state(Arc::new(snapshot.clone()));
-    if let Some(picture) = news.poll_photo() {
-        assert!(news.handle_photo(picture, Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" }));
+    let mut feed = ChangeFeed::new(topics(), true);
+    feed.handle_state(Arc::new(snapshot.clone()));
+    if let Some(picture) = feed.poll_photo() {
+        assert!(feed.handle_photo(picture, Photo { bytes: Arc::from(*b"\x89PNG"), media_type: "image/png" }));
     }
-    let said = std::iter::from_fn(|| news.poll_publication(Duration::ZERO));
+    let said = std::iter::from_fn(|| feed.poll_publication(Duration::ZERO));
     said.map(|publication| (publication.topic, publication.payload.to_vec())).collect()
 }
 

@@ -6,7 +6,7 @@ use std::hash::{BuildHasher, RandomState};
 use std::time::Duration;
 
 use super::super::publication::Publication;
-use super::ledger::Ledger;
+use super::inflight::Inflight;
 use super::lost::Lost;
 use super::pulse::Pulse;
 use super::times::Times;
@@ -16,7 +16,7 @@ use super::times::Times;
 pub(super) struct Conversation {
     stage: Stage,
     times: Times,
-    ledger: Ledger,
+    inflight: Inflight,
     /// What was heard last under each packet id, of which there are not many, and how it is told from other things.
     heard: HashMap<u16, u64>,
     marks: RandomState,
@@ -39,7 +39,7 @@ impl Conversation {
         Conversation {
             stage: Stage::Greeting(now + times.greeting),
             times: *times,
-            ledger: Ledger::default(),
+            inflight: Inflight::default(),
             heard: HashMap::new(),
             marks: RandomState::new(),
             nonce,
@@ -54,12 +54,12 @@ impl Conversation {
 
     /// Whether anything may be published.
     pub(super) fn has_room(&self) -> bool {
-        self.is_open() && self.ledger.has_room()
+        self.is_open() && self.inflight.has_room()
     }
 
     /// Whether everything that was published is acknowledged.
     pub(super) fn is_settled(&self) -> bool {
-        self.ledger.is_settled()
+        self.inflight.is_settled()
     }
 
     /// The broker greets us.
@@ -79,17 +79,17 @@ impl Conversation {
 
     /// Something is published.
     pub(super) fn handle_given(&mut self, publication: Publication, now: Duration) {
-        self.ledger.handle_given(publication, now);
+        self.inflight.handle_given(publication, now);
     }
 
     /// The next of what is published is on its way under this packet id.
     pub(super) fn handle_sent(&mut self, id: u16) {
-        self.ledger.handle_sent(id);
+        self.inflight.handle_sent(id);
     }
 
     /// The broker acknowledges.
     pub(super) fn handle_acknowledged(&mut self, id: u16, now: Duration) {
-        self.ledger.handle_acknowledged(id, now);
+        self.inflight.handle_acknowledged(id, now);
     }
 
     /// Whether a message is one that was heard on this connection, sent again because our acknowledgement was late. A broker uses
@@ -139,11 +139,11 @@ impl Conversation {
 
     /// What may not have arrived, oldest first.
     pub(super) fn into_unacknowledged(self) -> Vec<Publication> {
-        self.ledger.into_unacknowledged()
+        self.inflight.into_unacknowledged()
     }
 
     fn settling_until(&self) -> Option<Duration> {
-        self.ledger.owed_since().map(|since| since + self.times.acknowledgement)
+        self.inflight.owed_since().map(|since| since + self.times.acknowledgement)
     }
 }
 

@@ -21,15 +21,15 @@ pub enum Health {
 
 /// Counts what goes wrong, and tells whoever watches.
 #[derive(Debug)]
-pub(super) struct Chart {
+pub(super) struct HealthTracker {
     told: watch::Sender<Health>,
     misses: u32,
     tries: u32,
 }
 
-impl Chart {
-    pub(super) fn new(told: watch::Sender<Health>) -> Chart {
-        Chart { told, misses: 0, tries: 0 }
+impl HealthTracker {
+    pub(super) fn new(told: watch::Sender<Health>) -> HealthTracker {
+        HealthTracker { told, misses: 0, tries: 0 }
     }
 
     /// It has proved that it is well.
@@ -70,9 +70,9 @@ impl Chart {
 mod tests {
     use super::*;
 
-    fn chart() -> (Chart, watch::Receiver<Health>) {
+    fn tracker() -> (HealthTracker, watch::Receiver<Health>) {
         let (told, health) = watch::channel(Health::Unproven);
-        (Chart::new(told), health)
+        (HealthTracker::new(told), health)
     }
 
     fn is_ill(health: &watch::Receiver<Health>) -> bool {
@@ -81,37 +81,37 @@ mod tests {
 
     #[test]
     fn one_miss_is_forgiven_and_the_second_in_a_row_is_not() {
-        let (mut chart, health) = chart();
-        assert!(!chart.handle_miss());
-        chart.handle_proof();
-        assert!(!chart.handle_miss());
+        let (mut tracker, health) = tracker();
+        assert!(!tracker.handle_miss());
+        tracker.handle_proof();
+        assert!(!tracker.handle_miss());
         assert_eq!(*health.borrow(), Health::Well);
-        assert!(chart.handle_miss());
+        assert!(tracker.handle_miss());
         assert!(is_ill(&health));
     }
 
     #[test]
     fn the_third_try_in_vain_is_an_illness_and_every_third_after_it_again() {
-        let (mut chart, mut health) = chart();
+        let (mut tracker, mut health) = tracker();
         for _ in 0..3 {
             for _ in 0..2 {
-                chart.handle_lost();
+                tracker.handle_lost();
                 assert!(!health.has_changed().expect("it is told"));
             }
-            chart.handle_lost();
+            tracker.handle_lost();
             assert!(health.has_changed().expect("it is told") && is_ill(&health));
             health.mark_unchanged();
         }
-        chart.handle_proof();
+        tracker.handle_proof();
         assert_eq!(*health.borrow(), Health::Well);
     }
 
     #[test]
     fn health_is_told_once() {
-        let (mut chart, mut health) = chart();
-        chart.handle_proof();
+        let (mut tracker, mut health) = tracker();
+        tracker.handle_proof();
         health.mark_unchanged();
-        chart.handle_proof();
+        tracker.handle_proof();
         assert!(!health.has_changed().expect("it is told"));
     }
 }

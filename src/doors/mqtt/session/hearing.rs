@@ -1,6 +1,6 @@
 //! What the session listens to, which depends on whose broker it is. What is done with it is not here.
 
-use super::super::orders::Orders;
+use super::super::commands::Commands;
 use super::super::topics::{HOME_ASSISTANT_STATUS, PULSE, Topics};
 
 /// Whose broker it is, and so what the session listens to there.
@@ -9,7 +9,7 @@ pub enum Hearing {
     /// Our own: commands are heard at its gate, with their senders' names, and the session asks it whether it is well.
     Own,
     /// Somebody else's, which passes commands on to the session.
-    Other(Orders),
+    Other(Commands),
 }
 
 impl Hearing {
@@ -37,9 +37,9 @@ mod tests {
         let topics = Topics::new("hallsweep", "discovery", "unibo/qak");
         assert_eq!(Hearing::Own.filters(&topics, false), [PULSE]);
         assert_eq!(Hearing::Own.filters(&topics, true), [PULSE, HOME_ASSISTANT_STATUS]);
-        let orders = Orders::new(obedient(idle()).0, topics.clone(), true, mpsc::channel(1).0);
-        let commands = ["hallsweep/discovery/command", "hallsweep/discovery/command/+", "unibo/qak/+"];
-        assert_eq!(Hearing::Other(orders.clone()).filters(&topics, false), commands);
-        assert_eq!(Hearing::Other(orders).filters(&topics, true)[3], HOME_ASSISTANT_STATUS);
+        let commands = Commands::new(obedient(idle()).0, topics.clone(), true, mpsc::channel(1).0);
+        let filters = ["hallsweep/discovery/command", "hallsweep/discovery/command/+", "unibo/qak/+"];
+        assert_eq!(Hearing::Other(commands.clone()).filters(&topics, false), filters);
+        assert_eq!(Hearing::Other(commands).filters(&topics, true)[3], HOME_ASSISTANT_STATUS);
     }
 }

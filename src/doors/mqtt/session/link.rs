@@ -1,4 +1,4 @@
-//! Where a broker is and how it is reached: all that a connection is made of. The connection itself is `line`.
+//! Where a broker is and how it is reached: all that a connection is made of. The connection itself is `transport`.
 
 use std::fmt;
 use std::sync::Arc;

@@ -1,23 +1,23 @@
 //! Our own MQTT client: it says what is new, hears commands at somebody else's broker, and comes back whenever the connection is
-//! lost, for as long as the program runs. What is said is decided in `news`, what is heard in `orders`.
+//! lost, for as long as the program runs. What is said is decided in `change_feed`, what is heard in `commands`.
 
 mod backoff;
+mod connection_task;
 mod conversation;
 mod health;
 mod hearing;
-mod ledger;
-mod line;
+mod inflight;
 mod link;
 mod lost;
 mod photos;
 mod pulse;
-mod talk;
 #[cfg(test)]
 pub(super) mod testing;
 #[cfg(test)]
 mod tests;
 mod times;
 mod tls;
+mod transport;
 
 pub use health::Health;
 pub use hearing::Hearing;
@@ -30,18 +30,18 @@ use std::sync::Arc;
 
 use tokio::sync::{mpsc, watch};
 
-use super::news::{News, OFFLINE};
-use super::orders::{Answer, Sender};
+use super::change_feed::{ChangeFeed, OFFLINE};
+use super::commands::{Answer, CommandSender};
 use super::publication::Publication;
 use super::topics::{PULSE, Topics};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use backoff::Backoff;
+use connection_task::ConnectionTask;
 use hallsweep_core::rng::Stream;
 use hallsweep_core::world::snapshot::Snapshot;
-use health::Chart;
+use health::HealthTracker;
 use lost::Lost;
-use talk::Talk;
 
 /// What a session is made of.
 pub struct Parts {
@@ -72,10 +72,10 @@ pub struct Session {
     link: Link,
     hearing: Hearing,
     /// Whoever speaks at somebody else's broker.
-    sender: Sender,
+    sender: CommandSender,
     topics: Topics,
     home_assistant: bool,
-    news: News,
+    changes: ChangeFeed,
     states: watch::Receiver<Arc<Snapshot>>,
     answers: mpsc::Receiver<Answer>,
     archive: Reader,
@@ -83,7 +83,7 @@ pub struct Session {
     again: VecDeque<Publication>,
     /// How many old messages may not have arrived.
     unacknowledged: u64,
-    chart: Chart,
+    health: HealthTracker,
     backoff: Backoff,
     chance: Stream,
     clock: Clock,
@@ -96,8 +96,8 @@ impl Session {
     #[must_use]
     pub fn new(parts: Parts) -> Session {
         Session {
-            news: News::new(parts.topics.clone(), parts.home_assistant),
-            sender: Sender::Unknown { broker: parts.link.host.as_str().into() },
+            changes: ChangeFeed::new(parts.topics.clone(), parts.home_assistant),
+            sender: CommandSender::Unknown { broker: parts.link.host.as_str().into() },
             link: parts.link,
             hearing: parts.hearing,
             topics: parts.topics,
@@ -107,7 +107,7 @@ impl Session {
             archive: parts.archive,
             again: VecDeque::new(),
             unacknowledged: 0,
-            chart: Chart::new(parts.health),
+            health: HealthTracker::new(parts.health),
             backoff: Backoff::new(&parts.times, Stream::new(parts.seed, "mqtt pauses")),
             chance: Stream::new(parts.seed, "mqtt pulse"),
             clock: Clock::default(),
@@ -121,13 +121,13 @@ impl Session {
         tokio::pin!(shutdown);
         loop {
             let began = self.clock.now().since_start;
-            let mut talk = Talk::begin(&mut self);
+            let mut task = ConnectionTask::begin(&mut self);
             let lost = tokio::select! {
-                () = &mut shutdown => return talk.take_leave().await,
-                lost = talk.go_on() => lost,
+                () = &mut shutdown => return task.take_leave().await,
+                lost = task.go_on() => lost,
             };
-            let was_open = talk.is_open();
-            let unacknowledged = talk.into_unacknowledged();
+            let was_open = task.is_open();
+            let unacknowledged = task.into_unacknowledged();
             self.handle_lost(&lost, was_open, unacknowledged);
             let lasted = self.clock.now().since_start.saturating_sub(began);
             let pause = self.backoff.handle_ended(lasted, was_open);
@@ -149,7 +149,7 @@ impl Session {
 
     /// What is to be said next, if anything is due.
     fn poll_publication(&mut self) -> Option<Publication> {
-        self.again.pop_front().or_else(|| self.news.poll_publication(self.clock.now().since_start))
+        self.again.pop_front().or_else(|| self.changes.poll_publication(self.clock.now().since_start))
     }
 
     /// The broker has greeted us and answered our subscription: everything is said, as to somebody who knows nothing.
@@ -158,23 +158,23 @@ impl Session {
             tracing::info!(broker = %self.link, "the MQTT broker is back");
         }
         if matches!(self.hearing, Hearing::Other(_)) {
-            self.chart.handle_proof();
+            self.health.handle_proof();
         }
         self.learn();
-        self.news.renew(std::mem::take(&mut self.unacknowledged));
+        self.changes.renew(std::mem::take(&mut self.unacknowledged));
     }
 
     /// The newest state.
     fn learn(&mut self) {
         let state = Arc::clone(&self.states.borrow_and_update());
-        self.news.handle_state(state);
+        self.changes.handle_state(state);
     }
 
     /// One line in the log when it is lost, and none for the attempts after that. What may not have arrived is said again: what a
     /// broker keeps, because all of that is said anew; the rest as it was.
     fn handle_lost(&mut self, lost: &Lost, was_open: bool, unacknowledged: Vec<Publication>) {
-        self.chart.handle_lost();
-        let (numbered, others): (Vec<_>, Vec<_>) = unacknowledged.into_iter().partition(|said| self.news.is_numbered(said));
+        self.health.handle_lost();
+        let (numbered, others): (Vec<_>, Vec<_>) = unacknowledged.into_iter().partition(|said| self.changes.is_numbered(said));
         self.unacknowledged += numbered.len() as u64;
         self.again.extend(others.into_iter().filter(|said| !said.retain && said.topic != PULSE));
         if std::mem::replace(&mut self.is_lost, true) {

@@ -1,9 +1,9 @@
 //! Reading the photo that is to be shown, one at a time, where blocking is allowed. Which one that is, and whether it still is when
-//! it has been read, is decided in `news`.
+//! it has been read, is decided in `change_feed`.
 
 use std::pin::Pin;
 
-use super::super::news::{News, PHOTO_MOST, Picture};
+use super::super::change_feed::{ChangeFeed, PHOTO_MOST, Picture};
 use crate::runtime::archive_reader::Reader;
 use hallsweep_core::event::Photo;
 
@@ -16,7 +16,7 @@ pub(super) struct Reading(Option<Pin<Box<dyn Future<Output = Looked> + Send>>>);
 
 impl Reading {
     /// Begins to read the photo that is asked for, unless one is being read.
-    pub(super) fn begin(&mut self, news: &mut News, archive: &Reader) {
+    pub(super) fn begin(&mut self, news: &mut ChangeFeed, archive: &Reader) {
         if self.0.is_none()
             && let Some(picture) = news.poll_photo()
         {
@@ -34,7 +34,7 @@ impl Reading {
 }
 
 /// Gives a photo that was read to those who show it.
-pub(super) fn show(news: &mut News, (picture, photo): Looked) {
+pub(super) fn show(news: &mut ChangeFeed, (picture, photo): Looked) {
     let Some(photo) = photo else { return };
     let (luggage, size) = (picture.luggage.0, photo.bytes.len());
     if !news.handle_photo(picture, photo) && size > PHOTO_MOST {

@@ -1,4 +1,4 @@
-//! For the tests of the session: a broker that does what it is told, over loopback, and a house whose state it is told of. It routes
+//! For the tests of the session: a broker that does what it is told, over loopback, and an app whose state it is told of. It routes
 //! nothing; real brokers are in the tests of the service.
 
 use std::net::SocketAddr;
@@ -14,7 +14,7 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::task::JoinHandle;
 
-use super::super::orders::Orders;
+use super::super::commands::Commands;
 use super::super::topics::Topics;
 use super::link::LARGEST;
 use super::{Health, Hearing, Link, Parts, Session, Times};
@@ -36,7 +36,7 @@ pub(super) enum Whose {
 }
 
 /// A session that runs, and all that it is told.
-pub(super) struct House {
+pub(super) struct TestApp {
     pub(super) script: Script,
     pub(super) health: watch::Receiver<Health>,
     shutdown: Option<oneshot::Sender<()>>,
@@ -44,7 +44,7 @@ pub(super) struct House {
 }
 
 /// The port of a broker.
-pub(super) struct Broker(TcpListener);
+pub(super) struct TestBroker(TcpListener);
 
 /// One connection to it.
 pub(in super::super) struct Peer {
@@ -64,13 +64,13 @@ pub(in super::super) fn publish(topic: &str, payload: &str, id: u16) -> Publish 
     publish
 }
 
-impl House {
+impl TestApp {
     /// Runs a session with this broker. Must be called inside a runtime.
-    pub(super) fn run(snapshot: Snapshot, broker: SocketAddr, whose: Whose, times: Times) -> House {
+    pub(super) fn run(snapshot: Snapshot, broker: SocketAddr, whose: Whose, times: Times) -> TestApp {
         let (handle, script) = obedient(snapshot);
         let (give, answers) = mpsc::channel(16);
         let (told, health) = watch::channel(Health::Unproven);
-        let orders = Orders::new(handle, topics(), true, give);
+        let commands = Commands::new(handle, topics(), true, give);
         let session = Session::new(Parts {
             link: Link {
                 host: broker.ip().to_string(),
@@ -79,7 +79,7 @@ impl House {
                 login: Some(("robot".to_owned(), "secret".to_owned())),
                 client_id: "hallsweep-discovery".to_owned(),
             },
-            hearing: if whose == Whose::Own { Hearing::Own } else { Hearing::Other(orders) },
+            hearing: if whose == Whose::Own { Hearing::Own } else { Hearing::Other(commands) },
             topics: topics(),
             home_assistant: true,
             states: script.publish.subscribe(),
@@ -93,7 +93,7 @@ impl House {
         let session = tokio::spawn(session.run(async {
             let _ = ended.await;
         }));
-        House { script, health, shutdown: Some(shutdown), session }
+        TestApp { script, health, shutdown: Some(shutdown), session }
     }
 
     /// Tells it to end.
@@ -113,9 +113,9 @@ impl House {
     }
 }
 
-impl Broker {
-    pub(super) async fn open() -> Broker {
-        Broker(TcpListener::bind("127.0.0.1:0").await.expect("there is a free port"))
+impl TestBroker {
+    pub(super) async fn open() -> TestBroker {
+        TestBroker(TcpListener::bind("127.0.0.1:0").await.expect("there is a free port"))
     }
 
     pub(super) fn address(&self) -> SocketAddr {
@@ -129,7 +129,7 @@ impl Broker {
     }
 
     /// The next connection, greeted and subscribed; and with what it subscribed.
-    pub(super) async fn guest(&self) -> (Peer, Connect, Vec<String>) {
+    pub(super) async fn principal(&self) -> (Peer, Connect, Vec<String>) {
         let mut peer = self.peer().await;
         let (connect, filters) = peer.greet().await;
         (peer, connect, filters)

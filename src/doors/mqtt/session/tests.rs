@@ -5,7 +5,7 @@ use std::time::Duration;
 use rumqttc::{ConnectReturnCode, Packet, PubAck};
 
 use super::super::topics::{HOME_ASSISTANT_STATUS, PULSE};
-use super::testing::{Broker, House, Whose, publish, topics};
+use super::testing::{TestApp, TestBroker, Whose, publish, topics};
 use super::{Health, Times};
 use crate::api::fixture::{idle, searching, touch};
 use hallsweep_core::command::Command;
@@ -14,16 +14,16 @@ use hallsweep_core::world::resource::Resource;
 /// As soon as anything is too late.
 const SHORT: Duration = Duration::from_millis(50);
 
-fn others(broker: &Broker) -> House {
-    House::run(idle(), broker.address(), Whose::Others, Times::default())
+fn others(broker: &TestBroker) -> TestApp {
+    TestApp::run(idle(), broker.address(), Whose::Others, Times::default())
 }
 
 #[tokio::test]
 async fn whoever_greets_us_is_told_everything_and_again_on_the_next_connection() {
-    let broker = Broker::open().await;
-    let house = others(&broker);
+    let broker = TestBroker::open().await;
+    let app = others(&broker);
     for revision in 2..4 {
-        let (mut peer, connect, filters) = broker.guest().await;
+        let (mut peer, connect, filters) = broker.principal().await;
         assert_eq!((connect.client_id.as_str(), connect.clean_session), ("hallsweep-discovery", true));
         let will = connect.last_will.expect("a broker says that we are gone");
         assert_eq!((will.topic, &will.message[..], will.retain), (topics().availability(), &b"offline"[..], true));
@@ -36,15 +36,15 @@ async fn whoever_greets_us_is_told_everything_and_again_on_the_next_connection()
         drop(peer);
         let mut newer = idle();
         touch(&mut newer, revision, &Resource::ALL);
-        house.script.publish.send_replace(newer.into());
+        app.script.publish.send_replace(newer.into());
     }
 }
 
 #[tokio::test]
 async fn a_command_is_heard_once_and_what_was_kept_or_comes_again_is_not() {
-    let broker = Broker::open().await;
-    let house = others(&broker);
-    let (mut peer, ..) = broker.guest().await;
+    let broker = TestBroker::open().await;
+    let app = others(&broker);
+    let (mut peer, ..) = broker.principal().await;
     let mut kept = publish(&topics().command("backHome"), "", 4);
     kept.retain = true;
     let (start, mut again) = (publish(&topics().command("start"), "", 5), publish(&topics().command("start"), "", 5));
@@ -56,37 +56,37 @@ async fn a_command_is_heard_once_and_what_was_kept_or_comes_again_is_not() {
     }
     let result = peer.until(&topics().result("reset")).await;
     assert!(!result.retain && String::from_utf8_lossy(&result.payload).contains("\"accepted\":true"), "{:?}", result.payload);
-    let given: Vec<_> = house.script.given.lock().unwrap().iter().map(|request| request.command.clone()).collect();
+    let given: Vec<_> = app.script.given.lock().unwrap().iter().map(|request| request.command.clone()).collect();
     assert_eq!(given, [Command::Start, Command::Reset]);
 }
 
 /// Safety S1.
 #[tokio::test]
 async fn a_stop_is_taken_as_often_as_it_comes() {
-    let broker = Broker::open().await;
-    let house = others(&broker);
-    let (mut peer, ..) = broker.guest().await;
+    let broker = TestBroker::open().await;
+    let app = others(&broker);
+    let (mut peer, ..) = broker.principal().await;
     let stop = publish("unibo/qak/events", "msg(stopCmd,event,js,none,stopCmd,1)", 5);
     let again = rumqttc::Publish { dup: true, ..stop.clone() };
     for said in [stop, again, publish(&topics().command("reset"), "", 6)] {
         peer.says(Packet::Publish(said)).await;
     }
     peer.until(&topics().result("reset")).await;
-    let given: Vec<_> = house.script.given.lock().unwrap().iter().map(|request| request.command.clone()).collect();
+    let given: Vec<_> = app.script.given.lock().unwrap().iter().map(|request| request.command.clone()).collect();
     assert_eq!(given, [Command::Stop, Command::Stop, Command::Reset]);
 }
 
 #[tokio::test]
 async fn an_answer_that_may_not_have_arrived_is_said_again_and_old_messages_keep_their_numbers() {
-    let broker = Broker::open().await;
-    let _house = others(&broker);
-    let (mut peer, ..) = broker.guest().await;
+    let broker = TestBroker::open().await;
+    let _app = others(&broker);
+    let (mut peer, ..) = broker.principal().await;
     let old = |said: &rumqttc::Publish| said.topic == topics().old_events();
     let first = peer.unacknowledged(old).await;
     peer.says(Packet::Publish(publish(&topics().command("start"), r#"{"id":"a"}"#, 1))).await;
     let answer = peer.unacknowledged(|said| said.topic == topics().result("start")).await;
     drop(peer);
-    let (mut peer, ..) = broker.guest().await;
+    let (mut peer, ..) = broker.principal().await;
     let (mut answered, mut numbered) = (false, None);
     while !answered || numbered.is_none() {
         let said = peer.unacknowledged(|_| true).await;
@@ -105,9 +105,9 @@ fn number(message: &[u8]) -> u64 {
 
 #[tokio::test]
 async fn a_broker_that_does_not_greet_us_is_tried_again() {
-    let broker = Broker::open().await;
+    let broker = TestBroker::open().await;
     let times = Times { greeting: SHORT, ..Times::default() };
-    let _house = House::run(idle(), broker.address(), Whose::Others, times);
+    let _app = TestApp::run(idle(), broker.address(), Whose::Others, times);
     let mut mute = broker.peer().await;
     mute.is_left().await;
     let mut half = broker.peer().await;
@@ -118,92 +118,92 @@ async fn a_broker_that_does_not_greet_us_is_tried_again() {
 
 #[tokio::test]
 async fn a_broker_that_acknowledges_nothing_is_left_for_a_new_connection() {
-    let broker = Broker::open().await;
+    let broker = TestBroker::open().await;
     let times = Times { acknowledgement: SHORT, ..Times::default() };
-    let _house = House::run(idle(), broker.address(), Whose::Others, times);
-    let (mut mute, ..) = broker.guest().await;
+    let _app = TestApp::run(idle(), broker.address(), Whose::Others, times);
+    let (mut mute, ..) = broker.principal().await;
     mute.is_left().await;
-    let (mut peer, ..) = broker.guest().await;
+    let (mut peer, ..) = broker.principal().await;
     peer.until(&topics().availability()).await;
 }
 
 #[tokio::test]
 async fn our_own_broker_is_well_when_it_brings_back_what_it_is_sent() {
-    let broker = Broker::open().await;
-    let mut house = House::run(idle(), broker.address(), Whose::Own, Times::default());
-    let (mut peer, _, filters) = broker.guest().await;
+    let broker = TestBroker::open().await;
+    let mut app = TestApp::run(idle(), broker.address(), Whose::Own, Times::default());
+    let (mut peer, _, filters) = broker.principal().await;
     assert_eq!(filters, [PULSE, HOME_ASSISTANT_STATUS], "commands are heard at the gate");
-    assert_eq!(*house.health.borrow(), Health::Unproven);
+    assert_eq!(*app.health.borrow(), Health::Unproven);
     let beat = peer.until(PULSE).await;
     peer.says(Packet::Publish(beat)).await;
-    house.finds(Health::Well).await;
+    app.finds(Health::Well).await;
 }
 
 #[tokio::test]
 async fn our_own_broker_is_ill_when_it_brings_nothing_back_and_then_it_is_tried_again() {
-    let broker = Broker::open().await;
+    let broker = TestBroker::open().await;
     let times = Times { beat: SHORT, echo: SHORT, ..Times::default() };
-    let mut house = House::run(idle(), broker.address(), Whose::Own, times);
-    let (mut peer, ..) = broker.guest().await;
+    let mut app = TestApp::run(idle(), broker.address(), Whose::Own, times);
+    let (mut peer, ..) = broker.principal().await;
     let beat = peer.until(PULSE).await;
     assert_ne!(peer.until(PULSE).await.payload, beat.payload);
-    house.finds(Health::Ill).await;
+    app.finds(Health::Ill).await;
     let echo = async {
         loop {
-            broker.guest().await.0.echoes(PULSE).await;
+            broker.principal().await.0.echoes(PULSE).await;
         }
     };
     tokio::select! {
-        () = house.finds(Health::Well) => {}
+        () = app.finds(Health::Well) => {}
         () = echo => {}
     }
 }
 
 #[tokio::test]
 async fn a_broker_that_lets_us_not_in_three_times_is_ill() {
-    let broker = Broker::open().await;
-    let mut house = House::run(idle(), broker.address(), Whose::Own, Times::default());
+    let broker = TestBroker::open().await;
+    let mut app = TestApp::run(idle(), broker.address(), Whose::Own, Times::default());
     for _ in 0..3 {
-        assert_eq!(*house.health.borrow(), Health::Unproven);
+        assert_eq!(*app.health.borrow(), Health::Unproven);
         let mut peer = broker.peer().await;
         let connect = peer.answers(ConnectReturnCode::BadUserNamePassword).await;
         assert_eq!(connect.login.map(|login| (login.username, login.password)), Some(("robot".into(), "secret".into())));
     }
-    house.finds(Health::Ill).await;
+    app.finds(Health::Ill).await;
 }
 
 #[tokio::test]
 async fn at_the_end_it_is_said_that_we_are_gone() {
-    let broker = Broker::open().await;
-    let mut house = others(&broker);
-    let (mut peer, ..) = broker.guest().await;
+    let broker = TestBroker::open().await;
+    let mut app = others(&broker);
+    let (mut peer, ..) = broker.principal().await;
     peer.until(&topics().availability()).await;
-    house.shut_down();
+    app.shut_down();
     let mut last = peer.until(&topics().availability()).await;
     while &last.payload[..] != b"offline" {
         last = peer.until(&topics().availability()).await;
     }
     assert!(last.retain);
     assert!(matches!(peer.hears().await, Some(Packet::Disconnect)), "else the broker would say our last will");
-    house.ended().await;
+    app.ended().await;
 }
 
 #[tokio::test]
 async fn the_end_does_not_wait_for_a_broker_that_is_not_there() {
-    let broker = Broker::open().await;
-    let mut house = others(&broker);
-    let (mut peer, ..) = broker.guest().await;
+    let broker = TestBroker::open().await;
+    let mut app = others(&broker);
+    let (mut peer, ..) = broker.principal().await;
     peer.unacknowledged(|_| true).await;
-    house.shut_down();
-    house.ended().await;
+    app.shut_down();
+    app.ended().await;
     drop((broker, peer));
 }
 
 #[tokio::test]
 async fn home_assistant_is_shown_the_last_photo_and_told_of_the_robot_when_it_starts() {
-    let broker = Broker::open().await;
-    let _house = House::run(searching(), broker.address(), Whose::Others, Times::default());
-    let (mut peer, ..) = broker.guest().await;
+    let broker = TestBroker::open().await;
+    let _app = TestApp::run(searching(), broker.address(), Whose::Others, Times::default());
+    let (mut peer, ..) = broker.principal().await;
     let photo = peer.until(&topics().photo()).await;
     assert_eq!((&photo.payload[..], photo.retain), (&b"\x89PNG"[..], true));
     peer.says(Packet::Publish(publish(HOME_ASSISTANT_STATUS, "online", 1))).await;

@@ -1,0 +1,71 @@
+//! Which messages of a client were dealt with before. A command is taken for one that was heard already only when it says so itself,
+//! and is the same in every byte: an urgent one is never lost here.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use super::Ended;
+use crate::limits::{HANDLED, UNRELEASED};
+use crate::packet::Qos;
+use crate::packet::publish::Publish;
+
+/// The print of what was no command.
+const NO_COMMAND: u64 = 0;
+
+/// What was dealt with.
+#[derive(Debug, Default)]
+pub(super) struct Duplicates {
+    /// Messages of QoS 2 that the client has not released, by id, with the prints of those that were commands.
+    unreleased: BTreeMap<u16, u64>,
+    /// Ids and prints of the latest commands of QoS 1.
+    commands: VecDeque<(u16, u64)>,
+}
+
+impl Duplicates {
+    /// With what was not released in earlier connections.
+    pub(super) const fn resumed(unreleased: BTreeMap<u16, u64>) -> Duplicates {
+        Duplicates { unreleased, commands: VecDeque::new() }
+    }
+
+    /// What is not released yet.
+    pub(super) fn into_unreleased(self) -> BTreeMap<u16, u64> {
+        self.unreleased
+    }
+
+    /// Whether this is a message of QoS 2 that came before.
+    pub(super) fn is_unreleased(&self, publish: &Publish<'_>) -> bool {
+        publish.qos == Qos::Two && self.unreleased.contains_key(&publish.id)
+    }
+
+    /// Whether this command, of this print, was heard before.
+    pub(super) fn was_heard(&self, publish: &Publish<'_>, print: u64) -> bool {
+        publish.is_duplicate
+            && (self.commands.contains(&(publish.id, print))
+                || publish.qos == Qos::Two && self.unreleased.get(&publish.id) == Some(&print))
+    }
+
+    /// A message was dealt with; `print` if it was a command.
+    pub(super) fn handled(&mut self, publish: &Publish<'_>, print: Option<u64>) -> Result<(), Ended> {
+        match (publish.qos, print) {
+            (Qos::One, Some(print)) => {
+                self.commands.retain(|(id, _)| *id != publish.id);
+                self.commands.push_back((publish.id, print));
+                if self.commands.len() > HANDLED {
+                    self.commands.pop_front();
+                }
+            }
+            (Qos::Two, print) => {
+                if self.unreleased.len() >= UNRELEASED && !self.unreleased.contains_key(&publish.id) {
+                    return Err(Ended::TooMuch { what: "messages of QoS 2 that it has not released", most: UNRELEASED });
+                }
+                self.unreleased.insert(publish.id, print.unwrap_or(NO_COMMAND));
+            }
+            (Qos::Zero, _) | (Qos::One, None) => {}
+        }
+        Ok(())
+    }
+
+    /// The client will not send the message of this id again.
+    pub(super) fn released(&mut self, id: u16) {
+        self.unreleased.remove(&id);
+    }
+}

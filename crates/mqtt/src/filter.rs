@@ -1,0 +1,190 @@
+//! Topics and filters (section 4.7): which are good, and which topic a filter matches. Who may use them is not here.
+
+use super::limits::{LEVELS, TOPIC};
+
+/// The character after the slash, in the order of bytes.
+const AFTER_SLASH: char = '0';
+
+/// Why the gate does not take a topic or a filter, though the standard may allow it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unfit {
+    /// Longer than is taken.
+    #[error("it is longer than {TOPIC} bytes")]
+    Long,
+    /// Deeper than is taken.
+    #[error("it has more than {LEVELS} levels")]
+    Deep,
+    /// `$…`.
+    #[error("it begins with `$`, and there is nothing like that here")]
+    Dollar,
+    /// The router cannot be given such a topic.
+    #[error("it does not begin with an ASCII character")]
+    NotAscii,
+    /// `#` or `+` where they cannot be.
+    #[error("it has `#` or `+` where they cannot be")]
+    Wildcards,
+}
+
+/// Whether a topic, not empty and without wildcards, can be given to the router.
+///
+/// # Errors
+/// Why not.
+pub fn topic(topic: &str) -> Result<(), Unfit> {
+    measure(topic)?;
+    match topic.as_bytes().first() {
+        Some(b'$') => Err(Unfit::Dollar),
+        Some(byte) if !byte.is_ascii() => Err(Unfit::NotAscii),
+        Some(_) | None => Ok(()),
+    }
+}
+
+/// Whether a filter, not empty, can be given to the router.
+///
+/// # Errors
+/// Why not.
+pub fn filter(filter: &str) -> Result<(), Unfit> {
+    measure(filter)?;
+    if filter.starts_with('$') {
+        return Err(Unfit::Dollar);
+    }
+    let before_last = filter.rfind('/').map_or("", |slash| &filter[..slash]);
+    let is_whole = |level: &str| level == "+" || level == "#" || !level.contains(['+', '#']);
+    if before_last.contains('#') || !filter.split('/').all(is_whole) { Err(Unfit::Wildcards) } else { Ok(()) }
+}
+
+/// Whether a filter matches a topic. `#` and `+` at the head match no `$…` (section 4.7.2).
+#[cfg(test)]
+pub(crate) fn matches(filter: &str, topic: &str) -> bool {
+    if topic.starts_with('$') && filter.starts_with(['+', '#']) {
+        return false;
+    }
+    let mut levels = topic.split('/');
+    for wanted in filter.split('/') {
+        if wanted == "#" {
+            return true;
+        }
+        if !levels.next().is_some_and(|level| wanted == "+" || wanted == level) {
+            return false;
+        }
+    }
+    levels.next().is_none()
+}
+
+/// What every topic that a filter matches begins with: the levels before the first wildcard.
+pub(crate) fn stem(filter: &str) -> &str {
+    match filter.find(['+', '#']) {
+        Some(wildcard) => filter[..wildcard].strip_suffix('/').unwrap_or(""),
+        None => filter,
+    }
+}
+
+/// Where to look next among topics in the order of their bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Next {
+    /// This topic matches.
+    Here,
+    /// None before this one does.
+    From(String),
+    /// No later one does.
+    Nowhere,
+}
+
+/// Whether a filter matches this topic; if not, where the next one can be that it matches. So whoever looks goes level by level, as
+/// in a tree, and passes over what lies between.
+pub(crate) fn look(filter: &str, topic: &str) -> Next {
+    if topic.starts_with('$') && filter.starts_with(['+', '#']) {
+        // Behind all of these.
+        return Next::From("%".to_owned());
+    }
+    let mut wanted_levels = filter.split('/').peekable();
+    let (mut start, mut rest) = (0, Some(topic));
+    while let Some(wanted) = wanted_levels.next() {
+        if wanted == "#" {
+            return Next::Here;
+        }
+        let Some(here) = rest else { return Next::From(format!("{topic}\0")) };
+        let (level, after) = here.split_once('/').map_or((here, None), |(level, after)| (level, Some(after)));
+        if wanted != "+" && wanted != level {
+            let above = &topic[..start];
+            let itself = format!("{above}{wanted}");
+            if topic < itself.as_str() {
+                return Next::From(itself);
+            }
+            let below = format!("{itself}/");
+            let may_be_below = wanted_levels.peek().is_some() && topic < below.as_str();
+            return if may_be_below { Next::From(below) } else { behind(above) };
+        }
+        start += level.len() + 1;
+        rest = after;
+    }
+    if rest.is_none() { Next::Here } else { behind(&topic[..start]) }
+}
+
+/// Behind everything below these levels, which end with a slash.
+fn behind(levels: &str) -> Next {
+    levels.strip_suffix('/').map_or(Next::Nowhere, |above| Next::From(format!("{above}{AFTER_SLASH}")))
+}
+
+fn measure(text: &str) -> Result<(), Unfit> {
+    if text.len() > TOPIC {
+        return Err(Unfit::Long);
+    }
+    if text.bytes().filter(|byte| *byte == b'/').count() >= LEVELS { Err(Unfit::Deep) } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn filters_match_as_the_standard_has_it() {
+        let cases = [
+            ("a/b", "a/b", true),
+            ("a/b", "a/b/", false),
+            ("a/+", "a/b", true),
+            ("a/+", "a/", true),
+            ("a/+", "a", false),
+            ("+", "/a", false),
+            ("+/+", "/a", true),
+            ("/+", "/a", true),
+            ("a/#", "a", true),
+            ("a/#", "a/b/c", true),
+            ("a/#", "ab", false),
+            ("#", "a", true),
+            ("#", "$SYS/a", false),
+            ("+/a", "$SYS/a", false),
+            ("$SYS/#", "$SYS/a", true),
+            ("a/+/c", "a/b/c", true),
+            ("a/+/c", "a/b/d", false),
+            ("A", "a", false),
+        ];
+        for (filter, topic, expected) in cases {
+            assert_eq!(matches(filter, topic), expected, "{filter} {topic}");
+            assert!(!expected || topic.starts_with(stem(filter)), "{filter} {topic}");
+        }
+    }
+
+    #[test]
+    fn a_filter_has_wildcards_only_where_they_can_be() {
+        for good in ["a", "/", "+", "#", "a/#", "+/a/+", "a//b", "é/+", "a/+/#"] {
+            assert_eq!(filter(good), Ok(()), "{good}");
+        }
+        for bad in ["a#", "a/#/b", "a+", "+a/b", "a/b+/c", "##", "#/a", "a/++"] {
+            assert_eq!(filter(bad), Err(Unfit::Wildcards), "{bad}");
+        }
+        assert_eq!(filter("$SYS/#"), Err(Unfit::Dollar));
+        assert_eq!(filter("$share/group/a"), Err(Unfit::Dollar));
+        assert_eq!(filter(&"a".repeat(513)), Err(Unfit::Long));
+        assert_eq!(filter(&"/".repeat(32)), Err(Unfit::Deep));
+        assert_eq!(filter(&"/".repeat(31)), Ok(()));
+    }
+
+    #[test]
+    fn a_topic_that_would_end_the_router_is_unfit() {
+        assert_eq!(topic("é"), Err(Unfit::NotAscii));
+        assert_eq!(topic("aé"), Ok(()));
+        assert_eq!(topic("$SYS"), Err(Unfit::Dollar));
+        assert_eq!(topic(&"é".repeat(257)), Err(Unfit::Long));
+        assert_eq!(topic(" "), Ok(()));
+    }
+}

@@ -1,0 +1,93 @@
+//! What is in a packet, read strictly by MQTT 3.1.1, and packets written. No reader allocates but that of CONNECT, none panics on any
+//! bytes; none decides what may be done.
+
+pub mod ack;
+pub mod connect;
+pub mod filters;
+pub mod publish;
+pub mod write;
+
+use super::frame::Malformed;
+
+/// How often a message comes (section 4.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Qos {
+    /// At most once.
+    Zero,
+    /// At least once.
+    One,
+    /// Exactly once.
+    Two,
+}
+
+impl Qos {
+    /// The QoS of this number.
+    ///
+    /// # Errors
+    /// `Malformed::Qos` for all but 0, 1 and 2.
+    pub const fn of(number: u8) -> Result<Qos, Malformed> {
+        match number {
+            0 => Ok(Qos::Zero),
+            1 => Ok(Qos::One),
+            2 => Ok(Qos::Two),
+            _ => Err(Malformed::Qos(number)),
+        }
+    }
+}
+
+/// The fields of a body, one after the other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fields<'a>(&'a [u8]);
+
+impl<'a> Fields<'a> {
+    pub(super) const fn new(body: &'a [u8]) -> Fields<'a> {
+        Fields(body)
+    }
+
+    pub(super) fn byte(&mut self, what: &'static str) -> Result<u8, Malformed> {
+        let (&byte, rest) = self.0.split_first().ok_or(Malformed::Short(what))?;
+        self.0 = rest;
+        Ok(byte)
+    }
+
+    pub(super) fn number(&mut self, what: &'static str) -> Result<u16, Malformed> {
+        let (&bytes, rest) = self.0.split_first_chunk().ok_or(Malformed::Short(what))?;
+        self.0 = rest;
+        Ok(u16::from_be_bytes(bytes))
+    }
+
+    pub(super) fn id(&mut self) -> Result<u16, Malformed> {
+        match self.number("packet id")? {
+            0 => Err(Malformed::Id),
+            id => Ok(id),
+        }
+    }
+
+    pub(super) fn bytes(&mut self, what: &'static str) -> Result<&'a [u8], Malformed> {
+        let length = usize::from(self.number(what)?);
+        let (bytes, rest) = self.0.split_at_checked(length).ok_or(Malformed::Short(what))?;
+        self.0 = rest;
+        Ok(bytes)
+    }
+
+    pub(super) fn text(&mut self, what: &'static str) -> Result<&'a str, Malformed> {
+        text(self.bytes(what)?, what)
+    }
+
+    pub(super) const fn rest(self) -> &'a [u8] {
+        self.0
+    }
+
+    pub(super) const fn end(self) -> Result<(), Malformed> {
+        if self.0.is_empty() { Ok(()) } else { Err(Malformed::Trailing(self.0.len())) }
+    }
+}
+
+/// Text as the standard has it (section 1.5.3).
+///
+/// # Errors
+/// `Malformed::Text` when it is not UTF-8 or has a U+0000 in it.
+pub(crate) fn text<'a>(bytes: &'a [u8], what: &'static str) -> Result<&'a str, Malformed> {
+    std::str::from_utf8(bytes).ok().filter(|_| !bytes.contains(&0)).ok_or(Malformed::Text(what))
+}

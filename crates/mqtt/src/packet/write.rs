@@ -1,0 +1,221 @@
+//! Packets, written. Nobody here asks whether they are wise.
+
+use bytes::{BufMut, BytesMut};
+
+use super::Qos;
+use super::publish::{LABEL, PADDED, Publish};
+use crate::frame::Kind;
+use crate::parcels::Label;
+
+/// PINGREQ.
+pub const PINGREQ: [u8; 2] = [Kind::Pingreq.first_byte(), 0];
+
+/// PINGRESP.
+pub const PINGRESP: [u8; 2] = [Kind::Pingresp.first_byte(), 0];
+
+/// The flag of a PUBLISH that may have been sent before.
+const DUPLICATE: u8 = 8;
+
+/// The code of a SUBACK for a filter that is refused.
+pub const REFUSED: u8 = 0x80;
+
+/// What a CONNACK says (section 3.2.2.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Welcome {
+    /// Come in.
+    Accepted = 0,
+    /// This version is not spoken.
+    Version,
+    /// No such client id.
+    ClientId,
+    /// The broker is not there, or full.
+    Unavailable,
+    /// Name or password are not known.
+    Login,
+    /// This may not be done: a forbidden will.
+    NotAllowed,
+}
+
+/// A CONNACK.
+#[must_use]
+pub const fn connack(welcome: Welcome, session_present: bool) -> [u8; 4] {
+    [Kind::Connack.first_byte(), 2, session_present as u8, welcome as u8]
+}
+
+/// A CONNECT to the router: an id, by what it lets us in, and nothing that it could stumble over.
+pub fn connect(out: &mut BytesMut, client_id: &str, clean_session: bool, keep_alive_s: u16, (name, password): (&str, &str)) {
+    head(out, Kind::Connect.first_byte(), 16 + client_id.len() + name.len() + password.len());
+    text(out, "MQTT");
+    out.put_slice(&[4, 0xC0 | u8::from(clean_session) << 1]);
+    out.put_u16(keep_alive_s);
+    [client_id, name, password].into_iter().for_each(|field| text(out, field));
+}
+
+/// A PUBLISH; `id` is of no matter at QoS 0.
+pub fn publish(out: &mut BytesMut, topic: &[u8], payload: &[u8], qos: Qos, id: u16, retain: bool) {
+    out.reserve(5 + 2 + topic.len() + 2 + payload.len());
+    publish_head(out, topic, payload.len(), (qos, id, retain));
+    out.put_slice(payload);
+}
+
+/// All of a PUBLISH that was read that comes before its payload, which has so many bytes, and whether it may have been sent before.
+pub(crate) fn publish_head_again(out: &mut BytesMut, publish: &Publish<'_>, payload: usize, is_duplicate: bool) {
+    let start = out.len();
+    publish_head(out, publish.topic, payload, (publish.qos, publish.id, publish.retain));
+    if is_duplicate {
+        out[start] |= DUPLICATE;
+    }
+}
+
+/// All of a PUBLISH that comes before its payload, which has so many bytes.
+pub(crate) fn publish_head(out: &mut BytesMut, topic: &[u8], payload: usize, (qos, id, retain): (Qos, u16, bool)) {
+    let id_length = if qos == Qos::Zero { 0 } else { 2 };
+    let first = Kind::Publish.first_byte() | (qos as u8) << 1 | u8::from(retain);
+    head(out, first, 2 + topic.len() + id_length + payload);
+    bytes(out, topic);
+    if qos != Qos::Zero {
+        out.put_u16(id);
+    }
+}
+
+/// A PUBLISH that was read, and whether it may have been sent before.
+pub(crate) fn publish_again(out: &mut BytesMut, publish: &Publish<'_>, is_duplicate: bool) {
+    let start = out.len();
+    self::publish(out, publish.topic, publish.payload, publish.qos, publish.id, publish.retain);
+    if is_duplicate {
+        out[start] |= DUPLICATE;
+    }
+}
+
+/// A PUBLISH of QoS 0 for the router; a short one is padded to so many bytes of payload, and marked as what no client can send.
+pub(crate) fn publish_padded(out: &mut BytesMut, topic: &[u8], payload: &[u8], length: usize) {
+    let Some(padding) = length.checked_sub(payload.len()).and_then(|padding| u8::try_from(padding).ok()).filter(|it| *it > 0)
+    else {
+        return publish(out, topic, payload, Qos::Zero, 0, false);
+    };
+    head(out, Kind::Publish.first_byte() | PADDED, 2 + topic.len() + length);
+    bytes(out, topic);
+    out.put_slice(payload);
+    out.put_bytes(0, usize::from(padding) - 1);
+    out.put_u8(padding);
+}
+
+/// The PUBLISH that goes through the router in the place of a long one: at least so long as a padded one, and marked likewise; what
+/// stands in the place of the padding's length is none.
+pub(crate) fn label(out: &mut BytesMut, topic: &[u8], label: Label, length: usize) {
+    let padding = length.saturating_sub(LABEL);
+    head(out, Kind::Publish.first_byte() | PADDED, 2 + topic.len() + LABEL + padding);
+    bytes(out, topic);
+    out.put_u64(label.number);
+    out.put_u64(label.stamp);
+    out.put_u32(label.length);
+    out.put_bytes(0, padding + 1);
+}
+
+/// PUBACK, PUBREC, PUBREL, PUBCOMP or UNSUBACK.
+pub fn ack(out: &mut BytesMut, kind: Kind, id: u16) {
+    let [high, low] = id.to_be_bytes();
+    out.put_slice(&[kind.first_byte(), 2, high, low]);
+}
+
+/// A SUBACK with a code for each filter.
+pub fn suback(out: &mut BytesMut, id: u16, codes: &[u8]) {
+    head(out, Kind::Suback.first_byte(), 2 + codes.len());
+    out.put_u16(id);
+    out.put_slice(codes);
+}
+
+/// A SUBSCRIBE to these filters, of which there is at least one.
+pub fn subscribe(out: &mut BytesMut, id: u16, filters: &[(&str, Qos)]) {
+    head(out, Kind::Subscribe.first_byte(), 2 + filters.iter().map(|(filter, _)| 3 + filter.len()).sum::<usize>());
+    out.put_u16(id);
+    for (filter, qos) in filters {
+        text(out, filter);
+        out.put_u8(*qos as u8);
+    }
+}
+
+/// An UNSUBSCRIBE from these filters, of which there is at least one.
+pub fn unsubscribe(out: &mut BytesMut, id: u16, filters: &[&str]) {
+    head(out, Kind::Unsubscribe.first_byte(), 2 + filters.iter().map(|filter| 2 + filter.len()).sum::<usize>());
+    out.put_u16(id);
+    for filter in filters {
+        text(out, filter);
+    }
+}
+
+/// The first byte and the length of the body.
+fn head(out: &mut BytesMut, first: u8, mut length: usize) {
+    out.put_u8(first);
+    while length > 0x7F {
+        out.put_u8((length & 0x7F) as u8 | 0x80);
+        length >>= 7;
+    }
+    out.put_u8(length as u8);
+}
+
+fn text(out: &mut BytesMut, text: &str) {
+    bytes(out, text.as_bytes());
+}
+
+/// A length in two bytes, and as many bytes. What is written here came out of such a field, or is short.
+fn bytes(out: &mut BytesMut, bytes: &[u8]) {
+    out.put_u16(u16::try_from(bytes.len()).expect("it was read from a field of at most so many bytes, or is bounded by TOPIC"));
+    out.put_slice(bytes);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::frame;
+    use crate::packet::{connect, filters::Filters, publish as read};
+
+    fn body(out: &BytesMut) -> &[u8] {
+        let frame = frame(out, usize::MAX).unwrap().unwrap();
+        assert_eq!(frame.length, out.len());
+        &out[frame.head..]
+    }
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        for length in [0, 1, 120, 121, 122, 16_378, 16_379, 2_097_146, 2_097_147] {
+            for (qos, id, retain) in [(Qos::Zero, 0, true), (Qos::One, 1001, false), (Qos::Two, 9, true)] {
+                let mut out = BytesMut::new();
+                let payload = vec![7; length];
+                publish(&mut out, b"a/b", &payload, qos, id, retain);
+                let frame = frame(&out, usize::MAX).unwrap().unwrap();
+                assert_eq!(frame.length, out.len());
+                let expected = read::Publish { topic: b"a/b", payload: &payload, qos, id, is_duplicate: false, retain };
+                assert_eq!(read::read(&frame, &out), Ok(expected));
+            }
+        }
+    }
+
+    #[test]
+    fn questions_to_the_router_are_read_again() {
+        let mut out = BytesMut::new();
+        connect(&mut out, "c17", true, 65_535, ("gate", "secret"));
+        let connect = connect::read(body(&out)).unwrap();
+        let credentials = connect.credentials;
+        assert_eq!((credentials.name.as_deref(), credentials.password.as_deref()), (Some("gate"), Some(&b"secret"[..])));
+        assert_eq!((&*connect.client_id, connect.clean_session, connect.keep_alive_s), ("c17", true, 65_535));
+        let mut out = BytesMut::new();
+        subscribe(&mut out, 7, &[("a/+", Qos::One), ("b", Qos::Zero)]);
+        assert_eq!(Filters::of_subscribe(body(&out)).unwrap().collect::<Vec<_>>(), [("a/+", Qos::One), ("b", Qos::Zero)]);
+        let mut out = BytesMut::new();
+        unsubscribe(&mut out, 7, &["a/+"]);
+        assert_eq!(Filters::of_unsubscribe(body(&out)).unwrap().map(|(filter, _)| filter).collect::<Vec<_>>(), ["a/+"]);
+    }
+
+    #[test]
+    fn answers_are_as_the_standard_has_them() {
+        let mut out = BytesMut::new();
+        ack(&mut out, Kind::Pubrel, 0x0102);
+        suback(&mut out, 3, &[1, REFUSED]);
+        out.extend_from_slice(&connack(Welcome::Login, false));
+        out.extend_from_slice(&connack(Welcome::Accepted, true));
+        out.extend_from_slice(&PINGRESP);
+        assert_eq!(out[..], [0x62, 2, 1, 2, 0x90, 4, 0, 3, 1, 0x80, 0x20, 2, 0, 4, 0x20, 2, 1, 0, 0xD0, 0]);
+    }
+}

@@ -1,0 +1,4 @@
+//! Of the doors, what reads bytes from anywhere: what is heard of HTTP, and the messages of the original system.
+
+pub mod http;
+pub mod mqtt;

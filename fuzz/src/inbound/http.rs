@@ -1,4 +1,0 @@
-//! What can be told of requests from their bytes alone.
-
-#[path = "../../../src/inbound/http/scanning/mod.rs"]
-pub mod scanning;

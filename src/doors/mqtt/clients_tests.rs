@@ -1,0 +1,251 @@
+//! For `clients`: what becomes of a client before it is served.
+
+use tokio::io::AsyncReadExt;
+use tokio::sync::{mpsc, watch};
+
+use super::*;
+use crate::access::{Access, Key, Keyring, Keys, OPERATOR, Role};
+use crate::api::fixture::idle;
+use crate::doors::mqtt::identity::Identity;
+use crate::doors::mqtt::limits::CONNECTIONS;
+use crate::doors::mqtt::router::Router;
+use crate::doors::mqtt::session::testing::topics;
+use crate::runtime::obedient::obedient;
+use crate::runtime::within::within;
+use hallsweep_core::command::Command;
+use mqtt_gate::Session;
+use mqtt_gate::packet::Qos;
+
+/// Safety A5, S9: however many come with one name, no more of them wait than there are seats.
+#[tokio::test(start_paused = true)]
+async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
+    let (handle, _script) = obedient(idle());
+    let (give, _answers) = mpsc::channel(1);
+    let secret = Token::draw().expect("the system gives chance");
+    let clients = Clients::new(Broker::new(topics()), Commands::new(handle, topics(), true, give), secret);
+    let (_routers, router) = watch::channel(Arc::new(Router::hanging("127.0.0.1:9".parse().expect("an address"))));
+    let origin = Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access: Access::Open };
+
+    let mut hello = BytesMut::new();
+    write::connect(&mut hello, "panel", false, 60, ("anna", "x"));
+    let connect = connect::read(&hello[2..]).expect("it is one");
+    let identity = Identity::of(&connect.credentials, &origin, &clients.0.secret).expect("everybody is let in");
+    let name = Name { who: identity.name(), client: "panel".to_owned() };
+    let mut hangs = clients.0.slots.take(name, true).await;
+
+    let (mut client, stream) = tokio::io::duplex(1024);
+    let incoming = IncomingConnection::over(stream, origin);
+    let waiting = clients.let_wait(incoming.origin.from);
+    let served = tokio::spawn(clients.clone().attend(incoming, waiting, (router, Handle::current())));
+    client.write_all(&hello).await.expect("it is taken");
+    within("somebody of the same name", hangs.wanted()).await;
+    let holder = identity.holder().expect("it has a seat");
+    let _newer: Vec<_> = (0..CONNECTIONS).map(|_| clients.0.seats.take(holder.clone(), Duration::MAX)).collect();
+    tokio::time::timeout(AGAIN, served).await.expect("it waits no longer").expect("it ends in order");
+    assert_eq!(client.read(&mut [0]).await.ok(), Some(0));
+}
+
+/// How many STOPs these bytes of a newcomer give, and what he is answered.
+async fn says(access: Access, bytes: &[u8]) -> (usize, Vec<u8>) {
+    let (handle, script) = obedient(idle());
+    let (give, _answers) = mpsc::channel(1);
+    let secret = Token::draw().expect("the system gives chance");
+    let clients = Clients::new(Broker::new(topics()), Commands::new(handle, topics(), true, give), secret);
+    let (_routers, router) = watch::channel(Arc::new(Router::hanging("127.0.0.1:9".parse().expect("an address"))));
+    let origin = Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access };
+    let (mut client, stream) = tokio::io::duplex(64 * 1024);
+    let waiting = clients.let_wait(origin.from);
+    let served = tokio::spawn(clients.attend(IncomingConnection::over(stream, origin), waiting, (router, Handle::current())));
+    // What says who he is comes before the rest.
+    for piece in bytes.chunks(40) {
+        // Whoever is nobody may have been sent away already.
+        let _ = client.write_all(piece).await;
+        tokio::task::yield_now().await;
+    }
+    let mut answer = Vec::new();
+    within("the answer", client.read_to_end(&mut answer)).await.expect("it ends in order");
+    drop(client);
+    within("the end", served).await.expect("it ends in order");
+    let given = script.given.lock().expect("nobody panicked");
+    assert!(given.iter().all(|given| given.command == Command::Stop), "{given:?}");
+    (given.len(), answer)
+}
+
+fn field(bytes: &[u8]) -> Vec<u8> {
+    [&u16::try_from(bytes.len()).expect("it is short").to_be_bytes(), bytes].concat()
+}
+
+fn packet(first: u8, body: &[u8]) -> Vec<u8> {
+    [&[first, u8::try_from(body.len()).ok().filter(|length| *length < 128).expect("it is short")], body].concat()
+}
+
+/// A CONNECT of this protocol and level, with these flags, of somebody with this name and password.
+fn hello((protocol, level, flags): (&str, u8, u8), name: &str, password: &str) -> Vec<u8> {
+    let properties = if level == 5 { &[0][..] } else { &[] };
+    let [protocol, name, password] = [protocol, name, password].map(|text| field(text.as_bytes()));
+    packet(0x10, &[&protocol, &[level, flags, 0, 60][..], properties, &field(b"old"), &name, &password].concat())
+}
+
+const VERSION: [u8; 4] = [0x20, 2, 0, 1];
+const FIVE: [u8; 5] = [0x20, 3, 0, 0x84, 0];
+
+/// Safety S8: who asks is known, and what is asked; that his version is not spoken here comes second.
+#[tokio::test]
+async fn a_stop_behind_a_connect_that_is_none_to_go_on_with_halts_where_everybody_may() {
+    let stop = packet(0x30, &field(b"hallsweep/discovery/command/stop"));
+    let word = |properties: &[u8]| packet(0x30, &[&field(b"hallsweep/discovery/command"), properties, b"stop"].concat());
+    let (old, five) = (("MQIsdp", 3, 0xC2), ("MQTT", 5, 0xC2));
+    for (hello, stop, answer) in [
+        (hello(old, "anna", "x"), &stop, &VERSION[..]),
+        (hello(old, "anna", "x"), &word(&[]), &VERSION),
+        (hello(five, "anna", "x"), &stop, &FIVE),
+        (hello(five, "anna", "x"), &word(&[0]), &FIVE),
+        (hello(five, "anna", "x"), &word(&[2, 1, 1]), &FIVE),
+        (hello(("MQTT", 9, 0xC2), "anna", "x"), &stop, &VERSION),
+        (hello(("HTTP", 4, 0xC2), "anna", "x"), &stop, &[]),
+        (hello(("MQTT", 4, 0xC3), "anna", "x"), &stop, &[]),
+        (hello(("MQTT", 4, 0x02), "anna", "x"), &stop, &[]),
+        (packet(0x1F, b"?"), &stop, &[]),
+        (Vec::new(), &stop, &[]),
+    ] {
+        let said = says(Access::Open, &[&hello[..], stop].concat()).await;
+        assert_eq!(said, (1, answer.to_vec()), "{hello:?}");
+    }
+    assert_eq!(says(Access::Open, &hello(old, "anna", "x")).await, (0, VERSION.to_vec()));
+}
+
+/// Safety S8, the other side of it: no key, or a wrong one, never halts.
+#[tokio::test(start_paused = true)]
+async fn with_keys_a_stop_behind_such_a_connect_halts_for_whoever_shows_one() {
+    let token = || Token::draw().expect("the system gives chance");
+    let keys = [(OPERATOR, Role::Operator), ("wall", Role::Viewer)].map(|(name, role)| Key::new(name, role, token()).unwrap());
+    let keyring = Keyring::of(Keys::new(Vec::from(keys)).unwrap());
+    let shown = keyring.keys().named("wall").unwrap().token.reveal().to_owned();
+    let access = Access::Keys(keyring);
+    let stop = packet(0x30, &field(b"hallsweep/discovery/command/stop"));
+    for (version, answer) in
+        [(("MQIsdp", 3, 0xC2), &VERSION[..]), (("MQTT", 5, 0xC2), &FIVE), (("MQTT", 4, 0xC3), &[]), (("HTTP", 4, 0xC2), &[])]
+    {
+        for (name, password, halts) in [("wall", &*shown, 1), ("wall", "wrong", 0), (OPERATOR, &shown, 0), ("nobody", "", 0)] {
+            let said = says(access.clone(), &[hello(version, name, password), stop.clone()].concat()).await;
+            assert_eq!(said, (halts, answer.to_vec()), "{version:?} {name} {password}");
+        }
+    }
+    for nobody in [&hello(("MQTT", 5, 2), "", "")[..], &packet(0x1F, b"?"), &[]] {
+        assert_eq!(says(access.clone(), &[nobody, &stop].concat()).await.0, 0);
+    }
+}
+
+/// Safety A5: however many show a wrong password, no more of them wait for their answer than may wait.
+#[tokio::test(start_paused = true)]
+async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_ones() {
+    let key = Key::new(OPERATOR, Role::Operator, Token::draw().expect("the system gives chance")).unwrap();
+    let access = Access::Keys(Keyring::of(Keys::new(vec![key]).unwrap()));
+    for version in [("MQTT", 4, 0xC2), ("MQTT", 4, 0xC3), ("MQTT", 5, 0xC2)] {
+        let clients = Clients::new(
+            Broker::new(topics()),
+            Commands::new(obedient(idle()).0, topics(), true, mpsc::channel(1).0),
+            Token::draw().expect("the system gives chance"),
+        );
+        let (_routers, router) = watch::channel(Arc::new(Router::hanging("127.0.0.1:9".parse().expect("an address"))));
+        let mut crowd = Vec::new();
+        for _ in 0..WAITING + LEAVING + 100 {
+            let (mut client, stream) = tokio::io::duplex(1024);
+            client.write_all(&hello(version, OPERATOR, "wrong")).await.expect("it is taken");
+            let origin = Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access: access.clone() };
+            let waiting = clients.let_wait(origin.from);
+            let incoming = IncomingConnection::over(stream, origin);
+            crowd.push((client, tokio::spawn(clients.clone().attend(incoming, waiting, (router.clone(), Handle::current())))));
+        }
+        let there = || crowd.iter().filter(|(_, served)| !served.is_finished()).count();
+        tokio::time::sleep(Duration::from_millis(1)).await;
+        assert_eq!(there(), WAITING, "{version:?}");
+        tokio::time::sleep(CONNECT_TIME).await;
+        assert_eq!(there(), 0, "{version:?}");
+    }
+}
+
+/// What was acknowledged waits for a way to the router, though whoever said it has left: so much of it, and so long.
+#[tokio::test(start_paused = true)]
+async fn what_clients_say_that_leave_at_once_waits_for_the_router_for_so_many_and_so_long() {
+    let clients = Clients::new(
+        Broker::new(topics()),
+        Commands::new(obedient(idle()).0, topics(), true, mpsc::channel(1).0),
+        Token::draw().expect("the system gives chance"),
+    );
+    let (_routers, router) = watch::channel(Arc::new(Router::hanging("127.0.0.1:9".parse().expect("an address"))));
+    let origin = || Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access: Access::Open };
+    let terms = Terms {
+        principal: Identity::OwnSession.principal(),
+        name: Identity::OwnSession.name(),
+        has_key: false,
+        listener: Identity::OwnSession.listener(&clients.0.commands, origin().from),
+        keep_alive_s: 0,
+        will: None,
+        session: Session::default(),
+    };
+    let mut reader = ClientConnection::new(terms, Arc::clone(&clients.0.broker), Duration::ZERO);
+    let mut everything = BytesMut::new();
+    write::subscribe(&mut everything, 1, &[("#", Qos::Zero)]);
+    reader.handle_client(&mut everything, Duration::ZERO).expect("it may");
+    let mut said = BytesMut::new();
+    write::connect(&mut said, "", true, 60, ("anna", "x"));
+    write::publish(&mut said, b"said", b"this", Qos::One, 7, false);
+    let served: Vec<_> = (0..LATE + 10)
+        .map(|_| {
+            let (mut client, stream) = tokio::io::duplex(1024);
+            let (incoming, waiting, said) =
+                (IncomingConnection::over(stream, origin()), clients.let_wait(origin().from), said.clone());
+            let served = clients.clone().attend(incoming, waiting, (router.clone(), Handle::current()));
+            tokio::spawn(async move {
+                client.write_all(&said).await.expect("it is taken");
+                client.shutdown().await.expect("it is heard");
+                served.await;
+            })
+        })
+        .collect();
+    let wait = || served.iter().filter(|served| !served.is_finished()).count();
+    tokio::time::sleep(Duration::from_millis(4900)).await;
+    assert_eq!(wait(), LATE);
+    tokio::time::sleep(Duration::from_millis(200)).await;
+    assert_eq!(wait(), 0);
+}
+
+/// Safety S7: most clients say STOP only when they were greeted. A client of which something is remembered is told so.
+#[tokio::test]
+async fn a_newcomer_is_greeted_and_heard_though_nothing_else_is_done() {
+    let (handle, script) = obedient(idle());
+    let (give, _answers) = mpsc::channel(1);
+    let secret = Token::draw().expect("the system gives chance");
+    let clients = Clients::new(Broker::new(topics()), Commands::new(handle, topics(), true, give), secret);
+    let (_routers, router) = watch::channel(Arc::new(Router::hanging("127.0.0.1:9".parse().expect("an address"))));
+    // Nobody runs what is to be done there.
+    let idle = tokio::runtime::Builder::new_current_thread().build().expect("the system gives one");
+    for (flags, is_greeted) in [(0xC2, true), (0xC0, false)] {
+        let origin = Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access: Access::Open };
+        let (mut client, stream) = tokio::io::duplex(1024);
+        let waiting = clients.let_wait(origin.from);
+        let served =
+            clients.clone().attend(IncomingConnection::over(stream, origin), waiting, (router.clone(), idle.handle().clone()));
+        let served = tokio::spawn(served);
+        client.write_all(&hello(("MQTT", 4, flags), "anna", "x")).await.expect("it is taken");
+        let mut greeting = [0; 4];
+        if is_greeted {
+            within("the greeting", client.read_exact(&mut greeting)).await.expect("it comes");
+            assert_eq!(greeting, write::connack(Welcome::Accepted, false));
+        }
+        client.write_all(&packet(0x30, &field(b"hallsweep/discovery/command/stop"))).await.expect("it is taken");
+        let stops = || script.given.lock().expect("nobody panicked").len();
+        let expect = stops() + 1;
+        within("the STOP", async {
+            while stops() < expect {
+                tokio::task::yield_now().await;
+            }
+        })
+        .await;
+        let is_told_more = tokio::time::timeout(Duration::ZERO, client.read(&mut greeting)).await.is_ok();
+        assert!(!is_told_more, "what is remembered of it is looked up elsewhere, and nobody is greeted twice");
+        served.abort();
+    }
+    idle.shutdown_background();
+}

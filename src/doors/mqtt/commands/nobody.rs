@@ -1,0 +1,87 @@
+//! Messages of the original system that nobody here understands: each is counted, the first of a kind is told with its text, and
+//! after that from time to time how many there were, because other actors may say the same ten times a second. What is understood
+//! stands in `qak`.
+
+use std::collections::BTreeSet;
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+use hallsweep_core::units::Now;
+
+/// So many kinds are told at once; those beyond take part in the others' line.
+const KINDS: usize = 64;
+
+/// No MSGID is nearly as long, in bytes.
+const LONGEST: usize = 64;
+
+/// So long the line on known kinds is not repeated.
+const SILENCE: Duration = Duration::from_secs(60);
+
+/// So much of a text is told, in characters.
+const TEXT: usize = 200;
+
+/// What nobody understood so far.
+#[derive(Debug, Default)]
+pub(super) struct Nobody(Mutex<Counted>);
+
+#[derive(Debug, Default)]
+struct Counted {
+    kinds: BTreeSet<String>,
+    count: u64,
+    next: Duration,
+}
+
+impl Nobody {
+    /// Counts one, and says so in the program's log when it is time.
+    pub(super) fn heard(&self, id: &str, payload: &[u8], now: Now) {
+        let count = self.0.lock().unwrap_or_else(PoisonError::into_inner).one_more(id, now.since_start);
+        if let Some(not_understood) = count {
+            let text: String = String::from_utf8_lossy(payload).chars().take(TEXT).collect();
+            tracing::warn!(not_understood, text, "a message on the old topics asks for nothing that is known here");
+        }
+    }
+
+    /// How many there were.
+    #[cfg(test)]
+    pub(super) fn count(&self) -> u64 {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).count
+    }
+}
+
+impl Counted {
+    /// How many there were with this one, when that is to be told.
+    fn one_more(&mut self, id: &str, now: Duration) -> Option<u64> {
+        self.count = self.count.saturating_add(1);
+        let is_new = self.kinds.len() < KINDS && id.len() <= LONGEST && self.kinds.insert(id.to_owned());
+        if !is_new && now < self.next {
+            return None;
+        }
+        self.next = now + SILENCE;
+        Some(self.count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_is_told_once_and_then_how_many_there_were_each_minute() {
+        let mut heard = Counted::default();
+        let second = |number| Duration::from_secs(number);
+        assert_eq!(heard.one_more("sonar", second(100)), Some(1));
+        assert_eq!(heard.one_more("sonar", second(101)), None);
+        assert_eq!(heard.one_more("moved", second(102)), Some(3), "another kind");
+        let told: Vec<u64> = (103..=162).filter_map(|at| heard.one_more("sonar", second(at))).collect();
+        assert_eq!(told, [63], "none is left out of the count");
+    }
+
+    /// Safety A5.
+    #[test]
+    fn kinds_that_are_made_up_fill_neither_log_nor_memory() {
+        let mut heard = Counted::default();
+        let made_up = (0..1_000).map(|number| format!("kind{number}")).chain([String::new(), "x".repeat(1_000)]);
+        let told = made_up.filter_map(|id| heard.one_more(&id, Duration::ZERO)).count();
+        assert_eq!((told, heard.kinds.len(), heard.count), (KINDS, KINDS, 1_002));
+    }
+}

@@ -1,0 +1,48 @@
+//! How many commands one sender may give: whoever sends them in a flood would fill the record and the queue of everybody. A STOP is not
+//! counted.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use super::sender::CommandSender;
+use crate::access::Need;
+
+/// So many commands in a second: sixty sensors that report each second, hands at some panels, and a script in a hurry.
+const OPERATORS: u32 = 300;
+
+/// And of somebody whose commands are all refused.
+const VIEWERS: u32 = 50;
+
+/// What each sender has said within the second that began then.
+#[derive(Debug, Default)]
+pub(super) struct Pace(Mutex<HashMap<Arc<str>, (Duration, u32)>>);
+
+impl Pace {
+    /// Whether one more command of this sender is taken, at `now` since the start. There are as many senders as there are keys.
+    pub(super) fn admits(&self, sender: &CommandSender, now: Duration) -> bool {
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        // A key that is gone leaves its name; nobody makes many of them.
+        let (since, said) = all.entry(sender.issuer().who).or_insert((now, 0));
+        if now.saturating_sub(*since) >= Duration::from_secs(1) {
+            (*since, *said) = (now, 0);
+        }
+        *said = said.saturating_add(1);
+        *said <= if sender.may(Need::Act).is_ok() { OPERATORS } else { VIEWERS }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Safety A5.
+    #[test]
+    fn whoever_says_too_much_within_a_second_is_not_listened_to_until_the_next() {
+        let (pace, sender) = (Pace::default(), CommandSender::Unknown { broker: Arc::from("broker.example") });
+        let admitted = |now| (0..2 * OPERATORS).filter(|_| pace.admits(&sender, now)).count();
+        assert_eq!(admitted(Duration::from_millis(1500)), OPERATORS as usize);
+        assert_eq!(admitted(Duration::from_millis(2499)), 0);
+        assert_eq!(admitted(Duration::from_millis(2500)), OPERATORS as usize);
+    }
+}

@@ -1,0 +1,190 @@
+//! What a message asks for, by its topic and its words: a command in JSON, a command's bare name, or a message of the original
+//! system. Whether its sender may have it, and what becomes of it, is decided elsewhere.
+
+use super::super::qak::incoming;
+use super::super::topics::{Place, Topics};
+use super::IncomingMessage;
+use super::problem::Problem;
+use super::read::{Asked, Read, bare, id_of_a_stop, read, sized};
+use super::results::Reply;
+use super::table;
+use super::unknown::{UNKNOWN, Unknown};
+use crate::access::Need;
+use crate::api::fields::in_short;
+use crate::api::halt::{is_halt, says_halt};
+use hallsweep_core::command::Command;
+use hallsweep_core::mission::in_words;
+
+/// The name of the command that halts.
+const STOP: &str = "stop";
+
+/// The name of the command that may be one.
+const MOVE: &str = "move";
+
+/// Which topics are heard, and how.
+#[derive(Debug)]
+pub(super) struct CommandParser {
+    topics: Topics,
+    manual_driving: bool,
+    unknown: Unknown,
+}
+
+/// What a message asks for, and where it is answered.
+#[derive(Debug)]
+pub(super) struct ParsedCommand {
+    /// What is asked for.
+    pub(super) asked: Asked,
+    /// What its sender must be allowed, where no command can be made of it.
+    pub(super) need: Need,
+    /// In words for the record, where no command can be made of it.
+    pub(super) unread: String,
+    /// Whether it asks for whatever there is to go on with.
+    pub(super) goes_on: bool,
+    /// Where it is answered.
+    pub(super) reply: Reply,
+}
+
+impl CommandParser {
+    /// Hears the topics of a robot; `manual_driving` says whether old clients may drive it.
+    pub(super) fn new(topics: Topics, manual_driving: bool) -> CommandParser {
+        CommandParser { topics, manual_driving, unknown: Unknown::default() }
+    }
+
+    /// The STOP that topic and payload name, whatever else is wrong with them: no text, wildcards, levels or letters too many.
+    pub(super) fn stop(&self, topic: &[u8], payload: &[u8]) -> Option<ParsedCommand> {
+        let topic = String::from_utf8_lossy(topic);
+        self.stop_on(&topic, payload).or_else(|| self.stop_on(&tidied(&topic)?, payload))
+    }
+
+    fn stop_on(&self, topic: &str, payload: &[u8]) -> Option<ParsedCommand> {
+        let reply = match self.topics.place(topic) {
+            Place::Command(name) if is_halt(name) => self.reply(STOP),
+            Place::Command(name) if name.eq_ignore_ascii_case(MOVE) && says_halt(payload) => self.reply(MOVE),
+            Place::Word if says_stop(payload) => self.reply(STOP),
+            Place::Old if incoming::is_stop(payload) => Reply { topic: None, id: None, explained: None },
+            Place::Command(_) | Place::Word | Place::Old | Place::Ours | Place::Elsewhere => return None,
+        };
+        let id = if reply.topic.is_some() { id_of_a_stop(payload) } else { None };
+        let reply = Reply { id, ..reply };
+        Some(ParsedCommand { asked: Ok((Command::Stop, None)), need: Need::Stop, unread: String::new(), goes_on: false, reply })
+    }
+
+    /// Whether a message is certainly none of ours, seen without reading it: a message between others on the old topics.
+    pub(super) fn is_of_others(&self, heard: &IncomingMessage<'_>) -> bool {
+        match self.topics.place(heard.topic) {
+            Place::Command(_) | Place::Word => false,
+            Place::Old => incoming::is_of_others(heard.payload),
+            Place::Ours | Place::Elsewhere => true,
+        }
+    }
+
+    /// What a message asks for; `None` when it asks for nothing.
+    pub(super) fn parse(&self, heard: &IncomingMessage<'_>) -> Option<ParsedCommand> {
+        match self.topics.place(heard.topic) {
+            Place::Command(name) => Some(self.named(name, heard.payload)),
+            Place::Word => Some(self.word(heard.payload)),
+            Place::Old => self.old(heard.payload),
+            Place::Ours | Place::Elsewhere => None,
+        }
+    }
+
+    /// Whether messages of the original system are heard there.
+    pub(super) fn is_old(&self, topic: &str) -> bool {
+        self.topics.place(topic) == Place::Old
+    }
+
+    /// The MSGID of a message that is none of ours.
+    pub(super) fn unknown_to_all(&self, heard: &IncomingMessage<'_>) -> Option<String> {
+        match self.is_old(heard.topic).then(|| incoming::asked(heard.payload, self.manual_driving))? {
+            Ok(incoming::Asked::Unknown(id)) => Some(id),
+            Ok(incoming::Asked::Command(_) | incoming::Asked::GoOn | incoming::Asked::Nothing) | Err(_) => None,
+        }
+    }
+
+    fn named(&self, name: &str, payload: &[u8]) -> ParsedCommand {
+        let Some(row) = table::named(name) else {
+            return self.unknown(self.unknown.answered_as(name), name, Problem::no_command(name));
+        };
+        let Read { id, asked } = read(row, payload);
+        let reply = Reply { id, ..self.reply(row.name) };
+        ParsedCommand { asked, need: row.need, unread: unread(name), goes_on: false, reply }
+    }
+
+    fn word(&self, payload: &[u8]) -> ParsedCommand {
+        let text = String::from_utf8_lossy(payload);
+        let word = bare(&text);
+        if let Err(problem) = sized(payload) {
+            return self.unknown(UNKNOWN, word, problem);
+        }
+        match table::named(word).filter(|row| row.is_word) {
+            Some(row) => self.named(row.name, &[]),
+            None => self.unknown(self.unknown.answered_as(word), word, Problem::no_word(word)),
+        }
+    }
+
+    /// Nothing is published in answer: the original system has no words for that. Only why a verdict is not taken is told, because
+    /// an old console waits for it with a photo before it that may be none.
+    fn old(&self, payload: &[u8]) -> Option<ParsedCommand> {
+        let (asked, unread, goes_on) = match incoming::asked(payload, self.manual_driving) {
+            Ok(incoming::Asked::Nothing | incoming::Asked::Unknown(_)) => return None,
+            Ok(incoming::Asked::GoOn) => (Ok((Command::Start, None)), in_words(&Command::Start), true),
+            Ok(incoming::Asked::Command(command)) => {
+                let words = in_words(&command);
+                (Ok((command, None)), words, false)
+            }
+            Err(wrong) => (Err(Problem::refused(&wrong.refused(), None)), wrong.asked(), false),
+        };
+        let is_explained = goes_on || matches!(asked, Ok((Command::Verdict { .. }, _)));
+        let explained = is_explained.then(|| self.topics.old_events());
+        Some(ParsedCommand { asked, need: Need::Act, unread, goes_on, reply: Reply { topic: None, id: None, explained } })
+    }
+
+    /// Anybody who may publish here may be told that there is no such command.
+    fn unknown(&self, answered_as: &str, name: &str, problem: Problem) -> ParsedCommand {
+        let reply = self.reply(answered_as);
+        ParsedCommand { asked: Err(problem), need: Need::See, unread: unread(name), goes_on: false, reply }
+    }
+
+    fn reply(&self, name: &str) -> Reply {
+        Reply { topic: Some(self.topics.result(name)), id: None, explained: None }
+    }
+}
+
+impl ParsedCommand {
+    /// What its sender must be allowed: to stop for a STOP, however it is written, and to act for every other command.
+    pub(super) fn need(&self) -> Need {
+        match &self.asked {
+            Ok((Command::Stop, _)) => Need::Stop,
+            Ok(_) => Need::Act,
+            Err(_) => self.need,
+        }
+    }
+
+    /// In words for the record.
+    pub(super) fn in_words(&self) -> String {
+        self.asked.as_ref().map_or_else(|_| self.unread.clone(), |(command, _)| in_words(command))
+    }
+}
+
+/// Whether a bare word is STOP, with whatever stands round it but letters and digits.
+fn says_stop(payload: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(payload);
+    is_halt(text.trim_matches(|letter: char| !letter.is_alphanumeric()))
+}
+
+/// A topic that is none as its sender must have meant it: without wildcards, empty levels, and letters that nobody sees. `None` when it
+/// is plain.
+fn tidied(topic: &str) -> Option<String> {
+    let is_plain = |byte: u8| byte.is_ascii_graphic() && byte != b'+' && byte != b'#';
+    let has_empty_level = topic.starts_with('/') || topic.ends_with('/') || topic.contains("//");
+    if topic.bytes().all(is_plain) && !has_empty_level {
+        return None;
+    }
+    let is_seen = |letter: &char| letter.is_ascii_graphic() && !matches!(letter, '+' | '#');
+    let levels = topic.split('/').map(|level| level.chars().filter(is_seen).collect::<String>());
+    Some(levels.filter(|level| !level.is_empty()).collect::<Vec<_>>().join("/"))
+}
+
+fn unread(name: &str) -> String {
+    format!("command {}", in_short(name))
+}

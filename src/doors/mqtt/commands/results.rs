@@ -1,0 +1,139 @@
+//! What became of commands, published where their senders look for it: so many waited for at once, and none for ever. Where there is
+//! no room a result is lost and nothing else; the commands themselves are given elsewhere.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use serde::Serialize;
+use tokio::sync::mpsc;
+use tokio::sync::mpsc::error::TrySendError;
+
+use super::super::publication::Publication;
+use super::super::qak::outgoing;
+use super::places::{Place, Places};
+use super::problem::Problem;
+use super::sender::CommandSender;
+use crate::api::answer::AnswerJson;
+use crate::api::result::ResultJson;
+use crate::doors::seldom::Seldom;
+use crate::runtime::carry_out::{Done, NotDone};
+use hallsweep_core::command::CommandId;
+
+/// Commands whose results are waited for at once: as many as the loop's queue holds. A STOP beyond them halts, and has no result.
+const UNDER_WAY: usize = 256;
+
+/// And those of viewers, who have only STOP.
+const VIEWERS_UNDER_WAY: usize = 64;
+
+/// As many answers may wait to be published.
+pub const ANSWERS: usize = UNDER_WAY + VIEWERS_UNDER_WAY;
+
+/// Nobody waits longer for a result: as long as at the CoAP door.
+const PATIENCE: Duration = Duration::from_secs(93);
+
+/// What is refused because there is no photo to judge by.
+const NO_PHOTO: &str = "noPhoto";
+
+/// Where results go, and the places of those that are waited for. Cheap to clone.
+#[derive(Clone, Debug)]
+pub(super) struct Results {
+    answers: mpsc::Sender<Answer>,
+    under_way: Places,
+    waiting: Places,
+    lost: Arc<Seldom>,
+}
+
+/// A result that waits to be published. Its place is free when it is taken.
+#[derive(Debug)]
+pub struct Answer {
+    publication: Publication,
+    _place: Place,
+}
+
+/// Where one result goes.
+#[derive(Clone, Debug)]
+pub(super) struct Reply {
+    /// The topic; `None` for messages of the original system, which are answered by no message.
+    pub(super) topic: Option<String>,
+    /// The command's own name.
+    pub(super) id: Option<CommandId>,
+    /// Where an old client is told why not.
+    pub(super) explained: Option<String>,
+}
+
+impl Results {
+    /// Results go to `answers`.
+    pub(super) fn new(answers: mpsc::Sender<Answer>) -> Results {
+        let places = || Places::new(UNDER_WAY, VIEWERS_UNDER_WAY);
+        Results { answers, under_way: places(), waiting: places(), lost: Arc::default() }
+    }
+
+    /// A place for one command more of this sender.
+    ///
+    /// # Errors
+    /// How many are under way, when there is none.
+    pub(super) fn place(&self, sender: &CommandSender) -> Result<Place, usize> {
+        self.under_way.take(sender)
+    }
+
+    /// Waits for what becomes of a command, and publishes it. Must be called inside a runtime.
+    pub(super) fn follow<F>(&self, done: F, (reply, sender): (Reply, CommandSender), place: Place)
+    where
+        F: Future<Output = Result<Done, NotDone>> + Send + 'static,
+    {
+        let results = self.clone();
+        tokio::spawn(async move {
+            match tokio::time::timeout(PATIENCE, done).await {
+                Ok(Ok(done)) => results.accepted(&reply, &sender, &done),
+                Ok(Err(not_done)) => results.refused(&reply, &sender, &not_done.into()),
+                Err(_) => results.refused(&reply, &sender, &Problem::no_answer(PATIENCE)),
+            }
+            drop(place);
+        });
+    }
+
+    /// Publishes why something was refused; of what has no result it is said in the program's log.
+    pub(super) fn refused(&self, reply: &Reply, sender: &CommandSender, problem: &Problem) {
+        match &reply.topic {
+            Some(topic) => self.publish(topic, (reply, sender), problem.shape()),
+            None => tracing::info!(why = problem.detail(), "a message of an old client was refused"),
+        }
+        if let Some(topic) = &reply.explained {
+            let way_out = if problem.shape().code == NO_PHOTO { " (continueExplore takes it again)" } else { "" };
+            let why = format!("{}{way_out}", problem.detail());
+            self.send(topic, sender, outgoing::message(outgoing::why_not(&why), outgoing::ANSWER).into_bytes());
+        }
+    }
+
+    fn accepted(&self, reply: &Reply, sender: &CommandSender, done: &Done) {
+        if let Some(topic) = &reply.topic {
+            self.publish(topic, (reply, sender), &AnswerJson::new(done.accepted, &done.snapshot));
+        }
+    }
+
+    fn publish(&self, topic: &str, (reply, sender): (&Reply, &CommandSender), said: &impl Serialize) {
+        let result = ResultJson { id: reply.id.as_ref().map(CommandId::text), said };
+        let payload = serde_json::to_vec(&result).expect("answers and problems are texts, numbers and maps of them");
+        self.send(topic, sender, payload);
+    }
+
+    fn send(&self, topic: &str, sender: &CommandSender, payload: Vec<u8>) {
+        let answer = self.waiting.take(sender).map(|place| {
+            let publication = Publication::passing(topic.to_owned(), payload);
+            Answer { publication, _place: place }
+        });
+        // When nobody takes any more, the program is ending.
+        let is_lost = answer.map_or(true, |answer| matches!(self.answers.try_send(answer), Err(TrySendError::Full(_))));
+        if is_lost && let Some(lost) = self.lost.one_more() {
+            tracing::warn!(topic, lost, "results are not published, because as many as there is room for wait to be sent");
+        }
+    }
+}
+
+impl Answer {
+    /// What is to be published; there is room for another.
+    #[must_use]
+    pub fn taken(self) -> Publication {
+        self.publication
+    }
+}

@@ -1,0 +1,147 @@
+//! For the tests of commands: commands before a loop that does as it is told, senders, and the results as they are published.
+
+use serde_json::Value;
+use tokio::sync::mpsc;
+
+use super::{Answer, CommandSender, Commands, IncomingMessage, Taken};
+use crate::access::{Caller, Key, Keyring, Keys, OPERATOR, Role, Token};
+use crate::doors::mqtt::publication::Publication;
+use crate::doors::mqtt::topics::Topics;
+use crate::runtime::handle::Handle;
+use crate::runtime::obedient::{Noted, Script, obedient};
+use crate::runtime::within::within;
+use hallsweep_core::command::{Refused, Request};
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// More results than any test leaves unread.
+const ROOM: usize = 1024;
+
+/// What all JSON topics of a test begin with.
+const BASE: &str = "hallsweep/discovery/";
+
+/// Commands before a loop that does as it is told.
+pub(super) struct TestApp {
+    pub(super) commands: Commands,
+    pub(super) script: Script,
+    results: mpsc::Receiver<Answer>,
+}
+
+/// The topics of a test.
+pub(super) fn topics() -> Topics {
+    Topics::new("hallsweep", "discovery", "unibo/qak")
+}
+
+/// An app in this state, whose loop accepts everything until told to refuse; old clients may not drive. Must be called inside a
+/// runtime.
+pub(super) fn app(snapshot: Snapshot) -> TestApp {
+    driven_house(snapshot, false)
+}
+
+/// The same, in which they may or may not.
+pub(super) fn driven_house(snapshot: Snapshot, manual_driving: bool) -> TestApp {
+    let (handle, script) = obedient(snapshot);
+    let (commands, results) = commands_of(handle, manual_driving);
+    TestApp { commands, script, results }
+}
+
+/// Commands in front of this loop, and their results.
+pub(super) fn commands_of(handle: Handle, manual_driving: bool) -> (Commands, mpsc::Receiver<Answer>) {
+    let (answers, results) = mpsc::channel(ROOM);
+    (Commands::new(handle, topics(), manual_driving, answers), results)
+}
+
+/// Somebody on this machine.
+pub(super) fn here() -> CommandSender {
+    CommandSender::Known { caller: Caller::Here, from: "127.0.0.1".into() }
+}
+
+/// Somebody who may see and stop.
+pub(super) fn viewer() -> CommandSender {
+    with_key("wall", Role::Viewer)
+}
+
+/// Somebody with an operator's key of this name.
+pub(super) fn operator(name: &str) -> CommandSender {
+    with_key(name, Role::Operator)
+}
+
+fn with_key(name: &str, role: Role) -> CommandSender {
+    let token = || Token::draw().unwrap();
+    let keys = [Key::new(OPERATOR, Role::Operator, token()).unwrap(), Key::new(name, role, token()).unwrap()];
+    let keyring = Keyring::of(Keys::new(Vec::from(keys)).unwrap());
+    let shown = keyring.keys().named(name).unwrap().token.reveal().to_owned();
+    CommandSender::Known { caller: Caller::Known(keyring.check(&shown).unwrap()), from: "192.0.2.7".into() }
+}
+
+/// A message on a topic: under our own prefix, but for those of the original system.
+pub(super) fn say(commands: &Commands, topic: &str, payload: impl AsRef<[u8]>, sender: &CommandSender) -> Taken {
+    let topic = if topic.starts_with("unibo/") { topic.to_owned() } else { format!("{BASE}{topic}") };
+    commands.take(&IncomingMessage { topic: &topic, payload: payload.as_ref(), arrived: None, is_again: false }, sender)
+}
+
+/// The next result: its topic without the prefix, and what it says.
+pub(super) async fn next(results: &mut mpsc::Receiver<Answer>) -> (String, Value) {
+    let publication = within("a result", results.recv()).await.expect("somebody may still answer").taken();
+    assert!(!publication.retain, "a result is for those who listen now");
+    let topic = publication.topic.strip_prefix(BASE).expect("results are ours").to_owned();
+    (topic, serde_json::from_slice(&publication.payload).expect("a result is JSON"))
+}
+
+impl TestApp {
+    /// The operator says something.
+    pub(super) fn say(&self, topic: &str, payload: impl AsRef<[u8]>) -> Taken {
+        say(&self.commands, topic, payload, &here())
+    }
+
+    /// The operator says something that is answered: where, and how.
+    pub(super) async fn ask(&mut self, topic: &str, payload: impl AsRef<[u8]>) -> (String, Value) {
+        assert_eq!(self.say(topic, payload), Taken::Taken, "{topic}");
+        next(&mut self.results).await
+    }
+
+    /// The next result.
+    pub(super) async fn result(&mut self) -> (String, Value) {
+        next(&mut self.results).await
+    }
+
+    /// The next message, as it is published.
+    pub(super) async fn told(&mut self) -> Publication {
+        within("a message", self.results.recv()).await.expect("somebody may still answer").taken()
+    }
+
+    /// Whether nothing is published that was not looked at.
+    pub(super) async fn is_silent(&mut self) -> bool {
+        self.settled().await;
+        self.results.try_recv().is_err()
+    }
+
+    /// What the loop was asked last.
+    pub(super) async fn last(&self) -> Request {
+        self.settled().await;
+        self.script.given.lock().unwrap().last().cloned().expect("a command was given")
+    }
+
+    /// How many commands came to the loop.
+    pub(super) async fn given(&self) -> usize {
+        self.settled().await;
+        self.script.given.lock().unwrap().len()
+    }
+
+    /// What the door last asked to be put on record, if that was not looked at yet: who, what, and why it was not taken.
+    pub(super) async fn noted(&self) -> Option<Noted> {
+        self.settled().await;
+        self.script.noted.lock().unwrap().pop()
+    }
+
+    /// From now on everything is refused so.
+    pub(super) fn refuse(&self, refused: Refused) {
+        *self.script.refuse.lock().unwrap() = Some(refused);
+    }
+
+    /// Loop and results get their turns: all tasks are on this thread, and each of them needs a few.
+    async fn settled(&self) {
+        for _ in 0..8 {
+            tokio::task::yield_now().await;
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Who may publish, subscribe and leave a will where. What a command is good for is judged by whoever hears it.
+
+use super::topics::{PULSE, Place, Topics};
+use crate::access::Role;
+use mqtt_gate::{Principal, Rights, Tier};
+
+/// What somebody of this role is to the gate.
+pub(super) const fn principal(role: Role) -> Principal {
+    match role {
+        Role::Operator => Principal::Client(Tier::Full),
+        Role::Viewer => Principal::Client(Tier::Limited),
+    }
+}
+
+impl Rights for Topics {
+    fn is_for_commands(&self, topic: &str) -> bool {
+        match self.place(topic) {
+            Place::Command(_) | Place::Word | Place::Old => true,
+            Place::Ours | Place::Elsewhere => false,
+        }
+    }
+
+    fn may_publish(&self, who: Principal, topic: &str) -> bool {
+        may_publish(who, self.place(topic))
+    }
+
+    /// To all but the broker's own pulse.
+    fn may_subscribe(&self, who: Principal, filter: &str) -> bool {
+        who == Principal::Program || filter != PULSE
+    }
+
+    fn may_see(&self, who: Principal, topic: &[u8]) -> bool {
+        who == Principal::Program || topic != PULSE.as_bytes()
+    }
+
+    /// A will is no command: nobody stands behind it when it is read.
+    fn may_leave_will(&self, who: Principal, topic: &str) -> bool {
+        may_leave_will(who, self.place(topic))
+    }
+}
+
+const fn may_publish(who: Principal, place: Place<'_>) -> bool {
+    match (who, place) {
+        (Principal::Program, _) | (Principal::Client(_), Place::Command(_) | Place::Word | Place::Old) => true,
+        (Principal::Client(tier), Place::Elsewhere) => matches!(tier, Tier::Full),
+        (Principal::Client(_), Place::Ours) => false,
+    }
+}
+
+const fn may_leave_will(who: Principal, place: Place<'_>) -> bool {
+    match place {
+        Place::Command(_) | Place::Word | Place::Old => false,
+        Place::Ours => matches!(who, Principal::Program),
+        Place::Elsewhere => matches!(who, Principal::Program | Principal::Client(Tier::Full)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLACES: [Place<'static>; 5] = [Place::Command("stop"), Place::Word, Place::Old, Place::Ours, Place::Elsewhere];
+
+    fn of(what: impl Fn(Place<'static>) -> bool) -> [bool; 5] {
+        PLACES.map(what)
+    }
+
+    #[test]
+    fn only_the_program_itself_publishes_where_the_state_is() {
+        let [program, operator, viewer] = [Principal::Program, principal(Role::Operator), principal(Role::Viewer)];
+        assert_eq!(of(|place| may_publish(program, place)), [true; 5]);
+        assert_eq!(of(|place| may_publish(operator, place)), [true, true, true, false, true]);
+        assert_eq!(of(|place| may_publish(viewer, place)), [true, true, true, false, false]);
+    }
+
+    #[test]
+    fn a_will_is_never_a_command_and_viewers_leave_none() {
+        let [program, operator, viewer] = [Principal::Program, principal(Role::Operator), principal(Role::Viewer)];
+        assert_eq!(of(|place| may_leave_will(program, place)), [false, false, false, true, true]);
+        assert_eq!(of(|place| may_leave_will(operator, place)), [false, false, false, false, true]);
+        assert_eq!(of(|place| may_leave_will(viewer, place)), [false; 5]);
+    }
+
+    #[test]
+    fn the_pulse_is_for_the_program_alone() {
+        let (topics, operator) = (Topics::new("hallsweep", "discovery", "unibo/qak"), principal(Role::Operator));
+        assert!(topics.may_subscribe(Principal::Program, PULSE) && topics.may_see(Principal::Program, PULSE.as_bytes()));
+        assert!(!topics.may_subscribe(operator, PULSE) && !topics.may_see(operator, PULSE.as_bytes()));
+        assert!(topics.may_subscribe(operator, "#") && topics.may_see(operator, b"a"));
+    }
+}

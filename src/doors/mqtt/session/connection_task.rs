@@ -1,0 +1,204 @@
+//! One connection from its beginning to its end: what has come goes to where it belongs, what is new goes out. When to try again
+//! is said in the parent; what holds for a connection in `conversation`.
+
+use std::time::Duration;
+
+use rumqttc::{Event, Outgoing, Packet, Publish, SubscribeReasonCode};
+
+use super::super::commands::IncomingMessage;
+use super::super::publication::Publication;
+use super::super::topics::{HOME_ASSISTANT_STATUS, PULSE};
+use super::conversation::Conversation;
+use super::lost::Lost;
+use super::photos::{self, Reading};
+use super::transport::Transport;
+use super::{Hearing, Session};
+
+/// What Home Assistant says when it has started.
+const BIRTH: &[u8] = b"online";
+
+/// One connection.
+pub(super) struct ConnectionTask<'a> {
+    session: &'a mut Session,
+    transport: Transport,
+    conversation: Conversation,
+    reading: Reading,
+}
+
+impl ConnectionTask<'_> {
+    /// Begins to connect.
+    pub(super) fn begin(session: &mut Session) -> ConnectionTask<'_> {
+        let transport = Transport::new(session.link.options(session.offline(), &session.times), &session.times);
+        let nonce = matches!(session.hearing, Hearing::Own).then(|| session.chance.number());
+        let conversation = Conversation::new(&session.times, nonce, session.clock.now().since_start);
+        ConnectionTask { session, transport, conversation, reading: Reading::default() }
+    }
+
+    /// Converses until the connection is lost. May be dropped while it waits.
+    pub(super) async fn go_on(&mut self) -> Lost {
+        loop {
+            if let Err(lost) = self.step().await {
+                return lost;
+            }
+        }
+    }
+
+    /// Whether the broker has greeted us and answered our subscription.
+    pub(super) fn is_open(&self) -> bool {
+        self.conversation.is_open()
+    }
+
+    /// What may not have arrived, oldest first.
+    pub(super) fn into_unacknowledged(self) -> Vec<Publication> {
+        self.conversation.into_unacknowledged()
+    }
+
+    /// Says that the program ends, and waits, but not for long, until that has arrived.
+    pub(super) async fn take_leave(mut self) {
+        if self.is_open() {
+            let patience = self.session.times.farewell;
+            let _ = tokio::time::timeout(patience, self.last_words()).await;
+        }
+    }
+
+    /// Says what is to be said, then waits for what happens next.
+    async fn step(&mut self) -> Result<(), Lost> {
+        self.speak();
+        let due = self.poll_timeout();
+        let (has_room, clock) = (self.conversation.has_room(), self.session.clock);
+        tokio::select! {
+            event = self.transport.next() => self.handle_event(event?),
+            () = clock.reach(due) => self.handle_timeout(),
+            Ok(()) = self.session.states.changed() => {
+                self.session.learn();
+                Ok(())
+            }
+            looked = self.reading.done() => {
+                photos::show(&mut self.session.changes, looked);
+                Ok(())
+            }
+            Some(answer) = self.session.answers.recv(), if has_room => {
+                self.give(answer.taken());
+                Ok(())
+            }
+        }
+    }
+
+    /// Publishes what is new, as long as there is room for it: what finds none is asked for later, and is newer then.
+    fn speak(&mut self) {
+        if let Some(beat) = self.conversation.poll_beat(self.now()) {
+            self.give(beat);
+        }
+        if self.is_open() {
+            self.reading.begin(&mut self.session.changes, &self.session.archive);
+        }
+        while self.conversation.has_room() {
+            let Some(publication) = self.session.poll_publication() else { return };
+            self.give(publication);
+        }
+    }
+
+    fn poll_timeout(&self) -> Option<Duration> {
+        let news = self.conversation.has_room().then(|| self.session.changes.poll_timeout()).flatten();
+        [self.conversation.poll_timeout(), news].into_iter().flatten().min()
+    }
+
+    fn give(&mut self, publication: Publication) {
+        if self.transport.publish(&publication) {
+            self.conversation.handle_given(publication, self.now());
+        }
+    }
+
+    fn now(&self) -> Duration {
+        self.session.clock.now().since_start
+    }
+
+    fn handle_timeout(&mut self) -> Result<(), Lost> {
+        let is_missed = self.conversation.handle_timeout(self.now())?;
+        if is_missed && self.session.health.handle_miss() { Err(Lost::NoEcho) } else { Ok(()) }
+    }
+
+    fn handle_event(&mut self, event: Event) -> Result<(), Lost> {
+        match event {
+            Event::Incoming(packet) => self.handle_packet(packet)?,
+            Event::Outgoing(Outgoing::Publish(id)) => self.conversation.handle_sent(id),
+            Event::Outgoing(_) => {}
+        }
+        Ok(())
+    }
+
+    fn handle_packet(&mut self, packet: Packet) -> Result<(), Lost> {
+        let now = self.now();
+        if let Packet::Publish(publish) = packet {
+            self.hear(&publish);
+        } else if let Packet::PubAck(acknowledged) = packet {
+            self.conversation.handle_acknowledged(acknowledged.pkid, now);
+        } else if let Packet::ConnAck(_) = packet {
+            self.conversation.handle_greeted(now);
+            if !self.transport.subscribe(self.session.filters()) {
+                return Err(Lost::Broken("no topic can be called so".to_owned()));
+            }
+        } else if let Packet::SubAck(answer) = packet {
+            self.open(&answer.return_codes, now);
+        }
+        Ok(())
+    }
+
+    fn open(&mut self, answers: &[SubscribeReasonCode], now: Duration) {
+        if !self.conversation.handle_subscribed(now) {
+            return;
+        }
+        let filters = self.session.filters();
+        for (filter, _) in filters.iter().zip(answers).filter(|(_, code)| **code == SubscribeReasonCode::Failure) {
+            tracing::warn!(broker = %self.session.link, filter, "the MQTT broker does not let us hear what is said there");
+        }
+        self.session.handle_open();
+    }
+
+    /// Only what is said now, and once: what a broker has kept was said to somebody before us. A STOP is taken as often as it comes.
+    fn hear(&mut self, said: &Publish) {
+        let (topic, payload) = (said.topic.as_str(), &said.payload[..]);
+        let is_repeated = self.conversation.is_repeated(said.pkid, said.dup, (topic, payload));
+        if said.retain {
+            return;
+        }
+        let session = &mut *self.session;
+        match (topic, &session.hearing) {
+            (HOME_ASSISTANT_STATUS, _) if payload == BIRTH => session.changes.handle_birth(),
+            (PULSE, Hearing::Own) if self.conversation.handle_echo(payload) => session.health.handle_proof(),
+            (topic, Hearing::Other(commands)) => {
+                let heard = IncomingMessage { topic, payload, arrived: None, is_again: false };
+                // What became of it is published by the commands themselves.
+                if is_repeated {
+                    let _ = commands.halts(topic.as_bytes(), payload, &session.sender);
+                } else {
+                    let _ = commands.take(&heard, &session.sender);
+                }
+            }
+            (_, Hearing::Own) => {}
+        }
+    }
+
+    async fn last_words(&mut self) -> Result<(), Lost> {
+        while let Some(answer) = self.conversation.has_room().then(|| self.session.answers.try_recv().ok()).flatten() {
+            self.give(answer.taken());
+        }
+        self.give(self.session.offline());
+        while !self.conversation.is_settled() {
+            let event = self.transport.next().await?;
+            self.handle_last(event);
+        }
+        self.transport.hang_up();
+        while self.transport.next().await? != Event::Outgoing(Outgoing::Disconnect) {}
+        Ok(())
+    }
+
+    /// Nothing is heard any more; only what has arrived is counted.
+    fn handle_last(&mut self, event: Event) {
+        if let Event::Incoming(Packet::PubAck(acknowledged)) = event {
+            self.conversation.handle_acknowledged(acknowledged.pkid, self.now());
+        } else if let Event::Outgoing(Outgoing::Publish(id)) = event {
+            self.conversation.handle_sent(id);
+        }
+    }
+}
