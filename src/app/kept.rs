@@ -9,8 +9,7 @@ use crate::config::Settings;
 use crate::robots::sim::{Diary, DiaryError};
 use crate::runtime::archive::Archive;
 use crate::runtime::store::Store;
-use crate::storage::memory::Memory;
-use crate::storage::sqlite;
+use crate::storage::sqlite::{self, MemoryStore};
 use crate::storage::stops::Stops;
 use hallsweep_core::engine::Recalled;
 use hallsweep_core::units::Epoch;
@@ -95,11 +94,10 @@ impl Kept {
     }
 
     fn nowhere() -> Kept {
-        let memory = Memory::new();
-        let archive = Arc::new(memory.clone());
+        let store = MemoryStore::new();
         Kept {
-            store: Box::new(memory),
-            archive,
+            archive: store.archive(),
+            store: Box::new(store),
             recalled: None,
             elsewhere: false,
             stops: None,

@@ -1,8 +1,6 @@
-//! The stores behind the ports `runtime::store::Store` and `runtime::archive::Archive`: in memory, and on disk; and
-//! what remembers a STOP beside it.
+//! The store behind the ports `runtime::store::Store` and `runtime::archive::Archive`, on disk or in memory; and what remembers a
+//! STOP beside it.
 
-mod belonging;
 pub(crate) mod files;
-pub mod memory;
 pub mod sqlite;
 pub mod stops;

@@ -4,9 +4,7 @@
 use tokio::sync::mpsc;
 
 use super::book::{Book, readable};
-use super::doors::{
-    ANSWERS, Access, Answer, Archive, Caller, Heard, Keyring, News, Orders, Publication, Sender, Snapshot, Taken, Topics,
-};
+use super::doors::{ANSWERS, Access, Answer, Caller, Heard, Keyring, News, Orders, Publication, Sender, Snapshot, Taken, Topics};
 use super::house::House;
 
 /// What all our topics begin with.
@@ -37,7 +35,7 @@ impl Mqtt {
         self.news.handle_state(std::sync::Arc::clone(state));
         self.plain_news.handle_state(std::sync::Arc::clone(state));
         while let Some(picture) = self.news.poll_photo() {
-            if let Ok(Some(photo)) = house.memory.photo(picture.luggage) {
+            if let Ok(Some(photo)) = house.memory.archive().photo(picture.luggage) {
                 let goes_out = self.news.handle_photo(picture, photo);
                 book.write(
                     "mqtt",

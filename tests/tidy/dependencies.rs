@@ -313,7 +313,7 @@ mod tests {
 
     #[test]
     fn a_door_that_knows_an_adapter_or_another_door_is_found() {
-        assert_eq!(found("src/doors/http/a.rs", "use crate::storage::memory::Memory;"), 1);
+        assert_eq!(found("src/doors/http/a.rs", "use crate::storage::sqlite::MemoryStore;"), 1);
         assert_eq!(found("src/storage/a.rs", "use crate::doors::http;"), 1);
         assert_eq!(found("src/doors/coap/a.rs", "use crate::doors::http::errors;"), 1);
         assert_eq!(found("src/doors/coap/a.rs", "use super::super::http::errors;"), 1);

@@ -1,4 +1,5 @@
-//! The store on disk: an SQLite journal whose entries are the truth, tables that follow from it, and photos as files. START HERE.
+//! The store: an SQLite journal whose entries are the truth, tables that follow from it, and photos as files; for whoever wants
+//! nothing kept the same in memory (`memory`). START HERE.
 //!
 //! ```text
 //!   Task ─ record ─► SqliteStore ─ queue ─► Writer ─► Pages ─► journal.db, photos/      (one thread, one connection)
@@ -16,6 +17,7 @@ mod desk;
 mod fault;
 mod folder;
 mod marker;
+mod memory;
 mod pages;
 mod photos;
 mod project;
@@ -40,6 +42,7 @@ use self::desk::Desk;
 use self::fault::{Fault, Then};
 use self::folder::Folder;
 use self::marker::Marker;
+pub use self::memory::MemoryStore;
 use self::pages::Pages;
 pub use self::reading::{Reading, rebuild};
 use self::writer::{Hand, Handed, Patience, Writer};
