@@ -78,6 +78,13 @@ pub(crate) fn make_folder_within(path: &Path) -> io::Result<()> {
     share(path, &File::open(path)?)
 }
 
+/// Makes the names in a folder last.
+pub(crate) fn sync_folder(path: &Path) -> io::Result<()> {
+    let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+    // Elsewhere a folder cannot be opened as a file, and its names last by themselves.
+    if cfg!(unix) { File::open(path)?.sync_all() } else { Ok(()) }
+}
+
 /// Gives the group what the owner has, where the folder in which it stands is the group's to write to: what the mask of the
 /// process says is no matter then.
 #[cfg(unix)]

@@ -10,7 +10,7 @@ use rusqlite::{Connection, OptionalExtension, params};
 use sha2::{Digest, Sha256};
 
 use super::fault::Fault;
-use super::folder::{Folder, sync_folder};
+use super::folder::Folder;
 use crate::api::journal::Picture;
 use crate::storage::files;
 use hallsweep_core::event::Photo;
@@ -81,7 +81,7 @@ fn keep_file(folder: &Folder, picture: &Picture, bytes: &[u8]) -> Result<(), Fau
         })?;
     }
     // Also for a photo that is there already: whoever put it there may have failed at just this.
-    Ok([shelf, &folder.photos(), folder.path()].into_iter().try_for_each(sync_folder)?)
+    Ok([shelf, &folder.photos(), folder.path()].into_iter().try_for_each(files::sync_folder)?)
 }
 
 fn read_file(folder: &Folder, picture: &Picture) -> io::Result<Option<Vec<u8>>> {

@@ -1,7 +1,8 @@
 //! Tests of the diary with real files: what comes back, what is never overwritten, and what happens when nothing can be written.
 //! The text itself is tested in `page`.
 
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use super::*;
 use hallsweep_core::units::{Cell, Pose};

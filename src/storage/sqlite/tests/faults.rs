@@ -355,7 +355,7 @@ fn a_marker_is_put_down_and_cleared() {
     assert_eq!(marker::read(&Folder::new(&scratch.data())).unwrap(), Some(Seq(3)));
     marker.clear().unwrap();
     assert_eq!(marker::read(&Folder::new(&scratch.data())).unwrap(), None);
-    std::fs::write(Folder::new(&scratch.data()).marker(), "everything after entry 12").unwrap();
+    std::fs::write(Folder::new(&scratch.data()).marker().path(), "everything after entry 12").unwrap();
     let damaged = marker::read(&Folder::new(&scratch.data()));
     assert!(matches!(damaged, Err(Fault::Unusable("journal.lost", _))), "{damaged:?}");
 }
