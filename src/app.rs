@@ -207,8 +207,8 @@ async fn start(
         engine.note_damage(words, clock.now());
     }
     let (link, side) = link(halter.watch());
-    let (robot, mut diary) = match kept.robot(hall, sim) {
-        Ok((robot, diary)) => (Some(robot), diary),
+    let (robot, mut state_file) = match kept.robot(hall, sim) {
+        Ok((robot, state_file)) => (Some(robot), state_file),
         Err(lost) => {
             tracing::error!(lost, "nobody knows where the simulated robot was left: it is not started");
             (None, None)
@@ -216,12 +216,12 @@ async fn start(
     };
     if kept.elsewhere && !elsewhere::put_down(&mut engine, &mut *kept.store, &link, halter, &clock).await {
         // The old one stays, so that robot and map are in the same hall at the next start as well.
-        diary = None;
+        state_file = None;
     }
     let on = threads.robot.handle();
     match (other, robot) {
         (Some(adapter), _) => drop(on.spawn(adapter(side))),
-        (None, Some(robot)) => drop(on.spawn(sim::run(robot, side, clock, speed(settings.robot.speed), diary))),
+        (None, Some(robot)) => drop(on.spawn(sim::run(robot, side, clock, speed(settings.robot.speed), state_file))),
         // The link stays down, and nobody is told that its adapter has ended.
         (None, None) => drop(on.spawn(async move { side.reports.closed().await })),
     }

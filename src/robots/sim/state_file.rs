@@ -1,5 +1,5 @@
 //! Keeps what the simulated robot must not forget in one small file of the data folder, so that the hall is as it was left when
-//! the program comes back. What is kept stands in `memory`, how it is written in `diary::page`; when, `link` decides.
+//! the program comes back. What is kept stands in `memory`, how it is written in `hallsweep_sim::page`; when, `link` decides.
 //!
 //! It plays physics, so it costs as little as it can: 1 KiB written in place for each order begun or ended. That is in the
 //! system's hands at once and outlives `kill -9`; only a power cut may take the last seconds of it, as nothing is forced to the
@@ -15,7 +15,7 @@ use hallsweep_sim::SimMemory;
 
 mod error;
 
-pub use error::DiaryError;
+pub use error::StateFileError;
 use hallsweep_sim::page::{self, Page, Unread, Whose};
 
 /// The name of the file in the data folder.
@@ -23,7 +23,7 @@ const FILE: &str = "simulated-robot.txt";
 
 /// The memory of a simulated robot in a folder.
 #[derive(Debug)]
-pub struct Diary {
+pub struct SimStateFile {
     file: SmallFile,
     whose: Whose,
     /// Counts the writings.
@@ -34,42 +34,43 @@ pub struct Diary {
     owed: Option<SimMemory>,
 }
 
-impl Diary {
-    /// The diary in the folder `dir` and what it remembers of this hall; nothing when there is no file yet. Nothing is written.
+impl SimStateFile {
+    /// The state file in the folder `dir` and what it remembers of this hall; nothing when there is no file yet. Nothing is written.
     ///
     /// # Errors
     /// A file that cannot be read or understood, or is of another hall. It stays as it is.
-    pub fn open(dir: &Path, hall: &Hall) -> Result<(Diary, Option<SimMemory>), DiaryError> {
-        let mut diary = Diary::begin_anew(dir, hall);
-        let path = || diary.file.path().to_owned();
-        let Some(bytes) = diary.file.read(page::SIZE).map_err(|error| DiaryError::Unreadable { path: path(), error })? else {
-            let unfinished = diary.file.unfinished();
+    pub fn open(dir: &Path, hall: &Hall) -> Result<(SimStateFile, Option<SimMemory>), StateFileError> {
+        let mut state_file = SimStateFile::begin_anew(dir, hall);
+        let path = || state_file.file.path().to_owned();
+        let Some(bytes) = state_file.file.read(page::SIZE).map_err(|error| StateFileError::Unreadable { path: path(), error })?
+        else {
+            let unfinished = state_file.file.unfinished();
             return match files::check_plain(&unfinished) {
-                Ok(()) => Ok((diary, None)),
-                Err(error) => Err(DiaryError::Unreadable { path: unfinished, error }),
+                Ok(()) => Ok((state_file, None)),
+                Err(error) => Err(StateFileError::Unreadable { path: unfinished, error }),
             };
         };
         let Page { whose, turn, memory } = page::read(&bytes).map_err(|unread| match unread {
-            Unread::Version(found) => DiaryError::OtherVersion { path: path(), found },
-            Unread::Damaged(fault) => DiaryError::Damaged { path: path(), fault },
+            Unread::Version(found) => StateFileError::OtherVersion { path: path(), found },
+            Unread::Damaged(fault) => StateFileError::Damaged { path: path(), fault },
         })?;
-        if !whose.is_same(&diary.whose) {
-            let (remembered, given) = (whose.hall, diary.whose.hall.clone());
-            return Err(DiaryError::OtherHall { path: path(), remembered, given });
+        if !whose.is_same(&state_file.whose) {
+            let (remembered, given) = (whose.hall, state_file.whose.hall.clone());
+            return Err(StateFileError::OtherHall { path: path(), remembered, given });
         }
         if !memory.fits(hall) {
             let fault = "it says that the robot stands where it cannot be".to_owned();
-            return Err(DiaryError::Damaged { path: path(), fault });
+            return Err(StateFileError::Damaged { path: path(), fault });
         }
-        (diary.turn, diary.anew) = (turn, false);
-        Ok((diary, Some(memory)))
+        (state_file.turn, state_file.anew) = (turn, false);
+        Ok((state_file, Some(memory)))
     }
 
-    /// A diary for a robot that is put down anew in this hall. The first writing takes the place of whatever file there is, so
+    /// A state file for a robot that is put down anew in this hall. The first writing takes the place of whatever file there is, so
     /// it is for a folder without one, or when the robot is meant to leave the hall it was in.
     #[must_use]
-    pub fn begin_anew(dir: &Path, hall: &Hall) -> Diary {
-        Diary { file: SmallFile::within(dir, FILE), whose: Whose::of(hall), turn: 0, anew: true, owed: None }
+    pub fn begin_anew(dir: &Path, hall: &Hall) -> SimStateFile {
+        SimStateFile { file: SmallFile::within(dir, FILE), whose: Whose::of(hall), turn: 0, anew: true, owed: None }
     }
 
     /// Writes down a memory. When that fails, the simulation goes on all the same: the log says so once, and the memory stays
