@@ -35,20 +35,20 @@ use hallsweep_core::units::Epoch;
 use hallsweep_sim::{Camera, Hall, SimSettings, Speed};
 
 mod coap;
+mod data_folder;
 mod descriptors;
 mod elsewhere;
 mod entry;
 mod error;
-mod kept;
 mod mqtt;
 mod ports;
 mod signals;
 mod threads;
 
+use data_folder::DataFolder;
 pub use entry::Entry;
 use entry::Opened;
 pub use error::AppError;
-use kept::Kept;
 use mqtt::Mqtt;
 use ports::Ports;
 pub use ports::{Doors, Place, Port};
@@ -120,7 +120,7 @@ async fn serve_hall(
     let signalled = signals::listen().map_err(AppError::System)?;
     let secret = access::chance()?;
 
-    let kept = Kept::open(settings, &hall, entry::unusable(settings))?;
+    let kept = DataFolder::open(settings, &hall, entry::unusable(settings))?;
     // Only now, when nothing else can refuse the start: a key that is made is also shown.
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
@@ -192,7 +192,7 @@ async fn find_robot(handle: &Handle) {
 async fn start(
     settings: &Settings,
     (hall, sim, other): (Arc<Hall>, SimSettings, Option<Adapter>),
-    mut kept: Kept,
+    mut kept: DataFolder,
     (halter, course): (&Halter, watch::Receiver<Course>),
     threads: &Threads,
 ) -> (Handle, JoinHandle<()>) {

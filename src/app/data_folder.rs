@@ -20,7 +20,7 @@ use hallsweep_sim::{Hall, Sim, SimMemory, SimSettings};
 type Found = Result<(SimStateFile, Option<SimMemory>), StateFileError>;
 
 /// Where everything is kept, and what was there.
-pub(super) struct Kept {
+pub(super) struct DataFolder {
     pub(super) store: Box<dyn Store>,
     pub(super) archive: Arc<dyn Archive>,
     pub(super) recalled: Option<Recalled>,
@@ -36,12 +36,12 @@ pub(super) struct Kept {
     memory: Option<SimMemory>,
 }
 
-impl Kept {
+impl DataFolder {
     /// Opens the folder of the settings. A file of it that cannot be read or written is no error: the store says so, and the robot
     /// is held (safety R5): so also when the keys cannot be had, which is said by `keys`. A folder in use, or a mission in another
     /// hall, is one.
-    pub(super) fn open(settings: &Settings, hall: &Hall, keys: Option<String>) -> Result<Kept, AppError> {
-        let Some(folder) = &settings.store else { return Ok(Kept::nowhere()) };
+    pub(super) fn open(settings: &Settings, hall: &Hall, keys: Option<String>) -> Result<DataFolder, AppError> {
+        let Some(folder) = &settings.store else { return Ok(DataFolder::nowhere()) };
         let found = SimStateFile::open(folder, hall);
         let lost =
             found.as_ref().err().filter(|error| !matches!(error, StateFileError::OtherHall { .. })).map(ToString::to_string);
@@ -50,8 +50,17 @@ impl Kept {
         let sqlite::Opened { store, archive, recalled, failure } = sqlite::open(folder, beside)?;
         let is_unread = failure.is_some() && recalled.is_none();
         let recalled = recalled.map(|recalled| without_lost_photos(recalled, &*archive));
-        let mut kept =
-            Kept { store, archive, recalled, elsewhere: false, stops: None, is_unread, lost, state_file: None, memory: None };
+        let mut kept = DataFolder {
+            store,
+            archive,
+            recalled,
+            elsewhere: false,
+            stops: None,
+            is_unread,
+            lost,
+            state_file: None,
+            memory: None,
+        };
         kept.find_robot(found, folder, hall)?;
         kept.stops = Some(Stops::open(folder));
         Ok(kept)
@@ -94,9 +103,9 @@ impl Kept {
         Ok((robot, self.state_file.take()))
     }
 
-    fn nowhere() -> Kept {
+    fn nowhere() -> DataFolder {
         let store = MemoryStore::new();
-        Kept {
+        DataFolder {
             archive: store.archive(),
             store: Box::new(store),
             recalled: None,
