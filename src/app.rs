@@ -36,7 +36,6 @@ use hallsweep_sim::{Camera, Hall, SimSettings, Speed};
 
 mod coap;
 mod data_folder;
-mod descriptors;
 mod elsewhere;
 mod entry;
 mod error;
@@ -113,7 +112,7 @@ async fn serve_hall(
 ) -> Result<(), AppError> {
     let mut front = entry::front(&settings.http)?;
     let threads = Threads::start()?;
-    let descriptors = descriptors::raise();
+    let descriptors = ports::raise_descriptors();
     let room = Room::of(descriptors);
     front.room = room;
     let Ports { http, coap, mqtt, doors } = Ports::bind(settings)?;

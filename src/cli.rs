@@ -9,6 +9,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::config::{self, Flag, Settings, Sources, sources};
 use crate::telemetry;
+use hallsweep_core::mission::table_markdown;
 
 pub mod explore;
 mod failure;
@@ -17,7 +18,6 @@ pub mod healthcheck;
 pub mod journal;
 mod link;
 pub mod serve;
-pub mod table;
 pub mod token;
 
 pub use failure::Failure;
@@ -152,6 +152,14 @@ fn settings(sources: &Sources) -> Result<Settings, Failure> {
     telemetry::start(&settings.log);
     telemetry::warn_of_ignored(&sources.ignored());
     Ok(settings)
+}
+
+/// `hallsweep table`: prints the mission table as it is in the program, as markdown for the documentation.
+///
+/// # Errors
+/// Standard output that cannot be written.
+pub fn print_table() -> Result<(), Failure> {
+    print(table_markdown().trim_end())
 }
 
 /// Prints a text and a line break: the one place that writes to standard output.

@@ -23,7 +23,6 @@ use hallsweep_core::units::Celsius;
 /// As many sensors as the thermometer listens to, beside the operator and the robot.
 const SENSORS: usize = 60;
 
-/// Several texts, or a single one.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Texts {
@@ -31,7 +30,6 @@ enum Texts {
     Single(String),
 }
 
-/// A number, or a word.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum NumberOrWord {

@@ -13,7 +13,6 @@ use std::path::{Path, PathBuf};
 
 use super::files;
 
-/// One small file.
 #[derive(Debug)]
 pub(crate) struct SmallFile {
     path: PathBuf,

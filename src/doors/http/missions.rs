@@ -105,7 +105,6 @@ pub(super) async fn newest(
     Ok((records, next))
 }
 
-/// A mission as it is kept.
 pub(super) struct RecordedMission {
     pub(super) record: MissionRecord,
     /// What stood when it was put away, or stands now.

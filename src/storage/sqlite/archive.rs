@@ -32,13 +32,11 @@ const MISSION: &str = "SELECT id, strategy, began_ms, began_offset_s, archived_m
 /// The reading side of the store.
 #[derive(Debug)]
 pub(super) enum SqliteArchive {
-    /// On disk.
     Folder {
         folder: Folder,
         /// Connections for the next questions.
         idle: Mutex<Vec<Reader>>,
     },
-    /// In memory.
     Memory(Arc<MemoryJournal>),
 }
 

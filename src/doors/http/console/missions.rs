@@ -43,7 +43,7 @@ pub(in crate::doors::http) async fn one(
     let RecordedMission { record, standing, damage } = recorded(&door, id).await?;
     let (events, next) = match show {
         Show::Main => wanted(&door, id, after, EVENTS, is_main).await?,
-        Show::Commands => wanted(&door, id, after, EVENTS, is_command).await?,
+        Show::Commands => wanted(&door, id, after, EVENTS, |fact| matches!(fact, Fact::Command { .. })).await?,
         Show::All => happened(&door, id, after, EVENTS).await?,
     };
     let zone = Zone::of(door.clock.now().wall);
@@ -78,10 +78,6 @@ impl Show {
             Show::All => format!("{joined_by}show=all"),
         }
     }
-}
-
-fn is_command(fact: &Fact) -> bool {
-    matches!(fact, Fact::Command { .. })
 }
 
 /// What people did and what was found; the robot's steps, of which there are thousands, are not it.

@@ -48,7 +48,6 @@ pub(in crate::doors::http) const AHEAD: usize = 96 * 1024;
 const LINGER_TIME: Duration = Duration::from_secs(5);
 const LINGER_BYTES: usize = 1024 * 1024;
 
-/// One connection.
 pub(super) struct Connection<R, W> {
     from: R,
     /// Until a task answers the client.
