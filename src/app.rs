@@ -36,20 +36,19 @@ use hallsweep_core::units::Epoch;
 use hallsweep_sim::{Camera, Hall, SimSettings, Speed};
 
 mod coap;
-mod descriptors;
+mod data_folder;
 mod elsewhere;
 mod entry;
 mod error;
-mod kept;
 mod mqtt;
 mod ports;
 mod signals;
 mod threads;
 
+use data_folder::DataFolder;
 pub use entry::Entry;
 use entry::Opened;
 pub use error::AppError;
-use kept::Kept;
 use mqtt::Mqtt;
 use ports::Ports;
 pub use ports::{Doors, Place, Port};
@@ -114,14 +113,14 @@ async fn serve_hall(
 ) -> Result<(), AppError> {
     let mut front = entry::front(&settings.http)?;
     let threads = Threads::start()?;
-    let descriptors = descriptors::raise();
+    let descriptors = ports::raise_descriptors();
     let room = Room::of(descriptors);
     front.room = room;
     let Ports { http, coap, mqtt, doors } = Ports::bind(settings)?;
     let signalled = signals::listen().map_err(AppError::System)?;
     let secret = access::chance()?;
 
-    let kept = Kept::open(settings, &hall, entry::unusable(settings))?;
+    let kept = DataFolder::open(settings, &hall, entry::unusable(settings))?;
     // Only now, when nothing else can refuse the start: a key that is made is also shown.
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
@@ -193,7 +192,7 @@ async fn find_robot(handle: &Handle) {
 async fn start(
     settings: &Settings,
     (hall, sim, other): (Arc<Hall>, SimSettings, Option<Adapter>),
-    mut kept: Kept,
+    mut kept: DataFolder,
     (halter, course): (&Halter, watch::Receiver<Course>),
     threads: &Threads,
 ) -> (Handle, JoinHandle<()>) {
@@ -208,8 +207,8 @@ async fn start(
         engine.note_damage(words, clock.now());
     }
     let (link, side) = link(halter.watch());
-    let (robot, mut diary) = match kept.robot(hall, sim) {
-        Ok((robot, diary)) => (Some(robot), diary),
+    let (robot, mut state_file) = match kept.robot(hall, sim) {
+        Ok((robot, state_file)) => (Some(robot), state_file),
         Err(lost) => {
             tracing::error!(lost, "nobody knows where the simulated robot was left: it is not started");
             (None, None)
@@ -217,12 +216,12 @@ async fn start(
     };
     if kept.elsewhere && !elsewhere::put_down(&mut engine, &mut *kept.store, &link, halter, &clock).await {
         // The old one stays, so that robot and map are in the same hall at the next start as well.
-        diary = None;
+        state_file = None;
     }
     let on = threads.robot.handle();
     match (other, robot) {
         (Some(adapter), _) => drop(on.spawn(adapter(side))),
-        (None, Some(robot)) => drop(on.spawn(sim::run(robot, side, clock, speed(settings.robot.speed), diary))),
+        (None, Some(robot)) => drop(on.spawn(sim::run(robot, side, clock, speed(settings.robot.speed), state_file))),
         // The link stays down, and nobody is told that its adapter has ended.
         (None, None) => drop(on.spawn(async move { side.reports.closed().await })),
     }

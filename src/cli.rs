@@ -9,6 +9,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::config::{self, Flag, Settings, Sources, sources};
 use crate::telemetry;
+use hallsweep_core::mission::table_markdown;
 
 pub mod explore;
 mod failure;
@@ -17,7 +18,6 @@ pub mod healthcheck;
 pub mod journal;
 mod link;
 pub mod serve;
-pub mod table;
 pub mod token;
 
 pub use failure::Failure;
@@ -103,7 +103,7 @@ impl Healthcheck {
     /// # Errors
     /// Settings that cannot be used.
     pub fn address(&self) -> Result<SocketAddr, Failure> {
-        let http = self.http.clone().map(|value| Flag { flag: "--http", key: "http.bind", value });
+        let http = self.http.clone().map(|value| Flag::given("--http", value));
         // Nothing is kept by asking, so a user without a home can ask too.
         let nothing = Flag { flag: "of healthcheck", key: "store.folder", value: "none".to_owned() };
         let settings = config::load(&sources(self.config.clone(), http.into_iter().chain([nothing]).collect()))?;
@@ -133,17 +133,16 @@ impl Serve {
 
     fn flags(&self) -> Vec<Flag> {
         let given = [
-            ("--hall", "hall.file", &self.hall),
-            ("--http", "http.bind", &self.http),
-            ("--coap", "coap.bind", &self.coap),
-            ("--mqtt", "mqtt.bind", &self.mqtt),
-            ("--speed", "robot.speed", &self.speed),
-            ("--seed", "robot.seed", &self.seed),
-            ("--strategy", "mission.strategy", &self.strategy),
-            ("--data", "store.folder", &self.data),
+            ("--hall", &self.hall),
+            ("--http", &self.http),
+            ("--coap", &self.coap),
+            ("--mqtt", &self.mqtt),
+            ("--speed", &self.speed),
+            ("--seed", &self.seed),
+            ("--strategy", &self.strategy),
+            ("--data", &self.data),
         ];
-        let flags = given.into_iter().filter_map(|(flag, key, value)| Some(Flag { flag, key, value: value.clone()? }));
-        flags.collect()
+        given.into_iter().filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?))).collect()
     }
 }
 
@@ -153,6 +152,14 @@ fn settings(sources: &Sources) -> Result<Settings, Failure> {
     telemetry::start(&settings.log);
     telemetry::warn_of_ignored(&sources.ignored());
     Ok(settings)
+}
+
+/// `hallsweep table`: prints the mission table as it is in the program, as markdown for the documentation.
+///
+/// # Errors
+/// Standard output that cannot be written.
+pub fn print_table() -> Result<(), Failure> {
+    print(table_markdown().trim_end())
 }
 
 /// Prints a text and a line break: the one place that writes to standard output.
@@ -195,6 +202,15 @@ mod tests {
         assert_eq!(given.len(), 8);
         for (key, _) in given {
             assert!(crate::config::Key::named(key).is_some(), "{key} is no setting");
+        }
+    }
+
+    #[test]
+    fn every_flag_of_the_table_of_settings_is_one_of_serve() {
+        let command = Cli::command();
+        let serve: Vec<String> = command.get_arguments().filter_map(|flag| Some(format!("--{}", flag.get_long()?))).collect();
+        for flag in crate::config::KEYS.iter().filter_map(|key| key.flag) {
+            assert!(serve.iter().any(|known| known == flag), "{flag}");
         }
     }
 }

@@ -16,11 +16,10 @@ mod folder;
 mod key;
 mod layers;
 mod mqtt;
-mod raw;
 
 pub use bind::{At, Bind};
 pub use error::SettingsError;
-pub use key::{KEYS, Key};
+pub use key::{KEYS, Key, Kind};
 pub use layers::{DEFAULTS, Flag, Sources};
 pub use mqtt::{Broker, Login, MqttSettings, OtherBroker};
 

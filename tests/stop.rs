@@ -19,7 +19,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use hallsweep::storage::memory::Memory;
+use hallsweep::storage::sqlite::MemoryStore;
 use house::{House, Watched};
 
 /// So many stops are asked of a program that may be trusted with one.
@@ -86,7 +86,7 @@ async fn no_step_begins_late(house: &House, tell: impl FnMut(&str) -> String + S
 /// Safety S6: no step begins after the stop was answered, in 1,000 stops.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn no_step_begins_after_a_stop_was_answered_over_http() {
-    let house = House::open(Box::new(Memory::new()), |_| {}).await;
+    let house = House::open(Box::new(MemoryStore::new()), |_| {}).await;
     let address = house.address.to_string();
     let tell =
         move |command: &str| ask::ask(&address, "POST", &format!("/api/v1/commands/{command}"), "").expect("the door answers");
@@ -96,7 +96,7 @@ async fn no_step_begins_after_a_stop_was_answered_over_http() {
 /// Safety S6.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn no_step_begins_after_a_stop_was_answered_over_coap() {
-    let house = House::open(Box::new(Memory::new()), |_| {}).await;
+    let house = House::open(Box::new(MemoryStore::new()), |_| {}).await;
     let mut client = coap::Coap::at(house.coap);
     let tell = move |command: &str| client.ask("POST", &format!("commands/{command}"), "").expect("the door answers").text;
     no_step_begins_late(&house, tell).await;
@@ -105,7 +105,7 @@ async fn no_step_begins_after_a_stop_was_answered_over_coap() {
 /// Safety S6.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn no_step_begins_after_a_stop_was_answered_over_mqtt() {
-    let house = House::open(Box::new(Memory::new()), |_| {}).await;
+    let house = House::open(Box::new(MemoryStore::new()), |_| {}).await;
     let broker = house.mqtt;
     let coming = tokio::task::spawn_blocking(move || {
         let mut client = mqtt::Client::try_connect(broker, &packets::connect("operator", 60)).expect("the door lets a client in");

@@ -4,7 +4,7 @@ use super::*;
 use crate::access::testing::Folder;
 
 fn overwritten(file: &KeyFile, text: &str) -> String {
-    file.replace(text).unwrap();
+    file.0.replace(text.as_bytes()).unwrap();
     file.read().expect_err("this holds no keys").to_string()
 }
 

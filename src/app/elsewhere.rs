@@ -1,4 +1,4 @@
-//! The robot is put down in another hall than the one on record: the journal's page about it is kept before the robot's diary is
+//! The robot is put down in another hall than the one on record: the journal's page about it is kept before the robot's state file is
 //! begun anew, so that a kill in between leaves the robot and the map in the same hall. When that is so, `kept` knows.
 
 use std::time::Duration;
@@ -12,7 +12,7 @@ use hallsweep_core::engine::Engine;
 use hallsweep_core::event::Event;
 use hallsweep_core::units::Seq;
 
-/// So long the disk is waited for. After that the program serves all the same, without a diary: the next start tries again.
+/// So long the disk is waited for. After that the program serves all the same, without a state file: the next start tries again.
 const KEPT_WITHIN: Duration = Duration::from_secs(5);
 
 /// Puts the robot down and keeps what follows from it; whether it is kept.
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[tokio::test(start_paused = true)]
-    async fn a_disk_that_fails_or_hangs_gives_no_diary() {
+    async fn a_disk_that_fails_or_hangs_gives_no_state_file() {
         assert!(!put_down_with(|_| {}).await.0, "it says nothing");
         assert!(!put_down_with(|word| word.kept = Seq(0)).await.0, "it keeps nothing");
         let fails = |word: &mut StoreStatus| (word.losses, word.failure) = (1, Some("the disk is full".into()));

@@ -167,9 +167,9 @@ fn other_broker(common: Common, other: &OtherBroker) -> Result<Mqtt, AppError> {
 
 /// Where web clients are brought. One that finds the broker busy is sent away, and comes again.
 fn hall(visit: mpsc::Sender<IncomingConnection>) -> http::Hall {
-    http::Hall::new(move |visitor: http::Visitor| {
-        let origin = Origin { from: visitor.from, caller: visitor.caller, access: visitor.access };
-        if visit.try_send(IncomingConnection::over(visitor.stream, origin)).is_err() {
+    http::Hall::new(move |connection: http::IncomingConnection| {
+        let origin = Origin { from: connection.from, caller: connection.caller, access: connection.access };
+        if visit.try_send(IncomingConnection::over(connection.stream, origin)).is_err() {
             tracing::debug!("a web client found the MQTT broker busy");
         }
     })

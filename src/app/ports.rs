@@ -10,6 +10,21 @@ use super::AppError;
 use crate::config::{At, Bind, Broker, Settings};
 use crate::doors::coap::beside;
 
+/// So many files and connections are wanted open at once: enough for every place of every door, and for files beside them.
+const DESCRIPTORS: u64 = 4096;
+
+/// Asks the system to let this program have more files and connections open at once, as far as it allows; how many there are then.
+/// Most systems begin with few and allow more to whoever asks; HTTP and MQTT together may need more than the few.
+pub(super) fn raise_descriptors() -> u64 {
+    match rlimit::increase_nofile_limit(DESCRIPTORS) {
+        Ok(most) => most,
+        Err(error) => {
+            tracing::debug!(%error, "the number of open files and connections cannot be raised");
+            rlimit::getrlimit(rlimit::Resource::NOFILE).map_or(DESCRIPTORS, |(soft, _)| soft)
+        }
+    }
+}
+
 /// Whose port it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Port {

@@ -77,12 +77,8 @@ pub fn run(flags: &Explore) -> Result<(), Failure> {
 
 impl Explore {
     fn sources(&self) -> Sources {
-        let given = [
-            ("--hall", "hall.file", &self.hall),
-            ("--seed", "robot.seed", &self.seed),
-            ("--strategy", "mission.strategy", &self.strategy),
-        ];
-        let flags = given.into_iter().filter_map(|(flag, key, value)| Some(Flag { flag, key, value: value.clone()? }));
+        let given = [("--hall", &self.hall), ("--seed", &self.seed), ("--strategy", &self.strategy)];
+        let flags = given.into_iter().filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?)));
         // Nothing of it is kept, so a user without a home can run it too.
         let nothing = Flag { flag: "of explore", key: "store.folder", value: "none".to_owned() };
         config::sources(self.config.clone(), flags.chain([nothing]).collect())

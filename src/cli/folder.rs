@@ -20,7 +20,7 @@ pub(super) struct Folder {
 impl Folder {
     /// Where the settings are to be read, with one more flag if there is one.
     pub(super) fn sources(&self, more: Option<Flag>) -> Sources {
-        let data = self.data.clone().map(|value| Flag { flag: "--data", key: "store.folder", value });
+        let data = self.data.clone().map(|value| Flag::given("--data", value));
         config::sources(self.config.clone(), data.into_iter().chain(more).collect())
     }
 }

@@ -50,7 +50,10 @@ struct Which {
 /// # Errors
 /// Wrong settings, a journal that is not there or cannot be read, findings of a check, standard output that cannot be written.
 pub fn run(asked: &Journal) -> Result<(), Failure> {
-    let folder = super::settings(&asked.folder.sources(None))?.store.ok_or_else(nothing_kept)?;
+    let folder = super::settings(&asked.folder.sources(None))?.store;
+    let folder = folder.ok_or_else(|| {
+        Failure::Run("the setting store.folder says none, so nothing is kept: name a folder with --data".to_owned())
+    })?;
     if matches!(asked.what, Some(What::Rebuild)) {
         let entries = sqlite::rebuild(&folder)?;
         return super::print(&format!("the tables are made anew, from the {entries} entries that they follow from"));
@@ -67,10 +70,6 @@ impl From<Unreadable> for Failure {
     fn from(Unreadable(words): Unreadable) -> Failure {
         Failure::Run(words)
     }
-}
-
-fn nothing_kept() -> Failure {
-    Failure::Run("the setting store.folder says none, so nothing is kept: name a folder with --data".to_owned())
 }
 
 /// Writes the entries, in their place those that could not be understood, and says at the end how many these are.

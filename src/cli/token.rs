@@ -125,7 +125,7 @@ fn shown<'a>(http: &HttpSettings, file: &KeyFile, keys: impl Iterator<Item = &'a
 
 impl Keyrings {
     fn sources(&self) -> Sources {
-        self.folder.sources(self.http.clone().map(|value| Flag { flag: "--http", key: "http.bind", value }))
+        self.folder.sources(self.http.clone().map(|value| Flag::given("--http", value)))
     }
 }
 

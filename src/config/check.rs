@@ -1,110 +1,130 @@
 //! Turns written settings into usable ones, or says which is wrong. Whether a hall file can be opened shows when it is opened.
 
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
 use figment::value::{Num, Value};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use tracing_subscriber::EnvFilter;
 
 use super::bind::{At, Bind};
 use super::error::SettingsError;
+use super::key::{KEYS, Key, Kind};
 use super::layers::Layers;
 use super::mqtt;
-use super::raw::{self, Raw};
 use super::{HttpSettings, OldClients, RobotSettings, Settings, Speed, TlsFiles, folder};
 use hallsweep_core::command::TemperatureReport;
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::settings::Settings as CoreSettings;
 use hallsweep_core::units::Celsius;
 
-/// Rates are probabilities.
-const RATE: RangeInclusive<f64> = 0.0..=1.0;
-
-/// A sonar that errs by more than a metre is no sonar.
-const SONAR_NOISE_CM: RangeInclusive<f64> = 0.0..=100.0;
-
-/// A wider gap than this would keep a hall hot that is as cold as winter.
-const HYSTERESIS: RangeInclusive<f64> = 0.0..=50.0;
-
-/// A sensor that reports more seldom than once an hour does not say how hot it is now.
-const SENSOR_SILENCE_S: RangeInclusive<f64> = 1.0..=3600.0;
-
 /// As many sensors as the thermometer listens to, beside the operator and the robot.
 const SENSORS: usize = 60;
 
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Texts {
+    Several(Vec<String>),
+    Single(String),
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum NumberOrWord {
+    Number(f64),
+    Word(String),
+}
+
 /// Checks every setting.
 pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
-    let raw: Raw = layers.figment().extract().map_err(|error| wrong_type(layers, &error))?;
+    check_types(layers)?;
     Ok(Settings {
-        hall: hall(layers, &raw.hall)?,
+        hall: hall(layers)?,
         hall_origin: layers.origin("hall.file"),
-        http: http(layers, &raw.http)?,
-        coap: coap(layers, &raw.coap)?,
-        mqtt: mqtt::mqtt(layers, &raw.mqtt)?,
-        old_clients: OldClients { manual_driving: raw.old_clients.manual_driving },
-        store: store(layers, &raw.store)?,
-        robot: robot(layers, &raw.robot)?,
-        strategy: strategy(layers, &raw.mission)?,
-        core: core(layers, &raw)?,
-        sensors: sensors(layers, &raw.temperature)?,
-        sensor_silence: sensor_silence(layers, &raw.temperature)?,
-        log: log(layers, &raw.log)?,
+        http: http(layers)?,
+        coap: coap(layers)?,
+        mqtt: mqtt::mqtt(layers)?,
+        old_clients: OldClients { manual_driving: read(layers, "old_clients.manual_driving")? },
+        store: store(layers)?,
+        robot: robot(layers)?,
+        strategy: strategy(layers)?,
+        core: core(layers)?,
+        sensors: sensors(layers)?,
+        sensor_silence: sensor_silence(layers)?,
+        log: log(layers)?,
     })
 }
 
-/// What to say of a value that is not of the type of its setting: what it is instead. The advice says what is wanted.
-fn wrong_type(layers: &Layers, error: &figment::Error) -> SettingsError {
-    let key = error.path.join(".");
-    let problem = match layers.figment().find_value(&key) {
+/// Whether every value is of the kind of its setting; else the first that is not, in the order of their names.
+fn check_types(layers: &Layers) -> Result<(), SettingsError> {
+    let mut keys = KEYS;
+    keys.sort_by_key(|key| key.name);
+    keys.iter().try_for_each(|key| match key.kind {
+        Kind::Text => read::<String>(layers, key.name).map(drop),
+        Kind::YesNo => read::<bool>(layers, key.name).map(drop),
+        Kind::Texts => read::<Texts>(layers, key.name).map(drop),
+        Kind::Number { .. } => read::<f64>(layers, key.name).map(drop),
+        Kind::NumberOrWord { .. } => read::<NumberOrWord>(layers, key.name).map(drop),
+        Kind::Whole => read::<u64>(layers, key.name).map(drop),
+    })
+}
+
+/// The value of a setting as it is written.
+pub(super) fn read<T: DeserializeOwned>(layers: &Layers, key: &str) -> Result<T, SettingsError> {
+    layers.figment().extract_inner(key).map_err(|_| wrong_type(layers, key))
+}
+
+/// What to say of a value that is not of the kind of its setting: what it is instead. The advice says what is wanted.
+fn wrong_type(layers: &Layers, key: &str) -> SettingsError {
+    let is_whole = Key::named(key).is_some_and(|key| key.kind == Kind::Whole);
+    let problem = match layers.figment().find_value(key) {
         Ok(Value::String(..) | Value::Char(..)) => "it is a text",
         Ok(Value::Bool(..)) => "it is a yes or no",
-        // The seed is the only whole number among the settings.
-        Ok(Value::Num(_, Num::F32(_) | Num::F64(_))) if key == "robot.seed" => "it is not a whole number",
-        Ok(Value::Num(..)) if key == "robot.seed" => "it is out of range",
+        Ok(Value::Num(_, Num::F32(_) | Num::F64(_))) if is_whole => "it is not a whole number",
+        Ok(Value::Num(..)) if is_whole => "it is out of range",
         Ok(Value::Num(_, Num::I128(_) | Num::U128(_))) => "it is out of range",
         Ok(Value::Num(..)) => "it is a number",
         Ok(Value::Array(..)) => "it is a list",
         Ok(Value::Dict(..)) => "it is a table",
         Ok(Value::Empty(..)) | Err(_) => "it is missing",
     };
-    layers.wrong(&key, problem)
+    layers.wrong(key, problem)
 }
 
-fn hall(layers: &Layers, raw: &raw::Hall) -> Result<String, SettingsError> {
-    if raw.file.trim().is_empty() {
-        return Err(layers.wrong("hall.file", "it names no hall"));
-    }
-    Ok(raw.file.clone())
+fn hall(layers: &Layers) -> Result<String, SettingsError> {
+    let file: String = read(layers, "hall.file")?;
+    if file.trim().is_empty() { Err(layers.wrong("hall.file", "it names no hall")) } else { Ok(file) }
 }
 
-fn http(layers: &Layers, raw: &raw::Http) -> Result<HttpSettings, SettingsError> {
-    let bind = bind(layers, "http.bind", &raw.bind)?;
-    let hosts = match &raw.hosts {
-        raw::Hosts::Several(names) => names.clone(),
-        raw::Hosts::Single(name) => vec![name.clone()],
+fn http(layers: &Layers) -> Result<HttpSettings, SettingsError> {
+    let bind = bind(layers, "http.bind")?;
+    let hosts = match read(layers, "http.hosts")? {
+        Texts::Several(names) => names,
+        Texts::Single(name) => vec![name],
     };
     if let Some(wrong) = hosts.iter().find(|name| !is_host(name)) {
         return Err(layers.wrong("http.hosts", format!("{wrong:?} is not the name of a host")));
     }
-    let asks_for_keys = raw.require_token || !bind.at.is_local();
-    Ok(HttpSettings { bind, asks_for_keys, hosts, tls: tls(layers, raw)? })
+    let asks_for_keys = read(layers, "http.require_token")? || !bind.at.is_local();
+    Ok(HttpSettings { bind, asks_for_keys, hosts, tls: tls(layers)? })
 }
 
 /// Where a door listens.
-pub(super) fn bind(layers: &Layers, key: &str, written: &str) -> Result<Bind, SettingsError> {
-    let at = At::read(written).ok_or_else(|| layers.wrong(key, "it is not an address with a port"))?;
+pub(super) fn bind(layers: &Layers, key: &str) -> Result<Bind, SettingsError> {
+    let written: String = read(layers, key)?;
+    let at = At::read(&written).ok_or_else(|| layers.wrong(key, "it is not an address with a port"))?;
     Ok(Bind { at, is_chosen: layers.is_chosen(key) })
 }
 
 /// There are no keys for CoAP: beyond loopback it shows everything to whoever reaches it, and that must be meant.
-fn coap(layers: &Layers, raw: &raw::Coap) -> Result<Option<Bind>, SettingsError> {
-    if raw.bind == "none" {
+fn coap(layers: &Layers) -> Result<Option<Bind>, SettingsError> {
+    if read::<String>(layers, "coap.bind")? == "none" {
         return Ok(None);
     }
-    let bind = bind(layers, "coap.bind", &raw.bind)?;
-    if raw.open_to_others || bind.at.is_local() {
+    let bind = bind(layers, "coap.bind")?;
+    if read(layers, "coap.open_to_others")? || bind.at.is_local() {
         return Ok(Some(bind));
     }
     let problem = "everybody who reaches this address could read everything there, unencrypted and without a key";
@@ -118,8 +138,9 @@ fn is_host(name: &str) -> bool {
     !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'-' | b'_'))
 }
 
-fn tls(layers: &Layers, raw: &raw::Http) -> Result<Option<TlsFiles>, SettingsError> {
-    match (raw.tls_certificate.as_str(), raw.tls_key.as_str()) {
+fn tls(layers: &Layers) -> Result<Option<TlsFiles>, SettingsError> {
+    let (certificate, key): (String, String) = (read(layers, "http.tls_certificate")?, read(layers, "http.tls_key")?);
+    match (certificate.as_str(), key.as_str()) {
         ("", "") => Ok(None),
         (_, "") => Err(layers.wrong("http.tls_key", "http.tls_certificate is set, and is of no use without its key")),
         ("", _) => Err(layers.wrong("http.tls_certificate", "http.tls_key is set, and is of no use without its certificate")),
@@ -127,8 +148,8 @@ fn tls(layers: &Layers, raw: &raw::Http) -> Result<Option<TlsFiles>, SettingsErr
     }
 }
 
-fn store(layers: &Layers, raw: &raw::Store) -> Result<Option<PathBuf>, SettingsError> {
-    match raw.folder.as_str() {
+fn store(layers: &Layers) -> Result<Option<PathBuf>, SettingsError> {
+    match read::<String>(layers, "store.folder")?.as_str() {
         "none" => Ok(None),
         "" => {
             let usual = folder::usual(|name| std::env::var_os(name));
@@ -139,41 +160,44 @@ fn store(layers: &Layers, raw: &raw::Store) -> Result<Option<PathBuf>, SettingsE
     }
 }
 
-fn robot(layers: &Layers, raw: &raw::Robot) -> Result<RobotSettings, SettingsError> {
+fn robot(layers: &Layers) -> Result<RobotSettings, SettingsError> {
     Ok(RobotSettings {
-        speed: speed(layers, &raw.speed)?,
-        seed: raw.seed,
-        unknown_rate: within(layers, "robot.unknown_rate", raw.unknown_rate, &RATE)?,
-        photo_failure_rate: within(layers, "robot.photo_failure_rate", raw.photo_failure_rate, &RATE)?,
-        sonar_noise_cm: within(layers, "robot.sonar_noise_cm", raw.sonar_noise_cm, &SONAR_NOISE_CM)?,
+        speed: speed(layers)?,
+        seed: read(layers, "robot.seed")?,
+        unknown_rate: number(layers, "robot.unknown_rate")?,
+        photo_failure_rate: number(layers, "robot.photo_failure_rate")?,
+        sonar_noise_cm: number(layers, "robot.sonar_noise_cm")?,
     })
 }
 
-fn speed(layers: &Layers, raw: &raw::Speed) -> Result<Speed, SettingsError> {
-    match raw {
-        raw::Speed::Factor(factor) => {
-            within(layers, "robot.speed", *factor, &(Speed::SLOWEST..=Speed::FASTEST)).map(Speed::Times)
-        }
-        raw::Speed::Word(word) if word == "max" => Ok(Speed::Max),
-        raw::Speed::Word(_) => Err(layers.wrong("robot.speed", "this word is no speed")),
+fn speed(layers: &Layers) -> Result<Speed, SettingsError> {
+    match read(layers, "robot.speed")? {
+        NumberOrWord::Number(factor) => within(layers, "robot.speed", factor).map(Speed::Times),
+        NumberOrWord::Word(word) if word == "max" => Ok(Speed::Max),
+        NumberOrWord::Word(_) => Err(layers.wrong("robot.speed", "this word is no speed")),
     }
 }
 
-fn strategy(layers: &Layers, raw: &raw::Mission) -> Result<Strategy, SettingsError> {
-    Strategy::named(&raw.strategy).ok_or_else(|| layers.wrong("mission.strategy", "there is no such strategy"))
+fn strategy(layers: &Layers) -> Result<Strategy, SettingsError> {
+    let name: String = read(layers, "mission.strategy")?;
+    Strategy::named(&name).ok_or_else(|| layers.wrong("mission.strategy", "there is no such strategy"))
 }
 
-fn core(layers: &Layers, raw: &Raw) -> Result<CoreSettings, SettingsError> {
-    let threshold = Celsius::new(raw.temperature.threshold_celsius)
+fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
+    let threshold = Celsius::new(read(layers, "temperature.threshold_celsius")?)
         .ok_or_else(|| layers.wrong("temperature.threshold_celsius", "no hall has this temperature"))?;
-    let hysteresis = within(layers, "temperature.hysteresis_celsius", raw.temperature.hysteresis_celsius, &HYSTERESIS)?;
-    let (inspect_everything, wall_lines) = (raw.mission.inspect_everything, raw.mission.wall_lines);
-    Ok(CoreSettings { threshold, hysteresis, inspect_everything, wall_lines })
+    Ok(CoreSettings {
+        threshold,
+        hysteresis: number(layers, "temperature.hysteresis_celsius")?,
+        inspect_everything: read(layers, "mission.inspect_everything")?,
+        wall_lines: read(layers, "mission.wall_lines")?,
+    })
 }
 
-fn sensors(layers: &Layers, raw: &raw::Temperature) -> Result<Vec<Arc<str>>, SettingsError> {
+fn sensors(layers: &Layers) -> Result<Vec<Arc<str>>, SettingsError> {
+    let names: String = read(layers, "temperature.sensor")?;
     let mut sensors = Vec::new();
-    for name in raw.sensor.split(',').map(str::trim).filter(|_| !raw.sensor.trim().is_empty()) {
+    for name in names.split(',').map(str::trim).filter(|_| !names.trim().is_empty()) {
         let sensor = TemperatureReport::sensor_name(name)
             .ok_or_else(|| layers.wrong("temperature.sensor", format!("{name:?} is no sensor's name")))?;
         if sensors.contains(&sensor) {
@@ -187,21 +211,27 @@ fn sensors(layers: &Layers, raw: &raw::Temperature) -> Result<Vec<Arc<str>>, Set
     Ok(sensors)
 }
 
-fn sensor_silence(layers: &Layers, raw: &raw::Temperature) -> Result<Duration, SettingsError> {
-    let seconds = within(layers, "temperature.sensor_silence_s", raw.sensor_silence_s, &SENSOR_SILENCE_S)?;
-    Ok(Duration::from_secs_f64(seconds))
+fn sensor_silence(layers: &Layers) -> Result<Duration, SettingsError> {
+    number(layers, "temperature.sensor_silence_s").map(Duration::from_secs_f64)
 }
 
-fn log(layers: &Layers, raw: &raw::Log) -> Result<String, SettingsError> {
-    match EnvFilter::builder().parse(&raw.filter) {
-        Ok(_) => Ok(raw.filter.clone()),
+fn log(layers: &Layers) -> Result<String, SettingsError> {
+    let filter: String = read(layers, "log.filter")?;
+    match EnvFilter::builder().parse(&filter) {
+        Ok(_) => Ok(filter),
         Err(error) => Err(layers.wrong("log.filter", error.to_string())),
     }
 }
 
-fn within(layers: &Layers, key: &str, value: f64, range: &RangeInclusive<f64>) -> Result<f64, SettingsError> {
+/// A number within the bounds that the table gives it.
+fn number(layers: &Layers, key: &str) -> Result<f64, SettingsError> {
+    within(layers, key, read(layers, key)?)
+}
+
+fn within(layers: &Layers, key: &str, value: f64) -> Result<f64, SettingsError> {
     let problem = if value.is_nan() { "it stands for no number" } else { "it is out of range" };
-    if range.contains(&value) { Ok(value) } else { Err(layers.wrong(key, problem)) }
+    let is_beyond = Key::named(key).is_some_and(|key| key.is_beyond(value));
+    if is_beyond { Err(layers.wrong(key, problem)) } else { Ok(value) }
 }
 
 #[cfg(test)]

@@ -1,15 +1,68 @@
-//! The one list of settings: their names and what an operator is told to write. `config/default.toml` holds the defaults.
+//! The one table of settings: what each is called, what can be written there, the flag that sets it, and what an operator is told to
+//! write. All else follows from it, or is held against it by a test: what is read (`check`), the variables of the environment, the
+//! flags of the command line, the defaults with what each setting is (`config/default.toml`), and `docs/settings.md`.
+
+use super::Speed;
+use hallsweep_core::units::Celsius;
 
 /// One setting.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
     /// Its section and name, as `http.bind`.
     pub name: &'static str,
-    /// Whether a value from the environment or a flag is taken letter by letter; otherwise `true` and `1` mean what they say.
-    pub text: bool,
+    /// What can be written there.
+    pub kind: Kind,
+    /// The flag of the command line that sets it, as `--http`.
+    pub flag: Option<&'static str>,
     /// What to write.
     pub advice: &'static str,
 }
+
+/// What can be written for a setting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// A text; what it must look like is said where it is checked. From the environment or a flag it is taken letter by letter; of
+    /// all others `true` and `1` mean there what they mean in a file.
+    Text,
+    /// `true` or `false`.
+    YesNo,
+    /// Several texts in a list, or a single one.
+    Texts,
+    /// A number within these bounds, both of which are good.
+    Number {
+        /// The least.
+        least: f64,
+        /// The greatest.
+        most: f64,
+    },
+    /// The same, or a word.
+    NumberOrWord {
+        /// The least.
+        least: f64,
+        /// The greatest.
+        most: f64,
+    },
+    /// A whole number of 64 bits.
+    Whole,
+}
+
+/// Rates are probabilities.
+const RATE: Kind = Kind::Number { least: 0.0, most: 1.0 };
+
+/// A factor; the word is `max`.
+const SPEED: Kind = Kind::NumberOrWord { least: Speed::SLOWEST, most: Speed::FASTEST };
+
+/// What a hall can have.
+const CELSIUS: Kind = Kind::Number { least: Celsius::LEAST, most: Celsius::MOST };
+
+/// A wider gap than this would keep a hall hot that is as cold as winter.
+const HYSTERESIS: Kind = Kind::Number { least: 0.0, most: 50.0 };
+
+/// A sonar that errs by more than a metre is no sonar.
+const SONAR_NOISE_CM: Kind = Kind::Number { least: 0.0, most: 100.0 };
+
+/// A sensor that reports more seldom than once an hour does not say how hot it is now.
+const SENSOR_SILENCE_S: Kind = Kind::Number { least: 1.0, most: 3600.0 };
 
 /// What to write for the address of the CoAP door.
 const COAP_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:5683 or [::1]:5683, or none for no such door";
@@ -19,51 +72,94 @@ const MQTT_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for
 
 /// Every setting, in the order of `config/default.toml`.
 pub const KEYS: [Key; 33] = [
-    text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file"),
-    text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080"),
-    value("http.require_token", "write true or false"),
-    value("http.hosts", "write names without a port in a list, as [\"hall.example\"]"),
-    text("http.tls_certificate", "name a PEM file with the certificate, and http.tls_key too; or leave both empty"),
-    text(
+    key("hall.file", Kind::Text, Some("--hall"), "name a built-in hall, as airport, or the path of a .toml or .map file"),
+    key(
+        "http.bind",
+        Kind::Text,
+        Some("--http"),
+        "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080",
+    ),
+    key("http.require_token", Kind::YesNo, None, "write true or false"),
+    key("http.hosts", Kind::Texts, None, "write names without a port in a list, as [\"hall.example\"]"),
+    key(
+        "http.tls_certificate",
+        Kind::Text,
+        None,
+        "name a PEM file with the certificate, and http.tls_key too; or leave both empty",
+    ),
+    key(
         "http.tls_key",
+        Kind::Text,
+        None,
         "name the PEM file with the certificate's private key, and http.tls_certificate too; or leave both empty",
     ),
-    text("coap.bind", COAP_BIND),
-    value("coap.open_to_others", "write true or false"),
-    text("mqtt.bind", MQTT_BIND),
-    value("mqtt.require_password", "write true or false"),
-    text(
+    key("coap.bind", Kind::Text, Some("--coap"), COAP_BIND),
+    key("coap.open_to_others", Kind::YesNo, None, "write true or false"),
+    key("mqtt.bind", Kind::Text, Some("--mqtt"), MQTT_BIND),
+    key("mqtt.require_password", Kind::YesNo, None, "write true or false"),
+    key(
         "mqtt.broker",
+        Kind::Text,
+        None,
         "write mqtt://HOST:PORT or mqtts://HOST:PORT, and what it knows us by in mqtt.name and mqtt.password; or nothing",
     ),
-    text("mqtt.name", "write the name by which the broker of mqtt.broker knows hallsweep, or nothing"),
-    text("mqtt.password", "write the password that goes with mqtt.name, or nothing"),
-    text(
+    key("mqtt.name", Kind::Text, None, "write the name by which the broker of mqtt.broker knows hallsweep, or nothing"),
+    key("mqtt.password", Kind::Text, None, "write the password that goes with mqtt.name, or nothing"),
+    key(
         "mqtt.certificates",
+        Kind::Text,
+        None,
         "name a PEM file of the certificates that are believed, for mqtts:// alone; or leave it empty for the system's",
     ),
-    text("mqtt.prefix", "write 1 to 64 letters, digits, - or _, with single slashes between if need be, as hallsweep"),
-    text("mqtt.id", "write 1 to 64 letters, digits, - or _, as discovery"),
-    text("mqtt.old_prefix", "write 1 to 64 letters, digits, - or _, with single slashes between if need be, as unibo/qak"),
-    value("mqtt.home_assistant", "write true or false"),
-    value("old_clients.manual_driving", "write true or false"),
-    text("store.folder", "name a folder; or leave it empty for the usual one, or write none so that nothing is kept"),
-    value("robot.speed", "write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting"),
-    value("robot.seed", "write a whole number from 0 to 18446744073709551615"),
-    value("robot.unknown_rate", "write a rate from 0 (never) to 1 (always)"),
-    value("robot.photo_failure_rate", "write a rate from 0 (never) to 1 (always)"),
-    value("robot.sonar_noise_cm", "write a number of centimetres from 0 to 100"),
-    text("mission.strategy", "write one of: snail"),
-    value("mission.inspect_everything", "write true or false"),
-    value("mission.wall_lines", "write true or false"),
-    value("temperature.threshold_celsius", "write degrees Celsius from -60 to 1000, as 25.0"),
-    value("temperature.hysteresis_celsius", "write a number of degrees from 0 to 50, as 1.0"),
-    text(
+    key(
+        "mqtt.prefix",
+        Kind::Text,
+        None,
+        "write 1 to 64 letters, digits, - or _, with single slashes between if need be, as hallsweep",
+    ),
+    key("mqtt.id", Kind::Text, None, "write 1 to 64 letters, digits, - or _, as discovery"),
+    key(
+        "mqtt.old_prefix",
+        Kind::Text,
+        None,
+        "write 1 to 64 letters, digits, - or _, with single slashes between if need be, as unibo/qak",
+    ),
+    key("mqtt.home_assistant", Kind::YesNo, None, "write true or false"),
+    key("old_clients.manual_driving", Kind::YesNo, None, "write true or false"),
+    key(
+        "store.folder",
+        Kind::Text,
+        Some("--data"),
+        "name a folder; or leave it empty for the usual one, or write none so that nothing is kept",
+    ),
+    key(
+        "robot.speed",
+        SPEED,
+        Some("--speed"),
+        "write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting",
+    ),
+    key("robot.seed", Kind::Whole, Some("--seed"), "write a whole number from 0 to 18446744073709551615"),
+    key("robot.unknown_rate", RATE, None, "write a rate from 0 (never) to 1 (always)"),
+    key("robot.photo_failure_rate", RATE, None, "write a rate from 0 (never) to 1 (always)"),
+    key("robot.sonar_noise_cm", SONAR_NOISE_CM, None, "write a number of centimetres from 0 to 100"),
+    key("mission.strategy", Kind::Text, Some("--strategy"), "write one of: snail"),
+    key("mission.inspect_everything", Kind::YesNo, None, "write true or false"),
+    key("mission.wall_lines", Kind::YesNo, None, "write true or false"),
+    key("temperature.threshold_celsius", CELSIUS, None, "write degrees Celsius from -60 to 1000, as 25.0"),
+    key("temperature.hysteresis_celsius", HYSTERESIS, None, "write a number of degrees from 0 to 50, as 1.0"),
+    key(
         "temperature.sensor",
+        Kind::Text,
+        None,
         "write at most 60 names set apart by commas, each of 1 to 64 visible characters and not operator, robot or others, as roof,gate-3; or nothing",
     ),
-    value("temperature.sensor_silence_s", "write a number of seconds from 1 to 3600, as 10"),
-    text("log.filter", "write a level (error, warn, info, debug, trace) or targets with levels, as info,hallsweep::doors=debug"),
+    key("temperature.sensor_silence_s", SENSOR_SILENCE_S, None, "write a number of seconds from 1 to 3600, as 10"),
+    key(
+        "log.filter",
+        Kind::Text,
+        None,
+        "write a level (error, warn, info, debug, trace) or targets with levels, as info,hallsweep::doors=debug",
+    ),
 ];
 
 impl Key {
@@ -71,6 +167,21 @@ impl Key {
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Key> {
         KEYS.iter().find(|key| key.name == name)
+    }
+
+    /// The setting that a flag of the command line means.
+    #[must_use]
+    pub fn of_flag(flag: &str) -> Option<&'static Key> {
+        KEYS.iter().find(|key| key.flag == Some(flag))
+    }
+
+    /// Whether it is a number that is beyond the bounds of the setting.
+    #[must_use]
+    pub fn is_beyond(&self, number: f64) -> bool {
+        match self.kind {
+            Kind::Number { least, most } | Kind::NumberOrWord { least, most } => !(least..=most).contains(&number),
+            Kind::Text | Kind::YesNo | Kind::Texts | Kind::Whole => false,
+        }
     }
 
     /// The sections, each once.
@@ -94,12 +205,8 @@ impl Key {
     }
 }
 
-const fn text(name: &'static str, advice: &'static str) -> Key {
-    Key { name, text: true, advice }
-}
-
-const fn value(name: &'static str, advice: &'static str) -> Key {
-    Key { name, text: false, advice }
+const fn key(name: &'static str, kind: Kind, flag: Option<&'static str>, advice: &'static str) -> Key {
+    Key { name, kind, flag, advice }
 }
 
 #[cfg(test)]
@@ -124,5 +231,28 @@ mod tests {
             Key::advice_for_unknown("htpp.bind")
                 .starts_with("the sections are hall, http, coap, mqtt, old_clients, store, robot")
         );
+    }
+
+    #[test]
+    fn the_advice_says_the_bounds() {
+        for key in &KEYS {
+            if let Kind::Number { least, most } | Kind::NumberOrWord { least, most } = key.kind {
+                let advice = key.advice;
+                assert!(advice.contains(&format!("from {least}")) && advice.contains(&format!("to {most}")), "{advice}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_page_on_settings_names_every_flag_and_no_setting_that_there_is_not() {
+        let page = include_str!("../../docs/settings.md");
+        for flag in KEYS.iter().filter_map(|key| key.flag) {
+            assert!(page.contains(&format!("`{flag}`")) || page.contains(&format!("`{flag} ")), "{flag}");
+        }
+        let named = page.split('`').skip(1).step_by(2).filter_map(|code| code.split(' ').next());
+        let settings = named.filter(|name| name.split_once('.').is_some_and(|(section, _)| Key::sections().contains(&section)));
+        for name in settings {
+            assert!(Key::named(name).is_some(), "{name}");
+        }
     }
 }

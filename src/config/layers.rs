@@ -16,7 +16,7 @@ use serde::Deserialize;
 
 use super::environment::{self, PREFIX};
 use super::error::SettingsError;
-use super::key::Key;
+use super::key::{Key, Kind};
 
 /// The bottom layer, which names every setting.
 pub const DEFAULTS: &str = include_str!("../../config/default.toml");
@@ -44,6 +44,16 @@ pub struct Flag {
     pub key: &'static str,
     /// What was given.
     pub value: String,
+}
+
+impl Flag {
+    /// This flag with this value; the table says which setting it means.
+    #[must_use]
+    pub(crate) fn given(flag: &'static str, value: String) -> Flag {
+        let key = Key::of_flag(flag)
+            .expect("every flag that is given to a setting stands in the table, as a test of each command says");
+        Flag { flag, key: key.name, value }
+    }
 }
 
 /// All layers, the upper ones laid over the lower.
@@ -153,7 +163,7 @@ impl Layer {
         let Some(setting) = Key::named(key) else {
             return Err(SettingsError::Unknown { key: key.to_owned(), origin, advice: Key::advice_for_unknown(key) });
         };
-        let value = if setting.text { Value::from(value) } else { meant(value) };
+        let value = if setting.kind == Kind::Text { Value::from(value) } else { meant(value) };
         let (section, name) = key.split_once('.').expect("every setting's name has a section");
         let values = Dict::from([(section.to_owned(), Value::from(Dict::from([(name.to_owned(), value)])))]);
         Ok(Layer { origin, values })

@@ -4,10 +4,9 @@ use std::fmt;
 use std::path::PathBuf;
 
 use super::bind::Bind;
-use super::check::bind;
+use super::check::{bind, read};
 use super::error::SettingsError;
 use super::layers::Layers;
-use super::raw;
 
 /// The usual port of a broker.
 const PLAIN: u16 = 1883;
@@ -88,35 +87,36 @@ impl fmt::Debug for Login {
 }
 
 /// Checks the section.
-pub(super) fn mqtt(layers: &Layers, raw: &raw::Mqtt) -> Result<MqttSettings, SettingsError> {
-    let broker = match raw.broker.as_str() {
-        "" => own(layers, raw)?,
-        url => Some(Broker::Other(other(layers, raw, url)?)),
+pub(super) fn mqtt(layers: &Layers) -> Result<MqttSettings, SettingsError> {
+    let broker = match read::<String>(layers, "mqtt.broker")?.as_str() {
+        "" => own(layers)?,
+        url => Some(Broker::Other(other(layers, url)?)),
     };
+    let prefix = name(layers, "mqtt.prefix", true)?;
     Ok(MqttSettings {
         broker,
-        prefix: name(layers, "mqtt.prefix", &raw.prefix, true)?,
-        id: name(layers, "mqtt.id", &raw.id, false)?,
-        old_prefix: old_prefix(layers, raw)?,
-        home_assistant: raw.home_assistant,
+        id: name(layers, "mqtt.id", false)?,
+        old_prefix: old_prefix(layers, &prefix)?,
+        prefix,
+        home_assistant: read(layers, "mqtt.home_assistant")?,
     })
 }
 
-fn own(layers: &Layers, raw: &raw::Mqtt) -> Result<Option<Broker>, SettingsError> {
-    for (key, value) in [("mqtt.name", &raw.name), ("mqtt.password", &raw.password), ("mqtt.certificates", &raw.certificates)] {
-        if !value.is_empty() {
+fn own(layers: &Layers) -> Result<Option<Broker>, SettingsError> {
+    for key in ["mqtt.name", "mqtt.password", "mqtt.certificates"] {
+        if !read::<String>(layers, key)?.is_empty() {
             return Err(layers.wrong_unseen(key, "it is for a broker of somebody else's, and mqtt.broker names none"));
         }
     }
-    if raw.bind == "none" {
+    if read::<String>(layers, "mqtt.bind")? == "none" {
         return Ok(None);
     }
-    let bind = bind(layers, "mqtt.bind", &raw.bind)?;
-    let asks_for_keys = raw.require_password || !bind.at.is_local();
+    let bind = bind(layers, "mqtt.bind")?;
+    let asks_for_keys = read(layers, "mqtt.require_password")? || !bind.at.is_local();
     Ok(Some(Broker::Own { bind, asks_for_keys }))
 }
 
-fn other(layers: &Layers, raw: &raw::Mqtt, url: &str) -> Result<OtherBroker, SettingsError> {
+fn other(layers: &Layers, url: &str) -> Result<OtherBroker, SettingsError> {
     let wrong = |problem: &str| layers.wrong("mqtt.broker", problem);
     let (is_encrypted, rest) = match url.split_once("://") {
         Some(("mqtt", rest)) => (false, rest),
@@ -129,18 +129,19 @@ fn other(layers: &Layers, raw: &raw::Mqtt, url: &str) -> Result<OtherBroker, Set
     }
     let (host, port) = host_and_port(rest).ok_or_else(|| wrong("it names no host, or no port that can be"))?;
     let port = port.unwrap_or(if is_encrypted { ENCRYPTED } else { PLAIN });
-    let certificates = (!raw.certificates.is_empty()).then(|| PathBuf::from(&raw.certificates));
+    let certificates = Some(read::<String>(layers, "mqtt.certificates")?).filter(|path| !path.is_empty()).map(PathBuf::from);
     if certificates.is_some() && !is_encrypted {
         return Err(layers.wrong("mqtt.certificates", "mqtt.broker is not reached by TLS"));
     }
-    Ok(OtherBroker { host, port, is_encrypted, login: login(layers, raw)?, certificates })
+    Ok(OtherBroker { host, port, is_encrypted, login: login(layers)?, certificates })
 }
 
-fn login(layers: &Layers, raw: &raw::Mqtt) -> Result<Option<Login>, SettingsError> {
-    match (raw.name.as_str(), raw.password.as_str()) {
-        ("", "") => Ok(None),
-        ("", _) => Err(layers.wrong("mqtt.name", "mqtt.password is set, and a password is of no use without a name")),
-        (name, password) => Ok(Some(Login { name: name.to_owned(), password: password.to_owned() })),
+fn login(layers: &Layers) -> Result<Option<Login>, SettingsError> {
+    let (name, password): (String, String) = (read(layers, "mqtt.name")?, read(layers, "mqtt.password")?);
+    match (name.is_empty(), password.is_empty()) {
+        (true, true) => Ok(None),
+        (true, false) => Err(layers.wrong("mqtt.name", "mqtt.password is set, and a password is of no use without a name")),
+        (false, _) => Ok(Some(Login { name, password })),
     }
 }
 
@@ -163,20 +164,21 @@ fn host_and_port(text: &str) -> Option<(String, Option<u16>)> {
 }
 
 /// A word, or several with slashes between, that can begin topics and stand in the names that Home Assistant gives.
-fn name(layers: &Layers, key: &str, written: &str, slashes: bool) -> Result<String, SettingsError> {
+fn name(layers: &Layers, key: &str, slashes: bool) -> Result<String, SettingsError> {
+    let written: String = read(layers, key)?;
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_';
     let mut words = written.split('/');
     let are_plain = words.all(|word| !word.is_empty() && word.bytes().all(is_plain));
     if written.len() > LONGEST || !are_plain || (!slashes && written.contains('/')) {
         return Err(layers.wrong(key, "no topic can be called so"));
     }
-    Ok(written.to_owned())
+    Ok(written)
 }
 
 /// The old topics must not lie among the new ones, nor the other way round.
-fn old_prefix(layers: &Layers, raw: &raw::Mqtt) -> Result<String, SettingsError> {
-    let old = name(layers, "mqtt.old_prefix", &raw.old_prefix, true)?;
-    let (ours, theirs) = (format!("{}/", raw.prefix), format!("{old}/"));
+fn old_prefix(layers: &Layers, prefix: &str) -> Result<String, SettingsError> {
+    let old = name(layers, "mqtt.old_prefix", true)?;
+    let (ours, theirs) = (format!("{prefix}/"), format!("{old}/"));
     if ours.starts_with(&theirs) || theirs.starts_with(&ours) {
         return Err(layers.wrong("mqtt.old_prefix", "these topics would lie among those of mqtt.prefix"));
     }

@@ -6,7 +6,7 @@ pub mod coap;
 pub mod http;
 pub mod listeners;
 pub mod mqtt;
-mod patience;
 pub mod room;
 mod seldom;
 mod vestibule;
+mod write_timeout;

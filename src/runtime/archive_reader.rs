@@ -9,7 +9,7 @@ use tokio::sync::Semaphore;
 use super::archive::{Archive, Unreadable};
 
 /// So many questions are put to the archive at once, each on a thread of its own: more than a disk answers faster, and far fewer
-/// than there are threads, which photos and the robot's diary need as well. The others wait,
+/// than there are threads, which photos and the robot's state file need as well. The others wait,
 const LOOKS: usize = 8;
 
 /// and nobody for longer than this, the reading itself included: a disk that takes longer hangs.

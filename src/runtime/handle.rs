@@ -49,7 +49,7 @@ pub struct Gone;
 pub type Given = Result<Answer, Gone>;
 
 /// A command for which there was no room in the queue.
-struct Waiting {
+struct QueuedCommand {
     commands: mpsc::Sender<Envelope>,
     envelope: Envelope,
 }
@@ -93,7 +93,7 @@ impl Handle {
         let waiting = self.queue(request, answer);
         let halter = self.halter.clone();
         async move {
-            if let Some(Waiting { commands, envelope }) = waiting {
+            if let Some(QueuedCommand { commands, envelope }) = waiting {
                 commands.send(envelope).await.map_err(|_| Gone)?;
             }
             let noted = async {
@@ -148,7 +148,7 @@ impl Handle {
 
     /// Queues a command if there is room for it; else gives it back, but for a stop, which is counted beside the queue: it is
     /// recorded although nobody may ask for its answer. When the loop has ended, the answer's channel says so.
-    fn queue(&self, request: Request, answer: oneshot::Sender<Answer>) -> Option<Waiting> {
+    fn queue(&self, request: Request, answer: oneshot::Sender<Answer>) -> Option<QueuedCommand> {
         let is_stop = request.command == Command::Stop;
         let beside = |request, answer| if is_stop { self.overflow.put_stop(request, answer) } else { Some((request, answer)) };
         let has_room = self.commands.capacity() > LEFT_BY_STOPS;
@@ -157,7 +157,7 @@ impl Handle {
             // Others may have filled it in this moment.
             Err(TrySendError::Full(Envelope::Command(request, answer))) => {
                 let (request, answer) = beside(request, answer)?;
-                Some(Waiting { commands: self.commands.clone(), envelope: Envelope::Command(request, answer) })
+                Some(QueuedCommand { commands: self.commands.clone(), envelope: Envelope::Command(request, answer) })
             }
             Ok(()) | Err(TrySendError::Full(Envelope::Refused(..)) | TrySendError::Closed(_)) => None,
         }

@@ -39,10 +39,10 @@ pub(super) struct Overflow {
     pub(super) refusals: Senders<(Issuer, String, Refused)>,
 }
 
-type Senders<T> = BTreeMap<Sender, Counted<T>>;
+type Senders<T> = BTreeMap<SenderKey, Counted<T>>;
 
 /// Name, address and door.
-type Sender = (Arc<str>, Arc<str>, Door);
+type SenderKey = (Arc<str>, Arc<str>, Door);
 
 /// What one sender has sent.
 #[derive(Debug)]
@@ -122,11 +122,11 @@ impl<T> Counted<T> {
     }
 }
 
-fn sender(issuer: &Issuer) -> Sender {
+fn sender(issuer: &Issuer) -> SenderKey {
     (Arc::clone(&issuer.who), Arc::clone(&issuer.from), issuer.door)
 }
 
-fn put<T>(senders: &mut Senders<T>, sender: Sender, one: T, answer: Option<oneshot::Sender<Answer>>) {
+fn put<T>(senders: &mut Senders<T>, sender: SenderKey, one: T, answer: Option<oneshot::Sender<Answer>>) {
     let is_told_apart = senders.len() < SENDERS || senders.contains_key(&sender);
     let sender = if is_told_apart { sender } else { (Arc::default(), Arc::default(), sender.2) };
     match senders.entry(sender) {

@@ -2,7 +2,7 @@
 //! the group as well where the folder is the group's. Opened only when they are plain files: a pipe in the place of one would
 //! keep whoever opens it waiting for ever, and a link that leads nowhere would look like a file that never was.
 
-use std::fs::{self, DirBuilder, File, Metadata, OpenOptions};
+use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -13,7 +13,9 @@ const DANGLING: &str = "it is a link that leads nowhere";
 pub(crate) fn check_plain(path: &Path) -> io::Result<()> {
     match fs::metadata(path) {
         Ok(there) if there.is_file() => Ok(()),
-        Ok(there) => Err(io::Error::other(other_than_a_file(&there))),
+        Ok(there) => {
+            Err(io::Error::other(if there.is_dir() { "it is a folder" } else { "it is no plain file, but a pipe or a device" }))
+        }
         Err(error) if error.kind() == io::ErrorKind::NotFound && is_link(path) => Err(io::Error::other(DANGLING)),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
         Err(error) => Err(error),
@@ -78,6 +80,13 @@ pub(crate) fn make_folder_within(path: &Path) -> io::Result<()> {
     share(path, &File::open(path)?)
 }
 
+/// Makes the names in a folder last.
+pub(crate) fn sync_folder(path: &Path) -> io::Result<()> {
+    let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+    // Elsewhere a folder cannot be opened as a file, and its names last by themselves.
+    if cfg!(unix) { File::open(path)?.sync_all() } else { Ok(()) }
+}
+
 /// Gives the group what the owner has, where the folder in which it stands is the group's to write to: what the mask of the
 /// process says is no matter then.
 #[cfg(unix)]
@@ -97,10 +106,6 @@ fn share(path: &Path, made: &File) -> io::Result<()> {
 #[expect(clippy::unnecessary_wraps, reason = "it has the shape of the one that shares")]
 fn share(_: &Path, _: &File) -> io::Result<()> {
     Ok(())
-}
-
-fn other_than_a_file(there: &Metadata) -> &'static str {
-    if there.is_dir() { "it is a folder" } else { "it is no plain file, but a pipe or a device" }
 }
 
 fn is_link(path: &Path) -> bool {

@@ -1,8 +1,7 @@
-//! The stores behind the ports `runtime::store::Store` and `runtime::archive::Archive`: in memory, and on disk; and
-//! what remembers a STOP beside it.
+//! The store behind the ports `runtime::store::Store` and `runtime::archive::Archive`, on disk or in memory; what remembers a STOP
+//! beside it; and how files of the data folder are made, opened and written, for all that keeps something there.
 
-mod belonging;
 pub(crate) mod files;
-pub mod memory;
+pub(crate) mod small_file;
 pub mod sqlite;
 pub mod stops;

@@ -9,15 +9,15 @@
 //! The file has its full size from the first start, so that a full disk has room for every later stop. Nothing is flushed: what is
 //! written is in the system's hands at once, and only a power cut may take the last seconds of it.
 
-use std::fs::File;
-use std::io::{self, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::Path;
 use std::time::Duration;
 
 use sha2::{Digest, Sha256};
 
 use crate::runtime::halt::Halter;
 use crate::storage::files;
+use crate::storage::small_file::SmallFile;
 use hallsweep_core::units::Epoch;
 
 /// The name of the file in the data folder.
@@ -41,14 +41,10 @@ const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 /// The file, and what stands in it.
 #[derive(Debug)]
 pub struct Stops {
-    path: PathBuf,
+    file: SmallFile,
     epoch: Epoch,
     /// The line that is written next.
     turn: usize,
-    /// The file, opened for writing; `None` before it could be, and after a writing that failed.
-    file: Option<File>,
-    /// Whether it was said already that it cannot be written.
-    is_failing: bool,
     /// Whether what stood there could not be understood.
     was_damaged: bool,
 }
@@ -66,16 +62,14 @@ impl Stops {
     /// there is none yet. Nothing is changed.
     #[must_use]
     pub fn unusable(dir: &Path) -> Option<String> {
-        let (path, unfinished) = (dir.join(FILE), dir.join(FILE).with_extension("new"));
+        let file = SmallFile::within(dir, FILE);
         let unusable = |path: &Path, error: &io::Error| {
             format!("{} cannot be used ({error}): move it away, then start hallsweep again", path.display())
         };
-        match files::read(&path, SIZE) {
-            Ok(_) => None,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                files::check_plain(&unfinished).err().map(|error| unusable(&unfinished, &error))
-            }
-            Err(error) => Some(unusable(&path, &error)),
+        match file.read(SIZE) {
+            Ok(Some(_)) => None,
+            Ok(None) => files::check_plain(&file.unfinished()).err().map(|error| unusable(&file.unfinished(), &error)),
+            Err(error) => Some(unusable(file.path(), &error)),
         }
     }
 
@@ -83,24 +77,23 @@ impl Stops {
     /// it is tried again with the next stop. One that cannot be understood is begun anew.
     #[must_use]
     pub fn open(dir: &Path) -> Stops {
-        let mut stops =
-            Stops { path: dir.join(FILE), epoch: Epoch(0), turn: 0, file: None, is_failing: false, was_damaged: false };
-        match files::read(&stops.path, SIZE) {
-            Ok(bytes) => match understood(&bytes) {
+        let mut stops = Stops { file: SmallFile::within(dir, FILE), epoch: Epoch(0), turn: 0, was_damaged: false };
+        match stops.file.read(SIZE) {
+            Ok(Some(bytes)) => match understood(&bytes) {
                 Some(Found { epoch, line }) => {
                     (stops.epoch, stops.turn) = (epoch, 1 - line);
                     return stops;
                 }
                 None => stops.was_damaged = true,
             },
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Ok(None) => {}
             Err(error) => {
-                tracing::warn!(file = %stops.path.display(), %error, "what this file remembers of STOP cannot be read");
+                tracing::warn!(file = %stops.file.path().display(), %error, "what this file remembers of STOP cannot be read");
                 return stops;
             }
         }
         let made = stops.make();
-        stops.hear(made);
+        stops.say(&made);
         stops
     }
 
@@ -113,57 +106,40 @@ impl Stops {
     /// Where the file is, if what stood there could not be understood: nobody knows then whether the last stop is on record.
     #[must_use]
     pub fn damaged(&self) -> Option<&Path> {
-        self.was_damaged.then_some(&self.path)
+        self.was_damaged.then_some(self.file.path())
     }
 
     /// Writes an epoch down, unless a later one stands there already. When that fails the log says so, and it stays to be done.
     fn keep(&mut self, epoch: Epoch) {
         if epoch > self.epoch {
             let kept = self.write(epoch);
-            self.hear(kept);
+            self.say(&kept);
         }
     }
 
     fn write(&mut self, epoch: Epoch) -> io::Result<()> {
-        let mut file = match self.file.take() {
-            Some(file) => file,
-            None => match files::open(&self.path, File::options().write(true)) {
-                Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                    self.make()?;
-                    files::open(&self.path, File::options().write(true))?
-                }
-                opened => opened?,
-            },
-        };
-        file.seek(SeekFrom::Start((self.turn * LINE) as u64))?;
-        file.write_all(line(epoch).as_bytes())?;
-        (self.epoch, self.turn, self.file) = (epoch, 1 - self.turn, Some(file));
-        Ok(())
-    }
-
-    /// Makes the file whole or not at all. It is made once a folder, so here the disk is waited for.
-    fn make(&mut self) -> io::Result<()> {
-        let unfinished = self.path.with_extension("new");
-        let mut file = files::open(&unfinished, File::options().write(true).create(true).truncate(true))?;
-        file.write_all(line(self.epoch).repeat(2).as_bytes())?;
-        file.sync_all()?;
-        std::fs::rename(&unfinished, &self.path)?;
-        (self.turn, self.file) = (0, Some(file));
-        Ok(())
-    }
-
-    fn hear(&mut self, outcome: io::Result<()>) {
-        match outcome {
-            Ok(()) if std::mem::take(&mut self.is_failing) => {
-                tracing::info!(file = %self.path.display(), "STOP is remembered again")
+        let line = line(epoch);
+        match self.file.write_at(place(self.turn), line.as_bytes()) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                self.make()?;
+                self.file.write_at(place(self.turn), line.as_bytes())?;
             }
-            Ok(()) => {}
-            Err(error) if !std::mem::replace(&mut self.is_failing, true) => tracing::warn!(
-                file = %self.path.display(), %error,
-                "a STOP cannot be written down beside the journal: make room, or the folder writable; it is tried again"
-            ),
-            Err(_) => {}
+            written => written?,
         }
+        (self.epoch, self.turn) = (epoch, 1 - self.turn);
+        Ok(())
+    }
+
+    fn make(&mut self) -> io::Result<()> {
+        files::check_plain(&self.file.unfinished())?;
+        self.file.make(line(self.epoch).repeat(2).as_bytes())?;
+        self.turn = 0;
+        Ok(())
+    }
+
+    fn say(&mut self, outcome: &io::Result<()>) {
+        let failing = "a STOP cannot be written down beside the journal: make room, or the folder writable; it is tried again";
+        self.file.say(outcome, failing, "STOP is remembered again");
     }
 }
 
@@ -207,6 +183,11 @@ fn epoch_of(bytes: &[u8]) -> Option<Epoch> {
     let digits = std::str::from_utf8(bytes).ok()?.strip_prefix(BEGINS)?.get(..20)?;
     let epoch = digits.parse().ok().filter(|epoch| *epoch <= GREATEST).map(Epoch)?;
     (line(epoch).as_bytes() == bytes).then_some(epoch)
+}
+
+/// Where a line stands in the file.
+const fn place(line: usize) -> u64 {
+    (line * LINE) as u64
 }
 
 fn line(Epoch(epoch): Epoch) -> String {

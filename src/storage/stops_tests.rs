@@ -1,5 +1,6 @@
 //! What the file that remembers STOP survives: kills, damage, any bytes at all. Kept apart from `stops` because there is much of it.
 
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use proptest::prelude::*;

@@ -28,7 +28,7 @@ pub(crate) struct Coap {
 impl Coap {
     /// A door of this house, at which old clients may drive or not.
     pub(crate) fn new(house: &House, manual_driving: bool) -> Coap {
-        let archive = Reader::new(Arc::new(house.memory.clone()));
+        let archive = Reader::new(house.memory.archive());
         Coap { resources: Resources::new(house.handle.clone(), archive, manual_driving) }
     }
 

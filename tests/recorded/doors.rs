@@ -15,12 +15,11 @@ pub(crate) use hallsweep::doors::mqtt::commands::{ANSWERS, Answer, CommandSender
 pub(crate) use hallsweep::doors::mqtt::publication::Publication;
 pub(crate) use hallsweep::doors::mqtt::qak::outgoing as qak;
 pub(crate) use hallsweep::doors::mqtt::topics::Topics;
-pub(crate) use hallsweep::runtime::archive::Archive;
 pub(crate) use hallsweep::runtime::archive_reader::Reader;
 pub(crate) use hallsweep::runtime::halt::Halter;
 pub(crate) use hallsweep::runtime::handle::{COMMANDS, Envelope, Handle};
 pub(crate) use hallsweep::runtime::store::Store;
-pub(crate) use hallsweep::storage::memory::Memory;
+pub(crate) use hallsweep::storage::sqlite::MemoryStore;
 pub(crate) use hallsweep_core::command::{
     CODES, Command, CommandId, LuggageRef, Refusal, RefusalKind, Refused, TemperatureReport, Verdict,
 };

@@ -7,8 +7,8 @@ use std::time::Duration;
 use tokio::sync::{mpsc, watch};
 
 use super::doors::{
-    COMMANDS, Command, Envelope, Event, Hall, Halter, Handle, Memory, Page, Refused, Run, Seq, Settings, SimSettings, Snapshot,
-    Store, Strategy,
+    COMMANDS, Command, Envelope, Event, Hall, Halter, Handle, MemoryStore, Page, Refused, Run, Seq, Settings, SimSettings,
+    Snapshot, Store, Strategy,
 };
 
 /// The name of the sensor that some missions have.
@@ -19,7 +19,7 @@ pub(crate) const SENSOR: &str = "roof";
 pub(crate) struct House {
     pub(crate) hall: Arc<Hall>,
     pub(crate) handle: Handle,
-    pub(crate) memory: Memory,
+    pub(crate) memory: MemoryStore,
     inside: Arc<Mutex<Inside>>,
 }
 
@@ -28,7 +28,7 @@ pub(crate) struct Inside {
     pub(crate) run: Run,
     /// With what every command is refused.
     pub(crate) refuse: Option<Refused>,
-    memory: Memory,
+    memory: MemoryStore,
     kept: usize,
     publish: watch::Sender<Arc<Snapshot>>,
 }
@@ -46,7 +46,7 @@ impl House {
         let (commands, envelopes) = mpsc::channel(COMMANDS);
         let publish = watch::Sender::new(Arc::clone(&first));
         let handle = Handle::new(commands, publish.subscribe(), Halter::new(first.mission.epoch));
-        let memory = Memory::new();
+        let memory = MemoryStore::new();
         let mut inside = Inside { run, refuse: None, memory: memory.clone(), kept: 0, publish };
         inside.publish();
         let inside = Arc::new(Mutex::new(inside));

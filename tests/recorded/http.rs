@@ -2,7 +2,6 @@
 //! session's cookie, and the time of the machine's clock, are masked.
 
 use std::net::Ipv4Addr;
-use std::sync::Arc;
 
 use axum::Router;
 use axum::body::{Body, to_bytes};
@@ -49,7 +48,7 @@ pub(crate) struct Answered {
 impl Http {
     /// A door of this house.
     pub(crate) fn new(house: &House, access: Access) -> Http {
-        let archive = Reader::new(Arc::new(house.memory.clone()));
+        let archive = Reader::new(house.memory.archive());
         let door = Door::new(house.handle.clone(), archive, "airport", access).with_cells_of(0.5);
         Http { router: router(&door, Hosts::new(false, &[])) }
     }

@@ -5,8 +5,8 @@ use tokio::sync::mpsc;
 
 use super::book::{Book, readable};
 use super::doors::{
-    ANSWERS, Access, Answer, Archive, Caller, ChangeFeed, CommandSender, Commands, IncomingMessage, Keyring, Publication,
-    Snapshot, Taken, Topics,
+    ANSWERS, Access, Answer, Caller, ChangeFeed, CommandSender, Commands, IncomingMessage, Keyring, Publication, Snapshot, Taken,
+    Topics,
 };
 use super::house::House;
 
@@ -38,7 +38,7 @@ impl Mqtt {
         self.feed.handle_state(std::sync::Arc::clone(state));
         self.plain_feed.handle_state(std::sync::Arc::clone(state));
         while let Some(picture) = self.feed.poll_photo() {
-            if let Ok(Some(photo)) = house.memory.photo(picture.luggage) {
+            if let Ok(Some(photo)) = house.memory.archive().photo(picture.luggage) {
                 let goes_out = self.feed.handle_photo(picture, photo);
                 book.write(
                     "mqtt",

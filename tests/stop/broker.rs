@@ -1,7 +1,6 @@
 //! The MQTT door of the house: our own broker, and our session that publishes the answers.
 
 use std::net::SocketAddr;
-use std::sync::Arc;
 
 use tokio::net::TcpListener;
 use tokio::sync::{mpsc, watch};
@@ -13,7 +12,7 @@ use hallsweep::doors::mqtt::topics::Topics;
 use hallsweep::doors::mqtt::{Clients, Embedded, OWN_SESSION, Ways};
 use hallsweep::runtime::archive_reader::Reader;
 use hallsweep::runtime::handle::Handle;
-use hallsweep::storage::memory::Memory;
+use hallsweep::storage::sqlite::MemoryStore;
 use mqtt_gate::Broker;
 
 /// Opens the door on a free port of this machine; it ends when `closed` does. Must be called inside a runtime.
@@ -42,7 +41,7 @@ pub(crate) async fn open(handle: Handle, closed: watch::Receiver<bool>) -> Socke
         home_assistant: false,
         states: handle.watch(),
         answers,
-        archive: Reader::new(Arc::new(Memory::new())),
+        archive: Reader::new(MemoryStore::new().archive()),
         health,
         seed: 1,
         times: Times::default(),

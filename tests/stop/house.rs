@@ -23,7 +23,7 @@ use hallsweep::runtime::halt::{Halter, Halts};
 use hallsweep::runtime::link::{RobotSide, Stamped, link};
 use hallsweep::runtime::store::Store;
 use hallsweep::runtime::task::{Course, Task};
-use hallsweep::storage::memory::Memory;
+use hallsweep::storage::sqlite::MemoryStore;
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Capabilities, Parts, RobotEvent, RobotId};
 use hallsweep_core::settings::Settings;
@@ -71,7 +71,7 @@ impl House {
         let address = listener.local_addr().expect("a bound socket has an address");
         let (closing, closed) = watch::channel(false);
         let (end, ended) = oneshot::channel();
-        let reader = Reader::new(Arc::new(Memory::new()));
+        let reader = Reader::new(MemoryStore::new().archive());
         let socket = std::net::UdpSocket::bind("127.0.0.1:0").expect("this machine has a free port");
         let coap = socket.local_addr().expect("a bound socket has an address");
         let socket = Socket::new(socket).expect("it can be waited for");

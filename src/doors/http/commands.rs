@@ -3,7 +3,7 @@
 
 use axum::response::{IntoResponse, Response};
 
-use super::by::By;
+use super::command_sender::CommandSender;
 use super::problem::Problem;
 use super::reading::{Json, Number, OptionalJson};
 use crate::api::answer::AnswerJson;
@@ -14,74 +14,74 @@ use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
 type Answer = Result<Response, Problem>;
 
 /// `POST commands/start`
-pub(super) async fn start(by: By, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
-    give(&by, Command::Start, body.epoch()).await
+pub(super) async fn start(sender: CommandSender, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
+    give(&sender, Command::Start, body.epoch()).await
 }
 
 /// `POST commands/stop`
-pub(super) async fn stop(by: By) -> Answer {
-    give(&by, Command::Stop, None).await
+pub(super) async fn stop(sender: CommandSender) -> Answer {
+    give(&sender, Command::Stop, None).await
 }
 
 /// `POST commands/backHome`
-pub(super) async fn back_home(by: By, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
-    give(&by, Command::BackHome, body.epoch()).await
+pub(super) async fn back_home(sender: CommandSender, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
+    give(&sender, Command::BackHome, body.epoch()).await
 }
 
 /// `POST commands/retrieve`
-pub(super) async fn retrieve(by: By, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
-    give(&by, Command::Retrieve, body.epoch()).await
+pub(super) async fn retrieve(sender: CommandSender, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
+    give(&sender, Command::Retrieve, body.epoch()).await
 }
 
 /// `POST commands/reset`
-pub(super) async fn reset(by: By, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
-    give(&by, Command::Reset, body.epoch()).await
+pub(super) async fn reset(sender: CommandSender, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
+    give(&sender, Command::Reset, body.epoch()).await
 }
 
 /// `POST commands/move`. When it was heard to be a STOP nothing else of it counts.
-pub(super) async fn make_move(by: By, body: Result<Json<MoveBody>, Problem>) -> Answer {
-    if by.has_pressed_stop() {
-        return give(&by, Command::Stop, None).await;
+pub(super) async fn make_move(sender: CommandSender, body: Result<Json<MoveBody>, Problem>) -> Answer {
+    if sender.has_pressed_stop() {
+        return give(&sender, Command::Stop, None).await;
     }
     let (command, epoch) = body?.0.command()?;
-    give(&by, command, epoch).await
+    give(&sender, command, epoch).await
 }
 
 /// `POST commands/goto`
-pub(super) async fn goto(by: By, Json(body): Json<GotoBody>) -> Answer {
+pub(super) async fn goto(sender: CommandSender, Json(body): Json<GotoBody>) -> Answer {
     let (command, epoch) = body.command()?;
-    give(&by, command, epoch).await
+    give(&sender, command, epoch).await
 }
 
 /// `POST luggage/{id}/verdict`
-pub(super) async fn verdict(by: By, Number(id): Number, Json(body): Json<VerdictBody>) -> Answer {
+pub(super) async fn verdict(sender: CommandSender, Number(id): Number, Json(body): Json<VerdictBody>) -> Answer {
     let luggage = LuggageRef::Id(LuggageId(id));
-    give(&by, Command::Verdict { luggage, verdict: body.verdict()? }, None).await
+    give(&sender, Command::Verdict { luggage, verdict: body.verdict()? }, None).await
 }
 
 /// `POST luggage/{id}/photo`
-pub(super) async fn retake(by: By, Number(id): Number, _: OptionalJson<EpochBody>) -> Answer {
-    give(&by, Command::RetakePhoto(LuggageId(id)), None).await
+pub(super) async fn retake(sender: CommandSender, Number(id): Number, _: OptionalJson<EpochBody>) -> Answer {
+    give(&sender, Command::RetakePhoto(LuggageId(id)), None).await
 }
 
 /// `PUT strategy`
-pub(super) async fn strategy(by: By, Json(body): Json<StrategyBody>) -> Answer {
-    give(&by, Command::ChooseStrategy(body.strategy()?), None).await
+pub(super) async fn strategy(sender: CommandSender, Json(body): Json<StrategyBody>) -> Answer {
+    give(&sender, Command::ChooseStrategy(body.strategy()?), None).await
 }
 
 /// `POST alarms/{id}/acknowledge`
-pub(super) async fn acknowledge(by: By, Number(id): Number, _: OptionalJson<EpochBody>) -> Answer {
-    give(&by, Command::Acknowledge(AlarmId(id)), None).await
+pub(super) async fn acknowledge(sender: CommandSender, Number(id): Number, _: OptionalJson<EpochBody>) -> Answer {
+    give(&sender, Command::Acknowledge(AlarmId(id)), None).await
 }
 
 /// `PUT temperature`
-pub(super) async fn temperature(by: By, Json(body): Json<TemperatureBody>) -> Answer {
-    give(&by, Command::Temperature(body.report()?), None).await
+pub(super) async fn temperature(sender: CommandSender, Json(body): Json<TemperatureBody>) -> Answer {
+    give(&sender, Command::Temperature(body.report()?), None).await
 }
 
 /// Gives a command by the interface and answers in JSON; the old console's routes end here too.
-pub(super) async fn give(by: &By, command: Command, epoch: Option<Epoch>) -> Answer {
-    let done = by.give(command::Door::Http, command, epoch).await?;
+pub(super) async fn give(sender: &CommandSender, command: Command, epoch: Option<Epoch>) -> Answer {
+    let done = sender.give(command::Door::Http, command, epoch).await?;
     Ok(axum::Json(AnswerJson::new(done.accepted, &done.snapshot)).into_response())
 }
 

@@ -46,7 +46,7 @@ pub(super) async fn list(State(door): State<Door>, query: Query, headers: Header
 
 /// `GET missions/{id}`, with luggage and map.
 pub(super) async fn mission(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
-    let Kept { record, standing, damage } = kept(&door, id).await?;
+    let RecordedMission { record, standing, damage } = recorded(&door, id).await?;
     Ok(by_content(&headers, JSON, json(&MissionWholeJson::new((&record).into(), standing.as_ref(), damage))))
 }
 
@@ -71,7 +71,7 @@ pub(super) async fn map(State(door): State<Door>, Number(id): Number, headers: H
     let Some(format) = preferred(&headers, &[JSON, "text/plain"]) else {
         return Err(Problem::not_acceptable("the map is there as application/json and as text/plain".to_owned()));
     };
-    let standing = kept(&door, id).await?.standing;
+    let standing = recorded(&door, id).await?.standing;
     let standing = standing.ok_or_else(|| Problem::not_found(format!("the map of mission {id} is not kept")))?;
     let mut response = match format == JSON {
         true => by_content(&headers, FORMATS[0], json(&MapJson::from(Plan::from(&standing)))),
@@ -105,8 +105,7 @@ pub(super) async fn newest(
     Ok((records, next))
 }
 
-/// A mission as it is kept.
-pub(super) struct Kept {
+pub(super) struct RecordedMission {
     pub(super) record: MissionRecord,
     /// What stood when it was put away, or stands now.
     pub(super) standing: Option<PersistentState>,
@@ -115,12 +114,12 @@ pub(super) struct Kept {
 }
 
 /// A mission, and what stood when it was put away or stands now.
-pub(super) async fn kept(door: &Door, id: u64) -> Result<Kept, Problem> {
+pub(super) async fn recorded(door: &Door, id: u64) -> Result<RecordedMission, Problem> {
     let mission = MissionId(id);
     let found = door.archive.look_up(move |archive| Ok((archive.mission(mission)?, archive.standing(mission)?))).await?;
     let (record, sound) = found;
     let (standing, damage) = sound.map_or((None, Vec::new()), |Sound { of, damage }| (Some(of), damage));
-    Ok(Kept { record: record.ok_or_else(|| unknown(id))?, standing, damage })
+    Ok(RecordedMission { record: record.ok_or_else(|| unknown(id))?, standing, damage })
 }
 
 /// What happened in a mission after an entry, oldest first, and after which entry the next page begins.

@@ -3,7 +3,7 @@
 
 mod accept;
 mod assets;
-mod by;
+mod command_sender;
 mod commands;
 mod console;
 mod etag;
@@ -39,7 +39,7 @@ use tokio::sync::watch;
 
 pub use guard::Hosts;
 use lines::Lines;
-pub use mqtt::{Carried, Hall, Visitor};
+pub use mqtt::{Carried, Hall, IncomingConnection};
 pub use serve::{Front, serve};
 use streams::Streams;
 pub use tls::{Tls, TlsError};

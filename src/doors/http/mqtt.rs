@@ -50,7 +50,7 @@ const LEAVING: usize = 64;
 
 /// A web client that wants to speak MQTT.
 #[derive(Debug)]
-pub struct Visitor {
+pub struct IncomingConnection {
     /// What it says, and what it is told.
     pub stream: Carried,
     /// Where it comes from.
@@ -91,14 +91,14 @@ impl AsyncWrite for Carried {
 /// Where web clients are brought.
 #[derive(Clone)]
 pub struct Hall {
-    receive: Arc<dyn Fn(Visitor) + Send + Sync>,
+    receive: Arc<dyn Fn(IncomingConnection) + Send + Sync>,
     /// Of those whom the broker has let go of.
     leaving: Vestibule,
 }
 
 impl Hall {
     /// Brings them there.
-    pub fn new(receive: impl Fn(Visitor) + Send + Sync + 'static) -> Hall {
+    pub fn new(receive: impl Fn(IncomingConnection) + Send + Sync + 'static) -> Hall {
         Hall { receive: Arc::new(receive), leaving: Vestibule::new(LEAVING) }
     }
 }
@@ -143,7 +143,7 @@ pub(super) async fn mqtt(
         .on_upgrade(async move |socket| {
             let (ours, stream) = tokio::io::duplex(BETWEEN);
             let (held, let_go) = oneshot::channel();
-            receive(Visitor { stream: Carried { stream, _held: held }, from: peer.address, caller, access });
+            receive(IncomingConnection { stream: Carried { stream, _held: held }, from: peer.address, caller, access });
             carry((socket, peer.address), ours, (let_go, leaving)).await;
         })
         .into_response())

@@ -5,23 +5,23 @@ use axum::http::{HeaderMap, Uri};
 use axum::response::{IntoResponse, Redirect, Response};
 
 use super::accept::preferred;
-use super::by::By;
+use super::command_sender::CommandSender;
 use super::problem::Problem;
 use super::{commands, console};
 use crate::api::command::move_word;
 use hallsweep_core::command::{Command, LuggageRef, TemperatureReport, Verdict};
 
 /// `POST w`, `POST startappl` and the others: the path is the command.
-pub(super) async fn give(by: By, uri: Uri, headers: HeaderMap) -> Response {
+pub(super) async fn give(sender: CommandSender, uri: Uri, headers: HeaderMap) -> Response {
     let command = command(uri.path().trim_start_matches('/'));
     let given = match command {
-        Ok(command) => commands::give(&by, command, None).await,
+        Ok(command) => commands::give(&sender, command, None).await,
         Err(problem) => Err(problem),
     };
     let wants_page = preferred(&headers, &["application/json", "text/html"]) == Some("text/html");
     match given {
         Ok(_) if wants_page => Redirect::to("/").into_response(),
-        Err(problem) if wants_page => console::refused_page(&by.door, &by.caller, "old", &problem).await,
+        Err(problem) if wants_page => console::refused_page(&sender.door, &sender.caller, "old", &problem).await,
         Ok(answer) => answer,
         Err(problem) => problem.into_response(),
     }

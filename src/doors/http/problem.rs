@@ -147,7 +147,6 @@ impl Problem {
         serde_json::to_string(&self.body).expect("a problem is strings and numbers, which JSON can hold")
     }
 
-    /// The status.
     pub(super) const fn status(&self) -> StatusCode {
         self.status
     }

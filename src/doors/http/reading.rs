@@ -23,7 +23,6 @@ const BODY_BEGIN: Duration = Duration::from_secs(2);
 /// and then so much of it must come in each second, in bytes: the largest is here or refused within six.
 const BODY_RATE: usize = 4 * 1024;
 
-/// A JSON body.
 pub(super) struct Json<T>(pub(super) T);
 
 /// A JSON body that may be absent; an empty one is the default.

@@ -12,7 +12,7 @@ use tokio::sync::oneshot;
 use tokio::task::JoinSet;
 use tokio::task::coop::unconstrained;
 
-use super::hearing::{Line, converse};
+use super::hearing::{ServerContext, converse};
 use super::places::{PLACES, Places};
 use super::tls::Tls;
 use super::{Door, Hosts, router};
@@ -69,7 +69,7 @@ async fn serve_so_many(
     }
     let door = door.at(listeners.port()).with_streams(front.room);
     let hosts = Hosts::new(listeners.are_local(), &front.hosts);
-    let line = Arc::new(Line {
+    let context = Arc::new(ServerContext {
         router: router(&door, hosts.clone()),
         hosts,
         tls: front.tls,
@@ -83,7 +83,7 @@ async fn serve_so_many(
     let (end, ended) = oneshot::channel();
     let thread = listeners.thread().clone();
     let mut listening = JoinSet::new();
-    listening.spawn_on(listen(listeners, line, ended), &thread);
+    listening.spawn_on(listen(listeners, context, ended), &thread);
     shutdown.await;
     door.close();
     // When it is gone already, so are all connections.
@@ -92,7 +92,7 @@ async fn serve_so_many(
 }
 
 /// Takes connections in until the end, and then waits shortly for those that are open.
-async fn listen(mut listeners: Listeners, line: Arc<Line>, mut ended: oneshot::Receiver<()>) {
+async fn listen(mut listeners: Listeners, context: Arc<ServerContext>, mut ended: oneshot::Receiver<()>) {
     let mut connections = JoinSet::new();
     let mut newcomers = 0;
     loop {
@@ -102,11 +102,11 @@ async fn listen(mut listeners: Listeners, line: Arc<Line>, mut ended: oneshot::R
             Some(_) = connections.join_next() => {}
             accepted = listeners.accept() => match accepted {
                 Ok(newcomer) => {
-                    begin(&mut connections, converse(newcomer, Arc::clone(&line))).await;
+                    begin(&mut connections, converse(newcomer, Arc::clone(&context))).await;
                     newcomers += 1;
                 }
                 Err(error) => {
-                    let relieved = line.relieve();
+                    let relieved = context.relieve();
                     tracing::warn!(%error, relieved, "a connection could not be accepted");
                     tokio::time::sleep(if relieved > 0 { RELIEF_PAUSE } else { ACCEPT_PAUSE }).await;
                 }

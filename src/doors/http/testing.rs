@@ -116,18 +116,15 @@ impl House {
         within("the head of the answer", router.call(request)).await.unwrap()
     }
 
-    /// `GET`.
     pub(super) async fn get(&self, path: &str) -> Response<Body> {
         self.send("GET", path, &[], "").await
     }
 
-    /// Sends JSON.
     pub(super) async fn json(&self, method: &str, path: &str, body: &str) -> (StatusCode, Value) {
         let headers: &[(&str, &str)] = if body.is_empty() { &[] } else { &[("content-type", "application/json")] };
         read(self.send(method, path, headers, body).await).await
     }
 
-    /// Posts a form.
     pub(super) async fn form(&self, path: &str, body: &str) -> Response<Body> {
         self.send("POST", path, &[("content-type", "application/x-www-form-urlencoded")], body).await
     }
@@ -150,7 +147,6 @@ pub(super) async fn read(response: Response<Body>) -> (StatusCode, Value) {
     (status, serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error} in {text:?}")))
 }
 
-/// The text of an answer.
 pub(super) async fn text(response: Response<Body>) -> String {
     let bytes = within("the end of the answer", to_bytes(response.into_body(), usize::MAX)).await.unwrap();
     String::from_utf8(bytes.to_vec()).unwrap()

@@ -19,7 +19,7 @@ use super::session::Health;
 use super::suspicion::{Suspicion, is_greedy, memory_in_use};
 use crate::access::Access;
 use crate::doors::listeners::Listeners;
-use crate::doors::patience::Patient;
+use crate::doors::write_timeout::WriteTimeoutStream;
 use crate::runtime::clock::Clock;
 
 /// How often it is looked whether messages come out of the router, and whether it was shown too much or has taken too much memory: in
@@ -260,7 +260,7 @@ fn incoming(stream: TcpStream, address: SocketAddr, access: &Access) -> Incoming
     }
     let origin = Origin { from: address.ip(), caller: None, access: access.clone() };
     let (reader, writer) = stream.into_split();
-    IncomingConnection { reader: Box::new(reader), writer: Box::new(Patient::new(writer)), origin }
+    IncomingConnection { reader: Box::new(reader), writer: Box::new(WriteTimeoutStream::new(writer)), origin }
 }
 
 /// Waits until our own session says how the broker is. It says so again while it is ill.

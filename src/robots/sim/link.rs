@@ -1,5 +1,5 @@
 //! Joins the simulated robot to the loop: channels, timers, the speed of time, and the threads on which photos are drawn and the
-//! diary is written.
+//! state file is written.
 //! What the robot does is decided by `simulator`; this is the only file of the simulator that waits.
 
 use std::time::Duration;
@@ -8,7 +8,7 @@ use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
-use super::diary::Diary;
+use super::state_file::SimStateFile;
 use crate::runtime::clock::Clock;
 use crate::runtime::link::{RobotSide, Stamped};
 use hallsweep_core::effect::Order;
@@ -24,12 +24,12 @@ const DEVELOPING: Duration = Duration::from_secs(3);
 /// Timers are not set further ahead than this; then it is looked again.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
-/// So long after the diary could not be written it is tried again, when nothing new has happened before.
+/// So long after the state file could not be written it is tried again, when nothing new has happened before.
 const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
-/// Runs a simulated robot until the loop's end of its channels is gone. What it must not forget goes into the diary, when there
+/// Runs a simulated robot until the loop's end of its channels is gone. What it must not forget goes into the state file, when there
 /// is one, before anybody is told of it.
-pub async fn run(sim: Sim, side: RobotSide, clock: Clock, speed: Speed, diary: Option<Diary>) {
+pub async fn run(sim: Sim, side: RobotSide, clock: Clock, speed: Speed, state_file: Option<SimStateFile>) {
     let began = clock.now().since_start;
     let link = Link {
         sim,
@@ -41,7 +41,7 @@ pub async fn run(sim: Sim, side: RobotSide, clock: Clock, speed: Speed, diary: O
         report: None,
         developing: None,
         obeyed: 0,
-        diary,
+        state_file,
         writing: None,
         write_again: None,
     };
@@ -63,11 +63,11 @@ struct Link {
     developing: Option<(OrderId, JoinHandle<Photo>)>,
     /// The halts of which the last order that was begun knew.
     obeyed: u64,
-    /// The diary, while it is not being written.
-    diary: Option<Diary>,
-    /// The diary being written: on a thread of its own, so that a disk that hangs delays no halt. Until it is done nothing else
+    /// The state file, while it is not being written.
+    state_file: Option<SimStateFile>,
+    /// The state file being written: on a thread of its own, so that a disk that hangs delays no halt. Until it is done nothing else
     /// goes on.
-    writing: Option<JoinHandle<Diary>>,
+    writing: Option<JoinHandle<SimStateFile>>,
     /// When what could not be written is tried again, by the real clock.
     write_again: Option<Duration>,
 }
@@ -84,7 +84,7 @@ impl Link {
                 biased;
                 halts = self.side.halts.raised() => self.halt(halts.count),
                 sent = hand_over(&self.side.reports, &mut self.report), if self.report.is_some() => if !sent { return },
-                diary = written(&mut self.writing) => self.written(diary),
+                state_file = written(&mut self.writing) => self.written(state_file),
                 Ok(()) = self.side.led.changed() => self.led(),
                 given = self.side.orders.recv(), if free => match given {
                     Some(stamped) => self.order(stamped),
@@ -114,22 +114,22 @@ impl Link {
 
     /// Begins to write down what has changed, or what is still owed when its time has come.
     fn write(&mut self) {
-        let Some(mut diary) = self.diary.take() else { return };
+        let Some(mut state_file) = self.state_file.take() else { return };
         let again = self.write_again.is_some_and(|at| at <= self.clock.now().since_start);
-        let Some(memory) = self.sim.poll_memory().or_else(|| diary.owed().filter(|_| again)) else {
-            self.diary = Some(diary);
+        let Some(memory) = self.sim.poll_memory().or_else(|| state_file.owed().filter(|_| again)) else {
+            self.state_file = Some(state_file);
             return;
         };
         self.writing = Some(tokio::task::spawn_blocking(move || {
-            diary.keep(memory);
-            diary
+            state_file.keep(memory);
+            state_file
         }));
     }
 
-    fn written(&mut self, diary: Option<Diary>) {
-        let owes = diary.as_ref().is_some_and(|diary| diary.owed().is_some());
+    fn written(&mut self, state_file: Option<SimStateFile>) {
+        let owes = state_file.as_ref().is_some_and(|state_file| state_file.owed().is_some());
         self.write_again = owes.then(|| self.clock.now().since_start + WRITTEN_AGAIN);
-        self.diary = diary;
+        self.state_file = state_file;
     }
 
     /// Takes the next report, unless one is on its way already, or what it follows from is not written down yet.
@@ -199,12 +199,12 @@ async fn hand_over(reports: &mpsc::Sender<RobotEvent>, report: &mut Option<Robot
     true
 }
 
-/// Waits for the diary being written; for ever when it is not.
-async fn written(writing: &mut Option<JoinHandle<Diary>>) -> Option<Diary> {
+/// Waits for the state file being written; for ever when it is not.
+async fn written(writing: &mut Option<JoinHandle<SimStateFile>>) -> Option<SimStateFile> {
     let Some(under_way) = writing else { return std::future::pending().await };
-    let diary = under_way.await.ok();
+    let state_file = under_way.await.ok();
     *writing = None;
-    diary
+    state_file
 }
 
 /// Waits for the photo being drawn; for ever when there is none.
@@ -220,7 +220,7 @@ mod tests {
     use std::path::Path;
     use std::sync::Arc;
 
-    use super::super::diary::Folder;
+    use super::super::state_file::Folder;
     use super::*;
     use crate::runtime::halt::Halter;
     use crate::runtime::link::{REPORTS, RobotLink, link};
@@ -245,10 +245,10 @@ mod tests {
             Test::with(sim, speed, None).await.0
         }
 
-        async fn with(sim: Sim, speed: Speed, diary: Option<Diary>) -> (Test, Whereabouts) {
+        async fn with(sim: Sim, speed: Speed, state_file: Option<SimStateFile>) -> (Test, Whereabouts) {
             let halter = Halter::new(Epoch(0));
             let (mut link, side) = link(halter.watch());
-            let task = tokio::spawn(run(sim, side, Clock::default(), speed, diary));
+            let task = tokio::spawn(run(sim, side, Clock::default(), speed, state_file));
             let Some(RobotEvent::Stands(whereabouts)) = within("where it is", link.reports.recv()).await else {
                 panic!("first it says where it is")
             };
@@ -357,21 +357,21 @@ mod tests {
         Arc::new(Hall::from_rows("test", &["S", "."]).unwrap())
     }
 
-    /// Begins with what the diary in this folder remembers.
+    /// Begins with what the state file in this folder remembers.
     async fn begin_in(folder: &Path, speed: Speed) -> (Test, Whereabouts) {
-        let (diary, memory) = Diary::open(folder, &hall()).unwrap();
+        let (state_file, memory) = SimStateFile::open(folder, &hall()).unwrap();
         let settings = SimSettings::new(1, Camera::Stub);
         let sim = match memory {
             Some(memory) => Sim::remembering(hall(), settings, memory),
             None => Sim::new(hall(), settings),
         };
-        Test::with(sim, speed, Some(diary)).await
+        Test::with(sim, speed, Some(state_file)).await
     }
 
     /// Looks into the folder until what is remembered there is as expected.
     async fn until_remembered(folder: &Path, expect: impl Fn(SimMemory) -> bool) {
         let seen = async {
-            while !Diary::open(folder, &hall()).unwrap().1.is_some_and(&expect) {
+            while !SimStateFile::open(folder, &hall()).unwrap().1.is_some_and(&expect) {
                 tokio::time::sleep(Duration::from_millis(1)).await;
             }
         };

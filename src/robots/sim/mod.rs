@@ -1,8 +1,8 @@
-//! The simulated robot: `hallsweep_sim` says what it does; here are the link that joins it to the loop, and the diary by which it is
+//! The simulated robot: `hallsweep_sim` says what it does; here are the link that joins it to the loop, and the state file by which it is
 //! as it was left.
 
-mod diary;
 mod link;
+mod state_file;
 
-pub use diary::{Diary, DiaryError};
 pub use link::run;
+pub use state_file::{SimStateFile, StateFileError};

@@ -1,16 +1,18 @@
 //! What the doors fetch: photos, luggage, missions that are over, their entries. Each question has a connection of its own, so
 //! that none waits for another, for the writer, or for a disk that cannot be written.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
 
 use super::connect::Reader;
-use super::fault::{Fault, count, whole};
+use super::fault::{Fault, Then, count, whole};
 use super::folder::Folder;
-use super::reading::unreadable;
+use super::memory::{self, MemoryJournal};
+use super::photos::Pictures;
 use super::rows::{self, Which};
-use super::{connect, photos, project, recall};
+use super::{connect, project, recall};
 use crate::api::journal::{self, Picture};
 use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
 use hallsweep_core::command::Verdict;
@@ -29,44 +31,72 @@ const MISSION: &str = "SELECT id, strategy, began_ms, began_offset_s, archived_m
 
 /// The reading side of the store.
 #[derive(Debug)]
-pub(super) struct SqliteArchive {
-    folder: Folder,
-    idle: Mutex<Vec<Reader>>,
+pub(super) enum SqliteArchive {
+    Folder {
+        folder: Folder,
+        /// Connections for the next questions.
+        idle: Mutex<Vec<Reader>>,
+    },
+    Memory(Arc<MemoryJournal>),
 }
 
 impl SqliteArchive {
     pub(super) fn new(folder: Folder) -> SqliteArchive {
-        SqliteArchive { folder, idle: Mutex::default() }
+        SqliteArchive::Folder { folder, idle: Mutex::default() }
     }
 
     /// Answers with a connection; with what nothing gives, where there is no journal yet.
     fn ask<T: Default>(&self, question: impl FnOnce(&Connection) -> Result<T, Fault>) -> Result<T, Unreadable> {
-        let idle = self.idle().pop();
-        let opened = idle.map_or_else(|| connect::reader(&self.folder), |reader| Ok(Some(reader)));
-        let Some(reader) = opened.map_err(|fault| unreadable(&self.folder, &fault))? else { return Ok(T::default()) };
-        let answer = question(&reader.connection).map_err(|fault| unreadable(&self.folder, &fault))?;
-        let mut idle = self.idle();
-        if idle.len() < IDLE && !reader.is_still {
-            idle.push(reader);
-        }
-        Ok(answer)
+        let answer = match self {
+            SqliteArchive::Folder { folder, idle } => ask_folder(folder, idle, question),
+            SqliteArchive::Memory(journal) => journal.ask(question),
+        };
+        answer.map_err(|fault| Unreadable(fault.words(self.path(), Then::StartAgain)))
     }
 
-    fn idle(&self) -> MutexGuard<'_, Vec<Reader>> {
-        // A list of connections is whole whoever panicked.
-        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
+    fn pictures(&self) -> Pictures<'_> {
+        match self {
+            SqliteArchive::Folder { folder, .. } => Pictures::Files(folder),
+            SqliteArchive::Memory(_) => Pictures::Table,
+        }
     }
+
+    /// The folder, as it is called in words for an operator.
+    fn path(&self) -> &Path {
+        match self {
+            SqliteArchive::Folder { folder, .. } => folder.path(),
+            SqliteArchive::Memory(_) => MemoryJournal::place(),
+        }
+    }
+}
+
+/// Asks a connection that idles, or a new one.
+fn ask_folder<T: Default>(
+    folder: &Folder,
+    idle: &Mutex<Vec<Reader>>,
+    question: impl FnOnce(&Connection) -> Result<T, Fault>,
+) -> Result<T, Fault> {
+    // A list of connections is whole whoever panicked.
+    let idle = || idle.lock().unwrap_or_else(PoisonError::into_inner);
+    let ready = idle().pop();
+    let opened = ready.map_or_else(|| connect::reader(folder), |reader| Ok(Some(reader)))?;
+    let Some(reader) = opened else { return Ok(T::default()) };
+    let answer = question(&reader.connection)?;
+    let mut idle = idle();
+    if idle.len() < IDLE && !reader.is_still {
+        idle.push(reader);
+    }
+    Ok(answer)
 }
 
 impl Archive for SqliteArchive {
     fn photo(&self, luggage: LuggageId) -> Result<Option<Photo>, Unreadable> {
-        let picture = self.ask(|connection| {
+        self.ask(|connection| {
             let sql = "SELECT digest, media_type FROM luggage JOIN photos ON digest = photo WHERE id = ?1";
             let picture = |row: &Row<'_>| Ok(Picture { digest: row.get(0)?, media_type: row.get(1)? });
-            Ok(connection.prepare_cached(sql)?.query_row([whole(luggage.0)?], picture).optional()?)
-        })?;
-        let photo = picture.map(|picture| photos::read(&self.folder, &picture)).transpose();
-        photo.map_err(|fault| unreadable(&self.folder, &fault))
+            let picture = connection.prepare_cached(sql)?.query_row([whole(luggage.0)?], picture).optional()?;
+            picture.map(|picture| self.pictures().read(connection, &picture)).transpose()
+        })
     }
 
     fn luggage(&self, luggage: LuggageId) -> Result<Option<Luggage>, Unreadable> {
@@ -105,7 +135,12 @@ impl Archive for SqliteArchive {
             let sql = "SELECT archived_seq FROM missions WHERE id = ?1";
             let found = connection.prepare_cached(sql)?.query_row([whole(mission.0)?], |row| row.get::<_, Option<i64>>(0));
             let Some(archived) = found.optional()? else { return Ok(None) };
-            let words = |fault: &Fault| fault.words_of_an_entry(self.folder.path());
+            if let (SqliteArchive::Memory(_), Some(_)) = (self, archived)
+                && let Some(stood) = memory::standing_at_the_end(connection, mission)?
+            {
+                return Ok(Some(stood));
+            }
+            let words = |fault: &Fault| fault.words_of_an_entry(self.path());
             recall::standing_of(connection, mission, archived.map(|seq| Seq(count(seq))), words).map(Some)
         })
     }
@@ -115,10 +150,8 @@ impl Archive for SqliteArchive {
             let mut entries = Vec::new();
             let which = Which { after: Some(after), mission: Some(mission), most: Some(most), ..Which::default() };
             rows::each(connection, which, |seq, line| {
-                entries.push((
-                    seq,
-                    line.map(|line| line.entry).map_err(|fault| Unreadable(fault.words_of_an_entry(self.folder.path()))),
-                ));
+                entries
+                    .push((seq, line.map(|line| line.entry).map_err(|fault| Unreadable(fault.words_of_an_entry(self.path())))));
                 Ok(())
             })?;
             Ok(entries)

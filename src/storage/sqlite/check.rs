@@ -6,8 +6,9 @@ use rusqlite::types::Value;
 
 use super::fault::{ALL, Fault, Then, count, one_line};
 use super::folder::Folder;
+use super::photos::Pictures;
 use super::rows::{self, Which};
-use super::{marker, photos, project, recall, schema};
+use super::{marker, project, recall, schema};
 use crate::api::journal::Picture;
 use hallsweep_core::units::Seq;
 
@@ -158,10 +159,11 @@ fn rows_of(connection: &Connection, table: &str) -> Result<std::collections::BTr
 fn pictures(connection: &Connection, folder: &Folder, findings: &mut Findings) -> Result<(), Fault> {
     let mut statement = connection.prepare("SELECT digest, media_type FROM photos")?;
     let pictures = statement.query_map([], |row| Ok(Picture { digest: row.get(0)?, media_type: row.get(1)? }))?;
+    let kept = Pictures::Files(folder);
     for picture in pictures {
         let picture = picture?;
         findings.photos += 1;
-        if let Err(fault) = photos::read(folder, &picture) {
+        if let Err(fault) = kept.read(connection, &picture) {
             findings.fault(format!("photo {}: {}", picture.digest, fault.words(folder.path(), Then::StartAgain)));
         }
     }

@@ -16,7 +16,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 const LOG_LIMIT: i64 = 16 * 1024 * 1024;
 
 /// So many prepared statements are kept: more than there are.
-const STATEMENTS: usize = 32;
+pub(super) const STATEMENTS: usize = 32;
 
 /// The connection that writes. Each commit has reached the disk when it returns (safety D1).
 pub(super) fn writer(folder: &Folder) -> Result<Connection, Fault> {

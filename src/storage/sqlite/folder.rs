@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use super::fault::Fault;
 use crate::api::journal::Picture;
 use crate::storage::files;
+use crate::storage::small_file::SmallFile;
 
 /// The folder, which may not be there yet.
 #[derive(Clone, Debug)]
@@ -56,8 +57,8 @@ impl Folder {
         self.0.join("journal.db-wal")
     }
 
-    pub(super) fn marker(&self) -> PathBuf {
-        self.0.join("journal.lost")
+    pub(super) fn marker(&self) -> SmallFile {
+        SmallFile::within(&self.0, "journal.lost")
     }
 
     /// Where a photo is, whether or not it is there.
@@ -139,7 +140,7 @@ impl Folder {
         if !self.journal().exists() {
             files::open(&self.journal(), File::options().write(true).create_new(true))?.sync_all()?;
         }
-        sync_folder(&self.0)?;
+        files::sync_folder(&self.0)?;
         Ok(())
     }
 
@@ -201,13 +202,7 @@ fn extension(media_type: &str) -> &'static str {
     }
 }
 
-/// Makes the names in a folder last.
-pub(super) fn sync_folder(path: &Path) -> io::Result<()> {
-    // Elsewhere a folder cannot be opened as a file, and its names last by themselves.
-    if cfg!(unix) { File::open(path)?.sync_all() } else { Ok(()) }
-}
-
 fn sync_parent(path: &Path) -> io::Result<()> {
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-    sync_folder(parent.unwrap_or(Path::new(".")))
+    files::sync_folder(parent.unwrap_or(Path::new(".")))
 }

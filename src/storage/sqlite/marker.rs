@@ -6,15 +6,13 @@
 //! ```
 //! Taking back is not done here: see `pages`.
 
-use std::fs::File;
-use std::io::{self, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::time::Duration;
 
 use super::fault::Fault;
-use super::folder::{Folder, Identity, sync_folder};
+use super::folder::{Folder, Identity};
 use crate::storage::files;
 use hallsweep_core::units::Seq;
 
@@ -50,7 +48,7 @@ impl Marker {
         putting.fetch_add(1, Ordering::SeqCst);
         let put = std::thread::Builder::new().name("journal-marker".to_owned()).spawn(move || {
             let is_ours = lock.is_none() || folder.lock_identity() == lock;
-            if let Some(error) = is_ours.then(|| write(&folder, &text(Some(kept)))).and_then(Result::err) {
+            if let Some(error) = is_ours.then(|| folder.marker().write_over(text(Some(kept)).as_bytes())).and_then(Result::err) {
                 tracing::warn!(%error, "what is lost could not be written down: a kill now may bring it back");
             }
             putting.fetch_sub(1, Ordering::SeqCst);
@@ -72,17 +70,13 @@ impl Marker {
 
 /// Says, so that it lasts, that nothing is lost. The file is there from then on, so that putting it down needs no room.
 pub(super) fn clear(folder: &Folder) -> Result<(), Fault> {
-    write(folder, &text(None))?.sync_all()?;
-    Ok(sync_folder(folder.path())?)
+    folder.marker().write_over(text(None).as_bytes())?.sync_all()?;
+    Ok(files::sync_folder(folder.path())?)
 }
 
 /// After which entry everything was said to be lost.
 pub(super) fn read(folder: &Folder) -> Result<Option<Seq>, Fault> {
-    let bytes = match files::read(&folder.marker(), text(None).len()) {
-        Ok(bytes) => bytes,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(error.into()),
-    };
+    let Some(bytes) = folder.marker().read(text(None).len())? else { return Ok(None) };
     let damaged = || Fault::Unusable("journal.lost", "it is damaged, so that what was said to be lost is not known".to_owned());
     understood(&bytes).ok_or_else(damaged)
 }
@@ -102,12 +96,6 @@ fn text(lost_after: Option<Seq>) -> String {
 
 fn lost_after(text: &str) -> Option<Seq> {
     text.strip_prefix(WORDS[0])?.strip_suffix(WORDS[1])?.parse().ok().map(Seq)
-}
-
-fn write(folder: &Folder, text: &str) -> io::Result<File> {
-    let mut file = files::open(&folder.marker(), File::options().write(true).create(true).truncate(false))?;
-    file.write_all(text.as_bytes())?;
-    Ok(file)
 }
 
 #[cfg(test)]

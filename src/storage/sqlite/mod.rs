@@ -1,8 +1,9 @@
-//! The store on disk: an SQLite journal whose entries are the truth, tables that follow from it, and photos as files. START HERE.
+//! The store: an SQLite journal whose entries are the truth, tables that follow from it, and photos as files; for whoever wants
+//! nothing kept the same in memory (`memory`). START HERE.
 //!
 //! ```text
 //!   Task ─ record ─► SqliteStore ─ queue ─► Writer ─► Pages ─► journal.db, photos/      (one thread, one connection)
-//!     ▲                  Desk  ◄── kept, failed ──┘
+//!     ▲              WriterStatus ◄── kept, failed ──┘
 //!     └── StoreStatus ◄────┘ ◄────── hangs ──── watchman
 //!   doors ─ Archive ─► Reading ─► journal.db, photos/                                   (their own connections)
 //! ```
@@ -12,10 +13,11 @@
 mod archive;
 mod check;
 mod connect;
-mod desk;
+
 mod fault;
 mod folder;
 mod marker;
+mod memory;
 mod pages;
 mod photos;
 mod project;
@@ -24,6 +26,7 @@ mod recall;
 mod rows;
 mod schema;
 mod writer;
+mod writer_status;
 
 #[cfg(test)]
 mod tests;
@@ -36,13 +39,14 @@ use tokio::sync::watch;
 
 use self::archive::SqliteArchive;
 pub use self::check::Findings;
-use self::desk::Desk;
 use self::fault::{Fault, Then};
 use self::folder::Folder;
 use self::marker::Marker;
+pub use self::memory::MemoryStore;
 use self::pages::Pages;
 pub use self::reading::{Reading, rebuild};
 use self::writer::{Hand, Handed, Patience, Writer};
+use self::writer_status::WriterStatus;
 use crate::runtime::archive::Archive;
 use crate::runtime::store::{Store, StoreStatus};
 use hallsweep_core::effect::Page;
@@ -80,7 +84,7 @@ pub struct Opened {
 #[derive(Debug)]
 pub struct SqliteStore {
     folder: Folder,
-    desk: Arc<Desk>,
+    status: Arc<WriterStatus>,
     /// These three end writer and watchman when they are dropped.
     pages: Option<SyncSender<Handed>>,
     ends: Vec<Sender<()>>,
@@ -109,8 +113,8 @@ fn open_with(path: &Path, beside: Option<String>, patience: Patience) -> Result<
         }
     };
     let kept = recalled.as_ref().map_or(Seq(0), |recalled| recalled.written);
-    let desk = Arc::new(Desk::new(Marker::new(&folder), kept, failure.as_deref()));
-    let store = SqliteStore::start(&folder, desk, hand, kept, patience).map_err(OpenError::System)?;
+    let status = Arc::new(WriterStatus::new(Marker::new(&folder), kept, failure.as_deref()));
+    let store = SqliteStore::start(&folder, status, hand, kept, patience).map_err(OpenError::System)?;
     let archive = Arc::new(SqliteArchive::new(folder));
     Ok(Opened { store: Box::new(store), archive, recalled, failure })
 }
@@ -161,12 +165,18 @@ fn recall_up_to_date(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<
 }
 
 impl SqliteStore {
-    fn start(folder: &Folder, desk: Arc<Desk>, hand: Hand, kept: Seq, patience: Patience) -> std::io::Result<SqliteStore> {
+    fn start(
+        folder: &Folder,
+        status: Arc<WriterStatus>,
+        hand: Hand,
+        kept: Seq,
+        patience: Patience,
+    ) -> std::io::Result<SqliteStore> {
         let (pages, handed) = mpsc::sync_channel(QUEUE);
         let ((end_writer, ended), (end_watchman, watched)) = (mpsc::channel(), mpsc::channel());
         let (say_done, done) = mpsc::channel();
-        let (to_write, to_watch) = (Arc::clone(&desk), (Arc::clone(&desk), folder.clone()));
-        let writer = Writer { folder: folder.clone(), desk: to_write, pages: handed, ended, hand, kept, bulk: 0, patience };
+        let (to_write, to_watch) = (Arc::clone(&status), (Arc::clone(&status), folder.clone()));
+        let writer = Writer { folder: folder.clone(), status: to_write, pages: handed, ended, hand, kept, bulk: 0, patience };
         thread("journal", move || {
             writer.run();
             drop(say_done);
@@ -174,7 +184,7 @@ impl SqliteStore {
         thread("journal-watchman", move || writer::watch(&to_watch.0, &to_watch.1, &watched, patience))?;
         let store = SqliteStore {
             folder: folder.clone(),
-            desk,
+            status,
             pages: Some(pages),
             ends: vec![end_writer, end_watchman],
             done,
@@ -192,11 +202,11 @@ impl Store for SqliteStore {
             Err(TrySendError::Full(_)) => Fault::Behind,
             Err(TrySendError::Disconnected(_)) => Fault::Gone,
         };
-        self.desk.overflow(fault.words(self.folder.path(), Then::GoesOn));
+        self.status.overflow(fault.words(self.folder.path(), Then::GoesOn));
     }
 
     fn word(&self) -> watch::Receiver<StoreStatus> {
-        self.desk.word()
+        self.status.word()
     }
 }
 

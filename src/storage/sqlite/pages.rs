@@ -5,10 +5,10 @@ use rusqlite::{Connection, Transaction, TransactionBehavior};
 
 use super::fault::{Fault, whole};
 use super::folder::{Folder, Identity, Lock};
-use super::{connect, marker, photos, project, rows, schema};
+use super::photos::Pictures;
+use super::{connect, marker, project, rows, schema};
 use crate::api::journal::Line;
-use crate::storage::belonging::belongs;
-use hallsweep_core::effect::{Fact, Page};
+use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::units::{MissionId, Seq};
 
 /// The one connection that writes, and the right to do so.
@@ -52,7 +52,7 @@ impl Pages {
         let mut under_way = self.under_way;
         let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
         for page in pages {
-            under_way = write(&transaction, &self.folder, page, under_way)?;
+            under_way = write(&transaction, Pictures::Files(&self.folder), page, under_way)?;
         }
         if !is_wanted() {
             return Err(Fault::GivenUp);
@@ -105,9 +105,9 @@ fn open_mission(transaction: &Transaction<'_>) -> Result<Option<MissionId>, Faul
 }
 
 /// Writes a page, photos first; the mission that is under way behind it.
-fn write(
+pub(super) fn write(
     transaction: &Transaction<'_>,
-    folder: &Folder,
+    pictures: Pictures<'_>,
     page: &Page,
     mut under_way: Option<MissionId>,
 ) -> Result<Option<MissionId>, Fault> {
@@ -115,10 +115,34 @@ fn write(
         let mission;
         (mission, under_way) = belongs(page, place, under_way);
         let photo = if let Fact::Luggage { photo, .. } = &entry.fact { photo.as_ref() } else { None };
-        let picture = photo.map(|photo| photos::keep(folder, photo)).transpose()?;
+        let picture = photo.map(|photo| pictures.keep(transaction, photo)).transpose()?;
         let line = Line { seq: Seq(page.first.0 + place as u64), mission, entry: entry.clone(), picture };
         rows::insert(transaction, &line)?;
         project::project(transaction, &line)?;
     }
     Ok(under_way)
+}
+
+/// The mission an entry belongs to, and the one under way behind it. What leads to a mission's beginning belongs to it, as the
+/// command that began it; the phase that follows on a mission does not, although it is on record before the mission's end.
+fn belongs(page: &Page, place: usize, under_way: Option<MissionId>) -> (Option<MissionId>, Option<MissionId>) {
+    let (entry, rest) = (&page.entries[place], &page.entries[place..]);
+    if let Fact::MissionArchived(mission, _) = &entry.fact {
+        return (Some(*mission), None);
+    }
+    if let Some(begun) = begun(entry) {
+        return (begun, begun);
+    }
+    let ahead = rest.iter().find_map(begun).flatten();
+    let ends = rest.iter().any(|entry| matches!(entry.fact, Fact::MissionArchived(..)));
+    let follows = ends && matches!(entry.fact, Fact::Phase(_));
+    (under_way.filter(|_| !follows).or(ahead), under_way)
+}
+
+/// The mission that is under way from this entry on, where it says so.
+fn begun(entry: &Entry) -> Option<Option<MissionId>> {
+    if let Fact::MissionBegan(mission, _) = &entry.fact {
+        return Some(Some(*mission));
+    }
+    if let Fact::State(standing) = &entry.fact { Some(standing.under_way.then_some(standing.mission)) } else { None }
 }

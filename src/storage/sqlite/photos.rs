@@ -1,15 +1,16 @@
-//! Photos as files that are named by the digest of their bytes: written so that a name never stands for half a photo (safety
-//! D3), and held against the digest when they are read.
+//! Photos, named by the digest of their bytes, and held against it when they are read. Beside a journal on disk they are files,
+//! written so that a name never stands for half a photo (safety D3); in a journal in memory they are rows of a table of it.
 
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
 
+use rusqlite::{Connection, OptionalExtension, params};
 use sha2::{Digest, Sha256};
 
 use super::fault::Fault;
-use super::folder::{Folder, sync_folder};
+use super::folder::Folder;
 use crate::api::journal::Picture;
 use crate::storage::files;
 use hallsweep_core::event::Photo;
@@ -23,38 +24,71 @@ const LARGEST: usize = 64 * 1024 * 1024;
 /// What a photo of a type that this version does not know is called.
 const OTHER: &str = "application/octet-stream";
 
-/// Writes a photo so that it lasts, before anything on record names it: a file of another name, fsync, rename, fsync the folder.
-pub(super) fn keep(folder: &Folder, photo: &Photo) -> Result<Picture, Fault> {
-    let picture = Picture { digest: digest(&photo.bytes), media_type: photo.media_type.to_owned() };
-    let path = folder.photo(&picture);
+/// Where the bytes of photos are.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Pictures<'a> {
+    /// In files of the folder.
+    Files(&'a Folder),
+    /// In the table `pictures` of a journal in memory.
+    Table,
+}
+
+impl Pictures<'_> {
+    /// Writes a photo, in a folder so that it lasts, before anything on record names it.
+    pub(super) fn keep(self, connection: &Connection, photo: &Photo) -> Result<Picture, Fault> {
+        let picture = Picture { digest: digest(&photo.bytes), media_type: photo.media_type.to_owned() };
+        match self {
+            Pictures::Files(folder) => keep_file(folder, &picture, &photo.bytes)?,
+            Pictures::Table => {
+                let sql = "INSERT INTO pictures (digest, content) VALUES (?1, ?2) ON CONFLICT (digest) DO NOTHING";
+                connection.prepare_cached(sql)?.execute(params![picture.digest, &photo.bytes[..]])?;
+            }
+        }
+        Ok(picture)
+    }
+
+    /// Reads a photo, and holds it against its digest.
+    pub(super) fn read(self, connection: &Connection, picture: &Picture) -> Result<Photo, Fault> {
+        if !picture.is_sound() {
+            return Err(Fault::Photo("has no digest on record"));
+        }
+        let bytes = match self {
+            Pictures::Files(folder) => read_file(folder, picture)?,
+            Pictures::Table => {
+                let mut statement = connection.prepare_cached("SELECT content FROM pictures WHERE digest = ?1")?;
+                statement.query_row([&picture.digest], |row| row.get(0)).optional()?
+            }
+        };
+        let bytes: Vec<u8> = bytes.ok_or(Fault::Photo("is not there"))?;
+        if digest(&bytes) != picture.digest {
+            return Err(Fault::Photo("is not what it was"));
+        }
+        let media_type = MEDIA_TYPES.into_iter().find(|known| *known == picture.media_type).unwrap_or(OTHER);
+        Ok(Photo { bytes: Arc::from(bytes), media_type })
+    }
+}
+
+/// A file of another name, fsync, rename, fsync the folder.
+fn keep_file(folder: &Folder, picture: &Picture, bytes: &[u8]) -> Result<(), Fault> {
+    let path = folder.photo(picture);
     let shelf = path.parent().expect("a photo stands in a folder of its own two letters");
-    if !holds(&path, &photo.bytes) {
+    if !holds(&path, bytes) {
         [&folder.photos(), shelf].into_iter().try_for_each(files::make_folder_within)?;
         let unfinished = path.with_extension("unfinished");
-        write(&unfinished, &photo.bytes).and_then(|()| std::fs::rename(&unfinished, &path)).inspect_err(|_| {
+        write(&unfinished, bytes).and_then(|()| std::fs::rename(&unfinished, &path)).inspect_err(|_| {
             // What is left of it would be in nobody's way, and the next photo of this name replaces it.
             let _ = std::fs::remove_file(&unfinished);
         })?;
     }
     // Also for a photo that is there already: whoever put it there may have failed at just this.
-    [shelf, &folder.photos(), folder.path()].into_iter().try_for_each(sync_folder)?;
-    Ok(picture)
+    Ok([shelf, &folder.photos(), folder.path()].into_iter().try_for_each(files::sync_folder)?)
 }
 
-/// Reads a photo, and holds it against its digest.
-pub(super) fn read(folder: &Folder, picture: &Picture) -> Result<Photo, Fault> {
-    if !picture.is_sound() {
-        return Err(Fault::Photo("has no digest on record"));
+fn read_file(folder: &Folder, picture: &Picture) -> io::Result<Option<Vec<u8>>> {
+    match files::read(&folder.photo(picture), LARGEST) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        read => read.map(Some),
     }
-    let bytes = files::read(&folder.photo(picture), LARGEST).map_err(|error| {
-        let absent = error.kind() == io::ErrorKind::NotFound;
-        if absent { Fault::Photo("is not there") } else { Fault::File(error) }
-    })?;
-    if digest(&bytes) != picture.digest {
-        return Err(Fault::Photo("is not what it was"));
-    }
-    let media_type = MEDIA_TYPES.into_iter().find(|known| *known == picture.media_type).unwrap_or(OTHER);
-    Ok(Photo { bytes: Arc::from(bytes), media_type })
 }
 
 fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {

@@ -88,6 +88,6 @@ pub fn rebuild(path: &Path) -> Result<u64, Unreadable> {
     rebuilt().map_err(|fault| unreadable(&folder, &fault))
 }
 
-pub(super) fn unreadable(folder: &Folder, fault: &Fault) -> Unreadable {
+fn unreadable(folder: &Folder, fault: &Fault) -> Unreadable {
     Unreadable(fault.words(folder.path(), Then::StartAgain))
 }

@@ -4,5 +4,6 @@ mod crash;
 mod faults;
 mod files;
 mod kept;
+mod memory;
 mod mounts;
 mod testing;

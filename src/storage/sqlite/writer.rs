@@ -13,10 +13,10 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
-use super::desk::Desk;
 use super::fault::{Fault, Then};
 use super::folder::Folder;
 use super::pages::Pages;
+use super::writer_status::WriterStatus;
 use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::units::{MissionId, Seq};
 
@@ -68,7 +68,7 @@ pub(super) enum Hand {
 #[derive(Debug)]
 pub(super) struct Writer {
     pub(super) folder: Folder,
-    pub(super) desk: Arc<Desk>,
+    pub(super) status: Arc<WriterStatus>,
     pub(super) pages: Receiver<Handed>,
     pub(super) ended: Receiver<()>,
     pub(super) hand: Hand,
@@ -86,7 +86,7 @@ impl Writer {
     }
 
     fn turn(&mut self) -> bool {
-        if self.desk.is_failing() {
+        if self.status.is_failing() {
             let ended = self.ended.recv_timeout(self.patience.retry) == Err(RecvTimeoutError::Disconnected);
             if !ended {
                 self.try_again();
@@ -106,7 +106,7 @@ impl Writer {
 
     /// Keeps what was handed over, but for pages whose sender did not know of a loss.
     fn keep(&mut self, batch: Vec<Handed>) {
-        let losses = self.desk.begin();
+        let losses = self.status.begin();
         let pages: Vec<Page> = batch.into_iter().filter(|handed| handed.losses == losses).map(|handed| handed.page).collect();
         self.bulk = pages.iter().flat_map(|page| &page.entries).map(photo_bytes).sum();
         let kept = self.write(&pages, losses);
@@ -116,14 +116,14 @@ impl Writer {
     pub(super) fn write(&mut self, pages: &[Page], losses: u64) -> Result<(), Fault> {
         match &mut self.hand {
             _ if pages.is_empty() => Ok(()),
-            Hand::Writing(journal) => journal.keep(pages, || self.desk.wants(losses)),
+            Hand::Writing(journal) => journal.keep(pages, || self.status.wants(losses)),
             Hand::Waiting(..) | Hand::Closed => Err(Fault::Unwritable),
         }
     }
 
     pub(super) fn conclude(&mut self, kept: Result<(), Fault>, losses: u64, last: Seq) {
         match kept {
-            Ok(()) if self.desk.keep(losses, last) => self.kept = last,
+            Ok(()) if self.status.keep(losses, last) => self.kept = last,
             // It is on the disk and was said to be lost: it goes at once.
             Ok(()) => self.try_again(),
             Err(fault) => {
@@ -132,7 +132,7 @@ impl Writer {
                 if let (Hand::Writing(journal), false) = (&mut self.hand, fault.is_final()) {
                     let _ = journal.go_on_after(self.kept);
                 }
-                self.desk.fail(losses, &fault.words(self.folder.path(), Then::GoesOn));
+                self.status.fail(losses, &fault.words(self.folder.path(), Then::GoesOn));
                 self.give_in(&fault);
             }
         }
@@ -140,7 +140,7 @@ impl Writer {
 
     fn try_again(&mut self) {
         // Who does not know yet that something is lost must not be told that all is well again.
-        if !self.desk.is_announced() {
+        if !self.status.is_announced() {
             return;
         }
         let tried = match &mut self.hand {
@@ -156,10 +156,10 @@ impl Writer {
             Hand::Closed => return,
         };
         let proved = tried.and_then(|()| self.folder.prove_room(self.bulk + MARGIN));
-        match proved.and_then(|()| self.desk.clear_marker()) {
-            Ok(()) => self.desk.recover(),
+        match proved.and_then(|()| self.status.clear_marker()) {
+            Ok(()) => self.status.recover(),
             Err(fault) => {
-                self.desk.still_failing(&fault.words(self.folder.path(), Then::GoesOn));
+                self.status.still_failing(&fault.words(self.folder.path(), Then::GoesOn));
                 self.give_in(&fault);
             }
         }
@@ -178,13 +178,13 @@ fn photo_bytes(entry: &Entry) -> usize {
 }
 
 /// Looks at the writer now and then; one that is at the same batch for too long is not waited for.
-pub(super) fn watch(desk: &Desk, folder: &Folder, ended: &Receiver<()>, patience: Patience) {
+pub(super) fn watch(status: &WriterStatus, folder: &Folder, ended: &Receiver<()>, patience: Patience) {
     let mut seen = (None, 0);
     while ended.recv_timeout(patience.look) == Err(RecvTimeoutError::Timeout) {
-        let batch = desk.at_work();
+        let batch = status.at_work();
         seen = if batch.is_some() && batch == seen.0 { (batch, seen.1 + 1) } else { (batch, 0) };
         if let (Some(batch), true) = (batch, seen.1 >= patience.looks) {
-            desk.give_up(batch, &Fault::Hung.words(folder.path(), Then::GoesOn));
+            status.give_up(batch, &Fault::Hung.words(folder.path(), Then::GoesOn));
         }
     }
 }

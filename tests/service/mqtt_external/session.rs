@@ -9,7 +9,7 @@ use hallsweep::doors::mqtt::topics::Topics;
 use hallsweep::runtime::archive_reader::Reader;
 use hallsweep::runtime::halt::Halter;
 use hallsweep::runtime::handle::{Envelope, Handle};
-use hallsweep::storage::memory::Memory;
+use hallsweep::storage::sqlite::MemoryStore;
 use hallsweep_core::engine::Engine;
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::settings::Settings;
@@ -61,7 +61,7 @@ impl TestApp {
             home_assistant: false,
             states: watched,
             answers,
-            archive: Reader::new(Arc::new(Memory::new())),
+            archive: Reader::new(MemoryStore::new().archive()),
             health: told,
             seed: u64::from(broker.port()),
             times: Times::default(),

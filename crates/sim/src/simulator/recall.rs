@@ -1,5 +1,5 @@
 //! How the simulated robot hands out what it must not forget, and goes on from it in the next run of the program.
-//! What that is stands in `memory`; who writes it down, in `diary`.
+//! What that is stands in `memory`; who writes it down, in `state_file`.
 
 use std::sync::Arc;
 

@@ -15,10 +15,10 @@ const AGAIN: Duration = Duration::from_secs(5);
 
 /// What is known of it; all pages of a door share it.
 #[derive(Debug, Default)]
-pub(in crate::doors::http) struct Began(Mutex<Known>);
+pub(in crate::doors::http) struct Began(Mutex<Lookup>);
 
 #[derive(Clone, Copy, Debug, Default)]
-struct Known {
+struct Lookup {
     mission: MissionId,
     began: Option<WallTime>,
     asked: Option<Duration>,
@@ -30,7 +30,7 @@ pub(super) async fn began(door: &Door, mission: MissionId) -> Option<WallTime> {
     let known = {
         let mut known = door.began.0.lock().unwrap_or_else(PoisonError::into_inner);
         if known.mission != mission {
-            *known = Known { mission, ..Known::default() };
+            *known = Lookup { mission, ..Lookup::default() };
         }
         let is_due = mission != MissionId(0) && known.asked.is_none_or(|asked| now.saturating_sub(asked) >= AGAIN);
         if known.began.is_some() || !is_due {

@@ -6,7 +6,7 @@ use axum::extract::State;
 use axum::response::Html;
 
 use super::super::Door;
-use super::super::missions::{Kept, MISSIONS, after, before, happened, kept, newest, wanted};
+use super::super::missions::{MISSIONS, RecordedMission, after, before, happened, newest, recorded, wanted};
 use super::super::problem::Problem;
 use super::super::query::Query;
 use super::super::reading::Number;
@@ -40,10 +40,10 @@ pub(in crate::doors::http) async fn one(
 ) -> Result<Html<String>, Problem> {
     query.only(&["after", "show"])?;
     let (after, show) = (after(&query)?, Show::of(query.word("show", &["all", "commands"])?));
-    let Kept { record, standing, damage } = kept(&door, id).await?;
+    let RecordedMission { record, standing, damage } = recorded(&door, id).await?;
     let (events, next) = match show {
         Show::Main => wanted(&door, id, after, EVENTS, is_main).await?,
-        Show::Commands => wanted(&door, id, after, EVENTS, is_command).await?,
+        Show::Commands => wanted(&door, id, after, EVENTS, |fact| matches!(fact, Fact::Command { .. })).await?,
         Show::All => happened(&door, id, after, EVENTS).await?,
     };
     let zone = Zone::of(door.clock.now().wall);
@@ -78,10 +78,6 @@ impl Show {
             Show::All => format!("{joined_by}show=all"),
         }
     }
-}
-
-fn is_command(fact: &Fact) -> bool {
-    matches!(fact, Fact::Command { .. })
 }
 
 /// What people did and what was found; the robot's steps, of which there are thousands, are not it.

@@ -17,7 +17,7 @@ use axum::response::{Html, IntoResponse, Redirect, Response};
 
 use super::Door;
 use super::accept::preferred;
-use super::by::By;
+use super::command_sender::CommandSender;
 use super::gate::LetIn;
 use super::problem::Problem;
 use super::reading::{Form, Number};
@@ -47,22 +47,22 @@ pub(super) async fn page(State(door): State<Door>, LetIn(caller): LetIn) -> Html
 }
 
 /// `POST console/start` and every other form but STOP's. A move that was heard to be a STOP is one, whatever else is in it.
-pub(super) async fn act(by: By, uri: Uri, headers: HeaderMap, form: Result<Form<Fields>, Problem>) -> Response {
+pub(super) async fn act(sender: CommandSender, uri: Uri, headers: HeaderMap, form: Result<Form<Fields>, Problem>) -> Response {
     match form {
-        _ if by.has_pressed_stop() => stop(by, headers).await,
-        Ok(Form(fields)) => answered(&by, &headers, uri.path().trim_start_matches("/console/"), &fields).await,
+        _ if sender.has_pressed_stop() => stop(sender, headers).await,
+        Ok(Form(fields)) => answered(&sender, &headers, uri.path().trim_start_matches("/console/"), &fields).await,
         Err(problem) => problem.into_response(),
     }
 }
 
 /// `POST console/stop`. STOP reads nothing of what was sent: nothing that is wrong with it may keep it from halting the robot.
-pub(super) async fn stop(by: By, headers: HeaderMap) -> Response {
-    answered(&by, &headers, "stop", &Fields::default()).await
+pub(super) async fn stop(sender: CommandSender, headers: HeaderMap) -> Response {
+    answered(&sender, &headers, "stop", &Fields::default()).await
 }
 
-async fn answered(by: &By, headers: &HeaderMap, act: &str, fields: &Fields) -> Response {
+async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields: &Fields) -> Response {
     let done = match fields.command(act) {
-        Ok((command, epoch)) => by.give(command::Door::Console, command, epoch).await,
+        Ok((command, epoch)) => sender.give(command::Door::Console, command, epoch).await,
         Err(problem) => Err(problem),
     };
     let by_script = preferred(headers, &["text/html", "application/json"]) == Some("application/json");
@@ -70,7 +70,7 @@ async fn answered(by: &By, headers: &HeaderMap, act: &str, fields: &Fields) -> R
         Ok(Done { accepted, snapshot }) if by_script => axum::Json(AnswerJson::new(accepted, &snapshot)).into_response(),
         Ok(_) => Redirect::to("/").into_response(),
         Err(problem) if by_script => problem.into_response(),
-        Err(problem) => refused_page(&by.door, &by.caller, &fields.button(act), &problem).await,
+        Err(problem) => refused_page(&sender.door, &sender.caller, &fields.button(act), &problem).await,
     };
     response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
     response

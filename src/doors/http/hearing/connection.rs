@@ -11,16 +11,16 @@ use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::sync::Notify;
 use tokio::time::{Sleep, sleep, timeout};
 
+use super::connection_task::{ConnectionTask, Shared, put};
+use super::context::ServerContext;
 use super::judge::{Given, Judge};
-use super::line::Line;
 use super::stop_search::{Asked, Heard, StopSearch};
-use super::talk::{Shared, Talk, put};
 use crate::doors::http::gate::Peer;
 use crate::doors::http::places::{Claim, Place};
 use crate::doors::http::problem::Problem;
 use crate::doors::http::watcher::closed;
-use crate::doors::patience::Patient;
 use crate::doors::vestibule::Waiting;
+use crate::doors::write_timeout::WriteTimeoutStream;
 
 /// How long a client may take over a request's headers, and how long it may be silent between two requests.
 pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
@@ -48,16 +48,15 @@ pub(in crate::doors::http) const AHEAD: usize = 96 * 1024;
 const LINGER_TIME: Duration = Duration::from_secs(5);
 const LINGER_BYTES: usize = 1024 * 1024;
 
-/// One connection.
 pub(super) struct Connection<R, W> {
     from: R,
-    /// Until somebody talks to the client.
+    /// Until a task answers the client.
     to: Option<W>,
     cut: Arc<Notify>,
     waiting: Option<Waiting>,
     place: Option<Arc<Place>>,
-    talk: Option<Talk>,
-    line: Arc<Line>,
+    task: Option<ConnectionTask>,
+    context: Arc<ServerContext>,
     search: StopSearch,
     shared: Arc<Shared>,
     /// Of whom the first head was.
@@ -91,16 +90,22 @@ where
     R: AsyncRead + Unpin + Send,
     W: AsyncWrite + Unpin + Send + 'static,
 {
-    pub(super) fn new(from: R, to: W, peer: Peer, (waiting, cut): (Waiting, Arc<Notify>), line: Arc<Line>) -> Connection<R, W> {
+    pub(super) fn new(
+        from: R,
+        to: W,
+        peer: Peer,
+        (waiting, cut): (Waiting, Arc<Notify>),
+        context: Arc<ServerContext>,
+    ) -> Connection<R, W> {
         Connection {
             from,
             to: Some(to),
             cut,
             waiting: Some(waiting),
             place: None,
-            talk: None,
-            search: StopSearch::new(Judge { door: line.door.clone(), hosts: line.hosts.clone(), peer }),
-            line,
+            task: None,
+            search: StopSearch::new(Judge { door: context.door.clone(), hosts: context.hosts.clone(), peer }),
+            context,
             shared: Shared::new(),
             claim: None,
             read: BytesMut::new(),
@@ -131,7 +136,7 @@ where
             if self.is_to_be_answered() {
                 self.begin();
             }
-            if self.talk.is_some() {
+            if self.task.is_some() {
                 self.hand_on();
             }
             match self.go_on().await {
@@ -142,12 +147,12 @@ where
         }
         let given = self.search.look();
         self.keep(given);
-        if self.place.is_some() && self.talk.is_none() {
+        if self.place.is_some() && self.task.is_none() {
             self.begin();
             self.hand_on();
         }
-        if let Some(talk) = self.talk.take() {
-            talk.ended(&self.shared, &self.ahead).await;
+        if let Some(task) = self.task.take() {
+            task.ended(&self.shared, &self.ahead).await;
         }
     }
 
@@ -221,7 +226,7 @@ where
     fn take_place(&mut self) -> Result<(), Problem> {
         let has_heard = self.shared.has_heard();
         // hyper would panic.
-        if !self.line.door.can_date() {
+        if !self.context.door.can_date() {
             return Err(Problem::no_date(has_heard));
         }
         // Somebody else would give way to whoever goes in a moment.
@@ -230,7 +235,7 @@ where
         }
         let claim = self.claim.clone().unwrap_or_else(|| Claim::new(self.search.judge().peer.address, None));
         let cut = Arc::clone(&self.cut);
-        let place = self.line.places.take(claim.clone(), has_heard, cut).ok_or_else(|| Problem::no_place(has_heard))?;
+        let place = self.context.places.take(claim.clone(), has_heard, cut).ok_or_else(|| Problem::no_place(has_heard))?;
         for _ in 0..self.search.scanner().heads() {
             place.asked(claim.clone(), !self.search.scanner().is_between());
         }
@@ -243,13 +248,13 @@ where
     fn is_to_be_answered(&self) -> bool {
         let is_whole = self.search.scanner().heads() != 1 || self.search.scanner().is_between();
         let is_due = self.read.len() >= TURN || self.late.is_elapsed();
-        self.place.is_some() && self.talk.is_none() && (is_whole || is_due || self.shared.has_heard())
+        self.place.is_some() && self.task.is_none() && (is_whole || is_due || self.shared.has_heard())
     }
 
-    /// Begins to talk.
+    /// Begins the task that answers.
     fn begin(&mut self) {
         if let (Some(place), Some(to)) = (&self.place, self.to.take()) {
-            self.talk = Some(Talk::begin(to, (self.search.judge().peer, place), &self.line, &self.shared));
+            self.task = Some(ConnectionTask::begin(to, (self.search.judge().peer, place), &self.context, &self.shared));
         }
     }
 
@@ -257,7 +262,7 @@ where
     async fn carry(mut self) {
         self.place = None;
         // Nobody knows what another protocol would say behind what was not kept.
-        let Some(Talk { to: Some(to), over, .. }) = &mut self.talk else { return };
+        let Some(ConnectionTask { to: Some(to), over, .. }) = &mut self.task else { return };
         let carried = async {
             to.write_all(&self.ahead).await?;
             to.write_all(&self.read).await?;
@@ -275,10 +280,10 @@ where
     /// Hands on what there is room for, else reads.
     async fn go_on(&mut self) -> Next {
         self.take_turns().await;
-        let mut closing = self.line.closing.clone();
+        let mut closing = self.context.closing.clone();
         let mut room = (&mut self.read).limit(TURN);
-        let read = match &mut self.talk {
-            Some(Talk { to, over, .. }) => {
+        let read = match &mut self.task {
+            Some(ConnectionTask { to, over, .. }) => {
                 if self.is_only_heard && self.ahead.is_empty() {
                     *to = None;
                 }
@@ -320,10 +325,10 @@ where
     /// for others meanwhile; of those who linger the oldest makes room.
     async fn linger(mut self) {
         // What comes now may be no part of that body, nor end soon.
-        drop((self.talk.take(), self.search.look()));
+        drop((self.task.take(), self.search.look()));
         (self.waiting, self.place, self.is_only_heard) = (None, None, true);
-        let _lingering = self.line.lingering.enter(self.search.judge().peer.address, Arc::clone(&self.cut));
-        let mut closing = self.line.closing.clone();
+        let _lingering = self.context.lingering.enter(self.search.judge().peer.address, Arc::clone(&self.cut));
+        let mut closing = self.context.closing.clone();
         let heard_on = async {
             let mut left = LINGER_BYTES;
             while left > 0 {
@@ -350,7 +355,7 @@ where
             body.len()
         );
         if let Some(to) = self.to.take() {
-            let mut to = Patient::new(to);
+            let mut to = WriteTimeoutStream::new(to);
             // Whoever does not take it is not waited for.
             let _ = timeout(LINGER_TIME, async { drop((to.write_all(answer.as_bytes()).await, to.shutdown().await)) }).await;
         }

@@ -28,9 +28,9 @@ const LOOK: &str = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
 const STOP: &str = "POST /h HTTP/1.1\r\nHost: localhost\r\n\r\n";
 const HERE: Ipv4Addr = Ipv4Addr::LOCALHOST;
 
-fn line(house: &House, places: usize) -> Line {
+fn context(house: &House, places: usize) -> ServerContext {
     let hosts = Hosts::new(true, &[]);
-    Line {
+    ServerContext {
         router: router(&house.door, hosts.clone()),
         hosts,
         tls: None,
@@ -44,12 +44,12 @@ fn line(house: &House, places: usize) -> Line {
 }
 
 /// A connection from here, what its client says and hears, and what cuts it.
-fn connected(line: &Arc<Line>) -> (Connection<DuplexStream, DuplexStream>, DuplexStream, DuplexStream, Arc<Notify>) {
+fn connected(context: &Arc<ServerContext>) -> (Connection<DuplexStream, DuplexStream>, DuplexStream, DuplexStream, Arc<Notify>) {
     let ((says, from), (to, hears)) = (tokio::io::duplex(100_000), tokio::io::duplex(100_000));
     let cut = Arc::new(Notify::new());
-    let waiting = line.vestibule.enter(HERE.into(), Arc::clone(&cut));
+    let waiting = context.vestibule.enter(HERE.into(), Arc::clone(&cut));
     let peer = Peer { address: HERE.into(), is_encrypted: false };
-    (Connection::new(from, to, peer, (waiting, Arc::clone(&cut)), Arc::clone(line)), says, hears, cut)
+    (Connection::new(from, to, peer, (waiting, Arc::clone(&cut)), Arc::clone(context)), says, hears, cut)
 }
 
 /// Whether it is there for so long, and gone a second later.
@@ -64,7 +64,7 @@ async fn lasts(hearing: &mut JoinHandle<()>, seconds: u64) -> bool {
 #[tokio::test(start_paused = true)]
 async fn a_first_head_that_does_not_come_is_waited_for_20_seconds() {
     let house = house(searching());
-    let (connection, mut says, _hears, _) = connected(&Arc::new(line(&house, 8)));
+    let (connection, mut says, _hears, _) = connected(&Arc::new(context(&house, 8)));
     let mut hearing = tokio::spawn(connection.hear(BytesMut::new()));
     says.write_all(b"POST /h HTTP/1.1\r\nHost: loc").await.unwrap();
     assert!(lasts(&mut hearing, 20).await);
@@ -90,7 +90,7 @@ async fn what_a_client_that_is_gone_has_sent_is_carried_out_for_two_seconds() {
             next.run(request).await
         }
     }));
-    let (connection, mut says, hears, _) = connected(&Arc::new(Line { router, ..line(&house, 8) }));
+    let (connection, mut says, hears, _) = connected(&Arc::new(ServerContext { router, ..context(&house, 8) }));
     for path in ["/", "/slow", "/hangs"] {
         says.write_all(format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n").as_bytes()).await.unwrap();
     }
@@ -104,8 +104,8 @@ async fn what_a_client_that_is_gone_has_sent_is_carried_out_for_two_seconds() {
 #[tokio::test(start_paused = true)]
 async fn who_gets_no_further_answer_has_no_place_and_is_heard_for_five_seconds() {
     let house = house(searching());
-    let line = Arc::new(line(&house, 8));
-    let (connection, mut says, mut hears, _) = connected(&line);
+    let context = Arc::new(context(&house, 8));
+    let (connection, mut says, mut hears, _) = connected(&context);
     let mut hearing = tokio::spawn(connection.hear(BytesMut::new()));
     says.write_all(b"GET / HTTP/1.1\r\nno header\r\n\r\n").await.unwrap();
     let mut refused = String::new();
@@ -116,7 +116,7 @@ async fn who_gets_no_further_answer_has_no_place_and_is_heard_for_five_seconds()
     while house.door.handle.epoch() == before {
         sleep(Duration::from_millis(1)).await;
     }
-    assert_eq!((line.places.held(), hearing.is_finished()), (0, false));
+    assert_eq!((context.places.held(), hearing.is_finished()), (0, false));
     assert!(lasts(&mut hearing, 5).await);
 }
 
@@ -124,7 +124,7 @@ async fn who_gets_no_further_answer_has_no_place_and_is_heard_for_five_seconds()
 #[tokio::test(start_paused = true)]
 async fn a_move_that_says_stop_halts_when_it_is_refused() {
     let house = house(searching());
-    let (connection, mut says, _hears, _) = connected(&Arc::new(line(&house, 8)));
+    let (connection, mut says, _hears, _) = connected(&Arc::new(context(&house, 8)));
     let hearing = tokio::spawn(connection.hear(BytesMut::new()));
     let head = "POST /console/move HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n";
     let (beginning, end) = (format!(r#"{{"note":"{}"#, "z".repeat(1_100)), r#"","move":"\u0068"}"#);
@@ -143,13 +143,13 @@ async fn a_move_that_says_stop_halts_when_it_is_refused() {
 #[tokio::test]
 async fn a_system_without_descriptors_is_relieved_of_who_gets_no_answer_then_of_places_then_of_newcomers() {
     let house = house(searching());
-    let line = line(&house, 8);
+    let context = context(&house, 8);
     let cuts: [Arc<Notify>; 3] = Default::default();
-    let _newcomer = line.vestibule.enter(HERE.into(), Arc::clone(&cuts[2]));
-    let _place = line.places.take(Claim::new(HERE.into(), None), false, Arc::clone(&cuts[1])).unwrap();
-    let _lingering = line.lingering.enter(HERE.into(), Arc::clone(&cuts[0]));
+    let _newcomer = context.vestibule.enter(HERE.into(), Arc::clone(&cuts[2]));
+    let _place = context.places.take(Claim::new(HERE.into(), None), false, Arc::clone(&cuts[1])).unwrap();
+    let _lingering = context.lingering.enter(HERE.into(), Arc::clone(&cuts[0]));
     for number in 0..4 {
-        assert_eq!(line.relieve(), usize::from(number < 3));
+        assert_eq!(context.relieve(), usize::from(number < 3));
         for (other, cut) in cuts.iter().enumerate() {
             let is_cut = tokio::select! {
                 biased;
@@ -162,12 +162,12 @@ async fn a_system_without_descriptors_is_relieved_of_who_gets_no_answer_then_of_
 }
 
 /// A connection with a real socket, and the other end.
-async fn accepted(line: &Arc<Line>) -> (std::net::TcpStream, JoinHandle<()>) {
+async fn accepted(context: &Arc<ServerContext>) -> (std::net::TcpStream, JoinHandle<()>) {
     let listener = TcpListener::bind((HERE, 0)).await.unwrap();
     let client = std::net::TcpStream::connect(listener.local_addr().unwrap()).unwrap();
     client.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
     let newcomer = listener.accept().await.unwrap();
-    (client, tokio::spawn(converse(newcomer, Arc::clone(line))))
+    (client, tokio::spawn(converse(newcomer, Arc::clone(context))))
 }
 
 /// Safety S9: what has come to the machine has come.
@@ -175,20 +175,20 @@ async fn accepted(line: &Arc<Line>) -> (std::net::TcpStream, JoinHandle<()>) {
 async fn a_stop_that_has_come_halts_before_its_connection_gives_way() {
     use std::io::Write;
     let house = house(searching());
-    let line = Arc::new(line(&house, 8));
+    let context = Arc::new(context(&house, 8));
     for number in 1..20 {
-        let (mut client, hearing) = accepted(&line).await;
+        let (mut client, hearing) = accepted(&context).await;
         // Half of them wait, half of them rest in a place.
         if number % 2 == 0 {
             client.write_all(LOOK.as_bytes()).unwrap();
-            while line.places.held() == 0 {
+            while context.places.held() == 0 {
                 sleep(Duration::from_millis(1)).await;
             }
         } else {
             sleep(Duration::from_millis(1)).await;
         }
         client.write_all(STOP.as_bytes()).unwrap();
-        assert_eq!(line.relieve(), 1);
+        assert_eq!(context.relieve(), 1);
         within("it gives way", hearing).await.unwrap();
         assert_eq!(house.door.handle.epoch(), Epoch(1 + number));
     }
@@ -198,19 +198,19 @@ async fn a_stop_that_has_come_halts_before_its_connection_gives_way() {
 #[tokio::test]
 async fn who_had_to_make_room_takes_no_place() {
     let house = house(searching());
-    let line = Arc::new(line(&house, 1));
+    let context = Arc::new(context(&house, 1));
     let cut = Arc::new(Notify::new());
-    let other = line.places.take(Claim::new(HERE.into(), None), false, Arc::clone(&cut)).unwrap();
-    let (connection, mut says, mut hears, _) = connected(&line);
+    let other = context.places.take(Claim::new(HERE.into(), None), false, Arc::clone(&cut)).unwrap();
+    let (connection, mut says, mut hears, _) = connected(&context);
     says.write_all(STOP.as_bytes()).await.unwrap();
-    assert_eq!(line.vestibule.relieve(), 1);
+    assert_eq!(context.vestibule.relieve(), 1);
     let hearing = tokio::spawn(connection.hear(BytesMut::new()));
     drop(says);
     let mut refused = String::new();
     within("the refusal", hears.read_to_string(&mut refused)).await.unwrap();
     assert!(refused.contains("noPlace") && refused.contains("has halted"), "{refused}");
     within("its end", hearing).await.unwrap();
-    assert_eq!((line.places.held(), house.door.handle.epoch()), (1, Epoch(2)));
+    assert_eq!((context.places.held(), house.door.handle.epoch()), (1, Epoch(2)));
     let is_cut = tokio::select! {
         biased;
         () = cut.notified() => true,
@@ -224,7 +224,7 @@ async fn who_had_to_make_room_takes_no_place() {
 #[tokio::test]
 async fn others_have_their_turns_while_much_is_heard_of_one() {
     let house = house(searching());
-    let (mut connection, _says, _hears, _) = connected(&Arc::new(line(&house, 8)));
+    let (mut connection, _says, _hears, _) = connected(&Arc::new(context(&house, 8)));
     let turns = Arc::new(AtomicUsize::new(0));
     let others = tokio::spawn({
         let turns = Arc::clone(&turns);
@@ -253,7 +253,7 @@ async fn a_stop_that_a_newcomer_has_sent_already_halts_before_anything_is_waited
     std::io::Write::write_all(&mut client, STOP.as_bytes()).unwrap();
     let newcomer = listener.accept().await.unwrap();
     let before = house.door.handle.epoch();
-    let mut conversation = Box::pin(converse(newcomer, Arc::new(line(&house, 8))));
+    let mut conversation = Box::pin(converse(newcomer, Arc::new(context(&house, 8))));
     let once = std::future::poll_fn(|cx| std::task::Poll::Ready(conversation.as_mut().poll(cx).is_pending()));
     assert!(once.await);
     assert!(house.door.handle.epoch() > before);

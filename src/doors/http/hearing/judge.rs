@@ -8,7 +8,7 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 
 use crate::access::Need;
 use crate::doors::http::Door;
-use crate::doors::http::by::{IDEMPOTENCY_KEY, command_id};
+use crate::doors::http::command_sender::{IDEMPOTENCY_KEY, command_id};
 use crate::doors::http::gate::{Peer, allowed, by_path, issuer};
 use crate::doors::http::guard::{Hosts, is_foreign};
 use crate::doors::http::places::Claim;

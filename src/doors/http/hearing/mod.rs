@@ -5,16 +5,16 @@
 //!   client ─► connection: read, decrypt ─► scanning ─► judge ─► Handle (halts)
 //!                  │ a pipe of PIPE bytes                │ what became of it, by the request's number
 //!                  ▼                                     ▼
-//!              talk: hyper ─► routes ─► gate ─► handler of the same request ─► answer ─► client
+//!   connection_task: hyper ─► routes ─► gate ─► handler of the same request ─► answer ─► client
 //! ```
 
 mod connection;
+mod connection_task;
+mod context;
 mod judge;
-mod line;
 mod stop_search;
-mod talk;
 
 #[cfg(test)]
 pub(super) use connection::AHEAD;
-pub(super) use line::{Line, converse};
-pub(super) use talk::{Arrived, Pressed};
+pub(super) use connection_task::{Arrived, Pressed};
+pub(super) use context::{ServerContext, converse};

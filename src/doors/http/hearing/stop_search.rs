@@ -25,7 +25,6 @@ pub(super) struct StopSearch {
 
 /// What has come to its end.
 pub(super) enum Heard {
-    /// A head.
     Head(Asked),
     /// The body of the request whose head was heard last.
     Body,

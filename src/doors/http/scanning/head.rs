@@ -76,7 +76,7 @@ pub(super) struct HeadReader {
     after_cr: bool,
     /// Nothing of this line has come.
     is_new_line: bool,
-    line: Line,
+    line: HeaderLine,
     /// The last `Transfer-Encoding`, and whether it ends in `chunked`.
     is_chunked: Option<bool>,
     length: Option<u64>,
@@ -84,7 +84,7 @@ pub(super) struct HeadReader {
 
 /// A header's line, as far as it is kept.
 #[derive(Debug, Default)]
-struct Line {
+struct HeaderLine {
     name: Vec<u8>,
     value: Vec<u8>,
     what: Option<Named>,
@@ -117,7 +117,7 @@ impl HeadReader {
             part: Part::Method,
             after_cr: false,
             is_new_line: true,
-            line: Line::default(),
+            line: HeaderLine::default(),
             is_chunked: None,
             length: None,
         }
@@ -236,7 +236,7 @@ impl HeadReader {
             }
             Some(Named::Upgrade) => self.head.wants_upgrade = true,
         }
-        self.line = Line::default();
+        self.line = HeaderLine::default();
     }
 
     fn keep_pair(&mut self) {

@@ -7,12 +7,12 @@ use std::thread;
 use rusqlite::TransactionBehavior;
 
 use super::super::archive::SqliteArchive;
-use super::super::desk::Desk;
 use super::super::fault::Fault;
 use super::super::folder::Folder;
 use super::super::marker::Marker;
 use super::super::pages::Pages;
 use super::super::writer::{Hand, Patience, Writer, watch};
+use super::super::writer_status::WriterStatus;
 use super::super::{Opened, QUEUE, Reading, SqliteStore, connect, look, marker, recall, rows};
 use super::testing::*;
 use crate::runtime::store::Store;
@@ -93,25 +93,26 @@ fn a_full_queue_is_a_failure_and_not_a_wait() {
 fn what_finds_no_place_in_the_queue_is_lost() {
     let scratch = Scratch::new();
     let folder = Folder::new(&scratch.data());
-    let desk = Arc::new(Desk::new(Marker::new(&folder), Seq(0), None));
+    let status = Arc::new(WriterStatus::new(Marker::new(&folder), Seq(0), None));
     let ((pages, _untaken), done) = (mpsc::sync_channel(1), mpsc::channel().1);
-    let mut store = SqliteStore { folder, desk: Arc::clone(&desk), pages: Some(pages), ends: Vec::new(), done, patience: HASTE };
+    let mut store =
+        SqliteStore { folder, status: Arc::clone(&status), pages: Some(pages), ends: Vec::new(), done, patience: HASTE };
     store.record(page(1, begin(1)), 0);
-    assert!(!desk.is_failing());
+    assert!(!status.is_failing());
     store.record(page(5, vec![wall(1, 1)]), 0);
-    assert!(desk.is_failing());
+    assert!(status.is_failing());
 }
 
 /// Safety R3: the last page for which there was no room is said to be lost when everything before it has been written.
 #[test]
 fn a_loss_that_is_said_when_nothing_is_left_to_write_is_gone_on_from() {
     let scratch = Scratch::new();
-    let (opened, desk) = store_at(&Folder::new(&scratch.data()));
+    let (opened, status) = store_at(&Folder::new(&scratch.data()));
     let mut scribe = Scribe::new(opened);
     scribe.keep(begin(1));
     // Most times the writer is waiting by then.
     for losses in 1..=20 {
-        desk.overflow("the disk does not keep up".to_owned());
+        status.overflow("the disk does not keep up".to_owned());
         scribe.until(|word| word.losses == losses && word.failure.is_none());
         scribe.keep(vec![wall(3, 3)]);
     }
@@ -122,21 +123,21 @@ fn a_loss_that_is_said_when_nothing_is_left_to_write_is_gone_on_from() {
 fn pages_that_are_dropped_during_a_failure_are_one_more_loss() {
     let scratch = Scratch::new();
     drop(scratch.open());
-    let desk = Arc::new(Desk::new(Marker::new(&Folder::new(&scratch.data())), Seq(0), None));
+    let status = Arc::new(WriterStatus::new(Marker::new(&Folder::new(&scratch.data())), Seq(0), None));
     let heard = || {
-        let word = desk.word().borrow().clone();
+        let word = status.word().borrow().clone();
         (word.losses, word.failure.is_some())
     };
-    desk.fail(desk.begin(), "the disk is full");
+    status.fail(status.begin(), "the disk is full");
     assert_eq!(heard(), (1, true));
     for _ in 0..3 {
-        desk.overflow("the disk does not keep up".to_owned());
+        status.overflow("the disk does not keep up".to_owned());
     }
     assert_eq!(heard(), (1, true), "the failure that stands is one loss");
-    desk.recover();
+    status.recover();
     assert_eq!(heard(), (2, false));
-    desk.fail(desk.begin(), "the disk is full");
-    desk.recover();
+    status.fail(status.begin(), "the disk is full");
+    status.recover();
     assert_eq!(heard(), (3, false), "nothing was dropped this time");
 }
 
@@ -169,7 +170,7 @@ fn a_disk_that_hangs_is_not_waited_for() {
 fn what_is_handed_over_after_a_disk_hung_is_kept() {
     let scratch = Scratch::new();
     let folder = Folder::new(&scratch.data());
-    let (opened, desk) = store_at(&folder);
+    let (opened, status) = store_at(&folder);
     let mut scribe = Scribe::new(opened);
     scribe.keep(begin(1));
     let mut other = connect::writer(&folder).unwrap();
@@ -177,8 +178,8 @@ fn what_is_handed_over_after_a_disk_hung_is_kept() {
     scribe.hand(vec![found(1, None), verdict(1, Verdict::Safe)]);
     let (end, ended) = mpsc::channel();
     let failed = thread::scope(|scope| {
-        let (desk, folder) = (&desk, &folder);
-        scope.spawn(move || watch(desk, folder, &ended, HURRY));
+        let (status, folder) = (&status, &folder);
+        scope.spawn(move || watch(status, folder, &ended, HURRY));
         let failed = scribe.until(|word| word.losses == 1);
         drop(end);
         failed
@@ -203,22 +204,22 @@ fn a_journal_that_another_program_keeps_locked_is_said_at_the_start() {
     assert!(failure.as_ref().is_some_and(|words| words.contains("another program keeps the journal")), "{failure:?}");
 }
 
-/// A new store whose own watchman never gives up, and its desk, at which another one can look.
-fn store_at(folder: &Folder) -> (Opened, Arc<Desk>) {
+/// A new store whose own watchman never gives up, and its status, at which another one can look.
+fn store_at(folder: &Folder) -> (Opened, Arc<WriterStatus>) {
     let (hand, recalled, failure) = look(folder).unwrap();
-    let desk = Arc::new(Desk::new(Marker::new(folder), Seq(0), None));
-    let store = Box::new(SqliteStore::start(folder, Arc::clone(&desk), hand, Seq(0), HASTE).unwrap());
-    (Opened { store, archive: Arc::new(SqliteArchive::new(folder.clone())), recalled, failure }, desk)
+    let status = Arc::new(WriterStatus::new(Marker::new(folder), Seq(0), None));
+    let store = Box::new(SqliteStore::start(folder, Arc::clone(&status), hand, Seq(0), HASTE).unwrap());
+    (Opened { store, archive: Arc::new(SqliteArchive::new(folder.clone())), recalled, failure }, status)
 }
 
 /// A writer that is moved by hand.
-fn writer(scratch: &Scratch) -> (Writer, Arc<Desk>) {
+fn writer(scratch: &Scratch) -> (Writer, Arc<WriterStatus>) {
     let folder = Folder::new(&scratch.data());
     let journal = Pages::open(&folder, None, Seq(0), None).unwrap();
-    let desk = Arc::new(Desk::new(Marker::new(&folder), Seq(0), None));
+    let status = Arc::new(WriterStatus::new(Marker::new(&folder), Seq(0), None));
     let (pages, ended) = (mpsc::sync_channel(1).1, mpsc::channel().1);
     let hand = Hand::Writing(journal);
-    (Writer { folder, desk: Arc::clone(&desk), pages, ended, hand, kept: Seq(0), bulk: 0, patience: HASTE }, desk)
+    (Writer { folder, status: Arc::clone(&status), pages, ended, hand, kept: Seq(0), bulk: 0, patience: HASTE }, status)
 }
 
 fn page(first: u64, facts: Vec<Fact>) -> Page {
@@ -226,24 +227,24 @@ fn page(first: u64, facts: Vec<Fact>) -> Page {
 }
 
 /// The same, with five entries kept: a mission, and a piece that waits for its verdict.
-fn asking_writer(scratch: &Scratch) -> (Writer, Arc<Desk>) {
-    let (mut writer, desk) = writer(scratch);
-    let losses = desk.begin();
+fn asking_writer(scratch: &Scratch) -> (Writer, Arc<WriterStatus>) {
+    let (mut writer, status) = writer(scratch);
+    let losses = status.begin();
     writer.write(&[page(1, [begin(1), vec![found(1, Some(photo("bag")))]].concat())], losses).unwrap();
     writer.conclude(Ok(()), losses, Seq(5));
-    (writer, desk)
+    (writer, status)
 }
 
 /// Safety V3: a verdict that was answered "not kept" does not stand, although the disk had it before anybody knew.
 #[test]
 fn what_was_given_up_while_the_disk_hung_is_taken_back() {
     let scratch = Scratch::new();
-    let (mut writer, desk) = asking_writer(&scratch);
-    assert_eq!(desk.word().borrow().kept, Seq(5));
+    let (mut writer, status) = asking_writer(&scratch);
+    assert_eq!(status.word().borrow().kept, Seq(5));
 
-    let losses = desk.begin();
+    let losses = status.begin();
     let written = writer.write(&[page(6, vec![verdict(1, Verdict::Safe)])], losses);
-    desk.give_up(desk.at_work().unwrap(), "the disk does not answer");
+    status.give_up(status.at_work().unwrap(), "the disk does not answer");
     let standing = || recalled(&scratch.data()).unwrap().unwrap();
     let reader = connect::reader(&Folder::new(&scratch.data())).unwrap().expect("there is a journal");
     assert_eq!(rows::last_up_to(&reader.connection, None).unwrap(), Seq(6), "the disk has it");
@@ -252,7 +253,7 @@ fn what_was_given_up_while_the_disk_hung_is_taken_back() {
     writer.conclude(written, losses, Seq(6));
     assert_eq!(standing().written, Seq(5));
     assert!(standing().standing.luggage[&LuggageId(1)].is_pending());
-    let word = desk.word().borrow().clone();
+    let word = status.word().borrow().clone();
     assert_eq!((word.kept, word.losses, word.failure), (Seq(5), 1, None));
     assert_eq!(notes(&scratch), Vec::<String>::new());
 }
@@ -261,12 +262,12 @@ fn what_was_given_up_while_the_disk_hung_is_taken_back() {
 #[test]
 fn a_mission_whose_beginning_was_lost_is_not_under_way() {
     let scratch = Scratch::new();
-    let (mut writer, desk) = writer(&scratch);
-    let losses = desk.begin();
+    let (mut writer, status) = writer(&scratch);
+    let losses = status.begin();
     let written = writer.write(&[page(1, begin(1))], losses);
-    desk.give_up(desk.at_work().unwrap(), "the disk does not answer");
+    status.give_up(status.at_work().unwrap(), "the disk does not answer");
     writer.conclude(written, losses, Seq(4));
-    writer.write(&[page(5, vec![command(None)])], desk.begin()).unwrap();
+    writer.write(&[page(5, vec![command(None)])], status.begin()).unwrap();
     let mut missions = Vec::new();
     let reading = Reading::open(&scratch.data()).unwrap();
     reading
@@ -283,11 +284,11 @@ fn a_mission_whose_beginning_was_lost_is_not_under_way() {
 #[test]
 fn what_a_failed_commit_left_in_the_log_is_gone_when_the_loss_is_said() {
     let scratch = Scratch::new();
-    let (mut writer, desk) = asking_writer(&scratch);
-    let losses = desk.begin();
+    let (mut writer, status) = asking_writer(&scratch);
+    let losses = status.begin();
     writer.write(&[page(6, vec![verdict(1, Verdict::Safe)])], losses).unwrap();
     writer.conclude(Err(Fault::File(std::io::ErrorKind::Other.into())), losses, Seq(6));
-    assert!(desk.word().borrow().failure.is_some());
+    assert!(status.word().borrow().failure.is_some());
     let reader = connect::reader(&Folder::new(&scratch.data())).unwrap().expect("there is a journal");
     assert_eq!(rows::last_up_to(&reader.connection, None).unwrap(), Seq(5));
 }
@@ -297,9 +298,9 @@ fn what_a_failed_commit_left_in_the_log_is_gone_when_the_loss_is_said() {
 fn a_journal_that_was_taken_away_or_is_damaged_is_not_written_to_again() {
     for fault in [Fault::TakenAway("journal.db"), Fault::Damaged("a page of it".to_owned())] {
         let scratch = Scratch::new();
-        let (mut writer, desk) = asking_writer(&scratch);
-        writer.conclude(Err(fault), desk.begin(), Seq(6));
-        let again = writer.write(&[page(6, vec![wall(1, 1)])], desk.begin());
+        let (mut writer, status) = asking_writer(&scratch);
+        writer.conclude(Err(fault), status.begin(), Seq(6));
+        let again = writer.write(&[page(6, vec![wall(1, 1)])], status.begin());
         assert!(matches!(again, Err(Fault::Unwritable)), "{again:?}");
     }
 }
@@ -308,10 +309,10 @@ fn a_journal_that_was_taken_away_or_is_damaged_is_not_written_to_again() {
 #[test]
 fn what_was_given_up_stays_lost_when_the_program_is_killed_then() {
     let scratch = Scratch::new();
-    let (mut writer, desk) = asking_writer(&scratch);
-    let losses = desk.begin();
+    let (mut writer, status) = asking_writer(&scratch);
+    let losses = status.begin();
     writer.write(&[page(6, vec![verdict(1, Verdict::Safe)])], losses).unwrap();
-    desk.give_up(desk.at_work().unwrap(), "the disk does not answer");
+    status.give_up(status.at_work().unwrap(), "the disk does not answer");
     // Nobody concludes any more, and the disk has the verdict.
     drop(writer);
     for _ in 0..2 {
@@ -355,7 +356,7 @@ fn a_marker_is_put_down_and_cleared() {
     assert_eq!(marker::read(&Folder::new(&scratch.data())).unwrap(), Some(Seq(3)));
     marker.clear().unwrap();
     assert_eq!(marker::read(&Folder::new(&scratch.data())).unwrap(), None);
-    std::fs::write(Folder::new(&scratch.data()).marker(), "everything after entry 12").unwrap();
+    std::fs::write(Folder::new(&scratch.data()).marker().path(), "everything after entry 12").unwrap();
     let damaged = marker::read(&Folder::new(&scratch.data()));
     assert!(matches!(damaged, Err(Fault::Unusable("journal.lost", _))), "{damaged:?}");
 }
@@ -364,9 +365,9 @@ fn a_marker_is_put_down_and_cleared() {
 #[test]
 fn what_was_given_up_before_the_last_step_is_not_written() {
     let scratch = Scratch::new();
-    let (mut writer, desk) = writer(&scratch);
-    let losses = desk.begin();
-    desk.give_up(desk.at_work().unwrap(), "the disk does not answer");
+    let (mut writer, status) = writer(&scratch);
+    let losses = status.begin();
+    status.give_up(status.at_work().unwrap(), "the disk does not answer");
     let page = Page { first: Seq(1), entries: vec![at_noon(wall(1, 1))] };
     assert!(writer.write(&[page], losses).is_err());
     assert_eq!(recalled(&scratch.data()).unwrap(), None);

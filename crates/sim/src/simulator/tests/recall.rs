@@ -1,5 +1,5 @@
 //! Tests of a simulated robot that goes on after its program has died: at any moment, any number of times.
-//! How its memory is written is tested beside `diary`.
+//! How its memory is written is tested beside `state_file`.
 
 use super::*;
 

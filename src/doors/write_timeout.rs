@@ -12,19 +12,18 @@ use tokio::time::{Sleep, sleep};
 /// A reader that takes nothing for this long is gone.
 const STALL: Duration = Duration::from_secs(15);
 
-/// A stream with patience.
-pub(super) struct Patient<S> {
+/// A stream whose writes time out.
+pub(super) struct WriteTimeoutStream<S> {
     stream: S,
     stalled: Option<Pin<Box<Sleep>>>,
 }
 
-impl<S> Patient<S> {
-    /// Patience with this stream.
-    pub(super) const fn new(stream: S) -> Patient<S> {
-        Patient { stream, stalled: None }
+impl<S> WriteTimeoutStream<S> {
+    pub(super) const fn new(stream: S) -> WriteTimeoutStream<S> {
+        WriteTimeoutStream { stream, stalled: None }
     }
 
-    /// Passes on what a write came to, and starts, keeps or stops the patience accordingly.
+    /// Passes on what a write came to, and starts, keeps or stops the time accordingly.
     fn bounded<T>(&mut self, cx: &mut Context<'_>, written: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
         if written.is_ready() {
             self.stalled = None;
@@ -35,13 +34,13 @@ impl<S> Patient<S> {
     }
 }
 
-impl<S: AsyncRead + Unpin> AsyncRead for Patient<S> {
+impl<S: AsyncRead + Unpin> AsyncRead for WriteTimeoutStream<S> {
     fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
         Pin::new(&mut self.stream).poll_read(cx, buf)
     }
 }
 
-impl<S: AsyncWrite + Unpin> AsyncWrite for Patient<S> {
+impl<S: AsyncWrite + Unpin> AsyncWrite for WriteTimeoutStream<S> {
     fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
         let written = Pin::new(&mut self.stream).poll_write(cx, bytes);
         self.bounded(cx, written)

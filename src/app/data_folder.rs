@@ -6,22 +6,21 @@ use std::sync::Arc;
 
 use super::AppError;
 use crate::config::Settings;
-use crate::robots::sim::{Diary, DiaryError};
+use crate::robots::sim::{SimStateFile, StateFileError};
 use crate::runtime::archive::Archive;
 use crate::runtime::store::Store;
-use crate::storage::memory::Memory;
-use crate::storage::sqlite;
+use crate::storage::sqlite::{self, MemoryStore};
 use crate::storage::stops::Stops;
 use hallsweep_core::engine::Recalled;
 use hallsweep_core::units::Epoch;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_sim::{Hall, Sim, SimMemory, SimSettings};
 
-/// What became of looking for the robot's diary.
-type Found = Result<(Diary, Option<SimMemory>), DiaryError>;
+/// What became of looking for the robot's state file.
+type Found = Result<(SimStateFile, Option<SimMemory>), StateFileError>;
 
 /// Where everything is kept, and what was there.
-pub(super) struct Kept {
+pub(super) struct DataFolder {
     pub(super) store: Box<dyn Store>,
     pub(super) archive: Arc<dyn Archive>,
     pub(super) recalled: Option<Recalled>,
@@ -33,25 +32,35 @@ pub(super) struct Kept {
     is_unread: bool,
     /// Why nobody knows where the robot is.
     lost: Option<String>,
-    diary: Option<Diary>,
+    state_file: Option<SimStateFile>,
     memory: Option<SimMemory>,
 }
 
-impl Kept {
+impl DataFolder {
     /// Opens the folder of the settings. A file of it that cannot be read or written is no error: the store says so, and the robot
     /// is held (safety R5): so also when the keys cannot be had, which is said by `keys`. A folder in use, or a mission in another
     /// hall, is one.
-    pub(super) fn open(settings: &Settings, hall: &Hall, keys: Option<String>) -> Result<Kept, AppError> {
-        let Some(folder) = &settings.store else { return Ok(Kept::nowhere()) };
-        let found = Diary::open(folder, hall);
-        let lost = found.as_ref().err().filter(|error| !matches!(error, DiaryError::OtherHall { .. })).map(ToString::to_string);
+    pub(super) fn open(settings: &Settings, hall: &Hall, keys: Option<String>) -> Result<DataFolder, AppError> {
+        let Some(folder) = &settings.store else { return Ok(DataFolder::nowhere()) };
+        let found = SimStateFile::open(folder, hall);
+        let lost =
+            found.as_ref().err().filter(|error| !matches!(error, StateFileError::OtherHall { .. })).map(ToString::to_string);
         let beside: Vec<String> = [lost.clone(), Stops::unusable(folder), keys].into_iter().flatten().collect();
         let beside = (!beside.is_empty()).then(|| beside.join("; and "));
         let sqlite::Opened { store, archive, recalled, failure } = sqlite::open(folder, beside)?;
         let is_unread = failure.is_some() && recalled.is_none();
         let recalled = recalled.map(|recalled| without_lost_photos(recalled, &*archive));
-        let mut kept =
-            Kept { store, archive, recalled, elsewhere: false, stops: None, is_unread, lost, diary: None, memory: None };
+        let mut kept = DataFolder {
+            store,
+            archive,
+            recalled,
+            elsewhere: false,
+            stops: None,
+            is_unread,
+            lost,
+            state_file: None,
+            memory: None,
+        };
         kept.find_robot(found, folder, hall)?;
         kept.stops = Some(Stops::open(folder));
         Ok(kept)
@@ -79,11 +88,11 @@ impl Kept {
         ))
     }
 
-    /// The robot where it was left, and the diary in which it goes on writing.
+    /// The robot where it was left, and the state file in which it goes on writing.
     ///
     /// # Errors
     /// Why nobody knows where it is.
-    pub(super) fn robot(&mut self, hall: Arc<Hall>, sim: SimSettings) -> Result<(Sim, Option<Diary>), String> {
+    pub(super) fn robot(&mut self, hall: Arc<Hall>, sim: SimSettings) -> Result<(Sim, Option<SimStateFile>), String> {
         if let Some(lost) = self.lost.take() {
             return Err(lost);
         }
@@ -91,41 +100,40 @@ impl Kept {
             Some(memory) => Sim::remembering(hall, sim, memory),
             None => Sim::new(hall, sim),
         };
-        Ok((robot, self.diary.take()))
+        Ok((robot, self.state_file.take()))
     }
 
-    fn nowhere() -> Kept {
-        let memory = Memory::new();
-        let archive = Arc::new(memory.clone());
-        Kept {
-            store: Box::new(memory),
-            archive,
+    fn nowhere() -> DataFolder {
+        let store = MemoryStore::new();
+        DataFolder {
+            archive: store.archive(),
+            store: Box::new(store),
             recalled: None,
             elsewhere: false,
             stops: None,
             is_unread: false,
             lost: None,
-            diary: None,
+            state_file: None,
             memory: None,
         }
     }
 
     fn find_robot(&mut self, found: Found, folder: &Path, hall: &Hall) -> Result<(), AppError> {
-        let (diary, memory) = match found {
+        let (state_file, memory) = match found {
             Ok(opened) => opened,
             // What nobody could read may be a mission in that hall: its robot is not forgotten.
-            Err(DiaryError::OtherHall { .. }) if self.is_unread => return Ok(()),
-            Err(DiaryError::OtherHall { .. }) if !self.is_on_a_mission() => {
+            Err(StateFileError::OtherHall { .. }) if self.is_unread => return Ok(()),
+            Err(StateFileError::OtherHall { .. }) if !self.is_on_a_mission() => {
                 self.elsewhere = true;
-                (Diary::begin_anew(folder, hall), None)
+                (SimStateFile::begin_anew(folder, hall), None)
             }
-            Err(DiaryError::OtherHall { remembered, .. }) => {
+            Err(StateFileError::OtherHall { remembered, .. }) => {
                 return Err(AppError::OtherHall { folder: PathBuf::from(folder), remembered, given: hall.name().to_owned() });
             }
             // It is `lost`.
             Err(_) => return Ok(()),
         };
-        (self.diary, self.memory) = (Some(diary), memory);
+        (self.state_file, self.memory) = (Some(state_file), memory);
         Ok(())
     }
 

@@ -23,12 +23,12 @@ use tokio::sync::{Notify, watch};
 use tokio::task::JoinSet;
 
 use super::connection::{HEADER_BYTES, HEADER_TIME};
+use super::context::ServerContext;
 use super::judge::Given;
-use super::line::Line;
 use crate::doors::http::gate::Peer;
 use crate::doors::http::places::Place;
 use crate::doors::http::watcher::closed;
-use crate::doors::patience::Patient;
+use crate::doors::write_timeout::WriteTimeoutStream;
 use hallsweep_core::units::Epoch;
 
 /// So much waits between hearing and hyper, in bytes.
@@ -52,7 +52,7 @@ pub(in crate::doors::http) struct Pressed {
 #[derive(Clone, Copy)]
 pub(in crate::doors::http) struct Arrived(pub(in crate::doors::http) Epoch);
 
-/// What hearing and talking tell each other.
+/// What the thread that hears and the task that answers tell each other.
 pub(super) struct Shared {
     presses: Mutex<BTreeMap<u64, Given>>,
     /// From which request on they came in which epoch.
@@ -63,8 +63,8 @@ pub(super) struct Shared {
     is_endless: watch::Sender<bool>,
 }
 
-/// A conversation on another runtime; it ends when this is dropped.
-pub(super) struct Talk {
+/// The task that answers a connection, on another runtime; it ends when this is dropped.
+pub(super) struct ConnectionTask {
     /// Where the bytes go that were heard; nothing when no more do.
     pub(super) to: Option<DuplexStream>,
     /// Closed when nothing more can be answered; nothing is ever sent.
@@ -152,25 +152,31 @@ impl Shared {
     }
 }
 
-impl Talk {
-    /// Begins to talk, where the routes are carried out.
-    pub(super) fn begin<W>(to: W, (peer, place): (Peer, &Arc<Place>), line: &Arc<Line>, shared: &Arc<Shared>) -> Talk
+impl ConnectionTask {
+    /// Begins, on the runtime where the routes are carried out.
+    pub(super) fn begin<W>(
+        to: W,
+        (peer, place): (Peer, &Arc<Place>),
+        context: &Arc<ServerContext>,
+        shared: &Arc<Shared>,
+    ) -> ConnectionTask
     where
         W: AsyncWrite + Unpin + Send + 'static,
     {
         let (ours, theirs) = tokio::io::duplex(PIPE);
         let (held, over) = watch::channel(());
         let gone = Arc::new(Notify::new());
-        let wire = Wire { from: theirs, to: Patient::new(to), gone: Arc::clone(&gone), is_gone: false, _held: held };
+        let transport =
+            Transport { from: theirs, to: WriteTimeoutStream::new(to), gone: Arc::clone(&gone), is_gone: false, _held: held };
         let mut task = JoinSet::new();
-        task.spawn_on(talk(wire, (peer, Arc::clone(place)), Arc::clone(line), Arc::clone(shared), gone), &line.work);
-        Talk { to: Some(ours), over, task }
+        task.spawn_on(run(transport, (peer, Arc::clone(place)), Arc::clone(context), Arc::clone(shared), gone), &context.work);
+        ConnectionTask { to: Some(ours), over, task }
     }
 
     /// Says that nothing more comes than these, and waits until everything is answered. Whoever looks on and hangs up is taken to be
     /// gone.
     pub(super) async fn ended(self, shared: &Shared, rest: &[u8]) {
-        let Talk { to, over: _over, mut task } = self;
+        let ConnectionTask { to, over: _over, mut task } = self;
         let mut is_endless = shared.is_endless.subscribe();
         let answered = async {
             if let Some(mut to) = to {
@@ -197,12 +203,17 @@ pub(super) async fn put(to: &mut Option<DuplexStream>, bytes: &mut BytesMut) {
     }
 }
 
-async fn talk<W>(wire: Wire<W>, (peer, place): (Peer, Arc<Place>), line: Arc<Line>, shared: Arc<Shared>, gone: Arc<Notify>)
-where
+async fn run<W>(
+    transport: Transport<W>,
+    (peer, place): (Peer, Arc<Place>),
+    context: Arc<ServerContext>,
+    shared: Arc<Shared>,
+    gone: Arc<Notify>,
+) where
     W: AsyncWrite + Unpin + Send + 'static,
 {
-    let mut closing = line.closing.clone();
-    let routes = TowerToHyperService::new(line.router.clone());
+    let mut closing = context.closing.clone();
+    let routes = TowerToHyperService::new(context.router.clone());
     let numbers = AtomicU64::new(0);
     let service = service_fn(|mut request: Request<Incoming>| {
         let number = numbers.fetch_add(1, Ordering::Relaxed);
@@ -233,9 +244,9 @@ where
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(HEADER_TIME);
     // The guard says the date. hyper looks at the clock behind every head all the same, and panics before 1970:
-    // hearing begins no talk then.
+    // no task is begun then.
     http.max_header_size(HEADER_BYTES).max_buf_size(HEADER_BYTES).half_close(true).auto_date_header(false);
-    let connection = http.serve_connection(TokioIo::new(wire), service).with_upgrades();
+    let connection = http.serve_connection(TokioIo::new(transport), service).with_upgrades();
     tokio::pin!(connection);
     let late = async {
         gone.notified().await;
@@ -296,15 +307,15 @@ impl hyper::body::Body for Answer {
 }
 
 /// What was heard, and the way back to the client. When it is gone, answers are taken and forgotten.
-struct Wire<W> {
+struct Transport<W> {
     from: DuplexStream,
-    to: Patient<W>,
+    to: WriteTimeoutStream<W>,
     gone: Arc<Notify>,
     is_gone: bool,
     _held: watch::Sender<()>,
 }
 
-impl<W> Wire<W> {
+impl<W> Transport<W> {
     fn forgiven<T>(&mut self, written: Poll<io::Result<T>>, instead: T) -> Poll<io::Result<T>> {
         let Poll::Ready(Err(error)) = written else { return written };
         tracing::debug!(%error, "a client was gone before its answer");
@@ -314,13 +325,13 @@ impl<W> Wire<W> {
     }
 }
 
-impl<W: Unpin> AsyncRead for Wire<W> {
+impl<W: Unpin> AsyncRead for Transport<W> {
     fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
         Pin::new(&mut self.from).poll_read(cx, buf)
     }
 }
 
-impl<W: AsyncWrite + Unpin> AsyncWrite for Wire<W> {
+impl<W: AsyncWrite + Unpin> AsyncWrite for Transport<W> {
     fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
         if self.is_gone {
             return Poll::Ready(Ok(bytes.len()));

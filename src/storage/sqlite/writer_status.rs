@@ -1,5 +1,5 @@
-//! What store, writer and watchman know together: the store's word, and whether the writer is at work. Every change of the word
-//! is made here, under one lock, so that nothing is ever said to be both kept and lost.
+//! What store, writer and watchman know together: what the store says of the pages it was given (its `StoreStatus`), and whether the
+//! writer is at work. Every change of the former is made here, under one lock, so that nothing is ever said to be both kept and lost.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -13,7 +13,7 @@ use hallsweep_core::units::Seq;
 
 /// The word and the work.
 #[derive(Debug)]
-pub(super) struct Desk {
+pub(super) struct WriterStatus {
     word: watch::Sender<StoreStatus>,
     work: Mutex<Work>,
     marker: Marker,
@@ -31,11 +31,11 @@ struct Work {
     overflowed: bool,
 }
 
-impl Desk {
+impl WriterStatus {
     /// Before anything was handed over. What cannot be written from the start counts as a loss, so that nobody waits for it.
-    pub(super) fn new(marker: Marker, kept: Seq, failure: Option<&str>) -> Desk {
+    pub(super) fn new(marker: Marker, kept: Seq, failure: Option<&str>) -> WriterStatus {
         let word = StoreStatus { kept, failure: failure.map(Arc::from), losses: u64::from(failure.is_some()) };
-        Desk { word: watch::Sender::new(word), work: Mutex::default(), marker }
+        WriterStatus { word: watch::Sender::new(word), work: Mutex::default(), marker }
     }
 
     /// The word as it is and will be. Whoever listens hears the first one too.
@@ -97,7 +97,7 @@ impl Desk {
 
     /// What was handed over cannot be taken. Only the first time is a loss: until the failure ends the rest is counted as one.
     /// Never waits: it is announced in a moment.
-    pub(super) fn overflow(self: &Arc<Desk>, words: String) {
+    pub(super) fn overflow(self: &Arc<WriterStatus>, words: String) {
         let mut work = self.work();
         if self.fails(&work) {
             work.overflowed = true;
@@ -105,8 +105,8 @@ impl Desk {
         }
         work.losing = true;
         drop(work);
-        let (desk, said) = (Arc::clone(self), words.clone());
-        let announced = thread::Builder::new().name("journal-loss".to_owned()).spawn(move || desk.announce(&said, true));
+        let (status, said) = (Arc::clone(self), words.clone());
+        let announced = thread::Builder::new().name("journal-loss".to_owned()).spawn(move || status.announce(&said, true));
         if announced.is_err() {
             self.announce(&words, false);
         }
@@ -193,22 +193,22 @@ mod tests {
     /// Safety V3: between the decision that something is lost and the announcement.
     #[test]
     fn while_a_loss_is_being_put_down_nothing_is_kept_and_nothing_is_well_again() {
-        let desk = Desk::new(Marker::new(&Folder::new(Path::new("nowhere"))), Seq(5), None);
-        let losses = desk.begin();
-        desk.work().losing = true;
-        assert!(!desk.wants(losses) && !desk.keep(losses, Seq(6)));
-        assert_eq!(desk.word().borrow().kept, Seq(5));
-        assert!(desk.is_failing() && !desk.is_announced());
+        let status = WriterStatus::new(Marker::new(&Folder::new(Path::new("nowhere"))), Seq(5), None);
+        let losses = status.begin();
+        status.work().losing = true;
+        assert!(!status.wants(losses) && !status.keep(losses, Seq(6)));
+        assert_eq!(status.word().borrow().kept, Seq(5));
+        assert!(status.is_failing() && !status.is_announced());
     }
 
     /// Safety R3: the watchman may have looked a moment ago.
     #[test]
     fn a_batch_that_is_over_is_not_given_up_in_place_of_the_next() {
-        let desk = Desk::new(Marker::new(&Folder::new(Path::new("nowhere"))), Seq(0), None);
-        assert!(desk.keep(desk.begin(), Seq(1)));
-        let before = desk.at_work();
-        let losses = desk.begin();
-        desk.give_up(1, "the disk does not answer");
-        assert_eq!((before, desk.losses(), desk.keep(losses, Seq(2))), (None, 0, true));
+        let status = WriterStatus::new(Marker::new(&Folder::new(Path::new("nowhere"))), Seq(0), None);
+        assert!(status.keep(status.begin(), Seq(1)));
+        let before = status.at_work();
+        let losses = status.begin();
+        status.give_up(1, "the disk does not answer");
+        assert_eq!((before, status.losses(), status.keep(losses, Seq(2))), (None, 0, true));
     }
 }

@@ -19,8 +19,8 @@ use hallsweep_core::units::Epoch;
 /// The header in which a command's own name comes.
 pub(super) const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempotency-key");
 
-/// A door, and who stands in it.
-pub(super) struct By {
+/// Who sent a request, at which door, and what came with it that counts for any command.
+pub(super) struct CommandSender {
     pub(super) door: Door,
     pub(super) caller: Caller,
     peer: Peer,
@@ -29,19 +29,19 @@ pub(super) struct By {
     id: Result<Option<CommandId>, Problem>,
 }
 
-impl FromRequestParts<Door> for By {
+impl FromRequestParts<Door> for CommandSender {
     type Rejection = Problem;
 
-    async fn from_request_parts(parts: &mut Parts, door: &Door) -> Result<By, Problem> {
+    async fn from_request_parts(parts: &mut Parts, door: &Door) -> Result<CommandSender, Problem> {
         let LetIn(caller) = LetIn::from_request_parts(parts, door).await?;
         let peer = Peer::from_request_parts(parts, door).await?;
         let pressed = parts.extensions.remove();
         let arrived = parts.extensions.get().map(|Arrived(epoch)| *epoch);
-        Ok(By { door: door.clone(), caller, peer, pressed, arrived, id: command_id(&parts.headers) })
+        Ok(CommandSender { door: door.clone(), caller, peer, pressed, arrived, id: command_id(&parts.headers) })
     }
 }
 
-impl By {
+impl CommandSender {
     /// Whether a STOP was heard in this request, whatever else it says.
     pub(super) fn has_pressed_stop(&self) -> bool {
         self.pressed.as_ref().is_some_and(Pressed::is_there)
@@ -49,12 +49,12 @@ impl By {
 
     /// Gives a command and waits for its answer. Whatever route it came by, all but STOP asks for an operator; and nothing that
     /// is wrong with a STOP keeps it from halting the robot.
-    pub(super) async fn give(&self, by: command::Door, command: Command, epoch: Option<Epoch>) -> Result<Done, Problem> {
+    pub(super) async fn give(&self, door: command::Door, command: Command, epoch: Option<Epoch>) -> Result<Done, Problem> {
         let is_stop = command == Command::Stop;
         if let Some(given) = self.pressed.as_ref().filter(|_| is_stop).and_then(Pressed::take) {
             return Ok(given.await?);
         }
-        let issuer = issuer(&self.caller, by, self.peer);
+        let issuer = issuer(&self.caller, door, self.peer);
         if let Err(refused) = allowed(&self.caller, if is_stop { Need::Stop } else { Need::Act }) {
             self.door.note_refused(issuer, in_words(&command), refused.clone()).await;
             return Err(Problem::refused(&refused, None));

@@ -29,7 +29,7 @@ const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
 const FIRST_WORDS: usize = 1024;
 
 /// What every connection has in common.
-pub(in crate::doors::http) struct Line {
+pub(in crate::doors::http) struct ServerContext {
     pub(in crate::doors::http) door: Door,
     pub(in crate::doors::http) hosts: Hosts,
     pub(in crate::doors::http) router: Router,
@@ -43,7 +43,7 @@ pub(in crate::doors::http) struct Line {
     pub(in crate::doors::http) closing: watch::Receiver<bool>,
 }
 
-impl Line {
+impl ServerContext {
     /// Cuts some connections when the system has no more descriptors, and says how many: first of those that get no further answer,
     /// last of those that may be about to say STOP.
     pub(in crate::doors::http) fn relieve(&self) -> usize {
@@ -59,10 +59,10 @@ impl Line {
 }
 
 /// One connection, to its end or until its place is needed. What a client does wrong with it is the client's business.
-pub(in crate::doors::http) async fn converse((stream, address): (TcpStream, SocketAddr), line: Arc<Line>) {
-    let peer = Peer { address: address.ip(), is_encrypted: line.tls.is_some() };
+pub(in crate::doors::http) async fn converse((stream, address): (TcpStream, SocketAddr), context: Arc<ServerContext>) {
+    let peer = Peer { address: address.ip(), is_encrypted: context.tls.is_some() };
     let cut = Arc::new(Notify::new());
-    let waiting = line.vestibule.enter(peer.address, Arc::clone(&cut));
+    let waiting = context.vestibule.enter(peer.address, Arc::clone(&cut));
     let has_to_go = async {
         cut.notified().await;
         // What has come already is heard before room is made: it is asked for while others have their turn.
@@ -70,26 +70,26 @@ pub(in crate::doors::http) async fn converse((stream, address): (TcpStream, Sock
     };
     tokio::select! {
         biased;
-        () = encrypted(stream, peer, (waiting, Arc::clone(&cut)), line) => {}
+        () = encrypted(stream, peer, (waiting, Arc::clone(&cut)), context) => {}
         () = has_to_go => tracing::debug!("a connection gave way to a newer one"),
     }
 }
 
 /// Agrees on encryption, where there is any, and then hears.
-async fn encrypted(stream: TcpStream, peer: Peer, waiting: (Waiting, Arc<Notify>), line: Arc<Line>) {
+async fn encrypted(stream: TcpStream, peer: Peer, waiting: (Waiting, Arc<Notify>), context: Arc<ServerContext>) {
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "small packets of a connection will be held back");
     }
-    let Some(Tls(acceptor)) = line.tls.clone() else {
+    let Some(Tls(acceptor)) = context.tls.clone() else {
         let said = first_words(&stream);
         let (from, to) = stream.into_split();
-        return Connection::new(from, to, peer, waiting, line).hear(said).await;
+        return Connection::new(from, to, peer, waiting, context).hear(said).await;
     };
     // Boxed, since most connections have none of this.
     match timeout(HANDSHAKE_TIME, Box::pin(acceptor.accept(stream))).await {
         Ok(Ok(stream)) => {
             let (from, to) = tokio::io::split(stream);
-            Box::pin(Connection::new(from, to, peer, waiting, line).hear(BytesMut::new())).await;
+            Box::pin(Connection::new(from, to, peer, waiting, context).hear(BytesMut::new())).await;
         }
         Ok(Err(error)) => tracing::debug!(%error, "a client could not agree on encryption"),
         Err(_) => tracing::debug!("a client did not agree on encryption in time"),

@@ -1,0 +1,109 @@
+//! Keeps what the simulated robot must not forget in one small file of the data folder, so that the hall is as it was left when
+//! the program comes back. What is kept stands in `memory`, how it is written in `hallsweep_sim::page`; when, `link` decides.
+//!
+//! It plays physics, so it costs as little as it can: 1 KiB written in place for each order begun or ended. That is in the
+//! system's hands at once and outlives `kill -9`; only a power cut may take the last seconds of it, as nothing is forced to the
+//! disk. What must outlive that is in the journal.
+
+use std::io;
+use std::path::Path;
+
+use crate::storage::files;
+use crate::storage::small_file::SmallFile;
+use hallsweep_sim::Hall;
+use hallsweep_sim::SimMemory;
+
+mod error;
+
+pub use error::StateFileError;
+use hallsweep_sim::page::{self, Page, Unread, Whose};
+
+/// The name of the file in the data folder.
+const FILE: &str = "simulated-robot.txt";
+
+/// The memory of a simulated robot in a folder.
+#[derive(Debug)]
+pub struct SimStateFile {
+    file: SmallFile,
+    whose: Whose,
+    /// Counts the writings.
+    turn: u64,
+    /// Whether the file must be made anew.
+    anew: bool,
+    /// What could not be written and has still to be.
+    owed: Option<SimMemory>,
+}
+
+impl SimStateFile {
+    /// The state file in the folder `dir` and what it remembers of this hall; nothing when there is no file yet. Nothing is written.
+    ///
+    /// # Errors
+    /// A file that cannot be read or understood, or is of another hall. It stays as it is.
+    pub fn open(dir: &Path, hall: &Hall) -> Result<(SimStateFile, Option<SimMemory>), StateFileError> {
+        let mut state_file = SimStateFile::begin_anew(dir, hall);
+        let path = || state_file.file.path().to_owned();
+        let Some(bytes) = state_file.file.read(page::SIZE).map_err(|error| StateFileError::Unreadable { path: path(), error })?
+        else {
+            let unfinished = state_file.file.unfinished();
+            return match files::check_plain(&unfinished) {
+                Ok(()) => Ok((state_file, None)),
+                Err(error) => Err(StateFileError::Unreadable { path: unfinished, error }),
+            };
+        };
+        let Page { whose, turn, memory } = page::read(&bytes).map_err(|unread| match unread {
+            Unread::Version(found) => StateFileError::OtherVersion { path: path(), found },
+            Unread::Damaged(fault) => StateFileError::Damaged { path: path(), fault },
+        })?;
+        if !whose.is_same(&state_file.whose) {
+            let (remembered, given) = (whose.hall, state_file.whose.hall.clone());
+            return Err(StateFileError::OtherHall { path: path(), remembered, given });
+        }
+        if !memory.fits(hall) {
+            let fault = "it says that the robot stands where it cannot be".to_owned();
+            return Err(StateFileError::Damaged { path: path(), fault });
+        }
+        (state_file.turn, state_file.anew) = (turn, false);
+        Ok((state_file, Some(memory)))
+    }
+
+    /// A state file for a robot that is put down anew in this hall. The first writing takes the place of whatever file there is, so
+    /// it is for a folder without one, or when the robot is meant to leave the hall it was in.
+    #[must_use]
+    pub fn begin_anew(dir: &Path, hall: &Hall) -> SimStateFile {
+        SimStateFile { file: SmallFile::within(dir, FILE), whose: Whose::of(hall), turn: 0, anew: true, owed: None }
+    }
+
+    /// Writes down a memory. When that fails, the simulation goes on all the same: the log says so once, and the memory stays
+    /// owed until this, or a later one, is written.
+    pub fn keep(&mut self, memory: SimMemory) {
+        let written = self.write(&memory);
+        let failing = "cannot keep where the simulated robot stands: make room, or the folder writable; it is tried again";
+        self.file.say(&written, failing, "where the simulated robot stands is kept again");
+        self.owed = written.as_ref().is_err().then_some(memory);
+        // A file that somebody has taken away is made again.
+        self.anew |= written.is_err_and(|error| error.kind() == io::ErrorKind::NotFound);
+    }
+
+    /// What could not be written yet.
+    #[must_use]
+    pub const fn owed(&self) -> Option<SimMemory> {
+        self.owed
+    }
+
+    fn write(&mut self, memory: &SimMemory) -> io::Result<()> {
+        if self.anew {
+            self.file.make(&page::whole(&self.whose, self.turn, memory))?;
+            self.anew = false;
+            return Ok(());
+        }
+        let turn = self.turn.wrapping_add(1);
+        self.file.write_at(page::place(turn), &page::slot(turn, memory))?;
+        self.turn = turn;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+pub(super) use tests::Folder;

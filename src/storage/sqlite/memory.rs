@@ -1,0 +1,189 @@
+//! The store in memory: the journal of `schema` in a database of SQLite's own without a file, written and read by the same code as
+//! the one on disk. What it is given is kept at once, and gone with the program; nothing touches a disk. It is bounded instead, so
+//! that a robot may search for weeks.
+
+use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use rusqlite::{Connection, OptionalExtension, params};
+use tokio::sync::watch;
+
+use super::archive::SqliteArchive;
+use super::fault::{Fault, Then, whole};
+use super::photos::Pictures;
+use super::{connect, pages, recall, schema};
+use crate::api::journal;
+use crate::runtime::archive::{Archive, Sound};
+use crate::runtime::store::{Store, StoreStatus};
+use hallsweep_core::effect::{Fact, Page};
+use hallsweep_core::state::PersistentState;
+use hallsweep_core::units::{MissionId, Seq};
+
+/// How many entries are kept: some missions of a large hall. More than the core lets come between two of those that say everything
+/// that stands, so that what stands can always be folded from them.
+pub(super) const ENTRIES: u64 = 16_384;
+
+/// How many pieces have a photo that is kept: more than a hall holds, at some 100 KB each.
+pub(super) const PHOTOS: u64 = 256;
+
+/// How many luggage records are kept: more than a busy year's, at about 400 bytes each.
+const RECORDS: u64 = 16_384;
+
+/// How many missions are kept, the present one included: a year's on a quiet airport, at some 100 KB for the map of each.
+const MISSIONS: u64 = 256;
+
+/// What a journal in memory has beside the tables of `schema`: the photos, for which there is no folder, and what stood at the end
+/// of each mission, whose entries may be gone.
+const TABLES: &str = "
+    CREATE TABLE pictures (digest TEXT PRIMARY KEY, content BLOB NOT NULL) STRICT;
+    CREATE TABLE ended (mission INTEGER PRIMARY KEY, standing TEXT NOT NULL) STRICT;";
+
+/// What gives way behind the bounds when something new was found or has begun.
+const GIVES_WAY: &str = "
+    UPDATE luggage SET photo = NULL WHERE photo IS NOT NULL
+        AND id <= (SELECT id FROM luggage WHERE photo IS NOT NULL ORDER BY id DESC LIMIT 1 OFFSET {PHOTOS});
+    DELETE FROM luggage WHERE id <= (SELECT id FROM luggage ORDER BY id DESC LIMIT 1 OFFSET {RECORDS});
+    DELETE FROM photos WHERE digest NOT IN (SELECT photo FROM luggage WHERE photo IS NOT NULL);
+    DELETE FROM pictures WHERE digest NOT IN (SELECT digest FROM photos);
+    DELETE FROM missions WHERE id <= (SELECT id FROM missions ORDER BY id DESC LIMIT 1 OFFSET {MISSIONS});
+    DELETE FROM ended WHERE mission NOT IN (SELECT id FROM missions);";
+
+/// Journal and photos. The clones share them.
+#[derive(Clone, Debug)]
+pub struct MemoryStore {
+    pub(super) journal: Arc<MemoryJournal>,
+    word: watch::Sender<StoreStatus>,
+}
+
+/// The one connection there is to a database without a file.
+#[derive(Debug)]
+pub(super) struct MemoryJournal {
+    writing: Mutex<Writing>,
+    /// Held by whoever reads, so that whoever writes waits for one of them at most.
+    turn: Mutex<()>,
+}
+
+#[derive(Debug)]
+struct Writing {
+    connection: Connection,
+    /// The mission to which the next entry belongs.
+    under_way: Option<MissionId>,
+}
+
+impl Default for MemoryStore {
+    fn default() -> MemoryStore {
+        let connection = empty().expect("an empty database in memory takes the tables, which the tests have made in it");
+        let writing = Mutex::new(Writing { connection, under_way: None });
+        let journal = Arc::new(MemoryJournal { writing, turn: Mutex::default() });
+        MemoryStore { journal, word: watch::Sender::new(StoreStatus::default()) }
+    }
+}
+
+impl MemoryStore {
+    /// An empty store.
+    #[must_use]
+    pub fn new() -> MemoryStore {
+        MemoryStore::default()
+    }
+
+    /// Reads what is kept.
+    #[must_use]
+    pub fn archive(&self) -> Arc<dyn Archive> {
+        Arc::new(SqliteArchive::Memory(Arc::clone(&self.journal)))
+    }
+}
+
+impl Store for MemoryStore {
+    fn record(&mut self, page: Page, _losses: u64) {
+        if self.word.borrow().failure.is_some() {
+            return;
+        }
+        let kept = self.journal.writing().keep(&page);
+        self.word.send_modify(|word| match kept {
+            Ok(()) => word.kept = page.last(),
+            Err(fault) => {
+                word.failure = Some(Arc::from(fault.words(MemoryJournal::place(), Then::StartAgain)));
+                word.losses += 1;
+            }
+        });
+    }
+
+    fn word(&self) -> watch::Receiver<StoreStatus> {
+        self.word.subscribe()
+    }
+}
+
+impl MemoryJournal {
+    /// What is said in place of a folder's name.
+    pub(super) fn place() -> &'static Path {
+        Path::new("memory")
+    }
+
+    /// Asks the database.
+    pub(super) fn ask<T>(&self, question: impl FnOnce(&Connection) -> Result<T, Fault>) -> Result<T, Fault> {
+        let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
+        question(&self.writing().connection)
+    }
+
+    fn writing(&self) -> MutexGuard<'_, Writing> {
+        // Whoever panicked while writing left a transaction behind that was taken back.
+        self.writing.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Writing {
+    fn keep(&mut self, page: &Page) -> Result<(), Fault> {
+        let transaction = self.connection.transaction()?;
+        let under_way = pages::write(&transaction, Pictures::Table, page, self.under_way)?;
+        let (mut is_more, mut seq) = (false, page.first);
+        for entry in &page.entries {
+            if let Fact::MissionArchived(mission, _) = &entry.fact {
+                remember_end(&transaction, *mission, seq)?;
+            }
+            is_more |= matches!(entry.fact, Fact::Luggage { .. } | Fact::MissionBegan(..) | Fact::State(_));
+            seq = seq.next();
+        }
+        let oldest = page.last().0.saturating_sub(ENTRIES);
+        transaction.prepare_cached("DELETE FROM events WHERE seq <= ?1")?.execute([whole(oldest)?])?;
+        if is_more {
+            transaction.execute_batch(&gives_way())?;
+        }
+        transaction.commit()?;
+        self.under_way = under_way;
+        Ok(())
+    }
+}
+
+/// What stood at the end of a mission, where its entries may be gone; `None` on disk, and for one that has not ended.
+pub(super) fn standing_at_the_end(connection: &Connection, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Fault> {
+    let sql = "SELECT standing FROM ended WHERE mission = ?1";
+    let body: Option<String> = connection.prepare_cached(sql)?.query_row([whole(mission.0)?], |row| row.get(0)).optional()?;
+    let fact = body.map(|body| journal::read_body(&body)).transpose();
+    match fact.map_err(|why| Fault::Damaged(why.to_string()))? {
+        Some((Fact::State(standing), _)) => Ok(Some(Sound { of: *standing, damage: Vec::new() })),
+        _ => Ok(None),
+    }
+}
+
+fn remember_end(connection: &Connection, mission: MissionId, before: Seq) -> Result<(), Fault> {
+    let words = |fault: &Fault| fault.words_of_an_entry(MemoryJournal::place());
+    let standing = recall::standing_of(connection, mission, Some(before), words)?.of;
+    let body = journal::body(&Fact::State(Box::new(standing)), None);
+    connection.execute("INSERT OR REPLACE INTO ended VALUES (?1, ?2)", params![whole(mission.0)?, body])?;
+    Ok(())
+}
+
+fn gives_way() -> String {
+    let bounds = [("{PHOTOS}", PHOTOS), ("{RECORDS}", RECORDS), ("{MISSIONS}", MISSIONS)];
+    bounds.into_iter().fold(GIVES_WAY.to_owned(), |sql, (name, bound)| sql.replace(name, &bound.to_string()))
+}
+
+fn empty() -> Result<Connection, Fault> {
+    let mut connection = Connection::open_in_memory()?;
+    connection.set_prepared_statement_cache_capacity(connect::STATEMENTS);
+    // Nor is anything put into a file beside it while it sorts.
+    connection.pragma_update(None, "temp_store", "MEMORY")?;
+    schema::bring_up_to_date(&mut connection)?;
+    connection.execute_batch(TABLES)?;
+    Ok(connection)
+}

@@ -1,0 +1,143 @@
+//! The store in memory: what it gives back, and what gives way when there is too much.
+
+use std::sync::Arc;
+
+use rusqlite::Connection;
+
+use super::super::MemoryStore;
+use super::super::memory::{ENTRIES, PHOTOS};
+use super::super::rows::{self, Which};
+use crate::runtime::store::Store;
+use hallsweep_core::command::Verdict;
+use hallsweep_core::effect::{Entry, Fact, Page};
+use hallsweep_core::event::Photo;
+use hallsweep_core::explore::Strategy;
+use hallsweep_core::mission::Phase;
+use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
+use hallsweep_core::world::luggage::{Luggage, PhotoState};
+
+fn phase() -> Entry {
+    Entry { wall: WallTime::default(), fact: Fact::Phase(Phase::Exploring) }
+}
+
+fn luggage(id: u64, photo: Result<&str, &str>) -> Entry {
+    let photo = photo.map(|text| Photo { bytes: text.as_bytes().into(), media_type: "image/png" }).map_err(str::to_owned);
+    let (cell, pose, taken) = (Cell::new(0, 1), Pose::START, WallTime::default());
+    let state = PhotoState::after(None, &photo);
+    let record = Arc::new(Luggage { id: LuggageId(id), cell, pose, taken, photo: state, verdict: None, piece: None });
+    Entry { wall: taken, fact: Fact::Luggage { record, photo: photo.ok() } }
+}
+
+/// All entries there are, with their numbers.
+fn entries(memory: &MemoryStore) -> Vec<(Seq, Entry)> {
+    let mut entries = Vec::new();
+    let all = |connection: &Connection| {
+        rows::each(connection, Which::default(), |seq, line| {
+            entries.push((seq, line?.entry));
+            Ok(())
+        })
+    };
+    memory.journal.ask(all).expect("it is in memory");
+    entries
+}
+
+fn kept(memory: &MemoryStore) -> Seq {
+    memory.word().borrow().kept
+}
+
+fn record(memory: &mut MemoryStore, entries: impl IntoIterator<Item = Entry>) {
+    for entry in entries {
+        let next = kept(memory).next();
+        memory.record(Page { first: next, entries: vec![entry] }, 0);
+    }
+}
+
+#[test]
+fn what_is_recorded_is_kept_at_once() {
+    let mut memory = MemoryStore::new();
+    assert_eq!(kept(&memory), Seq(0));
+    record(&mut memory, [phase(), phase()]);
+    assert_eq!(kept(&memory), Seq(2));
+    assert_eq!(entries(&memory), [(Seq(1), phase()), (Seq(2), phase())]);
+}
+
+#[test]
+fn every_clone_sees_the_newest_photo_of_a_piece() {
+    let mut memory = MemoryStore::new();
+    let archive = memory.archive();
+    assert_eq!(archive.photo(LuggageId(1)), Ok(None));
+    record(&mut memory, [luggage(1, Ok("first")), luggage(2, Err("dark")), luggage(1, Ok("again"))]);
+    assert_eq!(archive.photo(LuggageId(1)).unwrap().map(|photo| photo.bytes), Some(b"again".as_slice().into()));
+    assert_eq!(archive.photo(LuggageId(2)), Ok(None), "a failed photo is none");
+}
+
+#[test]
+fn a_piece_is_found_with_its_verdict_whatever_mission_it_was_of() {
+    let mut memory = MemoryStore::new();
+    let verdict = Fact::Verdict { luggage: LuggageId(1), verdict: Verdict::Safe, who: "operator".into() };
+    record(&mut memory, [luggage(1, Ok("first")), Entry { wall: WallTime::default(), fact: verdict }, luggage(2, Err("dark"))]);
+    let first = memory.archive().luggage(LuggageId(1)).unwrap().expect("the first piece is kept");
+    assert_eq!((first.verdict_name(), first.has_photo()), ("safe", true));
+    assert_eq!(memory.archive().luggage(LuggageId(2)).unwrap().map(|record| record.has_photo()), Some(false));
+    assert_eq!(memory.archive().luggage(LuggageId(3)), Ok(None));
+}
+
+#[test]
+fn a_failed_retake_leaves_the_photo_there_was() {
+    let mut memory = MemoryStore::new();
+    record(&mut memory, [luggage(1, Ok("first")), luggage(1, Err("dark"))]);
+    assert!(memory.archive().photo(LuggageId(1)).unwrap().is_some());
+}
+
+#[test]
+fn the_oldest_entries_and_photos_give_way() {
+    let mut memory = MemoryStore::new();
+    let many = 2 * PHOTOS;
+    record(&mut memory, (1..=many).map(|id| luggage(id, Ok("photo"))));
+    assert_eq!(memory.archive().photo(LuggageId(many - PHOTOS)), Ok(None));
+    assert!(memory.archive().photo(LuggageId(many - PHOTOS + 1)).unwrap().is_some());
+    record(&mut memory, (0..ENTRIES).map(|_| phase()));
+    let entries = entries(&memory);
+    assert_eq!(entries.len() as u64, ENTRIES);
+    assert_eq!(entries.first().map(|(seq, _)| *seq), Some(Seq(many + 1)));
+}
+
+#[test]
+fn the_journal_does_not_hold_on_to_pixels() {
+    let mut memory = MemoryStore::new();
+    record(&mut memory, [luggage(1, Ok("photo"))]);
+    assert!(matches!(&entries(&memory)[..], [(Seq(1), Entry { fact: Fact::Luggage { photo: None, .. }, .. })]));
+}
+
+#[test]
+fn a_mission_that_is_over_is_read_as_it_ended() {
+    let mut memory = MemoryStore::new();
+    let at = |fact| Entry { wall: WallTime::default(), fact };
+    let mission = MissionId(1);
+    let began = vec![phase(), at(Fact::MissionBegan(mission, Strategy::Snail)), luggage(1, Ok("first"))];
+    memory.record(Page { first: Seq(1), entries: began }, 0);
+    let archived = Fact::MissionArchived(mission, vec![LuggageId(1)]);
+    memory.record(Page { first: Seq(4), entries: vec![at(Fact::Phase(Phase::Idle)), at(archived), phase()] }, 0);
+    let record = memory.archive().mission(mission).unwrap().expect("it was there");
+    assert_eq!((&*record.phase, record.luggage, record.archived.is_some()), ("exploring", 1, true));
+    assert_eq!(memory.archive().missions(None, 9).unwrap(), [record]);
+    assert_eq!(memory.archive().missions(Some(mission), 9).unwrap(), []);
+    let standing = memory.archive().standing(mission).unwrap().expect("it was there").of;
+    assert_eq!((standing.phase.clone(), standing.luggage.len()), (Phase::Exploring, 1));
+    let places: Vec<u64> = memory.archive().entries(mission, Seq(1), 9).unwrap().iter().map(|(seq, _)| seq.0).collect();
+    assert_eq!(places, [2, 3, 5]);
+}
+
+#[test]
+fn how_a_mission_ended_is_known_when_its_entries_have_given_way() {
+    let mut memory = MemoryStore::new();
+    let at = |fact| Entry { wall: WallTime::default(), fact };
+    let mission = MissionId(1);
+    record(&mut memory, [phase(), at(Fact::MissionBegan(mission, Strategy::Snail)), luggage(1, Ok("first"))]);
+    let archived = at(Fact::MissionArchived(mission, Vec::new()));
+    memory.record(Page { first: kept(&memory).next(), entries: vec![at(Fact::Phase(Phase::Idle)), archived] }, 0);
+    record(&mut memory, (0..ENTRIES).map(|_| at(Fact::Phase(Phase::Idle))));
+    assert_eq!(memory.archive().entries(mission, Seq(0), 9).unwrap(), []);
+    let standing = memory.archive().standing(mission).unwrap().expect("it was there").of;
+    assert_eq!((standing.phase.clone(), standing.luggage.len()), (Phase::Exploring, 1));
+}
