@@ -10,7 +10,7 @@ use crate::mission::{Hold, Input, PhaseName};
 
 /// The cells of one input.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Row {
+pub(in crate::mission) enum Row {
     /// The same in every phase.
     Everywhere(&'static [Rule]),
     /// What halts the robot: the same in every phase, but that a drive by hand ends with it.
@@ -26,7 +26,7 @@ pub(super) enum Row {
 
 /// The inputs whose meaning depends on the phase: the phases match these one by one.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum PhaseInput {
+pub(in crate::mission) enum PhaseInput {
     Start,
     BackHome,
     Retrieve,
@@ -96,7 +96,7 @@ macro_rules! raised {
 }
 
 /// The cells of this input.
-pub(super) const fn row(input: Input) -> Row {
+pub(in crate::mission) const fn row(input: Input) -> Row {
     use Row::{ByPhase, Everywhere, Halting};
     match input {
         Input::Stop => Halting { elsewhere: &[Go(Stay, &[Stop])], driving: &[Go(Interrupted, &[Stop])] },

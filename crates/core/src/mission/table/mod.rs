@@ -8,7 +8,7 @@ mod everywhere;
 mod search;
 mod shared;
 
-use self::everywhere::{Row, row};
+pub(super) use self::everywhere::{Row, row};
 use super::rule::Rule;
 use super::{Input, PhaseName};
 
