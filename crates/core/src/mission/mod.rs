@@ -16,4 +16,4 @@ pub use print::table_markdown;
 pub use rule::{Act, Case, Guard, Rule, To};
 pub use state::{Deciding, Goal, Mission, Recording};
 pub use table::rules;
-pub use words::in_words;
+pub use words::{from_words, in_words};
