@@ -11,7 +11,7 @@ WORKDIR /build
 COPY Cargo.toml Cargo.lock ./
 COPY benches ./benches
 # Named in Cargo.toml too, so cargo wants to see it.
-COPY tests/storm.rs ./tests/storm.rs
+COPY tests ./tests
 COPY config ./config
 COPY templates ./templates
 COPY static ./static

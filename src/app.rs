@@ -30,6 +30,7 @@ use crate::runtime::task::{Course, Task};
 use crate::runtime::threads::Thread;
 use crate::storage::stops;
 use hallsweep_core::engine::{Engine, Recalled};
+use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::Hold;
 use hallsweep_core::units::Epoch;
 use hallsweep_sim::{Camera, Hall, SimSettings, Speed};
@@ -225,7 +226,7 @@ async fn start(
         // The link stays down, and nobody is told that its adapter has ended.
         (None, None) => drop(on.spawn(async move { side.reports.closed().await })),
     }
-    let (handle, task) = Task::new(engine, link, kept.store, clock, halter.clone());
+    let (handle, task) = Task::new(engine, [(RobotId::discovery(), link)], kept.store, clock, halter.clone());
     (handle, threads.core.handle().spawn(task.run(course)))
 }
 

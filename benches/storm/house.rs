@@ -9,7 +9,7 @@ use hallsweep::app;
 use hallsweep::runtime::halt::Halts;
 use hallsweep::runtime::link::{RobotSide, Stamped};
 use hallsweep::{config, telemetry};
-use hallsweep_core::event::{Capabilities, RobotEvent};
+use hallsweep_core::event::{Capabilities, Parts, RobotEvent};
 
 use crate::clock::now;
 
@@ -56,7 +56,8 @@ struct Wheels {
 
 impl Wheels {
     async fn run(mut self) {
-        let mut report = RobotEvent::LinkUp(Capabilities { step: STEP, turn: STEP, photo: STEP, nudges: false });
+        let mut report =
+            RobotEvent::LinkUp(Capabilities { step: STEP, turn: STEP, photo: STEP, nudges: false, parts: Parts::ROUND_ROBOT });
         while self.side.reports.send(report).await.is_ok() {
             report = tokio::select! {
                 biased;

@@ -10,14 +10,9 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
+use coap_endpoint::limits::{AMPLIFICATION, ASSEMBLIES, BLOCK, EXCHANGE_LIFETIME, HEAD, OBSERVERS_OF_A_PEER, WAITING};
+use coap_endpoint::{Answer, Code, ETag, Endpoint, ExchangeId, Format, Request, Response};
 use coap_lite::{CoapOption, Packet};
-use hallsweep_fuzz::core::units::{Now, WallTime};
-use hallsweep_fuzz::inbound::coap::endpoint::code::Code;
-use hallsweep_fuzz::inbound::coap::endpoint::format::Format;
-use hallsweep_fuzz::inbound::coap::endpoint::limits::{AMPLIFICATION, ASSEMBLIES, BLOCK, EXCHANGE_LIFETIME, HEAD, OBSERVERS_OF_A_PEER, WAITING};
-use hallsweep_fuzz::inbound::coap::endpoint::request::Request;
-use hallsweep_fuzz::inbound::coap::endpoint::response::{Answer, Response, Tag};
-use hallsweep_fuzz::inbound::coap::endpoint::{Endpoint, ExchangeId};
 use libfuzzer_sys::fuzz_target;
 
 /// The peers: how many there are, and the one whose datagrams are counted.
@@ -73,7 +68,7 @@ struct Play {
 impl Play {
     fn new() -> Play {
         Play {
-            endpoint: Endpoint::new([7; 32]).with_stop(is_stop),
+            endpoint: Endpoint::new([7; 32]).started_at(Duration::from_secs(1_770_000_000)).with_urgent(is_urgent, "it took effect all the same"),
             now: Duration::from_secs(1000),
             waiting: Vec::new(),
             at_once: Some(0),
@@ -119,7 +114,7 @@ impl Play {
             self.stops.insert(datagram.to_vec(), self.now);
         }
         let before = self.pressed;
-        self.endpoint.handle_datagram(address(peer), datagram, self.clock());
+        self.endpoint.handle_datagram(address(peer), datagram, self.now);
         self.settle();
         let pressed = self.pressed - before;
         assert!(pressed <= 1, "one press is one STOP");
@@ -146,7 +141,7 @@ impl Play {
             let Some(due) = self.endpoint.poll_timeout().filter(|due| *due <= until) else { break };
             assert!(turn < TURNS, "it is never done: due at {due:?}, now {:?}", self.now);
             self.now = self.now.max(due);
-            self.endpoint.handle_timeout(self.clock());
+            self.endpoint.handle_timeout(self.now);
             assert!(self.endpoint.poll_timeout().is_none_or(|next| next > self.now), "what was due is done");
             self.settle();
         }
@@ -156,7 +151,7 @@ impl Play {
     fn answer_late(&mut self, how: u8) {
         if !self.waiting.is_empty() {
             let exchange = self.waiting.remove(usize::from(how >> 3) % self.waiting.len());
-            self.endpoint.handle_answer(exchange, answer(how, self.state), self.clock());
+            self.endpoint.handle_answer(exchange, answer(how, self.state), self.now);
         }
     }
 
@@ -164,7 +159,7 @@ impl Play {
     fn change(&mut self, how: u8) {
         self.state = self.state.wrapping_add(1);
         for (subject, _) in self.endpoint.subjects() {
-            self.endpoint.handle_change(subject, answer(how, self.state).observed, self.clock());
+            self.endpoint.handle_change(subject, answer(how, self.state).observed, self.now);
         }
         // Between the change and what follows from it anything may be asked of it.
         let _ = self.endpoint.poll_timeout();
@@ -173,10 +168,10 @@ impl Play {
     /// Answers what is to be answered at once, and looks at everything that goes out.
     fn settle(&mut self) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
-            self.pressed += usize::from(is_stop(&request));
+            self.pressed += usize::from(is_urgent(&request));
             assert!(request.payload.len() <= 16 * 1024, "no body is larger than a command may be");
             match self.at_once {
-                Some(how) => self.endpoint.handle_answer(exchange, answer(how, self.state), self.clock()),
+                Some(how) => self.endpoint.handle_answer(exchange, answer(how, self.state), self.now),
                 None => self.waiting.push(exchange),
             }
         }
@@ -208,16 +203,11 @@ impl Play {
         assert!(counts.assemblies <= ASSEMBLIES && counts.reliable <= PEERS * (WAITING + 1), "{counts:?}");
         assert!(counts.peers <= PEERS + 2, "two that were given ids, and one beyond with its network: {counts:?}");
     }
-
-    fn clock(&self) -> Now {
-        let unix_ms = 1_770_000_000_000 + i64::try_from(self.now.as_millis()).expect("hours, not ages");
-        Now { since_start: self.now, wall: WallTime { unix_ms, offset_s: 3600 } }
-    }
 }
 
 /// What the application takes for a STOP.
-fn is_stop(request: &Request) -> bool {
-    request.path == [STOP] && request.peer == address(HERE) && !request.method.only_looks()
+fn is_urgent(request: &Request) -> bool {
+    request.path == [STOP] && request.peer == address(HERE) && !request.method.is_safe()
 }
 
 /// Whether a datagram that the codec can read names it, and does not read on in an answer.
@@ -249,7 +239,7 @@ fn address(peer: usize) -> SocketAddr {
 /// An answer of one of eight kinds.
 fn answer(how: u8, state: u8) -> Answer {
     let body = |length: usize| vec![state; length];
-    let tagged = |length| Response { tag: Tag::new(&[b't', state]), ..Response::content(Format::JSON, body(length)) };
+    let tagged = |length| Response { tag: ETag::new(&[b't', state]), ..Response::content(Format::JSON, body(length)) };
     match how % 8 {
         0 => Answer::observable(tagged(usize::from(how))),
         1 => Answer::observable(tagged(100_000)),

@@ -34,6 +34,7 @@ pub(crate) fn idle() -> Snapshot {
             sonar_cm: None,
             led_blinking: false,
         },
+        robots: Arc::from([]),
         map: HallMap::new(Cell::HOME, Revision(1)),
         luggage: Arc::from([]),
         temperature: TemperatureView {

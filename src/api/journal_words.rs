@@ -44,6 +44,7 @@ fn said(fact: &Fact) -> String {
         Fact::Epoch(epoch) => format!("stopped: epoch {epoch}"),
         Fact::Goal(goal, _) => goal.map_or_else(|| "no goal".to_owned(), |goal| format!("goal {}", goal.cell())),
         Fact::Pose(pose) => format!("robot at {}, facing {}", pose.cell, pose.heading.name()),
+        Fact::RobotPose(robot, pose) => format!("{robot} at {}, facing {}", pose.cell, pose.heading.name()),
         Fact::Led(blinking) => format!("LED {}", if *blinking { "blinking" } else { "off" }),
         Fact::Obstacle(cell, kind) => format!("obstacle at {cell}, taken for {kind}"),
         Fact::Mark(cell, mark) => {

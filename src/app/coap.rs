@@ -8,7 +8,7 @@ use tokio::sync::watch;
 use tokio::task::JoinHandle;
 
 use super::AppError;
-use crate::doors::coap::{self, Resources, Socket, endpoint::Endpoint};
+use crate::doors::coap::{self, Resources, Socket};
 use crate::runtime::threads::Thread;
 use hallsweep_core::world::snapshot::Snapshot;
 
@@ -32,7 +32,7 @@ pub(super) fn open(
         };
         let mut ending = ending.clone();
         let shutdown = async move { drop(ending.wait_for(|ending| *ending).await) };
-        let door = coap::serve(socket, Endpoint::new(secret), resources(), states.clone(), shutdown);
+        let door = coap::serve(socket, secret, resources(), states.clone(), shutdown);
         let door = thread.handle().spawn(door);
         Ok(tokio::spawn(async {
             if door.await.is_err() {

@@ -9,7 +9,7 @@ use crate::runtime::link::RobotLink;
 use crate::runtime::store::Store;
 use hallsweep_core::effect::Effect;
 use hallsweep_core::engine::Engine;
-use hallsweep_core::event::{Event, RobotId};
+use hallsweep_core::event::Event;
 use hallsweep_core::units::Seq;
 
 /// So long the disk is waited for. After that the program serves all the same, without a diary: the next start tries again.
@@ -48,9 +48,9 @@ fn hand_over(engine: &mut Engine, store: &mut dyn Store, (link, halter): (&Robot
                 last = page.last();
                 store.record(page, losses);
             }
-            Effect::Halt(RobotId::Discovery) => halter.halt(),
-            Effect::Led(RobotId::Discovery, blinks) => drop(link.led.send_replace(blinks)),
-            Effect::Order(RobotId::Discovery, _) | Effect::Answer(..) => {}
+            Effect::Halt(_) => halter.halt(),
+            Effect::Led(_, blinks) => drop(link.led.send_replace(blinks)),
+            Effect::Order(..) | Effect::Answer(..) => {}
         }
     }
     last

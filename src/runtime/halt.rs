@@ -45,7 +45,7 @@ impl Halter {
         raised
     }
 
-    /// The core's halt, for whatever holds the robot: halts every robot now.
+    /// Halts every robot now, whatever holds them.
     pub fn halt(&self) {
         self.halts.send_modify(|halts| halts.count += 1);
     }
@@ -53,7 +53,7 @@ impl Halter {
     /// Where a writer, or the core's loop, learns of halts.
     #[must_use]
     pub fn watch(&self) -> HaltWatch {
-        HaltWatch(self.halts.subscribe())
+        HaltWatch { all: self.halts.subscribe(), own: None }
     }
 
     /// Says up to which epoch stops are written down where they outlive the program; `None` when they cannot be just now.
@@ -70,23 +70,45 @@ impl Halter {
     }
 }
 
-/// Sees halts as they are raised.
+/// Sees halts as they are raised: those of all robots, and of one robot alone those that the core raises for it.
 #[derive(Clone, Debug)]
-pub struct HaltWatch(watch::Receiver<Halts>);
+pub struct HaltWatch {
+    all: watch::Receiver<Halts>,
+    own: Option<watch::Receiver<u64>>,
+}
 
 impl HaltWatch {
+    /// The same for one robot, which is halted by this count too.
+    #[must_use]
+    pub fn of_one(self, own: watch::Receiver<u64>) -> HaltWatch {
+        HaltWatch { own: Some(own), ..self }
+    }
+
     /// The halts so far.
     #[must_use]
     pub fn now(&self) -> Halts {
-        *self.0.borrow()
+        let Halts { count, epoch } = *self.all.borrow();
+        Halts { count: count + self.own.as_ref().map_or(0, |own| *own.borrow()), epoch }
     }
 
     /// Waits until a halt is raised that was not yet seen here; never ends when nobody can raise one any more.
     pub async fn raised(&mut self) -> Halts {
-        if self.0.changed().await.is_err() {
-            std::future::pending::<()>().await;
+        let HaltWatch { all, own } = self;
+        tokio::select! {
+            biased;
+            () = changed(all) => {}
+            () = async { match own { Some(own) => changed(own).await, None => std::future::pending().await } } => {}
         }
-        *self.0.borrow_and_update()
+        // Both are seen: what comes from here on is news.
+        let Halts { count, epoch } = *all.borrow_and_update();
+        Halts { count: count + own.as_mut().map_or(0, |own| *own.borrow_and_update()), epoch }
+    }
+}
+
+/// Waits for a change; never ends when none can come any more.
+async fn changed<T>(watch: &mut watch::Receiver<T>) {
+    if watch.changed().await.is_err() {
+        std::future::pending::<()>().await;
     }
 }
 

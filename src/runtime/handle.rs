@@ -72,6 +72,12 @@ impl Handle {
         (Handle { commands, snapshots, halter, overflow }, out)
     }
 
+    /// What halts the robots, for tests that raise halts by hand.
+    #[cfg(test)]
+    pub(super) const fn halter(&self) -> &Halter {
+        &self.halter
+    }
+
     /// Gives a command: it is stamped and queued at the call, so that commands keep the order in which they were given, and a
     /// stop halts the robots whatever becomes of the future. The future is its answer; for a stop it ends when the robot stands and
     /// the stop is written down where it outlives the program, or a tenth of a second later (safety S4, S8). Only when the queue is full a command other

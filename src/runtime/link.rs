@@ -1,4 +1,4 @@
-//! The port to a robot. Every adapter, the simulated one too, holds one end. How an adapter speaks to its robot is its own
+//! The port to one robot. Every adapter, the simulated one too, holds one end. How an adapter speaks to its robot is its own
 //! business.
 //!
 //! ```text
@@ -38,6 +38,10 @@ pub struct RobotLink {
     pub led: watch::Sender<bool>,
     /// Reports from it.
     pub reports: mpsc::Receiver<RobotEvent>,
+    /// How often the core has halted this robot; `halts` counts them with those of all robots.
+    pub halt: watch::Sender<u64>,
+    /// The halts that concern this robot.
+    pub halts: HaltWatch,
 }
 
 /// The adapter's end of the link. The adapter halts whenever `halts` is raised and answers the order under way with `Halted`; an
@@ -54,11 +58,14 @@ pub struct RobotSide {
     pub halts: HaltWatch,
 }
 
-/// Both ends of a new link.
+/// Both ends of a new link, halted with all robots by `halts`.
 #[must_use]
 pub fn link(halts: HaltWatch) -> (RobotLink, RobotSide) {
     let (orders, orders_in) = mpsc::channel(ORDERS);
     let (led, led_in) = watch::channel(false);
     let (reports_out, reports) = mpsc::channel(REPORTS);
-    (RobotLink { orders, led, reports }, RobotSide { orders: orders_in, led: led_in, reports: reports_out, halts })
+    let (halt, own) = watch::channel(0);
+    let halts = halts.of_one(own);
+    let side = RobotSide { orders: orders_in, led: led_in, reports: reports_out, halts: halts.clone() };
+    (RobotLink { orders, led, reports, halt, halts }, side)
 }

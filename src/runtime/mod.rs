@@ -7,6 +7,7 @@ pub mod clock;
 pub mod halt;
 pub mod handle;
 pub mod link;
+mod links;
 #[cfg(test)]
 pub(crate) mod obedient;
 mod overflow;

@@ -9,7 +9,8 @@ use tokio::sync::{mpsc, oneshot, watch};
 use super::clock::Clock;
 use super::halt::{HaltWatch, Halter};
 use super::handle::{Answer, COMMANDS, Envelope, Handle};
-use super::link::{RobotLink, Stamped};
+use super::link::RobotLink;
+use super::links::Links;
 use super::overflow::{Counted, Overflow, OverflowOut};
 use super::store::{Store, StoreStatus};
 use hallsweep_core::command::{Command, Issuer, Refused, Request};
@@ -22,12 +23,11 @@ use hallsweep_core::world::snapshot::Snapshot;
 /// The loop, not yet running.
 pub struct Task {
     engine: Engine,
-    link: RobotLink,
+    links: Links,
     store: Box<dyn Store>,
     /// What the store says of the entries it was given.
     word: watch::Receiver<StoreStatus>,
     clock: Clock,
-    halter: Halter,
     halts: HaltWatch,
     /// The last stop of which the core was told.
     heard: Epoch,
@@ -42,8 +42,6 @@ pub struct Task {
     store_failed: bool,
     /// How often the store has lost something, as far as the core was told.
     losses: u64,
-    /// Whether the robot's end of the link is gone for good.
-    link_gone: bool,
     /// Whether the core was told that the program ends.
     is_ending: bool,
 }
@@ -60,20 +58,25 @@ pub struct Course {
 impl Task {
     /// A loop round an engine, and the handle by which doors reach it.
     #[must_use]
-    pub fn new(mut engine: Engine, link: RobotLink, store: Box<dyn Store>, clock: Clock, halter: Halter) -> (Handle, Task) {
+    pub fn new(
+        mut engine: Engine,
+        links: impl IntoIterator<Item = (RobotId, RobotLink)>,
+        store: Box<dyn Store>,
+        clock: Clock,
+        halter: Halter,
+    ) -> (Handle, Task) {
         let (commands_out, commands) = mpsc::channel(COMMANDS);
         let snapshots = watch::Sender::new(engine.snapshot());
         let halts = halter.watch();
-        let (handle, overflow) = Handle::with_overflow(commands_out, snapshots.subscribe(), halter.clone());
+        let (handle, overflow) = Handle::with_overflow(commands_out, snapshots.subscribe(), halter);
         let answers = BTreeMap::new();
         let word = store.word();
         let task = Task {
             engine,
-            link,
+            links: Links::new(links),
             store,
             word,
             clock,
-            halter,
             halts,
             heard: Epoch(0),
             commands,
@@ -83,7 +86,6 @@ impl Task {
             refusals: VecDeque::new(),
             store_failed: false,
             losses: 0,
-            link_gone: false,
             is_ending: false,
         };
         (handle, task)
@@ -109,7 +111,9 @@ impl Task {
                 Ok(()) = self.word.changed() => self.hear_store(),
                 // Before commands and reports: a steady flow of these must not keep a silent sensor from being noticed.
                 () = self.clock.reach(due) => self.engine.handle_timeout(self.clock.now()),
-                report = self.link.reports.recv(), if !self.link_gone => self.take_report(report),
+                (robot, report) = self.links.report() => {
+                    self.engine.handle_event(Event::Robot(robot, report), self.clock.now());
+                }
                 envelope = self.commands.recv() => match envelope {
                     Some(envelope) => self.take(envelope),
                     None => break,
@@ -134,14 +138,6 @@ impl Task {
                 self.take(envelope);
             }
         }
-    }
-
-    fn take_report(&mut self, report: Option<RobotEvent>) {
-        let report = report.unwrap_or_else(|| {
-            self.link_gone = true;
-            RobotEvent::LinkLost("the robot's adapter has ended".to_owned())
-        });
-        self.engine.handle_event(Event::Robot(RobotId::Discovery, report), self.clock.now());
     }
 
     /// Tells the core of stops, before anything that was given after them, and of what else found no room in the queue.
@@ -201,9 +197,9 @@ impl Task {
         loop {
             while let Some(effect) = self.engine.poll_effect() {
                 match effect {
-                    Effect::Order(RobotId::Discovery, order) => self.send(order),
-                    Effect::Halt(RobotId::Discovery) => self.halter.halt(),
-                    Effect::Led(RobotId::Discovery, blinks) => drop(self.link.led.send_replace(blinks)),
+                    Effect::Order(robot, order) => self.send(robot, order),
+                    Effect::Halt(robot) => self.links.halt(&robot),
+                    Effect::Led(robot, blinks) => self.links.light(&robot, blinks),
                     Effect::Record(page) => {
                         self.store.record(page, self.losses);
                         self.hear_store_at_once();
@@ -267,17 +263,18 @@ impl Task {
 
     /// Sends an order with the halts so far, unless a stop has been raised since it was given: then the core
     /// hears of the stop first, so that it does not give the order again.
-    fn send(&mut self, order: Order) {
-        let halts = self.halts.now();
+    fn send(&mut self, robot: RobotId, order: Order) {
+        // Count and epoch are of one moment: a stop between the two would let an order begin that is from before it.
+        let halts = self.links.halts(&robot);
         let answer = if order.epoch < halts.epoch && order.action.is_motion() {
             self.engine.handle_halt(halts.epoch, self.clock.now());
             RobotEvent::Halted(order.id, false)
+        } else if self.links.send(&robot, order, halts) {
+            return;
         } else {
-            let Err(error) = self.link.orders.try_send(Stamped { order, halts: halts.count }) else { return };
-            tracing::warn!(%error, "the robot's adapter does not take its orders");
             RobotEvent::Failed(order.id, "its adapter does not take orders".to_owned())
         };
-        self.engine.handle_event(Event::Robot(RobotId::Discovery, answer), self.clock.now());
+        self.engine.handle_event(Event::Robot(robot, answer), self.clock.now());
     }
 
     fn publish(&mut self) {

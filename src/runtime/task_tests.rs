@@ -5,11 +5,12 @@ use std::time::Duration;
 
 use super::*;
 use crate::runtime::handle::Given;
+use crate::runtime::link::Stamped;
 use crate::runtime::link::{RobotSide, link};
 use crate::runtime::within::within;
 use hallsweep_core::command::{Command, Door, Issuer, TemperatureReport};
 use hallsweep_core::effect::{Action, Fact, Page};
-use hallsweep_core::event::Capabilities;
+use hallsweep_core::event::{Capabilities, Parts, RobotId};
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{Epoch, Seq};
@@ -79,7 +80,7 @@ fn task_keeping(at_once: &Arc<AtomicBool>) -> (Handle, Task, RobotSide, watch::S
     let halter = Halter::new(Epoch(0));
     let (loop_side, robot_side) = link(halter.watch());
     let engine = Engine::new(Settings::default(), Default::default(), "test".into());
-    let (handle, task) = Task::new(engine, loop_side, Box::new(store), Clock::default(), halter);
+    let (handle, task) = Task::new(engine, [(RobotId::discovery(), loop_side)], Box::new(store), Clock::default(), halter);
     (handle, task, robot_side, word)
 }
 
@@ -91,7 +92,7 @@ async fn start((handle, task, robot): (Handle, Task, RobotSide)) -> (Handle, Rob
     let (course, coursed) = watch::channel(Course::default());
     tokio::spawn(task.run(coursed));
     let second = Duration::from_secs(1);
-    let can = Capabilities { step: second, turn: second, photo: second, nudges: false };
+    let can = Capabilities { step: second, turn: second, photo: second, nudges: false, parts: Parts::ROUND_ROBOT };
     robot.reports.send(RobotEvent::LinkUp(can)).await.unwrap();
     (handle, robot, course)
 }
@@ -153,14 +154,14 @@ async fn a_start_that_crosses_a_stop_begins_nothing_after_the_stop_was_answered(
 /// A stop that is raised while the loop is about to send an order: the loop comes to rest, and the robot gets nothing.
 #[tokio::test]
 async fn a_stop_between_an_order_and_its_sending_holds_the_robot() {
-    let (_handle, mut task, mut robot) = task();
+    let (handle, mut task, mut robot) = task();
     let second = Duration::from_secs(1);
-    let can = Capabilities { step: second, turn: second, photo: second, nudges: false };
-    task.take_report(Some(RobotEvent::LinkUp(can)));
+    let can = Capabilities { step: second, turn: second, photo: second, nudges: false, parts: Parts::ROUND_ROBOT };
+    task.engine.handle_event(Event::Robot(RobotId::discovery(), RobotEvent::LinkUp(can)), task.clock.now());
     task.settle();
     let start = task.engine.handle_command(request(Command::Start), task.clock.now());
     assert!(start.is_ok());
-    task.halter.stop();
+    handle.halter().stop();
     task.settle();
     assert!(robot.orders.try_recv().is_err());
     assert!(task.engine.snapshot().mission.holds.contains(&Hold::Operator));
@@ -242,7 +243,7 @@ async fn the_answer_to_a_stop_comes_although_the_robot_does_not_obey() {
 #[tokio::test(start_paused = true)]
 async fn the_answer_to_a_stop_waits_until_it_is_noted() {
     let (handle, task, robot) = task();
-    let halter = task.halter.clone();
+    let halter = handle.halter().clone();
     halter.note(Some(Epoch(0)));
     let (handle, _robot, _close) = start((handle, task, robot)).await;
     let mut stopping = Box::pin(give(&handle, Command::Stop));
@@ -255,9 +256,11 @@ async fn the_answer_to_a_stop_waits_until_it_is_noted() {
 #[tokio::test(start_paused = true)]
 async fn a_robot_and_a_disk_that_do_not_obey_cost_the_answer_a_tenth_of_a_second_together() {
     let (handle, mut task, mut robot) = task();
-    task.halter.note(Some(Epoch(0)));
+    handle.halter().note(Some(Epoch(0)));
     let second = Duration::from_secs(1);
-    task.take_report(Some(RobotEvent::LinkUp(Capabilities { step: second, turn: second, photo: second, nudges: false })));
+    let up =
+        RobotEvent::LinkUp(Capabilities { step: second, turn: second, photo: second, nudges: false, parts: Parts::ROUND_ROBOT });
+    task.engine.handle_event(Event::Robot(RobotId::discovery(), up), task.clock.now());
     let (handle, _close) = {
         let (course, coursed) = watch::channel(Course::default());
         tokio::spawn(task.run(coursed));
@@ -294,7 +297,7 @@ async fn stops_that_were_given_before_the_end_are_on_record() {
     let halter = Halter::new(Epoch(0));
     let (loop_side, _robot) = link(halter.watch());
     let engine = Engine::new(Settings::default(), Default::default(), "test".into());
-    let (handle, task) = Task::new(engine, loop_side, store, Clock::default(), halter);
+    let (handle, task) = Task::new(engine, [(RobotId::discovery(), loop_side)], store, Clock::default(), halter);
     (0..100).for_each(|_| drop(handle.give(request(Command::Stop))));
     drop(handle.give(request(Command::Start)));
     let (course, coursed) = watch::channel(Course::default());
@@ -341,14 +344,14 @@ async fn a_start_while_the_robot_halts_begins_when_it_stands() {
 /// A photo is no motion: one that was ordered before a stop goes out.
 #[tokio::test]
 async fn a_photo_that_was_ordered_before_a_stop_goes_out_and_a_step_does_not() {
-    let (_handle, mut task, mut robot) = task();
+    let (handle, mut task, mut robot) = task();
     let stamp = hallsweep_core::effect::Stamp { pose: hallsweep_core::units::Pose::START, wall: Default::default() };
     let order = |action| Order { id: Default::default(), action, epoch: Epoch(0), deadline: TENTH };
-    task.halter.stop();
-    task.send(order(Action::Photograph(stamp)));
+    handle.halter().stop();
+    task.send(RobotId::discovery(), order(Action::Photograph(stamp)));
     let Stamped { order: photo, halts } = robot.orders.try_recv().expect("the photo");
     assert_eq!((photo.action, halts), (Action::Photograph(stamp), robot.halts.now().count));
-    task.send(order(Action::Recentre));
+    task.send(RobotId::discovery(), order(Action::Recentre));
     assert!(robot.orders.try_recv().is_err());
 }
 

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::book::{Book, readable};
-use super::doors::{Application, CoapRequest, CoapResponse, Conditions, Format, Method, Reader, Resources, Said, Snapshot};
+use super::doors::{Application, CoapRequest, CoapResponse, Conditions, Format, Method, Reader, Reply, Resources, Snapshot};
 use super::house::House;
 
 /// Every format of this door, one that it has not among them.
@@ -35,8 +35,8 @@ impl Coap {
     /// Sends a request and waits for its answer; what an observer would be told stands behind it.
     pub(crate) async fn ask(&self, request: &CoapRequest) -> (bool, String) {
         let answer = match self.resources.answer(request) {
-            Said::Now(answer) => answer,
-            Said::Later(answer) => answer.await,
+            Reply::Now(answer) => answer,
+            Reply::Later(answer) => answer.await,
         };
         let first = Arc::clone(&answer.response);
         let watched: String = answer
@@ -81,7 +81,7 @@ impl Coap {
 
     /// Every path that discovery lists, with its formats; and those of single pieces.
     fn discovered(&self) -> Vec<(String, Vec<Format>)> {
-        let Said::Now(answer) = self.resources.answer(&request(Method::Get, "/.well-known/core", None, "")) else {
+        let Reply::Now(answer) = self.resources.answer(&request(Method::Get, "/.well-known/core", None, "")) else {
             panic!("discovery is answered at once");
         };
         let list = String::from_utf8_lossy(&answer.response.body).into_owned();

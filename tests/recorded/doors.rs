@@ -1,5 +1,6 @@
 //! Every name of the program that the recorder uses, in one place: where modules move or are renamed, only this file follows.
 
+pub(crate) use coap_endpoint::{Code, Conditions, Format, Method, Request as CoapRequest, Response as CoapResponse};
 pub(crate) use hallsweep::access::{Access, Caller, Key, Keyring, Keys, OPERATOR, Role, Token};
 pub(crate) use hallsweep::api::changes::ChangesJson;
 pub(crate) use hallsweep::api::journal::{self, Picture};
@@ -7,11 +8,7 @@ pub(crate) use hallsweep::api::map::MapJson;
 pub(crate) use hallsweep::api::problem::{ProblemJson, status_of};
 pub(crate) use hallsweep::api::state::{self, StateJson};
 pub(crate) use hallsweep::api::{cbor, concise_problem, journal_words, map_text, old_items, senml, text};
-pub(crate) use hallsweep::doors::coap::endpoint::code::{Code, Method};
-pub(crate) use hallsweep::doors::coap::endpoint::format::Format;
-pub(crate) use hallsweep::doors::coap::endpoint::request::{Conditions, Request as CoapRequest};
-pub(crate) use hallsweep::doors::coap::endpoint::response::Response as CoapResponse;
-pub(crate) use hallsweep::doors::coap::{Application, Resources, Said};
+pub(crate) use hallsweep::doors::coap::{Application, Reply, Resources};
 pub(crate) use hallsweep::doors::http::{Door, Hosts, coming_from, router};
 pub(crate) use hallsweep::doors::mqtt::news::News;
 pub(crate) use hallsweep::doors::mqtt::orders::{ANSWERS, Answer, Heard, Orders, Sender, Taken};

@@ -109,7 +109,7 @@ impl Scene {
             given(house, Command::Temperature(TemperatureReport::Ok));
         }
         if self == Scene::LinkLost {
-            house.happen(Event::Robot(RobotId::Discovery, RobotEvent::LinkLost("the cable is out".to_owned())));
+            house.happen(Event::Robot(RobotId::discovery(), RobotEvent::LinkLost("the cable is out".to_owned())));
         }
         if self == Scene::StoreFailed {
             house.happen(Event::StoreFailed("the disk is full".to_owned()));

@@ -6,7 +6,7 @@ use std::time::Duration;
 use hallsweep_core::command::{Accepted, Command, Door, Issuer, LuggageRef, Move, Refused, Request, Verdict};
 use hallsweep_core::effect::{Action, Effect, Entry, Fact, Order};
 use hallsweep_core::engine::Engine;
-use hallsweep_core::event::{Capabilities, Event, Obstacle, Photo, Piece, RobotEvent, RobotId};
+use hallsweep_core::event::{Capabilities, Event, Obstacle, Parts, Photo, Piece, RobotEvent, RobotId};
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{Cell, Epoch, LuggageId, Now, Seq, Ticket, WallTime};
@@ -84,7 +84,7 @@ impl Bare {
 
     pub(crate) fn link_up(&mut self) {
         let second = Duration::from_secs(1);
-        let can = Capabilities { step: second, turn: second, photo: second, nudges: false };
+        let can = Capabilities { step: second, turn: second, photo: second, nudges: false, parts: Parts::ROUND_ROBOT };
         self.robot(RobotEvent::LinkUp(can));
     }
 
@@ -116,7 +116,7 @@ impl Bare {
     }
 
     pub(crate) fn robot(&mut self, report: RobotEvent) {
-        self.event(Event::Robot(RobotId::Discovery, report));
+        self.event(Event::Robot(RobotId::discovery(), report));
     }
 
     pub(crate) fn give(&mut self, command: Command) -> Result<Ticket, Refused> {

@@ -30,3 +30,4 @@ mod seeds_luggage;
 mod seeds_suspensions;
 mod shown;
 mod table;
+mod two_robots;

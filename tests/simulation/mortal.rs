@@ -137,7 +137,7 @@ impl Mortal {
             } else if let Some((order, exposure)) = self.sim.take_exposure() {
                 self.sim.handle_photo(order, exposure.develop(), self.now);
             } else if let Some(report) = self.sim.poll_event() {
-                self.engine.handle_event(Event::Robot(RobotId::Discovery, report), self.now);
+                self.engine.handle_event(Event::Robot(RobotId::discovery(), report), self.now);
             } else {
                 return;
             }
@@ -146,9 +146,9 @@ impl Mortal {
 
     fn perform(&mut self, effect: Effect) {
         match effect {
-            Effect::Order(RobotId::Discovery, order) => self.sim.handle_order(order, self.now),
-            Effect::Halt(RobotId::Discovery) => self.sim.handle_halt(self.now),
-            Effect::Led(RobotId::Discovery, blinks) => self.sim.handle_led(blinks),
+            Effect::Order(_, order) => self.sim.handle_order(order, self.now),
+            Effect::Halt(_) => self.sim.handle_halt(self.now),
+            Effect::Led(_, blinks) => self.sim.handle_led(blinks),
             Effect::Record(page) => self.on_the_way.push_back(page),
             Effect::Answer(ticket, answer) => drop(self.answers.insert(ticket, answer)),
         }

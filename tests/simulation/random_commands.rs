@@ -117,7 +117,7 @@ pub(crate) fn from_outside(dice: &mut Stream, run: &mut Run) {
 }
 
 fn robot(report: RobotEvent) -> Event {
-    Event::Robot(RobotId::Discovery, report)
+    Event::Robot(RobotId::discovery(), report)
 }
 
 /// A refused command changes nothing but the log; an accepted start leaves no hold; a stop always holds; one from before the

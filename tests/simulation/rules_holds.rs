@@ -34,7 +34,7 @@ fn the_hold_ends_only_when_the_last_reading_of_every_source_permits() {
     run.reading(30.0).unwrap();
     let robot = |degrees| RobotEvent::Temperature(Celsius::new(degrees).unwrap());
     let now = run.now();
-    run.engine.handle_event(Event::Robot(RobotId::Discovery, robot(20.0)), now);
+    run.engine.handle_event(Event::Robot(RobotId::discovery(), robot(20.0)), now);
     assert_eq!(run.holds(), [Hold::Temperature]);
     run.reading(20.0).unwrap();
     assert!(run.holds().is_empty());
@@ -131,10 +131,10 @@ fn a_lost_link_holds_and_the_robot_is_recentred_before_it_goes_on() {
     let now = run.now();
     let can = run.sim.capabilities();
     run.sim.handle_halt(now);
-    run.engine.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::LinkLost("cable".to_owned())), now);
+    run.engine.handle_event(Event::Robot(RobotId::discovery(), RobotEvent::LinkLost("cable".to_owned())), now);
     assert_eq!(run.holds(), [Hold::RobotLink, Hold::AwaitingStart]);
     assert!(matches!(run.give(Command::Start), Err(Refused::Held(..))));
-    run.engine.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::LinkUp(can)), now);
+    run.engine.handle_event(Event::Robot(RobotId::discovery(), RobotEvent::LinkUp(can)), now);
     run.stands_still();
     run.give(Command::Start).unwrap();
     run.until_explored();

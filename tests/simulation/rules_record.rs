@@ -26,13 +26,13 @@ fn a_start_shows_nothing_before_it_is_on_record() {
     assert_eq!((state.mission.id, state.mission.phase, state.robot.led_blinking), (MissionId(0), PhaseName::Idle, false));
     assert_eq!((state.mission.goal, state.mission.route.len()), (None, 0));
     assert_eq!(state.log.len(), before.log.len(), "the log does not tell either");
-    assert!(!bare.effects.contains(&Effect::Led(RobotId::Discovery, true)), "nor does the LED");
+    assert!(!bare.effects.contains(&Effect::Led(RobotId::discovery(), true)), "nor does the LED");
     assert_eq!(bare.answer(ticket), None);
     bare.keep();
     let state = bare.state();
     assert_eq!((state.mission.id, state.mission.phase, state.robot.led_blinking), (MissionId(1), PhaseName::Exploring, true));
     assert!(state.log.iter().any(|line| line.text == "idle → exploring"));
-    assert!(bare.effects.contains(&Effect::Led(RobotId::Discovery, true)));
+    assert!(bare.effects.contains(&Effect::Led(RobotId::discovery(), true)));
     let answered = bare.answer(ticket).expect("it is on record").unwrap();
     assert!(answered.revision <= state.revision && answered.revision >= state.revision_of(Resource::Log));
 }

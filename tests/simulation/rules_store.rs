@@ -107,7 +107,7 @@ fn halts_come_before_the_records_of_what_halted() {
         bare.give(Command::Start).unwrap();
         bare.effects.clear();
         cause(&mut bare);
-        assert_eq!(bare.effects.first(), Some(&Effect::Halt(RobotId::Discovery)), "{name}");
+        assert_eq!(bare.effects.first(), Some(&Effect::Halt(RobotId::discovery())), "{name}");
     }
 }
 
@@ -127,6 +127,6 @@ fn an_order_that_has_not_gone_out_never_follows_a_halt() {
     bare.engine.handle_event(kept, now);
     bare.engine.handle_event(Event::StoreFailed("disk full".to_owned()), now);
     let effects: Vec<Effect> = std::iter::from_fn(|| bare.engine.poll_effect()).collect();
-    assert!(effects.contains(&Effect::Halt(RobotId::Discovery)));
+    assert!(effects.contains(&Effect::Halt(RobotId::discovery())));
     assert!(!effects.iter().any(|effect| matches!(effect, Effect::Order(..))));
 }

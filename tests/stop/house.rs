@@ -15,7 +15,6 @@ use tokio::net::TcpListener;
 use tokio::sync::{oneshot, watch};
 
 use hallsweep::access::Access;
-use hallsweep::doors::coap::endpoint::Endpoint;
 use hallsweep::doors::coap::{self, Resources, Socket};
 use hallsweep::doors::http::{self, Door, Front};
 use hallsweep::runtime::archive_reader::Reader;
@@ -26,7 +25,7 @@ use hallsweep::runtime::store::Store;
 use hallsweep::runtime::task::{Course, Task};
 use hallsweep::storage::memory::Memory;
 use hallsweep_core::engine::Engine;
-use hallsweep_core::event::{Capabilities, RobotEvent};
+use hallsweep_core::event::{Capabilities, Parts, RobotEvent, RobotId};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::Epoch;
 
@@ -67,7 +66,7 @@ impl House {
         let (clock, halter) = (Clock::default(), Halter::new(Epoch(0)));
         let (link, side) = link(halter.watch());
         let engine = Engine::new(Settings::default(), Default::default(), "stops".into());
-        let (handle, task) = Task::new(engine, link, store, clock, halter);
+        let (handle, task) = Task::new(engine, [(RobotId::discovery(), link)], store, clock, halter);
         let listener = TcpListener::bind("127.0.0.1:0").await.expect("this machine has a free port");
         let address = listener.local_addr().expect("a bound socket has an address");
         let (closing, closed) = watch::channel(false);
@@ -85,7 +84,7 @@ impl House {
         let watched = Arc::new(Watched { began, late, standing, on_halt: Box::new(on_halt) });
         let (course, coursed) = watch::channel(Course::default());
         tokio::spawn(task.run(coursed));
-        tokio::spawn(coap::serve(socket, Endpoint::new([7; 32]), resources, states, coap_ended));
+        tokio::spawn(coap::serve(socket, [7; 32], resources, states, coap_ended));
         tokio::spawn(Wheels { side, watched: Arc::clone(&watched) }.run());
         tokio::spawn(http::serve(listener.into(), door, Front::default(), async { drop(ended.await) }));
         House { address, coap, mqtt, watched, closing, course, _door: end }
@@ -107,7 +106,7 @@ struct Wheels {
 
 impl Wheels {
     async fn run(mut self) {
-        let can = Capabilities { step: STEP, turn: STEP, photo: STEP, nudges: false };
+        let can = Capabilities { step: STEP, turn: STEP, photo: STEP, nudges: false, parts: Parts::ROUND_ROBOT };
         let mut report = RobotEvent::LinkUp(can);
         while self.side.reports.send(report).await.is_ok() {
             report = tokio::select! {

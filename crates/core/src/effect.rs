@@ -145,8 +145,10 @@ pub enum Fact {
     Epoch(Epoch),
     /// The goal changed; how far the search has come.
     Goal(Option<Goal>, Search),
-    /// The robot stands at a pose.
+    /// The robot that searches stands at a pose.
     Pose(Pose),
+    /// Another robot stands at a pose.
+    RobotPose(RobotId, Pose),
     /// The LED begins or ends blinking.
     Led(bool),
     /// An obstacle was met; what it was taken for.

@@ -4,14 +4,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+pub use super::robots::{Parts, RobotId};
 use super::units::{Celsius, OrderId, Pose, Seq};
-
-/// Which robot is meant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum RobotId {
-    /// The robot that searches.
-    Discovery,
-}
 
 /// Something that happened outside the core.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,6 +74,8 @@ pub struct Capabilities {
     pub photo: Duration,
     /// Whether it has the small corrective turns.
     pub nudges: bool,
+    /// What it has.
+    pub parts: Parts,
 }
 
 /// What the robot takes an obstacle for (mission §3).

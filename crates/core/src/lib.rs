@@ -11,6 +11,7 @@ pub mod explore;
 pub mod mission;
 pub mod refused;
 pub mod rng;
+pub mod robots;
 pub mod settings;
 pub mod state;
 pub mod units;

@@ -17,7 +17,7 @@ use super::settings::SimSettings;
 use super::sonar::way_to_contact;
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order, Stamp};
-use hallsweep_core::event::{Capabilities, Obstacle, Photo, RobotEvent, Whereabouts};
+use hallsweep_core::event::{Capabilities, Obstacle, Parts, Photo, RobotEvent, Whereabouts};
 use hallsweep_core::rng::Stream;
 use hallsweep_core::units::{Now, OrderId, Pose};
 
@@ -126,7 +126,8 @@ impl Sim {
     /// What it can do, in simulated time.
     #[must_use]
     pub const fn capabilities(&self) -> Capabilities {
-        Capabilities { step: self.settings.step, turn: self.settings.turn, photo: self.settings.photo, nudges: false }
+        let SimSettings { step, turn, photo, .. } = self.settings;
+        Capabilities { step, turn, photo, nudges: false, parts: Parts::ROUND_ROBOT }
     }
 
     /// Begins an order, or answers at once why it cannot.

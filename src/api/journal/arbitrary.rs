@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use proptest::collection::{btree_set, vec};
+use proptest::collection::{btree_map, btree_set, vec};
 use proptest::option;
 use proptest::prelude::*;
 
 use hallsweep_core::command::{CommandId, Door, Issuer, Move, Refusal, Verdict};
 use hallsweep_core::effect::{Entry, Fact};
-use hallsweep_core::event::Piece;
+use hallsweep_core::event::{Piece, RobotId};
 use hallsweep_core::explore::{Search, Strategy as Order};
 use hallsweep_core::mission::{FaultCause, Goal, Hold, Inspection, Phase, Stage};
 use hallsweep_core::refused::CODES;
@@ -40,6 +40,7 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
         any::<u64>().prop_map(|epoch| Fact::Epoch(Epoch(epoch))),
         (option::of(goal()), search()).prop_map(|(goal, search)| Fact::Goal(goal, search)),
         pose().prop_map(Fact::Pose),
+        (robot(), pose()).prop_map(|(robot, pose)| Fact::RobotPose(robot, pose)),
         any::<bool>().prop_map(Fact::Led),
         (cell(), prop_oneof![Just("wall"), Just("luggage"), Just("unknown")]).prop_map(|(cell, kind)| Fact::Obstacle(cell, kind)),
         (cell(), one_of(&MARKS)).prop_map(|(cell, mark)| Fact::Mark(cell, mark)),
@@ -72,25 +73,31 @@ fn command() -> impl Strategy<Value = Fact> {
     })
 }
 
+fn robot() -> impl Strategy<Value = RobotId> {
+    "[a-z][a-z0-9-]{0,31}".prop_map(|name| RobotId::new(&name).expect("a name"))
+}
+
 fn standing() -> impl Strategy<Value = PersistentState> {
     let numbers = (any::<u64>(), any::<bool>(), any::<u64>(), any::<u64>(), any::<u64>(), any::<bool>());
-    let mission = (phase(), btree_set(hold(), 0..9), search(), option::of(goal()), btree_set(cell(), 0..4), pose());
+    let others = btree_map(robot(), pose(), 0..3);
+    let mission = (phase(), btree_set(hold(), 0..9), search(), option::of(goal()), btree_set(cell(), 0..4), (pose(), others));
     let world = (hall_map(), btree_set(any::<u32>().prop_map(Piece), 0..4), vec(luggage(), 0..4), vec(alarm(), 0..4));
     (numbers, mission, world, option::of(celsius())).prop_map(|(numbers, mission, world, reading)| {
         let (id, under_way, epoch, last_luggage, last_alarm, led_blinking) = numbers;
-        let (phase, holds, search, goal, blocked, pose) = mission;
+        let (phase, holds, search, goal, blocked, (pose, others)) = mission;
         let (map, pieces, luggage, alarms) = world;
         PersistentState {
             mission: MissionId(id),
             under_way,
             phase,
-            holds,
+            holds: holds.into_iter().collect(),
             epoch: Epoch(epoch),
             strategy: Order::Snail,
             search,
             goal,
             blocked,
             pose,
+            others,
             led_blinking,
             map,
             pieces,

@@ -50,6 +50,11 @@ pub(super) enum Shape {
         search: SearchShape,
     },
     Pose(PoseShape),
+    RobotPose {
+        robot: String,
+        #[serde(flatten)]
+        pose: PoseShape,
+    },
     Led {
         blinking: bool,
     },
@@ -133,6 +138,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
         Fact::Epoch(_) => "epoch",
         Fact::Goal(..) => "goal",
         Fact::Pose(_) => "pose",
+        Fact::RobotPose(..) => "robotPose",
         Fact::Led(_) => "led",
         Fact::Obstacle(..) => "obstacle",
         Fact::Mark(..) => "mark",
@@ -168,6 +174,7 @@ impl Shape {
             Fact::Epoch(epoch) => Shape::Epoch { epoch: epoch.0 },
             Fact::Goal(goal, search) => Shape::Goal { goal: goal.map(GoalShape::from), search: search.into() },
             Fact::Pose(pose) => Shape::Pose((*pose).into()),
+            Fact::RobotPose(robot, pose) => Shape::RobotPose { robot: robot.name().to_owned(), pose: (*pose).into() },
             Fact::Led(blinking) => Shape::Led { blinking: *blinking },
             Fact::Obstacle(Cell { x, y }, taken_for) => Shape::Obstacle { x: *x, y: *y, taken_for: (*taken_for).to_owned() },
             Fact::Mark(Cell { x, y }, mark) => Shape::Mark { x: *x, y: *y, mark: mark.name().to_owned() },
@@ -207,6 +214,7 @@ impl Shape {
             Shape::Epoch { epoch } => Fact::Epoch(Epoch(epoch)),
             Shape::Goal { goal, search } => Fact::Goal(goal.map(Into::into), search.search()?),
             Shape::Pose(pose) => Fact::Pose(pose.pose()?),
+            Shape::RobotPose { robot, pose } => Fact::RobotPose(names::robot(&robot)?, pose.pose()?),
             Shape::Led { blinking } => Fact::Led(blinking),
             Shape::Obstacle { x, y, taken_for } => Fact::Obstacle(Cell::new(x, y), names::taken_for(&taken_for)?),
             Shape::Mark { x, y, mark } => Fact::Mark(Cell::new(x, y), map::named(&mark)?),

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Unparsed;
 use crate::api::fields::in_short;
 use hallsweep_core::command::{Door, Move, Verdict};
+use hallsweep_core::event::RobotId;
 use hallsweep_core::explore::{Search, Strategy};
 use hallsweep_core::mission::Hold;
 use hallsweep_core::units::{Celsius, Heading};
@@ -39,6 +40,10 @@ fn named<T: Copy>(what: &str, name: &str, all: &[T], name_of: fn(T) -> &'static 
 
 pub(super) fn door(name: &str) -> Result<Door, Unparsed> {
     named("door", name, &Door::ALL, Door::name)
+}
+
+pub(super) fn robot(name: &str) -> Result<RobotId, Unparsed> {
+    RobotId::new(name).ok_or_else(|| Unparsed(format!("`{name}` is no name of a robot")))
 }
 
 pub(super) fn heading(name: &str) -> Result<Heading, Unparsed> {

@@ -12,8 +12,9 @@ use super::phase::PhaseShape;
 use super::places::{GoalShape, Point, PoseShape};
 use super::{Unparsed, names};
 use hallsweep_core::event::Piece;
+use hallsweep_core::event::RobotId;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{AlarmId, Epoch, LuggageId, MissionId};
+use hallsweep_core::units::{AlarmId, Epoch, LuggageId, MissionId, Pose};
 use hallsweep_core::world::luggage::Luggage;
 
 /// Everything that stands.
@@ -30,6 +31,9 @@ pub(super) struct StandingShape {
     goal: Option<GoalShape>,
     blocked: Vec<Point>,
     pose: PoseShape,
+    /// The robots beside the one that searches.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    others: BTreeMap<String, PoseShape>,
     led_blinking: bool,
     map: Vec<Row>,
     pieces: Vec<u32>,
@@ -53,6 +57,7 @@ impl From<&PersistentState> for StandingShape {
             goal: standing.goal.map(GoalShape::from),
             blocked: standing.blocked.iter().copied().map(Point::from).collect(),
             pose: standing.pose.into(),
+            others: standing.others.iter().map(|(robot, pose)| (robot.name().to_owned(), (*pose).into())).collect(),
             led_blinking: standing.led_blinking,
             map: map::rows(&standing.map),
             pieces: standing.pieces.iter().map(|piece| piece.0).collect(),
@@ -78,6 +83,7 @@ impl StandingShape {
             goal: self.goal.map(Into::into),
             blocked: self.blocked.into_iter().map(Into::into).collect(),
             pose: self.pose.pose()?,
+            others: poses(&self.others)?,
             led_blinking: self.led_blinking,
             map: map::map(&self.map)?,
             pieces: self.pieces.into_iter().map(Piece).collect(),
@@ -88,6 +94,10 @@ impl StandingShape {
             reading: self.reading.map(names::celsius).transpose()?,
         })
     }
+}
+
+fn poses(shapes: &BTreeMap<String, PoseShape>) -> Result<BTreeMap<RobotId, Pose>, Unparsed> {
+    shapes.iter().map(|(robot, pose)| Ok((names::robot(robot)?, pose.pose()?))).collect()
 }
 
 fn records(shapes: Vec<LuggageShape>) -> Result<BTreeMap<LuggageId, Arc<Luggage>>, Unparsed> {

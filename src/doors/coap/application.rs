@@ -5,17 +5,16 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::pin::Pin;
 use std::sync::Arc;
 
-use super::endpoint::Refusal;
-use super::endpoint::code::Code;
-use super::endpoint::request::Request;
-use super::endpoint::response::{Answer, Response};
-use crate::runtime::handle::Gone;
+use coap_endpoint::{Answer, Code, RefusedRequest, Request, Response};
+
+/// What whoever pressed STOP is told first, where his request is refused.
+pub(super) const HALTED: &str = "halted all the same";
 
 /// What the application says to a request.
-pub enum Said {
+pub enum Reply {
     /// The answer.
     Now(Answer),
-    /// The answer comes when this ends. What a command asks for is begun; a look only begins when this is waited for, and may be
+    /// The answer comes when this ends. What a command asks for is begun; a read only begins when this is waited for, and may be
     /// dropped instead.
     Later(Pin<Box<dyn Future<Output = Answer> + Send>>),
 }
@@ -23,7 +22,7 @@ pub enum Said {
 /// Whoever knows the resources: those of the program, or a test's.
 pub trait Application: Send + 'static {
     /// Takes a request. A command is given in here, so that commands keep the order in which they came; must not block.
-    fn answer(&self, request: &Request) -> Said;
+    fn answer(&self, request: &Request) -> Reply;
 
     /// There is a newer state; must not block.
     fn handle_change(&self) {}
@@ -40,16 +39,16 @@ pub trait Application: Send + 'static {
     const STOP_WORDS: &'static [[u8; 4]];
 
     /// Notes what the endpoint refused without asking; must not block.
-    fn note(&self, refusal: Refusal);
+    fn note(&self, refusal: RefusedRequest);
 
     /// Notes that a command was not taken because too many are under way; must not block.
     fn note_busy(&self, request: &Request);
 }
 
 /// Asks for an answer; a mistake of the application ends this request alone (safety A7).
-pub(super) fn answer(application: &impl Application, request: &Request) -> Said {
+pub(super) fn answer(application: &impl Application, request: &Request) -> Reply {
     let asked = AssertUnwindSafe(|| application.answer(request));
-    catch_unwind(asked).unwrap_or_else(|_| Said::Now(broken()))
+    catch_unwind(asked).unwrap_or_else(|_| Reply::Now(broken()))
 }
 
 /// Says that there is a newer state.
@@ -61,11 +60,6 @@ pub(super) fn changed(application: &impl Application) {
 /// Asks what observers see; nothing, when the application breaks over it.
 pub(super) fn things(application: &impl Application, request: &Request) -> Option<Vec<Arc<Response>>> {
     catch_unwind(AssertUnwindSafe(|| application.things(request))).ok()
-}
-
-/// 5.03: the last that observers hear.
-pub(super) fn farewell() -> Response {
-    Response::refusal(Code::UNAVAILABLE, Gone.to_string())
 }
 
 /// 5.00: a mistake in the program ended this request.

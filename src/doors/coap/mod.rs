@@ -2,16 +2,14 @@
 //! into commands and snapshots into answers; it decides nothing about the mission.
 
 mod application;
-pub mod endpoint;
-pub mod links;
-mod news;
+mod change_feed;
+mod flood_filter;
+mod pending;
 mod resources;
 mod serve;
-mod sieve;
 mod socket;
-mod under_way;
 
-pub use application::{Application, Said};
+pub use application::{Application, Reply};
 pub use resources::Resources;
 pub use serve::serve;
 pub use socket::{Socket, beside};

@@ -1,4 +1,4 @@
-//! The loop of the door: datagrams to the endpoint, its requests to the application, answers, news and time back to it, and what
+//! The loop of the door: datagrams to the endpoint, its requests to the application, answers, changes and time back to it, and what
 //! it wants sent to the socket. It understands none of it.
 
 use std::sync::Arc;
@@ -6,14 +6,14 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
-use super::application::{self, Application, Said};
-use super::endpoint::{Backlog, Datagram, Endpoint};
-use super::news::{self, News};
-use super::sieve::{Heard, Sieve};
+use super::application::{self, Application, HALTED, Reply};
+use super::change_feed::{self, ChangeFeed};
+use super::flood_filter::{FloodFilter, KindCounts};
+use super::pending::{PendingAnswers, RequestKind, busy};
 use super::socket::{BATCH, Socket};
-use super::under_way::{Sort, UnderWay, busy};
 use crate::runtime::clock::Clock;
-use hallsweep_core::units::Now;
+use crate::runtime::handle::Gone;
+use coap_endpoint::{Backlog, Code, Datagram, Endpoint, Response};
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// So long requests under way are waited for at the end: within two seconds, with the HTTP door, which ends at the same time.
@@ -34,44 +34,44 @@ struct Driver<A> {
     socket: Socket,
     endpoint: Endpoint,
     application: A,
-    under_way: UnderWay,
+    pending: PendingAnswers,
     /// What was heard and waits.
     backlog: Backlog,
-    sieve: Sieve,
+    filter: FloodFilter,
     /// How often in a row it was heard and not answered.
     hearings: u32,
     clock: Clock,
 }
 
-/// Serves until `shutdown`, then waits shortly for what is under way.
+/// Serves until `shutdown`, then waits shortly for what is under way. All chance of the endpoint comes from `secret`.
 pub async fn serve<A: Application>(
     socket: Socket,
-    endpoint: Endpoint,
+    secret: [u8; 32],
     application: A,
     states: watch::Receiver<Arc<Snapshot>>,
     shutdown: impl Future<Output = ()>,
 ) {
     let clock = Clock::default();
-    let endpoint = endpoint.with_stop(A::IS_STOP);
-    let (under_way, backlog, sieve) = (UnderWay::default(), Backlog::new(A::IS_STOP), Sieve::new(A::STOP_WORDS));
-    let mut driver = Driver { socket, endpoint, application, under_way, backlog, sieve, hearings: 0, clock };
-    let mut news = News::of(states, clock);
+    let endpoint = Endpoint::new(secret).started_at(began(&clock)).with_urgent(A::IS_STOP, HALTED);
+    let (pending, backlog, filter) = (PendingAnswers::default(), Backlog::new(A::IS_STOP), FloodFilter::new(A::STOP_WORDS));
+    let mut driver = Driver { socket, endpoint, application, pending, backlog, filter, hearings: 0, clock };
+    let mut changes = ChangeFeed::of(states, clock);
     tokio::pin!(shutdown);
     loop {
         let (due, is_behind) = (driver.endpoint.poll_timeout(), !driver.backlog.is_empty());
         tokio::select! {
             biased;
             () = &mut shutdown => break,
-            Some((exchange, answer)) = driver.under_way.next() => {
-                news.again_for(&answer);
-                driver.endpoint.handle_answer(exchange, answer, clock.now());
+            Some((exchange, answer)) = driver.pending.next() => {
+                changes.again_for(&answer);
+                driver.endpoint.handle_answer(exchange, answer, clock.since_start());
             }
-            () = clock.reach(due) => driver.endpoint.handle_timeout(clock.now()),
-            () = clock.reach(driver.sieve.due()) => driver.loosen(),
-            () = news.come() => news::tell(&mut driver.endpoint, &driver.application, clock.now()),
+            () = clock.reach(due) => driver.endpoint.handle_timeout(clock.since_start()),
+            () = clock.reach(driver.filter.due()) => driver.loosen(),
+            () = changes.next() => change_feed::tell(&mut driver.endpoint, &driver.application, clock.since_start()),
             () = async { if !is_behind { driver.socket.readable().await } } => driver.turn().await,
         }
-        driver.settle(clock.now());
+        driver.settle(clock.since_start());
     }
     let _ = tokio::time::timeout(GRACE, driver.finish()).await;
 }
@@ -80,7 +80,7 @@ impl<A: Application> Driver<A> {
     /// Takes what has come, but not for long. When more comes than is answered, it hears first, so that a STOP is found behind
     /// whatever others send (safety S1, S7).
     async fn turn(&mut self) {
-        if self.backlog.is_urgent() {
+        if self.backlog.has_urgent() {
             // Nothing is heard meanwhile: what came after a STOP would be taken before the STOPs that wait, were another heard
             // behind it.
             self.answer_urgent();
@@ -103,8 +103,8 @@ impl<A: Application> Driver<A> {
     async fn answer_as_they_come(&mut self) -> bool {
         let until = self.clock.since_start() + TURN;
         for _ in 0..BATCH {
-            let now = self.clock.now();
-            if now.since_start > until {
+            let now = self.clock.since_start();
+            if now > until {
                 return false;
             }
             let Some((peer, bytes)) = self.socket.read().await else { return true };
@@ -120,14 +120,14 @@ impl<A: Application> Driver<A> {
         let is_all = loop {
             let Some((peer, bytes)) = self.socket.read().await else { break true };
             bytes_heard += bytes.len();
-            kinds[self.sieve.kind(bytes)] += 1;
+            kinds[self.filter.kind(bytes)] += 1;
             self.backlog.hear(peer, bytes);
             if bytes_heard >= HEARING_BYTES || self.clock.since_start() > until {
                 break false;
             }
         };
-        if !is_all && is_flood(kinds, bytes_heard) && self.sieve.tighten(kinds, self.clock.since_start()) {
-            self.socket.sift(&self.sieve);
+        if !is_all && is_flood(kinds, bytes_heard) && self.filter.tighten(kinds, self.clock.since_start()) {
+            self.socket.attach(&self.filter);
         }
         is_all
     }
@@ -144,8 +144,8 @@ impl<A: Application> Driver<A> {
     }
 
     fn loosen(&mut self) {
-        if self.sieve.loosen(self.clock.since_start()) {
-            self.socket.sift(&self.sieve);
+        if self.filter.loosen(self.clock.since_start()) {
+            self.socket.attach(&self.filter);
         }
     }
 
@@ -160,26 +160,26 @@ impl<A: Application> Driver<A> {
     }
 
     fn answer(&mut self, (peer, bytes): &Datagram) {
-        let now = self.clock.now();
+        let now = self.clock.since_start();
         self.endpoint.handle_datagram(*peer, bytes, now);
         self.settle(now);
     }
 
     /// Takes requests to the application and datagrams to the network, until there are none. A command too many is not begun.
-    fn settle(&mut self, now: Now) {
+    fn settle(&mut self, now: Duration) {
         while let Some((exchange, request)) = self.endpoint.poll_request() {
-            let (sort, asked) = (Sort::of(request.method), &self.application);
-            let is_full = self.under_way.is_full(sort) && !A::IS_STOP(&request);
-            let said = if is_full && sort == Sort::Command {
+            let (kind, asked) = (RequestKind::of(request.method), &self.application);
+            let is_full = self.pending.is_full(kind) && !A::IS_STOP(&request);
+            let said = if is_full && kind == RequestKind::Command {
                 asked.note_busy(&request);
-                Said::Now(busy())
+                Reply::Now(busy())
             } else {
                 application::answer(asked, &request)
             };
             match said {
-                Said::Now(answer) => self.endpoint.handle_answer(exchange, answer, now),
-                Said::Later(_) if is_full => self.endpoint.handle_answer(exchange, busy(), now),
-                Said::Later(answer) => self.under_way.add(exchange, sort, answer),
+                Reply::Now(answer) => self.endpoint.handle_answer(exchange, answer, now),
+                Reply::Later(_) if is_full => self.endpoint.handle_answer(exchange, busy(), now),
+                Reply::Later(answer) => self.pending.add(exchange, kind, answer),
             }
         }
         std::iter::from_fn(|| self.endpoint.poll_refused()).for_each(|refusal| self.application.note(refusal));
@@ -189,18 +189,25 @@ impl<A: Application> Driver<A> {
     }
 
     async fn finish(&mut self) {
-        self.endpoint.close(&application::farewell());
-        self.settle(self.clock.now());
-        while let Some((exchange, answer)) = self.under_way.next().await {
-            self.endpoint.handle_answer(exchange, answer, self.clock.now());
-            self.settle(self.clock.now());
+        // The last that observers hear.
+        self.endpoint.close(&Response::refusal(Code::UNAVAILABLE, Gone.to_string()));
+        self.settle(self.clock.since_start());
+        while let Some((exchange, answer)) = self.pending.next().await {
+            self.endpoint.handle_answer(exchange, answer, self.clock.since_start());
+            self.settle(self.clock.since_start());
         }
     }
 }
 
+/// What the wall clock showed when this one began, since 1970.
+fn began(clock: &Clock) -> Duration {
+    let now = clock.now();
+    Duration::from_millis(u64::try_from(now.wall.unix_ms).unwrap_or(0)).saturating_sub(now.since_start)
+}
+
 /// Whether what was heard in a turn that was not enough is more than anybody sends who means no harm. Few in a whole turn are none:
 /// this thread had to wait for others, and who is thinned out then loses what nobody flooded.
-fn is_flood(heard: Heard, bytes: usize) -> bool {
+fn is_flood(heard: KindCounts, bytes: usize) -> bool {
     heard.iter().sum::<usize>() >= BATCH || bytes >= HEARING_BYTES
 }
 

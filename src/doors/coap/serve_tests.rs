@@ -11,12 +11,8 @@ use tokio::task::JoinHandle;
 
 use super::*;
 use crate::api::fixture::searching;
-use crate::doors::coap::endpoint::Refusal;
-use crate::doors::coap::endpoint::code::{Code, Method};
-use crate::doors::coap::endpoint::format::Format;
-use crate::doors::coap::endpoint::request::Request;
-use crate::doors::coap::endpoint::response::{Answer, Response};
-use crate::doors::coap::under_way::{COMMANDS, LOOKS};
+use crate::doors::coap::pending::{COMMANDS, READS};
+use coap_endpoint::{Answer, Code, Format, Method, RefusedRequest, Request, Response};
 
 /// How long anything is waited for.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -44,26 +40,26 @@ impl Application for Obedient {
 
     const STOP_WORDS: &[[u8; 4]] = &[*b"stop"];
 
-    fn note(&self, _: Refusal) {}
+    fn note(&self, _: RefusedRequest) {}
 
     fn note_busy(&self, request: &Request) {
         self.busy.lock().unwrap().push(request.path_text());
     }
 
-    fn answer(&self, request: &Request) -> Said {
+    fn answer(&self, request: &Request) -> Reply {
         let go = Arc::clone(&self.go);
         self.asked.lock().unwrap().push(request.path_text());
         match request.segments()[..] {
             ["panic"] => panic!("it was told to"),
-            ["panic", "later"] => Said::Later(Box::pin(async { panic!("it was told to") })),
-            ["hang"] => Said::Later(Box::pin(async move {
+            ["panic", "later"] => Reply::Later(Box::pin(async { panic!("it was told to") })),
+            ["hang"] => Reply::Later(Box::pin(async move {
                 drop(go.acquire().await);
                 Answer::once(Response::new(Code::CHANGED))
             })),
-            ["stop"] => Said::Later(Box::pin(async { Answer::once(Response::new(Code::CHANGED)) })),
-            ["revision"] => Said::Now(Answer::observable(self.revision())),
-            ["take"] => Said::Now(Answer::once(Response::content(Format::TEXT, request.payload.len().to_string().into_bytes()))),
-            _ => Said::Now(Answer::once(Response::new(Code::NOT_FOUND))),
+            ["stop"] => Reply::Later(Box::pin(async { Answer::once(Response::new(Code::CHANGED)) })),
+            ["revision"] => Reply::Now(Answer::observable(self.revision())),
+            ["take"] => Reply::Now(Answer::once(Response::content(Format::TEXT, request.payload.len().to_string().into_bytes()))),
+            _ => Reply::Now(Answer::once(Response::new(Code::NOT_FOUND))),
         }
     }
 
@@ -77,7 +73,7 @@ impl Application for Obedient {
 }
 
 /// A door that serves, and what moves it.
-struct House {
+struct TestApp {
     address: SocketAddr,
     states: watch::Sender<Arc<Snapshot>>,
     go: Arc<Semaphore>,
@@ -94,7 +90,7 @@ struct Client {
     id: u16,
 }
 
-fn house() -> House {
+fn app() -> TestApp {
     let socket = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
     let address = socket.local_addr().unwrap();
     let socket = Socket::new(socket).unwrap();
@@ -110,11 +106,11 @@ fn house() -> House {
         asked: Arc::clone(&asked),
         busy: Arc::clone(&busy),
     };
-    let door = tokio::spawn(serve(socket, Endpoint::new([7; 32]), application, states.subscribe(), async { drop(closed.await) }));
-    House { address, states, go, unlucky, asked, busy, closing, door }
+    let door = tokio::spawn(serve(socket, [7; 32], application, states.subscribe(), async { drop(closed.await) }));
+    TestApp { address, states, go, unlucky, asked, busy, closing, door }
 }
 
-impl House {
+impl TestApp {
     async fn client(&self) -> Client {
         let socket = UdpSocket::bind("127.0.0.1:0").await.unwrap();
         socket.connect(self.address).await.unwrap();
@@ -174,8 +170,8 @@ fn code(packet: &Packet) -> Code {
 /// Safety A7.
 #[tokio::test]
 async fn a_mistake_of_the_application_ends_one_request_and_no_more() {
-    let house = house();
-    let mut client = house.client().await;
+    let app = app();
+    let mut client = app.client().await;
     for path in ["panic", "panic/later", "panic"] {
         let answer = client.ask(Method::Post, path).await;
         assert_eq!(code(&answer), Code::INTERNAL);
@@ -198,19 +194,19 @@ async fn fill(client: &mut Client, method: Method, places: usize) {
 /// Safety S1, A5, A6.
 #[tokio::test]
 async fn when_many_commands_are_under_way_others_are_asked_to_wait_and_stop_is_taken() {
-    let house = house();
-    let mut client = house.client().await;
+    let app = app();
+    let mut client = app.client().await;
     fill(&mut client, Method::Post, COMMANDS).await;
-    let mut other = house.client().await;
+    let mut other = app.client().await;
     let busy = other.ask(Method::Post, "hang").await;
     assert_eq!(code(&busy), Code::UNAVAILABLE);
     assert_eq!(busy.get_first_option(CoapOption::MaxAge), Some(&vec![2]));
     assert_eq!(code(&other.ask(Method::Put, "take").await), Code::UNAVAILABLE, "it might have begun something");
-    let busy: Vec<String> = house.busy.lock().unwrap().iter().map(|path| path.trim_start_matches('/').to_owned()).collect();
+    let busy: Vec<String> = app.busy.lock().unwrap().iter().map(|path| path.trim_start_matches('/').to_owned()).collect();
     assert_eq!(busy, ["hang", "take"], "they are on record");
     assert_eq!(code(&other.ask(Method::Get, "revision").await), Code::CONTENT, "looks go on");
     assert_eq!(code(&other.ask(Method::Post, "stop").await), Code::CHANGED);
-    house.go.close();
+    app.go.close();
     for _ in 0..COMMANDS {
         assert_eq!(code(&client.next().await), Code::CHANGED, "those who hung are answered");
     }
@@ -220,15 +216,15 @@ async fn when_many_commands_are_under_way_others_are_asked_to_wait_and_stop_is_t
 /// Safety A5.
 #[tokio::test]
 async fn looks_that_hang_keep_out_neither_commands_nor_what_is_at_hand() {
-    let house = house();
-    let mut client = house.client().await;
-    fill(&mut client, Method::Get, LOOKS).await;
-    let mut other = house.client().await;
+    let app = app();
+    let mut client = app.client().await;
+    fill(&mut client, Method::Get, READS).await;
+    let mut other = app.client().await;
     assert_eq!(code(&other.ask(Method::Get, "hang").await), Code::UNAVAILABLE);
     assert_eq!(code(&other.ask(Method::Get, "revision").await), Code::CONTENT);
     assert_eq!(code(&other.ask(Method::Put, "take").await), Code::CONTENT);
-    house.go.close();
-    for _ in 0..LOOKS {
+    app.go.close();
+    for _ in 0..READS {
         assert_eq!(code(&client.next().await), Code::CHANGED, "those who hung are answered");
     }
     assert_eq!(code(&other.ask(Method::Get, "hang").await), Code::CHANGED);
@@ -236,17 +232,17 @@ async fn looks_that_hang_keep_out_neither_commands_nor_what_is_at_hand() {
 
 #[tokio::test]
 async fn observers_see_every_change_that_lasts() {
-    let house = house();
-    let mut client = house.client().await;
+    let app = app();
+    let mut client = app.client().await;
     let token = client.send(Method::Get, "revision", |packet| packet.add_option(CoapOption::Observe, Vec::new())).await;
     let first = client.next().await;
     assert!(first.get_first_option(CoapOption::Observe).is_some());
     // The thirteenth state breaks the application, and is passed over.
     for (revision, seen) in [(31, "31"), (13, "32"), (33, "33")] {
-        house.show(revision);
+        app.show(revision);
         if revision == 13 {
-            house.unlucky.notified().await;
-            house.show(32);
+            app.unlucky.notified().await;
+            app.show(32);
         }
         let news = client.next().await;
         assert_eq!((news.get_token(), &*String::from_utf8_lossy(&news.payload)), (&token.to_be_bytes()[..], seen));
@@ -256,8 +252,8 @@ async fn observers_see_every_change_that_lasts() {
 /// Safety A7.
 #[tokio::test]
 async fn no_datagram_ends_the_loop_and_none_is_taken_for_a_shorter_one() {
-    let house = house();
-    let mut client = house.client().await;
+    let app = app();
+    let mut client = app.client().await;
     for garbage in [&[][..], &[0xFF], &[0x40, 0x01], &[0x4F; 40]] {
         client.socket.send(garbage).await.unwrap();
     }
@@ -266,10 +262,10 @@ async fn no_datagram_ends_the_loop_and_none_is_taken_for_a_shorter_one() {
     client.send(Method::Put, "take", |packet| packet.payload = vec![b'x'; 5000]).await;
     assert_eq!(client.next().await.payload, b"5000");
     // Whoever is gone before the answer comes is none of our business.
-    let mut gone = house.client().await;
+    let mut gone = app.client().await;
     gone.send(Method::Post, "hang", |_| {}).await;
     drop(gone);
-    house.go.close();
+    app.go.close();
     assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT);
 }
 
@@ -286,26 +282,26 @@ fn datagram(method: Method, path: &str, id: u16) -> Vec<u8> {
 /// Safety S1, S7. All of it is there before the door looks: nothing here waits for anything, so that the door has no turn.
 #[tokio::test]
 async fn a_stop_overtakes_looks_that_wait_and_no_command_that_came_before_it() {
-    const LOOKS: u16 = 300;
-    let house = house();
+    const READS: u16 = 300;
+    let app = app();
     let sender = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
-    for id in 0..LOOKS {
-        sender.send_to(&datagram(Method::Get, "revision", id), house.address).unwrap();
+    for id in 0..READS {
+        sender.send_to(&datagram(Method::Get, "revision", id), app.address).unwrap();
     }
     for (id, (method, path)) in
-        (LOOKS..).zip([(Method::Put, "take"), (Method::Put, "take"), (Method::Post, "stop"), (Method::Put, "last")])
+        (READS..).zip([(Method::Put, "take"), (Method::Put, "take"), (Method::Post, "stop"), (Method::Put, "last")])
     {
-        sender.send_to(&datagram(method, path, id), house.address).unwrap();
+        sender.send_to(&datagram(method, path, id), app.address).unwrap();
     }
-    let everything = usize::from(LOOKS) + 4;
+    let everything = usize::from(READS) + 4;
     tokio::time::timeout(PATIENCE, async {
-        while house.asked.lock().unwrap().len() < everything {
+        while app.asked.lock().unwrap().len() < everything {
             tokio::task::yield_now().await;
         }
     })
     .await
     .expect("everything is answered");
-    let asked = house.asked.lock().unwrap();
+    let asked = app.asked.lock().unwrap();
     let place = |path: &str| asked.iter().rposition(|asked| asked.trim_start_matches('/') == path).unwrap();
     assert!(place("stop") <= BATCH + 2, "{} of {everything}", place("stop"));
     assert!(place("take") < place("stop") && place("stop") < place("last"));
@@ -325,11 +321,11 @@ fn driver() -> (Driver<Obedient>, SocketAddr) {
     let application = Obedient { states, go, unlucky, asked: Arc::default(), busy: Arc::default() };
     let driver = Driver {
         socket: Socket::new(bound).unwrap(),
-        endpoint: Endpoint::new([7; 32]).with_stop(Obedient::IS_STOP),
+        endpoint: Endpoint::new([7; 32]).with_urgent(Obedient::IS_STOP, HALTED),
         application,
-        under_way: UnderWay::default(),
+        pending: PendingAnswers::default(),
         backlog: Backlog::new(Obedient::IS_STOP),
-        sieve: Sieve::new(Obedient::STOP_WORDS),
+        filter: FloodFilter::new(Obedient::STOP_WORDS),
         hearings: 0,
         clock: Clock::default(),
     };
@@ -349,10 +345,10 @@ async fn while_more_comes_than_is_heard_less_is_let_through_and_everything_again
     }
     driver.socket.readable().await;
     driver.turn().await;
-    let due = driver.sieve.due().expect("less is let through");
+    let due = driver.filter.due().expect("less is let through");
     driver.clock.reach(Some(due)).await;
     driver.loosen();
-    assert_eq!(driver.sieve.due(), None);
+    assert_eq!(driver.filter.due(), None);
 }
 
 /// Safety S9: on a busy machine a turn may be over after a datagram or two, which is nobody's flood.
@@ -437,22 +433,22 @@ fn whatever_waits_alone_is_known_to_wait() {
 
 #[tokio::test]
 async fn what_is_under_way_is_answered_before_the_end() {
-    let house = house();
-    let mut client = house.client().await;
+    let app = app();
+    let mut client = app.client().await;
     client.send(Method::Post, "hang", |_| {}).await;
     assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT, "so the one before was begun");
-    house.closing.send(()).unwrap();
-    house.go.close();
+    app.closing.send(()).unwrap();
+    app.go.close();
     assert_eq!(code(&client.next().await), Code::CHANGED);
-    tokio::time::timeout(PATIENCE, house.door).await.expect("it ends").unwrap();
+    tokio::time::timeout(PATIENCE, app.door).await.expect("it ends").unwrap();
 }
 
 #[tokio::test]
 async fn the_end_does_not_wait_for_what_hangs() {
-    let house = house();
-    let mut client = house.client().await;
+    let app = app();
+    let mut client = app.client().await;
     client.send(Method::Post, "hang", |_| {}).await;
     assert_eq!(code(&client.ask(Method::Get, "revision").await), Code::CONTENT, "so the one before was begun");
-    drop(house.closing);
-    tokio::time::timeout(PATIENCE, house.door).await.expect("it ends").unwrap();
+    drop(app.closing);
+    tokio::time::timeout(PATIENCE, app.door).await.expect("it ends").unwrap();
 }

@@ -8,8 +8,8 @@ use std::time::Duration;
 use socket2::{Domain, SockRef, Type};
 use tokio::net::UdpSocket;
 
-use super::endpoint::Transmit;
-use super::sieve::Sieve;
+use super::flood_filter::FloodFilter;
+use coap_endpoint::Transmit;
 
 /// So many bytes are asked for in each direction: every observer there may be acknowledges at once. The system may give less, and
 /// then what did not fit is sent again.
@@ -68,8 +68,8 @@ impl Socket {
     }
 
     /// Has the system keep nothing of this socket's but what this lets through.
-    pub(super) fn sift(&self, sieve: &Sieve) {
-        if let Err(error) = sieve.fit(&SockRef::from(&self.udp)) {
+    pub(super) fn attach(&self, filter: &FloodFilter) {
+        if let Err(error) = filter.fit(&SockRef::from(&self.udp)) {
             tracing::debug!(%error, "the system throws nothing away");
         }
     }

@@ -144,9 +144,9 @@ impl Link {
     }
 
     fn in_real_time(&self, simulated: Capabilities) -> Capabilities {
-        let Capabilities { step, turn, photo, nudges } = simulated;
+        let Capabilities { step, turn, photo, .. } = simulated;
         let photo = self.speed.to_real(photo) + DEVELOPING;
-        Capabilities { step: self.speed.to_real(step), turn: self.speed.to_real(turn), photo, nudges }
+        Capabilities { step: self.speed.to_real(step), turn: self.speed.to_real(turn), photo, ..simulated }
     }
 
     fn led(&mut self) {

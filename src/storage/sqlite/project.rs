@@ -32,6 +32,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         | Fact::Epoch(_)
         | Fact::Goal(..)
         | Fact::Pose(_)
+        | Fact::RobotPose(..)
         | Fact::Led(_)
         | Fact::Obstacle(..)
         | Fact::Mark(..)

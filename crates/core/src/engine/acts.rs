@@ -51,6 +51,7 @@ impl Engine {
 
     fn release(&mut self, context: &InputContext) {
         self.released = context.epoch.or(Some(self.state.epoch));
+        self.robots.release();
         let mut holds = self.state.holds.clone();
         if holds.release() {
             self.note_holds(&holds);
@@ -86,10 +87,13 @@ impl Engine {
     }
 
     pub(super) fn raise(&mut self, hold: Hold, words: Option<&str>) {
-        self.halt_robot();
+        self.halt_for(hold);
         let mut holds = self.state.holds.clone();
         let fresh = holds.raise(hold);
         let waits = self.state.phase.is_mission() && holds.raise(Hold::AwaitingStart);
+        if hold != Hold::RobotLink && self.state.phase.is_mission() {
+            self.robots.others_wait();
+        }
         if fresh {
             let why = words.map(|words| format!(" ({words})")).unwrap_or_default();
             self.world.write(self.now.wall, Tone::Warning, format!("held: {}{why}", hold.in_words()));
@@ -113,20 +117,36 @@ impl Engine {
         self.record(Fact::Holds(holds.to_vec()));
     }
 
-    /// Halts the robot if it is moving.
-    pub(super) fn halt_robot(&mut self) {
-        if self.controller.is_moving() {
-            self.send_halt();
+    /// Halts whoever is moving of those whom this holds.
+    fn halt_for(&mut self, hold: Hold) {
+        let is_held = |id: &RobotId| hold != Hold::RobotLink || self.searches(id);
+        let moving = self.robots.iter().filter(|(id, robot)| robot.controller.is_moving() && is_held(id));
+        for robot in moving.map(|(id, _)| id.clone()).collect::<Vec<_>>() {
+            self.send_halt_to(&robot);
+        }
+    }
+
+    /// Halts the robot that searches if it is moving.
+    pub(super) fn halt_searching(&mut self) {
+        self.halt_for(Hold::RobotLink);
+    }
+
+    /// Halts every robot, whatever it does.
+    pub(super) fn send_halt(&mut self) {
+        for robot in self.robots.ids() {
+            self.send_halt_to(&robot);
         }
     }
 
     /// A halt goes ahead of everything that is still to be done outside (safety S2), and an order that has not gone out never
     /// will.
-    pub(super) fn send_halt(&mut self) {
-        if let Some(order) = self.outbox.halt(RobotId::Discovery) {
-            self.controller.close(order.id);
+    pub(super) fn send_halt_to(&mut self, robot: &RobotId) {
+        let taken_back = self.outbox.halt(robot);
+        let Some(robot) = self.robots.get_mut(robot) else { return };
+        if let Some(order) = taken_back {
+            robot.controller.close(order.id);
         }
-        self.controller.halt();
+        robot.controller.halt();
         self.world.touch(Resource::Robot);
     }
 
@@ -137,7 +157,7 @@ impl Engine {
             // That it blinks shows a mission: it begins to when that is on record.
             if !blinks {
                 self.on_record.put_out();
-                self.outbox.send(Effect::Led(RobotId::Discovery, false));
+                self.outbox.send(Effect::Led(self.robots.searching_id().clone(), false));
             }
         }
     }

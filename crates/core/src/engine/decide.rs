@@ -71,7 +71,7 @@ impl Engine {
                 self.aims_at(context).filter(|cell| self.state.map.at(*cell).is_obstacle()).map(Refused::IntoObstacle)
             }
             Guard::NotCapable => forbids(self.cannot(context.step), Refused::NotCapable),
-            Guard::Moving => forbids(self.controller.is_moving() || self.is_about_to_move(), Refused::Moving),
+            Guard::Moving => forbids(self.robots.searching().controller.is_moving() || self.is_about_to_move(), Refused::Moving),
             Guard::Unrecorded => forbids(self.is_unrecorded(), Refused::Unrecorded),
             Guard::BombUnfetched => self.bomb_unseen().map(Refused::BombUnfetched),
             Guard::UnknownLuggage => match context.luggage {
@@ -111,7 +111,7 @@ impl Engine {
     fn case(&self, case: Case, phase: &Phase, context: &InputContext) -> bool {
         match case {
             Case::ToBeInspected => context.cell.is_some_and(|cell| self.state.map.at(cell) == Mark::NotInspected),
-            Case::BackedUp => self.stage() == Some(Stage::BackingUp) && !self.world.robot.off_centre,
+            Case::BackedUp => self.stage() == Some(Stage::BackingUp) && !self.robots.searching().off_centre,
             Case::FirstPhoto => self.stage() == Some(Stage::TakingPhoto),
             Case::ThisPiece => matches!(phase, Phase::Inspecting(inspection) if inspection.luggage() == context.luggage),
             Case::SameVerdict => context.verdict.is_some() && self.verdict_of(context.luggage) == context.verdict,
@@ -162,7 +162,7 @@ impl Engine {
 
     fn cannot(&self, step: Option<Move>) -> bool {
         let nudge = matches!(step, Some(Move::NudgeLeft | Move::NudgeRight));
-        nudge && !self.controller.capabilities.is_some_and(|can| can.nudges)
+        nudge && !self.robots.searching().controller.capabilities.is_some_and(|can| can.nudges)
     }
 
     fn is_about_to_move(&self) -> bool {
@@ -196,7 +196,7 @@ impl Engine {
                 self.state.blocked.is_empty() && (way.is_none() || self.state.map.at(Cell::HOME).is_obstacle())
             }
             FaultCause::Undecided => true,
-            FaultCause::Unanswered | FaultCause::Robot(_) => self.controller.capabilities.is_none(),
+            FaultCause::Unanswered | FaultCause::Robot(_) => self.robots.searching().controller.capabilities.is_none(),
         };
         stands.then_some(cause)
     }

@@ -8,8 +8,8 @@
 //! ```
 
 mod acts;
-mod controller;
 mod decide;
+mod facts;
 mod motion;
 mod on_record;
 mod outbox;
@@ -30,8 +30,8 @@ mod tests;
 use std::sync::Arc;
 use std::time::Duration;
 
-use self::controller::RobotController;
 use self::decide::Step;
+pub use self::motion::Barred;
 pub use self::recall::{Recalled, Remembered};
 pub use self::repeats::IDS;
 
@@ -42,12 +42,13 @@ use self::repeats::{Content, Known, Outcome, Repeats};
 use self::stops::Stops;
 use self::view::Shown;
 use self::watchdog::SensorWatchdog;
-use super::command::{Accepted, Command, LuggageRef, Refusal, Refused, Request, TemperatureReport};
+use super::command::{Accepted, Command, Refused, Request};
 use super::effect::{Effect, Fact};
 use super::event::{Event, RobotId};
 use super::explore::Strategy;
 use super::explore::plan::Planner;
-use super::mission::{Hold, Input, InputContext, Mission, in_words};
+use super::mission::{Hold, Input, InputContext, Mission};
+use super::robots::Robots;
 use super::settings::Settings;
 use super::state::PersistentState;
 use super::units::{Epoch, LuggageId, Now, Seq, Ticket};
@@ -64,7 +65,7 @@ pub struct Engine {
     state: PersistentState,
     world: World,
     mission: Mission,
-    controller: RobotController,
+    robots: Robots,
     planner: Planner,
     outbox: Outbox,
     watchdog: SensorWatchdog,
@@ -89,7 +90,7 @@ impl Engine {
             state: PersistentState::first(strategy).after_restart(),
             world: World::new(run, &settings),
             mission: Mission::default(),
-            controller: RobotController::default(),
+            robots: Robots::of(RobotId::discovery()),
             planner: Planner::default(),
             outbox: Outbox::default(),
             watchdog: SensorWatchdog::default(),
@@ -168,6 +169,13 @@ impl Engine {
         );
     }
 
+    /// There is one more robot beside the one that searches; it stands at home as long as it does not say otherwise.
+    pub fn add_robot(&mut self, robot: RobotId, now: Now) {
+        self.begin(now);
+        self.robots.add(robot);
+        self.world.touch(Resource::Robot);
+    }
+
     /// A halt was raised outside the queue of commands (safety S1): hold at once; the command with its sender's name follows.
     pub fn handle_halt(&mut self, epoch: Epoch, now: Now) {
         self.begin(now);
@@ -180,7 +188,7 @@ impl Engine {
     pub fn handle_event(&mut self, event: Event, now: Now) {
         self.begin(now);
         match event {
-            Event::Robot(RobotId::Discovery, report) => self.report(report),
+            Event::Robot(robot, report) => self.report(&robot, report),
             Event::Recorded(seq) => self.kept(seq),
             Event::StoreFailed(words) => {
                 self.world.store_failure = Some(words.clone());
@@ -210,8 +218,8 @@ impl Engine {
         while let Some(sensor) = self.watchdog.falls_silent(now.since_start) {
             self.feed(Input::SensorSilent, &InputContext { words: Some(sensor.to_string()), ..InputContext::default() });
         }
-        if self.controller.due().is_some_and(|due| due <= now.since_start) {
-            self.order_unanswered();
+        while let Some(robot) = self.robots.overdue(now.since_start) {
+            self.order_unanswered(&robot);
         }
         self.answer_overdue_stops();
         self.go_on();
@@ -237,7 +245,7 @@ impl Engine {
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         let records = [self.stops.due(), self.refusals.due(), self.outbox.due_record()];
-        [self.controller.due(), self.watchdog.due()].into_iter().chain(records).flatten().min()
+        [self.robots.due(), self.watchdog.due()].into_iter().chain(records).flatten().min()
     }
 
     /// Everything that can be seen, at this moment; the same `Arc` until something changes.
@@ -345,45 +353,6 @@ impl Engine {
         if let Some(id) = request.id.as_ref().filter(|_| request.command != Command::Stop) {
             self.repeats.note(&request.issuer, id, Content::of(request), outcome);
         }
-    }
-
-    /// Every command goes into the log and the journal, a refused one too (safety A6); only what a sensor says again and again
-    /// does not.
-    fn write_command(&mut self, request: &Request, context: &InputContext, refused: Option<&Refused>) {
-        // A stop goes on record behind what it does.
-        let is_left_out = matches!(request.command, Command::Temperature(TemperatureReport::Sensor(..)) | Command::Stop);
-        if is_left_out && refused.is_none() {
-            return;
-        }
-        let (issuer, command) = (request.issuer.clone(), in_words(&request.command));
-        let meant = context.luggage.filter(|_| request.command.luggage() == Some(LuggageRef::Pending));
-        let meant = meant.map_or_else(String::new, |id| format!(" #{id}"));
-        let (tone, text) = match refused {
-            None => (Tone::Info, format!("{command}{meant}, by {issuer}")),
-            Some(refused) => (Tone::Warning, format!("{command}{meant} refused, by {issuer}: {refused}")),
-        };
-        self.world.write(self.now.wall, tone, text);
-        let if_lost = refused.is_none().then_some(if context.verdict.is_some() { Refused::StoreDown } else { Refused::NotKept });
-        let (luggage, refused) = (context.luggage, refused.map(Refusal::from));
-        let fact = Fact::Command { issuer, id: request.id.clone(), command, epoch: request.epoch, luggage, refused };
-        self.outbox.record_command(self.now.wall, fact, if_lost);
-    }
-
-    /// This has happened: what outlives the program follows from it at once, and it goes on record. Its place in the journal.
-    pub(super) fn record(&mut self, fact: Fact) -> Seq {
-        self.state.follow(&fact, self.now.wall, self.world.revision());
-        self.outbox.record(self.now.wall, fact)
-    }
-
-    /// The same, but it goes on record with the next entry or in a moment, unless it is replaced by then.
-    pub(super) fn record_soon(&mut self, fact: Fact) {
-        self.state.follow(&fact, self.now.wall, self.world.revision());
-        self.outbox.record_soon(self.now, fact);
-    }
-
-    /// Puts everything that stands on record at once.
-    pub(super) fn record_standing(&mut self) {
-        self.outbox.record(self.now.wall, Fact::State(Box::new(self.state.clone())));
     }
 
     /// The piece that a bare word means: the one in front of the robot, else the only one that is pending.

@@ -7,7 +7,8 @@ use crate::event::RobotId;
 use crate::explore::plan::Through;
 use crate::explore::{Decision, Search, View};
 use crate::mission::{FaultCause, Goal, Hold, Input, InputContext, Phase, Stage};
-use crate::units::{Cell, LuggageId};
+use crate::robots::Part;
+use crate::units::{Cell, LuggageId, Now, OrderId};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
@@ -16,9 +17,17 @@ use crate::world::resource::Resource;
 /// bounded by the unknown cells of a large hall.
 const TURNS: usize = 100_000;
 
-/// Why the robot must not move just now.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Barred {
+/// Why a robot must not do something just now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Barred {
+    /// There is no such robot.
+    Unknown,
+    /// It searches, and takes no orders but of the mission.
+    Searching,
+    /// It lacks this.
+    NotCapable(Part),
+    /// It stands away from the centre of its cell: it is recentred first.
+    OffCentre,
     /// Something holds it.
     Held,
     /// The program ends.
@@ -50,26 +59,60 @@ impl Engine {
         self.feed(Input::NoWayHome, &InputContext { fault: Some(FaultCause::Undecided), ..InputContext::default() });
     }
 
-    /// The one gate between planner and robot.
-    fn may_move(&self) -> Result<(), Barred> {
-        if !self.state.holds.is_empty() {
+    /// The one gate between whoever wants a motion and the robot. A lost link holds the robot whose link it is, and each waits for
+    /// START by itself; every other hold holds all of them.
+    fn may_move(&self, id: &RobotId) -> Result<(), Barred> {
+        let Some(robot) = self.robots.get(id) else { return Err(Barred::Unknown) };
+        let is_held = if self.searches(id) { !self.state.holds.is_empty() } else { !self.holds_of(robot).is_empty() };
+        if is_held {
             Err(Barred::Held)
         } else if self.is_ending {
             Err(Barred::Ending)
         } else if !self.outbox.is_settled() {
             Err(Barred::Unrecorded)
-        } else if self.controller.capabilities.is_none() {
+        } else if robot.controller.capabilities.is_none() {
             Err(Barred::Unlinked)
-        } else if self.controller.open().is_some() {
+        } else if robot.controller.open().is_some() {
             Err(Barred::Busy)
         } else {
             Ok(())
         }
     }
 
+    /// Somebody wants a robot beside the one that searches to do this: it is ordered, if the gate lets it through. What becomes of
+    /// it is seen in the snapshot.
+    ///
+    /// # Errors
+    /// Why it must not be done just now; nothing has changed.
+    pub fn propose(&mut self, robot: &RobotId, action: Action, now: Now) -> Result<OrderId, Barred> {
+        self.begin(now);
+        self.may_move(robot)?;
+        if self.searches(robot) {
+            return Err(Barred::Searching);
+        }
+        let Some(known) = self.robots.get_mut(robot) else { return Err(Barred::Unknown) };
+        if known.off_centre && action != Action::Recentre {
+            return Err(Barred::OffCentre);
+        }
+        let part = if action.is_motion() { Part::Base } else { Part::Camera };
+        if !known.controller.capabilities.is_some_and(|can| can.parts.has(part)) {
+            return Err(Barred::NotCapable(part));
+        }
+        Ok(self.order_of(&robot.clone(), action))
+    }
+
+    fn order_of(&mut self, robot: &RobotId, action: Action) -> OrderId {
+        let (epoch, now) = (self.state.epoch, self.now.since_start);
+        let known = self.robots.get_mut(robot).expect("whoever gives an order has looked that the robot is there");
+        let order = known.controller.give(action, epoch, now);
+        self.outbox.send(Effect::Order(robot.clone(), order));
+        self.world.touch(Resource::Robot);
+        order.id
+    }
+
     /// Whether the robot stands in the middle of its home cell.
     pub(super) fn is_home(&self) -> bool {
-        self.state.pose.cell == Cell::HOME && !self.world.robot.off_centre
+        self.state.pose.cell == Cell::HOME && !self.robots.searching().off_centre
     }
 
     fn turn(&mut self) -> Turn {
@@ -85,14 +128,14 @@ impl Engine {
             self.order_photo();
             return Turn::Rest;
         }
-        if self.may_move().is_err() {
+        if self.may_move(self.robots.searching_id()).is_err() {
             return Turn::Rest;
         }
         let moves = !matches!(
             self.state.phase,
             Phase::Idle | Phase::AtHome | Phase::BombLocated | Phase::BagSecured | Phase::Explored | Phase::Fault { .. }
         );
-        if self.world.robot.off_centre && moves {
+        if self.robots.searching().off_centre && moves {
             return self.order(Action::Recentre);
         }
         match self.state.phase {
@@ -113,19 +156,22 @@ impl Engine {
     /// Coming home needs no motion, so it is noticed also while something holds the robot.
     fn has_come_home(&self) -> bool {
         let on_the_way = matches!(self.state.phase, Phase::ReturningHome | Phase::ReturningWithAlarm);
-        on_the_way && self.is_home() && self.controller.open().is_none()
+        on_the_way && self.is_home() && self.robots.searching().controller.open().is_none()
     }
 
     /// The robot had backed up already when the program was killed, and says so.
     fn has_backed_up(&self) -> bool {
-        let centred = self.controller.capabilities.is_some() && self.controller.open().is_none() && !self.world.robot.off_centre;
+        let centred = self.robots.searching().controller.capabilities.is_some()
+            && self.robots.searching().controller.open().is_none()
+            && !self.robots.searching().off_centre;
         centred && matches!(&self.state.phase, Phase::Inspecting(inspection) if inspection.stage == Stage::BackingUp)
     }
 
     /// A photo is not motion: it is taken under holds too, as long as there is a robot to take it and a store to keep it.
     fn wants_photo(&self) -> bool {
         let wanted = matches!(self.stage(), Some(Stage::TakingPhoto | Stage::RetakingPhoto(_)));
-        let possible = self.controller.capabilities.is_some() && self.controller.open().is_none();
+        let possible =
+            self.robots.searching().controller.capabilities.is_some() && self.robots.searching().controller.open().is_none();
         let barred = [Hold::RobotLink, Hold::Store].into_iter().any(|hold| self.state.holds.contains(hold));
         wanted && possible && !barred && !matches!(self.state.phase, Phase::Fault { .. })
     }
@@ -136,9 +182,7 @@ impl Engine {
     }
 
     fn order(&mut self, action: Action) -> Turn {
-        let order = self.controller.give(action, self.state.epoch, self.now.since_start);
-        self.outbox.send(Effect::Order(RobotId::Discovery, order));
-        self.world.touch(Resource::Robot);
+        self.order_of(&self.robots.searching_id().clone(), action);
         Turn::Rest
     }
 

@@ -10,7 +10,6 @@ use std::sync::Arc;
 
 use super::Engine;
 use crate::effect::Effect;
-use crate::event::RobotId;
 use crate::explore::Strategy;
 use crate::mission::{Goal, Hold, Phase, PhaseName};
 use crate::units::{AlarmId, Cell, LuggageId, MissionId, Revision, Seq};
@@ -223,7 +222,7 @@ impl Engine {
     fn light(&mut self) {
         if self.on_record.shown.led_blinking && self.state.led_blinking && !self.on_record.lit {
             self.on_record.lit = true;
-            self.outbox.send(Effect::Led(RobotId::Discovery, true));
+            self.outbox.send(Effect::Led(self.robots.searching_id().clone(), true));
         }
     }
 

@@ -74,14 +74,15 @@ impl Outbox {
     }
 
     /// Puts a halt ahead of everything else; a motion that has not gone out is taken back, and returned.
-    pub(super) fn halt(&mut self, robot: RobotId) -> Option<Order> {
+    pub(super) fn halt(&mut self, robot: &RobotId) -> Option<Order> {
         let place = self
             .effects
             .iter()
-            .position(|effect| matches!(effect, Effect::Order(to, order) if *to == robot && order.action.is_motion()));
+            .position(|effect| matches!(effect, Effect::Order(to, order) if to == robot && order.action.is_motion()));
         let order = place.and_then(|place| self.effects.remove(place));
-        if self.effects.front() != Some(&Effect::Halt(robot)) {
-            self.effects.push_front(Effect::Halt(robot));
+        let halt = Effect::Halt(robot.clone());
+        if !self.effects.iter().take_while(|effect| matches!(effect, Effect::Halt(_))).any(|effect| *effect == halt) {
+            self.effects.push_front(halt);
         }
         match order {
             Some(Effect::Order(_, order)) => Some(order),
@@ -245,11 +246,11 @@ mod tests {
     #[test]
     fn a_halt_goes_ahead_of_whatever_was_on_its_way() {
         let mut outbox = Outbox::default();
-        outbox.send(Effect::Led(RobotId::Discovery, true));
+        outbox.send(Effect::Led(RobotId::discovery(), true));
         outbox.record(WallTime::default(), Fact::Led(true));
-        assert_eq!(outbox.halt(RobotId::Discovery), None);
-        assert_eq!(outbox.poll(), Some(Effect::Halt(RobotId::Discovery)));
+        assert_eq!(outbox.halt(&RobotId::discovery()), None);
+        assert_eq!(outbox.poll(), Some(Effect::Halt(RobotId::discovery())));
         assert!(matches!(outbox.poll(), Some(Effect::Record(_))));
-        assert_eq!(outbox.poll(), Some(Effect::Led(RobotId::Discovery, true)));
+        assert_eq!(outbox.poll(), Some(Effect::Led(RobotId::discovery(), true)));
     }
 }

@@ -48,7 +48,7 @@ impl Engine {
     }
 
     fn stands_at_home(&self) -> bool {
-        self.is_home() && !self.controller.is_moving()
+        self.is_home() && !self.robots.searching().controller.is_moving()
     }
 
     /// The phase that was interrupted. Waiting at home is over once the robot has been driven away, or is just being.
@@ -89,7 +89,7 @@ impl Engine {
     /// A fault interrupts what a drive by hand had interrupted, and halts.
     fn fault(&mut self, old: Phase, context: &InputContext) -> Phase {
         let cause = context.fault.clone().unwrap_or_else(|| FaultCause::Robot("it did not say why".to_owned()));
-        self.halt_robot();
+        self.halt_searching();
         self.world.write(self.now.wall, Tone::Alarm, format!("fault: {cause}"));
         let interrupted = if matches!(old, Phase::Driving { .. }) { self.resumed(old) } else { old };
         Phase::Fault { cause, interrupted: Box::new(interrupted) }

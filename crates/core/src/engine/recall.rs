@@ -7,7 +7,6 @@ use super::Engine;
 use super::on_record::OnRecord;
 use super::outbox::Outbox;
 use crate::effect::{Effect, Entry, Fact};
-use crate::event::RobotId;
 use crate::mission::{Input, InputContext, Phase, PhaseName, Stage};
 use crate::settings::Settings;
 use crate::state::PersistentState;
@@ -90,7 +89,7 @@ impl Engine {
     pub fn put_down_elsewhere(&mut self, now: Now) {
         self.begin(now);
         self.archive();
-        self.world.robot.off_centre = false;
+        self.robots.searching_mut().off_centre = false;
         self.record(Fact::Pose(Pose::START));
         self.empty_map();
         self.note_phase(Phase::Idle);
@@ -105,9 +104,9 @@ impl Engine {
 
     fn take_up(&mut self, state: PersistentState) {
         // Where exactly a robot stands that was on its way is not known until it says so, or senses.
-        self.world.robot.off_centre = was_moving(&state.phase);
+        self.robots.searching_mut().off_centre = was_moving(&state.phase);
         if state.led_blinking {
-            self.outbox.send(Effect::Led(RobotId::Discovery, true));
+            self.outbox.send(Effect::Led(self.robots.searching_id().clone(), true));
         }
         self.state = state.after_restart();
         let cell = self.state.pose.cell;

@@ -5,47 +5,81 @@ use std::sync::Arc;
 use super::Engine;
 use crate::command::Move;
 use crate::effect::{Action, Fact, Order};
-use crate::event::{Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent, Whereabouts};
+use crate::event::{Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent, RobotId, Whereabouts};
 use crate::explore::plan::after;
-use crate::mission::{FaultCause, Input, InputContext, Phase, Stage};
-use crate::units::{Cell, Heading, OrderId};
+use crate::mission::{FaultCause, Hold, Input, InputContext, Phase, Stage};
+use crate::units::{Cell, Heading, OrderId, Pose};
 use crate::world::hall_map::{Mark, REACH};
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
 use crate::world::temperature::ROBOT;
 
 impl Engine {
-    pub(super) fn report(&mut self, report: RobotEvent) {
+    /// Takes a report of a robot. One that nobody has said is there is not listened to.
+    pub(super) fn report(&mut self, robot: &RobotId, report: RobotEvent) {
+        if self.robots.get(robot).is_none() {
+            return;
+        }
         match report {
-            RobotEvent::Stands(whereabouts) => self.stands(whereabouts),
-            RobotEvent::LinkUp(can) => self.link_up(can),
-            RobotEvent::LinkLost(words) => self.link_lost(words),
-            RobotEvent::Done(id) => self.done(id),
-            RobotEvent::Blocked(id, obstacle) => self.blocked(id, obstacle),
-            RobotEvent::Halted(id, off_centre) => self.halted(id, off_centre),
-            RobotEvent::Photo(id, photo) => self.photo_taken(id, photo),
-            RobotEvent::PhotoFailed(id, words) => self.photo_failed(id, words),
-            RobotEvent::Failed(id, words) => self.failed(id, words),
-            RobotEvent::Sonar(cm) => self.sonar(cm),
-            RobotEvent::Temperature(celsius) => self.read_temperature(&Arc::from(ROBOT), celsius),
+            RobotEvent::Stands(whereabouts) => self.stands(robot, whereabouts),
+            RobotEvent::LinkUp(can) => self.link_up(robot, can),
+            RobotEvent::LinkLost(words) => self.link_lost(robot, words),
+            RobotEvent::Done(id) => self.done(robot, id),
+            RobotEvent::Blocked(id, obstacle) => self.blocked(robot, id, obstacle),
+            RobotEvent::Halted(id, off_centre) => self.halted(robot, id, off_centre),
+            RobotEvent::Photo(id, photo) => self.photo_taken(robot, id, photo),
+            RobotEvent::PhotoFailed(id, words) => self.photo_failed(robot, id, words),
+            RobotEvent::Failed(id, words) => self.failed(robot, id, words),
+            RobotEvent::Sonar(cm) => self.sonar(robot, cm),
+            RobotEvent::Temperature(celsius) => {
+                let source = if self.searches(robot) { ROBOT } else { robot.name() };
+                self.read_temperature(&Arc::from(source), celsius);
+            }
         }
     }
 
+    /// Whether this is the robot of the search, whose reports the mission follows.
+    pub(super) fn searches(&self, robot: &RobotId) -> bool {
+        self.robots.searching_id() == robot
+    }
+
+    /// Where the last completed order left a robot.
+    pub(super) fn pose_of(&self, robot: &RobotId) -> Pose {
+        if self.searches(robot) { self.state.pose } else { self.state.others.get(robot).copied().unwrap_or(Pose::START) }
+    }
+
+    fn set_off_centre(&mut self, robot: &RobotId, off_centre: OffCentre) {
+        if let Some(robot) = self.robots.get_mut(robot) {
+            robot.off_centre = off_centre;
+        }
+    }
+
+    fn record_pose(&mut self, robot: &RobotId, pose: Pose) {
+        let fact = if self.searches(robot) { Fact::Pose(pose) } else { Fact::RobotPose(robot.clone(), pose) };
+        self.record(fact);
+    }
+
     /// The robot's own reckoning counts: it may have ended a move of which the record says nothing (safety R2).
-    fn stands(&mut self, Whereabouts { pose, off_centre }: Whereabouts) {
-        let is_elsewhere = self.state.pose != pose;
-        if !is_elsewhere && self.world.robot.off_centre == off_centre {
+    fn stands(&mut self, robot: &RobotId, Whereabouts { pose, off_centre }: Whereabouts) {
+        let is_elsewhere = self.pose_of(robot) != pose;
+        if !is_elsewhere && self.robots.get(robot).is_some_and(|robot| robot.off_centre == off_centre) {
             return;
         }
-        self.world.robot.off_centre = off_centre;
+        self.set_off_centre(robot, off_centre);
         self.world.touch(Resource::Robot);
-        if is_elsewhere {
-            let text = format!("the robot says that it stands at {}, facing {}", pose.cell, pose.heading.name());
-            self.world.write(self.now.wall, Tone::Info, text);
+        if !is_elsewhere {
+            return;
+        }
+        let who = if self.searches(robot) { "the robot".to_owned() } else { robot.to_string() };
+        let text = format!("{who} says that it stands at {}, facing {}", pose.cell, pose.heading.name());
+        self.world.write(self.now.wall, Tone::Info, text);
+        if self.searches(robot) {
             self.mission.route.clear();
             self.mark(pose.cell, Mark::Visited);
-            self.record(Fact::Pose(pose));
+            self.record_pose(robot, pose);
             self.leave_inspection();
+        } else {
+            self.record_pose(robot, pose);
         }
     }
 
@@ -63,40 +97,63 @@ impl Engine {
         }
     }
 
-    fn link_up(&mut self, can: Capabilities) {
-        self.controller.link_up(can);
+    fn link_up(&mut self, robot: &RobotId, can: Capabilities) {
+        let Some(known) = self.robots.get_mut(robot) else { return };
+        known.controller.link_up(can);
+        known.holds.clear(Hold::RobotLink);
         self.world.touch(Resource::Robot);
-        self.feed(Input::LinkUp, &InputContext::default());
+        if self.searches(robot) {
+            self.feed(Input::LinkUp, &InputContext::default());
+        }
     }
 
-    /// The robot halts by itself; where exactly it stands is not known before it is recentred.
-    fn link_lost(&mut self, words: String) {
-        self.world.robot.off_centre |= self.controller.lose();
+    /// The robot halts by itself; where exactly it stands is not known before it is recentred. The others go on.
+    fn link_lost(&mut self, robot: &RobotId, words: String) {
+        let searches = self.searches(robot);
+        let Some(known) = self.robots.get_mut(robot) else { return };
+        known.off_centre |= known.controller.lose();
         self.world.touch(Resource::Robot);
-        self.feed(Input::LinkLost, &InputContext { words: Some(words), ..InputContext::default() });
+        if searches {
+            self.feed(Input::LinkLost, &InputContext { words: Some(words), ..InputContext::default() });
+        } else if known.holds.raise(Hold::RobotLink) {
+            if self.state.phase.is_mission() {
+                known.holds.raise(Hold::AwaitingStart);
+            }
+            self.world.write(self.now.wall, Tone::Warning, format!("{robot} cannot be reached ({words}): mend the link"));
+        }
     }
 
-    fn close(&mut self, id: OrderId) -> Option<Order> {
-        let order = self.controller.close(id)?;
+    fn close(&mut self, robot: &RobotId, id: OrderId) -> Option<Order> {
+        let order = self.robots.get_mut(robot)?.controller.close(id)?;
         self.world.touch(Resource::Robot);
         Some(order)
     }
 
-    fn done(&mut self, id: OrderId) {
-        let Some(order) = self.close(id) else { return };
+    fn done(&mut self, robot: &RobotId, id: OrderId) {
+        let Some(order) = self.close(robot, id) else { return };
         match order.action {
-            Action::Move(step) => self.moved(step),
-            Action::Recentre => self.world.robot.off_centre = false,
+            Action::Move(step) => self.moved(robot, step),
+            Action::Recentre => self.set_off_centre(robot, false),
             Action::Photograph(_) => {}
         }
-        self.feed(Input::Done, &InputContext::default());
+        if self.searches(robot) {
+            self.feed(Input::Done, &InputContext::default());
+        }
     }
 
     /// The robot stands where the move led; after a late answer too, so it is not off centre any more.
-    fn moved(&mut self, step: Move) {
-        self.world.robot.off_centre = false;
-        let before = self.state.pose;
+    fn moved(&mut self, robot: &RobotId, step: Move) {
+        self.set_off_centre(robot, false);
+        let before = self.pose_of(robot);
         let pose = after(before, step);
+        if self.searches(robot) {
+            self.follow_move(step, before, pose);
+        }
+        self.record_pose(robot, pose);
+    }
+
+    /// What a move of the robot that searches means for the map, and for the way ahead.
+    fn follow_move(&mut self, step: Move, before: Pose, pose: Pose) {
         if self.mission.route.front() == Some(&step) {
             self.mission.route.pop_front();
             self.world.touch(Resource::Mission);
@@ -109,13 +166,16 @@ impl Engine {
                 self.mark(pose.cell, Mark::Visited);
             }
         }
-        self.record(Fact::Pose(pose));
     }
 
     /// The cell that was to be entered is an obstacle; the robot stands against it until it is recentred.
-    fn blocked(&mut self, id: OrderId, obstacle: Obstacle) {
-        let Some(order) = self.close(id) else { return };
-        self.world.robot.off_centre = true;
+    fn blocked(&mut self, robot: &RobotId, id: OrderId, obstacle: Obstacle) {
+        let Some(order) = self.close(robot, id) else { return };
+        self.set_off_centre(robot, true);
+        if !self.searches(robot) {
+            let text = format!("{robot} met an obstacle at {}", self.pose_of(robot).cell);
+            return self.world.write(self.now.wall, Tone::Warning, text);
+        }
         self.mission.route.clear();
         let Action::Move(step @ (Move::Forward | Move::Backward)) = order.action else {
             let words = "something is in the way of a turn, or of the way back to the centre of its cell".to_owned();
@@ -162,31 +222,42 @@ impl Engine {
         }
     }
 
-    fn halted(&mut self, id: OrderId, off_centre: OffCentre) {
-        if self.close(id).is_some() {
-            self.world.robot.off_centre |= off_centre;
+    fn halted(&mut self, robot: &RobotId, id: OrderId, off_centre: OffCentre) {
+        if self.close(robot, id).is_some() && off_centre {
+            self.set_off_centre(robot, true);
         }
     }
 
-    fn photo_taken(&mut self, id: OrderId, photo: Photo) {
-        if self.close(id).is_some() {
+    fn photo_taken(&mut self, robot: &RobotId, id: OrderId, photo: Photo) {
+        if self.close(robot, id).is_some() && self.searches(robot) {
             self.feed(Input::PhotoTaken, &InputContext { photo: Some(photo), ..InputContext::default() });
         }
     }
 
-    fn photo_failed(&mut self, id: OrderId, words: String) {
-        if self.close(id).is_some() {
-            self.feed(Input::PhotoFailed, &InputContext { words: Some(words), ..InputContext::default() });
+    fn photo_failed(&mut self, robot: &RobotId, id: OrderId, words: String) {
+        if self.close(robot, id).is_some() {
+            self.say_photo_failed(robot, words);
         }
     }
 
-    fn failed(&mut self, id: OrderId, words: String) {
-        let Some(order) = self.close(id) else { return };
-        if order.action.is_motion() {
-            self.world.robot.off_centre = true;
+    fn failed(&mut self, robot: &RobotId, id: OrderId, words: String) {
+        let Some(order) = self.close(robot, id) else { return };
+        if !order.action.is_motion() {
+            return self.say_photo_failed(robot, words);
+        }
+        self.set_off_centre(robot, true);
+        if self.searches(robot) {
             self.robot_failed(words);
         } else {
+            self.world.write(self.now.wall, Tone::Alarm, format!("{robot} could not carry out its order ({words})"));
+        }
+    }
+
+    fn say_photo_failed(&mut self, robot: &RobotId, words: String) {
+        if self.searches(robot) {
             self.feed(Input::PhotoFailed, &InputContext { words: Some(words), ..InputContext::default() });
+        } else {
+            self.world.write(self.now.wall, Tone::Warning, format!("{robot} took no photo ({words})"));
         }
     }
 
@@ -194,23 +265,26 @@ impl Engine {
         self.feed(Input::RobotFailed, &InputContext { fault: Some(FaultCause::Robot(words)), ..InputContext::default() });
     }
 
-    /// The deadline of the open order and its grace have passed without an answer.
-    pub(super) fn order_unanswered(&mut self) {
-        let Some(order) = self.controller.give_up() else { return };
+    /// The deadline of a robot's open order and its grace have passed without an answer.
+    pub(super) fn order_unanswered(&mut self, robot: &RobotId) {
+        let Some(order) = self.robots.get_mut(robot).and_then(|robot| robot.controller.give_up()) else { return };
         self.world.touch(Resource::Robot);
-        if order.action.is_motion() {
-            self.world.robot.off_centre = true;
-            self.send_halt();
+        if !order.action.is_motion() {
+            return self.say_photo_failed(robot, "the camera did not answer in time".to_owned());
+        }
+        self.set_off_centre(robot, true);
+        self.send_halt_to(robot);
+        if self.searches(robot) {
             self.feed(Input::Unanswered, &InputContext { fault: Some(FaultCause::Unanswered), ..InputContext::default() });
         } else {
-            let words = "the camera did not answer in time".to_owned();
-            self.feed(Input::PhotoFailed, &InputContext { words: Some(words), ..InputContext::default() });
+            self.world.write(self.now.wall, Tone::Alarm, format!("{robot} did not finish its order in time: look after it"));
         }
     }
 
-    fn sonar(&mut self, cm: Option<u16>) {
-        if self.world.robot.sonar_cm != cm {
-            self.world.robot.sonar_cm = cm;
+    fn sonar(&mut self, robot: &RobotId, cm: Option<u16>) {
+        let Some(robot) = self.robots.get_mut(robot) else { return };
+        if robot.sonar_cm != cm {
+            robot.sonar_cm = cm;
             self.world.touch(Resource::Robot);
         }
     }

@@ -74,7 +74,7 @@ impl Stops {
 impl Engine {
     /// Answers a stop as soon as the robot stands.
     pub(super) fn answer_standing(&mut self, ticket: Ticket) {
-        if self.controller.is_halting() {
+        if self.robots.searching().controller.is_halting() {
             self.stops.waiting.push((ticket, self.now.since_start.saturating_add(PATIENCE)));
         } else {
             self.answer(ticket, None);
@@ -85,7 +85,7 @@ impl Engine {
     /// the revision of their answers is one in which it does.
     pub(super) fn go_on(&mut self) {
         self.stops.put_off = None;
-        if self.stops.waiting.is_empty() || self.controller.is_halting() {
+        if self.stops.waiting.is_empty() || self.robots.searching().controller.is_halting() {
             return self.pump();
         }
         self.stops.put_off = Some(self.now.since_start);

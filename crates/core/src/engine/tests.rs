@@ -10,7 +10,7 @@ use std::time::Duration;
 use super::*;
 use crate::command::{Command, Door, Issuer, LuggageRef, Move, TemperatureReport, Verdict};
 use crate::effect::Action;
-use crate::event::{Capabilities, Obstacle, RobotEvent};
+use crate::event::{Capabilities, Obstacle, Parts, RobotEvent};
 use crate::mission::{FaultCause, Hold, Holds, Inspection, Phase, PhaseName, Stage};
 use crate::units::{AlarmId, Cell, Celsius, OrderId, Pose, Seq, WallTime};
 use crate::world::luggage::{Luggage, PhotoState};
@@ -42,8 +42,8 @@ fn phase(name: PhaseName) -> Phase {
 fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
     let mut engine = Engine::new(Settings::default(), Strategy::Snail, "test".into());
     let quick = Duration::from_millis(1);
-    let can = Capabilities { step: quick, turn: quick, photo: quick, nudges: false };
-    engine.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::LinkUp(can)), now(0));
+    let can = Capabilities { step: quick, turn: quick, photo: quick, nudges: false, parts: Parts::ROUND_ROBOT };
+    engine.handle_event(Event::Robot(RobotId::discovery(), RobotEvent::LinkUp(can)), now(0));
     engine.state.pose.cell = Cell::new(0, 1);
     engine.mark(Cell::new(0, 1), crate::world::hall_map::Mark::Visited);
     let luggage = Luggage {
@@ -177,7 +177,7 @@ fn nothing_begins_to_move_before_its_record_is_kept_and_a_stop_is_answered_at_on
     assert!(!effects.iter().any(order) && !effects.iter().any(|effect| matches!(effect, Effect::Answer(..))));
     give(&mut engine, Command::Stop);
     let effects: Vec<Effect> = std::iter::from_fn(|| engine.poll_effect()).collect();
-    assert!(effects.contains(&Effect::Halt(RobotId::Discovery)));
+    assert!(effects.contains(&Effect::Halt(RobotId::discovery())));
     assert!(effects.iter().any(|effect| matches!(effect, Effect::Answer(_, Ok(_)))));
     engine.handle_event(Event::Recorded(Seq(1000)), now(1));
     assert!(
@@ -208,16 +208,16 @@ fn without_a_known_way_home_there_is_a_fault_and_start_tries_the_blocked_cell_ag
     let mut engine = sweep_in(PhaseName::ReturningWithAlarm, &[]);
     let obstacle = |engine: &mut Engine, id| {
         let blocked = RobotEvent::Blocked(id, Obstacle::Unknown);
-        engine.handle_event(Event::Robot(RobotId::Discovery, blocked), now(1));
+        engine.handle_event(Event::Robot(RobotId::discovery(), blocked), now(1));
     };
     engine.state.pose.heading = crate::units::Heading::North;
     engine.pump();
     assert_eq!(settle(&mut engine), [Action::Move(Move::Forward)], "home lies one step to the north");
-    let open = engine.controller.open().expect("the step is under way").id;
+    let open = engine.robots.searching().controller.open().expect("the step is under way").id;
     obstacle(&mut engine, open);
     settle(&mut engine);
-    let recentre = engine.controller.open().map_or(OrderId(0), |order| order.id);
-    engine.handle_event(Event::Robot(RobotId::Discovery, RobotEvent::Done(recentre)), now(1));
+    let recentre = engine.robots.searching().controller.open().map_or(OrderId(0), |order| order.id);
+    engine.handle_event(Event::Robot(RobotId::discovery(), RobotEvent::Done(recentre)), now(1));
     assert_eq!(engine.phase_name(), PhaseName::Fault);
     let start = || Request::new(Command::Start, Issuer::operator(Door::Local));
     settle(&mut engine);

@@ -7,9 +7,10 @@ use super::on_record::View;
 use crate::command::Refused;
 use crate::explore::plan::cells_along;
 use crate::mission::{Hold, Input, InputContext, PhaseName, Stage};
+use crate::robots::{Robot, RobotId};
 use crate::world::alarm::AlarmView;
 use crate::world::resource::Resource;
-use crate::world::robot::{RobotState, RobotView};
+use crate::world::robot::{RobotShown, RobotState, RobotView};
 use crate::world::snapshot::{MissionView, Progress, Refusals, Snapshot};
 use crate::world::temperature::{TemperatureStatus, TemperatureView};
 
@@ -29,14 +30,44 @@ const NOT_ON_RECORD: &str = "what was done last is not on record yet: wait a mom
 impl Engine {
     pub(super) fn shown(&self) -> Shown {
         let led_blinking = self.state.led_blinking && self.on_record.shown.led_blinking;
-        let robot = RobotView {
-            pose: self.state.pose,
-            state: self.robot_state(),
-            halting: self.controller.is_halting(),
-            led_blinking,
-            ..self.world.robot
-        };
+        let state = self.robot_state();
+        let robot = RobotView { state, led_blinking, ..self.view_of(self.robots.searching_id(), self.robots.searching()) };
         Shown { mission: self.mission_view(), robot, temperature: self.temperature_view() }
+    }
+
+    fn view_of(&self, id: &RobotId, robot: &Robot) -> RobotView {
+        RobotView {
+            state: robot.controller.state(),
+            halting: robot.controller.is_halting(),
+            pose: self.pose_of(id),
+            off_centre: robot.off_centre,
+            sonar_cm: robot.sonar_cm,
+            led_blinking: false,
+        }
+    }
+
+    /// All robots, the one that searches first.
+    fn robots_shown(&self, searching: RobotView) -> Arc<[RobotShown]> {
+        let parts = |robot: &Robot| robot.controller.capabilities.map(|can| can.parts);
+        let first = RobotShown {
+            id: self.robots.searching_id().clone(),
+            view: searching,
+            parts: parts(self.robots.searching()),
+            holds: self.holds_shown(),
+        };
+        let others = self.robots.iter().filter(|(id, _)| !self.searches(id)).map(|(id, robot)| RobotShown {
+            id: id.clone(),
+            view: self.view_of(id, robot),
+            parts: parts(robot),
+            holds: self.holds_of(robot),
+        });
+        std::iter::once(first).chain(others).collect()
+    }
+
+    /// What holds a robot beside the one that searches: its own link, and what holds all; each waits for START by itself.
+    pub(super) fn holds_of(&self, robot: &Robot) -> Vec<Hold> {
+        let of_all = |hold: &Hold| !matches!(hold, Hold::RobotLink | Hold::AwaitingStart) && self.state.holds.contains(*hold);
+        Hold::ALL.into_iter().filter(|hold| of_all(hold) || robot.holds.contains(*hold)).collect()
     }
 
     /// The snapshot; long lists that have not changed since the last one are shared with it.
@@ -50,6 +81,7 @@ impl Engine {
             revisions,
             mission: shown.mission,
             robot: shown.robot,
+            robots: self.robots_shown(shown.robot),
             map: self.shown_map().clone(),
             luggage: Arc::clone(&self.on_record.shown.luggage),
             temperature: shown.temperature,
@@ -104,7 +136,7 @@ impl Engine {
     }
 
     fn robot_state(&self) -> RobotState {
-        match (self.controller.state(), self.stage()) {
+        match (self.robots.searching().controller.state(), self.stage()) {
             (RobotState::Stopped, Some(Stage::Recording(_))) => RobotState::SendingPhoto,
             (state, _) => state,
         }

@@ -9,6 +9,7 @@ use super::effect::{Entry, Fact};
 use super::event::Piece;
 use super::explore::{Search, Strategy};
 use super::mission::{Goal, Hold, Holds, Phase};
+use super::robots::RobotId;
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, WallTime};
 use super::world::alarm::Alarm;
 use super::world::hall_map::{HallMap, Mark};
@@ -36,8 +37,10 @@ pub struct PersistentState {
     pub goal: Option<Goal>,
     /// Cells that were free once and blocked later.
     pub blocked: BTreeSet<Cell>,
-    /// Where the last completed order left the robot.
+    /// Where the last completed order left the robot that searches.
     pub pose: Pose,
+    /// The same of the others that have moved.
+    pub others: BTreeMap<RobotId, Pose>,
     /// Whether the LED blinks.
     pub led_blinking: bool,
     /// The hall.
@@ -71,6 +74,7 @@ impl PersistentState {
             goal: None,
             blocked: BTreeSet::new(),
             pose: Pose::START,
+            others: BTreeMap::new(),
             led_blinking: false,
             map: HallMap::new(Cell::HOME, Revision(1)),
             pieces: BTreeSet::new(),
@@ -102,6 +106,7 @@ impl PersistentState {
             Fact::Epoch(epoch) => self.epoch = *epoch,
             Fact::Goal(goal, search) => (self.goal, self.search) = (*goal, search.clone()),
             Fact::Pose(pose) => self.pose = *pose,
+            Fact::RobotPose(robot, pose) => drop(self.others.insert(robot.clone(), *pose)),
             Fact::Led(blinking) => self.led_blinking = *blinking,
             Fact::Mark(cell, mark) => self.mark(*cell, *mark, revision),
             Fact::Luggage { record, .. } => self.keep(record),

@@ -5,18 +5,15 @@ use std::sync::Arc;
 
 use super::log::{Log, Tone};
 use super::resource::Resource;
-use super::robot::{RobotState, RobotView};
 use super::temperature::Thermometer;
 use crate::settings::Settings;
-use crate::units::{Pose, Revision, WallTime};
+use crate::units::{Revision, WallTime};
 
 /// What is known.
 #[derive(Clone, Debug)]
 pub struct World {
     /// Which run of the program this is.
     pub run: Arc<str>,
-    /// The robot that searches.
-    pub robot: RobotView,
     /// The temperature.
     pub thermometer: Thermometer,
     /// The latest log lines.
@@ -33,18 +30,8 @@ impl World {
     /// A robot at home in a hall of which nothing is known.
     #[must_use]
     pub fn new(run: Arc<str>, settings: &Settings) -> World {
-        let robot = RobotView {
-            state: RobotState::Stopped,
-            halting: false,
-            pose: Pose::START,
-            off_centre: false,
-            sonar_cm: None,
-            led_blinking: false,
-        };
-
         World {
             run,
-            robot,
             thermometer: Thermometer::new(settings.threshold, settings.hysteresis),
             log: Log::default(),
             store_failure: None,

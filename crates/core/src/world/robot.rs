@@ -1,5 +1,7 @@
 //! What is known of a robot: where it stands, what it does, what it last sensed.
 
+use crate::mission::Hold;
+use crate::robots::{Parts, RobotId};
 use crate::units::Pose;
 
 /// What is shown of a robot.
@@ -17,6 +19,19 @@ pub struct RobotView {
     pub sonar_cm: Option<u16>,
     /// Whether the LED blinks.
     pub led_blinking: bool,
+}
+
+/// One of all robots.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RobotShown {
+    /// Which.
+    pub id: RobotId,
+    /// What is known of it.
+    pub view: RobotView,
+    /// What it has; `None` before its link is up.
+    pub parts: Option<Parts>,
+    /// What holds it: what holds all, and what holds it alone.
+    pub holds: Vec<Hold>,
 }
 
 /// What a robot does, by the words of the seeds.

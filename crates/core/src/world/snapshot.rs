@@ -7,7 +7,7 @@ use super::hall_map::HallMap;
 use super::log::LogLine;
 use super::luggage::Luggage;
 use super::resource::Resource;
-use super::robot::RobotView;
+use super::robot::{RobotShown, RobotView};
 use super::temperature::TemperatureView;
 use crate::explore::Strategy;
 use crate::mission::{Hold, PhaseName};
@@ -24,8 +24,10 @@ pub struct Snapshot {
     pub revisions: [Revision; Resource::COUNT],
     /// The mission.
     pub mission: MissionView,
-    /// The robot.
+    /// The robot that searches.
     pub robot: RobotView,
+    /// All robots, the one that searches first.
+    pub robots: Arc<[RobotShown]>,
     /// The hall; its tiles are shared with the core.
     pub map: HallMap,
     /// The luggage of this mission, by number.

@@ -168,7 +168,7 @@ impl Run {
                 self.sim.handle_photo(order, exposure.develop(), self.now);
             } else if let Some(report) = self.sim.poll_event() {
                 self.count(&report);
-                self.engine.handle_event(Event::Robot(RobotId::Discovery, report), self.now);
+                self.engine.handle_event(Event::Robot(RobotId::discovery(), report), self.now);
             } else {
                 break;
             }
@@ -177,12 +177,12 @@ impl Run {
 
     fn perform(&mut self, effect: Effect) {
         match effect {
-            Effect::Order(RobotId::Discovery, order) => {
+            Effect::Order(_, order) => {
                 self.open = Some(order.action);
                 self.sim.handle_order(order, self.now);
             }
-            Effect::Halt(RobotId::Discovery) => self.sim.handle_halt(self.now),
-            Effect::Led(RobotId::Discovery, blinks) => self.sim.handle_led(blinks),
+            Effect::Halt(_) => self.sim.handle_halt(self.now),
+            Effect::Led(_, blinks) => self.sim.handle_led(blinks),
             Effect::Record(page) => self.record(page),
             Effect::Answer(ticket, answer) => {
                 self.answers.insert(ticket, answer);

@@ -1,11 +1,9 @@
 //! `/.well-known/core`: the table as links, a path with a number once for each thing there is (RFC 6690). How links are filtered
 //! and written stands in `super::super::links`.
 
-use super::super::endpoint::format::Format;
-use super::super::endpoint::response::Response;
-use super::super::links::{Link, listed};
-use super::kept;
+use super::cache;
 use super::table::{Row, Show, Table};
+use coap_endpoint::{Format, Link, Response, link_format};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::PhotoState;
 use hallsweep_core::world::snapshot::Snapshot;
@@ -19,13 +17,13 @@ const ACT: &str = "hallsweep.act";
 /// The links that the queries let through, as an answer.
 pub(super) fn filtered(snapshot: &Snapshot, queries: &[String]) -> Response {
     let list = listing(snapshot, queries);
-    Response { tag: Some(kept::tag(&[&list])), max_age: Some(0), ..Response::content(Format::LINKS, list) }
+    Response { tag: Some(cache::tag(&[&list])), max_age: Some(0), ..Response::content(Format::LINKS, list) }
 }
 
 /// The links that the queries let through.
 pub(super) fn listing(snapshot: &Snapshot, queries: &[String]) -> Vec<u8> {
     let links: Vec<Link> = Table::default().rows.iter().flat_map(|row| links(row, snapshot)).collect();
-    listed(&links, queries).into_bytes()
+    link_format(&links, queries).into_bytes()
 }
 
 /// The links of a row: one, or one for each piece of this mission or each alarm.
@@ -41,7 +39,7 @@ fn links(row: &Row, snapshot: &Snapshot) -> Vec<Link> {
 }
 
 fn link(row: &Row, href: &str, size: Option<usize>) -> Link {
-    let interface = match (&row.shows, row.acts.is_empty()) {
+    let interface = match (&row.shows, row.actions.is_empty()) {
         (Some(_), true) => SEE.to_owned(),
         (Some(_), false) => format!("{SEE} {ACT}"),
         (None, _) => ACT.to_owned(),

@@ -2,11 +2,10 @@
 //! answers at once where it can; a command is given at the call, so that commands keep the order in which they came, and only its
 //! outcome is waited for. Messages, blocks and observers are the endpoint's business.
 
-mod acts;
-mod bodies;
+mod actions;
+mod cache;
 mod caller;
 mod discovery;
-mod kept;
 mod old;
 mod photos;
 mod problem;
@@ -19,21 +18,19 @@ mod testing;
 
 use std::sync::Arc;
 
-use self::acts::Act;
+use self::actions::Action;
+use self::cache::RepresentationCache;
 use self::caller::Caller;
-use self::kept::Kept;
 use self::old::OldModel;
 use self::photos::Photos;
 use self::problem::Problem;
 use self::table::{Found, Table};
-use super::application::{Application, Said};
-use super::endpoint::request::{Conditions, Request};
-use super::endpoint::response::{Answer, Response};
-use super::endpoint::{self, code::Method};
+use super::application::{Application, Reply};
 use crate::api::fields::in_short;
 use crate::doors::seldom::Seldom;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::handle::Handle;
+use coap_endpoint::{Answer, Conditions, Method, RefusedRequest, Request, Response};
 use hallsweep_core::command::{self, RefusalKind, Refused};
 
 /// The resources of this door.
@@ -41,7 +38,7 @@ pub struct Resources {
     handle: Handle,
     archive: Reader,
     table: Table,
-    kept: Kept,
+    cache: RepresentationCache,
     old: OldModel,
     photos: Arc<Photos>,
     strangers: Seldom,
@@ -52,16 +49,16 @@ impl Resources {
     /// The resources in front of the loop behind `handle`; `manual_driving` says whether old clients may drive the robot.
     #[must_use]
     pub fn new(handle: Handle, archive: Reader, manual_driving: bool) -> Resources {
-        let kept = Kept::default();
-        let old = OldModel::new(&handle.snapshot(), &kept);
+        let cache = RepresentationCache::default();
+        let old = OldModel::new(&handle.snapshot(), &cache);
         let (table, photos, strangers) = (Table::default(), Arc::default(), Seldom::default());
-        Resources { handle, archive, table, kept, old, photos, strangers, manual_driving }
+        Resources { handle, archive, table, cache, old, photos, strangers, manual_driving }
     }
 }
 
 impl Application for Resources {
     /// Must be called inside a runtime.
-    fn answer(&self, request: &Request) -> Said {
+    fn answer(&self, request: &Request) -> Reply {
         if stop::is_stop(request) {
             return self.stop(request);
         }
@@ -69,7 +66,7 @@ impl Application for Resources {
     }
 
     fn handle_change(&self) {
-        self.old.look(&self.handle.snapshot(), &self.kept);
+        self.old.look(&self.handle.snapshot(), &self.cache);
     }
 
     fn things(&self, request: &Request) -> Vec<Arc<Response>> {
@@ -84,39 +81,39 @@ impl Application for Resources {
     fn note_busy(&self, request: &Request) {
         if Caller::of(request.peer) == Caller::Here {
             let words = "too many commands were under way".to_owned();
-            let kept = command::Refusal { code: "tooMany", kind: RefusalKind::Unavailable, words };
-            self.handle.note_refused_at_once(caller::issuer(request.peer), asked_of(request), Refused::Before(kept));
+            let refusal = command::Refusal { code: "tooMany", kind: RefusalKind::Unavailable, words };
+            self.handle.note_refused_at_once(caller::issuer(request.peer), asked_of(request), Refused::Before(refusal));
         }
     }
 
     /// Safety A6, as in `refused`.
-    fn note(&self, refusal: endpoint::Refusal) {
-        let kept = command::Refusal { code: "malformed", kind: RefusalKind::Mismatch, words: refusal.words };
-        self.handle.note_refused_at_once(caller::issuer(refusal.peer), in_short(&refusal.asked), Refused::Before(kept));
+    fn note(&self, refused: RefusedRequest) {
+        let refusal = command::Refusal { code: "malformed", kind: RefusalKind::Mismatch, words: refused.words };
+        self.handle.note_refused_at_once(caller::issuer(refused.peer), in_short(&refused.asked), Refused::Before(refusal));
     }
 }
 
 impl Resources {
-    fn taken(&self, request: &Request) -> Result<Said, Problem> {
+    fn taken(&self, request: &Request) -> Result<Reply, Problem> {
         let found = self.table.find(&request.path).ok_or_else(|| Problem::nothing_at(request))?;
-        match (&found.row.shows, found.row.act(request.method)) {
+        match (&found.row.shows, found.row.action(request.method)) {
             (Some(shown), _) if request.method == Method::Get => self.show(shown, found.number, request),
             (_, Some(act)) => self.act(act, &found, request),
             (_, None) => Err(Problem::no_method(request, found.row)),
         }
     }
 
-    fn act(&self, act: Act, found: &Found<'_>, request: &Request) -> Result<Said, Problem> {
+    fn act(&self, act: Action, found: &Found<'_>, request: &Request) -> Result<Reply, Problem> {
         let caller = Caller::of(request.peer);
         caller.check(act.need()).map_err(|refused| Problem::refused(&refused, None))?;
-        let (command, epoch) = acts::command(act, found.number, request, self.manual_driving)?;
-        let terms = acts::terms(act, request)?;
+        let (command, epoch) = actions::command(act, found.number, request, self.manual_driving)?;
+        let terms = actions::terms(act, request)?;
         self.may_change(found, request)?;
         let asked = command::Request { id: terms.id, epoch, ..command::Request::new(command, caller::issuer(request.peer)) };
         let (given, request) = (self.handle.carry_out(asked), request.clone());
-        Ok(Said::Later(Box::pin(async move {
+        Ok(Reply::Later(Box::pin(async move {
             Answer::once(match given.await {
-                Ok(done) => acts::accepted(terms.form, &done),
+                Ok(done) => actions::accepted(terms.form, &done),
                 Err(not_done) => Problem::from(not_done).response(&request),
             })
         })))
@@ -137,10 +134,10 @@ impl Resources {
 
     /// What somebody known wanted to change and was not taken goes on record (safety A6); what strangers send only into the log,
     /// because they must not be able to fill the disk.
-    fn refused(&self, request: &Request, problem: &Problem) -> Said {
+    fn refused(&self, request: &Request, problem: &Problem) -> Reply {
         let answer = Answer::once(problem.response(request));
         if request.method == Method::Get || !problem.is_for_record() {
-            return Said::Now(answer);
+            return Reply::Now(answer);
         }
         let asked = problem.asked().unwrap_or_else(|| asked_of(request));
         if Caller::of(request.peer) == Caller::Beyond {
@@ -148,11 +145,11 @@ impl Resources {
                 let why = problem.detail();
                 tracing::info!(refused, from = %request.peer.ip(), asked, why, "strangers were refused; this is the latest");
             }
-            return Said::Now(answer);
+            return Reply::Now(answer);
         }
         let noted = self.handle.clone();
         let (issuer, refused) = (caller::issuer(request.peer), Refused::Before(problem.refusal()));
-        Said::Later(Box::pin(async move {
+        Reply::Later(Box::pin(async move {
             // A program that is ending has nobody left to tell.
             let _ = noted.note_refused(issuer, asked, refused).await;
             answer

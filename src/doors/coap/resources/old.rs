@@ -4,16 +4,14 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::super::endpoint::format::Format;
-use super::super::endpoint::request::Request;
-use super::super::endpoint::response::Answer;
-use super::kept::{Copies, Kept};
+use super::cache::{Copies, RepresentationCache};
 use super::problem::Problem;
 use super::shows::{LUGGAGE, MAP, ROBOT, revision};
 use super::table::Show;
 use crate::api::command::move_word;
 use crate::api::halt::is_halt;
 use crate::api::old_clients;
+use coap_endpoint::{Answer, Format, Request};
 use hallsweep_core::command::{Command, LuggageRef, Verdict};
 use hallsweep_core::mission::in_words;
 use hallsweep_core::units::Revision;
@@ -31,19 +29,19 @@ struct Seen {
 
 impl OldModel {
     /// Nothing has changed yet.
-    pub(super) fn new(snapshot: &Snapshot, kept: &Kept) -> OldModel {
-        let items = items(snapshot, kept).into_iter().map(|(_, item)| item).collect();
+    pub(super) fn new(snapshot: &Snapshot, cache: &RepresentationCache) -> OldModel {
+        let items = items(snapshot, cache).into_iter().map(|(_, item)| item).collect();
         OldModel(Mutex::new(Seen { items, latest: 0 }))
     }
 
     /// Sees what has changed since the last look.
-    pub(super) fn look(&self, snapshot: &Snapshot, kept: &Kept) {
-        drop(self.seen(snapshot, kept));
+    pub(super) fn look(&self, snapshot: &Snapshot, cache: &RepresentationCache) {
+        drop(self.seen(snapshot, cache));
     }
 
     /// The item that changed last, and all of them for observers, in the order robot, map, luggage.
-    pub(super) fn answer(&self, snapshot: &Snapshot, kept: &Kept) -> Answer {
-        let seen = self.seen(snapshot, kept);
+    pub(super) fn answer(&self, snapshot: &Snapshot, cache: &RepresentationCache) -> Answer {
+        let seen = self.seen(snapshot, cache);
         let shown = seen.items.get(seen.latest).unwrap_or(&seen.items[0]).plain.clone();
         let observed = seen.items.iter().map(|item| item.watched.clone()).collect();
         Answer { response: shown, observed }
@@ -51,8 +49,8 @@ impl OldModel {
 
     /// Of several items that changed since the last look it is the one whose own part of the state changed last; of those that
     /// changed at once, the last in this order, as observers are told of them.
-    fn seen(&self, snapshot: &Snapshot, kept: &Kept) -> MutexGuard<'_, Seen> {
-        let now = items(snapshot, kept);
+    fn seen(&self, snapshot: &Snapshot, cache: &RepresentationCache) -> MutexGuard<'_, Seen> {
+        let now = items(snapshot, cache);
         let mut seen = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let before = &seen.items;
         let is_new = |at: usize, item: &Copies| before.get(at).is_none_or(|old| old.watched.body != item.watched.body);
@@ -64,12 +62,12 @@ impl OldModel {
 }
 
 /// The items there are, each with the revision at which its own part of the state last changed; never none.
-fn items(snapshot: &Snapshot, kept: &Kept) -> Vec<(Revision, Copies)> {
+fn items(snapshot: &Snapshot, cache: &RepresentationCache) -> Vec<(Revision, Copies)> {
     let there = if snapshot.luggage.is_empty() { &[ROBOT, MAP][..] } else { &[ROBOT, MAP, LUGGAGE] };
     let show = Show::OldItems;
     // The mission says which piece is shown, and changes for many other reasons.
     let own = |number| if number == LUGGAGE { snapshot.revision_of(Resource::Luggage) } else { revision(show, number, snapshot) };
-    let item = |number| (own(number), kept.copies(show, number, Format::TEXT, snapshot));
+    let item = |number| (own(number), cache.copies(show, number, Format::TEXT, snapshot));
     there.iter().copied().map(item).collect()
 }
 

@@ -4,12 +4,10 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::super::endpoint::format::Format;
-use super::super::endpoint::request::Request;
-use super::super::endpoint::response::{Answer, Response, Tag};
-use super::kept;
+use super::cache;
 use super::problem::Problem;
 use crate::runtime::archive_reader::Reader;
+use coap_endpoint::{Answer, ETag, Format, Request, Response};
 use hallsweep_core::event::Photo;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
@@ -30,7 +28,7 @@ struct One {
 
 impl Photos {
     /// The photo of a piece, if it is kept; `present` is the tag it has now when the piece is of the present mission.
-    pub(super) fn kept(&self, id: LuggageId, present: Option<Tag>) -> Option<Arc<Response>> {
+    pub(super) fn kept(&self, id: LuggageId, present: Option<ETag>) -> Option<Arc<Response>> {
         let photos = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let is_it = |one: &&One| one.id == id && present.map_or(one.is_settled, |tag| one.response.tag == Some(tag));
         photos.iter().find(is_it).map(|one| Arc::clone(&one.response))
@@ -50,13 +48,13 @@ impl Photos {
 }
 
 /// The tag of a piece's photo, as its record is now.
-pub(super) fn tag(piece: &Luggage) -> Tag {
+pub(super) fn tag(piece: &Luggage) -> ETag {
     let take = piece.take().unwrap_or(0);
-    kept::tag(&[&piece.id.0.to_be_bytes(), &take.to_be_bytes(), &piece.taken.unix_ms.to_be_bytes()])
+    cache::tag(&[&piece.id.0.to_be_bytes(), &take.to_be_bytes(), &piece.taken.unix_ms.to_be_bytes()])
 }
 
 /// The same, of a piece that has a photo.
-pub(super) fn tag_of_photo(piece: &Luggage) -> Result<Tag, Problem> {
+pub(super) fn tag_of_photo(piece: &Luggage) -> Result<ETag, Problem> {
     piece.take()?;
     Ok(tag(piece))
 }
@@ -72,7 +70,7 @@ pub(super) fn labelled(photo: Arc<Response>, request: &Request) -> Result<Answer
 }
 
 /// Reads a photo; without the tag its piece's record is read too.
-pub(super) async fn read(archive: &Reader, id: LuggageId, present: Option<Tag>) -> Result<Response, Problem> {
+pub(super) async fn read(archive: &Reader, id: LuggageId, present: Option<ETag>) -> Result<Response, Problem> {
     let tag = match present {
         Some(tag) => tag,
         None => {
@@ -94,7 +92,7 @@ mod tests {
     use hallsweep_core::units::Cell;
     use hallsweep_core::world::luggage::PhotoState;
 
-    fn photo(bytes: usize, tag: Tag) -> Response {
+    fn photo(bytes: usize, tag: ETag) -> Response {
         Response { tag: Some(tag), ..Response::content(Format::PNG, vec![0; bytes]) }
     }
 
@@ -114,7 +112,7 @@ mod tests {
     #[test]
     fn a_photo_that_was_taken_again_is_read_again() {
         let (photos, id) = (Photos::default(), LuggageId(3));
-        let (old, new) = (kept::tag(&[b"1"]), kept::tag(&[b"2"]));
+        let (old, new) = (cache::tag(&[b"1"]), cache::tag(&[b"2"]));
         photos.keep(id, false, photo(4, old));
         assert!(photos.kept(id, Some(old)).is_some() && photos.kept(id, Some(new)).is_none());
         assert!(photos.kept(id, None).is_none(), "it may have been taken again before its mission was put away");
@@ -124,7 +122,7 @@ mod tests {
 
     #[test]
     fn a_photo_is_plain_bytes_for_whoever_wants_these() {
-        let picture = Arc::new(photo(4, kept::tag(&[b"t"])));
+        let picture = Arc::new(photo(4, cache::tag(&[b"t"])));
         let wanted = |photo: &Arc<Response>, accept| {
             labelled(Arc::clone(photo), &Request { accept, ..get("/luggage/3/photo") }).map(|answer| answer.response)
         };
@@ -145,11 +143,11 @@ mod tests {
     fn only_the_last_photos_are_kept_and_the_last_one_always() {
         let photos = Photos::default();
         for id in 0..20 {
-            photos.keep(LuggageId(id), true, photo(MOST_BYTES / 4, kept::tag(&[b"t"])));
+            photos.keep(LuggageId(id), true, photo(MOST_BYTES / 4, cache::tag(&[b"t"])));
         }
         let ids: Vec<u64> = (0..20).filter(|id| photos.kept(LuggageId(*id), None).is_some()).collect();
         assert_eq!(ids, [16, 17, 18, 19]);
-        photos.keep(LuggageId(99), true, photo(2 * MOST_BYTES, kept::tag(&[b"t"])));
+        photos.keep(LuggageId(99), true, photo(2 * MOST_BYTES, cache::tag(&[b"t"])));
         assert!(photos.kept(LuggageId(99), None).is_some() && photos.kept(LuggageId(19), None).is_none());
     }
 }

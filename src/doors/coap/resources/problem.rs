@@ -3,11 +3,7 @@
 
 use std::sync::Arc;
 
-use super::super::endpoint::HALTED;
-use super::super::endpoint::code::{Code, Method};
-use super::super::endpoint::format::Format;
-use super::super::endpoint::request::Request;
-use super::super::endpoint::response::Response;
+use super::super::application::HALTED;
 use super::shows;
 use super::table::Row;
 use crate::api::concise_problem;
@@ -16,6 +12,7 @@ use crate::api::problem::ProblemJson;
 use crate::runtime::archive::Unreadable;
 use crate::runtime::carry_out::NotDone;
 use crate::runtime::handle::Gone;
+use coap_endpoint::{Code, Format, Method, Request, Response};
 use hallsweep_core::command::{Refusal, RefusalKind, Refused};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};

@@ -1,28 +1,26 @@
 //! Reading: what a request shows, at once or after a look into the archive, and what whoever observes it sees. What is kept for
-//! others who ask is the business of `kept` and `photos`.
+//! others who ask is the business of `cache` and `photos`.
 
 use std::sync::Arc;
 
-use super::super::application::Said;
-use super::super::endpoint::format::Format;
-use super::super::endpoint::request::Request;
-use super::super::endpoint::response::{Answer, Response, Tag};
+use super::super::application::Reply;
 use super::problem::Problem;
 use super::table::{Row, Show, Shown};
 use super::{Resources, discovery, photos, shows};
+use coap_endpoint::{Answer, ETag, Format, Request, Response};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::snapshot::Snapshot;
 
 impl Resources {
     /// What a GET of this is answered with. Whether there is such a thing comes before the question in which format.
-    pub(super) fn show(&self, shown: &Shown, number: u64, request: &Request) -> Result<Said, Problem> {
+    pub(super) fn show(&self, shown: &Shown, number: u64, request: &Request) -> Result<Reply, Problem> {
         let snapshot = self.handle.snapshot();
         match shown.show {
             Show::Photo => self.photo(&snapshot, number, request),
             Show::Piece if snapshot.luggage(LuggageId(number)).is_none() => Ok(self.past_piece(number, shown.offers, request)),
             show @ (Show::Links | Show::OldItems | Show::State | Show::Of(_) | Show::Piece | Show::Strategy) => {
                 let format = negotiated(shown.offers, request)?;
-                Ok(Said::Now(self.at_hand(show, number, format, &snapshot, request)))
+                Ok(Reply::Now(self.at_hand(show, number, format, &snapshot, request)))
             }
         }
     }
@@ -31,12 +29,12 @@ impl Resources {
         match show {
             Show::Links if !request.queries.is_empty() => Answer::once(discovery::filtered(snapshot, &request.queries)),
             Show::Links => {
-                let whole = self.kept.copies(show, number, format, snapshot).plain;
+                let whole = self.cache.copies(show, number, format, snapshot).plain;
                 Answer { response: whole, observed: Vec::new() }
             }
-            Show::OldItems => self.old.answer(snapshot, &self.kept),
+            Show::OldItems => self.old.answer(snapshot, &self.cache),
             Show::State | Show::Of(_) | Show::Piece | Show::Photo | Show::Strategy => {
-                self.kept.copies(show, number, format, snapshot).answer()
+                self.cache.copies(show, number, format, snapshot).answer()
             }
         }
     }
@@ -58,22 +56,22 @@ impl Resources {
     }
 
     /// The tags of what is shown here, in every format.
-    pub(super) fn tags(&self, row: &Row, number: u64) -> Vec<Tag> {
+    pub(super) fn tags(&self, row: &Row, number: u64) -> Vec<ETag> {
         let Some(Shown { show, offers, .. }) = row.shows else { return Vec::new() };
         let snapshot = self.handle.snapshot();
         match show {
             Show::Links => Vec::new(),
-            Show::OldItems => self.old.answer(&snapshot, &self.kept).observed.iter().filter_map(|item| item.tag).collect(),
+            Show::OldItems => self.old.answer(&snapshot, &self.cache).observed.iter().filter_map(|item| item.tag).collect(),
             Show::Photo => snapshot.luggage(LuggageId(number)).map(|piece| photos::tag(piece)).into_iter().collect(),
             Show::Piece if snapshot.luggage(LuggageId(number)).is_none() => Vec::new(),
             Show::State | Show::Of(_) | Show::Piece | Show::Strategy => {
-                offers.iter().filter_map(|format| self.kept.copies(show, number, *format, &snapshot).watched.tag).collect()
+                offers.iter().filter_map(|format| self.cache.copies(show, number, *format, &snapshot).watched.tag).collect()
             }
         }
     }
 
     /// A piece of a mission that is over; it changes no more, so nobody can observe it.
-    fn past_piece(&self, number: u64, offers: &'static [Format], request: &Request) -> Said {
+    fn past_piece(&self, number: u64, offers: &'static [Format], request: &Request) -> Reply {
         let (archive, request) = (self.archive.clone(), request.clone());
         let found = async move |request: &Request| {
             let read = archive.look_up(move |archive| archive.luggage(LuggageId(number))).await?;
@@ -81,20 +79,20 @@ impl Resources {
             let format = negotiated(offers, request)?;
             Ok(Response::content(format, shows::past_piece(&piece, format)))
         };
-        Said::Later(Box::pin(async move {
+        Reply::Later(Box::pin(async move {
             Answer::once(found(&request).await.unwrap_or_else(|problem: Problem| problem.response(&request)))
         }))
     }
 
     /// The newest photo of a piece, from among the last ones that were asked for or else from the disk.
-    fn photo(&self, snapshot: &Snapshot, number: u64, request: &Request) -> Result<Said, Problem> {
+    fn photo(&self, snapshot: &Snapshot, number: u64, request: &Request) -> Result<Reply, Problem> {
         let id = LuggageId(number);
         let present = snapshot.luggage(id).map(|piece| photos::tag_of_photo(piece)).transpose()?;
         if let Some(kept) = self.photos.kept(id, present) {
-            return photos::labelled(kept, request).map(Said::Now);
+            return photos::labelled(kept, request).map(Reply::Now);
         }
         let (archive, photos, request) = (self.archive.clone(), Arc::clone(&self.photos), request.clone());
-        Ok(Said::Later(Box::pin(async move {
+        Ok(Reply::Later(Box::pin(async move {
             let read = photos::read(&archive, id, present).await;
             let kept = read.map(|response| photos.keep(id, present.is_none(), response));
             kept.and_then(|photo| photos::labelled(photo, &request))

@@ -3,7 +3,6 @@
 
 use serde::Serialize;
 
-use super::super::endpoint::format::Format;
 use super::discovery;
 use super::table::Show;
 use crate::api::luggage::LuggageJson;
@@ -11,6 +10,7 @@ use crate::api::map::{MapJson, map_revision};
 use crate::api::mission::StrategyJson;
 use crate::api::state::{self, StateJson};
 use crate::api::{cbor, map_text, old_items, senml, text};
+use coap_endpoint::Format;
 use hallsweep_core::units::{LuggageId, Revision};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;

@@ -1,19 +1,18 @@
 //! STOP at this door: found before anything is judged, by who sends it, its method, its path and its word alone; whatever else is
 //! wrong with it is told afterwards (safety S8). How the robot is halted is the handle's business.
 
-use super::super::application::Said;
-use super::super::endpoint::request::Request;
-use super::super::endpoint::response::Answer;
+use super::super::application::Reply;
 use super::Resources;
-use super::acts::{self, Terms};
+use super::actions::{self, Terms};
 use super::caller::{self, Caller};
 use super::problem::Problem;
 use crate::api::halt::{bare, is_halt, is_halt_word, says_halt};
+use coap_endpoint::{Answer, Request};
 use hallsweep_core::command::{self, Command};
 
 /// Whether a request halts the robot. Methods that are not taken here halt as well, but for those that only look.
 pub(super) fn is_stop(request: &Request) -> bool {
-    if request.method.only_looks() || Caller::of(request.peer) != Caller::Here {
+    if request.method.is_safe() || Caller::of(request.peer) != Caller::Here {
         return false;
     }
     let path = segments(request);
@@ -37,14 +36,14 @@ fn segments(request: &Request) -> Vec<String> {
 
 impl Resources {
     /// Gives a STOP, and answers when the robot stands: that it was accepted, or that it was refused all the same.
-    pub(super) fn stop(&self, request: &Request) -> Said {
+    pub(super) fn stop(&self, request: &Request) -> Reply {
         let judged = self.judged(request);
         let id = judged.as_ref().ok().and_then(|terms| terms.id.clone());
         let asked = command::Request { id, ..command::Request::new(Command::Stop, caller::issuer(request.peer)) };
         let (given, request) = (self.handle.carry_out(asked), request.clone());
-        Said::Later(Box::pin(async move {
+        Reply::Later(Box::pin(async move {
             Answer::once(match (given.await, judged) {
-                (Ok(done), Ok(terms)) => acts::accepted(terms.form, &done),
+                (Ok(done), Ok(terms)) => actions::accepted(terms.form, &done),
                 (Ok(_), Err(problem)) => problem.although_halted().response(&request),
                 (Err(not_done), _) => Problem::from(not_done).response(&request),
             })
@@ -54,8 +53,8 @@ impl Resources {
     /// What goes with the answer. Path and method are judged; query, conditions, format and body are not a stop's business.
     fn judged(&self, request: &Request) -> Result<Terms, Problem> {
         let found = self.table.find(&request.path).ok_or_else(|| Problem::nothing_at(request))?;
-        let act = found.row.act(request.method).ok_or_else(|| Problem::no_method(request, found.row))?;
-        let terms = acts::terms(act, request).and_then(|terms| self.may_change(&found, request).map(|()| terms));
+        let act = found.row.action(request.method).ok_or_else(|| Problem::no_method(request, found.row))?;
+        let terms = actions::terms(act, request).and_then(|terms| self.may_change(&found, request).map(|()| terms));
         Ok(terms.unwrap_or_else(|_| Terms::plain(act)))
     }
 }

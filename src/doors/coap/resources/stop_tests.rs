@@ -7,20 +7,18 @@ use std::time::Duration;
 use proptest::prelude::*;
 use tokio::runtime::Runtime;
 
-use super::super::testing::{House, house};
+use super::super::testing::{TestApp, app};
 use super::*;
 use crate::access::Need;
 use crate::api::fixture::searching;
-use crate::doors::coap::application::Application;
-use crate::doors::coap::endpoint::code::Code;
-use crate::doors::coap::endpoint::{Endpoint, Transmit};
+use crate::doors::coap::application::{Application, HALTED};
 use crate::doors::coap::resources::table::Table;
-use hallsweep_core::units::{Now, WallTime};
+use coap_endpoint::{Code, Endpoint, Transmit};
 
 /// A door: what comes to its socket, and the loop behind it.
 struct Door {
     endpoint: Endpoint,
-    house: House,
+    app: TestApp,
     runtime: Runtime,
     now: Duration,
 }
@@ -46,38 +44,37 @@ const NON: u8 = 1;
 impl Door {
     fn new() -> Door {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().unwrap();
-        let house = runtime.block_on(async { house(searching()) });
-        let endpoint = Endpoint::new([7; 32]).with_stop(Resources::IS_STOP);
-        Door { endpoint, house, runtime, now: Duration::from_secs(100) }
+        let app = runtime.block_on(async { app(searching()) });
+        let endpoint = Endpoint::new([7; 32]).with_urgent(Resources::IS_STOP, HALTED);
+        Door { endpoint, app, runtime, now: Duration::from_secs(100) }
     }
 
     /// Takes a datagram, and everything that follows from it; what is sent back.
     fn take(&mut self, peer: SocketAddr, bytes: &[u8]) -> Vec<Transmit> {
         self.now += Duration::from_millis(1);
-        let now = Now { since_start: self.now, wall: WallTime { unix_ms: 1_770_000_000_000, offset_s: 0 } };
-        self.endpoint.handle_datagram(peer, bytes, now);
+        self.endpoint.handle_datagram(peer, bytes, self.now);
         while let Some((exchange, request)) = self.endpoint.poll_request() {
-            let resources = &self.house.resources;
+            let resources = &self.app.resources;
             let answer = self.runtime.block_on(async {
                 match resources.answer(&request) {
-                    Said::Now(answer) => answer,
-                    Said::Later(answer) => answer.await,
+                    Reply::Now(answer) => answer,
+                    Reply::Later(answer) => answer.await,
                 }
             });
-            self.endpoint.handle_answer(exchange, answer, now);
+            self.endpoint.handle_answer(exchange, answer, self.now);
         }
         std::iter::from_fn(|| self.endpoint.poll_transmit()).collect()
     }
 
     /// The commands given so far.
     fn given(&self) -> Vec<Command> {
-        self.house.given.lock().unwrap().iter().map(|request| request.command.clone()).collect()
+        self.app.given.lock().unwrap().iter().map(|request| request.command.clone()).collect()
     }
 
     /// What is on record as refused, by the endpoint or by the resources.
     fn refusals(&mut self) -> usize {
         let by_endpoint = std::iter::from_fn(|| self.endpoint.poll_refused()).count();
-        by_endpoint + self.runtime.block_on(async { usize::from(self.house.noted().await.is_some()) })
+        by_endpoint + self.runtime.block_on(async { usize::from(self.app.noted().await.is_some()) })
     }
 }
 
@@ -383,7 +380,7 @@ fn a_bare_h_that_is_written_unusually_halts_and_is_not_known_in_a_flood() {
 #[test]
 fn every_path_at_which_anybody_may_stop_is_known_as_one() {
     for row in Table::default().rows {
-        for (method, act) in row.acts {
+        for (method, action) in row.actions {
             let path: Vec<String> = row.path.split('/').skip(1).map(str::to_owned).collect();
             let halts = |payload: &str| {
                 let payload = payload.as_bytes().to_vec();
@@ -394,7 +391,7 @@ fn every_path_at_which_anybody_may_stop_is_known_as_one() {
                 })
             };
             let is_known = halts("") || halts("h") || halts(r#"{"move":"h"}"#);
-            assert_eq!(is_known, act.need() == Need::Stop, "{} {}", method.name(), row.path);
+            assert_eq!(is_known, action.need() == Need::Stop, "{} {}", method.name(), row.path);
         }
     }
 }

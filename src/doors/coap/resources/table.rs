@@ -2,9 +2,8 @@
 //! to do. Routing, the answer to a wrong method, `/.well-known/core` and the table in `docs/coap.md` are walks over it; what is not
 //! listed is not there. Every resource of `Resource::ALL` has its row.
 
-use super::super::endpoint::code::Method;
-use super::super::endpoint::format::Format;
-use super::acts::Act;
+use super::actions::Action;
+use coap_endpoint::{Format, Method};
 use hallsweep_core::world::resource::Resource;
 
 /// Every path.
@@ -23,7 +22,7 @@ pub(super) struct Row {
     /// What a GET shows.
     pub(super) shows: Option<Shown>,
     /// What it can be asked to do.
-    pub(super) acts: &'static [(Method, Act)],
+    pub(super) actions: &'static [(Method, Action)],
 }
 
 /// What a GET shows.
@@ -82,13 +81,13 @@ impl Table {
 
 impl Row {
     /// What it does when it is asked by this method.
-    pub(super) fn act(&self, method: Method) -> Option<Act> {
-        self.acts.iter().find(|(answers, _)| *answers == method).map(|(_, act)| *act)
+    pub(super) fn action(&self, method: Method) -> Option<Action> {
+        self.actions.iter().find(|(answers, _)| *answers == method).map(|(_, action)| *action)
     }
 
     /// The methods it answers.
     pub(super) fn methods(&self) -> impl Iterator<Item = Method> {
-        self.shows.iter().map(|_| Method::Get).chain(self.acts.iter().map(|(method, _)| *method))
+        self.shows.iter().map(|_| Method::Get).chain(self.actions.iter().map(|(method, _)| *method))
     }
 
     /// The number in a path that is this one, 0 where it has none; `None` when it is another.
@@ -122,17 +121,17 @@ fn looking() -> Vec<Row> {
     vec![
         shown("/.well-known/core", "core.links", "What is here", Show::Links, &[Format::LINKS], false, &[]),
         shown("/resourcemodel", "resourcemodel", "The model as old clients know it", Show::OldItems, &[Format::TEXT], true,
-            &[(Put, Act::OldWord), (Post, Act::OldWord)]),
+            &[(Put, Action::OldWord), (Post, Action::OldWord)]),
         shown("/state", "state", "Everything at one revision", Show::State, SHAPES, true, &[]),
         shown("/strategy", "strategy", "The order of the search", Show::Strategy, WITH_TEXT, true,
-            &[(Put, Act::Strategy), (Post, Act::Strategy)]),
+            &[(Put, Action::Strategy), (Post, Action::Strategy)]),
     ]
 }
 
 /// The row of a resource; a new one does not compile until it has one.
 fn resource(resource: Resource) -> Row {
-    const TEMPERATURE: &[(Method, Act)] = &[(Method::Put, Act::Temperature), (Method::Post, Act::Temperature)];
-    let (title, offers, acts): (_, _, &'static [(Method, Act)]) = match resource {
+    const TEMPERATURE: &[(Method, Action)] = &[(Method::Put, Action::Temperature), (Method::Post, Action::Temperature)];
+    let (title, offers, actions): (_, _, &'static [(Method, Action)]) = match resource {
         Resource::Mission => ("Phase, holds, goal and progress", WITH_TEXT, &[]),
         Resource::Robot => ("What the robot does, and where", MEASURED, &[]),
         Resource::Map => ("The hall as far as it is known", WITH_TEXT, &[]),
@@ -141,7 +140,7 @@ fn resource(resource: Resource) -> Row {
         Resource::Alarms => ("The alarms", SHAPES, &[]),
         Resource::Log => ("The latest lines of the log", SHAPES, &[]),
     };
-    shown(&format!("/{}", resource.name()), resource.name(), title, Show::Of(resource), offers, true, acts)
+    shown(&format!("/{}", resource.name()), resource.name(), title, Show::Of(resource), offers, true, actions)
 }
 
 /// What belongs to a numbered thing.
@@ -150,22 +149,22 @@ fn of_a_piece() -> Vec<Row> {
     use Method::{Post, Put};
     vec![
         shown("/luggage/{id}", "piece", "A piece of luggage", Show::Piece, SHAPES, true, &[]),
-        shown("/luggage/{id}/photo", "photo", "Its photo", Show::Photo, PICTURE, false, &[(Post, Act::Retake)]),
-        done("/luggage/{id}/verdict", "verdict", "Safe or danger", &[(Put, Act::Verdict), (Post, Act::Verdict)]),
-        done("/alarms/{id}/acknowledge", "acknowledge", "The alarm was seen", &[(Post, Act::Acknowledge)]),
+        shown("/luggage/{id}/photo", "photo", "Its photo", Show::Photo, PICTURE, false, &[(Post, Action::Retake)]),
+        done("/luggage/{id}/verdict", "verdict", "Safe or danger", &[(Put, Action::Verdict), (Post, Action::Verdict)]),
+        done("/alarms/{id}/acknowledge", "acknowledge", "The alarm was seen", &[(Post, Action::Acknowledge)]),
     ]
 }
 
 #[rustfmt::skip]
 fn commands() -> Vec<Row> {
     vec![
-        done("/commands/start", "start", "Begin, or go on", &[(Method::Post, Act::Start)]),
-        done("/commands/stop", "stop", "Halt the robot", &[(Method::Post, Act::Stop)]),
-        done("/commands/backHome", "backhome", "Go home and wait", &[(Method::Post, Act::BackHome)]),
-        done("/commands/retrieve", "retrieve", "Fetch the dangerous piece", &[(Method::Post, Act::Retrieve)]),
-        done("/commands/reset", "reset", "Put the mission away", &[(Method::Post, Act::Reset)]),
-        done("/commands/move", "move", "One move by hand", &[(Method::Post, Act::Move)]),
-        done("/commands/goto", "goto", "Drive to a cell", &[(Method::Post, Act::Goto)]),
+        done("/commands/start", "start", "Begin, or go on", &[(Method::Post, Action::Start)]),
+        done("/commands/stop", "stop", "Halt the robot", &[(Method::Post, Action::Stop)]),
+        done("/commands/backHome", "backhome", "Go home and wait", &[(Method::Post, Action::BackHome)]),
+        done("/commands/retrieve", "retrieve", "Fetch the dangerous piece", &[(Method::Post, Action::Retrieve)]),
+        done("/commands/reset", "reset", "Put the mission away", &[(Method::Post, Action::Reset)]),
+        done("/commands/move", "move", "One move by hand", &[(Method::Post, Action::Move)]),
+        done("/commands/goto", "goto", "Drive to a cell", &[(Method::Post, Action::Goto)]),
     ]
 }
 
@@ -176,13 +175,13 @@ fn shown(
     show: Show,
     offers: &'static [Format],
     is_observable: bool,
-    acts: &'static [(Method, Act)],
+    actions: &'static [(Method, Action)],
 ) -> Row {
-    Row { path: path.to_owned(), rt, title, shows: Some(Shown { show, offers, is_observable }), acts }
+    Row { path: path.to_owned(), rt, title, shows: Some(Shown { show, offers, is_observable }), actions }
 }
 
-fn done(path: &str, rt: &'static str, title: &'static str, acts: &'static [(Method, Act)]) -> Row {
-    Row { path: path.to_owned(), rt, title, shows: None, acts }
+fn done(path: &str, rt: &'static str, title: &'static str, actions: &'static [(Method, Action)]) -> Row {
+    Row { path: path.to_owned(), rt, title, shows: None, actions }
 }
 
 #[cfg(test)]

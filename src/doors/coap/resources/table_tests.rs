@@ -3,12 +3,11 @@
 use std::fmt::Write;
 
 use super::super::caller;
-use super::super::testing::{House, get, house, request};
+use super::super::testing::{TestApp, app, get, request};
 use super::*;
 use crate::access::Need;
 use crate::api::fixture::searching;
-use crate::doors::coap::endpoint::code::Code;
-use crate::doors::coap::endpoint::request::Request;
+use coap_endpoint::{Code, Request};
 use hallsweep_core::command::Command;
 
 const METHODS: [Method; 7] =
@@ -18,8 +17,8 @@ fn path(row: &Row) -> String {
     row.path.replace("{id}", "3")
 }
 
-async fn code(house: &House, request: Request) -> String {
-    house.ask(request).await.response.code.to_string()
+async fn code(app: &TestApp, request: Request) -> String {
+    app.ask(request).await.response.code.to_string()
 }
 
 #[test]
@@ -40,7 +39,7 @@ fn no_path_is_in_the_table_twice_and_none_does_nothing() {
     paths.dedup();
     assert_eq!(paths.len(), table.rows.len());
     assert!(table.rows.iter().all(|row| row.methods().next().is_some()));
-    assert!(table.rows.iter().all(|row| row.acts.iter().all(|(method, _)| *method != Method::Get)));
+    assert!(table.rows.iter().all(|row| row.actions.iter().all(|(method, _)| *method != Method::Get)));
 }
 
 #[test]
@@ -61,31 +60,31 @@ fn a_path_is_found_whole_and_a_number_is_a_number() {
 
 #[tokio::test]
 async fn whatever_is_not_in_the_table_is_answered_4_04_or_4_05() {
-    let house = house(searching());
+    let app = app(searching());
     for row in Table::default().rows {
         for method in METHODS.into_iter().filter(|method| row.methods().all(|known| known != *method)) {
-            let (code, words) = house.said(request(method, &path(&row), "")).await;
+            let (code, words) = app.said(request(method, &path(&row), "")).await;
             assert_eq!(code, "4.05", "{} {}", method.name(), row.path);
             assert!(row.methods().all(|known| words.contains(known.name())), "{words}");
         }
     }
-    assert_eq!(code(&house, get("/nowhere")).await, "4.04");
-    assert_eq!(code(&house, get("/")).await, "4.04");
-    let given = house.given.lock().unwrap();
+    assert_eq!(code(&app, get("/nowhere")).await, "4.04");
+    assert_eq!(code(&app, get("/")).await, "4.04");
+    let given = app.given.lock().unwrap();
     assert!(given.iter().all(|request| request.command == Command::Stop), "but a STOP halts by every method: {given:?}");
 }
 
 #[tokio::test]
 async fn everything_is_there_in_the_formats_that_the_table_says_and_in_no_other() {
-    let house = house(searching());
+    let app = app(searching());
     let all = [Format::TEXT, Format::LINKS, Format::BYTES, Format::PNG, Format::JSON, Format::CBOR, Format::SENML_JSON];
     for row in Table::default().rows {
         let Some(shown) = row.shows else { continue };
-        let first = house.ask(get(&path(&row))).await;
+        let first = app.ask(get(&path(&row))).await;
         assert_eq!(first.response.format, Some(shown.offers[0]), "{}", row.path);
         assert_eq!(first.observed.is_empty(), !shown.is_observable, "{}", row.path);
         for format in all {
-            let answer = house.ask(Request { accept: Some(format), ..get(&path(&row)) }).await.response;
+            let answer = app.ask(Request { accept: Some(format), ..get(&path(&row)) }).await.response;
             if shown.offers.contains(&format) {
                 assert_eq!((answer.code, answer.format), (Code::CONTENT, Some(format)), "{}", row.path);
                 assert!(!answer.body.is_empty() && answer.tag.is_some(), "{} {format}", row.path);
@@ -99,29 +98,29 @@ async fn everything_is_there_in_the_formats_that_the_table_says_and_in_no_other(
 /// Safety A4.
 #[tokio::test]
 async fn from_beyond_this_machine_everything_is_seen_and_nothing_done() {
-    let house = house(searching());
+    let app = app(searching());
     let beyond = |request| Request { peer: "192.0.2.7:40000".parse().unwrap(), ..request };
     for row in Table::default().rows {
         if row.shows.is_some() {
-            assert_eq!(code(&house, beyond(get(&path(&row)))).await, "2.05", "{}", row.path);
+            assert_eq!(code(&app, beyond(get(&path(&row)))).await, "2.05", "{}", row.path);
         }
-        for (method, _) in row.acts {
-            assert_eq!(code(&house, beyond(request(*method, &path(&row), "h"))).await, "4.03", "{}", row.path);
+        for (method, _) in row.actions {
+            assert_eq!(code(&app, beyond(request(*method, &path(&row), "h"))).await, "4.03", "{}", row.path);
         }
     }
-    assert!(house.given.lock().unwrap().is_empty());
-    assert!(house.noted().await.is_none(), "strangers must not be able to fill the disk");
+    assert!(app.given.lock().unwrap().is_empty());
+    assert!(app.noted().await.is_none(), "strangers must not be able to fill the disk");
 }
 
 /// Safety S1: on this machine a stop asks for nothing.
 #[tokio::test]
 async fn a_stop_is_in_the_table_and_does_what_it_says() {
-    let house = house(searching());
+    let app = app(searching());
     let table = Table::default();
-    let stops = table.rows.iter().filter(|row| row.acts.iter().any(|(_, act)| *act == Act::Stop));
+    let stops = table.rows.iter().filter(|row| row.actions.iter().any(|(_, action)| *action == Action::Stop));
     for row in stops {
-        assert_eq!(code(&house, request(Method::Post, &row.path, "")).await, "2.04");
-        assert_eq!(house.last().command, Command::Stop);
+        assert_eq!(code(&app, request(Method::Post, &row.path, "")).await, "2.04");
+        assert_eq!(app.last().command, Command::Stop);
     }
 }
 
@@ -148,8 +147,8 @@ fn the_documentation_shows_the_table_as_it_is() {
 fn line(row: &Row) -> String {
     let offers = row.shows.iter().flat_map(|shown| shown.offers).map(|format| format.0.to_string());
     let observe = if row.shows.is_some_and(|shown| shown.is_observable) { "yes" } else { "" };
-    let acts: Vec<&str> = row.acts.iter().map(|(method, _)| method.name()).collect();
-    let needs = row.acts.iter().map(|(_, act)| caller::in_words(act.need()));
+    let actions: Vec<&str> = row.actions.iter().map(|(method, _)| method.name()).collect();
+    let needs = row.actions.iter().map(|(_, action)| caller::in_words(action.need()));
     let seen = row.shows.iter().map(|_| caller::in_words(Need::See));
     let mut whom: Vec<&str> = seen.chain(needs).collect();
     whom.dedup();
@@ -158,7 +157,7 @@ fn line(row: &Row) -> String {
         row.title.to_owned(),
         offers.collect::<Vec<_>>().join(", "),
         observe.to_owned(),
-        acts.join(", "),
+        actions.join(", "),
         whom.join("; to act "),
     ];
     format!("| {} |", cells.join(" | "))

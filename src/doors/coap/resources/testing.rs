@@ -6,16 +6,14 @@ use std::sync::{Arc, Mutex};
 
 use tokio::sync::watch;
 
-use super::super::application::{Application, Said};
-use super::super::endpoint::code::Method;
-use super::super::endpoint::request::{Conditions, Request};
-use super::super::endpoint::response::Answer;
+use super::super::application::{Application, Reply};
 use super::Resources;
 use crate::api::fixture::piece;
 use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::obedient::{Noted, Script, obedient};
 use crate::runtime::within::within;
+use coap_endpoint::{Answer, Conditions, Method, Request};
 use hallsweep_core::command::{self, Refused};
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
@@ -30,7 +28,7 @@ pub(super) const PAST: u64 = 70;
 pub(super) const UNREADABLE: u64 = 99;
 
 /// Resources before a loop that does as it is told.
-pub(super) struct House {
+pub(super) struct TestApp {
     pub(super) resources: Resources,
     pub(super) publish: watch::Sender<Arc<Snapshot>>,
     refuse: Arc<Mutex<Option<Refused>>>,
@@ -74,27 +72,27 @@ impl Archive for Pictures {
     }
 }
 
-/// A house in this state, whose loop accepts everything until told to refuse; old clients may not drive. Must be called inside a
+/// A app in this state, whose loop accepts everything until told to refuse; old clients may not drive. Must be called inside a
 /// runtime.
-pub(super) fn house(snapshot: Snapshot) -> House {
-    driven_house(snapshot, false)
+pub(super) fn app(snapshot: Snapshot) -> TestApp {
+    driven_app(snapshot, false)
 }
 
 /// The same, in which they may or may not.
-pub(super) fn driven_house(snapshot: Snapshot, manual_driving: bool) -> House {
+pub(super) fn driven_app(snapshot: Snapshot, manual_driving: bool) -> TestApp {
     let (handle, script) = obedient(snapshot);
     let photos_read = Arc::new(AtomicUsize::new(0));
     let archive = Reader::new(Arc::new(Pictures(Arc::clone(&photos_read))));
     let Script { publish, refuse, given, noted } = script;
-    House { resources: Resources::new(handle, archive, manual_driving), publish, refuse, given, noted, photos_read }
+    TestApp { resources: Resources::new(handle, archive, manual_driving), publish, refuse, given, noted, photos_read }
 }
 
-impl House {
+impl TestApp {
     /// Sends a request and waits for its answer.
     pub(super) async fn ask(&self, request: Request) -> Answer {
         match self.resources.answer(&request) {
-            Said::Now(answer) => answer,
-            Said::Later(answer) => within("the answer", answer).await,
+            Reply::Now(answer) => answer,
+            Reply::Later(answer) => within("the answer", answer).await,
         }
     }
 

@@ -17,7 +17,7 @@ use crate::runtime::task::{Course, Task};
 use crate::runtime::within::within;
 use hallsweep_core::effect::Page;
 use hallsweep_core::engine::Engine;
-use hallsweep_core::event::{Capabilities, RobotEvent};
+use hallsweep_core::event::{Capabilities, Parts, RobotEvent, RobotId};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::world::snapshot::Snapshot;
 
@@ -180,13 +180,19 @@ async fn a_command_that_comes_again_under_its_name_acts_once_and_is_answered_as_
     let (loop_side, robot) = link(halter.watch());
     let engine = Engine::new(Settings::default(), Default::default(), "test".into());
     let store = Box::new(Forgetful(watch::Sender::new(StoreStatus::default())));
-    let (handle, task) = Task::new(engine, loop_side, store, Clock::default(), halter);
+    let (handle, task) = Task::new(engine, [(RobotId::discovery(), loop_side)], store, Clock::default(), halter);
     let (_course, coursed) = watch::channel(Course::default());
     tokio::spawn(task.run(coursed));
     let second = Duration::from_secs(1);
     robot
         .reports
-        .send(RobotEvent::LinkUp(Capabilities { step: second, turn: second, photo: second, nudges: false }))
+        .send(RobotEvent::LinkUp(Capabilities {
+            step: second,
+            turn: second,
+            photo: second,
+            nudges: false,
+            parts: Parts::ROUND_ROBOT,
+        }))
         .await
         .unwrap();
     let (orders, mut results) = orders_of(handle.clone(), false);

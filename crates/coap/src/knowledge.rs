@@ -1,0 +1,214 @@
+//! What one observer knows of the things it watches, and which of them it is told next. Every thing gets its turn: one that
+//! changes all the time hides no other, and what may have been lost is told again though there is other news. Messages and
+//! pacing are not here.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::limits::SETTLED;
+use super::response::Response;
+
+/// One of the things that a subject shows. Versions count the changes of all of them together and never begin anew, so that a
+/// thing that went away and came back is not taken for the one that was there before.
+#[derive(Debug)]
+pub(super) struct Thing {
+    /// What it is now.
+    pub(super) response: Arc<Response>,
+    /// The change that made it what it is.
+    pub(super) version: u64,
+}
+
+/// What an observer lacks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Lack {
+    /// It was not told of the newest version of this thing.
+    News(usize),
+    /// It was told, some time ago, and may not have heard it.
+    Unsure(usize),
+}
+
+/// What an observer knows.
+#[derive(Debug)]
+pub(super) struct Knowledge {
+    things: Vec<KnownThing>,
+    /// Whose turn is next; things are told in their order, from here on and round again.
+    next: usize,
+    latest: usize,
+}
+
+/// What it knows of one thing.
+#[derive(Clone, Copy, Debug, Default)]
+struct KnownThing {
+    /// The version it was told of last,
+    told: u64,
+    /// when that was,
+    at: Duration,
+    /// and the last version it has for sure.
+    sure: u64,
+}
+
+impl Thing {
+    /// Whether this is news beside what it is.
+    #[must_use]
+    pub(super) fn differs_from(&self, response: &Arc<Response>) -> bool {
+        let old = &*self.response;
+        !Arc::ptr_eq(&self.response, response)
+            && (old.code != response.code || old.format != response.format || old.body != response.body)
+    }
+}
+
+impl Knowledge {
+    /// Of an observer that was just shown one of these, and is to be told the others; whether that is sure to arrive decides
+    /// whether it is told again.
+    #[must_use]
+    pub(super) fn of(things: &[Thing], shown: &Response, is_sure: bool, now: Duration) -> Knowledge {
+        let is_shown = |thing: &Thing| things.len() == 1 || thing.response.body == shown.body;
+        let told = |thing: &Thing| KnownThing { told: thing.version, at: now, sure: if is_sure { thing.version } else { 0 } };
+        let known = |thing: &Thing| if is_shown(thing) { told(thing) } else { KnownThing::default() };
+        let latest = things.iter().position(is_shown).unwrap_or(0);
+        Knowledge { things: things.iter().map(known).collect(), next: 0, latest }
+    }
+
+    /// What it is told now: the next news, else what it may have missed.
+    #[must_use]
+    pub(super) fn lack(&self, things: &[Thing], now: Duration) -> Option<Lack> {
+        let from_here = self.lack_within(things, self.next..things.len(), now);
+        from_here.or_else(|| self.lack_within(things, 0..self.next.min(things.len()), now))
+    }
+
+    #[must_use]
+    pub(super) const fn latest(&self) -> usize {
+        self.latest
+    }
+
+    /// When it is to be told something, the last time it was told anything having been `sent` and the pause after that `pace`.
+    #[must_use]
+    pub(super) fn due(&self, things: &[Thing], sent: Duration, pace: Duration) -> Option<Duration> {
+        let due = |(place, thing): (usize, &Thing)| match self.known(place) {
+            known if known.told < thing.version => Some(sent + pace),
+            known if known.sure < thing.version => Some((known.at + SETTLED).max(sent + pace)),
+            _ => None,
+        };
+        things.iter().enumerate().filter_map(due).min()
+    }
+
+    /// It was told a version of a thing.
+    pub(super) fn told(&mut self, things: &[Thing], place: usize, version: u64, now: Duration) {
+        let known = self.known_mut(place);
+        (known.told, known.at) = (known.told.max(version), now);
+        let has_news = (0..things.len()).any(|place| self.is_news(things, place));
+        self.next = if has_news { place + 1 } else { 0 };
+        self.latest = place;
+    }
+
+    /// It said that it heard it.
+    pub(super) fn acknowledged(&mut self, place: usize, version: u64) {
+        let known = self.known_mut(place);
+        known.sure = known.sure.max(version);
+    }
+
+    fn lack_within(&self, things: &[Thing], mut places: std::ops::Range<usize>, now: Duration) -> Option<Lack> {
+        let news = places.clone().find(|place| self.is_news(things, *place)).map(Lack::News);
+        let is_unsure = |place: &usize| {
+            let known = self.known(*place);
+            known.sure < things[*place].version && known.at + SETTLED <= now
+        };
+        news.or_else(|| places.find(is_unsure).map(Lack::Unsure))
+    }
+
+    fn is_news(&self, things: &[Thing], place: usize) -> bool {
+        self.known(place).told < things[place].version
+    }
+
+    fn known(&self, place: usize) -> KnownThing {
+        self.things.get(place).copied().unwrap_or_default()
+    }
+
+    fn known_mut(&mut self, place: usize) -> &mut KnownThing {
+        if self.things.len() <= place {
+            self.things.resize(place + 1, KnownThing::default());
+        }
+        &mut self.things[place]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::code::Code;
+    use super::*;
+
+    const LATER: Duration = Duration::from_secs(60);
+
+    fn things(versions: &[u64]) -> Vec<Thing> {
+        let response = Arc::new(Response::new(Code::CONTENT));
+        versions.iter().map(|version| Thing { response: Arc::clone(&response), version: *version }).collect()
+    }
+
+    /// That of an observer that knows all of these.
+    fn known(versions: &[u64], now: Duration) -> Knowledge {
+        Knowledge::of(&things(versions), &Response::new(Code::CONTENT), true, now)
+    }
+
+    /// The places told one after the other while nothing changes any more.
+    fn order(knowledge: &mut Knowledge, things: &[Thing]) -> Vec<usize> {
+        let mut order = Vec::new();
+        while let Some(Lack::News(place)) = knowledge.lack(things, Duration::ZERO) {
+            knowledge.told(things, place, things[place].version, Duration::ZERO);
+            order.push(place);
+        }
+        order
+    }
+
+    #[test]
+    fn what_changed_together_is_told_in_order_and_from_the_first_again() {
+        let mut knowledge = known(&[1, 1, 1], Duration::ZERO);
+        assert_eq!(order(&mut knowledge, &things(&[1, 2, 1])), [1]);
+        assert_eq!(order(&mut knowledge, &things(&[2, 3, 2])), [0, 1, 2]);
+        assert_eq!(knowledge.lack(&things(&[2, 3, 2]), Duration::ZERO), None, "too early to repeat it");
+    }
+
+    #[test]
+    fn whoever_was_shown_one_thing_is_told_the_others() {
+        let thing = |words: &str| Thing { response: Arc::new(Response::refusal(Code::CONTENT, words.to_owned())), version: 1 };
+        let things = [thing("robot"), thing("map"), thing("lamp")];
+        let mut knowledge = Knowledge::of(&things, &things[1].response, true, Duration::ZERO);
+        assert_eq!(order(&mut knowledge, &things), [0, 2]);
+    }
+
+    #[test]
+    fn what_changes_all_the_time_hides_nothing() {
+        let mut knowledge = known(&[1, 1, 1], Duration::ZERO);
+        let mut told = Vec::new();
+        for version in 2..8 {
+            let now = things(&[version, version, 2]);
+            let Some(Lack::News(place)) = knowledge.lack(&now, Duration::ZERO) else { panic!("there is news") };
+            knowledge.told(&now, place, now[place].version, Duration::ZERO);
+            told.push(place);
+        }
+        assert_eq!(told, [0, 1, 2, 0, 1, 0], "after a whole round from the first again");
+    }
+
+    #[test]
+    fn what_may_be_lost_is_told_again_though_there_is_other_news() {
+        let mut knowledge = known(&[1, 1], Duration::ZERO);
+        knowledge.told(&things(&[1, 2]), 1, 2, Duration::ZERO);
+        let now = things(&[2, 2]);
+        assert_eq!(knowledge.lack(&now, LATER), Some(Lack::News(0)));
+        knowledge.told(&things(&[3, 2]), 0, 2, LATER);
+        assert_eq!(knowledge.lack(&things(&[3, 2]), LATER), Some(Lack::Unsure(1)));
+        knowledge.acknowledged(1, 2);
+        assert_eq!(knowledge.lack(&things(&[3, 2]), LATER), Some(Lack::News(0)));
+    }
+
+    #[test]
+    fn news_is_due_after_the_pace_and_a_repetition_when_it_has_settled() {
+        let at = Duration::from_secs(100);
+        let pace = Duration::from_millis(20);
+        let mut knowledge = known(&[1], at);
+        assert_eq!(knowledge.due(&things(&[1]), at, pace), None);
+        assert_eq!(knowledge.due(&things(&[2]), at, pace), Some(at + pace));
+        knowledge.told(&things(&[2]), 0, 2, at);
+        assert_eq!(knowledge.due(&things(&[2]), at, pace), Some(at + SETTLED));
+        assert_eq!(knowledge.lack(&things(&[2]), at + SETTLED), Some(Lack::Unsure(0)));
+    }
+}

@@ -1,0 +1,261 @@
+//! A CoAP server endpoint that knows no resource, socket or clock: datagrams in, requests out to an application, its answers back
+//! in, datagrams out (RFC 7252, 7641, 7959, 7967, 9175). What is at which path is the application's business.
+//!
+//! ```text
+//!   backlog (what waits, when more comes than is answered)
+//!             ▼
+//!   handle_datagram ─► message ─► guard ─► exchange ─► options ─► block ─► poll_request ─► the application
+//!   poll_transmit   ◄─ message ◄─ guard ◄─ exchange ◄─ reply ◄─ block ◄─ observe ◄─ handle_answer, handle_change
+//!                                            reliable ◄─┘ (what this side sends and wants acknowledged)
+//! ```
+
+use std::collections::{BTreeMap, VecDeque};
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use hashlink::LinkedHashMap;
+
+mod backlog;
+mod block;
+mod chance;
+mod code;
+mod exchange;
+mod format;
+mod guard;
+mod inward;
+mod knowledge;
+mod lenient;
+pub mod limits;
+mod links;
+mod long_answers;
+mod message;
+mod network;
+mod observe;
+mod options;
+mod outward;
+mod queue;
+mod reliable;
+mod reply;
+mod request;
+mod response;
+mod shares;
+mod subject;
+
+pub use backlog::Backlog;
+pub use code::{Code, Method};
+pub use format::Format;
+pub use links::{Link, link_format};
+pub use observe::SubjectId;
+pub use queue::Datagram;
+pub use request::{Conditions, Request};
+pub use response::{Answer, ETag, Response};
+
+use self::block::{Assemblies, Block, BodyKey};
+use self::chance::{Chance, Purpose};
+use self::exchange::Exchanges;
+use self::guard::Guard;
+use self::inward::ReplyTo;
+use self::long_answers::LongAnswers;
+use self::observe::Observers;
+use self::reliable::Reliable;
+
+/// A request that waits for the application's answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ExchangeId(u64);
+
+/// A datagram to be sent.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Transmit {
+    /// To whom.
+    pub peer: SocketAddr,
+    /// What.
+    pub bytes: Vec<u8>,
+}
+
+/// A request that was refused before the application saw it, and wanted to change something.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RefusedRequest {
+    /// Who sent it.
+    pub peer: SocketAddr,
+    /// What it asked for, as `POST /commands/start`.
+    pub asked: String,
+    /// What it was told.
+    pub words: String,
+}
+
+/// How much the endpoint remembers; every number has its bound in `limits`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Messages with their answers.
+    pub exchanges: usize,
+    /// Requests that wait for the application.
+    pub open: usize,
+    /// Observations.
+    pub observers: usize,
+    /// Bodies that are being put together.
+    pub assemblies: usize,
+    /// Answers that are kept to be read on.
+    pub long_answers: usize,
+    /// Messages that wait for an acknowledgement, or for their turn.
+    pub reliable: usize,
+    /// Addresses and networks beyond this machine, and peers that were given message ids.
+    pub peers: usize,
+}
+
+/// The endpoint.
+pub struct Endpoint {
+    guard: Guard,
+    exchanges: Exchanges,
+    assemblies: Assemblies,
+    long_answers: LongAnswers,
+    reliable: Reliable,
+    observers: Observers,
+    open: BTreeMap<ExchangeId, Open>,
+    /// Those of them whose sender is to be told that the answer takes longer, each with when, in the order of their times.
+    patience: BTreeMap<ExchangeId, Duration>,
+    counted: u64,
+    /// The latest message id for each peer.
+    ids: LinkedHashMap<SocketAddr, u16>,
+    chance: Chance,
+    asked: VecDeque<(ExchangeId, Request)>,
+    refused: VecDeque<RefusedRequest>,
+    is_urgent: fn(&Request) -> bool,
+    /// What the sender of an urgent request reads first that is refused.
+    took_effect: &'static str,
+    out: VecDeque<Transmit>,
+}
+
+/// What must be known of a request when its answer comes.
+#[derive(Debug)]
+struct Open {
+    reply_to: ReplyTo,
+    /// Whether its sender was told already that the answer comes separately.
+    is_acknowledged: bool,
+    is_get: bool,
+    observe: Option<u32>,
+    /// What is to be observed, for one who wants to.
+    request: Option<Box<Request>>,
+    /// By what its answer is kept when it does not fit into one message; `None` for one that only reads.
+    kept_as: Option<Box<BodyKey>>,
+    etags: Vec<ETag>,
+    block1: Option<Block>,
+    block2: Option<Block>,
+    wants_size: bool,
+}
+
+impl Endpoint {
+    /// An endpoint all of whose chance comes from this secret: message ids, the spread of times, proofs of addresses.
+    #[must_use]
+    pub fn new(secret: [u8; 32]) -> Endpoint {
+        let (seed, secret) = secret.split_at(8);
+        let seed = seed.iter().fold(0, |seed, byte| (seed << 8) | u64::from(*byte));
+        Endpoint {
+            guard: Guard::new(secret),
+            exchanges: Exchanges::default(),
+            assemblies: Assemblies::default(),
+            long_answers: LongAnswers::default(),
+            reliable: Reliable::new(Chance::new(seed, Purpose::Spread)),
+            observers: Observers::default(),
+            open: BTreeMap::new(),
+            patience: BTreeMap::new(),
+            counted: 0,
+            ids: LinkedHashMap::new(),
+            chance: Chance::new(seed, Purpose::MessageIds),
+            asked: VecDeque::new(),
+            refused: VecDeque::new(),
+            is_urgent: |_| false,
+            took_effect: "",
+            out: VecDeque::new(),
+        }
+    }
+
+    /// With what the wall clock shows at `Duration::ZERO` of the time that is told, since the beginning of 1970. By it the numbers of
+    /// notifications go on from those before a restart, so that an observer takes none for an old one (RFC 7641, section 4.4).
+    #[must_use]
+    pub fn started_at(self, since_1970: Duration) -> Endpoint {
+        Endpoint { observers: Observers::new(since_1970), ..self }
+    }
+
+    /// With urgent requests: those that must take effect whatever is wrong with them. They are handed over once each; `is_urgent`
+    /// knows them by who sent them, and by as much of their method, path and payload as can be read. One that has to be refused is
+    /// handed over and refused: what the application answers to it is not sent, and the refusal says first that it `took_effect`.
+    #[must_use]
+    pub fn with_urgent(self, is_urgent: fn(&Request) -> bool, took_effect: &'static str) -> Endpoint {
+        Endpoint { is_urgent, took_effect, ..self }
+    }
+
+    /// Takes the application's answer to a request, at once or whenever it comes.
+    pub fn handle_answer(&mut self, exchange: ExchangeId, answer: Answer, now: Duration) {
+        self.patience.remove(&exchange);
+        if let Some(open) = self.open.remove(&exchange) {
+            self.answer(open, answer, now);
+        }
+    }
+
+    /// Takes what the observers of a subject are to see now; what has not changed is not sent.
+    pub fn handle_change(&mut self, subject: SubjectId, things: Vec<Arc<Response>>, now: Duration) {
+        self.observers.change(subject, things, now);
+    }
+
+    /// Tells every observer that this is the end, and why.
+    pub fn close(&mut self, farewell: &Response) {
+        for (peer, token) in self.observers.clear() {
+            self.bid_farewell(peer, token, farewell);
+        }
+    }
+
+    /// Does what is due.
+    pub fn handle_timeout(&mut self, now: Duration) {
+        self.acknowledge_slow(now);
+        self.repeat_late(now);
+        self.notify_due(now);
+    }
+
+    /// The next request for the application.
+    pub fn poll_request(&mut self) -> Option<(ExchangeId, Request)> {
+        self.asked.pop_front()
+    }
+
+    /// The next request that was refused before the application saw it, for the record.
+    pub fn poll_refused(&mut self) -> Option<RefusedRequest> {
+        self.refused.pop_front()
+    }
+
+    /// The next datagram for the network.
+    pub fn poll_transmit(&mut self) -> Option<Transmit> {
+        self.out.pop_front()
+    }
+
+    /// When `handle_timeout` is to be called next, since the start.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Option<Duration> {
+        let slow = self.patience.first_key_value().map(|(_, due)| *due);
+        [slow, self.reliable.timeout(), self.observers.timeout()].into_iter().flatten().min()
+    }
+
+    /// Everything that is observed, each once, as its first observer asked for it.
+    #[must_use]
+    pub fn subjects(&self) -> Vec<(SubjectId, Arc<Request>)> {
+        self.observers.subjects()
+    }
+
+    /// How much is remembered.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        Counts {
+            exchanges: self.exchanges.count(),
+            open: self.open.len(),
+            observers: self.observers.count(),
+            assemblies: self.assemblies.count(),
+            long_answers: self.long_answers.count(),
+            reliable: self.reliable.count(),
+            peers: self.guard.count() + self.ids.len(),
+        }
+    }
+}
+
+/// The example in the README is one that runs.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,0 +1,161 @@
+//! The list of links that `/.well-known/core` shows, and the filters on it (RFC 6690). Which links there are is the business of
+//! whoever serves them; nothing is read or sent here.
+
+use std::fmt::Write;
+
+/// One link: where it leads, and what is said of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Link {
+    href: String,
+    attributes: Vec<(&'static str, Option<String>)>,
+}
+
+impl Link {
+    /// A link to a path, as `/robot`.
+    #[must_use]
+    pub fn new(href: impl Into<String>) -> Link {
+        Link { href: href.into(), attributes: Vec::new() }
+    }
+
+    /// With an attribute, as `rt`; several values of `rt`, `if`, `rel` and `ct` stand in one text with spaces between.
+    #[must_use]
+    pub fn with(mut self, name: &'static str, value: impl Into<String>) -> Link {
+        self.attributes.push((name, Some(value.into())));
+        self
+    }
+
+    /// With an attribute that has no value, as `obs`.
+    #[must_use]
+    pub fn flag(mut self, name: &'static str) -> Link {
+        self.attributes.push((name, None));
+        self
+    }
+
+    /// Whether a query, as `rt=map`, `href=/rob*`, `sz=*` or `obs`, lets this link through.
+    fn matches(&self, query: &str) -> bool {
+        let Some((name, wanted)) = query.split_once('=') else { return self.has(query) };
+        if name == "href" {
+            return is_wanted(&self.href, wanted);
+        }
+        self.attributes.iter().filter(|(known, _)| *known == name).any(|(name, value)| match value {
+            Some(value) if MANY.contains(name) => value.split(' ').any(|value| is_wanted(value, wanted)),
+            Some(value) => is_wanted(value, wanted),
+            None => wanted == "*",
+        })
+    }
+
+    fn has(&self, name: &str) -> bool {
+        name == "href" || self.attributes.iter().any(|(known, _)| *known == name)
+    }
+
+    fn print(&self, list: &mut String) {
+        let _ = write!(list, "<{}>", self.href);
+        for (name, value) in &self.attributes {
+            let _ = match value {
+                None => write!(list, ";{name}"),
+                Some(value) if is_bare(name, value) => write!(list, ";{name}={value}"),
+                Some(value) => write!(list, ";{name}=\"{}\"", value.replace('\\', "\\\\").replace('"', "\\\"")),
+            };
+        }
+    }
+}
+
+/// The links that every query lets through, in `application/link-format`; no link gives an empty text.
+#[must_use]
+pub fn link_format(links: &[Link], queries: &[String]) -> String {
+    let mut list = String::new();
+    for link in links.iter().filter(|link| queries.iter().all(|query| link.matches(query))) {
+        if !list.is_empty() {
+            list.push(',');
+        }
+        link.print(&mut list);
+    }
+    list
+}
+
+/// The attributes whose value is a list of values (RFC 6690, section 4.1; for `ct` RFC 7252, section 7.2.1).
+const MANY: [&str; 4] = ["rt", "if", "rel", "ct"];
+
+/// A value is what is wanted, or begins with it when a `*` stands at the end.
+fn is_wanted(value: &str, wanted: &str) -> bool {
+    wanted.strip_suffix('*').map_or(value == wanted, |beginning| value.starts_with(beginning))
+}
+
+/// A single number stands without quotes.
+fn is_bare(name: &str, value: &str) -> bool {
+    matches!(name, "ct" | "sz") && !value.is_empty() && value.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn links() -> Vec<Link> {
+        vec![
+            Link::new("/robot").with("rt", "robot core.pose").with("if", "sensor").with("ct", "50 60").flag("obs"),
+            Link::new("/photo").with("rt", "photo").with("ct", "23").with("sz", "70000").with("title", "say \"cheese\" here"),
+            Link::new("/robot/arm").with("if", "sense").with("title", "A long arm"),
+        ]
+    }
+
+    /// Which of the three links a query lets through, by the first letters of their paths after the slash.
+    fn check(queries: &[&str], expect: &[&str]) {
+        let queries: Vec<String> = queries.iter().map(|query| (*query).to_owned()).collect();
+        let list = link_format(&links(), &queries);
+        let found: Vec<&str> = list.split('<').skip(1).filter_map(|link| link.split('>').next()).collect();
+        assert_eq!(found, expect, "{queries:?}");
+    }
+
+    #[test]
+    fn a_list_is_written_as_the_rfc_writes_it() {
+        let list = "</robot>;rt=\"robot core.pose\";if=\"sensor\";ct=\"50 60\";obs,\
+                    </photo>;rt=\"photo\";ct=23;sz=70000;title=\"say \\\"cheese\\\" here\",\
+                    </robot/arm>;if=\"sense\";title=\"A long arm\"";
+        assert_eq!(link_format(&links(), &[]), list);
+        assert_eq!(link_format(&[], &[]), "");
+    }
+
+    #[test]
+    fn a_value_is_matched_whole_or_by_its_beginning() {
+        check(&["rt=photo"], &["/photo"]);
+        check(&["rt=phot"], &[]);
+        check(&["rt=*"], &["/robot", "/photo"]);
+        check(&["if=sens*"], &["/robot", "/robot/arm"]);
+        check(&["if=sensor"], &["/robot"]);
+        check(&["sz=*"], &["/photo"]);
+        check(&["sz=70000"], &["/photo"]);
+        check(&["title=A long arm"], &["/robot/arm"]);
+        check(&["title=long"], &[]);
+    }
+
+    #[test]
+    fn one_of_several_values_is_enough() {
+        check(&["rt=core.pose"], &["/robot"]);
+        check(&["rt=core*"], &["/robot"]);
+        check(&["ct=60"], &["/robot"]);
+        check(&["ct=6"], &[]);
+        check(&["rt=robot core.pose"], &[]);
+    }
+
+    #[test]
+    fn a_path_is_matched_whole_or_by_its_beginning() {
+        check(&["href=/robot"], &["/robot"]);
+        check(&["href=/robot*"], &["/robot", "/robot/arm"]);
+        check(&["href=robot"], &[]);
+    }
+
+    #[test]
+    fn what_can_be_observed_is_found_with_and_without_a_star() {
+        check(&["obs"], &["/robot"]);
+        check(&["obs=*"], &["/robot"]);
+        check(&["obs=1"], &[]);
+    }
+
+    #[test]
+    fn several_filters_must_all_let_through_and_an_unknown_one_lets_nothing() {
+        check(&["rt=*", "sz=*"], &["/photo"]);
+        check(&["rt=robot", "sz=*"], &[]);
+        check(&["colour=blue"], &[]);
+        check(&["colour"], &[]);
+    }
+}

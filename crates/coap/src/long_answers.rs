@@ -1,0 +1,111 @@
+//! Answers to what was done that do not fit into one message. They are kept for a while for whoever reads them block by block,
+//! because to read on must not do it again. What only reads needs none of this: the application is asked again.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use hashlink::LinkedHashMap;
+
+use super::block::{Block, BodyKey};
+use super::exchange::is_over;
+use super::limits::ASSEMBLIES;
+use super::response::Response;
+
+/// Answers of which the last block may not have been read yet.
+#[derive(Debug, Default)]
+pub(super) struct LongAnswers(LinkedHashMap<BodyKey, Answered>);
+
+#[derive(Debug)]
+struct Answered {
+    since: Duration,
+    answer: Arc<Response>,
+    /// Where the block begins that was not read yet.
+    next: usize,
+}
+
+impl LongAnswers {
+    #[must_use]
+    pub(super) fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Keeps the answer to a request, of which this block is sent now, in the place of the one to an earlier request of the same
+    /// peer for the same.
+    pub(super) fn keep(&mut self, key: BodyKey, answer: Arc<Response>, block: Block, now: Duration) {
+        self.0.remove(&key);
+        self.0.insert(key, Answered { since: now, answer, next: end(block) });
+        while self.0.len() > ASSEMBLIES || self.0.front().is_some_and(|(_, kept)| is_over(kept.since, now)) {
+            self.0.pop_front();
+        }
+    }
+
+    /// Whether a request for this block goes on where the last one ended: it is none that begins anew.
+    #[must_use]
+    pub(super) fn is_next(&self, key: &BodyKey, block: Block, now: Duration) -> bool {
+        let kept = self.0.get(key).filter(|kept| !is_over(kept.since, now));
+        kept.is_some_and(|kept| kept.next == end(block) - block.size() && kept.next < kept.answer.body.len())
+    }
+
+    /// The answer of which this block is read now.
+    #[must_use]
+    pub(super) fn read(&mut self, key: &BodyKey, block: Block, now: Duration) -> Option<Arc<Response>> {
+        let kept = self.0.get_mut(key).filter(|kept| !is_over(kept.since, now))?;
+        kept.next = end(block);
+        Some(Arc::clone(&kept.answer))
+    }
+}
+
+/// Where the next block begins; a number has 20 bits and a size 11.
+fn end(block: Block) -> usize {
+    (block.number as usize + 1) * block.size()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::code::{Code, Method};
+    use super::super::limits::EXCHANGE_LIFETIME;
+    use super::*;
+
+    fn key(port: u16) -> BodyKey {
+        let peer = std::net::SocketAddr::from(([127, 0, 0, 1], port));
+        BodyKey { peer, method: Method::Post, path: Vec::new(), queries: Vec::new(), tags: Vec::new() }
+    }
+
+    fn answer(words: &str) -> Arc<Response> {
+        Arc::new(Response::refusal(Code::CHANGED, words.to_owned()))
+    }
+
+    #[test]
+    fn the_latest_answer_is_kept_for_its_lifetime() {
+        let mut answers = LongAnswers::default();
+        answers.keep(key(1), answer("old"), Block::FIRST, Duration::ZERO);
+        answers.keep(key(1), answer("new"), Block::FIRST, Duration::from_secs(1));
+        assert_eq!(answers.read(&key(1), Block::FIRST, EXCHANGE_LIFETIME), Some(answer("new")));
+        assert_eq!(answers.read(&key(1), Block::FIRST, EXCHANGE_LIFETIME * 2), None);
+        assert_eq!(answers.read(&key(2), Block::FIRST, Duration::ZERO), None);
+    }
+
+    #[test]
+    fn only_the_block_behind_the_last_one_goes_on_reading() {
+        let mut answers = LongAnswers::default();
+        let block = |number| Block { number, more: false, exponent: 0 };
+        let is_next = |answers: &LongAnswers, number| answers.is_next(&key(1), block(number), Duration::ZERO);
+        assert!(!is_next(&answers, 1));
+        answers.keep(key(1), answer(&"x".repeat(40)), block(0), Duration::ZERO);
+        assert!(is_next(&answers, 1) && !is_next(&answers, 0) && !is_next(&answers, 2));
+        assert!(answers.read(&key(1), block(1), Duration::ZERO).is_some());
+        assert!(!is_next(&answers, 1) && is_next(&answers, 2));
+        assert!(!answers.is_next(&key(1), block(2), EXCHANGE_LIFETIME * 2));
+        assert!(answers.read(&key(1), block(2), Duration::ZERO).is_some());
+        assert!(!is_next(&answers, 3), "there is no more");
+    }
+
+    #[test]
+    fn no_more_answers_are_kept_than_there_is_room_for() {
+        let mut answers = LongAnswers::default();
+        (0..500).for_each(|port| answers.keep(key(port), answer("x"), Block::FIRST, Duration::ZERO));
+        assert_eq!(answers.count(), ASSEMBLIES);
+        answers.keep(key(500), answer("x"), Block::FIRST, EXCHANGE_LIFETIME * 2);
+        assert_eq!(answers.count(), 1, "the old ones are let go");
+    }
+}

@@ -1,0 +1,288 @@
+//! Messages on the wire: what a datagram is, strictly, and how one is written, over the codec of coap-lite. The codec accepts
+//! versions, markers and empty messages that the RFC does not; the checks for these stand here. What options mean is not here.
+
+use coap_lite::Packet;
+
+use super::code::Code;
+use super::limits::HEAD;
+
+/// How a message is sent (RFC 7252, section 4.1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// It wants an acknowledgement.
+    Con,
+    /// It wants none.
+    Non,
+    /// It is one.
+    Ack,
+    /// It says that nobody knows what the other message is about.
+    Rst,
+}
+
+/// By which a client knows its answers again: at most 8 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(super) struct Token {
+    bytes: [u8; 8],
+    length: u8,
+}
+
+/// What a datagram turns out to be.
+#[derive(Debug)]
+pub(super) enum Received {
+    /// Nothing that is answered.
+    Nothing,
+    /// A message that cannot be read, or that a server does not get; a CON is answered with a RST of this id.
+    Malformed(Kind, u16),
+    /// An acknowledgement of the message with this id.
+    Ack(u16),
+    /// A rejection of the message with this id.
+    Rst(u16),
+    /// A request, or what looks like one.
+    Request(Incoming),
+}
+
+/// A request as it came.
+#[derive(Debug)]
+pub(super) struct Incoming {
+    pub(super) kind: Kind,
+    pub(super) id: u16,
+    pub(super) token: Token,
+    pub(super) code: Code,
+    pub(super) packet: Packet,
+}
+
+impl Kind {
+    /// Where the first byte says so.
+    const fn bits(self) -> u8 {
+        match self {
+            Kind::Con => 0x00,
+            Kind::Non => 0x10,
+            Kind::Ack => 0x20,
+            Kind::Rst => 0x30,
+        }
+    }
+}
+
+impl Token {
+    /// These bytes as a token, cut to 8.
+    #[must_use]
+    pub(super) fn new(given: &[u8]) -> Token {
+        let given = &given[..given.len().min(8)];
+        let mut bytes = [0; 8];
+        bytes[..given.len()].copy_from_slice(given);
+        Token { bytes, length: u8::try_from(given.len()).unwrap_or(8) }
+    }
+
+    #[must_use]
+    pub(super) fn bytes(&self) -> &[u8] {
+        &self.bytes[..usize::from(self.length)]
+    }
+}
+
+/// Reads a datagram.
+#[must_use]
+pub(super) fn parse(bytes: &[u8]) -> Received {
+    let [first, code, high, low, ..] = *bytes else { return Received::Nothing };
+    if !is_of_this_version(bytes) {
+        return Received::Nothing;
+    }
+    let (kind, code, id) = (kind(first), Code(code), u16::from_be_bytes([high, low]));
+    match (kind, code) {
+        (Kind::Ack, _) => Received::Ack(id),
+        (Kind::Rst, Code::EMPTY) if bytes.len() == 4 => Received::Rst(id),
+        (Kind::Rst, _) => Received::Nothing,
+        // An empty message asks whether anybody is there, one that is not quite empty is an error: both are answered alike.
+        (Kind::Con | Kind::Non, Code::EMPTY) => Received::Malformed(kind, id),
+        (Kind::Con | Kind::Non, _) if code.class() != 0 => Received::Malformed(kind, id),
+        (Kind::Con | Kind::Non, _) => match Packet::from_bytes(bytes) {
+            Ok(packet) if written_length(&packet) == bytes.len() => {
+                Received::Request(Incoming { kind, id, token: Token::new(packet.get_token()), code, packet })
+            }
+            _ => Received::Malformed(kind, id),
+        },
+    }
+}
+
+/// Whether it is long enough for a message, and of the version that there is.
+#[must_use]
+pub(super) fn is_of_this_version(bytes: &[u8]) -> bool {
+    matches!(bytes, [first, _, _, _, ..] if first >> 6 == 1)
+}
+
+/// The code of a datagram that asks for something, rightly or not: no acknowledgement, no rejection and nothing empty.
+#[must_use]
+pub(super) fn asks(bytes: &[u8]) -> Option<Code> {
+    let [first, code, _, _, ..] = *bytes else { return None };
+    (is_of_this_version(bytes) && Code(code) != Code::EMPTY && matches!(kind(first), Kind::Con | Kind::Non)).then_some(Code(code))
+}
+
+/// A message without anything, as an acknowledgement or a rejection.
+#[must_use]
+pub(super) fn empty(kind: Kind, id: u16) -> Vec<u8> {
+    let [high, low] = id.to_be_bytes();
+    vec![0x40 | kind.bits(), 0, high, low]
+}
+
+/// A message of ours as it is put together, option by option in the order of their numbers; how it is sent is said at the end. It
+/// grows in one piece, where the codec would take three for each option.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Outgoing {
+    bytes: Vec<u8>,
+    /// The number of the latest option.
+    option: u16,
+}
+
+impl Outgoing {
+    /// A message without options and payload; there is room for a payload of this length.
+    #[must_use]
+    pub(super) fn new(code: Code, token: Token, payload: usize) -> Outgoing {
+        let mut bytes = Vec::with_capacity(HEAD + payload);
+        bytes.extend([0x40 | token.length, code.0, 0, 0]);
+        bytes.extend(token.bytes());
+        Outgoing { bytes, option: 0 }
+    }
+
+    /// Adds an option; none with a higher number may have been added before.
+    pub(super) fn add(&mut self, option: u16, value: &[u8]) {
+        debug_assert!(option >= self.option, "options stand in the order of their numbers");
+        let (delta, length) = (usize::from(option - self.option), value.len());
+        self.bytes.push(half(delta) << 4 | half(length));
+        for extended in [delta, length] {
+            match extended {
+                0..13 => {}
+                13..269 => self.bytes.push((extended - 13) as u8),
+                _ => self.bytes.extend(((extended - 269) as u16).to_be_bytes()),
+            }
+        }
+        self.bytes.extend(value);
+        self.option = option;
+    }
+
+    /// Adds an option with a number as its value, written as short as it can be.
+    pub(super) fn add_number(&mut self, option: u16, value: u32) {
+        let skipped = value.leading_zeros() / 8;
+        self.add(option, &value.to_be_bytes()[skipped as usize..]);
+    }
+
+    /// Adds what it carries, after all options.
+    pub(super) fn carry(&mut self, payload: &[u8]) {
+        if !payload.is_empty() {
+            self.bytes.push(0xFF);
+            self.bytes.extend(payload);
+        }
+    }
+
+    #[must_use]
+    pub(super) fn length(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// The datagram, sent in this way and with this id.
+    #[must_use]
+    pub(super) fn datagram(mut self, kind: Kind, id: u16) -> Vec<u8> {
+        self.bytes[0] = self.bytes[0] & 0xCF | kind.bits();
+        self.bytes[2..4].copy_from_slice(&id.to_be_bytes());
+        self.bytes
+    }
+}
+
+/// The four bits that an option's delta or length has in its first byte.
+const fn half(value: usize) -> u8 {
+    match value {
+        0..13 => value as u8,
+        13..269 => 13,
+        _ => 14,
+    }
+}
+
+const fn kind(first: u8) -> Kind {
+    match (first >> 4) & 3 {
+        0 => Kind::Con,
+        1 => Kind::Non,
+        2 => Kind::Ack,
+        _ => Kind::Rst,
+    }
+}
+
+/// How long a packet is when it is written: a datagram that was longer ended in a marker without a payload.
+fn written_length(packet: &Packet) -> usize {
+    let mut before = 0;
+    let mut length = 4 + packet.get_token().len();
+    for (number, values) in packet.options() {
+        for value in values {
+            length += 1 + extended(usize::from(number - before)) + extended(value.len()) + value.len();
+            before = *number;
+        }
+    }
+    length + if packet.payload.is_empty() { 0 } else { 1 + packet.payload.len() }
+}
+
+/// The bytes that an option's delta or length takes beside its half byte.
+const fn extended(value: usize) -> usize {
+    match value {
+        0..13 => 0,
+        13..269 => 1,
+        _ => 2,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use coap_lite::CoapOption;
+
+    use super::*;
+
+    fn is_malformed(bytes: &[u8]) -> bool {
+        matches!(parse(bytes), Received::Malformed(Kind::Con, 0x1234))
+    }
+
+    #[test]
+    fn what_is_no_message_of_this_version_is_nothing() {
+        for bytes in [&[][..], &[0x40], &[0x40, 1, 2], &[0x80, 1, 0x12, 0x34], &[0x00, 1, 0x12, 0x34], &[0xC0, 0, 1, 2]] {
+            assert!(matches!(parse(bytes), Received::Nothing), "{bytes:?}");
+        }
+    }
+
+    #[test]
+    fn a_message_that_breaks_the_grammar_makes_no_sense() {
+        assert!(is_malformed(&[0x49, 1, 0x12, 0x34, 0, 0, 0, 0, 0, 0, 0, 0, 0]), "a token of nine bytes");
+        assert!(is_malformed(&[0x42, 1, 0x12, 0x34, 0]), "half a token");
+        assert!(is_malformed(&[0x40, 1, 0x12, 0x34, 0xFF]), "a marker without a payload");
+        assert!(is_malformed(&[0x40, 1, 0x12, 0x34, 0xB1, b'a', 0xFF]), "a marker after an option");
+        assert!(is_malformed(&[0x40, 1, 0x12, 0x34, 0xF1, 0]), "a reserved delta");
+        assert!(is_malformed(&[0x40, 1, 0x12, 0x34, 0xB5, b'a']), "half an option");
+        assert!(is_malformed(&[0x40, 0, 0x12, 0x34, 0]), "an empty message with a payload");
+        assert!(is_malformed(&[0x41, 0, 0x12, 0x34, 9]), "an empty message with a token");
+        assert!(is_malformed(&[0x40, 0x45, 0x12, 0x34]), "a response to nobody");
+    }
+
+    #[test]
+    fn a_value_that_ends_in_the_markers_byte_is_a_value() {
+        let Received::Request(incoming) = parse(&[0x40, 1, 0x12, 0x34, 0xB1, 0xFF]) else { panic!("it is a request") };
+        assert_eq!(incoming.packet.get_first_option(CoapOption::UriPath), Some(&vec![0xFF]));
+    }
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        let mut message = Outgoing::new(Code(3), Token::new(b"tok"), 7);
+        message.add(11, &[b'x'; 300]);
+        message.add(11, &[b'y'; 13]);
+        message.add_number(258, 0x0001_0203);
+        message.add_number(65000, 0);
+        message.carry(b"payload");
+        let Received::Request(read) = parse(&message.datagram(Kind::Non, 77)) else { panic!("it is a request") };
+        assert_eq!((read.kind, read.code, read.id, read.token), (Kind::Non, Code(3), 77, Token::new(b"tok")));
+        assert_eq!(read.packet.payload, b"payload");
+        let paths = read.packet.get_option(CoapOption::UriPath).map(|paths| paths.iter().map(Vec::len).collect::<Vec<_>>());
+        assert_eq!(paths, Some(vec![300, 13]));
+        assert_eq!(read.packet.get_first_option(CoapOption::from(258)), Some(&vec![1, 2, 3]));
+        assert_eq!(read.packet.get_first_option(CoapOption::from(65000)), Some(&vec![]));
+    }
+
+    #[test]
+    fn an_empty_message_is_four_bytes() {
+        assert_eq!(empty(Kind::Rst, 0x1234), [0x70, 0, 0x12, 0x34]);
+        assert!(matches!(parse(&empty(Kind::Ack, 5)), Received::Ack(5)));
+        assert!(matches!(parse(&empty(Kind::Rst, 5)), Received::Rst(5)));
+    }
+}

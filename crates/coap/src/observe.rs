@@ -1,0 +1,384 @@
+//! Who observes what, what each has been told, and when to tell it more (RFC 7641). Several observers of the same thing in the
+//! same format share one *subject*; what it shows comes from the application. Nothing is queued: whoever's turn has come is told
+//! the newest. How a notification is written and acknowledged is not here.
+//!
+//! ```text
+//!   changed ──► told without acknowledgement (NON), at most every PACE ──► quiet for SETTLED ──► told with one (CON)
+//!                └─ now and then with one all the same (CONFIRM_EVERY)
+//! ```
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::block::Block;
+use super::knowledge::{Knowledge, Lack};
+use super::limits::{
+    BURST, CONFIRM_EVERY, OBSERVERS, OBSERVERS_BEYOND, OBSERVERS_OF_A_NETWORK, OBSERVERS_OF_A_PEER, PACE, PACE_OF_A_PEER,
+    PACE_UNKNOWN, READING, REFRESH, TARGET,
+};
+use super::message::Token;
+use super::network::{Network, is_this_machine};
+use super::request::Request;
+use super::response::Response;
+use super::subject::{Subject, Target};
+
+/// One observation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) struct ObserverId(u64);
+
+/// What is observed: a path and a query in a format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct SubjectId(u64);
+
+/// What an observer is to be told now.
+#[derive(Clone, Debug)]
+pub(super) struct Notification {
+    /// Whom it is for.
+    pub(super) peer: SocketAddr,
+    /// By which it knows what it observes.
+    pub(super) token: Token,
+    /// The newest there is to say.
+    pub(super) response: Arc<Response>,
+    /// Which of the things it watches that is,
+    pub(super) thing: usize,
+    /// and in which version.
+    pub(super) version: u64,
+    /// The size exponent of the blocks it wants.
+    pub(super) exponent: u8,
+    /// Whether it must be acknowledged.
+    pub(super) confirm: bool,
+    /// Its place in the order of notifications, of 24 bits; `None` for the last word, after which nothing comes.
+    pub(super) sequence: Option<u32>,
+}
+
+/// All observations.
+#[derive(Debug, Default)]
+pub(super) struct Observers {
+    subjects: BTreeMap<SubjectId, Subject>,
+    by_target: HashMap<Target, SubjectId>,
+    observers: HashMap<ObserverId, Observer>,
+    by_peer: HashMap<SocketAddr, Vec<ObserverId>>,
+    due: BTreeSet<(Duration, ObserverId)>,
+    counted: u64,
+    /// The wall clock at the beginning, since 1970: sequences go on from there, also after a restart.
+    began: Duration,
+}
+
+#[derive(Debug)]
+struct Observer {
+    peer: SocketAddr,
+    token: Token,
+    subject: SubjectId,
+    exponent: u8,
+    knowledge: Knowledge,
+    /// The last thing of which it was sent a first block only, to be read on as it was;
+    begun: Option<Arc<Response>>,
+    /// and whether it may still be at that.
+    is_reading: bool,
+    /// The ids of the latest notifications, by which it may reject them.
+    ids: [Option<u16>; 4],
+    sequence: u64,
+    /// When it was last told something,
+    sent: Duration,
+    /// and when with a wish for an acknowledgement.
+    confirmed: Duration,
+    /// How long a message takes to it and back, once that is known.
+    away: Option<Duration>,
+    due: Option<Duration>,
+}
+
+impl Observers {
+    /// None yet; at the beginning of time as it is counted here, the wall clock shows so long since 1970.
+    #[must_use]
+    pub(super) fn new(began: Duration) -> Observers {
+        Observers { began, ..Observers::default() }
+    }
+
+    #[must_use]
+    pub(super) fn count(&self) -> usize {
+        self.observers.len()
+    }
+
+    #[must_use]
+    pub(super) fn subjects(&self) -> Vec<(SubjectId, Arc<Request>)> {
+        self.subjects.iter().map(|(id, subject)| (*id, Arc::clone(&subject.request))).collect()
+    }
+
+    /// Begins an observation of somebody who gets the present state with the answer that carries the returned sequence; `None`
+    /// when there are too many. Whether that answer is sure to arrive decides whether it is told again. Of several things the
+    /// answer shows one; it is told the others after that.
+    pub(super) fn register(
+        &mut self,
+        (request, token, exponent): (&Request, Token, u8),
+        (shown, things): (&Arc<Response>, Vec<Arc<Response>>),
+        is_sure: bool,
+        now: Duration,
+    ) -> Option<u32> {
+        if !self.has_room_for(request) {
+            return None;
+        }
+        let subject = self.subject(request);
+        self.change(subject, things, now);
+        self.counted += 1;
+        let id = ObserverId(self.counted);
+        let known = self.subjects.get_mut(&subject).expect("it was found or made just now");
+        known.observers.insert(id);
+        let mut observer = Observer {
+            peer: request.peer,
+            token,
+            subject,
+            exponent,
+            knowledge: Knowledge::of(&known.things, shown, is_sure, now),
+            begun: None,
+            is_reading: false,
+            ids: [None; 4],
+            sequence: 0,
+            sent: now,
+            confirmed: now,
+            away: None,
+            due: None,
+        };
+        observer.begin(shown);
+        self.observers.insert(id, observer);
+        self.by_peer.entry(request.peer).or_default().push(id);
+        self.schedule(id, now);
+        self.sequence(id, now)
+    }
+
+    /// The observation with this token.
+    #[must_use]
+    pub(super) fn find(&self, peer: SocketAddr, token: Token) -> Option<ObserverId> {
+        self.of_peer(peer).find(|id| self.observers.get(id).is_some_and(|observer| observer.token == token))
+    }
+
+    /// The observation whose notification had this message id.
+    #[must_use]
+    pub(super) fn told_by(&self, peer: SocketAddr, id: u16) -> Option<ObserverId> {
+        self.of_peer(peer).find(|whose| self.observers.get(whose).is_some_and(|observer| observer.ids.contains(&Some(id))))
+    }
+
+    pub(super) fn of_peer(&self, peer: SocketAddr) -> impl Iterator<Item = ObserverId> {
+        self.by_peer.get(&peer).into_iter().flatten().copied()
+    }
+
+    /// Ends all observations, and says whose they were.
+    pub(super) fn clear(&mut self) -> Vec<(SocketAddr, Token)> {
+        let gone = std::mem::replace(self, Observers::new(self.began)).observers;
+        gone.into_values().map(|observer| (observer.peer, observer.token)).collect()
+    }
+
+    pub(super) fn remove(&mut self, id: ObserverId) {
+        let Some(observer) = self.observers.remove(&id) else { return };
+        if let Some(due) = observer.due {
+            self.due.remove(&(due, id));
+        }
+        if let Some(others) = self.by_peer.get_mut(&observer.peer) {
+            others.retain(|other| *other != id);
+            if others.is_empty() {
+                self.by_peer.remove(&observer.peer);
+            }
+        }
+        let Some(subject) = self.subjects.get_mut(&observer.subject) else { return };
+        subject.observers.remove(&id);
+        if subject.observers.is_empty() {
+            self.by_target.remove(&Target::of(&subject.request));
+            self.subjects.remove(&observer.subject);
+        }
+    }
+
+    /// Takes what a subject shows now. What is not different is no news. After a long list of observers was told that something
+    /// is new, their turns come in groups, a millisecond apart.
+    pub(super) fn change(&mut self, subject: SubjectId, things: Vec<Arc<Response>>, now: Duration) {
+        let Some(known) = self.subjects.get_mut(&subject) else { return };
+        if known.take(things) {
+            let observers: Vec<ObserverId> = known.observers.iter().copied().collect();
+            for (place, observer) in observers.into_iter().enumerate() {
+                let millis = u64::try_from(place / BURST).unwrap_or(u64::MAX);
+                self.schedule(observer, now + Duration::from_millis(millis));
+            }
+        }
+    }
+
+    /// The next observer whose turn has come.
+    pub(super) fn due(&mut self, now: Duration) -> Option<ObserverId> {
+        let (due, id) = *self.due.first().filter(|(due, _)| *due <= now)?;
+        self.due.remove(&(due, id));
+        if let Some(observer) = self.observers.get_mut(&id) {
+            observer.due = None;
+        }
+        Some(id)
+    }
+
+    /// What an observer is to be told.
+    pub(super) fn notification(&mut self, id: ObserverId, now: Duration) -> Option<Notification> {
+        let observer = self.observers.get(&id)?;
+        let things = &self.subjects.get(&observer.subject)?.things;
+        let (thing, is_news) = match observer.knowledge.lack(things, now) {
+            Some(Lack::News(thing)) => (thing, true),
+            Some(Lack::Unsure(thing)) => (thing, false),
+            None if now >= observer.sent + REFRESH => (observer.knowledge.latest(), false),
+            None => return None,
+        };
+        let told = things.get(thing)?;
+        let (response, version) = (Arc::clone(&told.response), told.version);
+        let is_far = observer.away.is_none() && !is_this_machine(observer.peer.ip());
+        let is_last = !response.code.is_success();
+        let confirm = !is_news || is_far || is_last || now >= observer.confirmed + CONFIRM_EVERY;
+        let (peer, token, exponent) = (observer.peer, observer.token, observer.exponent);
+        let sequence = if is_last { None } else { self.sequence(id, now) };
+        Some(Notification { peer, token, response, thing, version, exponent, confirm, sequence })
+    }
+
+    /// The newest version of what a notification that is on its way tells of, when there is a newer one.
+    pub(super) fn newer(&mut self, id: ObserverId, thing: usize, version: u64, now: Duration) -> Option<Notification> {
+        let observer = self.observers.get(&id)?;
+        let newest = self.subjects.get(&observer.subject)?.things.get(thing).filter(|newest| newest.version > version)?;
+        let (response, version) = (Arc::clone(&newest.response), newest.version);
+        let (peer, token, exponent) = (observer.peer, observer.token, observer.exponent);
+        let sequence = if response.code.is_success() { self.sequence(id, now) } else { None };
+        Some(Notification { peer, token, response, thing, version, exponent, confirm: true, sequence })
+    }
+
+    /// Notes that a notification went out under this message id.
+    pub(super) fn told(&mut self, id: ObserverId, notification: &Notification, message: u16, now: Duration) {
+        let Some(observer) = self.observers.get_mut(&id) else { return };
+        if let Some(subject) = self.subjects.get(&observer.subject) {
+            observer.knowledge.told(&subject.things, notification.thing, notification.version, now);
+        }
+        observer.begin(&notification.response);
+        observer.ids.rotate_right(1);
+        observer.ids[0] = Some(message);
+        observer.sent = now;
+        if notification.confirm {
+            observer.confirmed = now;
+        }
+        self.schedule(id, now);
+    }
+
+    /// Notes that a notification arrived, and how long it took there and back where that is known.
+    pub(super) fn acknowledged(&mut self, id: ObserverId, (thing, version): (usize, u64), away: Option<Duration>, now: Duration) {
+        let Some(observer) = self.observers.get_mut(&id) else { return };
+        observer.knowledge.acknowledged(thing, version);
+        // Smoothed, so that one slow answer does not slow everything down.
+        observer.away = away.map(|away| observer.away.map_or(away, |before| (before * 7 + away) / 8)).or(observer.away);
+        self.schedule(id, now);
+    }
+
+    /// What an observer was told of in a first block, for the further block that it asks for: as it was then, whatever has become
+    /// of it. `None` when this peer observes nothing of the kind.
+    pub(super) fn read_on(&mut self, request: &Request, block: Block, now: Duration) -> Option<Arc<Response>> {
+        let id = self.observer_of(request)?;
+        let observer = self.observers.get_mut(&id)?;
+        let begun = Arc::clone(observer.begun.as_ref()?);
+        if block.within(begun.body.len()).is_none_or(|(block, _)| !block.more) {
+            observer.is_reading = false;
+            self.schedule(id, now);
+        }
+        Some(begun)
+    }
+
+    /// A peer begins to read from the first block, apart from what it observes.
+    pub(super) fn read_anew(&mut self, request: &Request) {
+        let observer = self.observer_of(request).and_then(|id| self.observers.get_mut(&id));
+        if let Some(observer) = observer {
+            observer.begun = None;
+        }
+    }
+
+    /// The peer's observation of just this.
+    fn observer_of(&self, request: &Request) -> Option<ObserverId> {
+        let is_this = |id: &ObserverId| {
+            let subject = self.observers.get(id).and_then(|observer| self.subjects.get(&observer.subject));
+            subject.is_some_and(|subject| Target::of(&subject.request) == Target::of(request))
+        };
+        self.of_peer(request.peer).find(is_this)
+    }
+
+    /// Lets every observer of a peer have its turn again, after something stood in the way.
+    pub(super) fn wake(&mut self, peer: SocketAddr, now: Duration) {
+        let ids: Vec<ObserverId> = self.of_peer(peer).collect();
+        for id in ids {
+            self.schedule(id, now);
+        }
+    }
+
+    /// When the next turn comes.
+    #[must_use]
+    pub(super) fn timeout(&self) -> Option<Duration> {
+        self.due.first().map(|(due, _)| *due)
+    }
+
+    /// Whether one more observation is taken; those of others leave room for those of this machine.
+    fn has_room_for(&self, request: &Request) -> bool {
+        let of_this_peer = self.by_peer.get(&request.peer).map_or(0, Vec::len);
+        let target: usize = request.path.iter().chain(&request.queries).map(String::len).sum();
+        let has_room = self.observers.len() < OBSERVERS && of_this_peer < OBSERVERS_OF_A_PEER && target <= TARGET;
+        if !has_room || is_this_machine(request.peer.ip()) {
+            return has_room;
+        }
+        let network = Network::of(request.peer.ip());
+        let strangers = self.by_peer.iter().filter(|(peer, _)| !is_this_machine(peer.ip()));
+        let of = strangers.map(|(peer, theirs)| (Network::of(peer.ip()) == network, theirs.len()));
+        let (of_this_network, in_all) =
+            of.fold((0, 0), |(own, all), (is_own, count)| (own + if is_own { count } else { 0 }, all + count));
+        of_this_network < OBSERVERS_OF_A_NETWORK && in_all < OBSERVERS_BEYOND
+    }
+
+    fn subject(&mut self, request: &Request) -> SubjectId {
+        let target = Target::of(request);
+        if let Some(id) = self.by_target.get(&target) {
+            return *id;
+        }
+        self.counted += 1;
+        let id = SubjectId(self.counted);
+        let subject = Subject::new(request);
+        self.subjects.insert(id, subject);
+        self.by_target.insert(target, id);
+        id
+    }
+
+    /// Gives an observer its turn, not before `earliest`: soon when there is something to tell it, else before what it has is out
+    /// of date.
+    fn schedule(&mut self, id: ObserverId, earliest: Duration) {
+        let Some(observer) = self.observers.get_mut(&id) else { return };
+        let Some(subject) = self.subjects.get(&observer.subject) else { return };
+        if let Some(due) = observer.due.take() {
+            self.due.remove(&(due, id));
+        }
+        let of_this_peer = self.by_peer.get(&observer.peer).map_or(1, Vec::len);
+        let pace = observer.pace().max(PACE_OF_A_PEER * u32::try_from(of_this_peer).unwrap_or(u32::MAX));
+        let due = observer.knowledge.due(&subject.things, observer.sent, pace);
+        let due = due.unwrap_or(observer.sent + REFRESH).max(earliest);
+        observer.due = Some(due);
+        self.due.insert((due, id));
+    }
+
+    /// The next number in the order of an observer's notifications: from the clock, 32 a millisecond, and always more than the
+    /// one before. Numbers of a later start of the program follow those of an earlier one (RFC 7641, section 4.4).
+    fn sequence(&mut self, id: ObserverId, now: Duration) -> Option<u32> {
+        let ticks = u64::try_from((self.began + now).as_micros() * 4 / 125).ok()?;
+        let observer = self.observers.get_mut(&id)?;
+        observer.sequence = ticks.max(observer.sequence + 1);
+        u32::try_from(observer.sequence & 0x00FF_FFFF).ok()
+    }
+}
+
+impl Observer {
+    /// It is sent the first block of this, or all of it.
+    fn begin(&mut self, response: &Arc<Response>) {
+        self.is_reading = Block { exponent: self.exponent, ..Block::FIRST }.size() < response.body.len();
+        if self.is_reading {
+            self.begun = Some(Arc::clone(response));
+        }
+    }
+
+    /// The least time between two notifications to it.
+    fn pace(&self) -> Duration {
+        if self.is_reading {
+            return READING;
+        }
+        if is_this_machine(self.peer.ip()) { PACE } else { self.away.map_or(PACE_UNKNOWN, |away| away.max(PACE)) }
+    }
+}

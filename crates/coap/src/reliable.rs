@@ -1,0 +1,223 @@
+//! Messages of this side that want an acknowledgement (RFC 7252, section 4.2): one at a time for each peer, sent again after 2 to
+//! 3 seconds and then after twice as long each time, four times. What is in them is not here.
+
+use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use super::chance::Chance;
+use super::limits::{ACK_SPREAD, ACK_TIMEOUT, MAX_RETRANSMIT, RELIABLE_PEERS, WAITING};
+use super::message::Outgoing;
+use super::observe::ObserverId;
+
+/// What a message is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum About {
+    /// An answer that came separately, or an observer's last word.
+    Answer,
+    /// A notification: whose, which of the things it watches, and in which version.
+    Notification(ObserverId, usize, u64),
+}
+
+/// A message on its way.
+#[derive(Clone, Debug)]
+pub(super) struct Sent {
+    pub(super) id: u16,
+    pub(super) about: About,
+    pub(super) bytes: Vec<u8>,
+    pub(super) first: Duration,
+    due: Duration,
+    wait: Duration,
+    tries: u32,
+}
+
+/// What is to be done about a message that was not acknowledged in time.
+#[derive(Clone, Debug)]
+pub(super) enum Late {
+    /// Send it again; it is the answer's or the notification's.
+    Again(SocketAddr, Sent),
+    /// Give it up, and whoever it was for.
+    GivenUp(SocketAddr, Sent),
+}
+
+/// All messages that wait for their acknowledgement, or for the one before them to have its own.
+#[derive(Debug)]
+pub(super) struct Reliable {
+    peers: HashMap<SocketAddr, PeerQueue>,
+    due: BTreeSet<(Duration, SocketAddr)>,
+    chance: Chance,
+}
+
+#[derive(Debug, Default)]
+struct PeerQueue {
+    sent: Option<Sent>,
+    /// Answers, their ids not given yet.
+    waiting: VecDeque<Outgoing>,
+}
+
+impl Reliable {
+    /// Nothing is on its way; the spread of the times comes from `chance`.
+    #[must_use]
+    pub(super) fn new(chance: Chance) -> Reliable {
+        Reliable { peers: HashMap::new(), due: BTreeSet::new(), chance }
+    }
+
+    #[must_use]
+    pub(super) fn count(&self) -> usize {
+        self.peers.values().map(|queue| queue.waiting.len() + usize::from(queue.sent.is_some())).sum()
+    }
+
+    /// Whether there is no room for one more peer.
+    #[must_use]
+    pub(super) fn is_full(&self) -> bool {
+        self.peers.len() >= RELIABLE_PEERS
+    }
+
+    #[must_use]
+    pub(super) fn is_busy(&self, peer: SocketAddr) -> bool {
+        self.peers.get(&peer).is_some_and(|queue| queue.sent.is_some())
+    }
+
+    /// What the message is about that is on its way to this peer.
+    #[must_use]
+    pub(super) fn about(&self, peer: SocketAddr) -> Option<About> {
+        self.peers.get(&peer)?.sent.as_ref().map(|sent| sent.about)
+    }
+
+    /// Notes that a message went out. There must be none on its way to this peer.
+    pub(super) fn sent(&mut self, peer: SocketAddr, id: u16, about: About, bytes: Vec<u8>, now: Duration) {
+        let wait = ACK_TIMEOUT.mul_f64(1.0 + ACK_SPREAD * self.chance.fraction());
+        let due = now + wait;
+        let queue = self.peers.entry(peer).or_default();
+        debug_assert!(queue.sent.is_none(), "one at a time");
+        queue.sent = Some(Sent { id, about, bytes, first: now, due, wait, tries: 0 });
+        self.due.insert((due, peer));
+    }
+
+    /// Lets an answer wait for its turn.
+    ///
+    /// # Errors
+    /// Gives it back when too many wait.
+    pub(super) fn wait(&mut self, peer: SocketAddr, waiting: Outgoing) -> Result<(), Outgoing> {
+        let queue = self.peers.entry(peer).or_default();
+        if queue.waiting.len() >= WAITING {
+            return Err(waiting);
+        }
+        queue.waiting.push_back(waiting);
+        Ok(())
+    }
+
+    /// The next answer that waits for this peer, when nothing is on its way there.
+    pub(super) fn next(&mut self, peer: SocketAddr) -> Option<Outgoing> {
+        let queue = self.peers.get_mut(&peer).filter(|queue| queue.sent.is_none())?;
+        let next = queue.waiting.pop_front();
+        if next.is_none() {
+            self.peers.remove(&peer);
+        }
+        next
+    }
+
+    /// Takes a message off its way because it was acknowledged or rejected; with whether it had been sent only once.
+    pub(super) fn settled(&mut self, peer: SocketAddr, id: u16) -> Option<(Sent, bool)> {
+        let queue = self.peers.get_mut(&peer)?;
+        let sent = queue.sent.take_if(|sent| sent.id == id)?;
+        self.due.remove(&(sent.due, peer));
+        let once = sent.tries == 0;
+        Some((sent, once))
+    }
+
+    /// Takes the notification of an observer that is gone off its way.
+    pub(super) fn withdraw(&mut self, peer: SocketAddr, observer: ObserverId) {
+        let Some(queue) = self.peers.get_mut(&peer) else { return };
+        let is_its = |sent: &mut Sent| matches!(sent.about, About::Notification(whose, ..) if whose == observer);
+        if let Some(sent) = queue.sent.take_if(is_its) {
+            self.due.remove(&(sent.due, peer));
+        }
+    }
+
+    /// The next message whose time has run out. One that is to be sent again is on its way again; `replace` it when there is
+    /// something newer to say.
+    pub(super) fn late(&mut self, now: Duration) -> Option<Late> {
+        let (due, peer) = *self.due.first().filter(|(due, _)| *due <= now)?;
+        self.due.remove(&(due, peer));
+        let queue = self.peers.get_mut(&peer)?;
+        if queue.sent.as_ref()?.tries >= MAX_RETRANSMIT {
+            return queue.sent.take().map(|sent| Late::GivenUp(peer, sent));
+        }
+        let sent = queue.sent.as_mut()?;
+        sent.tries += 1;
+        sent.wait *= 2;
+        sent.due = now + sent.wait;
+        self.due.insert((sent.due, peer));
+        Some(Late::Again(peer, sent.clone()))
+    }
+
+    /// Puts something newer in the place of a message that is on its way; its tries go on (RFC 7641, section 4.5.2).
+    pub(super) fn replace(&mut self, peer: SocketAddr, id: u16, about: About, bytes: Vec<u8>) {
+        if let Some(sent) = self.peers.get_mut(&peer).and_then(|queue| queue.sent.as_mut()) {
+            (sent.id, sent.about, sent.bytes) = (id, about, bytes);
+        }
+    }
+
+    /// When the next time runs out.
+    #[must_use]
+    pub(super) fn timeout(&self) -> Option<Duration> {
+        self.due.first().map(|(due, _)| *due)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::chance::Purpose;
+    use super::super::code::Code;
+    use super::super::message::Token;
+    use super::*;
+
+    fn peer() -> SocketAddr {
+        "127.0.0.1:1".parse().unwrap()
+    }
+
+    fn answer() -> Outgoing {
+        Outgoing::new(Code::CONTENT, Token::default(), 0)
+    }
+
+    fn reliable() -> Reliable {
+        Reliable::new(Chance::new(1, Purpose::Spread))
+    }
+
+    #[test]
+    fn what_is_never_acknowledged_is_sent_five_times_in_all_and_then_given_up() {
+        let mut reliable = reliable();
+        reliable.sent(peer(), 7, About::Answer, vec![1], Duration::ZERO);
+        let (mut before, mut gap) = (Duration::ZERO, None::<Duration>);
+        for _ in 0..MAX_RETRANSMIT {
+            let at = reliable.timeout().unwrap();
+            assert!(reliable.late(at.saturating_sub(Duration::from_millis(1))).is_none());
+            assert!(matches!(reliable.late(at), Some(Late::Again(_, sent)) if sent.id == 7));
+            assert!(gap.is_none_or(|gap| at - before == gap * 2), "twice as long each time");
+            assert!(gap.is_some() || (2.0..=3.0).contains(&at.as_secs_f64()));
+            (gap, before) = (Some(at - before), at);
+        }
+        assert!(matches!(reliable.late(reliable.timeout().unwrap()), Some(Late::GivenUp(..))));
+        assert_eq!((reliable.timeout(), reliable.is_busy(peer())), (None, false));
+    }
+
+    #[test]
+    fn an_acknowledgement_ends_it_and_lets_the_next_one_go() {
+        let mut reliable = reliable();
+        reliable.sent(peer(), 7, About::Answer, vec![1], Duration::ZERO);
+        assert!(reliable.wait(peer(), answer()).is_ok());
+        assert!(reliable.next(peer()).is_none(), "one at a time");
+        assert!(reliable.settled(peer(), 8).is_none(), "another id");
+        assert!(reliable.settled(peer(), 7).is_some_and(|(_, once)| once));
+        assert!(reliable.next(peer()).is_some() && reliable.next(peer()).is_none());
+        assert_eq!((reliable.count(), reliable.timeout()), (0, None));
+    }
+
+    #[test]
+    fn only_so_many_answers_wait_for_one_peer() {
+        let mut reliable = reliable();
+        reliable.sent(peer(), 7, About::Answer, vec![1], Duration::ZERO);
+        assert_eq!((0..100).filter(|_| reliable.wait(peer(), answer()).is_ok()).count(), WAITING);
+    }
+}

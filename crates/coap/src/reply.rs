@@ -1,0 +1,62 @@
+//! How a response is written: its options, and the block of its body that is wanted. Whether it may be sent is not here.
+
+use super::block::Block;
+use super::code::Code;
+use super::limits::BODY;
+use super::message::{Outgoing, Token};
+use super::options::number;
+use super::response::Response;
+
+/// What goes with a response beside what the application says.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ReplyOptions {
+    /// The block of the request's body that is answered.
+    pub(super) block1: Option<Block>,
+    /// The block of the answer's body that is wanted.
+    pub(super) block2: Option<Block>,
+    /// Whether the length of the whole body is wanted.
+    pub(super) wants_size: bool,
+    /// The place in the order of notifications.
+    pub(super) observe: Option<u32>,
+    /// What the client is asked to send back.
+    pub(super) echo: Option<Vec<u8>>,
+}
+
+/// The message that carries a response.
+#[must_use]
+pub(super) fn message(token: Token, response: &Response, shape: &ReplyOptions) -> Outgoing {
+    let length = response.body.len();
+    let wanted = shape.block2.unwrap_or(Block::FIRST);
+    // Only of what is there can a later block be asked for: of an error its beginning is sent, whatever was asked for.
+    let can_be_later = response.code.is_success() && length > 0;
+    let wanted = if can_be_later { wanted } else { Block { number: 0, ..wanted } };
+    let Some((block, range)) = wanted.within(length) else {
+        let words = format!("there is no such block: the whole has {length} bytes");
+        let past = Response::refusal(Code::BAD_REQUEST, words);
+        return message(token, &past, &ReplyOptions { block2: None, ..shape.clone() });
+    };
+    let is_part = block.more || block.number > 0;
+    let sliced = is_part || (shape.block2.is_some() && response.code == Code::CONTENT);
+    let with_size = shape.wants_size || (is_part && block.number == 0);
+    // In the order of their numbers.
+    let mut message = Outgoing::new(response.code, token, range.len());
+    response.tag.iter().for_each(|tag| message.add(number::ETAG, tag.bytes()));
+    shape.observe.iter().for_each(|sequence| message.add_number(number::OBSERVE, *sequence));
+    response.location.iter().for_each(|segment| message.add(number::LOCATION_PATH, segment.as_bytes()));
+    response.format.iter().for_each(|format| message.add_number(number::CONTENT_FORMAT, u32::from(format.0)));
+    response.max_age.iter().for_each(|seconds| message.add_number(number::MAX_AGE, *seconds));
+    response.location_query.iter().for_each(|part| message.add(number::LOCATION_QUERY, part.as_bytes()));
+    if sliced {
+        message.add_number(number::BLOCK2, block.value());
+    }
+    shape.block1.iter().for_each(|block| message.add_number(number::BLOCK1, block.value()));
+    if with_size {
+        message.add_number(number::SIZE2, u32::try_from(length).unwrap_or(u32::MAX));
+    }
+    if response.code == Code::TOO_LARGE {
+        message.add_number(number::SIZE1, u32::try_from(BODY).unwrap_or(u32::MAX));
+    }
+    shape.echo.iter().for_each(|echo| message.add(number::ECHO, echo));
+    message.carry(&response.body[range]);
+    message
+}

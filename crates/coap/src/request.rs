@@ -1,0 +1,106 @@
+//! A request as the application sees it: whole, its blocks put together, its options read. What it is answered with stands in
+//! `response`; messages, tokens and retransmissions are not seen from here.
+
+use std::net::SocketAddr;
+
+use super::code::{Code, Method};
+use super::format::Format;
+use super::response::{ETag, Response};
+
+/// One request.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// Who sent it.
+    pub peer: SocketAddr,
+    /// What is to be done.
+    pub method: Method,
+    /// The segments of its path; empty for `/`.
+    pub path: Vec<String>,
+    /// The parts of its query, as `rt=map`.
+    pub queries: Vec<String>,
+    /// The format of its payload, where it says so.
+    pub format: Option<Format>,
+    /// The only format that is wanted, where it says so.
+    pub accept: Option<Format>,
+    /// The conditions under which it is to be carried out.
+    pub conditions: Conditions,
+    /// What it carries.
+    pub payload: Vec<u8>,
+}
+
+/// `If-Match` and `If-None-Match` (RFC 7252, section 5.10.8).
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Conditions {
+    /// It is carried out only when the resource is one of these; `None` among them means whatever it is, so long as it exists.
+    pub if_match: Vec<Option<ETag>>,
+    /// It is carried out only when there is no such resource.
+    pub if_none_match: bool,
+}
+
+impl Request {
+    /// The path as text, as `/lamps/3`.
+    #[must_use]
+    pub fn path_text(&self) -> String {
+        if self.path.is_empty() { "/".to_owned() } else { self.path.iter().map(|segment| format!("/{segment}")).collect() }
+    }
+
+    /// The path's segments, to be matched.
+    #[must_use]
+    pub fn segments(&self) -> Vec<&str> {
+        self.path.iter().map(String::as_str).collect()
+    }
+
+    /// The format to answer in: the one that is wanted, or the first of those there are.
+    ///
+    /// # Errors
+    /// 4.06 when what is wanted is not there.
+    pub fn negotiated(&self, offers: &[Format]) -> Result<Format, Response> {
+        let wanted = self.accept.map_or(offers.first(), |accept| offers.iter().find(|offer| **offer == accept));
+        wanted.copied().ok_or_else(|| {
+            let offers: Vec<String> = offers.iter().map(ToString::to_string).collect();
+            let words = format!("{} is there as {}, not in the format asked for", self.path_text(), offers.join(", "));
+            Response::refusal(Code::NOT_ACCEPTABLE, words)
+        })
+    }
+}
+
+impl Conditions {
+    /// Whether it may be carried out on a resource with this tag; `None` when there is no such resource.
+    ///
+    /// # Errors
+    /// 4.12 when it may not.
+    pub fn met(&self, exists: bool, tag: Option<ETag>) -> Result<(), Response> {
+        if self.if_none_match && exists {
+            return Err(Response::refusal(Code::PRECONDITION_FAILED, "If-None-Match: it is there already".to_owned()));
+        }
+        let matches = |wanted: &Option<ETag>| wanted.map_or(exists, |wanted| tag == Some(wanted));
+        if self.if_match.is_empty() || self.if_match.iter().any(matches) {
+            return Ok(());
+        }
+        Err(Response::refusal(
+            Code::PRECONDITION_FAILED,
+            "If-Match: it is another one now; read it again, then repeat it".to_owned(),
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tag(text: &str) -> ETag {
+        ETag::new(text.as_bytes()).expect("a short tag")
+    }
+
+    #[test]
+    fn a_condition_is_held_against_what_is_there() {
+        let any = Conditions { if_match: vec![None], if_none_match: false };
+        assert!(any.met(true, Some(tag("a"))).is_ok() && any.met(false, None).is_err());
+        let this = Conditions { if_match: vec![Some(tag("a")), Some(tag("b"))], if_none_match: false };
+        assert!(this.met(true, Some(tag("b"))).is_ok() && this.met(true, Some(tag("c"))).is_err());
+        let none = Conditions { if_match: Vec::new(), if_none_match: true };
+        assert!(none.met(false, None).is_ok());
+        assert_eq!(none.met(true, Some(tag("a"))).unwrap_err().code, Code::PRECONDITION_FAILED);
+        assert!(Conditions::default().met(false, None).is_ok());
+    }
+}

@@ -1,0 +1,115 @@
+//! What the application answers, before it is cut into blocks and put into messages. Bodies are immutable and shared: every
+//! block, retransmission and observer reads the same one.
+
+use std::sync::Arc;
+
+use super::code::Code;
+use super::format::Format;
+
+/// An entity tag: 1 to 8 bytes that name one state of a resource.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ETag {
+    bytes: [u8; 8],
+    length: u8,
+}
+
+impl ETag {
+    /// These bytes as a tag; `None` when there are none, or more than 8.
+    #[must_use]
+    pub fn new(given: &[u8]) -> Option<ETag> {
+        let mut bytes = [0; 8];
+        bytes.get_mut(..given.len()).filter(|room| !room.is_empty())?.copy_from_slice(given);
+        Some(ETag { bytes, length: u8::try_from(given.len()).ok()? })
+    }
+
+    /// Its bytes.
+    #[must_use]
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes[..usize::from(self.length)]
+    }
+}
+
+/// One response.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Response {
+    /// What became of the request.
+    pub code: Code,
+    /// The format of the body; none for a diagnostic text (RFC 7252, section 5.5.2).
+    pub format: Option<Format>,
+    /// Which state of the resource this is.
+    pub tag: Option<ETag>,
+    /// So many seconds it may be taken for the present state; without it, 60.
+    pub max_age: Option<u32>,
+    /// Where what was created is.
+    pub location: Vec<String>,
+    /// With which query.
+    pub location_query: Vec<String>,
+    /// What it carries.
+    pub body: Arc<[u8]>,
+}
+
+impl Response {
+    /// A response of this code that carries nothing.
+    #[must_use]
+    pub fn new(code: Code) -> Response {
+        Response {
+            code,
+            format: None,
+            tag: None,
+            max_age: None,
+            location: Vec::new(),
+            location_query: Vec::new(),
+            body: Arc::from([]),
+        }
+    }
+
+    /// 2.05 with a body in a format.
+    #[must_use]
+    pub fn content(format: Format, body: impl Into<Arc<[u8]>>) -> Response {
+        Response { format: Some(format), body: body.into(), ..Response::new(Code::CONTENT) }
+    }
+
+    /// A refusal or an error, with a sentence for whoever reads it.
+    #[must_use]
+    pub fn refusal(code: Code, words: String) -> Response {
+        Response { body: words.into_bytes().into(), ..Response::new(code) }
+    }
+}
+
+/// What the application says to a request.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// The response.
+    pub response: Arc<Response>,
+    /// What an observer is told of from now on, each whenever it has changed: usually the response itself. Empty when this cannot
+    /// be observed.
+    pub observed: Vec<Arc<Response>>,
+}
+
+impl Answer {
+    /// An answer to be had once.
+    #[must_use]
+    pub fn once(response: Response) -> Answer {
+        Answer { response: Arc::new(response), observed: Vec::new() }
+    }
+
+    /// An answer that can be observed.
+    #[must_use]
+    pub fn observable(response: Response) -> Answer {
+        let response = Arc::new(response);
+        Answer { observed: vec![Arc::clone(&response)], response }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tag_has_one_to_eight_bytes() {
+        assert_eq!(ETag::new(b""), None);
+        assert_eq!(ETag::new(b"123456789"), None);
+        assert_eq!(ETag::new(b"12345678").unwrap().bytes(), b"12345678");
+        assert_ne!(ETag::new(b"1"), ETag::new(b"1\0"));
+    }
+}

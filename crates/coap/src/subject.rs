@@ -1,0 +1,61 @@
+//! What several observers see alike: a path and a query in a format, and the things it shows in the versions they are in. Who has
+//! been told of which is not here.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::format::Format;
+use super::knowledge::Thing;
+use super::observe::ObserverId;
+use super::request::Request;
+use super::response::Response;
+
+/// What two observers must have in common to be told the same.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Target {
+    path: Vec<String>,
+    queries: Vec<String>,
+    accept: Option<Format>,
+}
+
+/// One of these, with whoever observes it.
+#[derive(Debug)]
+pub(super) struct Subject {
+    /// As its first observer asked for it.
+    pub(super) request: Arc<Request>,
+    pub(super) things: Vec<Thing>,
+    /// How often any of the things changed.
+    changes: u64,
+    pub(super) observers: BTreeSet<ObserverId>,
+}
+
+impl Target {
+    #[must_use]
+    pub(super) fn of(request: &Request) -> Target {
+        Target { path: request.path.clone(), queries: request.queries.clone(), accept: request.accept }
+    }
+}
+
+impl Subject {
+    /// What a request asks for, before it is known what that shows.
+    #[must_use]
+    pub(super) fn new(request: &Request) -> Subject {
+        Subject { request: Arc::new(request.clone()), things: Vec::new(), changes: 0, observers: BTreeSet::new() }
+    }
+
+    /// Takes what it shows now; whether any of it is news.
+    pub(super) fn take(&mut self, things: Vec<Arc<Response>>) -> bool {
+        let before = self.changes;
+        self.things.truncate(things.len());
+        for (place, response) in things.into_iter().enumerate() {
+            let is_news = self.things.get(place).is_none_or(|thing| thing.differs_from(&response));
+            self.changes += u64::from(is_news);
+            let changes = self.changes;
+            match self.things.get_mut(place) {
+                Some(thing) => *thing = Thing { response, version: if is_news { changes } else { thing.version } },
+                None => self.things.push(Thing { response, version: changes }),
+            }
+        }
+        self.changes > before
+    }
+}

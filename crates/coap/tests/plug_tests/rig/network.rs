@@ -1,0 +1,77 @@
+//! The network between clients and the endpoint, in simulated time: it loses, doubles, delays and so reorders datagrams, by
+//! chance of a seed. What is in a datagram is not its business.
+
+use std::collections::BTreeMap;
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use super::chance::Chance;
+
+/// What may become of a datagram, either way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Weather {
+    /// The share that is lost.
+    pub(crate) loss: f64,
+    /// The share that comes twice.
+    pub(crate) double: f64,
+    /// The least and the most time it takes; whoever is faster overtakes.
+    pub(crate) delay_ms: (u64, u64),
+}
+
+impl Weather {
+    /// Nothing is lost, and order is kept.
+    pub(crate) const FAIR: Weather = Weather { loss: 0.0, double: 0.0, delay_ms: (1, 1) };
+
+    /// So much is lost each way, some comes twice, and datagrams overtake each other.
+    pub(crate) const fn foul(loss: f64) -> Weather {
+        Weather { loss, double: 0.05, delay_ms: (1, 200) }
+    }
+}
+
+/// A datagram on its way.
+#[derive(Clone, Debug)]
+pub(crate) struct Datagram {
+    /// The client's address, whichever way it goes.
+    pub(crate) client: SocketAddr,
+    /// Whether it goes to the endpoint.
+    pub(crate) is_up: bool,
+    pub(crate) bytes: Vec<u8>,
+}
+
+/// All datagrams on their way.
+pub(crate) struct Network {
+    pub(crate) weather: Weather,
+    chance: Chance,
+    flying: BTreeMap<(Duration, u64), Datagram>,
+    counted: u64,
+}
+
+impl Network {
+    pub(crate) fn new(seed: u64, weather: Weather) -> Network {
+        Network { weather, chance: Chance::new(seed, "network"), flying: BTreeMap::new(), counted: 0 }
+    }
+
+    /// Sends a datagram off.
+    pub(crate) fn carry(&mut self, datagram: Datagram, now: Duration) {
+        let copies = if self.chance.happens(self.weather.double) { 2 } else { 1 };
+        for _ in 0..copies {
+            if !self.chance.happens(self.weather.loss) {
+                let (least, most) = self.weather.delay_ms;
+                let delay = Duration::from_millis(least + self.chance.below(most - least + 1));
+                self.counted += 1;
+                self.flying.insert((now + delay, self.counted), datagram.clone());
+            }
+        }
+    }
+
+    /// When the next one arrives.
+    pub(crate) fn next_arrival(&self) -> Option<Duration> {
+        self.flying.keys().next().map(|(at, _)| *at)
+    }
+
+    /// The next one that has arrived.
+    pub(crate) fn arrived(&mut self, now: Duration) -> Option<Datagram> {
+        let first = self.flying.first_entry().filter(|entry| entry.key().0 <= now)?;
+        Some(first.remove())
+    }
+}

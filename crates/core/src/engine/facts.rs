@@ -1,0 +1,50 @@
+//! What happens goes on record, and what outlives the program follows from it: the one way by which the engine changes `state`.
+//! Luggage and verdicts, which nothing may follow before they are kept, stand in `records`.
+
+use super::Engine;
+use crate::command::{Command, LuggageRef, Refusal, Refused, Request, TemperatureReport};
+use crate::effect::Fact;
+use crate::mission::{InputContext, in_words};
+use crate::units::Seq;
+use crate::world::log::Tone;
+
+impl Engine {
+    /// This has happened: what outlives the program follows from it at once, and it goes on record. Its place in the journal.
+    pub(super) fn record(&mut self, fact: Fact) -> Seq {
+        self.state.follow(&fact, self.now.wall, self.world.revision());
+        self.outbox.record(self.now.wall, fact)
+    }
+
+    /// The same, but it goes on record with the next entry or in a moment, unless it is replaced by then.
+    pub(super) fn record_soon(&mut self, fact: Fact) {
+        self.state.follow(&fact, self.now.wall, self.world.revision());
+        self.outbox.record_soon(self.now, fact);
+    }
+
+    /// Puts everything that stands on record at once.
+    pub(super) fn record_standing(&mut self) {
+        self.outbox.record(self.now.wall, Fact::State(Box::new(self.state.clone())));
+    }
+
+    /// Every command goes into the log and the journal, a refused one too (safety A6); only what a sensor says again and again
+    /// does not.
+    pub(super) fn write_command(&mut self, request: &Request, context: &InputContext, refused: Option<&Refused>) {
+        // A stop goes on record behind what it does.
+        let is_left_out = matches!(request.command, Command::Temperature(TemperatureReport::Sensor(..)) | Command::Stop);
+        if is_left_out && refused.is_none() {
+            return;
+        }
+        let (issuer, command) = (request.issuer.clone(), in_words(&request.command));
+        let meant = context.luggage.filter(|_| request.command.luggage() == Some(LuggageRef::Pending));
+        let meant = meant.map_or_else(String::new, |id| format!(" #{id}"));
+        let (tone, text) = match refused {
+            None => (Tone::Info, format!("{command}{meant}, by {issuer}")),
+            Some(refused) => (Tone::Warning, format!("{command}{meant} refused, by {issuer}: {refused}")),
+        };
+        self.world.write(self.now.wall, tone, text);
+        let if_lost = refused.is_none().then_some(if context.verdict.is_some() { Refused::StoreDown } else { Refused::NotKept });
+        let (luggage, refused) = (context.luggage, refused.map(Refusal::from));
+        let fact = Fact::Command { issuer, id: request.id.clone(), command, epoch: request.epoch, luggage, refused };
+        self.outbox.record_command(self.now.wall, fact, if_lost);
+    }
+}

@@ -1,0 +1,155 @@
+//! What the engine knows of one robot: the one open order, what the robot can do, and how it got off centre.
+
+use std::time::Duration;
+
+use crate::command::Move;
+use crate::effect::{Action, Order};
+use crate::event::Capabilities;
+use crate::units::{Epoch, OrderId};
+use crate::world::robot::RobotState;
+
+/// How much longer than the robot's own deadline an answer is waited for: the way there and back.
+const GRACE: Duration = Duration::from_secs(2);
+
+/// The controller of one robot.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RobotController {
+    /// What the robot can do; nothing is known before its link is up.
+    pub(crate) capabilities: Option<Capabilities>,
+    open: Option<Open>,
+    /// An order that was given up: its answer may still come.
+    overdue: Option<Order>,
+    last: OrderId,
+    /// It was told to halt, or cannot be reached, and has not said since that it stands.
+    halting: bool,
+    /// What the robot will be seen doing when it recentres: the opposite of what took it off centre.
+    way_back: Option<RobotState>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Open {
+    order: Order,
+    sent: Duration,
+}
+
+impl RobotController {
+    /// The order under way.
+    pub(crate) fn open(&self) -> Option<Order> {
+        self.open.map(|open| open.order)
+    }
+
+    /// Whether the robot was told to move and has not answered yet.
+    pub(crate) fn is_moving(&self) -> bool {
+        self.open.is_some_and(|open| open.order.action.is_motion())
+    }
+
+    /// Whether the robot may still be moving although it was told to halt, or its link was lost (safety S8).
+    pub(crate) const fn is_halting(&self) -> bool {
+        self.halting
+    }
+
+    /// The robot is told to halt.
+    pub(crate) fn halt(&mut self) {
+        self.halting |= self.may_be_moving();
+    }
+
+    /// The robot's link is lost; true when it was on the move. It halts by itself, and says so when it is back.
+    pub(crate) fn lose(&mut self) -> bool {
+        self.capabilities = None;
+        let halting = self.halting || self.may_be_moving();
+        let was_moving = self.drop_open().is_some_and(|order| order.action.is_motion());
+        (self.overdue, self.halting) = (None, halting);
+        was_moving
+    }
+
+    /// The robot's link is up: it stands, unless it has an order.
+    pub(crate) fn link_up(&mut self, can: Capabilities) {
+        self.capabilities = Some(can);
+        self.halting &= self.is_moving();
+    }
+
+    /// Whether a motion that was ordered has not been answered, however late it is.
+    fn may_be_moving(&self) -> bool {
+        self.is_moving() || self.overdue.is_some_and(|order| order.action.is_motion())
+    }
+
+    /// A new open order. It begins after whatever the robot was told before; who gives one after a fault has looked after it.
+    pub(crate) fn give(&mut self, action: Action, epoch: Epoch, since_start: Duration) -> Order {
+        self.last = self.last.next();
+        let order = Order { id: self.last, action, epoch, deadline: self.deadline(action) };
+        self.open = Some(Open { order, sent: since_start });
+        self.halting = false;
+        order
+    }
+
+    /// Closes the open order, or the one that was given up, if it is this one; an answer to any other is out of date.
+    pub(crate) fn close(&mut self, id: OrderId) -> Option<Order> {
+        let order = self.overdue.take_if(|order| order.id == id).or_else(|| self.close_open(id))?;
+        self.halting &= self.may_be_moving();
+        Some(order)
+    }
+
+    fn close_open(&mut self, id: OrderId) -> Option<Order> {
+        let open = self.open.take_if(|open| open.order.id == id)?;
+        self.overdue = None;
+        if let Action::Move(step) = open.order.action {
+            self.way_back = Some(undoing(step));
+        }
+        Some(open.order)
+    }
+
+    /// Closes the open order without an answer: none will come.
+    pub(crate) fn drop_open(&mut self) -> Option<Order> {
+        self.open.and_then(|open| self.close(open.order.id))
+    }
+
+    /// Gives the open order up; its answer may still come late.
+    pub(crate) fn give_up(&mut self) -> Option<Order> {
+        self.overdue = self.drop_open();
+        self.overdue
+    }
+
+    /// When the open order counts as unanswered.
+    pub(crate) fn due(&self) -> Option<Duration> {
+        self.open.map(|open| open.sent.saturating_add(open.order.deadline).saturating_add(GRACE))
+    }
+
+    /// What the robot is seen doing.
+    pub(crate) fn state(&self) -> RobotState {
+        match self.open.map(|open| open.order.action) {
+            None => RobotState::Stopped,
+            Some(Action::Photograph(_)) => RobotState::TakingPhoto,
+            Some(Action::Recentre) => self.way_back.unwrap_or(RobotState::MovingBackward),
+            Some(Action::Move(step)) => doing(step),
+        }
+    }
+
+    /// Three times as long as the robot says it takes, and a second for its start.
+    fn deadline(&self, action: Action) -> Duration {
+        let nominal = self.capabilities.map_or(Duration::ZERO, |can| match action {
+            Action::Move(Move::Forward | Move::Backward) => can.step,
+            Action::Move(Move::TurnLeft | Move::TurnRight | Move::NudgeLeft | Move::NudgeRight) => can.turn,
+            Action::Recentre => can.step.max(can.turn),
+            Action::Photograph(_) => can.photo,
+        });
+        nominal.saturating_mul(3).saturating_add(Duration::from_secs(1))
+    }
+}
+
+const fn doing(step: Move) -> RobotState {
+    match step {
+        Move::Forward => RobotState::MovingForward,
+        Move::Backward => RobotState::MovingBackward,
+        Move::TurnLeft | Move::NudgeLeft => RobotState::RotateLeft,
+        Move::TurnRight | Move::NudgeRight => RobotState::RotateRight,
+    }
+}
+
+const fn undoing(step: Move) -> RobotState {
+    match step {
+        Move::Forward => RobotState::MovingBackward,
+        Move::Backward => RobotState::MovingForward,
+        Move::TurnLeft | Move::NudgeLeft => RobotState::RotateRight,
+        Move::TurnRight | Move::NudgeRight => RobotState::RotateLeft,
+    }
+}

@@ -1,0 +1,144 @@
+//! The robots by their ids: what each can do, its open order, how it stands, what holds it alone. One of them searches; where that
+//! one stands is part of `state`, as is where the others do. What a mission wants of them is not decided here.
+
+mod controller;
+mod parts;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+pub(crate) use self::controller::RobotController;
+pub use self::parts::{Part, Parts};
+use crate::mission::{Hold, Holds};
+
+/// The name by which settings, orders, reports and records mean one robot.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct RobotId(Arc<str>);
+
+impl RobotId {
+    /// The longest name, in bytes: it stands in a topic, a path and a caption.
+    pub const MOST: usize = 32;
+
+    /// `text` as a name: 1 to `MOST` small letters, digits and hyphens, the first a letter; else `None`.
+    #[must_use]
+    pub fn new(text: &str) -> Option<RobotId> {
+        let usable = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-';
+        let begins = text.bytes().next().is_some_and(|first| first.is_ascii_lowercase());
+        (begins && text.len() <= RobotId::MOST && text.bytes().all(usable)).then(|| RobotId(Arc::from(text)))
+    }
+
+    /// The robot that searches, where nothing else is said.
+    #[must_use]
+    pub fn discovery() -> RobotId {
+        RobotId(Arc::from("discovery"))
+    }
+
+    /// The name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.0
+    }
+}
+
+impl std::fmt::Display for RobotId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// One robot.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Robot {
+    pub(crate) controller: RobotController,
+    /// Whether it stands away from where its last completed order left it.
+    pub(crate) off_centre: bool,
+    /// The last reading of its front sonar, in centimetres.
+    pub(crate) sonar_cm: Option<u16>,
+    /// What holds this robot and no other. What holds the one that searches is among the holds of the mission.
+    pub(crate) holds: Holds,
+}
+
+/// All of them.
+#[derive(Clone, Debug)]
+pub(crate) struct Robots {
+    searching: RobotId,
+    all: BTreeMap<RobotId, Robot>,
+}
+
+impl Robots {
+    /// The one that searches, alone.
+    pub(crate) fn of(searching: RobotId) -> Robots {
+        Robots { all: BTreeMap::from([(searching.clone(), Robot::default())]), searching }
+    }
+
+    /// One more, held until its link is up.
+    pub(crate) fn add(&mut self, id: RobotId) {
+        self.all.entry(id).or_insert_with(|| Robot { holds: Holds::from_iter([Hold::RobotLink]), ..Robot::default() });
+    }
+
+    /// The id of the one that searches.
+    pub(crate) const fn searching_id(&self) -> &RobotId {
+        &self.searching
+    }
+
+    /// The one that searches.
+    pub(crate) fn searching(&self) -> &Robot {
+        self.all.get(&self.searching).expect("the robot that searches is there from the beginning")
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn searching_mut(&mut self) -> &mut Robot {
+        self.all.get_mut(&self.searching).expect("the robot that searches is there from the beginning")
+    }
+
+    /// The robot with this id.
+    pub(crate) fn get(&self, id: &RobotId) -> Option<&Robot> {
+        self.all.get(id)
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn get_mut(&mut self, id: &RobotId) -> Option<&mut Robot> {
+        self.all.get_mut(id)
+    }
+
+    /// All with their ids.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (&RobotId, &Robot)> {
+        self.all.iter()
+    }
+
+    /// Something holds all of them during a mission: that it has ended sets none of them moving before a START.
+    pub(crate) fn others_wait(&mut self) {
+        for robot in self.others_mut() {
+            robot.holds.raise(Hold::AwaitingStart);
+        }
+    }
+
+    /// A START was accepted: what waited for it may move.
+    pub(crate) fn release(&mut self) {
+        for robot in self.others_mut() {
+            robot.holds.release();
+        }
+    }
+
+    fn others_mut(&mut self) -> impl Iterator<Item = &mut Robot> {
+        let searching = &self.searching;
+        self.all.iter_mut().filter(move |(id, _)| *id != searching).map(|(_, robot)| robot)
+    }
+
+    /// All ids.
+    pub(crate) fn ids(&self) -> Vec<RobotId> {
+        self.all.keys().cloned().collect()
+    }
+
+    /// The next time at which an open order of any counts as unanswered.
+    pub(crate) fn due(&self) -> Option<Duration> {
+        self.all.values().filter_map(|robot| robot.controller.due()).min()
+    }
+
+    /// A robot whose open order counts as unanswered now.
+    pub(crate) fn overdue(&self, since_start: Duration) -> Option<RobotId> {
+        let is_late = |robot: &Robot| robot.controller.due().is_some_and(|due| due <= since_start);
+        self.all.iter().find(|(_, robot)| is_late(robot)).map(|(id, _)| id.clone())
+    }
+}

@@ -1,0 +1,277 @@
+//! What the system throws away in a flood before it takes room in the socket's queue, so that this never stands full and loses a STOP
+//! (safety S1, S6): of each kind of which more comes than is heard only one in so many is let through, by chance, and besides
+//! every command that has a word in it that a STOP has. Linux can be told so; elsewhere nothing is thrown away. What is let through is judged
+//! by the endpoint alone.
+
+use std::time::Duration;
+
+/// At most every 2^7th of a kind is let through: some thousand a second of all that this machine can send to itself.
+const FINEST: u32 = 7;
+
+/// After so long without more than is heard twice as many are let through.
+const CALM: Duration = Duration::from_millis(50);
+
+/// So many bytes of a datagram are looked through for the words: a STOP has them at its beginning.
+const SEARCHED: u32 = 160;
+
+/// A kind is thinned out when at least one of so many that were heard is of it: the few of another have not made the flood.
+const PART: usize = 8;
+
+/// Where the words begin at the earliest, behind the header.
+const HEADER: usize = 4;
+
+/// How many were heard of each kind: reads, commands, signs, and commands that come through however fine it is.
+pub(super) type KindCounts = [usize; 4];
+
+/// What is let through now.
+pub(super) struct FloodFilter {
+    /// Four bytes each, of which a STOP has one as it is usually written, with the bit set that makes letters small.
+    words: &'static [[u8; 4]],
+    /// Of reads, commands and signs one in two to the power of this.
+    fine: [u32; 3],
+    /// When it was last changed.
+    since: Duration,
+}
+
+impl FloodFilter {
+    /// One that lets everything through.
+    pub(super) fn new(words: &'static [[u8; 4]]) -> FloodFilter {
+        FloodFilter { words, fine: [0; 3], since: Duration::ZERO }
+    }
+
+    /// More came than was heard, so many of each kind: fewer are to be let through of the most frequent that can be thinned out
+    /// further. Whether that changes anything.
+    pub(super) fn tighten(&mut self, heard: KindCounts, now: Duration) -> bool {
+        let all: usize = heard.iter().sum();
+        let floods: Vec<usize> = (0..self.fine.len()).filter(|kind| heard[*kind] > 0 && heard[*kind] * PART >= all).collect();
+        if floods.is_empty() {
+            return false;
+        }
+        self.since = now;
+        let coarse = floods.into_iter().filter(|kind| self.fine[*kind] < FINEST);
+        let Some(most) = coarse.max_by_key(|kind| heard[*kind]) else { return false };
+        self.fine[most] += 1;
+        true
+    }
+
+    /// When more is to be let through again.
+    pub(super) fn due(&self) -> Option<Duration> {
+        (self.fine != [0; 3]).then(|| self.since + CALM)
+    }
+
+    /// Lets more through, if it is time. Whether that changes anything.
+    pub(super) fn loosen(&mut self, now: Duration) -> bool {
+        if self.due().is_none_or(|due| now < due) {
+            return false;
+        }
+        self.since = now;
+        self.fine = self.fine.map(|fine| fine.saturating_sub(1));
+        true
+    }
+
+    /// What the system takes a datagram for, as an index of `KindCounts`.
+    pub(super) fn kind(&self, bytes: &[u8]) -> usize {
+        match bytes.get(1) {
+            Some(1 | 5) => 0,
+            None | Some(0 | 32..) => 2,
+            Some(_) if self.has_word(bytes) => 3,
+            Some(_) => 1,
+        }
+    }
+
+    fn has_word(&self, bytes: &[u8]) -> bool {
+        let searched = bytes.iter().take(SEARCHED as usize + 3).skip(HEADER).map(|byte| byte | 0x20).collect::<Vec<u8>>();
+        searched.windows(4).any(|four| self.words.iter().any(|word| word == four))
+    }
+
+    /// Tells the system.
+    #[cfg(target_os = "linux")]
+    pub(super) fn fit(&self, socket: &socket2::SockRef<'_>) -> std::io::Result<()> {
+        if self.fine == [0; 3] { socket.detach_filter() } else { socket.attach_filter(&program(self.words, self.fine)) }
+    }
+
+    #[cfg(not(target_os = "linux"))]
+    pub(super) fn fit(&self, _: &socket2::SockRef<'_>) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// As a program of the classic Berkeley packet filter, which sees a datagram from its UDP header on, and throws away what ends before
+/// it has read what it wants to.
+#[cfg(target_os = "linux")]
+fn program(words: &[[u8; 4]], [reads, commands, signs]: [u32; 3]) -> Vec<socket2::SockFilter> {
+    use socket2::SockFilter;
+
+    const UDP: u32 = 8;
+    const CHANCE: u32 = 0xFFFF_F000 + 56;
+    let load = |at| SockFilter::new(0x20, 0, 0, at);
+    let load_byte = |at| SockFilter::new(0x30, 0, 0, at);
+    let is_equal = |to, then, other| SockFilter::new(0x15, then, other, to);
+    let is_least = |to, then, other| SockFilter::new(0x35, then, other, to);
+    let (take, lose) = (|| SockFilter::new(0x06, 0, 0, u32::MAX), || SockFilter::new(0x06, 0, 0, 0));
+    // Goes on behind its four steps with those that chance has not chosen.
+    let one_in = |power: u32| [load(CHANCE), SockFilter::new(0x54, 0, 0, (1 << power) - 1), is_equal(0, 0, 1), take()];
+    let mut steps = vec![load_byte(UDP + 1), is_equal(1, 3, 0), is_equal(5, 2, 0), is_equal(0, 6, 0), is_least(32, 5, 10)];
+    steps.extend(one_in(reads));
+    steps.push(lose());
+    steps.extend(one_in(signs));
+    steps.push(lose());
+    steps.extend(one_in(commands));
+    let count = u8::try_from(words.len()).unwrap_or(u8::MAX);
+    for at in UDP + 4..UDP + SEARCHED {
+        steps.extend([load(at), SockFilter::new(0x44, 0, 0, 0x2020_2020)]);
+        for (n, word) in (1..).zip(words) {
+            steps.push(is_equal(u32::from_be_bytes(*word), count - n, u8::from(n == count)));
+        }
+        steps.push(take());
+    }
+    steps.push(lose());
+    steps
+}
+
+#[cfg(test)]
+#[cfg(target_os = "linux")]
+mod tests {
+    use std::net::UdpSocket;
+
+    use socket2::SockRef;
+
+    use super::*;
+
+    const WORDS: &[[u8; 4]] = &[*b"stop", *b"reso"];
+    const MS: Duration = Duration::from_millis(1);
+    const LAST: &[u8] = b"\x40\x02\x00\x01the last: stop";
+
+    /// What of these datagrams comes through a filter that was tightened so often for each kind.
+    fn through(fine: [u32; 3], datagrams: &[Vec<u8>]) -> Vec<Vec<u8>> {
+        let [to, from] = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
+        for fine in [[30; 3], fine] {
+            FloodFilter { fine, ..FloodFilter::new(WORDS) }.fit(&SockRef::from(&to)).unwrap();
+        }
+        to.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
+        let (mut came, mut buffer) = (Vec::new(), [0; 2048]);
+        for (n, datagram) in datagrams.iter().enumerate() {
+            from.send_to(datagram, to.local_addr().unwrap()).unwrap();
+            if n % 50 < 49 && n + 1 < datagrams.len() {
+                continue;
+            }
+            // This one comes through every filter, behind those before it.
+            from.send_to(LAST, to.local_addr().unwrap()).unwrap();
+            loop {
+                let length = to.recv(&mut buffer).expect("the last one comes");
+                if &buffer[..length] == LAST {
+                    break;
+                }
+                came.push(buffer[..length].to_vec());
+            }
+        }
+        came
+    }
+
+    fn datagram(first: u8, code: u8, rest: &[u8]) -> Vec<u8> {
+        [&[first, code, 0, 1][..], rest].concat()
+    }
+
+    /// Safety S1, S6.
+    #[test]
+    fn however_fine_it_is_what_has_a_word_of_a_stop_comes_through() {
+        let stops = [
+            datagram(0x40, 2, b"\xB8commands\x04Stop"),
+            datagram(0x48, 2, b"tokentok\x3Bexample.org\x88commands\x04stop\xFF{}"),
+            datagram(0x40, 3, b"\xBD\x00resourcemodel\xFFh"),
+            datagram(0x4F, 31, b"\xFF\xFFstop"),
+            datagram(0x40, 2, &[&[0x33; 140][..], b"stop", &[0x33; 700]].concat()),
+        ];
+        assert_eq!(through([30; 3], &stops), stops);
+        assert!(stops.iter().all(|stop| FloodFilter::new(WORDS).kind(stop) == 3));
+    }
+
+    /// What is counted as a kind is what the system thins out as that kind.
+    #[test]
+    fn the_kind_of_a_datagram_is_that_which_the_system_takes_it_for() {
+        let filter = FloodFilter::new(WORDS);
+        let behind = |count: usize| datagram(0x40, 2, &[&vec![0x33; count][..], b"sTOp"].concat());
+        let mut datagrams: Vec<Vec<u8>> = [155, 156].map(behind).into();
+        datagrams.extend([&b"\x40\x02"[..], b"\x40\x02\x00\x01sto"].map(<[u8]>::to_vec));
+        for code in 0..=255 {
+            datagrams
+                .extend([(0x40, &b"stop"[..]), (0x60, b"stop"), (0x40, b"act")].map(|(first, rest)| datagram(first, code, rest)));
+        }
+        for bytes in datagrams {
+            let comes_with = |kind: usize| {
+                let mut fine = [30; 3];
+                fine.iter_mut().skip(kind).take(1).for_each(|fine| *fine = 0);
+                through(fine, std::slice::from_ref(&bytes)).len() == 1
+            };
+            let kind = filter.kind(&bytes);
+            assert_eq!(
+                (0..4).map(comes_with).collect::<Vec<_>>(),
+                (0..4).map(|with| kind == 3 || kind == with).collect::<Vec<_>>(),
+                "{bytes:02x?}"
+            );
+        }
+    }
+
+    /// Safety A5: of each kind so many as was said, and of the others all.
+    #[test]
+    fn of_a_kind_of_which_too_much_comes_only_some_come_through() {
+        let kinds = [(0x40, 1, "read"), (0x40, 2, "act"), (0x60, 0, "acknowledge")];
+        for (n, (first, code, word)) in kinds.into_iter().enumerate() {
+            let all: Vec<Vec<u8>> = (0..2000).map(|_| datagram(first, code, word.as_bytes())).collect();
+            let mut fine = [30; 3];
+            assert!(through(fine, &all).len() < 10, "{word}");
+            fine[n] = 0;
+            assert_eq!(through(fine, &all).len(), 2000, "{word}");
+            fine[n] = 1;
+            assert!((500..1500).contains(&through(fine, &all).len()), "{word}");
+        }
+        assert_eq!(through([0; 3], &[datagram(0x40, 1, b"")]).len(), 1);
+    }
+
+    /// Safety S9.
+    #[test]
+    fn it_becomes_finer_for_what_floods_and_lets_everything_through_again_after_a_while() {
+        let mut filter = FloodFilter::new(&[]);
+        assert_eq!(filter.due(), None);
+        (1..=FINEST).for_each(|n| assert!(filter.tighten([100, 3, 2, 0], n * MS)));
+        assert!(!filter.tighten([100, 3, 2, 0], 10 * MS), "it is as fine as can be");
+        assert!(filter.tighten([3, 100, 2, 0], 10 * MS));
+        assert_eq!(filter.fine, [FINEST, 1, 0]);
+        assert!(!filter.loosen(59 * MS) && filter.loosen(60 * MS));
+        assert_eq!(filter.fine, [FINEST - 1, 0, 0]);
+        while let Some(due) = filter.due() {
+            assert!(filter.loosen(due));
+        }
+        assert_eq!(filter.fine, [0; 3]);
+    }
+
+    /// Safety S9: to thin out the commands of others would make no such flood any smaller.
+    #[test]
+    fn what_comes_through_anyway_makes_it_no_finer_for_anything_else() {
+        let mut filter = FloodFilter::new(WORDS);
+        let mut heard = [0; 4];
+        for put in vec![datagram(0x40, 3, b"\xBD\x00resourcemodel\xFFx"); 500] {
+            heard[filter.kind(&put)] += 1;
+        }
+        for few in [datagram(0x40, 2, b"\xB8commands\x05start"), datagram(0x40, 1, b"\xB5state")] {
+            heard[filter.kind(&few)] += 1;
+        }
+        assert_eq!(heard, [1, 1, 0, 500]);
+        assert!(!filter.tighten(heard, MS) && filter.due().is_none());
+        assert!(!filter.tighten([0, 0, 0, 500], MS));
+        assert!(filter.tighten([200, 1, 0, 300], MS));
+        assert_eq!(filter.fine, [1, 0, 0], "the reads that come with them are thinned out");
+        assert!(!filter.tighten([1, 1, 0, 500], 2 * MS) && filter.loosen(51 * MS), "nor does it keep it fine");
+    }
+
+    /// Safety S9.
+    #[test]
+    fn when_one_kind_is_as_fine_as_can_be_the_next_is_thinned_out() {
+        let mut filter = FloodFilter { fine: [0, FINEST, 0], ..FloodFilter::new(&[]) };
+        for fine in 1..=FINEST {
+            assert!(filter.tighten([40, 60, 2, 0], MS));
+            assert_eq!(filter.fine, [fine, FINEST, 0]);
+        }
+        assert!(!filter.tighten([40, 60, 2, 0], MS), "of the signs come few");
+    }
+}

@@ -1,0 +1,111 @@
+//! Requests that were begun and are answered later: so many at once, and none for ever. What they do is the application's business.
+
+use std::collections::HashMap;
+use std::pin::Pin;
+use std::time::Duration;
+
+use tokio::task::{Id, JoinSet};
+
+use super::application::broken;
+use coap_endpoint::{Answer, Code, ExchangeId, Method, Response, limits::OPEN};
+
+/// Commands under way at once; urgent ones are taken all the same.
+pub(super) const COMMANDS: usize = 256;
+
+/// Reads from the disk under way at once. They have places of their own: anybody may read, and a disk that hangs must not keep out
+/// commands.
+pub(super) const READS: usize = 64;
+
+/// Whoever asks for one more is told to ask again after so many seconds.
+const BUSY_S: u32 = 2;
+
+/// Nobody waits longer for an answer (RFC 7252, section 4.8.2: MAX_TRANSMIT_WAIT).
+const PATIENCE: Duration = Duration::from_secs(93);
+
+/// What a request is, for the places there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum RequestKind {
+    /// It changes nothing, and nothing is begun before its future is waited for.
+    Read,
+    /// It may be begun as soon as the application has heard of it.
+    Command,
+}
+
+#[derive(Default)]
+pub(super) struct PendingAnswers {
+    tasks: JoinSet<Answer>,
+    exchanges: HashMap<Id, (ExchangeId, RequestKind)>,
+    reads: usize,
+}
+
+impl RequestKind {
+    pub(super) const fn of(method: Method) -> RequestKind {
+        if method.is_safe() { RequestKind::Read } else { RequestKind::Command }
+    }
+}
+
+impl PendingAnswers {
+    /// Whether no more of them are to be begun, but for urgent ones.
+    pub(super) fn is_full(&self, kind: RequestKind) -> bool {
+        match kind {
+            RequestKind::Read => self.reads >= READS,
+            RequestKind::Command => self.tasks.len() - self.reads >= COMMANDS,
+        }
+    }
+
+    /// Waits for an answer in the background. Of urgent ones beyond what the endpoint remembers the answer is given up, and not
+    /// what they asked for.
+    pub(super) fn add(&mut self, exchange: ExchangeId, kind: RequestKind, answer: Pin<Box<dyn Future<Output = Answer> + Send>>) {
+        if self.tasks.len() < OPEN {
+            let bounded = async { tokio::time::timeout(PATIENCE, answer).await.unwrap_or_else(|_| slow()) };
+            self.exchanges.insert(self.tasks.spawn(bounded).id(), (exchange, kind));
+            self.reads += usize::from(kind == RequestKind::Read);
+        }
+    }
+
+    /// The next that is answered; `None` when none is under way. May be dropped while it waits.
+    pub(super) async fn next(&mut self) -> Option<(ExchangeId, Answer)> {
+        let (id, answer) = self.tasks.join_next_with_id().await?.unwrap_or_else(|error| (error.id(), broken()));
+        let (exchange, kind) = self.exchanges.remove(&id)?;
+        self.reads -= usize::from(kind == RequestKind::Read);
+        Some((exchange, answer))
+    }
+}
+
+/// 5.03: too many such requests are under way.
+pub(super) fn busy() -> Answer {
+    unavailable(format!("too many requests are under way: ask again in {BUSY_S} seconds"))
+}
+
+fn slow() -> Answer {
+    unavailable("it takes longer than anybody waits: look at the state before you repeat it".to_owned())
+}
+
+fn unavailable(words: String) -> Answer {
+    Answer::once(Response { max_age: Some(BUSY_S), ..Response::refusal(Code::UNAVAILABLE, words) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use coap_endpoint::Endpoint;
+
+    /// Safety A5.
+    #[tokio::test]
+    async fn reads_and_commands_have_places_of_their_own_and_beyond_all_of_them_nothing_is_waited_for() {
+        let mut endpoint = Endpoint::new([7; 32]);
+        endpoint.handle_datagram(([127, 0, 0, 1], 1).into(), b"\x40\x02\x00\x01\xB4take", Duration::ZERO);
+        let exchange = endpoint.poll_request().expect("it is one").0;
+        let mut pending = PendingAnswers::default();
+        let mut begin = |kind, count: usize| {
+            (0..count).for_each(|_| pending.add(exchange, kind, Box::pin(std::future::pending())));
+            [RequestKind::Read, RequestKind::Command].map(|kind| pending.is_full(kind))
+        };
+        assert_eq!(begin(RequestKind::Read, READS - 1), [false, false]);
+        assert_eq!(begin(RequestKind::Read, 1), [true, false]);
+        assert_eq!(begin(RequestKind::Command, COMMANDS - 1), [true, false]);
+        assert_eq!(begin(RequestKind::Command, 1), [true, true]);
+        begin(RequestKind::Command, 2 * OPEN);
+        assert_eq!((pending.tasks.len(), pending.exchanges.len()), (OPEN, OPEN));
+    }
+}

@@ -1,0 +1,153 @@
+//! What can be asked to be done: each action's need, the command it becomes, and how an accepted one is answered. Giving it to the
+//! core is `Resources`' business; the old resource's words are in `old`.
+
+use super::problem::Problem;
+use super::{old, shows};
+use crate::access::Need;
+use crate::api::answer::AnswerJson;
+use crate::api::cbor;
+use crate::api::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody, no_command_id};
+use crate::api::fields::{self, Body, in_short};
+use crate::runtime::carry_out::Done;
+use coap_endpoint::{Code, Format, Request, Response};
+use hallsweep_core::command::{Command, CommandId, LuggageRef};
+use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
+
+/// Something that can be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Action {
+    Start,
+    Stop,
+    BackHome,
+    Retrieve,
+    Reset,
+    Move,
+    Goto,
+    Verdict,
+    Retake,
+    Acknowledge,
+    Strategy,
+    Temperature,
+    /// A bare word of an old client.
+    OldWord,
+}
+
+/// What goes with a command beside what it says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Terms {
+    /// Its own name.
+    pub(super) id: Option<CommandId>,
+    /// The format of its answer; `None` when only a problem's is accepted, so that success has no body.
+    pub(super) form: Option<Format>,
+}
+
+/// The formats in which a command's answer is there.
+const ANSWERS: &[Format] = &[Format::JSON, Format::CBOR, Format::TEXT];
+
+/// The query in which a command's own name comes.
+const ID: &str = "id";
+
+impl Action {
+    /// What it asks of whoever comes. A move and an old word may be a STOP.
+    pub(super) const fn need(self) -> Need {
+        match self {
+            Action::Stop | Action::Move | Action::OldWord => Need::Stop,
+            Action::Start
+            | Action::BackHome
+            | Action::Retrieve
+            | Action::Reset
+            | Action::Goto
+            | Action::Verdict
+            | Action::Retake
+            | Action::Acknowledge
+            | Action::Strategy
+            | Action::Temperature => Need::Act,
+        }
+    }
+
+    const fn answers(self) -> &'static [Format] {
+        if matches!(self, Action::OldWord) { &[Format::TEXT] } else { ANSWERS }
+    }
+}
+
+impl Terms {
+    /// What goes with a stop with whose request something is wrong.
+    pub(super) fn plain(act: Action) -> Terms {
+        Terms { id: None, form: act.answers().first().copied() }
+    }
+}
+
+/// The command that a request asks for, and the epoch its sender saw. What halts was found before (`stop`).
+pub(super) fn command(
+    act: Action,
+    number: u64,
+    request: &Request,
+    manual_driving: bool,
+) -> Result<(Command, Option<Epoch>), Problem> {
+    let with_epoch = |command| Ok((command, optional::<EpochBody>(request)?.epoch()));
+    let luggage = LuggageRef::Id(LuggageId(number));
+    match act {
+        Action::Stop => Ok((Command::Stop, None)),
+        Action::OldWord => Ok((old::command(request, manual_driving)?, None)),
+        Action::Start => with_epoch(Command::Start),
+        Action::BackHome => with_epoch(Command::BackHome),
+        Action::Retrieve => with_epoch(Command::Retrieve),
+        Action::Reset => with_epoch(Command::Reset),
+        Action::Move => Ok(body::<MoveBody>(request)?.command()?),
+        Action::Goto => Ok(body::<GotoBody>(request)?.command()?),
+        Action::Verdict => Ok((Command::Verdict { luggage, verdict: body::<VerdictBody>(request)?.verdict()? }, None)),
+        Action::Retake => optional::<EpochBody>(request).map(|_| (Command::RetakePhoto(LuggageId(number)), None)),
+        Action::Acknowledge => optional::<EpochBody>(request).map(|_| (Command::Acknowledge(AlarmId(number)), None)),
+        Action::Strategy => Ok((Command::ChooseStrategy(body::<StrategyBody>(request)?.strategy()?), None)),
+        Action::Temperature => Ok((Command::Temperature(body::<TemperatureBody>(request)?.report()?), None)),
+    }
+}
+
+/// What goes with a command; a query that means nothing here is refused, because a misspelt `id` would let it act twice.
+pub(super) fn terms(act: Action, request: &Request) -> Result<Terms, Problem> {
+    let mut id = None;
+    for query in &request.queries {
+        let name = query.split_once('=').filter(|(name, _)| *name == ID).map(|(_, value)| value);
+        let name = name.ok_or_else(|| {
+            Problem::malformed(format!("a command has no query {:?}: its own name comes as {ID}=NAME", in_short(query)))
+        })?;
+        let named = CommandId::new(name).filter(|_| id.is_none());
+        id = Some(named.ok_or_else(|| Problem::malformed(no_command_id(ID, name)))?);
+    }
+    let form = if request.accept == Some(Format::PROBLEM) {
+        None
+    } else {
+        Some(request.negotiated(act.answers()).map_err(|response| Problem::not_acceptable(&response))?)
+    };
+    Ok(Terms { id, form })
+}
+
+/// The answer to an accepted command.
+pub(super) fn accepted(form: Option<Format>, done: &Done) -> Response {
+    let Some(form) = form else { return Response::new(Code::CHANGED) };
+    let body = if form == Format::TEXT {
+        b"accepted".to_vec()
+    } else {
+        let mut answer = AnswerJson::new(done.accepted, &done.snapshot);
+        answer.luggage = answer.luggage.map(shows::at_this_door);
+        shows::written(form, &answer)
+    };
+    Response { format: Some(form), body: body.into(), ..Response::new(Code::CHANGED) }
+}
+
+/// The body of a command that needs one.
+fn body<T: Body>(request: &Request) -> Result<T, Problem> {
+    if request.payload.is_empty() {
+        return Err(Problem::malformed("the body is empty: this command needs JSON or CBOR, see docs/coap.md".to_owned()));
+    }
+    match request.format {
+        None | Some(Format::JSON) => fields::body(&request.payload).map_err(Problem::from),
+        Some(Format::CBOR) => cbor::body(&request.payload).map_err(Problem::from),
+        Some(other) => Err(Problem::wrong_format(format!("the body is in {other}: send {} or {}", Format::JSON, Format::CBOR))),
+    }
+}
+
+/// The body of a command that can do without; an empty one is the default.
+fn optional<T: Body + Default>(request: &Request) -> Result<T, Problem> {
+    if request.payload.is_empty() { Ok(T::default()) } else { body(request) }
+}

@@ -1,0 +1,140 @@
+//! What is shown, kept until it changes: a GET of what has not changed makes nothing anew, and all who observe a thing share one
+//! body. What is shown stands in `shows`.
+
+use std::hash::Hasher;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use hashlink::LinkedHashMap;
+
+use super::shows;
+use super::table::Show;
+use coap_endpoint::{Answer, ETag, Format, Response};
+use hallsweep_core::units::Revision;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// So many things are kept: every resource in every format and a few dozen pieces of luggage. When there are more, the one that
+/// was made first gives way.
+const MOST: usize = 128;
+
+/// Everything that is kept.
+#[derive(Default)]
+pub(super) struct RepresentationCache(Mutex<LinkedHashMap<Key, (Revision, Copies)>>);
+
+/// What, which of several, and in which format.
+type Key = (Show, u64, Format);
+
+/// One thing, for those who read it and for those who observe it; they share its body.
+#[derive(Clone, Debug)]
+pub(super) struct Copies {
+    /// Not to be taken for the present state a moment later (Max-Age 0); its tag tells cheaply whether it still is.
+    pub(super) plain: Arc<Response>,
+    /// Good until the next notification.
+    pub(super) watched: Arc<Response>,
+}
+
+impl Copies {
+    fn new(response: Response) -> Copies {
+        let plain = Response { max_age: Some(0), ..response.clone() };
+        Copies { plain: Arc::new(plain), watched: Arc::new(response) }
+    }
+
+    /// The answer to whoever asks for it.
+    pub(super) fn answer(self) -> Answer {
+        Answer { response: self.plain, observed: vec![self.watched] }
+    }
+}
+
+impl RepresentationCache {
+    /// What is shown in this format; `number` says which where there are several.
+    pub(super) fn copies(&self, show: Show, number: u64, format: Format, snapshot: &Snapshot) -> Copies {
+        let (key, revision) = ((show, number, format), shows::revision(show, number, snapshot));
+        let mut things = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, copies)) = things.get(&key).filter(|(made_at, _)| *made_at == revision) {
+            return copies.clone();
+        }
+        let tag = tag(&[snapshot.run.as_bytes(), &number.to_be_bytes(), &revision.0.to_be_bytes(), &format.0.to_be_bytes()]);
+        let body = shows::body(show, number, format, snapshot);
+        let copies = Copies::new(Response { tag: Some(tag), ..Response::content(format, body) });
+        things.insert(key, (revision, copies.clone()));
+        if things.len() > MOST {
+            things.pop_front();
+        }
+        copies
+    }
+}
+
+/// The tag of what these parts tell apart; the same parts have the same tag in every run and on every machine.
+pub(super) fn tag(parts: &[&[u8]]) -> ETag {
+    let mut hasher = Fnv::default();
+    for part in parts {
+        hasher.write(&(part.len() as u64).to_be_bytes());
+        hasher.write(part);
+    }
+    ETag::new(&hasher.finish().to_be_bytes()).expect("a number of 64 bits is eight bytes")
+}
+
+/// FNV-1a of 64 bits: the standard library does not promise that its own hash stays the same.
+struct Fnv(u64);
+
+impl Default for Fnv {
+    fn default() -> Fnv {
+        Fnv(0xCBF2_9CE4_8422_2325)
+    }
+}
+
+impl Hasher for Fnv {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01B3);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::fixture::{searching, touch};
+    use hallsweep_core::world::resource::Resource;
+
+    const TEMPERATURE: Show = Show::Of(Resource::Temperature);
+
+    #[test]
+    fn what_has_not_changed_is_not_made_anew() {
+        let (cache, mut state) = (RepresentationCache::default(), searching());
+        let first = cache.copies(TEMPERATURE, 0, Format::JSON, &state);
+        touch(&mut state, 21, &[Resource::Robot]);
+        let again = cache.copies(TEMPERATURE, 0, Format::JSON, &state);
+        assert!(Arc::ptr_eq(&first.plain, &again.plain) && Arc::ptr_eq(&first.watched, &again.watched));
+        assert!(Arc::ptr_eq(&first.plain.body, &first.watched.body), "both share the body");
+        touch(&mut state, 22, &[Resource::Temperature]);
+        let newer = cache.copies(TEMPERATURE, 0, Format::JSON, &state);
+        assert_ne!(newer.plain.tag, first.plain.tag);
+    }
+
+    #[test]
+    fn a_tag_tells_runs_revisions_and_formats_apart() {
+        let (cache, state) = (RepresentationCache::default(), searching());
+        let tag_in =
+            |format, state: &Snapshot| RepresentationCache::default().copies(TEMPERATURE, 0, format, state).plain.tag.unwrap();
+        let json = cache.copies(TEMPERATURE, 0, Format::JSON, &state).plain.tag.unwrap();
+        assert_eq!(tag_in(Format::JSON, &state), json, "and is the same for the same");
+        assert_ne!(tag_in(Format::CBOR, &state), json);
+        let other_run = Snapshot { run: Arc::from("t-2"), ..searching() };
+        assert_ne!(tag_in(Format::JSON, &other_run), json);
+    }
+
+    /// Safety A5.
+    #[test]
+    fn no_number_of_things_that_are_asked_for_fills_the_memory() {
+        let (cache, state) = (RepresentationCache::default(), searching());
+        let last = 10 * u16::try_from(MOST).unwrap();
+        let latest: Vec<Copies> = (0..=last).map(|format| cache.copies(Show::Piece, 3, Format(format), &state)).collect();
+        assert_eq!(cache.0.lock().unwrap().len(), MOST, "the others are kept when one gives way");
+        let before = cache.copies(Show::Piece, 3, Format(last - 1), &state);
+        assert!(Arc::ptr_eq(&before.plain, &latest[usize::from(last) - 1].plain));
+    }
+}
