@@ -128,6 +128,12 @@ pub enum Move {
     NudgeRight,
 }
 
+impl Move {
+    /// All of them.
+    pub const ALL: [Move; 6] =
+        [Move::Forward, Move::Backward, Move::TurnLeft, Move::TurnRight, Move::NudgeLeft, Move::NudgeRight];
+}
+
 /// What the operator says of a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Verdict {

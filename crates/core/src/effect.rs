@@ -102,7 +102,7 @@ impl Fact {
     #[must_use]
     pub fn as_it_was(self, verdict_on: impl FnOnce(LuggageId) -> Option<Verdict>) -> Fact {
         let Fact::Command { issuer, id, command, epoch, luggage: Some(luggage), refused: None } = self else { return self };
-        let was_safe = command.split(' ').next() == Some(Input::Safe.in_words());
+        let was_safe = Input::from_words(&command).is_some_and(|(input, _)| input == Input::Safe);
         let overtaken = was_safe && verdict_on(luggage) == Some(Verdict::Danger);
         let refused = overtaken.then(|| Refusal::from(&Refused::Decided { luggage, verdict: Verdict::Danger }));
         Fact::Command { issuer, id, command, epoch, luggage: Some(luggage), refused }

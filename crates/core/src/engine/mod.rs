@@ -38,7 +38,7 @@ pub use self::repeats::IDS;
 use self::on_record::OnRecord;
 use self::outbox::{Outbox, Waiting};
 use self::refusals::Refusals;
-use self::repeats::{Known, Outcome, Repeats, content};
+use self::repeats::{Content, Known, Outcome, Repeats};
 use self::stops::Stops;
 use self::view::Shown;
 use self::watchdog::SensorWatchdog;
@@ -47,7 +47,7 @@ use super::effect::{Effect, Fact};
 use super::event::{Event, RobotId};
 use super::explore::Strategy;
 use super::explore::plan::Planner;
-use super::mission::{Hold, Input, InputContext, Mission, in_words};
+use super::mission::{Hold, Input, InputContext, Mission};
 use super::robots::Robots;
 use super::settings::Settings;
 use super::state::PersistentState;
@@ -321,7 +321,7 @@ impl Engine {
     /// The answer to a command that came before under the same id; `None` for one that did not.
     fn repeated(&mut self, request: &Request) -> Option<Result<Ticket, Refused>> {
         let id = request.id.as_ref().filter(|_| request.command != Command::Stop)?;
-        let outcome = match self.repeats.look_up(&request.issuer.who, id, &content_of(request)) {
+        let outcome = match self.repeats.look_up(&request.issuer.who, id, &Content::of(request)) {
             Known::New => return None,
             Known::Other => {
                 let refused = Refused::OtherContent(id.clone());
@@ -351,7 +351,7 @@ impl Engine {
 
     fn remember(&mut self, request: &Request, outcome: Outcome) {
         if let Some(id) = request.id.as_ref().filter(|_| request.command != Command::Stop) {
-            self.repeats.note(&request.issuer, id, &content_of(request), outcome);
+            self.repeats.note(&request.issuer, id, Content::of(request), outcome);
         }
     }
 
@@ -362,9 +362,4 @@ impl Engine {
         let inspected = self.inspected().filter(|id| self.state.luggage.get(id).is_some_and(|luggage| luggage.is_pending()));
         inspected.or(first.filter(|_| pending.next().is_none()))
     }
-}
-
-/// What makes two commands the same.
-fn content_of(request: &Request) -> String {
-    content(&in_words(&request.command), request.epoch)
 }

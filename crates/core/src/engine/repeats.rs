@@ -5,9 +5,9 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::command::{Accepted, CommandId, Issuer, Refusal, RefusalKind, Refused};
+use crate::command::{Accepted, Command, CommandId, Issuer, Refusal, RefusalKind, Refused, Request};
 use crate::effect::{Entry, Fact};
-use crate::mission::Input;
+use crate::mission::from_words;
 use crate::refused::OTHER_CONTENT;
 use crate::units::{Epoch, LuggageId, Ticket};
 
@@ -37,12 +37,26 @@ pub(super) struct Repeats {
 
 #[derive(Clone, Debug)]
 struct Repeat {
-    content: String,
+    content: Content,
     outcome: Outcome,
     /// The address it came from first.
     from: Arc<str>,
     /// Later ones have higher ones.
     number: u64,
+}
+
+/// What makes two commands the same: what is asked, and the epoch that their sender said it saw.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Content {
+    asked: Asked,
+    epoch: Option<Epoch>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Asked {
+    Command(Command),
+    /// In words of the journal that are no command's here, as those of a newer version.
+    InWords(String),
 }
 
 /// What became of a command.
@@ -68,16 +82,16 @@ pub(super) enum Known<'a> {
 
 impl Repeats {
     /// What is known of this id, sent with this content.
-    pub(super) fn look_up(&self, who: &Arc<str>, id: &CommandId, content: &str) -> Known<'_> {
+    pub(super) fn look_up(&self, who: &Arc<str>, id: &CommandId, content: &Content) -> Known<'_> {
         match self.known.get(&(Arc::clone(who), id.clone())) {
             None => Known::New,
-            Some(repeat) if repeat.content != content => Known::Other,
+            Some(repeat) if repeat.content != *content => Known::Other,
             Some(repeat) => Known::Same(&repeat.outcome),
         }
     }
 
     /// Notes what became of a command.
-    pub(super) fn note(&mut self, issuer: &Issuer, id: &CommandId, content: &str, outcome: Outcome) {
+    pub(super) fn note(&mut self, issuer: &Issuer, id: &CommandId, content: Content, outcome: Outcome) {
         if outcome.is_to_be_tried_again() {
             return;
         }
@@ -89,7 +103,7 @@ impl Repeats {
         let (from, number) = (Arc::clone(&issuer.from), self.noted);
         self.noted += 1;
         self.change_ids((Arc::clone(&key.0), Arc::clone(&from)), |ids| ids.insert(number, key.1.clone()));
-        self.known.insert(key, Repeat { content: content.to_owned(), outcome, from, number });
+        self.known.insert(key, Repeat { content, outcome, from, number });
         if self.known.len() > IDS {
             self.give_one_up();
         }
@@ -141,19 +155,28 @@ impl Repeats {
             if let Fact::Command { issuer, id: Some(id), command, luggage, refused, epoch } = fact {
                 // One that contradicted the first of its name was no use of the name, and a STOP never is.
                 let contradicted = refused.as_ref().is_some_and(|refusal| refusal.code == OTHER_CONTENT);
-                if contradicted || command == Input::Stop.in_words() {
+                let content = Content::read_back(command, *epoch);
+                if contradicted || content.asked == Asked::Command(Command::Stop) {
                     continue;
                 }
                 let outcome = refused.as_ref().map_or(Outcome::Before(*luggage), before);
-                self.note(issuer, id, &content(command, *epoch), outcome);
+                self.note(issuer, id, content, outcome);
             }
         }
     }
 }
 
-/// What makes two commands the same: their words, and the epoch that their sender said it saw.
-pub(super) fn content(words: &str, epoch: Option<Epoch>) -> String {
-    epoch.map_or_else(|| words.to_owned(), |epoch| format!("{words} in epoch {epoch}"))
+impl Content {
+    /// Of a command that has come.
+    pub(super) fn of(request: &Request) -> Content {
+        Content { asked: Asked::Command(request.command.clone()), epoch: request.epoch }
+    }
+
+    /// Of one that stands in the journal.
+    fn read_back(words: &str, epoch: Option<Epoch>) -> Content {
+        let asked = from_words(words).map_or_else(|| Asked::InWords(words.to_owned()), Asked::Command);
+        Content { asked, epoch }
+    }
 }
 
 impl Outcome {
@@ -180,16 +203,20 @@ mod tests {
         CommandId::new(&format!("id-{n}")).expect("a short name")
     }
 
+    fn asked(words: &str) -> Content {
+        Content::read_back(words, None)
+    }
+
     #[test]
     fn the_oldest_ids_give_way() {
         let mut repeats = Repeats::default();
         for n in 0..=IDS {
-            repeats.note(&issuer("operator", "127.0.0.1"), &id(n), "START", Outcome::Before(None));
+            repeats.note(&issuer("operator", "127.0.0.1"), &id(n), asked("START"), Outcome::Before(None));
         }
-        assert!(matches!(repeats.look_up(&"operator".into(), &id(0), "START"), Known::New));
-        assert!(matches!(repeats.look_up(&"operator".into(), &id(1), "START"), Known::Same(_)));
-        assert!(matches!(repeats.look_up(&"operator".into(), &id(1), "RESET"), Known::Other));
-        assert!(matches!(repeats.look_up(&"somebody".into(), &id(1), "RESET"), Known::New));
+        assert!(matches!(repeats.look_up(&"operator".into(), &id(0), &asked("START")), Known::New));
+        assert!(matches!(repeats.look_up(&"operator".into(), &id(1), &asked("START")), Known::Same(_)));
+        assert!(matches!(repeats.look_up(&"operator".into(), &id(1), &asked("RESET")), Known::Other));
+        assert!(matches!(repeats.look_up(&"somebody".into(), &id(1), &asked("RESET")), Known::New));
     }
 
     /// Safety S4, A5: where nobody signs in all have one name, and still an address of their own.
@@ -197,9 +224,9 @@ mod tests {
     fn nobodys_flood_makes_the_ids_of_another_forgotten() {
         for (name, address) in [("operator", "127.0.0.7"), ("anna", "127.0.0.1")] {
             let mut repeats = Repeats::default();
-            (0..9).for_each(|n| repeats.note(&issuer("operator", "127.0.0.1"), &id(n), "START", Outcome::Before(None)));
-            (9..9 * IDS).for_each(|n| repeats.note(&issuer(name, address), &id(n), "RETRIEVE", Outcome::Before(None)));
-            assert!((0..9).all(|n| matches!(repeats.look_up(&"operator".into(), &id(n), "START"), Known::Same(_))));
+            (0..9).for_each(|n| repeats.note(&issuer("operator", "127.0.0.1"), &id(n), asked("START"), Outcome::Before(None)));
+            (9..9 * IDS).for_each(|n| repeats.note(&issuer(name, address), &id(n), asked("RETRIEVE"), Outcome::Before(None)));
+            assert!((0..9).all(|n| matches!(repeats.look_up(&"operator".into(), &id(n), &asked("START")), Known::Same(_))));
             let ids = || repeats.ids.values().map(BTreeMap::len);
             assert_eq!((repeats.known.len(), ids().sum(), repeats.ranks.len()), (IDS, IDS, ids().count()));
         }
@@ -210,8 +237,15 @@ mod tests {
     fn among_equals_the_oldest_gives_way() {
         let mut repeats = Repeats::default();
         let mut note = |n: usize| {
-            repeats.note(&issuer("operator", &format!("127.0.{}.{}", n / 256, n % 256)), &id(n), "START", Outcome::Before(None));
-            (0..=n).filter(|n| matches!(repeats.look_up(&"operator".into(), &id(*n), "START"), Known::New)).collect::<Vec<_>>()
+            repeats.note(
+                &issuer("operator", &format!("127.0.{}.{}", n / 256, n % 256)),
+                &id(n),
+                asked("START"),
+                Outcome::Before(None),
+            );
+            (0..=n)
+                .filter(|n| matches!(repeats.look_up(&"operator".into(), &id(*n), &asked("START")), Known::New))
+                .collect::<Vec<_>>()
         };
         (0..IDS).for_each(|n| assert!(note(n).is_empty()));
         assert_eq!((note(IDS), note(IDS + 1)), (vec![0], vec![0, 1]));
@@ -221,10 +255,20 @@ mod tests {
     fn an_id_whose_sender_was_told_to_try_again_is_free() {
         let mut repeats = Repeats::default();
         let anna = issuer("anna", "192.0.2.7");
-        repeats.note(&anna, &id(0), "START", Outcome::Open(Ticket(1)));
+        repeats.note(&anna, &id(0), asked("START"), Outcome::Open(Ticket(1)));
         repeats.answer(Ticket(1), &Err(Refused::StoreDown));
-        assert!(matches!(repeats.look_up(&anna.who, &id(0), "RESET"), Known::New));
+        assert!(matches!(repeats.look_up(&anna.who, &id(0), &asked("RESET")), Known::New));
         assert_eq!((repeats.known.len(), repeats.ids.len(), repeats.ranks.len()), (0, 0, 0));
+    }
+
+    /// As a journal of another version may hold them.
+    #[test]
+    fn words_that_are_no_command_are_the_same_as_themselves_alone() {
+        let mut repeats = Repeats::default();
+        let anna = issuer("anna", "192.0.2.7");
+        repeats.note(&anna, &id(0), asked("safe #1 and #2"), Outcome::Before(None));
+        assert!(matches!(repeats.look_up(&anna.who, &id(0), &asked("safe #1 and #2")), Known::Same(_)));
+        assert!(matches!(repeats.look_up(&anna.who, &id(0), &asked("safe #1")), Known::Other));
     }
 
     /// As a journal may hold an id twice, when it was given up in between.
@@ -232,7 +276,7 @@ mod tests {
     fn an_id_that_comes_twice_takes_one_place() {
         let mut repeats = Repeats::default();
         for from in ["192.0.2.7", "192.0.2.8"] {
-            repeats.note(&issuer("anna", from), &id(0), "START", Outcome::Before(None));
+            repeats.note(&issuer("anna", from), &id(0), asked("START"), Outcome::Before(None));
         }
         assert_eq!((repeats.known.len(), repeats.ids.len(), repeats.ranks.len()), (1, 1, 1));
     }
@@ -242,11 +286,11 @@ mod tests {
         let mut repeats = Repeats::default();
         let anna = issuer("anna", "192.0.2.7");
         let refused = Err(Refused::Moving);
-        repeats.note(&anna, &id(0), "START", Outcome::Open(Ticket(1)));
-        (1..=IDS).for_each(|n| repeats.note(&anna, &id(n), "START", Outcome::Before(None)));
-        repeats.note(&anna, &id(0), "RESET", Outcome::Open(Ticket(2)));
+        repeats.note(&anna, &id(0), asked("START"), Outcome::Open(Ticket(1)));
+        (1..=IDS).for_each(|n| repeats.note(&anna, &id(n), asked("START"), Outcome::Before(None)));
+        repeats.note(&anna, &id(0), asked("RESET"), Outcome::Open(Ticket(2)));
         repeats.answer(Ticket(1), &refused);
-        let outcome = |repeats: &Repeats| match repeats.look_up(&anna.who, &id(0), "RESET") {
+        let outcome = |repeats: &Repeats| match repeats.look_up(&anna.who, &id(0), &asked("RESET")) {
             Known::Same(outcome) => format!("{outcome:?}"),
             Known::New | Known::Other => panic!("it is known"),
         };

@@ -1,29 +1,45 @@
 //! The transition table as Markdown, for `docs/mission-table.md` and `hallsweep table`.
 
 use super::rule::{Rule, To};
+use super::table::{Row, row};
 use super::{Input, PhaseName, rules};
 
-/// The whole table: a section a phase, a line an input. Inputs that change nothing are gathered at the end of each section.
+/// The whole table: what is the same in every phase, then a section a phase; a line an input. Inputs that change nothing are gathered at
+/// the end of each section.
 #[must_use]
 pub fn table_markdown() -> String {
     let mut text = String::from(
         "# The transition table\n\n\
          Printed from `crates/core/src/mission/table/` by `hallsweep table`; a test holds the two together. For every phase and every\n\
-         input the first rule that applies decides. Before the table is asked, a movement command (START, BACK HOME, RETRIEVE,\n\
-         move, goto) that carries an epoch older than the last stop's is refused as outdated. Raising a hold during a mission also\n\
-         raises `awaitingStart`.\n",
+         input the first rule that applies decides. What is the same in every phase, or in all but driving, comes first, and once.\n\
+         Before the table is asked, a movement command (START, BACK HOME, RETRIEVE, move, goto) that carries an epoch older than the\n\
+         last stop's is refused as outdated. Raising a hold during a mission also raises `awaitingStart`.\n",
     );
+    text.push_str(&section("in every phase", |input| match row(input) {
+        Row::Everywhere(rules) => Some(rules),
+        Row::Halting { .. } | Row::ByPhase(_) => None,
+    }));
+    text.push_str(&section("in every phase but driving", |input| match row(input) {
+        Row::Halting { elsewhere, .. } => Some(elsewhere),
+        Row::Everywhere(_) | Row::ByPhase(_) => None,
+    }));
     for phase in PhaseName::ALL {
-        text.push_str(&section(phase));
+        let own = |input| match row(input) {
+            Row::Everywhere(_) => None,
+            Row::Halting { elsewhere, .. } => Some(rules(phase, input)).filter(|rules| *rules != elsewhere),
+            Row::ByPhase(_) => Some(rules(phase, input)),
+        };
+        text.push_str(&section(&format!("{}: {}", phase.name(), phase.in_words()), own));
     }
     text
 }
 
-fn section(phase: PhaseName) -> String {
-    let mut text = format!("\n## {}: {}\n\n| input | what follows |\n|---|---|\n", phase.name(), phase.in_words());
+/// The inputs that have a cell here.
+fn section(title: &str, cell: impl Fn(Input) -> Option<&'static [Rule]>) -> String {
+    let mut text = format!("\n## {title}\n\n| input | what follows |\n|---|---|\n");
     let mut idle = Vec::new();
     for input in Input::COMMANDS.into_iter().chain(Input::EVENTS) {
-        let cell = rules(phase, input);
+        let Some(cell) = cell(input) else { continue };
         if cell == [Rule::Go(To::Stay, &[])] {
             idle.push(input.in_words());
         } else {
