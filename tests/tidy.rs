@@ -1,6 +1,8 @@
 //! The rules of the house as a test: who may name whom, headers, sizes, the one clock. It reads the sources and names file and
 //! line of everything that breaks a rule. Each rule is in a file of its own, with a test that it finds what it should.
 
+#[path = "tidy/crates.rs"]
+mod crates;
 #[path = "tidy/dependencies.rs"]
 mod dependencies;
 #[path = "tidy/reading.rs"]
@@ -38,6 +40,18 @@ fn nobody_names_a_module_that_is_not_his_to_name() {
 #[test]
 fn everybody_uses_only_the_crates_that_are_his() {
     check_in(&["src"], dependencies::crates);
+}
+
+#[test]
+fn the_crates_are_as_the_picture_shows_them() {
+    let findings = crates::differ_from_picture(&crates::manifests(), &whole::text("docs/architecture.md"));
+    assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
+}
+
+#[test]
+fn the_crates_for_others_have_no_word_of_this_program() {
+    let findings = crates::our_words();
+    assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
 }
 
 #[test]
