@@ -8,7 +8,7 @@
 
 FROM rust:1-slim-bookworm AS build
 WORKDIR /build
-COPY Cargo.toml Cargo.lock ./
+COPY Cargo.toml Cargo.lock build.rs ./
 COPY benches ./benches
 # Named in Cargo.toml too, so cargo wants to see it.
 COPY tests ./tests

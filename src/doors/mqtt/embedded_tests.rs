@@ -163,7 +163,7 @@ fn connect(id: &str, login: Option<Login>) -> Packet {
 
 /// The router panics when a topic does not begin with an ASCII character.
 #[tokio::test]
-async fn a_router_whose_router_has_ended_is_started_anew() {
+async fn a_router_that_has_ended_is_started_anew() {
     let mut broker = TestBroker::start().await;
     let mut client = broker.client().await;
     let mut burglar = broker.burglar("burglar").await;

@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn an_router_without_measure_is_found_out() {
+    fn a_router_without_measure_is_found_out() {
         let mut outstanding = Outstanding::default();
         let sent = (0..1000).filter(|n| outstanding.sent((n % 100 + 1, None), Some(7)).is_ok()).count();
         assert_eq!(sent, OUTSTANDING);

@@ -325,7 +325,7 @@ fn long_messages_wait_for_a_client_that_is_away_only_while_little_waits() {
 }
 
 #[test]
-fn an_router_that_can_remember_no_more_gets_no_new_topics() {
+fn a_router_that_can_remember_no_more_gets_no_new_topics() {
     let mut scene = Scene::of(OPERATOR);
     for n in 0..ROUTER_TOPICS {
         assert!(scene.broker.budget.admits_topic(&Payer::Anybody, format!("b/{n}").as_bytes()));

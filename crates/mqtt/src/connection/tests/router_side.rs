@@ -48,7 +48,7 @@ fn the_pulse_is_for_the_program_alone_and_acknowledged_for_others() {
 }
 
 #[test]
-fn an_router_that_is_not_itself_is_found_out() {
+fn a_router_that_is_not_itself_is_found_out() {
     let cases: [&[u8]; 9] = [
         &[0x90, 3, 0, 1, 0],
         &[0xB0, 2, 0, 1],

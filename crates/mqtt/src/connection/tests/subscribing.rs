@@ -77,7 +77,7 @@ fn a_connection_holds_so_many_filters() {
 }
 
 #[test]
-fn an_router_that_can_remember_no_more_gets_no_new_filters() {
+fn a_router_that_can_remember_no_more_gets_no_new_filters() {
     let mut scene = Scene::of(OPERATOR);
     for n in 0..ROUTER_FILTERS {
         assert!(scene.broker.budget.admits_filter(&Payer::Anybody, &format!("b/{n}")));
