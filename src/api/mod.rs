@@ -6,6 +6,7 @@ pub mod answer;
 pub mod cbor;
 pub mod changes;
 pub mod command;
+pub mod commands;
 pub mod concise_problem;
 pub mod fields;
 #[cfg(test)]

@@ -31,7 +31,8 @@ const RULES: [Rule; 11] = [
     },
     Rule {
         module: "api",
-        modules: &[],
+        // The table of commands says what each asks of its sender.
+        modules: &["access"],
         crates: &["hallsweep_core", "jiff", "minicbor", "minicbor_serde", "serde", "serde_json", "thiserror"],
     },
     Rule {

@@ -3,8 +3,8 @@
 
 mod accept;
 mod assets;
+mod command;
 mod command_sender;
-mod commands;
 mod console;
 mod etag;
 mod events;

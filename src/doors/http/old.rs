@@ -7,7 +7,7 @@ use axum::response::{IntoResponse, Redirect, Response};
 use super::accept::preferred;
 use super::command_sender::CommandSender;
 use super::problem::Problem;
-use super::{commands, console};
+use super::{command, console};
 use crate::api::command::move_word;
 use hallsweep_core::command::{Command, LuggageRef, TemperatureReport, Verdict};
 
@@ -15,7 +15,7 @@ use hallsweep_core::command::{Command, LuggageRef, TemperatureReport, Verdict};
 pub(super) async fn give(sender: CommandSender, uri: Uri, headers: HeaderMap) -> Response {
     let command = command(uri.path().trim_start_matches('/'));
     let given = match command {
-        Ok(command) => commands::give(&sender, command, None).await,
+        Ok(command) => command::give(&sender, command, None).await,
         Err(problem) => Err(problem),
     };
     let wants_page = preferred(&headers, &["application/json", "text/html"]) == Some("text/html");
@@ -49,7 +49,7 @@ mod tests {
     fn every_old_path_is_a_command() {
         let rows = super::super::routes::table();
         let old: Vec<&str> =
-            rows.iter().map(|row| row.path).filter(|path| command(path.trim_start_matches('/')).is_ok()).collect();
+            rows.iter().map(|row| &*row.path).filter(|path| command(path.trim_start_matches('/')).is_ok()).collect();
         assert_eq!(old.len(), 16, "{old:?}");
         assert_eq!(command("h").unwrap(), Command::Stop);
     }

@@ -12,6 +12,7 @@ use futures_util::StreamExt;
 use serde::de::DeserializeOwned;
 
 use super::problem::Problem;
+use crate::api::commands::Payload;
 use crate::api::fields::{self, Body as Fields, Unread, in_short};
 
 /// The largest body that is read: a command is a few dozen bytes.
@@ -23,10 +24,11 @@ const BODY_BEGIN: Duration = Duration::from_secs(2);
 /// and then so much of it must come in each second, in bytes: the largest is here or refused within six.
 const BODY_RATE: usize = 4 * 1024;
 
-pub(super) struct Json<T>(pub(super) T);
-
-/// A JSON body that may be absent; an empty one is the default.
-pub(super) struct OptionalJson<T>(pub(super) T);
+/// What came with a command, in JSON.
+pub(super) struct JsonPayload {
+    headers: HeaderMap,
+    body: Bytes,
+}
 
 /// The fields of a form.
 pub(super) struct Form<T>(pub(super) T);
@@ -34,25 +36,28 @@ pub(super) struct Form<T>(pub(super) T);
 /// The number of a thing, from the path.
 pub(super) struct Number(pub(super) u64);
 
-impl<S: Send + Sync, T: Fields> FromRequest<S> for Json<T> {
+impl<S: Send + Sync> FromRequest<S> for JsonPayload {
     type Rejection = Problem;
 
-    async fn from_request(request: Request, _: &S) -> Result<Json<T>, Problem> {
+    async fn from_request(request: Request, _: &S) -> Result<JsonPayload, Problem> {
         let (headers, body) = body_of(request).await?;
-        if body.is_empty() {
-            return Err(Problem::malformed("the body is empty: this command needs JSON, see docs/http.md".to_owned()));
-        }
-        json(&headers, &body).map(Json)
+        Ok(JsonPayload { headers, body })
     }
 }
 
-impl<S: Send + Sync, T: Fields + Default> FromRequest<S> for OptionalJson<T> {
-    type Rejection = Problem;
+impl Payload for JsonPayload {
+    type Problem = Problem;
 
-    async fn from_request(request: Request, _: &S) -> Result<OptionalJson<T>, Problem> {
-        let (headers, body) = body_of(request).await?;
-        let value = if body.is_empty() { T::default() } else { json(&headers, &body)? };
-        Ok(OptionalJson(value))
+    fn needed<T: Fields>(&self) -> Result<T, Problem> {
+        if self.body.is_empty() {
+            return Err(Problem::malformed("the body is empty: this command needs JSON, see docs/http.md".to_owned()));
+        }
+        json(&self.headers, &self.body)
+    }
+
+    /// An empty one is the default.
+    fn optional<T: Fields + Default>(&self) -> Result<T, Problem> {
+        if self.body.is_empty() { Ok(T::default()) } else { json(&self.headers, &self.body) }
     }
 }
 

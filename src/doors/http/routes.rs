@@ -2,6 +2,8 @@
 //! from these rows and from nothing else, and each row stands behind its own gate; what is not listed is answered to those who
 //! may look, and then only with 404 or 405. `docs/http.md` shows the same table, held equal by a test.
 
+use std::borrow::Cow;
+
 use axum::Router;
 use axum::handler::Handler;
 use axum::http::Method;
@@ -9,9 +11,11 @@ use axum::middleware::from_fn_with_state;
 use axum::routing::{MethodFilter, MethodRouter, on};
 
 use super::gate::{Gate, gate};
-use super::{Door, assets, commands, console, events, missions, mqtt, old, problem, reads, sign_in};
+use super::reading::Number;
+use super::{Door, assets, command, console, events, missions, mqtt, old, problem, reads, sign_in};
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
+use crate::api::commands::{self, COMMANDS, CommandKind, Methods, Subject};
 
 /// One route.
 pub(super) struct Row {
@@ -19,7 +23,7 @@ pub(super) struct Row {
     #[cfg_attr(not(test), expect(dead_code, reason = "the tests walk the table, and the router has it from `answers`"))]
     pub(super) method: Method,
     /// Its path, as axum writes it.
-    pub(super) path: &'static str,
+    pub(super) path: Cow<'static, str>,
     /// What it asks of whoever comes.
     pub(super) need: Need,
     answers: MethodRouter<Door>,
@@ -27,7 +31,7 @@ pub(super) struct Row {
 
 /// Every route. STOP is everywhere in reach of anyone signed in; a `move` may be one, its other words ask for an operator.
 pub(super) fn table() -> Vec<Row> {
-    [for_anybody(), interface(), page(), old_console()].into_iter().flatten().collect()
+    [for_anybody(), interface(), commands(), page(), old_console()].into_iter().flatten().collect()
 }
 
 /// What one needs to sign in, what says nothing of the hall, and the way to a door that asks by itself.
@@ -62,19 +66,28 @@ fn interface() -> Vec<Row> {
         get("/api/v1/missions/{id}", See, missions::mission),
         get("/api/v1/missions/{id}/events", See, missions::events),
         get("/api/v1/missions/{id}/map", See, missions::map),
-        post("/api/v1/commands/start", Act, commands::start),
-        post("/api/v1/commands/stop", Stop, commands::stop),
-        post("/api/v1/commands/backHome", Act, commands::back_home),
-        post("/api/v1/commands/retrieve", Act, commands::retrieve),
-        post("/api/v1/commands/reset", Act, commands::reset),
-        post("/api/v1/commands/move", Stop, commands::make_move),
-        post("/api/v1/commands/goto", Act, commands::goto),
-        post("/api/v1/luggage/{id}/verdict", Act, commands::verdict),
-        post("/api/v1/luggage/{id}/photo", Act, commands::retake),
-        post("/api/v1/alarms/{id}/acknowledge", Act, commands::acknowledge),
-        put("/api/v1/strategy", Act, commands::strategy),
-        put("/api/v1/temperature", Act, commands::temperature),
     ]
+}
+
+/// The commands of the one table.
+fn commands() -> Vec<Row> {
+    let row = |command: &'static commands::Row| {
+        let kind = command.kind;
+        let (method, filter) = match command.methods {
+            Methods::Post | Methods::PostOrPut => (Method::POST, MethodFilter::POST),
+            Methods::Put => (Method::PUT, MethodFilter::PUT),
+        };
+        let answers = match (kind, command.subject) {
+            // It reads no body at all: nothing that is wrong with a request may keep it from halting the robot.
+            (CommandKind::Stop, _) => on(filter, command::stop),
+            (_, Subject::None) => on(filter, move |sender, body| command::command(kind, sender, 0, body)),
+            (_, Subject::Luggage | Subject::Alarm) => {
+                on(filter, move |sender, Number(number), body| command::command(kind, sender, number, body))
+            }
+        };
+        Row { method, path: format!("/api/v1{}", command.path).into(), need: command.need, answers }
+    };
+    COMMANDS.iter().map(row).collect()
 }
 
 /// The page, and what it sends.
@@ -130,22 +143,18 @@ fn old_console() -> Vec<Row> {
 /// The router of the table, each row behind its gate.
 pub(super) fn routes(door: &Door) -> Router {
     let gated = |need| from_fn_with_state(Gate::new(door.clone(), need), gate);
-    let rows = table().into_iter().fold(Router::new(), |router, row| router.route(row.path, row.answers.layer(gated(row.need))));
+    let rows = table().into_iter().fold(Router::new(), |router, row| router.route(&row.path, row.answers.layer(gated(row.need))));
     rows.fallback(problem::no_such_path.layer(gated(See)))
         .method_not_allowed_fallback(problem::no_such_method.layer(gated(See)))
         .with_state(door.clone())
 }
 
 fn get<H: Handler<T, Door>, T: 'static>(path: &'static str, need: Need, handler: H) -> Row {
-    Row { method: Method::GET, path, need, answers: on(MethodFilter::GET, handler) }
+    Row { method: Method::GET, path: path.into(), need, answers: on(MethodFilter::GET, handler) }
 }
 
 fn post<H: Handler<T, Door>, T: 'static>(path: &'static str, need: Need, handler: H) -> Row {
-    Row { method: Method::POST, path, need, answers: on(MethodFilter::POST, handler) }
-}
-
-fn put<H: Handler<T, Door>, T: 'static>(path: &'static str, need: Need, handler: H) -> Row {
-    Row { method: Method::PUT, path, need, answers: on(MethodFilter::PUT, handler) }
+    Row { method: Method::POST, path: path.into(), need, answers: on(MethodFilter::POST, handler) }
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ fn guarded() -> (House, testing::Tokens) {
 async fn every_route_lets_in_whom_the_table_says_and_nobody_else() {
     let (house, tokens) = guarded();
     for row in table() {
-        let (method, path) = (&row.method, row.path);
+        let (method, path) = (&row.method, &row.path);
         let stranger = sent(&house, &row, None, "*/*").await;
         let expect_401 = row.need != Nothing;
         assert_eq!(stranger.status() == 401, expect_401, "{method} {path} for nobody: {}", stranger.status());
@@ -80,7 +80,7 @@ async fn a_browser_that_nobody_is_signed_in_with_is_led_to_the_page_for_it() {
         let expect = match row.method {
             Method::GET if leads_back => format!("/sign-in?next={}", row.path.replace("{id}", "3")),
             Method::GET => "/sign-in".to_owned(),
-            _ if ["/console/stop", "/stopappl", "/h"].contains(&row.path) => "/sign-in?undone=stop".to_owned(),
+            _ if ["/console/stop", "/stopappl", "/h"].contains(&&*row.path) => "/sign-in?undone=stop".to_owned(),
             _ => "/sign-in?undone=command".to_owned(),
         };
         assert_eq!(location, expect);
@@ -110,7 +110,7 @@ async fn an_open_door_asks_nobody_for_a_key() {
 
 #[test]
 fn no_route_is_in_the_table_twice() {
-    let mut routes: Vec<(String, &str)> = table().iter().map(|row| (row.method.to_string(), row.path)).collect();
+    let mut routes: Vec<(String, String)> = table().iter().map(|row| (row.method.to_string(), row.path.to_string())).collect();
     routes.sort();
     let all = routes.len();
     routes.dedup();

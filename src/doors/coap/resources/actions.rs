@@ -6,28 +6,19 @@ use super::{old, shows};
 use crate::access::Need;
 use crate::api::answer::AnswerJson;
 use crate::api::cbor;
-use crate::api::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody, no_command_id};
+use crate::api::command::no_command_id;
+use crate::api::commands::{self, CommandKind, Payload};
 use crate::api::fields::{self, Body, in_short};
 use crate::runtime::carry_out::Done;
 use coap_endpoint::{Code, Format, Request, Response};
-use hallsweep_core::command::{Command, CommandId, LuggageRef};
-use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
+use hallsweep_core::command::{Command, CommandId};
+use hallsweep_core::units::Epoch;
 
 /// Something that can be asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Action {
-    Start,
-    Stop,
-    BackHome,
-    Retrieve,
-    Reset,
-    Move,
-    Goto,
-    Verdict,
-    Retake,
-    Acknowledge,
-    Strategy,
-    Temperature,
+    /// A command of the table.
+    Command(CommandKind),
     /// A bare word of an old client.
     OldWord,
 }
@@ -48,20 +39,11 @@ const ANSWERS: &[Format] = &[Format::JSON, Format::CBOR, Format::TEXT];
 const ID: &str = "id";
 
 impl Action {
-    /// What it asks of whoever comes. A move and an old word may be a STOP.
-    pub(super) const fn need(self) -> Need {
+    /// What it asks of whoever comes. An old word may be a STOP.
+    pub(super) fn need(self) -> Need {
         match self {
-            Action::Stop | Action::Move | Action::OldWord => Need::Stop,
-            Action::Start
-            | Action::BackHome
-            | Action::Retrieve
-            | Action::Reset
-            | Action::Goto
-            | Action::Verdict
-            | Action::Retake
-            | Action::Acknowledge
-            | Action::Strategy
-            | Action::Temperature => Need::Act,
+            Action::Command(kind) => kind.row().need,
+            Action::OldWord => Need::Stop,
         }
     }
 
@@ -84,22 +66,34 @@ pub(super) fn command(
     request: &Request,
     manual_driving: bool,
 ) -> Result<(Command, Option<Epoch>), Problem> {
-    let with_epoch = |command| Ok((command, optional::<EpochBody>(request)?.epoch()));
-    let luggage = LuggageRef::Id(LuggageId(number));
     match act {
-        Action::Stop => Ok((Command::Stop, None)),
+        Action::Command(kind) => commands::asked(kind, number, &Carried(request)),
         Action::OldWord => Ok((old::command(request, manual_driving)?, None)),
-        Action::Start => with_epoch(Command::Start),
-        Action::BackHome => with_epoch(Command::BackHome),
-        Action::Retrieve => with_epoch(Command::Retrieve),
-        Action::Reset => with_epoch(Command::Reset),
-        Action::Move => Ok(body::<MoveBody>(request)?.command()?),
-        Action::Goto => Ok(body::<GotoBody>(request)?.command()?),
-        Action::Verdict => Ok((Command::Verdict { luggage, verdict: body::<VerdictBody>(request)?.verdict()? }, None)),
-        Action::Retake => optional::<EpochBody>(request).map(|_| (Command::RetakePhoto(LuggageId(number)), None)),
-        Action::Acknowledge => optional::<EpochBody>(request).map(|_| (Command::Acknowledge(AlarmId(number)), None)),
-        Action::Strategy => Ok((Command::ChooseStrategy(body::<StrategyBody>(request)?.strategy()?), None)),
-        Action::Temperature => Ok((Command::Temperature(body::<TemperatureBody>(request)?.report()?), None)),
+    }
+}
+
+/// A request as what carries a command.
+struct Carried<'a>(&'a Request);
+
+impl Payload for Carried<'_> {
+    type Problem = Problem;
+
+    fn needed<T: Body>(&self) -> Result<T, Problem> {
+        let Carried(request) = self;
+        if request.payload.is_empty() {
+            return Err(Problem::malformed("the body is empty: this command needs JSON or CBOR, see docs/coap.md".to_owned()));
+        }
+        match request.format {
+            None | Some(Format::JSON) => fields::body(&request.payload).map_err(Problem::from),
+            Some(Format::CBOR) => cbor::body(&request.payload).map_err(Problem::from),
+            Some(other) => {
+                Err(Problem::wrong_format(format!("the body is in {other}: send {} or {}", Format::JSON, Format::CBOR)))
+            }
+        }
+    }
+
+    fn optional<T: Body + Default>(&self) -> Result<T, Problem> {
+        if self.0.payload.is_empty() { Ok(T::default()) } else { self.needed() }
     }
 }
 
@@ -133,21 +127,4 @@ pub(super) fn accepted(form: Option<Format>, done: &Done) -> Response {
         shows::written(form, &answer)
     };
     Response { format: Some(form), body: body.into(), ..Response::new(Code::CHANGED) }
-}
-
-/// The body of a command that needs one.
-fn body<T: Body>(request: &Request) -> Result<T, Problem> {
-    if request.payload.is_empty() {
-        return Err(Problem::malformed("the body is empty: this command needs JSON or CBOR, see docs/coap.md".to_owned()));
-    }
-    match request.format {
-        None | Some(Format::JSON) => fields::body(&request.payload).map_err(Problem::from),
-        Some(Format::CBOR) => cbor::body(&request.payload).map_err(Problem::from),
-        Some(other) => Err(Problem::wrong_format(format!("the body is in {other}: send {} or {}", Format::JSON, Format::CBOR))),
-    }
-}
-
-/// The body of a command that can do without; an empty one is the default.
-fn optional<T: Body + Default>(request: &Request) -> Result<T, Problem> {
-    if request.payload.is_empty() { Ok(T::default()) } else { body(request) }
 }

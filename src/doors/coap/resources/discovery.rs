@@ -44,7 +44,8 @@ fn link(row: &Row, href: &str, size: Option<usize>) -> Link {
         (Some(_), false) => format!("{SEE} {ACT}"),
         (None, _) => ACT.to_owned(),
     };
-    let mut link = Link::new(href).with("rt", format!("hallsweep.{}", row.rt)).with("if", interface).with("title", row.title);
+    let mut link =
+        Link::new(href).with("rt", format!("hallsweep.{}", row.rt)).with("if", interface).with("title", row.title.as_str());
     if let Some(shown) = &row.shows {
         let formats: Vec<String> = shown.offers.iter().map(|format| format.0.to_string()).collect();
         link = link.with("ct", formats.join(" "));

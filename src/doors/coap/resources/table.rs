@@ -3,6 +3,7 @@
 //! listed is not there. Every resource of `Resource::ALL` has its row.
 
 use super::actions::Action;
+use crate::api::commands::{self, COMMANDS, Methods, Subject};
 use coap_endpoint::{Format, Method};
 use hallsweep_core::world::resource::Resource;
 
@@ -16,13 +17,13 @@ pub(super) struct Row {
     /// As `/luggage/{id}/photo`; `{id}` stands for a number.
     pub(super) path: String,
     /// What kind of thing is there, for discovery.
-    pub(super) rt: &'static str,
+    pub(super) rt: String,
     /// The same for people.
-    pub(super) title: &'static str,
+    pub(super) title: String,
     /// What a GET shows.
     pub(super) shows: Option<Shown>,
     /// What it can be asked to do.
-    pub(super) actions: &'static [(Method, Action)],
+    pub(super) actions: Vec<(Method, Action)>,
 }
 
 /// What a GET shows.
@@ -68,7 +69,7 @@ const MEASURED: &[Format] = &[Format::JSON, Format::CBOR, Format::TEXT, Format::
 impl Default for Table {
     fn default() -> Table {
         let resources = Resource::ALL.into_iter().map(resource).collect();
-        Table { rows: [looking(), resources, of_a_piece(), commands()].into_iter().flatten().collect() }
+        Table { rows: with_commands([looking(), resources, of_a_piece()].into_iter().flatten().collect()) }
     }
 }
 
@@ -117,71 +118,66 @@ fn plain_number(segment: &str) -> Option<u64> {
 /// What is no single resource.
 #[rustfmt::skip]
 fn looking() -> Vec<Row> {
-    use Method::{Post, Put};
+    let old_words = vec![(Method::Put, Action::OldWord), (Method::Post, Action::OldWord)];
     vec![
-        shown("/.well-known/core", "core.links", "What is here", Show::Links, &[Format::LINKS], false, &[]),
-        shown("/resourcemodel", "resourcemodel", "The model as old clients know it", Show::OldItems, &[Format::TEXT], true,
-            &[(Put, Action::OldWord), (Post, Action::OldWord)]),
-        shown("/state", "state", "Everything at one revision", Show::State, SHAPES, true, &[]),
-        shown("/strategy", "strategy", "The order of the search", Show::Strategy, WITH_TEXT, true,
-            &[(Put, Action::Strategy), (Post, Action::Strategy)]),
+        shown("/.well-known/core", "core.links", "What is here", Show::Links, &[Format::LINKS], false),
+        Row { actions: old_words,
+            ..shown("/resourcemodel", "resourcemodel", "The model as old clients know it", Show::OldItems, &[Format::TEXT], true) },
+        shown("/state", "state", "Everything at one revision", Show::State, SHAPES, true),
+        shown("/strategy", "strategy", "The order of the search", Show::Strategy, WITH_TEXT, true),
     ]
 }
 
 /// The row of a resource; a new one does not compile until it has one.
 fn resource(resource: Resource) -> Row {
-    const TEMPERATURE: &[(Method, Action)] = &[(Method::Put, Action::Temperature), (Method::Post, Action::Temperature)];
-    let (title, offers, actions): (_, _, &'static [(Method, Action)]) = match resource {
-        Resource::Mission => ("Phase, holds, goal and progress", WITH_TEXT, &[]),
-        Resource::Robot => ("What the robot does, and where", MEASURED, &[]),
-        Resource::Map => ("The hall as far as it is known", WITH_TEXT, &[]),
-        Resource::Luggage => ("The luggage of this mission", SHAPES, &[]),
-        Resource::Temperature => ("The temperature, and what follows", MEASURED, TEMPERATURE),
-        Resource::Alarms => ("The alarms", SHAPES, &[]),
-        Resource::Log => ("The latest lines of the log", SHAPES, &[]),
+    let (title, offers) = match resource {
+        Resource::Mission => ("Phase, holds, goal and progress", WITH_TEXT),
+        Resource::Robot => ("What the robot does, and where", MEASURED),
+        Resource::Map => ("The hall as far as it is known", WITH_TEXT),
+        Resource::Luggage => ("The luggage of this mission", SHAPES),
+        Resource::Temperature => ("The temperature, and what follows", MEASURED),
+        Resource::Alarms => ("The alarms", SHAPES),
+        Resource::Log => ("The latest lines of the log", SHAPES),
     };
-    shown(&format!("/{}", resource.name()), resource.name(), title, Show::Of(resource), offers, true, actions)
+    shown(&format!("/{}", resource.name()), resource.name(), title, Show::Of(resource), offers, true)
 }
 
 /// What belongs to a numbered thing.
-#[rustfmt::skip]
 fn of_a_piece() -> Vec<Row> {
-    use Method::{Post, Put};
     vec![
-        shown("/luggage/{id}", "piece", "A piece of luggage", Show::Piece, SHAPES, true, &[]),
-        shown("/luggage/{id}/photo", "photo", "Its photo", Show::Photo, PICTURE, false, &[(Post, Action::Retake)]),
-        done("/luggage/{id}/verdict", "verdict", "Safe or danger", &[(Put, Action::Verdict), (Post, Action::Verdict)]),
-        done("/alarms/{id}/acknowledge", "acknowledge", "The alarm was seen", &[(Post, Action::Acknowledge)]),
+        shown("/luggage/{id}", "piece", "A piece of luggage", Show::Piece, SHAPES, true),
+        shown("/luggage/{id}/photo", "photo", "Its photo", Show::Photo, PICTURE, false),
     ]
 }
 
-#[rustfmt::skip]
-fn commands() -> Vec<Row> {
-    vec![
-        done("/commands/start", "start", "Begin, or go on", &[(Method::Post, Action::Start)]),
-        done("/commands/stop", "stop", "Halt the robot", &[(Method::Post, Action::Stop)]),
-        done("/commands/backHome", "backhome", "Go home and wait", &[(Method::Post, Action::BackHome)]),
-        done("/commands/retrieve", "retrieve", "Fetch the dangerous piece", &[(Method::Post, Action::Retrieve)]),
-        done("/commands/reset", "reset", "Put the mission away", &[(Method::Post, Action::Reset)]),
-        done("/commands/move", "move", "One move by hand", &[(Method::Post, Action::Move)]),
-        done("/commands/goto", "goto", "Drive to a cell", &[(Method::Post, Action::Goto)]),
-    ]
+/// Puts the commands of the one table where they belong: to what is shown at their path, or into a row of their own. Those that are
+/// about a numbered thing come before the others.
+fn with_commands(mut rows: Vec<Row>) -> Vec<Row> {
+    let (of_a_thing, plain): (Vec<&commands::Row>, Vec<_>) =
+        COMMANDS.iter().partition(|command| command.subject != Subject::None);
+    for command in of_a_thing.into_iter().chain(plain) {
+        let action = Action::Command(command.kind);
+        let actions = match command.methods {
+            Methods::Post => vec![(Method::Post, action)],
+            Methods::PostOrPut | Methods::Put => vec![(Method::Put, action), (Method::Post, action)],
+        };
+        match rows.iter_mut().find(|row| row.path == command.path) {
+            Some(row) => row.actions = actions,
+            None => rows.push(done(command, actions)),
+        }
+    }
+    rows
 }
 
-fn shown(
-    path: &str,
-    rt: &'static str,
-    title: &'static str,
-    show: Show,
-    offers: &'static [Format],
-    is_observable: bool,
-    actions: &'static [(Method, Action)],
-) -> Row {
-    Row { path: path.to_owned(), rt, title, shows: Some(Shown { show, offers, is_observable }), actions }
+fn shown(path: &str, rt: &str, title: &str, show: Show, offers: &'static [Format], is_observable: bool) -> Row {
+    let shows = Some(Shown { show, offers, is_observable });
+    Row { path: path.to_owned(), rt: rt.to_owned(), title: title.to_owned(), shows, actions: Vec::new() }
 }
 
-fn done(path: &str, rt: &'static str, title: &'static str, actions: &'static [(Method, Action)]) -> Row {
-    Row { path: path.to_owned(), rt, title, shows: None, actions }
+/// The row of a command at whose path nothing is shown.
+fn done(command: &commands::Row, actions: Vec<(Method, Action)>) -> Row {
+    let title = command.title[..1].to_uppercase() + &command.title[1..];
+    Row { path: command.path.to_owned(), rt: command.name.to_ascii_lowercase(), title, shows: None, actions }
 }
 
 #[cfg(test)]

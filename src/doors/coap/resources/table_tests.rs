@@ -6,6 +6,7 @@ use super::super::caller;
 use super::super::testing::{TestApp, app, get, request};
 use super::*;
 use crate::access::Need;
+use crate::api::commands::CommandKind;
 use crate::api::fixture::searching;
 use coap_endpoint::{Code, Request};
 use hallsweep_core::command::Command;
@@ -104,7 +105,7 @@ async fn from_beyond_this_machine_everything_is_seen_and_nothing_done() {
         if row.shows.is_some() {
             assert_eq!(code(&app, beyond(get(&path(&row)))).await, "2.05", "{}", row.path);
         }
-        for (method, _) in row.actions {
+        for (method, _) in &row.actions {
             assert_eq!(code(&app, beyond(request(*method, &path(&row), "h"))).await, "4.03", "{}", row.path);
         }
     }
@@ -117,7 +118,8 @@ async fn from_beyond_this_machine_everything_is_seen_and_nothing_done() {
 async fn a_stop_is_in_the_table_and_does_what_it_says() {
     let app = app(searching());
     let table = Table::default();
-    let stops = table.rows.iter().filter(|row| row.actions.iter().any(|(_, action)| *action == Action::Stop));
+    let stops =
+        table.rows.iter().filter(|row| row.actions.iter().any(|(_, action)| *action == Action::Command(CommandKind::Stop)));
     for row in stops {
         assert_eq!(code(&app, request(Method::Post, &row.path, "")).await, "2.04");
         assert_eq!(app.last().command, Command::Stop);

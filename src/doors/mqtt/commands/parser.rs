@@ -7,9 +7,9 @@ use super::IncomingMessage;
 use super::problem::Problem;
 use super::read::{Asked, Read, bare, id_of_a_stop, read, sized};
 use super::results::Reply;
-use super::table;
 use super::unknown::{UNKNOWN, Unknown};
 use crate::access::Need;
+use crate::api::commands;
 use crate::api::fields::in_short;
 use crate::api::halt::{is_halt, says_halt};
 use hallsweep_core::command::Command;
@@ -102,7 +102,7 @@ impl CommandParser {
     }
 
     fn named(&self, name: &str, payload: &[u8]) -> ParsedCommand {
-        let Some(row) = table::named(name) else {
+        let Some(row) = commands::named(name) else {
             return self.unknown(self.unknown.answered_as(name), name, Problem::no_command(name));
         };
         let Read { id, asked } = read(row, payload);
@@ -116,7 +116,7 @@ impl CommandParser {
         if let Err(problem) = sized(payload) {
             return self.unknown(UNKNOWN, word, problem);
         }
-        match table::named(word).filter(|row| row.is_word) {
+        match commands::named(word).filter(|row| row.is_word) {
             Some(row) => self.named(row.name, &[]),
             None => self.unknown(self.unknown.answered_as(word), word, Problem::no_word(word)),
         }

@@ -1,13 +1,13 @@
 //! From the payload of a command in JSON to the core's command, with its own name. What the fields mean stands in
-//! `crate::api::command`, and what can come in `table`.
+//! `crate::api::command`, and what can come in `crate::api::commands`.
 
 use super::problem::Problem;
-use super::table::{CommandKind, Row};
-use crate::api::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody, id_aside, number_aside};
+use crate::api::command::{id_aside, number_aside};
+use crate::api::commands::{self, CommandKind, Payload, Row, Subject};
 use crate::api::fields::{Body, Fields, fields};
 use crate::api::halt::says_halt;
-use hallsweep_core::command::{Command, CommandId, LuggageRef};
-use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
+use hallsweep_core::command::{Command, CommandId};
+use hallsweep_core::units::Epoch;
 
 /// Larger payloads are no commands: a command is a few dozen bytes.
 pub(super) const LARGEST: usize = 4 * 1024;
@@ -34,7 +34,7 @@ pub(super) fn read(row: &Row, payload: &[u8]) -> Read {
         Err(problem) => return nameless(problem),
     };
     match id_aside(&mut fields) {
-        Ok(id) => Read { id, asked: command(row.kind, &mut fields) },
+        Ok(id) => Read { id, asked: command(row, &mut fields) },
         Err(unread) => nameless(unread.into()),
     }
 }
@@ -50,43 +50,28 @@ pub(super) fn bare(text: &str) -> &str {
     text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text)
 }
 
-fn command(kind: CommandKind, fields: &mut Fields) -> Asked {
-    let plain = |command| Ok((command, None));
-    match kind {
-        CommandKind::Stop => plain(Command::Stop),
-        CommandKind::Start => with_epoch(Command::Start, fields),
-        CommandKind::BackHome => with_epoch(Command::BackHome, fields),
-        CommandKind::Retrieve => with_epoch(Command::Retrieve, fields),
-        CommandKind::Reset => with_epoch(Command::Reset, fields),
-        CommandKind::Move => Ok(body::<MoveBody>(fields)?.command()?),
-        CommandKind::Goto => Ok(body::<GotoBody>(fields)?.command()?),
-        CommandKind::Verdict => {
-            let luggage = LuggageRef::Id(luggage(fields, r#"{"luggage":3,"verdict":"safe"}"#)?);
-            plain(Command::Verdict { luggage, verdict: body::<VerdictBody>(fields)?.verdict()? })
-        }
-        CommandKind::Retake => {
-            let id = luggage(fields, r#"{"luggage":3}"#)?;
-            body::<EpochBody>(fields).and_then(|_| plain(Command::RetakePhoto(id)))
-        }
-        CommandKind::Acknowledge => {
-            let id = AlarmId(number_aside(fields, "alarm", r#"{"alarm":2}"#)?);
-            body::<EpochBody>(fields).and_then(|_| plain(Command::Acknowledge(id)))
-        }
-        CommandKind::Strategy => plain(Command::ChooseStrategy(body::<StrategyBody>(fields)?.strategy()?)),
-        CommandKind::Temperature => plain(Command::Temperature(body::<TemperatureBody>(fields)?.report()?)),
+fn command(row: &Row, fields: &mut Fields) -> Asked {
+    let number = match row.subject {
+        Subject::None => 0,
+        Subject::Luggage => number_aside(fields, "luggage", row.body[0])?,
+        Subject::Alarm => number_aside(fields, "alarm", row.body[0])?,
+    };
+    commands::asked(row.kind, number, &Carried(fields))
+}
+
+/// The fields of a payload, beside those that were laid aside.
+struct Carried<'a>(&'a Fields);
+
+impl Payload for Carried<'_> {
+    type Problem = Problem;
+
+    fn needed<T: Body>(&self) -> Result<T, Problem> {
+        self.0.read().map_err(Problem::from)
     }
-}
 
-fn with_epoch(command: Command, fields: &Fields) -> Asked {
-    Ok((command, body::<EpochBody>(fields)?.epoch()))
-}
-
-fn luggage(fields: &mut Fields, example: &str) -> Result<LuggageId, Problem> {
-    Ok(LuggageId(number_aside(fields, "luggage", example)?))
-}
-
-fn body<T: Body>(fields: &Fields) -> Result<T, Problem> {
-    fields.read().map_err(Problem::from)
+    fn optional<T: Body + Default>(&self) -> Result<T, Problem> {
+        self.needed()
+    }
 }
 
 /// The fields of a payload; without one, none, where the command can do without.

@@ -1,99 +1,17 @@
-//! The one list of commands in JSON: what each is called, what it asks of its sender, and what it carries. How a payload is read
-//! stands in `read`; the messages of the original system are in `qak`.
+//! The table of commands as this door shows it: in sentences, and in its page.
 
-use crate::access::Need;
-
-/// Something that can be asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CommandKind {
-    /// Begin, or go on.
-    Start,
-    /// Halt.
-    Stop,
-    /// Go home and wait.
-    BackHome,
-    /// Fetch the dangerous piece.
-    Retrieve,
-    /// Put the mission away.
-    Reset,
-    /// One move by hand; `h` is STOP.
-    Move,
-    /// Drive to a cell.
-    Goto,
-    /// Safe or danger.
-    Verdict,
-    /// Take a photo again.
-    Retake,
-    /// An alarm was seen.
-    Acknowledge,
-    /// Choose the order of the search.
-    Strategy,
-    /// What is known of the temperature.
-    Temperature,
-}
-
-/// A command, as topics and documentation know it.
-#[derive(Clone, Copy, Debug)]
-pub struct Row {
-    /// The last word of its topic.
-    pub name: &'static str,
-    /// What it does, in a few words.
-    pub title: &'static str,
-    /// Which it is.
-    pub kind: CommandKind,
-    /// What its sender must be allowed at least. A move may turn out to be a STOP, and asks for more when it is none.
-    pub need: Need,
-    /// What it carries, beside its own name.
-    pub body: &'static [&'static str],
-    /// Whether it can do without a payload, and so come as a bare word.
-    pub is_word: bool,
-}
-
-/// What a movement command may carry.
-const EPOCH: &[&str] = &[r#"{"epoch":4}"#];
-
-/// All of them.
-pub const ROWS: [Row; 12] = [
-    word("start", "begin, or go on", CommandKind::Start, EPOCH),
-    Row { need: Need::Stop, ..word("stop", "halt the robot", CommandKind::Stop, &[]) },
-    word("backHome", "go home and wait", CommandKind::BackHome, EPOCH),
-    word("retrieve", "fetch the dangerous piece", CommandKind::Retrieve, EPOCH),
-    word("reset", "put the mission away", CommandKind::Reset, &[]),
-    Row { need: Need::Stop, ..with("move", "one move by hand", CommandKind::Move, &[r#"{"move":"w"}"#, r#"{"move":"h"}"#]) },
-    with("goto", "drive to a cell", CommandKind::Goto, &[r#"{"x":1,"y":1}"#]),
-    with(
-        "verdict",
-        "safe or danger",
-        CommandKind::Verdict,
-        &[r#"{"luggage":3,"verdict":"safe"}"#, r#"{"luggage":3,"verdict":"danger"}"#],
-    ),
-    with("retake", "take the photo again", CommandKind::Retake, &[r#"{"luggage":3}"#]),
-    with("acknowledge", "the alarm was seen", CommandKind::Acknowledge, &[r#"{"alarm":2}"#]),
-    with("strategy", "choose the order of the search", CommandKind::Strategy, &[r#"{"name":"snail"}"#]),
-    with(
-        "temperature",
-        "what is known of the temperature",
-        CommandKind::Temperature,
-        &[r#"{"celsius":21.5}"#, r#"{"celsius":21.5,"sensor":"roof"}"#, r#"{"status":"ok"}"#, r#"{"status":"tooHigh"}"#],
-    ),
-];
-
-/// The command of this name.
-#[must_use]
-pub fn named(name: &str) -> Option<&'static Row> {
-    ROWS.iter().find(|row| row.name == name)
-}
+use crate::api::commands::{COMMANDS, CommandKind, Row};
 
 /// The names of all commands, or of those that can come as a bare word, for sentences.
 pub(super) fn names(bare: bool) -> String {
-    let names: Vec<&str> = ROWS.iter().filter(|row| row.is_word || !bare).map(|row| row.name).collect();
+    let names: Vec<&str> = COMMANDS.iter().filter(|row| row.is_word || !bare).map(|row| row.name).collect();
     names.join(", ")
 }
 
 /// The table as the documentation shows it, in lines of markdown.
 #[must_use]
 pub fn markdown() -> String {
-    let lines: Vec<String> = ROWS.iter().map(|row| format!("{}\n", line(row))).collect();
+    let lines: Vec<String> = COMMANDS.iter().map(|row| format!("{}\n", line(row))).collect();
     format!("| name | what | payload | bare word | for |\n|---|---|---|---|---|\n{}", lines.concat())
 }
 
@@ -109,40 +27,13 @@ fn line(row: &Row) -> String {
     format!("| `{}` | {} | {payload} | {bare} | {whom} |", row.name, row.title)
 }
 
-/// A command for operators that can do without a payload.
-const fn word(name: &'static str, title: &'static str, kind: CommandKind, body: &'static [&'static str]) -> Row {
-    Row { name, title, kind, need: Need::Act, body, is_word: true }
-}
-
-/// A command for operators that needs a payload.
-const fn with(name: &'static str, title: &'static str, kind: CommandKind, body: &'static [&'static str]) -> Row {
-    Row { name, title, kind, need: Need::Act, body, is_word: false }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn no_name_is_there_twice_and_every_name_is_a_part_of_a_topic() {
-        let mut names: Vec<&str> = ROWS.iter().map(|row| row.name).collect();
-        assert!(names.iter().all(|name| name.bytes().all(|byte| byte.is_ascii_alphabetic())));
-        names.sort_unstable();
-        names.dedup();
-        assert_eq!(names.len(), ROWS.len());
-        assert!(ROWS.iter().all(|row| named(row.name).is_some_and(|found| found.kind == row.kind)));
-    }
-
-    #[test]
     fn the_bare_words_are_those_of_the_buttons() {
         assert_eq!(names(true), "start, stop, backHome, retrieve, reset");
-    }
-
-    /// Safety S1.
-    #[test]
-    fn only_what_may_be_a_stop_asks_for_no_operator() {
-        let open: Vec<CommandKind> = ROWS.iter().filter(|row| row.need != Need::Act).map(|row| row.kind).collect();
-        assert_eq!(open, [CommandKind::Stop, CommandKind::Move]);
     }
 
     /// Where the documentation shows the table.

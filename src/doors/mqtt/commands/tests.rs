@@ -1,9 +1,10 @@
 //! Commands by their topics: what reaches the loop, what is answered, what is put on record, and who may do what. How much there can
 //! be at once is in `bounds_tests`.
 
-use super::table::{self, ROWS};
+use super::table;
 use super::testing::{app, driven_house, here, say, viewer};
 use super::*;
+use crate::api::commands::COMMANDS;
 use crate::api::fixture::{degrees, searching};
 use hallsweep_core::command::{LuggageRef, Move, TemperatureReport, Verdict};
 use hallsweep_core::explore::Strategy;
@@ -49,7 +50,7 @@ fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
 #[tokio::test]
 async fn every_command_reaches_the_loop_as_what_it_says_and_is_answered_beside_its_topic() {
     let mut app = app(searching());
-    for row in &ROWS {
+    for row in &COMMANDS {
         assert!(all_commands().iter().any(|(name, _, _)| *name == row.name), "{} is not among them", row.name);
     }
     for (name, payload, command) in all_commands() {
@@ -64,7 +65,7 @@ async fn every_command_reaches_the_loop_as_what_it_says_and_is_answered_beside_i
 #[tokio::test]
 async fn what_the_table_shows_as_payloads_is_taken() {
     let mut app = app(searching());
-    for row in &ROWS {
+    for row in &COMMANDS {
         for payload in row.body {
             let (_, json) = app.ask(&format!("command/{}", row.name), payload).await;
             assert_eq!(json["accepted"], true, "{} {payload}: {json}", row.name);
@@ -91,7 +92,7 @@ async fn a_command_goes_with_its_own_name_its_epoch_and_its_sender() {
 #[tokio::test]
 async fn a_bare_word_is_a_command_without_arguments() {
     let mut app = app(searching());
-    for row in ROWS.iter().filter(|row| row.is_word) {
+    for row in COMMANDS.iter().filter(|row| row.is_word) {
         for word in [row.name.to_owned(), format!("\"{}\"", row.name), format!(" {}\n", row.name)] {
             let (topic, json) = app.ask("command", &word).await;
             assert_eq!((topic, &json["accepted"]), (format!("command/{}/result", row.name), &true.into()), "{word}");

@@ -1,82 +1,30 @@
-//! The commands of `/api/v1`: each reads its body, gives one command and answers with its revision.
-//! STOP reads no body at all: nothing that is wrong with a request may keep it from halting the robot.
+//! The commands of `/api/v1`, as the table of commands has them: one reads its body, is given and answered with its revision.
 
 use axum::response::{IntoResponse, Response};
 
 use super::command_sender::CommandSender;
 use super::problem::Problem;
-use super::reading::{Json, Number, OptionalJson};
+use super::reading::JsonPayload;
 use crate::api::answer::AnswerJson;
-use crate::api::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, Unusable, VerdictBody};
-use hallsweep_core::command::{self, Command, LuggageRef};
-use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
+use crate::api::command::Unusable;
+use crate::api::commands::{CommandKind, asked};
+use hallsweep_core::command::{self, Command};
+use hallsweep_core::units::Epoch;
 
 type Answer = Result<Response, Problem>;
-
-/// `POST commands/start`
-pub(super) async fn start(sender: CommandSender, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
-    give(&sender, Command::Start, body.epoch()).await
-}
 
 /// `POST commands/stop`
 pub(super) async fn stop(sender: CommandSender) -> Answer {
     give(&sender, Command::Stop, None).await
 }
 
-/// `POST commands/backHome`
-pub(super) async fn back_home(sender: CommandSender, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
-    give(&sender, Command::BackHome, body.epoch()).await
-}
-
-/// `POST commands/retrieve`
-pub(super) async fn retrieve(sender: CommandSender, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
-    give(&sender, Command::Retrieve, body.epoch()).await
-}
-
-/// `POST commands/reset`
-pub(super) async fn reset(sender: CommandSender, OptionalJson(body): OptionalJson<EpochBody>) -> Answer {
-    give(&sender, Command::Reset, body.epoch()).await
-}
-
-/// `POST commands/move`. When it was heard to be a STOP nothing else of it counts.
-pub(super) async fn make_move(sender: CommandSender, body: Result<Json<MoveBody>, Problem>) -> Answer {
-    if sender.has_pressed_stop() {
+/// Any other; `number` is that of what it is about. When a move was heard to be a STOP nothing else of it counts.
+pub(super) async fn command(kind: CommandKind, sender: CommandSender, number: u64, body: Result<JsonPayload, Problem>) -> Answer {
+    if kind == CommandKind::Move && sender.has_pressed_stop() {
         return give(&sender, Command::Stop, None).await;
     }
-    let (command, epoch) = body?.0.command()?;
+    let (command, epoch) = asked(kind, number, &body?)?;
     give(&sender, command, epoch).await
-}
-
-/// `POST commands/goto`
-pub(super) async fn goto(sender: CommandSender, Json(body): Json<GotoBody>) -> Answer {
-    let (command, epoch) = body.command()?;
-    give(&sender, command, epoch).await
-}
-
-/// `POST luggage/{id}/verdict`
-pub(super) async fn verdict(sender: CommandSender, Number(id): Number, Json(body): Json<VerdictBody>) -> Answer {
-    let luggage = LuggageRef::Id(LuggageId(id));
-    give(&sender, Command::Verdict { luggage, verdict: body.verdict()? }, None).await
-}
-
-/// `POST luggage/{id}/photo`
-pub(super) async fn retake(sender: CommandSender, Number(id): Number, _: OptionalJson<EpochBody>) -> Answer {
-    give(&sender, Command::RetakePhoto(LuggageId(id)), None).await
-}
-
-/// `PUT strategy`
-pub(super) async fn strategy(sender: CommandSender, Json(body): Json<StrategyBody>) -> Answer {
-    give(&sender, Command::ChooseStrategy(body.strategy()?), None).await
-}
-
-/// `POST alarms/{id}/acknowledge`
-pub(super) async fn acknowledge(sender: CommandSender, Number(id): Number, _: OptionalJson<EpochBody>) -> Answer {
-    give(&sender, Command::Acknowledge(AlarmId(id)), None).await
-}
-
-/// `PUT temperature`
-pub(super) async fn temperature(sender: CommandSender, Json(body): Json<TemperatureBody>) -> Answer {
-    give(&sender, Command::Temperature(body.report()?), None).await
 }
 
 /// Gives a command by the interface and answers in JSON; the old console's routes end here too.
@@ -96,8 +44,8 @@ mod tests {
     use super::super::testing::{House, house, read};
     use super::*;
     use crate::api::fixture::searching;
-    use hallsweep_core::command::{Move, Refused, TemperatureReport, Verdict};
-    use hallsweep_core::units::Cell;
+    use hallsweep_core::command::{LuggageRef, Move, Refused, TemperatureReport, Verdict};
+    use hallsweep_core::units::{AlarmId, Cell, LuggageId};
 
     /// Sends JSON and expects this status; for problems also that they are complete.
     async fn check(house: &House, method: &str, path: &str, body: &str, expect: u16) -> serde_json::Value {
