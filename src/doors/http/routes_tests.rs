@@ -136,3 +136,41 @@ fn the_documentation_shows_the_table_as_it_is() {
     }
     assert_eq!(written, shown, "write it anew with HALLSWEEP_UPDATE_DOCS=1 cargo test the_documentation_shows");
 }
+
+/// What the page can send: the commands of the table, a verdict by its two words.
+fn console_commands() -> Vec<(String, Need)> {
+    let words = |row: &commands::Row| match row.kind {
+        CommandKind::Verdict => vec!["safe", "danger"],
+        _ => vec![row.name],
+    };
+    let mut all: Vec<_> =
+        COMMANDS.iter().flat_map(|row| words(row).into_iter().map(|word| (format!("/console/{word}"), row.need))).collect();
+    all.sort();
+    all
+}
+
+#[test]
+fn the_page_can_send_every_command_of_the_table_and_no_other() {
+    let console = table().into_iter().filter(|row| row.method == Method::POST && row.path.starts_with("/console/"));
+    let mut routes: Vec<(String, Need)> = console.map(|row| (row.path.to_string(), row.need)).collect();
+    routes.sort();
+    assert_eq!(routes, console_commands());
+}
+
+#[test]
+fn every_form_of_the_page_sends_a_command_of_the_table_and_every_command_has_its_form() {
+    fn templates(folder: &std::path::Path) -> String {
+        let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        entries.map(|path| if path.is_dir() { templates(&path) } else { std::fs::read_to_string(path).unwrap() }).collect()
+    }
+    let pages = templates(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("templates"));
+    // What asks first sends only when it is confirmed.
+    let named = |attribute: &str| pages.split(attribute).skip(1).filter_map(|rest| rest.split('"').next()).collect::<Vec<_>>();
+    let sends = |to: &&str| to.starts_with("/console/") && !to.starts_with("/console/confirm/");
+    let forms = [named("action=\""), named("data-confirm=\"")].concat();
+    let mut sent: Vec<String> = forms.into_iter().filter(sends).map(str::to_owned).collect();
+    sent.sort();
+    sent.dedup();
+    let known: Vec<String> = console_commands().into_iter().map(|(path, _)| path).collect();
+    assert_eq!(sent, known);
+}
