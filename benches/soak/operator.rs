@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use hallsweep_core::rng::Stream;
+use hallsweep_core::rng::RandomStream;
 use serde_json::Value;
 
 use crate::ask::ask;
@@ -23,7 +23,7 @@ const WHIMS: [(&str, &str, &str); 6] = [
 /// Plays one after the other mission.
 pub(crate) struct Operator {
     address: String,
-    chance: Stream,
+    chance: RandomStream,
     missions: u64,
     revision: u64,
 }
@@ -31,7 +31,7 @@ pub(crate) struct Operator {
 impl Operator {
     /// An operator of the program at this address.
     pub(crate) fn new(address: &str) -> Operator {
-        Operator { address: address.to_owned(), chance: Stream::new(1, "operator"), missions: 0, revision: 0 }
+        Operator { address: address.to_owned(), chance: RandomStream::new(1, "operator"), missions: 0, revision: 0 }
     }
 
     /// Missions that were brought to an end.

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::{sleep, spawn};
 use std::time::Duration;
 
-use hallsweep_core::rng::Stream;
+use hallsweep_core::rng::RandomStream;
 
 /// So many at once.
 const SCREENS: u64 = 6;
@@ -30,7 +30,7 @@ impl Readers {
         let screens = Arc::new(Screens::default());
         for number in 0..SCREENS {
             let (screens, address) = (Arc::clone(&screens), address.to_owned());
-            spawn(move || screens.look(&address, Stream::new(number, "screen")));
+            spawn(move || screens.look(&address, RandomStream::new(number, "screen")));
         }
         Readers(screens)
     }
@@ -45,7 +45,7 @@ impl Readers {
 }
 
 impl Screens {
-    fn look(&self, address: &str, mut chance: Stream) {
+    fn look(&self, address: &str, mut chance: RandomStream) {
         loop {
             sleep(GLANCE);
             self.open.fetch_add(1, Ordering::SeqCst);
@@ -57,7 +57,7 @@ impl Screens {
         }
     }
 
-    fn read(&self, address: &str, chance: &mut Stream) -> std::io::Result<()> {
+    fn read(&self, address: &str, chance: &mut RandomStream) -> std::io::Result<()> {
         let path = if chance.happens(0.5) { "/api/v1/events" } else { "/console/live" };
         let mut stream = TcpStream::connect(address)?;
         stream.set_read_timeout(Some(GLANCE))?;

@@ -8,8 +8,8 @@ use std::time::Duration;
 use super::book::Book;
 use super::coap::{self, Coap};
 use super::doors::{
-    Access, Camera, CoapRequest, Format, Hall, Hold, Key, Keyring, Keys, Method, OPERATOR, PhaseName, Role, SimSettings,
-    Snapshot, Stream, Taken, Token, Truth, cbor,
+    Access, Camera, CoapRequest, Format, Hall, Hold, Key, Keyring, Keys, Method, OPERATOR, PhaseName, RandomStream, Role,
+    SimSettings, Snapshot, Taken, Token, Truth, cbor,
 };
 use super::house::House;
 use super::http::Http;
@@ -38,7 +38,7 @@ pub(crate) struct Player {
     coap: Coap,
     locked: Coap,
     mqtt: Mqtt,
-    dice: Stream,
+    dice: RandomStream,
     seen: Option<Arc<Snapshot>>,
     forms: Vec<Form>,
     /// How often each command was accepted and refused.
@@ -53,7 +53,7 @@ pub(crate) async fn play(book: &mut Book, of: Play) -> BTreeMap<String, [usize; 
     let (unknown_rate, photo_failure_rate) = if noisy { (0.1, 0.3) } else { (0.0, 0.0) };
     let sim = SimSettings { unknown_rate, photo_failure_rate, ..SimSettings::new(of.seed, of.camera) };
     let house = House::new(&hall, sim, of.seed % 3 == 2);
-    let mut player = Player::new(house, Stream::new(of.seed, "recorder"));
+    let mut player = Player::new(house, RandomStream::new(of.seed, "recorder"));
     book.place = format!("{} {} begins", of.hall, of.seed);
     player.run(book, of).await;
     let inside = player.house.inside();
@@ -100,7 +100,7 @@ pub(crate) async fn at_the_doors(book: &mut Book) {
 /// One command with a name of its own, again, and another command with the same name.
 async fn repeats(book: &mut Book) {
     let hall = Arc::new(Hall::named_or_file("seed").expect("the hall comes with the program"));
-    let mut player = Player::new(House::new(&hall, SimSettings::new(1, Camera::Stub), false), Stream::new(1, "repeats"));
+    let mut player = Player::new(House::new(&hall, SimSettings::new(1, Camera::Stub), false), RandomStream::new(1, "repeats"));
     for path in ["/api/v1/commands/start", "/api/v1/commands/start", "/api/v1/commands/reset"] {
         for id in ["h-1", "\"h-1\"", "a b", ""] {
             let answered = player.http.ask("POST", path, &[("idempotency-key", id)], "").await;
@@ -169,7 +169,7 @@ pub(crate) struct Given {
 
 impl Player {
     /// All doors to this house.
-    pub(crate) fn new(house: House, dice: Stream) -> Player {
+    pub(crate) fn new(house: House, dice: RandomStream) -> Player {
         Player {
             http: Http::new(&house, Access::Open),
             coap: Coap::new(&house, true),

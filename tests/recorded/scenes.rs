@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use super::book::Book;
 use super::doors::{
-    Camera, Command, Event, Hall, LuggageRef, PhaseName, RobotEvent, RobotId, SimSettings, Stream, TemperatureReport, Verdict,
+    Camera, Command, Event, Hall, LuggageRef, PhaseName, RandomStream, RobotEvent, RobotId, SimSettings, TemperatureReport,
+    Verdict,
 };
 use super::house::House;
 use super::play::Player;
@@ -144,14 +145,14 @@ pub(crate) async fn play(book: &mut Book, in_full: bool) -> Vec<String> {
     for scene in ALL {
         book.forget();
         book.place = scene.name().to_owned();
-        Player::new(scene.house(), Stream::new(1, "scene")).look_at_all(book).await;
+        Player::new(scene.house(), RandomStream::new(1, "scene")).look_at_all(book).await;
     }
     let mut outcomes = Vec::new();
     for form in forms() {
         let (mut pattern, mut all, mut first) = (String::new(), Vec::new(), None);
         for scene in ALL {
             book.place = scene.name().to_owned();
-            let mut player = Player::new(scene.house(), Stream::new(1, "scene"));
+            let mut player = Player::new(scene.house(), RandomStream::new(1, "scene"));
             let given = player.answer(&form).await;
             pattern.push(if given.is_accepted { '+' } else { '-' });
             all.extend_from_slice(&given.said);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use hallsweep_core::rng::Stream;
+use hallsweep_core::rng::RandomStream;
 use serde_json::{Value, json};
 
 use crate::program::{Answer, Deadline, PATIENCE, Program, hallsweep};
@@ -27,7 +27,7 @@ fn killed_at_any_moment_it_has_everything_that_was_acknowledged_and_nothing_twic
     let folder = Folder::new("kill");
     let mut ledger = Ledger::default();
     for life in 0..kills {
-        let mut dice = Stream::new(life, "kill");
+        let mut dice = RandomStream::new(life, "kill");
         if dice.below(12) == 0 {
             die_unborn(&folder, &mut dice);
             continue;
@@ -47,7 +47,7 @@ fn killed_at_any_moment_it_has_everything_that_was_acknowledged_and_nothing_twic
     assert!(ledger.refused.len() as u64 > kills / 4, "hardly anything was refused");
     assert!(ledger.keys.len() as u64 > kills && ledger.verdicts.len() as u64 > kills / 20, "hardly anything was tried");
     ledger.audit(&folder);
-    bring_to_the_end(&serve(&folder, &mut Stream::new(0, "end")));
+    bring_to_the_end(&serve(&folder, &mut RandomStream::new(0, "end")));
 }
 
 /// A folder that goes with the test.
@@ -104,7 +104,7 @@ impl Ledger {
     }
 
     /// Works at random until the program is gone: some moment after so many commands were accepted, however long that takes.
-    fn work_until_killed(&mut self, program: &Program, dice: &mut Stream, life: u64) {
+    fn work_until_killed(&mut self, program: &Program, dice: &mut RandomStream, life: u64) {
         let (least, moment) = (dice.below(6), Duration::from_millis(dice.below(60)));
         let kill = program.killer();
         let accepted = Arc::clone(&self.accepted);
@@ -128,7 +128,7 @@ impl Ledger {
     }
 
     /// Works at random, in every third life until a verdict is acknowledged, presses STOP, and looks once more at everything when nothing changes any more.
-    fn work_and_rest(&mut self, program: &Program, dice: &mut Stream, life: u64) {
+    fn work_and_rest(&mut self, program: &Program, dice: &mut RandomStream, life: u64) {
         for n in 0..dice.below(12) {
             self.work(program, dice, &format!("{life}-{n}")).expect("the program is running");
         }
@@ -157,12 +157,12 @@ impl Ledger {
     }
 
     /// One thing an operator does, at random; `None` when the program is gone.
-    fn work(&mut self, program: &Program, dice: &mut Stream, key: &str) -> Option<()> {
+    fn work(&mut self, program: &Program, dice: &mut RandomStream, key: &str) -> Option<()> {
         let what = dice.below(12);
         self.act(program, dice, key, what)
     }
 
-    fn act(&mut self, program: &Program, dice: &mut Stream, key: &str, what: u64) -> Option<()> {
+    fn act(&mut self, program: &Program, dice: &mut RandomStream, key: &str, what: u64) -> Option<()> {
         let state = program.try_ask("GET", "/api/v1/state", "", "")?.json();
         self.look(&state);
         let pending = state["luggage"].as_array()?.iter().find(|piece| piece["verdict"] == "pending").cloned();
@@ -204,7 +204,7 @@ impl Ledger {
         }
     }
 
-    fn decide(&mut self, program: &Program, dice: &mut Stream, key: &str, id: u64) -> Option<()> {
+    fn decide(&mut self, program: &Program, dice: &mut RandomStream, key: &str, id: u64) -> Option<()> {
         let verdict = if dice.below(12) == 0 { "danger" } else { "safe" };
         let body = json!({ "verdict": verdict }).to_string();
         let answer = program.try_ask("POST", &format!("/api/v1/luggage/{id}/verdict"), key, &body)?;
@@ -318,13 +318,13 @@ fn compare(before: &Value, after: &Value, life: u64) {
     assert_eq!(holds(before), holds(after), "life {life}");
 }
 
-fn serve(folder: &Folder, dice: &mut Stream) -> Program {
+fn serve(folder: &Folder, dice: &mut RandomStream) -> Program {
     let speed = ["max", "30", "200"][dice.below(3) as usize];
     Program::with(&["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--speed", speed, "--data", folder.text()])
 }
 
 /// Killed while it starts.
-fn die_unborn(folder: &Folder, dice: &mut Stream) {
+fn die_unborn(folder: &Folder, dice: &mut RandomStream) {
     let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "airport", "--data", folder.text()];
     let mut child = hallsweep(&arguments).stdout(std::process::Stdio::null()).spawn().expect("the program starts");
     std::thread::sleep(Duration::from_millis(dice.below(60)));

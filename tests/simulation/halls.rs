@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use hallsweep_core::rng::Stream;
+use hallsweep_core::rng::RandomStream;
 use hallsweep_sim::Hall;
 
 /// A hall of up to `most` × `most` cells: 0–20 % luggage, pieces of one cell and of several, some walls, pockets behind them,
 /// islands nobody can reach, and home in the north-west corner or anywhere.
 pub(crate) fn random(seed: u64, most: u64) -> Arc<Hall> {
-    let mut dice = Stream::new(seed, "random hall");
-    let side = |dice: &mut Stream| 1 + dice.below(most).max(dice.below(most)) as usize;
+    let mut dice = RandomStream::new(seed, "random hall");
+    let side = |dice: &mut RandomStream| 1 + dice.below(most).max(dice.below(most)) as usize;
     let (width, height) = (side(&mut dice), side(&mut dice));
     let (luggage, walls) = (dice.fraction() * 0.2, dice.fraction() * 0.1);
     let mut rows: Vec<Vec<char>> = (0..height).map(|_| (0..width).map(|_| cell(&mut dice, luggage, walls)).collect()).collect();
@@ -27,7 +27,7 @@ pub(crate) fn random(seed: u64, most: u64) -> Arc<Hall> {
     Arc::new(Hall::from_rows(&format!("random-{seed}"), &rows).expect("the tests draw sound halls"))
 }
 
-fn cell(dice: &mut Stream, luggage: f64, walls: f64) -> char {
+fn cell(dice: &mut RandomStream, luggage: f64, walls: f64) -> char {
     let draw = dice.fraction();
     if draw < luggage {
         'T'
@@ -39,7 +39,7 @@ fn cell(dice: &mut Stream, luggage: f64, walls: f64) -> char {
 }
 
 /// A piece of two to six cells.
-fn large_piece(dice: &mut Stream, rows: &mut [Vec<char>], letter: char) {
+fn large_piece(dice: &mut RandomStream, rows: &mut [Vec<char>], letter: char) {
     let (left, top) = (dice.below(rows[0].len() as u64) as usize, dice.below(rows.len() as u64) as usize);
     let (right, bottom) = (left + 1 + dice.below(2) as usize, top + dice.below(2) as usize);
     let whole = bottom < rows.len() && right < rows[0].len();
@@ -59,7 +59,7 @@ fn clear_letter(rows: &mut [Vec<char>], (y, x): (usize, usize)) {
 }
 
 /// Walls round a rectangle, with a door in one of two: a pocket, or an island.
-fn room(dice: &mut Stream, rows: &mut [Vec<char>]) {
+fn room(dice: &mut RandomStream, rows: &mut [Vec<char>]) {
     let (height, width) = (rows.len(), rows[0].len());
     let (left, top) = (dice.below(width as u64) as usize, dice.below(height as u64) as usize);
     let (right, bottom) =

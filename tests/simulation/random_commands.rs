@@ -5,7 +5,7 @@ use std::time::Duration;
 use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Refused, Request, TemperatureReport, Verdict};
 use hallsweep_core::event::{Event, RobotEvent, RobotId};
 use hallsweep_core::mission::{Hold, PhaseName};
-use hallsweep_core::rng::Stream;
+use hallsweep_core::rng::RandomStream;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
 use hallsweep_core::world::hall_map::Mark;
@@ -21,7 +21,7 @@ use crate::operator::{Operator, sensor_reads};
 fn whatever_the_operator_does_the_rules_hold_and_the_mission_can_be_brought_to_its_end() {
     for seed in 0..400 {
         let hall = halls::random(seed, 9);
-        let mut dice = Stream::new(seed, "operator");
+        let mut dice = RandomStream::new(seed, "operator");
         let mut watch = Watch::default();
         let sim = SimSettings { unknown_rate: 0.1, photo_failure_rate: 0.2, ..SimSettings::new(seed, Camera::Stub) };
         let mut run = Run::new(hall.clone(), sim, Settings::default(), Default::default());
@@ -46,7 +46,7 @@ fn whatever_the_operator_does_the_rules_hold_and_the_mission_can_be_brought_to_i
     }
 }
 
-pub(crate) fn any_command(dice: &mut Stream, run: &mut Run) -> Command {
+pub(crate) fn any_command(dice: &mut RandomStream, run: &mut Run) -> Command {
     let pending = run.state().pending().map_or(1, |luggage| luggage.id.0);
     let verdict = if dice.below(12) == 0 { Verdict::Danger } else { Verdict::Safe };
     let moves = [Move::Forward, Move::Backward, Move::TurnLeft, Move::TurnRight, Move::NudgeLeft];
@@ -100,7 +100,7 @@ impl Watch {
 }
 
 /// Something happens that nobody commanded: the link or a sensor goes and comes back, the store fails and recovers.
-pub(crate) fn from_outside(dice: &mut Stream, run: &mut Run) {
+pub(crate) fn from_outside(dice: &mut RandomStream, run: &mut Run) {
     if dice.below(3) == 0 {
         run.engine.watch_sensor("roof".into(), Duration::from_secs(3600), run.now());
         return drop(run.give(sensor_reads("roof", 20.0)));

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use hallsweep_core::command::{Command, LuggageRef, Refused, TemperatureReport, Verdict};
 use hallsweep_core::mission::{Hold, PhaseName};
-use hallsweep_core::rng::Stream;
+use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId, Ticket};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::snapshot::Snapshot;
@@ -21,7 +21,7 @@ use crate::shown::Record;
 fn whenever_the_program_is_killed_it_goes_on_from_where_it_was() {
     for seed in 0..300 {
         let hall = halls::random(seed, 10);
-        let mut dice = Stream::new(seed, "kills");
+        let mut dice = RandomStream::new(seed, "kills");
         let settings = SimSettings { unknown_rate: 0.1, photo_failure_rate: 0.2, ..SimSettings::new(seed, Camera::Stub) };
         let mut mortal = Mortal::born(Arc::clone(&hall), settings);
         let mut seen = Seen::default();
@@ -39,7 +39,7 @@ fn whenever_the_program_is_killed_it_goes_on_from_where_it_was() {
 }
 
 /// Some commands, some time, some pages kept.
-fn live(mortal: &mut Mortal, seen: &mut Seen, record: &mut Record, dice: &mut Stream, seed: u64) {
+fn live(mortal: &mut Mortal, seen: &mut Seen, record: &mut Record, dice: &mut RandomStream, seed: u64) {
     for _ in 0..dice.below(30) {
         match dice.below(4) {
             0 => {
@@ -67,7 +67,7 @@ impl Record {
     }
 }
 
-fn any_command(dice: &mut Stream, pending: u64) -> Command {
+fn any_command(dice: &mut RandomStream, pending: u64) -> Command {
     let verdict = if dice.below(10) == 0 { Verdict::Danger } else { Verdict::Safe };
     match dice.below(14) {
         0..=5 => Command::Start,

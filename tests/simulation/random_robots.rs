@@ -6,7 +6,7 @@ use hallsweep_core::command::{Command, LuggageRef, Move, TemperatureReport, Verd
 use hallsweep_core::effect::{Action, Effect};
 use hallsweep_core::event::{Event, Obstacle, Piece, RobotEvent};
 use hallsweep_core::mission::PhaseName;
-use hallsweep_core::rng::Stream;
+use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId, Ticket};
 
 use crate::bare::Bare;
@@ -14,7 +14,7 @@ use crate::bare::Bare;
 #[test]
 fn whatever_robot_and_store_answer_the_core_keeps_its_rules() {
     for seed in 0..1500 {
-        let mut dice = Stream::new(seed, "robots");
+        let mut dice = RandomStream::new(seed, "robots");
         let mut bare = Bare::linked();
         let mut tickets: Vec<Ticket> = Vec::new();
         for _ in 0..150 {
@@ -42,7 +42,7 @@ fn whatever_robot_and_store_answer_the_core_keeps_its_rules() {
     }
 }
 
-fn any_command(dice: &mut Stream) -> Command {
+fn any_command(dice: &mut RandomStream) -> Command {
     let luggage = LuggageRef::Id(LuggageId(1 + dice.below(4)));
     match dice.below(14) {
         0..=4 => Command::Start,
@@ -61,7 +61,7 @@ fn any_command(dice: &mut Stream) -> Command {
     }
 }
 
-fn from_outside(dice: &mut Stream, bare: &mut Bare) {
+fn from_outside(dice: &mut RandomStream, bare: &mut Bare) {
     match dice.below(6) {
         0 => {
             bare.takes_back();
@@ -75,7 +75,7 @@ fn from_outside(dice: &mut Stream, bare: &mut Bare) {
 }
 
 /// The robot does what it was told, or meets something, or fails, or says nothing for too long.
-fn answer(dice: &mut Stream, bare: &mut Bare) {
+fn answer(dice: &mut RandomStream, bare: &mut Bare) {
     let Some(action) = bare.order() else { return };
     let photo = matches!(action, Action::Photograph(_));
     let forward = action == Action::Move(Move::Forward);

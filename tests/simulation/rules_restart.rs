@@ -8,7 +8,7 @@ use hallsweep_core::effect::{Action, Effect, Entry, Fact};
 use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::{Obstacle, Piece, RobotEvent, Whereabouts};
 use hallsweep_core::mission::{Hold, Phase, PhaseName};
-use hallsweep_core::rng::Stream;
+use hallsweep_core::rng::RandomStream;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{AlarmId, Cell, Celsius, LuggageId, Now, Pose, Seq};
@@ -26,7 +26,7 @@ use crate::random_commands::{any_command, from_outside};
 fn what_stands_follows_from_the_journal_alone() {
     for seed in 0..150 {
         let hall = halls::random(seed, 14);
-        let mut dice = Stream::new(seed, "journal");
+        let mut dice = RandomStream::new(seed, "journal");
         let sim = SimSettings { unknown_rate: 0.1, photo_failure_rate: 0.2, ..SimSettings::new(seed, Camera::Stub) };
         let mut run = Run::new(hall, sim, Settings::default(), Default::default());
         let mut folded = Folded::default();

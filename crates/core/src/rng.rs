@@ -6,13 +6,13 @@ use rand_core::{Rng, SeedableRng};
 
 /// A stream of random numbers for one purpose.
 #[derive(Clone, Debug)]
-pub struct Stream(ChaCha8Rng);
+pub struct RandomStream(ChaCha8Rng);
 
-impl Stream {
+impl RandomStream {
     /// The stream of `purpose` under `seed`.
     #[must_use]
-    pub fn new(seed: u64, purpose: &str) -> Stream {
-        Stream(ChaCha8Rng::seed_from_u64(seed ^ fnv1a(purpose)))
+    pub fn new(seed: u64, purpose: &str) -> RandomStream {
+        RandomStream(ChaCha8Rng::seed_from_u64(seed ^ fnv1a(purpose)))
     }
 
     /// A whole number, each as likely.
@@ -54,7 +54,7 @@ mod tests {
 
     #[test]
     fn the_same_seed_and_purpose_draw_the_same_numbers() {
-        let draw = |seed, purpose| Stream::new(seed, purpose).number();
+        let draw = |seed, purpose| RandomStream::new(seed, purpose).number();
         assert_eq!(draw(7, "sonar"), draw(7, "sonar"));
         assert_ne!(draw(7, "sonar"), draw(7, "camera"));
         assert_ne!(draw(7, "sonar"), draw(8, "sonar"));
@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn a_fraction_stays_below_one() {
-        let mut stream = Stream::new(1, "test");
+        let mut stream = RandomStream::new(1, "test");
         assert!((0..10_000).all(|_| (0.0..1.0).contains(&stream.fraction())));
     }
 }

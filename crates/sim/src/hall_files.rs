@@ -79,7 +79,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use hallsweep_core::rng::Stream;
+    use hallsweep_core::rng::RandomStream;
     use hallsweep_core::units::Cell;
 
     #[test]
@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn mutated_files_are_read_or_refused_but_never_panic() {
         let map = "type octile\nheight 3\nwidth 4\nmap\n@@.T\nO.GS\nWTT.\n";
-        let mut stream = Stream::new(2026, "mutation");
+        let mut stream = RandomStream::new(2026, "mutation");
         let mut refused = 0;
         for (_, original) in BUILT_IN.into_iter().chain([("map", map)]) {
             for _ in 0..400 {
@@ -222,7 +222,7 @@ mod tests {
         assert!(refused > 200, "most mutants are broken: {refused}");
     }
 
-    fn mutate(bytes: &mut Vec<u8>, stream: &mut Stream) {
+    fn mutate(bytes: &mut Vec<u8>, stream: &mut RandomStream) {
         let place = usize::try_from(stream.below(bytes.len().max(1) as u64)).unwrap();
         match stream.below(4) {
             0 if place < bytes.len() => bytes[place] = stream.number().to_le_bytes()[0],

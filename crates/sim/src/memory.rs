@@ -16,7 +16,7 @@ use std::time::Duration;
 use super::drive::{BodyPose, normal};
 use super::hall::{Hall, Truth};
 use super::sonar::way_to_contact;
-use hallsweep_core::rng::Stream;
+use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Pose;
 
 /// A robot halts by itself at most this long after the program has died (safety S5), in simulated time.
@@ -73,7 +73,7 @@ impl SimMemory {
     pub fn at_rest(self, seed: u64) -> SimMemory {
         let restarts = self.restarts.wrapping_add(1);
         let stands = self.motion.map_or(self.stands, |motion| {
-            let rolls = motion.left.min(WATCHDOG).mul_f64(Stream::new(reseeded(seed, restarts), "watchdog").fraction());
+            let rolls = motion.left.min(WATCHDOG).mul_f64(RandomStream::new(reseeded(seed, restarts), "watchdog").fraction());
             self.stands.towards(motion.to, share(rolls, motion.left))
         });
         SimMemory { stands, motion: None, restarts, ..self }

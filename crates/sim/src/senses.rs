@@ -10,16 +10,16 @@ use super::hall::Hall;
 use super::settings::SimSettings;
 use super::{recognise, sonar};
 use hallsweep_core::event::{Obstacle, RobotEvent};
-use hallsweep_core::rng::Stream;
+use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Pose;
 
 /// Sonar and camera, each with a stream of randomness of its own.
 #[derive(Debug)]
 pub(super) struct Senses {
     hall: Arc<Hall>,
-    sonar: Stream,
+    sonar: RandomStream,
     sonar_noise_cm: f64,
-    camera: Stream,
+    camera: RandomStream,
     unknown_rate: f64,
     /// The last sonar reading that was reported, if any was.
     reported: Option<Option<u16>>,
@@ -29,9 +29,9 @@ impl Senses {
     pub(super) fn new(hall: Arc<Hall>, settings: &SimSettings) -> Senses {
         Senses {
             hall,
-            sonar: Stream::new(settings.seed, "sonar"),
+            sonar: RandomStream::new(settings.seed, "sonar"),
             sonar_noise_cm: settings.sonar_noise_cm,
-            camera: Stream::new(settings.seed, "camera"),
+            camera: RandomStream::new(settings.seed, "camera"),
             unknown_rate: settings.unknown_rate,
             reported: None,
         }

@@ -18,7 +18,7 @@ use super::sonar::way_to_contact;
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order, Stamp};
 use hallsweep_core::event::{Capabilities, Obstacle, Parts, Photo, RobotEvent, Whereabouts};
-use hallsweep_core::rng::Stream;
+use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Now, OrderId, Pose};
 
 mod recall;
@@ -38,7 +38,7 @@ pub struct Sim {
     led: bool,
     senses: Senses,
     thermometer: Thermometer,
-    failures: Stream,
+    failures: RandomStream,
     events: VecDeque<RobotEvent>,
     /// How old the hall was when this run began.
     before: Duration,
@@ -110,7 +110,7 @@ impl Sim {
             led: false,
             senses: Senses::new(Arc::clone(&hall), &noise),
             thermometer: Thermometer::new(Arc::clone(&hall), memory.age),
-            failures: Stream::new(noise.seed, "photo"),
+            failures: RandomStream::new(noise.seed, "photo"),
             events: VecDeque::new(),
             before: memory.age,
             restarts: memory.restarts,

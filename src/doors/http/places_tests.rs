@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use hallsweep_core::rng::Stream;
+use hallsweep_core::rng::RandomStream;
 
 use super::*;
 use crate::access::Keyring;
@@ -266,7 +266,7 @@ async fn when_too_many_were_cut_and_are_not_gone_only_who_says_stop_gets_a_place
 #[test]
 fn whoever_is_found_to_give_way_is_the_first_of_all() {
     let places = keyed(40);
-    let mut chance = Stream::new(7, "places");
+    let mut chance = RandomStream::new(7, "places");
     let mut draw = |most: usize| usize::try_from(chance.below(most as u64)).expect("it fits");
     let mut all: Vec<Somebody> = Vec::new();
     for _ in 0..20_000 {

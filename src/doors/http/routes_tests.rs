@@ -139,10 +139,7 @@ fn the_documentation_shows_the_table_as_it_is() {
 
 /// What the page can send: the commands of the table, a verdict by its two words.
 fn console_commands() -> Vec<(String, Need)> {
-    let words = |row: &commands::Row| match row.kind {
-        CommandKind::Verdict => vec!["safe", "danger"],
-        _ => vec![row.name],
-    };
+    let words = |row: &commands::Row| if row.kind == CommandKind::Verdict { vec!["safe", "danger"] } else { vec![row.name] };
     let mut all: Vec<_> =
         COMMANDS.iter().flat_map(|row| words(row).into_iter().map(|word| (format!("/console/{word}"), row.need))).collect();
     all.sort();

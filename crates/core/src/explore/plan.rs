@@ -335,7 +335,7 @@ mod tests {
     /// The guided search is as exact as the plain one.
     #[test]
     fn the_way_to_a_cell_is_the_shortest_there_is() {
-        let mut dice = crate::rng::Stream::new(1, "planner");
+        let mut dice = crate::rng::RandomStream::new(1, "planner");
         for _ in 0..200 {
             let rows: Vec<String> =
                 (0..12).map(|_| (0..12).map(|_| if dice.below(4) == 0 { '#' } else { '.' }).collect()).collect();

@@ -107,21 +107,21 @@ fn degrees(words: &str) -> Option<Celsius> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rng::Stream;
+    use crate::rng::RandomStream;
 
     /// Any number, and the small ones most people use.
-    fn number(dice: &mut Stream) -> u64 {
+    fn number(dice: &mut RandomStream) -> u64 {
         let shift = dice.below(64);
         dice.number() >> shift
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "any number of this size will do")]
-    fn coordinate(dice: &mut Stream) -> i32 {
+    fn coordinate(dice: &mut RandomStream) -> i32 {
         let shift = dice.below(32);
         (dice.number() as i32) >> shift
     }
 
-    fn reading(dice: &mut Stream) -> Celsius {
+    fn reading(dice: &mut RandomStream) -> Celsius {
         loop {
             let any = [f64::from_bits(dice.number()), dice.fraction() * 100.0 - 50.0, f64::from(coordinate(dice) % 100)];
             if let Some(celsius) = Celsius::new(any[dice.below(3) as usize]) {
@@ -130,10 +130,10 @@ mod tests {
         }
     }
 
-    fn sensor(dice: &mut Stream) -> std::sync::Arc<str> {
+    fn sensor(dice: &mut RandomStream) -> std::sync::Arc<str> {
         loop {
             let ranges = [33..127, 0xa1..0x250, 0x4e00..0x9fff_u32];
-            let letter = |dice: &mut Stream| {
+            let letter = |dice: &mut RandomStream| {
                 let range = &ranges[dice.below(3) as usize];
                 char::from_u32(range.start + dice.below(u64::from(range.end - range.start)) as u32)
             };
@@ -147,7 +147,7 @@ mod tests {
 
     /// Some command that is this input.
     #[expect(clippy::wildcard_enum_match_arm, reason = "a command that is missing here ends the test")]
-    fn command(input: Input, dice: &mut Stream) -> Command {
+    fn command(input: Input, dice: &mut RandomStream) -> Command {
         let mut piece = || if dice.happens(0.2) { LuggageRef::Pending } else { LuggageRef::Id(LuggageId(number(dice))) };
         match input {
             Input::Start => Command::Start,
@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn every_command_comes_back_from_its_words() {
-        let mut dice = Stream::new(1, "words");
+        let mut dice = RandomStream::new(1, "words");
         for _ in 0..2000 {
             for input in Input::COMMANDS {
                 let command = command(input, &mut dice);

@@ -15,7 +15,7 @@ use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Event, RobotEvent, RobotId};
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::PhaseName;
-use hallsweep_core::rng::Stream;
+use hallsweep_core::rng::RandomStream;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{Now, Ticket, WallTime};
 use hallsweep_core::world::snapshot::Snapshot;
@@ -64,7 +64,7 @@ impl Run {
     #[must_use]
     pub fn new(hall: Arc<Hall>, sim: SimSettings, settings: Settings, strategy: Strategy) -> Run {
         let seed = sim.seed;
-        let second = Stream::new(seed, "clock").below(12 * 3600);
+        let second = RandomStream::new(seed, "clock").below(12 * 3600);
         let began_ms = FIRST_DAY_MS + i64::try_from(second).unwrap_or(0) * 1000;
         let mut run = Run {
             engine: Engine::new(settings, strategy, Arc::from(format!("seed-{seed}"))),

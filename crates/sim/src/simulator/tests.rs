@@ -260,7 +260,7 @@ fn the_temperature_is_told_when_it_changes_by_a_tenth() {
 fn wander(seed: u64, stride_ms: u64) -> String {
     let rows = ["#.....#", ".a.S..b", "...##..", "c......"];
     let mut run = Run::with(&rows, SimSettings { unknown_rate: 0.1, ..SimSettings::new(seed, Camera::Stub) });
-    let mut choices = Stream::new(seed, "wander");
+    let mut choices = RandomStream::new(seed, "wander");
     let mut log = String::new();
     for _ in 0..1500 {
         let action = if run.sim.is_off_centre() { Action::Recentre } else { any_move(choices.below(5)) };

@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use super::times::Times;
-use hallsweep_core::rng::Stream;
+use hallsweep_core::rng::RandomStream;
 
 /// The pauses between attempts to connect.
 #[derive(Debug)]
@@ -13,11 +13,11 @@ pub(super) struct Backoff {
     longest: Duration,
     /// The next pause is at most so long.
     bound: Duration,
-    chance: Stream,
+    chance: RandomStream,
 }
 
 impl Backoff {
-    pub(super) fn new(times: &Times, chance: Stream) -> Backoff {
+    pub(super) fn new(times: &Times, chance: RandomStream) -> Backoff {
         let (shortest, longest) = (times.shortest_pause, times.longest_pause);
         Backoff { shortest, longest, bound: shortest, chance }
     }
@@ -42,7 +42,7 @@ mod tests {
 
     fn backoff() -> (Backoff, Times) {
         let times = Times::default();
-        (Backoff::new(&times, Stream::new(7, "test")), times)
+        (Backoff::new(&times, RandomStream::new(7, "test")), times)
     }
 
     #[test]

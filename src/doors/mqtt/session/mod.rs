@@ -38,7 +38,7 @@ use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use backoff::Backoff;
 use connection_task::ConnectionTask;
-use hallsweep_core::rng::Stream;
+use hallsweep_core::rng::RandomStream;
 use hallsweep_core::world::snapshot::Snapshot;
 use health::HealthTracker;
 use lost::Lost;
@@ -85,7 +85,7 @@ pub struct Session {
     unacknowledged: u64,
     health: HealthTracker,
     backoff: Backoff,
-    chance: Stream,
+    chance: RandomStream,
     clock: Clock,
     times: Times,
     is_lost: bool,
@@ -108,8 +108,8 @@ impl Session {
             again: VecDeque::new(),
             unacknowledged: 0,
             health: HealthTracker::new(parts.health),
-            backoff: Backoff::new(&parts.times, Stream::new(parts.seed, "mqtt pauses")),
-            chance: Stream::new(parts.seed, "mqtt pulse"),
+            backoff: Backoff::new(&parts.times, RandomStream::new(parts.seed, "mqtt pauses")),
+            chance: RandomStream::new(parts.seed, "mqtt pulse"),
             clock: Clock::default(),
             times: parts.times,
             is_lost: false,

@@ -1,7 +1,7 @@
 //! What is shown while the store lags (safety R4): bounded, never early, and never at odds with what a button does.
 
 use super::*;
-use crate::rng::Stream;
+use crate::rng::RandomStream;
 use crate::world::snapshot::Refusals;
 
 fn give(engine: &mut Engine, command: Command) -> Result<Ticket, Refused> {
@@ -39,7 +39,7 @@ fn at_most_64_views_wait_for_a_store_that_lags_and_none_is_shown_early() {
 #[test]
 fn nothing_that_is_shown_contradicts_a_button() {
     for seed in 0..200 {
-        let mut dice = Stream::new(seed, "buttons");
+        let mut dice = RandomStream::new(seed, "buttons");
         let mut engine = sweep_in(PhaseName::ALL[dice.below(PhaseName::ALL.len() as u64) as usize], &[]);
         let mut kept = engine.written().0;
         for _ in 0..30 {

@@ -21,7 +21,7 @@ impl Run {
     }
 
     /// Begins an action, lets some of its time pass, perhaps halts, and dies. What was last kept is all that is known then.
-    fn die_during(&mut self, action: Action, choices: &mut Stream) -> Run {
+    fn die_during(&mut self, action: Action, choices: &mut RandomStream) -> Run {
         self.order(action);
         let mut kept = self.sim.poll_memory();
         let lasts = self.sim.poll_timeout().map_or(Duration::ZERO, |end| end - self.now);
@@ -45,7 +45,7 @@ impl Run {
 fn however_often_its_program_dies_it_stays_on_the_floor_and_comes_to_the_same_cells() {
     let mut interrupted = 0;
     for seed in 0..40 {
-        let mut choices = Stream::new(seed, "deaths");
+        let mut choices = RandomStream::new(seed, "deaths");
         let mut steady = Run::with(&ROWS, settings(seed));
         let mut run = Run::with(&ROWS, settings(seed));
         for _ in 0..100 {
