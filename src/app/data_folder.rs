@@ -26,9 +26,9 @@ pub(super) struct DataFolder {
 }
 
 impl DataFolder {
-    /// Opens the folder of the settings, in which the robots also find where they were left. A file of it that cannot be read or written is no error: the store says so, and the robot
-    /// is held (safety R5): so also when the keys cannot be had, which is said by `keys`. A folder in use, or a mission in another
-    /// hall, is one.
+    /// Opens the folder of the settings, in which the robots also find where they were left. A file of it that cannot be read or
+    /// written is no error: the store says so, and the robots are held (safety R5): so also when the keys cannot be had, which is said
+    /// by `keys`. A folder in use, or a mission in another hall, is one.
     pub(super) fn open(settings: &Settings, robots: &mut Robots, keys: Option<String>) -> Result<DataFolder, AppError> {
         let Some(folder) = &settings.store else { return Ok(DataFolder::nowhere()) };
         robots.recall(folder);
