@@ -1,13 +1,11 @@
-//! The only file that names every adapter: opens the hall, binds the port, joins core, robot, store and door, and ends them
-//! in order. What each of them does is not here, and which threads there are stands in `threads`.
+//! The only file that names every door: binds the ports, joins core, robots, store and doors, and ends them in order. What each of
+//! them does is not here; which robots there are is the business of `robots`, and which threads that of `threads`.
 //!
 //! ```text
-//!   signal ─► halt ─► the doors drain their requests ─► the loop ends ─► the robot's task ends with its channel
+//!   signal ─► halt ─► the doors drain their requests ─► the loop ends ─► each robot's task ends with its channel
 //! ```
 
-use std::future::Future;
 use std::net::TcpListener;
-use std::pin::Pin;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -15,17 +13,18 @@ use tokio::sync::watch;
 use tokio::task::JoinHandle;
 
 use crate::access;
-use crate::config::{self, Settings};
+use crate::config::Settings;
 use crate::doors::coap::Resources;
 use crate::doors::http::{self, Door};
 use crate::doors::listeners::Listeners;
 use crate::doors::room::Room;
-use crate::robots::sim;
+pub use crate::robots::Adapter;
+use crate::robots::Robots;
 use crate::runtime::archive_reader::Reader;
 use crate::runtime::clock::Clock;
 use crate::runtime::halt::Halter;
 use crate::runtime::handle::Handle;
-use crate::runtime::link::{RobotSide, link};
+use crate::runtime::link::link;
 use crate::runtime::task::{Course, Task};
 use crate::runtime::threads::Thread;
 use crate::storage::stops;
@@ -33,7 +32,6 @@ use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::mission::Hold;
 use hallsweep_core::units::Epoch;
-use hallsweep_sim::{Camera, Hall, SimSettings, Speed};
 
 mod coap;
 mod data_folder;
@@ -60,9 +58,6 @@ const LEFT_BEHIND: Duration = Duration::from_millis(200);
 /// So long the robot is waited for before requests are answered.
 const FIRST_LINK: Duration = Duration::from_secs(2);
 
-/// What stands between the program and a robot: it takes the adapter's end of the link, and runs until the loop's end is gone.
-pub type Adapter = Box<dyn FnOnce(RobotSide) -> Pin<Box<dyn Future<Output = ()> + Send>> + Send>;
-
 /// Serves until SIGINT or SIGTERM. `announce` is told where, with the real ports, and how one gets in, as soon as requests are
 /// answered.
 ///
@@ -72,7 +67,7 @@ pub fn serve(settings: &Settings, announce: impl FnOnce(Doors, &Entry)) -> Resul
     serve_with(settings, None, announce)
 }
 
-/// The same with another robot than the simulated one: what is measured at a robot's port is measured behind the real doors.
+/// The same with another robot that searches than that of the settings: what is measured at a robot's port is measured behind the real doors.
 ///
 /// # Errors
 /// As for `serve`.
@@ -81,33 +76,16 @@ pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Do
 }
 
 fn serve_with(settings: &Settings, robot: Option<Adapter>, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
-    let simulation = simulation(settings, Camera::Rendered)?;
+    let robots = Robots::of(settings)?;
     let runtime = threads::ordinary().map_err(AppError::System)?;
-    let served = runtime.block_on(serve_hall(settings, simulation, robot, announce));
+    let served = runtime.block_on(serve_hall(settings, robots, robot, announce));
     runtime.shutdown_timeout(LEFT_BEHIND);
     served
 }
 
-/// The hall of the settings and the robot that lives in it.
-///
-/// # Errors
-/// `AppError::Hall`: the setting that names the hall, and file and line of what is wrong with it.
-pub fn simulation(settings: &Settings, camera: Camera) -> Result<(Arc<Hall>, SimSettings), AppError> {
-    let (name, origin) = (settings.hall.clone(), settings.hall_origin.clone());
-    let hall = Hall::named_or_file(&settings.hall).map_err(|error| AppError::Hall { name, origin, error })?;
-    let robot = &settings.robot;
-    let sim = SimSettings {
-        unknown_rate: robot.unknown_rate,
-        photo_failure_rate: robot.photo_failure_rate,
-        sonar_noise_cm: robot.sonar_noise_cm,
-        ..SimSettings::new(robot.seed, camera)
-    };
-    Ok((Arc::new(hall), sim))
-}
-
 async fn serve_hall(
     settings: &Settings,
-    (hall, sim): (Arc<Hall>, SimSettings),
+    mut robots: Robots,
     robot: Option<Adapter>,
     announce: impl FnOnce(Doors, &Entry),
 ) -> Result<(), AppError> {
@@ -120,13 +98,14 @@ async fn serve_hall(
     let signalled = signals::listen().map_err(AppError::System)?;
     let secret = access::chance()?;
 
-    let kept = DataFolder::open(settings, &hall, entry::unusable(settings))?;
+    let kept = DataFolder::open(settings, &mut robots, entry::unusable(settings))?;
     // Only now, when nothing else can refuse the start: a key that is made is also shown.
     let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
     let halter = Halter::new(kept.epoch());
     let reader = Reader::new(Arc::clone(&kept.archive));
+    let (hall, cell_m) = (robots.hall_name().to_owned(), robots.cell_m());
     let (course, coursed) = watch::channel(Course::default());
-    let (handle, mut task) = start(settings, (Arc::clone(&hall), sim, robot), kept, (&halter, coursed), &threads).await;
+    let (handle, mut task) = start(settings, (robots, robot), kept, (&halter, coursed), &threads).await;
     find_robot(&handle).await;
     let ending = watch::Sender::new(false);
     let resources = || Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
@@ -136,11 +115,11 @@ async fn serve_hall(
     let mqtt_ways = (mqtt_ports, mqtt_at, mqtt_access, (&threads, room));
     let mqtt = Mqtt::open(settings, mqtt_ways, handle.clone(), reader.clone(), ending.subscribe()).await?;
     let http = listeners(http, &threads.http)?;
-    let door = Door::new(handle, reader, hall.name(), access).with_cells_of(hall.cell_m());
+    let door = Door::new(handle, reader, &hall, access).with_cells_of(cell_m);
     let door = door.with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);
     let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|place| place.map(|place| tracing::field::display(place.at)));
-    tracing::info!(http = %doors.http.at, coap = coap_at, mqtt = mqtt_at, hall = hall.name(), descriptors, "serving");
+    tracing::info!(http = %doors.http.at, coap = coap_at, mqtt = mqtt_at, hall, descriptors, "serving");
 
     let mut ended = None;
     let shutdown = async {
@@ -188,10 +167,10 @@ async fn find_robot(handle: &Handle) {
     }
 }
 
-/// Starts the robot and the loop.
+/// Starts the robots and the loop. `other` is in the place of the robot that searches.
 async fn start(
     settings: &Settings,
-    (hall, sim, other): (Arc<Hall>, SimSettings, Option<Adapter>),
+    (mut robots, other): (Robots, Option<Adapter>),
     mut kept: DataFolder,
     (halter, course): (&Halter, watch::Receiver<Course>),
     threads: &Threads,
@@ -206,26 +185,26 @@ async fn start(
         tracing::warn!(words, "the robot is held");
         engine.note_damage(words, clock.now());
     }
-    let (link, side) = link(halter.watch());
-    let (robot, mut state_file) = match kept.robot(hall, sim) {
-        Ok((robot, state_file)) => (Some(robot), state_file),
-        Err(lost) => {
-            tracing::error!(lost, "nobody knows where the simulated robot was left: it is not started");
-            (None, None)
-        }
+    for further in robots.ids().skip(1) {
+        engine.add_robot(further.clone(), clock.now());
+    }
+    let ends = |robot: &RobotId| {
+        let (link, side) = link(halter.watch());
+        ((robot.clone(), link), side)
     };
-    if kept.elsewhere && !elsewhere::put_down(&mut engine, &mut *kept.store, &link, halter, &clock).await {
-        // The old one stays, so that robot and map are in the same hall at the next start as well.
-        state_file = None;
+    let (links, sides): (Vec<_>, Vec<_>) = robots.ids().map(ends).unzip();
+    if kept.elsewhere && !elsewhere::put_down(&mut engine, &mut *kept.store, &links[0].1, halter, &clock).await {
+        // So that robots and map are in the same hall at the next start as well.
+        robots.keep_other_hall();
     }
-    let on = threads.robot.handle();
-    match (other, robot) {
-        (Some(adapter), _) => drop(on.spawn(adapter(side))),
-        (None, Some(robot)) => drop(on.spawn(sim::run(robot, side, clock, speed(settings.robot.speed), state_file))),
-        // The link stays down, and nobody is told that its adapter has ended.
-        (None, None) => drop(on.spawn(async move { side.reports.closed().await })),
+    let mut adapters = robots.adapters(clock);
+    if let Some(other) = other {
+        adapters[0] = other;
     }
-    let (handle, task) = Task::new(engine, [(RobotId::discovery(), link)], kept.store, clock, halter.clone());
+    for (adapter, side) in adapters.into_iter().zip(sides) {
+        threads.robot.handle().spawn(adapter(side));
+    }
+    let (handle, task) = Task::new(engine, links, kept.store, clock, halter.clone());
     (handle, threads.core.handle().spawn(task.run(course)))
 }
 
@@ -251,21 +230,4 @@ fn engine(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: 
 /// Tells this run's revisions from those of any other: the millisecond in which it began.
 fn run_id(clock: &Clock) -> Arc<str> {
     format!("{:x}", clock.now().wall.unix_ms).into()
-}
-
-const fn speed(speed: config::Speed) -> Speed {
-    match speed {
-        config::Speed::Times(factor) => Speed::Times(factor),
-        config::Speed::Max => Speed::Max,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_speed_that_can_be_set_is_one_the_simulator_knows() {
-        assert_eq!((config::Speed::SLOWEST, config::Speed::FASTEST), (Speed::SLOWEST, Speed::FASTEST));
-    }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
+use hallsweep_core::event::RobotId;
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::settings::Settings as CoreSettings;
 
@@ -16,12 +17,14 @@ mod folder;
 mod key;
 mod layers;
 mod mqtt;
+mod robots;
 
 pub use bind::{At, Bind};
 pub use error::SettingsError;
 pub use key::{KEYS, Key, Kind};
 pub use layers::{DEFAULTS, Flag, Sources};
 pub use mqtt::{Broker, Login, MqttSettings, OtherBroker};
+pub use robots::{MOST_ROBOTS, RobotKind};
 
 /// Everything that can be set, with every value known to be usable.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,8 +43,10 @@ pub struct Settings {
     pub old_clients: OldClients,
     /// Where everything is kept that outlives the program; `None`: nothing is kept.
     pub store: Option<PathBuf>,
-    /// The simulated robot.
+    /// The robot that searches.
     pub robot: RobotSettings,
+    /// The robots beside it, by their names; none by default.
+    pub further_robots: Vec<(RobotId, RobotSettings)>,
     /// The order of the search.
     pub strategy: Strategy,
     /// What the core wants to know.
@@ -83,9 +88,11 @@ pub struct TlsFiles {
     pub key: PathBuf,
 }
 
-/// How the simulated robot behaves.
+/// What a robot is, and how it behaves when it is a simulated one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RobotSettings {
+    /// What it is.
+    pub kind: RobotKind,
     /// How fast it lives.
     pub speed: Speed,
     /// Where all its chance comes from.

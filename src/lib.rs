@@ -7,8 +7,9 @@
 //!     └────── watch<Arc<Snapshot>> ◄── World ──┘                     └─► Record ─► store ─► Recorded ─► handle_event
 //! ```
 //! Writes travel right, facts travel left. `hallsweep_core` knows nobody, and Cargo holds that; within the program `tests/tidy.rs`
-//! holds the rule: doors know `runtime` and `api`; robots and storage know `runtime`; doors and robots never know one another, nor one
-//! door another; only `app` and the command line know them all. Read `docs/architecture.md` next, then `hallsweep_core::mission`.
+//! holds the rule: doors know `runtime` and `api`; robots and storage know `runtime`, and robots what the settings say of them; doors
+//! and robots never know one another, nor one door another; only `app` and the command line know them all. Read
+//! `docs/architecture.md` next, then `hallsweep_core::mission`.
 
 pub mod access;
 pub mod api;

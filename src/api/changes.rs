@@ -8,7 +8,7 @@ use super::log::LogLineJson;
 use super::luggage::LuggageJson;
 use super::map::MapChange;
 use super::mission::MissionJson;
-use super::robot::RobotJson;
+use super::robot::{NamedRobotJson, RobotJson};
 use super::state;
 use super::temperature::TemperatureJson;
 use hallsweep_core::units::Revision;
@@ -24,6 +24,9 @@ pub struct ChangesJson {
     pub mission: Option<MissionJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<RobotJson>,
+    /// All of them, when any has changed, or what holds it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robots: Option<Vec<NamedRobotJson>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<MapChange>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -43,7 +46,10 @@ impl ChangesJson {
     pub fn between(older: &Snapshot, snapshot: &Snapshot) -> ChangesJson {
         let read = older.log.last().map_or(0, |line| line.number);
         let map = MapChange::between(older, snapshot);
-        ChangesJson::gathered(snapshot, older.revision, map, read)
+        let changes = ChangesJson::gathered(snapshot, older.revision, map, read);
+        // What holds a robot may hold the mission too, which says so more often than that.
+        let is_same = changes.robot.is_none() && older.robots == snapshot.robots;
+        ChangesJson { robots: changes.robots.filter(|_| !is_same), ..changes }
     }
 
     /// What a reader lacks of whom only the revision is known. Log lines carry their numbers, so all at hand are sent when
@@ -59,6 +65,7 @@ impl ChangesJson {
             revision: snapshot.revision.0,
             mission: changed(Resource::Mission).then(|| state::mission(snapshot)),
             robot: changed(Resource::Robot).then(|| state::robot(snapshot)),
+            robots: (changed(Resource::Robot) || changed(Resource::Mission)).then(|| state::robots(snapshot)),
             map,
             luggage: changed(Resource::Luggage).then(|| state::luggage(snapshot)),
             temperature: changed(Resource::Temperature).then(|| state::temperature(snapshot)),
@@ -72,6 +79,7 @@ impl ChangesJson {
 mod tests {
     use super::*;
     use crate::api::fixture::{searching, touch, write};
+    use hallsweep_core::mission::Hold;
     use hallsweep_core::world::log::Tone;
 
     #[test]
@@ -83,6 +91,27 @@ mod tests {
         let mut fields: Vec<&String> = json.as_object().unwrap().keys().collect();
         fields.sort();
         assert_eq!(fields, ["revision", "temperature"]);
+    }
+
+    #[test]
+    fn robots_are_sent_when_one_has_changed_or_what_holds_it() {
+        let older = searching();
+        let robots = |newer: &Snapshot| ChangesJson::between(&older, newer).robots;
+        let mut newer = older.clone();
+        touch(&mut newer, 21, &[Resource::Mission]);
+        assert_eq!(robots(&newer), None);
+        assert_eq!(
+            ChangesJson::since(&newer, older.revision).robots,
+            Some(state::robots(&newer)),
+            "who knows what was held before"
+        );
+        let mut held = newer.robots[0].clone();
+        held.holds.push(Hold::Operator);
+        newer.robots = std::sync::Arc::from([held]);
+        assert_eq!(robots(&newer), Some(state::robots(&newer)));
+        let mut newer = older.clone();
+        touch(&mut newer, 21, &[Resource::Robot]);
+        assert_eq!(robots(&newer), Some(state::robots(&newer)), "their revision is another");
     }
 
     #[test]

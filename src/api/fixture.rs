@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use hallsweep_core::command::Verdict;
+use hallsweep_core::event::{Parts, RobotId};
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, WallTime};
@@ -12,7 +13,7 @@ use hallsweep_core::world::hall_map::{HallMap, Mark};
 use hallsweep_core::world::log::{LogLine, Tone};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 use hallsweep_core::world::resource::Resource;
-use hallsweep_core::world::robot::{RobotState, RobotView};
+use hallsweep_core::world::robot::{RobotShown, RobotState, RobotView};
 use hallsweep_core::world::snapshot::{MissionView, Progress, Refusals, Snapshot};
 use hallsweep_core::world::temperature::{TemperatureStatus, TemperatureView};
 
@@ -21,20 +22,21 @@ pub(crate) const TEN: WallTime = WallTime { unix_ms: 1_770_109_200_000, offset_s
 
 /// An idle robot at home, nothing known but its cell, at revision 1.
 pub(crate) fn idle() -> Snapshot {
+    let robot = RobotView {
+        state: RobotState::Stopped,
+        halting: false,
+        pose: Pose::START,
+        off_centre: false,
+        sonar_cm: None,
+        led_blinking: false,
+    };
     Snapshot {
         run: Arc::from("t-1"),
         revision: Revision(1),
         revisions: [Revision(1); Resource::COUNT],
         mission: idle_mission(),
-        robot: RobotView {
-            state: RobotState::Stopped,
-            halting: false,
-            pose: Pose::START,
-            off_centre: false,
-            sonar_cm: None,
-            led_blinking: false,
-        },
-        robots: Arc::from([]),
+        robot,
+        robots: alone(robot),
         map: HallMap::new(Cell::HOME, Revision(1)),
         luggage: Arc::from([]),
         temperature: TemperatureView {
@@ -57,6 +59,7 @@ pub(crate) fn searching() -> Snapshot {
     snapshot.robot.pose = Pose { cell: Cell::new(2, 2), heading: Heading::East };
     snapshot.robot.sonar_cm = Some(42);
     snapshot.robot.led_blinking = true;
+    snapshot.robots = alone(snapshot.robot);
     snapshot.mission.id = MissionId(1);
     snapshot.mission.phase = PhaseName::Inspecting;
     snapshot.mission.goal = Some(Cell::new(4, 4));
@@ -129,6 +132,11 @@ pub(crate) fn write(snapshot: &mut Snapshot, tone: Tone, text: &str) {
 /// A temperature.
 pub(crate) fn degrees(celsius: f64) -> Celsius {
     Celsius::new(celsius).unwrap()
+}
+
+/// All robots, where there is only the one that searches.
+fn alone(view: RobotView) -> Arc<[RobotShown]> {
+    Arc::from([RobotShown { id: RobotId::discovery(), view, parts: Some(Parts::ROUND_ROBOT), holds: Vec::new() }])
 }
 
 fn idle_mission() -> MissionView {

@@ -1,9 +1,10 @@
-//! The robot and places in the hall in JSON.
+//! Robots and places in the hall in JSON.
 
 use serde::Serialize;
 
+use hallsweep_core::robots::Part;
 use hallsweep_core::units::{Cell, Revision};
-use hallsweep_core::world::robot::RobotView;
+use hallsweep_core::world::robot::{RobotShown, RobotView};
 
 /// A cell: `{"x":1,"y":2}`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -56,6 +57,59 @@ impl RobotJson {
             off_centre: robot.off_centre,
             sonar: robot.sonar_cm,
             led: if robot.led_blinking { "blinking" } else { "off" },
+        }
+    }
+}
+
+/// One of all robots: its name, what it has, what holds it, and beside these what `RobotJson` says of a robot.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct NamedRobotJson {
+    /// Its name in the settings.
+    pub name: String,
+    /// Whether it is the one that searches.
+    pub searches: bool,
+    /// What it has: `base`, `camera`, `sonar`, `led`, `thermometer`, `bump`, `arm`, `gripper`; null before its link is up.
+    pub parts: Option<Vec<&'static str>>,
+    /// What holds it: what holds all, and what holds it alone.
+    pub holds: Vec<&'static str>,
+    /// When any robot last changed.
+    pub revision: u64,
+    /// As in `RobotJson`, and so the fields that follow.
+    pub state: &'static str,
+    /// Whether it was told to halt and has not said since that it stands.
+    pub halting: bool,
+    /// Where it looks.
+    pub heading: &'static str,
+    /// The cell it stands in.
+    pub position: Place,
+    /// Whether it stands away from the cell's centre.
+    pub off_centre: bool,
+    /// Centimetres to what is ahead, or null.
+    pub sonar: Option<u16>,
+    /// `off` or `blinking`.
+    pub led: &'static str,
+}
+
+impl NamedRobotJson {
+    /// This robot as it is at `revision`, which is that of all robots.
+    #[must_use]
+    pub fn new(shown: &RobotShown, searches: bool, revision: Revision) -> NamedRobotJson {
+        let RobotJson { revision, state, halting, heading, position, off_centre, sonar, led } =
+            RobotJson::new(&shown.view, revision);
+        NamedRobotJson {
+            name: shown.id.name().to_owned(),
+            searches,
+            parts: shown.parts.map(|parts| parts.iter().map(Part::name).collect()),
+            holds: shown.holds.iter().map(|hold| hold.name()).collect(),
+            revision,
+            state,
+            halting,
+            heading,
+            position,
+            off_centre,
+            sonar,
+            led,
         }
     }
 }

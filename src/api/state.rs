@@ -7,7 +7,7 @@ use super::log::LogLineJson;
 use super::luggage::LuggageJson;
 use super::map::MapJson;
 use super::mission::MissionJson;
-use super::robot::RobotJson;
+use super::robot::{NamedRobotJson, RobotJson};
 use super::temperature::TemperatureJson;
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
@@ -21,8 +21,10 @@ pub struct StateJson {
     pub revision: u64,
     /// The mission.
     pub mission: MissionJson,
-    /// The robot.
+    /// The robot that searches.
     pub robot: RobotJson,
+    /// All robots, the one that searches first.
+    pub robots: Vec<NamedRobotJson>,
     /// The hall as far as it is known.
     pub map: MapJson,
     /// The luggage of this mission, by number.
@@ -42,6 +44,7 @@ impl From<&Snapshot> for StateJson {
             revision: snapshot.revision.0,
             mission: mission(snapshot),
             robot: robot(snapshot),
+            robots: robots(snapshot),
             map: MapJson::from(snapshot),
             luggage: luggage(snapshot),
             temperature: temperature(snapshot),
@@ -57,10 +60,18 @@ pub fn mission(snapshot: &Snapshot) -> MissionJson {
     MissionJson::new(&snapshot.mission, snapshot.revision_of(Resource::Mission))
 }
 
-/// The robot of this snapshot.
+/// The robot that searches in this snapshot.
 #[must_use]
 pub fn robot(snapshot: &Snapshot) -> RobotJson {
     RobotJson::new(&snapshot.robot, snapshot.revision_of(Resource::Robot))
+}
+
+/// All robots of this snapshot, the one that searches first.
+#[must_use]
+pub fn robots(snapshot: &Snapshot) -> Vec<NamedRobotJson> {
+    let revision = snapshot.revision_of(Resource::Robot);
+    let named = |(place, shown)| NamedRobotJson::new(shown, place == 0, revision);
+    snapshot.robots.iter().enumerate().map(named).collect()
 }
 
 /// The temperature of this snapshot.
@@ -91,6 +102,8 @@ pub fn log_after(snapshot: &Snapshot, number: u64) -> Vec<LogLineJson> {
 mod tests {
     use super::*;
     use crate::api::fixture::{idle, searching};
+    use hallsweep_core::event::RobotId;
+    use hallsweep_core::world::robot::RobotShown;
 
     #[test]
     fn the_state_has_the_shape_the_clients_know() {
@@ -121,6 +134,25 @@ mod tests {
                 "text": "luggage #2 is dangerous", "luggage": 2, "acknowledged": null})
         );
         assert_eq!(json["log"][0]["number"], 1);
+    }
+
+    #[test]
+    fn every_robot_is_there_with_its_name_and_what_it_has() {
+        let mut snapshot = idle();
+        let porter = RobotShown { id: RobotId::new("porter").unwrap(), parts: None, ..snapshot.robots[0].clone() };
+        snapshot.robots = snapshot.robots.iter().cloned().chain([porter]).collect();
+        let json = serde_json::to_value(StateJson::from(&snapshot)).unwrap();
+        let (discovery, porter) = (&json["robots"][0], &json["robots"][1]);
+        assert_eq!((&discovery["name"], &discovery["searches"]), (&"discovery".into(), &true.into()));
+        assert_eq!(discovery["parts"], serde_json::json!(["base", "camera", "sonar", "led", "thermometer", "bump"]));
+        assert_eq!(
+            *porter,
+            serde_json::json!({"name": "porter", "searches": false, "parts": null, "holds": [], "revision": 1, "state": "stopped",
+                "halting": false, "heading": "south", "position": {"x": 0, "y": 0}, "offCentre": false, "sonar": null, "led": "off"})
+        );
+        for (key, value) in json["robot"].as_object().unwrap() {
+            assert_eq!(discovery.get(key), Some(value), "the one that searches says of itself the same twice: {key}");
+        }
     }
 
     #[test]

@@ -1,12 +1,11 @@
-//! What earlier runs left behind, and where this one is kept: the journal, and the memory of the simulated robot beside it.
+//! What earlier runs left behind, and where this one is kept: the journal, and what robots remember beside it.
 //! What is done with what was recalled is the core's business.
 
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::AppError;
 use crate::config::Settings;
-use crate::robots::sim::{SimStateFile, StateFileError};
+use crate::robots::Robots;
 use crate::runtime::archive::Archive;
 use crate::runtime::store::Store;
 use crate::storage::sqlite::{self, MemoryStore};
@@ -14,10 +13,6 @@ use crate::storage::stops::Stops;
 use hallsweep_core::engine::Recalled;
 use hallsweep_core::units::Epoch;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
-use hallsweep_sim::{Hall, Sim, SimMemory, SimSettings};
-
-/// What became of looking for the robot's state file.
-type Found = Result<(SimStateFile, Option<SimMemory>), StateFileError>;
 
 /// Where everything is kept, and what was there.
 pub(super) struct DataFolder {
@@ -28,42 +23,40 @@ pub(super) struct DataFolder {
     pub(super) elsewhere: bool,
     /// What remembers a STOP also when the journal cannot be written.
     pub(super) stops: Option<Stops>,
-    /// Whether there may be a record that could not be read.
-    is_unread: bool,
-    /// Why nobody knows where the robot is.
-    lost: Option<String>,
-    state_file: Option<SimStateFile>,
-    memory: Option<SimMemory>,
 }
 
 impl DataFolder {
-    /// Opens the folder of the settings. A file of it that cannot be read or written is no error: the store says so, and the robot
-    /// is held (safety R5): so also when the keys cannot be had, which is said by `keys`. A folder in use, or a mission in another
-    /// hall, is one.
-    pub(super) fn open(settings: &Settings, hall: &Hall, keys: Option<String>) -> Result<DataFolder, AppError> {
+    /// Opens the folder of the settings, in which the robots also find where they were left. A file of it that cannot be read or
+    /// written is no error: the store says so, and the robots are held (safety R5): so also when the keys cannot be had, which is said
+    /// by `keys`. A folder in use, or a mission in another hall, is one.
+    pub(super) fn open(settings: &Settings, robots: &mut Robots, keys: Option<String>) -> Result<DataFolder, AppError> {
         let Some(folder) = &settings.store else { return Ok(DataFolder::nowhere()) };
-        let found = SimStateFile::open(folder, hall);
-        let lost =
-            found.as_ref().err().filter(|error| !matches!(error, StateFileError::OtherHall { .. })).map(ToString::to_string);
-        let beside: Vec<String> = [lost.clone(), Stops::unusable(folder), keys].into_iter().flatten().collect();
+        robots.recall(folder);
+        let lost = robots.lost();
+        let is_any_lost = !lost.is_empty();
+        let beside: Vec<String> = lost.into_iter().chain(Stops::unusable(folder)).chain(keys).collect();
         let beside = (!beside.is_empty()).then(|| beside.join("; and "));
         let sqlite::Opened { store, archive, recalled, failure } = sqlite::open(folder, beside)?;
         let is_unread = failure.is_some() && recalled.is_none();
         let recalled = recalled.map(|recalled| without_lost_photos(recalled, &*archive));
-        let mut kept = DataFolder {
-            store,
-            archive,
-            recalled,
-            elsewhere: false,
-            stops: None,
-            is_unread,
-            lost,
-            state_file: None,
-            memory: None,
-        };
-        kept.find_robot(found, folder, hall)?;
-        kept.stops = Some(Stops::open(folder));
-        Ok(kept)
+        let is_on_a_mission = recalled.as_ref().is_some_and(|recalled| recalled.standing.phase.is_mission());
+        let other_hall = robots.other_hall().map(str::to_owned);
+        let mut elsewhere = false;
+        match other_hall {
+            // What nobody could read may be a mission in that hall: its robots are not forgotten.
+            _ if is_unread => {}
+            Some(remembered) if is_on_a_mission => {
+                return Err(AppError::OtherHall { folder: folder.clone(), remembered, given: robots.hall_name().to_owned() });
+            }
+            // The robot that searches may be in a mission in the hall of the others.
+            None if is_any_lost => {}
+            // Where the robot that searches is, there is the record; of the others only where they stand is.
+            other_hall => {
+                elsewhere = other_hall.is_some();
+                robots.put_down();
+            }
+        }
+        Ok(DataFolder { store, archive, recalled, elsewhere, stops: Some(Stops::open(folder)) })
     }
 
     /// The epoch that holds: that of the last stop, whether or not the journal came to know of it (safety S4).
@@ -88,57 +81,9 @@ impl DataFolder {
         ))
     }
 
-    /// The robot where it was left, and the state file in which it goes on writing.
-    ///
-    /// # Errors
-    /// Why nobody knows where it is.
-    pub(super) fn robot(&mut self, hall: Arc<Hall>, sim: SimSettings) -> Result<(Sim, Option<SimStateFile>), String> {
-        if let Some(lost) = self.lost.take() {
-            return Err(lost);
-        }
-        let robot = match self.memory.take() {
-            Some(memory) => Sim::remembering(hall, sim, memory),
-            None => Sim::new(hall, sim),
-        };
-        Ok((robot, self.state_file.take()))
-    }
-
     fn nowhere() -> DataFolder {
         let store = MemoryStore::new();
-        DataFolder {
-            archive: store.archive(),
-            store: Box::new(store),
-            recalled: None,
-            elsewhere: false,
-            stops: None,
-            is_unread: false,
-            lost: None,
-            state_file: None,
-            memory: None,
-        }
-    }
-
-    fn find_robot(&mut self, found: Found, folder: &Path, hall: &Hall) -> Result<(), AppError> {
-        let (state_file, memory) = match found {
-            Ok(opened) => opened,
-            // What nobody could read may be a mission in that hall: its robot is not forgotten.
-            Err(StateFileError::OtherHall { .. }) if self.is_unread => return Ok(()),
-            Err(StateFileError::OtherHall { .. }) if !self.is_on_a_mission() => {
-                self.elsewhere = true;
-                (SimStateFile::begin_anew(folder, hall), None)
-            }
-            Err(StateFileError::OtherHall { remembered, .. }) => {
-                return Err(AppError::OtherHall { folder: PathBuf::from(folder), remembered, given: hall.name().to_owned() });
-            }
-            // It is `lost`.
-            Err(_) => return Ok(()),
-        };
-        (self.state_file, self.memory) = (Some(state_file), memory);
-        Ok(())
-    }
-
-    fn is_on_a_mission(&self) -> bool {
-        self.recalled.as_ref().is_some_and(|recalled| recalled.standing.phase.is_mission())
+        DataFolder { archive: store.archive(), store: Box::new(store), recalled: None, elsewhere: false, stops: None }
     }
 }
 

@@ -7,22 +7,15 @@ use super::Port;
 use crate::access::AccessError;
 use crate::doors::http::TlsError;
 use crate::doors::mqtt;
+use crate::robots::sim::UnusableHall;
 use crate::storage::sqlite::OpenError;
-use hallsweep_sim::HallError;
 
 /// Why the program cannot begin, or not go on. `Display` is the line for whoever started it.
 #[derive(Debug, thiserror::Error)]
 pub enum AppError {
     /// The hall cannot be read.
-    #[error("setting hall.file = {name:?} (from {origin}): {error}")]
-    Hall {
-        /// The hall's name or path, as it was set.
-        name: String,
-        /// Where that was set, as `flag --hall`.
-        origin: String,
-        /// The line of the file and what is wrong.
-        error: HallError,
-    },
+    #[error(transparent)]
+    Hall(#[from] UnusableHall),
     /// The keys cannot be had.
     #[error(transparent)]
     Access(#[from] AccessError),

@@ -10,8 +10,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Failure;
 use crate::api::{journal_words, map_text};
-use crate::app;
+use crate::app::AppError;
 use crate::config::{self, Flag, Sources};
+use crate::robots::sim;
 use hallsweep_core::effect::Entry;
 use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_sim::Camera;
@@ -61,7 +62,8 @@ enum Answers {
 /// Wrong settings, a bad hall file, a log that cannot be written, or a mission that could not end.
 pub fn run(flags: &Explore) -> Result<(), Failure> {
     let settings = super::settings(&flags.sources())?;
-    let (hall, sim) = app::simulation(&settings, Camera::Stub)?;
+    let hall = sim::hall(&settings).map_err(AppError::from)?;
+    let sim = sim::sim_settings(&settings.robot, Camera::Stub);
     let bar = progress_bar(hall.reachable().len());
     let watch = |state: &Snapshot| bar.set_position(state.mission.progress.visited as u64);
     let figures = headless::explore(&hall, sim, settings.core, settings.strategy, flags.verdicts.into(), watch);

@@ -28,7 +28,7 @@ impl Failure {
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            Failure::Settings(_) | Failure::App(AppError::Hall { .. } | AppError::Tls(_)) => ExitCode::from(2),
+            Failure::Settings(_) | Failure::App(AppError::Hall(_) | AppError::Tls(_)) => ExitCode::from(2),
             Failure::App(_) | Failure::Access(_) | Failure::Run(_) => ExitCode::from(1),
         }
     }

@@ -11,10 +11,10 @@ use tracing_subscriber::EnvFilter;
 
 use super::bind::{At, Bind};
 use super::error::SettingsError;
-use super::key::{KEYS, Key, Kind};
+use super::key::{KEYS, Key, Kind, ROBOT};
 use super::layers::Layers;
-use super::mqtt;
-use super::{HttpSettings, OldClients, RobotSettings, Settings, Speed, TlsFiles, folder};
+use super::{HttpSettings, OldClients, Settings, TlsFiles, folder};
+use super::{mqtt, robots};
 use hallsweep_core::command::TemperatureReport;
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::settings::Settings as CoreSettings;
@@ -32,7 +32,7 @@ enum Texts {
 
 #[derive(Deserialize)]
 #[serde(untagged)]
-enum NumberOrWord {
+pub(super) enum NumberOrWord {
     Number(f64),
     Word(String),
 }
@@ -48,7 +48,8 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
         mqtt: mqtt::mqtt(layers)?,
         old_clients: OldClients { manual_driving: read(layers, "old_clients.manual_driving")? },
         store: store(layers)?,
-        robot: robot(layers)?,
+        robot: robots::robot(layers, ROBOT)?,
+        further_robots: robots::further(layers)?,
         strategy: strategy(layers)?,
         core: core(layers)?,
         sensors: sensors(layers)?,
@@ -160,24 +161,6 @@ fn store(layers: &Layers) -> Result<Option<PathBuf>, SettingsError> {
     }
 }
 
-fn robot(layers: &Layers) -> Result<RobotSettings, SettingsError> {
-    Ok(RobotSettings {
-        speed: speed(layers)?,
-        seed: read(layers, "robot.seed")?,
-        unknown_rate: number(layers, "robot.unknown_rate")?,
-        photo_failure_rate: number(layers, "robot.photo_failure_rate")?,
-        sonar_noise_cm: number(layers, "robot.sonar_noise_cm")?,
-    })
-}
-
-fn speed(layers: &Layers) -> Result<Speed, SettingsError> {
-    match read(layers, "robot.speed")? {
-        NumberOrWord::Number(factor) => within(layers, "robot.speed", factor).map(Speed::Times),
-        NumberOrWord::Word(word) if word == "max" => Ok(Speed::Max),
-        NumberOrWord::Word(_) => Err(layers.wrong("robot.speed", "this word is no speed")),
-    }
-}
-
 fn strategy(layers: &Layers) -> Result<Strategy, SettingsError> {
     let name: String = read(layers, "mission.strategy")?;
     Strategy::named(&name).ok_or_else(|| layers.wrong("mission.strategy", "there is no such strategy"))
@@ -224,11 +207,11 @@ fn log(layers: &Layers) -> Result<String, SettingsError> {
 }
 
 /// A number within the bounds that the table gives it.
-fn number(layers: &Layers, key: &str) -> Result<f64, SettingsError> {
+pub(super) fn number(layers: &Layers, key: &str) -> Result<f64, SettingsError> {
     within(layers, key, read(layers, key)?)
 }
 
-fn within(layers: &Layers, key: &str, value: f64) -> Result<f64, SettingsError> {
+pub(super) fn within(layers: &Layers, key: &str, value: f64) -> Result<f64, SettingsError> {
     let problem = if value.is_nan() { "it stands for no number" } else { "it is out of range" };
     let is_beyond = Key::named(key).is_some_and(|key| key.is_beyond(value));
     if is_beyond { Err(layers.wrong(key, problem)) } else { Ok(value) }

@@ -3,6 +3,7 @@
 //! flags of the command line, the defaults with what each setting is (`config/default.toml`), and `docs/settings.md`.
 
 use super::Speed;
+use hallsweep_core::event::RobotId;
 use hallsweep_core::units::Celsius;
 
 /// One setting.
@@ -70,8 +71,14 @@ const COAP_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for
 /// What to write for the address of the MQTT door.
 const MQTT_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:1883 or [::1]:1883, or none for no such door";
 
+/// The section that has one of its own for each robot, as `[robots.porter]`.
+pub(super) const ROBOTS: &str = "robots";
+
+/// The section of the robot that searches. `[robots.NAME]` has the same keys.
+pub(super) const ROBOT: &str = "robot";
+
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 33] = [
+pub const KEYS: [Key; 34] = [
     key("hall.file", Kind::Text, Some("--hall"), "name a built-in hall, as airport, or the path of a .toml or .map file"),
     key(
         "http.bind",
@@ -132,6 +139,7 @@ pub const KEYS: [Key; 33] = [
         Some("--data"),
         "name a folder; or leave it empty for the usual one, or write none so that nothing is kept",
     ),
+    key("robot.kind", Kind::Text, None, "write one of: sim"),
     key(
         "robot.speed",
         SPEED,
@@ -163,10 +171,15 @@ pub const KEYS: [Key; 33] = [
 ];
 
 impl Key {
-    /// The setting of this name.
+    /// The setting of this name. That of a robot with a section of its own, as `robots.porter.seed`, is the one of `[robot]`.
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Key> {
-        KEYS.iter().find(|key| key.name == name)
+        let of_a_robot = || {
+            let (robot, own) = name.strip_prefix(ROBOTS)?.strip_prefix('.')?.split_once('.')?;
+            RobotId::new(robot).map(|_| format!("{ROBOT}.{own}"))
+        };
+        let meant = of_a_robot();
+        KEYS.iter().find(|key| key.name == meant.as_deref().unwrap_or(name))
     }
 
     /// The setting that a flag of the command line means.
@@ -184,11 +197,12 @@ impl Key {
         }
     }
 
-    /// The sections, each once.
+    /// The sections, each once; last the one of many robots.
     #[must_use]
     pub fn sections() -> Vec<&'static str> {
         let mut sections: Vec<&str> = KEYS.iter().filter_map(|key| key.name.split('.').next()).collect();
         sections.dedup();
+        sections.push(ROBOTS);
         sections
     }
 
@@ -196,6 +210,14 @@ impl Key {
     #[must_use]
     pub fn advice_for_unknown(name: &str) -> String {
         let section = name.split('.').next().unwrap_or_default();
+        if section == ROBOTS {
+            let own: Vec<&str> = KEYS.iter().filter_map(|key| key.name.strip_prefix(ROBOT)?.strip_prefix('.')).collect();
+            return format!(
+                "in [{ROBOTS}.NAME] there are {}, and NAME is 1 to {} small letters, digits and hyphens, the first a letter",
+                own.join(", "),
+                RobotId::MOST
+            );
+        }
         let siblings: Vec<&str> = KEYS.iter().map(|key| key.name).filter(|key| key.split('.').next() == Some(section)).collect();
         if siblings.is_empty() {
             format!("the sections are {}", Key::sections().join(", "))
@@ -212,6 +234,7 @@ const fn key(name: &'static str, kind: Kind, flag: Option<&'static str>, advice:
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::RobotKind;
     use hallsweep_core::explore::Strategy;
 
     #[test]
@@ -219,6 +242,24 @@ mod tests {
         let names: Vec<&str> = Strategy::ALL.iter().map(|strategy| strategy.name()).collect();
         let advice = Key::named("mission.strategy").expect("it is a setting").advice;
         assert_eq!(advice, format!("write one of: {}", names.join(", ")));
+    }
+
+    #[test]
+    fn the_advice_lists_every_kind_of_robot() {
+        let names = RobotKind::ALL.map(RobotKind::name).join(", ");
+        assert_eq!(Key::named("robot.kind").expect("it is a setting").advice, format!("write one of: {names}"));
+    }
+
+    #[test]
+    fn a_robot_with_a_section_of_its_own_has_the_settings_of_the_one_that_searches() {
+        assert_eq!(Key::named("robots.porter-2.seed"), Key::named("robot.seed"));
+        for unknown in
+            ["robots", "robots.porter", "robots.porter.sed", "robots.Porter.seed", "robots.a.b.seed", "robots.http.bind"]
+        {
+            assert_eq!(Key::named(unknown), None, "{unknown}");
+        }
+        let advice = Key::advice_for_unknown("robots.porter.sed");
+        assert!(advice.starts_with("in [robots.NAME] there are kind, speed, seed, "), "{advice}");
     }
 
     #[test]

@@ -7,16 +7,21 @@
 //!   the file of --config     [robot] speed = "max"
 //!   config/default.toml      [robot] speed = 1            always complete
 //! ```
+//! `[robots.discovery]` is another name of `[robot]`, and is brought to that one first; every other `[robots.NAME]` is one more robot,
+//! laid over the defaults of `[robot]`.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use figment::util::nest;
 use figment::value::{Dict, Map, Value};
 use figment::{Figment, Metadata, Profile, Provider};
 use serde::Deserialize;
 
 use super::environment::{self, PREFIX};
 use super::error::SettingsError;
-use super::key::{Key, Kind};
+use super::key::{Key, Kind, ROBOT, ROBOTS};
+use hallsweep_core::event::RobotId;
 
 /// The bottom layer, which names every setting.
 pub const DEFAULTS: &str = include_str!("../../config/default.toml");
@@ -57,12 +62,28 @@ impl Flag {
 }
 
 /// All layers, the upper ones laid over the lower.
-pub(super) struct Layers(Figment);
+pub(super) struct Layers {
+    merged: Figment,
+    /// The robots beside the one that searches, and where each was named first.
+    further: BTreeMap<String, String>,
+    /// What was written of the robot that searches by its own name: where, and as which setting of `[robot]`.
+    by_name: Vec<(String, String)>,
+}
 
 /// Some settings from one place.
 struct Layer {
+    place: Place,
     origin: String,
     values: Dict,
+}
+
+/// Where a layer lies: what is said twice in one place contradicts itself, what is said in two is overruled.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Defaults,
+    File,
+    Environment,
+    Flags,
 }
 
 impl Layers {
@@ -77,15 +98,30 @@ impl Layers {
             layers.extend(Layer::variable(name, value)?);
         }
         for Flag { flag, key, value } in &sources.flags {
-            layers.push(Layer::single(format!("flag {flag}"), key, value)?);
+            layers.push(Layer::single(Place::Flags, format!("flag {flag}"), key, value)?);
         }
         layers.iter().try_for_each(Layer::check_names)?;
-        Ok(Layers(layers.into_iter().fold(Figment::new(), Figment::merge)))
+        check_said_once(&layers)?;
+        let by_name = layers.iter_mut().flat_map(Layer::bring_to_robot).collect();
+        let mut further = BTreeMap::new();
+        for layer in &layers {
+            for (name, _) in layer.robots() {
+                further.entry(name.clone()).or_insert_with(|| layer.origin.clone());
+            }
+        }
+        let beneath: Vec<Layer> = further.keys().map(|name| Layer::beneath(name)).collect();
+        let merged = beneath.into_iter().chain(layers).fold(Figment::new(), Figment::merge);
+        Ok(Layers { merged, further, by_name })
+    }
+
+    /// The robots beside the one that searches.
+    pub(super) fn further_robots(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.further.keys().map(String::as_str)
     }
 
     /// The values, merged.
     pub(super) fn figment(&self) -> &Figment {
-        &self.0
+        &self.merged
     }
 
     /// Says what is wrong with the value of a setting.
@@ -97,8 +133,8 @@ impl Layers {
     /// The same, with advice of its own.
     pub(super) fn wrong_with_advice(&self, key: &str, problem: impl Into<String>, advice: &str) -> SettingsError {
         SettingsError::Wrong {
-            key: key.to_owned(),
-            value: self.0.find_value(key).map_or_else(|_| "nothing".to_owned(), |value| written(&value)),
+            key: self.as_written(key),
+            value: self.merged.find_value(key).map_or_else(|_| "nothing".to_owned(), |value| written(&value)),
             origin: self.origin(key),
             problem: problem.into(),
             advice: advice.to_owned(),
@@ -121,8 +157,38 @@ impl Layers {
 
     /// Where the value of a setting comes from.
     pub(super) fn origin(&self, key: &str) -> String {
-        self.0.find_metadata(key).map_or("an unknown place", |metadata| metadata.name.as_ref()).to_owned()
+        let of_its_robot = || self.further.get(key.strip_prefix(ROBOTS)?.strip_prefix('.')?.split('.').next()?).cloned();
+        let found = self.merged.find_metadata(key).map(|metadata| metadata.name.to_string());
+        found.or_else(of_its_robot).unwrap_or_else(|| "an unknown place".to_owned())
     }
+
+    /// The name by which the setting was given where its value comes from.
+    fn as_written(&self, key: &str) -> String {
+        let by_name = self.by_name.iter().any(|(origin, meant)| meant == key && *origin == self.origin(key));
+        match key.split_once('.').filter(|_| by_name) {
+            Some((_, own)) => format!("{ROBOTS}.{}.{own}", RobotId::discovery()),
+            None => key.to_owned(),
+        }
+    }
+}
+
+/// Refuses what is said of the robot that searches by both of its names in one place.
+fn check_said_once(layers: &[Layer]) -> Result<(), SettingsError> {
+    for layer in layers {
+        for (own, value) in layer.discovery().into_iter().flatten() {
+            let twice = layers.iter().find(|other| other.place == layer.place && other.says(ROBOT, own));
+            if let Some(other) = twice {
+                return Err(SettingsError::Wrong {
+                    key: format!("{ROBOTS}.{}.{own}", RobotId::discovery()),
+                    value: written(value),
+                    origin: layer.origin.clone(),
+                    problem: format!("{ROBOT}.{own} means the same robot, and is set too (from {})", other.origin),
+                    advice: "write only one of them".to_owned(),
+                });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// A value as it would be written in a settings file, in one line.
@@ -137,14 +203,23 @@ fn written(value: &Value) -> String {
 impl Layer {
     fn defaults() -> Layer {
         let values = toml::from_str(DEFAULTS).expect("config/default.toml is part of the program and a test reads it");
-        Layer { origin: BY_DEFAULT.to_owned(), values }
+        Layer { place: Place::Defaults, origin: BY_DEFAULT.to_owned(), values }
+    }
+
+    /// What a further robot is like where nothing is said. Of which kind it is must be said: a mistyped name makes no robot.
+    fn beneath(robot: &str) -> Layer {
+        let Layer { place, origin, mut values } = Layer::defaults();
+        let mut like = values.remove(ROBOT).and_then(Value::into_dict).unwrap_or_default();
+        like.remove("kind");
+        let values = Dict::from([(ROBOTS.to_owned(), nest(robot, Value::from(like)))]);
+        Layer { place, origin, values }
     }
 
     fn file(path: &Path) -> Result<Layer, SettingsError> {
         let wrong = |problem: String| SettingsError::File { path: path.to_owned(), problem };
         let text = std::fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
         let values = toml::from_str(&text).map_err(|error| wrong(error.to_string().trim_end().to_owned()))?;
-        Ok(Layer { origin: format!("file {}", path.display()), values })
+        Ok(Layer { place: Place::File, origin: format!("file {}", path.display()), values })
     }
 
     /// The setting in an environment variable, if it is one.
@@ -156,17 +231,42 @@ impl Layer {
             return Err(SettingsError::Unknown { key: name.to_owned(), origin, advice });
         }
         let Some(key) = name.strip_prefix(PREFIX) else { return Ok(None) };
-        Layer::single(origin, &key.to_lowercase().replace("__", "."), value).map(Some)
+        Layer::single(Place::Environment, origin, &key.to_lowercase().replace("__", "."), value).map(Some)
     }
 
-    fn single(origin: String, key: &str, value: &str) -> Result<Layer, SettingsError> {
+    fn single(place: Place, origin: String, key: &str, value: &str) -> Result<Layer, SettingsError> {
         let Some(setting) = Key::named(key) else {
             return Err(SettingsError::Unknown { key: key.to_owned(), origin, advice: Key::advice_for_unknown(key) });
         };
         let value = if setting.kind == Kind::Text { Value::from(value) } else { meant(value) };
-        let (section, name) = key.split_once('.').expect("every setting's name has a section");
-        let values = Dict::from([(section.to_owned(), Value::from(Dict::from([(name.to_owned(), value)])))]);
-        Ok(Layer { origin, values })
+        let values = nest(key, value).into_dict().expect("every setting's name has a section");
+        Ok(Layer { place, origin, values })
+    }
+
+    /// What it says of robots by their names.
+    fn robots(&self) -> impl Iterator<Item = (&String, &Value)> {
+        self.values.get(ROBOTS).and_then(Value::as_dict).into_iter().flatten()
+    }
+
+    /// What it says of the robot that searches by its own name.
+    fn discovery(&self) -> Option<&Dict> {
+        self.robots().find(|(name, _)| *name == RobotId::discovery().name()).and_then(|(_, said)| said.as_dict())
+    }
+
+    /// Whether it says something of this setting.
+    fn says(&self, section: &str, own: &str) -> bool {
+        self.values.get(section).and_then(Value::as_dict).is_some_and(|names| names.contains_key(own))
+    }
+
+    /// Brings what it says of `[robots.discovery]` to `[robot]`: where that was said, and of which settings there.
+    fn bring_to_robot(&mut self) -> Vec<(String, String)> {
+        let Some(Value::Dict(_, robots)) = self.values.get_mut(ROBOTS) else { return Vec::new() };
+        let Some(said) = robots.remove(RobotId::discovery().name()).and_then(Value::into_dict) else { return Vec::new() };
+        let by_name = said.keys().map(|own| (self.origin.clone(), format!("{ROBOT}.{own}"))).collect();
+        if let Value::Dict(_, robot) = self.values.entry(ROBOT.to_owned()).or_insert_with(|| Value::from(Dict::new())) {
+            robot.extend(said);
+        }
+        by_name
     }
 
     /// Refuses names that are no settings.
@@ -177,7 +277,15 @@ impl Layer {
             let Some(names) = value.as_dict().filter(|_| Key::sections().contains(&section.as_str())) else {
                 return Err(unknown(section.clone()));
             };
-            let full = names.keys().map(|name| format!("{section}.{name}"));
+            let mut full: Vec<String> = names.keys().map(|name| format!("{section}.{name}")).collect();
+            if section == ROBOTS {
+                full.clear();
+                for (name, said) in names {
+                    let known = said.as_dict().filter(|_| RobotId::new(name).is_some());
+                    let Some(own) = known else { return Err(unknown(format!("{section}.{name}"))) };
+                    full.extend(own.keys().map(|own| format!("{section}.{name}.{own}")));
+                }
+            }
             if let Some(key) = full.into_iter().find(|key| Key::named(key).is_none()) {
                 return Err(unknown(key));
             }

@@ -1,4 +1,15 @@
-//! Robots, one folder a vendor. The simulated robot is a vendor like any other: it has a body, sensors and a camera, and it
-//! knows nothing of missions.
+//! Robots, one folder a vendor, and the only place that names them: the factory makes of the settings what the loop needs of each.
+//! The simulated robot is a vendor like any other: it has a body, sensors and a camera, and it knows nothing of missions.
 
+use std::future::Future;
+use std::pin::Pin;
+
+use crate::runtime::link::RobotSide;
+
+mod factory;
 pub mod sim;
+
+pub use factory::Robots;
+
+/// What stands between the program and a robot: it takes the adapter's end of the link, and runs until the loop's end is gone.
+pub type Adapter = Box<dyn FnOnce(RobotSide) -> Pin<Box<dyn Future<Output = ()> + Send>> + Send>;

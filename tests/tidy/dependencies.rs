@@ -3,10 +3,10 @@
 //!
 //! ```text
 //!   main → cli, app → { doors, robots, storage, runtime, config, telemetry }
-//!   doors → access, runtime, api     robots, storage → runtime, api     one door ↛ another
+//!   doors → access, runtime, api     storage → runtime, api     robots → config, runtime, storage     one door ↛ another
 //!   access → storage             api, runtime, config, telemetry → themselves
 //! ```
-//! `access` names of `storage` only how a small file is written: the keys lie in the data folder like everything that is kept there.
+//! Only `robots` makes a robot out of its settings: `app` knows no kind of them. `access` names of `storage` only how a small file is written: the keys lie in the data folder like everything that is kept there.
 
 use super::reading::{Source, root};
 
@@ -67,7 +67,7 @@ const RULES: [Rule; 11] = [
     },
     Rule {
         module: "robots",
-        modules: &["runtime", "storage"],
+        modules: &["config", "runtime", "storage"],
         crates: &["hallsweep_core", "hallsweep_sim", "thiserror", "tokio", "tracing"],
     },
     Rule {
@@ -84,11 +84,11 @@ const RULES: [Rule; 11] = [
     Rule {
         module: "app",
         modules: &["access", "config", "doors", "robots", "storage", "runtime"],
-        crates: &["hallsweep_core", "hallsweep_sim", "mqtt_gate", "rlimit", "rustix", "socket2", "thiserror", "tokio", "tracing"],
+        crates: &["hallsweep_core", "mqtt_gate", "rlimit", "rustix", "socket2", "thiserror", "tokio", "tracing"],
     },
     Rule {
         module: "cli",
-        modules: &["access", "api", "app", "config", "doors", "storage", "runtime", "telemetry"],
+        modules: &["access", "api", "app", "config", "doors", "robots", "storage", "runtime", "telemetry"],
         crates: &["clap", "hallsweep_core", "hallsweep_sim", "indicatif", "rustls", "serde", "serde_json", "thiserror"],
     },
     Rule { module: "main", modules: &["cli"], crates: &["clap"] },
@@ -317,6 +317,7 @@ mod tests {
         assert_eq!(found("src/doors/http/a.rs", "use crate::storage::sqlite::MemoryStore;"), 1);
         assert_eq!(found("src/storage/a.rs", "use crate::doors::http;"), 1);
         assert_eq!(found("src/doors/coap/a.rs", "use crate::doors::http::errors;"), 1);
+        assert_eq!(found("src/app/a.rs", "use hallsweep_sim::Hall;"), 1, "which robots there are is not its business");
         assert_eq!(found("src/doors/coap/a.rs", "use super::super::http::errors;"), 1);
         assert_eq!(found("src/doors/http/a.rs", "use super::super::http::errors;\nuse super::pages;"), 0);
         assert_eq!(found("src/storage/a.rs", "use crate::api::journal;\nuse crate::config;"), 1);

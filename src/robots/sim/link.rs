@@ -29,7 +29,7 @@ const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
 /// Runs a simulated robot until the loop's end of its channels is gone. What it must not forget goes into the state file, when there
 /// is one, before anybody is told of it.
-pub async fn run(sim: Sim, side: RobotSide, clock: Clock, speed: Speed, state_file: Option<SimStateFile>) {
+pub(super) async fn run(sim: Sim, side: RobotSide, clock: Clock, speed: Speed, state_file: Option<SimStateFile>) {
     let began = clock.now().since_start;
     let link = Link {
         sim,
@@ -227,7 +227,7 @@ mod tests {
     use crate::runtime::within::within;
     use hallsweep_core::command::Move;
     use hallsweep_core::effect::{Action, Stamp};
-    use hallsweep_core::event::Whereabouts;
+    use hallsweep_core::event::{RobotId, Whereabouts};
     use hallsweep_core::units::{Epoch, Pose, WallTime};
     use hallsweep_sim::{Camera, Hall, SimMemory, SimSettings};
 
@@ -359,7 +359,7 @@ mod tests {
 
     /// Begins with what the state file in this folder remembers.
     async fn begin_in(folder: &Path, speed: Speed) -> (Test, Whereabouts) {
-        let (state_file, memory) = SimStateFile::open(folder, &hall()).unwrap();
+        let (state_file, memory) = SimStateFile::open(folder, &RobotId::discovery(), &hall()).unwrap();
         let settings = SimSettings::new(1, Camera::Stub);
         let sim = match memory {
             Some(memory) => Sim::remembering(hall(), settings, memory),
@@ -371,7 +371,7 @@ mod tests {
     /// Looks into the folder until what is remembered there is as expected.
     async fn until_remembered(folder: &Path, expect: impl Fn(SimMemory) -> bool) {
         let seen = async {
-            while !SimStateFile::open(folder, &hall()).unwrap().1.is_some_and(&expect) {
+            while !SimStateFile::open(folder, &RobotId::discovery(), &hall()).unwrap().1.is_some_and(&expect) {
                 tokio::time::sleep(Duration::from_millis(1)).await;
             }
         };

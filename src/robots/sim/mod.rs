@@ -1,8 +1,10 @@
-//! The simulated robot: `hallsweep_sim` says what it does; here are the link that joins it to the loop, and the state file by which it is
-//! as it was left.
+//! The simulated robot: `hallsweep_sim` says what it does; here are what the settings make of it, the link that joins it to the loop,
+//! and the state file by which it is as it was left.
 
 mod link;
+mod robot;
+mod settings;
 mod state_file;
 
-pub use link::run;
-pub use state_file::{SimStateFile, StateFileError};
+pub(super) use robot::SimRobot;
+pub use settings::{UnusableHall, hall, sim_settings};

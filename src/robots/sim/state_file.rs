@@ -10,20 +10,26 @@ use std::path::Path;
 
 use crate::storage::files;
 use crate::storage::small_file::SmallFile;
+use hallsweep_core::event::RobotId;
 use hallsweep_sim::Hall;
 use hallsweep_sim::SimMemory;
 
 mod error;
 
-pub use error::StateFileError;
+pub(super) use error::StateFileError;
 use hallsweep_sim::page::{self, Page, Unread, Whose};
 
-/// The name of the file in the data folder.
+/// The name of the file of the robot that searches, in the data folder.
 const FILE: &str = "simulated-robot.txt";
+
+/// The name of a robot's file: one was there before there were several, and its file keeps its name.
+fn file_of(robot: &RobotId) -> String {
+    if *robot == RobotId::discovery() { FILE.to_owned() } else { format!("simulated-robot-{robot}.txt") }
+}
 
 /// The memory of a simulated robot in a folder.
 #[derive(Debug)]
-pub struct SimStateFile {
+pub(super) struct SimStateFile {
     file: SmallFile,
     whose: Whose,
     /// Counts the writings.
@@ -35,12 +41,12 @@ pub struct SimStateFile {
 }
 
 impl SimStateFile {
-    /// The state file in the folder `dir` and what it remembers of this hall; nothing when there is no file yet. Nothing is written.
+    /// This robot's state file in the folder `dir` and what it remembers of this hall; nothing when there is no file yet. Nothing is written.
     ///
     /// # Errors
     /// A file that cannot be read or understood, or is of another hall. It stays as it is.
-    pub fn open(dir: &Path, hall: &Hall) -> Result<(SimStateFile, Option<SimMemory>), StateFileError> {
-        let mut state_file = SimStateFile::begin_anew(dir, hall);
+    pub(super) fn open(dir: &Path, robot: &RobotId, hall: &Hall) -> Result<(SimStateFile, Option<SimMemory>), StateFileError> {
+        let mut state_file = SimStateFile::begin_anew(dir, robot, hall);
         let path = || state_file.file.path().to_owned();
         let Some(bytes) = state_file.file.read(page::SIZE).map_err(|error| StateFileError::Unreadable { path: path(), error })?
         else {
@@ -69,13 +75,13 @@ impl SimStateFile {
     /// A state file for a robot that is put down anew in this hall. The first writing takes the place of whatever file there is, so
     /// it is for a folder without one, or when the robot is meant to leave the hall it was in.
     #[must_use]
-    pub fn begin_anew(dir: &Path, hall: &Hall) -> SimStateFile {
-        SimStateFile { file: SmallFile::within(dir, FILE), whose: Whose::of(hall), turn: 0, anew: true, owed: None }
+    pub(super) fn begin_anew(dir: &Path, robot: &RobotId, hall: &Hall) -> SimStateFile {
+        SimStateFile { file: SmallFile::within(dir, &file_of(robot)), whose: Whose::of(hall), turn: 0, anew: true, owed: None }
     }
 
     /// Writes down a memory. When that fails, the simulation goes on all the same: the log says so once, and the memory stays
     /// owed until this, or a later one, is written.
-    pub fn keep(&mut self, memory: SimMemory) {
+    pub(super) fn keep(&mut self, memory: SimMemory) {
         let written = self.write(&memory);
         let failing = "cannot keep where the simulated robot stands: make room, or the folder writable; it is tried again";
         self.file.say(&written, failing, "where the simulated robot stands is kept again");
@@ -86,7 +92,7 @@ impl SimStateFile {
 
     /// What could not be written yet.
     #[must_use]
-    pub const fn owed(&self) -> Option<SimMemory> {
+    pub(super) const fn owed(&self) -> Option<SimMemory> {
         self.owed
     }
 

@@ -51,7 +51,9 @@ impl Engine {
 
     fn release(&mut self, context: &InputContext) {
         self.released = context.epoch.or(Some(self.state.epoch));
-        self.robots.release();
+        if self.robots.release() {
+            self.world.touch(Resource::Robot);
+        }
         let mut holds = self.state.holds.clone();
         if holds.release() {
             self.note_holds(&holds);
@@ -91,8 +93,8 @@ impl Engine {
         let mut holds = self.state.holds.clone();
         let fresh = holds.raise(hold);
         let waits = self.state.phase.is_mission() && holds.raise(Hold::AwaitingStart);
-        if hold != Hold::RobotLink && self.state.phase.is_mission() {
-            self.robots.others_wait();
+        if hold != Hold::RobotLink && self.state.phase.is_mission() && self.robots.others_wait() {
+            self.world.touch(Resource::Robot);
         }
         if fresh {
             let why = words.map(|words| format!(" ({words})")).unwrap_or_default();

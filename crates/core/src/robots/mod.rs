@@ -107,18 +107,15 @@ impl Robots {
         self.all.iter()
     }
 
-    /// Something holds all of them during a mission: that it has ended sets none of them moving before a START.
-    pub(crate) fn others_wait(&mut self) {
-        for robot in self.others_mut() {
-            robot.holds.raise(Hold::AwaitingStart);
-        }
+    /// Something holds all of them during a mission: that it has ended sets none of them moving before a START. Whether that is new
+    /// to any.
+    pub(crate) fn others_wait(&mut self) -> bool {
+        self.others_mut().fold(false, |any, robot| any | robot.holds.raise(Hold::AwaitingStart))
     }
 
-    /// A START was accepted: what waited for it may move.
-    pub(crate) fn release(&mut self) {
-        for robot in self.others_mut() {
-            robot.holds.release();
-        }
+    /// A START was accepted: what waited for it may move. Whether any has.
+    pub(crate) fn release(&mut self) -> bool {
+        self.others_mut().fold(false, |any, robot| any | robot.holds.release())
     }
 
     fn others_mut(&mut self) -> impl Iterator<Item = &mut Robot> {

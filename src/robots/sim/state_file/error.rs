@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 /// Why a file in the data folder is no memory of a robot in this hall.
 #[derive(Debug, thiserror::Error)]
-pub enum StateFileError {
+pub(crate) enum StateFileError {
     /// The file is there and cannot be read.
     #[error(
         "cannot read {} ({error}): make it a file that whoever runs hallsweep can read, or move it away, and start again: \

@@ -41,20 +41,20 @@ fn at(x: i32) -> SimMemory {
 }
 
 fn remembered(folder: &Folder) -> Option<SimMemory> {
-    SimStateFile::open(folder.path(), &hall()).unwrap().1
+    SimStateFile::open(folder.path(), &RobotId::discovery(), &hall()).unwrap().1
 }
 
 #[test]
 fn a_new_folder_remembers_nothing_and_then_the_last_that_was_kept() {
     let folder = Folder::new("last");
-    let (mut state_file, memory) = SimStateFile::open(folder.path(), &hall()).unwrap();
+    let (mut state_file, memory) = SimStateFile::open(folder.path(), &RobotId::discovery(), &hall()).unwrap();
     assert_eq!(memory, None);
     assert!(!folder.file().exists(), "opening writes nothing");
     for x in [0, 1, 2, 1, 0, 1] {
         state_file.keep(at(x));
         assert_eq!(remembered(&folder), Some(at(x)));
     }
-    let (mut state_file, _) = SimStateFile::open(folder.path(), &hall()).unwrap();
+    let (mut state_file, _) = SimStateFile::open(folder.path(), &RobotId::discovery(), &hall()).unwrap();
     state_file.keep(at(2));
     assert_eq!(remembered(&folder), Some(at(2)), "it goes on in the file that is there");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left in the folder");
@@ -63,10 +63,10 @@ fn a_new_folder_remembers_nothing_and_then_the_last_that_was_kept() {
 #[test]
 fn a_file_of_another_hall_is_refused_and_left_alone_until_it_is_begun_anew() {
     let folder = Folder::new("other");
-    let mut state_file = SimStateFile::begin_anew(folder.path(), &hall());
+    let mut state_file = SimStateFile::begin_anew(folder.path(), &RobotId::discovery(), &hall());
     state_file.keep(at(1));
     let second = Hall::from_rows("second", &["S...."]).unwrap();
-    let error = SimStateFile::open(folder.path(), &second).unwrap_err();
+    let error = SimStateFile::open(folder.path(), &RobotId::discovery(), &second).unwrap_err();
     let words = error.to_string();
     assert!(words.contains(FILE) && words.contains("--hall first") && words.contains("--data DIR"), "{words}");
     assert!(
@@ -74,12 +74,12 @@ fn a_file_of_another_hall_is_refused_and_left_alone_until_it_is_begun_anew() {
     );
     assert_eq!(remembered(&folder), Some(at(1)));
     let changed = Hall::from_rows("first", &["S..", "..#"]).unwrap();
-    let words = SimStateFile::open(folder.path(), &changed).unwrap_err().to_string();
+    let words = SimStateFile::open(folder.path(), &RobotId::discovery(), &changed).unwrap_err().to_string();
     assert!(words.contains("before its file was changed"), "{words}");
     let renamed = Hall::from_rows("renamed", &["S..", "..."]).unwrap();
-    assert!(SimStateFile::open(folder.path(), &renamed).is_ok(), "another name for the same hall");
-    SimStateFile::begin_anew(folder.path(), &second).keep(at(4));
-    assert_eq!(SimStateFile::open(folder.path(), &second).unwrap().1, Some(at(4)));
+    assert!(SimStateFile::open(folder.path(), &RobotId::discovery(), &renamed).is_ok(), "another name for the same hall");
+    SimStateFile::begin_anew(folder.path(), &RobotId::discovery(), &second).keep(at(4));
+    assert_eq!(SimStateFile::open(folder.path(), &RobotId::discovery(), &second).unwrap().1, Some(at(4)));
 }
 
 /// Safety A7.
@@ -99,13 +99,13 @@ fn what_cannot_be_understood_is_said_with_the_file_and_left_alone() {
     ];
     for (bytes, expect) in cases {
         fs::write(folder.file(), bytes).unwrap();
-        let words = SimStateFile::open(folder.path(), &hall()).unwrap_err().to_string();
+        let words = SimStateFile::open(folder.path(), &RobotId::discovery(), &hall()).unwrap_err().to_string();
         assert!(words.contains(expect) && words.contains(FILE) && words.contains("move"), "{words}");
         assert_eq!(fs::read(folder.file()).unwrap(), bytes);
     }
     fs::remove_file(folder.file()).unwrap();
     fs::create_dir(folder.file()).unwrap();
-    let words = SimStateFile::open(folder.path(), &hall()).unwrap_err().to_string();
+    let words = SimStateFile::open(folder.path(), &RobotId::discovery(), &hall()).unwrap_err().to_string();
     assert!(words.starts_with("cannot read") && words.contains(FILE), "{words}");
 }
 
@@ -113,12 +113,12 @@ fn what_cannot_be_understood_is_said_with_the_file_and_left_alone() {
 fn what_cannot_be_written_is_owed_until_it_can() {
     let folder = Folder::new("owed");
     let inner = folder.path().join("not yet");
-    let mut state_file = SimStateFile::begin_anew(&inner, &hall());
+    let mut state_file = SimStateFile::begin_anew(&inner, &RobotId::discovery(), &hall());
     state_file.keep(at(1));
     state_file.keep(at(2));
     assert_eq!(state_file.owed(), Some(at(2)));
     fs::create_dir(&inner).unwrap();
     state_file.keep(state_file.owed().unwrap());
     assert_eq!(state_file.owed(), None);
-    assert_eq!(SimStateFile::open(&inner, &hall()).unwrap().1, Some(at(2)));
+    assert_eq!(SimStateFile::open(&inner, &RobotId::discovery(), &hall()).unwrap().1, Some(at(2)));
 }

@@ -1,0 +1,187 @@
+//! The robots in the settings: the one that searches in `[robot]`, every further one in a section `[robots.NAME]` with the same keys.
+//! That `[robots.discovery]` means the one that searches, `layers` knows; what a robot of some kind does with its settings is not here.
+
+use super::check::{NumberOrWord, number, read, within};
+use super::error::SettingsError;
+use super::key::ROBOTS;
+use super::layers::Layers;
+use super::{RobotSettings, Settings, Speed};
+use hallsweep_core::event::RobotId;
+
+/// As many robots as there may be, the one that searches among them: their links share one thread, over which a STOP goes to each
+/// before anything else (safety S7), and each simulated one may have a photo drawn at any moment.
+pub const MOST_ROBOTS: usize = 8;
+
+/// What a robot is, and so which adapter speaks to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RobotKind {
+    /// The simulated robot of this program.
+    Sim,
+}
+
+impl RobotKind {
+    /// All of them.
+    pub const ALL: [RobotKind; 1] = [RobotKind::Sim];
+
+    /// The word of the settings.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            RobotKind::Sim => "sim",
+        }
+    }
+}
+
+impl Settings {
+    /// All robots, the one that searches first.
+    pub fn robots(&self) -> impl Iterator<Item = (RobotId, &RobotSettings)> {
+        let further = self.further_robots.iter().map(|(robot, settings)| (robot.clone(), settings));
+        std::iter::once((RobotId::discovery(), &self.robot)).chain(further)
+    }
+}
+
+/// The robots beside the one that searches, by their names.
+pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, SettingsError> {
+    let names = layers.further_robots();
+    let count = names.len() + 1;
+    if count > MOST_ROBOTS {
+        let advice = format!("name at most {} beside {}", MOST_ROBOTS - 1, RobotId::discovery());
+        let last = names.last().unwrap_or_default();
+        return Err(layers.wrong_with_advice(&format!("{ROBOTS}.{last}.kind"), format!("there are {count} robots"), &advice));
+    }
+    let one = |name: &str| {
+        let robot = RobotId::new(name).expect("a name that is none was refused when the layers were read");
+        Ok((robot, self::robot(layers, &format!("{ROBOTS}.{name}"))?))
+    };
+    names.map(one).collect()
+}
+
+/// The robot of this section.
+pub(super) fn robot(layers: &Layers, section: &str) -> Result<RobotSettings, SettingsError> {
+    let key = |own: &str| format!("{section}.{own}");
+    Ok(RobotSettings {
+        kind: kind(layers, &key("kind"))?,
+        speed: speed(layers, &key("speed"))?,
+        seed: read(layers, &key("seed"))?,
+        unknown_rate: number(layers, &key("unknown_rate"))?,
+        photo_failure_rate: number(layers, &key("photo_failure_rate"))?,
+        sonar_noise_cm: number(layers, &key("sonar_noise_cm"))?,
+    })
+}
+
+fn kind(layers: &Layers, key: &str) -> Result<RobotKind, SettingsError> {
+    let name: String = read(layers, key)?;
+    let kind = RobotKind::ALL.into_iter().find(|kind| kind.name() == name);
+    kind.ok_or_else(|| layers.wrong(key, "there is no such kind of robot"))
+}
+
+fn speed(layers: &Layers, key: &str) -> Result<Speed, SettingsError> {
+    match read(layers, key)? {
+        NumberOrWord::Number(factor) => within(layers, key, factor).map(Speed::Times),
+        NumberOrWord::Word(word) if word == "max" => Ok(Speed::Max),
+        NumberOrWord::Word(_) => Err(layers.wrong(key, "this word is no speed")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{Sources, load};
+
+    /// Settings from the environment alone; the names are without their beginning.
+    fn given(variables: &[(&str, &str)]) -> Result<Settings, SettingsError> {
+        let variable = |(name, value): &(&str, &str)| (format!("HALLSWEEP__{name}"), (*value).to_owned());
+        load(&Sources { environment: variables.iter().map(variable).collect(), ..Sources::default() })
+    }
+
+    /// Settings from a file alone.
+    fn written(name: &str, text: &str, variables: &[(&str, &str)]) -> Result<Settings, SettingsError> {
+        let path = std::env::temp_dir().join(format!("hallsweep-robots-{}-{name}.toml", std::process::id()));
+        std::fs::write(&path, text).expect("the temporary directory can be written");
+        let environment = variables.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned())).collect();
+        let settings = load(&Sources { file: Some(path.clone()), environment, ..Sources::default() });
+        std::fs::remove_file(path).expect("the file is ours");
+        settings
+    }
+
+    fn said(settings: Result<Settings, SettingsError>) -> String {
+        settings.expect_err("this is wrong").to_string()
+    }
+
+    #[test]
+    fn there_is_one_robot_where_nothing_is_said() {
+        let settings = given(&[]).expect("the defaults are good");
+        assert_eq!(settings.robots().map(|(robot, _)| robot).collect::<Vec<_>>(), [RobotId::discovery()]);
+        assert_eq!(settings.robot.kind, RobotKind::Sim);
+    }
+
+    #[test]
+    fn a_further_robot_is_like_the_first_is_by_default_but_for_what_is_said_of_it() {
+        let text = "[robot]\nseed = 5\n[robots.porter-2]\nkind = \"sim\"\nspeed = \"max\"\n[robots.arm]\nkind = \"sim\"\n";
+        let settings = written("further", text, &[("HALLSWEEP__ROBOTS__ARM__SEED", "9")]).expect("good");
+        let seeds: Vec<_> = settings.robots().map(|(robot, of)| (robot.to_string(), of.seed, of.speed)).collect();
+        let expect = [("discovery", 5, Speed::Times(1.0)), ("arm", 9, Speed::Times(1.0)), ("porter-2", 1, Speed::Max)];
+        assert_eq!(seeds, expect.map(|(robot, seed, speed)| (robot.to_owned(), seed, speed)));
+    }
+
+    #[test]
+    fn the_robot_that_searches_may_be_called_by_its_name_too() {
+        let settings = written("by-name", "[robot]\nseed = 5\n[robots.discovery]\nspeed = 3\n", &[]).expect("good");
+        assert_eq!((settings.robot.seed, settings.robot.speed, settings.further_robots.len()), (5, Speed::Times(3.0), 0));
+        let settings = written("over", "[robots.discovery]\nseed = 5\n", &[("HALLSWEEP__ROBOT__SEED", "6")]).expect("good");
+        assert_eq!(settings.robot.seed, 6, "the later place wins, whatever name it uses");
+        let wrong = said(given(&[("ROBOTS__DISCOVERY__SPEED", "fast")]));
+        let begins = "setting robots.discovery.speed = \"fast\" (from environment variable HALLSWEEP__ROBOTS__DISCOVERY__SPEED): \
+                      this word is no speed; write a factor";
+        assert!(wrong.starts_with(begins), "{wrong}");
+    }
+
+    #[test]
+    fn both_names_for_one_thing_in_one_place_are_refused() {
+        let wrong = said(given(&[("ROBOTS__DISCOVERY__SEED", "2"), ("ROBOT__SEED", "2")]));
+        assert_eq!(
+            wrong,
+            "setting robots.discovery.seed = 2 (from environment variable HALLSWEEP__ROBOTS__DISCOVERY__SEED): robot.seed means the \
+             same robot, and is set too (from environment variable HALLSWEEP__ROBOT__SEED); write only one of them"
+        );
+        let wrong = said(written("both", "[robot]\nseed = 1\n[robots.discovery]\nseed = 1\n", &[]));
+        assert!(wrong.contains("robot.seed means the same robot") && wrong.contains("(from file "), "{wrong}");
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_robot_is_said_with_its_name_and_what_to_do() {
+        for (variables, expect) in [
+            (
+                &[("ROBOTS__PORTER__KIND", "mbot")][..],
+                "setting robots.porter.kind = \"mbot\" (from environment variable HALLSWEEP__ROBOTS__PORTER__KIND): \
+                 there is no such kind of robot; write one of: sim",
+            ),
+            (
+                &[("ROBOTS__PORTER__SEED", "2")],
+                "setting robots.porter.kind = nothing (from environment variable HALLSWEEP__ROBOTS__PORTER__SEED): it is missing; \
+                 write one of: sim",
+            ),
+            (
+                &[("ROBOTS__PORTER__KIND", "sim"), ("ROBOTS__PORTER__UNKNOWN_RATE", "2")],
+                "setting robots.porter.unknown_rate = 2 (from environment variable HALLSWEEP__ROBOTS__PORTER__UNKNOWN_RATE): \
+                 it is out of range; write a rate from 0 (never) to 1 (always)",
+            ),
+        ] {
+            assert_eq!(said(given(variables)), expect);
+        }
+        let wrong = said(given(&[("ROBOTS__PORTER__SPED", "2")]));
+        assert!(wrong.contains("`robots.porter.sped`") && wrong.contains("in [robots.NAME] there are kind, speed"), "{wrong}");
+        for (name, text) in [("name", "[robots.Porter]\nkind = \"sim\"\n"), ("no-table", "[robots]\nPorter = 1\n")] {
+            let wrong = said(written(name, text, &[]));
+            assert!(wrong.contains("`robots.Porter` (from file ") && wrong.contains("small letters"), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn there_are_only_so_many_robots() {
+        let text = |further: usize| (0..further).map(|n| format!("[robots.r{n}]\nkind = \"sim\"\n")).collect::<String>();
+        assert_eq!(written("eight", &text(7), &[]).expect("good").robots().count(), MOST_ROBOTS);
+        let wrong = said(written("nine", &text(8), &[]));
+        assert!(wrong.contains("there are 9 robots; name at most 7 beside discovery"), "{wrong}");
+    }
+}

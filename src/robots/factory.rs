@@ -1,0 +1,101 @@
+//! All robots of the settings, made by their kinds: first what is remembered of each is looked for, then each gets the adapter that is
+//! run for it. Who is told what about them, and on which threads they run, is the business of `app`.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::Adapter;
+use super::sim::{self, SimRobot, UnusableHall};
+use crate::config::{RobotKind, RobotSettings, Settings};
+use crate::runtime::clock::Clock;
+use hallsweep_core::event::RobotId;
+use hallsweep_sim::Hall;
+
+/// The robots, not yet started, in their hall.
+pub struct Robots {
+    hall: Arc<Hall>,
+    /// The one that searches first.
+    all: Vec<(RobotId, Robot)>,
+}
+
+/// One of them, by its kind.
+enum Robot {
+    Sim(SimRobot),
+}
+
+impl Robots {
+    /// The robots of the settings in the hall of the settings.
+    ///
+    /// # Errors
+    /// The hall cannot be read.
+    pub fn of(settings: &Settings) -> Result<Robots, UnusableHall> {
+        let hall = sim::hall(settings)?;
+        let all = settings.robots().map(|(id, robot)| (id.clone(), Robot::of(id, robot, &hall))).collect();
+        Ok(Robots { hall, all })
+    }
+
+    /// What the hall is called.
+    #[must_use]
+    pub fn hall_name(&self) -> &str {
+        self.hall.name()
+    }
+
+    /// How long and wide its cells are, in metres.
+    #[must_use]
+    pub fn cell_m(&self) -> f64 {
+        self.hall.cell_m()
+    }
+
+    /// Their names, that of the one that searches first.
+    pub fn ids(&self) -> impl Iterator<Item = &RobotId> {
+        self.all.iter().map(|(id, _)| id)
+    }
+
+    /// Looks for what is remembered of them in the data folder. Nothing is written.
+    pub fn recall(&mut self, folder: &Path) {
+        for (_, Robot::Sim(robot)) in &mut self.all {
+            robot.recall(folder);
+        }
+    }
+
+    /// Of each that may be anywhere, why nobody knows where it is. It will not be started.
+    #[must_use]
+    pub fn lost(&self) -> Vec<String> {
+        self.all.iter().filter_map(|(_, Robot::Sim(robot))| robot.lost()).map(str::to_owned).collect()
+    }
+
+    /// The hall in which the one that searches was left, when that is not the hall of the settings.
+    #[must_use]
+    pub fn other_hall(&self) -> Option<&str> {
+        self.all.first().and_then(|(_, Robot::Sim(robot))| robot.other_hall())
+    }
+
+    /// Puts those that were left in another hall down at home in this one. What is remembered of the other is overwritten when they
+    /// are started.
+    pub fn put_down(&mut self) {
+        for (_, Robot::Sim(robot)) in &mut self.all {
+            robot.put_down();
+        }
+    }
+
+    /// Leaves what is remembered of another hall as it is: those that were put down here are there again at the next start.
+    pub fn keep_other_hall(&mut self) {
+        for (_, Robot::Sim(robot)) in &mut self.all {
+            robot.keep_other_hall();
+        }
+    }
+
+    /// What is run for each of them, in the order of their names in `ids`.
+    #[must_use]
+    pub fn adapters(self, clock: Clock) -> Vec<Adapter> {
+        self.all.into_iter().map(|(_, Robot::Sim(robot))| robot.adapter(clock)).collect()
+    }
+}
+
+impl Robot {
+    fn of(id: RobotId, settings: &RobotSettings, hall: &Arc<Hall>) -> Robot {
+        match settings.kind {
+            RobotKind::Sim => Robot::Sim(SimRobot::new(id, Arc::clone(hall), settings)),
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! One simulated robot before it is started: where it was left, and what becomes of it when that was in another hall or is not known.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::link;
+use super::settings::{sim_settings, speed};
+use super::state_file::{SimStateFile, StateFileError};
+use crate::config::RobotSettings;
+use crate::robots::Adapter;
+use crate::runtime::clock::Clock;
+use hallsweep_core::event::RobotId;
+use hallsweep_sim::{Camera, Hall, Sim, SimMemory, SimSettings, Speed};
+
+/// A simulated robot that is not started yet.
+pub(in crate::robots) struct SimRobot {
+    id: RobotId,
+    hall: Arc<Hall>,
+    settings: SimSettings,
+    speed: Speed,
+    remembered: Remembered,
+}
+
+/// What is known of where it was left.
+enum Remembered {
+    /// Nothing, and nothing will be written down.
+    Nothing,
+    /// What the state file says, if there was one.
+    Here(SimStateFile, Option<SimMemory>),
+    /// It was left in another hall, as the state file in this folder says.
+    Elsewhere(PathBuf, String),
+    /// It was, and is put down in this one; the state file is to be begun anew.
+    PutDown(SimStateFile),
+    /// It may be anywhere, for this reason.
+    Lost(String),
+}
+
+impl SimRobot {
+    pub(in crate::robots) fn new(id: RobotId, hall: Arc<Hall>, robot: &RobotSettings) -> SimRobot {
+        let settings = sim_settings(robot, Camera::Rendered);
+        SimRobot { id, hall, settings, speed: speed(robot.speed), remembered: Remembered::Nothing }
+    }
+
+    /// Looks for its state file in the data folder.
+    pub(in crate::robots) fn recall(&mut self, folder: &Path) {
+        self.remembered = match SimStateFile::open(folder, &self.id, &self.hall) {
+            Ok((state_file, memory)) => Remembered::Here(state_file, memory),
+            Err(StateFileError::OtherHall { remembered, .. }) => Remembered::Elsewhere(folder.to_owned(), remembered),
+            Err(lost) => Remembered::Lost(lost.to_string()),
+        };
+    }
+
+    /// Why nobody knows where it is, when that is so.
+    pub(in crate::robots) fn lost(&self) -> Option<&str> {
+        if let Remembered::Lost(lost) = &self.remembered { Some(lost) } else { None }
+    }
+
+    /// The other hall in which it was left.
+    pub(in crate::robots) fn other_hall(&self) -> Option<&str> {
+        if let Remembered::Elsewhere(_, hall) = &self.remembered { Some(hall) } else { None }
+    }
+
+    /// Puts it down at home when it was left in another hall.
+    pub(in crate::robots) fn put_down(&mut self) {
+        if let Remembered::Elsewhere(folder, _) = &self.remembered {
+            self.remembered = Remembered::PutDown(SimStateFile::begin_anew(folder, &self.id, &self.hall));
+        }
+    }
+
+    /// Leaves the state file of another hall as it is.
+    pub(in crate::robots) fn keep_other_hall(&mut self) {
+        if matches!(self.remembered, Remembered::PutDown(_)) {
+            self.remembered = Remembered::Nothing;
+        }
+    }
+
+    /// What is run for it. The link to one that may be anywhere stays down, and nobody is told that its adapter has ended.
+    pub(in crate::robots) fn adapter(self, clock: Clock) -> Adapter {
+        let SimRobot { id, hall, settings, speed, remembered } = self;
+        let (memory, state_file) = match remembered {
+            Remembered::Lost(lost) => {
+                tracing::error!(robot = %id, lost, "nobody knows where the simulated robot was left: it is not started");
+                return Box::new(|side| Box::pin(async move { side.reports.closed().await }));
+            }
+            Remembered::Here(state_file, memory) => (memory, Some(state_file)),
+            Remembered::PutDown(state_file) => (None, Some(state_file)),
+            Remembered::Nothing | Remembered::Elsewhere(..) => (None, None),
+        };
+        let sim = match memory {
+            Some(memory) => Sim::remembering(hall, settings, memory),
+            None => Sim::new(hall, settings),
+        };
+        Box::new(move |side| Box::pin(link::run(sim, side, clock, speed, state_file)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::state_file::Folder;
+    use super::*;
+    use crate::runtime::halt::Halter;
+    use crate::runtime::link::{RobotLink, link};
+    use crate::runtime::within::within;
+    use hallsweep_core::event::RobotEvent;
+    use hallsweep_core::units::{Cell, Epoch, Pose};
+
+    fn hall(name: &str, rows: &[&str]) -> Arc<Hall> {
+        Arc::new(Hall::from_rows(name, rows).expect("a good hall"))
+    }
+
+    fn robot(id: &str, hall: &Arc<Hall>) -> SimRobot {
+        let settings = crate::config::load(&crate::config::Sources::default()).expect("the defaults are good").robot;
+        SimRobot::new(RobotId::new(id).expect("a name"), Arc::clone(hall), &settings)
+    }
+
+    fn left_at(folder: &Folder, id: &str, hall: &Hall, x: i32) {
+        let memory = SimMemory { pose: Pose { cell: Cell::new(x, 0), ..Pose::START }, ..SimMemory::NEW };
+        SimStateFile::begin_anew(folder.path(), &RobotId::new(id).expect("a name"), hall).keep(memory);
+    }
+
+    /// The column in which it says that it stands; `None` when it says nothing.
+    async fn stands(robot: SimRobot) -> Option<i32> {
+        let (mut link, side): (RobotLink, _) = link(Halter::new(Epoch(0)).watch());
+        tokio::spawn(robot.adapter(Clock::default())(side));
+        match tokio::time::timeout(std::time::Duration::from_millis(300), link.reports.recv()).await {
+            Ok(Some(RobotEvent::Stands(whereabouts))) => Some(whereabouts.pose.cell.x),
+            Ok(other) => panic!("first it says where it is: {other:?}"),
+            Err(_) => None,
+        }
+    }
+
+    #[tokio::test]
+    async fn each_robot_stands_where_it_was_left_itself() {
+        let (folder, hall) = (Folder::new("each"), hall("first", &["S..."]));
+        left_at(&folder, "discovery", &hall, 1);
+        left_at(&folder, "porter", &hall, 2);
+        for (id, x) in [("discovery", 1), ("porter", 2), ("arm", 0)] {
+            let mut robot = robot(id, &hall);
+            robot.recall(folder.path());
+            assert_eq!((robot.lost(), robot.other_hall()), (None, None));
+            assert_eq!(within("where it is", stands(robot)).await, Some(x), "{id}");
+        }
+    }
+
+    #[tokio::test]
+    async fn one_that_may_be_anywhere_says_nothing() {
+        let (folder, hall) = (Folder::new("anywhere"), hall("first", &["S..."]));
+        std::fs::write(folder.path().join("simulated-robot-porter.txt"), "not ours").expect("the folder can be written");
+        let mut robot = robot("porter", &hall);
+        robot.recall(folder.path());
+        assert!(robot.lost().is_some_and(|lost| lost.contains("simulated-robot-porter.txt")), "{:?}", robot.lost());
+        assert_eq!(stands(robot).await, None);
+    }
+
+    #[tokio::test]
+    async fn one_of_another_hall_is_put_down_and_its_file_is_begun_anew_or_kept() {
+        let (folder, first, second) = (Folder::new("halls"), hall("first", &["S..."]), hall("second", &["S....."]));
+        for keeps in [true, false] {
+            left_at(&folder, "porter", &first, 2);
+            let mut there = robot("porter", &second);
+            there.recall(folder.path());
+            assert_eq!(there.other_hall(), Some("first"));
+            there.put_down();
+            if keeps {
+                there.keep_other_hall();
+            }
+            assert_eq!(stands(there).await, Some(0));
+            let mut again = robot("porter", &first);
+            again.recall(folder.path());
+            assert_eq!(again.other_hall(), if keeps { None } else { Some("second") });
+        }
+    }
+}
