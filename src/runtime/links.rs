@@ -82,3 +82,76 @@ impl Links {
         self.links.iter().find(|link| link.robot == *robot).map(|link| &link.ends)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::runtime::halt::Halter;
+    use crate::runtime::link::{REPORTS, RobotSide, link};
+    use crate::runtime::within::within;
+    use hallsweep_core::effect::Action;
+    use hallsweep_core::units::{Epoch, OrderId};
+
+    fn porter() -> RobotId {
+        RobotId::new("porter").unwrap()
+    }
+
+    /// The links of two robots, their other ends in the same order, and what halts both.
+    fn pair() -> (Links, [RobotSide; 2], Halter) {
+        let halter = Halter::new(Epoch(0));
+        let ((first, first_side), (second, second_side)) = (link(halter.watch()), link(halter.watch()));
+        (Links::new([(RobotId::discovery(), first), (porter(), second)]), [first_side, second_side], halter)
+    }
+
+    fn order() -> Order {
+        let deadline = std::time::Duration::from_secs(1);
+        Order { id: OrderId(1), action: Action::Recentre, epoch: Epoch(0), deadline }
+    }
+
+    #[tokio::test]
+    async fn a_halt_of_one_robot_is_not_one_of_the_other_and_a_stop_is_of_both() {
+        let (links, [mut discovery, mut porters], halter) = pair();
+        links.halt(&porter());
+        assert_eq!(within("its halt", porters.halts.raised()).await.count, 1);
+        assert_eq!((links.halts(&RobotId::discovery()).count, links.halts(&porter()).count), (0, 1));
+        let stopped = halter.stop();
+        for (side, count) in [(&mut discovery, 1), (&mut porters, 2)] {
+            let halts = within("the stop", side.halts.raised()).await;
+            assert_eq!((halts.count, halts.epoch, side.halts.now()), (count, stopped, halts));
+        }
+    }
+
+    /// Safety S2.
+    #[tokio::test]
+    async fn an_order_goes_to_its_robot_alone_and_is_void_after_a_halt_of_that_robot() {
+        let (links, [mut discovery, mut porters], _halter) = pair();
+        assert!(links.send(&porter(), order(), links.halts(&porter())));
+        assert!(discovery.orders.try_recv().is_err());
+        let given = porters.orders.try_recv().unwrap();
+        assert_eq!(given.halts, porters.halts.now().count);
+        links.halt(&RobotId::discovery());
+        assert_eq!(given.halts, porters.halts.now().count, "the other was halted");
+        links.halt(&porter());
+        assert!(given.halts < porters.halts.now().count);
+        assert!(!links.send(&RobotId::new("nobody").unwrap(), order(), Halts::default()));
+    }
+
+    #[tokio::test]
+    async fn no_robot_reports_over_the_others_and_an_end_is_said_once() {
+        let (mut links, [discovery, porters], _halter) = pair();
+        for _ in 0..REPORTS {
+            discovery.reports.try_send(RobotEvent::Sonar(None)).unwrap();
+        }
+        porters.reports.try_send(RobotEvent::Sonar(Some(7))).unwrap();
+        let two = [within("a report", links.report()).await, within("a report", links.report()).await];
+        assert!(two.contains(&(porter(), RobotEvent::Sonar(Some(7)))), "{two:?}");
+        drop(porters);
+        let mut ends = 0;
+        for _ in 0..REPORTS {
+            ends += u32::from(
+                matches!(within("a report", links.report()).await, (robot, RobotEvent::LinkLost(_)) if robot == porter()),
+            );
+        }
+        assert_eq!(ends, 1);
+    }
+}

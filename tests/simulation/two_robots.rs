@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep_core::command::{Command, Door, Issuer, Move, Request};
+use hallsweep_core::command::{Command, Door, Issuer, Move, Refused, Request, TemperatureReport};
 use hallsweep_core::effect::{Action, Effect, Entry, Fact};
 use hallsweep_core::engine::{Barred, Engine, Recalled};
 use hallsweep_core::event::{Event, RobotEvent, RobotId};
@@ -14,7 +14,7 @@ use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::robots::Part;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::{Cell, Now, OrderId, Seq, WallTime};
+use hallsweep_core::units::{Cell, Celsius, Now, OrderId, Seq, WallTime};
 use hallsweep_core::world::robot::{RobotShown, RobotState};
 use hallsweep_sim::{Camera, Hall, Sim, SimSettings};
 
@@ -177,6 +177,72 @@ fn one_stop_halts_both_and_neither_moves_before_a_start() {
     pair.propose(Action::Recentre).unwrap();
     pair.wait(600);
     pair.propose(FORWARD).unwrap();
+}
+
+/// Safety S8: the answer waits for the other one as well.
+#[test]
+fn a_stop_is_answered_when_both_stand() {
+    let mut pair = Pair::new();
+    pair.both_move();
+    let stop = Request::new(Command::Stop, Issuer::operator(Door::Local));
+    let ticket = pair.engine.handle_command(stop, pair.now).unwrap();
+    let mut effects: Vec<Effect> = std::iter::from_fn(|| pair.engine.poll_effect()).collect();
+    let answered = |effects: &[Effect]| effects.iter().any(|effect| matches!(effect, Effect::Answer(of, _) if *of == ticket));
+    for robot in [RobotId::discovery(), porter()] {
+        assert!(!answered(&effects), "{robot} has not said that it stands");
+        let sim = pair.sims.get_mut(&robot).unwrap();
+        sim.handle_halt(pair.now);
+        while let Some(report) = sim.poll_event() {
+            pair.engine.handle_event(Event::Robot(robot.clone(), report), pair.now);
+        }
+        effects.extend(std::iter::from_fn(|| pair.engine.poll_effect()));
+    }
+    assert!(answered(&effects));
+}
+
+/// Safety S3: heat holds both, and that it is cool again moves neither.
+#[test]
+fn heat_halts_both_and_each_waits_for_start_afterwards() {
+    let mut pair = Pair::new();
+    pair.both_move();
+    let reading = |degrees| Command::Temperature(TemperatureReport::Reading(Celsius::new(degrees).unwrap()));
+    pair.give(reading(60.0));
+    assert_eq!(pair.halted(), BTreeSet::from([RobotId::discovery(), porter()]));
+    pair.wait(100);
+    pair.give(reading(10.0));
+    assert_eq!(pair.shown(&porter()).holds, [Hold::AwaitingStart]);
+    assert_eq!(pair.propose(Action::Recentre), Err(Barred::Held));
+    pair.give(Command::Start);
+    pair.propose(Action::Recentre).unwrap();
+}
+
+#[test]
+fn nothing_is_put_away_while_another_robot_moves() {
+    let mut pair = Pair::new();
+    pair.propose(FORWARD).unwrap();
+    let reset = || Request::new(Command::Reset, Issuer::operator(Door::Local));
+    assert_eq!(pair.engine.handle_command(reset(), pair.now), Err(Refused::Moving));
+    pair.wait(500);
+    assert!(pair.engine.handle_command(reset(), pair.now).is_ok());
+}
+
+/// Safety S3: what one robot reads is not taken for what another source reads, whatever the robot is called.
+#[test]
+fn a_robot_that_is_called_like_another_source_cools_nothing_but_itself() {
+    let celsius = |degrees| Celsius::new(degrees).unwrap();
+    for name in ["operator", "robot", "others", "roof"] {
+        let mut pair = Pair::new();
+        let robot = RobotId::new(name).unwrap();
+        pair.engine.add_robot(robot.clone(), pair.now);
+        pair.engine.watch_sensor("roof".into(), Duration::from_secs(3600), pair.now);
+        pair.give(Command::Temperature(TemperatureReport::Reading(celsius(60.0))));
+        pair.give(Command::Temperature(TemperatureReport::Sensor("roof".into(), celsius(60.0))));
+        pair.happen(&RobotId::discovery(), RobotEvent::Temperature(celsius(60.0)));
+        pair.happen(&robot, RobotEvent::Temperature(celsius(10.0)));
+        assert_eq!(pair.engine.snapshot().temperature.hot.len(), 3, "{name}");
+        pair.happen(&robot, RobotEvent::Temperature(celsius(60.0)));
+        assert_eq!(pair.engine.snapshot().temperature.hot.len(), 4, "{name}");
+    }
 }
 
 #[test]

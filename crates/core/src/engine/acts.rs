@@ -89,7 +89,12 @@ impl Engine {
     }
 
     pub(super) fn raise(&mut self, hold: Hold, words: Option<&str>) {
-        self.halt_for(hold);
+        // The link that is lost is that of the robot that searches; the others have holds of their own for theirs.
+        if hold == Hold::RobotLink {
+            self.halt_searching()
+        } else {
+            self.halt_moving()
+        }
         let mut holds = self.state.holds.clone();
         let fresh = holds.raise(hold);
         let waits = self.state.phase.is_mission() && holds.raise(Hold::AwaitingStart);
@@ -119,18 +124,18 @@ impl Engine {
         self.record(Fact::Holds(holds.to_vec()));
     }
 
-    /// Halts whoever is moving of those whom this holds.
-    fn halt_for(&mut self, hold: Hold) {
-        let is_held = |id: &RobotId| hold != Hold::RobotLink || self.searches(id);
-        let moving = self.robots.iter().filter(|(id, robot)| robot.controller.is_moving() && is_held(id));
-        for robot in moving.map(|(id, _)| id.clone()).collect::<Vec<_>>() {
-            self.send_halt_to(&robot);
+    /// Halts the robot that searches if it is moving.
+    pub(super) fn halt_searching(&mut self) {
+        if self.robots.searching().controller.is_moving() {
+            self.send_halt_to(&self.robots.searching_id().clone());
         }
     }
 
-    /// Halts the robot that searches if it is moving.
-    pub(super) fn halt_searching(&mut self) {
-        self.halt_for(Hold::RobotLink);
+    /// Halts every robot that is moving.
+    fn halt_moving(&mut self) {
+        for robot in self.robots.moving() {
+            self.send_halt_to(&robot);
+        }
     }
 
     /// Halts every robot, whatever it does.

@@ -71,7 +71,7 @@ impl Engine {
                 self.aims_at(context).filter(|cell| self.state.map.at(*cell).is_obstacle()).map(Refused::IntoObstacle)
             }
             Guard::NotCapable => forbids(self.cannot(context.step), Refused::NotCapable),
-            Guard::Moving => forbids(self.robots.searching().controller.is_moving() || self.is_about_to_move(), Refused::Moving),
+            Guard::Moving => forbids(!self.robots.moving().is_empty() || self.is_about_to_move(), Refused::Moving),
             Guard::Unrecorded => forbids(self.is_unrecorded(), Refused::Unrecorded),
             Guard::BombUnfetched => self.bomb_unseen().map(Refused::BombUnfetched),
             Guard::UnknownLuggage => match context.luggage {

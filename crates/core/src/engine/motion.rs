@@ -86,11 +86,11 @@ impl Engine {
     /// Why it must not be done just now; nothing has changed.
     pub fn propose(&mut self, robot: &RobotId, action: Action, now: Now) -> Result<OrderId, Barred> {
         self.begin(now);
-        self.may_move(robot)?;
         if self.searches(robot) {
             return Err(Barred::Searching);
         }
-        let Some(known) = self.robots.get_mut(robot) else { return Err(Barred::Unknown) };
+        self.may_move(robot)?;
+        let Some(known) = self.robots.get(robot) else { return Err(Barred::Unknown) };
         if known.off_centre && action != Action::Recentre {
             return Err(Barred::OffCentre);
         }
@@ -98,7 +98,7 @@ impl Engine {
         if !known.controller.capabilities.is_some_and(|can| can.parts.has(part)) {
             return Err(Barred::NotCapable(part));
         }
-        Ok(self.order_of(&robot.clone(), action))
+        Ok(self.order_of(robot, action))
     }
 
     fn order_of(&mut self, robot: &RobotId, action: Action) -> OrderId {

@@ -32,7 +32,8 @@ impl Engine {
             RobotEvent::Failed(id, words) => self.failed(robot, id, words),
             RobotEvent::Sonar(cm) => self.sonar(robot, cm),
             RobotEvent::Temperature(celsius) => {
-                let source = if self.searches(robot) { ROBOT } else { robot.name() };
+                // With a blank, which no sensor has in its name: a robot's reading is never taken for that of something else.
+                let source = if self.searches(robot) { ROBOT.to_owned() } else { format!("{ROBOT} {robot}") };
                 self.read_temperature(&Arc::from(source), celsius);
             }
         }

@@ -72,9 +72,9 @@ impl Stops {
 }
 
 impl Engine {
-    /// Answers a stop as soon as the robot stands.
+    /// Answers a stop as soon as every robot stands.
     pub(super) fn answer_standing(&mut self, ticket: Ticket) {
-        if self.robots.searching().controller.is_halting() {
+        if self.robots.are_halting() {
             self.stops.waiting.push((ticket, self.now.since_start.saturating_add(PATIENCE)));
         } else {
             self.answer(ticket, None);
@@ -85,7 +85,7 @@ impl Engine {
     /// the revision of their answers is one in which it does.
     pub(super) fn go_on(&mut self) {
         self.stops.put_off = None;
-        if self.stops.waiting.is_empty() || self.robots.searching().controller.is_halting() {
+        if self.stops.waiting.is_empty() || self.robots.are_halting() {
             return self.pump();
         }
         self.stops.put_off = Some(self.now.since_start);

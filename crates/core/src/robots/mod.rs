@@ -128,6 +128,16 @@ impl Robots {
         self.all.keys().cloned().collect()
     }
 
+    /// Whether any may still be moving although it was told to halt (safety S8).
+    pub(crate) fn are_halting(&self) -> bool {
+        self.all.values().any(|robot| robot.controller.is_halting())
+    }
+
+    /// The ids of those that were told to move and have not answered yet.
+    pub(crate) fn moving(&self) -> Vec<RobotId> {
+        self.all.iter().filter(|(_, robot)| robot.controller.is_moving()).map(|(id, _)| id.clone()).collect()
+    }
+
     /// The next time at which an open order of any counts as unanswered.
     pub(crate) fn due(&self) -> Option<Duration> {
         self.all.values().filter_map(|robot| robot.controller.due()).min()
