@@ -8,32 +8,19 @@ use crate::access::Need;
 use hallsweep_core::command::{Command, LuggageRef};
 use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
 
-/// Which command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CommandKind {
-    /// Begin, or go on.
     Start,
-    /// Halt.
     Stop,
-    /// Go home and wait.
     BackHome,
-    /// Fetch the dangerous piece.
     Retrieve,
-    /// Put the mission away.
     Reset,
-    /// One move by hand; `h` is STOP.
     Move,
-    /// Drive to a cell.
     Goto,
-    /// Safe or danger.
     Verdict,
-    /// Take a photo again.
     Retake,
-    /// An alarm was seen.
     Acknowledge,
-    /// Choose the order of the search.
     Strategy,
-    /// What is known of the temperature.
     Temperature,
 }
 
