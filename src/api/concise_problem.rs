@@ -47,11 +47,11 @@ enum Entry<'a> {
 
 /// A problem with the code of the response that carries it, as it stands in the message's header.
 #[must_use]
-pub fn written(problem: &ProblemJson, response_code: u8) -> Vec<u8> {
+pub fn written(problem: &ProblemJson<'_>, response_code: u8) -> Vec<u8> {
     let ours = Ours { code: problem.code, accepted: problem.accepted, luggage: problem.luggage.as_ref() };
     let entries = BTreeMap::from([
-        (Name::Standard(key::TITLE), Entry::Text(&problem.title)),
-        (Name::Standard(key::DETAIL), Entry::Text(&problem.detail)),
+        (Name::Standard(key::TITLE), Entry::Text(problem.title)),
+        (Name::Standard(key::DETAIL), Entry::Text(problem.detail)),
         (Name::Standard(key::RESPONSE_CODE), Entry::Number(response_code)),
         (Name::Custom(OURS), Entry::Ours(ours)),
     ]);
@@ -63,10 +63,11 @@ mod tests {
     use minicbor::Decoder;
 
     use super::*;
+    use crate::api::problem::ProblemKind;
 
     #[test]
     fn a_problem_has_the_numbers_of_the_rfc_and_our_code_in_a_map_of_its_own() {
-        let problem = ProblemJson::new(409, "Conflict", "moving", "the robot is moving: press STOP first".to_owned());
+        let problem = ProblemJson::new(ProblemKind::Conflict, "moving", "the robot is moving: press STOP first");
         let bytes = written(&problem, 0x89);
         let mut decoder = Decoder::new(&bytes);
         assert_eq!(decoder.map().unwrap(), Some(4));

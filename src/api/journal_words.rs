@@ -114,7 +114,7 @@ fn list<T: Display>(things: impl IntoIterator<Item = T>) -> String {
 mod tests {
     use super::*;
     use crate::api::fixture::piece;
-    use hallsweep_core::command::{Door, Issuer, Refused};
+    use hallsweep_core::command::{Issuer, Refused};
     use hallsweep_core::mission::{FaultCause, Inspection};
     use hallsweep_core::units::{Cell, Pose, WallTime};
 
@@ -123,7 +123,7 @@ mod tests {
     }
 
     fn command(refused: Option<Refused>) -> Fact {
-        let issuer = Issuer { door: Door::Http, who: "anna".into(), from: "192.0.2.7".into() };
+        let issuer = Issuer { door: crate::api::door::HTTP, who: "anna".into(), from: "192.0.2.7".into() };
         let refused = refused.as_ref().map(Refusal::from);
         Fact::Command { issuer, id: None, command: "START".to_owned(), epoch: None, luggage: None, refused }
     }

@@ -8,6 +8,9 @@ pub mod changes;
 pub mod command;
 pub mod commands;
 pub mod concise_problem;
+#[cfg(test)]
+pub(crate) mod documented;
+pub mod door;
 pub mod fields;
 #[cfg(test)]
 pub(crate) mod fixture;
@@ -23,6 +26,7 @@ pub mod mission_record;
 pub mod old_clients;
 pub mod old_items;
 pub mod problem;
+pub mod resources;
 pub mod result;
 pub mod robot;
 pub mod senml;

@@ -1,6 +1,91 @@
-//! What clients of the original system may not do, whatever door they come by. What they can say stands at each door.
+//! THE TABLE of what clients of the original system say (mission §8): HTTP makes of it the routes of the old console, CoAP the words that
+//! `/resourcemodel` takes, MQTT the messages it knows. And what such clients may not do, whatever door they come by.
 
-use hallsweep_core::command::{Command, Refused};
+use super::command::move_word;
+use super::fields::Unusable;
+use hallsweep_core::command::{Command, LuggageRef, Refused, TemperatureReport, Verdict};
+
+/// What an old word asks for.
+#[derive(Debug)]
+pub enum Asks {
+    For(Command),
+    /// The same, whatever goes with the word: nothing in it keeps it from halting.
+    Halt(Command),
+    /// A move: the word itself, or in the CONTENT of a message, `MSGID(w)`; `h` is STOP.
+    Move,
+    /// Driving to a cell, `MSGID(X,Y)`.
+    Goto,
+    /// To go on: to take the photo again where that has failed, else START.
+    GoOn,
+    /// A move, `MSGID(robot,w)`, or a verdict, `MSGID(luggage,safe)`.
+    Change,
+}
+
+/// One thing that old clients ask for, and how they say it.
+#[derive(Debug)]
+pub struct Row {
+    pub asks: Asks,
+    /// The paths at which the old console posts.
+    pub posts: &'static [&'static str],
+    /// Whether these are words for `/resourcemodel`, too.
+    pub is_word: bool,
+    /// The MSGIDs of messages.
+    pub messages: &'static [&'static str],
+}
+
+pub const SAFE: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe };
+pub const DANGER: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger };
+
+const MOVES: &[&str] = &["w", "s", "a", "l", "d", "r", "h", "z", "x"];
+
+/// All of them, in the order in which they are listed.
+#[rustfmt::skip]
+pub static ROWS: [Row; 12] = [
+    word(Asks::Move, MOVES, &["userCmd", "robotCmd"]),
+    word(Asks::For(SAFE), &["safe"], &["luggageSafe", "continueExploreAfterPhoto"]),
+    word(Asks::For(DANGER), &["danger"], &["luggageDanger", "backHomeSinceBomb"]),
+    row(Asks::For(Command::Start), &["startappl"], &["startCmd", "explore", "startAppl"]),
+    row(Asks::Halt(Command::Stop), &["stopappl"], &["stopCmd", "stopExplore", "stopAppl"]),
+    row(Asks::For(Command::BackHome), &["backhomeappl"], &["backHomeCmd", "backHome"]),
+    row(Asks::For(Command::Temperature(TemperatureReport::Ok)), &["temperatureOk"], &["temperatureOk"]),
+    row(Asks::Halt(Command::Temperature(TemperatureReport::TooHigh)), &["temperatureTooHigh"], &["temperatureTooHigh"]),
+    row(Asks::For(Command::Retrieve), &[], &["reachBag"]),
+    row(Asks::Goto, &[], &["startTest"]),
+    row(Asks::GoOn, &[], &["continueExplore"]),
+    row(Asks::Change, &[], &["modelChange"]),
+];
+
+const fn row(asks: Asks, posts: &'static [&'static str], messages: &'static [&'static str]) -> Row {
+    Row { asks, posts, is_word: false, messages }
+}
+
+const fn word(asks: Asks, posts: &'static [&'static str], messages: &'static [&'static str]) -> Row {
+    Row { asks, posts, is_word: true, messages }
+}
+
+/// What the old console asks for by a POST at this path.
+///
+/// # Errors
+/// When it is no word of the table.
+pub fn posted(word: &str) -> Result<Command, Unusable> {
+    command(word, |_| true)
+}
+
+/// What a bare word asks for at `/resourcemodel`.
+///
+/// # Errors
+/// When it is no word for that.
+pub fn bare_word(word: &str) -> Result<Command, Unusable> {
+    command(word, |row| row.is_word)
+}
+
+fn command(word: &str, is_among: fn(&Row) -> bool) -> Result<Command, Unusable> {
+    let row = ROWS.iter().find(|row| is_among(row) && row.posts.contains(&word));
+    match row.map(|row| &row.asks) {
+        Some(Asks::For(command) | Asks::Halt(command)) => Ok(command.clone()),
+        Some(Asks::Move | Asks::Goto | Asks::GoOn | Asks::Change) | None => move_word(word),
+    }
+}
 
 /// An old console sends a stray `w` when it starts, which must not set an idle robot moving: moves by hand and driving to a cell
 /// are for those who were let in by the setting `old_clients.manual_driving`.
@@ -28,5 +113,28 @@ mod tests {
             assert_eq!(may_drive(&command, false).unwrap_err().code(), "notAllowed");
         }
         assert!(may_drive(&Command::Start, false).is_ok() && may_drive(&Command::Stop, false).is_ok());
+    }
+
+    #[test]
+    fn every_old_path_is_a_command_and_none_is_there_twice() {
+        let mut posts: Vec<&str> = ROWS.iter().flat_map(|row| row.posts).copied().collect();
+        assert!(posts.iter().all(|word| posted(word).is_ok()));
+        assert_eq!(posted("h").unwrap(), Command::Stop);
+        assert_eq!(posts.len(), 16, "{posts:?}");
+        let mut messages: Vec<&str> = ROWS.iter().flat_map(|row| row.messages).copied().collect();
+        assert_eq!(messages.len(), 20, "{messages:?}");
+        for all in [&mut posts, &mut messages] {
+            let number = all.len();
+            all.sort_unstable();
+            all.dedup();
+            assert_eq!(all.len(), number);
+        }
+    }
+
+    #[test]
+    fn at_the_resource_model_only_moves_and_verdicts_are_words() {
+        assert_eq!(bare_word("safe").unwrap(), SAFE);
+        assert_eq!(bare_word("l").unwrap(), Command::Move(Move::TurnLeft));
+        assert!(["startappl", "temperatureOk", "backhomeappl", "luggageSafe"].iter().all(|word| bare_word(word).is_err()));
     }
 }

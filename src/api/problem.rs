@@ -1,23 +1,42 @@
-//! What a refusal or an error looks like: RFC 9457 problem details with a fixed code beside the sentence, and the status that each
-//! family of refusals has in them. Which code of its own protocol a door answers with is the door's table.
+//! What a refusal or an error looks like: RFC 9457 problem details with a fixed code beside the sentence; and which kinds of problem
+//! there are, as far as the codes of protocols tell them apart. Who has which problem is the doors' business.
 
 use serde::Serialize;
 
 use super::luggage::LuggageJson;
-use hallsweep_core::command::RefusalKind;
+use hallsweep_core::command::{CODES, Refusal, RefusalKind};
+
+/// What is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProblemKind {
+    Malformed,
+    NotSignedIn,
+    Forbidden,
+    NotFound,
+    NoSuchMethod,
+    NotAcceptable,
+    TooSlow,
+    Conflict,
+    ConditionFailed,
+    TooLarge,
+    UnsupportedFormat,
+    Misdirected,
+    Unusable,
+    Internal,
+    Unavailable,
+}
 
 /// One problem.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ProblemJson {
+pub struct ProblemJson<'a> {
     /// A URI that names the kind of problem and never changes: `urn:hallsweep:problem:` and the code.
     #[serde(rename = "type")]
     pub kind: String,
     /// The status in words.
-    pub title: String,
-    /// The status.
+    pub title: &'static str,
     pub status: u16,
     /// What was wrong, with what value, and what to do.
-    pub detail: String,
+    pub detail: &'a str,
     /// A short fixed word for programs.
     pub code: &'static str,
     /// Always false, so that whoever looks at the body alone does not take it for a success.
@@ -27,23 +46,92 @@ pub struct ProblemJson {
     pub luggage: Option<LuggageJson>,
 }
 
-/// The status of each family of refusals, as HTTP has it.
-#[must_use]
-pub const fn status_of(kind: RefusalKind) -> u16 {
-    match kind {
-        RefusalKind::Conflict => 409,
-        RefusalKind::Unknown => 404,
-        RefusalKind::Unavailable => 503,
-        RefusalKind::Mismatch => 422,
-        RefusalKind::Forbidden => 403,
+impl<'a> ProblemJson<'a> {
+    #[must_use]
+    pub fn new(kind: ProblemKind, code: &'static str, detail: &'a str) -> ProblemJson<'a> {
+        let (status, title) = kind.status();
+        let kind = format!("urn:hallsweep:problem:{code}");
+        ProblemJson { kind, title, status, detail, code, accepted: false, luggage: None }
     }
 }
 
-impl ProblemJson {
-    /// A problem of this status and code.
+impl ProblemKind {
+    /// The status that problem details have, which is HTTP's, and its title (RFC 9110, section 15). The codes of CoAP are written with
+    /// the same digits (RFC 7252, section 12.1.2, and RFC 8132).
     #[must_use]
-    pub fn new(status: u16, title: &str, code: &'static str, detail: String) -> ProblemJson {
-        let kind = format!("urn:hallsweep:problem:{code}");
-        ProblemJson { kind, title: title.to_owned(), status, detail, code, accepted: false, luggage: None }
+    pub const fn status(self) -> (u16, &'static str) {
+        match self {
+            ProblemKind::Malformed => (400, "Bad Request"),
+            ProblemKind::NotSignedIn => (401, "Unauthorized"),
+            ProblemKind::Forbidden => (403, "Forbidden"),
+            ProblemKind::NotFound => (404, "Not Found"),
+            ProblemKind::NoSuchMethod => (405, "Method Not Allowed"),
+            ProblemKind::NotAcceptable => (406, "Not Acceptable"),
+            ProblemKind::TooSlow => (408, "Request Timeout"),
+            ProblemKind::Conflict => (409, "Conflict"),
+            ProblemKind::ConditionFailed => (412, "Precondition Failed"),
+            ProblemKind::TooLarge => (413, "Payload Too Large"),
+            ProblemKind::UnsupportedFormat => (415, "Unsupported Media Type"),
+            ProblemKind::Misdirected => (421, "Misdirected Request"),
+            ProblemKind::Unusable => (422, "Unprocessable Entity"),
+            ProblemKind::Internal => (500, "Internal Server Error"),
+            ProblemKind::Unavailable => (503, "Service Unavailable"),
+        }
     }
+
+    /// The family of refusals that it is of in records.
+    #[must_use]
+    pub const fn family(self) -> RefusalKind {
+        match self {
+            ProblemKind::Conflict => RefusalKind::Conflict,
+            ProblemKind::NotFound => RefusalKind::Unknown,
+            ProblemKind::Forbidden => RefusalKind::Forbidden,
+            ProblemKind::Internal | ProblemKind::Unavailable => RefusalKind::Unavailable,
+            ProblemKind::Malformed
+            | ProblemKind::NotSignedIn
+            | ProblemKind::NoSuchMethod
+            | ProblemKind::NotAcceptable
+            | ProblemKind::TooSlow
+            | ProblemKind::ConditionFailed
+            | ProblemKind::TooLarge
+            | ProblemKind::UnsupportedFormat
+            | ProblemKind::Misdirected
+            | ProblemKind::Unusable => RefusalKind::Mismatch,
+        }
+    }
+}
+
+impl From<RefusalKind> for ProblemKind {
+    fn from(family: RefusalKind) -> ProblemKind {
+        match family {
+            RefusalKind::Conflict => ProblemKind::Conflict,
+            RefusalKind::Unknown => ProblemKind::NotFound,
+            RefusalKind::Unavailable => ProblemKind::Unavailable,
+            RefusalKind::Mismatch => ProblemKind::Unusable,
+            RefusalKind::Forbidden => ProblemKind::Forbidden,
+        }
+    }
+}
+
+/// The codes with which a door itself refuses what somebody known asked for; tests in the doors hold them against their own.
+pub const AT_THE_DOOR: [(&str, ProblemKind); 10] = [
+    ("malformed", ProblemKind::Malformed),
+    ("unusable", ProblemKind::Unusable),
+    ("tooLarge", ProblemKind::TooLarge),
+    ("tooSlow", ProblemKind::TooSlow),
+    ("unsupportedMediaType", ProblemKind::UnsupportedFormat),
+    ("methodNotAllowed", ProblemKind::NoSuchMethod),
+    ("notAcceptable", ProblemKind::NotAcceptable),
+    ("preconditionFailed", ProblemKind::ConditionFailed),
+    ("notFound", ProblemKind::NotFound),
+    ("tooMany", ProblemKind::Unavailable),
+];
+
+/// The refusal with this code and these words, as a record has it; a code that no version of this program knows is a plain conflict.
+#[must_use]
+pub fn refusal(code: &str, words: String) -> Refusal {
+    let at_the_door = AT_THE_DOOR.into_iter().map(|(known, kind)| (known, kind.family()));
+    let found = CODES.into_iter().chain(at_the_door).find(|(known, _)| *known == code);
+    let (code, kind) = found.unwrap_or(("refused", RefusalKind::Conflict));
+    Refusal { code, kind, words }
 }

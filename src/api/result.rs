@@ -18,7 +18,7 @@ pub struct ResultJson<'a, T> {
 mod tests {
     use super::*;
     use crate::api::answer::AnswerJson;
-    use crate::api::problem::ProblemJson;
+    use crate::api::problem::{ProblemJson, ProblemKind};
 
     #[test]
     fn a_result_has_the_fields_of_what_is_said_and_the_name() {
@@ -26,7 +26,7 @@ mod tests {
         let written = |id| serde_json::to_string(&ResultJson { id, said: said.clone() }).unwrap();
         assert_eq!(written(Some("k7")), r#"{"id":"k7","accepted":true,"revision":812,"epoch":4}"#);
         assert_eq!(written(None), r#"{"accepted":true,"revision":812,"epoch":4}"#);
-        let said = ProblemJson::new(409, "Conflict", "moving", "the robot is moving".to_owned());
+        let said = ProblemJson::new(ProblemKind::Conflict, "moving", "the robot is moving");
         let json = serde_json::to_value(ResultJson { id: Some("k8"), said }).unwrap();
         assert_eq!((&json["id"], &json["accepted"], &json["code"]), (&"k8".into(), &false.into(), &"moving".into()));
     }

@@ -99,7 +99,7 @@ mod tests {
     }
 
     fn start() -> Request {
-        Request::new(Command::Start, Issuer::operator(Door::Local))
+        Request::new(Command::Start, Issuer::operator(Door::LOCAL))
     }
 
     #[tokio::test(start_paused = true)]

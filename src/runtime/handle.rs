@@ -202,7 +202,7 @@ mod tests {
     }
 
     fn request(command: Command) -> Request {
-        Request::new(command, Issuer::operator(Door::Local))
+        Request::new(command, Issuer::operator(Door::LOCAL))
     }
 
     fn next(envelopes: &mut mpsc::Receiver<Envelope>) -> Option<Request> {
@@ -285,7 +285,7 @@ mod tests {
         let (handle, mut envelopes, _, overflow) = handle_with_overflow();
         for n in 0..COMMANDS + 1000 {
             let refused = Refused::NotAllowed("no".to_owned());
-            handle.note_refused_at_once(Issuer::operator(Door::Coap), format!("START {n}"), refused);
+            handle.note_refused_at_once(Issuer::operator(Door("coap")), format!("START {n}"), refused);
         }
         let mut queued = Vec::new();
         while let Ok(Envelope::Refused(_, asked, _, None)) = envelopes.try_recv() {

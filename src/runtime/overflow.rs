@@ -142,7 +142,7 @@ mod tests {
     use hallsweep_core::command::Command;
 
     fn issuer(from: &str) -> Issuer {
-        Issuer { from: from.into(), ..Issuer::operator(Door::Mqtt) }
+        Issuer { from: from.into(), ..Issuer::operator(Door("mqtt")) }
     }
 
     fn stop(from: &str) -> Request {

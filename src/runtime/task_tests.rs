@@ -35,7 +35,7 @@ impl Store for Forgetful {
 }
 
 fn request(command: Command) -> Request {
-    Request::new(command, Issuer::operator(Door::Local))
+    Request::new(command, Issuer::operator(Door::LOCAL))
 }
 
 /// Gives a command at the call; the future is its answer.
@@ -383,7 +383,7 @@ async fn a_refusal_is_answered_when_it_is_on_record_or_nothing_can_be() {
 async fn what_a_door_refuses_is_answered_when_it_is_on_record_unless_it_shares_an_entry() {
     let (handle, task, robot, word) = task_with(false);
     let (handle, _robot, _close) = start((handle, task, robot)).await;
-    let issuer = Issuer { who: "lobby".into(), ..Issuer::operator(Door::Http) };
+    let issuer = Issuer { who: "lobby".into(), ..Issuer::operator(Door("http")) };
     let refused = Refused::NotAllowed("lobby may only look".to_owned());
     let note = || {
         let (handle, issuer, refused) = (handle.clone(), issuer.clone(), refused.clone());
@@ -409,7 +409,7 @@ async fn what_finds_no_room_in_the_queue_is_on_record_and_its_stops_are_answered
     let starts: Vec<_> = (0..COMMANDS).map(|_| handle.give(request(Command::Start))).collect();
     let stops: Vec<_> = (0..1000).map(|_| handle.give(request(Command::Stop))).collect();
     for n in 0..1000 {
-        handle.note_refused_at_once(Issuer::operator(Door::Coap), format!("RESET {n}"), Refused::NotAllowed("no".to_owned()));
+        handle.note_refused_at_once(Issuer::operator(Door("coap")), format!("RESET {n}"), Refused::NotAllowed("no".to_owned()));
     }
     let (handle, _robot, _close) = start((handle, task, robot)).await;
     for stop in stops {

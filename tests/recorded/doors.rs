@@ -5,7 +5,8 @@ pub(crate) use hallsweep::access::{Access, Caller, Key, Keyring, Keys, OPERATOR,
 pub(crate) use hallsweep::api::changes::ChangesJson;
 pub(crate) use hallsweep::api::journal::{self, Picture};
 pub(crate) use hallsweep::api::map::MapJson;
-pub(crate) use hallsweep::api::problem::{ProblemJson, status_of};
+pub(crate) use hallsweep::api::problem::{ProblemJson, ProblemKind};
+pub(crate) use hallsweep::api::resources::Shown;
 pub(crate) use hallsweep::api::state::{self, StateJson};
 pub(crate) use hallsweep::api::{cbor, concise_problem, journal_words, map_text, old_items, senml, text};
 pub(crate) use hallsweep::doors::coap::{Application, Reply, Resources};

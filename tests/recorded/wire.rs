@@ -9,8 +9,8 @@ use sha2::{Digest, Sha256};
 use super::book::{Book, hex};
 use super::doors::{
     AlarmId, CODES, Cell, ChangesJson, Code, CommandId, Entry, Epoch, Fact, Hold, LuggageId, MapJson, MissionId, PhaseName,
-    Picture, ProblemJson, Refusal, RefusalKind, Refused, Resource, Revision, Seq, Snapshot, StateJson, Verdict, cbor,
-    concise_problem, journal, journal_words, map_text, old_items, qak, senml, state, status_of, text,
+    Picture, ProblemJson, ProblemKind, Refusal, RefusalKind, Refused, Resource, Revision, Seq, Shown, Snapshot, StateJson,
+    Verdict, cbor, concise_problem, journal, journal_words, map_text, old_items, qak, senml, state, text,
 };
 
 /// Everything that can be made of a state, and of what changed since the one before.
@@ -22,7 +22,7 @@ pub(crate) fn snapshot(book: &mut Book, older: Option<&Snapshot>, newer: &Snapsh
         shape(book, "changes since 20 revisions ago", &ChangesJson::since(newer, earlier));
     }
     for resource in Resource::ALL {
-        let name = resource.name();
+        let name = Shown::Of(resource).row().name;
         match resource {
             Resource::Mission => shape(book, name, &state::mission(newer)),
             Resource::Robot => shape(book, name, &state::robot(newer)),
@@ -130,8 +130,9 @@ pub(crate) fn refusals() -> Vec<Refused> {
 /// Problems made of every refusal, in JSON and CBOR.
 pub(crate) fn problems(book: &mut Book) {
     for refused in refusals() {
-        let title = format!("{} {}", refused.code(), status_of(refused.kind()));
-        let problem = ProblemJson::new(status_of(refused.kind()), "Some title", refused.code(), refused.to_string());
+        let (kind, detail) = (ProblemKind::from(refused.kind()), refused.to_string());
+        let title = format!("{} {}", refused.code(), kind.status().0);
+        let problem = ProblemJson { title: "Some title", ..ProblemJson::new(kind, refused.code(), &detail) };
         book.write("problems", &title, &serde_json::to_vec(&problem).expect("a problem is strings and numbers"));
         book.write("problems", &format!("{title} in CBOR"), &concise_problem::written(&problem, Code::CONFLICT.0));
     }

@@ -120,7 +120,7 @@ impl Bare {
     }
 
     pub(crate) fn give(&mut self, command: Command) -> Result<Ticket, Refused> {
-        self.ask(Request::new(command, Issuer::operator(Door::Local)))
+        self.ask(Request::new(command, Issuer::operator(Door::LOCAL)))
     }
 
     pub(crate) fn ask(&mut self, request: Request) -> Result<Ticket, Refused> {

@@ -72,7 +72,7 @@ impl Mortal {
     }
 
     pub(crate) fn give(&mut self, command: Command) -> Result<Ticket, Refused> {
-        self.ask(Request::new(command, Issuer::operator(Door::Local)))
+        self.ask(Request::new(command, Issuer::operator(Door::LOCAL)))
     }
 
     pub(crate) fn ask(&mut self, request: Request) -> Result<Ticket, Refused> {

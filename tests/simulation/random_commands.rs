@@ -125,7 +125,7 @@ fn robot(report: RobotEvent) -> Event {
 fn give_and_check(run: &mut Run, watch: &mut Watch, hall: &Hall, command: Command, seed: u64) {
     let epoch = run.state().mission.epoch;
     if epoch > Epoch(0) && command == Command::Start {
-        let old = Request { epoch: Some(Epoch(epoch.0 - 1)), ..Request::new(Command::Start, Issuer::operator(Door::Local)) };
+        let old = Request { epoch: Some(Epoch(epoch.0 - 1)), ..Request::new(Command::Start, Issuer::operator(Door::LOCAL)) };
         assert!(matches!(run.ask(old), Err(Refused::Outdated { .. })), "seed {seed}: an old START was taken");
     }
     let before = run.state();

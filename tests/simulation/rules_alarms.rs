@@ -26,7 +26,7 @@ fn reborn(standing: PersistentState) -> Bare {
 }
 
 fn named(id: &str, command: Command) -> Request {
-    Request { id: CommandId::new(id), ..Request::new(command, Issuer::operator(Door::Http)) }
+    Request { id: CommandId::new(id), ..Request::new(command, Issuer::operator(Door("http"))) }
 }
 
 /// In front of a piece that somebody called dangerous while nothing could be recorded; now it can be.

@@ -17,7 +17,7 @@ fn named(id: &str, command: Command) -> Request {
 }
 
 fn by(who: &str, id: &str, command: Command) -> Request {
-    let issuer = Issuer { door: Door::Http, who: Arc::from(who), from: Arc::from("192.0.2.7") };
+    let issuer = Issuer { door: Door("http"), who: Arc::from(who), from: Arc::from("192.0.2.7") };
     Request { id: CommandId::new(id), ..Request::new(command, issuer) }
 }
 

@@ -180,7 +180,7 @@ fn a_bomb_stays_on_the_console_until_its_alarm_is_acknowledged() {
 fn a_start_from_before_the_last_stop_is_outdated_and_a_verdict_never_is() {
     let mut run = at_the_bag();
     run.give(Command::Stop).unwrap();
-    let old = |command| Request { epoch: Some(Epoch(0)), ..Request::new(command, Issuer::operator(Door::Local)) };
+    let old = |command| Request { epoch: Some(Epoch(0)), ..Request::new(command, Issuer::operator(Door::LOCAL)) };
     assert_eq!(run.ask(old(Command::BackHome)), Err(Refused::Outdated { sent: Epoch(0), now: Epoch(1) }));
     let luggage = hallsweep_core::command::LuggageRef::Pending;
     run.ask(old(Command::Verdict { luggage, verdict: Verdict::Safe })).unwrap();

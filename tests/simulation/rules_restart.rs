@@ -131,7 +131,7 @@ fn a_step_cut_short_by_a_kill_is_undone_first() {
 #[test]
 fn a_command_that_comes_again_after_a_restart_is_answered_and_does_not_act() {
     let named = |command| {
-        let issuer = Issuer::operator(Door::Http);
+        let issuer = Issuer::operator(Door("http"));
         Request { id: CommandId::new("once"), ..Request::new(command, issuer) }
     };
     let mut mortal = Mortal::born(hall("empty-8x8"), SimSettings::new(1, Camera::Stub));
@@ -147,7 +147,7 @@ fn a_command_that_comes_again_after_a_restart_is_answered_and_does_not_act() {
 /// What contradicted an id before a restart is no use of it afterwards.
 #[test]
 fn an_id_stands_for_its_first_command_after_a_restart_too() {
-    let named = |command| Request { id: CommandId::new("once"), ..Request::new(command, Issuer::operator(Door::Http)) };
+    let named = |command| Request { id: CommandId::new("once"), ..Request::new(command, Issuer::operator(Door("http"))) };
     let mut mortal = Mortal::born(hall("empty-8x8"), SimSettings::new(1, Camera::Stub));
     mortal.ask(named(Command::Start)).unwrap();
     mortal.ask(named(Command::BackHome)).unwrap_err();
@@ -178,7 +178,7 @@ fn a_fault_outlives_the_program_with_what_it_interrupted() {
 /// A bare word that comes again means the piece it meant, not the one that waits now.
 #[test]
 fn a_bare_safe_that_comes_again_after_a_restart_decides_no_other_piece() {
-    let named = |command| Request { id: CommandId::new("bare"), ..Request::new(command, Issuer::operator(Door::Http)) };
+    let named = |command| Request { id: CommandId::new("bare"), ..Request::new(command, Issuer::operator(Door("http"))) };
     let safe = || Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe };
     let mut mortal = Mortal::born(hall("airport"), SimSettings::new(1, Camera::Stub));
     mortal.give(Command::Start).unwrap();

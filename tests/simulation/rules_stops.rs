@@ -74,7 +74,7 @@ fn a_stop_that_has_halted_does_not_undo_the_start_that_was_given_after_it() {
     bare.halted();
     bare.give(Command::Start).expect("it stands, and is held by nothing else");
     assert!(bare.order().is_some());
-    let stop = Request { epoch: Some(raised), ..Request::new(Command::Stop, Issuer::operator(Door::Mqtt)) };
+    let stop = Request { epoch: Some(raised), ..Request::new(Command::Stop, Issuer::operator(Door("mqtt"))) };
     let ticket = bare.ask(stop.clone()).expect("it is on record");
     let state = bare.state();
     assert!(state.mission.holds.is_empty() && bare.order().is_some(), "the START stands");
@@ -90,7 +90,7 @@ fn a_stop_that_has_halted_does_not_undo_the_start_that_was_given_after_it() {
 #[test]
 fn a_start_that_was_sent_before_and_names_no_epoch_is_outdated_and_nothing_else_is() {
     let again = |command, epoch| {
-        let request = Request::new(command, Issuer::operator(Door::Mqtt));
+        let request = Request::new(command, Issuer::operator(Door("mqtt")));
         Request { epoch, is_again: true, ..request }
     };
     let mut bare = driving();
@@ -113,7 +113,7 @@ fn a_start_that_was_given_before_the_stop_is_outdated_though_it_names_an_epoch_t
         let given = bare.state().mission.epoch;
         bare.raise();
         bare.halted();
-        let start = Request::new(Command::Start, Issuer::operator(Door::Mqtt));
+        let start = Request::new(Command::Start, Issuer::operator(Door("mqtt")));
         let start = Request { epoch: named.map(Epoch), arrived: Some(given), ..start };
         assert!(matches!(bare.ask(start), Err(Refused::Outdated { .. })), "{named:?}");
         assert!(bare.state().mission.holds.contains(&Hold::Operator) && bare.order().is_none());
@@ -126,9 +126,9 @@ fn a_reset_that_was_given_before_the_stop_leaves_it_held() {
     let mut bare = Bare::linked();
     let given = bare.state().mission.epoch;
     let raised = bare.raise();
-    let reset = Request { arrived: Some(given), ..Request::new(Command::Reset, Issuer::operator(Door::Mqtt)) };
+    let reset = Request { arrived: Some(given), ..Request::new(Command::Reset, Issuer::operator(Door("mqtt"))) };
     bare.ask(reset).expect("an idle robot is reset");
-    let stop = Request { epoch: Some(raised), ..Request::new(Command::Stop, Issuer::operator(Door::Mqtt)) };
+    let stop = Request { epoch: Some(raised), ..Request::new(Command::Stop, Issuer::operator(Door("mqtt"))) };
     bare.ask(stop).expect("a stop is never refused");
     assert!(bare.state().mission.holds.contains(&Hold::Operator));
 }

@@ -94,7 +94,7 @@ impl Pair {
     }
 
     fn give(&mut self, command: Command) {
-        self.engine.handle_command(Request::new(command, Issuer::operator(Door::Local)), self.now).unwrap();
+        self.engine.handle_command(Request::new(command, Issuer::operator(Door::LOCAL)), self.now).unwrap();
         self.settle();
     }
 
@@ -184,7 +184,7 @@ fn one_stop_halts_both_and_neither_moves_before_a_start() {
 fn a_stop_is_answered_when_both_stand() {
     let mut pair = Pair::new();
     pair.both_move();
-    let stop = Request::new(Command::Stop, Issuer::operator(Door::Local));
+    let stop = Request::new(Command::Stop, Issuer::operator(Door::LOCAL));
     let ticket = pair.engine.handle_command(stop, pair.now).unwrap();
     let mut effects: Vec<Effect> = std::iter::from_fn(|| pair.engine.poll_effect()).collect();
     let answered = |effects: &[Effect]| effects.iter().any(|effect| matches!(effect, Effect::Answer(of, _) if *of == ticket));
@@ -220,7 +220,7 @@ fn heat_halts_both_and_each_waits_for_start_afterwards() {
 fn nothing_is_put_away_while_another_robot_moves() {
     let mut pair = Pair::new();
     pair.propose(FORWARD).unwrap();
-    let reset = || Request::new(Command::Reset, Issuer::operator(Door::Local));
+    let reset = || Request::new(Command::Reset, Issuer::operator(Door::LOCAL));
     assert_eq!(pair.engine.handle_command(reset(), pair.now), Err(Refused::Moving));
     pair.wait(500);
     assert!(pair.engine.handle_command(reset(), pair.now).is_ok());

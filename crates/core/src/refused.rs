@@ -10,15 +10,15 @@ use super::units::{AlarmId, Cell, Epoch, LuggageId};
 /// Which family a refusal is of; each door maps these to its own codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RefusalKind {
-    /// The state forbids it (HTTP 409).
+    /// The state forbids it.
     Conflict,
-    /// There is no such thing (HTTP 404).
+    /// There is no such thing.
     Unknown,
-    /// It cannot be kept safe just now (HTTP 503).
+    /// It cannot be kept safe just now.
     Unavailable,
-    /// It contradicts what the same sender said before (HTTP 422).
+    /// It contradicts what the same sender said before.
     Mismatch,
-    /// Its sender may not (HTTP 403).
+    /// Its sender may not.
     Forbidden,
 }
 
@@ -118,24 +118,6 @@ pub enum Refused {
     Before(Refusal),
 }
 
-/// The codes with which a door itself refuses what somebody known asked for; tests in the doors hold them against
-/// their own.
-pub const AT_THE_DOOR: [(&str, RefusalKind); 10] = {
-    use RefusalKind::{Mismatch, Unavailable, Unknown};
-    [
-        ("malformed", Mismatch),
-        ("unusable", Mismatch),
-        ("tooLarge", Mismatch),
-        ("tooSlow", Mismatch),
-        ("unsupportedMediaType", Mismatch),
-        ("methodNotAllowed", Mismatch),
-        ("notAcceptable", Mismatch),
-        ("preconditionFailed", Mismatch),
-        ("notFound", Unknown),
-        ("tooMany", Unavailable),
-    ]
-};
-
 /// The code of `Refused::OtherContent`.
 pub const OTHER_CONTENT: &str = "otherContent";
 
@@ -148,16 +130,6 @@ pub struct Refusal {
     pub kind: RefusalKind,
     /// The sentence an operator read.
     pub words: String,
-}
-
-impl Refusal {
-    /// The refusal with this code and these words; a code that no version of this program knows is a plain conflict.
-    #[must_use]
-    pub fn named(code: &str, words: String) -> Refusal {
-        let (code, kind) =
-            CODES.into_iter().chain(AT_THE_DOOR).find(|(known, _)| *known == code).unwrap_or(("refused", RefusalKind::Conflict));
-        Refusal { code, kind, words }
-    }
 }
 
 impl From<&Refused> for Refusal {

@@ -6,7 +6,9 @@ use proptest::collection::{btree_map, btree_set, vec};
 use proptest::option;
 use proptest::prelude::*;
 
-use hallsweep_core::command::{CommandId, Door, Issuer, Move, Refusal, Verdict};
+use crate::api::door::DOORS;
+use crate::api::problem::refusal;
+use hallsweep_core::command::{CommandId, Issuer, Move, Verdict};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::event::{Piece, RobotId};
 use hallsweep_core::explore::{Search, Strategy as Order};
@@ -57,10 +59,10 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
 }
 
 fn command() -> impl Strategy<Value = Fact> {
-    let issuer = (one_of(&Door::ALL), text(), text());
+    let issuer = (one_of(&DOORS), text(), text());
     let issuer = issuer.prop_map(|(door, who, from)| Issuer { door, who: who.into(), from: from.into() });
     let id = option::of("[!-~]{1,128}".prop_map(|text| CommandId::new(&text).expect("visible ASCII of a fit length")));
-    let refused = option::of((one_of(&CODES), text()).prop_map(|((code, _), words)| Refusal::named(code, words)));
+    let refused = option::of((one_of(&CODES), text()).prop_map(|((code, _), words)| refusal(code, words)));
     let luggage = option::of(any::<u64>().prop_map(LuggageId));
     let epoch = option::of(any::<u64>().prop_map(Epoch));
     (issuer, id, text(), epoch, luggage, refused).prop_map(|(issuer, id, command, epoch, luggage, refused)| Fact::Command {

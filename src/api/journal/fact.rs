@@ -10,6 +10,7 @@ use super::phase::PhaseShape;
 use super::places::{GoalShape, PoseShape};
 use super::standing::StandingShape;
 use super::{Picture, Unparsed, map, names, places};
+use crate::api::problem::refusal;
 use hallsweep_core::command::{CommandId, Issuer, Refusal};
 use hallsweep_core::effect::Fact;
 use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId};
@@ -241,7 +242,7 @@ impl CommandShape {
     ) -> CommandShape {
         CommandShape {
             command: command.to_owned(),
-            door: issuer.door.name().to_owned(),
+            door: issuer.door.0.to_owned(),
             who: issuer.who.to_string(),
             from: issuer.from.to_string(),
             id: id.map(|id| id.text().to_owned()),
@@ -260,7 +261,7 @@ impl CommandShape {
             command: self.command,
             epoch: self.epoch.map(Epoch),
             luggage: self.luggage.map(LuggageId),
-            refused: self.refused.map(|refused| Refusal::named(&refused.code, refused.words)),
+            refused: self.refused.map(|refused| refusal(&refused.code, refused.words)),
         })
     }
 }

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Unparsed;
+use crate::api::door::DOORS;
 use crate::api::fields::in_short;
 use hallsweep_core::command::{Door, Move, Verdict};
 use hallsweep_core::event::RobotId;
@@ -39,7 +40,7 @@ fn named<T: Copy>(what: &str, name: &str, all: &[T], name_of: fn(T) -> &'static 
 }
 
 pub(super) fn door(name: &str) -> Result<Door, Unparsed> {
-    named("door", name, &Door::ALL, Door::name)
+    named("door", name, &DOORS, |door| door.0)
 }
 
 pub(super) fn robot(name: &str) -> Result<RobotId, Unparsed> {

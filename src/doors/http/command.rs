@@ -6,9 +6,9 @@ use super::command_sender::CommandSender;
 use super::problem::Problem;
 use super::reading::JsonPayload;
 use crate::api::answer::AnswerJson;
-use crate::api::command::Unusable;
 use crate::api::commands::{CommandKind, asked};
-use hallsweep_core::command::{self, Command};
+use crate::api::door;
+use hallsweep_core::command::Command;
 use hallsweep_core::units::Epoch;
 
 type Answer = Result<Response, Problem>;
@@ -29,14 +29,8 @@ pub(super) async fn command(kind: CommandKind, sender: CommandSender, number: u6
 
 /// Gives a command by the interface and answers in JSON; the old console's routes end here too.
 pub(super) async fn give(sender: &CommandSender, command: Command, epoch: Option<Epoch>) -> Answer {
-    let done = sender.give(command::Door::Http, command, epoch).await?;
+    let done = sender.give(door::HTTP, command, epoch).await?;
     Ok(axum::Json(AnswerJson::new(done.accepted, &done.snapshot)).into_response())
-}
-
-impl From<Unusable> for Problem {
-    fn from(unusable: Unusable) -> Problem {
-        Problem::unusable(unusable.to_string())
-    }
 }
 
 #[cfg(test)]

@@ -57,7 +57,7 @@ impl CommandSender {
         let issuer = issuer(&self.caller, door, self.peer);
         if let Err(refused) = allowed(&self.caller, if is_stop { Need::Stop } else { Need::Act }) {
             self.door.note_refused(issuer, in_words(&command), refused.clone()).await;
-            return Err(Problem::refused(&refused, None));
+            return Err(Problem::refused(&refused).off_record());
         }
         let id = match &self.id {
             Ok(id) => id.clone(),
@@ -145,6 +145,6 @@ mod tests {
         house.send("POST", "/api/v1/commands/start", &[("idempotency-key", "\"k7\"")], "").await;
         let given = house.last();
         assert_eq!((&*given.issuer.who, &*given.issuer.from), ("operator", "127.0.0.1"));
-        assert_eq!((given.issuer.door, given.id.unwrap().text()), (command::Door::Http, "k7"));
+        assert_eq!((given.issuer.door, given.id.unwrap().text()), (crate::api::door::HTTP, "k7"));
     }
 }

@@ -16,6 +16,7 @@ use super::problem::{NotTaken, Problem};
 use super::scanning::KEYS;
 use super::sign_in::{Undone, sign_in_page};
 use crate::access::{Access, Caller, Need, Network};
+use crate::api::door;
 use crate::api::fields::in_short;
 use hallsweep_core::command::{self, Issuer, Refused};
 
@@ -163,7 +164,7 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
         if let Some((issuer, asked)) = asked {
             door.note_refused(issuer, asked, refused.clone()).await;
         }
-        return Problem::refused(&refused, None).into_response();
+        return Problem::refused(&refused).into_response();
     }
     request.extensions_mut().insert(caller);
     let mut response = next.run(request).await;
@@ -186,7 +187,7 @@ fn asked(request: &Request, need: Need) -> Option<(command::Door, String)> {
 
 /// By which door a path leads, as records name it.
 pub(super) fn by_path(path: &str) -> command::Door {
-    if path.starts_with("/console/") { command::Door::Console } else { command::Door::Http }
+    if path.starts_with("/console/") { door::CONSOLE } else { door::HTTP }
 }
 
 /// A person is led to the page where one signs in, and from there back, or is told there that what he pressed was not done; a

@@ -1,6 +1,7 @@
 //! What goes on record of what this door does not take. Who is let in where is walked in `routes_tests`.
 
 use crate::access::Access;
+use crate::api::door;
 use crate::api::fixture::searching;
 use crate::doors::http::testing::{House, guarded_house, house, keys};
 use hallsweep_core::command::{Door, Refused};
@@ -24,7 +25,7 @@ async fn noted(house: &House) -> Vec<(Door, String, &'static str, String)> {
 }
 
 fn stop() -> hallsweep_core::command::Request {
-    let issuer = hallsweep_core::command::Issuer { door: Door::Local, who: "test".into(), from: "here".into() };
+    let issuer = hallsweep_core::command::Issuer { door: Door::LOCAL, who: "test".into(), from: "here".into() };
     hallsweep_core::command::Request::new(hallsweep_core::command::Command::Stop, issuer)
 }
 
@@ -47,7 +48,7 @@ async fn what_the_door_itself_refuses_is_put_on_record_once() {
     ];
     for (method, path, headers, body, status, code) in cases {
         assert_eq!(house.send(method, path, headers, body).await.status(), status, "{path} {body:.20}");
-        let door = if path.starts_with("/console/") { Door::Console } else { Door::Http };
+        let door = if path.starts_with("/console/") { door::CONSOLE } else { door::HTTP };
         let records = noted(&house).await;
         let [(by, asked, refused, words)] = &records[..] else { panic!("{path} {body:.20}: {records:?}") };
         assert_eq!((*by, asked.as_str(), *refused), (door, format!("{method} {path}").as_str(), code));
@@ -89,9 +90,9 @@ async fn strangers_leave_no_record_viewers_one_and_a_stop_is_never_refused() {
     assert_eq!(house.send("POST", "/console/move", &[viewer, FORM], "move=q").await.status(), 422);
     let records: Vec<_> = noted(&house).await.into_iter().map(|(door, asked, code, _)| (door, asked, code)).collect();
     let expected = [
-        (Door::Console, "POST /console/start", "notAllowed"),
-        (Door::Http, "move forward", "notAllowed"),
-        (Door::Console, "POST /console/move", "unusable"),
+        (door::CONSOLE, "POST /console/start", "notAllowed"),
+        (door::HTTP, "move forward", "notAllowed"),
+        (door::CONSOLE, "POST /console/move", "unusable"),
     ];
     assert_eq!(records, expected.map(|(door, asked, code)| (door, asked.to_owned(), code)));
 }

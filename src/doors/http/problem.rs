@@ -1,5 +1,4 @@
-//! Every refusal and error of this door as `application/problem+json`. Which status a refusal gets stands in `crate::api::problem`.
-//! Start at `Problem::refused` for the core's refusals; the other constructors are for requests that never reached it.
+//! How this door writes a problem: as `application/problem+json`, with the status that problem details have; and the problems that only it has.
 
 use axum::Extension;
 use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
@@ -7,22 +6,9 @@ use axum::response::{IntoResponse, Response};
 
 use super::hearing::Pressed;
 use crate::api::fields::in_short;
-use crate::api::luggage::LuggageJson;
-use crate::api::problem::{ProblemJson, status_of};
-use crate::runtime::archive::Unreadable;
-use crate::runtime::carry_out::NotDone;
-use crate::runtime::handle::Gone;
-use hallsweep_core::command::{Refusal, RefusalKind, Refused};
-use hallsweep_core::units::LuggageId;
-use hallsweep_core::world::luggage::NoPhoto;
-
-/// A request that was not carried out, and why.
-#[derive(Clone, Debug)]
-pub(super) struct Problem {
-    status: StatusCode,
-    body: Box<ProblemJson>,
-    is_on_record: bool,
-}
+use crate::api::problem::ProblemKind;
+pub(super) use crate::doors::problem::Problem;
+use hallsweep_core::command::Refusal;
 
 /// Goes with a problem's answer, so that a person's browser can be shown a page instead of JSON.
 #[derive(Clone, Debug)]
@@ -33,158 +19,69 @@ pub(super) struct Said(pub(super) String);
 pub(super) struct NotTaken(pub(super) Refusal);
 
 impl Problem {
-    /// The core refused, and has put that on record; `luggage` is the record the refused command was about.
-    pub(super) fn refused(refused: &Refused, luggage: Option<LuggageJson>) -> Problem {
-        let status = StatusCode::from_u16(status_of(refused.kind())).expect("the table has statuses of HTTP only");
-        let mut problem = Problem::new(status, refused.code(), refused.to_string());
-        problem.body.luggage = luggage;
-        problem.is_on_record = true;
-        problem
-    }
-
-    /// 400: what was sent cannot be read.
-    pub(super) fn malformed(detail: String) -> Problem {
-        Problem::new(StatusCode::BAD_REQUEST, "malformed", detail)
-    }
-
-    /// 401: it takes a key to be listened to.
+    /// It takes a key to be listened to.
     pub(super) fn not_signed_in() -> Problem {
         let detail = "nobody is signed in: send the header `Authorization: Bearer TOKEN`, or sign in at /sign-in; \
                       `hallsweep token` on its machine shows tokens"
             .to_owned();
-        Problem::new(StatusCode::UNAUTHORIZED, "notSignedIn", detail)
+        Problem::new(ProblemKind::NotSignedIn, "notSignedIn", detail)
     }
 
-    /// 403: a page of another origin sent it.
-    pub(super) fn foreign(detail: String) -> Problem {
-        Problem::new(StatusCode::FORBIDDEN, "foreignOrigin", detail)
+    /// A page of another origin sent it.
+    pub(super) const fn foreign(detail: String) -> Problem {
+        Problem::new(ProblemKind::Forbidden, "foreignOrigin", detail)
     }
 
-    /// 404: there is no such thing.
-    pub(super) fn not_found(detail: String) -> Problem {
-        Problem::new(StatusCode::NOT_FOUND, "notFound", detail)
+    /// The body came too slowly.
+    pub(super) const fn too_slow(detail: String) -> Problem {
+        Problem::new(ProblemKind::TooSlow, "tooSlow", detail)
     }
 
-    /// 404: there is no such piece.
-    pub(super) fn no_luggage(number: u64) -> Problem {
-        Problem::not_found(Refused::UnknownLuggage(LuggageId(number)).to_string())
+    /// It was sent to another name than this program's.
+    pub(super) const fn misdirected(detail: String) -> Problem {
+        Problem::new(ProblemKind::Misdirected, "foreignHost", detail)
     }
 
-    /// 406: none of the formats there are is wanted.
-    pub(super) fn not_acceptable(detail: String) -> Problem {
-        Problem::new(StatusCode::NOT_ACCEPTABLE, "notAcceptable", detail)
-    }
-
-    /// 408: the body came too slowly.
-    pub(super) fn too_slow(detail: String) -> Problem {
-        Problem::new(StatusCode::REQUEST_TIMEOUT, "tooSlow", detail)
-    }
-
-    /// 413: the body is larger than any command.
-    pub(super) fn too_large(detail: String) -> Problem {
-        Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "tooLarge", detail)
-    }
-
-    /// 415: the body is of a type this route does not read.
-    pub(super) fn wrong_type(detail: String) -> Problem {
-        Problem::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "unsupportedMediaType", detail)
-    }
-
-    /// 421: it was sent to another name than this program's.
-    pub(super) fn misdirected(detail: String) -> Problem {
-        Problem::new(StatusCode::MISDIRECTED_REQUEST, "foreignHost", detail)
-    }
-
-    /// 422: it can be read, and asks for something that does not exist.
-    pub(super) fn unusable(detail: String) -> Problem {
-        Problem::new(StatusCode::UNPROCESSABLE_ENTITY, "unusable", detail)
-    }
-
-    /// 503: what is kept cannot be read.
-    pub(super) fn unreadable(detail: String) -> Problem {
-        Problem::new(StatusCode::SERVICE_UNAVAILABLE, "unreadable", detail)
-    }
-
-    /// 503: the program is ending.
-    pub(super) fn closing() -> Problem {
-        Problem::new(StatusCode::SERVICE_UNAVAILABLE, "shuttingDown", Gone.to_string())
-    }
-
-    /// 503: as many streams are open as there may be.
+    /// As many streams are open as there may be.
     pub(super) fn too_many_streams(most: usize) -> Problem {
         let detail =
             format!("{most} event streams are open, or this key has its share of them: close one, or read /api/v1/state");
-        Problem::new(StatusCode::SERVICE_UNAVAILABLE, "tooManyStreams", detail)
+        Problem::new(ProblemKind::Unavailable, "tooManyStreams", detail)
     }
 
-    /// 503: nobody gives way to one more connection; a STOP was heard before.
+    /// Nobody gives way to one more connection; a STOP was heard before.
     pub(super) fn no_place(has_halted: bool) -> Problem {
         let so = if has_halted { "; the STOP that came with it has halted the robot" } else { "" };
         let detail = format!("every place for a connection is taken by others who are at it{so}: try again in a moment");
-        Problem::new(StatusCode::SERVICE_UNAVAILABLE, "noPlace", detail)
+        Problem::new(ProblemKind::Unavailable, "noPlace", detail)
     }
 
-    /// 503: this machine's clock stands where no answer can be dated; a STOP was heard before.
+    /// This machine's clock stands where no answer can be dated; a STOP was heard before.
     pub(super) fn no_date(has_halted: bool) -> Problem {
         let so = if has_halted { "; the STOP that came with it has halted the robot" } else { "" };
         let detail = format!("the clock of the machine stands before 1970, and nothing is served until it is set{so}");
-        Problem::new(StatusCode::SERVICE_UNAVAILABLE, "noDate", detail)
+        Problem::new(ProblemKind::Unavailable, "noDate", detail)
     }
 
-    /// 500: a mistake in the program ended this request, and this request only.
+    /// A mistake in the program ended this request, and this request only.
     pub(super) fn internal() -> Problem {
         let detail = "a mistake in hallsweep ended this request; its log says more".to_owned();
-        Problem::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", detail)
+        Problem::new(ProblemKind::Internal, "internal", detail)
     }
 
-    /// The sentence a person reads.
-    pub(super) fn detail(&self) -> &str {
-        &self.body.detail
-    }
-
-    /// What a program reads.
     pub(super) fn json(&self) -> String {
-        serde_json::to_string(&self.body).expect("a problem is strings and numbers, which JSON can hold")
+        serde_json::to_string(&self.shape()).expect("a problem is strings and numbers, which JSON can hold")
     }
 
-    pub(super) const fn status(&self) -> StatusCode {
-        self.status
+    pub(super) fn status(&self) -> StatusCode {
+        StatusCode::from_u16(self.kind().status().0).expect("the statuses of problem details are those of HTTP")
     }
 
     /// Tells the gate what is to go on record: whatever the sender did wrong and the core never saw.
     pub(super) fn tell_gate(&self, response: &mut Response) {
-        if self.status.is_client_error() && !self.is_on_record {
-            let kind = if self.status == StatusCode::NOT_FOUND { RefusalKind::Unknown } else { RefusalKind::Mismatch };
-            let refusal = Refusal { code: self.body.code, kind, words: self.body.detail.clone() };
-            response.extensions_mut().insert(NotTaken(refusal));
+        if self.status().is_client_error() && self.is_for_record() {
+            response.extensions_mut().insert(NotTaken(self.refusal()));
         }
-    }
-
-    fn new(status: StatusCode, code: &'static str, detail: String) -> Problem {
-        let title = status.canonical_reason().unwrap_or("Problem");
-        let body = Box::new(ProblemJson::new(status.as_u16(), title, code, detail));
-        Problem { status, body, is_on_record: false }
-    }
-}
-
-impl From<NotDone> for Problem {
-    fn from(not_done: NotDone) -> Problem {
-        match not_done {
-            NotDone::Refused(refused, luggage) => Problem::refused(&refused, luggage.map(|luggage| LuggageJson::from(&*luggage))),
-            NotDone::Gone => Problem::closing(),
-        }
-    }
-}
-
-impl From<NoPhoto> for Problem {
-    fn from(none: NoPhoto) -> Problem {
-        Problem::not_found(none.to_string())
-    }
-}
-
-impl From<Unreadable> for Problem {
-    fn from(unreadable: Unreadable) -> Problem {
-        Problem::unreadable(unreadable.to_string())
     }
 }
 
@@ -192,8 +89,8 @@ impl IntoResponse for Problem {
     fn into_response(self) -> Response {
         let body = self.json();
         let media_type = HeaderValue::from_static("application/problem+json");
-        let said = Said(self.body.detail.clone());
-        let mut response = (self.status, Extension(said), [(header::CONTENT_TYPE, media_type)], body).into_response();
+        let said = Said(self.detail().to_owned());
+        let mut response = (self.status(), Extension(said), [(header::CONTENT_TYPE, media_type)], body).into_response();
         self.tell_gate(&mut response);
         response
     }
@@ -209,7 +106,7 @@ pub(super) async fn no_such_path(uri: Uri, pressed: Option<Extension<Pressed>>) 
 pub(super) async fn no_such_method(method: Method, uri: Uri, pressed: Option<Extension<Pressed>>) -> Problem {
     let (path, method, halted) = (in_short(uri.path()), in_short(method.as_str()), halted(pressed));
     let detail = format!("{path} does not answer {method}: see the header Allow{halted}");
-    Problem::new(StatusCode::METHOD_NOT_ALLOWED, "methodNotAllowed", detail)
+    Problem::no_method(detail)
 }
 
 /// What is said when a STOP was heard in a request that is refused.
@@ -220,9 +117,10 @@ fn halted(pressed: Option<Extension<Pressed>>) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hallsweep_core::command::{CODES, CommandId, Refusal, Verdict};
+    use crate::api::problem::refusal as named;
+    use hallsweep_core::command::{CODES, CommandId, Refused, Verdict};
     use hallsweep_core::mission::{Hold, PhaseName};
-    use hallsweep_core::units::{AlarmId, Cell, Epoch};
+    use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId};
 
     /// One of each variant, in their order, and how the walk goes on; a new variant does not compile until it is added here.
     fn next(refused: Option<&Refused>) -> Option<Refused> {
@@ -267,12 +165,12 @@ mod tests {
             Problem::unusable(words()),
             Problem::too_large(words()),
             Problem::too_slow(words()),
-            Problem::wrong_type(words()),
+            Problem::wrong_format(words()),
             Problem::not_found(words()),
         ] {
             let response = problem.into_response();
             let NotTaken(refusal) = response.extensions().get().expect("the door did not take it");
-            assert_eq!(Refusal::named(refusal.code, words()), *refusal);
+            assert_eq!(named(refusal.code, words()), *refusal);
         }
     }
 
@@ -281,7 +179,7 @@ mod tests {
         let all: Vec<Refused> = std::iter::successors(next(None), |refused| next(Some(refused))).collect();
         let mut codes = std::collections::BTreeSet::new();
         for refused in &all {
-            let problem = Problem::refused(refused, None);
+            let problem = Problem::refused(refused);
             let expected = match refused.code() {
                 "unknownLuggage" | "unknownAlarm" | "unknownSensor" => 404,
                 "storeDown" | "notKept" => 503,
@@ -289,12 +187,12 @@ mod tests {
                 "notAllowed" => 403,
                 _ => 409,
             };
-            let read_back = Refused::Before(Refusal::named(refused.code(), refused.to_string()));
+            let read_back = Refused::Before(named(refused.code(), refused.to_string()));
             assert_eq!((read_back.code(), read_back.kind()), (refused.code(), refused.kind()), "as before, after a restart");
-            assert_eq!(problem.status.as_u16(), expected, "{refused}");
-            assert_eq!(problem.body.status, expected);
+            assert_eq!(problem.status().as_u16(), expected, "{refused}");
+            assert_eq!(problem.shape().status, expected);
             assert!(problem.detail().len() > 15, "a person is to understand {refused:?}");
-            assert_eq!(problem.body.kind, format!("urn:hallsweep:problem:{}", refused.code()));
+            assert_eq!(problem.shape().kind, format!("urn:hallsweep:problem:{}", refused.code()));
             assert!(codes.insert(refused.code()), "{} is used twice", refused.code());
         }
         assert_eq!(all.len(), CODES.len());

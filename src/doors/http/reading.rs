@@ -131,7 +131,7 @@ fn too_large() -> Problem {
 fn json<T: Fields>(headers: &HeaderMap, body: &[u8]) -> Result<T, Problem> {
     let media = media_type(headers)?.unwrap_or_else(|| "none".to_owned());
     if media != "application/json" && !(media.starts_with("application/") && media.ends_with("+json")) {
-        return Err(Problem::wrong_type(format!("the content type is {}: send application/json", in_short(&media))));
+        return Err(Problem::wrong_format(format!("the content type is {}: send application/json", in_short(&media))));
     }
     fields::body(body).map_err(|unread| match unread {
         Unread::Malformed(words) => Problem::malformed(words),
@@ -143,7 +143,7 @@ fn form_type(headers: &HeaderMap) -> Result<HeaderValue, Problem> {
     const FORM: &str = "application/x-www-form-urlencoded";
     match media_type(headers)? {
         Some(named) if named != FORM => {
-            Err(Problem::wrong_type(format!("the content type is {}: a form is {FORM}", in_short(&named))))
+            Err(Problem::wrong_format(format!("the content type is {}: a form is {FORM}", in_short(&named))))
         }
         _ => Ok(HeaderValue::from_static(FORM)),
     }
@@ -158,7 +158,7 @@ fn media_type(headers: &HeaderMap) -> Result<Option<String>, Problem> {
     let charset = parts.find_map(|part| part.strip_prefix("charset=")).map(|charset| charset.trim_matches('"'));
     match charset {
         Some(charset) if charset != "utf-8" && charset != "utf8" => {
-            Err(Problem::wrong_type(format!("the charset is {}: send utf-8", in_short(charset))))
+            Err(Problem::wrong_format(format!("the charset is {}: send utf-8", in_short(charset))))
         }
         _ => Ok(Some(media)),
     }

@@ -1,8 +1,8 @@
 //! What can be looked at under `/api/v1`, and `/healthz`. Nothing here changes anything.
 
+use std::convert::identity;
 use std::sync::Arc;
 
-use axum::Json;
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Redirect, Response};
@@ -13,49 +13,42 @@ use super::etag::{conditional, tag};
 use super::problem::Problem;
 use super::reading::Number;
 use crate::api::luggage::LuggageJson;
-use crate::api::map::{MapJson, map_revision};
-use crate::api::map_text;
-use crate::api::state::{self, StateJson};
+use crate::api::resources::{self, Form, Row, Shown};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
-use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
 
-/// `GET state`
-pub(super) async fn state(State(door): State<Door>, headers: HeaderMap) -> Response {
-    let snapshot = door.handle.snapshot();
-    let tag = tag(&snapshot.run, snapshot.revision, "json");
-    conditional(&headers, &tag, || Json(StateJson::from(&*snapshot)).into_response())
-}
+/// The forms of this door: each with what a client accepts, what it is sent as, and its word in tags.
+const FORMS: [(Form, &str, &str, &str); 2] = [
+    (Form::Json, "application/json", "application/json", "json"),
+    (Form::Text, "text/plain", "text/plain; charset=utf-8", "text"),
+];
 
-/// `GET map`, as JSON or as the text of old clients.
-pub(super) async fn map(State(door): State<Door>, headers: HeaderMap) -> Result<Response, Problem> {
-    const FORMATS: [&str; 2] = ["application/json", "text/plain"];
-    let snapshot = door.handle.snapshot();
-    let Some(format) = preferred(&headers, &FORMATS) else {
-        return Err(Problem::not_acceptable("the map is there as application/json and as text/plain".to_owned()));
+/// A resource of the table, in JSON or, where it is there, as the text that is wanted.
+pub(super) fn resource(row: &Row, door: &Door, headers: &HeaderMap) -> Result<Response, Problem> {
+    let forms = FORMS.iter().filter(|(form, ..)| row.forms.contains(form));
+    let offers: Vec<&str> = forms.map(|(_, accepted, ..)| *accepted).collect();
+    let wanted = if offers.len() == 1 { offers.first().copied() } else { preferred(headers, &offers) };
+    let Some((form, _, media_type, word)) = FORMS.into_iter().find(|(_, accepted, ..)| Some(*accepted) == wanted) else {
+        return Err(Problem::not_acceptable(format!("the {} is there as {}", row.name, offers.join(" and as "))));
     };
-    let is_json = format == FORMATS[0];
-    let tag = tag(&snapshot.run, map_revision(&snapshot), if is_json { "json" } else { "text" });
-    let mut response = conditional(&headers, &tag, || match is_json {
-        true => Json(MapJson::from(&*snapshot)).into_response(),
-        false => map_text::lines(&*snapshot).into_response(),
-    });
-    response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
-    Ok(response)
-}
-
-/// `GET luggage`
-pub(super) async fn luggage_list(State(door): State<Door>, headers: HeaderMap) -> Response {
     let snapshot = door.handle.snapshot();
-    conditional(&headers, &luggage_tag(&snapshot), || Json(state::luggage(&snapshot)).into_response())
+    let tag = tag(&snapshot.run, row.shown.revision(&snapshot), word);
+    let body = || row.shown.written(0, form, &snapshot, identity);
+    let mut response = conditional(headers, &tag, || ([(header::CONTENT_TYPE, media_type)], body()).into_response());
+    if offers.len() > 1 {
+        response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
+    }
+    Ok(response)
 }
 
 /// `GET luggage/{id}`
 pub(super) async fn luggage(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     let snapshot = door.handle.snapshot();
     let luggage = record(&door, &snapshot, id).await?;
-    Ok(conditional(&headers, &luggage_tag(&snapshot), || Json(LuggageJson::from(&*luggage)).into_response()))
+    let tag = tag(&snapshot.run, Shown::Piece.revision(&snapshot), "json");
+    let json = || resources::shape(Form::Json, &LuggageJson::from(&*luggage));
+    Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, "application/json")], json()).into_response()))
 }
 
 /// `GET luggage/{id}/photo`: the newest picture of a piece. A browser that opens it by itself is led to its page, because a bare
@@ -92,14 +85,11 @@ pub(super) async fn record(door: &Door, snapshot: &Snapshot, id: u64) -> Result<
     kept.ok_or_else(|| Problem::no_luggage(id))
 }
 
-fn luggage_tag(snapshot: &Snapshot) -> String {
-    tag(&snapshot.run, snapshot.revision_of(Resource::Luggage), "json")
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::testing::{House, house, read, text};
     use crate::api::fixture::searching;
+    use crate::api::resources::{RESOURCES, Shown};
     use hallsweep_core::world::luggage::{Luggage, PhotoState};
     use std::sync::Arc;
 
@@ -112,7 +102,7 @@ mod tests {
     #[tokio::test]
     async fn what_a_client_already_has_is_not_sent_again() {
         let house = house(searching());
-        for path in ["/state", "/map", "/luggage", "/luggage/3", "/luggage/3/photo"].map(|path| format!("/api/v1{path}")) {
+        for path in RESOURCES.map(|row| format!("/api/v1{}", row.path.replace("{id}", "3"))) {
             let tag = etag(&house, &path, "*/*").await;
             assert!(tag.starts_with("W/\"t-1-"), "{tag}");
             let again = house.send("GET", &path, &[("if-none-match", &tag)], "").await;
@@ -121,6 +111,22 @@ mod tests {
             let other = house.send("GET", &path, &[("if-none-match", "W/\"t-0-20-json\"")], "").await;
             assert_eq!(other.status(), 200, "{path}");
         }
+    }
+
+    #[tokio::test]
+    async fn every_resource_is_there_alone_as_it_stands_in_the_whole_state() {
+        let house = house(searching());
+        let (_, state) = read(house.get("/api/v1/state").await).await;
+        for row in RESOURCES.iter().filter(|row| matches!(row.shown, Shown::Of(_))) {
+            let (status, json) = read(house.get(&format!("/api/v1{}", row.path)).await).await;
+            assert_eq!((status.as_u16(), &json), (200, &state[row.name]), "{}", row.name);
+        }
+        let (_, strategy) = read(house.get("/api/v1/strategy").await).await;
+        assert_eq!(strategy["name"], state["mission"]["strategy"]);
+        let plain = house.send("GET", "/api/v1/temperature", &[("accept", "text/plain")], "").await;
+        assert_eq!(text(plain).await, "21.4 °C, ok");
+        let none = house.send("GET", "/api/v1/alarms", &[("accept", "text/plain")], "").await;
+        assert_eq!(none.headers()["content-type"], "application/json", "where there is one form it is sent");
     }
 
     #[tokio::test]

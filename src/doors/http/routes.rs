@@ -5,8 +5,9 @@
 use std::borrow::Cow;
 
 use axum::Router;
+use axum::extract::State;
 use axum::handler::Handler;
-use axum::http::Method;
+use axum::http::{HeaderMap, Method};
 use axum::middleware::from_fn_with_state;
 use axum::routing::{MethodFilter, MethodRouter, on};
 
@@ -16,6 +17,9 @@ use super::{Door, assets, command, console, events, missions, mqtt, old, problem
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
 use crate::api::commands::{self, COMMANDS, CommandKind, Methods, Subject};
+use crate::api::old_clients::{self, posted};
+use crate::api::resources::{self, RESOURCES, Shown};
+use hallsweep_core::command::Command;
 
 /// One route.
 pub(super) struct Row {
@@ -31,7 +35,7 @@ pub(super) struct Row {
 
 /// Every route. STOP is everywhere in reach of anyone signed in; a `move` may be one, its other words ask for an operator.
 pub(super) fn table() -> Vec<Row> {
-    [for_anybody(), interface(), commands(), page(), old_console()].into_iter().flatten().collect()
+    [for_anybody(), resources(), changes_and_past(), commands(), page(), old_console()].into_iter().flatten().collect()
 }
 
 /// What one needs to sign in, what says nothing of the hall, and the way to a door that asks by itself.
@@ -52,15 +56,25 @@ fn for_anybody() -> Vec<Row> {
     ]
 }
 
-/// What programs use.
+/// The resources of the one table.
+fn resources() -> Vec<Row> {
+    let row = |row: &'static resources::Row| {
+        let path = format!("/api/v1{}", row.path);
+        match row.shown {
+            Shown::Photo => get(path, See, reads::photo),
+            Shown::Piece => get(path, See, reads::luggage),
+            Shown::State | Shown::Strategy | Shown::Of(_) => {
+                get(path, See, async |State(door): State<Door>, headers: HeaderMap| reads::resource(row, &door, &headers))
+            }
+        }
+    };
+    RESOURCES.iter().map(row).collect()
+}
+
+/// What programs see besides: every change, and the past.
 #[rustfmt::skip]
-fn interface() -> Vec<Row> {
+fn changes_and_past() -> Vec<Row> {
     vec![
-        get("/api/v1/state", See, reads::state),
-        get("/api/v1/map", See, reads::map),
-        get("/api/v1/luggage", See, reads::luggage_list),
-        get("/api/v1/luggage/{id}", See, reads::luggage),
-        get("/api/v1/luggage/{id}/photo", See, reads::photo),
         get("/api/v1/events", See, events::events),
         get("/api/v1/missions", See, missions::list),
         get("/api/v1/missions/{id}", See, missions::mission),
@@ -118,26 +132,10 @@ fn page() -> Vec<Row> {
 }
 
 /// The words of old clients.
-#[rustfmt::skip]
 fn old_console() -> Vec<Row> {
-    vec![
-        post("/w", Act, old::give),
-        post("/s", Act, old::give),
-        post("/a", Act, old::give),
-        post("/l", Act, old::give),
-        post("/d", Act, old::give),
-        post("/r", Act, old::give),
-        post("/h", Stop, old::give),
-        post("/z", Act, old::give),
-        post("/x", Act, old::give),
-        post("/safe", Act, old::give),
-        post("/danger", Act, old::give),
-        post("/startappl", Act, old::give),
-        post("/stopappl", Stop, old::give),
-        post("/backhomeappl", Act, old::give),
-        post("/temperatureOk", Act, old::give),
-        post("/temperatureTooHigh", Act, old::give),
-    ]
+    let need = |word: &&str| if posted(word) == Ok(Command::Stop) { Stop } else { Act };
+    let posts = old_clients::ROWS.iter().flat_map(|row| row.posts);
+    posts.map(|word| post(format!("/{word}"), need(word), old::give)).collect()
 }
 
 /// The router of the table, each row behind its gate.
@@ -149,11 +147,11 @@ pub(super) fn routes(door: &Door) -> Router {
         .with_state(door.clone())
 }
 
-fn get<H: Handler<T, Door>, T: 'static>(path: &'static str, need: Need, handler: H) -> Row {
+fn get<H: Handler<T, Door>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> Row {
     Row { method: Method::GET, path: path.into(), need, answers: on(MethodFilter::GET, handler) }
 }
 
-fn post<H: Handler<T, Door>, T: 'static>(path: &'static str, need: Need, handler: H) -> Row {
+fn post<H: Handler<T, Door>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> Row {
     Row { method: Method::POST, path: path.into(), need, answers: on(MethodFilter::POST, handler) }
 }
 

@@ -4,10 +4,11 @@ use std::fmt::Write;
 
 use super::*;
 use crate::access::Access;
+use crate::api::documented;
 use crate::api::fixture::searching;
+use crate::api::resources::Form;
 use crate::doors::http::testing;
 use crate::doors::http::testing::{House, guarded_house, house, keys, read, text};
-use hallsweep_core::command::Command;
 
 /// Sends what a row answers to, as somebody with this token.
 async fn sent(house: &House, row: &Row, token: Option<&str>, accept: &str) -> axum::http::Response<axum::body::Body> {
@@ -117,24 +118,27 @@ fn no_route_is_in_the_table_twice() {
     assert_eq!(routes.len(), all);
 }
 
-/// Where the documentation shows the table.
-const DOCUMENT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/http.md");
-
 #[test]
 fn the_documentation_shows_the_table_as_it_is() {
     let mut shown = String::from("| route | for |\n|---|---|\n");
     for row in table() {
         writeln!(shown, "| `{} {}` | {} |", row.method, row.path, row.need.in_words()).unwrap();
     }
-    let document = std::fs::read_to_string(DOCUMENT).unwrap();
-    let (begin, end) = ("<!-- the table of routes begins -->\n", "<!-- the table of routes ends -->");
-    let (before, rest) = document.split_once(begin).expect("the document has a place for the table");
-    let (written, after) = rest.split_once(end).expect("the place has an end");
-    if std::env::var_os("HALLSWEEP_UPDATE_DOCS").is_some() {
-        std::fs::write(DOCUMENT, format!("{before}{begin}{shown}{end}{after}")).unwrap();
-        return;
+    documented::shows("http.md", "the table of routes", &shown);
+}
+
+#[test]
+fn the_documentation_shows_the_resources_as_they_are() {
+    let mut shown = String::from("| route | what | formats |\n|---|---|---|\n");
+    for row in &RESOURCES {
+        let formats = match row.forms {
+            [Form::Picture] => "the picture",
+            forms if forms.contains(&Form::Text) => "JSON, or text by `Accept: text/plain`",
+            _ => "JSON",
+        };
+        writeln!(shown, "| `GET /api/v1{}` | {} | {formats} |", row.path, row.title).unwrap();
     }
-    assert_eq!(written, shown, "write it anew with HALLSWEEP_UPDATE_DOCS=1 cargo test the_documentation_shows");
+    documented::shows("http.md", "the table of resources", &shown);
 }
 
 /// What the page can send: the commands of the table, a verdict by its two words.

@@ -18,7 +18,7 @@ use crate::doors::http::Hall;
 use crate::doors::http::testing::{House, guarded_house, house, keys};
 use crate::runtime::clock::Clock;
 use crate::runtime::within::within;
-use hallsweep_core::command::Door::Local;
+use hallsweep_core::command::Door;
 use hallsweep_core::command::{Command, Issuer, Request};
 
 /// A door that is served until it is told to end.
@@ -72,7 +72,7 @@ async fn stops(house: &House, expect: usize) {
     };
     timeout(Duration::from_secs(30), come).await.unwrap_or_else(|_| panic!("{} of {expect} STOPs came", count()));
     // Records go through the loop's queue in order.
-    assert!(house.door.handle.give(Request::new(Command::Reset, Issuer::operator(Local))).await.is_ok());
+    assert!(house.door.handle.give(Request::new(Command::Reset, Issuer::operator(Door::LOCAL))).await.is_ok());
     assert_eq!(count(), expect, "one press is one STOP");
 }
 

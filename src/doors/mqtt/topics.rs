@@ -1,5 +1,6 @@
 //! The names of all topics, and whose business each is. What is said on them stands in the files of each.
 
+use crate::api::resources::Shown;
 use hallsweep_core::world::resource::Resource;
 
 /// The word before the name of a command.
@@ -59,7 +60,7 @@ impl Topics {
     /// Where a resource is shown.
     #[must_use]
     pub fn state(&self, resource: Resource) -> String {
-        format!("{}/state/{}", self.base, resource.name())
+        format!("{}/state/{}", self.base, Shown::Of(resource).row().name)
     }
 
     /// Where it is told what happens.

@@ -102,7 +102,7 @@ mod tests {
     use crate::command::Door;
 
     fn note(who: &str, asked: &str) -> Note {
-        let issuer = Issuer { door: Door::Mqtt, who: who.into(), from: "192.0.2.7".into() };
+        let issuer = Issuer { door: Door("mqtt"), who: who.into(), from: "192.0.2.7".into() };
         Note { issuer, asked: asked.to_owned(), refused: Refused::NotAllowed("lobby may only look".to_owned()) }
     }
 

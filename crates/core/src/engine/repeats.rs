@@ -196,7 +196,7 @@ mod tests {
     use crate::command::Door;
 
     fn issuer(who: &str, from: &str) -> Issuer {
-        Issuer { door: Door::Http, who: who.into(), from: from.into() }
+        Issuer { door: Door("http"), who: who.into(), from: from.into() }
     }
 
     fn id(n: usize) -> CommandId {

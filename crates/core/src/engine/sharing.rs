@@ -144,7 +144,7 @@ mod tests {
     const LIMITS: Limits = Limits { burst: 20, earned: Duration::from_millis(200), every: SECOND, senders: 8 };
 
     fn sender(name: &str) -> Sender {
-        (name.into(), Door::Http)
+        (name.into(), Door("http"))
     }
 
     /// What was put on record, and how much that comes to.
@@ -179,7 +179,7 @@ mod tests {
             let _due = sharing.fall_due(now);
             assert_eq!(sharing.come(sender("anna"), (n, 1), now).map(|entry| entry.last), Some(n));
             assert_eq!(
-                sharing.come((sender("lobby").0, Door::Mqtt), (n, 1), now).map(|entry| entry.last),
+                sharing.come((sender("lobby").0, Door("mqtt")), (n, 1), now).map(|entry| entry.last),
                 Some(n),
                 "another door"
             );

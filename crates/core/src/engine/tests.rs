@@ -145,7 +145,7 @@ fn a_hold_raised_during_a_mission_also_waits_for_a_start() {
 fn a_danger_that_comes_before_a_safe_is_kept_replaces_it() {
     let give = |engine: &mut Engine, verdict| {
         let command = Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict };
-        engine.handle_command(Request::new(command, Issuer::operator(Door::Local)), now(1))
+        engine.handle_command(Request::new(command, Issuer::operator(Door::LOCAL)), now(1))
     };
     let mut engine = sweep_in(PhaseName::Inspecting, &[]);
     let safe = give(&mut engine, Verdict::Safe).unwrap();
@@ -169,7 +169,7 @@ fn a_danger_that_comes_before_a_safe_is_kept_replaces_it() {
 fn nothing_begins_to_move_before_its_record_is_kept_and_a_stop_is_answered_at_once() {
     let order = |effect: &Effect| matches!(effect, Effect::Order(..));
     let give = |engine: &mut Engine, command| {
-        engine.handle_command(Request::new(command, Issuer::operator(Door::Local)), now(1)).unwrap()
+        engine.handle_command(Request::new(command, Issuer::operator(Door::LOCAL)), now(1)).unwrap()
     };
     let mut engine = sweep_in(PhaseName::Idle, &[]);
     give(&mut engine, Command::Start);
@@ -197,7 +197,7 @@ fn an_order_that_is_not_answered_in_time_is_a_fault_and_start_recentres_first() 
     engine.handle_timeout(Now { since_start: due, wall: WallTime::default() });
     assert_eq!(engine.phase_name(), PhaseName::Fault);
     settle(&mut engine);
-    let start = Request::new(Command::Start, Issuer::operator(Door::Local));
+    let start = Request::new(Command::Start, Issuer::operator(Door::LOCAL));
     engine.handle_command(start, now(9)).unwrap();
     assert_eq!(settle(&mut engine), [Action::Recentre]);
     assert_eq!(engine.phase_name(), PhaseName::Exploring);
@@ -219,7 +219,7 @@ fn without_a_known_way_home_there_is_a_fault_and_start_tries_the_blocked_cell_ag
     let recentre = engine.robots.searching().controller.open().map_or(OrderId(0), |order| order.id);
     engine.handle_event(Event::Robot(RobotId::discovery(), RobotEvent::Done(recentre)), now(1));
     assert_eq!(engine.phase_name(), PhaseName::Fault);
-    let start = || Request::new(Command::Start, Issuer::operator(Door::Local));
+    let start = || Request::new(Command::Start, Issuer::operator(Door::LOCAL));
     settle(&mut engine);
     engine.handle_command(start(), now(1)).unwrap();
     assert_eq!(engine.phase_name(), PhaseName::ReturningWithAlarm, "a cell that was free once is tried again");

@@ -10,7 +10,7 @@ use crate::world::temperature::OPERATOR;
 /// What is asked, in words.
 #[must_use]
 pub fn in_words(command: &Command) -> String {
-    let (input, context) = InputContext::of(command, &Issuer::operator(Door::Local), None);
+    let (input, context) = InputContext::of(command, &Issuer::operator(Door::LOCAL), None);
     format!("{}{}", input.in_words(), context.in_words())
 }
 

@@ -33,18 +33,4 @@ impl Resource {
         Resource::Alarms,
         Resource::Log,
     ];
-
-    /// The word of the doors.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Resource::Mission => "mission",
-            Resource::Robot => "robot",
-            Resource::Map => "map",
-            Resource::Luggage => "luggage",
-            Resource::Temperature => "temperature",
-            Resource::Alarms => "alarms",
-            Resource::Log => "log",
-        }
-    }
 }

@@ -85,7 +85,7 @@ impl Run {
     /// # Errors
     /// The core's refusal.
     pub fn give(&mut self, command: Command) -> Result<Accepted, Refused> {
-        self.ask(Request::new(command, Issuer::operator(Door::Local)))
+        self.ask(Request::new(command, Issuer::operator(Door::LOCAL)))
     }
 
     /// Gives a command as it is.

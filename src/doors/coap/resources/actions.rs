@@ -9,6 +9,7 @@ use crate::api::cbor;
 use crate::api::command::no_command_id;
 use crate::api::commands::{self, CommandKind, Payload};
 use crate::api::fields::{self, Body, in_short};
+use crate::api::resources;
 use crate::runtime::carry_out::Done;
 use coap_endpoint::{Code, Format, Request, Response};
 use hallsweep_core::command::{Command, CommandId};
@@ -111,7 +112,7 @@ pub(super) fn terms(act: Action, request: &Request) -> Result<Terms, Problem> {
     let form = if request.accept == Some(Format::PROBLEM) {
         None
     } else {
-        Some(request.negotiated(act.answers()).map_err(|response| Problem::not_acceptable(&response))?)
+        Some(request.negotiated(act.answers()).map_err(|response| Problem::no_such_format(&response))?)
     };
     Ok(Terms { id, form })
 }
@@ -124,7 +125,7 @@ pub(super) fn accepted(form: Option<Format>, done: &Done) -> Response {
     } else {
         let mut answer = AnswerJson::new(done.accepted, &done.snapshot);
         answer.luggage = answer.luggage.map(shows::at_this_door);
-        shows::written(form, &answer)
+        resources::shape(shows::form_of(form), &answer)
     };
     Response { format: Some(form), body: body.into(), ..Response::new(Code::CHANGED) }
 }

@@ -98,9 +98,10 @@ impl Hasher for Fnv {
 mod tests {
     use super::*;
     use crate::api::fixture::{searching, touch};
+    use crate::api::resources::Shown;
     use hallsweep_core::world::resource::Resource;
 
-    const TEMPERATURE: Show = Show::Of(Resource::Temperature);
+    const TEMPERATURE: Show = Show::Resource(Shown::Of(Resource::Temperature));
 
     #[test]
     fn what_has_not_changed_is_not_made_anew() {
@@ -132,9 +133,10 @@ mod tests {
     fn no_number_of_things_that_are_asked_for_fills_the_memory() {
         let (cache, state) = (RepresentationCache::default(), searching());
         let last = 10 * u16::try_from(MOST).unwrap();
-        let latest: Vec<Copies> = (0..=last).map(|format| cache.copies(Show::Piece, 3, Format(format), &state)).collect();
+        let latest: Vec<Copies> =
+            (0..=last).map(|format| cache.copies(Show::Resource(Shown::Piece), 3, Format(format), &state)).collect();
         assert_eq!(cache.0.lock().unwrap().len(), MOST, "the others are kept when one gives way");
-        let before = cache.copies(Show::Piece, 3, Format(last - 1), &state);
+        let before = cache.copies(Show::Resource(Shown::Piece), 3, Format(last - 1), &state);
         assert!(Arc::ptr_eq(&before.plain, &latest[usize::from(last) - 1].plain));
     }
 }

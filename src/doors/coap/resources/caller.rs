@@ -4,7 +4,8 @@
 use std::net::SocketAddr;
 
 use crate::access::{Need, OPERATOR, is_this_machine};
-use hallsweep_core::command::{Door, Issuer, Refused};
+use crate::api::door;
+use hallsweep_core::command::{Issuer, Refused};
 
 /// The sender of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +36,7 @@ impl Caller {
 
 /// The sender of a command, as records name him.
 pub(super) fn issuer(peer: SocketAddr) -> Issuer {
-    Issuer { door: Door::Coap, who: OPERATOR.into(), from: peer.ip().to_canonical().to_string().into() }
+    Issuer { door: door::COAP, who: OPERATOR.into(), from: peer.ip().to_canonical().to_string().into() }
 }
 
 /// For whom something is, as the documentation says it.

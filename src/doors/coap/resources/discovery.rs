@@ -3,6 +3,7 @@
 
 use super::cache;
 use super::table::{Row, Show, Table};
+use crate::api::resources::Shown;
 use coap_endpoint::{Format, Link, Response, link_format};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::PhotoState;
@@ -34,7 +35,7 @@ fn links(row: &Row, snapshot: &Snapshot) -> Vec<Link> {
     } else if row.path.starts_with("/alarms/{id}") {
         snapshot.alarms.iter().filter_map(|alarm| alarm.id).map(|id| each(id.0)).collect()
     } else {
-        vec![link(row, &row.path, None)]
+        vec![link(row, row.path, None)]
     }
 }
 
@@ -47,7 +48,7 @@ fn link(row: &Row, href: &str, size: Option<usize>) -> Link {
     let mut link =
         Link::new(href).with("rt", format!("hallsweep.{}", row.rt)).with("if", interface).with("title", row.title.as_str());
     if let Some(shown) = &row.shows {
-        let formats: Vec<String> = shown.offers.iter().map(|format| format.0.to_string()).collect();
+        let formats: Vec<String> = shown.formats.iter().map(|format| format.0.to_string()).collect();
         link = link.with("ct", formats.join(" "));
         link = if shown.is_observable { link.flag("obs") } else { link };
     }
@@ -59,7 +60,7 @@ fn link(row: &Row, href: &str, size: Option<usize>) -> Link {
 
 /// The size of a photo; that of other things changes all the time.
 fn size(row: &Row, id: LuggageId, snapshot: &Snapshot) -> Option<usize> {
-    row.shows.as_ref().filter(|shown| shown.show == Show::Photo)?;
+    row.shows.as_ref().filter(|shown| shown.show == Show::Resource(Shown::Photo))?;
     match snapshot.luggage(id)?.photo {
         PhotoState::Taken { bytes, .. } => Some(bytes),
         PhotoState::Failed(_) => None,
@@ -86,7 +87,7 @@ mod tests {
                     (1..=3).map(|id| row.path.replace("{id}", &id.to_string())).collect()
                 }
                 Some("alarms") if row.path.contains("{id}") => vec![row.path.replace("{id}", "1")],
-                _ => vec![row.path],
+                _ => vec![row.path.to_owned()],
             };
             assert!(expect.iter().all(|href| all.contains(href)), "{expect:?} in {all:?}");
         }

@@ -99,13 +99,13 @@ impl Resources {
         match (&found.row.shows, found.row.action(request.method)) {
             (Some(shown), _) if request.method == Method::Get => self.show(shown, found.number, request),
             (_, Some(act)) => self.act(act, &found, request),
-            (_, None) => Err(Problem::no_method(request, found.row)),
+            (_, None) => Err(Problem::not_answered(request, found.row)),
         }
     }
 
     fn act(&self, act: Action, found: &Found<'_>, request: &Request) -> Result<Reply, Problem> {
         let caller = Caller::of(request.peer);
-        caller.check(act.need()).map_err(|refused| Problem::refused(&refused, None))?;
+        caller.check(act.need()).map_err(|refused| Problem::refused(&refused))?;
         let (command, epoch) = actions::command(act, found.number, request, self.manual_driving)?;
         let terms = actions::terms(act, request)?;
         self.may_change(found, request)?;

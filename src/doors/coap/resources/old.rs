@@ -8,11 +8,10 @@ use super::cache::{Copies, RepresentationCache};
 use super::problem::Problem;
 use super::shows::{LUGGAGE, MAP, ROBOT, revision};
 use super::table::Show;
-use crate::api::command::move_word;
 use crate::api::halt::is_halt;
 use crate::api::old_clients;
 use coap_endpoint::{Answer, Format, Request};
-use hallsweep_core::command::{Command, LuggageRef, Verdict};
+use hallsweep_core::command::Command;
 use hallsweep_core::mission::in_words;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
@@ -77,18 +76,15 @@ fn items(snapshot: &Snapshot, cache: &RepresentationCache) -> Vec<(Revision, Cop
 pub(super) fn command(request: &Request, manual_driving: bool) -> Result<Command, Problem> {
     let text = String::from_utf8_lossy(&request.payload);
     let word = bare(&text);
-    let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Pending, verdict };
-    let command = match word {
-        halt if is_halt(halt) => return Ok(Command::Stop),
-        "safe" => verdict(Verdict::Safe),
-        "danger" => verdict(Verdict::Danger),
-        letter => move_word(letter)?,
-    };
+    if is_halt(word) {
+        return Ok(Command::Stop);
+    }
+    let command = old_clients::bare_word(word)?;
     if let Some(other) = request.format.filter(|format| ![Format::TEXT, Format::JSON].contains(format)) {
         return Err(Problem::wrong_format(format!("the word is in {other}: send it as {}", Format::TEXT)));
     }
     let may_drive = old_clients::may_drive(&command, manual_driving);
-    may_drive.map_err(|refused| Problem::refused(&refused, None).of(in_words(&command)))?;
+    may_drive.map_err(|refused| Problem::refused(&refused).of(in_words(&command)))?;
     Ok(command)
 }
 
@@ -102,7 +98,7 @@ fn bare(text: &str) -> &str {
 mod tests {
     use super::super::testing::put;
     use super::*;
-    use hallsweep_core::command::Move;
+    use hallsweep_core::command::{LuggageRef, Move, Verdict};
 
     fn word(word: &str, format: Option<Format>) -> Result<Command, Problem> {
         command(&Request { format, ..put("/resourcemodel", word) }, true)

@@ -5,24 +5,25 @@ use std::sync::Arc;
 
 use super::super::application::Reply;
 use super::problem::Problem;
-use super::table::{Row, Show, Shown};
+use super::table::{Representations, Row, Show};
 use super::{Resources, discovery, photos, shows};
+use crate::api::resources::Shown;
 use coap_endpoint::{Answer, ETag, Format, Request, Response};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::snapshot::Snapshot;
 
 impl Resources {
     /// What a GET of this is answered with. Whether there is such a thing comes before the question in which format.
-    pub(super) fn show(&self, shown: &Shown, number: u64, request: &Request) -> Result<Reply, Problem> {
+    pub(super) fn show(&self, shown: &Representations, number: u64, request: &Request) -> Result<Reply, Problem> {
         let snapshot = self.handle.snapshot();
-        match shown.show {
-            Show::Photo => self.photo(&snapshot, number, request),
-            Show::Piece if snapshot.luggage(LuggageId(number)).is_none() => Ok(self.past_piece(number, shown.offers, request)),
-            show @ (Show::Links | Show::OldItems | Show::State | Show::Of(_) | Show::Piece | Show::Strategy) => {
-                let format = negotiated(shown.offers, request)?;
-                Ok(Reply::Now(self.at_hand(show, number, format, &snapshot, request)))
-            }
+        if shown.show == Show::Resource(Shown::Photo) {
+            return self.photo(&snapshot, number, request);
         }
+        if is_past(shown.show, number, &snapshot) {
+            return Ok(self.past_piece(number, &shown.formats, request));
+        }
+        let format = negotiated(&shown.formats, request)?;
+        Ok(Reply::Now(self.at_hand(shown.show, number, format, &snapshot, request)))
     }
 
     fn at_hand(&self, show: Show, number: u64, format: Format, snapshot: &Snapshot, request: &Request) -> Answer {
@@ -33,9 +34,7 @@ impl Resources {
                 Answer { response: whole, observed: Vec::new() }
             }
             Show::OldItems => self.old.answer(snapshot, &self.cache),
-            Show::State | Show::Of(_) | Show::Piece | Show::Photo | Show::Strategy => {
-                self.cache.copies(show, number, format, snapshot).answer()
-            }
+            Show::Resource(_) => self.cache.copies(show, number, format, snapshot).answer(),
         }
     }
 
@@ -43,40 +42,43 @@ impl Resources {
     pub(super) fn seen(&self, request: &Request) -> Result<Vec<Arc<Response>>, Problem> {
         let found = self.table.find(&request.path).ok_or_else(|| Problem::nothing_at(request))?;
         let shown = found.row.shows.as_ref().filter(|shown| shown.is_observable);
-        let shown = shown.ok_or_else(|| Problem::no_method(request, found.row))?;
+        let shown = shown.ok_or_else(|| Problem::not_answered(request, found.row))?;
         let snapshot = self.handle.snapshot();
-        if shown.show == Show::Piece && snapshot.luggage(LuggageId(found.number)).is_none() {
+        if is_past(shown.show, found.number, &snapshot) {
             return Err(Problem::not_found(format!(
                 "luggage #{} is not of the present mission and changes no more: read it without observing it",
                 found.number
             )));
         }
-        let format = negotiated(shown.offers, request)?;
+        let format = negotiated(&shown.formats, request)?;
         Ok(self.at_hand(shown.show, found.number, format, &snapshot, request).observed)
     }
 
     /// The tags of what is shown here, in every format.
     pub(super) fn tags(&self, row: &Row, number: u64) -> Vec<ETag> {
-        let Some(Shown { show, offers, .. }) = row.shows else { return Vec::new() };
+        let Some(Representations { show, formats, .. }) = &row.shows else { return Vec::new() };
         let snapshot = self.handle.snapshot();
         match show {
             Show::Links => Vec::new(),
             Show::OldItems => self.old.answer(&snapshot, &self.cache).observed.iter().filter_map(|item| item.tag).collect(),
-            Show::Photo => snapshot.luggage(LuggageId(number)).map(|piece| photos::tag(piece)).into_iter().collect(),
-            Show::Piece if snapshot.luggage(LuggageId(number)).is_none() => Vec::new(),
-            Show::State | Show::Of(_) | Show::Piece | Show::Strategy => {
-                offers.iter().filter_map(|format| self.cache.copies(show, number, *format, &snapshot).watched.tag).collect()
+            Show::Resource(Shown::Photo) => {
+                snapshot.luggage(LuggageId(number)).map(|piece| photos::tag(piece)).into_iter().collect()
+            }
+            Show::Resource(_) if is_past(*show, number, &snapshot) => Vec::new(),
+            Show::Resource(_) => {
+                let copies = |format: &Format| self.cache.copies(*show, number, *format, &snapshot).watched.tag;
+                formats.iter().filter_map(copies).collect()
             }
         }
     }
 
     /// A piece of a mission that is over; it changes no more, so nobody can observe it.
-    fn past_piece(&self, number: u64, offers: &'static [Format], request: &Request) -> Reply {
-        let (archive, request) = (self.archive.clone(), request.clone());
+    fn past_piece(&self, number: u64, formats: &[Format], request: &Request) -> Reply {
+        let (archive, formats, request) = (self.archive.clone(), formats.to_vec(), request.clone());
         let found = async move |request: &Request| {
             let read = archive.look_up(move |archive| archive.luggage(LuggageId(number))).await?;
             let piece = read.ok_or_else(|| Problem::no_luggage(number))?;
-            let format = negotiated(offers, request)?;
+            let format = negotiated(&formats, request)?;
             Ok(Response::content(format, shows::past_piece(&piece, format)))
         };
         Reply::Later(Box::pin(async move {
@@ -101,7 +103,11 @@ impl Resources {
     }
 }
 
-/// The format to answer in.
+/// Whether this is a piece, and of no present mission.
+fn is_past(show: Show, number: u64, snapshot: &Snapshot) -> bool {
+    show == Show::Resource(Shown::Piece) && snapshot.luggage(LuggageId(number)).is_none()
+}
+
 fn negotiated(offers: &[Format], request: &Request) -> Result<Format, Problem> {
-    request.negotiated(offers).map_err(|response| Problem::not_acceptable(&response))
+    request.negotiated(offers).map_err(|response| Problem::no_such_format(&response))
 }

@@ -53,7 +53,7 @@ impl Resources {
     /// What goes with the answer. Path and method are judged; query, conditions, format and body are not a stop's business.
     fn judged(&self, request: &Request) -> Result<Terms, Problem> {
         let found = self.table.find(&request.path).ok_or_else(|| Problem::nothing_at(request))?;
-        let act = found.row.action(request.method).ok_or_else(|| Problem::no_method(request, found.row))?;
+        let act = found.row.action(request.method).ok_or_else(|| Problem::not_answered(request, found.row))?;
         let terms = actions::terms(act, request).and_then(|terms| self.may_change(&found, request).map(|()| terms));
         Ok(terms.unwrap_or_else(|_| Terms::plain(act)))
     }

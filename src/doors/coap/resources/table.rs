@@ -1,11 +1,11 @@
-//! THE TABLE of this door: every path with what it shows, in which formats, whether that can be observed, and what it can be asked
-//! to do. Routing, the answer to a wrong method, `/.well-known/core` and the table in `docs/coap.md` are walks over it; what is not
-//! listed is not there. Every resource of `Resource::ALL` has its row.
+//! Every path of this door with what it shows, in which formats, whether that can be observed, and what it can be asked to do: the
+//! resources and commands of the one table each, and what is only here. Routing, the answer to a wrong method, `/.well-known/core` and
+//! the table in `docs/coap.md` are walks over it; what is not listed is not there.
 
 use super::actions::Action;
 use crate::api::commands::{self, COMMANDS, Methods, Subject};
+use crate::api::resources::{self, Form, RESOURCES, Shown};
 use coap_endpoint::{Format, Method};
-use hallsweep_core::world::resource::Resource;
 
 /// Every path.
 pub(super) struct Table {
@@ -15,41 +15,33 @@ pub(super) struct Table {
 /// One path.
 pub(super) struct Row {
     /// As `/luggage/{id}/photo`; `{id}` stands for a number.
-    pub(super) path: String,
+    pub(super) path: &'static str,
     /// What kind of thing is there, for discovery.
     pub(super) rt: String,
     /// The same for people.
     pub(super) title: String,
     /// What a GET shows.
-    pub(super) shows: Option<Shown>,
+    pub(super) shows: Option<Representations>,
     /// What it can be asked to do.
     pub(super) actions: Vec<(Method, Action)>,
 }
 
 /// What a GET shows.
-#[derive(Clone, Copy)]
-pub(super) struct Shown {
+#[derive(Clone)]
+pub(super) struct Representations {
     pub(super) show: Show,
     /// The first is sent to whoever names none.
-    pub(super) offers: &'static [Format],
+    pub(super) formats: Vec<Format>,
     pub(super) is_observable: bool,
 }
 
 /// Something to be seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Show {
-    /// Everything at one revision.
-    State,
-    /// One resource.
-    Of(Resource),
+    /// A resource of the one table.
+    Resource(Shown),
     /// The three items of old clients.
     OldItems,
-    /// A piece of luggage.
-    Piece,
-    /// Its photo.
-    Photo,
-    /// The order of the search.
-    Strategy,
     /// The list of all this.
     Links,
 }
@@ -61,15 +53,9 @@ pub(super) struct Found<'a> {
     pub(super) number: u64,
 }
 
-const SHAPES: &[Format] = &[Format::JSON, Format::CBOR];
-const WITH_TEXT: &[Format] = &[Format::JSON, Format::CBOR, Format::TEXT];
-const PICTURE: &[Format] = &[Format::PNG, Format::BYTES];
-const MEASURED: &[Format] = &[Format::JSON, Format::CBOR, Format::TEXT, Format::SENML_JSON];
-
 impl Default for Table {
     fn default() -> Table {
-        let resources = Resource::ALL.into_iter().map(resource).collect();
-        Table { rows: with_commands([looking(), resources, of_a_piece()].into_iter().flatten().collect()) }
+        Table { rows: with_commands(only_here().into_iter().chain(RESOURCES.iter().map(resource)).collect()) }
     }
 }
 
@@ -115,45 +101,34 @@ fn plain_number(segment: &str) -> Option<u64> {
     segment.parse().ok().filter(|number: &u64| number.to_string() == segment)
 }
 
-/// What is no single resource.
-#[rustfmt::skip]
-fn looking() -> Vec<Row> {
+/// What no other door has.
+fn only_here() -> [Row; 2] {
     let old_words = vec![(Method::Put, Action::OldWord), (Method::Post, Action::OldWord)];
-    vec![
-        shown("/.well-known/core", "core.links", "What is here", Show::Links, &[Format::LINKS], false),
-        Row { actions: old_words,
-            ..shown("/resourcemodel", "resourcemodel", "The model as old clients know it", Show::OldItems, &[Format::TEXT], true) },
-        shown("/state", "state", "Everything at one revision", Show::State, SHAPES, true),
-        shown("/strategy", "strategy", "The order of the search", Show::Strategy, WITH_TEXT, true),
-    ]
+    let (links, items) = (vec![Format::LINKS], vec![Format::TEXT]);
+    let old_items = shown("/resourcemodel", "resourcemodel", "The model as old clients know it", Show::OldItems, items, true);
+    [shown("/.well-known/core", "core.links", "What is here", Show::Links, links, false), Row { actions: old_words, ..old_items }]
 }
 
-/// The row of a resource; a new one does not compile until it has one.
-fn resource(resource: Resource) -> Row {
-    let (title, offers) = match resource {
-        Resource::Mission => ("Phase, holds, goal and progress", WITH_TEXT),
-        Resource::Robot => ("What the robot does, and where", MEASURED),
-        Resource::Map => ("The hall as far as it is known", WITH_TEXT),
-        Resource::Luggage => ("The luggage of this mission", SHAPES),
-        Resource::Temperature => ("The temperature, and what follows", MEASURED),
-        Resource::Alarms => ("The alarms", SHAPES),
-        Resource::Log => ("The latest lines of the log", SHAPES),
-    };
-    shown(&format!("/{}", resource.name()), resource.name(), title, Show::Of(resource), offers, true)
+fn resource(row: &'static resources::Row) -> Row {
+    let formats = row.forms.iter().flat_map(|form| formats_of(*form)).copied().collect();
+    shown(row.path, row.name, row.title, Show::Resource(row.shown), formats, row.is_observable)
 }
 
-/// What belongs to a numbered thing.
-fn of_a_piece() -> Vec<Row> {
-    vec![
-        shown("/luggage/{id}", "piece", "A piece of luggage", Show::Piece, SHAPES, true),
-        shown("/luggage/{id}/photo", "photo", "Its photo", Show::Photo, PICTURE, false),
-    ]
+/// There are clients that cannot take a picture as what it is, and get its bytes.
+const fn formats_of(form: Form) -> &'static [Format] {
+    match form {
+        Form::Json => &[Format::JSON],
+        Form::Cbor => &[Format::CBOR],
+        Form::Text => &[Format::TEXT],
+        Form::Senml => &[Format::SENML_JSON],
+        Form::Picture => &[Format::PNG, Format::BYTES],
+    }
 }
 
 /// Puts the commands of the one table where they belong: to what is shown at their path, or into a row of their own. Those that are
 /// about a numbered thing come before the others.
 fn with_commands(mut rows: Vec<Row>) -> Vec<Row> {
-    let (of_a_thing, plain): (Vec<&commands::Row>, Vec<_>) =
+    let (of_a_thing, plain): (Vec<&'static commands::Row>, Vec<_>) =
         COMMANDS.iter().partition(|command| command.subject != Subject::None);
     for command in of_a_thing.into_iter().chain(plain) {
         let action = Action::Command(command.kind);
@@ -169,15 +144,15 @@ fn with_commands(mut rows: Vec<Row>) -> Vec<Row> {
     rows
 }
 
-fn shown(path: &str, rt: &str, title: &str, show: Show, offers: &'static [Format], is_observable: bool) -> Row {
-    let shows = Some(Shown { show, offers, is_observable });
-    Row { path: path.to_owned(), rt: rt.to_owned(), title: title.to_owned(), shows, actions: Vec::new() }
+fn shown(path: &'static str, rt: &str, title: &str, show: Show, formats: Vec<Format>, is_observable: bool) -> Row {
+    let shows = Some(Representations { show, formats, is_observable });
+    Row { path, rt: rt.to_owned(), title: title.to_owned(), shows, actions: Vec::new() }
 }
 
 /// The row of a command at whose path nothing is shown.
-fn done(command: &commands::Row, actions: Vec<(Method, Action)>) -> Row {
+fn done(command: &'static commands::Row, actions: Vec<(Method, Action)>) -> Row {
     let title = command.title[..1].to_uppercase() + &command.title[1..];
-    Row { path: command.path.to_owned(), rt: command.name.to_ascii_lowercase(), title, shows: None, actions }
+    Row { path: command.path, rt: command.name.to_ascii_lowercase(), title, shows: None, actions }
 }
 
 #[cfg(test)]

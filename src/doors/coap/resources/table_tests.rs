@@ -7,9 +7,11 @@ use super::super::testing::{TestApp, app, get, request};
 use super::*;
 use crate::access::Need;
 use crate::api::commands::CommandKind;
+use crate::api::documented;
 use crate::api::fixture::searching;
 use coap_endpoint::{Code, Request};
 use hallsweep_core::command::Command;
+use hallsweep_core::world::resource::Resource;
 
 const METHODS: [Method; 7] =
     [Method::Get, Method::Post, Method::Put, Method::Delete, Method::Fetch, Method::Patch, Method::IPatch];
@@ -26,16 +28,17 @@ async fn code(app: &TestApp, request: Request) -> String {
 fn every_resource_has_its_path_and_can_be_observed() {
     let table = Table::default();
     for resource in Resource::ALL {
-        let found = table.find(&[resource.name().to_owned()]).expect("a row");
+        let name = Shown::Of(resource).row().name;
+        let found = table.find(&[name.to_owned()]).expect("a row");
         let shown = found.row.shows.as_ref().expect("it can be read");
-        assert!(shown.show == Show::Of(resource) && shown.is_observable, "{}", resource.name());
+        assert!(shown.show == Show::Resource(Shown::Of(resource)) && shown.is_observable, "{name}");
     }
 }
 
 #[test]
 fn no_path_is_in_the_table_twice_and_none_does_nothing() {
     let table = Table::default();
-    let mut paths: Vec<&str> = table.rows.iter().map(|row| row.path.as_str()).collect();
+    let mut paths: Vec<&str> = table.rows.iter().map(|row| row.path).collect();
     paths.sort_unstable();
     paths.dedup();
     assert_eq!(paths.len(), table.rows.len());
@@ -46,7 +49,7 @@ fn no_path_is_in_the_table_twice_and_none_does_nothing() {
 #[test]
 fn a_path_is_found_whole_and_a_number_is_a_number() {
     let table = Table::default();
-    let found = |path: &str| table.find(&get(path).path).map(|found| (found.row.path.clone(), found.number));
+    let found = |path: &str| table.find(&get(path).path).map(|found| (found.row.path.to_owned(), found.number));
     assert_eq!(found("/luggage/7/photo"), Some(("/luggage/{id}/photo".to_owned(), 7)));
     assert_eq!(found("/luggage"), Some(("/luggage".to_owned(), 0)));
     for nothing in ["/", "/luggage/", "/luggage/1/", "/luggage/{id}", "/robot/1", "/Robot", "//robot"] {
@@ -80,13 +83,13 @@ async fn everything_is_there_in_the_formats_that_the_table_says_and_in_no_other(
     let app = app(searching());
     let all = [Format::TEXT, Format::LINKS, Format::BYTES, Format::PNG, Format::JSON, Format::CBOR, Format::SENML_JSON];
     for row in Table::default().rows {
-        let Some(shown) = row.shows else { continue };
+        let Some(shown) = &row.shows else { continue };
         let first = app.ask(get(&path(&row))).await;
-        assert_eq!(first.response.format, Some(shown.offers[0]), "{}", row.path);
+        assert_eq!(first.response.format, Some(shown.formats[0]), "{}", row.path);
         assert_eq!(first.observed.is_empty(), !shown.is_observable, "{}", row.path);
         for format in all {
             let answer = app.ask(Request { accept: Some(format), ..get(&path(&row)) }).await.response;
-            if shown.offers.contains(&format) {
+            if shown.formats.contains(&format) {
                 assert_eq!((answer.code, answer.format), (Code::CONTENT, Some(format)), "{}", row.path);
                 assert!(!answer.body.is_empty() && answer.tag.is_some(), "{} {format}", row.path);
             } else {
@@ -121,13 +124,10 @@ async fn a_stop_is_in_the_table_and_does_what_it_says() {
     let stops =
         table.rows.iter().filter(|row| row.actions.iter().any(|(_, action)| *action == Action::Command(CommandKind::Stop)));
     for row in stops {
-        assert_eq!(code(&app, request(Method::Post, &row.path, "")).await, "2.04");
+        assert_eq!(code(&app, request(Method::Post, row.path, "")).await, "2.04");
         assert_eq!(app.last().command, Command::Stop);
     }
 }
-
-/// Where the documentation shows the table.
-const DOCUMENT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/coap.md");
 
 #[test]
 fn the_documentation_shows_the_table_as_it_is() {
@@ -135,20 +135,12 @@ fn the_documentation_shows_the_table_as_it_is() {
     for row in Table::default().rows {
         writeln!(shown, "{}", line(&row)).unwrap();
     }
-    let document = std::fs::read_to_string(DOCUMENT).unwrap();
-    let (begin, end) = ("<!-- the table of resources begins -->\n", "<!-- the table of resources ends -->");
-    let (before, rest) = document.split_once(begin).expect("the document has a place for the table");
-    let (written, after) = rest.split_once(end).expect("the place has an end");
-    if std::env::var_os("HALLSWEEP_UPDATE_DOCS").is_some() {
-        std::fs::write(DOCUMENT, format!("{before}{begin}{shown}{end}{after}")).unwrap();
-        return;
-    }
-    assert_eq!(written, shown, "write it anew with HALLSWEEP_UPDATE_DOCS=1 cargo test the_documentation_shows");
+    documented::shows("coap.md", "the table of resources", &shown);
 }
 
 fn line(row: &Row) -> String {
-    let offers = row.shows.iter().flat_map(|shown| shown.offers).map(|format| format.0.to_string());
-    let observe = if row.shows.is_some_and(|shown| shown.is_observable) { "yes" } else { "" };
+    let offers = row.shows.iter().flat_map(|shown| &shown.formats).map(|format| format.0.to_string());
+    let observe = if row.shows.as_ref().is_some_and(|shown| shown.is_observable) { "yes" } else { "" };
     let actions: Vec<&str> = row.actions.iter().map(|(method, _)| method.name()).collect();
     let needs = row.actions.iter().map(|(_, action)| caller::in_words(action.need()));
     let seen = row.shows.iter().map(|_| caller::in_words(Need::See));

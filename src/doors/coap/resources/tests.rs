@@ -412,7 +412,7 @@ async fn a_stray_word_is_refused_and_recorded_as_what_it_was() {
     let (issuer, asked, refused) = app.noted().await.unwrap();
     assert_eq!(
         (issuer.door, asked, refused.code()),
-        (command::Door::Coap, in_words(&Command::Move(Move::Forward)), "notAllowed")
+        (crate::api::door::COAP, in_words(&Command::Move(Move::Forward)), "notAllowed")
     );
     assert!(app.given.lock().unwrap().is_empty());
 }

@@ -23,9 +23,9 @@ use super::problem::Problem;
 use super::reading::{Form, Number};
 use crate::access::{Access, Caller};
 use crate::api::answer::AnswerJson;
+use crate::api::door;
 use crate::runtime::carry_out::Done;
 use acts::Fields;
-use hallsweep_core::command;
 use hallsweep_core::units::LuggageId;
 use parts::Page;
 use view::{Place, View, Who, Why};
@@ -62,7 +62,7 @@ pub(super) async fn stop(sender: CommandSender, headers: HeaderMap) -> Response 
 
 async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields: &Fields) -> Response {
     let done = match fields.command(act) {
-        Ok((command, epoch)) => sender.give(command::Door::Console, command, epoch).await,
+        Ok((command, epoch)) => sender.give(door::CONSOLE, command, epoch).await,
         Err(problem) => Err(problem),
     };
     let by_script = preferred(headers, &["text/html", "application/json"]) == Some("application/json");

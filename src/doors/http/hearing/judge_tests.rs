@@ -8,10 +8,10 @@ use proptest::sample::select;
 
 use super::*;
 use crate::access::{Access, SESSION_S};
+use crate::api::door;
 use crate::api::fixture::searching;
 use crate::doors::http::hearing::stop_search::{Asked, Heard, StopSearch};
 use crate::doors::http::testing::{House, Tokens, guarded_house, house, keys};
-use hallsweep_core::command;
 
 /// A request by its lines.
 #[derive(Clone, Debug)]
@@ -346,9 +346,7 @@ async fn nothing_halts_when_not_all_hosts_and_origins_are_kept() {
 async fn a_stop_that_was_heard_is_on_record_with_who_from_where_and_by_which_door() {
     let (house, [token, _], _) = guarded();
     let judge = judge(&house);
-    for (route, door) in
-        ROUTES.into_iter().zip([command::Door::Http, command::Door::Console, command::Door::Http, command::Door::Http])
-    {
+    for (route, door) in ROUTES.into_iter().zip([door::HTTP, door::CONSOLE, door::HTTP, door::HTTP]) {
         let mut sent = Sent::stop((route, ""), &token);
         sent.insert(0, b"Idempotency-Key: \"press-7\"".to_vec());
         let (_, heard, given) = StopSearch::new(judge.clone()).take(&sent.bytes());

@@ -3,7 +3,7 @@
 
 use crate::api::fixture::{TEN, searching};
 use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
-use hallsweep_core::command::{Door, Issuer, Refusal, Refused};
+use hallsweep_core::command::{Issuer, Refusal, Refused};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::{Hold, Phase};
@@ -58,7 +58,7 @@ pub(super) fn standing() -> PersistentState {
 /// What happened in the first, and one entry that cannot be understood.
 pub(super) fn entries() -> Vec<Happened> {
     let command = |command: &str, refused: Option<Refused>| {
-        let issuer = Issuer { door: Door::Console, who: "anna".into(), from: "192.0.2.7".into() };
+        let issuer = Issuer { door: crate::api::door::CONSOLE, who: "anna".into(), from: "192.0.2.7".into() };
         let refused = refused.as_ref().map(Refusal::from);
         Fact::Command { issuer, id: None, command: command.to_owned(), epoch: None, luggage: None, refused }
     };

@@ -3,8 +3,8 @@
 
 use std::time::Duration;
 
-use super::states::json;
 use crate::api::log::LogLineJson;
+use crate::api::resources::{Form, shape};
 use hallsweep_core::world::log::LogLine;
 use hallsweep_core::world::snapshot::Snapshot;
 
@@ -25,7 +25,7 @@ impl Events {
     pub(super) fn take(&mut self, snapshot: &Snapshot) -> Option<Vec<u8>> {
         let line = self.next(snapshot)?;
         self.said = line.number;
-        Some(json(&LogLineJson::from(line)))
+        Some(shape(Form::Json, &LogLineJson::from(line)))
     }
 
     fn next<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a LogLine> {

@@ -5,6 +5,7 @@ use serde_json::Value;
 use super::*;
 use crate::api::fixture::{idle, piece, searching, touch, write};
 use crate::api::log::LogLineJson;
+use crate::api::resources::Shown;
 use crate::api::state::StateJson;
 use crate::doors::mqtt::topics::Place;
 use hallsweep_core::command::Verdict;
@@ -150,7 +151,7 @@ fn every_resource_shows_what_the_http_door_shows_at_the_same_revision() {
         let said = show(&mut feed(), &state, ms(0));
         let whole = serde_json::to_value(StateJson::from(&state)).unwrap();
         for resource in Resource::ALL {
-            assert_eq!(json(&said, &topics().state(resource)), whole[resource.name()], "{}", resource.name());
+            assert_eq!(json(&said, &topics().state(resource)), whole[Shown::Of(resource).row().name], "{resource:?}");
         }
     }
 }
@@ -326,7 +327,7 @@ fn a_slow_line_says_everything_in_its_turn() {
     }
     for resource in Resource::ALL {
         let times = on(&said, &topics().state(resource)).len();
-        assert!(times >= 5, "{} only {times} times in two seconds", resource.name());
+        assert!(times >= 5, "{resource:?} only {times} times in two seconds");
     }
 }
 

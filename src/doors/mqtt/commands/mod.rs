@@ -95,7 +95,7 @@ impl Commands {
         if let Err(refused) = sender.may(parsed.need()) {
             // To others than its sender nothing is told of it.
             let silent = ParsedCommand { reply: Reply { explained: None, ..parsed.reply.clone() }, ..parsed };
-            self.refuse(&silent, &Problem::refused(&refused, None), sender);
+            self.refuse(&silent, &Problem::refused(&refused), sender);
             return Taken::Forbidden;
         }
         if let Some(again) = parsed.goes_on.then(|| to_retake(&self.handle.snapshot())).flatten() {

@@ -132,7 +132,7 @@ impl CommandParser {
                 let words = in_words(&command);
                 (Ok((command, None)), words, false)
             }
-            Err(wrong) => (Err(Problem::refused(&wrong.refused(), None)), wrong.asked(), false),
+            Err(wrong) => (Err(Problem::refused(&wrong.refused())), wrong.asked(), false),
         };
         let is_explained = goes_on || matches!(asked, Ok((Command::Verdict { .. }, _)));
         let explained = is_explained.then(|| self.topics.old_events());

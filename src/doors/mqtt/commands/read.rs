@@ -41,7 +41,11 @@ pub(super) fn read(row: &Row, payload: &[u8]) -> Read {
 
 /// A payload that is not larger than any command.
 pub(super) fn sized(payload: &[u8]) -> Result<&[u8], Problem> {
-    if payload.len() > LARGEST { Err(Problem::too_large(payload.len(), LARGEST)) } else { Ok(payload) }
+    if payload.len() <= LARGEST {
+        return Ok(payload);
+    }
+    let bytes = payload.len();
+    Err(Problem::too_large(format!("the payload has {bytes} bytes: at most {LARGEST} are read, and a command is a few dozen")))
 }
 
 /// A word without the blanks round it and the quotes of JSON.

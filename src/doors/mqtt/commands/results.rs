@@ -95,11 +95,11 @@ impl Results {
     /// Publishes why something was refused; of what has no result it is said in the program's log.
     pub(super) fn refused(&self, reply: &Reply, sender: &CommandSender, problem: &Problem) {
         match &reply.topic {
-            Some(topic) => self.publish(topic, (reply, sender), problem.shape()),
+            Some(topic) => self.publish(topic, (reply, sender), &problem.shape()),
             None => tracing::info!(why = problem.detail(), "a message of an old client was refused"),
         }
         if let Some(topic) = &reply.explained {
-            let way_out = if problem.shape().code == NO_PHOTO { " (continueExplore takes it again)" } else { "" };
+            let way_out = if problem.code() == NO_PHOTO { " (continueExplore takes it again)" } else { "" };
             let why = format!("{}{way_out}", problem.detail());
             self.send(topic, sender, outgoing::message(outgoing::why_not(&why), outgoing::ANSWER).into_bytes());
         }

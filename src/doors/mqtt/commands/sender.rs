@@ -4,7 +4,8 @@
 use std::sync::Arc;
 
 use crate::access::{Caller, Need};
-use hallsweep_core::command::{Door, Issuer, Refused};
+use crate::api::door;
+use hallsweep_core::command::{Issuer, Refused};
 
 /// The name in records of whoever commands through somebody else's broker.
 const NOBODY_KNOWN: &str = "mqtt";
@@ -58,6 +59,6 @@ impl CommandSender {
             CommandSender::Known { caller, from } => (caller.name(), Arc::clone(from)),
             CommandSender::Unknown { broker } => (Arc::from(NOBODY_KNOWN), Arc::clone(broker)),
         };
-        Issuer { door: Door::Mqtt, who, from }
+        Issuer { door: door::MQTT, who, from }
     }
 }

@@ -7,8 +7,9 @@ use super::term::{Term, is_in_word};
 use crate::api::command::{goto, move_word};
 use crate::api::fields::in_short;
 use crate::api::halt::is_halt;
-use crate::api::old_clients::may_drive;
-use hallsweep_core::command::{Command, LuggageRef, Refusal, Refused, TemperatureReport, Verdict};
+use crate::api::old_clients::{Asks, DANGER, ROWS, SAFE, may_drive};
+use crate::api::problem::refusal;
+use hallsweep_core::command::{Command, Refused};
 use hallsweep_core::mission::in_words;
 
 /// What a message asks for.
@@ -62,12 +63,12 @@ pub fn asked(payload: &[u8], manual_driving: bool) -> Result<Asked, Wrong> {
         return Ok(of_others(id));
     }
     let message = Message::parse(payload)?;
-    let Some(row) = known(&message.id) else { return Ok(of_others(message.id)) };
+    let Some(known) = known(&message.id) else { return Ok(of_others(message.id)) };
     if message.kind == Kind::Reply {
         return Ok(Asked::Nothing);
     }
-    let command = row.command(&message.content).map_err(|words| Wrong::Content { id: row.id, words })?;
-    if matches!(row.asks, Asks::GoOn) {
+    let command = known.command(&message.content).map_err(|words| Wrong::Content { id: known.id, words })?;
+    if matches!(known.asks, Asks::GoOn) {
         return Ok(Asked::GoOn);
     }
     match may_drive(&command, manual_driving) {
@@ -91,7 +92,7 @@ pub fn is_of_others(payload: &[u8]) -> bool {
 #[must_use]
 pub fn is_stop(payload: &[u8]) -> bool {
     let Some(id) = opening(payload) else { return false };
-    match known(&id).map(|row| &row.asks) {
+    match known(&id).map(|known| known.asks) {
         Some(Asks::Halt(command)) => *command == Command::Stop,
         Some(Asks::Move | Asks::Change) => {
             let letters: Vec<u8> = letters(payload).collect();
@@ -99,30 +100,6 @@ pub fn is_stop(payload: &[u8]) -> bool {
         }
         Some(Asks::For(_) | Asks::GoOn | Asks::Goto) | None => false,
     }
-}
-
-/// The table, a row a message, for the documentation.
-#[must_use]
-pub fn table_markdown() -> String {
-    let mut text = "| MSGID | CONTENT | asks for |\n|---|---|---|\n".to_owned();
-    for Row { id, asks } in &ROWS {
-        let (content, what) = match asks {
-            Asks::Halt(command) => ("anything".to_owned(), in_words(command)),
-            Asks::For(command) => (format!("`{id}`"), in_words(command)),
-            Asks::Goto => (format!("`{id}(X,Y)`"), "driving to the cell (X, Y), if old clients may drive".to_owned()),
-            Asks::Move => {
-                let what = "a move: `w` `s` `a` `l` `d` `r` `z` `x`, if old clients may drive; `h` and `stop` are STOP, always";
-                (format!("`{id}(w)`"), what.to_owned())
-            }
-            Asks::GoOn => (format!("`{id}`"), "taking the photo again where it has failed, else START".to_owned()),
-            Asks::Change => {
-                let what = "the same moves, `h` and `stop` being STOP; with `luggage`, `safe` or `danger`";
-                (format!("`{id}(robot,w)`, `{id}(luggage,safe)`"), what.to_owned())
-            }
-        };
-        text.push_str(&format!("| `{id}` | {content} | {what} |\n"));
-    }
-    text
 }
 
 impl Wrong {
@@ -140,78 +117,36 @@ impl Wrong {
     #[must_use]
     pub fn refused(&self) -> Refused {
         match self {
-            Wrong::NoMessage(_) => Refused::Before(Refusal::named("malformed", self.to_string())),
-            Wrong::Content { .. } => Refused::Before(Refusal::named("unusable", self.to_string())),
+            Wrong::NoMessage(_) => Refused::Before(refusal("malformed", self.to_string())),
+            Wrong::Content { .. } => Refused::Before(refusal("unusable", self.to_string())),
             Wrong::Refused { refused, .. } => refused.clone(),
         }
     }
 }
 
-/// A message that is known, and what it asks for.
-struct Row {
+/// A message that is known.
+#[derive(Clone, Copy)]
+struct Known {
     id: &'static str,
-    asks: Asks,
+    asks: &'static Asks,
 }
-
-/// What a known message asks for, and what its CONTENT must be for that.
-enum Asks {
-    /// This, whatever the CONTENT is: nothing in it keeps a message that halts from halting.
-    Halt(Command),
-    /// This; the CONTENT is the MSGID again, perhaps with something in parentheses that nobody looks at, as the first sprint had it.
-    For(Command),
-    /// Driving to a cell, `MSGID(X,Y)`.
-    Goto,
-    /// A move, `MSGID(w)`; `h` is STOP.
-    Move,
-    /// To go on.
-    GoOn,
-    /// A move, `MSGID(robot,w)`, or a verdict, `MSGID(luggage,safe)`.
-    Change,
-}
-
-const SAFE: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe };
-const DANGER: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger };
 
 /// How the contents begin that are moves.
 const MOVES: [&str; 3] = ["userCmd(", "robotCmd(", "modelChange(robot,"];
 
-/// Every message that is known.
-const ROWS: [Row; 20] = [
-    row("startCmd", Asks::For(Command::Start)),
-    row("stopCmd", Asks::Halt(Command::Stop)),
-    row("backHomeCmd", Asks::For(Command::BackHome)),
-    row("temperatureOk", Asks::For(Command::Temperature(TemperatureReport::Ok))),
-    row("temperatureTooHigh", Asks::Halt(Command::Temperature(TemperatureReport::TooHigh))),
-    row("luggageSafe", Asks::For(SAFE)),
-    row("luggageDanger", Asks::For(DANGER)),
-    row("explore", Asks::For(Command::Start)),
-    row("stopExplore", Asks::Halt(Command::Stop)),
-    row("backHome", Asks::For(Command::BackHome)),
-    row("continueExplore", Asks::GoOn),
-    row("continueExploreAfterPhoto", Asks::For(SAFE)),
-    row("backHomeSinceBomb", Asks::For(DANGER)),
-    row("startTest", Asks::Goto),
-    row("userCmd", Asks::Move),
-    row("robotCmd", Asks::Move),
-    row("modelChange", Asks::Change),
-    row("startAppl", Asks::For(Command::Start)),
-    row("stopAppl", Asks::Halt(Command::Stop)),
-    row("reachBag", Asks::For(Command::Retrieve)),
-];
-
-const fn row(id: &'static str, asks: Asks) -> Row {
-    Row { id, asks }
+fn every() -> impl Iterator<Item = Known> {
+    ROWS.iter().flat_map(|row| row.messages.iter().map(|id| Known { id, asks: &row.asks }))
 }
 
-fn known(id: &str) -> Option<&'static Row> {
-    const { &ROWS }.iter().find(|row| row.id == id)
+fn known(id: &str) -> Option<Known> {
+    every().find(|known| known.id == id)
 }
 
-impl Row {
+impl Known {
     /// The command behind a CONTENT, or what is wrong with it.
     fn command(&self, content: &Term) -> Result<Command, String> {
         let content = unquoted(content);
-        match (&self.asks, parts_of(self.id, &content)) {
+        match (self.asks, parts_of(self.id, &content)) {
             (Asks::Halt(command), _) | (Asks::For(command), Some(_)) => Ok(command.clone()),
             (Asks::GoOn, Some(_)) => Ok(Command::Start),
             (Asks::Goto, Some([Term::Number(x), Term::Number(y)])) => match (x.text().parse(), y.text().parse()) {

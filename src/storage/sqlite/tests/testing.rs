@@ -128,7 +128,7 @@ pub(super) fn at_noon(fact: Fact) -> Entry {
 pub(super) fn command(id: Option<&str>) -> Fact {
     let id = id.and_then(CommandId::new);
     Fact::Command {
-        issuer: Issuer::operator(Door::Http),
+        issuer: Issuer::operator(Door("http")),
         id,
         command: "START".to_owned(),
         epoch: None,

@@ -174,7 +174,7 @@ fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
     if table == DECIDED {
         let decision = crate::world::luggage::Decision {
             verdict: Verdict::Safe,
-            who: Issuer::operator(Door::Local).who,
+            who: Issuer::operator(Door::LOCAL).who,
             wall: WallTime::default(),
         };
         let luggage = Luggage { verdict: Some(decision), ..Luggage::clone(&engine.state.luggage[&LuggageId(1)]) };
@@ -220,7 +220,7 @@ fn check_command(table: &'static str, name: PhaseName, input: Input, holds: &'st
     let pair = format!("{name:?} × {input:?} under {holds:?}, {}", if table == DECIDED { "decided" } else { "pending" });
     let mut engine = moment(name, table, holds);
     let before = engine.clone();
-    let request = Request::new(command(input).expect("every input of COMMANDS is a command"), Issuer::operator(Door::Local));
+    let request = Request::new(command(input).expect("every input of COMMANDS is a command"), Issuer::operator(Door::LOCAL));
     let answer = engine.handle_command(request, now(1)).map_err(|refused| Refusal::from(&refused).code);
     let moves = settle(&mut engine).into_iter().any(Action::is_motion);
     assert!(!moves || engine.state.holds.is_empty(), "{pair}: moved while held");

@@ -28,12 +28,12 @@ impl Recorder {
 
     /// As the loop takes a STOP: it halts first, and who pressed it follows.
     fn stop(&mut self, who: &str, from: &str) {
-        self.press(Issuer { door: Door::Http, who: who.into(), from: from.into() }, None);
+        self.press(Issuer { door: Door("http"), who: who.into(), from: from.into() }, None);
     }
 
     /// The same with a name for the press.
     fn stop_named(&mut self, who: &str, name: &str) {
-        let issuer = Issuer { door: Door::Http, who: who.into(), from: "192.0.2.7".into() };
+        let issuer = Issuer { door: Door("http"), who: who.into(), from: "192.0.2.7".into() };
         self.press(issuer, CommandId::new(name));
     }
 
@@ -127,7 +127,7 @@ fn the_epoch_of_a_flood_is_on_record_with_the_next_entry_or_soon() {
     assert_eq!(recorder.epoch_on_record(), Epoch(100));
 
     (0..100).for_each(|_| recorder.stop("lobby", "192.0.2.7"));
-    let start = Request::new(Command::Start, Issuer::operator(Door::Http));
+    let start = Request::new(Command::Start, Issuer::operator(Door("http")));
     recorder.engine.handle_command(start, recorder.now()).expect("nothing else holds it");
     recorder.drain();
     assert_eq!(recorder.epoch_on_record(), Epoch(200), "the START is on record behind the stops that it came after");
@@ -157,7 +157,7 @@ fn a_stop_under_the_name_of_the_one_before_halts_again_and_is_the_same_press() {
     }
     recorder.stop_named("bert", "k1");
     assert_eq!(recorder.by("bert"), ["STOP"], "a name belongs to its sender");
-    let start = Request::new(Command::Start, Issuer::operator(Door::Http));
+    let start = Request::new(Command::Start, Issuer::operator(Door("http")));
     recorder.engine.handle_command(start, recorder.now()).expect("nothing else holds it");
     recorder.drain();
     recorder.stop_named("anna", "k1");
@@ -174,7 +174,7 @@ fn presses_that_were_forgotten_or_come_in_crowds_are_on_record() {
     for n in (0..128).chain(0..128).chain([128, 1, 0]) {
         recorder.stop_named("anna", &format!("k{n}"));
     }
-    let issuer = Issuer { door: Door::Http, who: "anna".into(), from: "192.0.2.7".into() };
+    let issuer = Issuer { door: Door("http"), who: "anna".into(), from: "192.0.2.7".into() };
     let last = Request { epoch: Some(recorder.epoch), id: CommandId::new("k0"), ..Request::new(Command::Stop, issuer) };
     recorder.engine.handle_stops(last, 1000, recorder.now()).expect("a stop is never refused");
     recorder.engine.record_rest(recorder.now());
@@ -189,7 +189,7 @@ fn presses_that_were_forgotten_or_come_in_crowds_are_on_record() {
 #[test]
 fn all_that_doors_refuse_is_on_record() {
     let mut recorder = Recorder::new();
-    for door in [Door::Http, Door::Mqtt] {
+    for door in [Door("http"), Door("mqtt")] {
         let issuer = Issuer { door, who: "lobby".into(), from: "192.0.2.7".into() };
         for _ in 0..100 {
             let refused = Refused::NotAllowed("lobby may only look".to_owned());

@@ -5,7 +5,7 @@ use crate::rng::RandomStream;
 use crate::world::snapshot::Refusals;
 
 fn give(engine: &mut Engine, command: Command) -> Result<Ticket, Refused> {
-    engine.handle_command(Request::new(command, Issuer::operator(Door::Local)), now(1))
+    engine.handle_command(Request::new(command, Issuer::operator(Door::LOCAL)), now(1))
 }
 
 /// Safety R4 and A5.

@@ -1,0 +1,15 @@
+//! The ways into hallsweep, as records name them.
+
+use hallsweep_core::command::Door;
+
+/// The page at `/`.
+pub const CONSOLE: Door = Door("console");
+
+/// JSON over HTTP, and the old console's HTTP routes.
+pub const HTTP: Door = Door("http");
+
+pub const COAP: Door = Door("coap");
+
+pub const MQTT: Door = Door("mqtt");
+
+pub const DOORS: [Door; 5] = [CONSOLE, HTTP, COAP, MQTT, Door::LOCAL];

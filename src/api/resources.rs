@@ -1,0 +1,163 @@
+//! THE TABLE of resources, from which every door makes its own: HTTP its routes, CoAP its paths and what discovery says of them, MQTT its
+//! state topics, and all of them their pages. A new resource is one row here, and how it is written. What one door alone has (the past,
+//! the list of links, the items of old clients) stands there.
+
+use serde::Serialize;
+
+use super::luggage::LuggageJson;
+use super::map::{MapJson, map_revision};
+use super::mission::StrategyJson;
+use super::state::{self, StateJson};
+use super::{cbor, map_text, old_items, senml, text};
+use hallsweep_core::units::{LuggageId, Revision};
+use hallsweep_core::world::resource::Resource;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// Something to be seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Shown {
+    /// Everything at one revision.
+    State,
+    /// The order of the search.
+    Strategy,
+    Of(Resource),
+    /// One piece of luggage.
+    Piece,
+    /// Its photo, which is made of no snapshot.
+    Photo,
+}
+
+/// A way to write it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    Json,
+    Cbor,
+    Text,
+    /// Sensor measurements in JSON (RFC 8428).
+    Senml,
+    Picture,
+}
+
+/// One resource.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    pub shown: Shown,
+    /// The last word of its topic, and what kind of thing it is for discovery.
+    pub name: &'static str,
+    /// Its path under `/api/v1` and at the CoAP door; `{id}` stands for a number.
+    pub path: &'static str,
+    pub title: &'static str,
+    /// The first is for whoever names none.
+    pub forms: &'static [Form],
+    pub is_observable: bool,
+}
+
+const SHAPES: &[Form] = &[Form::Json, Form::Cbor];
+const WITH_TEXT: &[Form] = &[Form::Json, Form::Cbor, Form::Text];
+const MEASURED: &[Form] = &[Form::Json, Form::Cbor, Form::Text, Form::Senml];
+
+/// All of them, in the order in which they are listed.
+#[rustfmt::skip]
+pub const RESOURCES: [Row; 11] = [
+    row(Shown::State, "state", "/state", "Everything at one revision", SHAPES),
+    row(Shown::Strategy, "strategy", "/strategy", "The order of the search", WITH_TEXT),
+    row(Shown::Of(Resource::Mission), "mission", "/mission", "Phase, holds, goal and progress", WITH_TEXT),
+    row(Shown::Of(Resource::Robot), "robot", "/robot", "What the robot does, and where", MEASURED),
+    row(Shown::Of(Resource::Map), "map", "/map", "The hall as far as it is known", WITH_TEXT),
+    row(Shown::Of(Resource::Luggage), "luggage", "/luggage", "The luggage of this mission", SHAPES),
+    row(Shown::Of(Resource::Temperature), "temperature", "/temperature", "The temperature, and what follows", MEASURED),
+    row(Shown::Of(Resource::Alarms), "alarms", "/alarms", "The alarms", SHAPES),
+    row(Shown::Of(Resource::Log), "log", "/log", "The latest lines of the log", SHAPES),
+    row(Shown::Piece, "piece", "/luggage/{id}", "A piece of luggage", SHAPES),
+    Row { is_observable: false, ..row(Shown::Photo, "photo", "/luggage/{id}/photo", "Its photo", &[Form::Picture]) },
+];
+
+const fn row(shown: Shown, name: &'static str, path: &'static str, title: &'static str, forms: &'static [Form]) -> Row {
+    Row { shown, name, path, title, forms, is_observable: true }
+}
+
+impl Shown {
+    #[must_use]
+    pub fn row(self) -> &'static Row {
+        const { &RESOURCES }
+            .iter()
+            .find(|row| row.shown == self)
+            .expect("everything that is shown has its row: a test holds that")
+    }
+
+    /// When it last changed. A map shows the robot, too.
+    #[must_use]
+    pub fn revision(self, snapshot: &Snapshot) -> Revision {
+        match self {
+            Shown::State => snapshot.revision,
+            Shown::Strategy => snapshot.revision_of(Resource::Mission),
+            Shown::Of(Resource::Map) => map_revision(snapshot),
+            Shown::Of(resource) => snapshot.revision_of(resource),
+            Shown::Piece | Shown::Photo => snapshot.revision_of(Resource::Luggage),
+        }
+    }
+
+    /// It in this form; `number` says which where there are several, `located` where a photo is by the door that asks. Nothing where
+    /// nothing is to be shown.
+    #[must_use]
+    pub fn written(self, number: u64, form: Form, snapshot: &Snapshot, located: fn(LuggageJson) -> LuggageJson) -> Vec<u8> {
+        let piece = |piece| located(LuggageJson::from(piece));
+        let pieces = || snapshot.luggage.iter().map(|found| piece(&**found)).collect();
+        match (self, form) {
+            (Shown::State, _) => shape(form, &StateJson { luggage: pieces(), ..StateJson::from(snapshot) }),
+            (Shown::Strategy, Form::Text) => snapshot.mission.strategy.name().into(),
+            (Shown::Strategy, _) => shape(form, &StrategyJson::from(snapshot.mission.strategy)),
+            (Shown::Of(Resource::Mission), Form::Text) => text::mission(&snapshot.mission).into(),
+            (Shown::Of(Resource::Mission), _) => shape(form, &state::mission(snapshot)),
+            (Shown::Of(Resource::Robot), Form::Text) => old_items::robot(&snapshot.robot).into(),
+            (Shown::Of(Resource::Robot), Form::Senml) => senml::robot(&snapshot.robot).into(),
+            (Shown::Of(Resource::Robot), _) => shape(form, &state::robot(snapshot)),
+            (Shown::Of(Resource::Map), Form::Text) => map_text::lines(snapshot).into(),
+            (Shown::Of(Resource::Map), _) => shape(form, &MapJson::from(snapshot)),
+            (Shown::Of(Resource::Luggage), _) => shape::<Vec<_>>(form, &pieces()),
+            (Shown::Of(Resource::Temperature), Form::Text) => text::temperature(&snapshot.temperature).into(),
+            (Shown::Of(Resource::Temperature), Form::Senml) => senml::temperature(&snapshot.temperature).into(),
+            (Shown::Of(Resource::Temperature), _) => shape(form, &state::temperature(snapshot)),
+            (Shown::Of(Resource::Alarms), _) => shape(form, &state::alarms(snapshot)),
+            (Shown::Of(Resource::Log), _) => shape(form, &state::log_after(snapshot, 0)),
+            (Shown::Piece, _) => {
+                snapshot.luggage(LuggageId(number)).map(|found| shape(form, &piece(&**found))).unwrap_or_default()
+            }
+            (Shown::Photo, _) => Vec::new(),
+        }
+    }
+}
+
+/// A shape of the wire in CBOR when that is the form, else in JSON.
+#[must_use]
+pub fn shape<T: Serialize>(form: Form, shape: &T) -> Vec<u8> {
+    match form {
+        Form::Cbor => cbor::written(shape),
+        Form::Json | Form::Text | Form::Senml | Form::Picture => {
+            serde_json::to_vec(shape).expect("the shapes of the wire are texts, numbers, lists and maps, which JSON can hold")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn everything_that_has_a_revision_has_its_row_and_topic() {
+        for resource in Resource::ALL {
+            assert_eq!(Shown::Of(resource).row().path, format!("/{}", Shown::Of(resource).row().name));
+        }
+    }
+
+    #[test]
+    fn nothing_is_in_the_table_twice() {
+        for said in [|row: &Row| row.path, |row: &Row| row.name, |row: &Row| row.title] {
+            let mut all: Vec<&str> = RESOURCES.iter().map(said).collect();
+            all.sort_unstable();
+            all.dedup();
+            assert_eq!(all.len(), RESOURCES.len());
+        }
+        assert!(RESOURCES.iter().all(|row| row.shown.row().name == row.name));
+    }
+}
