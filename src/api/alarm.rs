@@ -5,7 +5,6 @@ use serde::Serialize;
 use super::time::rfc3339;
 use hallsweep_core::world::alarm::AlarmView;
 
-/// One alarm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AlarmJson {
     /// Its number; null until it is on record.

@@ -20,9 +20,6 @@ pub fn written(value: &impl Serialize) -> Vec<u8> {
 }
 
 /// Reads a body from CBOR.
-///
-/// # Errors
-/// When it is no CBOR, no map, or has other fields than this command.
 pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
     let mut decoder = Decoder::new(bytes);
     let fields = fields(&mut decoder)?;

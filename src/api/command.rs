@@ -112,9 +112,6 @@ impl EpochBody {
 
 impl MoveBody {
     /// The command and the epoch its sender saw.
-    ///
-    /// # Errors
-    /// When there is no such move.
     pub fn command(&self) -> Result<(Command, Option<Epoch>), Unusable> {
         Ok((move_word(&self.word)?, self.epoch.map(Epoch)))
     }
@@ -122,9 +119,6 @@ impl MoveBody {
 
 impl GotoBody {
     /// The command and the epoch its sender saw.
-    ///
-    /// # Errors
-    /// When the cell is further from home than any map reaches.
     pub fn command(self) -> Result<(Command, Option<Epoch>), Unusable> {
         Ok((goto(self.x, self.y)?, self.epoch.map(Epoch)))
     }
@@ -132,9 +126,6 @@ impl GotoBody {
 
 impl VerdictBody {
     /// The verdict.
-    ///
-    /// # Errors
-    /// When it is neither `safe` nor `danger`.
     pub fn verdict(&self) -> Result<Verdict, Unusable> {
         match self.verdict.as_str() {
             "safe" => Ok(Verdict::Safe),
@@ -146,9 +137,6 @@ impl VerdictBody {
 
 impl TemperatureBody {
     /// What is reported.
-    ///
-    /// # Errors
-    /// When both celsius and status are there or none, the value is not one a hall can have, or the sensor's name none.
     pub fn report(&self) -> Result<TemperatureReport, Unusable> {
         match (self.celsius, self.status.as_deref()) {
             (Some(degrees), None) => {
@@ -168,7 +156,6 @@ impl TemperatureBody {
         }
     }
 
-    /// The sensor it is of, where it is of one.
     fn sensor(&self) -> Result<Option<Arc<str>>, Unusable> {
         let Some(name) = &self.sensor else { return Ok(None) };
         let sound = TemperatureReport::sensor_name(name);
@@ -187,9 +174,6 @@ impl StrategyBody {
     }
 
     /// The strategy.
-    ///
-    /// # Errors
-    /// When none has this name; the sentence lists those there are.
     pub fn strategy(&self) -> Result<Strategy, Unusable> {
         let known: Vec<&str> = Strategy::ALL.iter().map(|strategy| strategy.name()).collect();
         Strategy::named(&self.name)
@@ -204,9 +188,6 @@ pub fn no_command_id(place: &str, name: &str) -> String {
 }
 
 /// The command's own name, laid aside from the fields of its body, for doors at which it comes as `id` beside them.
-///
-/// # Errors
-/// When it is no name.
 pub fn id_aside(fields: &mut Fields) -> Result<Option<CommandId>, Unread> {
     let Some(name) = fields.aside("id", Fields::text).map_err(Unread::Unusable)? else { return Ok(None) };
     let id = CommandId::new(&name);
@@ -214,17 +195,11 @@ pub fn id_aside(fields: &mut Fields) -> Result<Option<CommandId>, Unread> {
 }
 
 /// The number of what a command is about, laid aside from the fields of its body, for doors that have no paths.
-///
-/// # Errors
-/// When it is missing, or no number; `example` shows the whole body.
 pub fn number_aside(fields: &mut Fields, name: &'static str, example: &str) -> Result<u64, Unusable> {
     needed(fields.aside(name, Fields::count)?, name, example)
 }
 
 /// The command behind the one-letter words of old clients and of `move`; `h` and `stop` are STOP.
-///
-/// # Errors
-/// When there is no such word.
 pub fn move_word(word: &str) -> Result<Command, Unusable> {
     match word {
         halt if is_halt(halt) => Ok(Command::Stop),
@@ -242,9 +217,6 @@ pub fn move_word(word: &str) -> Result<Command, Unusable> {
 }
 
 /// Driving to a cell.
-///
-/// # Errors
-/// When the cell is further from home than any map reaches.
 pub fn goto(x: i64, y: i64) -> Result<Command, Unusable> {
     let within = |value: i64| i32::try_from(value).ok().filter(|value| (-REACH..=REACH).contains(value));
     match (within(x), within(y)) {
@@ -254,9 +226,6 @@ pub fn goto(x: i64, y: i64) -> Result<Command, Unusable> {
 }
 
 /// A reading in °C.
-///
-/// # Errors
-/// When no hall can be so cold or so hot.
 pub fn reading(degrees: f64) -> Result<TemperatureReport, Unusable> {
     celsius(degrees).map(TemperatureReport::Reading)
 }

@@ -104,7 +104,6 @@ pub fn named(name: &str) -> Option<&'static Row> {
 }
 
 impl CommandKind {
-    /// Its row.
     #[must_use]
     pub fn row(self) -> &'static Row {
         COMMANDS.iter().find(|row| row.kind == self).expect("every kind has its row: a test holds that")
@@ -117,22 +116,13 @@ pub trait Payload {
     type Problem: From<Unusable>;
 
     /// The body that a command needs.
-    ///
-    /// # Errors
-    /// When there is none, or it is another.
     fn needed<T: Body>(&self) -> Result<T, Self::Problem>;
 
     /// The body that a command can do without.
-    ///
-    /// # Errors
-    /// When there is another.
     fn optional<T: Body + Default>(&self) -> Result<T, Self::Problem>;
 }
 
 /// The command that is asked for, and the epoch its sender saw; `number` is that of its subject.
-///
-/// # Errors
-/// The door's own problem, when the payload is not what the command takes.
 pub fn asked<P: Payload>(kind: CommandKind, number: u64, payload: &P) -> Result<(Command, Option<Epoch>), P::Problem> {
     let with_epoch = |command| Ok((command, payload.optional::<EpochBody>()?.epoch()));
     let bare = |command| payload.optional::<EpochBody>().map(|_| (command, None));

@@ -30,9 +30,6 @@ pub trait Body: Sized {
     const FIELDS: &'static [&'static str];
 
     /// The body with these fields.
-    ///
-    /// # Errors
-    /// When one is missing or of another kind.
     fn taken(fields: &Fields) -> Result<Self, Unusable>;
 }
 
@@ -45,17 +42,11 @@ pub struct Fields {
 }
 
 /// Reads a body from JSON.
-///
-/// # Errors
-/// When it is no JSON, no object, or has other fields than this command.
 pub fn body<T: Body>(bytes: &[u8]) -> Result<T, Unread> {
     fields(bytes)?.read().map_err(Unread::Unusable)
 }
 
 /// Reads the fields of a body from JSON, for doors at which a body carries more than a command has fields.
-///
-/// # Errors
-/// When it is no JSON, or no object.
 pub fn fields(bytes: &[u8]) -> Result<Fields, Unread> {
     let no_json = |error: serde_json::Error| Unread::Malformed(format!("the body is not JSON: {error}"));
     serde_json::from_slice::<IgnoredAny>(bytes).map_err(no_json)?;
@@ -65,41 +56,26 @@ pub fn fields(bytes: &[u8]) -> Result<Fields, Unread> {
 
 impl Fields {
     /// A text that may be absent.
-    ///
-    /// # Errors
-    /// When it is no text.
     pub fn text(&self, name: &str) -> Result<Option<String>, Unusable> {
         self.field(name, "a text in quotes", |value| value.as_str().map(str::to_owned))
     }
 
     /// A whole number that may be absent.
-    ///
-    /// # Errors
-    /// When it is no whole number, or one beyond all bounds.
     pub fn whole(&self, name: &str) -> Result<Option<i64>, Unusable> {
         self.field(name, "a whole number, as 3,", Value::as_i64)
     }
 
     /// A whole number from 0 that may be absent.
-    ///
-    /// # Errors
-    /// When it is no such number.
     pub fn count(&self, name: &str) -> Result<Option<u64>, Unusable> {
         self.field(name, "a whole number from 0", Value::as_u64)
     }
 
     /// A number that may be absent.
-    ///
-    /// # Errors
-    /// When it is no number.
     pub fn number(&self, name: &str) -> Result<Option<f64>, Unusable> {
         self.field(name, "a number, as 21.5,", Value::as_f64)
     }
 
     /// One field that is none of the command's own, as `read` takes it; the body is made of the others then.
-    ///
-    /// # Errors
-    /// As `read` says.
     pub fn aside<T>(&mut self, name: &'static str, read: impl Fn(&Fields, &str) -> Result<T, Unusable>) -> Result<T, Unusable> {
         let taken = read(self, name);
         self.left.remove(name);
@@ -108,9 +84,6 @@ impl Fields {
     }
 
     /// One more field.
-    ///
-    /// # Errors
-    /// When it is there already.
     pub(super) fn put(&mut self, name: String, value: Value) -> Result<(), Unusable> {
         if self.left.contains_key(&name) {
             return Err(Unusable(format!("`{}` is there twice: send it once", in_short(&name))));
@@ -120,9 +93,6 @@ impl Fields {
     }
 
     /// The body that these fields make.
-    ///
-    /// # Errors
-    /// When one is missing, unknown or of another kind.
     pub fn read<T: Body>(&self) -> Result<T, Unusable> {
         self.only(T::FIELDS).and_then(|()| T::taken(self))
     }
@@ -142,9 +112,6 @@ impl Fields {
 }
 
 /// A field that must be there.
-///
-/// # Errors
-/// When it is not; `example` shows the whole body.
 pub fn needed<T>(value: Option<T>, name: &str, example: &str) -> Result<T, Unusable> {
     value.ok_or_else(|| Unusable(format!("`{name}` is missing: send {example}")))
 }

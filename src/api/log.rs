@@ -5,7 +5,6 @@ use serde::Serialize;
 use super::time::rfc3339;
 use hallsweep_core::world::log::LogLine;
 
-/// One line of the log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LogLineJson {
     /// Its number, from 1 without gaps.

@@ -13,7 +13,6 @@ use hallsweep_core::world::snapshot::Snapshot;
 /// What a map shows: the hall, and the cell the robot stands in.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan<'a> {
-    /// The hall.
     pub hall: &'a HallMap,
     /// Where the robot stands, or stood when the mission was put away.
     pub robot: Cell,
@@ -46,7 +45,6 @@ pub struct MapCells {
     pub width: i32,
     /// Rows.
     pub height: i32,
-    /// The cells.
     pub cells: Vec<CellJson>,
 }
 

@@ -67,7 +67,6 @@ pub struct RefusalsJson {
 /// The order of the search alone, in the shape in which it is chosen.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct StrategyJson {
-    /// Its name.
     pub name: &'static str,
 }
 

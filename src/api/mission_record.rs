@@ -25,7 +25,6 @@ pub struct MissionRecordJson {
     pub phase: String,
     /// How many pieces of luggage were found.
     pub pieces: u64,
-    /// How many of them are dangerous.
     pub dangerous: u64,
     /// The numbers of the dangerous pieces that were left in place when it was put away.
     pub left: Vec<u64>,
@@ -33,7 +32,6 @@ pub struct MissionRecordJson {
     pub links: Links,
 }
 
-/// Where there is more of a mission.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Links {
     /// The mission with its luggage and its map.
@@ -50,7 +48,6 @@ pub struct Links {
 /// Missions, the newest first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MissionListJson {
-    /// The missions.
     pub missions: Vec<MissionRecordJson>,
     /// Where the list goes on, or null at its end.
     pub next: Option<String>,
@@ -59,7 +56,6 @@ pub struct MissionListJson {
 /// A mission with everything that stood when it was put away, or that stands now.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MissionWholeJson {
-    /// The mission.
     #[serde(flatten)]
     pub record: MissionRecordJson,
     /// Its luggage, by number.
@@ -71,7 +67,6 @@ pub struct MissionWholeJson {
 }
 
 impl Links {
-    /// Those of a mission.
     #[must_use]
     pub fn of(mission: MissionId) -> Links {
         let itself = format!("/api/v1/missions/{mission}");

@@ -64,17 +64,11 @@ const fn word(asks: Asks, posts: &'static [&'static str], messages: &'static [&'
 }
 
 /// What the old console asks for by a POST at this path.
-///
-/// # Errors
-/// When it is no word of the table.
 pub fn posted(word: &str) -> Result<Command, Unusable> {
     command(word, |_| true)
 }
 
 /// What a bare word asks for at `/resourcemodel`.
-///
-/// # Errors
-/// When it is no word for that.
 pub fn bare_word(word: &str) -> Result<Command, Unusable> {
     command(word, |row| row.is_word)
 }

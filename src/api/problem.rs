@@ -26,7 +26,6 @@ pub enum ProblemKind {
     Unavailable,
 }
 
-/// One problem.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProblemJson<'a> {
     /// A URI that names the kind of problem and never changes: `urn:hallsweep:problem:` and the code.

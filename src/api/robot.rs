@@ -67,7 +67,6 @@ impl RobotJson {
 pub struct NamedRobotJson {
     /// Its name in the settings.
     pub name: String,
-    /// Whether it is the one that searches.
     pub searches: bool,
     /// What it has: `base`, `camera`, `sonar`, `led`, `thermometer`, `bump`, `arm`, `gripper`; null before its link is up.
     pub parts: Option<Vec<&'static str>>,

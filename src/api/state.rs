@@ -19,7 +19,6 @@ pub struct StateJson {
     pub run: String,
     /// How often anything has changed in this run.
     pub revision: u64,
-    /// The mission.
     pub mission: MissionJson,
     /// The robot that searches.
     pub robot: RobotJson,
@@ -29,7 +28,6 @@ pub struct StateJson {
     pub map: MapJson,
     /// The luggage of this mission, by number.
     pub luggage: Vec<LuggageJson>,
-    /// The temperature.
     pub temperature: TemperatureJson,
     /// The alarms, oldest first.
     pub alarms: Vec<AlarmJson>,
@@ -54,7 +52,6 @@ impl From<&Snapshot> for StateJson {
     }
 }
 
-/// The mission of this snapshot.
 #[must_use]
 pub fn mission(snapshot: &Snapshot) -> MissionJson {
     MissionJson::new(&snapshot.mission, snapshot.revision_of(Resource::Mission))
@@ -74,7 +71,6 @@ pub fn robots(snapshot: &Snapshot) -> Vec<NamedRobotJson> {
     snapshot.robots.iter().enumerate().map(named).collect()
 }
 
-/// The temperature of this snapshot.
 #[must_use]
 pub fn temperature(snapshot: &Snapshot) -> TemperatureJson {
     TemperatureJson::new(&snapshot.temperature, snapshot.revision_of(Resource::Temperature))

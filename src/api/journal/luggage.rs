@@ -39,7 +39,6 @@ struct DecisionShape {
     when: Moment,
 }
 
-/// An alarm.
 #[derive(Serialize, Deserialize)]
 pub(super) struct AlarmShape {
     id: u64,
@@ -49,7 +48,6 @@ pub(super) struct AlarmShape {
     acknowledged: Option<SeenShape>,
 }
 
-/// Who has seen an alarm.
 #[derive(Serialize, Deserialize)]
 struct SeenShape {
     who: String,

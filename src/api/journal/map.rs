@@ -12,7 +12,6 @@ use crate::api::fields::in_short;
 use hallsweep_core::units::{Cell, Revision};
 use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
 
-/// The marks and their letters.
 const LETTERS: [(Mark, char); 5] =
     [(Mark::Unknown, '.'), (Mark::Visited, 'V'), (Mark::Wall, 'W'), (Mark::Luggage, 'L'), (Mark::NotInspected, 'N')];
 
@@ -20,7 +19,6 @@ const LETTERS: [(Mark, char); 5] =
 #[derive(Serialize, Deserialize)]
 pub(super) struct Row(i32, i32, String);
 
-/// The mark of this name.
 pub(super) fn named(name: &str) -> Result<Mark, Unparsed> {
     let known = LETTERS.iter().find(|(mark, _)| mark.name() == name);
     known.map(|(mark, _)| *mark).ok_or_else(|| Unparsed(format!("{:?} is no mark of a cell", in_short(name))))
@@ -33,7 +31,6 @@ pub(super) fn rows(map: &HallMap) -> Vec<Row> {
     cells.chunk_by(|a, b| a.0 == b.0).map(row).collect()
 }
 
-/// The map of these rows.
 pub(super) fn map(rows: &[Row]) -> Result<HallMap, Unparsed> {
     let mut map = HallMap::new(Cell::HOME, Revision(1));
     // A new map knows home; a map on record says everything itself.

@@ -21,7 +21,6 @@ pub(super) struct Point {
     pub(super) y: i32,
 }
 
-/// A pose.
 #[derive(Serialize, Deserialize)]
 pub(super) struct PoseShape {
     #[serde(deserialize_with = "side")]
@@ -31,7 +30,6 @@ pub(super) struct PoseShape {
     heading: String,
 }
 
-/// A moment.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Moment {

@@ -54,7 +54,6 @@ impl Peer {
 }
 
 impl Gate {
-    /// A gate of this door.
     pub(super) const fn new(door: Door, need: Need) -> Gate {
         Gate { door, need }
     }

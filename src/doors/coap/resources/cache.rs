@@ -20,7 +20,6 @@ const MOST: usize = 128;
 #[derive(Default)]
 pub(super) struct RepresentationCache(Mutex<LinkedHashMap<Key, (Revision, Copies)>>);
 
-/// What, which of several, and in which format.
 type Key = (Show, u64, Format);
 
 /// One thing, for those who read it and for those who observe it; they share its body.

@@ -66,7 +66,6 @@ impl Door {
         std::iter::from_fn(|| self.endpoint.poll_transmit()).collect()
     }
 
-    /// The commands given so far.
     fn given(&self) -> Vec<Command> {
         self.app.given.lock().unwrap().iter().map(|request| request.command.clone()).collect()
     }

@@ -125,12 +125,10 @@ pub(super) fn get(path: &str) -> Request {
     request(Method::Get, path, "")
 }
 
-/// A PUT.
 pub(super) fn put(path: &str, payload: &str) -> Request {
     request(Method::Put, path, payload)
 }
 
-/// A POST.
 pub(super) fn post(path: &str, payload: &str) -> Request {
     request(Method::Post, path, payload)
 }

@@ -16,7 +16,6 @@ const PACE: Duration = Duration::from_millis(100);
 
 /// What was said to it.
 pub(super) struct Household {
-    /// The photos.
     pub(super) photos: Photos,
     config: Bytes,
     is_introduced: bool,

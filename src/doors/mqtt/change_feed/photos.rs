@@ -28,7 +28,6 @@ pub struct Picture {
 pub(super) struct Photos {
     /// The last one there is.
     newest: Option<Picture>,
-    /// The last one that was asked for.
     asked: Option<Picture>,
     /// The last one that was given back.
     shown: Option<(Picture, Bytes)>,

@@ -11,7 +11,6 @@ use hallsweep_core::world::snapshot::Snapshot;
 /// The least time between two states of one resource: ten a second are enough to watch, and do not fill a slow line.
 const PACE: Duration = Duration::from_millis(100);
 
-/// What was said of each resource.
 #[derive(Default)]
 pub(super) struct States([Said; Resource::COUNT]);
 

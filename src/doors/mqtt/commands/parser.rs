@@ -32,7 +32,6 @@ pub(super) struct CommandParser {
 /// What a message asks for, and where it is answered.
 #[derive(Debug)]
 pub(super) struct ParsedCommand {
-    /// What is asked for.
     pub(super) asked: Asked,
     /// What its sender must be allowed, where no command can be made of it.
     pub(super) need: Need,

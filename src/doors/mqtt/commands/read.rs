@@ -19,7 +19,6 @@ pub(super) type Asked = Result<(Command, Option<Epoch>), Problem>;
 pub(super) struct Read {
     /// The command's own name, also when the rest cannot be read.
     pub(super) id: Option<CommandId>,
-    /// What is asked for.
     pub(super) asked: Asked,
 }
 

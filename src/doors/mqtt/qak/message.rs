@@ -9,7 +9,6 @@ use crate::api::fields::in_short;
 /// The name of every message's term.
 const MSG: &str = "msg";
 
-/// A message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
     /// What it is called, as `startCmd`.

@@ -14,7 +14,6 @@ pub enum Unreadable {
     /// It is too long to be read at all.
     #[error("it has {0} bytes: at most {LENGTH} are read")]
     TooLong(usize),
-    /// It is no text.
     #[error("it is no UTF-8 from byte {at} on")]
     NotText {
         /// Where the first byte stands that belongs to no letter.

@@ -11,7 +11,6 @@ pub use super::reader::{DEPTH, LENGTH, Unreadable};
 pub enum Term {
     /// A word, or any text. As in Prolog the quotes belong to the writing and not to the value: `'js'` and `js` are the same atom.
     Atom(String),
-    /// A number.
     Number(Number),
     /// A word or text with terms in parentheses; `f()`, which Prolog does not know, is one without any.
     Compound(String, Vec<Term>),
@@ -30,13 +29,11 @@ impl Term {
         Reader::whole(text)
     }
 
-    /// An atom with this text.
     #[must_use]
     pub fn atom(text: impl Into<String>) -> Term {
         Term::Atom(text.into())
     }
 
-    /// A whole number.
     #[must_use]
     pub fn whole(number: impl Into<i64>) -> Term {
         Term::Number(Number(number.into().to_string()))
