@@ -8,7 +8,7 @@ use tokio::sync::watch;
 
 use super::Door;
 use super::problem::Problem;
-use super::streams::Stream;
+use super::streams::OpenStream;
 use crate::access::Caller;
 use hallsweep_core::world::snapshot::Snapshot;
 
@@ -21,7 +21,7 @@ pub(super) struct Watcher {
     closing: watch::Receiver<bool>,
     door: Door,
     caller: Caller,
-    _place: Stream,
+    _stream: OpenStream,
 }
 
 /// What a stream wakes up for.
@@ -37,10 +37,10 @@ pub(super) enum Wake {
 impl Watcher {
     /// Opens a stream and takes the state it begins with.
     pub(super) fn open(door: &Door, caller: Caller) -> Result<(Watcher, Arc<Snapshot>), Problem> {
-        let place = door.streams.open(&caller, &door.access).ok_or_else(|| Problem::too_many_streams(door.streams.most()))?;
+        let stream = door.streams.open(&caller, &door.access).ok_or_else(|| Problem::too_many_streams(door.streams.most()))?;
         let mut snapshots = door.handle.watch();
         let first = Arc::clone(&snapshots.borrow_and_update());
-        let watcher = Watcher { snapshots, closing: door.closing.subscribe(), door: door.clone(), caller, _place: place };
+        let watcher = Watcher { snapshots, closing: door.closing.subscribe(), door: door.clone(), caller, _stream: stream };
         Ok((watcher, first))
     }
 

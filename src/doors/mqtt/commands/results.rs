@@ -10,12 +10,13 @@ use tokio::sync::mpsc::error::TrySendError;
 
 use super::super::publication::Publication;
 use super::super::qak::outgoing;
-use super::places::{Place, Places};
+use super::places::ResultPlaces;
 use super::problem::Problem;
 use super::sender::CommandSender;
 use crate::api::answer::AnswerJson;
 use crate::api::result::ResultJson;
 use crate::doors::seldom::Seldom;
+use crate::doors::shares::Permit;
 use crate::runtime::carry_out::{Done, NotDone};
 use hallsweep_core::command::CommandId;
 
@@ -38,8 +39,8 @@ const NO_PHOTO: &str = "noPhoto";
 #[derive(Clone, Debug)]
 pub(super) struct Results {
     answers: mpsc::Sender<Answer>,
-    under_way: Places,
-    waiting: Places,
+    under_way: ResultPlaces,
+    waiting: ResultPlaces,
     lost: Arc<Seldom>,
 }
 
@@ -47,7 +48,7 @@ pub(super) struct Results {
 #[derive(Debug)]
 pub struct Answer {
     publication: Publication,
-    _place: Place,
+    _place: Permit,
 }
 
 /// Where one result goes.
@@ -64,7 +65,7 @@ pub(super) struct Reply {
 impl Results {
     /// Results go to `answers`.
     pub(super) fn new(answers: mpsc::Sender<Answer>) -> Results {
-        let places = || Places::new(UNDER_WAY, VIEWERS_UNDER_WAY);
+        let places = || ResultPlaces::new(UNDER_WAY, VIEWERS_UNDER_WAY);
         Results { answers, under_way: places(), waiting: places(), lost: Arc::default() }
     }
 
@@ -72,12 +73,12 @@ impl Results {
     ///
     /// # Errors
     /// How many are under way, when there is none.
-    pub(super) fn place(&self, sender: &CommandSender) -> Result<Place, usize> {
+    pub(super) fn place(&self, sender: &CommandSender) -> Result<Permit, usize> {
         self.under_way.take(sender)
     }
 
     /// Waits for what becomes of a command, and publishes it. Must be called inside a runtime.
-    pub(super) fn follow<F>(&self, done: F, (reply, sender): (Reply, CommandSender), place: Place)
+    pub(super) fn follow<F>(&self, done: F, (reply, sender): (Reply, CommandSender), place: Permit)
     where
         F: Future<Output = Result<Done, NotDone>> + Send + 'static,
     {
