@@ -282,18 +282,18 @@ fn whoever_is_found_to_give_way_is_the_first_of_all() {
             (7, Some(n)) => all[n].place().answered(),
             (_, Some(n)) => all[n].place().sends(),
         }
-        let taken = places.taken();
-        let found = |among: &dyn Fn(&Seat) -> bool| {
-            let these = taken.seats.iter().filter(|(_, seat)| among(seat));
-            let yielding = these.clone().filter(|(_, seat)| seat.stage() != Stage::Watching);
-            (these.count(), yielding.map(|(number, seat)| seat.turn(*number)).min())
+        let occupancy = places.occupancy();
+        let found = |among: &dyn Fn(&Occupant) -> bool| {
+            let these = occupancy.occupants.iter().filter(|(_, occupant)| among(occupant));
+            let yielding = these.clone().filter(|(_, occupant)| occupant.stage() != Stage::Watching);
+            (these.count(), yielding.map(|(number, occupant)| occupant.turn(*number)).min())
         };
         let claim = Claim { network: Network::of(from.parse().unwrap()), who: Some((Arc::from("lobby"), false)) };
-        assert_eq!(taken.queues.of_all(), found(&|_| true));
-        assert_eq!(taken.queues.of_others(), found(&|seat| !seat.claim.is_operator()));
-        assert_eq!(taken.queues.of_key(&claim), found(&|seat| seat.claim.who == claim.who));
-        assert_eq!(taken.queues.of_network(&claim), found(&|seat| seat.claim.network == claim.network));
+        assert_eq!(occupancy.queues.of_all(), found(&|_| true));
+        assert_eq!(occupancy.queues.of_others(), found(&|occupant| !occupant.claim.is_operator()));
+        assert_eq!(occupancy.queues.of_key(&claim), found(&|occupant| occupant.claim.who == claim.who));
+        assert_eq!(occupancy.queues.of_network(&claim), found(&|occupant| occupant.claim.network == claim.network));
     }
     drop(all);
-    assert!(places.taken().queues.are_empty(), "nothing is kept of who has left");
+    assert!(places.occupancy().queues.are_empty(), "nothing is kept of who has left");
 }

@@ -32,7 +32,7 @@ const LONGEST_PATH: usize = 512;
 
 /// What the page is asked with; both may be absent.
 #[derive(Debug, Default, Deserialize)]
-pub(super) struct Asked {
+pub(super) struct SignInQuery {
     token: Option<String>,
     next: Option<String>,
     undone: Option<Undone>,
@@ -52,7 +52,7 @@ pub(super) enum Undone {
 
 /// What the page sends.
 #[derive(Debug, Deserialize)]
-pub(super) struct Sent {
+pub(super) struct SignInForm {
     token: String,
     next: Option<String>,
 }
@@ -103,7 +103,7 @@ pub(super) async fn page(
     State(door): State<Door>,
     peer: Peer,
     caller: Result<LetIn, super::problem::Problem>,
-    asked: Result<Query<Asked>, axum::extract::rejection::QueryRejection>,
+    asked: Result<Query<SignInQuery>, axum::extract::rejection::QueryRejection>,
 ) -> Response {
     let asked = asked.map(|Query(asked)| asked).unwrap_or_default();
     let next = local(asked.next.as_deref());
@@ -122,7 +122,7 @@ pub(super) async fn sign_in(
     State(door): State<Door>,
     peer: Peer,
     caller: Result<LetIn, super::problem::Problem>,
-    Form(sent): Form<Sent>,
+    Form(sent): Form<SignInForm>,
 ) -> Response {
     let next = local(sent.next.as_deref());
     let Access::Keys(keyring) = &door.access else { return Redirect::to(next).into_response() };

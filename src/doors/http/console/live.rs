@@ -20,7 +20,7 @@ use super::super::gate::LetIn;
 use super::super::problem::Problem;
 use super::super::watcher::{Wake, Watcher};
 use super::parts::PARTS;
-use super::view::{Place, View, Who};
+use super::view::{HallInfo, View, Who};
 use super::{UNBUFFERED, began, hall, who};
 use hallsweep_core::units::WallTime;
 use hallsweep_core::world::snapshot::Snapshot;
@@ -66,7 +66,7 @@ pub(in crate::doors::http) async fn live(State(door): State<Door>, LetIn(caller)
             let event = match wake {
                 Wake::Changed(snapshot) => {
                     let began = began::began(&door, snapshot.mission.id).await;
-                    let hall = Place { name: &door.hall, cell_m: door.cell_m };
+                    let hall = HallInfo { name: &door.hall, cell_m: door.cell_m };
                     message(&shown.update(snapshot, hall, began, who, door.clock.now().wall))
                 }
                 Wake::Quiet => Event::default().event("tick").data("alive"),
@@ -88,7 +88,7 @@ impl Shown {
     fn update(
         &mut self,
         snapshot: Arc<Snapshot>,
-        hall: Place<'_>,
+        hall: HallInfo<'_>,
         began: Option<WallTime>,
         who: Option<Who>,
         now: WallTime,
@@ -147,7 +147,7 @@ mod tests {
     use hallsweep_core::world::hall_map::Mark;
     use hallsweep_core::world::resource::Resource;
 
-    const AIRPORT: Place<'static> = Place { name: "airport", cell_m: None };
+    const AIRPORT: HallInfo<'static> = HallInfo { name: "airport", cell_m: None };
 
     #[test]
     fn the_first_message_has_every_part_and_every_tile() {

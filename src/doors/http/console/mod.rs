@@ -28,7 +28,7 @@ use acts::Fields;
 use hallsweep_core::command;
 use hallsweep_core::units::LuggageId;
 use parts::Page;
-use view::{Place, View, Who, Why};
+use view::{HallInfo, View, Who, Why};
 
 pub(super) use began::Began;
 pub(super) use live::live;
@@ -96,7 +96,7 @@ pub(super) async fn confirm_reset() -> Html<String> {
 async fn whole(door: &Door, caller: &Caller, why: Option<Why>) -> Html<String> {
     let snapshot = door.handle.snapshot();
     let began = began::began(door, snapshot.mission.id).await;
-    let hall = Place { name: &door.hall, cell_m: door.cell_m };
+    let hall = HallInfo { name: &door.hall, cell_m: door.cell_m };
     let view = View { snapshot: &snapshot, hall, began, who: who(door, caller), why, now: door.clock.now().wall };
     html(&Page::new(&view))
 }

@@ -16,7 +16,7 @@ use hallsweep_core::world::temperature::{OPERATOR, TemperatureStatus};
 /// A snapshot, and what is to be said to the one who pressed a button.
 pub(super) struct View<'a> {
     pub(super) snapshot: &'a Snapshot,
-    pub(super) hall: Place<'a>,
+    pub(super) hall: HallInfo<'a>,
     /// When the present mission began, where that is known.
     pub(super) began: Option<WallTime>,
     /// Who looks; `None` where nobody is asked who he is.
@@ -27,7 +27,7 @@ pub(super) struct View<'a> {
 
 /// What is known of the hall beforehand.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place<'a> {
+pub(super) struct HallInfo<'a> {
     pub(super) name: &'a str,
     /// The side of a cell, in metres, where it is known.
     pub(super) cell_m: Option<f64>,
@@ -372,7 +372,7 @@ mod tests {
     use hallsweep_core::world::snapshot::Progress;
 
     fn view(snapshot: &Snapshot) -> View<'_> {
-        let hall = Place { name: "airport", cell_m: Some(0.5) };
+        let hall = HallInfo { name: "airport", cell_m: Some(0.5) };
         View { snapshot, hall, began: Some(TEN), who: None, why: None, now: WallTime { unix_ms: TEN.unix_ms + 74_900, ..TEN } }
     }
 
@@ -451,7 +451,7 @@ mod tests {
             (view(&snapshot).searched().as_str(), view(&snapshot).open().as_str()),
             ("15 cells, 3.8 m²", "4 places still open")
         );
-        let unmeasured = View { hall: Place { name: "airport", cell_m: None }, ..view(&snapshot) };
+        let unmeasured = View { hall: HallInfo { name: "airport", cell_m: None }, ..view(&snapshot) };
         assert_eq!(unmeasured.searched(), "15 cells");
         assert_eq!(view(&snapshot).counts_since(), Some(TEN));
         snapshot.mission.progress = Progress { visited: 19, unknown: 0 };

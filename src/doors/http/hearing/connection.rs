@@ -14,7 +14,7 @@ use tokio::time::{Sleep, sleep, timeout};
 use super::connection_task::{ConnectionTask, Shared, put};
 use super::context::ServerContext;
 use super::judge::{Given, Judge};
-use super::stop_search::{Asked, Heard, StopSearch};
+use super::stop_search::{Heard, HeardRequest, StopSearch};
 use crate::doors::http::gate::Peer;
 use crate::doors::http::places::{Claim, Place};
 use crate::doors::http::problem::Problem;
@@ -181,7 +181,7 @@ where
     }
 
     /// Notes what is to be known of a request that will be carried out.
-    fn note(&mut self, asked: Asked) {
+    fn note(&mut self, asked: HeardRequest) {
         if self.is_only_heard {
             return;
         }

@@ -223,7 +223,7 @@ async fn run<W>(
         }
         shared.forget_before(number);
         request.extensions_mut().insert(Pressed { shared: Arc::clone(&shared), number });
-        let asked = Asked(Arc::clone(&place));
+        let asked = OpenRequest(Arc::clone(&place));
         let (answer, shared) = (routes.call(request), Arc::clone(&shared));
         async move {
             let answer = answer.await;
@@ -271,9 +271,9 @@ fn is_stream(response: &Response<Body>) -> bool {
 }
 
 /// A request under way.
-struct Asked(Arc<Place>);
+struct OpenRequest(Arc<Place>);
 
-impl Drop for Asked {
+impl Drop for OpenRequest {
     fn drop(&mut self) {
         self.0.answered();
     }
@@ -282,7 +282,7 @@ impl Drop for Asked {
 /// The body of an answer; its request is over when all of it is on its way.
 struct Answer {
     body: Body,
-    asked: Asked,
+    asked: OpenRequest,
 }
 
 impl hyper::body::Body for Answer {

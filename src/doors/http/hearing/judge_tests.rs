@@ -9,7 +9,7 @@ use proptest::sample::select;
 use super::*;
 use crate::access::{Access, SESSION_S};
 use crate::api::fixture::searching;
-use crate::doors::http::hearing::stop_search::{Asked, Heard, StopSearch};
+use crate::doors::http::hearing::stop_search::{Heard, HeardRequest, StopSearch};
 use crate::doors::http::testing::{House, Tokens, guarded_house, house, keys};
 use hallsweep_core::command;
 
@@ -352,7 +352,7 @@ async fn a_stop_that_was_heard_is_on_record_with_who_from_where_and_by_which_doo
         let mut sent = Sent::stop((route, ""), &token);
         sent.insert(0, b"Idempotency-Key: \"press-7\"".to_vec());
         let (_, heard, given) = StopSearch::new(judge.clone()).take(&sent.bytes());
-        let Some(Heard::Head(Asked { claim, .. })) = heard else { panic!("a head") };
+        let Some(Heard::Head(HeardRequest { claim, .. })) = heard else { panic!("a head") };
         assert!(given.expect("it halts").await.is_ok());
         let given = house.last();
         assert_eq!((given.command, &*given.issuer.who, &*given.issuer.from), (Command::Stop, "lobby", "127.0.0.1"));

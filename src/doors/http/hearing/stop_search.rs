@@ -25,13 +25,13 @@ pub(super) struct StopSearch {
 
 /// What has come to its end.
 pub(super) enum Heard {
-    Head(Asked),
+    Head(HeardRequest),
     /// The body of the request whose head was heard last.
     Body,
 }
 
 /// What is to be known of a request.
-pub(super) struct Asked {
+pub(super) struct HeardRequest {
     /// Whose it is.
     pub(super) claim: Claim,
     /// Whether a body follows.
@@ -68,7 +68,7 @@ impl StopSearch {
                 };
                 self.unsaid = unsaid;
                 (self.looked, self.looked_whole) = (0, 0);
-                let asked = Asked {
+                let asked = HeardRequest {
                     claim,
                     has_body: head.body != BodyLength::Known(0),
                     may_hand_over: head.wants_upgrade && names::is_upgrade(&head.target),
