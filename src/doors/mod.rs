@@ -1,6 +1,6 @@
 //! The doors: how operators and programs reach hallsweep. No door knows another, and none knows an adapter. What doors with
 //! connections have in common lies beside them: the ports they listen to, where connections wait that have no place, how many places
-//! there are where the system gives few, of which each key has its share, and how long a reader may stall.
+//! there are where the system gives few, of which a key has its share, and how long a reader may stall.
 
 pub mod coap;
 pub mod http;

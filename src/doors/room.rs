@@ -33,7 +33,6 @@ impl Room {
     }
 }
 
-/// For all.
 impl Default for Room {
     fn default() -> Room {
         Room { places: PLACES }

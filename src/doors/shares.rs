@@ -18,13 +18,16 @@ pub(super) struct Limits {
 
 /// All places. Cheap to clone.
 #[derive(Clone, Debug)]
-pub(super) struct Shares {
+pub(super) struct Shares(Arc<Shared>);
+
+#[derive(Debug)]
+struct Shared {
     limits: Limits,
-    taken: Arc<Mutex<Taken>>,
+    taken: Mutex<InUse>,
 }
 
 #[derive(Debug, Default)]
-struct Taken {
+struct InUse {
     all: usize,
     /// Of these, by each key that has any.
     by_key: HashMap<Arc<str>, usize>,
@@ -39,12 +42,12 @@ pub(super) struct Permit {
 
 impl Shares {
     pub(super) fn new(limits: Limits) -> Shares {
-        Shares { limits, taken: Arc::default() }
+        Shares(Arc::new(Shared { limits, taken: Mutex::default() }))
     }
 
     /// How many there are.
-    pub(super) const fn most(&self) -> usize {
-        self.limits.most
+    pub(super) fn most(&self) -> usize {
+        self.0.limits.most
     }
 
     /// A place for whoever has shown this key; where nobody shows one there are no shares.
@@ -52,7 +55,7 @@ impl Shares {
     /// # Errors
     /// How many are taken of those that he may have, when there is none.
     pub(super) fn take(&self, key: Option<Arc<str>>) -> Result<Permit, usize> {
-        let Limits { most, of_one_key, kept, few } = self.limits;
+        let Limits { most, of_one_key, kept, few } = self.0.limits;
         let mut taken = self.taken();
         let own = key.as_ref().and_then(|key| taken.by_key.get(key)).copied().unwrap_or(0);
         let has_few = key.is_none() || own < few;
@@ -77,8 +80,8 @@ impl Shares {
         self.taken().by_key.is_empty()
     }
 
-    fn taken(&self) -> MutexGuard<'_, Taken> {
-        self.taken.lock().unwrap_or_else(PoisonError::into_inner)
+    fn taken(&self) -> MutexGuard<'_, InUse> {
+        self.0.taken.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -10,9 +10,7 @@ use coap_endpoint::{Answer, Code, RefusedRequest, Request, Response};
 /// What whoever pressed STOP is told first, where his request is refused.
 pub(super) const HALTED: &str = "halted all the same";
 
-/// What the application says to a request.
 pub enum Reply {
-    /// The answer.
     Now(Answer),
     /// The answer comes when this ends. What a command asks for is begun; a read only begins when this is waited for, and may be
     /// dropped instead.
@@ -51,7 +49,6 @@ pub(super) fn answer(application: &impl Application, request: &Request) -> Reply
     catch_unwind(asked).unwrap_or_else(|_| Reply::Now(broken()))
 }
 
-/// Says that there is a newer state.
 pub(super) fn changed(application: &impl Application) {
     // What breaks over it was logged, and is no reason for the door to end.
     let _ = catch_unwind(AssertUnwindSafe(|| application.handle_change()));

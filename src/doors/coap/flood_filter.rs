@@ -23,7 +23,6 @@ const HEADER: usize = 4;
 /// How many were heard of each kind: reads, commands, signs, and commands that come through however fine it is.
 pub(super) type KindCounts = [usize; 4];
 
-/// What is let through now.
 pub(super) struct FloodFilter {
     /// Four bytes each, of which a STOP has one as it is usually written, with the bit set that makes letters small.
     words: &'static [[u8; 4]],
@@ -34,7 +33,6 @@ pub(super) struct FloodFilter {
 }
 
 impl FloodFilter {
-    /// One that lets everything through.
     pub(super) fn new(words: &'static [[u8; 4]]) -> FloodFilter {
         FloodFilter { words, fine: [0; 3], since: Duration::ZERO }
     }

@@ -35,7 +35,6 @@ struct Driver<A> {
     endpoint: Endpoint,
     application: A,
     pending: PendingAnswers,
-    /// What was heard and waits.
     backlog: Backlog,
     filter: FloodFilter,
     /// How often in a row it was heard and not answered.

@@ -24,7 +24,6 @@ pub(super) const BATCH: usize = 64;
 /// A socket that fails is read again after this.
 const PAUSE: Duration = Duration::from_millis(1);
 
-/// A bound socket.
 pub struct Socket {
     udp: UdpSocket,
     buffer: Vec<u8>,
@@ -32,9 +31,6 @@ pub struct Socket {
 
 impl Socket {
     /// The door's socket out of one that is bound. Must be called inside the runtime that is to wait for it.
-    ///
-    /// # Errors
-    /// The system does not let this runtime wait for it.
     pub fn new(bound: std::net::UdpSocket) -> io::Result<Socket> {
         bound.set_nonblocking(true)?;
         let udp = UdpSocket::from_std(bound)?;
@@ -47,13 +43,11 @@ impl Socket {
         Ok(Socket { udp, buffer: vec![0; LONGEST] })
     }
 
-    /// Waits until there may be something to read.
     pub(super) async fn readable(&self) {
         // A socket that cannot be waited for says why when it is read.
         let _ = self.udp.readable().await;
     }
 
-    /// The next datagram, if one is there.
     pub(super) async fn read(&mut self) -> Option<(SocketAddr, &[u8])> {
         match self.udp.try_recv_from(&mut self.buffer) {
             Ok((length, peer)) => return Some((peer, &self.buffer[..length])),

@@ -30,6 +30,9 @@ const PAUSE: Duration = Duration::from_millis(20);
 /// After a break a reader tries again this soon.
 const RETRY: Duration = Duration::from_secs(1);
 
+/// Proxies are not to hold a stream back.
+pub(super) const UNBUFFERED: (HeaderName, &str) = (HeaderName::from_static("x-accel-buffering"), "no");
+
 /// `GET events`
 pub(super) async fn events(State(door): State<Door>, LetIn(caller): LetIn, headers: HeaderMap) -> Result<Response, Problem> {
     let (watcher, snapshot) = Watcher::open(&door, caller)?;
@@ -37,7 +40,7 @@ pub(super) async fn events(State(door): State<Door>, LetIn(caller): LetIn, heade
     let first = first_event(&snapshot, resumed);
     let events = stream::iter(first).chain(changes(watcher, snapshot)).map(Ok::<Event, Infallible>);
     let beating = Sse::new(events).keep_alive(KeepAlive::new().interval(HEARTBEAT).text("heartbeat"));
-    Ok(([(HeaderName::from_static("x-accel-buffering"), "no")], beating).into_response())
+    Ok(([UNBUFFERED], beating).into_response())
 }
 
 /// The revision a returning reader has, when its id is of this run.

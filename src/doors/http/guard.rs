@@ -146,7 +146,6 @@ fn for_a_person(status: StatusCode) -> &'static str {
     }
 }
 
-/// The page of somebody who went astray.
 #[derive(Template)]
 #[template(path = "astray.html")]
 struct Astray {

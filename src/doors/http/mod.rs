@@ -94,7 +94,6 @@ impl Door {
         }
     }
 
-    /// The same, with a way to MQTT for web clients.
     #[must_use]
     pub fn with_mqtt(self, mqtt: Option<Hall>) -> Door {
         Door { mqtt, ..self }
@@ -105,12 +104,10 @@ impl Door {
         Door { cookie: sign_in::cookie_name(port), ..self }
     }
 
-    /// The same, with as many streams as there is room for.
     fn with_streams(self, room: Room) -> Door {
         Door { streams: Streams::new(room.part(STREAMS)), ..self }
     }
 
-    /// The name of its session's cookie.
     fn cookie(&self) -> &str {
         &self.cookie
     }

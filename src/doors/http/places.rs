@@ -136,10 +136,9 @@ impl Places {
     /// Cuts some connections that can give way, when the system has no more descriptors, and says how many.
     pub(super) fn relieve(&self) -> usize {
         let mut occupancy = self.occupancy();
-        (0..RELIEF).take_while(|_| occupancy.cut_first()).count()
+        (0..RELIEF).map_while(|_| occupancy.queues.of_all().1.filter(|first| occupancy.cut(Some(*first)))).count()
     }
 
-    /// Places that were given and not left.
     #[cfg(test)]
     pub(super) fn held(&self) -> usize {
         self.occupancy().held
@@ -194,12 +193,6 @@ impl Occupancy {
         }
     }
 
-    /// Cuts whoever gives way before all others; `false` when nobody does.
-    fn cut_first(&mut self) -> bool {
-        let (_, first) = self.queues.of_all();
-        self.cut(first)
-    }
-
     /// Cuts this connection; `false` when there is none.
     fn cut(&mut self, turn: Option<Turn>) -> bool {
         let Some(occupant) = turn.and_then(|turn| self.rise(turn.number)) else { return false };
@@ -238,7 +231,6 @@ impl Place {
         }
     }
 
-    /// The whole body has come.
     pub(super) fn received(&self) {
         self.change(true, |occupant| occupant.is_receiving = false);
     }
@@ -258,7 +250,6 @@ impl Place {
         self.change(true, |_| {});
     }
 
-    /// A request is over.
     pub(super) fn answered(&self) {
         self.change(true, |occupant| {
             occupant.open = occupant.open.saturating_sub(1);

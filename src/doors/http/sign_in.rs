@@ -15,7 +15,6 @@ use super::gate::{LetIn, Peer};
 use super::reading::Form;
 use crate::access::{Access, Network, SESSION_S};
 
-/// The cookie's name, of the instance at this port.
 pub(super) fn cookie_name(port: u16) -> Arc<str> {
     format!("hallsweep-{port}").into()
 }
@@ -30,7 +29,6 @@ const UNUSABLE: &str = "The file of keys, access.toml, cannot be used, so nobody
 /// A longer way back is not remembered.
 const LONGEST_PATH: usize = 512;
 
-/// What the page is asked with; both may be absent.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct SignInQuery {
     token: Option<String>,
@@ -50,7 +48,6 @@ pub(super) enum Undone {
     Watching,
 }
 
-/// What the page sends.
 #[derive(Debug, Deserialize)]
 pub(super) struct SignInForm {
     token: String,

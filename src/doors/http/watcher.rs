@@ -26,7 +26,6 @@ pub(super) struct Watcher {
 
 /// What a stream wakes up for.
 pub(super) enum Wake {
-    /// There is a newer state.
     Changed(Arc<Snapshot>),
     /// Nothing has changed for the time that was asked for.
     Quiet,

@@ -62,7 +62,6 @@ struct Rooms {
     /// Of those who are on their way out.
     leaving: Vestibule,
     seats: Seats,
-    /// What is read ahead of all clients.
     pool: Pool,
     slots: Slots,
     /// Ways to the router,
@@ -76,7 +75,6 @@ struct Rooms {
 /// Who hears its commands, and who is told when it has a seat.
 type Heeded = (Arc<dyn Listener>, oneshot::Sender<()>);
 
-/// Somebody who has said who it is.
 struct IdentifiedClient {
     connect: Connect,
     identity: Identity,
@@ -90,7 +88,6 @@ impl Clients {
         Clients::with_room(broker, commands, secret, Room::default())
     }
 
-    /// The same, for as many clients as there is room for.
     #[must_use]
     pub fn with_room(broker: Broker, commands: Commands, secret: Token, room: Room) -> Clients {
         Clients(Arc::new(Rooms {
@@ -119,7 +116,6 @@ impl Clients {
         self.0.vestibule.relieve()
     }
 
-    /// What all connections share of MQTT itself.
     pub(super) fn broker(&self) -> &Broker {
         &self.0.broker
     }

@@ -55,7 +55,6 @@ pub struct Ways {
     pub health: watch::Receiver<Health>,
 }
 
-/// A broker that has started.
 pub struct Embedded {
     clients: Clients,
     router: watch::Sender<Arc<Router>>,
@@ -71,19 +70,14 @@ pub struct Embedded {
     suspicion: Suspicion,
 }
 
-/// What is found of the router.
 enum Finding {
     /// It cannot go on; why.
     Broken(&'static str),
-    /// Our own session says how it is.
     Told(Health),
 }
 
 impl Embedded {
     /// Starts the router for these clients.
-    ///
-    /// # Errors
-    /// When there is no router to be had.
     pub async fn start(clients: Clients) -> Result<Embedded, RouterError> {
         let router = watch::Sender::new(Arc::new(Router::start().await?));
         Ok(Embedded {
@@ -253,7 +247,6 @@ async fn accept_at(listeners: &mut Listeners, clock: Clock, then: Duration) -> s
     listeners.accept().await
 }
 
-/// A client that came by TCP.
 fn incoming(stream: TcpStream, address: SocketAddr, access: &Access) -> IncomingConnection {
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "small packets of a connection will be held back");

@@ -19,12 +19,9 @@ use mqtt_gate::{CommandDecision, Epoch, Listener};
 /// The name by which our own session comes. No key can have it.
 pub const OWN_SESSION: &str = "$hallsweep";
 
-/// Who a client is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Identity {
-    /// Our own session.
     OwnSession,
-    /// Somebody who was let in.
     Somebody(Caller),
 }
 
@@ -33,15 +30,11 @@ pub(super) enum Identity {
 pub(super) enum Unknown {
     /// It shows nothing, and something is asked for.
     Nothing,
-    /// What it shows is wrong.
     Wrong,
 }
 
 impl Identity {
     /// Who this client is, by the name and the password of its CONNECT.
-    ///
-    /// # Errors
-    /// When it is nobody who is let in.
     pub(super) fn of(credentials: &connect::Credentials, origin: &Origin, secret: &Token) -> Result<Identity, Unknown> {
         let password = credentials.password.as_deref().unwrap_or_default();
         let name = credentials.name.as_deref();
@@ -58,7 +51,6 @@ impl Identity {
         signed_in.map(|signed_in| Identity::Somebody(Caller::Known(signed_in))).ok_or(Unknown::Wrong)
     }
 
-    /// The name for records.
     pub(super) fn name(&self) -> Arc<str> {
         match self {
             Identity::OwnSession => Arc::from(OWN_SESSION),
@@ -74,8 +66,7 @@ impl Identity {
     /// Whose seat it takes; our own session needs none.
     pub(super) fn holder(&self) -> Option<Holder> {
         let Identity::Somebody(caller) = self else { return None };
-        let has_share = matches!(caller, Caller::Known(_));
-        Some(Holder { who: caller.name(), is_viewer: caller.may(Need::Act).is_err(), has_share })
+        Some(Holder { who: caller.name(), is_viewer: caller.may(Need::Act).is_err(), has_share: self.has_key() })
     }
 
     /// What the gate wants to know.
@@ -109,13 +100,11 @@ impl Identity {
     }
 }
 
-/// Hears commands of somebody.
 struct CommandListener {
     commands: Commands,
     sender: CommandSender,
 }
 
-/// Hears nothing.
 struct Deaf;
 
 impl Listener for CommandListener {

@@ -48,7 +48,6 @@ const BREATH: Duration = Duration::from_millis(2);
 /// A client that takes so many bytes reads what waits for it.
 const MUCH: usize = 64 * 1024;
 
-/// The client's end of a connection.
 pub(super) struct Ends {
     pub(super) client: Writer,
     /// What the client has sent.
@@ -61,7 +60,6 @@ pub(super) struct Ends {
     pub(super) late: Arc<Semaphore>,
 }
 
-/// Whose connection it is.
 pub(super) type Whose<'a> = (&'a Identity, &'a Access, Clock);
 
 /// The gate in the middle, and what has come from both sides.
@@ -216,7 +214,6 @@ impl<'a> Pump<'a> {
         tokio::join!(to_client, to_router).1.ok().flatten()
     }
 
-    /// Moves bytes until something ends it.
     async fn flow(&mut self) -> Ended {
         let (mut outcome, mut read) = (Ok(()), 0);
         loop {

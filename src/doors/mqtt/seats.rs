@@ -16,12 +16,10 @@ use crate::doors::room::Room;
 /// What waits for a client is noted in steps of so many bytes.
 const STEP: usize = 16 * 1024;
 
-/// Whose seat it is.
 #[derive(Clone, Debug)]
 pub(super) struct Holder {
     /// The name of the key.
     pub(super) who: Arc<str>,
-    /// Whether he only looks.
     pub(super) is_viewer: bool,
     /// Whether he has shown a key, and so has a share; where nobody shows one, all are one.
     pub(super) has_share: bool,
@@ -180,7 +178,6 @@ impl Seating {
 }
 
 impl Seat {
-    /// Something has happened in it.
     pub(super) fn moves(&self, now: Duration) {
         self.progress_ms.store(ms(now), Ordering::Relaxed);
     }
@@ -210,7 +207,6 @@ impl Seat {
         self.seats.seating().clients.remove(&self.number);
     }
 
-    /// Waits until it is somebody else's.
     pub(super) async fn given_up(&self) {
         self.give_way.notified().await;
     }

@@ -19,7 +19,6 @@ const LEAVE_TIME: Duration = Duration::from_secs(2);
 /// Whose client it is, and what it calls itself: nobody takes the place of somebody else's client.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Name {
-    /// The name of whoever is signed in.
     pub(super) who: Arc<str>,
     /// The client's own name; empty: it has none.
     pub(super) client: String,

@@ -1,10 +1,8 @@
 //! `GET /console/live`: the parts of the page that changed, rendered, over server-sent events. The first message has all of
 //! them, so a page that was away catches up by opening the stream again. What a part shows stands in `parts`.
 
-use std::collections::BTreeMap;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -15,20 +13,20 @@ use futures_util::stream;
 use serde::Serialize;
 
 use super::super::Door;
-use super::super::events::HEARTBEAT;
+use super::super::assets::fingerprint;
+use super::super::events::{HEARTBEAT, UNBUFFERED};
 use super::super::gate::LetIn;
 use super::super::problem::Problem;
 use super::super::watcher::{Wake, Watcher};
 use super::parts::PARTS;
 use super::view::{HallInfo, View, Who};
-use super::{UNBUFFERED, began, hall, who};
+use super::{began, hall, who};
 use hallsweep_core::units::WallTime;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// The least time between two messages: ten a second are as many as an eye can use.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// What changed of the page.
 #[derive(Debug, Serialize)]
 struct Message {
     run: String,
@@ -44,7 +42,6 @@ struct Message {
     parts: BTreeMap<String, String>,
 }
 
-/// What one open page shows.
 #[derive(Default)]
 struct Shown {
     older: Option<Arc<Snapshot>>,
@@ -131,12 +128,6 @@ fn tiles(older: Option<&Snapshot>, snapshot: &Snapshot) -> BTreeMap<String, Stri
     let there: BTreeSet<_> = snapshot.map.tiles().map(|(corner, _)| corner).collect();
     parts.extend(known.keys().filter(|corner| !there.contains(corner)).map(|corner| (hall::tile_id(*corner), String::new())));
     parts
-}
-
-fn fingerprint(html: &str) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    html.hash(&mut hasher);
-    hasher.finish()
 }
 
 #[cfg(test)]

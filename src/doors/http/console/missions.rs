@@ -55,7 +55,6 @@ pub(in crate::doors::http) async fn one(
 enum Show {
     /// What people did and what was found.
     Main,
-    /// What was commanded.
     Commands,
     /// Every step.
     All,
@@ -89,7 +88,6 @@ fn is_main(fact: &Fact) -> bool {
     found || done || began
 }
 
-/// The list of missions, the newest first.
 #[derive(Template)]
 #[template(path = "missions/list.html")]
 struct List {
@@ -99,7 +97,6 @@ struct List {
     zone: Zone,
 }
 
-/// One mission, and a page of what happened in it.
 #[derive(Template)]
 #[template(path = "missions/one.html")]
 struct One {
@@ -114,7 +111,6 @@ struct One {
     zone: Zone,
 }
 
-/// One line of what happened.
 struct Event {
     seq: Seq,
     moment: String,
@@ -122,7 +118,6 @@ struct Event {
     what: String,
     /// Who gave the command, from where and by which door, when it is one.
     by: Option<String>,
-    /// What became of the command.
     outcome: String,
     refused: bool,
 }
@@ -189,7 +184,6 @@ impl One {
 }
 
 impl Event {
-    /// What stands in the place of an entry that cannot be understood.
     fn unreadable(seq: Seq, why: &str) -> Event {
         let nothing = String::new;
         Event { seq, moment: nothing(), time: nothing(), what: why.to_owned(), by: None, outcome: nothing(), refused: true }

@@ -12,7 +12,7 @@ mod view;
 
 use askama::Template;
 use axum::extract::State;
-use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, Uri, header};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
 use axum::response::{Html, IntoResponse, Redirect, Response};
 
 use super::Door;
@@ -112,9 +112,6 @@ fn who(door: &Door, caller: &Caller) -> Option<Who> {
 fn html(template: &impl Template) -> Html<String> {
     Html(template.render().expect("the console's templates only write strings, which does not fail"))
 }
-
-/// Proxies are not to hold a stream back.
-const UNBUFFERED: (HeaderName, &str) = (HeaderName::from_static("x-accel-buffering"), "no");
 
 #[cfg(test)]
 mod tests {

@@ -73,12 +73,10 @@ pub(super) struct ConnectionTask {
 }
 
 impl Pressed {
-    /// What becomes of the STOP.
     pub(in crate::doors::http) fn take(&self) -> Option<Given> {
         self.shared.presses().remove(&self.number)
     }
 
-    /// Whether there is one.
     pub(in crate::doors::http) fn is_there(&self) -> bool {
         self.shared.presses().contains_key(&self.number)
     }
@@ -103,7 +101,6 @@ impl Shared {
         }
     }
 
-    /// In which epoch it was heard.
     fn arrived(&self, number: u64) -> Option<Arrived> {
         let mut epochs = self.epochs();
         let (first, epoch) = epochs.range(..=number).next_back().map(|(first, epoch)| (*first, *epoch))?;
@@ -115,7 +112,6 @@ impl Shared {
         self.epochs.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Keeps a STOP for the request of this number.
     pub(super) fn keep(&self, number: u64, given: Given) {
         let mut presses = self.presses();
         if presses.len() < PRESSES {
@@ -128,12 +124,10 @@ impl Shared {
         !self.presses().is_empty()
     }
 
-    /// Whether a request has handed the connection over to another protocol.
     pub(super) fn is_handed_over(&self) -> bool {
         *self.is_handed_over.borrow()
     }
 
-    /// Waits until one has.
     pub(super) async fn handed_over(&self) {
         let mut is_handed_over = self.is_handed_over.subscribe();
         // Whoever waits holds the sender.
@@ -270,7 +264,6 @@ fn is_stream(response: &Response<Body>) -> bool {
     media.is_some_and(|media| media.as_bytes().starts_with(b"text/event-stream"))
 }
 
-/// A request under way.
 struct OpenRequest(Arc<Place>);
 
 impl Drop for OpenRequest {

@@ -18,7 +18,6 @@ pub enum Heard {
     Body,
 }
 
-/// One connection's requests.
 #[derive(Debug)]
 pub struct Scanner {
     head: HeadReader,

@@ -9,12 +9,10 @@ use hallsweep_core::command::{Door, Issuer, Refused};
 /// The name in records of whoever commands through somebody else's broker.
 const NOBODY_KNOWN: &str = "mqtt";
 
-/// Whoever sends a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CommandSender {
     /// Somebody at our own broker.
     Known {
-        /// Who was let in.
         caller: Caller,
         /// The address, as `192.0.2.7`.
         from: Arc<str>,
@@ -27,10 +25,6 @@ pub enum CommandSender {
 }
 
 impl CommandSender {
-    /// Nothing when he may do what asks for `need`.
-    ///
-    /// # Errors
-    /// Else what to tell him.
     pub fn may(&self, need: Need) -> Result<(), Refused> {
         match self {
             CommandSender::Known { caller, .. } => caller.may(need).map_err(Refused::NotAllowed),
@@ -38,7 +32,6 @@ impl CommandSender {
         }
     }
 
-    /// Whether he only looks.
     pub(super) fn is_viewer(&self) -> bool {
         self.may(Need::Act).is_err()
     }
@@ -51,7 +44,6 @@ impl CommandSender {
         }
     }
 
-    /// As records name him.
     #[must_use]
     pub fn issuer(&self) -> Issuer {
         let (who, from) = match self {

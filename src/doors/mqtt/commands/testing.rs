@@ -26,7 +26,6 @@ pub(super) struct TestApp {
     results: mpsc::Receiver<Answer>,
 }
 
-/// The topics of a test.
 pub(super) fn topics() -> Topics {
     Topics::new("hallsweep", "discovery", "unibo/qak")
 }
@@ -99,7 +98,6 @@ impl TestApp {
         next(&mut self.results).await
     }
 
-    /// The next result.
     pub(super) async fn result(&mut self) -> (String, Value) {
         next(&mut self.results).await
     }
@@ -121,7 +119,6 @@ impl TestApp {
         self.script.given.lock().unwrap().last().cloned().expect("a command was given")
     }
 
-    /// How many commands came to the loop.
     pub(super) async fn given(&self) -> usize {
         self.settled().await;
         self.script.given.lock().unwrap().len()

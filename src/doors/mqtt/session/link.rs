@@ -20,14 +20,10 @@ pub(super) const IN_FLIGHT: usize = 64;
 /// rumqttc's own bound lies above ours, so that an acknowledgement out of order holds nothing up.
 const IN_FLIGHT_BELOW: u16 = 128;
 
-/// Where a broker is and how it is reached.
 #[derive(Clone)]
 pub struct Link {
-    /// Its name or address.
     pub host: String,
-    /// Its port.
     pub port: u16,
-    /// How it is reached by TLS; `None`: it is not.
     pub tls: Option<Arc<ClientConfig>>,
     /// Name and password, where it asks for them.
     pub login: Option<(String, String)>,

@@ -20,7 +20,6 @@ pub struct Times {
     pub beat: Duration,
     /// and how soon that must have come back.
     pub echo: Duration,
-    /// How long taking leave may take.
     pub farewell: Duration,
 }
 
