@@ -36,7 +36,6 @@ pub(super) struct Waiting {
 }
 
 impl Vestibule {
-    /// Room for so many.
     pub(super) fn new(most: usize) -> Vestibule {
         Vestibule(Arc::new(Mutex::new(Crowd { most, entered: 0, waiting: BTreeMap::new(), networks: HashMap::new() })))
     }

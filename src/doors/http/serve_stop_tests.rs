@@ -16,8 +16,7 @@ const ROUTES: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/sto
 /// Safety S8.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_whose_sender_has_nothing_more_to_say_halts_and_is_answered() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (house, address) = open_house(PLACES).await;
     for number in 0..40 {
         let mut client = client(address, &press(ROUTES[number % 4], "Content-Length: 0\r\n", ""));
         client.shutdown(Shutdown::Write).unwrap();
@@ -30,8 +29,7 @@ async fn a_stop_whose_sender_has_nothing_more_to_say_halts_and_is_answered() {
 /// Safety S8, A6.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_whose_sender_hangs_up_at_once_halts_and_is_recorded() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (house, address) = open_house(PLACES).await;
     for number in 0..40 {
         drop(client(address, &press(ROUTES[number % 4], "Content-Length: 0\r\n", "")));
     }
@@ -41,8 +39,7 @@ async fn a_stop_whose_sender_hangs_up_at_once_halts_and_is_recorded() {
 /// Safety S8.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn so_does_one_that_only_its_body_says_is_a_stop() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (house, address) = open_house(PLACES).await;
     let bodies = [
         ("/api/v1/commands/move", "application/json", r#"{"move":"h"}"#),
         ("/console/move", "application/x-www-form-urlencoded", "move=h"),
@@ -63,8 +60,7 @@ async fn so_does_one_that_only_its_body_says_is_a_stop() {
 /// Safety S8: it is answered as the STOP that it is.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_move_that_says_stop_halts_whatever_is_wrong_with_it() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (house, address) = open_house(PLACES).await;
     const JSON: &str = "Content-Type: application/json\r\n";
     let cases = [
         ("/api/v1/commands/move", JSON, r#"{"move":"h","zz":1}"#, "200"),
@@ -95,8 +91,7 @@ async fn a_move_that_says_stop_halts_whatever_is_wrong_with_it() {
 /// Safety S8: what is kept of a STOP for its request is forgotten when that is answered without it.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn hundreds_of_stops_that_were_refused_make_no_stop_behind_them_two() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (house, address) = open_house(PLACES).await;
     let mut client = std::io::BufReader::new(client(address, ""));
     for number in 0..=300 {
         let (route, status) = if number < 300 { ("/stop", "404") } else { ("/h", "200") };
@@ -120,8 +115,7 @@ async fn hundreds_of_stops_that_were_refused_make_no_stop_behind_them_two() {
 /// Safety S8: whoever is refused is told that it has halted.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_refusal_of_a_request_in_which_a_stop_was_heard_says_so() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (house, address) = open_house(PLACES).await;
     for (number, (request, status)) in
         [("PUT /h", "405"), ("POST /h/", "404"), ("POST /stop", "404"), ("POST /api/v1/commands/h", "404")]
             .into_iter()
@@ -138,8 +132,7 @@ async fn the_refusal_of_a_request_in_which_a_stop_was_heard_says_so() {
 /// Safety S8.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_halts_behind_whatever_is_not_answered_yet() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (house, address) = open_house(PLACES).await;
     let stop = press("/h", "", "");
     let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n";
     let mut open = Vec::new();
@@ -153,8 +146,7 @@ async fn a_stop_halts_behind_whatever_is_not_answered_yet() {
 /// Safety S8: nobody takes the answers, nor what waits for them.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_halts_behind_more_than_is_ever_answered() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (house, address) = open_house(PLACES).await;
     let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n";
     let body = format!("Content-Length: 1000000\r\n\r\n{}", "x".repeat(1_000_000));
     let goto = |rest: &str| format!("POST /console/goto HTTP/1.1\r\nHost: localhost\r\n{rest}");
@@ -184,7 +176,7 @@ async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() 
     // A loop that answers when the test wants it to.
     let (commands, mut envelopes) = mpsc::channel(COMMANDS);
     house.door.handle = Loop::new(commands, house.publish.subscribe(), Halter::new(Epoch(1)));
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let address = served(&house, PLACES).await;
     let post = |what: &str| press(&format!("/api/v1/commands/{what}"), "", "");
     let looks = 1_000_000 / LOOK.len();
     let mut client = client(address, &[post("start"), LOOK.repeat(looks), post("reset"), post("stop")].concat());
@@ -218,8 +210,7 @@ async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() 
 /// Safety S8.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_halts_before_its_body_comes() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (house, address) = open_house(PLACES).await;
     let mut open = Vec::new();
     let cases = [
         ("Content-Length: 1000000000\r\n", ""),
@@ -242,8 +233,7 @@ async fn a_stop_halts_before_its_body_comes() {
 /// Safety S8: no more of the body comes, and the connection stays open.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_long_move_that_says_stop_halts_as_soon_as_its_word_has_come() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (house, address) = open_house(PLACES).await;
     let mut open = Vec::new();
     // The last two are refused by their heads, and heard on.
     let cases = [
@@ -273,8 +263,7 @@ async fn a_long_move_that_says_stop_halts_as_soon_as_its_word_has_come() {
 /// Safety S8: its word cannot be told before nothing more comes.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_refused_move_that_says_stop_in_other_letters_halts_when_nothing_more_comes() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (house, address) = open_house(PLACES).await;
     let headers = "Content-Length: 1\r\nContent-Length: 2\r\n";
     let mut client = client(address, &press("/api/v1/commands/move", headers, &format!(r#"{{"note":"{}"#, "z".repeat(1_100))));
     assert_eq!(answered(&mut client), "HTTP/1.1 400");
@@ -288,7 +277,7 @@ async fn a_refused_move_that_says_stop_in_other_letters_halts_when_nothing_more_
 async fn a_stop_with_a_head_that_is_refused_halts() {
     let (keyring, tokens) = keys();
     let house = guarded_house(searching(), Access::Keys(keyring));
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let address = served(&house, PLACES).await;
     let key = format!("Authorization: Bearer {}\r\n", tokens.viewer);
     let cases = [
         (format!("X: {}\r\n{key}", "x".repeat(70_000)), "431"),

@@ -21,23 +21,30 @@ use crate::runtime::within::within;
 use hallsweep_core::command::Door::Local;
 use hallsweep_core::command::{Command, Issuer, Request};
 
-/// A door that is served until it is told to end.
-struct Served {
-    address: SocketAddr,
-    end: oneshot::Sender<()>,
-    serving: JoinHandle<()>,
-}
-
-async fn served(house: &House, places: usize) -> Served {
+/// Serves the door of this house until `shutdown`.
+async fn serve_until(
+    house: &House,
+    places: usize,
+    shutdown: impl Future<Output = ()> + Send + 'static,
+) -> (SocketAddr, JoinHandle<()>) {
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     let address = listener.local_addr().unwrap();
-    let (end, ended) = oneshot::channel::<()>();
     let door = house.door.clone();
-    let serving = tokio::spawn(async move {
-        let end = async { drop(ended.await) };
-        serve_so_many(listener.into(), door, Front::default(), (places, places.min(WAITING)), end).await;
-    });
-    Served { address, end, serving }
+    let bounds = (places, places.min(WAITING));
+    let serving = tokio::spawn(async move { serve_so_many(listener.into(), door, Front::default(), bounds, shutdown).await });
+    (address, serving)
+}
+
+/// Where this house is served as long as the test runs.
+async fn served(house: &House, places: usize) -> SocketAddr {
+    serve_until(house, places, std::future::pending()).await.0
+}
+
+/// A house with an open door, and where it is served as long as the test runs.
+async fn open_house(places: usize) -> (House, SocketAddr) {
+    let house = house(searching());
+    let address = served(&house, places).await;
+    (house, address)
 }
 
 fn client(address: SocketAddr, begins: &str) -> Client {
@@ -88,7 +95,8 @@ const STOP: &str = "POST /api/v1/commands/stop HTTP/1.1\r\nHost: localhost\r\nCo
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_end_comes_within_two_seconds_whatever_clients_do() {
     let house = house(searching());
-    let Served { address, end, serving } = served(&house, PLACES).await;
+    let (end, ended) = oneshot::channel::<()>();
+    let (address, serving) = serve_until(&house, PLACES, async { drop(ended.await) }).await;
     let _slow = client(address, "GET /api/v1/state HTTP/1.1\r\nHost: localhost\r\nX-Slow: ");
     let _half = client(address, "POST /api/v1/commands/move HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{");
     let mut watching = client(address, WATCH);
@@ -102,8 +110,7 @@ async fn the_end_comes_within_two_seconds_whatever_clients_do() {
 /// Safety A5, S1.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn connections_that_ask_nothing_keep_no_stop_waiting() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let (house, address) = open_house(8).await;
     let mut idle: Vec<Client> = (0..8).map(|_| client(address, "")).collect();
     idle.extend((0..8).map(|_| client(address, "POST /api/v1/commands/stop HTTP/1.1\r\nHost: loc")));
     assert_eq!(answered(&mut client(address, STOP)), "HTTP/1.1 200");
@@ -114,8 +121,7 @@ async fn connections_that_ask_nothing_keep_no_stop_waiting() {
 /// Safety A5, S1.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn neither_do_connections_that_have_asked_and_rest() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let (_house, address) = open_house(8).await;
     let mut resting: Vec<Client> = (0..8).map(|_| client(address, LOOK)).collect();
     for client in &mut resting {
         assert_eq!(answered(client), "HTTP/1.1 200");
@@ -128,7 +134,7 @@ async fn neither_do_connections_that_have_asked_and_rest() {
 async fn nor_do_strangers_whose_refusal_is_held_back() {
     let (keyring, tokens) = keys();
     let house = guarded_house(searching(), Access::Keys(keyring));
-    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let address = served(&house, 8).await;
     let asked = |token: &str| STOP.replace("Host", &format!("Authorization: Bearer {token}\r\nHost"));
     let _strangers: Vec<Client> = (0..20).map(|_| client(address, &asked("wrong"))).collect();
     assert_eq!(answered(&mut client(address, &asked(&tokens.viewer))), "HTTP/1.1 200");
@@ -137,8 +143,7 @@ async fn nor_do_strangers_whose_refusal_is_held_back() {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn whoever_is_let_in_and_looks_on_is_not_cut_for_a_newcomer() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, 4).await;
+    let (house, address) = open_house(4).await;
     let mut watching: Vec<Client> = (0..4).map(|_| client(address, WATCH)).collect();
     for client in &mut watching {
         assert_eq!(answered(client), "HTTP/1.1 200");
@@ -163,8 +168,7 @@ async fn whoever_is_let_in_and_looks_on_is_not_cut_for_a_newcomer() {
 /// Safety S9.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn bodies_that_do_not_come_keep_no_stop_out() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let (house, address) = open_house(8).await;
     let half = "POST /api/v1/commands/goto HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{";
     let mut half_said = Vec::new();
     for number in 0..10 {
@@ -177,8 +181,7 @@ async fn bodies_that_do_not_come_keep_no_stop_out() {
 /// Safety A5.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn heads_longer_than_the_bound_are_refused_and_shorter_ones_are_not() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (_house, address) = open_house(PLACES).await;
     for (filler, status) in [(65_000, "200"), (66_000, "431"), (70_000, "431")] {
         let look = LOOK.replace("Host", &format!("X: {}\r\nHost", "x".repeat(filler)));
         assert_eq!(answered(&mut client(address, &look)), format!("HTTP/1.1 {status}"), "{filler}");
@@ -190,8 +193,7 @@ async fn heads_longer_than_the_bound_are_refused_and_shorter_ones_are_not() {
 /// Safety S8: whatever became of a request that might have handed the connection over.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_behind_an_upgrade_that_is_refused_and_over_halts() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (house, address) = open_house(PLACES).await;
     let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nno header\r\n\r\n";
     for number in 1..=20 {
         let mut client = client(address, upgrade);
@@ -210,7 +212,7 @@ async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_place(
     let (bring, mut brought) = tokio::sync::mpsc::channel(1);
     let hall = Hall::new(move |visitor| bring.try_send(visitor).expect("there is one"));
     house.door = house.door.with_mqtt(Some(hall));
-    let Served { address, end: _end, serving: _serving } = served(&house, 1).await;
+    let address = served(&house, 1).await;
     let mut carried = client(
         address,
         "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
@@ -233,8 +235,7 @@ async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_place(
 /// Safety A5, S9: of those who get no further answer so many are heard on, and the oldest makes room.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn whoever_lingers_makes_room_for_who_lingers_later() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let (house, address) = open_house(8).await;
     let mut lingering = Vec::new();
     for _ in 0..30 {
         let mut client = client(address, "GET / HTTP/1.1\r\nno header\r\n\r\n");
@@ -255,7 +256,7 @@ async fn whoever_lingers_makes_room_for_who_lingers_later() {
 async fn an_operators_kept_connection_stays_whatever_strangers_and_viewers_send() {
     let (keyring, tokens) = keys();
     let house = guarded_house(searching(), Access::Keys(keyring));
-    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let address = served(&house, 8).await;
     let asks = |what: &str, token: &str| what.replace("Host", &format!("Authorization: Bearer {token}\r\nHost"));
     let mut kept = client(address, &asks(LOOK, &tokens.operator));
     assert_eq!(answered(&mut kept), "HTTP/1.1 200");
@@ -284,7 +285,7 @@ async fn an_operators_kept_connection_stays_whatever_strangers_and_viewers_send(
 async fn before_1970_it_is_said_that_the_clock_is_wrong_and_a_stop_halts_all_the_same() {
     let mut house = house(searching());
     house.door.clock = Clock::off_by(-(house.door.now_s() + 3600) * 1000);
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let address = served(&house, PLACES).await;
     for (asked, is_stop) in [(LOOK, false), (STOP, true)] {
         let mut answer = String::new();
         client(address, asked).read_to_string(&mut answer).expect("an answer in order");

@@ -89,7 +89,6 @@ pub(super) fn guarded_house(snapshot: Snapshot, access: Access) -> House {
     House { door, publish, refuse, given, noted }
 }
 
-/// The tokens of two keys.
 pub(super) struct Tokens {
     pub(super) operator: String,
     pub(super) viewer: String,
@@ -104,7 +103,6 @@ pub(super) fn keys() -> (Keyring, Tokens) {
 }
 
 impl House {
-    /// Sends a request with these headers.
     pub(super) async fn send(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &str) -> Response<Body> {
         let mut request = Request::builder().method(method).uri(path);
         for (name, value) in headers {
@@ -140,7 +138,6 @@ impl House {
     }
 }
 
-/// The status and the JSON of an answer.
 pub(super) async fn read(response: Response<Body>) -> (StatusCode, Value) {
     let status = response.status();
     let text = text(response).await;

@@ -127,7 +127,6 @@ impl Embedded {
         }
     }
 
-    /// Waits until there is something to be found of the router.
     async fn look(&self, health: &mut watch::Receiver<Health>) -> Finding {
         self.clock.reach(Some(self.rests_until)).await;
         let (ended, shut) = {

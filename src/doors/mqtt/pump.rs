@@ -375,7 +375,6 @@ async fn caught_up(waiting: Option<&LagWait>, clock: Clock) -> bool {
     }
 }
 
-/// Whether anything went through.
 fn went(moved: io::Result<usize>, else_: Ended) -> Result<(), Ended> {
     match moved {
         Ok(1..) => Ok(()),

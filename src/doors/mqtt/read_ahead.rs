@@ -77,7 +77,6 @@ pub(super) enum Left {
     Deaf,
 }
 
-/// The two ends for a new connection.
 pub(super) fn read_ahead(pool: &Pool) -> (Feeder, Taker) {
     let shared = Shared { state: Mutex::default(), come: Notify::new(), room: Notify::new(), pool: pool.clone() };
     let shared = Arc::new(shared);
@@ -199,7 +198,6 @@ impl Taker {
         }
     }
 
-    /// Nothing is taken any more.
     pub(super) fn leave(&self, left: Left) {
         let mut state = self.0.state();
         self.0.pool.0.fetch_sub(state.bytes, Ordering::Relaxed);
