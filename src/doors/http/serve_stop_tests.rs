@@ -80,8 +80,7 @@ async fn a_move_that_says_stop_halts_whatever_is_wrong_with_it() {
         stops(&house, number + 1).await;
     }
     let put = press(cases[0].0, "Connection: close\r\nContent-Length: 12\r\n", r#"{"move":"h"}"#).replace("POST", "PUT");
-    let mut refused = String::new();
-    client(address, &put).read_to_string(&mut refused).expect("an answer in order");
+    let refused = std::io::read_to_string(client(address, &put)).expect("an answer in order");
     assert!(refused.starts_with("HTTP/1.1 405"), "{refused}");
     stops(&house, cases.len() + 1).await;
     assert_eq!(answered(&mut client(address, &press(cases[0].0, JSON, ""))), "HTTP/1.1 400", "another move is as it was");
@@ -121,9 +120,8 @@ async fn the_refusal_of_a_request_in_which_a_stop_was_heard_says_so() {
             .into_iter()
             .enumerate()
     {
-        let mut refused = String::new();
         let asked = format!("{request} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
-        client(address, &asked).read_to_string(&mut refused).expect("an answer in order");
+        let refused = std::io::read_to_string(client(address, &asked)).expect("an answer in order");
         assert!(refused.starts_with(&format!("HTTP/1.1 {status}")) && refused.contains("has halted the robot"), "{refused}");
         stops(&house, number + 1).await;
     }
@@ -197,8 +195,7 @@ async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() 
         }
         (given, envelopes)
     });
-    let mut answers = String::new();
-    client.read_to_string(&mut answers).expect("it is closed in order");
+    let answers = std::io::read_to_string(&mut client).expect("it is closed in order");
     let answered = answers.matches("HTTP/1.1 200").count() - 1;
     assert!((AHEAD / LOOK.len()..looks).contains(&answered), "{answered} of {looks}");
     assert_eq!(answers.matches("HTTP/1.1 ").count(), answered + 1);

@@ -152,8 +152,7 @@ async fn whoever_is_let_in_and_looks_on_is_not_cut_for_a_newcomer() {
     assert_eq!(answered(&mut late), "HTTP/1.1 503", "there is no place left");
     late.write_all(STOP.as_bytes()).unwrap();
     stops(&house, 1).await;
-    let mut refused = String::new();
-    client(address, STOP).read_to_string(&mut refused).expect("an answer in order");
+    let refused = std::io::read_to_string(client(address, STOP)).expect("an answer in order");
     assert!(refused.starts_with("HTTP/1.1 503") && refused.contains("has halted the robot"), "{refused}");
     stops(&house, 2).await;
     drop(watching.pop());
@@ -197,8 +196,7 @@ async fn a_stop_behind_an_upgrade_that_is_refused_and_over_halts() {
     let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nno header\r\n\r\n";
     for number in 1..=20 {
         let mut client = client(address, upgrade);
-        let mut refused = String::new();
-        client.read_to_string(&mut refused).expect("an answer in order");
+        let refused = std::io::read_to_string(&mut client).expect("an answer in order");
         assert!(refused.starts_with("HTTP/1.1 400"), "{refused}");
         client.write_all(press("/h", "", "").as_bytes()).unwrap();
         stops(&house, number).await;
@@ -239,8 +237,7 @@ async fn whoever_lingers_makes_room_for_who_lingers_later() {
     let mut lingering = Vec::new();
     for _ in 0..30 {
         let mut client = client(address, "GET / HTTP/1.1\r\nno header\r\n\r\n");
-        let mut refused = String::new();
-        client.read_to_string(&mut refused).expect("an answer in order");
+        std::io::read_to_string(&mut client).expect("an answer in order");
         lingering.push(client);
     }
     for ended in &mut lingering[..10] {
@@ -287,8 +284,7 @@ async fn before_1970_it_is_said_that_the_clock_is_wrong_and_a_stop_halts_all_the
     house.door.clock = Clock::off_by(-(house.door.now_s() + 3600) * 1000);
     let address = served(&house, PLACES).await;
     for (asked, is_stop) in [(LOOK, false), (STOP, true)] {
-        let mut answer = String::new();
-        client(address, asked).read_to_string(&mut answer).expect("an answer in order");
+        let answer = std::io::read_to_string(client(address, asked)).expect("an answer in order");
         assert!(answer.starts_with("HTTP/1.1 503") && answer.contains("noDate") && answer.contains("before 1970"), "{answer}");
         assert_eq!(answer.contains("has halted the robot"), is_stop, "{answer}");
     }

@@ -232,6 +232,8 @@ fn ms(duration: Duration) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use futures_util::FutureExt;
+
     use super::*;
 
     fn viewer(who: &str) -> Holder {
@@ -252,39 +254,29 @@ mod tests {
     }
 
     /// How many of these are somebody else's now.
-    async fn lost(crowd: &[Seat]) -> usize {
-        let mut lost = 0;
-        for seat in crowd {
-            tokio::select! {
-                biased;
-                () = seat.given_up() => {
-                    seat.give_way.notify_one();
-                    lost += 1;
-                }
-                () = std::future::ready(()) => {}
-            }
-        }
-        lost
+    fn lost(crowd: &[Seat]) -> usize {
+        let lost = crowd.iter().filter(|seat| seat.given_up().now_or_never().is_some());
+        lost.inspect(|seat| seat.give_way.notify_one()).count()
     }
 
     const NOW: Duration = Duration::from_secs(100);
 
     /// Safety S9.
-    #[tokio::test]
-    async fn whoever_has_his_share_gives_up_one_of_his_own() {
+    #[test]
+    fn whoever_has_his_share_gives_up_one_of_his_own() {
         for holder in [viewer("screen"), operator("panel")] {
             let seats = Seats::new(Room::default());
             let others = crowd(&seats, &operator("others"), SHARE);
             let own = crowd(&seats, &holder, SHARE);
             own[0].moves(NOW);
             let _newcomer = seats.take(holder, NOW);
-            assert_eq!((lost(&own).await, lost(&own[1..2]).await, lost(&others).await), (1, 1, 0));
+            assert_eq!((lost(&own), lost(&own[1..2]), lost(&others)), (1, 1, 0));
         }
     }
 
     /// Safety S9.
-    #[tokio::test]
-    async fn viewers_together_leave_seats_to_operators_and_to_each_other() {
+    #[test]
+    fn viewers_together_leave_seats_to_operators_and_to_each_other() {
         let seats = Seats::new(Room::default());
         // A fourth of all is kept.
         let viewers = CONNECTIONS - CONNECTIONS / 4;
@@ -294,40 +286,40 @@ mod tests {
         let operators = crowd(&seats, &operator("operator"), CONNECTIONS - viewers);
         let mut before = 0;
         for crowd in &crowds {
-            before += lost(crowd).await;
+            before += lost(crowd);
         }
         assert_eq!(before, keys * SHARE - viewers, "no operator has driven one away");
         let late = seats.take(viewer("late"), NOW);
-        assert_eq!((lost(&[late]).await, lost(&operators).await), (0, 0));
+        assert_eq!((lost(&[late]), lost(&operators)), (0, 0));
     }
 
     /// Safety S9.
-    #[tokio::test]
-    async fn when_all_seats_are_taken_whoever_has_most_gives_way_to_any_newcomer() {
+    #[test]
+    fn when_all_seats_are_taken_whoever_has_most_gives_way_to_any_newcomer() {
         let seats = Seats::new(Room::default());
         let mut crowds: Vec<_> = (0..3).map(|key| crowd(&seats, &operator(&key.to_string()), SHARE - 1)).collect();
         crowds.push(crowd(&seats, &operator("most"), SHARE));
         let few = crowd(&seats, &viewer("few"), 3);
         assert_eq!(seats.seating().clients.len(), CONNECTIONS);
         let one = seats.take(viewer("few"), NOW);
-        assert_eq!((lost(&crowds[3]).await, lost(&few).await), (1, 0));
+        assert_eq!((lost(&crowds[3]), lost(&few)), (1, 0));
         let newcomers = [one, seats.take(operator("new"), NOW)];
-        let lost = lost(&newcomers).await + lost(&few).await;
+        let lost = lost(&newcomers) + lost(&few);
         assert_eq!(lost, 0, "it was one of those who have as many as he who had most");
         assert_eq!(seats.seating().clients.len(), CONNECTIONS);
     }
 
     /// Safety S9: where nobody signs in.
-    #[tokio::test]
-    async fn without_keys_nobody_has_a_share_and_the_stillest_gives_way() {
+    #[test]
+    fn without_keys_nobody_has_a_share_and_the_stillest_gives_way() {
         let seats = Seats::new(Room::default());
         let all = crowd(&seats, &here(), CONNECTIONS);
-        assert_eq!(lost(&all).await, 0);
+        assert_eq!(lost(&all), 0);
         for seat in &all[..CONNECTIONS - 1] {
             seat.moves(NOW);
         }
         let _newcomer = seats.take(here(), NOW);
-        assert_eq!((lost(&all).await, lost(&all[CONNECTIONS - 1..]).await), (1, 1));
+        assert_eq!((lost(&all), lost(&all[CONNECTIONS - 1..])), (1, 1));
     }
 
     /// For so many of these so many bytes wait, of which they read some one millisecond after the other.
@@ -340,51 +332,51 @@ mod tests {
     const MUCH: usize = 8 * LITTLE_UNREAD;
 
     /// Safety A5, S9.
-    #[tokio::test]
-    async fn when_too_much_is_unread_whoever_has_read_nothing_for_longest_gives_way() {
+    #[test]
+    fn when_too_much_is_unread_whoever_has_read_nothing_for_longest_gives_way() {
         let seats = Seats::new(Room::default());
         let all = crowd(&seats, &here(), CONNECTIONS);
         pile_up(&all[..1], LITTLE_UNREAD);
         pile_up(&all[1..UNREAD / MUCH], MUCH);
-        assert_eq!(lost(&all).await, 0);
+        assert_eq!(lost(&all), 0);
         pile_up(&all[UNREAD / MUCH..], MUCH);
-        assert_eq!(lost(&all[..1]).await, 0, "little waits for it");
+        assert_eq!(lost(&all[..1]), 0, "little waits for it");
         let left = seats.seating().clients.len() - 1;
-        assert_eq!(lost(&all[..CONNECTIONS - left]).await, CONNECTIONS - left - 1, "those who read last are there still");
+        assert_eq!(lost(&all[..CONNECTIONS - left]), CONNECTIONS - left - 1, "those who read last are there still");
         assert!(seats.unread_here() <= UNREAD && seats.unread_here() > UNREAD - 2 * MUCH, "{}", seats.unread_here());
     }
 
     /// Safety A5, S9.
-    #[tokio::test]
-    async fn what_viewers_do_not_read_harms_no_operator() {
+    #[test]
+    fn what_viewers_do_not_read_harms_no_operator() {
         let seats = Seats::new(Room::default());
         let screens = crowd(&seats, &operator("screens"), SHARE);
         pile_up(&screens, LITTLE_UNREAD);
         let viewers = ["one", "two", "three"].map(|key| crowd(&seats, &viewer(key), SHARE));
         viewers.iter().for_each(|viewers| pile_up(viewers, MUCH / 2));
         pile_up(&screens[..4], MUCH);
-        assert_eq!(lost(&screens).await, 0);
+        assert_eq!(lost(&screens), 0);
         assert!(seats.unread_here() <= UNREAD);
     }
 
     /// Safety A5: what was replaced while it was on its way counts, and what all have in common does not.
-    #[tokio::test]
-    async fn what_several_wait_for_counts_when_it_is_kept_no_more() {
+    #[test]
+    fn what_several_wait_for_counts_when_it_is_kept_no_more() {
         let seats = Seats::new(Room::default());
         let all = crowd(&seats, &here(), SHARE);
         let shared = Unread { shared: MUCH, ..Unread::default() };
         all.iter().for_each(|seat| seat.note_unread(shared, NOW, || 0));
-        assert_eq!(lost(&all).await, 0);
+        assert_eq!(lost(&all), 0);
         let waits_at_router = Unread { at_router: MUCH, ..shared };
         all[5].note_unread(waits_at_router, NOW + NOW, || UNREAD);
-        assert_eq!((lost(&all[..1]).await, lost(&all).await), (1, 1), "one is enough");
+        assert_eq!((lost(&all[..1]), lost(&all)), (1, 1), "one is enough");
     }
 
-    #[tokio::test]
-    async fn a_seat_that_is_left_is_free() {
+    #[test]
+    fn a_seat_that_is_left_is_free() {
         let seats = Seats::new(Room::default());
         for _ in 0..3 {
-            assert_eq!(lost(&crowd(&seats, &here(), CONNECTIONS)).await, 0);
+            assert_eq!(lost(&crowd(&seats, &here(), CONNECTIONS)), 0);
         }
         assert!(seats.seating().clients.is_empty());
     }
