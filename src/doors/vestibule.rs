@@ -11,8 +11,7 @@ use tokio::sync::Notify;
 
 use crate::access::Network;
 
-/// So many connections are cut at once when the system has no more descriptors: newcomers wait meanwhile, and files are to be
-/// opened too.
+/// So many connections are cut at once when the system has no more descriptors: newcomers wait, and files are to be opened.
 pub(super) const RELIEF: usize = 16;
 
 /// The places before all places of a door. Cheap to clone.

@@ -12,8 +12,7 @@ pub(super) const HALTED: &str = "halted all the same";
 
 pub enum Reply {
     Now(Answer),
-    /// The answer comes when this ends. What a command asks for is begun; a read only begins when this is waited for, and may be
-    /// dropped instead.
+    /// The answer comes when this ends. A command's work is begun; a read begins when this is waited for, and may be dropped.
     Later(Pin<Box<dyn Future<Output = Answer> + Send>>),
 }
 

@@ -37,8 +37,7 @@ impl FloodFilter {
         FloodFilter { words, fine: [0; 3], since: Duration::ZERO }
     }
 
-    /// More came than was heard, so many of each kind: fewer are to be let through of the most frequent that can be thinned out
-    /// further. Whether that changes anything.
+    /// More came than was heard, so many of each kind: the most frequent that can be is thinned out further. Whether one was.
     pub(super) fn tighten(&mut self, heard: KindCounts, now: Duration) -> bool {
         let all: usize = heard.iter().sum();
         let floods: Vec<usize> = (0..self.fine.len()).filter(|kind| heard[*kind] > 0 && heard[*kind] * PART >= all).collect();

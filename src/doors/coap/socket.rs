@@ -11,8 +11,7 @@ use tokio::net::UdpSocket;
 use super::flood_filter::FloodFilter;
 use coap_endpoint::Transmit;
 
-/// So many bytes are asked for in each direction: every observer there may be acknowledges at once. The system may give less, and
-/// then what did not fit is sent again.
+/// Bytes asked for in each direction: every observer may acknowledge at once. What does not fit into less is sent again.
 const ROOM: usize = 4 * 1024 * 1024;
 
 /// No datagram is longer, so that none is cut: what is too long is seen to be so.

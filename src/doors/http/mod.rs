@@ -73,8 +73,7 @@ pub struct Door {
 }
 
 impl Door {
-    /// A door to the loop behind `handle`; `hall` is the name on the page,
-    /// `access` says who is let in.
+    /// A door to the loop behind `handle`; `hall` is the name on the page, `access` says who is let in.
     #[must_use]
     pub fn new(handle: Handle, archive: Reader, hall: &str, access: Access) -> Door {
         Door {

@@ -43,8 +43,7 @@ impl Watcher {
         Ok((watcher, first))
     }
 
-    /// Waits for the next newer state, but at least `pause`, so that a hasty robot does not flood its reader, and for `quiet` at
-    /// most.
+    /// The next newer state, after at least `pause`, so that a hasty robot does not flood its reader, and at most `quiet`.
     pub(super) async fn next(&mut self, pause: Duration, quiet: Duration) -> Wake {
         let Watcher { snapshots, closing, door, caller, .. } = self;
         let newer = async {

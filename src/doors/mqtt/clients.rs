@@ -186,8 +186,7 @@ impl Clients {
         }
     }
 
-    /// Tells a newcomer why it is sent away. Whoever may stop the robot all the same is heard before that, and for a while yet (safety
-    /// S8).
+    /// Tells a newcomer why it is sent away. Whoever may stop all the same is heard before that, and for a while yet (safety S8).
     async fn send_away(
         &self,
         incoming: IncomingConnection,

@@ -350,8 +350,7 @@ fn left(ended: Ended) -> Left {
     }
 }
 
-/// Room for what is read at once, more of it while much comes; what one long message took is given back, and what a burst took when
-/// that is over.
+/// Room for what is read at once, more of it while much comes; what one long message or a burst took is given back.
 fn make_room(buffer: &mut BytesMut, read: usize) {
     let room = if read < FEW { FEW } else { READ };
     if buffer.is_empty() && buffer.capacity() > 4 * room {
@@ -360,8 +359,7 @@ fn make_room(buffer: &mut BytesMut, read: usize) {
     buffer.reserve(room);
 }
 
-/// Waits until all subscribers have caught up, or it is time to look who does not read: whether the latter. For ever, when there is none
-/// to wait for.
+/// Waits until all subscribers have caught up, or it is time to look who does not read: whether the latter. For ever without any.
 async fn caught_up(waiting: Option<&LagWait>, clock: Clock) -> bool {
     let Some(LagWait { behind, until }) = waiting else { return std::future::pending().await };
     let all_relieved = async {

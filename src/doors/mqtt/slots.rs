@@ -67,8 +67,7 @@ struct Remembered {
 }
 
 impl Slots {
-    /// A slot for a client that comes in; one of the same name is sent away first. `wants_memory`: what happens while it is away is
-    /// to be kept for it.
+    /// A slot for a client; one of the same name is sent away first. `wants_memory`: what happens while it is away is kept.
     pub(super) async fn take(&self, name: Name, wants_memory: bool) -> Slot {
         let came = self.registry().next_moment();
         loop {

@@ -25,8 +25,7 @@ use crate::doors::write_timeout::WriteTimeoutStream;
 /// How long a client may take over a request's headers, and how long it may be silent between two requests.
 pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
 
-/// How long a first request waits for the rest of its body before it gets a conversation: most come whole, and a crowd of those that do
-/// not costs little meanwhile.
+/// How long a first request waits for its body before it gets a task: most come whole, and others cost little so long.
 const WHOLE_TIME: Duration = Duration::from_millis(100);
 
 /// How long a request's line and headers may be together; longer ones are answered with 431.

@@ -167,8 +167,7 @@ impl ConnectionTask {
         ConnectionTask { to: Some(ours), over, task }
     }
 
-    /// Says that nothing more comes than these, and waits until everything is answered. Whoever looks on and hangs up is taken to be
-    /// gone.
+    /// Says that nothing more comes than these, and waits until all is answered. Whoever looks on and hangs up is gone.
     pub(super) async fn ended(self, shared: &Shared, rest: &[u8]) {
         let ConnectionTask { to, over: _over, mut task } = self;
         let mut is_endless = shared.is_endless.subscribe();

@@ -9,8 +9,7 @@ use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::snapshot::Snapshot;
 
-/// A photo with more bytes than this is not published: with its topic it must fit a packet of 1 MiB, the largest that a careful
-/// broker takes.
+/// The most bytes of a photo that is published: with its topic it must fit a packet of 1 MiB, the largest a careful broker takes.
 pub const PHOTO_MOST: usize = 1024 * 1024 - 1024;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
