@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use subtle::ConstantTimeEq;
 
-use super::commands::{CommandSender, Commands, IncomingMessage, Taken};
+use super::commands::{Commands, IncomingMessage, Publisher, Taken};
 use super::incoming::Origin;
 use super::rights;
 use super::seats::Holder;
@@ -93,7 +93,7 @@ impl Identity {
                 let from = Arc::from(from.to_canonical().to_string());
                 Arc::new(CommandListener {
                     commands: commands.clone(),
-                    sender: CommandSender::Known { caller: caller.clone(), from },
+                    publisher: Publisher::Known { caller: caller.clone(), from },
                 })
             }
         }
@@ -102,7 +102,7 @@ impl Identity {
 
 struct CommandListener {
     commands: Commands,
-    sender: CommandSender,
+    publisher: Publisher,
 }
 
 struct Deaf;
@@ -110,7 +110,7 @@ struct Deaf;
 impl Listener for CommandListener {
     fn hear(&self, topic: &str, payload: &[u8], (arrived, is_again): (Option<Epoch>, bool)) -> CommandDecision {
         let arrived = arrived.map(|Epoch(epoch)| units::Epoch(epoch));
-        match self.commands.take(&IncomingMessage { topic, payload, arrived, is_again }, &self.sender) {
+        match self.commands.take(&IncomingMessage { topic, payload, arrived, is_again }, &self.publisher) {
             Taken::NotACommand | Taken::Taken => CommandDecision::Pass,
             Taken::Forbidden => CommandDecision::Forbidden,
         }
@@ -121,7 +121,7 @@ impl Listener for CommandListener {
     }
 
     fn hear_urgent(&self, topic: &[u8], payload: &[u8]) -> bool {
-        self.commands.halts(topic, payload, &self.sender)
+        self.commands.halts(topic, payload, &self.publisher)
     }
 }
 

@@ -2,7 +2,7 @@
 //! some are kept for keys that have few, and viewers have places of their own, so that nobody has no result because of others
 //! (safety S9). What is done where there is no place is said elsewhere.
 
-use super::sender::CommandSender;
+use super::publisher::Publisher;
 use crate::doors::shares::{Limits, Permit, Shares};
 
 /// Of all places of operators, or of viewers, one key has one in so many,
@@ -32,8 +32,8 @@ impl ResultPlaces {
     ///
     /// # Errors
     /// How many of those he may use are taken, when there is none.
-    pub(super) fn take(&self, sender: &CommandSender) -> Result<Permit, usize> {
-        if sender.is_viewer() { &self.viewers } else { &self.operators }.take(sender.key())
+    pub(super) fn take(&self, publisher: &Publisher) -> Result<Permit, usize> {
+        if publisher.is_viewer() { &self.viewers } else { &self.operators }.take(publisher.key())
     }
 }
 
@@ -46,8 +46,8 @@ mod tests {
     const VIEWERS: usize = 64;
 
     /// As many places as this sender gets.
-    fn all(places: &ResultPlaces, sender: &CommandSender) -> Vec<Permit> {
-        std::iter::from_fn(|| places.take(sender).ok()).collect()
+    fn all(places: &ResultPlaces, publisher: &Publisher) -> Vec<Permit> {
+        std::iter::from_fn(|| places.take(publisher).ok()).collect()
     }
 
     /// Safety S9.

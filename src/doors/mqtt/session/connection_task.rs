@@ -158,9 +158,9 @@ impl ConnectionTask<'_> {
                 let heard = IncomingMessage { topic, payload, arrived: None, is_again: false };
                 // What became of it is published by the commands themselves.
                 if is_repeated {
-                    let _ = commands.halts(topic.as_bytes(), payload, &session.sender);
+                    let _ = commands.halts(topic.as_bytes(), payload, &session.publisher);
                 } else {
-                    let _ = commands.take(&heard, &session.sender);
+                    let _ = commands.take(&heard, &session.publisher);
                 }
             }
             (_, Hearing::Own) => {}

@@ -31,7 +31,7 @@ use std::sync::Arc;
 use tokio::sync::{mpsc, watch};
 
 use super::change_feed::{ChangeFeed, OFFLINE};
-use super::commands::{Answer, CommandSender};
+use super::commands::{Answer, Publisher};
 use super::publication::Publication;
 use super::topics::{PULSE, Topics};
 use crate::runtime::archive_reader::Reader;
@@ -62,7 +62,7 @@ pub struct Session {
     link: Link,
     hearing: Hearing,
     /// Whoever speaks at somebody else's broker.
-    sender: CommandSender,
+    publisher: Publisher,
     topics: Topics,
     home_assistant: bool,
     changes: ChangeFeed,
@@ -87,7 +87,7 @@ impl Session {
     pub fn new(parts: Parts) -> Session {
         Session {
             changes: ChangeFeed::new(parts.topics.clone(), parts.home_assistant),
-            sender: CommandSender::Unknown { broker: parts.link.host.as_str().into() },
+            publisher: Publisher::Unknown { broker: parts.link.host.as_str().into() },
             link: parts.link,
             hearing: parts.hearing,
             topics: parts.topics,

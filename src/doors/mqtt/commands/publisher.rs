@@ -10,7 +10,7 @@ use hallsweep_core::command::{Door, Issuer, Refused};
 const NOBODY_KNOWN: &str = "mqtt";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum CommandSender {
+pub enum Publisher {
     /// Somebody at our own broker.
     Known {
         caller: Caller,
@@ -24,11 +24,11 @@ pub enum CommandSender {
     },
 }
 
-impl CommandSender {
+impl Publisher {
     pub fn may(&self, need: Need) -> Result<(), Refused> {
         match self {
-            CommandSender::Known { caller, .. } => caller.may(need).map_err(Refused::NotAllowed),
-            CommandSender::Unknown { .. } => Ok(()),
+            Publisher::Known { caller, .. } => caller.may(need).map_err(Refused::NotAllowed),
+            Publisher::Unknown { .. } => Ok(()),
         }
     }
 
@@ -39,16 +39,16 @@ impl CommandSender {
     /// The name of the key that he has shown; `None` where nobody is told from another by one.
     pub(super) fn key(&self) -> Option<Arc<str>> {
         match self {
-            CommandSender::Known { caller: Caller::Known(signed_in), .. } => Some(Arc::clone(&signed_in.name)),
-            CommandSender::Known { caller: Caller::Here, .. } | CommandSender::Unknown { .. } => None,
+            Publisher::Known { caller: Caller::Known(signed_in), .. } => Some(Arc::clone(&signed_in.name)),
+            Publisher::Known { caller: Caller::Here, .. } | Publisher::Unknown { .. } => None,
         }
     }
 
     #[must_use]
     pub fn issuer(&self) -> Issuer {
         let (who, from) = match self {
-            CommandSender::Known { caller, from } => (caller.name(), Arc::clone(from)),
-            CommandSender::Unknown { broker } => (Arc::from(NOBODY_KNOWN), Arc::clone(broker)),
+            Publisher::Known { caller, from } => (caller.name(), Arc::clone(from)),
+            Publisher::Unknown { broker } => (Arc::from(NOBODY_KNOWN), Arc::clone(broker)),
         };
         Issuer { door: Door::Mqtt, who, from }
     }
