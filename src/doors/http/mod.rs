@@ -53,7 +53,7 @@ use crate::runtime::handle::Handle;
 /// Streams open at once, the console's and the interface's together: every screen of a site, and a bound on what strangers cost.
 pub const STREAMS: usize = 256;
 
-/// What the door needs of the house. Cheap to clone.
+/// What the door needs of the program. Cheap to clone.
 #[derive(Clone)]
 pub struct Door {
     handle: Handle,

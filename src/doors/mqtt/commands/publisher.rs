@@ -1,4 +1,4 @@
-//! Who sends a message, as far as that is known, and what he may. How somebody at our own broker has shown who he is, is the
+//! Who publishes a message, as far as that is known, and what he may. How somebody at our own broker has shown who he is, is the
 //! gate's business.
 
 use std::sync::Arc;
