@@ -227,15 +227,15 @@ fn came_to(record: &MissionRecord) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::testing::{House, house, text};
+    use super::super::super::testing::{TestApp, app, text};
     use crate::api::fixture::{TEN, searching};
     use crate::api::time::Zone;
     use crate::runtime::archive::MissionRecord;
     use crate::runtime::clock::Clock;
     use hallsweep_core::units::WallTime;
 
-    async fn page(house: &House, path: &str) -> String {
-        let response = house.get(path).await;
+    async fn page(app: &TestApp, path: &str) -> String {
+        let response = app.get(path).await;
         assert_eq!(response.status(), 200, "{path}");
         text(response).await
     }
@@ -253,7 +253,7 @@ mod tests {
 
     #[tokio::test]
     async fn the_list_says_what_each_mission_came_to() {
-        let page = page(&house(searching()), "/missions").await;
+        let page = page(&app(searching()), "/missions").await;
         let began = here(TEN);
         check(
             &page,
@@ -271,7 +271,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_mission_shows_its_hall_its_luggage_and_who_decided() {
-        let page = page(&house(searching()), "/missions/1").await;
+        let page = page(&app(searching()), "/missions/1").await;
         let hall = ["<svg id=\"hall\"", "class=\"wall\"", "class=\"piece danger\"", "<title>home</title>"];
         check(&page, &hall);
         check(&page, &["What is missing here", "a mouse was at it"]);
@@ -282,22 +282,22 @@ mod tests {
     /// Safety A6.
     #[tokio::test]
     async fn the_events_say_who_commanded_what_from_where_and_what_became_of_it() {
-        let house = house(searching());
-        let all = page(&house, "/missions/1").await;
+        let app = app(searching());
+        let all = page(&app, "/missions/1").await;
         check(&all, &["START <span class=\"by\">by anna (console, 192.0.2.7):</span> <b class=\"accepted\">accepted</b>"]);
         check(
             &all,
             &["<b class=\"refused\">refused: the robot is moving: press STOP first</b>", "held: stopped by the operator"],
         );
-        let commands = page(&house, "/missions/1?show=commands").await;
+        let commands = page(&app, "/missions/1?show=commands").await;
         assert!(commands.contains("RESET") && !commands.contains("held: stopped by the operator"));
         for view in [&all, &commands] {
             check(view, &["<li class=\"warning\"><span class=\"seq\">6</span> entry 6 of the journal cannot be understood"]);
         }
-        let steps = page(&house, "/missions/1?show=all").await;
+        let steps = page(&app, "/missions/1?show=all").await;
         check(&steps, &["robot at (0, 0)", "START", "<b>Every step</b>"]);
         assert!(!all.contains("robot at (0, 0)") && all.contains("<b>What was done and found</b>"), "steps are a second view");
-        let later = page(&house, "/missions/1?after=3").await;
+        let later = page(&app, "/missions/1?after=3").await;
         assert!(
             !later.contains("anna") && later.contains("held: stopped by the operator") && later.contains("From the beginning")
         );
@@ -305,9 +305,9 @@ mod tests {
 
     #[tokio::test]
     async fn nothing_on_the_pages_is_inline_or_of_another_origin() {
-        let house = house(searching());
+        let app = app(searching());
         for path in ["/missions", "/missions?before=2", "/missions/1", "/missions/2", "/missions/1?show=all&after=2"] {
-            let page = page(&house, path).await;
+            let page = page(&app, path).await;
             for unwanted in ["style=", "<style", "onclick", "http://", "https://"] {
                 assert!(!page.contains(unwanted), "{unwanted} in {path}");
             }
@@ -317,14 +317,14 @@ mod tests {
 
     #[tokio::test]
     async fn a_person_who_asks_for_what_is_not_there_is_told_so_on_a_page() {
-        let house = house(searching());
+        let app = app(searching());
         for (path, status, words) in [
             ("/missions/9", 404, "there is no mission 9"),
             ("/missions/99", 503, "the disk is on strike"),
             ("/missions?before=x", 422, "a whole number from 1 belongs there"),
             ("/missions/1?show=nothing", 422, "commands belongs there"),
         ] {
-            let response = house.send("GET", path, &[("accept", "text/html")], "").await;
+            let response = app.send("GET", path, &[("accept", "text/html")], "").await;
             assert_eq!(response.status(), status, "{path}");
             assert!(text(response).await.contains(words), "{path}");
         }

@@ -33,11 +33,11 @@ pub(super) fn topics() -> Topics {
 /// An app in this state, whose loop accepts everything until told to refuse; old clients may not drive. Must be called inside a
 /// runtime.
 pub(super) fn app(snapshot: Snapshot) -> TestApp {
-    driven_house(snapshot, false)
+    driven_app(snapshot, false)
 }
 
 /// The same, in which they may or may not.
-pub(super) fn driven_house(snapshot: Snapshot, manual_driving: bool) -> TestApp {
+pub(super) fn driven_app(snapshot: Snapshot, manual_driving: bool) -> TestApp {
     let (handle, script) = obedient(snapshot);
     let (commands, results) = commands_of(handle, manual_driving);
     TestApp { commands, script, results }

@@ -2,7 +2,7 @@
 //! be at once is in `bounds_tests`.
 
 use super::table;
-use super::testing::{app, driven_house, here, say, viewer};
+use super::testing::{app, driven_app, here, say, viewer};
 use super::*;
 use crate::api::commands::COMMANDS;
 use crate::api::fixture::{degrees, searching};
@@ -379,7 +379,7 @@ async fn what_is_wrong_in_an_old_message_is_on_record_and_not_published() {
     }
     assert_eq!(app.given().await, 0);
     assert!(app.is_silent().await);
-    let driven = driven_house(searching(), true);
+    let driven = driven_app(searching(), true);
     assert_eq!(driven.say("unibo/qak/robotmind", driving), Taken::Taken);
     assert_eq!(driven.last().await.command, Command::Move(Move::Forward));
 }
