@@ -9,31 +9,22 @@ use socket2::SockRef;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::runtime::Handle;
 
-/// The ports of one door.
 #[derive(Debug)]
 pub struct Listeners {
     ports: Vec<TcpListener>,
     /// Whose turn it is, so that a crowd at one port keeps nobody waiting at another.
     turn: usize,
-    thread: Handle,
+    /// The runtime that waits for them, on which what comes is heard (safety S7).
+    pub(super) thread: Handle,
 }
 
 impl Listeners {
     /// Listens to ports that are bound and do not block. Must be called inside the runtime that is to wait for them.
-    ///
-    /// # Errors
-    /// The system does not let this runtime wait for one of them.
     pub fn new(bound: Vec<std::net::TcpListener>) -> io::Result<Listeners> {
         // As many newcomers may wait at each as the system lets.
         bound.iter().try_for_each(|port| SockRef::from(port).listen(i32::MAX))?;
         let ports = bound.into_iter().map(TcpListener::from_std).collect::<io::Result<_>>()?;
         Ok(Listeners { ports, turn: 0, thread: Handle::current() })
-    }
-
-    /// The runtime that waits for them, on which what comes is heard (safety S7).
-    #[must_use]
-    pub const fn thread(&self) -> &Handle {
-        &self.thread
     }
 
     /// The number of the first of them.
@@ -49,9 +40,6 @@ impl Listeners {
     }
 
     /// The next connection, and where it comes from.
-    ///
-    /// # Errors
-    /// What the system says, as that there are too many open files.
     pub async fn accept(&mut self) -> io::Result<(TcpStream, SocketAddr)> {
         let Listeners { ports, turn, .. } = self;
         std::future::poll_fn(|cx| {

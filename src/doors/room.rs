@@ -2,8 +2,7 @@
 //! in proportion less where it does not. So the doors together never need the last descriptor, and no crowd at one of them keeps the
 //! others closed (safety S9). What is bounded is each door's own matter.
 
-/// As many descriptors as all places of all doors need, with those whose clients are on their way out: over HTTP one each, over MQTT
-/// three.
+/// As many descriptors as all places of all doors need, with clients on their way out: over HTTP one each, over MQTT three.
 const PLACES: u64 = 2_600;
 
 /// The record, the ports, and what the threads wait with, need so many beside them.
@@ -33,7 +32,6 @@ impl Room {
     }
 }
 
-/// For all.
 impl Default for Room {
     fn default() -> Room {
         Room { places: PLACES }

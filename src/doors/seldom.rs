@@ -9,7 +9,6 @@ use crate::runtime::clock::Clock;
 /// One line in so long, with how many there were; the first is said at once.
 const SILENCE: Duration = Duration::from_secs(10);
 
-/// How often it was since the last line.
 #[derive(Debug, Default)]
 pub(super) struct Seldom {
     clock: Clock,

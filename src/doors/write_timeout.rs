@@ -12,7 +12,6 @@ use tokio::time::{Sleep, sleep};
 /// A reader that takes nothing for this long is gone.
 const STALL: Duration = Duration::from_secs(15);
 
-/// A stream whose writes time out.
 pub(super) struct WriteTimeoutStream<S> {
     stream: S,
     stalled: Option<Pin<Box<Sleep>>>,

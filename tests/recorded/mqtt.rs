@@ -5,7 +5,7 @@ use tokio::sync::mpsc;
 
 use super::book::{Book, readable};
 use super::doors::{
-    ANSWERS, Access, Answer, Caller, ChangeFeed, CommandSender, Commands, IncomingMessage, Keyring, Publication, Snapshot, Taken,
+    ANSWERS, Access, Answer, Caller, ChangeFeed, Commands, IncomingMessage, Keyring, Publication, Publisher, Snapshot, Taken,
     Topics,
 };
 use super::house::House;
@@ -65,8 +65,8 @@ impl Mqtt {
     }
 
     /// Says something, and collects what is published about it.
-    pub(crate) async fn say(&mut self, topic: &str, payload: &[u8], sender: &CommandSender) -> (Taken, Vec<String>) {
-        let taken = self.commands.take(&IncomingMessage { topic, payload, arrived: None, is_again: false }, sender);
+    pub(crate) async fn say(&mut self, topic: &str, payload: &[u8], publisher: &Publisher) -> (Taken, Vec<String>) {
+        let taken = self.commands.take(&IncomingMessage { topic, payload, arrived: None, is_again: false }, publisher);
         // Everything is on this thread: loop and results get their turns.
         for _ in 0..24 {
             tokio::task::yield_now().await;
@@ -80,18 +80,18 @@ impl Mqtt {
 }
 
 /// Somebody on this machine.
-pub(crate) fn here() -> CommandSender {
-    CommandSender::Known { caller: Caller::Here, from: "127.0.0.1".into() }
+pub(crate) fn here() -> Publisher {
+    Publisher::Known { caller: Caller::Here, from: "127.0.0.1".into() }
 }
 
 /// Somebody at somebody else's broker.
-pub(crate) fn unknown() -> CommandSender {
-    CommandSender::Unknown { broker: "broker.example".into() }
+pub(crate) fn unknown() -> Publisher {
+    Publisher::Unknown { broker: "broker.example".into() }
 }
 
 /// Somebody with this key.
-pub(crate) fn with_key(keyring: &Keyring, token: &str) -> CommandSender {
-    CommandSender::Known { caller: Caller::Known(keyring.check(token).expect("the key is there")), from: "192.0.2.7".into() }
+pub(crate) fn with_key(keyring: &Keyring, token: &str) -> Publisher {
+    Publisher::Known { caller: Caller::Known(keyring.check(token).expect("the key is there")), from: "192.0.2.7".into() }
 }
 
 /// Access by these keys.

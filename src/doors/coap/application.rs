@@ -10,12 +10,9 @@ use coap_endpoint::{Answer, Code, RefusedRequest, Request, Response};
 /// What whoever pressed STOP is told first, where his request is refused.
 pub(super) const HALTED: &str = "halted all the same";
 
-/// What the application says to a request.
 pub enum Reply {
-    /// The answer.
     Now(Answer),
-    /// The answer comes when this ends. What a command asks for is begun; a read only begins when this is waited for, and may be
-    /// dropped instead.
+    /// The answer comes when this ends. A command's work is begun; a read begins when this is waited for, and may be dropped.
     Later(Pin<Box<dyn Future<Output = Answer> + Send>>),
 }
 
@@ -51,7 +48,6 @@ pub(super) fn answer(application: &impl Application, request: &Request) -> Reply
     catch_unwind(asked).unwrap_or_else(|_| Reply::Now(broken()))
 }
 
-/// Says that there is a newer state.
 pub(super) fn changed(application: &impl Application) {
     // What breaks over it was logged, and is no reason for the door to end.
     let _ = catch_unwind(AssertUnwindSafe(|| application.handle_change()));

@@ -11,7 +11,6 @@ use crate::runtime::clock::Clock;
 use coap_endpoint::{Answer, Endpoint, limits::PACE};
 use hallsweep_core::world::snapshot::Snapshot;
 
-/// Where it is learned.
 pub(super) struct ChangeFeed {
     states: watch::Receiver<Arc<Snapshot>>,
     clock: Clock,
@@ -20,7 +19,6 @@ pub(super) struct ChangeFeed {
 }
 
 impl ChangeFeed {
-    /// The changes of these states from now on.
     pub(super) fn of(states: watch::Receiver<Arc<Snapshot>>, clock: Clock) -> ChangeFeed {
         ChangeFeed { states, clock, next: None }
     }

@@ -23,7 +23,6 @@ const HEADER: usize = 4;
 /// How many were heard of each kind: reads, commands, signs, and commands that come through however fine it is.
 pub(super) type KindCounts = [usize; 4];
 
-/// What is let through now.
 pub(super) struct FloodFilter {
     /// Four bytes each, of which a STOP has one as it is usually written, with the bit set that makes letters small.
     words: &'static [[u8; 4]],
@@ -34,13 +33,11 @@ pub(super) struct FloodFilter {
 }
 
 impl FloodFilter {
-    /// One that lets everything through.
     pub(super) fn new(words: &'static [[u8; 4]]) -> FloodFilter {
         FloodFilter { words, fine: [0; 3], since: Duration::ZERO }
     }
 
-    /// More came than was heard, so many of each kind: fewer are to be let through of the most frequent that can be thinned out
-    /// further. Whether that changes anything.
+    /// More came than was heard, so many of each kind: the most frequent that can be is thinned out further. Whether one was.
     pub(super) fn tighten(&mut self, heard: KindCounts, now: Duration) -> bool {
         let all: usize = heard.iter().sum();
         let floods: Vec<usize> = (0..self.fine.len()).filter(|kind| heard[*kind] > 0 && heard[*kind] * PART >= all).collect();

@@ -22,7 +22,6 @@ const BUSY_S: u32 = 2;
 /// Nobody waits longer for an answer (RFC 7252, section 4.8.2: MAX_TRANSMIT_WAIT).
 const PATIENCE: Duration = Duration::from_secs(93);
 
-/// What a request is, for the places there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum RequestKind {
     /// It changes nothing, and nothing is begun before its future is waited for.

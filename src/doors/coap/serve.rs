@@ -26,8 +26,7 @@ const TURN: Duration = Duration::from_millis(1);
 const HEARING: Duration = Duration::from_millis(2);
 const HEARING_BYTES: usize = 64 * 1024;
 
-/// So many turns in a row it is heard and only what is urgent answered, until all that has come is heard: more than the system keeps
-/// for a socket.
+/// So many turns in a row it is heard and only what is urgent answered: they hear more than the system keeps for a socket.
 const HEARINGS: u32 = 20;
 
 struct Driver<A> {
@@ -35,7 +34,6 @@ struct Driver<A> {
     endpoint: Endpoint,
     application: A,
     pending: PendingAnswers,
-    /// What was heard and waits.
     backlog: Backlog,
     filter: FloodFilter,
     /// How often in a row it was heard and not answered.

@@ -11,8 +11,7 @@ use tokio::net::UdpSocket;
 use super::flood_filter::FloodFilter;
 use coap_endpoint::Transmit;
 
-/// So many bytes are asked for in each direction: every observer there may be acknowledges at once. The system may give less, and
-/// then what did not fit is sent again.
+/// Bytes asked for in each direction: every observer may acknowledge at once. What does not fit into less is sent again.
 const ROOM: usize = 4 * 1024 * 1024;
 
 /// No datagram is longer, so that none is cut: what is too long is seen to be so.
@@ -24,7 +23,6 @@ pub(super) const BATCH: usize = 64;
 /// A socket that fails is read again after this.
 const PAUSE: Duration = Duration::from_millis(1);
 
-/// A bound socket.
 pub struct Socket {
     udp: UdpSocket,
     buffer: Vec<u8>,
@@ -32,9 +30,6 @@ pub struct Socket {
 
 impl Socket {
     /// The door's socket out of one that is bound. Must be called inside the runtime that is to wait for it.
-    ///
-    /// # Errors
-    /// The system does not let this runtime wait for it.
     pub fn new(bound: std::net::UdpSocket) -> io::Result<Socket> {
         bound.set_nonblocking(true)?;
         let udp = UdpSocket::from_std(bound)?;
@@ -47,13 +42,11 @@ impl Socket {
         Ok(Socket { udp, buffer: vec![0; LONGEST] })
     }
 
-    /// Waits until there may be something to read.
     pub(super) async fn readable(&self) {
         // A socket that cannot be waited for says why when it is read.
         let _ = self.udp.readable().await;
     }
 
-    /// The next datagram, if one is there.
     pub(super) async fn read(&mut self) -> Option<(SocketAddr, &[u8])> {
         match self.udp.try_recv_from(&mut self.buffer) {
             Ok((length, peer)) => return Some((peer, &self.buffer[..length])),

@@ -9,7 +9,6 @@ use super::etag::conditional;
 use super::problem::Problem;
 use crate::api::fields::in_short;
 
-/// One file: its path, its media type, what is in it.
 struct Asset {
     path: &'static str,
     media_type: &'static str,
@@ -41,7 +40,6 @@ static ASSETS: [Asset; 6] = [
     Asset { path: "/favicon.ico", media_type: "image/svg+xml", text: include_str!("../../../static/icon.svg") },
 ];
 
-/// The file at this path.
 pub(super) async fn file(uri: Uri, headers: HeaderMap) -> Result<Response, Problem> {
     let asset = ASSETS.iter().find(|asset| asset.path == uri.path());
     let asset = asset.ok_or_else(|| Problem::not_found(format!("there is no file at {}", in_short(uri.path()))))?;
@@ -49,8 +47,8 @@ pub(super) async fn file(uri: Uri, headers: HeaderMap) -> Result<Response, Probl
     Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, asset.media_type)], asset.text).into_response()))
 }
 
-/// Tells one build's file from another's; nobody is kept out by it.
-fn fingerprint(text: &str) -> u64 {
+/// Tells one text from another; nobody is kept out by it.
+pub(super) fn fingerprint(text: &str) -> u64 {
     let mut hasher = DefaultHasher::new();
     text.hash(&mut hasher);
     hasher.finish()

@@ -35,15 +35,15 @@ pub(super) async fn give(sender: &CommandSender, command: Command, epoch: Option
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{House, house, read};
+    use super::super::testing::{TestApp, app, read};
     use super::*;
     use crate::api::fixture::searching;
     use hallsweep_core::command::{LuggageRef, Move, Refused, TemperatureReport, Verdict};
     use hallsweep_core::units::{AlarmId, Cell, LuggageId};
 
     /// Sends JSON and expects this status; for problems also that they are complete.
-    async fn check(house: &House, method: &str, path: &str, body: &str, expect: u16) -> serde_json::Value {
-        let (status, json) = house.json(method, &format!("/api/v1{path}"), body).await;
+    async fn check(app: &TestApp, method: &str, path: &str, body: &str, expect: u16) -> serde_json::Value {
+        let (status, json) = app.json(method, &format!("/api/v1{path}"), body).await;
         assert_eq!(status, expect, "{method} {path} {body}: {json}");
         if expect == 200 {
             assert_eq!((&json["accepted"], &json["revision"], &json["epoch"]), (&true.into(), &20.into(), &1.into()));
@@ -56,7 +56,7 @@ mod tests {
 
     #[tokio::test]
     async fn every_command_reaches_the_loop_as_what_it_says() {
-        let house = house(searching());
+        let app = app(searching());
         let cell = Cell::new(4, -2);
         let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict };
         let cases = [
@@ -77,23 +77,23 @@ mod tests {
             ("PUT", "/strategy", r#"{"name":"snail"}"#, Command::ChooseStrategy(hallsweep_core::explore::Strategy::Snail)),
         ];
         for (method, path, body, command) in cases {
-            check(&house, method, path, body, 200).await;
-            assert_eq!(house.last().command, command, "{path}");
+            check(&app, method, path, body, 200).await;
+            assert_eq!(app.last().command, command, "{path}");
         }
     }
 
     #[tokio::test]
     async fn the_epoch_its_sender_saw_goes_with_a_command() {
-        let house = house(searching());
-        check(&house, "POST", "/commands/start", r#"{"epoch":7}"#, 200).await;
-        assert_eq!(house.last().epoch, Some(Epoch(7)));
-        check(&house, "POST", "/commands/goto", r#"{"x":1,"y":1,"epoch":8}"#, 200).await;
-        assert_eq!(house.last().epoch, Some(Epoch(8)));
+        let app = app(searching());
+        check(&app, "POST", "/commands/start", r#"{"epoch":7}"#, 200).await;
+        assert_eq!(app.last().epoch, Some(Epoch(7)));
+        check(&app, "POST", "/commands/goto", r#"{"x":1,"y":1,"epoch":8}"#, 200).await;
+        assert_eq!(app.last().epoch, Some(Epoch(8)));
     }
 
     #[tokio::test]
     async fn what_is_malformed_is_refused_with_the_code_that_fits() {
-        let house = house(searching());
+        let app = app(searching());
         let cases = [
             ("POST", "/commands/start", "{", 400),
             ("POST", "/commands/start", "nonsense", 400),
@@ -123,28 +123,28 @@ mod tests {
             ("POST", "/nothing", "", 404),
         ];
         for (method, path, body, expect) in cases {
-            check(&house, method, path, body, expect).await;
+            check(&app, method, path, body, expect).await;
         }
-        assert!(house.given.lock().unwrap().is_empty(), "nothing malformed reaches the loop");
-        let unknown = check(&house, "POST", "/commands/start", r#"{"epoc":1}"#, 422).await;
+        assert!(app.given.lock().unwrap().is_empty(), "nothing malformed reaches the loop");
+        let unknown = check(&app, "POST", "/commands/start", r#"{"epoc":1}"#, 422).await;
         assert!(unknown["detail"].as_str().unwrap().contains("`epoc`"), "{unknown}");
     }
 
     #[tokio::test]
     async fn wrong_types_large_bodies_and_wrong_methods_have_codes_too() {
-        let house = house(searching());
-        let (status, _) = read(house.send("POST", "/api/v1/commands/move", &[("content-type", "text/plain")], "w").await).await;
+        let app = app(searching());
+        let (status, _) = read(app.send("POST", "/api/v1/commands/move", &[("content-type", "text/plain")], "w").await).await;
         assert_eq!(status, 415);
-        let (status, _) = read(house.send("POST", "/api/v1/commands/move", &[], r#"{"move":"w"}"#).await).await;
+        let (status, _) = read(app.send("POST", "/api/v1/commands/move", &[], r#"{"move":"w"}"#).await).await;
         assert_eq!(status, 415);
         for (charset, expect) in [("utf-8", 200), ("\"UTF-8\"", 200), ("utf-16", 415), ("latin1", 415)] {
             let media = format!("application/json; charset={charset}");
-            let sent = house.send("POST", "/api/v1/commands/move", &[("content-type", &media)], r#"{"move":"w"}"#).await;
+            let sent = app.send("POST", "/api/v1/commands/move", &[("content-type", &media)], r#"{"move":"w"}"#).await;
             assert_eq!(sent.status(), expect, "{charset}");
         }
         let large = format!("{{\"move\":\"{}\"}}", "w".repeat(20_000));
-        assert_eq!(house.json("POST", "/api/v1/commands/move", &large).await.0, 413);
-        let response = house.send("DELETE", "/api/v1/luggage/3/photo", &[], "").await;
+        assert_eq!(app.json("POST", "/api/v1/commands/move", &large).await.0, 413);
+        let response = app.send("DELETE", "/api/v1/luggage/3/photo", &[], "").await;
         let allow = response.headers()["allow"].to_str().unwrap().to_owned();
         assert!(allow.contains("GET") && allow.contains("POST"), "{allow}");
         assert_eq!(response.headers()["content-type"], "application/problem+json");
@@ -153,31 +153,31 @@ mod tests {
 
     #[tokio::test]
     async fn a_stop_halts_whatever_its_body_is() {
-        let house = house(searching());
+        let app = app(searching());
         let huge = "x".repeat(100_000);
         for (headers, body) in [(&[("content-type", "image/png")][..], "{{{"), (&[], &huge)] {
-            assert_eq!(house.send("POST", "/api/v1/commands/stop", headers, body).await.status(), 200);
+            assert_eq!(app.send("POST", "/api/v1/commands/stop", headers, body).await.status(), 200);
         }
-        assert_eq!(house.given.lock().unwrap().len(), 2);
+        assert_eq!(app.given.lock().unwrap().len(), 2);
     }
 
     #[tokio::test]
     async fn refusals_say_why_and_verdicts_come_back_with_the_record() {
-        let house = house(searching());
-        house.refuse(Refused::Decided { luggage: LuggageId(2), verdict: Verdict::Danger });
-        let json = check(&house, "POST", "/luggage/2/verdict", r#"{"verdict":"safe"}"#, 409).await;
+        let app = app(searching());
+        app.refuse(Refused::Decided { luggage: LuggageId(2), verdict: Verdict::Danger });
+        let json = check(&app, "POST", "/luggage/2/verdict", r#"{"verdict":"safe"}"#, 409).await;
         assert_eq!((&json["code"], &json["luggage"]["verdict"]), (&"decided".into(), &"danger".into()));
-        house.refuse(Refused::UnknownLuggage(LuggageId(9)));
-        let json = check(&house, "POST", "/luggage/9/verdict", r#"{"verdict":"safe"}"#, 404).await;
+        app.refuse(Refused::UnknownLuggage(LuggageId(9)));
+        let json = check(&app, "POST", "/luggage/9/verdict", r#"{"verdict":"safe"}"#, 404).await;
         assert_eq!(json.get("luggage"), None);
-        house.refuse(Refused::StoreDown);
-        check(&house, "POST", "/luggage/3/verdict", r#"{"verdict":"danger"}"#, 503).await;
+        app.refuse(Refused::StoreDown);
+        check(&app, "POST", "/luggage/3/verdict", r#"{"verdict":"danger"}"#, 503).await;
     }
 
     #[tokio::test]
     async fn an_accepted_verdict_comes_with_the_record() {
-        let house = house(searching());
-        let json = check(&house, "POST", "/luggage/3/verdict", r#"{"verdict":"safe"}"#, 200).await;
+        let app = app(searching());
+        let json = check(&app, "POST", "/luggage/3/verdict", r#"{"verdict":"safe"}"#, 200).await;
         assert_eq!(json["luggage"]["id"], 3);
     }
 }

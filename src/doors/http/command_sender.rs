@@ -100,7 +100,7 @@ fn unquoted(text: &str) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::house;
+    use super::super::testing::app;
     use super::*;
     use crate::api::fixture::searching;
 
@@ -128,22 +128,22 @@ mod tests {
 
     #[tokio::test]
     async fn a_malformed_name_refuses_a_command_and_never_a_stop() {
-        let house = house(searching());
+        let app = app(searching());
         let wrong = [("idempotency-key", "a b")];
-        assert_eq!(house.send("POST", "/api/v1/commands/start", &wrong, "").await.status(), 400);
-        assert!(house.given.lock().unwrap().is_empty());
+        assert_eq!(app.send("POST", "/api/v1/commands/start", &wrong, "").await.status(), 400);
+        assert!(app.given.lock().unwrap().is_empty());
         for path in ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"] {
-            assert!(house.send("POST", path, &wrong, "").await.status().as_u16() < 400, "{path}");
-            assert_eq!((house.last().command, house.last().id), (Command::Stop, None));
+            assert!(app.send("POST", path, &wrong, "").await.status().as_u16() < 400, "{path}");
+            assert_eq!((app.last().command, app.last().id), (Command::Stop, None));
         }
     }
 
     /// Safety A6.
     #[tokio::test]
     async fn who_from_where_and_under_which_name_goes_with_a_command() {
-        let house = house(searching());
-        house.send("POST", "/api/v1/commands/start", &[("idempotency-key", "\"k7\"")], "").await;
-        let given = house.last();
+        let app = app(searching());
+        app.send("POST", "/api/v1/commands/start", &[("idempotency-key", "\"k7\"")], "").await;
+        let given = app.last();
         assert_eq!((&*given.issuer.who, &*given.issuer.from), ("operator", "127.0.0.1"));
         assert_eq!((given.issuer.door, given.id.unwrap().text()), (crate::api::door::HTTP, "k7"));
     }

@@ -30,6 +30,9 @@ const PAUSE: Duration = Duration::from_millis(20);
 /// After a break a reader tries again this soon.
 const RETRY: Duration = Duration::from_secs(1);
 
+/// Proxies are not to hold a stream back.
+pub(super) const UNBUFFERED: (HeaderName, &str) = (HeaderName::from_static("x-accel-buffering"), "no");
+
 /// `GET events`
 pub(super) async fn events(State(door): State<Door>, LetIn(caller): LetIn, headers: HeaderMap) -> Result<Response, Problem> {
     let (watcher, snapshot) = Watcher::open(&door, caller)?;
@@ -37,7 +40,7 @@ pub(super) async fn events(State(door): State<Door>, LetIn(caller): LetIn, heade
     let first = first_event(&snapshot, resumed);
     let events = stream::iter(first).chain(changes(watcher, snapshot)).map(Ok::<Event, Infallible>);
     let beating = Sse::new(events).keep_alive(KeepAlive::new().interval(HEARTBEAT).text("heartbeat"));
-    Ok(([(HeaderName::from_static("x-accel-buffering"), "no")], beating).into_response())
+    Ok(([UNBUFFERED], beating).into_response())
 }
 
 /// The revision a returning reader has, when its id is of this run.
@@ -79,7 +82,7 @@ fn event(name: &str, snapshot: &Snapshot, data: &impl Serialize) -> Event {
 #[cfg(test)]
 mod tests {
     use super::super::STREAMS;
-    use super::super::testing::{House, house};
+    use super::super::testing::{TestApp, app};
     use super::*;
     use crate::api::fixture::{searching, touch};
     use axum::body::{Body, BodyDataStream};
@@ -88,9 +91,9 @@ mod tests {
     use hallsweep_core::world::resource::Resource;
     use serde_json::Value;
 
-    async fn open(house: &House, last_event_id: Option<&str>) -> BodyDataStream {
+    async fn open(app: &TestApp, last_event_id: Option<&str>) -> BodyDataStream {
         let headers: Vec<(&str, &str)> = last_event_id.map(|id| ("last-event-id", id)).into_iter().collect();
-        let response: Response<Body> = house.send("GET", "/api/v1/events", &headers, "").await;
+        let response: Response<Body> = app.send("GET", "/api/v1/events", &headers, "").await;
         assert_eq!(response.status(), 200);
         assert!(response.headers().get("content-encoding").is_none());
         response.into_body().into_data_stream()
@@ -108,20 +111,20 @@ mod tests {
         }
     }
 
-    fn step(house: &House, revision: u64) {
-        let mut snapshot = Snapshot::clone(&house.publish.borrow());
+    fn step(app: &TestApp, revision: u64) {
+        let mut snapshot = Snapshot::clone(&app.publish.borrow());
         snapshot.map.mark(Cell::new(4, 1), Mark::Visited, Revision(revision));
         touch(&mut snapshot, revision, &[Resource::Map]);
-        house.publish.send_replace(Arc::new(snapshot));
+        app.publish.send_replace(Arc::new(snapshot));
     }
 
     #[tokio::test]
     async fn the_whole_state_comes_first_and_then_only_what_changed() {
-        let house = house(searching());
-        let mut stream = open(&house, None).await;
+        let app = app(searching());
+        let mut stream = open(&app, None).await;
         let (name, id, state) = next(&mut stream).await;
         assert_eq!((name.as_str(), id.as_str(), &state["revision"]), ("snapshot", "t-1-20", &20.into()));
-        step(&house, 21);
+        step(&app, 21);
         let (name, id, changes) = next(&mut stream).await;
         assert_eq!((name.as_str(), id.as_str()), ("changes", "t-1-21"));
         assert_eq!(changes["map"]["cells"], serde_json::json!([{"x": 4, "y": 1, "mark": "1"}]));
@@ -130,60 +133,60 @@ mod tests {
 
     #[tokio::test]
     async fn a_reader_that_comes_back_gets_what_it_missed() {
-        let house = house(searching());
-        step(&house, 21);
-        let (name, id, changes) = next(&mut open(&house, Some("t-1-20")).await).await;
+        let app = app(searching());
+        step(&app, 21);
+        let (name, id, changes) = next(&mut open(&app, Some("t-1-20")).await).await;
         assert_eq!((name.as_str(), id.as_str()), ("changes", "t-1-21"));
         assert!(changes.get("map").is_some() && changes.get("luggage").is_none(), "{changes}");
     }
 
     #[tokio::test]
     async fn a_foreign_or_malformed_id_begins_anew() {
-        let house = house(searching());
+        let app = app(searching());
         for id in ["t-2-20", "t-1-21", "t-1-", "20", "", "-", "t-1-99999999999999999999999", "t-1--1"] {
-            let (name, _, _) = next(&mut open(&house, Some(id)).await).await;
+            let (name, _, _) = next(&mut open(&app, Some(id)).await).await;
             assert_eq!(name, "snapshot", "{id}");
         }
     }
 
     #[tokio::test]
     async fn a_reader_with_everything_waits_for_the_next_change() {
-        let house = house(searching());
-        let mut stream = open(&house, Some("t-1-20")).await;
-        step(&house, 21);
+        let app = app(searching());
+        let mut stream = open(&app, Some("t-1-20")).await;
+        step(&app, 21);
         assert_eq!(next(&mut stream).await.1, "t-1-21");
     }
 
     #[tokio::test]
     async fn the_latest_state_wins() {
-        let house = house(searching());
-        let mut stream = open(&house, None).await;
+        let app = app(searching());
+        let mut stream = open(&app, None).await;
         next(&mut stream).await;
         for revision in 21..=40 {
-            step(&house, revision);
+            step(&app, revision);
         }
         assert_eq!(next(&mut stream).await.1, "t-1-40");
     }
 
     #[tokio::test]
     async fn closing_ends_every_stream_at_once() {
-        let house = house(searching());
-        let mut stream = open(&house, None).await;
+        let app = app(searching());
+        let mut stream = open(&app, None).await;
         next(&mut stream).await;
-        house.door.close();
+        app.door.close();
         let end = tokio::time::timeout(Duration::from_millis(500), stream.next()).await.expect("it ends at once");
         assert!(end.is_none());
     }
 
     #[tokio::test]
     async fn there_are_only_so_many_streams_and_an_ended_one_makes_room() {
-        let house = house(searching());
+        let app = app(searching());
         let mut streams = Vec::new();
         for _ in 0..STREAMS {
-            streams.push(open(&house, None).await);
+            streams.push(open(&app, None).await);
         }
-        assert_eq!(house.get("/api/v1/events").await.status(), 503);
+        assert_eq!(app.get("/api/v1/events").await.status(), 503);
         streams.pop();
-        streams.push(open(&house, None).await);
+        streams.push(open(&app, None).await);
     }
 }

@@ -3,7 +3,7 @@
 use crate::access::Access;
 use crate::api::door;
 use crate::api::fixture::searching;
-use crate::doors::http::testing::{House, guarded_house, house, keys};
+use crate::doors::http::testing::{TestApp, app, guarded_app, keys};
 use hallsweep_core::command::{Door, Refused};
 use hallsweep_core::units::{Epoch, LuggageId};
 
@@ -15,9 +15,9 @@ const PERSON: (&str, &str) = ("accept", "text/html,*/*;q=0.8");
 type Case<'a> = (&'a str, &'a str, &'a [(&'a str, &'a str)], &'a str, u16, &'a str);
 
 /// Records go through the loop's queue in order: once a STOP after them is answered, all of them are there.
-async fn noted(house: &House) -> Vec<(Door, String, &'static str, String)> {
-    assert_eq!(house.door.handle.give(stop()).await.map(|answer| answer.is_ok()), Ok(true));
-    let noted = std::mem::take(&mut *house.noted.lock().unwrap());
+async fn noted(app: &TestApp) -> Vec<(Door, String, &'static str, String)> {
+    assert_eq!(app.door.handle.give(stop()).await.map(|answer| answer.is_ok()), Ok(true));
+    let noted = std::mem::take(&mut *app.noted.lock().unwrap());
     let told = |(issuer, asked, refused): (hallsweep_core::command::Issuer, String, Refused)| {
         (issuer.door, asked, refused.code(), format!("{} {}: {refused}", issuer.who, issuer.from))
     };
@@ -32,7 +32,7 @@ fn stop() -> hallsweep_core::command::Request {
 /// Safety A6.
 #[tokio::test]
 async fn what_the_door_itself_refuses_is_put_on_record_once() {
-    let house = house(searching());
+    let app = app(searching());
     let (huge, key) = ("x".repeat(20_000), ("idempotency-key", "a b"));
     let cases: [Case; 10] = [
         ("POST", "/api/v1/commands/start", &[JSON], "{", 400, "malformed"),
@@ -47,9 +47,9 @@ async fn what_the_door_itself_refuses_is_put_on_record_once() {
         ("POST", "/console/goto", &[FORM, PERSON], "x=&y=2", 422, "unusable"),
     ];
     for (method, path, headers, body, status, code) in cases {
-        assert_eq!(house.send(method, path, headers, body).await.status(), status, "{path} {body:.20}");
+        assert_eq!(app.send(method, path, headers, body).await.status(), status, "{path} {body:.20}");
         let door = if path.starts_with("/console/") { door::CONSOLE } else { door::HTTP };
-        let records = noted(&house).await;
+        let records = noted(&app).await;
         let [(by, asked, refused, words)] = &records[..] else { panic!("{path} {body:.20}: {records:?}") };
         assert_eq!((*by, asked.as_str(), *refused), (door, format!("{method} {path}").as_str(), code));
         assert!(words.starts_with("operator 127.0.0.1: ") && words.len() > 40, "{words}");
@@ -59,36 +59,36 @@ async fn what_the_door_itself_refuses_is_put_on_record_once() {
 /// Safety A6: the core puts its own refusals on record.
 #[tokio::test]
 async fn what_the_core_refused_or_nobody_asked_for_is_not_put_on_record_here() {
-    let house = house(searching());
+    let app = app(searching());
     for refused in [Refused::Moving, Refused::UnknownLuggage(LuggageId(3)), Refused::Outdated { sent: Epoch(1), now: Epoch(2) }] {
-        house.refuse(refused);
+        app.refuse(refused);
         for (path, headers) in [("/api/v1/commands/start", vec![]), ("/console/start", vec![FORM, PERSON]), ("/w", vec![PERSON])]
         {
-            assert!(house.send("POST", path, &headers, "").await.status().is_client_error(), "{path}");
+            assert!(app.send("POST", path, &headers, "").await.status().is_client_error(), "{path}");
         }
     }
-    *house.refuse.lock().unwrap() = None;
+    *app.refuse.lock().unwrap() = None;
     for (path, status) in [("/nowhere", 404), ("/missions/1?show=nothing", 422), ("/api/v1/missions?limit=x", 422)] {
-        assert_eq!(house.get(path).await.status(), status, "{path}");
+        assert_eq!(app.get(path).await.status(), status, "{path}");
     }
-    assert_eq!(house.send("POST", "/sign-in", &[JSON], "{").await.status(), 415);
-    assert_eq!(noted(&house).await, []);
+    assert_eq!(app.send("POST", "/sign-in", &[JSON], "{").await.status(), 415);
+    assert_eq!(noted(&app).await, []);
 }
 
 /// Safety A6, S1.
 #[tokio::test]
 async fn strangers_leave_no_record_viewers_one_and_a_stop_is_never_refused() {
     let (keyring, tokens) = keys();
-    let house = guarded_house(searching(), Access::Keys(keyring));
+    let app = guarded_app(searching(), Access::Keys(keyring));
     let bearer = format!("Bearer {}", tokens.viewer);
     let viewer = ("authorization", bearer.as_str());
-    assert_eq!(house.send("POST", "/api/v1/commands/start", &[JSON], "{").await.status(), 401);
-    assert_eq!(house.send("POST", "/api/v1/commands/stop", &[viewer, ("idempotency-key", "a b")], "{").await.status(), 200);
-    assert_eq!(noted(&house).await, []);
-    assert_eq!(house.send("POST", "/console/start", &[viewer, FORM], "epoch=x").await.status(), 403);
-    assert_eq!(house.send("POST", "/api/v1/commands/move", &[viewer, JSON], r#"{"move":"w"}"#).await.status(), 403);
-    assert_eq!(house.send("POST", "/console/move", &[viewer, FORM], "move=q").await.status(), 422);
-    let records: Vec<_> = noted(&house).await.into_iter().map(|(door, asked, code, _)| (door, asked, code)).collect();
+    assert_eq!(app.send("POST", "/api/v1/commands/start", &[JSON], "{").await.status(), 401);
+    assert_eq!(app.send("POST", "/api/v1/commands/stop", &[viewer, ("idempotency-key", "a b")], "{").await.status(), 200);
+    assert_eq!(noted(&app).await, []);
+    assert_eq!(app.send("POST", "/console/start", &[viewer, FORM], "epoch=x").await.status(), 403);
+    assert_eq!(app.send("POST", "/api/v1/commands/move", &[viewer, JSON], r#"{"move":"w"}"#).await.status(), 403);
+    assert_eq!(app.send("POST", "/console/move", &[viewer, FORM], "move=q").await.status(), 422);
+    let records: Vec<_> = noted(&app).await.into_iter().map(|(door, asked, code, _)| (door, asked, code)).collect();
     let expected = [
         (door::CONSOLE, "POST /console/start", "notAllowed"),
         (door::HTTP, "move forward", "notAllowed"),

@@ -146,7 +146,6 @@ fn for_a_person(status: StatusCode) -> &'static str {
     }
 }
 
-/// The page of somebody who went astray.
 #[derive(Template)]
 #[template(path = "astray.html")]
 struct Astray {
@@ -187,7 +186,7 @@ fn date(unix_ms: i64) -> Option<HeaderValue> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{house, text};
+    use super::super::testing::{app, text};
     use super::*;
     use crate::api::fixture::searching;
 
@@ -216,7 +215,7 @@ mod tests {
 
     #[tokio::test]
     async fn every_answer_of_every_kind_carries_the_security_headers() {
-        let house = house(searching());
+        let app = app(searching());
         let walk = [
             ("GET", "/"),
             ("GET", "/healthz"),
@@ -245,7 +244,7 @@ mod tests {
             ("PUT", "/api/v1/temperature"),
         ];
         for (method, path) in walk {
-            let response = house.send(method, path, &[], "").await;
+            let response = app.send(method, path, &[], "").await;
             for (name, value) in SECURITY {
                 assert_eq!(
                     response.headers().get(&name).map(|is| is.as_bytes()),
@@ -259,12 +258,12 @@ mod tests {
 
     #[tokio::test]
     async fn event_streams_are_not_compressed_and_a_vary_says_what_is() {
-        let house = house(searching());
+        let app = app(searching());
         for path in ["/api/v1/events", "/console/live"] {
-            let response = house.send("GET", path, &[("accept-encoding", "gzip")], "").await;
+            let response = app.send("GET", path, &[("accept-encoding", "gzip")], "").await;
             assert!(response.headers().get("content-encoding").is_none(), "{path}");
         }
-        let response = house.send("GET", "/", &[("accept-encoding", "gzip")], "").await;
+        let response = app.send("GET", "/", &[("accept-encoding", "gzip")], "").await;
         assert_eq!(response.headers()["content-encoding"], "gzip");
         assert!(response.headers().get_all("vary").iter().any(|vary| vary == "accept-encoding"));
     }
@@ -299,21 +298,21 @@ mod tests {
 
     #[tokio::test]
     async fn a_browser_gone_astray_sees_a_page_and_a_program_a_problem() {
-        let house = house(searching());
+        let app = app(searching());
         let browser = [("accept", "text/html,application/xhtml+xml,*/*;q=0.8")];
         for (method, path, status) in
             [("GET", "/nowhere", 404), ("GET", "/console/start", 405), ("GET", "/console/confirm/danger/x", 404)]
         {
-            let response = house.send(method, path, &browser, "").await;
+            let response = app.send(method, path, &browser, "").await;
             assert_eq!(response.status(), status, "{path}");
             assert_eq!(response.headers()["content-type"], "text/html; charset=utf-8", "{path}");
             let page = text(response).await;
             assert!(page.contains("href=\"/\"") && page.contains("<h1>"), "{page}");
             assert!(!page.contains("<h1>Not Found") && !page.contains("Unprocessable"), "in words of people: {page}");
-            let program = house.send(method, path, &[], "").await;
+            let program = app.send(method, path, &[], "").await;
             assert_eq!(program.headers()["content-type"], "application/problem+json", "{path}");
         }
-        let response = house.send("GET", "/api/v1/nothing", &browser, "").await;
+        let response = app.send("GET", "/api/v1/nothing", &browser, "").await;
         assert_eq!(response.headers()["content-type"], "application/problem+json");
     }
 

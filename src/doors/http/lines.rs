@@ -10,7 +10,6 @@ const MOST: u32 = 20;
 /// The span.
 const SPAN: Duration = Duration::from_secs(60);
 
-/// The lines of late.
 #[derive(Debug, Default)]
 pub(super) struct Lines(Mutex<Late>);
 

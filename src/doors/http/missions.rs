@@ -185,11 +185,11 @@ impl From<&MissionRecord> for MissionRecordJson {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{House, house, read, text};
+    use super::super::testing::{TestApp, app, read, text};
     use crate::api::fixture::searching;
 
-    async fn json(house: &House, path: &str) -> serde_json::Value {
-        let (status, json) = read(house.get(path).await).await;
+    async fn json(app: &TestApp, path: &str) -> serde_json::Value {
+        let (status, json) = read(app.get(path).await).await;
         assert_eq!(status, 200, "{path}: {json}");
         json
     }
@@ -200,12 +200,12 @@ mod tests {
 
     #[tokio::test]
     async fn missions_are_listed_newest_first_page_by_page() {
-        let house = house(searching());
-        let whole = json(&house, "/api/v1/missions").await;
+        let app = app(searching());
+        let whole = json(&app, "/api/v1/missions").await;
         assert_eq!((ids(&whole), &whole["next"]), (vec![2, 1], &serde_json::Value::Null));
-        let first = json(&house, "/api/v1/missions?limit=1").await;
+        let first = json(&app, "/api/v1/missions?limit=1").await;
         assert_eq!(ids(&first), [2]);
-        let second = json(&house, first["next"].as_str().unwrap()).await;
+        let second = json(&app, first["next"].as_str().unwrap()).await;
         assert_eq!((ids(&second), &second["next"]), (vec![1], &serde_json::Value::Null));
         assert_eq!(second["missions"][0]["left"], serde_json::json!([2]));
         assert_eq!((&whole["missions"][0]["archived"], &whole["missions"][0]["pieces"]), (&serde_json::Value::Null, &0.into()));
@@ -213,64 +213,64 @@ mod tests {
 
     #[tokio::test]
     async fn a_mission_that_is_over_keeps_its_luggage_and_its_map() {
-        let house = house(searching());
-        let mission = json(&house, "/api/v1/missions/1").await;
+        let app = app(searching());
+        let mission = json(&app, "/api/v1/missions/1").await;
         assert_eq!((&mission["phase"], &mission["dangerous"]), (&"bombLocated".into(), &1.into()));
         assert_eq!(mission["luggage"][1]["decided"]["by"], "operator");
         assert_eq!(mission["map"]["rows"][0], "r11X1X");
         let link = |name: &str| mission["links"][name].as_str().unwrap().to_owned();
-        assert_eq!(json(&house, &link("map")).await, mission["map"]);
-        assert_eq!(json(&house, &link("self")).await, mission);
-        let plain = house.send("GET", &link("map"), &[("accept", "text/plain")], "").await;
+        assert_eq!(json(&app, &link("map")).await, mission["map"]);
+        assert_eq!(json(&app, &link("self")).await, mission);
+        let plain = app.send("GET", &link("map"), &[("accept", "text/plain")], "").await;
         assert!(plain.headers()["content-type"].to_str().unwrap().starts_with("text/plain"));
         assert!(text(plain).await.starts_with("|r, 1, 1, X, 1, X, \n"));
-        assert_eq!(house.send("GET", &link("map"), &[("accept", "image/png")], "").await.status(), 406);
+        assert_eq!(app.send("GET", &link("map"), &[("accept", "image/png")], "").await.status(), 406);
     }
 
     #[tokio::test]
     async fn events_come_oldest_first_and_each_once() {
-        let house = house(searching());
+        let app = app(searching());
         let mut seen = Vec::new();
         let mut next = Some("/api/v1/missions/1/events?limit=2".to_owned());
         while let Some(path) = next {
-            let page = json(&house, &path).await;
+            let page = json(&app, &path).await;
             let events = page["events"].as_array().unwrap();
             assert!(!events.is_empty() && events.len() <= 2);
             seen.extend(events.iter().filter_map(|event| event["seq"].as_u64()));
             next = page["next"].as_str().map(str::to_owned);
         }
         assert_eq!(seen, [1, 2, 3, 4, 5, 6]);
-        let all = json(&house, "/api/v1/missions/1/events").await;
+        let all = json(&app, "/api/v1/missions/1/events").await;
         assert_eq!((&all["events"][1]["who"], &all["events"][1]["from"]), (&"anna".into(), &"192.0.2.7".into()));
         assert_eq!(all["events"][2]["refused"]["code"], "moving");
     }
 
     #[tokio::test]
     async fn what_is_damaged_is_said_beside_what_is_sound() {
-        let house = house(searching());
-        let mission = json(&house, "/api/v1/missions/1").await;
+        let app = app(searching());
+        let mission = json(&app, "/api/v1/missions/1").await;
         assert_eq!(mission["damage"], serde_json::json!(["entry 6 of the journal cannot be understood (a mouse was at it)"]));
         assert!(mission["map"].is_object() && mission["luggage"][1]["id"].is_u64());
-        let all = json(&house, "/api/v1/missions/1/events").await;
+        let all = json(&app, "/api/v1/missions/1/events").await;
         assert_eq!((&all["events"][4]["kind"], &all["events"][5]["kind"]), (&"pose".into(), &"unreadable".into()));
         assert!(all["events"][5]["why"].as_str().unwrap().contains("a mouse"), "{all}");
-        assert_eq!(json(&house, "/api/v1/missions/2").await["damage"], serde_json::json!([]));
+        assert_eq!(json(&app, "/api/v1/missions/2").await["damage"], serde_json::json!([]));
     }
 
     #[tokio::test]
     async fn what_a_client_already_has_is_not_sent_again() {
-        let house = house(searching());
+        let app = app(searching());
         for path in ["/missions", "/missions/1", "/missions/1/map", "/missions/1/events"].map(|path| format!("/api/v1{path}")) {
-            let tag = house.get(&path).await.headers()["etag"].clone();
-            let again = house.send("GET", &path, &[("if-none-match", tag.to_str().unwrap())], "").await;
+            let tag = app.get(&path).await.headers()["etag"].clone();
+            let again = app.send("GET", &path, &[("if-none-match", tag.to_str().unwrap())], "").await;
             assert_eq!((again.status().as_u16(), &again.headers()["etag"]), (304, &tag), "{path}");
-            assert_eq!(house.send("GET", &path, &[("if-none-match", "W/\"other\"")], "").await.status(), 200, "{path}");
+            assert_eq!(app.send("GET", &path, &[("if-none-match", "W/\"other\"")], "").await.status(), 200, "{path}");
         }
     }
 
     #[tokio::test]
     async fn what_is_unknown_wrong_or_unreadable_is_a_problem_in_words() {
-        let house = house(searching());
+        let app = app(searching());
         for (path, status, words) in [
             ("/missions/9", 404, "there is no mission 9"),
             ("/missions/9/events", 404, "there is no mission 9"),
@@ -283,7 +283,7 @@ mod tests {
             ("/missions/1/events?limit=1001", 422, "from 1 to 1000"),
             ("/missions/1/events?after=-1", 422, "`after` is \"-1\""),
         ] {
-            let (got, problem) = read(house.get(&format!("/api/v1{path}")).await).await;
+            let (got, problem) = read(app.get(&format!("/api/v1{path}")).await).await;
             assert_eq!(got.as_u16(), status, "{path}: {problem}");
             assert!(problem["detail"].as_str().unwrap().contains(words), "{path}: {problem}");
         }

@@ -53,7 +53,7 @@ use crate::runtime::handle::Handle;
 /// Streams open at once, the console's and the interface's together: every screen of a site, and a bound on what strangers cost.
 pub const STREAMS: usize = 256;
 
-/// What the door needs of the house. Cheap to clone.
+/// What the door needs of the program. Cheap to clone.
 #[derive(Clone)]
 pub struct Door {
     handle: Handle,
@@ -73,8 +73,7 @@ pub struct Door {
 }
 
 impl Door {
-    /// A door to the loop behind `handle`; `hall` is the name on the page,
-    /// `access` says who is let in.
+    /// A door to the loop behind `handle`; `hall` is the name on the page, `access` says who is let in.
     #[must_use]
     pub fn new(handle: Handle, archive: Reader, hall: &str, access: Access) -> Door {
         Door {
@@ -94,7 +93,6 @@ impl Door {
         }
     }
 
-    /// The same, with a way to MQTT for web clients.
     #[must_use]
     pub fn with_mqtt(self, mqtt: Option<Hall>) -> Door {
         Door { mqtt, ..self }
@@ -105,12 +103,10 @@ impl Door {
         Door { cookie: sign_in::cookie_name(port), ..self }
     }
 
-    /// The same, with as many streams as there is room for.
     fn with_streams(self, room: Room) -> Door {
         Door { streams: Streams::new(room.part(STREAMS)), ..self }
     }
 
-    /// The name of its session's cookie.
     fn cookie(&self) -> &str {
         &self.cookie
     }

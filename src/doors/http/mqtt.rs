@@ -51,13 +51,10 @@ const LEAVING: usize = 64;
 /// A web client that wants to speak MQTT.
 #[derive(Debug)]
 pub struct IncomingConnection {
-    /// What it says, and what it is told.
     pub stream: Carried,
-    /// Where it comes from.
     pub from: IpAddr,
     /// Who it is, if it has signed in to the console.
     pub caller: Option<Caller>,
-    /// Who is let in by this way.
     pub access: Access,
 }
 
@@ -97,7 +94,6 @@ pub struct Hall {
 }
 
 impl Hall {
-    /// Brings them there.
     pub fn new(receive: impl Fn(IncomingConnection) + Send + Sync + 'static) -> Hall {
         Hall { receive: Arc::new(receive), leaving: Vestibule::new(LEAVING) }
     }

@@ -32,9 +32,9 @@ const LEAVING: usize = 32;
 
 /// All places of the door. Cheap to clone.
 #[derive(Clone)]
-pub(super) struct Places(Arc<Mutex<Taken>>);
+pub(super) struct Places(Arc<Mutex<Occupancy>>);
 
-struct Taken {
+struct Occupancy {
     most: usize,
     /// How many of those who were cut may be on their way out.
     leaving: usize,
@@ -43,7 +43,7 @@ struct Taken {
     moments: u64,
     /// Places that were given and not left, those that were cut included.
     held: usize,
-    seats: HashMap<u64, Seat>,
+    occupants: HashMap<u64, Occupant>,
     /// The order in which they give way: looking through all of them for each newcomer would keep STOPs of others waiting.
     queues: Queues,
 }
@@ -59,7 +59,7 @@ pub(super) struct Claim {
 /// The name of a key, and whether it is an operator's.
 type Who = (Arc<str>, bool);
 
-struct Seat {
+struct Occupant {
     claim: Claim,
     /// Requests whose heads have come and that are not answered.
     open: u64,
@@ -112,59 +112,58 @@ impl Places {
     /// So many places, all free. Where nobody signs in there are no shares.
     pub(super) fn new(most: usize, room: Room, access: &Access) -> Places {
         let (most, leaving, has_shares) = (room.part(most), room.part(LEAVING), matches!(access, Access::Keys(_)));
-        let (seats, queues) = (HashMap::new(), Queues::default());
-        Places(Arc::new(Mutex::new(Taken { most, leaving, has_shares, moments: 0, held: 0, seats, queues })))
+        let (occupants, queues) = (HashMap::new(), Queues::default());
+        Places(Arc::new(Mutex::new(Occupancy { most, leaving, has_shares, moments: 0, held: 0, occupants, queues })))
     }
 
     /// A place; somebody else's, who is told by `cut`, when none is free. `None` when nobody can give way, or too many who had to have
     /// not gone yet.
     pub(super) fn take(&self, claim: Claim, says_stop: bool, cut: Arc<Notify>) -> Option<Place> {
-        let mut taken = self.taken();
-        let is_heeded = says_stop || taken.has_shares && claim.is_operator();
-        let leaving = if is_heeded { 2 * taken.leaving } else { taken.leaving };
-        if taken.held >= taken.most + leaving || !taken.make_room(&claim) {
+        let mut occupancy = self.occupancy();
+        let is_heeded = says_stop || occupancy.has_shares && claim.is_operator();
+        let leaving = if is_heeded { 2 * occupancy.leaving } else { occupancy.leaving };
+        if occupancy.held >= occupancy.most + leaving || !occupancy.make_room(&claim) {
             return None;
         }
-        taken.held += 1;
-        let number = taken.moment();
-        let seat = Seat { claim, open: 0, is_receiving: false, is_watching: false, since: number, cut };
-        taken.sit(number, seat);
-        drop(taken);
+        occupancy.held += 1;
+        let number = occupancy.moment();
+        let occupant = Occupant { claim, open: 0, is_receiving: false, is_watching: false, since: number, cut };
+        occupancy.sit(number, occupant);
+        drop(occupancy);
         Some(Place { number, places: self.clone() })
     }
 
     /// Cuts some connections that can give way, when the system has no more descriptors, and says how many.
     pub(super) fn relieve(&self) -> usize {
-        let mut taken = self.taken();
-        (0..RELIEF).take_while(|_| taken.cut_first()).count()
+        let mut occupancy = self.occupancy();
+        (0..RELIEF).map_while(|_| occupancy.queues.of_all().1.filter(|first| occupancy.cut(Some(*first)))).count()
     }
 
-    /// Places that were given and not left.
     #[cfg(test)]
     pub(super) fn held(&self) -> usize {
-        self.taken().held
+        self.occupancy().held
     }
 
-    fn taken(&self) -> MutexGuard<'_, Taken> {
+    fn occupancy(&self) -> MutexGuard<'_, Occupancy> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Taken {
+impl Occupancy {
     fn moment(&mut self) -> u64 {
         self.moments += 1;
         self.moments
     }
 
-    fn sit(&mut self, number: u64, seat: Seat) {
-        self.queues.enter(&seat.claim, seat.turn(number));
-        self.seats.insert(number, seat);
+    fn sit(&mut self, number: u64, occupant: Occupant) {
+        self.queues.enter(&occupant.claim, occupant.turn(number));
+        self.occupants.insert(number, occupant);
     }
 
-    fn rise(&mut self, number: u64) -> Option<Seat> {
-        let seat = self.seats.remove(&number)?;
-        self.queues.leave(&seat.claim, seat.turn(number));
-        Some(seat)
+    fn rise(&mut self, number: u64) -> Option<Occupant> {
+        let occupant = self.occupants.remove(&number)?;
+        self.queues.leave(&occupant.claim, occupant.turn(number));
+        Some(occupant)
     }
 
     /// Whoever has his share full takes the place of one of his own, and nobody but an operator takes an operator's.
@@ -179,7 +178,7 @@ impl Taken {
             }
         }
         let (_, first) = if !has_shares || claim.is_operator() { self.queues.of_all() } else { self.queues.of_others() };
-        self.seats.len() < most || self.cut(first)
+        self.occupants.len() < most || self.cut(first)
     }
 
     /// Whether there is room for one more of so many, after the first of them gave way if need be.
@@ -194,21 +193,15 @@ impl Taken {
         }
     }
 
-    /// Cuts whoever gives way before all others; `false` when nobody does.
-    fn cut_first(&mut self) -> bool {
-        let (_, first) = self.queues.of_all();
-        self.cut(first)
-    }
-
     /// Cuts this connection; `false` when there is none.
     fn cut(&mut self, turn: Option<Turn>) -> bool {
-        let Some(seat) = turn.and_then(|turn| self.rise(turn.number)) else { return false };
-        seat.cut.notify_one();
+        let Some(occupant) = turn.and_then(|turn| self.rise(turn.number)) else { return false };
+        occupant.cut.notify_one();
         true
     }
 }
 
-impl Seat {
+impl Occupant {
     /// When it gives way, under this number.
     const fn turn(&self, number: u64) -> Turn {
         Turn { rank: self.claim.rank(), stage: self.stage(), since: self.since, number }
@@ -228,29 +221,28 @@ impl Place {
     /// A head has come, whose body follows or not. A body that comes slowly is no progress.
     pub(super) fn asked(&self, claim: Claim, has_body: bool) {
         let mut is_another = false;
-        self.change(true, |seat| {
-            is_another = claim.who.is_some() && claim.who != seat.claim.who;
-            (seat.claim, seat.is_receiving) = (claim.clone(), has_body);
-            seat.open += 1;
+        self.change(true, |occupant| {
+            is_another = claim.who.is_some() && claim.who != occupant.claim.who;
+            (occupant.claim, occupant.is_receiving) = (claim.clone(), has_body);
+            occupant.open += 1;
         });
         if is_another {
-            self.places.taken().keep_share(&claim);
+            self.places.occupancy().keep_share(&claim);
         }
     }
 
-    /// The whole body has come.
     pub(super) fn received(&self) {
-        self.change(true, |seat| seat.is_receiving = false);
+        self.change(true, |occupant| occupant.is_receiving = false);
     }
 
     /// The answer to a request has no end.
     pub(super) fn watches(&self) {
-        self.change(false, |seat| seat.is_watching = true);
+        self.change(false, |occupant| occupant.is_watching = true);
     }
 
     /// The connection speaks another protocol from now on: its place is free, and nobody needs to cut it.
     pub(super) fn hands_over(&self) {
-        let _ = self.places.taken().rise(self.number);
+        let _ = self.places.occupancy().rise(self.number);
     }
 
     /// Something of an answer was taken to be sent.
@@ -258,32 +250,31 @@ impl Place {
         self.change(true, |_| {});
     }
 
-    /// A request is over.
     pub(super) fn answered(&self) {
-        self.change(true, |seat| {
-            seat.open = seat.open.saturating_sub(1);
-            seat.is_watching = false;
+        self.change(true, |occupant| {
+            occupant.open = occupant.open.saturating_sub(1);
+            occupant.is_watching = false;
         });
     }
 
-    fn change(&self, is_progress: bool, change: impl FnOnce(&mut Seat)) {
-        let mut taken = self.places.taken();
-        let now = taken.moment();
-        if let Some(mut seat) = taken.rise(self.number) {
-            change(&mut seat);
+    fn change(&self, is_progress: bool, change: impl FnOnce(&mut Occupant)) {
+        let mut occupancy = self.places.occupancy();
+        let now = occupancy.moment();
+        if let Some(mut occupant) = occupancy.rise(self.number) {
+            change(&mut occupant);
             if is_progress {
-                seat.since = now;
+                occupant.since = now;
             }
-            taken.sit(self.number, seat);
+            occupancy.sit(self.number, occupant);
         }
     }
 }
 
 impl Drop for Place {
     fn drop(&mut self) {
-        let mut taken = self.places.taken();
-        taken.held -= 1;
-        let _ = taken.rise(self.number);
+        let mut occupancy = self.places.occupancy();
+        occupancy.held -= 1;
+        let _ = occupancy.rise(self.number);
     }
 }
 

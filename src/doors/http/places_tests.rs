@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use futures_util::FutureExt;
 use hallsweep_core::rng::RandomStream;
 
 use super::*;
@@ -50,18 +51,14 @@ impl Somebody {
         self
     }
 
-    async fn is_cut(&self) -> bool {
-        tokio::select! {
-            biased;
-            () = self.cut.notified() => true,
-            () = std::future::ready(()) => false,
-        }
+    fn is_cut(&self) -> bool {
+        self.cut.notified().now_or_never().is_some()
     }
 }
 
 /// Safety S9: it is as good as one that never had a body.
-#[tokio::test]
-async fn a_body_that_has_come_whole_is_none_that_is_on_its_way() {
+#[test]
+fn a_body_that_has_come_whole_is_none_that_is_on_its_way() {
     let places = open(2);
     let older = comes(&places, HERE, "operator").dribbles();
     older.place().received();
@@ -69,12 +66,12 @@ async fn a_body_that_has_come_whole_is_none_that_is_on_its_way() {
     let newer = comes(&places, HERE, "operator").asks();
     newer.place().answered();
     let _newcomer = comes(&places, HERE, "operator");
-    assert!(older.is_cut().await && !newer.is_cut().await);
+    assert!(older.is_cut() && !newer.is_cut());
 }
 
 /// Safety S9.
-#[tokio::test]
-async fn whoever_makes_least_progress_gives_way() {
+#[test]
+fn whoever_makes_least_progress_gives_way() {
     let places = open(5);
     let answered = comes(&places, HERE, "operator").asks();
     let dribbling = comes(&places, HERE, "operator").dribbles();
@@ -88,22 +85,22 @@ async fn whoever_makes_least_progress_gives_way() {
     answered.place().sends();
     let mut newcomers = Vec::new();
     for gives_way in [&resting, &dribbling, &sending, &answered] {
-        assert!(!gives_way.is_cut().await);
+        assert!(!gives_way.is_cut());
         newcomers.push(comes(&places, HERE, "operator").asks());
         newcomers.iter().for_each(|newcomer| newcomer.place().sends());
-        assert!(gives_way.is_cut().await);
+        assert!(gives_way.is_cut());
     }
-    assert!(!watching.is_cut().await, "an endless answer does not give way");
+    assert!(!watching.is_cut(), "an endless answer does not give way");
 }
 
 /// Safety S9: what comes slowly is no progress, however often something of it comes.
-#[tokio::test]
-async fn two_thousand_bodies_that_do_not_come_keep_nobody_out() {
+#[test]
+fn two_thousand_bodies_that_do_not_come_keep_nobody_out() {
     let places = open(100);
     let mut dribbling = VecDeque::new();
     for _ in 0..2000 {
         dribbling.push_back(comes(&places, HERE, "operator").dribbles());
-        if dribbling[0].is_cut().await {
+        if dribbling[0].is_cut() {
             drop(dribbling.pop_front());
         }
     }
@@ -111,100 +108,92 @@ async fn two_thousand_bodies_that_do_not_come_keep_nobody_out() {
     for _ in 0..300 {
         let newcomer = comes(&places, HERE, "operator").asks();
         newcomer.place().sends();
-        assert!(!newcomer.is_cut().await);
-        assert!(dribbling[0].is_cut().await, "one of them went for him");
+        assert!(!newcomer.is_cut());
+        assert!(dribbling[0].is_cut(), "one of them went for him");
         drop(dribbling.pop_front());
         dribbling.push_back(comes(&places, HERE, "operator").dribbles());
-        assert!(!newcomer.is_cut().await, "nor does it take the place of who asks");
+        assert!(!newcomer.is_cut(), "nor does it take the place of who asks");
     }
 }
 
 /// Safety S9.
-#[tokio::test]
-async fn one_key_has_its_share_from_wherever_it_comes() {
+#[test]
+fn one_key_has_its_share_from_wherever_it_comes() {
     let places = keyed(8);
     let mut viewer = Vec::new();
     for number in 0..20 {
         viewer.push(comes(&places, &format!("192.0.2.{number}"), "lobby").asks());
     }
-    let mut kept = 0;
-    for of_viewer in &viewer {
-        kept += usize::from(!of_viewer.is_cut().await);
-    }
-    assert_eq!(kept, 2, "a fourth of eight");
+    assert_eq!(viewer.iter().filter(|of_viewer| !of_viewer.is_cut()).count(), 2, "a fourth of eight");
     viewer.iter().rev().take(2).for_each(|of_viewer| of_viewer.place().watches());
     assert!(comes(&places, "192.0.2.99", "lobby").place.is_none(), "whoever looks on does not give way to his own either");
     assert!(comes(&places, "192.0.2.99", "operator").place.is_some());
 }
 
 /// Safety S9.
-#[tokio::test]
-async fn one_network_has_its_share_but_this_machine() {
+#[test]
+fn one_network_has_its_share_but_this_machine() {
     let places = keyed(8);
     let mut theirs = Vec::new();
     for number in 0..8 {
         theirs.push(comes(&places, "192.0.2.1", &format!("viewer{number}")).asks());
     }
-    assert!(theirs[5].is_cut().await && !theirs[6].is_cut().await && !theirs[7].is_cut().await);
+    assert!(theirs[5].is_cut() && !theirs[6].is_cut() && !theirs[7].is_cut());
     let here: Vec<_> = (0..4).map(|number| comes(&places, HERE, &format!("viewer{number}")).asks()).collect();
     for of_here in &here {
-        assert!(!of_here.is_cut().await, "a proxy is the way of many");
+        assert!(!of_here.is_cut(), "a proxy is the way of many");
     }
 }
 
 /// Safety S9.
-#[tokio::test]
-async fn some_places_are_kept_for_operators_who_are_not_there_yet() {
+#[test]
+fn some_places_are_kept_for_operators_who_are_not_there_yet() {
     let places = keyed(16);
     let mut viewers = Vec::new();
     for number in 0..40 {
         viewers.push(comes(&places, &format!("192.0.2.{number}"), &format!("viewer{number}")).asks());
     }
-    let mut kept = 0;
-    for viewer in &viewers {
-        kept += usize::from(!viewer.is_cut().await);
-    }
-    assert_eq!(kept, 14);
+    assert_eq!(viewers.iter().filter(|viewer| !viewer.is_cut()).count(), 14);
     let operators = [comes(&places, HERE, "operator"), comes(&places, HERE, "operator-2")];
     assert!(operators.iter().all(|operator| operator.place.is_some()));
     for viewer in &viewers[26..] {
-        assert!(!viewer.is_cut().await, "nobody had to give way");
+        assert!(!viewer.is_cut(), "nobody had to give way");
     }
 }
 
 /// Safety S9, A5.
-#[tokio::test]
-async fn strangers_give_way_before_anybody_who_is_known() {
+#[test]
+fn strangers_give_way_before_anybody_who_is_known() {
     let places = keyed(8);
     let known = comes(&places, HERE, "lobby").asks();
     known.place().answered();
     let strangers: Vec<_> = (0..6).map(|_| comes(&places, HERE, "").asks()).collect();
     let _newcomer = comes(&places, HERE, "operator").asks();
     let _another = comes(&places, HERE, "operator").asks();
-    assert!(strangers[0].is_cut().await && !known.is_cut().await);
+    assert!(strangers[0].is_cut() && !known.is_cut());
 }
 
-#[tokio::test]
-async fn a_system_without_descriptors_is_relieved_of_all_but_lookers_on() {
+#[test]
+fn a_system_without_descriptors_is_relieved_of_all_but_lookers_on() {
     let places = open(40);
     let all: Vec<_> = (0..40).map(|_| comes(&places, HERE, "operator").asks()).collect();
     all.iter().take(20).for_each(|somebody| somebody.place().watches());
     assert_eq!([places.relieve(), places.relieve(), places.relieve()], [RELIEF, 4, 0]);
 }
 
-#[tokio::test]
-async fn a_place_that_is_left_is_free() {
+#[test]
+fn a_place_that_is_left_is_free() {
     let places = open(1);
     for _ in 0..3 {
         let somebody = comes(&places, HERE, "operator").asks();
-        assert!(!somebody.is_cut().await);
+        assert!(!somebody.is_cut());
     }
     assert_eq!(places.relieve(), 0, "nobody is here");
 }
 
 /// Safety S9.
-#[tokio::test]
-async fn an_operator_who_rests_gives_way_to_no_viewer_and_no_stranger() {
+#[test]
+fn an_operator_who_rests_gives_way_to_no_viewer_and_no_stranger() {
     let places = keyed(8);
     let operators = [comes(&places, HERE, "operator").asks(), comes(&places, HERE, "operator-2").asks()];
     operators.iter().for_each(|operator| operator.place().answered());
@@ -214,47 +203,43 @@ async fn an_operator_who_rests_gives_way_to_no_viewer_and_no_stranger() {
     }
     others.extend((20..30).map(|number| comes(&places, &format!("192.0.2.{number}"), "").dribbles()));
     for operator in &operators {
-        assert!(!operator.is_cut().await);
+        assert!(!operator.is_cut());
     }
     let third = comes(&places, HERE, "operator-3");
-    assert!(third.place.is_some() && !operators[0].is_cut().await);
+    assert!(third.place.is_some() && !operators[0].is_cut());
 }
 
 /// Safety S9.
-#[tokio::test]
-async fn a_system_without_descriptors_is_relieved_of_operators_last() {
+#[test]
+fn a_system_without_descriptors_is_relieved_of_operators_last() {
     let places = keyed(24);
     let operators: Vec<_> = (0..4).map(|number| comes(&places, HERE, &format!("operator{number}")).asks()).collect();
     operators.iter().for_each(|operator| operator.place().answered());
     let _viewers: Vec<_> = (0..16).map(|number| comes(&places, HERE, &format!("viewer{number}")).asks()).collect();
     assert_eq!(places.relieve(), RELIEF);
     for operator in &operators {
-        assert!(!operator.is_cut().await);
+        assert!(!operator.is_cut());
     }
 }
 
 /// Safety S9.
-#[tokio::test]
-async fn a_key_that_is_shown_later_counts_for_its_share_too() {
+#[test]
+fn a_key_that_is_shown_later_counts_for_its_share_too() {
     let places = keyed(8);
     let connections: Vec<_> = (0..6).map(|_| comes(&places, HERE, "").asks()).collect();
     let lobby = Claim { who: Some((Arc::from("lobby"), false)), ..connections[0].claim.clone() };
     connections.iter().for_each(|connection| connection.place().asked(lobby.clone(), false));
-    let mut kept = 0;
-    for connection in &connections {
-        kept += usize::from(!connection.is_cut().await);
-    }
-    assert_eq!(kept, 2, "a fourth of eight");
+    assert_eq!(connections.iter().filter(|connection| !connection.is_cut()).count(), 2, "a fourth of eight");
 }
 
 /// Safety S9, A5: what was cut and is not closed yet is bounded too.
-#[tokio::test]
-async fn when_too_many_were_cut_and_are_not_gone_only_who_says_stop_gets_a_place() {
+#[test]
+fn when_too_many_were_cut_and_are_not_gone_only_who_says_stop_gets_a_place() {
     let places = open(4);
     let mut all: Vec<_> = (0..4 + LEAVING).map(|_| comes(&places, HERE, "operator").asks()).collect();
     let newcomer = comes(&places, HERE, "operator");
     assert!(newcomer.place.is_none());
-    assert!(!all[LEAVING].is_cut().await, "nobody has to give way for who is not let in");
+    assert!(!all[LEAVING].is_cut(), "nobody has to give way for who is not let in");
     let stop = |cut: &Arc<Notify>| places.take(newcomer.claim.clone(), true, Arc::clone(cut));
     let stops: Vec<_> = (0..=LEAVING).map(|_| stop(&newcomer.cut)).collect();
     assert_eq!(stops.iter().flatten().count(), LEAVING);
@@ -282,18 +267,18 @@ fn whoever_is_found_to_give_way_is_the_first_of_all() {
             (7, Some(n)) => all[n].place().answered(),
             (_, Some(n)) => all[n].place().sends(),
         }
-        let taken = places.taken();
-        let found = |among: &dyn Fn(&Seat) -> bool| {
-            let these = taken.seats.iter().filter(|(_, seat)| among(seat));
-            let yielding = these.clone().filter(|(_, seat)| seat.stage() != Stage::Watching);
-            (these.count(), yielding.map(|(number, seat)| seat.turn(*number)).min())
+        let occupancy = places.occupancy();
+        let found = |among: &dyn Fn(&Occupant) -> bool| {
+            let these = occupancy.occupants.iter().filter(|(_, occupant)| among(occupant));
+            let yielding = these.clone().filter(|(_, occupant)| occupant.stage() != Stage::Watching);
+            (these.count(), yielding.map(|(number, occupant)| occupant.turn(*number)).min())
         };
         let claim = Claim { network: Network::of(from.parse().unwrap()), who: Some((Arc::from("lobby"), false)) };
-        assert_eq!(taken.queues.of_all(), found(&|_| true));
-        assert_eq!(taken.queues.of_others(), found(&|seat| !seat.claim.is_operator()));
-        assert_eq!(taken.queues.of_key(&claim), found(&|seat| seat.claim.who == claim.who));
-        assert_eq!(taken.queues.of_network(&claim), found(&|seat| seat.claim.network == claim.network));
+        assert_eq!(occupancy.queues.of_all(), found(&|_| true));
+        assert_eq!(occupancy.queues.of_others(), found(&|occupant| !occupant.claim.is_operator()));
+        assert_eq!(occupancy.queues.of_key(&claim), found(&|occupant| occupant.claim.who == claim.who));
+        assert_eq!(occupancy.queues.of_network(&claim), found(&|occupant| occupant.claim.network == claim.network));
     }
     drop(all);
-    assert!(places.taken().queues.are_empty(), "nothing is kept of who has left");
+    assert!(places.occupancy().queues.are_empty(), "nothing is kept of who has left");
 }

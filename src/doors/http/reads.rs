@@ -87,66 +87,66 @@ pub(super) async fn record(door: &Door, snapshot: &Snapshot, id: u64) -> Result<
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{House, house, read, text};
+    use super::super::testing::{TestApp, app, read, text};
     use crate::api::fixture::searching;
     use crate::api::resources::{RESOURCES, Shown};
     use hallsweep_core::world::luggage::{Luggage, PhotoState};
     use std::sync::Arc;
 
-    async fn etag(house: &House, path: &str, accept: &str) -> String {
-        let response = house.send("GET", path, &[("accept", accept)], "").await;
+    async fn etag(app: &TestApp, path: &str, accept: &str) -> String {
+        let response = app.send("GET", path, &[("accept", accept)], "").await;
         assert_eq!(response.status(), 200, "{path}");
         response.headers()["etag"].to_str().unwrap().to_owned()
     }
 
     #[tokio::test]
     async fn what_a_client_already_has_is_not_sent_again() {
-        let house = house(searching());
+        let app = app(searching());
         for path in RESOURCES.map(|row| format!("/api/v1{}", row.path.replace("{id}", "3"))) {
-            let tag = etag(&house, &path, "*/*").await;
+            let tag = etag(&app, &path, "*/*").await;
             assert!(tag.starts_with("W/\"t-1-"), "{tag}");
-            let again = house.send("GET", &path, &[("if-none-match", &tag)], "").await;
+            let again = app.send("GET", &path, &[("if-none-match", &tag)], "").await;
             assert_eq!((again.status().as_u16(), &again.headers()["etag"]), (304, &tag.parse().unwrap()), "{path}");
             assert_eq!(again.headers()["cache-control"], "no-cache");
-            let other = house.send("GET", &path, &[("if-none-match", "W/\"t-0-20-json\"")], "").await;
+            let other = app.send("GET", &path, &[("if-none-match", "W/\"t-0-20-json\"")], "").await;
             assert_eq!(other.status(), 200, "{path}");
         }
     }
 
     #[tokio::test]
     async fn every_resource_is_there_alone_as_it_stands_in_the_whole_state() {
-        let house = house(searching());
-        let (_, state) = read(house.get("/api/v1/state").await).await;
+        let app = app(searching());
+        let (_, state) = read(app.get("/api/v1/state").await).await;
         for row in RESOURCES.iter().filter(|row| matches!(row.shown, Shown::Of(_))) {
-            let (status, json) = read(house.get(&format!("/api/v1{}", row.path)).await).await;
+            let (status, json) = read(app.get(&format!("/api/v1{}", row.path)).await).await;
             assert_eq!((status.as_u16(), &json), (200, &state[row.name]), "{}", row.name);
         }
-        let (_, strategy) = read(house.get("/api/v1/strategy").await).await;
+        let (_, strategy) = read(app.get("/api/v1/strategy").await).await;
         assert_eq!(strategy["name"], state["mission"]["strategy"]);
-        let plain = house.send("GET", "/api/v1/temperature", &[("accept", "text/plain")], "").await;
+        let plain = app.send("GET", "/api/v1/temperature", &[("accept", "text/plain")], "").await;
         assert_eq!(text(plain).await, "21.4 °C, ok");
-        let none = house.send("GET", "/api/v1/alarms", &[("accept", "text/plain")], "").await;
+        let none = app.send("GET", "/api/v1/alarms", &[("accept", "text/plain")], "").await;
         assert_eq!(none.headers()["content-type"], "application/json", "where there is one form it is sent");
     }
 
     #[tokio::test]
     async fn the_map_comes_in_the_format_that_is_asked_for() {
-        let house = house(searching());
-        let plain = house.send("GET", "/api/v1/map", &[("accept", "text/plain")], "").await;
+        let app = app(searching());
+        let plain = app.send("GET", "/api/v1/map", &[("accept", "text/plain")], "").await;
         assert!(plain.headers().get_all("vary").iter().any(|value| value == "accept"));
         assert!(plain.headers()["content-type"].to_str().unwrap().starts_with("text/plain"));
         assert!(text(plain).await.starts_with("|1, 1, 1, X, 1, X, \n"));
-        let (_, json) = read(house.get("/api/v1/map").await).await;
+        let (_, json) = read(app.get("/api/v1/map").await).await;
         assert_eq!(json["rows"][2], "1XrX0X");
-        assert_eq!(house.send("GET", "/api/v1/map", &[("accept", "image/png")], "").await.status(), 406);
-        let (json, plain) = (etag(&house, "/api/v1/map", "*/*").await, etag(&house, "/api/v1/map", "text/plain").await);
+        assert_eq!(app.send("GET", "/api/v1/map", &[("accept", "image/png")], "").await.status(), 406);
+        let (json, plain) = (etag(&app, "/api/v1/map", "*/*").await, etag(&app, "/api/v1/map", "text/plain").await);
         assert_ne!(json, plain);
     }
 
     #[tokio::test]
     async fn a_photo_is_the_picture_itself_and_never_compressed() {
-        let house = house(searching());
-        let response = house.send("GET", "/api/v1/luggage/3/photo", &[("accept-encoding", "gzip")], "").await;
+        let app = app(searching());
+        let response = app.send("GET", "/api/v1/luggage/3/photo", &[("accept-encoding", "gzip")], "").await;
         assert_eq!(response.headers()["content-type"], "image/png");
         assert!(response.headers().get("content-encoding").is_none());
         let bytes = axum::body::to_bytes(response.into_body(), 100).await.unwrap();
@@ -158,31 +158,31 @@ mod tests {
         let mut snapshot = searching();
         let failed = Luggage { photo: PhotoState::Failed("lens covered".to_owned()), ..(*snapshot.luggage[2]).clone() };
         Arc::make_mut(&mut snapshot.luggage)[2] = Arc::new(failed);
-        let (status, json) = read(house(snapshot).get("/api/v1/luggage/3/photo").await).await;
+        let (status, json) = read(app(snapshot).get("/api/v1/luggage/3/photo").await).await;
         assert_eq!(status, 404);
         assert!(json["detail"].as_str().unwrap().contains("lens covered"), "{json}");
     }
 
     #[tokio::test]
     async fn what_is_large_travels_compressed_when_the_client_can() {
-        let house = house(searching());
-        let response = house.send("GET", "/api/v1/state", &[("accept-encoding", "gzip")], "").await;
+        let app = app(searching());
+        let response = app.send("GET", "/api/v1/state", &[("accept-encoding", "gzip")], "").await;
         assert_eq!(response.headers()["content-encoding"], "gzip");
         assert!(response.headers()["etag"].to_str().unwrap().starts_with("W/"));
     }
 
     #[tokio::test]
     async fn what_is_not_there_is_not_found() {
-        let house = house(searching());
+        let app = app(searching());
         for path in ["/api/v1/luggage/99", "/api/v1/luggage/x", "/api/v1/luggage/99/photo", "/api/v1/", "/api", "/nowhere"] {
-            let (status, json) = read(house.get(path).await).await;
+            let (status, json) = read(app.get(path).await).await;
             assert_eq!((status.as_u16(), &json["status"]), (404, &404.into()), "{path}");
         }
     }
 
     #[tokio::test]
     async fn health_is_ok_until_the_loop_is_gone() {
-        let house = house(searching());
-        assert_eq!(text(house.get("/healthz").await).await, "ok 20\n");
+        let app = app(searching());
+        assert_eq!(text(app.get("/healthz").await).await, "ok 20\n");
     }
 }

@@ -8,40 +8,40 @@ use crate::api::documented;
 use crate::api::fixture::searching;
 use crate::api::resources::Form;
 use crate::doors::http::testing;
-use crate::doors::http::testing::{House, guarded_house, house, keys, read, text};
+use crate::doors::http::testing::{TestApp, app, guarded_app, keys, read, text};
 
 /// Sends what a row answers to, as somebody with this token.
-async fn sent(house: &House, row: &Row, token: Option<&str>, accept: &str) -> axum::http::Response<axum::body::Body> {
+async fn sent(app: &TestApp, row: &Row, token: Option<&str>, accept: &str) -> axum::http::Response<axum::body::Body> {
     let bearer = token.map(|token| format!("Bearer {token}"));
     let mut headers = vec![("accept", accept)];
     headers.extend(bearer.as_deref().map(|bearer| ("authorization", bearer)));
-    house.send(row.method.as_str(), &row.path.replace("{id}", "3"), &headers, "").await
+    app.send(row.method.as_str(), &row.path.replace("{id}", "3"), &headers, "").await
 }
 
-fn guarded() -> (House, testing::Tokens) {
+fn guarded() -> (TestApp, testing::Tokens) {
     let (keyring, tokens) = keys();
-    (guarded_house(searching(), Access::Keys(keyring)), tokens)
+    (guarded_app(searching(), Access::Keys(keyring)), tokens)
 }
 
 /// Safety A1.
 #[tokio::test]
 async fn every_route_lets_in_whom_the_table_says_and_nobody_else() {
-    let (house, tokens) = guarded();
+    let (app, tokens) = guarded();
     for row in table() {
         let (method, path) = (&row.method, &row.path);
-        let stranger = sent(&house, &row, None, "*/*").await;
+        let stranger = sent(&app, &row, None, "*/*").await;
         let expect_401 = row.need != Nothing;
         assert_eq!(stranger.status() == 401, expect_401, "{method} {path} for nobody: {}", stranger.status());
         assert_eq!(stranger.headers().contains_key("www-authenticate"), expect_401, "{method} {path}");
 
-        let viewer = sent(&house, &row, Some(&tokens.viewer), "*/*").await;
+        let viewer = sent(&app, &row, Some(&tokens.viewer), "*/*").await;
         assert_ne!(viewer.status(), 401, "{method} {path} for a viewer");
         assert_eq!(viewer.status() == 403, row.need == Act, "{method} {path} for a viewer: {}", viewer.status());
         if row.need == Act {
             assert_eq!(read(viewer).await.1["code"], "notAllowed", "{method} {path}");
         }
 
-        let operator = sent(&house, &row, Some(&tokens.operator), "*/*").await;
+        let operator = sent(&app, &row, Some(&tokens.operator), "*/*").await;
         assert!(![401, 403].contains(&operator.status().as_u16()), "{method} {path} for an operator: {}", operator.status());
     }
 }
@@ -49,32 +49,32 @@ async fn every_route_lets_in_whom_the_table_says_and_nobody_else() {
 /// Safety S1, A1.
 #[tokio::test]
 async fn all_that_a_viewer_can_make_the_core_do_is_to_stop() {
-    let (house, tokens) = guarded();
+    let (app, tokens) = guarded();
     for row in table() {
-        sent(&house, &row, Some(&tokens.viewer), "*/*").await;
+        sent(&app, &row, Some(&tokens.viewer), "*/*").await;
     }
-    let given: Vec<Command> = house.given.lock().unwrap().drain(..).map(|request| request.command).collect();
+    let given: Vec<Command> = app.given.lock().unwrap().drain(..).map(|request| request.command).collect();
     assert_eq!(given, vec![Command::Stop; 4], "by the interface, the console, and two words of old clients");
 
     let bearer = format!("Bearer {}", tokens.viewer);
     let moved = async |path: &str, media: &str, body: &str| {
         let headers = [("authorization", bearer.as_str()), ("content-type", media)];
-        house.send("POST", path, &headers, body).await.status().as_u16()
+        app.send("POST", path, &headers, body).await.status().as_u16()
     };
     let (json, form) = ("application/json", "application/x-www-form-urlencoded");
     assert_eq!(moved("/api/v1/commands/move", json, r#"{"move":"w"}"#).await, 403);
     assert_eq!(moved("/console/move", form, "move=w").await, 403);
-    assert!(house.given.lock().unwrap().is_empty());
+    assert!(app.given.lock().unwrap().is_empty());
     assert_eq!(moved("/api/v1/commands/move", json, r#"{"move":"h"}"#).await, 200, "`h` is STOP");
     assert_eq!(moved("/console/move", form, "move=h").await, 303);
-    assert_eq!(&*house.last().issuer.who, "lobby");
+    assert_eq!(&*app.last().issuer.who, "lobby");
 }
 
 #[tokio::test]
 async fn a_browser_that_nobody_is_signed_in_with_is_led_to_the_page_for_it() {
-    let (house, _) = guarded();
+    let (app, _) = guarded();
     for row in table().iter().filter(|row| row.need != Nothing && !row.path.starts_with("/api/")) {
-        let response = sent(&house, row, None, "text/html,*/*;q=0.8").await;
+        let response = sent(&app, row, None, "text/html,*/*;q=0.8").await;
         let location = response.headers().get("location").and_then(|value| value.to_str().ok()).unwrap_or_default();
         assert_eq!(response.status(), 303, "{}", row.path);
         let leads_back = row.method == Method::GET && row.path != "/";
@@ -86,27 +86,27 @@ async fn a_browser_that_nobody_is_signed_in_with_is_led_to_the_page_for_it() {
         };
         assert_eq!(location, expect);
     }
-    assert!(house.given.lock().unwrap().is_empty());
+    assert!(app.given.lock().unwrap().is_empty());
 }
 
 #[tokio::test]
 async fn what_is_not_in_the_table_is_answered_to_those_who_may_look() {
-    let (house, tokens) = guarded();
+    let (app, tokens) = guarded();
     let bearer = format!("Bearer {}", tokens.viewer);
     for (method, path, status) in [("GET", "/nowhere", 404), ("DELETE", "/api/v1/state", 405), ("PATCH", "/healthz", 405)] {
-        assert_eq!(house.send(method, path, &[], "").await.status(), 401, "{path}");
-        assert_eq!(house.send(method, path, &[("authorization", &bearer)], "").await.status(), status, "{path}");
+        assert_eq!(app.send(method, path, &[], "").await.status(), 401, "{path}");
+        assert_eq!(app.send(method, path, &[("authorization", &bearer)], "").await.status(), status, "{path}");
     }
 }
 
 #[tokio::test]
 async fn an_open_door_asks_nobody_for_a_key() {
-    let house = house(searching());
+    let app = app(searching());
     for row in table() {
-        let response = sent(&house, &row, None, "*/*").await;
+        let response = sent(&app, &row, None, "*/*").await;
         assert!(![401, 403].contains(&response.status().as_u16()), "{} {}: {}", row.method, row.path, response.status());
     }
-    assert!(!text(house.get("/").await).await.contains("/sign-out"));
+    assert!(!text(app.get("/").await).await.contains("/sign-out"));
 }
 
 #[test]

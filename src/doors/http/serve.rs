@@ -43,9 +43,7 @@ const NEWCOMERS: usize = 64;
 pub struct Front {
     /// The names under which it is reached, beside its addresses and this machine's own names.
     pub hosts: Vec<String>,
-    /// How connections are encrypted, where they are.
     pub tls: Option<Tls>,
-    /// How many connections there is room for.
     pub room: Room,
 }
 
@@ -81,7 +79,7 @@ async fn serve_so_many(
         door: door.clone(),
     });
     let (end, ended) = oneshot::channel();
-    let thread = listeners.thread().clone();
+    let thread = listeners.thread.clone();
     let mut listening = JoinSet::new();
     listening.spawn_on(listen(listeners, context, ended), &thread);
     shutdown.await;

@@ -16,33 +16,30 @@ const ROUTES: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/sto
 /// Safety S8.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_whose_sender_has_nothing_more_to_say_halts_and_is_answered() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (app, address) = open_app(PLACES).await;
     for number in 0..40 {
         let mut client = client(address, &press(ROUTES[number % 4], "Content-Length: 0\r\n", ""));
         client.shutdown(Shutdown::Write).unwrap();
         let answer = answered(&mut client);
         assert!(answer == "HTTP/1.1 200" || answer == "HTTP/1.1 303", "{number}: {answer}");
     }
-    stops(&house, 40).await;
+    stops(&app, 40).await;
 }
 
 /// Safety S8, A6.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_whose_sender_hangs_up_at_once_halts_and_is_recorded() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (app, address) = open_app(PLACES).await;
     for number in 0..40 {
         drop(client(address, &press(ROUTES[number % 4], "Content-Length: 0\r\n", "")));
     }
-    stops(&house, 40).await;
+    stops(&app, 40).await;
 }
 
 /// Safety S8.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn so_does_one_that_only_its_body_says_is_a_stop() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (app, address) = open_app(PLACES).await;
     let bodies = [
         ("/api/v1/commands/move", "application/json", r#"{"move":"h"}"#),
         ("/console/move", "application/x-www-form-urlencoded", "move=h"),
@@ -57,14 +54,13 @@ async fn so_does_one_that_only_its_body_says_is_a_stop() {
             client.shutdown(Shutdown::Write).unwrap();
         }
     }
-    stops(&house, 40).await;
+    stops(&app, 40).await;
 }
 
 /// Safety S8: it is answered as the STOP that it is.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_move_that_says_stop_halts_whatever_is_wrong_with_it() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (app, address) = open_app(PLACES).await;
     const JSON: &str = "Content-Type: application/json\r\n";
     let cases = [
         ("/api/v1/commands/move", JSON, r#"{"move":"h","zz":1}"#, "200"),
@@ -81,22 +77,20 @@ async fn a_move_that_says_stop_halts_whatever_is_wrong_with_it() {
         let length = format!("{headers}Content-Length: {}\r\n", body.len());
         let mut client = client(address, &press(route, &length, body));
         assert_eq!(answered(&mut client), format!("HTTP/1.1 {status}"), "{route} {headers} {body}");
-        stops(&house, number + 1).await;
+        stops(&app, number + 1).await;
     }
     let put = press(cases[0].0, "Connection: close\r\nContent-Length: 12\r\n", r#"{"move":"h"}"#).replace("POST", "PUT");
-    let mut refused = String::new();
-    client(address, &put).read_to_string(&mut refused).expect("an answer in order");
+    let refused = std::io::read_to_string(client(address, &put)).expect("an answer in order");
     assert!(refused.starts_with("HTTP/1.1 405"), "{refused}");
-    stops(&house, cases.len() + 1).await;
+    stops(&app, cases.len() + 1).await;
     assert_eq!(answered(&mut client(address, &press(cases[0].0, JSON, ""))), "HTTP/1.1 400", "another move is as it was");
-    stops(&house, cases.len() + 1).await;
+    stops(&app, cases.len() + 1).await;
 }
 
 /// Safety S8: what is kept of a STOP for its request is forgotten when that is answered without it.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn hundreds_of_stops_that_were_refused_make_no_stop_behind_them_two() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (app, address) = open_app(PLACES).await;
     let mut client = std::io::BufReader::new(client(address, ""));
     for number in 0..=300 {
         let (route, status) = if number < 300 { ("/stop", "404") } else { ("/h", "200") };
@@ -114,38 +108,35 @@ async fn hundreds_of_stops_that_were_refused_make_no_stop_behind_them_two() {
         assert!(lines[0].starts_with(&format!("HTTP/1.1 {status}")), "{number}: {lines:?}");
         client.read_exact(&mut vec![0; length]).unwrap();
     }
-    stops(&house, 301).await;
+    stops(&app, 301).await;
 }
 
 /// Safety S8: whoever is refused is told that it has halted.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_refusal_of_a_request_in_which_a_stop_was_heard_says_so() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (app, address) = open_app(PLACES).await;
     for (number, (request, status)) in
         [("PUT /h", "405"), ("POST /h/", "404"), ("POST /stop", "404"), ("POST /api/v1/commands/h", "404")]
             .into_iter()
             .enumerate()
     {
-        let mut refused = String::new();
         let asked = format!("{request} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
-        client(address, &asked).read_to_string(&mut refused).expect("an answer in order");
+        let refused = std::io::read_to_string(client(address, &asked)).expect("an answer in order");
         assert!(refused.starts_with(&format!("HTTP/1.1 {status}")) && refused.contains("has halted the robot"), "{refused}");
-        stops(&house, number + 1).await;
+        stops(&app, number + 1).await;
     }
 }
 
 /// Safety S8.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_halts_behind_whatever_is_not_answered_yet() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (app, address) = open_app(PLACES).await;
     let stop = press("/h", "", "");
     let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n";
     let mut open = Vec::new();
     for (number, before) in [LOOK.repeat(20), WATCH.to_owned(), stop.repeat(3), upgrade.to_owned()].iter().enumerate() {
         open.push(client(address, &format!("{before}{stop}")));
-        stops(&house, [1, 2, 6, 7][number]).await;
+        stops(&app, [1, 2, 6, 7][number]).await;
     }
     assert_eq!(answered(&mut open[1]), "HTTP/1.1 200", "and the stream goes on");
 }
@@ -153,8 +144,7 @@ async fn a_stop_halts_behind_whatever_is_not_answered_yet() {
 /// Safety S8: nobody takes the answers, nor what waits for them.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_halts_behind_more_than_is_ever_answered() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (app, address) = open_app(PLACES).await;
     let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n";
     let body = format!("Content-Length: 1000000\r\n\r\n{}", "x".repeat(1_000_000));
     let goto = |rest: &str| format!("POST /console/goto HTTP/1.1\r\nHost: localhost\r\n{rest}");
@@ -167,9 +157,9 @@ async fn a_stop_halts_behind_more_than_is_ever_answered() {
         let mut client = client(address, WATCH);
         client.set_write_timeout(Some(Duration::from_secs(30))).unwrap();
         client.write_all(format!("{before}{stop}").as_bytes()).expect("it is heard");
-        stops(&house, 2 * number + 1).await;
+        stops(&app, 2 * number + 1).await;
         client.write_all(stop.as_bytes()).expect("it is heard");
-        stops(&house, 2 * number + 2).await;
+        stops(&app, 2 * number + 2).await;
         open.push(client);
     }
     for client in &mut open {
@@ -180,16 +170,16 @@ async fn a_stop_halts_behind_more_than_is_ever_answered() {
 /// Safety S8, A5: what is carried out is the beginning, each request whole and answered.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() {
-    let mut house = house(searching());
+    let mut app = app(searching());
     // A loop that answers when the test wants it to.
     let (commands, mut envelopes) = mpsc::channel(COMMANDS);
-    house.door.handle = Loop::new(commands, house.publish.subscribe(), Halter::new(Epoch(1)));
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    app.door.handle = Loop::new(commands, app.publish.subscribe(), Halter::new(Epoch(1)));
+    let address = served(&app, PLACES).await;
     let post = |what: &str| press(&format!("/api/v1/commands/{what}"), "", "");
     let looks = 1_000_000 / LOOK.len();
     let mut client = client(address, &[post("start"), LOOK.repeat(looks), post("reset"), post("stop")].concat());
     let halts = async {
-        while house.door.handle.epoch() == Epoch(1) {
+        while app.door.handle.epoch() == Epoch(1) {
             tokio::time::sleep(Duration::from_millis(1)).await;
         }
     };
@@ -205,8 +195,7 @@ async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() 
         }
         (given, envelopes)
     });
-    let mut answers = String::new();
-    client.read_to_string(&mut answers).expect("it is closed in order");
+    let answers = std::io::read_to_string(&mut client).expect("it is closed in order");
     let answered = answers.matches("HTTP/1.1 200").count() - 1;
     assert!((AHEAD / LOOK.len()..looks).contains(&answered), "{answered} of {looks}");
     assert_eq!(answers.matches("HTTP/1.1 ").count(), answered + 1);
@@ -218,8 +207,7 @@ async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() 
 /// Safety S8.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_halts_before_its_body_comes() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (app, address) = open_app(PLACES).await;
     let mut open = Vec::new();
     let cases = [
         ("Content-Length: 1000000000\r\n", ""),
@@ -232,7 +220,7 @@ async fn a_stop_halts_before_its_body_comes() {
     ];
     for (number, (headers, body)) in cases.into_iter().enumerate() {
         open.push(client(address, &press(ROUTES[number % 4], headers, body)));
-        stops(&house, number + 1).await;
+        stops(&app, number + 1).await;
     }
     for client in &mut open {
         assert!(answered(client).starts_with("HTTP/1.1 "), "and it is answered");
@@ -242,8 +230,7 @@ async fn a_stop_halts_before_its_body_comes() {
 /// Safety S8: no more of the body comes, and the connection stays open.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_long_move_that_says_stop_halts_as_soon_as_its_word_has_come() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (app, address) = open_app(PLACES).await;
     let mut open = Vec::new();
     // The last two are refused by their heads, and heard on.
     let cases = [
@@ -258,13 +245,13 @@ async fn a_long_move_that_says_stop_halts_as_soon_as_its_word_has_come() {
             let beginning = press("/api/v1/commands/move", headers, &format!(r#"{chunk}{{"note":"{}"#, "z".repeat(long)));
             let whole = client(address, &format!(r#"{beginning}","move":"h""#));
             halted += 1;
-            stops(&house, halted).await;
+            stops(&app, halted).await;
             let mut pieces = client(address, &beginning);
             // It was read when this is said.
             assert_eq!(answered(&mut pieces), format!("HTTP/1.1 {status}"), "{headers}");
             pieces.write_all(br#"","move":"h""#).unwrap();
             halted += 1;
-            stops(&house, halted).await;
+            stops(&app, halted).await;
             open.extend([whole, pieces]);
         }
     }
@@ -273,22 +260,21 @@ async fn a_long_move_that_says_stop_halts_as_soon_as_its_word_has_come() {
 /// Safety S8: its word cannot be told before nothing more comes.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_refused_move_that_says_stop_in_other_letters_halts_when_nothing_more_comes() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (app, address) = open_app(PLACES).await;
     let headers = "Content-Length: 1\r\nContent-Length: 2\r\n";
     let mut client = client(address, &press("/api/v1/commands/move", headers, &format!(r#"{{"note":"{}"#, "z".repeat(1_100))));
     assert_eq!(answered(&mut client), "HTTP/1.1 400");
     client.write_all(br#"","move":"\u0068"}"#).unwrap();
     client.shutdown(Shutdown::Write).unwrap();
-    stops(&house, 1).await;
+    stops(&app, 1).await;
 }
 
 /// Safety S8: what hyper gives up on is heard to its end.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_with_a_head_that_is_refused_halts() {
     let (keyring, tokens) = keys();
-    let house = guarded_house(searching(), Access::Keys(keyring));
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let app = guarded_app(searching(), Access::Keys(keyring));
+    let address = served(&app, PLACES).await;
     let key = format!("Authorization: Bearer {}\r\n", tokens.viewer);
     let cases = [
         (format!("X: {}\r\n{key}", "x".repeat(70_000)), "431"),
@@ -300,6 +286,6 @@ async fn a_stop_with_a_head_that_is_refused_halts() {
     for (number, (headers, status)) in cases.into_iter().enumerate() {
         let mut client = client(address, &press("/h", &headers, ""));
         assert_eq!(answered(&mut client), format!("HTTP/1.1 {status}"));
-        stops(&house, number + 1).await;
+        stops(&app, number + 1).await;
     }
 }

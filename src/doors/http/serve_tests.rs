@@ -15,29 +15,36 @@ use super::*;
 use crate::access::Access;
 use crate::api::fixture::searching;
 use crate::doors::http::Hall;
-use crate::doors::http::testing::{House, guarded_house, house, keys};
+use crate::doors::http::testing::{TestApp, app, guarded_app, keys};
 use crate::runtime::clock::Clock;
 use crate::runtime::within::within;
 use hallsweep_core::command::Door;
 use hallsweep_core::command::{Command, Issuer, Request};
 
-/// A door that is served until it is told to end.
-struct Served {
-    address: SocketAddr,
-    end: oneshot::Sender<()>,
-    serving: JoinHandle<()>,
-}
-
-async fn served(house: &House, places: usize) -> Served {
+/// Serves the door of this app until `shutdown`.
+async fn serve_until(
+    app: &TestApp,
+    places: usize,
+    shutdown: impl Future<Output = ()> + Send + 'static,
+) -> (SocketAddr, JoinHandle<()>) {
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     let address = listener.local_addr().unwrap();
-    let (end, ended) = oneshot::channel::<()>();
-    let door = house.door.clone();
-    let serving = tokio::spawn(async move {
-        let end = async { drop(ended.await) };
-        serve_so_many(listener.into(), door, Front::default(), (places, places.min(WAITING)), end).await;
-    });
-    Served { address, end, serving }
+    let door = app.door.clone();
+    let bounds = (places, places.min(WAITING));
+    let serving = tokio::spawn(async move { serve_so_many(listener.into(), door, Front::default(), bounds, shutdown).await });
+    (address, serving)
+}
+
+/// Where this app is served as long as the test runs.
+async fn served(app: &TestApp, places: usize) -> SocketAddr {
+    serve_until(app, places, std::future::pending()).await.0
+}
+
+/// An app with an open door, and where it is served as long as the test runs.
+async fn open_app(places: usize) -> (TestApp, SocketAddr) {
+    let app = app(searching());
+    let address = served(&app, places).await;
+    (app, address)
 }
 
 fn client(address: SocketAddr, begins: &str) -> Client {
@@ -63,8 +70,8 @@ fn is_closed(client: &mut Client) -> bool {
 }
 
 /// Waits until so many STOPs have come to the loop, and fails when there are more.
-async fn stops(house: &House, expect: usize) {
-    let count = || house.given.lock().unwrap().iter().filter(|given| given.command == Command::Stop).count();
+async fn stops(app: &TestApp, expect: usize) {
+    let count = || app.given.lock().unwrap().iter().filter(|given| given.command == Command::Stop).count();
     let come = async {
         while count() < expect {
             tokio::time::sleep(Duration::from_millis(1)).await;
@@ -72,7 +79,7 @@ async fn stops(house: &House, expect: usize) {
     };
     timeout(Duration::from_secs(30), come).await.unwrap_or_else(|_| panic!("{} of {expect} STOPs came", count()));
     // Records go through the loop's queue in order.
-    assert!(house.door.handle.give(Request::new(Command::Reset, Issuer::operator(Door::LOCAL))).await.is_ok());
+    assert!(app.door.handle.give(Request::new(Command::Reset, Issuer::operator(Door::LOCAL))).await.is_ok());
     assert_eq!(count(), expect, "one press is one STOP");
 }
 
@@ -87,8 +94,9 @@ const STOP: &str = "POST /api/v1/commands/stop HTTP/1.1\r\nHost: localhost\r\nCo
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_end_comes_within_two_seconds_whatever_clients_do() {
-    let house = house(searching());
-    let Served { address, end, serving } = served(&house, PLACES).await;
+    let app = app(searching());
+    let (end, ended) = oneshot::channel::<()>();
+    let (address, serving) = serve_until(&app, PLACES, async { drop(ended.await) }).await;
     let _slow = client(address, "GET /api/v1/state HTTP/1.1\r\nHost: localhost\r\nX-Slow: ");
     let _half = client(address, "POST /api/v1/commands/move HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{");
     let mut watching = client(address, WATCH);
@@ -102,20 +110,18 @@ async fn the_end_comes_within_two_seconds_whatever_clients_do() {
 /// Safety A5, S1.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn connections_that_ask_nothing_keep_no_stop_waiting() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let (app, address) = open_app(8).await;
     let mut idle: Vec<Client> = (0..8).map(|_| client(address, "")).collect();
     idle.extend((0..8).map(|_| client(address, "POST /api/v1/commands/stop HTTP/1.1\r\nHost: loc")));
     assert_eq!(answered(&mut client(address, STOP)), "HTTP/1.1 200");
-    assert_eq!(house.last().command, Command::Stop);
+    assert_eq!(app.last().command, Command::Stop);
     assert!(is_closed(&mut idle[0]), "the oldest was cut");
 }
 
 /// Safety A5, S1.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn neither_do_connections_that_have_asked_and_rest() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let (_house, address) = open_app(8).await;
     let mut resting: Vec<Client> = (0..8).map(|_| client(address, LOOK)).collect();
     for client in &mut resting {
         assert_eq!(answered(client), "HTTP/1.1 200");
@@ -127,18 +133,17 @@ async fn neither_do_connections_that_have_asked_and_rest() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn nor_do_strangers_whose_refusal_is_held_back() {
     let (keyring, tokens) = keys();
-    let house = guarded_house(searching(), Access::Keys(keyring));
-    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let app = guarded_app(searching(), Access::Keys(keyring));
+    let address = served(&app, 8).await;
     let asked = |token: &str| STOP.replace("Host", &format!("Authorization: Bearer {token}\r\nHost"));
     let _strangers: Vec<Client> = (0..20).map(|_| client(address, &asked("wrong"))).collect();
     assert_eq!(answered(&mut client(address, &asked(&tokens.viewer))), "HTTP/1.1 200");
-    assert_eq!(house.given.lock().unwrap().len(), 1);
+    assert_eq!(app.given.lock().unwrap().len(), 1);
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn whoever_is_let_in_and_looks_on_is_not_cut_for_a_newcomer() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, 4).await;
+    let (app, address) = open_app(4).await;
     let mut watching: Vec<Client> = (0..4).map(|_| client(address, WATCH)).collect();
     for client in &mut watching {
         assert_eq!(answered(client), "HTTP/1.1 200");
@@ -146,11 +151,10 @@ async fn whoever_is_let_in_and_looks_on_is_not_cut_for_a_newcomer() {
     let mut late = client(address, LOOK);
     assert_eq!(answered(&mut late), "HTTP/1.1 503", "there is no place left");
     late.write_all(STOP.as_bytes()).unwrap();
-    stops(&house, 1).await;
-    let mut refused = String::new();
-    client(address, STOP).read_to_string(&mut refused).expect("an answer in order");
+    stops(&app, 1).await;
+    let refused = std::io::read_to_string(client(address, STOP)).expect("an answer in order");
     assert!(refused.starts_with("HTTP/1.1 503") && refused.contains("has halted the robot"), "{refused}");
-    stops(&house, 2).await;
+    stops(&app, 2).await;
     drop(watching.pop());
     // The place is free as soon as the door has seen that its client is gone.
     let mut tries = (0..500).map(|_| answered(&mut client(address, LOOK)));
@@ -163,22 +167,20 @@ async fn whoever_is_let_in_and_looks_on_is_not_cut_for_a_newcomer() {
 /// Safety S9.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn bodies_that_do_not_come_keep_no_stop_out() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let (app, address) = open_app(8).await;
     let half = "POST /api/v1/commands/goto HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{";
     let mut half_said = Vec::new();
     for number in 0..10 {
         half_said.extend((0..20).map(|_| client(address, half)));
         assert_eq!(answered(&mut client(address, STOP)), "HTTP/1.1 200", "{number}");
     }
-    stops(&house, 10).await;
+    stops(&app, 10).await;
 }
 
 /// Safety A5.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn heads_longer_than_the_bound_are_refused_and_shorter_ones_are_not() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (_house, address) = open_app(PLACES).await;
     for (filler, status) in [(65_000, "200"), (66_000, "431"), (70_000, "431")] {
         let look = LOOK.replace("Host", &format!("X: {}\r\nHost", "x".repeat(filler)));
         assert_eq!(answered(&mut client(address, &look)), format!("HTTP/1.1 {status}"), "{filler}");
@@ -190,27 +192,25 @@ async fn heads_longer_than_the_bound_are_refused_and_shorter_ones_are_not() {
 /// Safety S8: whatever became of a request that might have handed the connection over.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stop_behind_an_upgrade_that_is_refused_and_over_halts() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let (app, address) = open_app(PLACES).await;
     let upgrade = "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nno header\r\n\r\n";
     for number in 1..=20 {
         let mut client = client(address, upgrade);
-        let mut refused = String::new();
-        client.read_to_string(&mut refused).expect("an answer in order");
+        let refused = std::io::read_to_string(&mut client).expect("an answer in order");
         assert!(refused.starts_with("HTTP/1.1 400"), "{refused}");
         client.write_all(press("/h", "", "").as_bytes()).unwrap();
-        stops(&house, number).await;
+        stops(&app, number).await;
     }
 }
 
 /// Safety S8, S9: what it says is no HTTP, whatever it looks like, and others need not give way to it, nor it to them.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_place() {
-    let mut house = house(searching());
+    let mut app = app(searching());
     let (bring, mut brought) = tokio::sync::mpsc::channel(1);
     let hall = Hall::new(move |visitor| bring.try_send(visitor).expect("there is one"));
-    house.door = house.door.with_mqtt(Some(hall));
-    let Served { address, end: _end, serving: _serving } = served(&house, 1).await;
+    app.door = app.door.with_mqtt(Some(hall));
+    let address = served(&app, 1).await;
     let mut carried = client(
         address,
         "GET /mqtt HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
@@ -227,19 +227,17 @@ async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_place(
         within("what it says", visitor.stream.read_exact(&mut said)).await.unwrap();
         assert_eq!(said, stop.as_bytes());
     }
-    stops(&house, 0).await;
+    stops(&app, 0).await;
 }
 
 /// Safety A5, S9: of those who get no further answer so many are heard on, and the oldest makes room.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn whoever_lingers_makes_room_for_who_lingers_later() {
-    let house = house(searching());
-    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let (app, address) = open_app(8).await;
     let mut lingering = Vec::new();
     for _ in 0..30 {
         let mut client = client(address, "GET / HTTP/1.1\r\nno header\r\n\r\n");
-        let mut refused = String::new();
-        client.read_to_string(&mut refused).expect("an answer in order");
+        std::io::read_to_string(&mut client).expect("an answer in order");
         lingering.push(client);
     }
     for ended in &mut lingering[..10] {
@@ -247,15 +245,15 @@ async fn whoever_lingers_makes_room_for_who_lingers_later() {
         let _ = ended.write_all(press("/h", "", "").as_bytes());
     }
     lingering[29].write_all(press("/h", "", "").as_bytes()).unwrap();
-    stops(&house, 1).await;
+    stops(&app, 1).await;
 }
 
 /// Safety S9.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn an_operators_kept_connection_stays_whatever_strangers_and_viewers_send() {
     let (keyring, tokens) = keys();
-    let house = guarded_house(searching(), Access::Keys(keyring));
-    let Served { address, end: _end, serving: _serving } = served(&house, 8).await;
+    let app = guarded_app(searching(), Access::Keys(keyring));
+    let address = served(&app, 8).await;
     let asks = |what: &str, token: &str| what.replace("Host", &format!("Authorization: Bearer {token}\r\nHost"));
     let mut kept = client(address, &asks(LOOK, &tokens.operator));
     assert_eq!(answered(&mut kept), "HTTP/1.1 200");
@@ -269,7 +267,7 @@ async fn an_operators_kept_connection_stays_whatever_strangers_and_viewers_send(
         others.push(client(address, &asks(LOOK, &tokens.viewer)));
     }
     kept.write_all(asks(STOP, &tokens.operator).as_bytes()).unwrap();
-    stops(&house, 1).await;
+    stops(&app, 1).await;
     let mut answers = Vec::new();
     while !String::from_utf8_lossy(&answers).contains("\"accepted\":true") {
         let mut bytes = [0; 1024];
@@ -282,16 +280,15 @@ async fn an_operators_kept_connection_stays_whatever_strangers_and_viewers_send(
 /// Safety S1, R5.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn before_1970_it_is_said_that_the_clock_is_wrong_and_a_stop_halts_all_the_same() {
-    let mut house = house(searching());
-    house.door.clock = Clock::off_by(-(house.door.now_s() + 3600) * 1000);
-    let Served { address, end: _end, serving: _serving } = served(&house, PLACES).await;
+    let mut app = app(searching());
+    app.door.clock = Clock::off_by(-(app.door.now_s() + 3600) * 1000);
+    let address = served(&app, PLACES).await;
     for (asked, is_stop) in [(LOOK, false), (STOP, true)] {
-        let mut answer = String::new();
-        client(address, asked).read_to_string(&mut answer).expect("an answer in order");
+        let answer = std::io::read_to_string(client(address, asked)).expect("an answer in order");
         assert!(answer.starts_with("HTTP/1.1 503") && answer.contains("noDate") && answer.contains("before 1970"), "{answer}");
         assert_eq!(answer.contains("has halted the robot"), is_stop, "{answer}");
     }
-    stops(&house, 1).await;
+    stops(&app, 1).await;
 }
 
 #[path = "serve_stop_tests.rs"]

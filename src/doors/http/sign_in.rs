@@ -15,7 +15,6 @@ use super::gate::{LetIn, Peer};
 use super::reading::Form;
 use crate::access::{Access, Network, SESSION_S};
 
-/// The cookie's name, of the instance at this port.
 pub(super) fn cookie_name(port: u16) -> Arc<str> {
     format!("hallsweep-{port}").into()
 }
@@ -30,9 +29,8 @@ const UNUSABLE: &str = "The file of keys, access.toml, cannot be used, so nobody
 /// A longer way back is not remembered.
 const LONGEST_PATH: usize = 512;
 
-/// What the page is asked with; both may be absent.
 #[derive(Debug, Default, Deserialize)]
-pub(super) struct Asked {
+pub(super) struct SignInQuery {
     token: Option<String>,
     next: Option<String>,
     undone: Option<Undone>,
@@ -50,9 +48,8 @@ pub(super) enum Undone {
     Watching,
 }
 
-/// What the page sends.
 #[derive(Debug, Deserialize)]
-pub(super) struct Sent {
+pub(super) struct SignInForm {
     token: String,
     next: Option<String>,
 }
@@ -103,7 +100,7 @@ pub(super) async fn page(
     State(door): State<Door>,
     peer: Peer,
     caller: Result<LetIn, super::problem::Problem>,
-    asked: Result<Query<Asked>, axum::extract::rejection::QueryRejection>,
+    asked: Result<Query<SignInQuery>, axum::extract::rejection::QueryRejection>,
 ) -> Response {
     let asked = asked.map(|Query(asked)| asked).unwrap_or_default();
     let next = local(asked.next.as_deref());
@@ -122,7 +119,7 @@ pub(super) async fn sign_in(
     State(door): State<Door>,
     peer: Peer,
     caller: Result<LetIn, super::problem::Problem>,
-    Form(sent): Form<Sent>,
+    Form(sent): Form<SignInForm>,
 ) -> Response {
     let next = local(sent.next.as_deref());
     let Access::Keys(keyring) = &door.access else { return Redirect::to(next).into_response() };

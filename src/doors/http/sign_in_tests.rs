@@ -2,14 +2,14 @@
 
 use super::*;
 use crate::api::fixture::searching;
-use crate::doors::http::testing::{House, guarded_house, house, keys, text};
+use crate::doors::http::testing::{TestApp, app, guarded_app, keys, text};
 
 const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
 const BROWSER: (&str, &str) = ("accept", "text/html,application/xhtml+xml,*/*;q=0.8");
 
-fn guarded() -> (House, String, String) {
+fn guarded() -> (TestApp, String, String) {
     let (keyring, tokens) = keys();
-    (guarded_house(searching(), Access::Keys(keyring)), tokens.operator, tokens.viewer)
+    (guarded_app(searching(), Access::Keys(keyring)), tokens.operator, tokens.viewer)
 }
 
 /// The cookie a browser would send from then on, and all that was said of it.
@@ -25,66 +25,66 @@ fn location(response: &Response) -> &str {
 /// Safety A2.
 #[tokio::test]
 async fn a_token_becomes_a_cookie_that_no_script_and_no_other_site_sees() {
-    let (house, operator, _) = guarded();
-    let response = house.send("POST", "/sign-in", &[FORM, BROWSER], &format!("token=%20{operator}%20&next=%2F")).await;
+    let (app, operator, _) = guarded();
+    let response = app.send("POST", "/sign-in", &[FORM, BROWSER], &format!("token=%20{operator}%20&next=%2F")).await;
     assert_eq!((response.status().as_u16(), location(&response)), (303, "/"));
     let (cookie, set) = cookie(&response);
     for wanted in ["; HttpOnly", "; SameSite=Strict", "; Path=/", "; Max-Age=43200"] {
         assert!(set.contains(wanted), "{set}");
     }
     assert!(!set.contains("Secure") && !set.contains(&operator), "{set}");
-    let page = text(house.send("GET", "/", &[BROWSER, ("cookie", &format!("a=b; {cookie}"))], "").await).await;
+    let page = text(app.send("GET", "/", &[BROWSER, ("cookie", &format!("a=b; {cookie}"))], "").await).await;
     assert!(page.contains("/sign-out") && page.contains("<b>operator</b>"));
-    assert_eq!(house.send("POST", "/console/start", &[FORM, BROWSER, ("cookie", &cookie)], "epoch=1").await.status(), 303);
-    assert_eq!(&*house.last().issuer.who, "operator");
+    assert_eq!(app.send("POST", "/console/start", &[FORM, BROWSER, ("cookie", &cookie)], "epoch=1").await.status(), 303);
+    assert_eq!(&*app.last().issuer.who, "operator");
 }
 
 #[tokio::test]
 async fn over_tls_the_cookie_is_for_tls_only() {
     let peer = Peer { address: std::net::Ipv4Addr::LOCALHOST.into(), is_encrypted: true };
-    let (house, ..) = guarded();
-    assert!(cookie(&sign_out(State(house.door.clone()), peer).await).1.ends_with("; Secure"));
+    let (app, ..) = guarded();
+    assert!(cookie(&sign_out(State(app.door.clone()), peer).await).1.ends_with("; Secure"));
 }
 
 /// Safety S1.
 #[tokio::test]
 async fn whoever_is_signed_in_can_stop_from_the_page_where_one_signs_in_too() {
-    let (house, operator, viewer) = guarded();
+    let (app, operator, viewer) = guarded();
     let stop = "action=\"/console/stop\"";
     let bearer = format!("Bearer {viewer}");
     let known = [BROWSER, ("authorization", &bearer)];
-    let page = text(house.send("GET", &format!("/sign-in?token={operator}"), &known, "").await).await;
+    let page = text(app.send("GET", &format!("/sign-in?token={operator}"), &known, "").await).await;
     assert!(page.contains(stop), "{page}");
-    let refused = house.send("POST", "/sign-in", &[FORM, BROWSER, ("authorization", &bearer)], "token=wrong").await;
+    let refused = app.send("POST", "/sign-in", &[FORM, BROWSER, ("authorization", &bearer)], "token=wrong").await;
     assert!(refused.status() == 403 && text(refused).await.contains(stop));
-    let page = text(house.send("GET", "/sign-in", &[BROWSER], "").await).await;
+    let page = text(app.send("GET", "/sign-in", &[BROWSER], "").await).await;
     assert!(!page.contains(stop), "a stranger's STOP would not be taken: {page}");
 }
 
 #[tokio::test]
 async fn a_link_fills_the_field_and_signs_nobody_in() {
-    let (house, operator, _) = guarded();
-    let response = house.send("GET", &format!("/sign-in?token={operator}&next=/console/live"), &[BROWSER], "").await;
+    let (app, operator, _) = guarded();
+    let response = app.send("GET", &format!("/sign-in?token={operator}&next=/console/live"), &[BROWSER], "").await;
     assert!(response.headers().get("set-cookie").is_none());
     assert_eq!(response.headers()["cache-control"], "no-store");
     let page = text(response).await;
     assert!(page.contains(&format!("value=\"{operator}\"")) && page.contains("name=\"next\" value=\"/console/live\""));
-    let page = text(house.send("GET", "/sign-in?token=%22%3E%3Cscript%3E", &[BROWSER], "").await).await;
+    let page = text(app.send("GET", "/sign-in?token=%22%3E%3Cscript%3E", &[BROWSER], "").await).await;
     assert!(!page.contains("<script>"), "{page}");
-    assert_eq!(house.send("GET", "/sign-in?%FF=%&token=1&token=2", &[BROWSER], "").await.status(), 200);
+    assert_eq!(app.send("GET", "/sign-in?%FF=%&token=1&token=2", &[BROWSER], "").await.status(), 200);
 }
 
 /// Safety A3.
 #[tokio::test(start_paused = true)]
 async fn wrong_tokens_are_answered_later_and_later_and_right_ones_at_once() {
-    let (house, operator, viewer) = guarded();
+    let (app, operator, viewer) = guarded();
     // The paused clock moves only when everybody waits for it, so that what is not held back is answered within no time.
     let within = async |ms: u64, token: &str, by_form: bool| {
         let bearer = format!("Bearer {token}");
         let answer = async {
             match by_form {
-                true => house.send("POST", "/sign-in", &[FORM, BROWSER], &format!("token={token}")).await,
-                false => house.send("POST", "/api/v1/commands/stop", &[("authorization", &bearer)], "").await,
+                true => app.send("POST", "/sign-in", &[FORM, BROWSER], &format!("token={token}")).await,
+                false => app.send("POST", "/api/v1/commands/stop", &[("authorization", &bearer)], "").await,
             }
         };
         tokio::time::timeout(std::time::Duration::from_millis(ms), answer).await.ok().map(|answer| answer.status().as_u16())
@@ -102,40 +102,40 @@ async fn wrong_tokens_are_answered_later_and_later_and_right_ones_at_once() {
 
 #[tokio::test]
 async fn whoever_signed_out_is_asked_again() {
-    let (house, _, viewer) = guarded();
-    let (cookie, _) = cookie(&house.send("POST", "/sign-in", &[FORM], &format!("token={viewer}")).await);
-    assert_eq!(location(&house.send("GET", "/sign-in", &[BROWSER, ("cookie", &cookie)], "").await), "/");
-    let out = house.send("POST", "/sign-out", &[FORM, BROWSER, ("cookie", &cookie)], "").await;
+    let (app, _, viewer) = guarded();
+    let (cookie, _) = cookie(&app.send("POST", "/sign-in", &[FORM], &format!("token={viewer}")).await);
+    assert_eq!(location(&app.send("GET", "/sign-in", &[BROWSER, ("cookie", &cookie)], "").await), "/");
+    let out = app.send("POST", "/sign-out", &[FORM, BROWSER, ("cookie", &cookie)], "").await;
     assert_eq!((out.status().as_u16(), location(&out)), (303, "/sign-in"));
     let (gone, set) = self::cookie(&out);
     assert!(gone == "hallsweep-0=" && set.contains("Max-Age=0"), "{set}");
-    assert_eq!(location(&house.send("GET", "/", &[BROWSER, ("cookie", &gone)], "").await), "/sign-in");
+    assert_eq!(location(&app.send("GET", "/", &[BROWSER, ("cookie", &gone)], "").await), "/sign-in");
 }
 
 /// Safety S1.
 #[tokio::test]
 async fn whoever_pressed_something_and_is_not_signed_in_any_more_reads_that_it_was_not_done() {
-    let (house, ..) = guarded();
+    let (app, ..) = guarded();
     for (path, words) in [
         ("/console/stop", "STOP was not given: you are not signed in any more."),
         ("/h", "STOP was not given"),
         ("/console/danger", "What you pressed was not carried out"),
     ] {
-        let led = house.send("POST", path, &[FORM, BROWSER, ("cookie", "hallsweep-0=old")], "id=3").await;
-        let page = text(house.send("GET", location(&led), &[BROWSER], "").await).await;
+        let led = app.send("POST", path, &[FORM, BROWSER, ("cookie", "hallsweep-0=old")], "id=3").await;
+        let page = text(app.send("GET", location(&led), &[BROWSER], "").await).await;
         assert!(page.contains(words), "{path}: {page}");
     }
-    let watched = text(house.send("GET", &Undone::Watching.page(), &[BROWSER], "").await).await;
+    let watched = text(app.send("GET", &Undone::Watching.page(), &[BROWSER], "").await).await;
     assert!(watched.contains("You are not signed in any more: "), "{watched}");
-    assert!(!text(house.send("GET", "/sign-in?undone=nonsense", &[BROWSER], "").await).await.contains("undone"));
-    assert!(house.given.lock().unwrap().is_empty());
+    assert!(!text(app.send("GET", "/sign-in?undone=nonsense", &[BROWSER], "").await).await.contains("undone"));
+    assert!(app.given.lock().unwrap().is_empty());
 }
 
 #[tokio::test]
 async fn a_viewers_page_has_one_living_button_beside_signing_out() {
-    let (house, _, viewer) = guarded();
-    let (cookie, _) = cookie(&house.send("POST", "/sign-in", &[FORM], &format!("token={viewer}")).await);
-    let page = text(house.send("GET", "/", &[BROWSER, ("cookie", &cookie)], "").await).await;
+    let (app, _, viewer) = guarded();
+    let (cookie, _) = cookie(&app.send("POST", "/sign-in", &[FORM], &format!("token={viewer}")).await);
+    let page = text(app.send("GET", "/", &[BROWSER, ("cookie", &cookie)], "").await).await;
     let forms = page.split("<form ").skip(1).filter(|form| !form.starts_with("method=\"post\">"));
     for form in forms {
         let lives = form.starts_with("id=\"stop\"") || form.starts_with("id=\"who\"");
@@ -151,16 +151,16 @@ async fn a_viewers_page_has_one_living_button_beside_signing_out() {
 
 #[tokio::test]
 async fn a_page_of_another_origin_signs_nobody_in() {
-    let (house, operator, _) = guarded();
+    let (app, operator, _) = guarded();
     let foreign = [FORM, BROWSER, ("sec-fetch-site", "cross-site")];
-    let response = house.send("POST", "/sign-in", &foreign, &format!("token={operator}")).await;
+    let response = app.send("POST", "/sign-in", &foreign, &format!("token={operator}")).await;
     assert!(response.status() == 403 && response.headers().get("set-cookie").is_none());
 }
 
 #[tokio::test]
 async fn an_open_door_needs_no_page_to_sign_in() {
-    let house = house(searching());
-    assert_eq!(location(&house.send("GET", "/sign-in?next=/console/live", &[BROWSER], "").await), "/console/live");
+    let app = app(searching());
+    assert_eq!(location(&app.send("GET", "/sign-in?next=/console/live", &[BROWSER], "").await), "/console/live");
 }
 
 #[test]
@@ -189,31 +189,31 @@ fn the_way_back_never_leads_away() {
 #[tokio::test]
 async fn an_expired_session_cookie_is_refused() {
     let (keyring, tokens) = keys();
-    let house = guarded_house(searching(), Access::Keys(keyring.clone()));
+    let app = guarded_app(searching(), Access::Keys(keyring.clone()));
     for (began_s, status) in [(-SESSION_S + 60, 200), (-SESSION_S, 401), (-2 * SESSION_S, 401)] {
-        let session = keyring.sign_in(&tokens.operator, house.door.now_s() + began_s).unwrap();
+        let session = keyring.sign_in(&tokens.operator, app.door.now_s() + began_s).unwrap();
         let cookie = format!("hallsweep-0={session}");
-        assert_eq!(house.send("GET", "/api/v1/state", &[("cookie", &cookie)], "").await.status(), status, "{began_s} s");
-        let stop = house.send("POST", "/api/v1/commands/stop", &[("cookie", &cookie)], "").await;
+        assert_eq!(app.send("GET", "/api/v1/state", &[("cookie", &cookie)], "").await.status(), status, "{began_s} s");
+        let stop = app.send("POST", "/api/v1/commands/stop", &[("cookie", &cookie)], "").await;
         assert_eq!(stop.status(), status, "{began_s} s");
     }
-    assert_eq!(house.given.lock().unwrap().len(), 1, "one STOP was taken");
+    assert_eq!(app.given.lock().unwrap().len(), 1, "one STOP was taken");
 }
 
 #[tokio::test]
 async fn instances_at_several_ports_of_one_host_leave_each_others_sessions_alone() {
     let (keyring, tokens) = keys();
-    let mut house = guarded_house(searching(), Access::Keys(keyring));
+    let mut app = guarded_app(searching(), Access::Keys(keyring));
     let form = format!("token={}", tokens.operator);
     let mut jar = String::new();
     for port in [8080, 8081] {
-        house.door = house.door.clone().at(port);
-        let (cookie, _) = cookie(&house.send("POST", "/sign-in", &[FORM], &form).await);
+        app.door = app.door.clone().at(port);
+        let (cookie, _) = cookie(&app.send("POST", "/sign-in", &[FORM], &form).await);
         assert!(cookie.starts_with(&format!("hallsweep-{port}=")), "{cookie}");
         jar = format!("{jar}{}{cookie}", if jar.is_empty() { "" } else { "; " });
     }
     for (port, status) in [(8080, 200), (8081, 200), (8082, 401)] {
-        house.door = house.door.clone().at(port);
-        assert_eq!(house.send("GET", "/api/v1/state", &[("cookie", &jar)], "").await.status(), status, "{port}");
+        app.door = app.door.clone().at(port);
+        assert_eq!(app.send("GET", "/api/v1/state", &[("cookie", &jar)], "").await.status(), status, "{port}");
     }
 }

@@ -1,10 +1,8 @@
 //! Endless answers open at once, the console's and the interface's together: how many there may be, and how many of them one key.
 //! What is sent in them is not here.
 
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-
 use crate::access::{Access, Caller, Role};
+use crate::doors::shares::{Limits, Permit, Shares};
 
 /// Where keys tell people apart, one key has one in so many of all streams,
 const PARTS: usize = 4;
@@ -15,70 +13,37 @@ const KEPT: usize = 8;
 /// The streams that are open. Cheap to clone.
 #[derive(Clone, Debug)]
 pub(super) struct Streams {
-    most: usize,
-    open: Arc<Mutex<HashMap<Arc<str>, Open>>>,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-struct Open {
-    number: usize,
-    is_operator: bool,
+    all: Shares,
+    viewers: Shares,
 }
 
 /// One open stream; another may be opened when this is dropped.
-pub(super) struct Stream {
-    who: Arc<str>,
-    streams: Streams,
+pub(super) struct OpenStream {
+    _of_all: Permit,
+    _of_viewers: Option<Permit>,
 }
 
 impl Streams {
     /// So many, none of them open.
     pub(super) fn new(most: usize) -> Streams {
-        Streams { most, open: Arc::default() }
+        let of_these = |all| Shares::new(Limits { most: all, of_one_key: most / PARTS, kept: 0, few: 0 });
+        Streams { all: of_these(most), viewers: of_these(most - most / KEPT) }
     }
 
     /// How many there may be.
-    pub(super) const fn most(&self) -> usize {
-        self.most
+    pub(super) fn most(&self) -> usize {
+        self.all.most()
     }
 
     /// Opens one for somebody; `None` when he has his share, or nobody can have one more.
-    pub(super) fn open(&self, caller: &Caller, access: &Access) -> Option<Stream> {
-        let (who, is_operator) = (caller.name(), caller.role() == Role::Operator);
-        let most = self.most;
-        let mut open = self.all();
-        let of = |these: &dyn Fn(&Open) -> bool| open.values().filter(|open| these(open)).map(|open| open.number).sum::<usize>();
-        let is_free = of(&|_| true) < most;
-        let has_share = match access {
-            Access::Open => true,
-            Access::Keys(_) => {
-                let own = open.get(&who).map_or(0, |open| open.number);
-                own < most / PARTS && (is_operator || of(&|open| !open.is_operator) < most - most / KEPT)
-            }
+    pub(super) fn open(&self, caller: &Caller, access: &Access) -> Option<OpenStream> {
+        let key = match access {
+            Access::Open => None,
+            Access::Keys(_) => Some(caller.name()),
         };
-        if !is_free || !has_share {
-            return None;
-        }
-        let his = open.entry(Arc::clone(&who)).or_default();
-        *his = Open { number: his.number + 1, is_operator };
-        drop(open);
-        Some(Stream { who, streams: self.clone() })
-    }
-
-    fn all(&self) -> MutexGuard<'_, HashMap<Arc<str>, Open>> {
-        self.open.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Drop for Stream {
-    fn drop(&mut self) {
-        let mut open = self.streams.all();
-        if let Some(his) = open.get_mut(&self.who) {
-            his.number -= 1;
-            if his.number == 0 {
-                open.remove(&self.who);
-            }
-        }
+        let is_viewer = key.is_some() && caller.role() != Role::Operator;
+        let of_viewers = if is_viewer { Some(self.viewers.take(None).ok()?) } else { None };
+        Some(OpenStream { _of_all: self.all.take(key).ok()?, _of_viewers: of_viewers })
     }
 }
 
@@ -106,7 +71,7 @@ mod tests {
         assert_eq!(all("operator").len(), 32);
         drop(viewers);
         assert_eq!(all("viewer0").len(), 64, "what is closed is free");
-        assert!(streams.all().is_empty());
+        assert!(streams.all.knows_nobody());
     }
 
     #[test]

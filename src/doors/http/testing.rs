@@ -29,7 +29,7 @@ use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// A door before a loop that does as it is told.
-pub(super) struct House {
+pub(super) struct TestApp {
     pub(super) door: Door,
     pub(super) publish: watch::Sender<Arc<Snapshot>>,
     pub(super) refuse: Arc<Mutex<Option<Refused>>>,
@@ -77,19 +77,18 @@ pub(super) fn present_mission() -> MissionRecord {
     present
 }
 
-/// A house in this state with an open door, whose loop accepts everything until told to refuse. Must be called inside a runtime.
-pub(super) fn house(snapshot: Snapshot) -> House {
-    guarded_house(snapshot, Access::Open)
+/// An app in this state with an open door, whose loop accepts everything until told to refuse. Must be called inside a runtime.
+pub(super) fn app(snapshot: Snapshot) -> TestApp {
+    guarded_app(snapshot, Access::Open)
 }
 
 /// The same, with a door that lets in whom it is told to.
-pub(super) fn guarded_house(snapshot: Snapshot, access: Access) -> House {
+pub(super) fn guarded_app(snapshot: Snapshot, access: Access) -> TestApp {
     let (handle, Script { publish, refuse, given, noted }) = obedient(snapshot);
     let door = Door::new(handle, Reader::new(Arc::new(Pictures)), "airport", access);
-    House { door, publish, refuse, given, noted }
+    TestApp { door, publish, refuse, given, noted }
 }
 
-/// The tokens of two keys.
 pub(super) struct Tokens {
     pub(super) operator: String,
     pub(super) viewer: String,
@@ -103,8 +102,7 @@ pub(super) fn keys() -> (Keyring, Tokens) {
     (Keyring::of(keys), Tokens { operator, viewer })
 }
 
-impl House {
-    /// Sends a request with these headers.
+impl TestApp {
     pub(super) async fn send(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &str) -> Response<Body> {
         let mut request = Request::builder().method(method).uri(path);
         for (name, value) in headers {
@@ -140,7 +138,6 @@ impl House {
     }
 }
 
-/// The status and the JSON of an answer.
 pub(super) async fn read(response: Response<Body>) -> (StatusCode, Value) {
     let status = response.status();
     let text = text(response).await;

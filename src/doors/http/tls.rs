@@ -14,41 +14,20 @@ use tokio_rustls::TlsAcceptor;
 #[derive(Clone)]
 pub struct Tls(pub(super) TlsAcceptor);
 
-/// Why connections cannot be encrypted.
 #[derive(Debug, thiserror::Error)]
 pub enum TlsError {
-    /// A file cannot be read, or does not hold what it should.
     #[error("setting {setting} = {:?}: {problem}; {advice}", .path.display().to_string())]
-    File {
-        /// The setting that names the file.
-        setting: &'static str,
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        problem: String,
-        /// What to do.
-        advice: &'static str,
-    },
+    File { setting: &'static str, path: PathBuf, problem: String, advice: &'static str },
     /// The two do not belong together, or are of a kind that is not known.
     #[error(
         "the certificate in {} and the key in {} cannot be used together: {problem}; name the key for which the certificate was made, \
          and the certificate as the first in its file", .certificate.display(), .key.display()
     )]
-    Pair {
-        /// The file of the certificate.
-        certificate: PathBuf,
-        /// The file of the key.
-        key: PathBuf,
-        /// What rustls says.
-        problem: String,
-    },
+    Pair { certificate: PathBuf, key: PathBuf, problem: String },
 }
 
 impl Tls {
     /// Reads certificate and key, both in PEM.
-    ///
-    /// # Errors
-    /// A file that cannot be read or holds something else, or two that do not belong together.
     pub fn load(certificate: &Path, key: &Path) -> Result<Tls, TlsError> {
         let chain = CertificateDer::pem_file_iter(certificate).and_then(Iterator::collect::<Result<Vec<_>, _>>);
         let chain = chain.and_then(|chain| if chain.is_empty() { Err(pem::Error::NoItemsFound) } else { Ok(chain) });

@@ -8,7 +8,7 @@ use tokio::sync::watch;
 
 use super::Door;
 use super::problem::Problem;
-use super::streams::Stream;
+use super::streams::OpenStream;
 use crate::access::Caller;
 use hallsweep_core::world::snapshot::Snapshot;
 
@@ -21,12 +21,11 @@ pub(super) struct Watcher {
     closing: watch::Receiver<bool>,
     door: Door,
     caller: Caller,
-    _place: Stream,
+    _stream: OpenStream,
 }
 
 /// What a stream wakes up for.
 pub(super) enum Wake {
-    /// There is a newer state.
     Changed(Arc<Snapshot>),
     /// Nothing has changed for the time that was asked for.
     Quiet,
@@ -37,15 +36,14 @@ pub(super) enum Wake {
 impl Watcher {
     /// Opens a stream and takes the state it begins with.
     pub(super) fn open(door: &Door, caller: Caller) -> Result<(Watcher, Arc<Snapshot>), Problem> {
-        let place = door.streams.open(&caller, &door.access).ok_or_else(|| Problem::too_many_streams(door.streams.most()))?;
+        let stream = door.streams.open(&caller, &door.access).ok_or_else(|| Problem::too_many_streams(door.streams.most()))?;
         let mut snapshots = door.handle.watch();
         let first = Arc::clone(&snapshots.borrow_and_update());
-        let watcher = Watcher { snapshots, closing: door.closing.subscribe(), door: door.clone(), caller, _place: place };
+        let watcher = Watcher { snapshots, closing: door.closing.subscribe(), door: door.clone(), caller, _stream: stream };
         Ok((watcher, first))
     }
 
-    /// Waits for the next newer state, but at least `pause`, so that a hasty robot does not flood its reader, and for `quiet` at
-    /// most.
+    /// The next newer state, after at least `pause`, so that a hasty robot does not flood its reader, and at most `quiet`.
     pub(super) async fn next(&mut self, pause: Duration, quiet: Duration) -> Wake {
         let Watcher { snapshots, closing, door, caller, .. } = self;
         let newer = async {

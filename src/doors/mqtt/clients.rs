@@ -19,7 +19,7 @@ use super::embedded::Running;
 use super::hearing::Hearing;
 use super::identity::{Identity, Unknown};
 use super::incoming::{IncomingConnection, Origin, Reader, Writer};
-use super::introduction::{Sent, introduction};
+use super::introduction::{SentAway, introduction};
 use super::limits::{CONNECT_TIME, LATE, LEAVING, PLACES, WAITING};
 use super::pump::{self, Ends};
 use super::read_ahead::{Left, Pool, Taker, read_ahead};
@@ -62,7 +62,6 @@ struct Rooms {
     /// Of those who are on their way out.
     leaving: Vestibule,
     seats: Seats,
-    /// What is read ahead of all clients.
     pool: Pool,
     slots: Slots,
     /// Ways to the router,
@@ -76,7 +75,6 @@ struct Rooms {
 /// Who hears its commands, and who is told when it has a seat.
 type Heeded = (Arc<dyn Listener>, oneshot::Sender<()>);
 
-/// Somebody who has said who it is.
 struct IdentifiedClient {
     connect: Connect,
     identity: Identity,
@@ -90,7 +88,6 @@ impl Clients {
         Clients::with_room(broker, commands, secret, Room::default())
     }
 
-    /// The same, for as many clients as there is room for.
     #[must_use]
     pub fn with_room(broker: Broker, commands: Commands, secret: Token, room: Room) -> Clients {
         Clients(Arc::new(Rooms {
@@ -119,7 +116,6 @@ impl Clients {
         self.0.vestibule.relieve()
     }
 
-    /// What all connections share of MQTT itself.
     pub(super) fn broker(&self) -> &Broker {
         &self.0.broker
     }
@@ -137,14 +133,14 @@ impl Clients {
     }
 
     /// Why it ended.
-    async fn converse(&self, incoming: IncomingConnection, waiting: Waiting, (router, work): (Running, Handle)) -> Sent {
+    async fn converse(&self, incoming: IncomingConnection, waiting: Waiting, (router, work): (Running, Handle)) -> SentAway {
         let IncomingConnection { mut reader, mut writer, origin } = incoming;
         let (from, mut heard) = (origin.from, BytesMut::new());
         let introduced = tokio::select! {
             biased;
             // What has come already is read before room is made.
             introduced = self.introduced(&mut reader, &mut heard, &origin) => introduced,
-            () = waiting.cut() => Err(Sent::GaveWay),
+            () = waiting.cut() => Err(SentAway::GaveWay),
         };
         let (connect, identity) = match introduced {
             Ok(known) => known,
@@ -165,7 +161,7 @@ impl Clients {
         let aborted = served.abort_handle();
         let mut sent = pin!(async {
             hearing.run(reader).await;
-            served.await.unwrap_or(Sent::GaveWay)
+            served.await.unwrap_or(SentAway::GaveWay)
         });
         tokio::select! {
             sent = &mut sent => return sent,
@@ -190,25 +186,24 @@ impl Clients {
         }
     }
 
-    /// Tells a newcomer why it is sent away. Whoever may stop the robot all the same is heard before that, and for a while yet (safety
-    /// S8).
+    /// Tells a newcomer why it is sent away. Whoever may stop all the same is heard before that, and for a while yet (safety S8).
     async fn send_away(
         &self,
         incoming: IncomingConnection,
         heard: &[u8],
         waiting: Waiting,
-        (sent, work): (Sent, Handle),
-    ) -> Sent {
+        (sent, work): (SentAway, Handle),
+    ) -> SentAway {
         let IncomingConnection { reader, writer, origin } = incoming;
         let from = origin.from;
         let stranger = tokio::select! {
             biased;
             stranger = self.stranger(&sent, heard, &origin) => stranger,
             // Whoever shows a wrong password makes room while he waits for his answer.
-            () = waiting.cut() => return work.spawn(self.clone().tell(from, writer, Sent::GaveWay)).await.unwrap_or(Sent::GaveWay),
+            () = waiting.cut() => return work.spawn(self.clone().tell(from, writer, SentAway::GaveWay)).await.unwrap_or(SentAway::GaveWay),
         };
         let Some((identity, is_five)) = stranger else {
-            return work.spawn(self.clone().tell(from, writer, sent)).await.unwrap_or(Sent::Ended(Ended::Gone));
+            return work.spawn(self.clone().tell(from, writer, sent)).await.unwrap_or(SentAway::Ended(Ended::Gone));
         };
         let (feeder, taker) = read_ahead(&self.0.pool);
         taker.leave(Left::HearsOn);
@@ -220,12 +215,12 @@ impl Clients {
             () = hearing.run(reader) => {}
             () = waiting.cut() => {}
         }
-        told.await.unwrap_or(Sent::Ended(Ended::Gone))
+        told.await.unwrap_or(SentAway::Ended(Ended::Gone))
     }
 
     /// Who somebody is whose first words are no CONNECT to go on with, and whether he speaks MQTT 5; `None`: nobody who is let in.
-    async fn stranger(&self, sent: &Sent, heard: &[u8], origin: &Origin) -> Option<(Identity, bool)> {
-        let (Sent::Unfit(_) | Sent::Malformed(_) | Sent::First(_)) = sent else { return None };
+    async fn stranger(&self, sent: &SentAway, heard: &[u8], origin: &Origin) -> Option<(Identity, bool)> {
+        let (SentAway::Unfit(_) | SentAway::Malformed(_) | SentAway::First(_)) = sent else { return None };
         let connect = frame(heard, CONNECT).ok().flatten().filter(|frame| frame.kind == Kind::Connect);
         let credentials = connect.map(|frame| connect::credentials(&heard[frame.head..frame.length])).unwrap_or_default();
         let is_five = credentials.is_five;
@@ -233,22 +228,27 @@ impl Clients {
     }
 
     /// Who a newcomer says it is, if that is so. Whoever shows a wrong password waits for his answer, the longer the more often.
-    async fn introduced(&self, reader: &mut Reader, heard: &mut BytesMut, origin: &Origin) -> Result<(Connect, Identity), Sent> {
+    async fn introduced(
+        &self,
+        reader: &mut Reader,
+        heard: &mut BytesMut,
+        origin: &Origin,
+    ) -> Result<(Connect, Identity), SentAway> {
         let introduced = tokio::time::timeout(CONNECT_TIME, introduction(reader, heard)).await;
-        let connect = introduced.map_err(|_| Sent::Slow)??;
+        let connect = introduced.map_err(|_| SentAway::Slow)??;
         let identity = self.identity(&connect.credentials, origin).await?;
         Ok((connect, identity))
     }
 
-    async fn identity(&self, credentials: &connect::Credentials, origin: &Origin) -> Result<Identity, Sent> {
+    async fn identity(&self, credentials: &connect::Credentials, origin: &Origin) -> Result<Identity, SentAway> {
         match Identity::of(credentials, origin, &self.0.secret) {
             Ok(identity) => Ok(identity),
-            Err(Unknown::Nothing) => Err(Sent::Refused(Welcome::NotAllowed)),
+            Err(Unknown::Nothing) => Err(SentAway::Refused(Welcome::NotAllowed)),
             Err(Unknown::Wrong) => {
                 let delay = self.0.attempts.wrong(Network::of(origin.from), self.0.clock.now().since_start);
                 tracing::warn!(from = %origin.from, delay_ms = delay.as_millis(), "a wrong name or password was shown over MQTT");
                 tokio::time::sleep(delay).await;
-                Err(Sent::Refused(Welcome::Login))
+                Err(SentAway::Refused(Welcome::Login))
             }
         }
     }
@@ -271,11 +271,11 @@ impl Clients {
         (known, greeted): (IdentifiedClient, usize),
         (listener, seated): Heeded,
         router: Running,
-    ) -> Sent {
+    ) -> SentAway {
         let (writer, taker) = ends;
         if let Some(welcome) = self.refusal(&known) {
             taker.leave(Left::HearsRest);
-            return self.tell(known.origin.from, writer, Sent::Refused(welcome)).await;
+            return self.tell(known.origin.from, writer, SentAway::Refused(welcome)).await;
         }
         let IdentifiedClient { connect, identity, origin } = known;
         let now = self.0.clock.now().since_start;
@@ -289,7 +289,7 @@ impl Clients {
             tokio::select! {
                 biased;
                 slot = self.0.slots.take(name.clone(), true) => Some(slot),
-                () = given_up(seat.as_ref()) => return self.tell(origin.from, writer, Sent::Ended(Ended::GaveWay)).await,
+                () = given_up(seat.as_ref()) => return self.tell(origin.from, writer, SentAway::Ended(Ended::GaveWay)).await,
             }
         };
         let session = remembered.as_ref().and_then(|slot| slot.session.clone());
@@ -310,15 +310,20 @@ impl Clients {
         let ends = Ends { client: writer, ahead: taker, seat, leaving, late };
         let waits = AtomicBool::new(remembered.is_none());
         let joining = self.clone().join((name, remembered), router, &waits);
-        Sent::Ended(pump::run(connection, ends, (joining, &waits), (&identity, &origin.access, self.0.clock)).await)
+        SentAway::Ended(pump::run(connection, ends, (joining, &waits), (&identity, &origin.access, self.0.clock)).await)
     }
 
     /// Tells a client why it is sent away. Whether it listens is its own matter.
-    async fn tell(self, from: IpAddr, mut writer: Writer, sent: Sent) -> Sent {
+    async fn tell(self, from: IpAddr, mut writer: Writer, sent: SentAway) -> SentAway {
         let answer = match &sent {
-            Sent::Refused(welcome) => write::connack(*welcome, false).to_vec(),
-            Sent::Unfit(unfit) => unfit.answer().to_vec(),
-            Sent::Slow | Sent::GaveWay | Sent::First(_) | Sent::Malformed(_) | Sent::Broken(_) | Sent::Ended(_) => Vec::new(),
+            SentAway::Refused(welcome) => write::connack(*welcome, false).to_vec(),
+            SentAway::Unfit(unfit) => unfit.answer().to_vec(),
+            SentAway::Slow
+            | SentAway::GaveWay
+            | SentAway::First(_)
+            | SentAway::Malformed(_)
+            | SentAway::Broken(_)
+            | SentAway::Ended(_) => Vec::new(),
         };
         let farewell = async {
             let _ = writer.write_all(&answer).await;

@@ -10,21 +10,34 @@ use crate::doors::mqtt::identity::Identity;
 use crate::doors::mqtt::limits::CONNECTIONS;
 use crate::doors::mqtt::router::Router;
 use crate::doors::mqtt::session::testing::topics;
-use crate::runtime::obedient::obedient;
+use crate::runtime::obedient::{Script, obedient};
 use crate::runtime::within::within;
 use hallsweep_core::command::Command;
 use mqtt_gate::Session;
 use mqtt_gate::packet::Qos;
 
+/// What connections have in common before a loop that does as it is told; what became of commands is read by nobody.
+fn clients() -> (Clients, Script) {
+    let (handle, script) = obedient(idle());
+    let commands = Commands::new(handle, topics(), true, mpsc::channel(1).0);
+    (Clients::new(Broker::new(topics()), commands, Token::draw().expect("the system gives chance")), script)
+}
+
+/// A router that lets whoever comes in wait for ever, for as long as the sender is there.
+fn hanging() -> (watch::Sender<Arc<Router>>, Running) {
+    watch::channel(Arc::new(Router::hanging("127.0.0.1:9".parse().expect("an address"))))
+}
+
+fn from_here(access: Access) -> Origin {
+    Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access }
+}
+
 /// Safety A5, S9: however many come with one name, no more of them wait than there are seats.
 #[tokio::test(start_paused = true)]
 async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
-    let (handle, _script) = obedient(idle());
-    let (give, _answers) = mpsc::channel(1);
-    let secret = Token::draw().expect("the system gives chance");
-    let clients = Clients::new(Broker::new(topics()), Commands::new(handle, topics(), true, give), secret);
-    let (_routers, router) = watch::channel(Arc::new(Router::hanging("127.0.0.1:9".parse().expect("an address"))));
-    let origin = Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access: Access::Open };
+    let (clients, _script) = clients();
+    let (_routers, router) = hanging();
+    let origin = from_here(Access::Open);
 
     let mut hello = BytesMut::new();
     write::connect(&mut hello, "panel", false, 60, ("anna", "x"));
@@ -47,12 +60,9 @@ async fn whoever_waits_for_the_name_of_another_goes_when_his_seat_is_needed() {
 
 /// How many STOPs these bytes of a newcomer give, and what he is answered.
 async fn says(access: Access, bytes: &[u8]) -> (usize, Vec<u8>) {
-    let (handle, script) = obedient(idle());
-    let (give, _answers) = mpsc::channel(1);
-    let secret = Token::draw().expect("the system gives chance");
-    let clients = Clients::new(Broker::new(topics()), Commands::new(handle, topics(), true, give), secret);
-    let (_routers, router) = watch::channel(Arc::new(Router::hanging("127.0.0.1:9".parse().expect("an address"))));
-    let origin = Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access };
+    let (clients, script) = clients();
+    let (_routers, router) = hanging();
+    let origin = from_here(access);
     let (mut client, stream) = tokio::io::duplex(64 * 1024);
     let waiting = clients.let_wait(origin.from);
     let served = tokio::spawn(clients.attend(IncomingConnection::over(stream, origin), waiting, (router, Handle::current())));
@@ -142,17 +152,13 @@ async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_o
     let key = Key::new(OPERATOR, Role::Operator, Token::draw().expect("the system gives chance")).unwrap();
     let access = Access::Keys(Keyring::of(Keys::new(vec![key]).unwrap()));
     for version in [("MQTT", 4, 0xC2), ("MQTT", 4, 0xC3), ("MQTT", 5, 0xC2)] {
-        let clients = Clients::new(
-            Broker::new(topics()),
-            Commands::new(obedient(idle()).0, topics(), true, mpsc::channel(1).0),
-            Token::draw().expect("the system gives chance"),
-        );
-        let (_routers, router) = watch::channel(Arc::new(Router::hanging("127.0.0.1:9".parse().expect("an address"))));
+        let (clients, _script) = clients();
+        let (_routers, router) = hanging();
         let mut crowd = Vec::new();
         for _ in 0..WAITING + LEAVING + 100 {
             let (mut client, stream) = tokio::io::duplex(1024);
             client.write_all(&hello(version, OPERATOR, "wrong")).await.expect("it is taken");
-            let origin = Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access: access.clone() };
+            let origin = from_here(access.clone());
             let waiting = clients.let_wait(origin.from);
             let incoming = IncomingConnection::over(stream, origin);
             crowd.push((client, tokio::spawn(clients.clone().attend(incoming, waiting, (router.clone(), Handle::current())))));
@@ -168,13 +174,9 @@ async fn whoever_waits_for_the_answer_to_a_wrong_password_makes_room_for_newer_o
 /// What was acknowledged waits for a way to the router, though whoever said it has left: so much of it, and so long.
 #[tokio::test(start_paused = true)]
 async fn what_clients_say_that_leave_at_once_waits_for_the_router_for_so_many_and_so_long() {
-    let clients = Clients::new(
-        Broker::new(topics()),
-        Commands::new(obedient(idle()).0, topics(), true, mpsc::channel(1).0),
-        Token::draw().expect("the system gives chance"),
-    );
-    let (_routers, router) = watch::channel(Arc::new(Router::hanging("127.0.0.1:9".parse().expect("an address"))));
-    let origin = || Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access: Access::Open };
+    let (clients, _script) = clients();
+    let (_routers, router) = hanging();
+    let origin = || from_here(Access::Open);
     let terms = Terms {
         principal: Identity::OwnSession.principal(),
         name: Identity::OwnSession.name(),
@@ -214,15 +216,12 @@ async fn what_clients_say_that_leave_at_once_waits_for_the_router_for_so_many_an
 /// Safety S7: most clients say STOP only when they were greeted. A client of which something is remembered is told so.
 #[tokio::test]
 async fn a_newcomer_is_greeted_and_heard_though_nothing_else_is_done() {
-    let (handle, script) = obedient(idle());
-    let (give, _answers) = mpsc::channel(1);
-    let secret = Token::draw().expect("the system gives chance");
-    let clients = Clients::new(Broker::new(topics()), Commands::new(handle, topics(), true, give), secret);
-    let (_routers, router) = watch::channel(Arc::new(Router::hanging("127.0.0.1:9".parse().expect("an address"))));
+    let (clients, script) = clients();
+    let (_routers, router) = hanging();
     // Nobody runs what is to be done there.
     let idle = tokio::runtime::Builder::new_current_thread().build().expect("the system gives one");
     for (flags, is_greeted) in [(0xC2, true), (0xC0, false)] {
-        let origin = Origin { from: "127.0.0.1".parse().expect("an address"), caller: None, access: Access::Open };
+        let origin = from_here(Access::Open);
         let (mut client, stream) = tokio::io::duplex(1024);
         let waiting = clients.let_wait(origin.from);
         let served =

@@ -55,7 +55,6 @@ pub struct Ways {
     pub health: watch::Receiver<Health>,
 }
 
-/// A broker that has started.
 pub struct Embedded {
     clients: Clients,
     router: watch::Sender<Arc<Router>>,
@@ -71,19 +70,14 @@ pub struct Embedded {
     suspicion: Suspicion,
 }
 
-/// What is found of the router.
 enum Finding {
     /// It cannot go on; why.
     Broken(&'static str),
-    /// Our own session says how it is.
     Told(Health),
 }
 
 impl Embedded {
     /// Starts the router for these clients.
-    ///
-    /// # Errors
-    /// When there is no router to be had.
     pub async fn start(clients: Clients) -> Result<Embedded, RouterError> {
         let router = watch::Sender::new(Arc::new(Router::start().await?));
         Ok(Embedded {
@@ -133,7 +127,6 @@ impl Embedded {
         }
     }
 
-    /// Waits until there is something to be found of the router.
     async fn look(&self, health: &mut watch::Receiver<Health>) -> Finding {
         self.clock.reach(Some(self.rests_until)).await;
         let (ended, shut) = {
@@ -253,7 +246,6 @@ async fn accept_at(listeners: &mut Listeners, clock: Clock, then: Duration) -> s
     listeners.accept().await
 }
 
-/// A client that came by TCP.
 fn incoming(stream: TcpStream, address: SocketAddr, access: &Access) -> IncomingConnection {
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, "small packets of a connection will be held back");

@@ -123,7 +123,7 @@ impl TestBroker {
     async fn burglar(&self, id: &str) -> Peer {
         let (address, login) = {
             let router = self.router.borrow();
-            (router.address(), router.login().1.to_owned())
+            (router.address, router.login().1.to_owned())
         };
         let mut peer = Peer::come(address).await;
         peer.introduces(connect(id, Some(Login::new("gate", login)))).await;

@@ -31,7 +31,6 @@ thread_local! {
     static READ_BUFFER: RefCell<Box<[u8]>> = RefCell::new(vec![0; READ].into());
 }
 
-/// Listens to one client.
 pub(super) struct Hearing {
     search: UrgentSearch,
     listener: Arc<dyn Listener>,
@@ -41,7 +40,6 @@ pub(super) struct Hearing {
     work: Handle,
 }
 
-/// What was read at once.
 struct Read {
     bytes: usize,
     /// What of it was not looked through, because that took too long.
@@ -49,12 +47,10 @@ struct Read {
 }
 
 impl Hearing {
-    /// Hears for `listener`, and passes on to `feeder`.
     pub(super) fn new(listener: Arc<dyn Listener>, feeder: Feeder, clock: Clock, work: Handle) -> Hearing {
         Hearing { search: UrgentSearch::default(), listener, feeder, clock, work }
     }
 
-    /// The same for a client of MQTT 5.
     pub(super) fn for_mqtt5(self) -> Hearing {
         Hearing { search: UrgentSearch::for_mqtt5(), ..self }
     }
@@ -107,9 +103,7 @@ impl Hearing {
     async fn hear_rest(&mut self, reader: &mut Reader) {
         let mut heard = 0;
         while heard < REST {
-            let Hearing { search, listener, feeder, clock, work } = self;
-            let mut hear = |bytes: &[u8]| hear(search, &**listener, feeder, (*clock, work), bytes);
-            let read = std::future::poll_fn(|cx| match poll_read(reader, READ, &mut hear, cx) {
+            let read = std::future::poll_fn(|cx| match poll_read(reader, READ, &mut |bytes| self.hear(bytes), cx) {
                 Poll::Ready(read) => Poll::Ready(read.ok()),
                 Poll::Pending => Poll::Ready(None),
             });
@@ -122,9 +116,8 @@ impl Hearing {
 
     async fn hear_on(&mut self, reader: &mut Reader) {
         loop {
-            let Hearing { search, listener, feeder, clock, work } = self;
-            let mut hear = |bytes: &[u8]| hear(search, &**listener, feeder, (*clock, work), bytes);
-            let Ok(read) = std::future::poll_fn(|cx| poll_read(reader, READ, &mut hear, cx)).await else { return };
+            let read = std::future::poll_fn(|cx| poll_read(reader, READ, &mut |bytes| self.hear(bytes), cx));
+            let Ok(read) = read.await else { return };
             self.finish(read.rest).await;
         }
     }

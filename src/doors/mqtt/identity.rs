@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use subtle::ConstantTimeEq;
 
-use super::commands::{CommandSender, Commands, IncomingMessage, Taken};
+use super::commands::{Commands, IncomingMessage, Publisher, Taken};
 use super::incoming::Origin;
 use super::rights;
 use super::seats::Holder;
@@ -19,12 +19,9 @@ use mqtt_gate::{CommandDecision, Epoch, Listener};
 /// The name by which our own session comes. No key can have it.
 pub const OWN_SESSION: &str = "$hallsweep";
 
-/// Who a client is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Identity {
-    /// Our own session.
     OwnSession,
-    /// Somebody who was let in.
     Somebody(Caller),
 }
 
@@ -33,15 +30,11 @@ pub(super) enum Identity {
 pub(super) enum Unknown {
     /// It shows nothing, and something is asked for.
     Nothing,
-    /// What it shows is wrong.
     Wrong,
 }
 
 impl Identity {
     /// Who this client is, by the name and the password of its CONNECT.
-    ///
-    /// # Errors
-    /// When it is nobody who is let in.
     pub(super) fn of(credentials: &connect::Credentials, origin: &Origin, secret: &Token) -> Result<Identity, Unknown> {
         let password = credentials.password.as_deref().unwrap_or_default();
         let name = credentials.name.as_deref();
@@ -58,7 +51,6 @@ impl Identity {
         signed_in.map(|signed_in| Identity::Somebody(Caller::Known(signed_in))).ok_or(Unknown::Wrong)
     }
 
-    /// The name for records.
     pub(super) fn name(&self) -> Arc<str> {
         match self {
             Identity::OwnSession => Arc::from(OWN_SESSION),
@@ -74,8 +66,7 @@ impl Identity {
     /// Whose seat it takes; our own session needs none.
     pub(super) fn holder(&self) -> Option<Holder> {
         let Identity::Somebody(caller) = self else { return None };
-        let has_share = matches!(caller, Caller::Known(_));
-        Some(Holder { who: caller.name(), is_viewer: caller.may(Need::Act).is_err(), has_share })
+        Some(Holder { who: caller.name(), is_viewer: caller.may(Need::Act).is_err(), has_share: self.has_key() })
     }
 
     /// What the gate wants to know.
@@ -102,26 +93,24 @@ impl Identity {
                 let from = Arc::from(from.to_canonical().to_string());
                 Arc::new(CommandListener {
                     commands: commands.clone(),
-                    sender: CommandSender::Known { caller: caller.clone(), from },
+                    publisher: Publisher::Known { caller: caller.clone(), from },
                 })
             }
         }
     }
 }
 
-/// Hears commands of somebody.
 struct CommandListener {
     commands: Commands,
-    sender: CommandSender,
+    publisher: Publisher,
 }
 
-/// Hears nothing.
 struct Deaf;
 
 impl Listener for CommandListener {
     fn hear(&self, topic: &str, payload: &[u8], (arrived, is_again): (Option<Epoch>, bool)) -> CommandDecision {
         let arrived = arrived.map(|Epoch(epoch)| units::Epoch(epoch));
-        match self.commands.take(&IncomingMessage { topic, payload, arrived, is_again }, &self.sender) {
+        match self.commands.take(&IncomingMessage { topic, payload, arrived, is_again }, &self.publisher) {
             Taken::NotACommand | Taken::Taken => CommandDecision::Pass,
             Taken::Forbidden => CommandDecision::Forbidden,
         }
@@ -132,7 +121,7 @@ impl Listener for CommandListener {
     }
 
     fn hear_urgent(&self, topic: &[u8], payload: &[u8]) -> bool {
-        self.commands.halts(topic, payload, &self.sender)
+        self.commands.halts(topic, payload, &self.publisher)
     }
 }
 

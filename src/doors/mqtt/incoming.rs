@@ -13,20 +13,15 @@ pub type Reader = Box<dyn AsyncRead + Send + Unpin>;
 /// What it is told. It is written where all else is done.
 pub type Writer = Box<dyn AsyncWrite + Send + Unpin>;
 
-/// A client that has come.
 pub struct IncomingConnection {
-    /// What it says.
     pub reader: Reader,
-    /// What it is told.
     pub writer: Writer,
-    /// How it came.
     pub origin: Origin,
 }
 
 /// How a client came, and what is known of it without its saying anything.
 #[derive(Clone, Debug)]
 pub struct Origin {
-    /// Where it comes from.
     pub from: IpAddr,
     /// Who it is, if that is known without its saying so.
     pub caller: Option<Caller>,
@@ -35,7 +30,6 @@ pub struct Origin {
 }
 
 impl IncomingConnection {
-    /// A client at the other end of this stream.
     pub fn over(stream: impl AsyncRead + AsyncWrite + Send + 'static, origin: Origin) -> IncomingConnection {
         let (reader, writer) = tokio::io::split(stream);
         IncomingConnection { reader: Box::new(reader), writer: Box::new(writer), origin }

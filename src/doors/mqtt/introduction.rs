@@ -12,7 +12,7 @@ use mqtt_gate::{Kind, Malformed, frame};
 
 /// Why a newcomer was not let in, or is no client any more.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum Sent {
+pub(super) enum SentAway {
     #[error("it did not say in time who it is")]
     Slow,
     #[error("it gave way to a newer one before it had said who it is")]
@@ -32,18 +32,18 @@ pub(super) enum Sent {
 }
 
 /// The first packet of a client, which must be its CONNECT.
-pub(super) async fn introduction(reader: &mut Reader, heard: &mut BytesMut) -> Result<Connect, Sent> {
+pub(super) async fn introduction(reader: &mut Reader, heard: &mut BytesMut) -> Result<Connect, SentAway> {
     loop {
         if let Some(frame) = frame(heard, CONNECT)? {
             if frame.kind != Kind::Connect {
-                return Err(Sent::First(frame.kind));
+                return Err(SentAway::First(frame.kind));
             }
             let connect = connect::read(&heard[frame.head..frame.length])?;
             heard.advance(frame.length);
             return Ok(connect);
         }
         if reader.read_buf(heard).await? == 0 {
-            return Err(Sent::Ended(Ended::Gone));
+            return Err(SentAway::Ended(Ended::Gone));
         }
     }
 }

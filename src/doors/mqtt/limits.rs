@@ -3,8 +3,7 @@
 
 use std::time::Duration;
 
-/// Clients at once, beside our own session: every screen, sensor and script of a site. Each costs three descriptors, its own and two
-/// towards the router.
+/// Clients at once, beside our own session: every screen, sensor and script of a site. Each costs three descriptors.
 pub(super) const CONNECTIONS: usize = 256;
 
 /// Connections at once that have not said yet who they are: however many there are, a newcomer can say it.
@@ -22,8 +21,7 @@ pub(super) const LATE: usize = 64;
 /// How long a client may take to say who it is.
 pub(super) const CONNECT_TIME: Duration = Duration::from_secs(5);
 
-/// How many messages the router hands to one client before it looks after the others: more cost memory for every client that lags,
-/// and speed nothing up.
+/// How many messages the router hands to one client before the others: more cost memory for each that lags, and speed nothing up.
 pub(super) const BATCH: u64 = 200;
 
 /// How many packets of one client the router takes at a time.

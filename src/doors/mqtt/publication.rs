@@ -2,12 +2,9 @@
 
 use bytes::Bytes;
 
-/// A message on its way out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Publication {
-    /// Where.
     pub topic: String,
-    /// What.
     pub payload: Bytes,
     /// Whether a broker keeps it for whoever subscribes later.
     pub retain: bool,

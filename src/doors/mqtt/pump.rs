@@ -48,7 +48,6 @@ const BREATH: Duration = Duration::from_millis(2);
 /// A client that takes so many bytes reads what waits for it.
 const MUCH: usize = 64 * 1024;
 
-/// The client's end of a connection.
 pub(super) struct Ends {
     pub(super) client: Writer,
     /// What the client has sent.
@@ -61,7 +60,6 @@ pub(super) struct Ends {
     pub(super) late: Arc<Semaphore>,
 }
 
-/// Whose connection it is.
 pub(super) type Whose<'a> = (&'a Identity, &'a Access, Clock);
 
 /// The gate in the middle, and what has come from both sides.
@@ -216,7 +214,6 @@ impl<'a> Pump<'a> {
         tokio::join!(to_client, to_router).1.ok().flatten()
     }
 
-    /// Moves bytes until something ends it.
     async fn flow(&mut self) -> Ended {
         let (mut outcome, mut read) = (Ok(()), 0);
         loop {
@@ -353,8 +350,7 @@ fn left(ended: Ended) -> Left {
     }
 }
 
-/// Room for what is read at once, more of it while much comes; what one long message took is given back, and what a burst took when
-/// that is over.
+/// Room for what is read at once, more of it while much comes; what one long message or a burst took is given back.
 fn make_room(buffer: &mut BytesMut, read: usize) {
     let room = if read < FEW { FEW } else { READ };
     if buffer.is_empty() && buffer.capacity() > 4 * room {
@@ -363,8 +359,7 @@ fn make_room(buffer: &mut BytesMut, read: usize) {
     buffer.reserve(room);
 }
 
-/// Waits until all subscribers have caught up, or it is time to look who does not read: whether the latter. For ever, when there is none
-/// to wait for.
+/// Waits until all subscribers have caught up, or it is time to look who does not read: whether the latter. For ever without any.
 async fn caught_up(waiting: Option<&LagWait>, clock: Clock) -> bool {
     let Some(LagWait { behind, until }) = waiting else { return std::future::pending().await };
     let all_relieved = async {
@@ -378,7 +373,6 @@ async fn caught_up(waiting: Option<&LagWait>, clock: Clock) -> bool {
     }
 }
 
-/// Whether anything went through.
 fn went(moved: io::Result<usize>, else_: Ended) -> Result<(), Ended> {
     match moved {
         Ok(1..) => Ok(()),

@@ -25,7 +25,6 @@ const STOP_COST: usize = size_of::<Mark>();
 pub(super) struct Pool(Arc<AtomicUsize>);
 
 impl Pool {
-    /// How many they are.
     pub(super) fn bytes(&self) -> usize {
         self.0.load(Ordering::Relaxed)
     }
@@ -78,7 +77,6 @@ pub(super) enum Left {
     Deaf,
 }
 
-/// The two ends for a new connection.
 pub(super) fn read_ahead(pool: &Pool) -> (Feeder, Taker) {
     let shared = Shared { state: Mutex::default(), come: Notify::new(), room: Notify::new(), pool: pool.clone() };
     let shared = Arc::new(shared);
@@ -147,17 +145,12 @@ impl Feeder {
         drop(state);
         self.0.come.notify_one();
     }
-
-    /// Nothing more comes.
-    pub(super) fn end(&self) {
-        self.0.state().has_ended = true;
-        self.0.come.notify_one();
-    }
 }
 
 impl Drop for Feeder {
     fn drop(&mut self) {
-        self.end();
+        self.0.state().has_ended = true;
+        self.0.come.notify_one();
     }
 }
 
@@ -205,7 +198,6 @@ impl Taker {
         }
     }
 
-    /// Nothing is taken any more.
     pub(super) fn leave(&self, left: Left) {
         let mut state = self.0.state();
         self.0.pool.0.fetch_sub(state.bytes, Ordering::Relaxed);
@@ -237,7 +229,6 @@ impl Drop for Taker {
 }
 
 impl Shared {
-    /// How much more may come.
     fn room_in(&self, state: &State) -> usize {
         let is_lent_out = self.pool.bytes() >= READ_AHEAD;
         let own = CONNECTION_BYTES.saturating_sub(ROUTER_PART + state.held);

@@ -47,7 +47,7 @@ const NOBODY: ConnectionId = ConnectionId::MAX;
 /// A running router; it ends when this is dropped, and all that it remembers with it.
 #[derive(Debug)]
 pub(super) struct Router {
-    address: SocketAddr,
+    pub(super) address: SocketAddr,
     secret: Token,
     /// Its thread ends when this is changed or dropped;
     stop: watch::Sender<()>,
@@ -59,22 +59,16 @@ pub(super) struct Router {
     is_shut: watch::Sender<bool>,
 }
 
-/// Why there is no router.
 #[derive(Debug, thiserror::Error)]
 pub enum RouterError {
-    /// The system gives no port, thread or chance.
     #[error("the broker cannot be started: {0}")]
     System(#[from] std::io::Error),
-    /// It did not begin to listen.
     #[error("the broker does not answer on its own port")]
     Silent,
 }
 
 impl Router {
     /// Starts one on a free port of this machine.
-    ///
-    /// # Errors
-    /// When the system refuses, or when it does not listen in time.
     pub(super) async fn start() -> Result<Router, RouterError> {
         for _ in 0..TRIES {
             let router = Router::begin().await?;
@@ -104,11 +98,6 @@ impl Router {
         }
     }
 
-    /// Where it listens.
-    pub(super) const fn address(&self) -> SocketAddr {
-        self.address
-    }
-
     /// Name and password by which it is entered.
     pub(super) fn login(&self) -> (&str, &str) {
         (GATE, self.secret.reveal())
@@ -130,7 +119,6 @@ impl Router {
         }
     }
 
-    /// The gate was not let in.
     pub(super) fn lets_nobody_in(&self) {
         self.is_shut.send_replace(true);
     }
@@ -236,7 +224,7 @@ mod tests {
     #[tokio::test]
     async fn it_listens_on_this_machine_alone_and_ends_with_its_handle() {
         let router = Router::start().await.expect("it starts");
-        let address = router.address();
+        let address = router.address;
         assert!(address.ip().is_loopback());
         assert!(TcpStream::connect(address).await.is_ok());
         drop(router);
@@ -259,7 +247,7 @@ mod tests {
     #[tokio::test]
     async fn its_router_ends_with_its_handle() {
         let router = Router::start().await.expect("it starts");
-        let thread = format!("router-{}", router.address().port());
+        let thread = format!("router-{}", router.address.port());
         // A thread takes its name when it begins to run.
         while !threads().contains(&thread) {
             tokio::time::sleep(GLANCE).await;
@@ -274,6 +262,6 @@ mod tests {
     async fn each_has_a_secret_of_its_own() {
         let (one, other) = (Router::start().await.expect("it starts"), Router::start().await.expect("so does another"));
         assert_ne!(one.login().1, other.login().1);
-        assert_ne!(one.address(), other.address());
+        assert_ne!(one.address, other.address);
     }
 }

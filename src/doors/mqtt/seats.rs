@@ -16,12 +16,10 @@ use crate::doors::room::Room;
 /// What waits for a client is noted in steps of so many bytes.
 const STEP: usize = 16 * 1024;
 
-/// Whose seat it is.
 #[derive(Clone, Debug)]
 pub(super) struct Holder {
     /// The name of the key.
     pub(super) who: Arc<str>,
-    /// Whether he only looks.
     pub(super) is_viewer: bool,
     /// Whether he has shown a key, and so has a share; where nobody shows one, all are one.
     pub(super) has_share: bool,
@@ -29,19 +27,19 @@ pub(super) struct Holder {
 
 /// All seats. Cheap to clone.
 #[derive(Clone, Debug)]
-pub(super) struct Seats(Arc<Mutex<Table>>);
+pub(super) struct Seats(Arc<Mutex<Seating>>);
 
 #[derive(Debug)]
-struct Table {
+struct Seating {
     /// How many there are, of which one key has a share, and some are kept from viewers.
     most: usize,
     share: usize,
     given: u64,
-    taken: HashMap<u64, Taken>,
+    clients: HashMap<u64, SeatedClient>,
 }
 
 #[derive(Debug)]
-struct Taken {
+struct SeatedClient {
     holder: Holder,
     progress_ms: Arc<AtomicU64>,
     give_way: Arc<Notify>,
@@ -86,36 +84,37 @@ impl Seats {
     /// As many as there is room for, all free.
     pub(super) fn new(room: Room) -> Seats {
         let [most, share] = [CONNECTIONS, SHARE].map(|all| room.part(all));
-        Seats(Arc::new(Mutex::new(Table { most, share, given: 0, taken: HashMap::new() })))
+        Seats(Arc::new(Mutex::new(Seating { most, share, given: 0, clients: HashMap::new() })))
     }
 
     /// How many bytes wait here for all of them.
     pub(super) fn unread_here(&self) -> usize {
-        self.table().taken.values().map(|taken| taken.unread.here).sum()
+        self.seating().clients.values().map(|client| client.unread.here).sum()
     }
 
     /// A seat for whoever comes in `now`; somebody may have to give way for it.
     pub(super) fn take(&self, holder: Holder, now: Duration) -> Seat {
         let (progress_ms, give_way) = (Arc::new(AtomicU64::new(ms(now))), Arc::default());
-        let mut table = self.table();
-        if let Some(taken) = table.least_needed(&holder).and_then(|number| table.taken.remove(&number)) {
-            taken.give_way.notify_one();
+        let mut seating = self.seating();
+        if let Some(client) = seating.least_needed(&holder).and_then(|number| seating.clients.remove(&number)) {
+            client.give_way.notify_one();
         }
-        table.given += 1;
-        let number = table.given;
+        seating.given += 1;
+        let number = seating.given;
         let (unread, read_ms) = (Unread::default(), ms(now));
-        let taken = Taken { holder, progress_ms: Arc::clone(&progress_ms), give_way: Arc::clone(&give_way), unread, read_ms };
-        table.taken.insert(number, taken);
-        drop(table);
+        let client =
+            SeatedClient { holder, progress_ms: Arc::clone(&progress_ms), give_way: Arc::clone(&give_way), unread, read_ms };
+        seating.clients.insert(number, client);
+        drop(seating);
         Seat { seats: self.clone(), number, progress_ms, give_way, unread: AtomicUsize::new(0) }
     }
 
-    fn table(&self) -> MutexGuard<'_, Table> {
+    fn seating(&self) -> MutexGuard<'_, Seating> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Table {
+impl Seating {
     /// The seat that is given up for a newcomer; `None` while there is one for him.
     fn least_needed(&self, newcomer: &Holder) -> Option<u64> {
         let own = self.count(|holder| holder.who == newcomer.who);
@@ -125,14 +124,14 @@ impl Table {
         let is_among: fn(&Holder) -> bool =
             if newcomer.is_viewer && self.count(|holder| holder.is_viewer) >= self.most - self.share {
                 |holder| holder.is_viewer
-            } else if self.taken.len() >= self.most {
+            } else if self.clients.len() >= self.most {
                 |_| true
             } else {
                 return None;
             };
         let mut counts: HashMap<&str, usize> = HashMap::new();
-        for taken in self.taken.values().filter(|taken| is_among(&taken.holder)) {
-            *counts.entry(&taken.holder.who).or_default() += 1;
+        for client in self.clients.values().filter(|client| is_among(&client.holder)) {
+            *counts.entry(&client.holder.who).or_default() += 1;
         }
         let (greediest, most) = counts.into_iter().max_by_key(|(_, count)| *count)?;
         let gives = if own >= most { &*newcomer.who } else { greediest };
@@ -143,7 +142,7 @@ impl Table {
     /// read nothing for longest. Nobody for whom but little waits.
     fn least_read(&self, replaced: usize) -> Option<u64> {
         let unread = |is_among: fn(&Holder) -> bool| {
-            self.taken.values().filter(|taken| is_among(&taken.holder)).map(|taken| taken.unread.own()).sum::<usize>()
+            self.clients.values().filter(|client| is_among(&client.holder)).map(|client| client.unread.own()).sum::<usize>()
         };
         if unread(|_| true) + replaced <= UNREAD {
             return None;
@@ -155,31 +154,30 @@ impl Table {
     /// Of whichever of these has most waiting, the one that has read nothing for longest, of those for whom it is more than a little.
     fn stalest(&self, is_among: fn(&Holder) -> bool) -> Option<u64> {
         let among = || {
-            let all = self.taken.iter().filter(|(_, taken)| is_among(&taken.holder));
-            all.filter(|(_, taken)| taken.unread.all() > LITTLE_UNREAD)
+            let all = self.clients.iter().filter(|(_, client)| is_among(&client.holder));
+            all.filter(|(_, client)| client.unread.all() > LITTLE_UNREAD)
         };
         let mut waits: HashMap<&str, usize> = HashMap::new();
-        for (_, taken) in among() {
-            *waits.entry(&taken.holder.who).or_default() += taken.unread.all();
+        for (_, client) in among() {
+            *waits.entry(&client.holder.who).or_default() += client.unread.all();
         }
         let (greediest, _) = waits.into_iter().max_by_key(|(_, waits)| *waits)?;
-        let of_greediest = among().filter(|(_, taken)| &*taken.holder.who == greediest);
-        of_greediest.min_by_key(|(number, taken)| (taken.read_ms, **number)).map(|(number, _)| *number)
+        let of_greediest = among().filter(|(_, client)| &*client.holder.who == greediest);
+        of_greediest.min_by_key(|(number, client)| (client.read_ms, **number)).map(|(number, _)| *number)
     }
 
     fn count(&self, is_among: impl Fn(&Holder) -> bool) -> usize {
-        self.taken.values().filter(|taken| is_among(&taken.holder)).count()
+        self.clients.values().filter(|client| is_among(&client.holder)).count()
     }
 
     /// The seat of these in which nothing has happened for longest.
     fn stillest(&self, is_among: impl Fn(&Holder) -> bool) -> Option<u64> {
-        let among = self.taken.iter().filter(|(_, taken)| is_among(&taken.holder));
-        among.min_by_key(|(number, taken)| (taken.progress_ms.load(Ordering::Relaxed), **number)).map(|(number, _)| *number)
+        let among = self.clients.iter().filter(|(_, client)| is_among(&client.holder));
+        among.min_by_key(|(number, client)| (client.progress_ms.load(Ordering::Relaxed), **number)).map(|(number, _)| *number)
     }
 }
 
 impl Seat {
-    /// Something has happened in it.
     pub(super) fn moves(&self, now: Duration) {
         self.progress_ms.store(ms(now), Ordering::Relaxed);
     }
@@ -193,23 +191,22 @@ impl Seat {
         }
         self.unread.store(noted, Ordering::Relaxed);
         let mut replaced = if noted > before { replaced() } else { 0 };
-        let mut table = self.seats.table();
-        let Some(taken) = table.taken.get_mut(&self.number) else { return };
-        (taken.unread, taken.read_ms) = (unread, ms(read_at));
+        let mut seating = self.seats.seating();
+        let Some(client) = seating.clients.get_mut(&self.number) else { return };
+        (client.unread, client.read_ms) = (unread, ms(read_at));
         while noted > before
-            && let Some(taken) = table.least_read(replaced).and_then(|number| table.taken.remove(&number))
+            && let Some(client) = seating.least_read(replaced).and_then(|number| seating.clients.remove(&number))
         {
-            replaced = replaced.saturating_sub(taken.unread.shared);
-            taken.give_way.notify_one();
+            replaced = replaced.saturating_sub(client.unread.shared);
+            client.give_way.notify_one();
         }
     }
 
     /// It is free again, though its client is still taking its leave.
     pub(super) fn give_back(&self) {
-        self.seats.table().taken.remove(&self.number);
+        self.seats.seating().clients.remove(&self.number);
     }
 
-    /// Waits until it is somebody else's.
     pub(super) async fn given_up(&self) {
         self.give_way.notified().await;
     }
@@ -235,6 +232,8 @@ fn ms(duration: Duration) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use futures_util::FutureExt;
+
     use super::*;
 
     fn viewer(who: &str) -> Holder {
@@ -255,82 +254,72 @@ mod tests {
     }
 
     /// How many of these are somebody else's now.
-    async fn lost(crowd: &[Seat]) -> usize {
-        let mut lost = 0;
-        for seat in crowd {
-            tokio::select! {
-                biased;
-                () = seat.given_up() => {
-                    seat.give_way.notify_one();
-                    lost += 1;
-                }
-                () = std::future::ready(()) => {}
-            }
-        }
-        lost
+    fn lost(crowd: &[Seat]) -> usize {
+        let lost = crowd.iter().filter(|seat| seat.given_up().now_or_never().is_some());
+        lost.inspect(|seat| seat.give_way.notify_one()).count()
     }
 
     const NOW: Duration = Duration::from_secs(100);
 
     /// Safety S9.
-    #[tokio::test]
-    async fn whoever_has_his_share_gives_up_one_of_his_own() {
+    #[test]
+    fn whoever_has_his_share_gives_up_one_of_his_own() {
         for holder in [viewer("screen"), operator("panel")] {
             let seats = Seats::new(Room::default());
             let others = crowd(&seats, &operator("others"), SHARE);
             let own = crowd(&seats, &holder, SHARE);
             own[0].moves(NOW);
             let _newcomer = seats.take(holder, NOW);
-            assert_eq!((lost(&own).await, lost(&own[1..2]).await, lost(&others).await), (1, 1, 0));
+            assert_eq!((lost(&own), lost(&own[1..2]), lost(&others)), (1, 1, 0));
         }
     }
 
     /// Safety S9.
-    #[tokio::test]
-    async fn viewers_together_leave_seats_to_operators_and_to_each_other() {
+    #[test]
+    fn viewers_together_leave_seats_to_operators_and_to_each_other() {
         let seats = Seats::new(Room::default());
         // A fourth of all is kept.
         let viewers = CONNECTIONS - CONNECTIONS / 4;
         let keys = viewers / SHARE + 2;
         let crowds: Vec<_> = (0..keys).map(|key| crowd(&seats, &viewer(&key.to_string()), SHARE)).collect();
-        assert_eq!(seats.table().taken.len(), viewers);
+        assert_eq!(seats.seating().clients.len(), viewers);
         let operators = crowd(&seats, &operator("operator"), CONNECTIONS - viewers);
         let mut before = 0;
         for crowd in &crowds {
-            before += lost(crowd).await;
+            before += lost(crowd);
         }
         assert_eq!(before, keys * SHARE - viewers, "no operator has driven one away");
         let late = seats.take(viewer("late"), NOW);
-        assert_eq!((lost(&[late]).await, lost(&operators).await), (0, 0));
+        assert_eq!((lost(&[late]), lost(&operators)), (0, 0));
     }
 
     /// Safety S9.
-    #[tokio::test]
-    async fn when_all_seats_are_taken_whoever_has_most_gives_way_to_any_newcomer() {
+    #[test]
+    fn when_all_seats_are_taken_whoever_has_most_gives_way_to_any_newcomer() {
         let seats = Seats::new(Room::default());
         let mut crowds: Vec<_> = (0..3).map(|key| crowd(&seats, &operator(&key.to_string()), SHARE - 1)).collect();
         crowds.push(crowd(&seats, &operator("most"), SHARE));
         let few = crowd(&seats, &viewer("few"), 3);
-        assert_eq!(seats.table().taken.len(), CONNECTIONS);
+        assert_eq!(seats.seating().clients.len(), CONNECTIONS);
         let one = seats.take(viewer("few"), NOW);
-        assert_eq!((lost(&crowds[3]).await, lost(&few).await), (1, 0));
+        assert_eq!((lost(&crowds[3]), lost(&few)), (1, 0));
         let newcomers = [one, seats.take(operator("new"), NOW)];
-        let lost = lost(&newcomers).await + lost(&few).await;
+        let lost = lost(&newcomers) + lost(&few);
         assert_eq!(lost, 0, "it was one of those who have as many as he who had most");
-        assert_eq!(seats.table().taken.len(), CONNECTIONS);
+        assert_eq!(seats.seating().clients.len(), CONNECTIONS);
     }
 
     /// Safety S9: where nobody signs in.
-    #[tokio::test]
-    async fn without_keys_nobody_has_a_share_and_the_stillest_gives_way() {
+    #[test]
+    fn without_keys_nobody_has_a_share_and_the_stillest_gives_way() {
         let seats = Seats::new(Room::default());
         let all = crowd(&seats, &here(), CONNECTIONS);
-        assert_eq!(lost(&all).await, 0);
+        assert_eq!(lost(&all), 0);
         for seat in &all[..CONNECTIONS - 1] {
             seat.moves(NOW);
         }
         let _newcomer = seats.take(here(), NOW);
-        assert_eq!((lost(&all).await, lost(&all[CONNECTIONS - 1..]).await), (1, 1));
+        assert_eq!((lost(&all), lost(&all[CONNECTIONS - 1..])), (1, 1));
     }
 
     /// For so many of these so many bytes wait, of which they read some one millisecond after the other.
@@ -343,52 +332,52 @@ mod tests {
     const MUCH: usize = 8 * LITTLE_UNREAD;
 
     /// Safety A5, S9.
-    #[tokio::test]
-    async fn when_too_much_is_unread_whoever_has_read_nothing_for_longest_gives_way() {
+    #[test]
+    fn when_too_much_is_unread_whoever_has_read_nothing_for_longest_gives_way() {
         let seats = Seats::new(Room::default());
         let all = crowd(&seats, &here(), CONNECTIONS);
         pile_up(&all[..1], LITTLE_UNREAD);
         pile_up(&all[1..UNREAD / MUCH], MUCH);
-        assert_eq!(lost(&all).await, 0);
+        assert_eq!(lost(&all), 0);
         pile_up(&all[UNREAD / MUCH..], MUCH);
-        assert_eq!(lost(&all[..1]).await, 0, "little waits for it");
-        let left = seats.table().taken.len() - 1;
-        assert_eq!(lost(&all[..CONNECTIONS - left]).await, CONNECTIONS - left - 1, "those who read last are there still");
+        assert_eq!(lost(&all[..1]), 0, "little waits for it");
+        let left = seats.seating().clients.len() - 1;
+        assert_eq!(lost(&all[..CONNECTIONS - left]), CONNECTIONS - left - 1, "those who read last are there still");
         assert!(seats.unread_here() <= UNREAD && seats.unread_here() > UNREAD - 2 * MUCH, "{}", seats.unread_here());
     }
 
     /// Safety A5, S9.
-    #[tokio::test]
-    async fn what_viewers_do_not_read_harms_no_operator() {
+    #[test]
+    fn what_viewers_do_not_read_harms_no_operator() {
         let seats = Seats::new(Room::default());
         let screens = crowd(&seats, &operator("screens"), SHARE);
         pile_up(&screens, LITTLE_UNREAD);
         let viewers = ["one", "two", "three"].map(|key| crowd(&seats, &viewer(key), SHARE));
         viewers.iter().for_each(|viewers| pile_up(viewers, MUCH / 2));
         pile_up(&screens[..4], MUCH);
-        assert_eq!(lost(&screens).await, 0);
+        assert_eq!(lost(&screens), 0);
         assert!(seats.unread_here() <= UNREAD);
     }
 
     /// Safety A5: what was replaced while it was on its way counts, and what all have in common does not.
-    #[tokio::test]
-    async fn what_several_wait_for_counts_when_it_is_kept_no_more() {
+    #[test]
+    fn what_several_wait_for_counts_when_it_is_kept_no_more() {
         let seats = Seats::new(Room::default());
         let all = crowd(&seats, &here(), SHARE);
         let shared = Unread { shared: MUCH, ..Unread::default() };
         all.iter().for_each(|seat| seat.note_unread(shared, NOW, || 0));
-        assert_eq!(lost(&all).await, 0);
+        assert_eq!(lost(&all), 0);
         let waits_at_router = Unread { at_router: MUCH, ..shared };
         all[5].note_unread(waits_at_router, NOW + NOW, || UNREAD);
-        assert_eq!((lost(&all[..1]).await, lost(&all).await), (1, 1), "one is enough");
+        assert_eq!((lost(&all[..1]), lost(&all)), (1, 1), "one is enough");
     }
 
-    #[tokio::test]
-    async fn a_seat_that_is_left_is_free() {
+    #[test]
+    fn a_seat_that_is_left_is_free() {
         let seats = Seats::new(Room::default());
         for _ in 0..3 {
-            assert_eq!(lost(&crowd(&seats, &here(), CONNECTIONS)).await, 0);
+            assert_eq!(lost(&crowd(&seats, &here(), CONNECTIONS)), 0);
         }
-        assert!(seats.table().taken.is_empty());
+        assert!(seats.seating().clients.is_empty());
     }
 }

@@ -19,7 +19,6 @@ const LEAVE_TIME: Duration = Duration::from_secs(2);
 /// Whose client it is, and what it calls itself: nobody takes the place of somebody else's client.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Name {
-    /// The name of whoever is signed in.
     pub(super) who: Arc<str>,
     /// The client's own name; empty: it has none.
     pub(super) client: String,
@@ -27,7 +26,7 @@ pub(super) struct Name {
 
 /// All slots. Cheap to clone.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Slots(Arc<Mutex<Table>>);
+pub(super) struct Slots(Arc<Mutex<Registry>>);
 
 /// A client's place at the router; free again when it is dropped.
 #[derive(Debug)]
@@ -45,7 +44,7 @@ pub(super) struct Slot {
 }
 
 #[derive(Debug, Default)]
-struct Table {
+struct Registry {
     /// Counts whoever has come, so that one is not taken for another of the same name.
     moments: u64,
     taken: BTreeSet<usize>,
@@ -68,10 +67,9 @@ struct Remembered {
 }
 
 impl Slots {
-    /// A slot for a client that comes in; one of the same name is sent away first. `wants_memory`: what happens while it is away is
-    /// to be kept for it.
+    /// A slot for a client; one of the same name is sent away first. `wants_memory`: what happens while it is away is kept.
     pub(super) async fn take(&self, name: Name, wants_memory: bool) -> Slot {
-        let came = self.table().next_moment();
+        let came = self.registry().next_moment();
         loop {
             let (moment, mut gone) = match self.enter(&name, wants_memory, came) {
                 Ok(slot) => return slot,
@@ -79,45 +77,45 @@ impl Slots {
             };
             // It ends when the other's end of the channel is dropped with its slot; one that hangs is left to itself, with all of it.
             if tokio::time::timeout(LEAVE_TIME, gone.changed()).await.is_err() {
-                self.table().give_up(&name, moment);
+                self.registry().give_up(&name, moment);
             }
         }
     }
 
     /// A slot, when nobody of this name is here; else he is asked to leave, and it is said when he came and what ends when he has gone.
     fn enter(&self, name: &Name, wants_memory: bool, came: u64) -> Result<Slot, (u64, watch::Receiver<()>)> {
-        let mut table = self.table();
-        let is_overtaken = table.present.get(name).is_some_and(|present| present.moment > came);
-        if let Some(present) = table.present.get(name).filter(|_| !is_overtaken) {
+        let mut registry = self.registry();
+        let is_overtaken = registry.present.get(name).is_some_and(|present| present.moment > came);
+        if let Some(present) = registry.present.get(name).filter(|_| !is_overtaken) {
             present.leave.send_replace(true);
             return Err((present.moment, present.gone.clone()));
         }
         let moment = came;
         // Whoever came later has the name. What this one has said before it left is to go its way all the same.
         let is_named = !name.client.is_empty() && !is_overtaken;
-        let had = if is_named { table.remembered.remove(name) } else { None };
-        let is_kept = wants_memory && is_named && (had.is_some() || table.has_memory());
-        let number = had.as_ref().map_or_else(|| table.free(), |had| had.number);
+        let had = if is_named { registry.remembered.remove(name) } else { None };
+        let is_kept = wants_memory && is_named && (had.is_some() || registry.has_memory());
+        let number = had.as_ref().map_or_else(|| registry.free(), |had| had.number);
         let session = had.filter(|_| is_kept).and_then(|had| had.session);
         if is_kept {
-            table.remembered.insert(name.clone(), Remembered { moment, number, session: None });
+            registry.remembered.insert(name.clone(), Remembered { moment, number, session: None });
         }
-        table.taken.insert(number);
+        registry.taken.insert(number);
         let (gone, gone_too) = watch::channel(());
         let (leave, asked) = watch::channel(is_overtaken);
         if is_named {
-            table.present.insert(name.clone(), Present { moment, leave, gone: gone_too });
+            registry.present.insert(name.clone(), Present { moment, leave, gone: gone_too });
         }
-        drop(table);
+        drop(registry);
         Ok(Slot { slots: self.clone(), name: name.clone(), moment, number, is_kept, session, leave: asked, _gone: gone })
     }
 
-    fn table(&self) -> MutexGuard<'_, Table> {
+    fn registry(&self) -> MutexGuard<'_, Registry> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Table {
+impl Registry {
     fn next_moment(&mut self) -> u64 {
         self.moments += 1;
         self.moments
@@ -161,8 +159,8 @@ impl Slot {
 
     /// Keeps what is to be remembered of the client, for when it comes back.
     pub(super) fn remember(&self, session: Session) {
-        let mut table = self.slots.table();
-        if let Some(remembered) = table.remembered.get_mut(&self.name).filter(|remembered| remembered.moment == self.moment) {
+        let mut registry = self.slots.registry();
+        if let Some(remembered) = registry.remembered.get_mut(&self.name).filter(|remembered| remembered.moment == self.moment) {
             remembered.session = Some(session);
         }
     }
@@ -170,10 +168,10 @@ impl Slot {
 
 impl Drop for Slot {
     fn drop(&mut self) {
-        let mut table = self.slots.table();
-        table.present.retain(|_, present| present.moment != self.moment);
-        if !table.remembered.values().any(|remembered| remembered.moment == self.moment) {
-            table.taken.remove(&self.number);
+        let mut registry = self.slots.registry();
+        registry.present.retain(|_, present| present.moment != self.moment);
+        if !registry.remembered.values().any(|remembered| remembered.moment == self.moment) {
+            registry.taken.remove(&self.number);
         }
     }
 }
@@ -208,9 +206,9 @@ mod tests {
         let hangs = slots.take(name("panel"), false).await;
         let newer = slots.take(name("panel"), false).await;
         drop(hangs);
-        assert_eq!(slots.table().present.len(), 1, "the newer one is there still");
+        assert_eq!(slots.registry().present.len(), 1, "the newer one is there still");
         drop(newer);
-        assert!(slots.table().present.is_empty() && slots.table().taken.is_empty());
+        assert!(slots.registry().present.is_empty() && slots.registry().taken.is_empty());
     }
 
     /// One that has left already, and waits for its place still to pass on what it said, sends no newer one away.
@@ -229,7 +227,7 @@ mod tests {
         let is_wanted = tokio::time::timeout(Duration::from_secs(9), newer.wanted()).await;
         assert!(is_wanted.is_err(), "nobody wants its place");
         drop(older);
-        assert_eq!(slots.table().present.len(), 1);
+        assert_eq!(slots.registry().present.len(), 1);
     }
 
     #[tokio::test]
@@ -273,7 +271,7 @@ mod tests {
             assert!(slot.is_kept);
             slot.remember(Session::default());
         }
-        assert_eq!(slots.table().taken.len(), REMEMBERED);
+        assert_eq!(slots.registry().taken.len(), REMEMBERED);
         assert!(slots.take(name("1"), true).await.session.is_some());
         assert!(slots.take(name("0"), true).await.session.is_none(), "he was the first to go");
         let here: Vec<_> =
@@ -295,6 +293,6 @@ mod tests {
         let newer = slots.take(name("panel"), true).await;
         assert_ne!(hangs.id(), newer.id(), "one that hangs keeps what it has");
         drop(hangs);
-        assert!(slots.table().present.contains_key(&name("panel")));
+        assert!(slots.registry().present.contains_key(&name("panel")));
     }
 }

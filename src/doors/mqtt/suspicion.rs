@@ -17,7 +17,6 @@ const LATELY: Duration = Duration::from_secs(5);
 /// So often in a row it must be called ill to be believed to be, though it passes messages on.
 const CALLS: u32 = 6;
 
-/// What is known of the router that runs now.
 #[derive(Debug, Default)]
 pub(super) struct Suspicion {
     /// How many pieces of messages have come out of routers, and when the last one had.

@@ -17,17 +17,13 @@ use mqtt_gate::packet::write::{self, Welcome};
 /// How long the gate may be silent towards the router, in seconds: the most there is, and longer than the longest silence of a client.
 const SILENCE_S: u16 = u16::MAX;
 
-/// A way to the router.
 pub(super) struct Upstream {
     pub(super) stream: TcpStream,
-    /// By what it knows the client.
     pub(super) slot: Slot,
-    /// Which it is.
     pub(super) router: Running,
     pub(super) way: OwnedSemaphorePermit,
 }
 
-/// The way to the router, and back.
 pub(super) type ToRouter = (OwnedReadHalf, OwnedWriteHalf);
 
 pub(super) async fn write_some(to: Option<&mut OwnedWriteHalf>, bytes: &mut BytesMut) -> io::Result<usize> {
@@ -75,7 +71,7 @@ pub(super) async fn enter(router: &Router, slot: &Slot) -> std::io::Result<TcpSt
 }
 
 async fn knock(router: &Router, slot: &Slot, is_clean: bool) -> std::io::Result<TcpStream> {
-    let mut upstream = TcpStream::connect(router.address()).await?;
+    let mut upstream = TcpStream::connect(router.address).await?;
     upstream.set_nodelay(true)?;
     let mut hello = BytesMut::new();
     write::connect(&mut hello, &slot.id(), is_clean, SILENCE_S, router.login());

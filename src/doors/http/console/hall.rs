@@ -58,7 +58,6 @@ fn larger(map: &HallMap) -> i32 {
     (widest + READABLE - 1) / READABLE
 }
 
-/// The name of a tile's group.
 pub(super) fn tile_id(corner: Cell) -> String {
     format!("tile_{}_{}", corner.x / TILE, corner.y / TILE)
 }

@@ -1,10 +1,8 @@
 //! `GET /console/live`: the parts of the page that changed, rendered, over server-sent events. The first message has all of
 //! them, so a page that was away catches up by opening the stream again. What a part shows stands in `parts`.
 
-use std::collections::BTreeMap;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -15,20 +13,20 @@ use futures_util::stream;
 use serde::Serialize;
 
 use super::super::Door;
-use super::super::events::HEARTBEAT;
+use super::super::assets::fingerprint;
+use super::super::events::{HEARTBEAT, UNBUFFERED};
 use super::super::gate::LetIn;
 use super::super::problem::Problem;
 use super::super::watcher::{Wake, Watcher};
 use super::parts::PARTS;
-use super::view::{Place, View, Who};
-use super::{UNBUFFERED, began, hall, who};
+use super::view::{HallInfo, View, Who};
+use super::{began, hall, who};
 use hallsweep_core::units::WallTime;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// The least time between two messages: ten a second are as many as an eye can use.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// What changed of the page.
 #[derive(Debug, Serialize)]
 struct Message {
     run: String,
@@ -44,7 +42,6 @@ struct Message {
     parts: BTreeMap<String, String>,
 }
 
-/// What one open page shows.
 #[derive(Default)]
 struct Shown {
     older: Option<Arc<Snapshot>>,
@@ -66,7 +63,7 @@ pub(in crate::doors::http) async fn live(State(door): State<Door>, LetIn(caller)
             let event = match wake {
                 Wake::Changed(snapshot) => {
                     let began = began::began(&door, snapshot.mission.id).await;
-                    let hall = Place { name: &door.hall, cell_m: door.cell_m };
+                    let hall = HallInfo { name: &door.hall, cell_m: door.cell_m };
                     message(&shown.update(snapshot, hall, began, who, door.clock.now().wall))
                 }
                 Wake::Quiet => Event::default().event("tick").data("alive"),
@@ -88,7 +85,7 @@ impl Shown {
     fn update(
         &mut self,
         snapshot: Arc<Snapshot>,
-        hall: Place<'_>,
+        hall: HallInfo<'_>,
         began: Option<WallTime>,
         who: Option<Who>,
         now: WallTime,
@@ -133,12 +130,6 @@ fn tiles(older: Option<&Snapshot>, snapshot: &Snapshot) -> BTreeMap<String, Stri
     parts
 }
 
-fn fingerprint(html: &str) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    html.hash(&mut hasher);
-    hasher.finish()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -147,7 +138,7 @@ mod tests {
     use hallsweep_core::world::hall_map::Mark;
     use hallsweep_core::world::resource::Resource;
 
-    const AIRPORT: Place<'static> = Place { name: "airport", cell_m: None };
+    const AIRPORT: HallInfo<'static> = HallInfo { name: "airport", cell_m: None };
 
     #[test]
     fn the_first_message_has_every_part_and_every_tile() {

@@ -55,7 +55,6 @@ pub(in crate::doors::http) async fn one(
 enum Show {
     /// What people did and what was found.
     Main,
-    /// What was commanded.
     Commands,
     /// Every step.
     All,
@@ -89,7 +88,6 @@ fn is_main(fact: &Fact) -> bool {
     found || done || began
 }
 
-/// The list of missions, the newest first.
 #[derive(Template)]
 #[template(path = "missions/list.html")]
 struct List {
@@ -99,7 +97,6 @@ struct List {
     zone: Zone,
 }
 
-/// One mission, and a page of what happened in it.
 #[derive(Template)]
 #[template(path = "missions/one.html")]
 struct One {
@@ -114,7 +111,6 @@ struct One {
     zone: Zone,
 }
 
-/// One line of what happened.
 struct Event {
     seq: Seq,
     moment: String,
@@ -122,7 +118,6 @@ struct Event {
     what: String,
     /// Who gave the command, from where and by which door, when it is one.
     by: Option<String>,
-    /// What became of the command.
     outcome: String,
     refused: bool,
 }
@@ -189,7 +184,6 @@ impl One {
 }
 
 impl Event {
-    /// What stands in the place of an entry that cannot be understood.
     fn unreadable(seq: Seq, why: &str) -> Event {
         let nothing = String::new;
         Event { seq, moment: nothing(), time: nothing(), what: why.to_owned(), by: None, outcome: nothing(), refused: true }
@@ -233,15 +227,15 @@ fn came_to(record: &MissionRecord) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::testing::{House, house, text};
+    use super::super::super::testing::{TestApp, app, text};
     use crate::api::fixture::{TEN, searching};
     use crate::api::time::Zone;
     use crate::runtime::archive::MissionRecord;
     use crate::runtime::clock::Clock;
     use hallsweep_core::units::WallTime;
 
-    async fn page(house: &House, path: &str) -> String {
-        let response = house.get(path).await;
+    async fn page(app: &TestApp, path: &str) -> String {
+        let response = app.get(path).await;
         assert_eq!(response.status(), 200, "{path}");
         text(response).await
     }
@@ -259,7 +253,7 @@ mod tests {
 
     #[tokio::test]
     async fn the_list_says_what_each_mission_came_to() {
-        let page = page(&house(searching()), "/missions").await;
+        let page = page(&app(searching()), "/missions").await;
         let began = here(TEN);
         check(
             &page,
@@ -277,7 +271,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_mission_shows_its_hall_its_luggage_and_who_decided() {
-        let page = page(&house(searching()), "/missions/1").await;
+        let page = page(&app(searching()), "/missions/1").await;
         let hall = ["<svg id=\"hall\"", "class=\"wall\"", "class=\"piece danger\"", "<title>home</title>"];
         check(&page, &hall);
         check(&page, &["What is missing here", "a mouse was at it"]);
@@ -288,22 +282,22 @@ mod tests {
     /// Safety A6.
     #[tokio::test]
     async fn the_events_say_who_commanded_what_from_where_and_what_became_of_it() {
-        let house = house(searching());
-        let all = page(&house, "/missions/1").await;
+        let app = app(searching());
+        let all = page(&app, "/missions/1").await;
         check(&all, &["START <span class=\"by\">by anna (console, 192.0.2.7):</span> <b class=\"accepted\">accepted</b>"]);
         check(
             &all,
             &["<b class=\"refused\">refused: the robot is moving: press STOP first</b>", "held: stopped by the operator"],
         );
-        let commands = page(&house, "/missions/1?show=commands").await;
+        let commands = page(&app, "/missions/1?show=commands").await;
         assert!(commands.contains("RESET") && !commands.contains("held: stopped by the operator"));
         for view in [&all, &commands] {
             check(view, &["<li class=\"warning\"><span class=\"seq\">6</span> entry 6 of the journal cannot be understood"]);
         }
-        let steps = page(&house, "/missions/1?show=all").await;
+        let steps = page(&app, "/missions/1?show=all").await;
         check(&steps, &["robot at (0, 0)", "START", "<b>Every step</b>"]);
         assert!(!all.contains("robot at (0, 0)") && all.contains("<b>What was done and found</b>"), "steps are a second view");
-        let later = page(&house, "/missions/1?after=3").await;
+        let later = page(&app, "/missions/1?after=3").await;
         assert!(
             !later.contains("anna") && later.contains("held: stopped by the operator") && later.contains("From the beginning")
         );
@@ -311,9 +305,9 @@ mod tests {
 
     #[tokio::test]
     async fn nothing_on_the_pages_is_inline_or_of_another_origin() {
-        let house = house(searching());
+        let app = app(searching());
         for path in ["/missions", "/missions?before=2", "/missions/1", "/missions/2", "/missions/1?show=all&after=2"] {
-            let page = page(&house, path).await;
+            let page = page(&app, path).await;
             for unwanted in ["style=", "<style", "onclick", "http://", "https://"] {
                 assert!(!page.contains(unwanted), "{unwanted} in {path}");
             }
@@ -323,14 +317,14 @@ mod tests {
 
     #[tokio::test]
     async fn a_person_who_asks_for_what_is_not_there_is_told_so_on_a_page() {
-        let house = house(searching());
+        let app = app(searching());
         for (path, status, words) in [
             ("/missions/9", 404, "there is no mission 9"),
             ("/missions/99", 503, "the disk is on strike"),
             ("/missions?before=x", 422, "a whole number from 1 belongs there"),
             ("/missions/1?show=nothing", 422, "commands belongs there"),
         ] {
-            let response = house.send("GET", path, &[("accept", "text/html")], "").await;
+            let response = app.send("GET", path, &[("accept", "text/html")], "").await;
             assert_eq!(response.status(), status, "{path}");
             assert!(text(response).await.contains(words), "{path}");
         }

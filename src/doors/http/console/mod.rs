@@ -12,7 +12,7 @@ mod view;
 
 use askama::Template;
 use axum::extract::State;
-use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, Uri, header};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
 use axum::response::{Html, IntoResponse, Redirect, Response};
 
 use super::Door;
@@ -28,7 +28,7 @@ use crate::runtime::carry_out::Done;
 use acts::Fields;
 use hallsweep_core::units::LuggageId;
 use parts::Page;
-use view::{Place, View, Who, Why};
+use view::{HallInfo, View, Who, Why};
 
 pub(super) use began::Began;
 pub(super) use live::live;
@@ -96,7 +96,7 @@ pub(super) async fn confirm_reset() -> Html<String> {
 async fn whole(door: &Door, caller: &Caller, why: Option<Why>) -> Html<String> {
     let snapshot = door.handle.snapshot();
     let began = began::began(door, snapshot.mission.id).await;
-    let hall = Place { name: &door.hall, cell_m: door.cell_m };
+    let hall = HallInfo { name: &door.hall, cell_m: door.cell_m };
     let view = View { snapshot: &snapshot, hall, began, who: who(door, caller), why, now: door.clock.now().wall };
     html(&Page::new(&view))
 }
@@ -113,26 +113,23 @@ fn html(template: &impl Template) -> Html<String> {
     Html(template.render().expect("the console's templates only write strings, which does not fail"))
 }
 
-/// Proxies are not to hold a stream back.
-const UNBUFFERED: (HeaderName, &str) = (HeaderName::from_static("x-accel-buffering"), "no");
-
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{House, house, read, text};
+    use super::super::testing::{TestApp, app, read, text};
     use crate::api::fixture::{idle, searching};
     use hallsweep_core::command::{Command, LuggageRef, Move, Refused, Verdict};
     use hallsweep_core::units::{Cell, Epoch, LuggageId};
 
     const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
 
-    async fn page(house: &House) -> String {
-        text(house.get("/").await).await
+    async fn page(app: &TestApp) -> String {
+        text(app.get("/").await).await
     }
 
     #[tokio::test]
     async fn the_page_is_complete_without_a_script() {
-        let house = house(searching());
-        let page = page(&house).await;
+        let app = app(searching());
+        let page = page(&app).await;
         for wanted in [
             "waits for your verdict",
             "STOP",
@@ -154,13 +151,13 @@ mod tests {
     /// Safety S10.
     #[tokio::test]
     async fn every_page_has_a_stop_that_works_without_a_script_and_the_script_that_does_not_let_it_go() {
-        let house = house(searching());
+        let app = app(searching());
         let browser = [("accept", "text/html,application/xhtml+xml,*/*;q=0.8")];
         let pages = ["/", "/missions", "/missions/1", "/missions/9", "/luggage/3", "/luggage/99", "/console/confirm/reset"];
         for path in pages.into_iter().chain(["/console/confirm/danger/3", "/nowhere", "/api/v1/luggage/3/photo"]) {
-            let mut response = house.send("GET", path, &browser, "").await;
+            let mut response = app.send("GET", path, &browser, "").await;
             if let Some(next) = response.headers().get("location").cloned() {
-                response = house.send("GET", next.to_str().unwrap(), &browser, "").await;
+                response = app.send("GET", next.to_str().unwrap(), &browser, "").await;
             }
             let page = text(response).await;
             assert!(page.contains("<form id=\"stop\" method=\"post\" action=\"/console/stop\">"), "{path}: {page}");
@@ -170,21 +167,21 @@ mod tests {
 
     #[tokio::test]
     async fn a_page_that_another_name_led_to_has_no_stop_because_it_would_be_refused() {
-        let house = house(searching());
+        let app = app(searching());
         let browser = [("accept", "text/html"), ("host", "elsewhere.example")];
-        let response = house.send("GET", "/", &browser, "").await;
+        let response = app.send("GET", "/", &browser, "").await;
         assert_eq!(response.status(), 421);
         assert!(!text(response).await.contains("/console/stop"));
     }
 
     #[tokio::test]
     async fn a_photo_opened_by_itself_is_a_page_and_a_program_gets_the_picture() {
-        let house = house(searching());
+        let app = app(searching());
         let photo = "/api/v1/luggage/3/photo?take=1";
-        let opened = house.send("GET", photo, &[("accept", "text/html,image/avif,*/*;q=0.8")], "").await;
+        let opened = app.send("GET", photo, &[("accept", "text/html,image/avif,*/*;q=0.8")], "").await;
         assert_eq!((opened.status().as_u16(), &opened.headers()["location"]), (303, &"/luggage/3".parse().unwrap()));
         for accept in ["*/*", "image/avif,image/webp,image/*,*/*;q=0.8", "image/png"] {
-            let picture = house.send("GET", photo, &[("accept", accept)], "").await;
+            let picture = app.send("GET", photo, &[("accept", accept)], "").await;
             assert_eq!(
                 (picture.status().as_u16(), &picture.headers()["content-type"]),
                 (200, &"image/png".parse().unwrap()),
@@ -192,16 +189,16 @@ mod tests {
             );
             assert!(picture.headers().get_all("vary").iter().any(|vary| vary == "accept"));
         }
-        let page = text(house.get("/luggage/3").await).await;
+        let page = text(app.get("/luggage/3").await).await;
         assert!(page.contains(&format!("src=\"{photo}\"")) && page.contains("Times are in UTC"), "{page}");
-        assert!(text(house.get("/").await).await.contains("href=\"/luggage/3\" target"));
+        assert!(text(app.get("/").await).await.contains("href=\"/luggage/3\" target"));
     }
 
     #[tokio::test]
     async fn nothing_on_the_page_is_inline_or_of_another_origin() {
         for snapshot in [idle(), searching()] {
-            let house = house(snapshot);
-            for page in [page(&house).await, text(house.get("/console/confirm/reset").await).await] {
+            let app = app(snapshot);
+            for page in [page(&app).await, text(app.get("/console/confirm/reset").await).await] {
                 assert!(!page.contains("style=") && !page.contains("<style") && !page.contains("onclick"));
                 assert!(!page.contains("http://") && !page.contains("https://"), "everything comes from here");
                 for script in page.split("<script").skip(1) {
@@ -213,24 +210,24 @@ mod tests {
 
     #[tokio::test]
     async fn a_form_that_was_accepted_leads_back_to_the_page() {
-        let house = house(searching());
+        let app = app(searching());
         let cases = [
             ("/console/start", "epoch=7", Command::Start),
             ("/console/move", "epoch=7&move=w", Command::Move(Move::Forward)),
             ("/console/goto", "epoch=7&x=1&y=2", Command::Goto(Cell::new(1, 2))),
         ];
         for (path, body, command) in cases {
-            let response = house.form(path, body).await;
+            let response = app.form(path, body).await;
             assert_eq!((response.status().as_u16(), &response.headers()["location"]), (303, &"/".parse().unwrap()), "{path}");
-            assert_eq!((house.last().command, house.last().epoch), (command, Some(Epoch(7))));
+            assert_eq!((app.last().command, app.last().epoch), (command, Some(Epoch(7))));
         }
     }
 
     #[tokio::test]
     async fn a_refused_form_shows_the_page_with_the_reason_beside_its_button() {
-        let house = house(searching());
-        house.refuse(Refused::Moving);
-        let response = house.form("/console/reset", "").await;
+        let app = app(searching());
+        app.refuse(Refused::Moving);
+        let response = app.form("/console/reset", "").await;
         assert_eq!(response.status(), 409);
         let page = text(response).await;
         assert!(page.contains("id=\"why-reset\" role=\"alert\">the robot is moving: press STOP first</p>"));
@@ -239,65 +236,65 @@ mod tests {
 
     #[tokio::test]
     async fn a_form_filled_in_wrongly_says_what_is_missing() {
-        let house = house(searching());
-        let response = house.form("/console/goto", "x=&y=2").await;
+        let app = app(searching());
+        let response = app.form("/console/goto", "x=&y=2").await;
         assert_eq!(response.status(), 422);
         assert!(text(response).await.contains("x is missing: fill it in"));
-        assert!(house.given.lock().unwrap().is_empty());
+        assert!(app.given.lock().unwrap().is_empty());
     }
 
     #[tokio::test]
     async fn danger_asks_once_more_before_anything_is_sent() {
-        let house = house(searching());
-        let asked = house.get("/console/confirm/danger/3?").await;
+        let app = app(searching());
+        let asked = app.get("/console/confirm/danger/3?").await;
         assert_eq!(asked.status(), 200);
         let page = text(asked).await;
         assert!(page.contains("Is luggage #3 dangerous?") && page.contains("action=\"/console/danger\""));
         assert!(page.contains("STOP"), "STOP is on this page too");
-        assert!(house.given.lock().unwrap().is_empty(), "asking changes nothing");
-        assert_eq!(house.get("/console/confirm/danger/9").await.status(), 404);
-        assert_eq!(house.form("/console/danger", "id=3").await.status(), 303);
+        assert!(app.given.lock().unwrap().is_empty(), "asking changes nothing");
+        assert_eq!(app.get("/console/confirm/danger/9").await.status(), 404);
+        assert_eq!(app.form("/console/danger", "id=3").await.status(), 303);
         let luggage = LuggageRef::Id(LuggageId(3));
-        assert_eq!(house.last().command, Command::Verdict { luggage, verdict: Verdict::Danger });
+        assert_eq!(app.last().command, Command::Verdict { luggage, verdict: Verdict::Danger });
     }
 
     #[tokio::test]
     async fn the_script_gets_json_from_the_same_forms() {
-        let house = house(searching());
+        let app = app(searching());
         let headers = [FORM, ("accept", "application/json")];
-        let (status, json) = read(house.send("POST", "/console/backHome", &headers, "epoch=1").await).await;
+        let (status, json) = read(app.send("POST", "/console/backHome", &headers, "epoch=1").await).await;
         assert_eq!((status.as_u16(), &json["accepted"]), (200, &true.into()));
-        house.refuse(Refused::Driving);
-        let (status, json) = read(house.send("POST", "/console/start", &headers, "epoch=1").await).await;
+        app.refuse(Refused::Driving);
+        let (status, json) = read(app.send("POST", "/console/start", &headers, "epoch=1").await).await;
         assert_eq!((status.as_u16(), &json["code"]), (409, &"driving".into()));
     }
 
     #[tokio::test]
     async fn stop_reads_nothing_of_what_was_sent() {
-        let house = house(searching());
-        let response = house.send("POST", "/console/stop", &[("content-type", "image/png")], "garbage").await;
-        assert_eq!((response.status().as_u16(), house.last().command), (303, Command::Stop));
+        let app = app(searching());
+        let response = app.send("POST", "/console/stop", &[("content-type", "image/png")], "garbage").await;
+        assert_eq!((response.status().as_u16(), app.last().command), (303, Command::Stop));
     }
 
     #[tokio::test]
     async fn the_old_routes_answer_programs_in_json_and_browsers_with_the_page() {
-        let house = house(searching());
-        let (status, json) = read(house.send("POST", "/w", &[], "").await).await;
+        let app = app(searching());
+        let (status, json) = read(app.send("POST", "/w", &[], "").await).await;
         assert_eq!((status.as_u16(), &json["accepted"]), (200, &true.into()));
         let browser = [FORM, ("accept", "text/html,*/*;q=0.8")];
-        assert_eq!(house.send("POST", "/startappl", &browser, "x=1").await.status(), 303);
-        house.refuse(Refused::NothingPending);
-        let response = house.send("POST", "/safe", &browser, "").await;
+        assert_eq!(app.send("POST", "/startappl", &browser, "x=1").await.status(), 303);
+        app.refuse(Refused::NothingPending);
+        let response = app.send("POST", "/safe", &browser, "").await;
         assert_eq!(response.status(), 409);
         assert!(text(response).await.contains("no luggage waits for a verdict"));
-        assert_eq!(house.get("/w").await.status(), 405, "nothing changes state on GET");
+        assert_eq!(app.get("/w").await.status(), 405, "nothing changes state on GET");
     }
 
     #[tokio::test]
     async fn a_page_of_another_origin_may_not_press_buttons() {
-        let house = house(searching());
+        let app = app(searching());
         let foreign = [FORM, ("origin", "http://elsewhere.example"), ("host", "127.0.0.1:8080")];
-        assert_eq!(house.send("POST", "/console/danger", &foreign, "id=3").await.status(), 403);
-        assert!(house.given.lock().unwrap().is_empty());
+        assert_eq!(app.send("POST", "/console/danger", &foreign, "id=3").await.status(), 403);
+        assert!(app.given.lock().unwrap().is_empty());
     }
 }

@@ -4,13 +4,13 @@
 use askama::Template;
 
 use super::hall;
-use super::view::{View, place};
+use super::view::{View, failure, place};
 use crate::api::luggage::photo_url;
 use crate::api::time::rfc3339;
 use hallsweep_core::explore::Strategy;
 use hallsweep_core::units::{LuggageId, WallTime};
 use hallsweep_core::world::log::LogLine;
-use hallsweep_core::world::luggage::{Luggage, PhotoState};
+use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
 
 /// Lines of the log on the page; the interface has more.
@@ -58,7 +58,6 @@ pub(super) const PARTS: [Part; 16] = [
     Part { id: "log", shows: &[Resource::Log], render: |v| html(&Log { v }) },
 ];
 
-/// The whole page.
 #[derive(Template)]
 #[template(path = "console/page.html")]
 pub(super) struct Page<'a> {
@@ -103,7 +102,6 @@ pub(super) struct Confirm {
 }
 
 impl Confirm {
-    /// Before DANGER.
     pub(super) fn danger(luggage: &Luggage) -> Confirm {
         Confirm {
             question: format!("Is luggage #{} dangerous?", luggage.id),
@@ -115,7 +113,6 @@ impl Confirm {
         }
     }
 
-    /// Before RESET.
     pub(super) fn reset() -> Confirm {
         Confirm {
             question: "Put this mission away?".to_owned(),
@@ -131,7 +128,6 @@ impl Confirm {
 const DANGER: &str = "The search ends, the alarm is raised and the robot comes home. A verdict is final.";
 const RESET: &str = "The mission is archived; at home the map is emptied too. Nothing moves.";
 
-/// Declares the parts' templates.
 macro_rules! parts {
     ($($name:ident $path:literal)*) => {$(
         #[derive(Template)]
@@ -163,10 +159,7 @@ impl Inspect<'_> {
     }
 
     fn failure<'l>(&self, luggage: &'l Luggage) -> &'l str {
-        match &luggage.photo {
-            PhotoState::Taken { .. } => "",
-            PhotoState::Failed(reason) => reason,
-        }
+        failure(luggage)
     }
 
     fn where_and_when(&self, luggage: &Luggage) -> String {

@@ -9,11 +9,11 @@ use super::super::problem::Problem;
 use super::super::reading::Number;
 use super::super::reads::record;
 use super::html;
-use super::view::place;
+use super::view::{failure, place};
 use crate::api::luggage::photo_url;
 use crate::api::time::Zone;
 use hallsweep_core::units::WallTime;
-use hallsweep_core::world::luggage::{Luggage, PhotoState};
+use hallsweep_core::world::luggage::Luggage;
 
 /// `GET luggage/{id}`
 pub(in crate::doors::http) async fn page(State(door): State<Door>, Number(id): Number) -> Result<Html<String>, Problem> {
@@ -39,9 +39,6 @@ impl PhotoPage<'_> {
     }
 
     fn failure(&self) -> &str {
-        match &self.luggage.photo {
-            PhotoState::Taken { .. } => "",
-            PhotoState::Failed(reason) => reason,
-        }
+        failure(self.luggage)
     }
 }

@@ -8,7 +8,7 @@ use crate::access::{Need, Role};
 use crate::api::time::Zone;
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::units::{Cell, Celsius, WallTime};
-use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::world::luggage::{Luggage, PhotoState};
 use hallsweep_core::world::robot::RobotState;
 use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_core::world::temperature::{OPERATOR, TemperatureStatus};
@@ -16,7 +16,7 @@ use hallsweep_core::world::temperature::{OPERATOR, TemperatureStatus};
 /// A snapshot, and what is to be said to the one who pressed a button.
 pub(super) struct View<'a> {
     pub(super) snapshot: &'a Snapshot,
-    pub(super) hall: Place<'a>,
+    pub(super) hall: HallInfo<'a>,
     /// When the present mission began, where that is known.
     pub(super) began: Option<WallTime>,
     /// Who looks; `None` where nobody is asked who he is.
@@ -27,13 +27,12 @@ pub(super) struct View<'a> {
 
 /// What is known of the hall beforehand.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place<'a> {
+pub(super) struct HallInfo<'a> {
     pub(super) name: &'a str,
     /// The side of a cell, in metres, where it is known.
     pub(super) cell_m: Option<f64>,
 }
 
-/// Somebody who is signed in.
 #[derive(Clone, Debug)]
 pub(super) struct Who {
     pub(super) name: Arc<str>,
@@ -52,7 +51,6 @@ pub(super) struct Why {
 }
 
 impl Why {
-    /// This text, beside this button.
     pub(super) fn new(button: &str, text: &str) -> Why {
         Why { button: button.to_owned(), text: text.to_owned() }
     }
@@ -61,9 +59,7 @@ impl Why {
 /// How loud the banner is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mood {
-    /// Nothing goes on.
     Calm,
-    /// The robot is at work.
     Working,
     /// It stands, or waits for somebody.
     Held,
@@ -99,7 +95,6 @@ impl View<'_> {
         self.who.as_ref().filter(|who| !who.role.may(Need::Act)).map(|_| VIEWER)
     }
 
-    /// What the mission does, in words.
     pub(super) fn phase(&self) -> String {
         let mission = &self.snapshot.mission;
         let waits = self.snapshot.pending().filter(|_| mission.phase == PhaseName::Inspecting);
@@ -115,7 +110,6 @@ impl View<'_> {
         !self.snapshot.mission.holds.is_empty() && self.mood() != Mood::Calm && self.waiting().is_none()
     }
 
-    /// Whether the robot stands, as far as anybody knows.
     pub(super) fn is_still(&self) -> bool {
         self.snapshot.robot.state == RobotState::Stopped && !self.snapshot.robot.halting
     }
@@ -126,7 +120,6 @@ impl View<'_> {
         if is_stopped && self.is_still() { "held by STOP" } else { self.robot_state() }
     }
 
-    /// Whether anything has been searched yet.
     pub(super) fn is_begun(&self) -> bool {
         self.snapshot.mission.phase != PhaseName::Idle || self.snapshot.mission.progress.visited > 1
     }
@@ -207,7 +200,6 @@ impl View<'_> {
         }
     }
 
-    /// How loud the banner is to be.
     pub(super) fn mood(&self) -> Mood {
         let mission = &self.snapshot.mission;
         let mood = match mission.phase {
@@ -273,7 +265,6 @@ impl View<'_> {
         self.bar(&mission.refusals.start).is_none() && !on_its_way
     }
 
-    /// Whether RETRIEVE has a meaning now.
     pub(super) fn shows_retrieve(&self) -> bool {
         matches!(self.snapshot.mission.phase, PhaseName::BombLocated | PhaseName::Retrieving)
     }
@@ -300,7 +291,6 @@ impl View<'_> {
         hottest.or(self.snapshot.temperature.celsius).map_or_else(|| "no reading".to_owned(), |celsius| celsius.to_string())
     }
 
-    /// What the temperature means, in words.
     pub(super) fn temperature_words(&self) -> &'static str {
         match self.snapshot.temperature.status {
             TemperatureStatus::Ok if self.snapshot.temperature.celsius.is_none() => {
@@ -327,7 +317,6 @@ impl View<'_> {
         &self.snapshot.temperature.hot
     }
 
-    /// Whether the button TOO HIGH stands.
     pub(super) fn declared_too_high(&self) -> bool {
         self.snapshot.mission.holds.contains(&Hold::TooHigh)
     }
@@ -343,7 +332,6 @@ impl View<'_> {
         format!("{}:{:02}", seconds / 60, seconds % 60)
     }
 
-    /// How many alarms nobody has seen yet.
     pub(super) fn unseen_alarms(&self) -> usize {
         self.snapshot.alarms.iter().filter(|alarm| alarm.acknowledged.is_none()).count()
     }
@@ -352,6 +340,14 @@ impl View<'_> {
 /// A cell in words: `column 3, row 4`.
 pub(super) fn place(cell: Cell) -> String {
     format!("column {}, row {}", cell.x, cell.y)
+}
+
+/// Why there is no photo, where there is none.
+pub(super) fn failure(luggage: &Luggage) -> &str {
+    match &luggage.photo {
+        PhotoState::Taken { .. } => "",
+        PhotoState::Failed(reason) => reason,
+    }
 }
 
 fn sentence(words: &str) -> String {
@@ -372,7 +368,7 @@ mod tests {
     use hallsweep_core::world::snapshot::Progress;
 
     fn view(snapshot: &Snapshot) -> View<'_> {
-        let hall = Place { name: "airport", cell_m: Some(0.5) };
+        let hall = HallInfo { name: "airport", cell_m: Some(0.5) };
         View { snapshot, hall, began: Some(TEN), who: None, why: None, now: WallTime { unix_ms: TEN.unix_ms + 74_900, ..TEN } }
     }
 
@@ -451,7 +447,7 @@ mod tests {
             (view(&snapshot).searched().as_str(), view(&snapshot).open().as_str()),
             ("15 cells, 3.8 m²", "4 places still open")
         );
-        let unmeasured = View { hall: Place { name: "airport", cell_m: None }, ..view(&snapshot) };
+        let unmeasured = View { hall: HallInfo { name: "airport", cell_m: None }, ..view(&snapshot) };
         assert_eq!(unmeasured.searched(), "15 cells");
         assert_eq!(view(&snapshot).counts_since(), Some(TEN));
         snapshot.mission.progress = Progress { visited: 19, unknown: 0 };

@@ -14,7 +14,7 @@ use tokio::time::{Sleep, sleep, timeout};
 use super::connection_task::{ConnectionTask, Shared, put};
 use super::context::ServerContext;
 use super::judge::{Given, Judge};
-use super::stop_search::{Asked, Heard, StopSearch};
+use super::stop_search::{Heard, HeardRequest, StopSearch};
 use crate::doors::http::gate::Peer;
 use crate::doors::http::places::{Claim, Place};
 use crate::doors::http::problem::Problem;
@@ -25,8 +25,7 @@ use crate::doors::write_timeout::WriteTimeoutStream;
 /// How long a client may take over a request's headers, and how long it may be silent between two requests.
 pub(super) const HEADER_TIME: Duration = Duration::from_secs(20);
 
-/// How long a first request waits for the rest of its body before it gets a conversation: most come whole, and a crowd of those that do
-/// not costs little meanwhile.
+/// How long a first request waits for its body before it gets a task: most come whole, and others cost little so long.
 const WHOLE_TIME: Duration = Duration::from_millis(100);
 
 /// How long a request's line and headers may be together; longer ones are answered with 431.
@@ -76,7 +75,6 @@ pub(super) struct Connection<R, W> {
     late: Pin<Box<Sleep>>,
 }
 
-/// How it goes on.
 enum Next {
     More,
     /// Nothing more comes.
@@ -156,7 +154,6 @@ where
         }
     }
 
-    /// Hears what was read.
     async fn scan(&mut self) {
         let mut heads = 0;
         while self.scanned < self.read.len() {
@@ -181,7 +178,7 @@ where
     }
 
     /// Notes what is to be known of a request that will be carried out.
-    fn note(&mut self, asked: Asked) {
+    fn note(&mut self, asked: HeardRequest) {
         if self.is_only_heard {
             return;
         }
@@ -219,10 +216,9 @@ where
 
     /// Whether there is something to answer: a head, or what can be none.
     fn has_come(&self) -> bool {
-        self.claim.is_some() || self.read.len() >= HEADER_BYTES || self.search.scanner().is_no_request()
+        self.claim.is_some() || self.read.len() >= HEADER_BYTES || self.search.scanner.is_no_request()
     }
 
-    /// Takes a place, or says why not.
     fn take_place(&mut self) -> Result<(), Problem> {
         let has_heard = self.shared.has_heard();
         // hyper would panic.
@@ -233,11 +229,11 @@ where
         if self.waiting.take().is_some_and(|waiting| !waiting.leave()) {
             return Err(Problem::no_place(has_heard));
         }
-        let claim = self.claim.clone().unwrap_or_else(|| Claim::new(self.search.judge().peer.address, None));
+        let claim = self.claim.clone().unwrap_or_else(|| Claim::new(self.search.judge.peer.address, None));
         let cut = Arc::clone(&self.cut);
         let place = self.context.places.take(claim.clone(), has_heard, cut).ok_or_else(|| Problem::no_place(has_heard))?;
-        for _ in 0..self.search.scanner().heads() {
-            place.asked(claim.clone(), !self.search.scanner().is_between());
+        for _ in 0..self.search.scanner.heads() {
+            place.asked(claim.clone(), !self.search.scanner.is_between());
         }
         self.place = Some(Arc::new(place));
         self.late.set(sleep(WHOLE_TIME));
@@ -246,15 +242,14 @@ where
 
     /// Whether it has a place and is worth a conversation: only the first of its requests may be one whose body has not come.
     fn is_to_be_answered(&self) -> bool {
-        let is_whole = self.search.scanner().heads() != 1 || self.search.scanner().is_between();
+        let is_whole = self.search.scanner.heads() != 1 || self.search.scanner.is_between();
         let is_due = self.read.len() >= TURN || self.late.is_elapsed();
         self.place.is_some() && self.task.is_none() && (is_whole || is_due || self.shared.has_heard())
     }
 
-    /// Begins the task that answers.
     fn begin(&mut self) {
         if let (Some(place), Some(to)) = (&self.place, self.to.take()) {
-            self.task = Some(ConnectionTask::begin(to, (self.search.judge().peer, place), &self.context, &self.shared));
+            self.task = Some(ConnectionTask::begin(to, (self.search.judge.peer, place), &self.context, &self.shared));
         }
     }
 
@@ -327,7 +322,7 @@ where
         // What comes now may be no part of that body, nor end soon.
         drop((self.task.take(), self.search.look()));
         (self.waiting, self.place, self.is_only_heard) = (None, None, true);
-        let _lingering = self.context.lingering.enter(self.search.judge().peer.address, Arc::clone(&self.cut));
+        let _lingering = self.context.lingering.enter(self.search.judge.peer.address, Arc::clone(&self.cut));
         let mut closing = self.context.closing.clone();
         let heard_on = async {
             let mut left = LINGER_BYTES;

@@ -73,12 +73,10 @@ pub(super) struct ConnectionTask {
 }
 
 impl Pressed {
-    /// What becomes of the STOP.
     pub(in crate::doors::http) fn take(&self) -> Option<Given> {
         self.shared.presses().remove(&self.number)
     }
 
-    /// Whether there is one.
     pub(in crate::doors::http) fn is_there(&self) -> bool {
         self.shared.presses().contains_key(&self.number)
     }
@@ -103,7 +101,6 @@ impl Shared {
         }
     }
 
-    /// In which epoch it was heard.
     fn arrived(&self, number: u64) -> Option<Arrived> {
         let mut epochs = self.epochs();
         let (first, epoch) = epochs.range(..=number).next_back().map(|(first, epoch)| (*first, *epoch))?;
@@ -115,7 +112,6 @@ impl Shared {
         self.epochs.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Keeps a STOP for the request of this number.
     pub(super) fn keep(&self, number: u64, given: Given) {
         let mut presses = self.presses();
         if presses.len() < PRESSES {
@@ -128,12 +124,10 @@ impl Shared {
         !self.presses().is_empty()
     }
 
-    /// Whether a request has handed the connection over to another protocol.
     pub(super) fn is_handed_over(&self) -> bool {
         *self.is_handed_over.borrow()
     }
 
-    /// Waits until one has.
     pub(super) async fn handed_over(&self) {
         let mut is_handed_over = self.is_handed_over.subscribe();
         // Whoever waits holds the sender.
@@ -173,8 +167,7 @@ impl ConnectionTask {
         ConnectionTask { to: Some(ours), over, task }
     }
 
-    /// Says that nothing more comes than these, and waits until everything is answered. Whoever looks on and hangs up is taken to be
-    /// gone.
+    /// Says that nothing more comes than these, and waits until all is answered. Whoever looks on and hangs up is gone.
     pub(super) async fn ended(self, shared: &Shared, rest: &[u8]) {
         let ConnectionTask { to, over: _over, mut task } = self;
         let mut is_endless = shared.is_endless.subscribe();
@@ -223,7 +216,7 @@ async fn run<W>(
         }
         shared.forget_before(number);
         request.extensions_mut().insert(Pressed { shared: Arc::clone(&shared), number });
-        let asked = Asked(Arc::clone(&place));
+        let asked = OpenRequest(Arc::clone(&place));
         let (answer, shared) = (routes.call(request), Arc::clone(&shared));
         async move {
             let answer = answer.await;
@@ -270,10 +263,9 @@ fn is_stream(response: &Response<Body>) -> bool {
     media.is_some_and(|media| media.as_bytes().starts_with(b"text/event-stream"))
 }
 
-/// A request under way.
-struct Asked(Arc<Place>);
+struct OpenRequest(Arc<Place>);
 
-impl Drop for Asked {
+impl Drop for OpenRequest {
     fn drop(&mut self) {
         self.0.answered();
     }
@@ -282,7 +274,7 @@ impl Drop for Asked {
 /// The body of an answer; its request is over when all of it is on its way.
 struct Answer {
     body: Body,
-    asked: Asked,
+    asked: OpenRequest,
 }
 
 impl hyper::body::Body for Answer {

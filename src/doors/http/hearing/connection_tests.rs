@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use axum::Router;
 use axum::extract::Request;
 use axum::middleware::{Next, from_fn};
+use futures_util::FutureExt;
 use tokio::io::DuplexStream;
 use tokio::net::TcpListener;
 use tokio::runtime::Handle;
@@ -18,7 +19,7 @@ use crate::doors::http::guard::Hosts;
 use crate::doors::http::hearing::converse;
 use crate::doors::http::places::Places;
 use crate::doors::http::router;
-use crate::doors::http::testing::{House, house};
+use crate::doors::http::testing::{TestApp, app};
 use crate::doors::room::Room;
 use crate::doors::vestibule::Vestibule;
 use crate::runtime::within::within;
@@ -28,18 +29,18 @@ const LOOK: &str = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
 const STOP: &str = "POST /h HTTP/1.1\r\nHost: localhost\r\n\r\n";
 const HERE: Ipv4Addr = Ipv4Addr::LOCALHOST;
 
-fn context(house: &House, places: usize) -> ServerContext {
+fn context(app: &TestApp, places: usize) -> ServerContext {
     let hosts = Hosts::new(true, &[]);
     ServerContext {
-        router: router(&house.door, hosts.clone()),
+        router: router(&app.door, hosts.clone()),
         hosts,
         tls: None,
-        places: Places::new(places, Room::default(), &house.door.access),
+        places: Places::new(places, Room::default(), &app.door.access),
         vestibule: Vestibule::new(8),
         lingering: Vestibule::new(8),
         work: Handle::current(),
-        closing: house.door.closing.subscribe(),
-        door: house.door.clone(),
+        closing: app.door.closing.subscribe(),
+        door: app.door.clone(),
     }
 }
 
@@ -63,8 +64,8 @@ async fn lasts(hearing: &mut JoinHandle<()>, seconds: u64) -> bool {
 /// Safety A5.
 #[tokio::test(start_paused = true)]
 async fn a_first_head_that_does_not_come_is_waited_for_20_seconds() {
-    let house = house(searching());
-    let (connection, mut says, _hears, _) = connected(&Arc::new(context(&house, 8)));
+    let app = app(searching());
+    let (connection, mut says, _hears, _) = connected(&Arc::new(context(&app, 8)));
     let mut hearing = tokio::spawn(connection.hear(BytesMut::new()));
     says.write_all(b"POST /h HTTP/1.1\r\nHost: loc").await.unwrap();
     assert!(lasts(&mut hearing, 20).await);
@@ -73,7 +74,7 @@ async fn a_first_head_that_does_not_come_is_waited_for_20_seconds() {
 /// Safety A5, A6.
 #[tokio::test(start_paused = true)]
 async fn what_a_client_that_is_gone_has_sent_is_carried_out_for_two_seconds() {
-    let house = house(searching());
+    let app = app(searching());
     let is_done = Arc::new(AtomicBool::new(false));
     let done = Arc::clone(&is_done);
     let router = Router::new().layer(from_fn(move |request: Request, next: Next| {
@@ -90,7 +91,7 @@ async fn what_a_client_that_is_gone_has_sent_is_carried_out_for_two_seconds() {
             next.run(request).await
         }
     }));
-    let (connection, mut says, hears, _) = connected(&Arc::new(ServerContext { router, ..context(&house, 8) }));
+    let (connection, mut says, hears, _) = connected(&Arc::new(ServerContext { router, ..context(&app, 8) }));
     for path in ["/", "/slow", "/hangs"] {
         says.write_all(format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n").as_bytes()).await.unwrap();
     }
@@ -103,17 +104,17 @@ async fn what_a_client_that_is_gone_has_sent_is_carried_out_for_two_seconds() {
 /// Safety S8, S9.
 #[tokio::test(start_paused = true)]
 async fn who_gets_no_further_answer_has_no_place_and_is_heard_for_five_seconds() {
-    let house = house(searching());
-    let context = Arc::new(context(&house, 8));
+    let app = app(searching());
+    let context = Arc::new(context(&app, 8));
     let (connection, mut says, mut hears, _) = connected(&context);
     let mut hearing = tokio::spawn(connection.hear(BytesMut::new()));
     says.write_all(b"GET / HTTP/1.1\r\nno header\r\n\r\n").await.unwrap();
     let mut refused = String::new();
     hears.read_to_string(&mut refused).await.unwrap();
     assert!(refused.starts_with("HTTP/1.1 400"), "{refused}");
-    let before = house.door.handle.epoch();
+    let before = app.door.handle.epoch();
     says.write_all(STOP.as_bytes()).await.unwrap();
-    while house.door.handle.epoch() == before {
+    while app.door.handle.epoch() == before {
         sleep(Duration::from_millis(1)).await;
     }
     assert_eq!((context.places.held(), hearing.is_finished()), (0, false));
@@ -123,27 +124,27 @@ async fn who_gets_no_further_answer_has_no_place_and_is_heard_for_five_seconds()
 /// Safety S8: its word is in other letters, behind the first KiB, and can only be told from the whole body.
 #[tokio::test(start_paused = true)]
 async fn a_move_that_says_stop_halts_when_it_is_refused() {
-    let house = house(searching());
-    let (connection, mut says, _hears, _) = connected(&Arc::new(context(&house, 8)));
+    let app = app(searching());
+    let (connection, mut says, _hears, _) = connected(&Arc::new(context(&app, 8)));
     let hearing = tokio::spawn(connection.hear(BytesMut::new()));
     let head = "POST /console/move HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n";
     let (beginning, end) = (format!(r#"{{"note":"{}"#, "z".repeat(1_100)), r#"","move":"\u0068"}"#);
     says.write_all(format!("{head}{:x}\r\n{beginning}\r\n", beginning.len()).as_bytes()).await.unwrap();
     // Until it was read.
     sleep(Duration::from_millis(1)).await;
-    let before = house.door.handle.epoch();
+    let before = app.door.handle.epoch();
     says.write_all(format!("{:x}\r\n{end}\r\n \r\n", end.len()).as_bytes()).await.unwrap();
     for _ in 0..1_000 {
         sleep(Duration::from_millis(1)).await;
     }
-    assert_eq!((house.door.handle.epoch() == before, hearing.is_finished()), (false, false));
+    assert_eq!((app.door.handle.epoch() == before, hearing.is_finished()), (false, false));
 }
 
 /// Safety S9: whoever may be about to say STOP goes last.
 #[tokio::test]
 async fn a_system_without_descriptors_is_relieved_of_who_gets_no_answer_then_of_places_then_of_newcomers() {
-    let house = house(searching());
-    let context = context(&house, 8);
+    let app = app(searching());
+    let context = context(&app, 8);
     let cuts: [Arc<Notify>; 3] = Default::default();
     let _newcomer = context.vestibule.enter(HERE.into(), Arc::clone(&cuts[2]));
     let _place = context.places.take(Claim::new(HERE.into(), None), false, Arc::clone(&cuts[1])).unwrap();
@@ -151,12 +152,7 @@ async fn a_system_without_descriptors_is_relieved_of_who_gets_no_answer_then_of_
     for number in 0..4 {
         assert_eq!(context.relieve(), usize::from(number < 3));
         for (other, cut) in cuts.iter().enumerate() {
-            let is_cut = tokio::select! {
-                biased;
-                () = cut.notified() => true,
-                () = std::future::ready(()) => false,
-            };
-            assert_eq!(is_cut, other == number, "{number} {other}");
+            assert_eq!(cut.notified().now_or_never().is_some(), other == number, "{number} {other}");
         }
     }
 }
@@ -174,8 +170,8 @@ async fn accepted(context: &Arc<ServerContext>) -> (std::net::TcpStream, JoinHan
 #[tokio::test]
 async fn a_stop_that_has_come_halts_before_its_connection_gives_way() {
     use std::io::Write;
-    let house = house(searching());
-    let context = Arc::new(context(&house, 8));
+    let app = app(searching());
+    let context = Arc::new(context(&app, 8));
     for number in 1..20 {
         let (mut client, hearing) = accepted(&context).await;
         // Half of them wait, half of them rest in a place.
@@ -190,15 +186,15 @@ async fn a_stop_that_has_come_halts_before_its_connection_gives_way() {
         client.write_all(STOP.as_bytes()).unwrap();
         assert_eq!(context.relieve(), 1);
         within("it gives way", hearing).await.unwrap();
-        assert_eq!(house.door.handle.epoch(), Epoch(1 + number));
+        assert_eq!(app.door.handle.epoch(), Epoch(1 + number));
     }
 }
 
 /// Safety S9: nobody else gives way to one that has to go itself, and its STOP has halted.
 #[tokio::test]
 async fn who_had_to_make_room_takes_no_place() {
-    let house = house(searching());
-    let context = Arc::new(context(&house, 1));
+    let app = app(searching());
+    let context = Arc::new(context(&app, 1));
     let cut = Arc::new(Notify::new());
     let other = context.places.take(Claim::new(HERE.into(), None), false, Arc::clone(&cut)).unwrap();
     let (connection, mut says, mut hears, _) = connected(&context);
@@ -210,21 +206,16 @@ async fn who_had_to_make_room_takes_no_place() {
     within("the refusal", hears.read_to_string(&mut refused)).await.unwrap();
     assert!(refused.contains("noPlace") && refused.contains("has halted"), "{refused}");
     within("its end", hearing).await.unwrap();
-    assert_eq!((context.places.held(), house.door.handle.epoch()), (1, Epoch(2)));
-    let is_cut = tokio::select! {
-        biased;
-        () = cut.notified() => true,
-        () = std::future::ready(()) => false,
-    };
-    assert!(!is_cut);
+    assert_eq!((context.places.held(), app.door.handle.epoch()), (1, Epoch(2)));
+    assert!(cut.notified().now_or_never().is_none());
     drop(other);
 }
 
 /// Safety S7.
 #[tokio::test]
 async fn others_have_their_turns_while_much_is_heard_of_one() {
-    let house = house(searching());
-    let (mut connection, _says, _hears, _) = connected(&Arc::new(context(&house, 8)));
+    let app = app(searching());
+    let (mut connection, _says, _hears, _) = connected(&Arc::new(context(&app, 8)));
     let turns = Arc::new(AtomicUsize::new(0));
     let others = tokio::spawn({
         let turns = Arc::clone(&turns);
@@ -247,14 +238,13 @@ async fn others_have_their_turns_while_much_is_heard_of_one() {
 /// Safety S7, S9: not only when everybody who was here before has had a turn.
 #[tokio::test]
 async fn a_stop_that_a_newcomer_has_sent_already_halts_before_anything_is_waited_for() {
-    let house = house(searching());
+    let app = app(searching());
     let listener = TcpListener::bind((HERE, 0)).await.unwrap();
     let mut client = std::net::TcpStream::connect(listener.local_addr().unwrap()).unwrap();
     std::io::Write::write_all(&mut client, STOP.as_bytes()).unwrap();
     let newcomer = listener.accept().await.unwrap();
-    let before = house.door.handle.epoch();
-    let mut conversation = Box::pin(converse(newcomer, Arc::new(context(&house, 8))));
-    let once = std::future::poll_fn(|cx| std::task::Poll::Ready(conversation.as_mut().poll(cx).is_pending()));
-    assert!(once.await);
-    assert!(house.door.handle.epoch() > before);
+    let before = app.door.handle.epoch();
+    let mut conversation = Box::pin(converse(newcomer, Arc::new(context(&app, 8))));
+    assert!(conversation.as_mut().now_or_never().is_none());
+    assert!(app.door.handle.epoch() > before);
 }

@@ -28,7 +28,6 @@ const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
 /// So much is heard of a newcomer at once, in bytes: a STOP is shorter.
 const FIRST_WORDS: usize = 1024;
 
-/// What every connection has in common.
 pub(in crate::doors::http) struct ServerContext {
     pub(in crate::doors::http) door: Door,
     pub(in crate::doors::http) hosts: Hosts,

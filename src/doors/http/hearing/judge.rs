@@ -27,7 +27,6 @@ pub(super) enum Press {
     Unsaid(Request),
 }
 
-/// What judges the requests of one connection.
 #[derive(Clone)]
 pub(super) struct Judge {
     pub(super) door: Door,

@@ -10,8 +10,8 @@ use super::*;
 use crate::access::{Access, SESSION_S};
 use crate::api::door;
 use crate::api::fixture::searching;
-use crate::doors::http::hearing::stop_search::{Asked, Heard, StopSearch};
-use crate::doors::http::testing::{House, Tokens, guarded_house, house, keys};
+use crate::doors::http::hearing::stop_search::{Heard, HeardRequest, StopSearch};
+use crate::doors::http::testing::{TestApp, Tokens, app, guarded_app, keys};
 
 /// A request by its lines.
 #[derive(Clone, Debug)]
@@ -109,9 +109,9 @@ impl Sent {
     }
 }
 
-fn judge(house: &House) -> Judge {
+fn judge(app: &TestApp) -> Judge {
     let peer = Peer { address: Ipv4Addr::LOCALHOST.into(), is_encrypted: false };
-    Judge { door: house.door.clone(), hosts: Hosts::new(true, &[]), peer }
+    Judge { door: app.door.clone(), hosts: Hosts::new(true, &[]), peer }
 }
 
 /// Whether the first request in these bytes, come in pieces of this size, halts while its connection is open.
@@ -267,20 +267,20 @@ fn excepted() -> Vec<Exception> {
 }
 
 /// A door with keys, what lets a viewer stop, and a session that is over. The loop runs as long as the runtime.
-fn guarded() -> (House, [String; 2], String) {
+fn guarded() -> (TestApp, [String; 2], String) {
     let (keyring, Tokens { viewer, .. }) = keys();
-    let house = guarded_house(searching(), Access::Keys(keyring.clone()));
+    let app = guarded_app(searching(), Access::Keys(keyring.clone()));
     let session = |now_s| format!("hallsweep-0={}", keyring.sign_in(&viewer, now_s).unwrap());
-    let now_s = house.door.now_s();
+    let now_s = app.door.now_s();
     let credentials = [format!("Authorization: Bearer {viewer}"), format!("Cookie: a=b; {}; c=d", session(now_s))];
-    (house, credentials, session(now_s - SESSION_S))
+    (app, credentials, session(now_s - SESSION_S))
 }
 
 fn check(cases: u32, property: impl Fn(&Judge, &[String; 2], &str, (usize, usize, Fault, usize)) -> Result<(), TestCaseError>) {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     let _inside = runtime.enter();
-    let (house, credentials, expired) = guarded();
-    let judge = judge(&house);
+    let (app, credentials, expired) = guarded();
+    let judge = judge(&app);
     let mut runner = proptest::test_runner::TestRunner::new(ProptestConfig { cases, ..ProptestConfig::default() });
     let every = (0..STOPS.len(), 0..credentials.len(), fault(), select(vec![1, 7, 1000, usize::MAX]));
     runner.run(&every, |case| property(&judge, &credentials, &expired, case)).unwrap_or_else(|error| panic!("{error}"));
@@ -315,8 +315,8 @@ fn what_is_excepted_never_halts_whatever_fault_is_beside_it() {
 /// Safety S8: as it is answered, so it is heard.
 #[tokio::test]
 async fn who_may_stop_without_a_key_is_on_this_machine() {
-    let house = house(searching());
-    let mut judge = judge(&house);
+    let app = app(searching());
+    let mut judge = judge(&app);
     let stop = Sent::stop(("/h", ""), "").bytes();
     assert!(halts(&judge, &stop, 9));
     assert!(halts(&judge, b"POST /h HTTP/1.0\n\n", 9), "no host is no foreign one");
@@ -328,8 +328,8 @@ async fn who_may_stop_without_a_key_is_on_this_machine() {
 /// Safety S8, A2: of so many hosts and origins that not all are kept, one may be another's.
 #[tokio::test]
 async fn nothing_halts_when_not_all_hosts_and_origins_are_kept() {
-    let house = house(searching());
-    let judge = judge(&house);
+    let app = app(searching());
+    let judge = judge(&app);
     let ours = ["localhost", "127.0.0.1", "localhost:1", "localhost:2"];
     for field in ["Host: ", "Origin: http://"] {
         let mut sent = Sent::stop(("/h", ""), "");
@@ -344,15 +344,15 @@ async fn nothing_halts_when_not_all_hosts_and_origins_are_kept() {
 /// Safety A6.
 #[tokio::test]
 async fn a_stop_that_was_heard_is_on_record_with_who_from_where_and_by_which_door() {
-    let (house, [token, _], _) = guarded();
-    let judge = judge(&house);
+    let (app, [token, _], _) = guarded();
+    let judge = judge(&app);
     for (route, door) in ROUTES.into_iter().zip([door::HTTP, door::CONSOLE, door::HTTP, door::HTTP]) {
         let mut sent = Sent::stop((route, ""), &token);
         sent.insert(0, b"Idempotency-Key: \"press-7\"".to_vec());
         let (_, heard, given) = StopSearch::new(judge.clone()).take(&sent.bytes());
-        let Some(Heard::Head(Asked { claim, .. })) = heard else { panic!("a head") };
+        let Some(Heard::Head(HeardRequest { claim, .. })) = heard else { panic!("a head") };
         assert!(given.expect("it halts").await.is_ok());
-        let given = house.last();
+        let given = app.last();
         assert_eq!((given.command, &*given.issuer.who, &*given.issuer.from), (Command::Stop, "lobby", "127.0.0.1"));
         assert_eq!((given.issuer.door, given.id.map(|id| id.text().to_owned())), (door, Some("press-7".to_owned())));
         assert_ne!(claim, Claim::new(judge.peer.address, None), "the place is the viewer's");
@@ -362,8 +362,8 @@ async fn a_stop_that_was_heard_is_on_record_with_who_from_where_and_by_which_doo
 /// Safety S8: no more of the body need come, nor need it end well.
 #[tokio::test]
 async fn a_move_that_says_stop_halts_when_its_word_has_come() {
-    let house = house(searching());
-    let judge = judge(&house);
+    let app = app(searching());
+    let judge = judge(&app);
     let head = |length: &str| format!("POST {MOVE} HTTP/1.1\r\nHost: localhost\r\n{length}\r\n\r\n");
     for (length, body) in [
         ("Content-Length: 100", r#"{"move":"h""#),
@@ -406,10 +406,10 @@ async fn a_move_that_says_stop_halts_when_its_word_has_come() {
 /// Safety S8: a word that only the whole body shows is not always looked for while more of it may come.
 #[tokio::test]
 async fn a_move_that_says_stop_halts_at_the_latest_when_its_connection_ends() {
-    let house = house(searching());
+    let app = app(searching());
     for (word, epochs) in [("w", 0), ("\\u0068", 1)] {
-        let before = house.door.handle.epoch();
-        let mut search = StopSearch::new(judge(&house));
+        let before = app.door.handle.epoch();
+        let mut search = StopSearch::new(judge(&app));
         let head = format!("POST {MOVE} HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5000\r\n\r\n");
         let (taken, _, _) = search.take(head.as_bytes());
         assert_eq!(taken, head.len());
@@ -418,23 +418,23 @@ async fn a_move_that_says_stop_halts_at_the_latest_when_its_connection_ends() {
             assert!(search.look_early().is_none());
         }
         drop(search);
-        assert_eq!(house.door.handle.epoch().0, before.0 + epochs, "{word}");
+        assert_eq!(app.door.handle.epoch().0, before.0 + epochs, "{word}");
         let sent = format!(r#"{head}{{"note":"{}","move":"{word}"}}"#, "z".repeat(1_100));
-        assert_eq!(halts(&judge(&house), sent.as_bytes(), usize::MAX), epochs == 1, "a body that has doubled is looked at whole");
+        assert_eq!(halts(&judge(&app), sent.as_bytes(), usize::MAX), epochs == 1, "a body that has doubled is looked at whole");
     }
 }
 
 /// Safety S8, A2: what was found of a request before says nothing of the next.
 #[tokio::test]
 async fn each_move_on_a_connection_is_looked_at_by_itself() {
-    let house = house(searching());
+    let app = app(searching());
     let send = |fields: &str, body: &str| format!("POST {MOVE} HTTP/1.1\r\nHost: localhost\r\n{fields}\r\n{body}");
     let (forward, halt) = (r#"{"move":"w"}"#, r#"{"move":"h"}"#);
     for (before, next, stops) in [
         (send("Content-Length: 12\r\n", forward), send("Content-Length: 100\r\n", halt), 1),
         (send("", ""), send("Origin: http://elsewhere.example\r\nContent-Length: 12\r\n", halt), 0),
     ] {
-        let (mut search, mut given) = (StopSearch::new(judge(&house)), 0);
+        let (mut search, mut given) = (StopSearch::new(judge(&app)), 0);
         for sent in [before, next] {
             let mut rest = sent.as_bytes();
             while !rest.is_empty() {
@@ -451,8 +451,8 @@ async fn each_move_on_a_connection_is_looked_at_by_itself() {
 /// Safety S8: of sixteen keys any that is right is enough.
 #[tokio::test]
 async fn a_stop_with_many_wrong_keys_beside_the_right_one_halts() {
-    let (house, credentials, _) = guarded();
-    let judge = judge(&house);
+    let (app, credentials, _) = guarded();
+    let judge = judge(&app);
     for (place, credential) in (0..16).flat_map(|place| credentials.iter().map(move |credential| (place, credential))) {
         let mut sent = Sent::stop(("/h", ""), "");
         let wrong = |number: usize| match credential.starts_with("Cookie") {

@@ -12,10 +12,9 @@ use hallsweep_core::units::Epoch;
 /// looked at again with what has come behind it.
 const SHORT: usize = 1024;
 
-/// The search through all that comes on one connection.
 pub(super) struct StopSearch {
-    judge: Judge,
-    scanner: Scanner,
+    pub(super) judge: Judge,
+    pub(super) scanner: Scanner,
     /// The STOP that the request heard last will be, if its body says so.
     unsaid: Option<Request>,
     /// How much was looked at of what its body says, and how much of it when it was last looked at whole.
@@ -25,20 +24,15 @@ pub(super) struct StopSearch {
 
 /// What has come to its end.
 pub(super) enum Heard {
-    Head(Asked),
+    Head(HeardRequest),
     /// The body of the request whose head was heard last.
     Body,
 }
 
-/// What is to be known of a request.
-pub(super) struct Asked {
-    /// Whose it is.
+pub(super) struct HeardRequest {
     pub(super) claim: Claim,
-    /// Whether a body follows.
     pub(super) has_body: bool,
-    /// Whether it may hand the connection over.
     pub(super) may_hand_over: bool,
-    /// The epoch in which it came.
     pub(super) came: Epoch,
 }
 
@@ -68,7 +62,7 @@ impl StopSearch {
                 };
                 self.unsaid = unsaid;
                 (self.looked, self.looked_whole) = (0, 0);
-                let asked = Asked {
+                let asked = HeardRequest {
                     claim,
                     has_body: head.body != BodyLength::Known(0),
                     may_hand_over: head.wants_upgrade && names::is_upgrade(&head.target),
@@ -99,16 +93,6 @@ impl StopSearch {
     pub(super) fn look(&mut self) -> Option<Given> {
         let said = self.scanner.said();
         self.unsaid.take_if(|_| says_halt(said)).map(|stop| self.judge.give(stop))
-    }
-
-    /// Who is heard.
-    pub(super) const fn judge(&self) -> &Judge {
-        &self.judge
-    }
-
-    /// Where in their requests the bytes are.
-    pub(super) const fn scanner(&self) -> &Scanner {
-        &self.scanner
     }
 
     /// The number of the request whose head was heard last; the first is 0.

@@ -17,7 +17,6 @@ pub(super) struct Turn {
     pub(super) number: u64,
 }
 
-/// All orders.
 #[derive(Default)]
 pub(super) struct Queues {
     operators: Queue,

@@ -21,38 +21,29 @@ const FIELDS: usize = 4;
 /// and keys, of which any that is right is enough.
 pub const KEYS: usize = 16;
 
-/// A header that is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Field {
-    /// By which name this program was called.
     Host,
-    /// Of which page it was sent.
     Origin,
     /// Whether that is one of ours, in the browser's words.
     SecFetchSite,
-    /// A key.
     Authorization,
     /// A session: the pair of the cookie that is ours.
     Cookie,
-    /// The name of a command.
     IdempotencyKey,
 }
 
-/// How long a request's body is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BodyLength {
-    /// So many bytes.
     Known(u64),
-    /// As its chunks say.
     Chunked,
     /// What the head says of it cannot be.
     Unknown,
 }
 
 /// What is kept of a head.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Head {
-    /// What is to be done.
     pub method: Vec<u8>,
     /// With what, up to its query.
     pub target: Vec<u8>,
@@ -60,13 +51,10 @@ pub struct Head {
     pub fields: Vec<(Field, Vec<u8>)>,
     /// Whether something of the host or the origin was not kept, so that nobody can say that they are ours.
     pub is_in_doubt: bool,
-    /// Its body.
     pub body: BodyLength,
-    /// Whether another protocol is wished for.
     pub wants_upgrade: bool,
 }
 
-/// A head that is coming.
 #[derive(Debug)]
 pub(super) struct HeadReader {
     cookie: String,
@@ -292,16 +280,9 @@ impl HeadReader {
     }
 }
 
-impl Default for Head {
-    fn default() -> Head {
-        Head {
-            method: Vec::new(),
-            target: Vec::new(),
-            fields: Vec::new(),
-            is_in_doubt: false,
-            body: BodyLength::Known(0),
-            wants_upgrade: false,
-        }
+impl Default for BodyLength {
+    fn default() -> BodyLength {
+        BodyLength::Known(0)
     }
 }
 

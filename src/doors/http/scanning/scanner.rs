@@ -18,18 +18,17 @@ pub enum Heard {
     Body,
 }
 
-/// One connection's requests.
 #[derive(Debug)]
 pub struct Scanner {
     head: HeadReader,
     at: At,
     heads: u64,
-    said: Said,
+    said: BodyStart,
 }
 
 /// The beginning of a body that may say STOP, and nothing of any other.
 #[derive(Debug, Default)]
-struct Said {
+struct BodyStart {
     is_kept: bool,
     bytes: Vec<u8>,
 }
@@ -48,7 +47,7 @@ impl Scanner {
     /// Before the first byte; `cookie` is the name of the cookies that say who asks.
     #[must_use]
     pub fn new(cookie: &str) -> Scanner {
-        Scanner { head: HeadReader::new(cookie), at: At::Head, heads: 0, said: Said::default() }
+        Scanner { head: HeadReader::new(cookie), at: At::Head, heads: 0, said: BodyStart::default() }
     }
 
     /// Takes bytes up to the first that brings something to its end, and says how many it took.
@@ -122,7 +121,7 @@ impl Scanner {
 
     fn begin_body(&mut self, head: Head) -> Heard {
         self.heads += 1;
-        self.said = Said { is_kept: names::says_by_body(&head.method, &head.target).is_some(), bytes: Vec::new() };
+        self.said = BodyStart { is_kept: names::says_by_body(&head.method, &head.target).is_some(), bytes: Vec::new() };
         self.at = match head.body {
             BodyLength::Known(0) => At::Head,
             BodyLength::Known(length) => At::Body(length),
@@ -133,7 +132,7 @@ impl Scanner {
     }
 }
 
-impl Said {
+impl BodyStart {
     fn keep(&mut self, bytes: &[u8]) {
         if self.is_kept {
             let room = BODY.saturating_sub(self.bytes.len());

@@ -14,7 +14,6 @@ use hallsweep_core::world::snapshot::Snapshot;
 /// The least time between two states.
 const PACE: Duration = Duration::from_millis(100);
 
-/// What was said to it.
 pub(super) struct Household {
     pub(super) photos: Photos,
     config: Bytes,
@@ -25,7 +24,6 @@ pub(super) struct Household {
 }
 
 impl Household {
-    /// Nothing was said yet.
     pub(super) fn new(topics: &Topics) -> Household {
         Household {
             photos: Photos::default(),
@@ -37,7 +35,6 @@ impl Household {
         }
     }
 
-    /// Notes what the state is.
     pub(super) fn handle_state(&mut self, older: Option<&Snapshot>, newer: &Snapshot) {
         self.state = Some(home_assistant::state(newer));
         self.photos.handle_state(older, newer);
@@ -48,21 +45,19 @@ impl Household {
         self.is_introduced = false;
     }
 
-    /// When something is to be said.
     pub(super) fn due(&self) -> Option<Duration> {
-        if !self.is_introduced || self.photos.is_due() {
+        if !self.is_introduced || self.photos.is_due {
             return Some(Duration::ZERO);
         }
         (self.state != self.said).then_some(self.next)
     }
 
-    /// The next that is to be said.
     pub(super) fn take(&mut self, topics: &Topics, now: Duration) -> Option<Publication> {
         if !self.is_introduced {
             self.is_introduced = true;
             return Some(Publication::kept(topics.discovery(), self.config.clone()));
         }
-        if self.photos.is_due() {
+        if self.photos.is_due {
             return self.photos.take().map(|photo| Publication::kept(topics.photo(), photo));
         }
         self.said = self.state;

@@ -21,7 +21,6 @@ const PACE: Duration = Duration::from_millis(20);
 /// broker is away for longer, the oldest give way; the state topic has them.
 const PIECES: usize = 4_096;
 
-/// What was said, and what is still to be said.
 #[derive(Default)]
 pub(super) struct Old {
     /// The number of the last message.
@@ -32,7 +31,6 @@ pub(super) struct Old {
     map: Option<(Revision, Cell)>,
     /// The pieces still to be said, oldest news first.
     luggage: VecDeque<Arc<Luggage>>,
-    /// The round under way.
     round: VecDeque<Item>,
     /// No other round before this.
     next: Duration,
@@ -53,9 +51,6 @@ impl Old {
             self.luggage.extend(shown(newer).cloned());
             return;
         };
-        if older.revision_of(Resource::Luggage) == newer.revision_of(Resource::Luggage) {
-            return;
-        }
         let differs = |earlier: &Luggage, later: &Luggage| luggage_state(earlier) != luggage_state(later);
         for piece in pieces::changed(older, newer, differs) {
             self.wait(Arc::clone(piece));
@@ -71,7 +66,6 @@ impl Old {
         is_news.then_some(self.next)
     }
 
-    /// The next message.
     pub(super) fn take(&mut self, snapshot: &Snapshot, now: Duration) -> Option<String> {
         if self.round.is_empty() {
             self.begin(snapshot, now);

@@ -7,32 +7,26 @@ use super::pieces;
 use hallsweep_core::event::Photo;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::Luggage;
-use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
 
-/// A photo with more bytes than this is not published: with its topic it must fit a packet of 1 MiB, the largest that a careful
-/// broker takes.
+/// The most bytes of a photo that is published: with its topic it must fit a packet of 1 MiB, the largest a careful broker takes.
 pub const PHOTO_MOST: usize = 1024 * 1024 - 1024;
 
-/// One photo of a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Picture {
-    /// The piece.
     pub luggage: LuggageId,
     /// 1 for its first photo, more after a retake.
     pub take: u32,
 }
 
-/// What is known of the photos.
 #[derive(Default)]
 pub(super) struct Photos {
-    /// The last one there is.
     newest: Option<Picture>,
     asked: Option<Picture>,
     /// The last one that was given back.
     shown: Option<(Picture, Bytes)>,
     /// Whether it is still to be said.
-    is_due: bool,
+    pub(super) is_due: bool,
 }
 
 impl Photos {
@@ -42,9 +36,6 @@ impl Photos {
             self.newest = newer.luggage.iter().rev().find_map(|piece| picture(piece));
             return;
         };
-        if older.revision_of(Resource::Luggage) == newer.revision_of(Resource::Luggage) {
-            return;
-        }
         let differs = |earlier: &Luggage, later: &Luggage| picture(earlier) != picture(later);
         self.newest = pieces::changed(older, newer, differs).filter_map(|piece| picture(piece)).last().or(self.newest);
     }
@@ -68,12 +59,6 @@ impl Photos {
         is_wanted
     }
 
-    /// Whether a photo is to be said.
-    pub(super) const fn is_due(&self) -> bool {
-        self.is_due
-    }
-
-    /// The photo that is to be said.
     pub(super) fn take(&mut self) -> Option<Bytes> {
         self.is_due = false;
         self.shown.as_ref().map(|(_, bytes)| bytes.clone())

@@ -6,9 +6,9 @@ mod pace;
 mod parser;
 mod places;
 mod problem;
+mod publisher;
 mod read;
 mod results;
-mod sender;
 pub mod table;
 mod unknown;
 
@@ -20,9 +20,9 @@ use self::nobody::Nobody;
 use self::pace::Pace;
 use self::parser::{CommandParser, ParsedCommand};
 use self::problem::Problem;
+pub use self::publisher::Publisher;
 pub use self::results::{ANSWERS, Answer};
 use self::results::{Reply, Results};
-pub use self::sender::CommandSender;
 use super::topics::Topics;
 use crate::access::Need;
 use crate::runtime::clock::Clock;
@@ -80,43 +80,43 @@ impl Commands {
 
     /// Takes a message. Its command is given at the call, so that commands keep the order in which they came, and a STOP has
     /// halted the robot when this returns; its result is published later. Must be called inside a runtime.
-    pub fn take(&self, heard: &IncomingMessage<'_>, sender: &CommandSender) -> Taken {
-        if self.halts(heard.topic.as_bytes(), heard.payload, sender) {
+    pub fn take(&self, heard: &IncomingMessage<'_>, publisher: &Publisher) -> Taken {
+        if self.halts(heard.topic.as_bytes(), heard.payload, publisher) {
             return Taken::Taken;
         }
         if self.parser.is_of_others(heard) {
-            return self.ignore(heard, sender);
+            return self.ignore(heard, publisher);
         }
         // Before it is read: who says too much costs nobody the time to read it.
-        if !self.pace.admits(sender, self.clock.now().since_start) {
+        if !self.pace.admits(publisher, self.clock.now().since_start) {
             return Taken::Forbidden;
         }
-        let Some(mut parsed) = self.parser.parse(heard) else { return self.ignore(heard, sender) };
-        if let Err(refused) = sender.may(parsed.need()) {
+        let Some(mut parsed) = self.parser.parse(heard) else { return self.ignore(heard, publisher) };
+        if let Err(refused) = publisher.may(parsed.need()) {
             // To others than its sender nothing is told of it.
             let silent = ParsedCommand { reply: Reply { explained: None, ..parsed.reply.clone() }, ..parsed };
-            self.refuse(&silent, &Problem::refused(&refused), sender);
+            self.refuse(&silent, &Problem::refused(&refused), publisher);
             return Taken::Forbidden;
         }
         if let Some(again) = parsed.goes_on.then(|| to_retake(&self.handle.snapshot())).flatten() {
             parsed.asked = Ok((again, None));
         }
         match &parsed.asked {
-            Ok((command, epoch)) => self.give(&parsed, (command, *epoch), Some(heard), sender),
-            Err(problem) => self.refuse(&parsed, problem, sender),
+            Ok((command, epoch)) => self.give(&parsed, (command, *epoch), Some(heard), publisher),
+            Err(problem) => self.refuse(&parsed, problem, publisher),
         }
         Taken::Taken
     }
 
     /// Halts the robot if a message names STOP, whatever else is wrong with it (safety S8); whether it does. No more of it need have come
     /// than names it. Must be called inside a runtime.
-    pub fn halts(&self, topic: &[u8], payload: &[u8], sender: &CommandSender) -> bool {
-        if sender.may(Need::Stop).is_err() {
+    pub fn halts(&self, topic: &[u8], payload: &[u8], publisher: &Publisher) -> bool {
+        if publisher.may(Need::Stop).is_err() {
             return false;
         }
         let stop = self.parser.stop(topic, payload);
         if let Some(reply) = &stop {
-            self.give(reply, (&Command::Stop, None), None, sender);
+            self.give(reply, (&Command::Stop, None), None, publisher);
         }
         stop.is_some()
     }
@@ -127,8 +127,8 @@ impl Commands {
     }
 
     /// What asks for nothing. Old clients believe what they hear on the old topics, so that not everybody may say something there.
-    fn ignore(&self, heard: &IncomingMessage<'_>, sender: &CommandSender) -> Taken {
-        if self.parser.is_old(heard.topic) && sender.may(Need::Act).is_err() {
+    fn ignore(&self, heard: &IncomingMessage<'_>, publisher: &Publisher) -> Taken {
+        if self.parser.is_old(heard.topic) && publisher.may(Need::Act).is_err() {
             return Taken::Forbidden;
         }
         if let Some(id) = self.parser.unknown_to_all(heard) {
@@ -149,27 +149,27 @@ impl Commands {
         parsed: &ParsedCommand,
         (command, epoch): (&Command, Option<Epoch>),
         heard: Option<&IncomingMessage<'_>>,
-        sender: &CommandSender,
+        publisher: &Publisher,
     ) {
-        let place = self.results.place(sender);
+        let place = self.results.place(publisher);
         if let Err(under_way) = place
             && *command != Command::Stop
         {
-            return self.refuse(parsed, &Problem::too_many(under_way), sender);
+            return self.refuse(parsed, &Problem::too_many(under_way), publisher);
         }
         let id = parsed.reply.id.clone();
         let (arrived, is_again) = heard.map_or((None, false), |heard| (heard.arrived, heard.is_again));
-        let request = Request { id, epoch, arrived, is_again, ..Request::new(command.clone(), sender.issuer()) };
+        let request = Request { id, epoch, arrived, is_again, ..Request::new(command.clone(), publisher.issuer()) };
         let given = self.handle.carry_out(request);
         if let Ok(place) = place {
-            self.results.follow(given, (parsed.reply.clone(), sender.clone()), place);
+            self.results.follow(given, (parsed.reply.clone(), publisher.clone()), place);
         }
     }
 
     /// Puts on record that something was not taken (safety A6), and answers so.
-    fn refuse(&self, parsed: &ParsedCommand, problem: &Problem, sender: &CommandSender) {
-        self.handle.note_refused_at_once(sender.issuer(), parsed.in_words(), Refused::Before(problem.refusal()));
-        self.results.refused(&parsed.reply, sender, problem);
+    fn refuse(&self, parsed: &ParsedCommand, problem: &Problem, publisher: &Publisher) {
+        self.handle.note_refused_at_once(publisher.issuer(), parsed.in_words(), Refused::Before(problem.refusal()));
+        self.results.refused(&parsed.reply, publisher, problem);
     }
 }
 

@@ -20,7 +20,6 @@ const SILENCE: Duration = Duration::from_secs(60);
 /// So much of a text is told, in characters.
 const TEXT: usize = 200;
 
-/// What nobody understood so far.
 #[derive(Debug, Default)]
 pub(super) struct Nobody(Mutex<Counted>);
 
@@ -41,7 +40,6 @@ impl Nobody {
         }
     }
 
-    /// How many there were.
     #[cfg(test)]
     pub(super) fn count(&self) -> u64 {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).count

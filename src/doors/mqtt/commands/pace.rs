@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use super::sender::CommandSender;
+use super::publisher::Publisher;
 use crate::access::Need;
 
 /// So many commands in a second: sixty sensors that report each second, hands at some panels, and a script in a hurry.
@@ -20,15 +20,15 @@ pub(super) struct Pace(Mutex<HashMap<Arc<str>, (Duration, u32)>>);
 
 impl Pace {
     /// Whether one more command of this sender is taken, at `now` since the start. There are as many senders as there are keys.
-    pub(super) fn admits(&self, sender: &CommandSender, now: Duration) -> bool {
+    pub(super) fn admits(&self, publisher: &Publisher, now: Duration) -> bool {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         // A key that is gone leaves its name; nobody makes many of them.
-        let (since, said) = all.entry(sender.issuer().who).or_insert((now, 0));
+        let (since, said) = all.entry(publisher.issuer().who).or_insert((now, 0));
         if now.saturating_sub(*since) >= Duration::from_secs(1) {
             (*since, *said) = (now, 0);
         }
         *said = said.saturating_add(1);
-        *said <= if sender.may(Need::Act).is_ok() { OPERATORS } else { VIEWERS }
+        *said <= if publisher.may(Need::Act).is_ok() { OPERATORS } else { VIEWERS }
     }
 }
 
@@ -39,8 +39,8 @@ mod tests {
     /// Safety A5.
     #[test]
     fn whoever_says_too_much_within_a_second_is_not_listened_to_until_the_next() {
-        let (pace, sender) = (Pace::default(), CommandSender::Unknown { broker: Arc::from("broker.example") });
-        let admitted = |now| (0..2 * OPERATORS).filter(|_| pace.admits(&sender, now)).count();
+        let (pace, publisher) = (Pace::default(), Publisher::Unknown { broker: Arc::from("broker.example") });
+        let admitted = |now| (0..2 * OPERATORS).filter(|_| pace.admits(&publisher, now)).count();
         assert_eq!(admitted(Duration::from_millis(1500)), OPERATORS as usize);
         assert_eq!(admitted(Duration::from_millis(2499)), 0);
         assert_eq!(admitted(Duration::from_millis(2500)), OPERATORS as usize);

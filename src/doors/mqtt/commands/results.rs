@@ -10,12 +10,13 @@ use tokio::sync::mpsc::error::TrySendError;
 
 use super::super::publication::Publication;
 use super::super::qak::outgoing;
-use super::places::{Place, Places};
+use super::places::ResultPlaces;
 use super::problem::Problem;
-use super::sender::CommandSender;
+use super::publisher::Publisher;
 use crate::api::answer::AnswerJson;
 use crate::api::result::ResultJson;
 use crate::doors::seldom::Seldom;
+use crate::doors::shares::Permit;
 use crate::runtime::carry_out::{Done, NotDone};
 use hallsweep_core::command::CommandId;
 
@@ -38,8 +39,8 @@ const NO_PHOTO: &str = "noPhoto";
 #[derive(Clone, Debug)]
 pub(super) struct Results {
     answers: mpsc::Sender<Answer>,
-    under_way: Places,
-    waiting: Places,
+    under_way: ResultPlaces,
+    waiting: ResultPlaces,
     lost: Arc<Seldom>,
 }
 
@@ -47,7 +48,7 @@ pub(super) struct Results {
 #[derive(Debug)]
 pub struct Answer {
     publication: Publication,
-    _place: Place,
+    _place: Permit,
 }
 
 /// Where one result goes.
@@ -64,7 +65,7 @@ pub(super) struct Reply {
 impl Results {
     /// Results go to `answers`.
     pub(super) fn new(answers: mpsc::Sender<Answer>) -> Results {
-        let places = || Places::new(UNDER_WAY, VIEWERS_UNDER_WAY);
+        let places = || ResultPlaces::new(UNDER_WAY, VIEWERS_UNDER_WAY);
         Results { answers, under_way: places(), waiting: places(), lost: Arc::default() }
     }
 
@@ -72,53 +73,53 @@ impl Results {
     ///
     /// # Errors
     /// How many are under way, when there is none.
-    pub(super) fn place(&self, sender: &CommandSender) -> Result<Place, usize> {
-        self.under_way.take(sender)
+    pub(super) fn place(&self, publisher: &Publisher) -> Result<Permit, usize> {
+        self.under_way.take(publisher)
     }
 
     /// Waits for what becomes of a command, and publishes it. Must be called inside a runtime.
-    pub(super) fn follow<F>(&self, done: F, (reply, sender): (Reply, CommandSender), place: Place)
+    pub(super) fn follow<F>(&self, done: F, (reply, publisher): (Reply, Publisher), place: Permit)
     where
         F: Future<Output = Result<Done, NotDone>> + Send + 'static,
     {
         let results = self.clone();
         tokio::spawn(async move {
             match tokio::time::timeout(PATIENCE, done).await {
-                Ok(Ok(done)) => results.accepted(&reply, &sender, &done),
-                Ok(Err(not_done)) => results.refused(&reply, &sender, &not_done.into()),
-                Err(_) => results.refused(&reply, &sender, &Problem::no_answer(PATIENCE)),
+                Ok(Ok(done)) => results.accepted(&reply, &publisher, &done),
+                Ok(Err(not_done)) => results.refused(&reply, &publisher, &not_done.into()),
+                Err(_) => results.refused(&reply, &publisher, &Problem::no_answer(PATIENCE)),
             }
             drop(place);
         });
     }
 
     /// Publishes why something was refused; of what has no result it is said in the program's log.
-    pub(super) fn refused(&self, reply: &Reply, sender: &CommandSender, problem: &Problem) {
+    pub(super) fn refused(&self, reply: &Reply, publisher: &Publisher, problem: &Problem) {
         match &reply.topic {
-            Some(topic) => self.publish(topic, (reply, sender), &problem.shape()),
+            Some(topic) => self.publish(topic, (reply, publisher), &problem.shape()),
             None => tracing::info!(why = problem.detail(), "a message of an old client was refused"),
         }
         if let Some(topic) = &reply.explained {
             let way_out = if problem.code() == NO_PHOTO { " (continueExplore takes it again)" } else { "" };
             let why = format!("{}{way_out}", problem.detail());
-            self.send(topic, sender, outgoing::message(outgoing::why_not(&why), outgoing::ANSWER).into_bytes());
+            self.send(topic, publisher, outgoing::message(outgoing::why_not(&why), outgoing::ANSWER).into_bytes());
         }
     }
 
-    fn accepted(&self, reply: &Reply, sender: &CommandSender, done: &Done) {
+    fn accepted(&self, reply: &Reply, publisher: &Publisher, done: &Done) {
         if let Some(topic) = &reply.topic {
-            self.publish(topic, (reply, sender), &AnswerJson::new(done.accepted, &done.snapshot));
+            self.publish(topic, (reply, publisher), &AnswerJson::new(done.accepted, &done.snapshot));
         }
     }
 
-    fn publish(&self, topic: &str, (reply, sender): (&Reply, &CommandSender), said: &impl Serialize) {
+    fn publish(&self, topic: &str, (reply, publisher): (&Reply, &Publisher), said: &impl Serialize) {
         let result = ResultJson { id: reply.id.as_ref().map(CommandId::text), said };
         let payload = serde_json::to_vec(&result).expect("answers and problems are texts, numbers and maps of them");
-        self.send(topic, sender, payload);
+        self.send(topic, publisher, payload);
     }
 
-    fn send(&self, topic: &str, sender: &CommandSender, payload: Vec<u8>) {
-        let answer = self.waiting.take(sender).map(|place| {
+    fn send(&self, topic: &str, publisher: &Publisher, payload: Vec<u8>) {
+        let answer = self.waiting.take(publisher).map(|place| {
             let publication = Publication::passing(topic.to_owned(), payload);
             Answer { publication, _place: place }
         });

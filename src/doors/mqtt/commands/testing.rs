@@ -3,7 +3,7 @@
 use serde_json::Value;
 use tokio::sync::mpsc;
 
-use super::{Answer, CommandSender, Commands, IncomingMessage, Taken};
+use super::{Answer, Commands, IncomingMessage, Publisher, Taken};
 use crate::access::{Caller, Key, Keyring, Keys, OPERATOR, Role, Token};
 use crate::doors::mqtt::publication::Publication;
 use crate::doors::mqtt::topics::Topics;
@@ -26,7 +26,6 @@ pub(super) struct TestApp {
     results: mpsc::Receiver<Answer>,
 }
 
-/// The topics of a test.
 pub(super) fn topics() -> Topics {
     Topics::new("hallsweep", "discovery", "unibo/qak")
 }
@@ -34,11 +33,11 @@ pub(super) fn topics() -> Topics {
 /// An app in this state, whose loop accepts everything until told to refuse; old clients may not drive. Must be called inside a
 /// runtime.
 pub(super) fn app(snapshot: Snapshot) -> TestApp {
-    driven_house(snapshot, false)
+    driven_app(snapshot, false)
 }
 
 /// The same, in which they may or may not.
-pub(super) fn driven_house(snapshot: Snapshot, manual_driving: bool) -> TestApp {
+pub(super) fn driven_app(snapshot: Snapshot, manual_driving: bool) -> TestApp {
     let (handle, script) = obedient(snapshot);
     let (commands, results) = commands_of(handle, manual_driving);
     TestApp { commands, script, results }
@@ -51,32 +50,32 @@ pub(super) fn commands_of(handle: Handle, manual_driving: bool) -> (Commands, mp
 }
 
 /// Somebody on this machine.
-pub(super) fn here() -> CommandSender {
-    CommandSender::Known { caller: Caller::Here, from: "127.0.0.1".into() }
+pub(super) fn here() -> Publisher {
+    Publisher::Known { caller: Caller::Here, from: "127.0.0.1".into() }
 }
 
 /// Somebody who may see and stop.
-pub(super) fn viewer() -> CommandSender {
+pub(super) fn viewer() -> Publisher {
     with_key("wall", Role::Viewer)
 }
 
 /// Somebody with an operator's key of this name.
-pub(super) fn operator(name: &str) -> CommandSender {
+pub(super) fn operator(name: &str) -> Publisher {
     with_key(name, Role::Operator)
 }
 
-fn with_key(name: &str, role: Role) -> CommandSender {
+fn with_key(name: &str, role: Role) -> Publisher {
     let token = || Token::draw().unwrap();
     let keys = [Key::new(OPERATOR, Role::Operator, token()).unwrap(), Key::new(name, role, token()).unwrap()];
     let keyring = Keyring::of(Keys::new(Vec::from(keys)).unwrap());
     let shown = keyring.keys().named(name).unwrap().token.reveal().to_owned();
-    CommandSender::Known { caller: Caller::Known(keyring.check(&shown).unwrap()), from: "192.0.2.7".into() }
+    Publisher::Known { caller: Caller::Known(keyring.check(&shown).unwrap()), from: "192.0.2.7".into() }
 }
 
 /// A message on a topic: under our own prefix, but for those of the original system.
-pub(super) fn say(commands: &Commands, topic: &str, payload: impl AsRef<[u8]>, sender: &CommandSender) -> Taken {
+pub(super) fn say(commands: &Commands, topic: &str, payload: impl AsRef<[u8]>, publisher: &Publisher) -> Taken {
     let topic = if topic.starts_with("unibo/") { topic.to_owned() } else { format!("{BASE}{topic}") };
-    commands.take(&IncomingMessage { topic: &topic, payload: payload.as_ref(), arrived: None, is_again: false }, sender)
+    commands.take(&IncomingMessage { topic: &topic, payload: payload.as_ref(), arrived: None, is_again: false }, publisher)
 }
 
 /// The next result: its topic without the prefix, and what it says.
@@ -99,7 +98,6 @@ impl TestApp {
         next(&mut self.results).await
     }
 
-    /// The next result.
     pub(super) async fn result(&mut self) -> (String, Value) {
         next(&mut self.results).await
     }
@@ -121,7 +119,6 @@ impl TestApp {
         self.script.given.lock().unwrap().last().cloned().expect("a command was given")
     }
 
-    /// How many commands came to the loop.
     pub(super) async fn given(&self) -> usize {
         self.settled().await;
         self.script.given.lock().unwrap().len()

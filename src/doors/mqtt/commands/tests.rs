@@ -2,7 +2,7 @@
 //! be at once is in `bounds_tests`.
 
 use super::table;
-use super::testing::{app, driven_house, here, say, viewer};
+use super::testing::{app, driven_app, here, say, viewer};
 use super::*;
 use crate::api::commands::COMMANDS;
 use crate::api::fixture::{degrees, searching};
@@ -219,10 +219,10 @@ fn stops() -> Vec<(&'static str, Vec<u8>)> {
 /// Safety S1.
 #[tokio::test]
 async fn a_stop_is_a_stop_whatever_is_wrong_with_it_and_whoever_sends_it() {
-    for sender in [here(), viewer(), CommandSender::Unknown { broker: "broker.example".into() }] {
+    for publisher in [here(), viewer(), Publisher::Unknown { broker: "broker.example".into() }] {
         let app = app(searching());
         for (count, (topic, payload)) in stops().into_iter().enumerate() {
-            assert_eq!(say(&app.commands, topic, &payload, &sender), Taken::Taken, "{topic}");
+            assert_eq!(say(&app.commands, topic, &payload, &publisher), Taken::Taken, "{topic}");
             assert_eq!(app.given().await, count + 1, "{topic} {}", String::from_utf8_lossy(&payload));
             assert_eq!(app.last().await.command, Command::Stop);
         }
@@ -277,8 +277,8 @@ async fn a_viewer_cannot_pretend_to_be_the_robot() {
 #[tokio::test]
 async fn whoever_commands_through_another_broker_is_known_by_that_broker_alone() {
     let app = app(searching());
-    let sender = CommandSender::Unknown { broker: "broker.example".into() };
-    assert_eq!(say(&app.commands, "command/start", "", &sender), Taken::Taken);
+    let publisher = Publisher::Unknown { broker: "broker.example".into() };
+    assert_eq!(say(&app.commands, "command/start", "", &publisher), Taken::Taken);
     let given = app.last().await;
     assert_eq!((given.command, given.issuer.to_string().as_str()), (Command::Start, "mqtt (mqtt, broker.example)"));
 }
@@ -379,7 +379,7 @@ async fn what_is_wrong_in_an_old_message_is_on_record_and_not_published() {
     }
     assert_eq!(app.given().await, 0);
     assert!(app.is_silent().await);
-    let driven = driven_house(searching(), true);
+    let driven = driven_app(searching(), true);
     assert_eq!(driven.say("unibo/qak/robotmind", driving), Taken::Taken);
     assert_eq!(driven.last().await.command, Command::Move(Move::Forward));
 }

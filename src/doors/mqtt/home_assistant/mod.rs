@@ -11,10 +11,8 @@ use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::snapshot::Snapshot;
 
-/// What Home Assistant shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct State {
-    /// What the robot does.
     pub activity: Activity,
     /// Whether an alarm stands that nobody has acknowledged, or a dangerous piece that is not secured.
     pub alarm: bool,
@@ -22,7 +20,6 @@ pub struct State {
 
 /// What a vacuum cleaner can do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(missing_docs, reason = "the names say it, and `activity` when it is which")]
 pub enum Activity {
     Cleaning,
     Docked,
@@ -41,7 +38,6 @@ impl State {
 }
 
 impl Activity {
-    /// Its word.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

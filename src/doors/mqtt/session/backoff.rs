@@ -6,7 +6,6 @@ use std::time::Duration;
 use super::times::Times;
 use hallsweep_core::rng::RandomStream;
 
-/// The pauses between attempts to connect.
 #[derive(Debug)]
 pub(super) struct Backoff {
     shortest: Duration,

@@ -17,16 +17,14 @@ use super::{Hearing, Session};
 /// What Home Assistant says when it has started.
 const BIRTH: &[u8] = b"online";
 
-/// One connection.
 pub(super) struct ConnectionTask<'a> {
     session: &'a mut Session,
     transport: Transport,
-    conversation: Conversation,
+    pub(super) conversation: Conversation,
     reading: Reading,
 }
 
 impl ConnectionTask<'_> {
-    /// Begins to connect.
     pub(super) fn begin(session: &mut Session) -> ConnectionTask<'_> {
         let transport = Transport::new(session.link.options(session.offline(), &session.times), &session.times);
         let nonce = matches!(session.hearing, Hearing::Own).then(|| session.chance.number());
@@ -43,19 +41,9 @@ impl ConnectionTask<'_> {
         }
     }
 
-    /// Whether the broker has greeted us and answered our subscription.
-    pub(super) fn is_open(&self) -> bool {
-        self.conversation.is_open()
-    }
-
-    /// What may not have arrived, oldest first.
-    pub(super) fn into_unacknowledged(self) -> Vec<Publication> {
-        self.conversation.into_unacknowledged()
-    }
-
     /// Says that the program ends, and waits, but not for long, until that has arrived.
     pub(super) async fn take_leave(mut self) {
-        if self.is_open() {
+        if self.conversation.is_open() {
             let patience = self.session.times.farewell;
             let _ = tokio::time::timeout(patience, self.last_words()).await;
         }
@@ -89,7 +77,7 @@ impl ConnectionTask<'_> {
         if let Some(beat) = self.conversation.poll_beat(self.now()) {
             self.give(beat);
         }
-        if self.is_open() {
+        if self.conversation.is_open() {
             self.reading.begin(&mut self.session.changes, &self.session.archive);
         }
         while self.conversation.has_room() {
@@ -105,7 +93,7 @@ impl ConnectionTask<'_> {
 
     fn give(&mut self, publication: Publication) {
         if self.transport.publish(&publication) {
-            self.conversation.handle_given(publication, self.now());
+            self.conversation.inflight.handle_given(publication, self.now());
         }
     }
 
@@ -121,7 +109,7 @@ impl ConnectionTask<'_> {
     fn handle_event(&mut self, event: Event) -> Result<(), Lost> {
         match event {
             Event::Incoming(packet) => self.handle_packet(packet)?,
-            Event::Outgoing(Outgoing::Publish(id)) => self.conversation.handle_sent(id),
+            Event::Outgoing(Outgoing::Publish(id)) => self.conversation.inflight.handle_sent(id),
             Event::Outgoing(_) => {}
         }
         Ok(())
@@ -132,7 +120,7 @@ impl ConnectionTask<'_> {
         if let Packet::Publish(publish) = packet {
             self.hear(&publish);
         } else if let Packet::PubAck(acknowledged) = packet {
-            self.conversation.handle_acknowledged(acknowledged.pkid, now);
+            self.conversation.inflight.handle_acknowledged(acknowledged.pkid, now);
         } else if let Packet::ConnAck(_) = packet {
             self.conversation.handle_greeted(now);
             if !self.transport.subscribe(self.session.filters()) {
@@ -170,9 +158,9 @@ impl ConnectionTask<'_> {
                 let heard = IncomingMessage { topic, payload, arrived: None, is_again: false };
                 // What became of it is published by the commands themselves.
                 if is_repeated {
-                    let _ = commands.halts(topic.as_bytes(), payload, &session.sender);
+                    let _ = commands.halts(topic.as_bytes(), payload, &session.publisher);
                 } else {
-                    let _ = commands.take(&heard, &session.sender);
+                    let _ = commands.take(&heard, &session.publisher);
                 }
             }
             (_, Hearing::Own) => {}
@@ -184,7 +172,7 @@ impl ConnectionTask<'_> {
             self.give(answer.taken());
         }
         self.give(self.session.offline());
-        while !self.conversation.is_settled() {
+        while !self.conversation.inflight.is_settled() {
             let event = self.transport.next().await?;
             self.handle_last(event);
         }
@@ -196,9 +184,9 @@ impl ConnectionTask<'_> {
     /// Nothing is heard any more; only what has arrived is counted.
     fn handle_last(&mut self, event: Event) {
         if let Event::Incoming(Packet::PubAck(acknowledged)) = event {
-            self.conversation.handle_acknowledged(acknowledged.pkid, self.now());
+            self.conversation.inflight.handle_acknowledged(acknowledged.pkid, self.now());
         } else if let Event::Outgoing(Outgoing::Publish(id)) = event {
-            self.conversation.handle_sent(id);
+            self.conversation.inflight.handle_sent(id);
         }
     }
 }

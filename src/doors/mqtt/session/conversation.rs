@@ -11,12 +11,11 @@ use super::lost::Lost;
 use super::pulse::Pulse;
 use super::times::Times;
 
-/// Where one connection stands.
 #[derive(Debug)]
 pub(super) struct Conversation {
     stage: Stage,
     times: Times,
-    inflight: Inflight,
+    pub(super) inflight: Inflight,
     /// What was heard last under each packet id, of which there are not many, and how it is told from other things.
     heard: HashMap<u16, u64>,
     marks: RandomState,
@@ -47,22 +46,15 @@ impl Conversation {
         }
     }
 
-    /// Whether we are greeted and subscribed.
+    /// Whether the broker has greeted us and answered our subscription.
     pub(super) fn is_open(&self) -> bool {
         self.stage == Stage::Open
     }
 
-    /// Whether anything may be published.
     pub(super) fn has_room(&self) -> bool {
         self.is_open() && self.inflight.has_room()
     }
 
-    /// Whether everything that was published is acknowledged.
-    pub(super) fn is_settled(&self) -> bool {
-        self.inflight.is_settled()
-    }
-
-    /// The broker greets us.
     pub(super) fn handle_greeted(&mut self, now: Duration) {
         self.stage = Stage::Subscribing(now + self.times.greeting);
     }
@@ -77,21 +69,6 @@ impl Conversation {
         is_due
     }
 
-    /// Something is published.
-    pub(super) fn handle_given(&mut self, publication: Publication, now: Duration) {
-        self.inflight.handle_given(publication, now);
-    }
-
-    /// The next of what is published is on its way under this packet id.
-    pub(super) fn handle_sent(&mut self, id: u16) {
-        self.inflight.handle_sent(id);
-    }
-
-    /// The broker acknowledges.
-    pub(super) fn handle_acknowledged(&mut self, id: u16, now: Duration) {
-        self.inflight.handle_acknowledged(id, now);
-    }
-
     /// Whether a message is one that was heard on this connection, sent again because our acknowledgement was late. A broker uses
     /// its ids again, and NATS calls a message a duplicate that it could not send the first time; so neither tells enough without
     /// what is said. Messages without an id (QoS 0) are never sent again.
@@ -100,12 +77,10 @@ impl Conversation {
         id != 0 && self.heard.insert(id, mark) == Some(mark) && is_duplicate
     }
 
-    /// The beat that is due.
     pub(super) fn poll_beat(&mut self, now: Duration) -> Option<Publication> {
         self.pulse.as_mut()?.poll_beat(now)
     }
 
-    /// Whether this is the beat that was awaited.
     pub(super) fn handle_echo(&mut self, payload: &[u8]) -> bool {
         self.pulse.as_mut().is_some_and(|pulse| pulse.handle_echo(payload))
     }
@@ -127,7 +102,6 @@ impl Conversation {
         Ok(self.pulse.as_mut().is_some_and(|pulse| pulse.handle_timeout(now)))
     }
 
-    /// When there is something to be done.
     pub(super) fn poll_timeout(&self) -> Option<Duration> {
         let stage = match self.stage {
             Stage::Greeting(until) | Stage::Subscribing(until) => Some(until),
@@ -135,11 +109,6 @@ impl Conversation {
         };
         let pulse = self.pulse.as_ref().map(Pulse::poll_timeout);
         [stage, self.settling_until(), pulse].into_iter().flatten().min()
-    }
-
-    /// What may not have arrived, oldest first.
-    pub(super) fn into_unacknowledged(self) -> Vec<Publication> {
-        self.inflight.into_unacknowledged()
     }
 
     fn settling_until(&self) -> Option<Duration> {
@@ -185,16 +154,16 @@ mod tests {
     fn a_broker_that_acknowledges_nothing_is_given_up_and_one_that_acknowledges_slowly_is_not() {
         let (mut conversation, times) = open(None);
         for id in 1..=3 {
-            conversation.handle_given(Publication::passing("a".to_owned(), "1"), START);
-            conversation.handle_sent(id);
+            conversation.inflight.handle_given(Publication::passing("a".to_owned(), "1"), START);
+            conversation.inflight.handle_sent(id);
         }
         let almost = times.acknowledgement - Duration::from_millis(1);
-        conversation.handle_acknowledged(1, START + almost);
+        conversation.inflight.handle_acknowledged(1, START + almost);
         assert!(conversation.handle_timeout(START + 2 * almost).is_ok());
         let late = START + almost + times.acknowledgement;
         assert_eq!(conversation.poll_timeout(), Some(late));
         assert!(matches!(conversation.handle_timeout(late), Err(Lost::NoAcknowledgement(_))));
-        assert_eq!(conversation.into_unacknowledged().len(), 2);
+        assert_eq!(conversation.inflight.into_unacknowledged().len(), 2);
     }
 
     #[test]

@@ -11,7 +11,6 @@ const TRIES: u32 = 3;
 /// How the broker is. An illness is told again while it lasts, each time as a change of the watch; why, is in the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Health {
-    /// Nothing is known yet.
     Unproven,
     /// It brought back what was sent to it; or, if it is somebody else's, it greeted us and took our subscription.
     Well,
@@ -19,7 +18,6 @@ pub enum Health {
     Ill,
 }
 
-/// Counts what goes wrong, and tells whoever watches.
 #[derive(Debug)]
 pub(super) struct HealthTracker {
     told: watch::Sender<Health>,

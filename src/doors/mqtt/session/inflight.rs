@@ -17,12 +17,10 @@ pub(super) struct Inflight {
 }
 
 impl Inflight {
-    /// Whether anything more may be given.
     pub(super) fn has_room(&self) -> bool {
         self.open.len() < IN_FLIGHT
     }
 
-    /// Whether everything is acknowledged.
     pub(super) fn is_settled(&self) -> bool {
         self.open.is_empty()
     }
@@ -42,7 +40,6 @@ impl Inflight {
         }
     }
 
-    /// The broker acknowledges.
     pub(super) fn handle_acknowledged(&mut self, id: u16, now: Duration) {
         if let Some(place) = self.open.iter().position(|(under, _)| *under == Some(id)) {
             self.open.remove(place);

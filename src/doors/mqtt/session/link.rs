@@ -9,25 +9,19 @@ use rustls::ClientConfig;
 use super::super::publication::Publication;
 use super::times::Times;
 
-/// No message is larger, in either direction: a photo with some room. rumqttc's own bound of 10 KiB would end the connection at
-/// the first map.
+/// No message is larger, in either direction: a photo with some room. At rumqttc's own 10 KiB the first map ends a connection.
 pub(super) const LARGEST: usize = 2 << 20;
 
-/// So many publications wait at a time for the broker's acknowledgement. On loopback far fewer do; over a line of 200 ms this is
-/// three hundred a second, more than ever happens.
+/// So many publications wait for the broker's acknowledgement: over a line of 200 ms three hundred a second, more than happen.
 pub(super) const IN_FLIGHT: usize = 64;
 
 /// rumqttc's own bound lies above ours, so that an acknowledgement out of order holds nothing up.
 const IN_FLIGHT_BELOW: u16 = 128;
 
-/// Where a broker is and how it is reached.
 #[derive(Clone)]
 pub struct Link {
-    /// Its name or address.
     pub host: String,
-    /// Its port.
     pub port: u16,
-    /// How it is reached by TLS; `None`: it is not.
     pub tls: Option<Arc<ClientConfig>>,
     /// Name and password, where it asks for them.
     pub login: Option<(String, String)>,

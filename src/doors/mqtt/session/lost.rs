@@ -4,22 +4,17 @@ use std::time::Duration;
 
 use rumqttc::{ConnectReturnCode, ConnectionError};
 
-/// Why there is no connection.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Lost {
-    /// The broker answered, and lets us not in.
     #[error("it refuses us: {0}")]
     Refused(&'static str),
     /// The network, or the protocol.
     #[error("{0}")]
     Broken(String),
-    /// It did not greet us in time.
     #[error("it has not answered within {} s", .0.as_secs_f32())]
     NoGreeting(Duration),
-    /// It did not acknowledge anything in time.
     #[error("it has acknowledged nothing for {} s", .0.as_secs_f32())]
     NoAcknowledgement(Duration),
-    /// It did not bring back what was sent to it.
     #[error("what is sent to it does not come back")]
     NoEcho,
 }

@@ -31,7 +31,7 @@ use std::sync::Arc;
 use tokio::sync::{mpsc, watch};
 
 use super::change_feed::{ChangeFeed, OFFLINE};
-use super::commands::{Answer, CommandSender};
+use super::commands::{Answer, Publisher};
 use super::publication::Publication;
 use super::topics::{PULSE, Topics};
 use crate::runtime::archive_reader::Reader;
@@ -43,27 +43,17 @@ use hallsweep_core::world::snapshot::Snapshot;
 use health::HealthTracker;
 use lost::Lost;
 
-/// What a session is made of.
 pub struct Parts {
-    /// Where the broker is.
     pub link: Link,
-    /// Whose it is.
     pub hearing: Hearing,
-    /// The topics of this robot.
     pub topics: Topics,
-    /// Whether Home Assistant is told of it.
     pub home_assistant: bool,
-    /// The state.
     pub states: watch::Receiver<Arc<Snapshot>>,
-    /// The answers to commands.
     pub answers: mpsc::Receiver<Answer>,
-    /// Where photos are read.
     pub archive: Reader,
-    /// Who is told how the broker is.
     pub health: watch::Sender<Health>,
     /// Where the spread of pauses and the words of the pulse come from.
     pub seed: u64,
-    /// How long is waited for what.
     pub times: Times,
 }
 
@@ -72,7 +62,7 @@ pub struct Session {
     link: Link,
     hearing: Hearing,
     /// Whoever speaks at somebody else's broker.
-    sender: CommandSender,
+    publisher: Publisher,
     topics: Topics,
     home_assistant: bool,
     changes: ChangeFeed,
@@ -97,7 +87,7 @@ impl Session {
     pub fn new(parts: Parts) -> Session {
         Session {
             changes: ChangeFeed::new(parts.topics.clone(), parts.home_assistant),
-            sender: CommandSender::Unknown { broker: parts.link.host.as_str().into() },
+            publisher: Publisher::Unknown { broker: parts.link.host.as_str().into() },
             link: parts.link,
             hearing: parts.hearing,
             topics: parts.topics,
@@ -126,8 +116,8 @@ impl Session {
                 () = &mut shutdown => return task.take_leave().await,
                 lost = task.go_on() => lost,
             };
-            let was_open = task.is_open();
-            let unacknowledged = task.into_unacknowledged();
+            let was_open = task.conversation.is_open();
+            let unacknowledged = task.conversation.inflight.into_unacknowledged();
             self.handle_lost(&lost, was_open, unacknowledged);
             let lasted = self.clock.now().since_start.saturating_sub(began);
             let pause = self.backoff.handle_ended(lasted, was_open);
@@ -147,7 +137,6 @@ impl Session {
         self.hearing.filters(&self.topics, self.home_assistant)
     }
 
-    /// What is to be said next, if anything is due.
     fn poll_publication(&mut self) -> Option<Publication> {
         self.again.pop_front().or_else(|| self.changes.poll_publication(self.clock.now().since_start))
     }
@@ -164,7 +153,6 @@ impl Session {
         self.changes.renew(std::mem::take(&mut self.unacknowledged));
     }
 
-    /// The newest state.
     fn learn(&mut self) {
         let state = Arc::clone(&self.states.borrow_and_update());
         self.changes.handle_state(state);

@@ -33,7 +33,6 @@ impl Reading {
     }
 }
 
-/// Gives a photo that was read to those who show it.
 pub(super) fn show(news: &mut ChangeFeed, (picture, photo): Looked) {
     let Some(photo) = photo else { return };
     let (luggage, size) = (picture.luggage.0, photo.bytes.len());

@@ -7,12 +7,10 @@ use super::super::publication::Publication;
 use super::super::topics::PULSE;
 use super::times::Times;
 
-/// The beats of one connection.
 #[derive(Debug)]
 pub(super) struct Pulse {
     beat: Duration,
     echo: Duration,
-    /// When the next goes out.
     next: Duration,
     /// What has not come back yet, and until when it must.
     awaited: Option<(u64, Duration)>,
@@ -56,7 +54,6 @@ impl Pulse {
         is_missed
     }
 
-    /// When there is something to be done.
     pub(super) fn poll_timeout(&self) -> Duration {
         self.awaited.map_or(self.next, |(_, until)| until)
     }

@@ -28,7 +28,6 @@ use hallsweep_core::units::{LuggageId, MissionId, Seq};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::snapshot::Snapshot;
 
-/// Whose broker it is.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Whose {
     Own,
@@ -46,13 +45,11 @@ pub(super) struct TestApp {
 /// The port of a broker.
 pub(super) struct TestBroker(TcpListener);
 
-/// One connection to it.
 pub(in super::super) struct Peer {
     stream: TcpStream,
     buffer: BytesMut,
 }
 
-/// The topics of all these tests.
 pub(in super::super) fn topics() -> Topics {
     Topics::new("hallsweep", "discovery", "unibo/qak")
 }
@@ -96,18 +93,15 @@ impl TestApp {
         TestApp { script, health, shutdown: Some(shutdown), session }
     }
 
-    /// Tells it to end.
     pub(super) fn shut_down(&mut self) {
         let shutdown = self.shutdown.take().expect("it is told once");
         shutdown.send(()).expect("it runs");
     }
 
-    /// Waits until it has ended.
     pub(super) async fn ended(self) {
         within("its end", self.session).await.expect("it did not panic");
     }
 
-    /// Waits until the broker is found to be so.
     pub(super) async fn finds(&mut self, wanted: Health) {
         within(&format!("{wanted:?}"), self.health.wait_for(|health| *health == wanted)).await.expect("it runs");
     }
@@ -122,7 +116,6 @@ impl TestBroker {
         self.0.local_addr().expect("it is bound")
     }
 
-    /// The next connection.
     pub(super) async fn peer(&self) -> Peer {
         let (stream, _) = within("somebody", self.0.accept()).await.expect("somebody connects");
         Peer { stream, buffer: BytesMut::new() }
@@ -187,7 +180,6 @@ impl Peer {
         let _ = self.stream.write_all(&bytes).await;
     }
 
-    /// Answers CONNECT with this.
     pub(super) async fn answers(&mut self, code: ConnectReturnCode) -> Connect {
         let Some(Packet::Connect(connect)) = self.hears().await else { panic!("a client says who it is") };
         self.says(Packet::ConnAck(ConnAck::new(code, false))).await;

@@ -9,8 +9,7 @@ pub struct Times {
     pub greeting: Duration,
     /// The broker owes acknowledgements, and has given none for so long.
     pub acknowledgement: Duration,
-    /// After so long a silence of ours the broker is asked whether it is there; whole seconds. Its answer is due when it would
-    /// be asked again.
+    /// After so long a silence of ours the broker is asked whether it is there, and has as long to answer; whole seconds.
     pub keep_alive: Duration,
     /// The first pause before connecting again,
     pub shortest_pause: Duration,
@@ -20,7 +19,6 @@ pub struct Times {
     pub beat: Duration,
     /// and how soon that must have come back.
     pub echo: Duration,
-    /// How long taking leave may take.
     pub farewell: Duration,
 }
 

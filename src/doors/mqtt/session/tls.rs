@@ -8,36 +8,24 @@ use rustls::pki_types::CertificateDer;
 use rustls::pki_types::pem::{self, PemObject};
 use rustls::{ClientConfig, RootCertStore};
 
-/// Why no broker could be believed.
 #[derive(Debug, thiserror::Error)]
 pub enum TlsError {
-    /// The file cannot be read, or does not hold what it should.
     #[error(
         "setting mqtt.certificates = {:?}: {problem}; name a PEM file with BEGIN CERTIFICATE in it, which the user who runs \
          hallsweep can read, or leave it empty for the certificates of this system", .path.display().to_string()
     )]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        problem: String,
-    },
-    /// The system has none.
+    File { path: PathBuf, problem: String },
     #[error(
         "this system holds no certificate by which a broker could be believed{0}; install them (ca-certificates), or name a PEM \
          file in mqtt.certificates"
     )]
     System(String),
-    /// rustls cannot do what is needed.
     #[error("connections to a broker cannot be encrypted: {0}")]
     Rustls(#[from] rustls::Error),
 }
 
 /// How a broker is reached by TLS 1.2 or 1.3, when its certificate leads to one of those in `file`, else to one of the system's.
 /// Reads files.
-///
-/// # Errors
-/// A file that cannot be read or holds no certificate; a system without any.
 pub fn believing(file: Option<&Path>) -> Result<Arc<ClientConfig>, TlsError> {
     let roots = file.map_or_else(of_the_system, of_file)?;
     let provider = Arc::new(ring::default_provider());

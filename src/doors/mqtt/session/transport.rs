@@ -17,7 +17,6 @@ const BESIDE: usize = 8;
 /// A publication's headers are never longer than this, its topic aside.
 const HEADERS: usize = 16;
 
-/// One connection to a broker.
 pub(super) struct Transport {
     client: AsyncClient,
     /// rumqttc's own loop must not be dropped halfway, or it forgets what it was about to write; so it lives here between looks.
@@ -48,7 +47,6 @@ impl Transport {
         }
     }
 
-    /// Asks for everything under these filters.
     pub(super) fn subscribe(&self, filters: Vec<String>) -> bool {
         let filters = filters.into_iter().map(|path| SubscribeFilter { path, qos: QoS::AtLeastOnce });
         self.client.try_subscribe_many(filters).is_ok()

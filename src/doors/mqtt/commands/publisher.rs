@@ -1,4 +1,4 @@
-//! Who sends a message, as far as that is known, and what he may. How somebody at our own broker has shown who he is, is the
+//! Who publishes a message, as far as that is known, and what he may. How somebody at our own broker has shown who he is, is the
 //! gate's business.
 
 use std::sync::Arc;
@@ -10,12 +10,10 @@ use hallsweep_core::command::{Issuer, Refused};
 /// The name in records of whoever commands through somebody else's broker.
 const NOBODY_KNOWN: &str = "mqtt";
 
-/// Whoever sends a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum CommandSender {
+pub enum Publisher {
     /// Somebody at our own broker.
     Known {
-        /// Who was let in.
         caller: Caller,
         /// The address, as `192.0.2.7`.
         from: Arc<str>,
@@ -27,19 +25,14 @@ pub enum CommandSender {
     },
 }
 
-impl CommandSender {
-    /// Nothing when he may do what asks for `need`.
-    ///
-    /// # Errors
-    /// Else what to tell him.
+impl Publisher {
     pub fn may(&self, need: Need) -> Result<(), Refused> {
         match self {
-            CommandSender::Known { caller, .. } => caller.may(need).map_err(Refused::NotAllowed),
-            CommandSender::Unknown { .. } => Ok(()),
+            Publisher::Known { caller, .. } => caller.may(need).map_err(Refused::NotAllowed),
+            Publisher::Unknown { .. } => Ok(()),
         }
     }
 
-    /// Whether he only looks.
     pub(super) fn is_viewer(&self) -> bool {
         self.may(Need::Act).is_err()
     }
@@ -47,17 +40,16 @@ impl CommandSender {
     /// The name of the key that he has shown; `None` where nobody is told from another by one.
     pub(super) fn key(&self) -> Option<Arc<str>> {
         match self {
-            CommandSender::Known { caller: Caller::Known(signed_in), .. } => Some(Arc::clone(&signed_in.name)),
-            CommandSender::Known { caller: Caller::Here, .. } | CommandSender::Unknown { .. } => None,
+            Publisher::Known { caller: Caller::Known(signed_in), .. } => Some(Arc::clone(&signed_in.name)),
+            Publisher::Known { caller: Caller::Here, .. } | Publisher::Unknown { .. } => None,
         }
     }
 
-    /// As records name him.
     #[must_use]
     pub fn issuer(&self) -> Issuer {
         let (who, from) = match self {
-            CommandSender::Known { caller, from } => (caller.name(), Arc::clone(from)),
-            CommandSender::Unknown { broker } => (Arc::from(NOBODY_KNOWN), Arc::clone(broker)),
+            Publisher::Known { caller, from } => (caller.name(), Arc::clone(from)),
+            Publisher::Unknown { broker } => (Arc::from(NOBODY_KNOWN), Arc::clone(broker)),
         };
         Issuer { door: door::MQTT, who, from }
     }
