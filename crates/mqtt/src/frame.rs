@@ -149,7 +149,7 @@ pub fn frame(stream: &[u8], limit: usize) -> Result<Option<Frame>, Malformed> {
 }
 
 /// The remaining length at the head of this, and in how many bytes it is written.
-fn length(bytes: &[u8]) -> Result<Option<(usize, usize)>, Malformed> {
+pub(crate) fn length(bytes: &[u8]) -> Result<Option<(usize, usize)>, Malformed> {
     let mut length = 0;
     for (place, &byte) in bytes.iter().take(4).enumerate() {
         length |= usize::from(byte & 0x7F) << (7 * place);
