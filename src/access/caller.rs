@@ -46,7 +46,6 @@ impl Access {
 }
 
 impl Caller {
-    /// The name for records.
     #[must_use]
     pub fn name(&self) -> Arc<str> {
         match self {
@@ -55,7 +54,6 @@ impl Caller {
         }
     }
 
-    /// What may be done.
     #[must_use]
     pub const fn role(&self) -> Role {
         match self {
@@ -64,10 +62,7 @@ impl Caller {
         }
     }
 
-    /// Nothing when it may do what asks for `need`.
-    ///
-    /// # Errors
-    /// Else the sentence to tell it.
+    /// The sentence to tell it when it may not do what asks for `need`.
     pub fn may(&self, need: Need) -> Result<(), String> {
         if self.role().may(need) {
             return Ok(());

@@ -20,7 +20,6 @@ pub struct Keyring(Arc<Mutex<Arc<Keys>>>);
 /// A keyring, and whether its first key has just been made.
 #[derive(Debug)]
 pub struct Opened {
-    /// The keys.
     pub keyring: Keyring,
     /// Whether there were none before.
     pub is_new: bool,
@@ -30,9 +29,6 @@ pub struct Opened {
 
 impl Keyring {
     /// The keys in this data folder; without any, an operator's key is made. Changes of the file are followed from now on.
-    ///
-    /// # Errors
-    /// A first key that cannot be made or kept.
     pub fn open(folder: &Path) -> Result<Opened, AccessError> {
         let file = KeyFile::within(folder);
         // Looked at before it is read: whatever changes in between is read once more.
@@ -58,9 +54,6 @@ impl Keyring {
     }
 
     /// One operator's key that is kept nowhere.
-    ///
-    /// # Errors
-    /// `AccessError::Chance` when the system gives no random numbers.
     pub fn in_memory() -> Result<Keyring, AccessError> {
         Ok(Keyring::of(Keys::first()?))
     }
@@ -77,7 +70,6 @@ impl Keyring {
         self.keys().iter().next().is_none()
     }
 
-    /// The keys as they are now.
     #[must_use]
     pub fn keys(&self) -> Arc<Keys> {
         Arc::clone(&self.0.lock().unwrap_or_else(PoisonError::into_inner))

@@ -21,7 +21,6 @@ pub enum Entry {
 
 /// Who is let in where.
 pub(super) struct Opened {
-    /// At the console and the API.
     pub(super) http: Access,
     /// At our own MQTT broker, by TCP.
     pub(super) mqtt: Access,
@@ -52,7 +51,6 @@ pub(super) fn unusable(settings: &Settings) -> Option<String> {
     Some(format!("nobody can sign in: {error}; then start hallsweep again"))
 }
 
-/// The keys there are.
 fn keys(settings: &Settings) -> Result<(Access, Entry), AccessError> {
     let (keyring, entry) = match &settings.store {
         None => {

@@ -11,11 +11,9 @@ use hallsweep_core::units::Celsius;
 pub struct Key {
     /// Its section and name, as `http.bind`.
     pub name: &'static str,
-    /// What can be written there.
     pub kind: Kind,
     /// The flag of the command line that sets it, as `--http`.
     pub flag: Option<&'static str>,
-    /// What to write.
     pub advice: &'static str,
 }
 
@@ -30,19 +28,9 @@ pub enum Kind {
     /// Several texts in a list, or a single one.
     Texts,
     /// A number within these bounds, both of which are good.
-    Number {
-        /// The least.
-        least: f64,
-        /// The greatest.
-        most: f64,
-    },
+    Number { least: f64, most: f64 },
     /// The same, or a word.
-    NumberOrWord {
-        /// The least.
-        least: f64,
-        /// The greatest.
-        most: f64,
-    },
+    NumberOrWord { least: f64, most: f64 },
     /// A whole number of 64 bits.
     Whole,
 }
@@ -65,10 +53,8 @@ const SONAR_NOISE_CM: Kind = Kind::Number { least: 0.0, most: 100.0 };
 /// A sensor that reports more seldom than once an hour does not say how hot it is now.
 const SENSOR_SILENCE_S: Kind = Kind::Number { least: 1.0, most: 3600.0 };
 
-/// What to write for the address of the CoAP door.
 const COAP_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:5683 or [::1]:5683, or none for no such door";
 
-/// What to write for the address of the MQTT door.
 const MQTT_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:1883 or [::1]:1883, or none for no such door";
 
 /// The section that has one of its own for each robot, as `[robots.porter]`.
@@ -182,7 +168,6 @@ impl Key {
         KEYS.iter().find(|key| key.name == meant.as_deref().unwrap_or(name))
     }
 
-    /// The setting that a flag of the command line means.
     #[must_use]
     pub fn of_flag(flag: &str) -> Option<&'static Key> {
         KEYS.iter().find(|key| key.flag == Some(flag))

@@ -32,11 +32,9 @@ const BY_DEFAULT: &str = "config/default.toml";
 /// Where settings are read from.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
-    /// A settings file.
     pub file: Option<PathBuf>,
     /// Names and values of environment variables.
     pub environment: Vec<(String, String)>,
-    /// Flags of the command line.
     pub flags: Vec<Flag>,
 }
 
@@ -45,9 +43,7 @@ pub struct Sources {
 pub struct Flag {
     /// The flag, as `--http`.
     pub flag: &'static str,
-    /// The setting it means.
     pub key: &'static str,
-    /// What was given.
     pub value: String,
 }
 
@@ -70,7 +66,6 @@ pub(super) struct Layers {
     by_name: Vec<(String, String)>,
 }
 
-/// Some settings from one place.
 struct Layer {
     place: Place,
     origin: String,
@@ -87,10 +82,6 @@ enum Place {
 }
 
 impl Layers {
-    /// Reads all layers.
-    ///
-    /// # Errors
-    /// A file that cannot be read, or a name that is no setting.
     pub(super) fn gather(sources: &Sources) -> Result<Layers, SettingsError> {
         let mut layers = vec![Layer::defaults()];
         layers.extend(sources.file.as_deref().map(Layer::file).transpose()?);
@@ -114,12 +105,10 @@ impl Layers {
         Ok(Layers { merged, further, by_name })
     }
 
-    /// The robots beside the one that searches.
     pub(super) fn further_robots(&self) -> impl ExactSizeIterator<Item = &str> {
         self.further.keys().map(String::as_str)
     }
 
-    /// The values, merged.
     pub(super) fn figment(&self) -> &Figment {
         &self.merged
     }
@@ -155,7 +144,6 @@ impl Layers {
         self.origin(key) != BY_DEFAULT
     }
 
-    /// Where the value of a setting comes from.
     pub(super) fn origin(&self, key: &str) -> String {
         let of_its_robot = || self.further.get(key.strip_prefix(ROBOTS)?.strip_prefix('.')?.split('.').next()?).cloned();
         let found = self.merged.find_metadata(key).map(|metadata| metadata.name.to_string());
@@ -269,7 +257,6 @@ impl Layer {
         by_name
     }
 
-    /// Refuses names that are no settings.
     fn check_names(&self) -> Result<(), SettingsError> {
         let unknown =
             |key: String| SettingsError::Unknown { advice: Key::advice_for_unknown(&key), key, origin: self.origin.clone() };
