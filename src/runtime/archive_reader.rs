@@ -30,9 +30,6 @@ impl Reader {
     }
 
     /// Looks something up. Must be called inside a runtime.
-    ///
-    /// # Errors
-    /// When the record cannot be read, or not soon enough.
     pub async fn look_up<T: Send + 'static>(
         &self,
         read: impl FnOnce(&dyn Archive) -> Result<T, Unreadable> + Send + 'static,

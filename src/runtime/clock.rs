@@ -28,7 +28,6 @@ impl Clock {
         Clock { off_ms, ..Clock::default() }
     }
 
-    /// The time now, as the core wants it.
     #[must_use]
     pub fn now(&self) -> Now {
         let zoned = jiff::Zoned::now();

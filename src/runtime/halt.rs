@@ -84,7 +84,6 @@ impl HaltWatch {
         HaltWatch { own: Some(own), ..self }
     }
 
-    /// The halts so far.
     #[must_use]
     pub fn now(&self) -> Halts {
         let Halts { count, epoch } = *self.all.borrow();

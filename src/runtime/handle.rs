@@ -80,11 +80,8 @@ impl Handle {
 
     /// Gives a command: it is stamped and queued at the call, so that commands keep the order in which they were given, and a
     /// stop halts the robots whatever becomes of the future. The future is its answer; for a stop it ends when the robot stands and
-    /// the stop is written down where it outlives the program, or a tenth of a second later (safety S4, S8). Only when the queue is full a command other
-    /// than a stop is queued by its future. Must be called inside a runtime.
-    ///
-    /// # Errors
-    /// `Gone` when the program is shutting down; the inner result is the core's answer.
+    /// the stop is written down where it outlives the program, or a tenth of a second later (safety S4, S8). Only when the queue is
+    /// full a command other than a stop is queued by its future. Must be called inside a runtime.
     #[must_use = "the command is given; whether it was accepted is said by the future"]
     pub fn give(&self, request: Request) -> impl Future<Output = Given> + Send + use<> {
         let request = self.stamp(request);
@@ -109,9 +106,6 @@ impl Handle {
 
     /// Puts on record that a door refused to take a command from somebody (safety A6), and waits until it is there. There is no
     /// wait while nothing can be recorded, nor for what shares an entry with others.
-    ///
-    /// # Errors
-    /// `Gone` when the program is shutting down.
     pub async fn note_refused(&self, issuer: Issuer, asked: String, refused: Refused) -> Result<(), Gone> {
         let (answer, answered) = oneshot::channel();
         let note = Envelope::Refused(issuer, asked, refused, Some(answer));
@@ -134,7 +128,6 @@ impl Handle {
         self.halter.watch().now().epoch
     }
 
-    /// The newest state.
     #[must_use]
     pub fn snapshot(&self) -> Arc<Snapshot> {
         Arc::clone(&self.snapshots.borrow())

@@ -44,12 +44,9 @@ type Senders<T> = BTreeMap<SenderKey, Counted<T>>;
 /// Name, address and door.
 type SenderKey = (Arc<str>, Arc<str>, Door);
 
-/// What one sender has sent.
 #[derive(Debug)]
 pub(super) struct Counted<T> {
-    /// The last of it.
     pub(super) last: T,
-    /// How much there was.
     pub(super) count: u64,
     /// Where it is answered, as far as somebody waits for it.
     pub(super) answers: Vec<oneshot::Sender<Answer>>,
@@ -57,7 +54,6 @@ pub(super) struct Counted<T> {
     look_at: usize,
 }
 
-/// Both ends.
 pub(super) fn overflow() -> (OverflowIn, OverflowOut) {
     let inner = Arc::new(Inner { overflow: Mutex::new(Some(Overflow::default())), news: Notify::new() });
     (OverflowIn(Arc::clone(&inner)), OverflowOut(inner))
@@ -89,7 +85,6 @@ impl OverflowOut {
         self.0.lock().as_mut().map(std::mem::take).unwrap_or_default()
     }
 
-    /// Waits until there is something to take.
     pub(super) async fn news(&self) {
         self.0.news.notified().await;
     }

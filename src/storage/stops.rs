@@ -38,7 +38,6 @@ const GREATEST: u64 = i64::MAX as u64;
 /// So long after the file could not be written it is tried again, when nobody stops before.
 const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
-/// The file, and what stands in it.
 #[derive(Debug)]
 pub struct Stops {
     file: SmallFile,

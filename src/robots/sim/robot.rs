@@ -12,7 +12,6 @@ use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
 use hallsweep_sim::{Camera, Hall, Sim, SimMemory, SimSettings, Speed};
 
-/// A simulated robot that is not started yet.
 pub(in crate::robots) struct SimRobot {
     id: RobotId,
     hall: Arc<Hall>,
@@ -55,7 +54,6 @@ impl SimRobot {
         if let Remembered::Lost(lost) = &self.remembered { Some(lost) } else { None }
     }
 
-    /// The other hall in which it was left.
     pub(in crate::robots) fn other_hall(&self) -> Option<&str> {
         if let Remembered::Elsewhere(_, hall) = &self.remembered { Some(hall) } else { None }
     }

@@ -29,7 +29,6 @@ const MISSION: &str = "SELECT id, strategy, began_ms, began_offset_s, archived_m
     (SELECT count(*) FROM luggage WHERE mission = missions.id),
     (SELECT count(*) FROM luggage WHERE mission = missions.id AND verdict = 'danger') FROM missions";
 
-/// The reading side of the store.
 #[derive(Debug)]
 pub(super) enum SqliteArchive {
     Folder {

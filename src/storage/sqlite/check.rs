@@ -24,9 +24,7 @@ pub struct Findings {
     pub count: u64,
     /// What is right, and still worth knowing.
     pub notes: Vec<String>,
-    /// How many entries there are.
     pub entries: u64,
-    /// How many photos.
     pub photos: u64,
 }
 

@@ -115,10 +115,7 @@ impl Folder {
     /// SQLite passes over a log that does not begin like one, and would write over the entries in it.
     fn check_log(&self) -> Result<(), Fault> {
         const BEGINS: [[u8; 4]; 2] = [0x377f_0682_u32.to_be_bytes(), 0x377f_0683_u32.to_be_bytes()];
-        let bytes = match files::read(&self.write_ahead_log(), BEGINS[0].len()) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
-            read => read?,
-        };
+        let bytes = files::read_if_there(&self.write_ahead_log(), BEGINS[0].len())?.unwrap_or_default();
         let begins = bytes.is_empty() || BEGINS.iter().any(|begins| bytes.starts_with(begins));
         if begins { Ok(()) } else { Err(Fault::Unusable("journal.db-wal", "it does not begin as it should".to_owned())) }
     }
