@@ -120,22 +120,7 @@ mod tests {
     use std::os::unix::fs::PermissionsExt;
 
     use super::*;
-
-    struct Scratch(std::path::PathBuf);
-
-    impl Scratch {
-        fn new(name: &str) -> Scratch {
-            let path = std::env::temp_dir().join(format!("hallsweep-files-{}-{name}", std::process::id()));
-            fs::create_dir(&path).expect("the folder of temporary files takes it");
-            Scratch(path)
-        }
-    }
-
-    impl Drop for Scratch {
-        fn drop(&mut self) {
-            let _ = fs::remove_dir_all(&self.0);
-        }
-    }
+    use crate::storage::scratch::Scratch;
 
     fn mode(path: &Path) -> u32 {
         fs::metadata(path).expect("it is there").permissions().mode() & 0o777
@@ -144,7 +129,7 @@ mod tests {
     /// Safety R5.
     #[test]
     fn what_is_no_plain_file_is_said_to_be_none_and_not_waited_for() {
-        let scratch = Scratch::new("plain");
+        let scratch = Scratch::new();
         let at = |name: &str| scratch.0.join(name);
         assert!(std::process::Command::new("mkfifo").arg(at("pipe")).status().unwrap().success());
         std::os::unix::fs::symlink("/nowhere/at/all", at("link")).unwrap();
@@ -162,7 +147,7 @@ mod tests {
 
     #[test]
     fn what_is_made_is_private_or_the_groups_where_the_folder_is() {
-        let scratch = Scratch::new("modes");
+        let scratch = Scratch::new();
         for (folder, file, inner) in [(0o755, 0o600, 0o700), (0o700, 0o600, 0o700), (0o770, 0o660, 0o770), (0o2775, 0o660, 0o770)]
         {
             let above = scratch.0.join(format!("{folder:o}"));

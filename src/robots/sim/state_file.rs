@@ -27,12 +27,10 @@ fn file_of(robot: &RobotId) -> String {
     if *robot == RobotId::discovery() { FILE.to_owned() } else { format!("simulated-robot-{robot}.txt") }
 }
 
-/// The memory of a simulated robot in a folder.
 #[derive(Debug)]
 pub(super) struct SimStateFile {
     file: SmallFile,
     whose: Whose,
-    /// Counts the writings.
     turn: u64,
     /// Whether the file must be made anew.
     anew: bool,
@@ -106,5 +104,3 @@ impl SimStateFile {
 
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-pub(super) use tests::Folder;
