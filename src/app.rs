@@ -145,7 +145,6 @@ async fn serve_hall(
     if by_itself || end.is_err() { Err(AppError::LoopEnded) } else { Ok(()) }
 }
 
-/// Ports that are waited for on this thread.
 fn listeners(bound: Vec<TcpListener>, thread: &Thread) -> Result<Listeners, AppError> {
     let _on_it = thread.handle().enter();
     Listeners::new(bound).map_err(AppError::System)

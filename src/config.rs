@@ -62,21 +62,18 @@ pub struct HttpSettings {
     pub asks_for_keys: bool,
     /// Names under which they are reached, beside the machine's own for itself.
     pub hosts: Vec<String>,
-    /// Certificate and key, where connections are encrypted.
     pub tls: Option<TlsFiles>,
 }
 
-/// What clients of the original system may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OldClients {
     /// Whether they may drive the robot by hand; halt it they may always.
     pub manual_driving: bool,
 }
 
-/// The files that TLS needs, both in PEM.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TlsFiles {
-    /// The certificate, and those that lead to a known one.
+    /// In PEM: the certificate, and those that lead to a known one.
     pub certificate: PathBuf,
     pub key: PathBuf,
 }
@@ -86,7 +83,6 @@ pub struct TlsFiles {
 pub struct RobotSettings {
     pub kind: RobotKind,
     pub speed: Speed,
-    /// Where all its chance comes from.
     pub seed: u64,
     /// How often the camera cannot tell what an obstacle is, `0.0..=1.0`.
     pub unknown_rate: f64,
@@ -96,12 +92,10 @@ pub struct RobotSettings {
     pub sonar_noise_cm: f64,
 }
 
-/// How fast simulated time passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Speed {
     /// So many times as fast as the wall clock, within `SLOWEST..=FASTEST`.
     Times(f64),
-    /// Without any waiting.
     Max,
 }
 
@@ -112,7 +106,6 @@ impl Speed {
     pub const FASTEST: f64 = 1000.0;
 }
 
-/// Reads and checks all settings.
 pub fn load(sources: &Sources) -> Result<Settings, SettingsError> {
     let layers = layers::Layers::gather(sources)?;
     check::checked(&layers)

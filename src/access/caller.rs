@@ -9,21 +9,17 @@ use super::keys::{OPERATOR, SignedIn};
 use super::network::is_this_machine;
 use super::role::{Need, Role};
 
-/// Who is let in.
 #[derive(Clone, Debug)]
 pub enum Access {
     /// Everybody on this machine, as the operator; nobody else.
     Open,
-    /// Whoever has a key.
     Keys(Keyring),
 }
 
-/// Somebody who was let in.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Caller {
     /// Somebody on this machine, at an open door.
     Here,
-    /// Somebody with a key.
     Known(SignedIn),
 }
 

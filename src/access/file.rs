@@ -18,7 +18,6 @@ pub const FILE: &str = "access.toml";
 /// A larger file is none of ours: all keys there may be are a tenth of this.
 const LARGEST: u64 = 128 * 1024;
 
-/// What the file begins with.
 const HEADER: &str = "# hallsweep's keys. Whoever has an operator's token can command the robot: keep this file private.\n\
                       # `hallsweep token` shows, adds, replaces and removes keys, also while hallsweep runs.\n\n";
 
@@ -76,7 +75,6 @@ impl KeyFile {
         self.0.replace(written(keys).as_bytes()).map_err(|error| AccessError::Unwritable { path: self.path().to_owned(), error })
     }
 
-    /// What the file looks like from outside.
     pub(super) fn stamp(&self) -> io::Result<Stamp> {
         fs::metadata(self.path()).map(|metadata| stamp(&metadata))
     }

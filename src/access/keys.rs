@@ -26,7 +26,6 @@ pub struct Key {
     print: [u8; 32],
 }
 
-/// Somebody who is known.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SignedIn {
     pub name: Arc<str>,

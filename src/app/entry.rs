@@ -4,7 +4,6 @@ use crate::access::{Access, AccessError, KeyFile, Keyring, Token};
 use crate::config::{Broker, HttpSettings, Settings};
 use crate::doors::http::{Front, Tls, TlsError};
 
-/// How one gets in.
 #[derive(Debug)]
 pub enum Entry {
     /// Everybody on this machine is let in.
@@ -19,12 +18,10 @@ pub enum Entry {
     BriefKey(Token),
 }
 
-/// Who is let in where.
 pub(super) struct Opened {
     pub(super) http: Access,
     /// At our own MQTT broker, by TCP.
     pub(super) mqtt: Access,
-    /// How one gets in where a key is asked for.
     pub(super) entry: Entry,
 }
 
@@ -71,7 +68,6 @@ fn keys(settings: &Settings) -> Result<(Access, Entry), AccessError> {
     Ok((Access::Keys(keyring), entry))
 }
 
-/// What stands before the door, by these settings.
 pub(super) fn front(http: &HttpSettings) -> Result<Front, TlsError> {
     let tls = http.tls.as_ref().map(|files| Tls::load(&files.certificate, &files.key)).transpose()?;
     Ok(Front { hosts: http.hosts.clone(), tls, ..Front::default() })

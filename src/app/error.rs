@@ -32,7 +32,6 @@ pub enum AppError {
          and press RESET there, or give {given} a folder of its own with --data DIR", folder.display()
     )]
     OtherHall { folder: PathBuf, remembered: String, given: String },
-    /// The system gives no threads, timers or signals.
     #[error("the system does not let the program start: {0}")]
     System(std::io::Error),
     /// The loop that joins everything is gone: a mistake in the program.

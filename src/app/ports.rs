@@ -69,7 +69,6 @@ pub struct Doors {
     pub mqtt: Option<Place>,
 }
 
-/// Where a door is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     /// Its first address.

@@ -5,7 +5,6 @@ use std::net::SocketAddr;
 use crate::access::Token;
 use crate::config::{HttpSettings, from_here};
 
-/// `http` or `https`.
 pub(super) const fn scheme(http: &HttpSettings) -> &'static str {
     if http.tls.is_some() { "https" } else { "http" }
 }

@@ -4,7 +4,6 @@ use super::{Failure, Serve, link};
 use crate::app::{self, Doors, Entry, Place};
 use crate::config::{Broker, HttpSettings, Settings, from_here};
 
-/// Serves until a signal ends it.
 pub fn run(flags: &Serve) -> Result<(), Failure> {
     let settings = super::settings(&flags.sources())?;
     app::serve(&settings, |doors, entry| {

@@ -4,10 +4,8 @@
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 
-/// How both loopback addresses of this machine are called in a setting.
 const LOCALHOST: &str = "localhost";
 
-/// Where a door listens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bind {
     pub at: At,

@@ -71,7 +71,6 @@ fn check_types(layers: &Layers) -> Result<(), SettingsError> {
     })
 }
 
-/// The value of a setting as it is written.
 pub(super) fn read<T: DeserializeOwned>(layers: &Layers, key: &str) -> Result<T, SettingsError> {
     layers.figment().extract_inner(key).map_err(|_| wrong_type(layers, key))
 }

@@ -6,7 +6,6 @@ use super::Speed;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::units::Celsius;
 
-/// One setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
     /// Its section and name, as `http.bind`.
@@ -17,20 +16,24 @@ pub struct Key {
     pub advice: &'static str,
 }
 
-/// What can be written for a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// A text; what it must look like is said where it is checked. From the environment or a flag it is taken letter by letter; of
     /// all others `true` and `1` mean there what they mean in a file.
     Text,
-    /// `true` or `false`.
     YesNo,
     /// Several texts in a list, or a single one.
     Texts,
     /// A number within these bounds, both of which are good.
-    Number { least: f64, most: f64 },
+    Number {
+        least: f64,
+        most: f64,
+    },
     /// The same, or a word.
-    NumberOrWord { least: f64, most: f64 },
+    NumberOrWord {
+        least: f64,
+        most: f64,
+    },
     /// A whole number of 64 bits.
     Whole,
 }
@@ -173,7 +176,6 @@ impl Key {
         KEYS.iter().find(|key| key.flag == Some(flag))
     }
 
-    /// Whether it is a number that is beyond the bounds of the setting.
     #[must_use]
     pub fn is_beyond(&self, number: f64) -> bool {
         match self.kind {

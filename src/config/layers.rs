@@ -26,10 +26,8 @@ use hallsweep_core::event::RobotId;
 /// The bottom layer, which names every setting.
 pub const DEFAULTS: &str = include_str!("../../config/default.toml");
 
-/// Where the values come from that nobody has set.
 const BY_DEFAULT: &str = "config/default.toml";
 
-/// Where settings are read from.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     pub file: Option<PathBuf>,
@@ -38,7 +36,6 @@ pub struct Sources {
     pub flags: Vec<Flag>,
 }
 
-/// A setting given on the command line.
 #[derive(Clone, Debug)]
 pub struct Flag {
     /// The flag, as `--http`.
@@ -113,7 +110,6 @@ impl Layers {
         &self.merged
     }
 
-    /// Says what is wrong with the value of a setting.
     pub(super) fn wrong(&self, key: &str, problem: impl Into<String>) -> SettingsError {
         let advice = Key::named(key).map_or("see config/default.toml", |key| key.advice);
         self.wrong_with_advice(key, problem, advice)
@@ -231,7 +227,6 @@ impl Layer {
         Ok(Layer { place, origin, values })
     }
 
-    /// What it says of robots by their names.
     fn robots(&self) -> impl Iterator<Item = (&String, &Value)> {
         self.values.get(ROBOTS).and_then(Value::as_dict).into_iter().flatten()
     }
@@ -241,7 +236,6 @@ impl Layer {
         self.robots().find(|(name, _)| *name == RobotId::discovery().name()).and_then(|(_, said)| said.as_dict())
     }
 
-    /// Whether it says something of this setting.
     fn says(&self, section: &str, own: &str) -> bool {
         self.values.get(section).and_then(Value::as_dict).is_some_and(|names| names.contains_key(own))
     }

@@ -27,7 +27,6 @@ pub struct MqttSettings {
     pub id: String,
     /// What the topics of the original system begin with, as `unibo/qak`.
     pub old_prefix: String,
-    /// Whether Home Assistant is told of the robot.
     pub home_assistant: bool,
 }
 
@@ -52,7 +51,6 @@ pub struct OtherBroker {
     pub certificates: Option<PathBuf>,
 }
 
-/// By what a broker knows us.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Login {
     pub name: String,

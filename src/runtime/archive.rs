@@ -38,7 +38,6 @@ pub struct MissionRecord {
     pub phase: Arc<str>,
     /// How many pieces were found.
     pub luggage: u64,
-    /// How many of them are dangerous.
     pub dangerous: u64,
     /// The bombs that were left in place when it was put away.
     pub left: Vec<LuggageId>,
@@ -55,7 +54,6 @@ pub trait Archive: Send + Sync {
     /// The newest missions older than `before`, newest first, at most `most`.
     fn missions(&self, before: Option<MissionId>, most: usize) -> Result<Vec<MissionRecord>, Unreadable>;
 
-    /// One mission.
     fn mission(&self, mission: MissionId) -> Result<Option<MissionRecord>, Unreadable>;
 
     /// What stood when a mission was put away, or stands now: its map and its luggage with it.

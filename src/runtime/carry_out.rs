@@ -20,7 +20,6 @@ pub struct Done {
     pub snapshot: Arc<Snapshot>,
 }
 
-/// A command that was not carried out.
 #[derive(Clone, Debug)]
 pub enum NotDone {
     /// The core refused it; the piece of luggage it was about, where it was about one that is known.

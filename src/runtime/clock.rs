@@ -22,7 +22,6 @@ impl Default for Clock {
 }
 
 impl Clock {
-    /// A clock that stands elsewhere.
     #[cfg(test)]
     pub(crate) fn off_by(off_ms: i64) -> Clock {
         Clock { off_ms, ..Clock::default() }

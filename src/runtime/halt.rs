@@ -29,7 +29,6 @@ pub struct Halter {
 }
 
 impl Halter {
-    /// A halter at the epoch the core begins with.
     #[must_use]
     pub fn new(epoch: Epoch) -> Halter {
         Halter { halts: watch::Sender::new(Halts { count: 0, epoch }), noted: watch::Sender::new(None) }

@@ -18,17 +18,14 @@ pub const COMMANDS: usize = 256;
 /// everybody's commands waiting for a place.
 const LEFT_BY_STOPS: usize = COMMANDS - 32;
 
-/// What is on its way from a door to the loop.
 #[derive(Debug)]
 pub enum Envelope {
-    /// A command, and where its answer goes.
     Command(Request, oneshot::Sender<Answer>),
     /// What a door refused to take from somebody, for the record: who, what was asked for, and why not; and who waits until it is
     /// there, if anybody does.
     Refused(Issuer, String, Refused, Option<oneshot::Sender<Answer>>),
 }
 
-/// The core's answer to a command.
 pub(super) type Answer = Result<Accepted, Refused>;
 
 /// The doors' end: commands in, snapshots out.

@@ -36,7 +36,6 @@ pub struct RobotLink {
     pub reports: mpsc::Receiver<RobotEvent>,
     /// How often the core has halted this robot; `halts` counts them with those of all robots.
     pub halt: watch::Sender<u64>,
-    /// The halts that concern this robot.
     pub halts: HaltWatch,
 }
 

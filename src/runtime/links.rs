@@ -48,7 +48,6 @@ impl Links {
         Poll::Pending
     }
 
-    /// The halts so far that concern this robot.
     pub(super) fn halts(&self, robot: &RobotId) -> Halts {
         self.to(robot).map_or_else(Halts::default, |link| link.halts.now())
     }

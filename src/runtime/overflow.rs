@@ -31,7 +31,6 @@ struct Inner {
     news: Notify,
 }
 
-/// All that has come since the last time.
 #[derive(Debug, Default)]
 pub(super) struct Overflow {
     pub(super) stops: Senders<Request>,
@@ -80,7 +79,6 @@ impl OverflowIn {
 }
 
 impl OverflowOut {
-    /// All that was put in since the last time.
     pub(super) fn take(&self) -> Overflow {
         self.0.lock().as_mut().map(std::mem::take).unwrap_or_default()
     }

@@ -20,12 +20,10 @@ use hallsweep_core::event::{Event, RobotEvent, RobotId};
 use hallsweep_core::units::{Epoch, Seq, Ticket};
 use hallsweep_core::world::snapshot::Snapshot;
 
-/// The loop, not yet running.
 pub struct Task {
     engine: Engine,
     links: Links,
     store: Box<dyn Store>,
-    /// What the store says of the entries it was given.
     word: watch::Receiver<StoreStatus>,
     clock: Clock,
     halts: HaltWatch,
@@ -46,7 +44,6 @@ pub struct Task {
     is_ending: bool,
 }
 
-/// How far the program has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Course {
     /// What asked it to end, if something has: the robot halts then, and who has asked for something is still answered.

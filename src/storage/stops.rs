@@ -20,7 +20,6 @@ use crate::storage::files;
 use crate::storage::small_file::SmallFile;
 use hallsweep_core::units::Epoch;
 
-/// The name of the file in the data folder.
 const FILE: &str = "stops";
 
 /// How a line begins: whose it is, and its version.
@@ -184,7 +183,6 @@ fn epoch_of(bytes: &[u8]) -> Option<Epoch> {
     (line(epoch).as_bytes() == bytes).then_some(epoch)
 }
 
-/// Where a line stands in the file.
 const fn place(line: usize) -> u64 {
     (line * LINE) as u64
 }

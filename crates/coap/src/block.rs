@@ -53,14 +53,12 @@ impl Block {
     }
 }
 
-/// What becomes of a block of a request's body.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Taken {
     Whole(Vec<u8>),
     More,
 }
 
-/// Which body a block belongs to.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct BodyKey {
     pub(super) peer: SocketAddr,

@@ -11,7 +11,6 @@ use super::ExchangeId;
 use super::limits::{EXCHANGE_LIFETIME, EXCHANGES};
 use super::shares::Shares;
 
-/// What one message is known by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct MessageKey {
     pub(super) peer: SocketAddr,

@@ -24,7 +24,6 @@ pub(super) struct Guard {
     networks: LinkedHashMap<Network, Bucket>,
 }
 
-/// An address beyond this machine.
 #[derive(Clone, Copy, Debug, Default)]
 struct Stranger {
     /// Bytes that came from there,

@@ -22,7 +22,6 @@ pub(super) struct Token {
     length: u8,
 }
 
-/// What a datagram turns out to be.
 #[derive(Debug)]
 pub(super) enum Received {
     /// Nothing that is answered.

@@ -1,5 +1,5 @@
-//! From which network somebody comes: the unit in which attempts and connections are counted.
-//! Who it is, is decided by keys alone, never by this.
+//! From which network somebody comes: the unit in which requests, observations and what waits are counted. Who somebody is, is
+//! not known here.
 
 use std::net::{IpAddr, Ipv6Addr};
 

@@ -32,7 +32,6 @@ pub(super) struct ObserverId(u64);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SubjectId(u64);
 
-/// What an observer is to be told now.
 #[derive(Clone, Debug)]
 pub(super) struct Notification {
     pub(super) peer: SocketAddr,

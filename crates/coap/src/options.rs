@@ -12,7 +12,6 @@ use super::message::Incoming;
 use super::request::{Conditions, Request};
 use super::response::{ETag, Response};
 
-/// Numbers of the options that are read or sent.
 pub(super) mod number {
     pub(crate) const IF_MATCH: u16 = 1;
     pub(crate) const URI_HOST: u16 = 3;
@@ -55,7 +54,6 @@ pub(super) struct ParsedRequest {
     pub(super) block1: Option<Block>,
     /// Which block of the answer is wanted.
     pub(super) block2: Option<Block>,
-    /// Whether the length of the answer's body is asked for.
     pub(super) wants_size: bool,
     /// How long the body is to be, as announced.
     pub(super) size1: Option<u32>,

@@ -61,7 +61,6 @@ const TOPICS: Most =
     Most { clients: ROUTER_TOPICS, limited: LIMITED_TOPICS, full_key: SHARE_TOPICS, limited_key: SHARE_TOPICS / LIMITED_SHARE };
 
 impl Budget {
-    /// The print by which something is known again.
     pub(crate) fn print(&self, of: impl std::hash::Hash) -> u64 {
         self.hasher.hash_one(of)
     }

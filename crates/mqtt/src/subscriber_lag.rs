@@ -148,7 +148,6 @@ impl SubscriberLag {
         (missed != NOTHING).then_some(missed)
     }
 
-    /// Whether publishers are to wait for it.
     pub(crate) fn is_behind(&self, now: Duration) -> bool {
         let is_behind = self.lag.load(Ordering::Relaxed) > LAG && ms(now) >= self.forgiven_until_ms.load(Ordering::Relaxed);
         if is_behind {
@@ -173,7 +172,6 @@ impl SubscriberLag {
         self.lag.load(Ordering::Relaxed) <= 0
     }
 
-    /// Whether it has everything, and missed nothing.
     pub(crate) fn is_even(&self) -> bool {
         self.is_settled() && self.missed.load(Ordering::Relaxed) == NOTHING
     }

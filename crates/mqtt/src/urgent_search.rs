@@ -26,7 +26,6 @@ pub struct UrgentSearch {
     beginning: Vec<u8>,
     /// and how much of it was looked at or passed over.
     seen: usize,
-    /// Whether it was found to be urgent.
     is_found: bool,
     /// It cannot be said any more where packets begin.
     is_lost: bool,
@@ -34,7 +33,6 @@ pub struct UrgentSearch {
     is_five: bool,
 }
 
-/// Kind and lengths of a packet.
 #[derive(Clone, Copy)]
 struct Head {
     first: u8,

@@ -31,11 +31,7 @@ const MISSION: &str = "SELECT id, strategy, began_ms, began_offset_s, archived_m
 
 #[derive(Debug)]
 pub(super) enum SqliteArchive {
-    Folder {
-        folder: Folder,
-        /// Connections for the next questions.
-        idle: Mutex<Vec<Reader>>,
-    },
+    Folder { folder: Folder, idle: Mutex<Vec<Reader>> },
     Memory(Arc<MemoryJournal>),
 }
 

@@ -15,7 +15,6 @@ pub(super) const ALL: &str = "journal.db, journal.db-wal, journal.db-shm and the
 /// Of what SQLite found so many characters are shown: it lists pages by the hundred.
 const SHOWN: usize = 200;
 
-/// Something went wrong. The words for it need the folder: see `words`.
 #[derive(Debug)]
 pub(super) enum Fault {
     Sql(rusqlite::Error),
@@ -44,21 +43,18 @@ pub(super) enum Fault {
     Unwritable,
     /// A photo's file is not there, or is not what it was.
     Photo(&'static str),
-    /// A number that SQLite cannot hold.
     Number(u64),
     /// It took so long that what was handed over has been given up for lost.
     GivenUp,
     Hung,
     /// More was handed over than the disk takes.
     Behind,
-    /// The thread that writes is gone.
     Gone,
 }
 
 /// What follows once the cause of a fault is gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Then {
-    /// Writing goes on by itself.
     GoesOn,
     /// What was kept is not known: the program must be started again.
     StartAgain,
@@ -156,7 +152,6 @@ impl Fault {
     }
 }
 
-/// What can ail a disk.
 enum Trouble {
     Full,
     Locked,
@@ -242,7 +237,6 @@ impl From<io::Error> for Fault {
     }
 }
 
-/// A number as SQLite holds it.
 pub(super) fn whole(number: u64) -> Result<i64, Fault> {
     i64::try_from(number).map_err(|_| Fault::Number(number))
 }

@@ -112,7 +112,6 @@ impl Store for MemoryStore {
 }
 
 impl MemoryJournal {
-    /// What is said in place of a folder's name.
     pub(super) fn place() -> &'static Path {
         Path::new("memory")
     }

@@ -24,10 +24,8 @@ const LARGEST: usize = 64 * 1024 * 1024;
 /// What a photo of a type that this version does not know is called.
 const OTHER: &str = "application/octet-stream";
 
-/// Where the bytes of photos are.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Pictures<'a> {
-    /// In files of the folder.
     Files(&'a Folder),
     /// In the table `pictures` of a journal in memory.
     Table,

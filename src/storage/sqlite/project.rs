@@ -13,7 +13,6 @@ use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
-/// Writes down what follows from one more entry.
 pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault> {
     let (seq, wall) = (line.seq, line.entry.wall);
     match &line.entry.fact {

@@ -21,17 +21,13 @@ const BY_NAME: &str = "INDEXED BY named_commands";
 /// Which entries are meant; all of them, when nothing is said.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Which {
-    /// Only those behind this one.
     pub(super) after: Option<Seq>,
-    /// Only those before this one.
     pub(super) before: Option<Seq>,
-    /// Only those of this mission.
     pub(super) mission: Option<MissionId>,
     /// Only commands that carry an id.
     pub(super) named: bool,
     /// Only those from which the projections follow.
     pub(super) milestones: bool,
-    /// At most so many.
     pub(super) most: Option<usize>,
 }
 

@@ -61,7 +61,6 @@ impl Duplicates {
         Ok(())
     }
 
-    /// The client will not send the message of this id again.
     pub(super) fn released(&mut self, id: u16) {
         self.unreleased.remove(&id);
     }

@@ -61,7 +61,6 @@ impl Outstanding {
         self.sent.len() < ROUTER_WINDOW
     }
 
-    /// What the router is to be told next.
     pub(super) fn next(&mut self) -> Option<u16> {
         let id = self.sent.front().filter(|sent| sent.is_done)?.id;
         self.sent.pop_front();

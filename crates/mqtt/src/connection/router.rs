@@ -14,7 +14,6 @@ use crate::subscriber_lag::weight;
 /// A message that goes out at QoS 1 is longer by its id than it was at QoS 0, and its length may need a byte more.
 const LONGEST: usize = PROGRAM_PACKET + 3;
 
-/// What of a packet is for the client.
 enum ForClient<'a> {
     AsItIs,
     /// A message that had to be padded, or that it may know.

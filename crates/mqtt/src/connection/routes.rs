@@ -165,7 +165,6 @@ impl Routes {
         is_piece
     }
 
-    /// How many messages were passed on since this was asked.
     pub(super) fn take_passed(&mut self) -> u64 {
         std::mem::take(&mut self.passed)
     }

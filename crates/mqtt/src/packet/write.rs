@@ -142,7 +142,6 @@ pub fn unsubscribe(out: &mut BytesMut, id: u16, filters: &[&str]) {
     }
 }
 
-/// The first byte and the length of the body.
 fn head(out: &mut BytesMut, first: u8, mut length: usize) {
     out.put_u8(first);
     while length > 0x7F {
