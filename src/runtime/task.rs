@@ -66,7 +66,6 @@ impl Task {
         let snapshots = watch::Sender::new(engine.snapshot());
         let halts = halter.watch();
         let (handle, overflow) = Handle::with_overflow(commands_out, snapshots.subscribe(), halter);
-        let answers = BTreeMap::new();
         let word = store.word();
         let task = Task {
             engine,
@@ -79,7 +78,7 @@ impl Task {
             commands,
             overflow,
             snapshots,
-            answers,
+            answers: BTreeMap::new(),
             refusals: VecDeque::new(),
             store_failed: false,
             losses: 0,
