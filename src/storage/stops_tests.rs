@@ -111,7 +111,7 @@ async fn what_could_not_be_written_is_written_as_soon_as_it_can_be() {
 }
 
 /// Safety S4: whoever was answered finds it written.
-#[tokio::test]
+#[tokio::test(start_paused = true)]
 async fn a_stop_that_was_noted_stands_in_the_file() {
     let scratch = Scratch::new();
     let halter = Halter::new(Epoch(0));
