@@ -60,17 +60,11 @@ const FIRST_LINK: Duration = Duration::from_secs(2);
 
 /// Serves until SIGINT or SIGTERM. `announce` is told where, with the real ports, and how one gets in, as soon as requests are
 /// answered.
-///
-/// # Errors
-/// A hall or keys that cannot be read, a port that cannot be had, a system that refuses, or a loop that ended by itself.
 pub fn serve(settings: &Settings, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
     serve_with(settings, None, announce)
 }
 
 /// The same with another robot that searches than that of the settings: what is measured at a robot's port is measured behind the real doors.
-///
-/// # Errors
-/// As for `serve`.
 pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Doors, &Entry)) -> Result<(), AppError> {
     serve_with(settings, Some(robot), announce)
 }
@@ -151,7 +145,6 @@ async fn serve_hall(
     if by_itself || end.is_err() { Err(AppError::LoopEnded) } else { Ok(()) }
 }
 
-/// Ports that are waited for on this thread.
 fn listeners(bound: Vec<TcpListener>, thread: &Thread) -> Result<Listeners, AppError> {
     let _on_it = thread.handle().enter();
     Listeners::new(bound).map_err(AppError::System)
@@ -210,7 +203,9 @@ async fn start(
 
 /// The core as it was, or as it is at the very first start.
 fn engine(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: &Clock) -> Engine {
-    let (run, now) = (run_id(clock), clock.now());
+    let now = clock.now();
+    // Tells this run's revisions from those of any other: the millisecond in which it began.
+    let run = format!("{:x}", now.wall.unix_ms).into();
     let mut engine = match recalled {
         Some(recalled) => Engine::recall(settings.core, run, recalled, now),
         None => {
@@ -225,9 +220,4 @@ fn engine(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: 
         engine.watch_sensor(Arc::clone(sensor), settings.sensor_silence, now);
     }
     engine
-}
-
-/// Tells this run's revisions from those of any other: the millisecond in which it began.
-fn run_id(clock: &Clock) -> Arc<str> {
-    format!("{:x}", clock.now().wall.unix_ms).into()
 }

@@ -2,18 +2,17 @@
 //! What the commands do stands in `crate::app` and in the files beside this one; only the command line writes to standard output.
 
 use std::io::Write;
-use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::config::{self, Flag, Settings, Sources, sources};
+use crate::config::{self, Flag, Settings, Sources, from_here, sources};
 use crate::telemetry;
 use hallsweep_core::mission::table_markdown;
 
 pub mod explore;
 mod failure;
-mod folder;
 pub mod healthcheck;
 pub mod journal;
 mod link;
@@ -99,20 +98,12 @@ pub struct Healthcheck {
 
 impl Healthcheck {
     /// Where the program listens, seen from this machine.
-    ///
-    /// # Errors
-    /// Settings that cannot be used.
     pub fn address(&self) -> Result<SocketAddr, Failure> {
         let http = self.http.clone().map(|value| Flag::given("--http", value));
         // Nothing is kept by asking, so a user without a home can ask too.
         let nothing = Flag { flag: "of healthcheck", key: "store.folder", value: "none".to_owned() };
         let settings = config::load(&sources(self.config.clone(), http.into_iter().chain([nothing]).collect()))?;
-        let bind = settings.http.bind.at.first();
-        Ok(match bind.ip() {
-            IpAddr::V4(ip) if ip.is_unspecified() => SocketAddr::new(Ipv4Addr::LOCALHOST.into(), bind.port()),
-            IpAddr::V6(ip) if ip.is_unspecified() => SocketAddr::new(Ipv6Addr::LOCALHOST.into(), bind.port()),
-            IpAddr::V4(_) | IpAddr::V6(_) => bind,
-        })
+        Ok(from_here(settings.http.bind.at.first()))
     }
 }
 
@@ -146,6 +137,25 @@ impl Serve {
     }
 }
 
+/// The flags that name a data folder, for a command about what is kept.
+#[derive(Args, Clone, Debug)]
+struct Folder {
+    /// The data folder.
+    #[arg(long, value_name = "DIR", global = true)]
+    data: Option<String>,
+    /// A settings file, laid over the defaults.
+    #[arg(long, value_name = "FILE", global = true)]
+    config: Option<PathBuf>,
+}
+
+impl Folder {
+    /// Where the settings are to be read, with one more flag if there is one.
+    fn sources(&self, more: Option<Flag>) -> Sources {
+        let data = self.data.clone().map(|value| Flag::given("--data", value));
+        sources(self.config.clone(), data.into_iter().chain(more).collect())
+    }
+}
+
 /// The settings of this start. From here on there is a log, and its first lines are what was set for nothing.
 fn settings(sources: &Sources) -> Result<Settings, Failure> {
     let settings = config::load(sources)?;
@@ -155,9 +165,6 @@ fn settings(sources: &Sources) -> Result<Settings, Failure> {
 }
 
 /// `hallsweep table`: prints the mission table as it is in the program, as markdown for the documentation.
-///
-/// # Errors
-/// Standard output that cannot be written.
 pub fn print_table() -> Result<(), Failure> {
     print(table_markdown().trim_end())
 }

@@ -19,7 +19,7 @@ mod layers;
 mod mqtt;
 mod robots;
 
-pub use bind::{At, Bind};
+pub use bind::{At, Bind, from_here};
 pub use error::SettingsError;
 pub use key::{KEYS, Key, Kind};
 pub use layers::{DEFAULTS, Flag, Sources};
@@ -33,13 +33,10 @@ pub struct Settings {
     pub hall: String,
     /// Where the hall's name comes from, as `flag --hall`, for whoever finds that it cannot be read.
     pub hall_origin: String,
-    /// The console and the API.
     pub http: HttpSettings,
     /// Where the CoAP resources are, over UDP; `None`: there is no such door.
     pub coap: Option<Bind>,
-    /// The MQTT topics, and the broker they are at.
     pub mqtt: MqttSettings,
-    /// What clients of the original system may do.
     pub old_clients: OldClients,
     /// Where everything is kept that outlives the program; `None`: nothing is kept.
     pub store: Option<PathBuf>,
@@ -47,9 +44,7 @@ pub struct Settings {
     pub robot: RobotSettings,
     /// The robots beside it, by their names; none by default.
     pub further_robots: Vec<(RobotId, RobotSettings)>,
-    /// The order of the search.
     pub strategy: Strategy,
-    /// What the core wants to know.
     pub core: CoreSettings,
     /// The temperature sensors that must be heard, each once; none by default.
     pub sensors: Vec<Arc<str>>,
@@ -62,40 +57,32 @@ pub struct Settings {
 /// Where the console and the API are, and for whom.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HttpSettings {
-    /// Where they listen.
     pub bind: Bind,
     /// Whether a key is asked for: always beyond loopback, and on loopback when it is wanted.
     pub asks_for_keys: bool,
     /// Names under which they are reached, beside the machine's own for itself.
     pub hosts: Vec<String>,
-    /// Certificate and key, where connections are encrypted.
     pub tls: Option<TlsFiles>,
 }
 
-/// What clients of the original system may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OldClients {
     /// Whether they may drive the robot by hand; halt it they may always.
     pub manual_driving: bool,
 }
 
-/// The files that TLS needs, both in PEM.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TlsFiles {
-    /// The certificate, and those that lead to a known one.
+    /// In PEM: the certificate, and those that lead to a known one.
     pub certificate: PathBuf,
-    /// Its private key.
     pub key: PathBuf,
 }
 
 /// What a robot is, and how it behaves when it is a simulated one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RobotSettings {
-    /// What it is.
     pub kind: RobotKind,
-    /// How fast it lives.
     pub speed: Speed,
-    /// Where all its chance comes from.
     pub seed: u64,
     /// How often the camera cannot tell what an obstacle is, `0.0..=1.0`.
     pub unknown_rate: f64,
@@ -105,12 +92,10 @@ pub struct RobotSettings {
     pub sonar_noise_cm: f64,
 }
 
-/// How fast simulated time passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Speed {
     /// So many times as fast as the wall clock, within `SLOWEST..=FASTEST`.
     Times(f64),
-    /// Without any waiting.
     Max,
 }
 
@@ -121,10 +106,6 @@ impl Speed {
     pub const FASTEST: f64 = 1000.0;
 }
 
-/// Reads and checks all settings.
-///
-/// # Errors
-/// The first setting that is unknown or wrong, with its value, where it came from and what to do about it.
 pub fn load(sources: &Sources) -> Result<Settings, SettingsError> {
     let layers = layers::Layers::gather(sources)?;
     check::checked(&layers)

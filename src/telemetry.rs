@@ -6,7 +6,6 @@ use std::panic;
 
 use tracing_subscriber::EnvFilter;
 
-/// The crate of the MQTT router.
 const RUMQTTD: &str = "rumqttd";
 
 /// How the thread of the MQTT router is called, before its number.

@@ -9,21 +9,17 @@ use super::keys::{OPERATOR, SignedIn};
 use super::network::is_this_machine;
 use super::role::{Need, Role};
 
-/// Who is let in.
 #[derive(Clone, Debug)]
 pub enum Access {
     /// Everybody on this machine, as the operator; nobody else.
     Open,
-    /// Whoever has a key.
     Keys(Keyring),
 }
 
-/// Somebody who was let in.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Caller {
     /// Somebody on this machine, at an open door.
     Here,
-    /// Somebody with a key.
     Known(SignedIn),
 }
 
@@ -46,7 +42,6 @@ impl Access {
 }
 
 impl Caller {
-    /// The name for records.
     #[must_use]
     pub fn name(&self) -> Arc<str> {
         match self {
@@ -55,7 +50,6 @@ impl Caller {
         }
     }
 
-    /// What may be done.
     #[must_use]
     pub const fn role(&self) -> Role {
         match self {
@@ -64,10 +58,7 @@ impl Caller {
         }
     }
 
-    /// Nothing when it may do what asks for `need`.
-    ///
-    /// # Errors
-    /// Else the sentence to tell it.
+    /// The sentence to tell it when it may not do what asks for `need`.
     pub fn may(&self, need: Need) -> Result<(), String> {
         if self.role().may(need) {
             return Ok(());

@@ -13,23 +13,19 @@ use super::role::Role;
 use super::token::Token;
 use crate::storage::small_file::PrivateFile;
 
-/// The file's name inside the data folder.
 pub const FILE: &str = "access.toml";
 
 /// A larger file is none of ours: all keys there may be are a tenth of this.
 const LARGEST: u64 = 128 * 1024;
 
-/// What the file begins with.
 const HEADER: &str = "# hallsweep's keys. Whoever has an operator's token can command the robot: keep this file private.\n\
                       # `hallsweep token` shows, adds, replaces and removes keys, also while hallsweep runs.\n\n";
 
 /// What a file that cannot be read should look like.
 const SHAPE: &str = "a key is the line [[key]], then name, role (\"operator\" or \"viewer\") and token, each once and in quotes";
 
-/// What a name is.
 const NAME: &str = "take 1 to 32 letters, digits, - and _";
 
-/// Where keys are kept.
 #[derive(Clone, Debug)]
 pub struct KeyFile(PrivateFile);
 
@@ -52,22 +48,17 @@ struct WrittenKey {
 }
 
 impl KeyFile {
-    /// The file in this data folder.
     #[must_use]
     pub fn within(folder: &Path) -> KeyFile {
         KeyFile(PrivateFile::within(folder, FILE))
     }
 
-    /// Its path.
     #[must_use]
     pub fn path(&self) -> &Path {
         self.0.path()
     }
 
     /// The keys in it; `None` when there is no such file yet.
-    ///
-    /// # Errors
-    /// A file that cannot be read, that others can read, or that holds something else.
     pub fn read(&self) -> Result<Option<Keys>, AccessError> {
         let unreadable = |error| AccessError::Unreadable { path: self.path().to_owned(), error };
         let Some((bytes, mode)) = self.0.read(LARGEST).map_err(unreadable)? else { return Ok(None) };
@@ -78,15 +69,12 @@ impl KeyFile {
         self.understood(std::str::from_utf8(&bytes).map_err(garbled)?).map(Some)
     }
 
-    /// Replaces the file, and is done when that has reached the disk. The folder is made when it is not there.
-    ///
-    /// # Errors
-    /// `AccessError::Unwritable`; the old file is then as it was.
+    /// Replaces the file, and is done when that has reached the disk; when it fails the old one is as it was. The folder is made
+    /// when it is not there.
     pub fn write(&self, keys: &Keys) -> Result<(), AccessError> {
         self.0.replace(written(keys).as_bytes()).map_err(|error| AccessError::Unwritable { path: self.path().to_owned(), error })
     }
 
-    /// What the file looks like from outside.
     pub(super) fn stamp(&self) -> io::Result<Stamp> {
         fs::metadata(self.path()).map(|metadata| stamp(&metadata))
     }
@@ -110,7 +98,6 @@ impl KeyFile {
     }
 }
 
-/// The text of the file that holds these keys.
 pub(super) fn written(keys: &Keys) -> String {
     let key = |key: &Key| WrittenKey { name: key.name.to_string(), role: key.role, token: key.token.reveal().to_owned() };
     let all = Written { key: keys.iter().map(key).collect() };

@@ -1,7 +1,7 @@
 //! What the file of keys survives, and what it refuses. Kept apart from `file` because there is much of it.
 
 use super::*;
-use crate::access::testing::Folder;
+use crate::storage::scratch::Scratch;
 
 fn overwritten(file: &KeyFile, text: &str) -> String {
     file.0.replace(text.as_bytes()).unwrap();
@@ -10,7 +10,7 @@ fn overwritten(file: &KeyFile, text: &str) -> String {
 
 #[test]
 fn what_was_written_is_read_again() {
-    let folder = Folder::new("again");
+    let folder = Scratch::new();
     let file = KeyFile::within(&folder.0.join("deeper"));
     assert!(file.read().unwrap().is_none(), "there is none yet");
     let mut keys = Keys::first().unwrap();
@@ -26,7 +26,7 @@ fn what_was_written_is_read_again() {
 
 #[test]
 fn a_change_shows_from_outside() {
-    let folder = Folder::new("change");
+    let folder = Scratch::new();
     let file = KeyFile::within(&folder.0);
     assert!(file.stamp().is_err());
     let keys = Keys::first().unwrap();
@@ -42,11 +42,12 @@ fn a_change_shows_from_outside() {
 #[test]
 fn the_file_is_private_from_its_first_moment_and_refused_when_it_is_not() {
     use std::os::unix::fs::PermissionsExt;
-    let folder = Folder::new("private");
-    let file = KeyFile::within(&folder.0);
+    let scratch = Scratch::new();
+    let folder = scratch.0.join("new");
+    let file = KeyFile::within(&folder);
     file.write(&Keys::first().unwrap()).unwrap();
     let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
-    assert_eq!((mode(file.path()), mode(&folder.0)), (0o600, 0o700));
+    assert_eq!((mode(file.path()), mode(&folder)), (0o600, 0o700));
     for open in [0o640, 0o604, 0o660, 0o777] {
         fs::set_permissions(file.path(), fs::Permissions::from_mode(open)).unwrap();
         let said = file.read().unwrap_err().to_string();
@@ -58,7 +59,7 @@ fn the_file_is_private_from_its_first_moment_and_refused_when_it_is_not() {
 
 #[test]
 fn what_holds_no_keys_is_refused_with_its_line_and_without_a_token() {
-    let folder = Folder::new("broken");
+    let folder = Scratch::new();
     let file = KeyFile::within(&folder.0);
     let token = "ab".repeat(32);
     let key =
@@ -89,7 +90,7 @@ fn what_holds_no_keys_is_refused_with_its_line_and_without_a_token() {
 
 #[test]
 fn a_damaged_file_is_told_from_one_that_may_not_be_read() {
-    let folder = Folder::new("garbled");
+    let folder = Scratch::new();
     let file = KeyFile::within(&folder.0);
     overwritten(&file, "");
     fs::write(file.path(), [0xa5, 0xff]).unwrap();
@@ -99,7 +100,7 @@ fn a_damaged_file_is_told_from_one_that_may_not_be_read() {
 
 #[test]
 fn a_folder_that_cannot_be_written_is_said_with_what_to_do() {
-    let folder = Folder::new("unwritable");
+    let folder = Scratch::new();
     fs::create_dir_all(&folder.0).unwrap();
     fs::write(folder.0.join("a-file"), "").unwrap();
     let said = KeyFile::within(&folder.0.join("a-file")).write(&Keys::first().unwrap()).unwrap_err().to_string();

@@ -17,10 +17,8 @@ const GLANCE: Duration = Duration::from_millis(250);
 #[derive(Clone, Debug)]
 pub struct Keyring(Arc<Mutex<Arc<Keys>>>);
 
-/// A keyring, and whether its first key has just been made.
 #[derive(Debug)]
 pub struct Opened {
-    /// The keys.
     pub keyring: Keyring,
     /// Whether there were none before.
     pub is_new: bool,
@@ -30,9 +28,6 @@ pub struct Opened {
 
 impl Keyring {
     /// The keys in this data folder; without any, an operator's key is made. Changes of the file are followed from now on.
-    ///
-    /// # Errors
-    /// A first key that cannot be made or kept.
     pub fn open(folder: &Path) -> Result<Opened, AccessError> {
         let file = KeyFile::within(folder);
         // Looked at before it is read: whatever changes in between is read once more.
@@ -58,9 +53,6 @@ impl Keyring {
     }
 
     /// One operator's key that is kept nowhere.
-    ///
-    /// # Errors
-    /// `AccessError::Chance` when the system gives no random numbers.
     pub fn in_memory() -> Result<Keyring, AccessError> {
         Ok(Keyring::of(Keys::first()?))
     }
@@ -77,7 +69,6 @@ impl Keyring {
         self.keys().iter().next().is_none()
     }
 
-    /// The keys as they are now.
     #[must_use]
     pub fn keys(&self) -> Arc<Keys> {
         Arc::clone(&self.0.lock().unwrap_or_else(PoisonError::into_inner))
@@ -111,7 +102,6 @@ impl Keyring {
     }
 }
 
-/// The file as it was when it was last looked at.
 struct Followed {
     file: KeyFile,
     seen: Option<Stamp>,
@@ -151,9 +141,9 @@ fn follow(keyring: &Weak<Mutex<Arc<Keys>>>, mut followed: Followed) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::Folder;
     use super::*;
     use crate::access::role::Role;
+    use crate::storage::scratch::Scratch;
 
     const NOW: i64 = 1_795_262_400;
 
@@ -175,7 +165,7 @@ mod tests {
     /// Safety A1.
     #[test]
     fn the_first_start_makes_a_key_and_the_next_finds_it() {
-        let folder = Folder::new("first");
+        let folder = Scratch::new();
         let first = Keyring::open(&folder.0).unwrap();
         let next = Keyring::open(&folder.0).unwrap();
         assert!(first.is_new && !next.is_new);
@@ -186,7 +176,7 @@ mod tests {
 
     #[test]
     fn a_rotated_key_ends_its_tokens_sessions_and_whoever_is_signed_in() {
-        let folder = Folder::new("rotated");
+        let folder = Scratch::new();
         let keyring = Keyring::open(&folder.0).unwrap().keyring;
         let old = token(&keyring);
         let cookie = keyring.sign_in(&old, NOW).unwrap();
@@ -205,7 +195,7 @@ mod tests {
     /// Safety S1.
     #[test]
     fn a_file_that_cannot_be_read_lets_nobody_in_and_shuts_nobody_out() {
-        let folder = Folder::new("unreadable");
+        let folder = Scratch::new();
         let file = KeyFile::within(&folder.0);
         let keyring = Keyring::in_memory().unwrap();
         file.write(&keyring.keys()).unwrap();
@@ -230,7 +220,7 @@ mod tests {
     /// Safety R5: nobody is let in by a guess, and no start fails; the mended file counts at once.
     #[test]
     fn a_ruined_file_lets_nobody_in_until_it_is_mended() {
-        let folder = Folder::new("ruined");
+        let folder = Scratch::new();
         let token = token(&Keyring::open(&folder.0).unwrap().keyring);
         let file = folder.0.join(super::super::FILE);
         let whole = std::fs::read_to_string(&file).unwrap();

@@ -18,24 +18,17 @@ const MOST: usize = 64;
 /// The longest name: it stands in records, cookies and on pages.
 const NAME: usize = 32;
 
-/// A key: a name, what may be done with it, and its secret.
 #[derive(Clone, Debug)]
 pub struct Key {
-    /// Who has it.
     pub name: Arc<str>,
-    /// What it is good for.
     pub role: Role,
-    /// Its secret.
     pub token: Token,
     print: [u8; 32],
 }
 
-/// Somebody who is known.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SignedIn {
-    /// The name of the key.
     pub name: Arc<str>,
-    /// What may be done.
     pub role: Role,
     /// Which token of this name it was: another one after each rotation.
     pub(super) print: [u8; 32],
@@ -48,10 +41,6 @@ pub struct SignedIn {
 pub struct Keys(Vec<Key>);
 
 impl Key {
-    /// A key with this secret.
-    ///
-    /// # Errors
-    /// `AccessError::Name` when no key can have this name.
     pub fn new(name: &str, role: Role, token: Token) -> Result<Key, AccessError> {
         let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_';
         if !(1..=NAME).contains(&name.len()) || !name.bytes().all(is_plain) {
@@ -61,7 +50,6 @@ impl Key {
         Ok(Key { name: Arc::from(name), role, token, print })
     }
 
-    /// Whoever has this key.
     pub(super) fn holder(&self, until_s: Option<i64>) -> SignedIn {
         SignedIn { name: Arc::clone(&self.name), role: self.role, print: self.print, until_s }
     }
@@ -69,22 +57,15 @@ impl Key {
 
 impl Keys {
     /// One new operator's key.
-    ///
-    /// # Errors
-    /// `AccessError::Chance` when the system gives no random numbers.
     pub fn first() -> Result<Keys, AccessError> {
         Ok(Keys(vec![Key::new(OPERATOR, Role::Operator, Token::draw()?)?]))
     }
 
-    /// No key at all: nobody is known.
     pub(super) const fn none() -> Keys {
         Keys(Vec::new())
     }
 
-    /// These keys.
-    ///
-    /// # Errors
-    /// Two of one name, too many, or no operator's among them.
+    /// Refuses two of one name, too many, and a list without an operator's.
     pub fn new(keys: Vec<Key>) -> Result<Keys, AccessError> {
         let mut all = Keys(Vec::new());
         keys.into_iter().try_for_each(|key| all.insert(key))?;
@@ -92,15 +73,10 @@ impl Keys {
         Ok(all)
     }
 
-    /// Every key, in the order in which they were added.
     pub fn iter(&self) -> impl Iterator<Item = &Key> {
         self.0.iter()
     }
 
-    /// The key of this name.
-    ///
-    /// # Errors
-    /// `AccessError::Unknown`.
     pub fn named(&self, name: &str) -> Result<&Key, AccessError> {
         self.place(name).map(|place| &self.0[place])
     }
@@ -116,28 +92,19 @@ impl Keys {
     }
 
     /// Adds a key with a new token.
-    ///
-    /// # Errors
-    /// A name that is taken or cannot be, or too many keys.
     pub fn add(&mut self, name: &str, role: Role) -> Result<&Key, AccessError> {
         self.insert(Key::new(name, role, Token::draw()?)?)?;
         self.named(name)
     }
 
     /// Gives a key a new token; the old one, and the sessions signed with it, are worth nothing from then on.
-    ///
-    /// # Errors
-    /// `AccessError::Unknown` when there is no such key.
     pub fn rotate(&mut self, name: &str) -> Result<&Key, AccessError> {
         let place = self.place(name)?;
         self.0[place] = Key::new(name, self.0[place].role, Token::draw()?)?;
         Ok(&self.0[place])
     }
 
-    /// Takes a key away.
-    ///
-    /// # Errors
-    /// When there is no such key, or it is the last operator's.
+    /// The last operator's key stays.
     pub fn remove(&mut self, name: &str) -> Result<(), AccessError> {
         let removed = self.0.remove(self.place(name)?);
         let kept = self.keep_an_operator(name);

@@ -10,8 +10,6 @@ mod keys;
 mod network;
 mod role;
 mod session;
-#[cfg(test)]
-mod testing;
 mod token;
 
 pub use attempts::Attempts;

@@ -8,7 +8,6 @@ use std::net::{IpAddr, Ipv6Addr};
 pub struct Network(IpAddr);
 
 impl Network {
-    /// The network of an address.
     #[must_use]
     pub fn of(address: IpAddr) -> Network {
         Network(match address.to_canonical() {
@@ -21,7 +20,6 @@ impl Network {
         })
     }
 
-    /// Whether it is this machine.
     #[must_use]
     pub const fn is_loopback(&self) -> bool {
         self.0.is_loopback()

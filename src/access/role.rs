@@ -1,6 +1,5 @@
 //! The two roles, and what each route or command asks of whoever comes. Which route asks what stands in the doors' tables.
 
-/// What somebody with a key may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {

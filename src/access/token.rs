@@ -4,7 +4,6 @@ use std::fmt;
 
 use super::error::AccessError;
 
-/// How many random bytes it is made of.
 const BYTES: usize = 32;
 
 /// A secret: 64 hexadecimal digits. It is shown by `reveal` and by nothing else.
@@ -13,14 +12,10 @@ pub struct Token(Box<str>);
 
 impl Token {
     /// A new one, from the system's own source of chance.
-    ///
-    /// # Errors
-    /// `AccessError::Chance` when the system has none.
     pub fn draw() -> Result<Token, AccessError> {
         Ok(Token(hexadecimal(&chance()?).into()))
     }
 
-    /// The token written like this; `None` when it is none.
     #[must_use]
     pub fn read(text: &str) -> Option<Token> {
         let is_one = text.len() == 2 * BYTES && text.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
@@ -41,16 +36,12 @@ impl fmt::Debug for Token {
 }
 
 /// Bytes that nobody can guess, from the system's own source of chance.
-///
-/// # Errors
-/// `AccessError::Chance` when the system has none.
 pub fn chance() -> Result<[u8; BYTES], AccessError> {
     let mut bytes = [0; BYTES];
     getrandom::fill(&mut bytes).map_err(|error| AccessError::Chance(error.to_string()))?;
     Ok(bytes)
 }
 
-/// Bytes as small hexadecimal digits.
 pub(super) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -16,9 +16,6 @@ use hallsweep_core::world::snapshot::Snapshot;
 pub(super) type Rest = ([u8; 32], watch::Receiver<Arc<Snapshot>>, watch::Receiver<bool>);
 
 /// Opens the door until `ending` says so; what ends with it. A mistake that ends it is no reason to close the others.
-///
-/// # Errors
-/// `AppError::System`: a port cannot be waited for.
 pub(super) fn open(
     ports: Vec<UdpSocket>,
     thread: &Thread,

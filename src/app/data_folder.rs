@@ -14,7 +14,6 @@ use hallsweep_core::engine::Recalled;
 use hallsweep_core::units::Epoch;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
-/// Where everything is kept, and what was there.
 pub(super) struct DataFolder {
     pub(super) store: Box<dyn Store>,
     pub(super) archive: Arc<dyn Archive>,

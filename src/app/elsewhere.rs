@@ -1,5 +1,5 @@
 //! The robot is put down in another hall than the one on record: the journal's page about it is kept before the robot's state file is
-//! begun anew, so that a kill in between leaves the robot and the map in the same hall. When that is so, `kept` knows.
+//! begun anew, so that a kill in between leaves the robot and the map in the same hall. When that is so, `data_folder` knows.
 
 use std::time::Duration;
 

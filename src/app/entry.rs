@@ -4,7 +4,6 @@ use crate::access::{Access, AccessError, KeyFile, Keyring, Token};
 use crate::config::{Broker, HttpSettings, Settings};
 use crate::doors::http::{Front, Tls, TlsError};
 
-/// How one gets in.
 #[derive(Debug)]
 pub enum Entry {
     /// Everybody on this machine is let in.
@@ -19,13 +18,10 @@ pub enum Entry {
     BriefKey(Token),
 }
 
-/// Who is let in where.
 pub(super) struct Opened {
-    /// At the console and the API.
     pub(super) http: Access,
     /// At our own MQTT broker, by TCP.
     pub(super) mqtt: Access,
-    /// How one gets in where a key is asked for.
     pub(super) entry: Entry,
 }
 
@@ -52,7 +48,6 @@ pub(super) fn unusable(settings: &Settings) -> Option<String> {
     Some(format!("nobody can sign in: {error}; then start hallsweep again"))
 }
 
-/// The keys there are.
 fn keys(settings: &Settings) -> Result<(Access, Entry), AccessError> {
     let (keyring, entry) = match &settings.store {
         None => {
@@ -73,7 +68,6 @@ fn keys(settings: &Settings) -> Result<(Access, Entry), AccessError> {
     Ok((Access::Keys(keyring), entry))
 }
 
-/// What stands before the door, by these settings.
 pub(super) fn front(http: &HttpSettings) -> Result<Front, TlsError> {
     let tls = http.tls.as_ref().map(|files| Tls::load(&files.certificate, &files.key)).transpose()?;
     Ok(Front { hosts: http.hosts.clone(), tls, ..Front::default() })

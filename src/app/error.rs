@@ -13,48 +13,25 @@ use crate::storage::sqlite::OpenError;
 /// Why the program cannot begin, or not go on. `Display` is the line for whoever started it.
 #[derive(Debug, thiserror::Error)]
 pub enum AppError {
-    /// The hall cannot be read.
     #[error(transparent)]
     Hall(#[from] UnusableHall),
-    /// The keys cannot be had.
     #[error(transparent)]
     Access(#[from] AccessError),
-    /// Connections cannot be encrypted as they are to be.
     #[error(transparent)]
     Tls(#[from] TlsError),
-    /// Somebody else's broker cannot be reached as it is to be.
     #[error(transparent)]
     MqttTls(#[from] mqtt::session::TlsError),
-    /// Our own broker cannot be had.
     #[error(transparent)]
     Mqtt(#[from] mqtt::RouterError),
-    /// The port cannot be had.
     #[error("cannot listen on {address} for {}: {error}; {}", .port.name(), what_to_do(*.port, .error))]
-    Bind {
-        /// Whose port it is.
-        port: Port,
-        /// Where it was to be.
-        address: SocketAddr,
-        /// What the system says.
-        error: std::io::Error,
-    },
-    /// The data folder cannot be used.
+    Bind { port: Port, address: SocketAddr, error: std::io::Error },
     #[error(transparent)]
     Store(#[from] OpenError),
-    /// A mission is under way in another hall than the one asked for.
     #[error(
         "a mission is under way in another hall: the record in {} is of {remembered}, not of {given}; start with --hall {remembered} \
          and press RESET there, or give {given} a folder of its own with --data DIR", folder.display()
     )]
-    OtherHall {
-        /// The data folder.
-        folder: PathBuf,
-        /// The hall of the mission.
-        remembered: String,
-        /// The hall that was asked for.
-        given: String,
-    },
-    /// The system gives no threads, timers or signals.
+    OtherHall { folder: PathBuf, remembered: String, given: String },
     #[error("the system does not let the program start: {0}")]
     System(std::io::Error),
     /// The loop that joins everything is gone: a mistake in the program.

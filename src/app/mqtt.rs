@@ -1,7 +1,7 @@
 //! The MQTT door, joined: our own session, and the broker it speaks to, which is our own or somebody else's. What is said and heard
 //! there is the door's business.
 
-use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::net::SocketAddr;
 
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
@@ -9,7 +9,7 @@ use tokio::task::JoinHandle;
 use super::AppError;
 use super::threads::Threads;
 use crate::access::{self, Access, Token};
-use crate::config::{Broker, MqttSettings, OtherBroker, Settings};
+use crate::config::{Broker, MqttSettings, OtherBroker, Settings, from_here};
 use crate::doors::http;
 use crate::doors::listeners::Listeners;
 use crate::doors::mqtt::commands::{ANSWERS, Answer, Commands};
@@ -23,7 +23,6 @@ use crate::runtime::handle::Handle;
 /// Web clients that wait to be received: the broker is never busy for long.
 const WEB_CLIENTS: usize = 16;
 
-/// The running door.
 pub(super) struct Mqtt {
     session: JoinHandle<()>,
     broker: Option<JoinHandle<()>>,
@@ -43,9 +42,6 @@ struct Common {
 impl Mqtt {
     /// Opens the door, if there is to be one: at these ports, of which the first has the address `at`, where it is our own broker's; what
     /// clients say there is heard on `hearing`.
-    ///
-    /// # Errors
-    /// When our own broker cannot be had, or somebody else's cannot be trusted as it is to be.
     pub(super) async fn open(
         settings: &Settings,
         (listeners, at, access, inner): (Listeners, Option<SocketAddr>, Access, (&Threads, Room)),
@@ -110,7 +106,6 @@ impl Common {
     }
 }
 
-/// Our own broker, and our session at it.
 async fn own(
     common: Common,
     (listeners, at): (Listeners, SocketAddr),
@@ -122,7 +117,7 @@ async fn own(
     let health = watch::Sender::new(Health::Unproven);
     let secret = Token::draw()?;
     let link = Link {
-        host: near(at).ip().to_string(),
+        host: from_here(at).ip().to_string(),
         port: at.port(),
         tls: None,
         login: Some((OWN_SESSION.to_owned(), secret.reveal().to_owned())),
@@ -149,7 +144,6 @@ async fn gone(mut left: watch::Receiver<()>) {
     while left.changed().await.is_ok() {}
 }
 
-/// Our session at somebody else's broker.
 fn other_broker(common: Common, other: &OtherBroker) -> Result<Mqtt, AppError> {
     let (answer, answers) = mpsc::channel(ANSWERS);
     let tls = if other.is_encrypted { Some(believing(other.certificates.as_deref())?) } else { None };
@@ -173,14 +167,4 @@ fn hall(visit: mpsc::Sender<IncomingConnection>) -> http::Hall {
             tracing::debug!("a web client found the MQTT broker busy");
         }
     })
-}
-
-/// An address at which this machine reaches itself, for one at which it listens.
-fn near(address: SocketAddr) -> SocketAddr {
-    let ip = match address.ip() {
-        IpAddr::V4(ip) if ip.is_unspecified() => Ipv4Addr::LOCALHOST.into(),
-        IpAddr::V6(ip) if ip.is_unspecified() => Ipv6Addr::LOCALHOST.into(),
-        ip @ (IpAddr::V4(_) | IpAddr::V6(_)) => ip,
-    };
-    SocketAddr::new(ip, address.port())
 }

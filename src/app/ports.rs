@@ -25,19 +25,14 @@ pub(super) fn raise_descriptors() -> u64 {
     }
 }
 
-/// Whose port it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Port {
-    /// The console's and the API's.
     Http,
-    /// That of the CoAP resources.
     Coap,
-    /// That of our own MQTT broker.
     Mqtt,
 }
 
 impl Port {
-    /// The door's name.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -47,7 +42,6 @@ impl Port {
         }
     }
 
-    /// The flag that chooses it.
     #[must_use]
     pub const fn flag(self) -> &'static str {
         match self {
@@ -57,7 +51,6 @@ impl Port {
         }
     }
 
-    /// Its usual number.
     #[must_use]
     pub const fn usual(self) -> u16 {
         match self {
@@ -71,15 +64,11 @@ impl Port {
 /// Where the doors are, with their real ports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Doors {
-    /// The console and the API.
     pub http: Place,
-    /// The CoAP resources, where there are any.
     pub coap: Option<Place>,
-    /// Our own MQTT broker, where there is one.
     pub mqtt: Option<Place>,
 }
 
-/// Where a door is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     /// Its first address.
@@ -88,16 +77,13 @@ pub struct Place {
     pub instead_of: Option<u16>,
 }
 
-/// What is listened to.
 pub(super) struct Ports {
     pub(super) http: Vec<TcpListener>,
     pub(super) coap: Vec<UdpSocket>,
     pub(super) mqtt: Vec<TcpListener>,
-    /// Where they are.
     pub(super) doors: Doors,
 }
 
-/// Why an address cannot be had.
 type NotHad = (SocketAddr, io::Error);
 
 /// So many connections may wait to be received, as far as the system allows: the system tells one that finds no room nothing, and it
@@ -108,10 +94,6 @@ const WAITING: i32 = 4096;
 const TRIES: usize = 16;
 
 impl Ports {
-    /// Binds every port of the settings.
-    ///
-    /// # Errors
-    /// `AppError::Bind`: which cannot be had, and why.
     pub(super) fn bind(settings: &Settings) -> Result<Ports, AppError> {
         let (http, http_at) = open(Port::Http, settings.http.bind, tcp)?;
         let coap = settings.coap.map(|bind| open(Port::Coap, bind, udp)).transpose()?;
@@ -147,14 +129,8 @@ fn open<P>(port: Port, bind: Bind, one: impl Fn(SocketAddr) -> io::Result<(P, So
 }
 
 fn at_a_free_one<P>(at: At, one: &impl Fn(SocketAddr) -> io::Result<(P, SocketAddr)>) -> Result<Vec<(P, SocketAddr)>, NotHad> {
-    let mut last = at_all(at.with_port(0), one);
-    for _ in 1..TRIES {
-        if last.is_ok() {
-            break;
-        }
-        last = at_all(at.with_port(0), one);
-    }
-    last
+    let once = || at_all(at.with_port(0), one);
+    (1..TRIES).fold(once(), |last, _| last.or_else(|_| once()))
 }
 
 /// Binds one port at each of these addresses. A machine may have no second one.

@@ -4,9 +4,6 @@ use std::future::Future;
 use std::io;
 
 /// Listens from now on; the future ends with the name of the first signal that asks the program to end.
-///
-/// # Errors
-/// The system does not let the program listen.
 #[cfg(unix)]
 pub(super) fn listen() -> io::Result<impl Future<Output = &'static str>> {
     use tokio::signal::unix::{SignalKind, signal};

@@ -25,10 +25,6 @@ pub(super) struct Threads {
 }
 
 impl Threads {
-    /// Starts all of them.
-    ///
-    /// # Errors
-    /// `AppError::System`: the system does not give so many.
     pub(super) fn start() -> Result<Threads, AppError> {
         let start = |name| Thread::start(name).map_err(AppError::System);
         Ok(Threads {
@@ -42,10 +38,6 @@ impl Threads {
     }
 }
 
-/// The ordinary threads.
-///
-/// # Errors
-/// The system gives no threads, or no timers and sockets for them.
 pub(super) fn ordinary() -> io::Result<Runtime> {
     Builder::new_multi_thread().enable_all().on_thread_start(stand_back).build()
 }

@@ -57,9 +57,6 @@ enum Answers {
 }
 
 /// Runs the mission and prints what it came to.
-///
-/// # Errors
-/// Wrong settings, a bad hall file, a log that cannot be written, or a mission that could not end.
 pub fn run(flags: &Explore) -> Result<(), Failure> {
     let settings = super::settings(&flags.sources())?;
     let hall = sim::hall(&settings).map_err(AppError::from)?;

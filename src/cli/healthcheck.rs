@@ -20,9 +20,6 @@ const STATUS_LINE: u64 = 64;
 const ALERT: u8 = 21;
 
 /// Asks the program at `address`.
-///
-/// # Errors
-/// `Failure::Run` when it does not answer in time, or not with 200; or when it speaks TLS elsewhere than on this machine.
 pub fn run(address: SocketAddr) -> Result<(), Failure> {
     let plain = ask(address, Ok);
     let (at, answer) = match plain {

@@ -5,8 +5,7 @@ use std::io::{self, BufWriter, Write};
 
 use clap::{Args, Subcommand};
 
-use super::Failure;
-use super::folder::Folder;
+use super::{Failure, Folder};
 use crate::api::journal::{self, Line};
 use crate::api::journal_words;
 use crate::runtime::archive::Unreadable;
@@ -45,10 +44,6 @@ struct Which {
     last: Option<u64>,
 }
 
-/// Does it.
-///
-/// # Errors
-/// Wrong settings, a journal that is not there or cannot be read, findings of a check, standard output that cannot be written.
 pub fn run(asked: &Journal) -> Result<(), Failure> {
     let folder = super::settings(&asked.folder.sources(None))?.store;
     let folder = folder.ok_or_else(|| {

@@ -1,11 +1,10 @@
 //! Links by which somebody signs in. Whether the address in them can be reached from elsewhere is the network's business.
 
-use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::net::SocketAddr;
 
 use crate::access::Token;
-use crate::config::HttpSettings;
+use crate::config::{HttpSettings, from_here};
 
-/// `http` or `https`.
 pub(super) const fn scheme(http: &HttpSettings) -> &'static str {
     if http.tls.is_some() { "https" } else { "http" }
 }
@@ -15,23 +14,11 @@ pub(super) fn sign_in(http: &HttpSettings, address: SocketAddr, token: &Token) -
     format!("{}://{}/sign-in?token={}", scheme(http), host(http, address), token.reveal())
 }
 
-/// Where this machine finds a door. One that listens on all addresses is at this one too, also in a container whose port is
-/// published; from elsewhere one writes another. It is written alike everywhere, since a browser signed in at `127.0.0.1` is not
-/// signed in at `localhost`.
-pub(super) fn here(address: SocketAddr) -> SocketAddr {
-    let ip = match address.ip() {
-        ip if !ip.is_unspecified() => ip,
-        IpAddr::V4(_) => Ipv4Addr::LOCALHOST.into(),
-        IpAddr::V6(_) => Ipv6Addr::LOCALHOST.into(),
-    };
-    SocketAddr::new(ip, address.port())
-}
-
 /// By what name a browser finds the door: the first that was set, else its address.
 fn host(http: &HttpSettings, address: SocketAddr) -> String {
     match http.hosts.first() {
         Some(name) => format!("{name}:{}", address.port()),
-        None => here(address).to_string(),
+        None => from_here(address).to_string(),
     }
 }
 

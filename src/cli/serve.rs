@@ -2,12 +2,8 @@
 
 use super::{Failure, Serve, link};
 use crate::app::{self, Doors, Entry, Place};
-use crate::config::{Broker, HttpSettings, Settings};
+use crate::config::{Broker, HttpSettings, Settings, from_here};
 
-/// Serves until a signal ends it.
-///
-/// # Errors
-/// Wrong settings, a bad hall file, keys that cannot be had, a port that cannot be had, or a loop that ended by itself.
 pub fn run(flags: &Serve) -> Result<(), Failure> {
     let settings = super::settings(&flags.sources())?;
     app::serve(&settings, |doors, entry| {
@@ -17,7 +13,6 @@ pub fn run(flags: &Serve) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Where it is, and how one gets in.
 fn announcement(settings: &Settings, doors: Doors, entry: &Entry) -> String {
     let coap = doors.coap.map(|coap| format!("\nIts CoAP resources are at coap://{}", found(coap, "--coap")));
     let mqtt = mqtt(settings, doors, entry).map(|mqtt| format!("\nIts MQTT topics are at {mqtt}"));
@@ -51,7 +46,7 @@ fn mqtt(settings: &Settings, doors: Doors, entry: &Entry) -> Option<String> {
 
 /// Where this machine finds a door, whether others find it too, and how to choose where when it is elsewhere than usual.
 fn found(place: Place, flag: &str) -> String {
-    let here = link::here(place.at);
+    let here = from_here(place.at);
     match place.instead_of {
         Some(port) => format!("{here} (another program has port {port}; {flag} localhost:PORT chooses one)"),
         None if here != place.at => format!("{here} (and at the other addresses of this machine)"),

@@ -2,8 +2,7 @@
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::folder::Folder;
-use super::{Failure, link};
+use super::{Failure, Folder, link};
 use crate::access::{Key, KeyFile, Keys, Role};
 use crate::config::{Flag, HttpSettings, Settings, Sources};
 
@@ -52,9 +51,6 @@ enum Part {
 }
 
 /// Does it, and prints the keys that are new or were asked for.
-///
-/// # Errors
-/// Wrong settings, a folder or file that cannot be read or written, a name that is not there or cannot be.
 pub fn run(asked: &Keyrings) -> Result<(), Failure> {
     let settings = super::settings(&asked.sources())?;
     let file = file(&settings)?;

@@ -4,13 +4,10 @@
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 
-/// How both loopback addresses of this machine are called in a setting.
 const LOCALHOST: &str = "localhost";
 
-/// Where a door listens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bind {
-    /// At which addresses.
     pub at: At,
     /// Whether somebody has said so. A port that nobody has chosen gives way when another program has it.
     pub is_chosen: bool,
@@ -62,7 +59,6 @@ impl At {
         self.first().ip().to_canonical().is_loopback()
     }
 
-    /// The same with another port.
     #[must_use]
     pub const fn with_port(self, port: u16) -> At {
         match self {
@@ -70,6 +66,19 @@ impl At {
             At::Address(address) => At::Address(SocketAddr::new(address.ip(), port)),
         }
     }
+}
+
+/// Where this machine finds a door. One that listens on all addresses is at this one too, also in a container whose port is
+/// published; from elsewhere one writes another. It is written alike everywhere, since a browser signed in at `127.0.0.1` is not
+/// signed in at `localhost`.
+#[must_use]
+pub fn from_here(address: SocketAddr) -> SocketAddr {
+    let ip = match address.ip() {
+        ip if !ip.is_unspecified() => ip,
+        IpAddr::V4(_) => Ipv4Addr::LOCALHOST.into(),
+        IpAddr::V6(_) => Ipv6Addr::LOCALHOST.into(),
+    };
+    SocketAddr::new(ip, address.port())
 }
 
 impl fmt::Display for At {

@@ -37,7 +37,6 @@ pub(super) enum NumberOrWord {
     Word(String),
 }
 
-/// Checks every setting.
 pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
     check_types(layers)?;
     Ok(Settings {
@@ -53,7 +52,7 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
         strategy: strategy(layers)?,
         core: core(layers)?,
         sensors: sensors(layers)?,
-        sensor_silence: sensor_silence(layers)?,
+        sensor_silence: number(layers, "temperature.sensor_silence_s").map(Duration::from_secs_f64)?,
         log: log(layers)?,
     })
 }
@@ -72,7 +71,6 @@ fn check_types(layers: &Layers) -> Result<(), SettingsError> {
     })
 }
 
-/// The value of a setting as it is written.
 pub(super) fn read<T: DeserializeOwned>(layers: &Layers, key: &str) -> Result<T, SettingsError> {
     layers.figment().extract_inner(key).map_err(|_| wrong_type(layers, key))
 }
@@ -112,7 +110,6 @@ fn http(layers: &Layers) -> Result<HttpSettings, SettingsError> {
     Ok(HttpSettings { bind, asks_for_keys, hosts, tls: tls(layers)? })
 }
 
-/// Where a door listens.
 pub(super) fn bind(layers: &Layers, key: &str) -> Result<Bind, SettingsError> {
     let written: String = read(layers, key)?;
     let at = At::read(&written).ok_or_else(|| layers.wrong(key, "it is not an address with a port"))?;
@@ -192,10 +189,6 @@ fn sensors(layers: &Layers) -> Result<Vec<Arc<str>>, SettingsError> {
         return Err(layers.wrong("temperature.sensor", format!("there are {} names", sensors.len())));
     }
     Ok(sensors)
-}
-
-fn sensor_silence(layers: &Layers) -> Result<Duration, SettingsError> {
-    number(layers, "temperature.sensor_silence_s").map(Duration::from_secs_f64)
 }
 
 fn log(layers: &Layers) -> Result<String, SettingsError> {

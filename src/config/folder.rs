@@ -3,7 +3,6 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// What the folder is called there.
 const NAME: &str = "hallsweep";
 
 /// The usual folder, by what the environment says; `None` when it names no home.

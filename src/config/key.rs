@@ -6,41 +6,32 @@ use super::Speed;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::units::Celsius;
 
-/// One setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
     /// Its section and name, as `http.bind`.
     pub name: &'static str,
-    /// What can be written there.
     pub kind: Kind,
     /// The flag of the command line that sets it, as `--http`.
     pub flag: Option<&'static str>,
-    /// What to write.
     pub advice: &'static str,
 }
 
-/// What can be written for a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// A text; what it must look like is said where it is checked. From the environment or a flag it is taken letter by letter; of
     /// all others `true` and `1` mean there what they mean in a file.
     Text,
-    /// `true` or `false`.
     YesNo,
     /// Several texts in a list, or a single one.
     Texts,
     /// A number within these bounds, both of which are good.
     Number {
-        /// The least.
         least: f64,
-        /// The greatest.
         most: f64,
     },
     /// The same, or a word.
     NumberOrWord {
-        /// The least.
         least: f64,
-        /// The greatest.
         most: f64,
     },
     /// A whole number of 64 bits.
@@ -65,10 +56,8 @@ const SONAR_NOISE_CM: Kind = Kind::Number { least: 0.0, most: 100.0 };
 /// A sensor that reports more seldom than once an hour does not say how hot it is now.
 const SENSOR_SILENCE_S: Kind = Kind::Number { least: 1.0, most: 3600.0 };
 
-/// What to write for the address of the CoAP door.
 const COAP_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:5683 or [::1]:5683, or none for no such door";
 
-/// What to write for the address of the MQTT door.
 const MQTT_BIND: &str = "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:1883 or [::1]:1883, or none for no such door";
 
 /// The section that has one of its own for each robot, as `[robots.porter]`.
@@ -79,98 +68,62 @@ pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
 pub const KEYS: [Key; 34] = [
-    key("hall.file", Kind::Text, Some("--hall"), "name a built-in hall, as airport, or the path of a .toml or .map file"),
-    key(
-        "http.bind",
-        Kind::Text,
-        Some("--http"),
-        "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080",
-    ),
-    key("http.require_token", Kind::YesNo, None, "write true or false"),
-    key("http.hosts", Kind::Texts, None, "write names without a port in a list, as [\"hall.example\"]"),
-    key(
-        "http.tls_certificate",
-        Kind::Text,
-        None,
-        "name a PEM file with the certificate, and http.tls_key too; or leave both empty",
-    ),
-    key(
+    text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file").set_by("--hall"),
+    text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080")
+        .set_by("--http"),
+    yes_no("http.require_token"),
+    key("http.hosts", Kind::Texts, "write names without a port in a list, as [\"hall.example\"]"),
+    text("http.tls_certificate", "name a PEM file with the certificate, and http.tls_key too; or leave both empty"),
+    text(
         "http.tls_key",
-        Kind::Text,
-        None,
         "name the PEM file with the certificate's private key, and http.tls_certificate too; or leave both empty",
     ),
-    key("coap.bind", Kind::Text, Some("--coap"), COAP_BIND),
-    key("coap.open_to_others", Kind::YesNo, None, "write true or false"),
-    key("mqtt.bind", Kind::Text, Some("--mqtt"), MQTT_BIND),
-    key("mqtt.require_password", Kind::YesNo, None, "write true or false"),
-    key(
+    text("coap.bind", COAP_BIND).set_by("--coap"),
+    yes_no("coap.open_to_others"),
+    text("mqtt.bind", MQTT_BIND).set_by("--mqtt"),
+    yes_no("mqtt.require_password"),
+    text(
         "mqtt.broker",
-        Kind::Text,
-        None,
         "write mqtt://HOST:PORT or mqtts://HOST:PORT, and what it knows us by in mqtt.name and mqtt.password; or nothing",
     ),
-    key("mqtt.name", Kind::Text, None, "write the name by which the broker of mqtt.broker knows hallsweep, or nothing"),
-    key("mqtt.password", Kind::Text, None, "write the password that goes with mqtt.name, or nothing"),
-    key(
+    text("mqtt.name", "write the name by which the broker of mqtt.broker knows hallsweep, or nothing"),
+    text("mqtt.password", "write the password that goes with mqtt.name, or nothing"),
+    text(
         "mqtt.certificates",
-        Kind::Text,
-        None,
         "name a PEM file of the certificates that are believed, for mqtts:// alone; or leave it empty for the system's",
     ),
-    key(
-        "mqtt.prefix",
-        Kind::Text,
-        None,
-        "write 1 to 64 letters, digits, - or _, with single slashes between if need be, as hallsweep",
-    ),
-    key("mqtt.id", Kind::Text, None, "write 1 to 64 letters, digits, - or _, as discovery"),
-    key(
-        "mqtt.old_prefix",
-        Kind::Text,
-        None,
-        "write 1 to 64 letters, digits, - or _, with single slashes between if need be, as unibo/qak",
-    ),
-    key("mqtt.home_assistant", Kind::YesNo, None, "write true or false"),
-    key("old_clients.manual_driving", Kind::YesNo, None, "write true or false"),
-    key(
-        "store.folder",
-        Kind::Text,
-        Some("--data"),
-        "name a folder; or leave it empty for the usual one, or write none so that nothing is kept",
-    ),
-    key("robot.kind", Kind::Text, None, "write one of: sim"),
-    key(
-        "robot.speed",
-        SPEED,
-        Some("--speed"),
-        "write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting",
-    ),
-    key("robot.seed", Kind::Whole, Some("--seed"), "write a whole number from 0 to 18446744073709551615"),
-    key("robot.unknown_rate", RATE, None, "write a rate from 0 (never) to 1 (always)"),
-    key("robot.photo_failure_rate", RATE, None, "write a rate from 0 (never) to 1 (always)"),
-    key("robot.sonar_noise_cm", SONAR_NOISE_CM, None, "write a number of centimetres from 0 to 100"),
-    key("mission.strategy", Kind::Text, Some("--strategy"), "write one of: snail"),
-    key("mission.inspect_everything", Kind::YesNo, None, "write true or false"),
-    key("mission.wall_lines", Kind::YesNo, None, "write true or false"),
-    key("temperature.threshold_celsius", CELSIUS, None, "write degrees Celsius from -60 to 1000, as 25.0"),
-    key("temperature.hysteresis_celsius", HYSTERESIS, None, "write a number of degrees from 0 to 50, as 1.0"),
-    key(
+    text("mqtt.prefix", "write 1 to 64 letters, digits, - or _, with single slashes between if need be, as hallsweep"),
+    text("mqtt.id", "write 1 to 64 letters, digits, - or _, as discovery"),
+    text("mqtt.old_prefix", "write 1 to 64 letters, digits, - or _, with single slashes between if need be, as unibo/qak"),
+    yes_no("mqtt.home_assistant"),
+    yes_no("old_clients.manual_driving"),
+    text("store.folder", "name a folder; or leave it empty for the usual one, or write none so that nothing is kept")
+        .set_by("--data"),
+    text("robot.kind", "write one of: sim"),
+    key("robot.speed", SPEED, "write a factor from 0.1 to 1000 (1 = as a person would watch it), or max for no waiting")
+        .set_by("--speed"),
+    key("robot.seed", Kind::Whole, "write a whole number from 0 to 18446744073709551615").set_by("--seed"),
+    key("robot.unknown_rate", RATE, "write a rate from 0 (never) to 1 (always)"),
+    key("robot.photo_failure_rate", RATE, "write a rate from 0 (never) to 1 (always)"),
+    key("robot.sonar_noise_cm", SONAR_NOISE_CM, "write a number of centimetres from 0 to 100"),
+    text("mission.strategy", "write one of: snail").set_by("--strategy"),
+    yes_no("mission.inspect_everything"),
+    yes_no("mission.wall_lines"),
+    key("temperature.threshold_celsius", CELSIUS, "write degrees Celsius from -60 to 1000, as 25.0"),
+    key("temperature.hysteresis_celsius", HYSTERESIS, "write a number of degrees from 0 to 50, as 1.0"),
+    text(
         "temperature.sensor",
-        Kind::Text,
-        None,
         "write at most 60 names set apart by commas, each of 1 to 64 visible characters and not operator, robot or others, as roof,gate-3; or nothing",
     ),
-    key("temperature.sensor_silence_s", SENSOR_SILENCE_S, None, "write a number of seconds from 1 to 3600, as 10"),
-    key(
-        "log.filter",
-        Kind::Text,
-        None,
-        "write a level (error, warn, info, debug, trace) or targets with levels, as info,hallsweep::doors=debug",
-    ),
+    key("temperature.sensor_silence_s", SENSOR_SILENCE_S, "write a number of seconds from 1 to 3600, as 10"),
+    text("log.filter", "write a level (error, warn, info, debug, trace) or targets with levels, as info,hallsweep::doors=debug"),
 ];
 
 impl Key {
+    const fn set_by(self, flag: &'static str) -> Key {
+        Key { flag: Some(flag), ..self }
+    }
+
     /// The setting of this name. That of a robot with a section of its own, as `robots.porter.seed`, is the one of `[robot]`.
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Key> {
@@ -182,13 +135,11 @@ impl Key {
         KEYS.iter().find(|key| key.name == meant.as_deref().unwrap_or(name))
     }
 
-    /// The setting that a flag of the command line means.
     #[must_use]
     pub fn of_flag(flag: &str) -> Option<&'static Key> {
         KEYS.iter().find(|key| key.flag == Some(flag))
     }
 
-    /// Whether it is a number that is beyond the bounds of the setting.
     #[must_use]
     pub fn is_beyond(&self, number: f64) -> bool {
         match self.kind {
@@ -227,8 +178,16 @@ impl Key {
     }
 }
 
-const fn key(name: &'static str, kind: Kind, flag: Option<&'static str>, advice: &'static str) -> Key {
-    Key { name, kind, flag, advice }
+const fn key(name: &'static str, kind: Kind, advice: &'static str) -> Key {
+    Key { name, kind, flag: None, advice }
+}
+
+const fn text(name: &'static str, advice: &'static str) -> Key {
+    key(name, Kind::Text, advice)
+}
+
+const fn yes_no(name: &'static str) -> Key {
+    key(name, Kind::YesNo, "write true or false")
 }
 
 #[cfg(test)]

@@ -26,28 +26,21 @@ use hallsweep_core::event::RobotId;
 /// The bottom layer, which names every setting.
 pub const DEFAULTS: &str = include_str!("../../config/default.toml");
 
-/// Where the values come from that nobody has set.
 const BY_DEFAULT: &str = "config/default.toml";
 
-/// Where settings are read from.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
-    /// A settings file.
     pub file: Option<PathBuf>,
     /// Names and values of environment variables.
     pub environment: Vec<(String, String)>,
-    /// Flags of the command line.
     pub flags: Vec<Flag>,
 }
 
-/// A setting given on the command line.
 #[derive(Clone, Debug)]
 pub struct Flag {
     /// The flag, as `--http`.
     pub flag: &'static str,
-    /// The setting it means.
     pub key: &'static str,
-    /// What was given.
     pub value: String,
 }
 
@@ -70,7 +63,6 @@ pub(super) struct Layers {
     by_name: Vec<(String, String)>,
 }
 
-/// Some settings from one place.
 struct Layer {
     place: Place,
     origin: String,
@@ -87,10 +79,6 @@ enum Place {
 }
 
 impl Layers {
-    /// Reads all layers.
-    ///
-    /// # Errors
-    /// A file that cannot be read, or a name that is no setting.
     pub(super) fn gather(sources: &Sources) -> Result<Layers, SettingsError> {
         let mut layers = vec![Layer::defaults()];
         layers.extend(sources.file.as_deref().map(Layer::file).transpose()?);
@@ -114,17 +102,14 @@ impl Layers {
         Ok(Layers { merged, further, by_name })
     }
 
-    /// The robots beside the one that searches.
     pub(super) fn further_robots(&self) -> impl ExactSizeIterator<Item = &str> {
         self.further.keys().map(String::as_str)
     }
 
-    /// The values, merged.
     pub(super) fn figment(&self) -> &Figment {
         &self.merged
     }
 
-    /// Says what is wrong with the value of a setting.
     pub(super) fn wrong(&self, key: &str, problem: impl Into<String>) -> SettingsError {
         let advice = Key::named(key).map_or("see config/default.toml", |key| key.advice);
         self.wrong_with_advice(key, problem, advice)
@@ -155,7 +140,6 @@ impl Layers {
         self.origin(key) != BY_DEFAULT
     }
 
-    /// Where the value of a setting comes from.
     pub(super) fn origin(&self, key: &str) -> String {
         let of_its_robot = || self.further.get(key.strip_prefix(ROBOTS)?.strip_prefix('.')?.split('.').next()?).cloned();
         let found = self.merged.find_metadata(key).map(|metadata| metadata.name.to_string());
@@ -243,7 +227,6 @@ impl Layer {
         Ok(Layer { place, origin, values })
     }
 
-    /// What it says of robots by their names.
     fn robots(&self) -> impl Iterator<Item = (&String, &Value)> {
         self.values.get(ROBOTS).and_then(Value::as_dict).into_iter().flatten()
     }
@@ -253,7 +236,6 @@ impl Layer {
         self.robots().find(|(name, _)| *name == RobotId::discovery().name()).and_then(|(_, said)| said.as_dict())
     }
 
-    /// Whether it says something of this setting.
     fn says(&self, section: &str, own: &str) -> bool {
         self.values.get(section).and_then(Value::as_dict).is_some_and(|names| names.contains_key(own))
     }
@@ -269,7 +251,6 @@ impl Layer {
         by_name
     }
 
-    /// Refuses names that are no settings.
     fn check_names(&self) -> Result<(), SettingsError> {
         let unknown =
             |key: String| SettingsError::Unknown { advice: Key::advice_for_unknown(&key), key, origin: self.origin.clone() };

@@ -17,7 +17,6 @@ const ENCRYPTED: u16 = 8883;
 /// A prefix longer than this would leave too little of a topic.
 const LONGEST: usize = 64;
 
-/// The MQTT door.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MqttSettings {
     /// Through which broker it speaks; `None`: there is no such door.
@@ -28,32 +27,23 @@ pub struct MqttSettings {
     pub id: String,
     /// What the topics of the original system begin with, as `unibo/qak`.
     pub old_prefix: String,
-    /// Whether Home Assistant is told of the robot.
     pub home_assistant: bool,
 }
 
-/// A broker.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Broker {
-    /// Our own.
     Own {
-        /// Where it listens.
         bind: Bind,
         /// Whether name and password are asked for: always beyond loopback, and on loopback when it is wanted.
         asks_for_keys: bool,
     },
-    /// Somebody else's.
     Other(OtherBroker),
 }
 
-/// Somebody else's broker.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OtherBroker {
-    /// Its name or address.
     pub host: String,
-    /// Its port.
     pub port: u16,
-    /// Whether it is reached by TLS.
     pub is_encrypted: bool,
     /// By what it knows us, where it asks for that.
     pub login: Option<Login>,
@@ -61,12 +51,9 @@ pub struct OtherBroker {
     pub certificates: Option<PathBuf>,
 }
 
-/// By what a broker knows us.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Login {
-    /// The name.
     pub name: String,
-    /// The password.
     pub password: String,
 }
 
@@ -86,7 +73,6 @@ impl fmt::Debug for Login {
     }
 }
 
-/// Checks the section.
 pub(super) fn mqtt(layers: &Layers) -> Result<MqttSettings, SettingsError> {
     let broker = match read::<String>(layers, "mqtt.broker")?.as_str() {
         "" => own(layers)?,

@@ -15,15 +15,12 @@ pub const MOST_ROBOTS: usize = 8;
 /// What a robot is, and so which adapter speaks to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RobotKind {
-    /// The simulated robot of this program.
     Sim,
 }
 
 impl RobotKind {
-    /// All of them.
     pub const ALL: [RobotKind; 1] = [RobotKind::Sim];
 
-    /// The word of the settings.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -56,7 +53,6 @@ pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, 
     names.map(one).collect()
 }
 
-/// The robot of this section.
 pub(super) fn robot(layers: &Layers, section: &str) -> Result<RobotSettings, SettingsError> {
     let key = |own: &str| format!("{section}.{own}");
     Ok(RobotSettings {

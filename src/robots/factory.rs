@@ -18,23 +18,17 @@ pub struct Robots {
     all: Vec<(RobotId, Robot)>,
 }
 
-/// One of them, by its kind.
 enum Robot {
     Sim(SimRobot),
 }
 
 impl Robots {
-    /// The robots of the settings in the hall of the settings.
-    ///
-    /// # Errors
-    /// The hall cannot be read.
     pub fn of(settings: &Settings) -> Result<Robots, UnusableHall> {
         let hall = sim::hall(settings)?;
         let all = settings.robots().map(|(id, robot)| (id.clone(), Robot::of(id, robot, &hall))).collect();
         Ok(Robots { hall, all })
     }
 
-    /// What the hall is called.
     #[must_use]
     pub fn hall_name(&self) -> &str {
         self.hall.name()

@@ -17,7 +17,6 @@ pub struct Unreadable(pub String);
 /// What of something is sound, and a sentence on each part of the record that is not: what follows from that part is not in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sound<T> {
-    /// What is sound.
     pub of: T,
     /// What is not, in words for an operator; a few of the sentences where there are many.
     pub damage: Vec<String>,
@@ -29,11 +28,9 @@ pub type Happened = (Seq, Result<Entry, Unreadable>);
 /// A mission in one line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MissionRecord {
-    /// Its number.
     pub id: MissionId,
     /// The order of its search, by its name.
     pub strategy: Arc<str>,
-    /// When it began.
     pub began: WallTime,
     /// When it was put away; `None` while it is the present one.
     pub archived: Option<WallTime>,
@@ -41,7 +38,6 @@ pub struct MissionRecord {
     pub phase: Arc<str>,
     /// How many pieces were found.
     pub luggage: u64,
-    /// How many of them are dangerous.
     pub dangerous: u64,
     /// The bombs that were left in place when it was put away.
     pub left: Vec<LuggageId>,
@@ -50,38 +46,19 @@ pub struct MissionRecord {
 /// What is kept and can be read back. Object-safe: the store in memory and the one on disk both are one.
 pub trait Archive: Send + Sync {
     /// The newest photo of a piece, of whatever mission.
-    ///
-    /// # Errors
-    /// When the record cannot be read; so for all of these.
     fn photo(&self, luggage: LuggageId) -> Result<Option<Photo>, Unreadable>;
 
     /// The record of a piece, of whatever mission.
-    ///
-    /// # Errors
-    /// When the record cannot be read.
     fn luggage(&self, luggage: LuggageId) -> Result<Option<Luggage>, Unreadable>;
 
     /// The newest missions older than `before`, newest first, at most `most`.
-    ///
-    /// # Errors
-    /// When the record cannot be read.
     fn missions(&self, before: Option<MissionId>, most: usize) -> Result<Vec<MissionRecord>, Unreadable>;
 
-    /// One mission.
-    ///
-    /// # Errors
-    /// When the record cannot be read.
     fn mission(&self, mission: MissionId) -> Result<Option<MissionRecord>, Unreadable>;
 
     /// What stood when a mission was put away, or stands now: its map and its luggage with it.
-    ///
-    /// # Errors
-    /// When the record cannot be read.
     fn standing(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable>;
 
     /// The entries of a mission after `after`, oldest first, at most `most`.
-    ///
-    /// # Errors
-    /// When the record cannot be read.
     fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable>;
 }

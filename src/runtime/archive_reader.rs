@@ -23,16 +23,12 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// A way into this archive, with a bound of its own.
     #[must_use]
     pub fn new(archive: Arc<dyn Archive>) -> Reader {
         Reader { archive, looks: Arc::new(Semaphore::new(LOOKS)) }
     }
 
     /// Looks something up. Must be called inside a runtime.
-    ///
-    /// # Errors
-    /// When the record cannot be read, or not soon enough.
     pub async fn look_up<T: Send + 'static>(
         &self,
         read: impl FnOnce(&dyn Archive) -> Result<T, Unreadable> + Send + 'static,

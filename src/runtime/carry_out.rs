@@ -15,13 +15,11 @@ const SEEN_TIME: Duration = Duration::from_millis(500);
 /// A command that was carried out: its answer, and a state that contains its effect.
 #[derive(Clone, Debug)]
 pub struct Done {
-    /// The answer.
     pub accepted: Accepted,
     /// A state at least as new as the answer says.
     pub snapshot: Arc<Snapshot>,
 }
 
-/// A command that was not carried out.
 #[derive(Clone, Debug)]
 pub enum NotDone {
     /// The core refused it; the piece of luggage it was about, where it was about one that is known.
@@ -33,9 +31,6 @@ pub enum NotDone {
 impl Handle {
     /// Gives a command at the call, as `give` does; the future waits for what becomes of it. A stop is seen through although
     /// the future is dropped. Must be called inside a runtime.
-    ///
-    /// # Errors
-    /// `NotDone` when it was not carried out, and why.
     #[must_use = "the command is given; what became of it is said by the future"]
     pub fn carry_out(&self, request: Request) -> impl Future<Output = Result<Done, NotDone>> + Send + use<> {
         let about = request.command.luggage();

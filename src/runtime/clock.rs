@@ -22,13 +22,11 @@ impl Default for Clock {
 }
 
 impl Clock {
-    /// A clock that stands elsewhere.
     #[cfg(test)]
     pub(crate) fn off_by(off_ms: i64) -> Clock {
         Clock { off_ms, ..Clock::default() }
     }
 
-    /// The time now, as the core wants it.
     #[must_use]
     pub fn now(&self) -> Now {
         let zoned = jiff::Zoned::now();

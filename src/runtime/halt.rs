@@ -29,7 +29,6 @@ pub struct Halter {
 }
 
 impl Halter {
-    /// A halter at the epoch the core begins with.
     #[must_use]
     pub fn new(epoch: Epoch) -> Halter {
         Halter { halts: watch::Sender::new(Halts { count: 0, epoch }), noted: watch::Sender::new(None) }
@@ -84,7 +83,6 @@ impl HaltWatch {
         HaltWatch { own: Some(own), ..self }
     }
 
-    /// The halts so far.
     #[must_use]
     pub fn now(&self) -> Halts {
         let Halts { count, epoch } = *self.all.borrow();

@@ -18,17 +18,14 @@ pub const COMMANDS: usize = 256;
 /// everybody's commands waiting for a place.
 const LEFT_BY_STOPS: usize = COMMANDS - 32;
 
-/// What is on its way from a door to the loop.
 #[derive(Debug)]
 pub enum Envelope {
-    /// A command, and where its answer goes.
     Command(Request, oneshot::Sender<Answer>),
     /// What a door refused to take from somebody, for the record: who, what was asked for, and why not; and who waits until it is
     /// there, if anybody does.
     Refused(Issuer, String, Refused, Option<oneshot::Sender<Answer>>),
 }
 
-/// The core's answer to a command.
 pub(super) type Answer = Result<Accepted, Refused>;
 
 /// The doors' end: commands in, snapshots out.
@@ -80,11 +77,8 @@ impl Handle {
 
     /// Gives a command: it is stamped and queued at the call, so that commands keep the order in which they were given, and a
     /// stop halts the robots whatever becomes of the future. The future is its answer; for a stop it ends when the robot stands and
-    /// the stop is written down where it outlives the program, or a tenth of a second later (safety S4, S8). Only when the queue is full a command other
-    /// than a stop is queued by its future. Must be called inside a runtime.
-    ///
-    /// # Errors
-    /// `Gone` when the program is shutting down; the inner result is the core's answer.
+    /// the stop is written down where it outlives the program, or a tenth of a second later (safety S4, S8). Only when the queue is
+    /// full a command other than a stop is queued by its future. Must be called inside a runtime.
     #[must_use = "the command is given; whether it was accepted is said by the future"]
     pub fn give(&self, request: Request) -> impl Future<Output = Given> + Send + use<> {
         let request = self.stamp(request);
@@ -109,9 +103,6 @@ impl Handle {
 
     /// Puts on record that a door refused to take a command from somebody (safety A6), and waits until it is there. There is no
     /// wait while nothing can be recorded, nor for what shares an entry with others.
-    ///
-    /// # Errors
-    /// `Gone` when the program is shutting down.
     pub async fn note_refused(&self, issuer: Issuer, asked: String, refused: Refused) -> Result<(), Gone> {
         let (answer, answered) = oneshot::channel();
         let note = Envelope::Refused(issuer, asked, refused, Some(answer));
@@ -134,7 +125,6 @@ impl Handle {
         self.halter.watch().now().epoch
     }
 
-    /// The newest state.
     #[must_use]
     pub fn snapshot(&self) -> Arc<Snapshot> {
         Arc::clone(&self.snapshots.borrow())

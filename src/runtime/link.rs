@@ -23,24 +23,19 @@ pub const REPORTS: usize = 64;
 /// An order, and how many halts there had been when it was sent: after a further one it must not begin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stamped {
-    /// The order.
     pub order: Order,
-    /// The count of halts.
     pub halts: u64,
 }
 
 /// The loop's end of the link.
 #[derive(Debug)]
 pub struct RobotLink {
-    /// Orders to the robot.
     pub orders: mpsc::Sender<Stamped>,
     /// Whether its LED is to blink.
     pub led: watch::Sender<bool>,
-    /// Reports from it.
     pub reports: mpsc::Receiver<RobotEvent>,
     /// How often the core has halted this robot; `halts` counts them with those of all robots.
     pub halt: watch::Sender<u64>,
-    /// The halts that concern this robot.
     pub halts: HaltWatch,
 }
 
@@ -48,13 +43,9 @@ pub struct RobotLink {
 /// order stamped with fewer halts than there have been it answers with `Halted` without beginning it.
 #[derive(Debug)]
 pub struct RobotSide {
-    /// Orders from the loop.
     pub orders: mpsc::Receiver<Stamped>,
-    /// Whether the LED is to blink.
     pub led: watch::Receiver<bool>,
-    /// Reports to it.
     pub reports: mpsc::Sender<RobotEvent>,
-    /// Halts.
     pub halts: HaltWatch,
 }
 

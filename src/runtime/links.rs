@@ -8,7 +8,6 @@ use super::link::{RobotLink, Stamped};
 use hallsweep_core::effect::Order;
 use hallsweep_core::event::{RobotEvent, RobotId};
 
-/// The links to all robots.
 pub(super) struct Links {
     links: Vec<Link>,
     /// Whose report was taken last: the one behind it is asked first, so that none reports over the others.
@@ -49,7 +48,6 @@ impl Links {
         Poll::Pending
     }
 
-    /// The halts so far that concern this robot.
     pub(super) fn halts(&self, robot: &RobotId) -> Halts {
         self.to(robot).map_or_else(Halts::default, |link| link.halts.now())
     }
@@ -64,14 +62,12 @@ impl Links {
         sent.is_ok()
     }
 
-    /// Halts one robot.
     pub(super) fn halt(&self, robot: &RobotId) {
         if let Some(link) = self.to(robot) {
             link.halt.send_modify(|count| *count += 1);
         }
     }
 
-    /// Lets the LED of a robot blink, or not.
     pub(super) fn light(&self, robot: &RobotId, blinks: bool) {
         if let Some(link) = self.to(robot) {
             link.led.send_replace(blinks);

@@ -21,7 +21,6 @@ pub(crate) struct Script {
     pub(crate) publish: watch::Sender<Arc<Snapshot>>,
     /// With what everything is refused from now on.
     pub(crate) refuse: Arc<Mutex<Option<Refused>>>,
-    /// The commands.
     pub(crate) given: Arc<Mutex<Vec<Request>>>,
     /// What a door did not take.
     pub(crate) noted: Arc<Mutex<Vec<Noted>>>,

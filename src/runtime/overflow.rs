@@ -31,7 +31,6 @@ struct Inner {
     news: Notify,
 }
 
-/// All that has come since the last time.
 #[derive(Debug, Default)]
 pub(super) struct Overflow {
     pub(super) stops: Senders<Request>,
@@ -44,12 +43,9 @@ type Senders<T> = BTreeMap<SenderKey, Counted<T>>;
 /// Name, address and door.
 type SenderKey = (Arc<str>, Arc<str>, Door);
 
-/// What one sender has sent.
 #[derive(Debug)]
 pub(super) struct Counted<T> {
-    /// The last of it.
     pub(super) last: T,
-    /// How much there was.
     pub(super) count: u64,
     /// Where it is answered, as far as somebody waits for it.
     pub(super) answers: Vec<oneshot::Sender<Answer>>,
@@ -57,7 +53,6 @@ pub(super) struct Counted<T> {
     look_at: usize,
 }
 
-/// Both ends.
 pub(super) fn overflow() -> (OverflowIn, OverflowOut) {
     let inner = Arc::new(Inner { overflow: Mutex::new(Some(Overflow::default())), news: Notify::new() });
     (OverflowIn(Arc::clone(&inner)), OverflowOut(inner))
@@ -84,12 +79,10 @@ impl OverflowIn {
 }
 
 impl OverflowOut {
-    /// All that was put in since the last time.
     pub(super) fn take(&self) -> Overflow {
         self.0.lock().as_mut().map(std::mem::take).unwrap_or_default()
     }
 
-    /// Waits until there is something to take.
     pub(super) async fn news(&self) {
         self.0.news.notified().await;
     }

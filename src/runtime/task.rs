@@ -13,19 +13,17 @@ use super::link::RobotLink;
 use super::links::Links;
 use super::overflow::{Counted, Overflow, OverflowOut};
 use super::store::{Store, StoreStatus};
-use hallsweep_core::command::{Command, Issuer, Refused, Request};
+use hallsweep_core::command::{Command, Issuer, Refused};
 use hallsweep_core::effect::{Effect, Order};
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Event, RobotEvent, RobotId};
 use hallsweep_core::units::{Epoch, Seq, Ticket};
 use hallsweep_core::world::snapshot::Snapshot;
 
-/// The loop, not yet running.
 pub struct Task {
     engine: Engine,
     links: Links,
     store: Box<dyn Store>,
-    /// What the store says of the entries it was given.
     word: watch::Receiver<StoreStatus>,
     clock: Clock,
     halts: HaltWatch,
@@ -46,7 +44,6 @@ pub struct Task {
     is_ending: bool,
 }
 
-/// How far the program has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Course {
     /// What asked it to end, if something has: the robot halts then, and who has asked for something is still answered.
@@ -69,7 +66,6 @@ impl Task {
         let snapshots = watch::Sender::new(engine.snapshot());
         let halts = halter.watch();
         let (handle, overflow) = Handle::with_overflow(commands_out, snapshots.subscribe(), halter);
-        let answers = BTreeMap::new();
         let word = store.word();
         let task = Task {
             engine,
@@ -82,7 +78,7 @@ impl Task {
             commands,
             overflow,
             snapshots,
-            answers,
+            answers: BTreeMap::new(),
             refusals: VecDeque::new(),
             store_failed: false,
             losses: 0,
@@ -160,7 +156,10 @@ impl Task {
     fn take(&mut self, envelope: Envelope) {
         self.hear_halts();
         match envelope {
-            Envelope::Command(request, answer) => self.take_command(request, answer),
+            Envelope::Command(request, answer) => {
+                let given = self.engine.handle_command(request, self.clock.now());
+                self.await_answer(given, vec![answer]);
+            }
             Envelope::Refused(issuer, asked, refused, answer) => self.note_refused(issuer, asked, refused, answer),
         }
     }
@@ -174,11 +173,6 @@ impl Task {
             // Whoever asked may have gone away.
             let _ = answer.send(Err(refused));
         }
-    }
-
-    fn take_command(&mut self, request: Request, answer: oneshot::Sender<Answer>) {
-        let given = self.engine.handle_command(request, self.clock.now());
-        self.await_answer(given, vec![answer]);
     }
 
     fn await_answer(&mut self, given: Result<Ticket, Refused>, answers: Vec<oneshot::Sender<Answer>>) {
@@ -202,7 +196,10 @@ impl Task {
                     Effect::Led(robot, blinks) => self.links.light(&robot, blinks),
                     Effect::Record(page) => {
                         self.store.record(page, self.losses);
-                        self.hear_store_at_once();
+                        // A store that has said its word already need not wait for the next round.
+                        if self.word.has_changed().unwrap_or(false) {
+                            self.hear_store();
+                        }
                     }
                     Effect::Answer(ticket, answer) => answers.push((ticket, answer)),
                 }
@@ -233,13 +230,6 @@ impl Task {
                 // Whoever asked may have gone away; the command was carried out all the same.
                 let _ = waiting.send(answer.clone());
             }
-        }
-    }
-
-    /// A store that has said its word already need not wait for the next round.
-    fn hear_store_at_once(&mut self) {
-        if self.word.has_changed().unwrap_or(false) {
-            self.hear_store();
         }
     }
 

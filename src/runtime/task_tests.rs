@@ -8,7 +8,7 @@ use crate::runtime::handle::Given;
 use crate::runtime::link::Stamped;
 use crate::runtime::link::{RobotSide, link};
 use crate::runtime::within::within;
-use hallsweep_core::command::{Command, Door, Issuer, TemperatureReport};
+use hallsweep_core::command::{Command, Door, Issuer, Request, TemperatureReport};
 use hallsweep_core::effect::{Action, Fact, Page};
 use hallsweep_core::event::{Capabilities, Parts, RobotId};
 use hallsweep_core::mission::{Hold, PhaseName};

@@ -21,9 +21,6 @@ pub struct Thread {
 
 impl Thread {
     /// Starts a thread; `name`, of at most 15 bytes, is what the system shows.
-    ///
-    /// # Errors
-    /// The system gives no thread, or no timers and sockets for it.
     pub fn start(name: &str) -> io::Result<Thread> {
         let runtime = Builder::new_current_thread().enable_all().build()?;
         let handle = runtime.handle().clone();
@@ -38,7 +35,6 @@ impl Thread {
         Ok(Thread { handle, end: Some(end), ended })
     }
 
-    /// By which tasks are started on it.
     #[must_use]
     pub const fn handle(&self) -> &Handle {
         &self.handle

@@ -6,28 +6,23 @@ use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, Read};
 use std::path::Path;
 
-/// What is wrong with a file that cannot be opened: see `check_plain`.
-const DANGLING: &str = "it is a link that leads nowhere";
-
 /// Fails, with the reason in a few words, when something else than a plain file has this name. That nothing has it is none.
 pub(crate) fn check_plain(path: &Path) -> io::Result<()> {
-    match fs::metadata(path) {
-        Ok(there) if there.is_file() => Ok(()),
-        Ok(there) => {
-            Err(io::Error::other(if there.is_dir() { "it is a folder" } else { "it is no plain file, but a pipe or a device" }))
-        }
-        Err(error) if error.kind() == io::ErrorKind::NotFound && is_link(path) => Err(io::Error::other(DANGLING)),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        Err(error) => Err(error),
-    }
+    const SPECIAL: &str = "it is no plain file, but a pipe or a device";
+    check(path, |there| (!there.is_file()).then(|| if there.is_dir() { "it is a folder" } else { SPECIAL }))
 }
 
 /// The same for a folder.
 pub(crate) fn check_folder(path: &Path) -> io::Result<()> {
+    check(path, |there| (!there.is_dir()).then_some("it is not a folder"))
+}
+
+fn check(path: &Path, wrong: impl Fn(&fs::Metadata) -> Option<&'static str>) -> io::Result<()> {
     match fs::metadata(path) {
-        Ok(there) if there.is_dir() => Ok(()),
-        Ok(_) => Err(io::Error::other("it is not a folder")),
-        Err(error) if error.kind() == io::ErrorKind::NotFound && is_link(path) => Err(io::Error::other(DANGLING)),
+        Ok(there) => wrong(&there).map_or(Ok(()), |wrong| Err(io::Error::other(wrong))),
+        Err(error) if error.kind() == io::ErrorKind::NotFound && is_link(path) => {
+            Err(io::Error::other("it is a link that leads nowhere"))
+        }
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
         Err(error) => Err(error),
     }
@@ -39,6 +34,14 @@ pub(crate) fn read(path: &Path, most: usize) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     File::open(path)?.take(most as u64 + 1).read_to_end(&mut bytes)?;
     Ok(bytes)
+}
+
+/// The same; `None` where there is no such file.
+pub(crate) fn read_if_there(path: &Path, most: usize) -> io::Result<Option<Vec<u8>>> {
+    match read(path, most) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        read => read.map(Some),
+    }
 }
 
 /// Opens a plain file as `options` say; one that is made by that is private.
@@ -117,22 +120,7 @@ mod tests {
     use std::os::unix::fs::PermissionsExt;
 
     use super::*;
-
-    struct Scratch(std::path::PathBuf);
-
-    impl Scratch {
-        fn new(name: &str) -> Scratch {
-            let path = std::env::temp_dir().join(format!("hallsweep-files-{}-{name}", std::process::id()));
-            fs::create_dir(&path).expect("the folder of temporary files takes it");
-            Scratch(path)
-        }
-    }
-
-    impl Drop for Scratch {
-        fn drop(&mut self) {
-            let _ = fs::remove_dir_all(&self.0);
-        }
-    }
+    use crate::storage::scratch::Scratch;
 
     fn mode(path: &Path) -> u32 {
         fs::metadata(path).expect("it is there").permissions().mode() & 0o777
@@ -141,7 +129,7 @@ mod tests {
     /// Safety R5.
     #[test]
     fn what_is_no_plain_file_is_said_to_be_none_and_not_waited_for() {
-        let scratch = Scratch::new("plain");
+        let scratch = Scratch::new();
         let at = |name: &str| scratch.0.join(name);
         assert!(std::process::Command::new("mkfifo").arg(at("pipe")).status().unwrap().success());
         std::os::unix::fs::symlink("/nowhere/at/all", at("link")).unwrap();
@@ -159,7 +147,7 @@ mod tests {
 
     #[test]
     fn what_is_made_is_private_or_the_groups_where_the_folder_is() {
-        let scratch = Scratch::new("modes");
+        let scratch = Scratch::new();
         for (folder, file, inner) in [(0o755, 0o600, 0o700), (0o700, 0o600, 0o700), (0o770, 0o660, 0o770), (0o2775, 0o660, 0o770)]
         {
             let above = scratch.0.join(format!("{folder:o}"));

@@ -34,10 +34,7 @@ impl SmallFile {
 
     /// What stands in it, and one byte more than `most` when it has more than that; `None` where there is no such file.
     pub(crate) fn read(&self, most: usize) -> io::Result<Option<Vec<u8>>> {
-        match files::read(&self.path, most) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-            read => read.map(Some),
-        }
+        files::read_if_there(&self.path, most)
     }
 
     /// What the file is called until it is whole.

@@ -20,7 +20,6 @@ use crate::storage::files;
 use crate::storage::small_file::SmallFile;
 use hallsweep_core::units::Epoch;
 
-/// The name of the file in the data folder.
 const FILE: &str = "stops";
 
 /// How a line begins: whose it is, and its version.
@@ -38,7 +37,6 @@ const GREATEST: u64 = i64::MAX as u64;
 /// So long after the file could not be written it is tried again, when nobody stops before.
 const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
-/// The file, and what stands in it.
 #[derive(Debug)]
 pub struct Stops {
     file: SmallFile,
@@ -185,7 +183,6 @@ fn epoch_of(bytes: &[u8]) -> Option<Epoch> {
     (line(epoch).as_bytes() == bytes).then_some(epoch)
 }
 
-/// Where a line stands in the file.
 const fn place(line: usize) -> u64 {
     (line * LINE) as u64
 }

@@ -1,39 +1,20 @@
 //! What the file that remembers STOP survives: kills, damage, any bytes at all. Kept apart from `stops` because there is much of it.
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU32, Ordering};
 
 use proptest::prelude::*;
 
 use super::*;
 use crate::runtime::halt::Halter;
 use crate::runtime::within::within;
+use crate::storage::scratch::Scratch;
 
-/// A folder of one test.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new() -> Scratch {
-        static NUMBER: AtomicU32 = AtomicU32::new(0);
-        let name = format!("hallsweep-stops-{}-{}", std::process::id(), NUMBER.fetch_add(1, Ordering::Relaxed));
-        let path = std::env::temp_dir().join(name);
-        std::fs::create_dir(&path).expect("a fresh folder");
-        Scratch(path)
-    }
-
-    fn file(&self) -> PathBuf {
-        self.0.join(FILE)
-    }
-
-    fn bytes(&self) -> Vec<u8> {
-        std::fs::read(self.file()).expect("it is there")
-    }
+fn file_in(scratch: &Scratch) -> PathBuf {
+    scratch.0.join(FILE)
 }
 
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
+fn bytes_in(scratch: &Scratch) -> Vec<u8> {
+    std::fs::read(file_in(scratch)).expect("it is there")
 }
 
 /// Safety S4.
@@ -41,7 +22,7 @@ impl Drop for Scratch {
 fn the_last_stop_is_read_again() {
     let scratch = Scratch::new();
     assert_eq!(Stops::open(&scratch.0).epoch(), Epoch(0));
-    assert_eq!(scratch.bytes().len(), SIZE, "there is room for every stop to come");
+    assert_eq!(bytes_in(&scratch).len(), SIZE, "there is room for every stop to come");
     for last in [1, 2, 3, 7, 8, 1_000_000_007] {
         let mut stops = Stops::open(&scratch.0);
         stops.keep(Epoch(last));
@@ -52,7 +33,7 @@ fn the_last_stop_is_read_again() {
     let mut stops = Stops::open(&scratch.0);
     (2_000_000_000..2_000_000_009).for_each(|epoch| stops.keep(Epoch(epoch)));
     assert_eq!(Stops::open(&scratch.0).epoch(), Epoch(2_000_000_008));
-    assert_eq!(scratch.bytes().len(), SIZE);
+    assert_eq!(bytes_in(&scratch).len(), SIZE);
 }
 
 #[test]
@@ -61,12 +42,12 @@ fn a_line_that_was_cut_short_costs_only_itself() {
     let mut stops = Stops::open(&scratch.0);
     stops.keep(Epoch(4));
     stops.keep(Epoch(5));
-    let whole = scratch.bytes();
+    let whole = bytes_in(&scratch);
     let newer = usize::from(understood(&whole).expect("it was just written").line == 1) * LINE;
     for cut in 0..LINE {
         let mut torn = whole.clone();
         torn[newer + cut] ^= 0x20;
-        std::fs::write(scratch.file(), &torn).unwrap();
+        std::fs::write(file_in(&scratch), &torn).unwrap();
         let mut stops = Stops::open(&scratch.0);
         assert_eq!(stops.epoch(), Epoch(4), "byte {cut}");
         stops.keep(Epoch(6));
@@ -74,9 +55,9 @@ fn a_line_that_was_cut_short_costs_only_itself() {
     }
     // Opened again it writes over the older line, so that a kill in the middle of that costs nothing that was there.
     for epochs in [[7, 6], [6, 7]] {
-        std::fs::write(scratch.file(), epochs.map(|epoch| line(Epoch(epoch))).concat()).unwrap();
+        std::fs::write(file_in(&scratch), epochs.map(|epoch| line(Epoch(epoch))).concat()).unwrap();
         Stops::open(&scratch.0).keep(Epoch(8));
-        let mut left: Vec<_> = scratch.bytes().chunks(LINE).map(epoch_of).collect();
+        let mut left: Vec<_> = bytes_in(&scratch).chunks(LINE).map(epoch_of).collect();
         left.sort();
         assert_eq!(left, [Some(Epoch(7)), Some(Epoch(8))]);
     }
@@ -87,10 +68,10 @@ fn a_file_that_says_nothing_is_begun_anew() {
     let never = line(Epoch(u64::MAX)).repeat(2);
     for bytes in [&b""[..], b"stop", &[0; SIZE], &[b'x'; SIZE + 1], never.as_bytes()] {
         let scratch = Scratch::new();
-        std::fs::write(scratch.file(), bytes).unwrap();
+        std::fs::write(file_in(&scratch), bytes).unwrap();
         let mut stops = Stops::open(&scratch.0);
-        assert_eq!((stops.epoch(), scratch.bytes().len()), (Epoch(0), SIZE));
-        assert_eq!(stops.damaged(), Some(&*scratch.file()), "nobody knows what it said");
+        assert_eq!((stops.epoch(), bytes_in(&scratch).len()), (Epoch(0), SIZE));
+        assert_eq!(stops.damaged(), Some(&*file_in(&scratch)), "nobody knows what it said");
         stops.keep(Epoch(3));
         assert_eq!(Stops::open(&scratch.0).epoch(), Epoch(3));
     }
@@ -102,7 +83,7 @@ fn it_is_for_its_owner_alone_and_nothing_else_is_left_there() {
     use std::os::unix::fs::PermissionsExt;
     let scratch = Scratch::new();
     Stops::open(&scratch.0).keep(Epoch(1));
-    assert_eq!(std::fs::metadata(scratch.file()).unwrap().permissions().mode() & 0o777, 0o600);
+    assert_eq!(std::fs::metadata(file_in(&scratch)).unwrap().permissions().mode() & 0o777, 0o600);
     assert_eq!(std::fs::read_dir(&scratch.0).unwrap().count(), 1);
 }
 
@@ -130,7 +111,7 @@ async fn what_could_not_be_written_is_written_as_soon_as_it_can_be() {
 }
 
 /// Safety S4: whoever was answered finds it written.
-#[tokio::test]
+#[tokio::test(start_paused = true)]
 async fn a_stop_that_was_noted_stands_in_the_file() {
     let scratch = Scratch::new();
     let halter = Halter::new(Epoch(0));

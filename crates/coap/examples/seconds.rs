@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn answer(request: &Request, now: Duration) -> Response {
     match (request.method, request.path_text().as_str()) {
         (Method::Get, "/seconds") => Response::content(Format::TEXT, now.as_secs().to_string().into_bytes()),
-        (_, "/seconds") => Response::refusal(Code::METHOD_NOT_ALLOWED, "it can only be read".to_owned()),
+        (_, "/seconds") => Response::refusal(Code::METHOD_NOT_ALLOWED, "it can only be read"),
         (_, path) => Response::refusal(Code::NOT_FOUND, format!("there is no {path}")),
     }
 }

@@ -21,7 +21,7 @@ pub struct Backlog {
 }
 
 impl Backlog {
-    /// Room for what comes; `is_urgent` says which requests are urgent, as in `Endpoint::with_stop`.
+    /// Room for what comes; `is_urgent` says which requests are urgent, as in `Endpoint::with_urgent`.
     #[must_use]
     pub fn new(is_urgent: fn(&Request) -> bool) -> Backlog {
         let [urgent, commands] = [URGENT_WAITING, COMMANDS_WAITING].map(Queue::of);

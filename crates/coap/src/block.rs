@@ -18,7 +18,6 @@ use super::response::Response;
 pub(super) struct Block {
     /// Which block, of 20 bits.
     pub(super) number: u32,
-    /// Whether more follow.
     pub(super) more: bool,
     /// The size is 2 to the power of this and 4: 0 to 6.
     pub(super) exponent: u8,
@@ -29,25 +28,21 @@ impl Block {
     pub(super) const FIRST: Block = Block { number: 0, more: false, exponent: (BLOCK / 16).ilog2() as u8 };
 
     /// The block that an option's value names; `None` for the reserved size exponent 7.
-    #[must_use]
     pub(super) fn of(value: u32) -> Option<Block> {
         let exponent = (value & 7) as u8;
         (exponent < 7).then_some(Block { number: value >> 4, more: value & 8 != 0, exponent })
     }
 
-    #[must_use]
     pub(super) fn value(self) -> u32 {
         (self.number << 4) | (u32::from(self.more) << 3) | u32::from(self.exponent)
     }
 
     /// How many bytes it has, unless it is the last.
-    #[must_use]
     pub(super) const fn size(self) -> usize {
         16 << self.exponent
     }
 
     /// This block of a body of `length` bytes, and where its bytes are; `None` past the end. An empty body has one block.
-    #[must_use]
     pub(super) fn within(self, length: usize) -> Option<(Block, Range<usize>)> {
         let start = self.size().checked_mul(usize::try_from(self.number).ok()?)?;
         if start > 0 && start >= length {
@@ -58,27 +53,19 @@ impl Block {
     }
 }
 
-/// What becomes of a block of a request's body.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Taken {
-    /// It was the last: here is all of it.
     Whole(Vec<u8>),
-    /// The next one, please.
     More,
 }
 
-/// Which body a block belongs to.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct BodyKey {
-    /// Whose.
     pub(super) peer: SocketAddr,
-    /// For which method,
     pub(super) method: Method,
-    /// at which path,
     pub(super) path: Vec<String>,
-    /// with which query,
     pub(super) queries: Vec<String>,
-    /// and which tags (RFC 9175, section 3).
+    /// RFC 9175, section 3.
     pub(super) tags: Vec<Vec<u8>>,
 }
 
@@ -92,24 +79,17 @@ pub(super) struct Assemblies {
 type Bodies = LinkedHashMap<BodyKey, (Duration, Vec<u8>)>;
 
 impl Assemblies {
-    #[must_use]
     pub(super) fn count(&self) -> usize {
         self.here.len() + self.beyond.len()
     }
 
-    /// Takes a block of a body.
-    ///
-    /// # Errors
     /// 4.00 for a block that is not full although more follow, 4.08 when one is missing, 4.13 for a body that is too large.
     pub(super) fn take(&mut self, key: BodyKey, block: Block, bytes: &[u8], now: Duration) -> Result<Taken, Response> {
         let bodies = if is_this_machine(key.peer.ip()) { &mut self.here } else { &mut self.beyond };
         let before = bodies.remove(&key).filter(|(since, _)| !is_over(*since, now)).map(|(_, body)| body);
         let mut body = if block.number == 0 { Vec::new() } else { before.unwrap_or_default() };
         if bytes.len() > block.size() || (block.more && bytes.len() < block.size()) {
-            return Err(Response::refusal(
-                Code::BAD_REQUEST,
-                "a block that is followed by more is as long as it says".to_owned(),
-            ));
+            return Err(Response::refusal(Code::BAD_REQUEST, "a block that is followed by more is as long as it says"));
         }
         let start = usize::try_from(block.number).unwrap_or(usize::MAX).saturating_mul(block.size());
         if start.saturating_add(bytes.len()) > BODY {
@@ -121,7 +101,7 @@ impl Assemblies {
             return Ok(Taken::More);
         }
         if start != body.len() {
-            return Err(Response::refusal(Code::INCOMPLETE, "a block is missing: begin again with the first".to_owned()));
+            return Err(Response::refusal(Code::INCOMPLETE, "a block is missing: begin again with the first"));
         }
         body.extend_from_slice(bytes);
         if !block.more {
@@ -135,8 +115,6 @@ impl Assemblies {
     }
 }
 
-/// 4.13: the body is larger than any command.
-#[must_use]
 pub(super) fn too_large() -> Response {
     Response::refusal(Code::TOO_LARGE, format!("the body is larger than {BODY} bytes: a command is a few dozen"))
 }

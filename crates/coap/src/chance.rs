@@ -4,11 +4,9 @@
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 
-/// Random numbers for one purpose.
 #[derive(Clone, Debug)]
 pub(super) struct Chance(ChaCha8Rng);
 
-/// What numbers are drawn for.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Purpose {
     /// The times between retransmissions.
@@ -18,8 +16,6 @@ pub(super) enum Purpose {
 }
 
 impl Chance {
-    /// The numbers for a purpose under this seed.
-    #[must_use]
     pub(super) fn new(seed: u64, purpose: Purpose) -> Chance {
         let mut numbers = ChaCha8Rng::seed_from_u64(seed);
         numbers.set_stream(purpose as u64);
@@ -32,7 +28,6 @@ impl Chance {
         (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// A number of 16 bits, each as likely.
     pub(super) fn number(&mut self) -> u16 {
         (self.0.next_u64() >> 48) as u16
     }

@@ -6,67 +6,55 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Code(pub u8);
 
-/// Declares the codes that are sent.
 macro_rules! codes {
-    ($($(#[$doc:meta])* $name:ident = $class:literal . $detail:literal;)*) => {
+    ($($(#[$doc:meta])* $name:ident = $written:literal;)*) => {
         impl Code {
-            $($(#[$doc])* pub const $name: Code = Code(($class << 5) | $detail);)*
+            $(#[doc = $written] #[doc = ""] $(#[$doc])* pub const $name: Code = Code::written($written);)*
         }
     };
 }
 
 codes! {
-    /// 0.00: no request and no response.
-    EMPTY = 0 . 0;
-    /// 2.01
-    CREATED = 2 . 1;
-    /// 2.02
-    DELETED = 2 . 2;
-    /// 2.03: what the client has is still so.
-    VALID = 2 . 3;
-    /// 2.04
-    CHANGED = 2 . 4;
-    /// 2.05
-    CONTENT = 2 . 5;
-    /// 2.31: the next block, please.
-    CONTINUE = 2 . 31;
-    /// 4.00
-    BAD_REQUEST = 4 . 0;
-    /// 4.01
-    UNAUTHORIZED = 4 . 1;
-    /// 4.02: a critical option that is not understood.
-    BAD_OPTION = 4 . 2;
-    /// 4.03
-    FORBIDDEN = 4 . 3;
-    /// 4.04
-    NOT_FOUND = 4 . 4;
-    /// 4.05
-    METHOD_NOT_ALLOWED = 4 . 5;
-    /// 4.06
-    NOT_ACCEPTABLE = 4 . 6;
-    /// 4.08: blocks are missing.
-    INCOMPLETE = 4 . 8;
-    /// 4.09 (RFC 8132)
-    CONFLICT = 4 . 9;
-    /// 4.12
-    PRECONDITION_FAILED = 4 . 12;
-    /// 4.13
-    TOO_LARGE = 4 . 13;
-    /// 4.15
-    UNSUPPORTED_FORMAT = 4 . 15;
-    /// 4.22 (RFC 8132)
-    UNPROCESSABLE = 4 . 22;
-    /// 4.29 (RFC 8516)
-    TOO_MANY_REQUESTS = 4 . 29;
-    /// 5.00
-    INTERNAL = 5 . 0;
-    /// 5.03
-    UNAVAILABLE = 5 . 3;
-    /// 5.05
-    NO_PROXY = 5 . 5;
+    /// No request and no response.
+    EMPTY = "0.00";
+    CREATED = "2.01";
+    DELETED = "2.02";
+    /// What the client has is still so.
+    VALID = "2.03";
+    CHANGED = "2.04";
+    CONTENT = "2.05";
+    /// The next block, please.
+    CONTINUE = "2.31";
+    BAD_REQUEST = "4.00";
+    UNAUTHORIZED = "4.01";
+    /// A critical option that is not understood.
+    BAD_OPTION = "4.02";
+    FORBIDDEN = "4.03";
+    NOT_FOUND = "4.04";
+    METHOD_NOT_ALLOWED = "4.05";
+    NOT_ACCEPTABLE = "4.06";
+    /// Blocks are missing.
+    INCOMPLETE = "4.08";
+    /// RFC 8132
+    CONFLICT = "4.09";
+    PRECONDITION_FAILED = "4.12";
+    TOO_LARGE = "4.13";
+    UNSUPPORTED_FORMAT = "4.15";
+    /// RFC 8132
+    UNPROCESSABLE = "4.22";
+    /// RFC 8516
+    TOO_MANY_REQUESTS = "4.29";
+    INTERNAL = "5.00";
+    UNAVAILABLE = "5.03";
+    NO_PROXY = "5.05";
 }
 
 impl Code {
+    const fn written(text: &str) -> Code {
+        let [class, b'.', tens, ones] = *text.as_bytes() else { panic!("a code is written as `2.05`") };
+        Code((class - b'0') << 5 | ((tens - b'0') * 10 + (ones - b'0')))
+    }
+
     /// The class: 0 request, 2 success, 4 the client's mistake, 5 the server's.
     #[must_use]
     pub const fn class(self) -> u8 {
@@ -94,37 +82,23 @@ impl fmt::Display for Code {
 
 /// What a request asks to be done (RFC 7252, section 5.8, and RFC 8132).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(missing_docs, reason = "the names are those of the RFCs")]
 pub enum Method {
-    /// 0.01
-    Get,
-    /// 0.02
+    Get = 1,
     Post,
-    /// 0.03
     Put,
-    /// 0.04
     Delete,
-    /// 0.05
     Fetch,
-    /// 0.06
     Patch,
-    /// 0.07
     IPatch,
 }
 
 impl Method {
     /// The method of a request's code; `None` when there is none.
     #[must_use]
-    pub const fn of(code: Code) -> Option<Method> {
-        Some(match code.0 {
-            1 => Method::Get,
-            2 => Method::Post,
-            3 => Method::Put,
-            4 => Method::Delete,
-            5 => Method::Fetch,
-            6 => Method::Patch,
-            7 => Method::IPatch,
-            _ => return None,
-        })
+    pub fn of(code: Code) -> Option<Method> {
+        use Method::{Delete, Fetch, Get, IPatch, Patch, Post, Put};
+        [Get, Post, Put, Delete, Fetch, Patch, IPatch].into_iter().find(|method| method.code() == code)
     }
 
     /// Whether it changes nothing, so that it may be done again (RFC 7252, section 5.1).
@@ -136,15 +110,7 @@ impl Method {
     /// Its code on the wire.
     #[must_use]
     pub const fn code(self) -> Code {
-        Code(match self {
-            Method::Get => 1,
-            Method::Post => 2,
-            Method::Put => 3,
-            Method::Delete => 4,
-            Method::Fetch => 5,
-            Method::Patch => 6,
-            Method::IPatch => 7,
-        })
+        Code(self as u8)
     }
 
     /// The word for records, as `PUT`.

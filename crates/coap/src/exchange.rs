@@ -11,20 +11,15 @@ use super::ExchangeId;
 use super::limits::{EXCHANGE_LIFETIME, EXCHANGES};
 use super::shares::Shares;
 
-/// What one message is known by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct MessageKey {
-    /// Whose.
     pub(super) peer: SocketAddr,
-    /// The id its sender gave it,
     pub(super) id: u16,
-    /// and what it is: a sender that counts from 0 again, or has its port from another, is not taken for repeating itself.
+    /// What it is: a sender that counts from 0 again, or has its port from another, is not taken for repeating itself.
     pub(super) digest: u64,
 }
 
 impl MessageKey {
-    /// That of a message that came as this datagram.
-    #[must_use]
     pub(super) fn of(peer: SocketAddr, id: u16, datagram: &[u8]) -> MessageKey {
         let mut hasher = DefaultHasher::new();
         hasher.write(datagram);
@@ -35,7 +30,6 @@ impl MessageKey {
 /// What is known of a message that came before.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum KnownMessage {
-    /// It is still being answered, as this exchange.
     Open(ExchangeId),
     /// It was answered with this datagram; with nothing, when it is empty.
     Answered(Vec<u8>),
@@ -57,7 +51,6 @@ struct Table {
 }
 
 impl Table {
-    /// Forgets what is over.
     fn clear(&mut self, now: Duration) {
         while self.messages.front().is_some_and(|(_, (since, _))| is_over(*since, now)) {
             if let Some((key, _)) = self.messages.pop_front() {
@@ -80,13 +73,10 @@ impl Table {
 }
 
 impl Exchanges {
-    #[must_use]
     pub(super) fn count(&self) -> usize {
         self.reads.messages.len() + self.commands.messages.len()
     }
 
-    /// What is known of this message, if it came before.
-    #[must_use]
     pub(super) fn known(&mut self, key: MessageKey, now: Duration) -> Option<&KnownMessage> {
         // From here on the same id is another message.
         for table in [&mut self.reads, &mut self.commands] {
@@ -101,7 +91,6 @@ impl Exchanges {
         table.insert(key, (now, KnownMessage::Open(exchange)));
     }
 
-    /// Remembers what a message was answered with.
     pub(super) fn answered(&mut self, key: MessageKey, datagram: &[u8]) {
         for table in [&mut self.reads, &mut self.commands] {
             if let Some((_, known)) = table.messages.get_mut(&key) {
@@ -113,7 +102,6 @@ impl Exchanges {
 }
 
 /// Whether what a message began is over (RFC 7252, section 4.8.2), so that it need not be remembered any more.
-#[must_use]
 pub(super) fn is_over(since: Duration, now: Duration) -> bool {
     now > since + EXCHANGE_LIFETIME
 }

@@ -24,7 +24,6 @@ pub(super) struct Guard {
     networks: LinkedHashMap<Network, Bucket>,
 }
 
-/// An address beyond this machine.
 #[derive(Clone, Copy, Debug, Default)]
 struct Stranger {
     /// Bytes that came from there,
@@ -43,18 +42,14 @@ struct Bucket {
 }
 
 impl Guard {
-    /// A guard whose proofs are made with this secret.
-    #[must_use]
     pub(super) fn new(secret: &[u8]) -> Guard {
         Guard { secret: secret.to_vec(), peers: LinkedHashMap::new(), networks: LinkedHashMap::new() }
     }
 
-    #[must_use]
     pub(super) fn count(&self) -> usize {
         self.peers.len() + self.networks.len()
     }
 
-    /// Notes that so many bytes came from an address.
     pub(super) fn received(&mut self, peer: SocketAddr, bytes: usize) {
         if is_this_machine(peer.ip()) {
             return;
@@ -88,14 +83,12 @@ impl Guard {
     }
 
     /// Whether it is known that this address hears what is sent to it.
-    #[must_use]
     pub(super) fn is_proved(&self, peer: SocketAddr, now: Duration) -> bool {
         is_this_machine(peer.ip())
             || self.peers.get(&peer).and_then(|stranger| stranger.proved).is_some_and(|at| now <= at + PROVED)
     }
 
     /// Whether a datagram of this length may go there now.
-    #[must_use]
     pub(super) fn has_room(&self, peer: SocketAddr, length: usize, now: Duration) -> bool {
         let fits = |stranger: &Stranger| stranger.sent + length <= stranger.received.saturating_mul(AMPLIFICATION);
         self.is_proved(peer, now) || self.peers.get(&peer).is_some_and(fits)
@@ -111,13 +104,11 @@ impl Guard {
     }
 
     /// What an address is asked to send back, to prove that it hears us (RFC 9175, section 2).
-    #[must_use]
     pub(super) fn echo(&self, peer: SocketAddr, now: Duration) -> Vec<u8> {
         let time = u32::try_from(now.as_secs()).unwrap_or(u32::MAX).to_be_bytes();
         [&time[..], &self.proof(peer, time)].concat()
     }
 
-    /// Takes what an address sent back.
     pub(super) fn echoed(&mut self, peer: SocketAddr, echo: &[u8], now: Duration) {
         let Some((time, proof)) = echo.split_first_chunk::<TIME>().filter(|(_, proof)| proof.len() == PROOF) else { return };
         let age = now.as_secs().checked_sub(u64::from(u32::from_be_bytes(*time)));

@@ -17,7 +17,6 @@ use super::request::Request;
 use super::response::Response;
 use super::{Endpoint, ExchangeId, Open, RefusedRequest, lenient};
 
-/// Where an answer goes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ReplyTo {
     pub(super) key: MessageKey,
@@ -113,7 +112,7 @@ impl Endpoint {
             None => {}
         }
         if self.guard.is_too_much(peer, now) {
-            let words = "too many requests: wait a second".to_owned();
+            let words = "too many requests: wait a second";
             let response = Response { max_age: Some(1), ..Response::refusal(Code::TOO_MANY_REQUESTS, words) };
             return self.reply(reply_to, &response, None, now);
         }
@@ -201,12 +200,8 @@ impl Endpoint {
             return false;
         };
         let Some(begun) = self.observers.read_on(&read.request, block, now) else { return false };
-        self.send_reply(
-            reply_to,
-            &begun,
-            &ReplyOptions { block2: Some(block), wants_size: read.wants_size, ..ReplyOptions::default() },
-            now,
-        );
+        let shape = ReplyOptions { block2: Some(block), wants_size: read.wants_size, ..ReplyOptions::default() };
+        self.send_reply(reply_to, &begun, &shape, now);
         true
     }
 
@@ -216,7 +211,7 @@ impl Endpoint {
         if let Some(answer) = self.long_answers.read(&body_key(&read.request, &[]), block, now) {
             return self.send_reply(reply_to, &answer, &shape, now);
         }
-        let words = "there is no answer to read on: do it again, from its first block".to_owned();
+        let words = "there is no answer to read on: do it again, from its first block";
         self.reply(reply_to, &Response::refusal(Code::INCOMPLETE, words), None, now);
     }
 
@@ -237,7 +232,6 @@ impl Endpoint {
         }
     }
 
-    /// Hands a request to the application.
     fn ask(&mut self, reply_to: ReplyTo, exchange: ExchangeId, read: ParsedRequest, now: Duration) {
         let ParsedRequest { request, etags, observe, block1, block2, wants_size, .. } = read;
         let is_get = request.method == Method::Get;
@@ -268,10 +262,7 @@ impl Endpoint {
         let Some(open) = self.open.get_mut(&exchange).filter(|_| reply_to.kind == Kind::Con) else { return };
         open.is_acknowledged = true;
         self.patience.remove(&exchange);
-        let acknowledgement = empty(Kind::Ack, reply_to.key.id);
-        // Should it be lost, the sender asks once more, perhaps when the answer has gone already.
-        self.exchanges.answered(reply_to.key, &acknowledgement);
-        self.transmit(reply_to.key.peer, acknowledgement, now);
+        self.acknowledge(reply_to.key, now);
     }
 }
 

@@ -12,13 +12,11 @@ use super::response::Response;
 /// thing that went away and came back is not taken for the one that was there before.
 #[derive(Debug)]
 pub(super) struct Thing {
-    /// What it is now.
     pub(super) response: Arc<Response>,
     /// The change that made it what it is.
     pub(super) version: u64,
 }
 
-/// What an observer lacks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Lack {
     /// It was not told of the newest version of this thing.
@@ -27,7 +25,6 @@ pub(super) enum Lack {
     Unsure(usize),
 }
 
-/// What an observer knows.
 #[derive(Debug)]
 pub(super) struct Knowledge {
     things: Vec<KnownThing>,
@@ -36,7 +33,6 @@ pub(super) struct Knowledge {
     latest: usize,
 }
 
-/// What it knows of one thing.
 #[derive(Clone, Copy, Debug, Default)]
 struct KnownThing {
     /// The version it was told of last,
@@ -48,8 +44,6 @@ struct KnownThing {
 }
 
 impl Thing {
-    /// Whether this is news beside what it is.
-    #[must_use]
     pub(super) fn differs_from(&self, response: &Arc<Response>) -> bool {
         let old = &*self.response;
         !Arc::ptr_eq(&self.response, response)
@@ -60,7 +54,6 @@ impl Thing {
 impl Knowledge {
     /// Of an observer that was just shown one of these, and is to be told the others; whether that is sure to arrive decides
     /// whether it is told again.
-    #[must_use]
     pub(super) fn of(things: &[Thing], shown: &Response, is_sure: bool, now: Duration) -> Knowledge {
         let is_shown = |thing: &Thing| things.len() == 1 || thing.response.body == shown.body;
         let told = |thing: &Thing| KnownThing { told: thing.version, at: now, sure: if is_sure { thing.version } else { 0 } };
@@ -70,19 +63,16 @@ impl Knowledge {
     }
 
     /// What it is told now: the next news, else what it may have missed.
-    #[must_use]
     pub(super) fn lack(&self, things: &[Thing], now: Duration) -> Option<Lack> {
         let from_here = self.lack_within(things, self.next..things.len(), now);
         from_here.or_else(|| self.lack_within(things, 0..self.next.min(things.len()), now))
     }
 
-    #[must_use]
     pub(super) const fn latest(&self) -> usize {
         self.latest
     }
 
     /// When it is to be told something, the last time it was told anything having been `sent` and the pause after that `pace`.
-    #[must_use]
     pub(super) fn due(&self, things: &[Thing], sent: Duration, pace: Duration) -> Option<Duration> {
         let due = |(place, thing): (usize, &Thing)| match self.known(place) {
             known if known.told < thing.version => Some(sent + pace),
@@ -92,7 +82,6 @@ impl Knowledge {
         things.iter().enumerate().filter_map(due).min()
     }
 
-    /// It was told a version of a thing.
     pub(super) fn told(&mut self, things: &[Thing], place: usize, version: u64, now: Duration) {
         let known = self.known_mut(place);
         (known.told, known.at) = (known.told.max(version), now);
@@ -101,7 +90,6 @@ impl Knowledge {
         self.latest = place;
     }
 
-    /// It said that it heard it.
     pub(super) fn acknowledged(&mut self, place: usize, version: u64) {
         let known = self.known_mut(place);
         known.sure = known.sure.max(version);
@@ -169,7 +157,7 @@ mod tests {
 
     #[test]
     fn whoever_was_shown_one_thing_is_told_the_others() {
-        let thing = |words: &str| Thing { response: Arc::new(Response::refusal(Code::CONTENT, words.to_owned())), version: 1 };
+        let thing = |words: &str| Thing { response: Arc::new(Response::refusal(Code::CONTENT, words)), version: 1 };
         let things = [thing("robot"), thing("map"), thing("lamp")];
         let mut knowledge = Knowledge::of(&things, &things[1].response, true, Duration::ZERO);
         assert_eq!(order(&mut knowledge, &things), [0, 2]);

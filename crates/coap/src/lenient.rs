@@ -37,13 +37,9 @@ pub(super) fn requests(peer: SocketAddr, bytes: &[u8]) -> impl Iterator<Item = R
 
 /// The lengths that the token may have, with what may stand before it: what these four bits may mean, then any other.
 fn token_lengths(bits: u8, bytes: &[u8]) -> impl Iterator<Item = usize> + use<> {
-    let said = usize::from(bits);
-    let extended = match (bits, bytes.get(HEADER..)) {
-        (13, Some([more, ..])) => Some(1 + 13 + usize::from(*more)),
-        (14, Some([high, low, ..])) => Some(2 + 269 + usize::from(u16::from_be_bytes([*high, *low]))),
-        _ => None,
-    };
-    iter::once(said).chain(extended).chain((0..=TOKEN).filter(move |length| *length != said))
+    let (said, rest) = (usize::from(bits), bytes.get(HEADER..).unwrap_or_default());
+    let extended = extended(bits, rest).map(|(length, after)| rest.len() - after.len() + length);
+    iter::once(said).chain(extended.filter(|length| *length != said)).chain((0..=TOKEN).filter(move |length| *length != said))
 }
 
 /// What stands behind the token, up to where it makes no sense or no end any more; nothing when it names no path. What follows from

@@ -24,7 +24,6 @@ struct Answered {
 }
 
 impl LongAnswers {
-    #[must_use]
     pub(super) fn count(&self) -> usize {
         self.0.len()
     }
@@ -40,14 +39,12 @@ impl LongAnswers {
     }
 
     /// Whether a request for this block goes on where the last one ended: it is none that begins anew.
-    #[must_use]
     pub(super) fn is_next(&self, key: &BodyKey, block: Block, now: Duration) -> bool {
         let kept = self.0.get(key).filter(|kept| !is_over(kept.since, now));
         kept.is_some_and(|kept| kept.next == end(block) - block.size() && kept.next < kept.answer.body.len())
     }
 
     /// The answer of which this block is read now.
-    #[must_use]
     pub(super) fn read(&mut self, key: &BodyKey, block: Block, now: Duration) -> Option<Arc<Response>> {
         let kept = self.0.get_mut(key).filter(|kept| !is_over(kept.since, now))?;
         kept.next = end(block);
@@ -72,7 +69,7 @@ mod tests {
     }
 
     fn answer(words: &str) -> Arc<Response> {
-        Arc::new(Response::refusal(Code::CHANGED, words.to_owned()))
+        Arc::new(Response::refusal(Code::CHANGED, words))
     }
 
     #[test]

@@ -6,17 +6,13 @@ use coap_lite::Packet;
 use super::code::Code;
 use super::limits::HEAD;
 
-/// How a message is sent (RFC 7252, section 4.1).
+/// How a message is sent (RFC 7252, section 4.1), as the first byte says it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// It wants an acknowledgement.
-    Con,
-    /// It wants none.
-    Non,
-    /// It is one.
-    Ack,
-    /// It says that nobody knows what the other message is about.
-    Rst,
+    Con = 0x00,
+    Non = 0x10,
+    Ack = 0x20,
+    Rst = 0x30,
 }
 
 /// By which a client knows its answers again: at most 8 bytes.
@@ -26,22 +22,17 @@ pub(super) struct Token {
     length: u8,
 }
 
-/// What a datagram turns out to be.
 #[derive(Debug)]
 pub(super) enum Received {
     /// Nothing that is answered.
     Nothing,
     /// A message that cannot be read, or that a server does not get; a CON is answered with a RST of this id.
     Malformed(Kind, u16),
-    /// An acknowledgement of the message with this id.
     Ack(u16),
-    /// A rejection of the message with this id.
     Rst(u16),
-    /// A request, or what looks like one.
     Request(Incoming),
 }
 
-/// A request as it came.
 #[derive(Debug)]
 pub(super) struct Incoming {
     pub(super) kind: Kind,
@@ -51,21 +42,8 @@ pub(super) struct Incoming {
     pub(super) packet: Packet,
 }
 
-impl Kind {
-    /// Where the first byte says so.
-    const fn bits(self) -> u8 {
-        match self {
-            Kind::Con => 0x00,
-            Kind::Non => 0x10,
-            Kind::Ack => 0x20,
-            Kind::Rst => 0x30,
-        }
-    }
-}
-
 impl Token {
     /// These bytes as a token, cut to 8.
-    #[must_use]
     pub(super) fn new(given: &[u8]) -> Token {
         let given = &given[..given.len().min(8)];
         let mut bytes = [0; 8];
@@ -73,14 +51,11 @@ impl Token {
         Token { bytes, length: u8::try_from(given.len()).unwrap_or(8) }
     }
 
-    #[must_use]
     pub(super) fn bytes(&self) -> &[u8] {
         &self.bytes[..usize::from(self.length)]
     }
 }
 
-/// Reads a datagram.
-#[must_use]
 pub(super) fn parse(bytes: &[u8]) -> Received {
     let [first, code, high, low, ..] = *bytes else { return Received::Nothing };
     if !is_of_this_version(bytes) {
@@ -104,23 +79,20 @@ pub(super) fn parse(bytes: &[u8]) -> Received {
 }
 
 /// Whether it is long enough for a message, and of the version that there is.
-#[must_use]
 pub(super) fn is_of_this_version(bytes: &[u8]) -> bool {
     matches!(bytes, [first, _, _, _, ..] if first >> 6 == 1)
 }
 
 /// The code of a datagram that asks for something, rightly or not: no acknowledgement, no rejection and nothing empty.
-#[must_use]
 pub(super) fn asks(bytes: &[u8]) -> Option<Code> {
     let [first, code, _, _, ..] = *bytes else { return None };
     (is_of_this_version(bytes) && Code(code) != Code::EMPTY && matches!(kind(first), Kind::Con | Kind::Non)).then_some(Code(code))
 }
 
 /// A message without anything, as an acknowledgement or a rejection.
-#[must_use]
 pub(super) fn empty(kind: Kind, id: u16) -> Vec<u8> {
     let [high, low] = id.to_be_bytes();
-    vec![0x40 | kind.bits(), 0, high, low]
+    vec![0x40 | kind as u8, 0, high, low]
 }
 
 /// A message of ours as it is put together, option by option in the order of their numbers; how it is sent is said at the end. It
@@ -134,7 +106,6 @@ pub(super) struct Outgoing {
 
 impl Outgoing {
     /// A message without options and payload; there is room for a payload of this length.
-    #[must_use]
     pub(super) fn new(code: Code, token: Token, payload: usize) -> Outgoing {
         let mut bytes = Vec::with_capacity(HEAD + payload);
         bytes.extend([0x40 | token.length, code.0, 0, 0]);
@@ -172,15 +143,13 @@ impl Outgoing {
         }
     }
 
-    #[must_use]
     pub(super) fn length(&self) -> usize {
         self.bytes.len()
     }
 
     /// The datagram, sent in this way and with this id.
-    #[must_use]
     pub(super) fn datagram(mut self, kind: Kind, id: u16) -> Vec<u8> {
-        self.bytes[0] = self.bytes[0] & 0xCF | kind.bits();
+        self.bytes[0] = self.bytes[0] & 0xCF | kind as u8;
         self.bytes[2..4].copy_from_slice(&id.to_be_bytes());
         self.bytes
     }

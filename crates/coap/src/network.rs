@@ -1,5 +1,5 @@
-//! From which network somebody comes: the unit in which attempts and connections are counted.
-//! Who it is, is decided by keys alone, never by this.
+//! From which network somebody comes: the unit in which requests, observations and what waits are counted. Who somebody is, is
+//! not known here.
 
 use std::net::{IpAddr, Ipv6Addr};
 
@@ -8,8 +8,6 @@ use std::net::{IpAddr, Ipv6Addr};
 pub(super) struct Network(IpAddr);
 
 impl Network {
-    /// The network of an address.
-    #[must_use]
     pub(super) fn of(address: IpAddr) -> Network {
         Network(match address.to_canonical() {
             IpAddr::V4(address) => IpAddr::V4(address),
@@ -21,15 +19,12 @@ impl Network {
         })
     }
 
-    /// Whether it is this machine.
-    #[must_use]
     pub(super) const fn is_loopback(&self) -> bool {
         self.0.is_loopback()
     }
 }
 
 /// Whether an address is one of this machine's own for itself, in whatever writing.
-#[must_use]
 pub(super) fn is_this_machine(address: IpAddr) -> bool {
     Network::of(address).is_loopback()
 }

@@ -32,28 +32,21 @@ pub(super) struct ObserverId(u64);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SubjectId(u64);
 
-/// What an observer is to be told now.
 #[derive(Clone, Debug)]
 pub(super) struct Notification {
-    /// Whom it is for.
     pub(super) peer: SocketAddr,
-    /// By which it knows what it observes.
     pub(super) token: Token,
-    /// The newest there is to say.
     pub(super) response: Arc<Response>,
-    /// Which of the things it watches that is,
+    /// Which of the things it watches this is.
     pub(super) thing: usize,
-    /// and in which version.
     pub(super) version: u64,
     /// The size exponent of the blocks it wants.
     pub(super) exponent: u8,
-    /// Whether it must be acknowledged.
     pub(super) confirm: bool,
     /// Its place in the order of notifications, of 24 bits; `None` for the last word, after which nothing comes.
     pub(super) sequence: Option<u32>,
 }
 
-/// All observations.
 #[derive(Debug, Default)]
 pub(super) struct Observers {
     subjects: BTreeMap<SubjectId, Subject>,
@@ -90,18 +83,14 @@ struct Observer {
 }
 
 impl Observers {
-    /// None yet; at the beginning of time as it is counted here, the wall clock shows so long since 1970.
-    #[must_use]
     pub(super) fn new(began: Duration) -> Observers {
         Observers { began, ..Observers::default() }
     }
 
-    #[must_use]
     pub(super) fn count(&self) -> usize {
         self.observers.len()
     }
 
-    #[must_use]
     pub(super) fn subjects(&self) -> Vec<(SubjectId, Arc<Request>)> {
         self.subjects.iter().map(|(id, subject)| (*id, Arc::clone(&subject.request))).collect()
     }
@@ -147,14 +136,11 @@ impl Observers {
         self.sequence(id, now)
     }
 
-    /// The observation with this token.
-    #[must_use]
     pub(super) fn find(&self, peer: SocketAddr, token: Token) -> Option<ObserverId> {
         self.of_peer(peer).find(|id| self.observers.get(id).is_some_and(|observer| observer.token == token))
     }
 
     /// The observation whose notification had this message id.
-    #[must_use]
     pub(super) fn told_by(&self, peer: SocketAddr, id: u16) -> Option<ObserverId> {
         self.of_peer(peer).find(|whose| self.observers.get(whose).is_some_and(|observer| observer.ids.contains(&Some(id))))
     }
@@ -201,7 +187,6 @@ impl Observers {
         }
     }
 
-    /// The next observer whose turn has come.
     pub(super) fn due(&mut self, now: Duration) -> Option<ObserverId> {
         let (due, id) = *self.due.first().filter(|(due, _)| *due <= now)?;
         self.due.remove(&(due, id));
@@ -211,7 +196,6 @@ impl Observers {
         Some(id)
     }
 
-    /// What an observer is to be told.
     pub(super) fn notification(&mut self, id: ObserverId, now: Duration) -> Option<Notification> {
         let observer = self.observers.get(&id)?;
         let things = &self.subjects.get(&observer.subject)?.things;
@@ -287,7 +271,6 @@ impl Observers {
         }
     }
 
-    /// The peer's observation of just this.
     fn observer_of(&self, request: &Request) -> Option<ObserverId> {
         let is_this = |id: &ObserverId| {
             let subject = self.observers.get(id).and_then(|observer| self.subjects.get(&observer.subject));
@@ -304,8 +287,6 @@ impl Observers {
         }
     }
 
-    /// When the next turn comes.
-    #[must_use]
     pub(super) fn timeout(&self) -> Option<Duration> {
         self.due.first().map(|(due, _)| *due)
     }
@@ -374,7 +355,6 @@ impl Observer {
         }
     }
 
-    /// The least time between two notifications to it.
     fn pace(&self) -> Duration {
         if self.is_reading {
             return READING;

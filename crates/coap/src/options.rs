@@ -12,7 +12,6 @@ use super::message::Incoming;
 use super::request::{Conditions, Request};
 use super::response::{ETag, Response};
 
-/// Numbers of the options that are read or sent.
 pub(super) mod number {
     pub(crate) const IF_MATCH: u16 = 1;
     pub(crate) const URI_HOST: u16 = 3;
@@ -48,7 +47,6 @@ use number::{
 pub(super) struct ParsedRequest {
     /// What the application sees; its payload is that of this message.
     pub(super) request: Request,
-    /// The states of the resource that the client has.
     pub(super) etags: Vec<ETag>,
     /// 0 to observe, 1 to observe no longer.
     pub(super) observe: Option<u32>,
@@ -56,13 +54,11 @@ pub(super) struct ParsedRequest {
     pub(super) block1: Option<Block>,
     /// Which block of the answer is wanted.
     pub(super) block2: Option<Block>,
-    /// Whether the length of the answer's body is asked for.
     pub(super) wants_size: bool,
     /// How long the body is to be, as announced.
     pub(super) size1: Option<u32>,
     /// Tells bodies to the same path apart.
     pub(super) request_tags: Vec<Vec<u8>>,
-    /// What the client was asked to send back.
     pub(super) echo: Option<Vec<u8>>,
 }
 
@@ -79,15 +75,12 @@ const fn critical(number: u16) -> Option<(usize, usize, bool)> {
     })
 }
 
-/// Reads the options of a request.
-///
-/// # Errors
 /// 4.02 for a critical option that is not understood, 4.00 for a block that cannot be, 4.05 for an unknown method, 5.05 for what
 /// a proxy is to do.
 pub(super) fn read(peer: SocketAddr, incoming: Incoming) -> Result<ParsedRequest, Response> {
     let Incoming { code, mut packet, .. } = incoming;
     if packet.get_option(CoapOption::from(PROXY_URI)).is_some() || packet.get_option(CoapOption::from(PROXY_SCHEME)).is_some() {
-        return Err(Response::refusal(Code::NO_PROXY, "this is no proxy: ask for its own resources".to_owned()));
+        return Err(Response::refusal(Code::NO_PROXY, "this is no proxy: ask for its own resources"));
     }
     check_critical(&packet)?;
     let Some(method) = Method::of(code) else {
@@ -122,13 +115,11 @@ pub(super) fn read(peer: SocketAddr, incoming: Incoming) -> Result<ParsedRequest
 }
 
 /// The classes of answers that are not wanted, as RFC 7967 numbers them; 0 when all are.
-#[must_use]
 pub(super) fn no_response(packet: &Packet) -> u32 {
     number_of(packet, NO_RESPONSE, 1).unwrap_or(0)
 }
 
 /// What a request asks for in words, as far as it can be read: `POST /commands/start`.
-#[must_use]
 pub(super) fn asked(incoming: &Incoming) -> String {
     let method = Method::of(incoming.code).map_or_else(|| incoming.code.to_string(), |method| method.name().to_owned());
     let segments = values(&incoming.packet, URI_PATH).take(ASKED_SEGMENTS);
@@ -183,7 +174,7 @@ fn format(number: u32) -> Option<Format> {
 fn block(packet: &Packet, number: u16) -> Result<Option<Block>, Response> {
     let Some(value) = number_of(packet, number, 3) else { return Ok(None) };
     let reserved = "a block has 16 to 1024 bytes: the size exponent 7 is reserved";
-    Block::of(value).map(Some).ok_or_else(|| Response::refusal(Code::BAD_REQUEST, reserved.to_owned()))
+    Block::of(value).map(Some).ok_or_else(|| Response::refusal(Code::BAD_REQUEST, reserved))
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use super::block::Block;
 use super::code::Code;
+use super::exchange::MessageKey;
 use super::inward::ReplyTo;
 use super::limits::PEERS;
 use super::message::{Kind, Outgoing, Token, empty};
@@ -16,7 +17,6 @@ use super::response::{Answer, Response};
 use super::{Endpoint, Open, Transmit};
 
 impl Endpoint {
-    /// Answers a request with what the application said.
     pub(super) fn answer(&mut self, mut open: Open, answer: Answer, now: Duration) {
         let observe = self.observe(&mut open, &answer, now);
         let is_shown = |thing: &&Arc<Response>| thing.body == answer.response.body;
@@ -62,7 +62,7 @@ impl Endpoint {
         let peer = reply_to.key.peer;
         let shape = ReplyOptions { echo: Some(self.guard.echo(peer, now)), ..ReplyOptions::default() };
         let message = |words: &str| {
-            let response = Response::refusal(Code::UNAUTHORIZED, words.to_owned());
+            let response = Response::refusal(Code::UNAUTHORIZED, words);
             reply::message(reply_to.token, &response, &shape)
         };
         let worded = message("send the Echo option back");
@@ -111,9 +111,7 @@ impl Endpoint {
             let Some(open) = self.open.get_mut(&exchange) else { continue };
             open.is_acknowledged = true;
             let key = open.reply_to.key;
-            let acknowledgement = empty(Kind::Ack, key.id);
-            self.exchanges.answered(key, &acknowledgement);
-            self.transmit(key.peer, acknowledgement, now);
+            self.acknowledge(key, now);
         }
     }
 
@@ -134,7 +132,6 @@ impl Endpoint {
         }
     }
 
-    /// Tells every observer whose turn has come.
     pub(super) fn notify_due(&mut self, now: Duration) {
         while let Some(observer) = self.observers.due(now) {
             if let Some(notification) = self.observers.notification(observer, now) {
@@ -228,12 +225,17 @@ impl Endpoint {
     /// An answer that is not wanted: a message that asks for an acknowledgement gets that and no more.
     fn say_nothing(&mut self, reply_to: ReplyTo, now: Duration) {
         if reply_to.kind == Kind::Con {
-            let acknowledgement = empty(Kind::Ack, reply_to.key.id);
-            self.exchanges.answered(reply_to.key, &acknowledgement);
-            self.transmit(reply_to.key.peer, acknowledgement, now);
+            self.acknowledge(reply_to.key, now);
         } else {
             self.exchanges.answered(reply_to.key, &[]);
         }
+    }
+
+    /// Should it be lost, the sender asks once more, perhaps when the answer has gone already.
+    pub(super) fn acknowledge(&mut self, key: MessageKey, now: Duration) {
+        let acknowledgement = empty(Kind::Ack, key.id);
+        self.exchanges.answered(key, &acknowledgement);
+        self.transmit(key.peer, acknowledgement, now);
     }
 
     /// Sends an answer in a message of its own, when its turn comes.

@@ -1,6 +1,6 @@
 //! Datagrams that were heard and wait for their turn: networks take turns, and the peers of each, and none takes the room of others,
 //! so that whoever sends more than is answered loses its own, which CoAP clients send again. Which of them go first is the business
-//! of `hear`.
+//! of `backlog`.
 
 use std::collections::VecDeque;
 use std::net::SocketAddr;
@@ -66,7 +66,6 @@ impl Queue {
         self.left -= cost;
     }
 
-    /// Whether something goes before all others.
     pub(super) fn has_first(&self) -> bool {
         !self.first.is_empty()
     }
@@ -87,10 +86,7 @@ impl Queue {
 
     /// The next one: those of a peer in their order, one in each of its turns.
     pub(super) fn next(&mut self) -> Option<Datagram> {
-        if let Some(datagram) = self.next_first() {
-            return Some(datagram);
-        }
-        let datagram = self.next_in_turn()?;
+        let datagram = self.first.pop_front().or_else(|| self.next_in_turn())?;
         self.left += cost(&datagram.1);
         Some(datagram)
     }
@@ -111,7 +107,6 @@ impl Queue {
     }
 }
 
-/// What a datagram takes.
 const fn cost(bytes: &[u8]) -> usize {
     WAITING_HEAD + bytes.len()
 }

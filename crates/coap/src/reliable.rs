@@ -10,7 +10,6 @@ use super::limits::{ACK_SPREAD, ACK_TIMEOUT, MAX_RETRANSMIT, RELIABLE_PEERS, WAI
 use super::message::Outgoing;
 use super::observe::ObserverId;
 
-/// What a message is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum About {
     /// An answer that came separately, or an observer's last word.
@@ -19,7 +18,6 @@ pub(super) enum About {
     Notification(ObserverId, usize, u64),
 }
 
-/// A message on its way.
 #[derive(Clone, Debug)]
 pub(super) struct Sent {
     pub(super) id: u16,
@@ -31,12 +29,9 @@ pub(super) struct Sent {
     tries: u32,
 }
 
-/// What is to be done about a message that was not acknowledged in time.
 #[derive(Clone, Debug)]
 pub(super) enum Late {
-    /// Send it again; it is the answer's or the notification's.
     Again(SocketAddr, Sent),
-    /// Give it up, and whoever it was for.
     GivenUp(SocketAddr, Sent),
 }
 
@@ -56,35 +51,27 @@ struct PeerQueue {
 }
 
 impl Reliable {
-    /// Nothing is on its way; the spread of the times comes from `chance`.
-    #[must_use]
     pub(super) fn new(chance: Chance) -> Reliable {
         Reliable { peers: HashMap::new(), due: BTreeSet::new(), chance }
     }
 
-    #[must_use]
     pub(super) fn count(&self) -> usize {
         self.peers.values().map(|queue| queue.waiting.len() + usize::from(queue.sent.is_some())).sum()
     }
 
-    /// Whether there is no room for one more peer.
-    #[must_use]
     pub(super) fn is_full(&self) -> bool {
         self.peers.len() >= RELIABLE_PEERS
     }
 
-    #[must_use]
     pub(super) fn is_busy(&self, peer: SocketAddr) -> bool {
         self.peers.get(&peer).is_some_and(|queue| queue.sent.is_some())
     }
 
-    /// What the message is about that is on its way to this peer.
-    #[must_use]
     pub(super) fn about(&self, peer: SocketAddr) -> Option<About> {
         self.peers.get(&peer)?.sent.as_ref().map(|sent| sent.about)
     }
 
-    /// Notes that a message went out. There must be none on its way to this peer.
+    /// There must be no other on its way to this peer.
     pub(super) fn sent(&mut self, peer: SocketAddr, id: u16, about: About, bytes: Vec<u8>, now: Duration) {
         let wait = ACK_TIMEOUT.mul_f64(1.0 + ACK_SPREAD * self.chance.fraction());
         let due = now + wait;
@@ -94,10 +81,7 @@ impl Reliable {
         self.due.insert((due, peer));
     }
 
-    /// Lets an answer wait for its turn.
-    ///
-    /// # Errors
-    /// Gives it back when too many wait.
+    /// Lets an answer wait for its turn, or gives it back when too many wait.
     pub(super) fn wait(&mut self, peer: SocketAddr, waiting: Outgoing) -> Result<(), Outgoing> {
         let queue = self.peers.entry(peer).or_default();
         if queue.waiting.len() >= WAITING {
@@ -159,8 +143,6 @@ impl Reliable {
         }
     }
 
-    /// When the next time runs out.
-    #[must_use]
     pub(super) fn timeout(&self) -> Option<Duration> {
         self.due.first().map(|(due, _)| *due)
     }

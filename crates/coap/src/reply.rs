@@ -14,16 +14,12 @@ pub(super) struct ReplyOptions {
     pub(super) block1: Option<Block>,
     /// The block of the answer's body that is wanted.
     pub(super) block2: Option<Block>,
-    /// Whether the length of the whole body is wanted.
     pub(super) wants_size: bool,
     /// The place in the order of notifications.
     pub(super) observe: Option<u32>,
-    /// What the client is asked to send back.
     pub(super) echo: Option<Vec<u8>>,
 }
 
-/// The message that carries a response.
-#[must_use]
 pub(super) fn message(token: Token, response: &Response, shape: &ReplyOptions) -> Outgoing {
     let length = response.body.len();
     let wanted = shape.block2.unwrap_or(Block::FIRST);

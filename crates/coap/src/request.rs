@@ -71,16 +71,13 @@ impl Conditions {
     /// 4.12 when it may not.
     pub fn met(&self, exists: bool, tag: Option<ETag>) -> Result<(), Response> {
         if self.if_none_match && exists {
-            return Err(Response::refusal(Code::PRECONDITION_FAILED, "If-None-Match: it is there already".to_owned()));
+            return Err(Response::refusal(Code::PRECONDITION_FAILED, "If-None-Match: it is there already"));
         }
         let matches = |wanted: &Option<ETag>| wanted.map_or(exists, |wanted| tag == Some(wanted));
         if self.if_match.is_empty() || self.if_match.iter().any(matches) {
             return Ok(());
         }
-        Err(Response::refusal(
-            Code::PRECONDITION_FAILED,
-            "If-Match: it is another one now; read it again, then repeat it".to_owned(),
-        ))
+        Err(Response::refusal(Code::PRECONDITION_FAILED, "If-Match: it is another one now; read it again, then repeat it"))
     }
 }
 

@@ -71,8 +71,8 @@ impl Response {
 
     /// A refusal or an error, with a sentence for whoever reads it.
     #[must_use]
-    pub fn refusal(code: Code, words: String) -> Response {
-        Response { body: words.into_bytes().into(), ..Response::new(code) }
+    pub fn refusal(code: Code, words: impl Into<String>) -> Response {
+        Response { body: words.into().into_bytes().into(), ..Response::new(code) }
     }
 }
 

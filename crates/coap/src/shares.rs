@@ -4,7 +4,6 @@
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::net::{IpAddr, SocketAddr};
 
-/// Things, by whose they are.
 #[derive(Debug)]
 pub(super) struct Shares<T> {
     addresses: BTreeMap<IpAddr, Address<T>>,
@@ -26,12 +25,10 @@ impl<T> Default for Shares<T> {
 }
 
 impl<T> Shares<T> {
-    /// One more of this peer.
     pub(super) fn add(&mut self, peer: SocketAddr, thing: T) {
         self.change(peer, |things| things.push_back(thing));
     }
 
-    /// The oldest of this peer is gone.
     pub(super) fn forget_oldest(&mut self, peer: SocketAddr) {
         self.change(peer, |things| drop(things.pop_front()));
     }

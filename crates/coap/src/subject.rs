@@ -30,7 +30,6 @@ pub(super) struct Subject {
 }
 
 impl Target {
-    #[must_use]
     pub(super) fn of(request: &Request) -> Target {
         Target { path: request.path.clone(), queries: request.queries.clone(), accept: request.accept }
     }
@@ -38,7 +37,6 @@ impl Target {
 
 impl Subject {
     /// What a request asks for, before it is known what that shows.
-    #[must_use]
     pub(super) fn new(request: &Request) -> Subject {
         Subject { request: Arc::new(request.clone()), things: Vec::new(), changes: 0, observers: BTreeSet::new() }
     }

@@ -11,19 +11,14 @@ use crate::rights::{Principal, Rights};
 /// What all connections of a broker share.
 #[derive(Debug)]
 pub struct Broker {
-    /// Who may do what on which topic.
     pub(crate) rights: Box<dyn Rights>,
-    /// The kept messages.
     pub(crate) retained: Retained,
-    /// What may still reach the router.
     pub(crate) budget: Budget,
-    /// Who reads what, and how far each is behind.
     pub(crate) readers: Arc<Readers>,
     /// How many bytes of messages the router was given of late, counted once for each who reads them.
     pub(crate) fed: AtomicU64,
     /// How many pieces of messages have come out of routers.
     pub(crate) came: AtomicU64,
-    /// How many long messages were sent.
     pub(crate) parcels: AtomicU64,
 }
 
@@ -41,6 +36,7 @@ impl Broker {
             parcels: AtomicU64::default(),
         }
     }
+
     /// Whether one may leave a will there: asked before its CONNECT is answered.
     #[must_use]
     pub fn may_leave_will(&self, who: Principal, topic: &str) -> bool {

@@ -12,20 +12,15 @@ use super::rights::Tier;
 /// At whose cost something is kept, or shown to the router.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Payer {
-    /// The program itself.
     Program,
     /// Somebody where nobody signs in: no share can be told from another.
     Anybody,
-    /// Whoever has this key.
     Key {
-        /// Its name.
         name: Arc<str>,
-        /// How large a share it has.
         tier: Tier,
     },
 }
 
-/// What may still reach the router.
 #[derive(Debug, Default)]
 pub(crate) struct Budget {
     /// Nobody outside can know two texts of one print.
@@ -66,7 +61,6 @@ const TOPICS: Most =
     Most { clients: ROUTER_TOPICS, limited: LIMITED_TOPICS, full_key: SHARE_TOPICS, limited_key: SHARE_TOPICS / LIMITED_SHARE };
 
 impl Budget {
-    /// The print by which something is known again.
     pub(crate) fn print(&self, of: impl std::hash::Hash) -> u64 {
         self.hasher.hash_one(of)
     }
@@ -86,7 +80,6 @@ impl Budget {
         spent(&self.filters).is_exhausted || spent(&self.topics).is_exhausted
     }
 
-    /// There is a new router, which knows nothing yet.
     pub(crate) fn renew(&self) {
         *spent(&self.filters) = Spent::default();
         *spent(&self.topics) = Spent::default();

@@ -133,8 +133,23 @@ fn measure(text: &str) -> Result<(), Unfit> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    /// A level of a topic, some of which sort before and behind the slash.
+    pub(crate) fn level() -> impl Strategy<Value = &'static str> {
+        prop::sample::select(vec!["", "a", "b", "ab", "a!", "a0", "$a", "é"])
+    }
+
+    pub(crate) fn some_filter() -> impl Strategy<Value = String> {
+        let levels = prop::collection::vec(prop_oneof![3 => level(), 2 => Just("+")], 0..5);
+        (levels, any::<bool>()).prop_filter_map("a filter has a level", |(mut levels, is_open)| {
+            levels.extend(is_open.then_some("#"));
+            (!levels.is_empty()).then(|| levels.join("/"))
+        })
+    }
 
     #[test]
     fn filters_match_as_the_standard_has_it() {

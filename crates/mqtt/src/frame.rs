@@ -91,25 +91,21 @@ pub enum Malformed {
 
 impl Kind {
     fn of(first: u8) -> Option<Kind> {
-        use Kind::{
-            Connack, Connect, Disconnect, Pingreq, Pingresp, Puback, Pubcomp, Publish, Pubrec, Pubrel, Suback, Subscribe,
-            Unsuback, Unsubscribe,
-        };
         let kinds = [
-            Connect,
-            Connack,
-            Publish,
-            Puback,
-            Pubrec,
-            Pubrel,
-            Pubcomp,
-            Subscribe,
-            Suback,
-            Unsubscribe,
-            Unsuback,
-            Pingreq,
-            Pingresp,
-            Disconnect,
+            Kind::Connect,
+            Kind::Connack,
+            Kind::Publish,
+            Kind::Puback,
+            Kind::Pubrec,
+            Kind::Pubrel,
+            Kind::Pubcomp,
+            Kind::Subscribe,
+            Kind::Suback,
+            Kind::Unsubscribe,
+            Kind::Unsuback,
+            Kind::Pingreq,
+            Kind::Pingresp,
+            Kind::Disconnect,
         ];
         kinds
             .get(usize::from(first >> 4).wrapping_sub(1))
@@ -119,20 +115,10 @@ impl Kind {
 
     /// The flags of this kind; `None`: they tell something.
     const fn flags(self) -> Option<u8> {
-        match self {
-            Kind::Publish => None,
-            Kind::Pubrel | Kind::Subscribe | Kind::Unsubscribe => Some(2),
-            Kind::Connect
-            | Kind::Connack
-            | Kind::Puback
-            | Kind::Pubrec
-            | Kind::Pubcomp
-            | Kind::Suback
-            | Kind::Unsuback
-            | Kind::Pingreq
-            | Kind::Pingresp
-            | Kind::Disconnect => Some(0),
+        if matches!(self, Kind::Publish) {
+            return None;
         }
+        Some(if matches!(self, Kind::Pubrel | Kind::Subscribe | Kind::Unsubscribe) { 2 } else { 0 })
     }
 
     /// The first byte of such a packet, its flags as they must be; those of a PUBLISH are all clear.
@@ -163,7 +149,7 @@ pub fn frame(stream: &[u8], limit: usize) -> Result<Option<Frame>, Malformed> {
 }
 
 /// The remaining length at the head of this, and in how many bytes it is written.
-fn length(bytes: &[u8]) -> Result<Option<(usize, usize)>, Malformed> {
+pub(crate) fn length(bytes: &[u8]) -> Result<Option<(usize, usize)>, Malformed> {
     let mut length = 0;
     for (place, &byte) in bytes.iter().take(4).enumerate() {
         length |= usize::from(byte & 0x7F) << (7 * place);

@@ -11,11 +11,9 @@ use super::limits::PARCELS_BYTES;
 /// What goes through the router in the place of a long message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Label {
-    /// Which it is.
     pub(crate) number: u64,
     /// Nothing that it says was kept before this stamp.
     pub(crate) stamp: u64,
-    /// How many bytes it has.
     pub(crate) length: u32,
 }
 
@@ -39,12 +37,10 @@ impl Parcels {
         }
     }
 
-    /// The one of this number, unless it was lost.
     pub(crate) fn find(&self, number: u64) -> Option<Bytes> {
         self.waiting.iter().find(|(known, _)| *known == number).map(|(_, payload)| payload.clone())
     }
 
-    /// The reader has it.
     pub(crate) fn remove(&mut self, number: u64) {
         let place = self.waiting.iter().position(|(known, _)| *known == number);
         if let Some((_, payload)) = place.and_then(|place| self.waiting.remove(place)) {
@@ -52,7 +48,6 @@ impl Parcels {
         }
     }
 
-    /// How many bytes they are.
     pub(crate) const fn bytes(&self) -> usize {
         self.bytes
     }

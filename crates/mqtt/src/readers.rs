@@ -8,7 +8,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::subscriber_lag::SubscriberLag;
 
-/// Somebody who gets what is published on a topic.
 #[derive(Clone, Debug)]
 pub(crate) struct Reader {
     pub(crate) lag: Arc<SubscriberLag>,
@@ -16,7 +15,6 @@ pub(crate) struct Reader {
     pub(crate) is_owed: bool,
 }
 
-/// The filters of all who subscribe.
 #[derive(Debug, Default)]
 pub(crate) struct Readers {
     /// Raised by every change, so that who looked before looks again.
@@ -40,7 +38,6 @@ impl Readers {
         found
     }
 
-    /// Somebody holds a filter.
     pub(crate) fn enter(&self, filter: &Arc<str>, lag: &Arc<SubscriberLag>, is_owed: bool) {
         let mut held = self.held();
         let readers = held.entry(Arc::clone(filter)).or_default();
@@ -52,7 +49,6 @@ impl Readers {
         self.generation.fetch_add(1, Ordering::Release);
     }
 
-    /// Somebody holds it no more.
     pub(crate) fn strike(&self, filter: &str, lag: &Arc<SubscriberLag>) {
         let mut held = self.held();
         let Some(readers) = held.get_mut(filter) else { return };
@@ -106,24 +102,13 @@ mod tests {
 
     use super::*;
     use crate::filter::matches;
-
-    fn level() -> impl Strategy<Value = &'static str> {
-        prop::sample::select(vec!["", "a", "b", "ab", "a!", "a0", "$a", "é"])
-    }
-
-    fn filter() -> impl Strategy<Value = String> {
-        let levels = prop::collection::vec(prop_oneof![3 => level(), 2 => Just("+")], 0..5);
-        (levels, any::<bool>()).prop_filter_map("a filter has a level", |(mut levels, is_open)| {
-            levels.extend(is_open.then_some("#"));
-            (!levels.is_empty()).then(|| levels.join("/"))
-        })
-    }
+    use crate::filter::tests::{level, some_filter};
 
     proptest! {
         /// Going level by level finds exactly what comparing with each finds.
         #[test]
         fn those_are_found_whose_filters_match(
-            filters in prop::collection::btree_set(filter(), 0..40),
+            filters in prop::collection::btree_set(some_filter(), 0..40),
             levels in prop::collection::vec(level(), 1..5),
         ) {
             let (readers, topic) = (Readers::default(), levels.join("/"));

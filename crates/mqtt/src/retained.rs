@@ -16,7 +16,6 @@ use super::limits::{
 };
 use super::packet::Qos;
 
-/// The kept messages.
 #[derive(Debug, Default)]
 pub(crate) struct Retained {
     shelf: Mutex<Shelf>,
@@ -32,14 +31,10 @@ struct Counted {
     alive: Arc<AtomicUsize>,
 }
 
-/// A kept message.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct RetainedMessage {
-    /// Where it was published.
     pub(crate) topic: Arc<str>,
-    /// What.
     pub(crate) payload: Bytes,
-    /// And at what QoS.
     pub(crate) qos: Qos,
     /// Later ones have higher ones.
     stamp: u64,
@@ -124,13 +119,11 @@ impl Retained {
         self.stamp.load(Ordering::Acquire)
     }
 
-    /// How many there are.
     #[cfg(test)]
     pub(crate) fn count(&self) -> usize {
         self.shelf().kept.len()
     }
 
-    /// And their bytes.
     pub(crate) fn bytes(&self) -> usize {
         let shelf = self.shelf();
         shelf.clients.bytes + shelf.program.bytes
@@ -178,12 +171,10 @@ impl Walk {
         Walk { filter, since, from }
     }
 
-    /// For which filter.
     pub(crate) fn filter(&self) -> &str {
         &self.filter
     }
 
-    /// Whether it has come to its end.
     pub(crate) const fn is_over(&self) -> bool {
         self.from.is_none()
     }

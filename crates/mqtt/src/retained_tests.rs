@@ -4,6 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::filter::matches;
+use crate::filter::tests::{level, some_filter};
 use crate::rights::Tier;
 
 const ANYBODY: Payer = Payer::Anybody;
@@ -24,21 +25,8 @@ fn topics(retained: &Retained, filter: &str) -> Vec<String> {
     all(retained, filter, 0).iter().map(|kept| kept.topic.to_string()).collect()
 }
 
-/// A level of a topic, some of which sort before and behind the slash.
-fn level() -> impl Strategy<Value = &'static str> {
-    prop::sample::select(vec!["", "a", "b", "ab", "a!", "a0", "$a", "é"])
-}
-
 fn topic() -> impl Strategy<Value = String> {
     prop::collection::vec(level(), 1..5).prop_map(|levels| levels.join("/"))
-}
-
-fn some_filter() -> impl Strategy<Value = String> {
-    let levels = prop::collection::vec(prop_oneof![3 => level(), 2 => Just("+")], 0..5);
-    (levels, any::<bool>()).prop_filter_map("a filter has a level", |(mut levels, is_open)| {
-        levels.extend(is_open.then_some("#"));
-        (!levels.is_empty()).then(|| levels.join("/"))
-    })
 }
 
 proptest! {

@@ -96,7 +96,6 @@ impl SubscriberLag {
         lag > LAG
     }
 
-    /// A long message is on its way to it, under this number.
     pub(crate) fn expect(&self, number: u64, payload: &Bytes) {
         self.parcels().push(number, payload);
     }
@@ -129,7 +128,6 @@ impl SubscriberLag {
         self.parcels.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// So much came out of the router.
     pub(crate) fn came(&self, bytes: i64) {
         let before = self.lag.fetch_sub(bytes, Ordering::Relaxed);
         let lag = before - bytes;
@@ -150,7 +148,6 @@ impl SubscriberLag {
         (missed != NOTHING).then_some(missed)
     }
 
-    /// Whether publishers are to wait for it.
     pub(crate) fn is_behind(&self, now: Duration) -> bool {
         let is_behind = self.lag.load(Ordering::Relaxed) > LAG && ms(now) >= self.forgiven_until_ms.load(Ordering::Relaxed);
         if is_behind {
@@ -175,7 +172,6 @@ impl SubscriberLag {
         self.lag.load(Ordering::Relaxed) <= 0
     }
 
-    /// Whether it has everything, and missed nothing.
     pub(crate) fn is_even(&self) -> bool {
         self.is_settled() && self.missed.load(Ordering::Relaxed) == NOTHING
     }
@@ -250,12 +246,10 @@ impl SubscriberLag {
 }
 
 impl LagGuard {
-    /// That of somebody who holds no filter yet.
     pub(crate) fn open(readers: &Arc<Readers>) -> LagGuard {
         LagGuard { lag: Arc::default(), readers: Arc::clone(readers), held: Vec::new() }
     }
 
-    /// What he is owed.
     pub(crate) fn lag(&self) -> Arc<SubscriberLag> {
         Arc::clone(&self.lag)
     }
@@ -275,7 +269,6 @@ impl LagGuard {
         self.enter(filter, true);
     }
 
-    /// He holds it no more.
     pub(crate) fn strike(&mut self, filter: &str) {
         self.held.retain(|held| &**held != filter);
         self.lag.filters.store(count(&self.held), Ordering::Relaxed);

@@ -2,14 +2,11 @@
 //! stands before it, and whatever is wrong with it. No more of a packet is read than names it, in whatever pieces it comes; what is
 //! wrong with packets is found in `frame`, `packet` and `connection`, later.
 
-use super::frame::Kind;
+use super::frame::{Kind, Malformed, length};
 
 /// So much of a packet is looked at when it comes in pieces, in bytes: what is urgent is named at its beginning, and is to be
 /// no longer than half of this.
 const LOOKED_AT: usize = 8 * 1024;
-
-/// The longest head of a packet: its kind, and its length in four bytes.
-const LONGEST_HEAD: usize = 5;
 
 /// A PUBLISH, as far as it can be read at all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +26,6 @@ pub struct UrgentSearch {
     beginning: Vec<u8>,
     /// and how much of it was looked at or passed over.
     seen: usize,
-    /// Whether it was found to be urgent.
     is_found: bool,
     /// It cannot be said any more where packets begin.
     is_lost: bool,
@@ -37,20 +33,11 @@ pub struct UrgentSearch {
     is_five: bool,
 }
 
-/// Kind and lengths of a packet.
 #[derive(Clone, Copy)]
 struct Head {
     first: u8,
     head: usize,
     length: usize,
-}
-
-enum Begins {
-    /// Not enough has come.
-    Short,
-    /// A length that does not end: nobody knows where the next packet begins.
-    Lost,
-    Known(Head),
 }
 
 impl UrgentSearch {
@@ -65,7 +52,7 @@ impl UrgentSearch {
     pub fn next(&mut self, bytes: &mut &[u8], mut hear: impl FnMut(PartialPublish<'_>) -> bool) -> Option<u64> {
         while !bytes.is_empty() && !self.is_lost {
             if self.seen == 0
-                && let Begins::Known(head) = Head::of(bytes)
+                && let Ok(Some(head)) = Head::of(bytes)
                 && head.length <= bytes.len()
             {
                 let (packet, rest) = bytes.split_at(head.length);
@@ -90,8 +77,8 @@ impl UrgentSearch {
     /// Takes a piece of a packet that is not there whole, and asks again when more of it has come.
     fn piece(&mut self, bytes: &mut &[u8], hear: &mut impl FnMut(PartialPublish<'_>) -> bool) -> Option<u64> {
         let wanted = match Head::of(&self.beginning) {
-            Begins::Known(head) => head.length,
-            Begins::Short | Begins::Lost => self.beginning.len() + 1,
+            Ok(Some(head)) => head.length,
+            Ok(None) | Err(_) => self.beginning.len() + 1,
         };
         let (piece, rest) = bytes.split_at(bytes.len().min(wanted - self.seen));
         let room = LOOKED_AT.saturating_sub(self.beginning.len());
@@ -99,12 +86,12 @@ impl UrgentSearch {
         self.seen += piece.len();
         *bytes = rest;
         let head = match Head::of(&self.beginning) {
-            Begins::Short => return None,
-            Begins::Lost => {
+            Ok(Some(head)) => head,
+            Ok(None) => return None,
+            Err(_) => {
                 self.is_lost = true;
                 return None;
             }
-            Begins::Known(head) => head,
         };
         let (begins, is_whole) = (self.begins, self.seen >= head.length);
         let is_asked = !self.is_found && room > 0 && (is_whole || bytes.is_empty());
@@ -118,17 +105,10 @@ impl UrgentSearch {
 }
 
 impl Head {
-    fn of(bytes: &[u8]) -> Begins {
-        let Some((&first, rest)) = bytes.split_first() else { return Begins::Short };
-        let mut body = 0;
-        for (place, &byte) in rest.iter().take(LONGEST_HEAD - 1).enumerate() {
-            body |= usize::from(byte & 0x7F) << (7 * place);
-            if byte & 0x80 == 0 {
-                let head = place + 2;
-                return Begins::Known(Head { first, head, length: head + body });
-            }
-        }
-        if bytes.len() >= LONGEST_HEAD { Begins::Lost } else { Begins::Short }
+    /// `None` when not enough has come; an error for a length that does not end, behind which nobody knows where the next packet begins.
+    fn of(bytes: &[u8]) -> Result<Option<Head>, Malformed> {
+        let Some((&first, rest)) = bytes.split_first() else { return Ok(None) };
+        Ok(length(rest)?.map(|(body, bytes)| Head { first, head: 1 + bytes, length: 1 + bytes + body }))
     }
 
     /// What a PUBLISH says, when its topic has come, without the properties of MQTT 5 and, if that is spoken, with them.
@@ -160,14 +140,8 @@ impl Head {
 
 /// What follows the properties at the head of this (MQTT 5, section 3.3.2.3).
 fn behind_properties(bytes: &[u8]) -> Option<&[u8]> {
-    let mut length = 0;
-    for (place, byte) in bytes.iter().take(4).enumerate() {
-        length |= usize::from(byte & 0x7F) << (7 * place);
-        if byte & 0x80 == 0 {
-            return bytes.get(place + 1 + length..);
-        }
-    }
-    None
+    let (properties, own) = length(bytes).ok()??;
+    bytes.get(own + properties..)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Joins the simulated robot to the loop: channels, timers, the speed of time, and the threads on which photos are drawn and the
 //! state file is written.
-//! What the robot does is decided by `simulator`; this is the only file of the simulator that waits.
+//! What the robot does is decided by `hallsweep_sim`; this is the only file of the simulated robot that waits.
 
 use std::time::Duration;
 
@@ -59,7 +59,6 @@ struct Link {
     skipped: Duration,
     /// A report on its way. Until it is taken nothing but a halt is listened to, so that reports cannot pile up.
     report: Option<RobotEvent>,
-    /// The photo being drawn, and for which order.
     developing: Option<(OrderId, JoinHandle<Photo>)>,
     /// The halts of which the last order that was begun knew.
     obeyed: u64,
@@ -97,7 +96,6 @@ impl Link {
         }
     }
 
-    /// The time in the simulation.
     fn now(&self) -> Now {
         let Now { since_start, wall } = self.clock.now();
         let passed = times(since_start.saturating_sub(self.began), self.speed.pace());
@@ -181,7 +179,6 @@ impl Link {
         }
     }
 
-    /// Jumps to whatever comes next.
     fn jump(&mut self) {
         if let Some(at) = self.sim.poll_timeout() {
             self.skipped += at.saturating_sub(self.now().since_start);
@@ -220,11 +217,11 @@ mod tests {
     use std::path::Path;
     use std::sync::Arc;
 
-    use super::super::state_file::Folder;
     use super::*;
     use crate::runtime::halt::Halter;
     use crate::runtime::link::{REPORTS, RobotLink, link};
     use crate::runtime::within::within;
+    use crate::storage::scratch::Scratch;
     use hallsweep_core::command::Move;
     use hallsweep_core::effect::{Action, Stamp};
     use hallsweep_core::event::{RobotId, Whereabouts};
@@ -381,10 +378,10 @@ mod tests {
     /// Safety R2.
     #[tokio::test]
     async fn whatever_was_reported_before_the_program_died_is_known_to_the_next() {
-        let folder = Folder::new("link");
+        let folder = Scratch::new();
         let mut pose = Pose::START;
         for id in 0..20 {
-            let (mut test, whereabouts) = begin_in(folder.path(), Speed::Max).await;
+            let (mut test, whereabouts) = begin_in(&folder.0, Speed::Max).await;
             assert_eq!(whereabouts, Whereabouts { pose, off_centre: false });
             let step = if pose.cell.y == 0 { Move::Forward } else { Move::Backward };
             test.give(id, Action::Move(step), 0).await;
@@ -397,12 +394,12 @@ mod tests {
     /// Safety R2.
     #[tokio::test]
     async fn a_step_under_way_when_the_program_dies_leaves_it_off_centre() {
-        let folder = Folder::new("under-way");
-        let (mut test, _) = begin_in(folder.path(), Speed::Times(0.1)).await;
+        let folder = Scratch::new();
+        let (mut test, _) = begin_in(&folder.0, Speed::Times(0.1)).await;
         test.give(1, FORWARD, 0).await;
-        until_remembered(folder.path(), |memory| memory.motion.is_some()).await;
+        until_remembered(&folder.0, |memory| memory.motion.is_some()).await;
         test.task.abort();
-        let (mut test, whereabouts) = begin_in(folder.path(), Speed::Max).await;
+        let (mut test, whereabouts) = begin_in(&folder.0, Speed::Max).await;
         assert_eq!(whereabouts, Whereabouts { pose: Pose::START, off_centre: true });
         test.give(1, Action::Recentre, 0).await;
         assert_eq!(test.answer().await, RobotEvent::Done(OrderId(1)));
@@ -410,8 +407,8 @@ mod tests {
 
     #[tokio::test]
     async fn without_a_folder_to_write_in_it_goes_on_and_writes_as_soon_as_there_is_one() {
-        let folder = Folder::new("late");
-        let late = folder.path().join("late");
+        let folder = Scratch::new();
+        let late = folder.0.join("late");
         let (mut test, _) = begin_in(&late, Speed::Max).await;
         test.give(1, FORWARD, 0).await;
         assert_eq!(test.answer().await, RobotEvent::Done(OrderId(1)));
@@ -423,8 +420,8 @@ mod tests {
     #[cfg(unix)]
     #[tokio::test]
     async fn a_disk_that_hangs_delays_no_halt() {
-        let folder = Folder::new("hangs");
-        let late = folder.path().join("late");
+        let folder = Scratch::new();
+        let late = folder.0.join("late");
         let (mut test, _) = begin_in(&late, Speed::Times(0.5)).await;
         // The next writing waits for somebody at the other end of a pipe.
         let pipe = late.join("simulated-robot.new");
@@ -436,8 +433,8 @@ mod tests {
         // By now the step would have ended.
         tokio::time::sleep(Duration::from_millis(800)).await;
         assert!(test.link.reports.try_recv().is_err(), "nothing is told that is not written");
-        std::fs::rename(&pipe, folder.path().join("pipe")).unwrap();
-        let other_end = tokio::task::spawn_blocking(move || std::fs::read(folder.path().join("pipe")).map(|_| folder));
+        std::fs::rename(&pipe, folder.0.join("pipe")).unwrap();
+        let other_end = tokio::task::spawn_blocking(move || std::fs::read(folder.0.join("pipe")).map(|_| folder));
         assert_eq!(test.answer().await, RobotEvent::Halted(OrderId(1), true));
         drop(other_end.await);
     }

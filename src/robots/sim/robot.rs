@@ -12,7 +12,6 @@ use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
 use hallsweep_sim::{Camera, Hall, Sim, SimMemory, SimSettings, Speed};
 
-/// A simulated robot that is not started yet.
 pub(in crate::robots) struct SimRobot {
     id: RobotId,
     hall: Arc<Hall>,
@@ -21,7 +20,6 @@ pub(in crate::robots) struct SimRobot {
     remembered: Remembered,
 }
 
-/// What is known of where it was left.
 enum Remembered {
     /// Nothing, and nothing will be written down.
     Nothing,
@@ -41,7 +39,6 @@ impl SimRobot {
         SimRobot { id, hall, settings, speed: speed(robot.speed), remembered: Remembered::Nothing }
     }
 
-    /// Looks for its state file in the data folder.
     pub(in crate::robots) fn recall(&mut self, folder: &Path) {
         self.remembered = match SimStateFile::open(folder, &self.id, &self.hall) {
             Ok((state_file, memory)) => Remembered::Here(state_file, memory),
@@ -55,7 +52,6 @@ impl SimRobot {
         if let Remembered::Lost(lost) = &self.remembered { Some(lost) } else { None }
     }
 
-    /// The other hall in which it was left.
     pub(in crate::robots) fn other_hall(&self) -> Option<&str> {
         if let Remembered::Elsewhere(_, hall) = &self.remembered { Some(hall) } else { None }
     }
@@ -67,7 +63,6 @@ impl SimRobot {
         }
     }
 
-    /// Leaves the state file of another hall as it is.
     pub(in crate::robots) fn keep_other_hall(&mut self) {
         if matches!(self.remembered, Remembered::PutDown(_)) {
             self.remembered = Remembered::Nothing;
@@ -96,11 +91,11 @@ impl SimRobot {
 
 #[cfg(test)]
 mod tests {
-    use super::super::state_file::Folder;
     use super::*;
     use crate::runtime::halt::Halter;
     use crate::runtime::link::{RobotLink, link};
     use crate::runtime::within::within;
+    use crate::storage::scratch::Scratch;
     use hallsweep_core::event::RobotEvent;
     use hallsweep_core::units::{Cell, Epoch, Pose};
 
@@ -113,9 +108,9 @@ mod tests {
         SimRobot::new(RobotId::new(id).expect("a name"), Arc::clone(hall), &settings)
     }
 
-    fn left_at(folder: &Folder, id: &str, hall: &Hall, x: i32) {
+    fn left_at(folder: &Scratch, id: &str, hall: &Hall, x: i32) {
         let memory = SimMemory { pose: Pose { cell: Cell::new(x, 0), ..Pose::START }, ..SimMemory::NEW };
-        SimStateFile::begin_anew(folder.path(), &RobotId::new(id).expect("a name"), hall).keep(memory);
+        SimStateFile::begin_anew(&folder.0, &RobotId::new(id).expect("a name"), hall).keep(memory);
     }
 
     /// The column in which it says that it stands; `None` when it says nothing.
@@ -131,12 +126,12 @@ mod tests {
 
     #[tokio::test]
     async fn each_robot_stands_where_it_was_left_itself() {
-        let (folder, hall) = (Folder::new("each"), hall("first", &["S..."]));
+        let (folder, hall) = (Scratch::new(), hall("first", &["S..."]));
         left_at(&folder, "discovery", &hall, 1);
         left_at(&folder, "porter", &hall, 2);
         for (id, x) in [("discovery", 1), ("porter", 2), ("arm", 0)] {
             let mut robot = robot(id, &hall);
-            robot.recall(folder.path());
+            robot.recall(&folder.0);
             assert_eq!((robot.lost(), robot.other_hall()), (None, None));
             assert_eq!(within("where it is", stands(robot)).await, Some(x), "{id}");
         }
@@ -144,21 +139,21 @@ mod tests {
 
     #[tokio::test]
     async fn one_that_may_be_anywhere_says_nothing() {
-        let (folder, hall) = (Folder::new("anywhere"), hall("first", &["S..."]));
-        std::fs::write(folder.path().join("simulated-robot-porter.txt"), "not ours").expect("the folder can be written");
+        let (folder, hall) = (Scratch::new(), hall("first", &["S..."]));
+        std::fs::write(folder.0.join("simulated-robot-porter.txt"), "not ours").expect("the folder can be written");
         let mut robot = robot("porter", &hall);
-        robot.recall(folder.path());
+        robot.recall(&folder.0);
         assert!(robot.lost().is_some_and(|lost| lost.contains("simulated-robot-porter.txt")), "{:?}", robot.lost());
         assert_eq!(stands(robot).await, None);
     }
 
     #[tokio::test]
     async fn one_of_another_hall_is_put_down_and_its_file_is_begun_anew_or_kept() {
-        let (folder, first, second) = (Folder::new("halls"), hall("first", &["S..."]), hall("second", &["S....."]));
+        let (folder, first, second) = (Scratch::new(), hall("first", &["S..."]), hall("second", &["S....."]));
         for keeps in [true, false] {
             left_at(&folder, "porter", &first, 2);
             let mut there = robot("porter", &second);
-            there.recall(folder.path());
+            there.recall(&folder.0);
             assert_eq!(there.other_hall(), Some("first"));
             there.put_down();
             if keeps {
@@ -166,7 +161,7 @@ mod tests {
             }
             assert_eq!(stands(there).await, Some(0));
             let mut again = robot("porter", &first);
-            again.recall(folder.path());
+            again.recall(&folder.0);
             assert_eq!(again.other_hall(), if keeps { None } else { Some("second") });
         }
     }

@@ -13,20 +13,14 @@ pub struct UnusableHall {
     pub name: String,
     /// Where that was set, as `flag --hall`.
     pub origin: String,
-    /// The line of the file and what is wrong.
     pub error: HallError,
 }
 
-/// The hall of the settings.
-///
-/// # Errors
-/// The setting that names the hall, and file and line of what is wrong with it.
 pub fn hall(settings: &Settings) -> Result<Arc<Hall>, UnusableHall> {
     let (name, origin) = (settings.hall.clone(), settings.hall_origin.clone());
     Hall::named_or_file(&settings.hall).map(Arc::new).map_err(|error| UnusableHall { name, origin, error })
 }
 
-/// A robot of these settings.
 #[must_use]
 pub fn sim_settings(robot: &RobotSettings, camera: Camera) -> SimSettings {
     SimSettings {

@@ -27,12 +27,10 @@ fn file_of(robot: &RobotId) -> String {
     if *robot == RobotId::discovery() { FILE.to_owned() } else { format!("simulated-robot-{robot}.txt") }
 }
 
-/// The memory of a simulated robot in a folder.
 #[derive(Debug)]
 pub(super) struct SimStateFile {
     file: SmallFile,
     whose: Whose,
-    /// Counts the writings.
     turn: u64,
     /// Whether the file must be made anew.
     anew: bool,
@@ -41,10 +39,8 @@ pub(super) struct SimStateFile {
 }
 
 impl SimStateFile {
-    /// This robot's state file in the folder `dir` and what it remembers of this hall; nothing when there is no file yet. Nothing is written.
-    ///
-    /// # Errors
-    /// A file that cannot be read or understood, or is of another hall. It stays as it is.
+    /// This robot's state file in the folder `dir` and what it remembers of this hall; nothing when there is no file yet. Nothing is
+    /// written, and a file that cannot be read or understood, or is of another hall, stays as it is.
     pub(super) fn open(dir: &Path, robot: &RobotId, hall: &Hall) -> Result<(SimStateFile, Option<SimMemory>), StateFileError> {
         let mut state_file = SimStateFile::begin_anew(dir, robot, hall);
         let path = || state_file.file.path().to_owned();
@@ -74,7 +70,6 @@ impl SimStateFile {
 
     /// A state file for a robot that is put down anew in this hall. The first writing takes the place of whatever file there is, so
     /// it is for a folder without one, or when the robot is meant to leave the hall it was in.
-    #[must_use]
     pub(super) fn begin_anew(dir: &Path, robot: &RobotId, hall: &Hall) -> SimStateFile {
         SimStateFile { file: SmallFile::within(dir, &file_of(robot)), whose: Whose::of(hall), turn: 0, anew: true, owed: None }
     }
@@ -90,8 +85,6 @@ impl SimStateFile {
         self.anew |= written.is_err_and(|error| error.kind() == io::ErrorKind::NotFound);
     }
 
-    /// What could not be written yet.
-    #[must_use]
     pub(super) const fn owed(&self) -> Option<SimMemory> {
         self.owed
     }
@@ -111,5 +104,3 @@ impl SimStateFile {
 
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-pub(super) use tests::Folder;

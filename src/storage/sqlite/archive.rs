@@ -29,14 +29,9 @@ const MISSION: &str = "SELECT id, strategy, began_ms, began_offset_s, archived_m
     (SELECT count(*) FROM luggage WHERE mission = missions.id),
     (SELECT count(*) FROM luggage WHERE mission = missions.id AND verdict = 'danger') FROM missions";
 
-/// The reading side of the store.
 #[derive(Debug)]
 pub(super) enum SqliteArchive {
-    Folder {
-        folder: Folder,
-        /// Connections for the next questions.
-        idle: Mutex<Vec<Reader>>,
-    },
+    Folder { folder: Folder, idle: Mutex<Vec<Reader>> },
     Memory(Arc<MemoryJournal>),
 }
 

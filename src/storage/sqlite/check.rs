@@ -15,7 +15,6 @@ use hallsweep_core::units::Seq;
 /// At most so many findings are listed: who has more needs a backup, not a list.
 const LISTED: usize = 100;
 
-/// What a check came to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Findings {
     /// What is wrong, a sentence each, the first 100.
@@ -24,9 +23,7 @@ pub struct Findings {
     pub count: u64,
     /// What is right, and still worth knowing.
     pub notes: Vec<String>,
-    /// How many entries there are.
     pub entries: u64,
-    /// How many photos.
     pub photos: u64,
 }
 

@@ -40,7 +40,6 @@ pub(super) fn writer(folder: &Folder) -> Result<Connection, Fault> {
     Ok(connection)
 }
 
-/// A connection that only reads.
 #[derive(Debug)]
 pub(super) struct Reader {
     pub(super) connection: Connection,

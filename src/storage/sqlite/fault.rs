@@ -15,10 +15,8 @@ pub(super) const ALL: &str = "journal.db, journal.db-wal, journal.db-shm and the
 /// Of what SQLite found so many characters are shown: it lists pages by the hundred.
 const SHOWN: usize = 200;
 
-/// Something went wrong. The words for it need the folder: see `words`.
 #[derive(Debug)]
 pub(super) enum Fault {
-    /// SQLite says so.
     Sql(rusqlite::Error),
     /// The system says so, of a file beside the journal.
     File(io::Error),
@@ -36,34 +34,27 @@ pub(super) enum Fault {
     Newer(i64),
     /// It was written by an older version, and nothing can be written to bring it up to date.
     Older(i64),
-    /// The file is some other program's.
     Foreign,
     /// An entry of the journal says nothing that this version understands.
     Unparsed(Seq, Unparsed),
     /// Its last entry is not the one that was read at the start.
     Changed,
-    /// Another hallsweep writes into the folder.
     InUse,
-    /// Nothing can be created there.
     Unwritable,
     /// A photo's file is not there, or is not what it was.
     Photo(&'static str),
-    /// A number that SQLite cannot hold.
     Number(u64),
     /// It took so long that what was handed over has been given up for lost.
     GivenUp,
-    /// The disk does not answer.
     Hung,
     /// More was handed over than the disk takes.
     Behind,
-    /// The thread that writes is gone.
     Gone,
 }
 
 /// What follows once the cause of a fault is gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Then {
-    /// Writing goes on by itself.
     GoesOn,
     /// What was kept is not known: the program must be started again.
     StartAgain,
@@ -96,14 +87,6 @@ impl Fault {
         }
     }
 
-    /// What an operator reads: what is wrong, and what to do.
-    pub(super) fn words(&self, folder: &Path, then: Then) -> String {
-        match self.trouble() {
-            Some(trouble) => trouble.words(folder, then),
-            None => self.words_of_the_file(folder, then),
-        }
-    }
-
     /// What whoever only reads is told of an entry that cannot be understood, beside those that can.
     pub(super) fn words_of_an_entry(&self, folder: &Path) -> String {
         if let Fault::Unparsed(seq, why) = self {
@@ -112,33 +95,8 @@ impl Fault {
         if let Fault::Damaged(detail) = self { one_line(detail) } else { self.words(folder, Then::StartAgain) }
     }
 
-    /// What ails the disk, where it is the disk.
-    fn trouble(&self) -> Option<Trouble> {
-        match self {
-            Fault::Sql(error) if is_damage(error) => None,
-            Fault::Sql(error) => Some(Trouble::of_sql(error)),
-            Fault::File(error) => Some(Trouble::of_file(error)),
-            Fault::Unwritable => Some(Trouble::Locked),
-            Fault::GivenUp | Fault::Hung => Some(Trouble::Silent),
-            Fault::Behind => Some(Trouble::Slow),
-            Fault::Damaged(_)
-            | Fault::OnlyLog
-            | Fault::OnlyPhotos
-            | Fault::Unusable(..)
-            | Fault::TakenAway(_)
-            | Fault::Newer(_)
-            | Fault::Older(_)
-            | Fault::Foreign
-            | Fault::Unparsed(..)
-            | Fault::Changed
-            | Fault::InUse
-            | Fault::Photo(_)
-            | Fault::Number(_)
-            | Fault::Gone => None,
-        }
-    }
-
-    fn words_of_the_file(&self, folder: &Path, then: Then) -> String {
+    /// What an operator reads: what is wrong, and what to do.
+    pub(super) fn words(&self, folder: &Path, then: Then) -> String {
         let file = folder.join("journal.db");
         let (file, shown) = (file.display(), folder.display());
         let damaged = |detail: &dyn Display| {
@@ -150,7 +108,12 @@ impl Fault {
         };
         match self {
             Fault::Damaged(detail) => damaged(detail),
-            Fault::Sql(error) => damaged(error),
+            Fault::Sql(error) if is_damage(error) => damaged(error),
+            Fault::Sql(error) => Trouble::of_sql(error).words(folder, then),
+            Fault::File(error) => Trouble::of_file(error).words(folder, then),
+            Fault::Unwritable => Trouble::Locked.words(folder, then),
+            Fault::GivenUp | Fault::Hung => Trouble::Silent.words(folder, then),
+            Fault::Behind => Trouble::Slow.words(folder, then),
             Fault::OnlyLog => format!(
                 "the journal {file} is missing or empty, but journal.db-wal beside it holds entries; nothing is touched: put \
                  the journal.db that belongs to it back, or move {ALL} away together, then start hallsweep again"
@@ -185,14 +148,10 @@ impl Fault {
             Fault::Photo(what) => format!("the file of the photo {what}: put the folder photos of a backup back into {shown}"),
             Fault::Number(number) => format!("the journal has no room for the number {number}"),
             Fault::Gone => "the writer of the journal has ended by a mistake of its own: start hallsweep again".to_owned(),
-            Fault::File(_) | Fault::Unwritable | Fault::GivenUp | Fault::Hung | Fault::Behind => {
-                Trouble::Silent.words(folder, then)
-            }
         }
     }
 }
 
-/// What can ail a disk.
 enum Trouble {
     Full,
     Locked,
@@ -278,7 +237,6 @@ impl From<io::Error> for Fault {
     }
 }
 
-/// A number as SQLite holds it.
 pub(super) fn whole(number: u64) -> Result<i64, Fault> {
     i64::try_from(number).map_err(|_| Fault::Number(number))
 }

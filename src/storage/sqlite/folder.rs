@@ -82,12 +82,10 @@ impl Folder {
         }
     }
 
-    /// Whether something stands in the write-ahead log.
     pub(super) fn has_log(&self) -> bool {
         std::fs::metadata(self.write_ahead_log()).is_ok_and(|file| file.len() > 0)
     }
 
-    /// Whether a photo is kept.
     pub(super) fn has_photos(&self) -> bool {
         let shelves = std::fs::read_dir(self.photos()).into_iter().flatten().flatten();
         let mut files = shelves.filter_map(|shelf| std::fs::read_dir(shelf.path()).ok()).flatten().flatten();
@@ -115,15 +113,11 @@ impl Folder {
     /// SQLite passes over a log that does not begin like one, and would write over the entries in it.
     fn check_log(&self) -> Result<(), Fault> {
         const BEGINS: [[u8; 4]; 2] = [0x377f_0682_u32.to_be_bytes(), 0x377f_0683_u32.to_be_bytes()];
-        let bytes = match files::read(&self.write_ahead_log(), BEGINS[0].len()) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
-            read => read?,
-        };
+        let bytes = files::read_if_there(&self.write_ahead_log(), BEGINS[0].len())?.unwrap_or_default();
         let begins = bytes.is_empty() || BEGINS.iter().any(|begins| bytes.starts_with(begins));
         if begins { Ok(()) } else { Err(Fault::Unusable("journal.db-wal", "it does not begin as it should".to_owned())) }
     }
 
-    /// Which file the journal is just now.
     pub(super) fn journal_identity(&self) -> Result<Identity, Fault> {
         Ok(identity(&std::fs::metadata(self.journal())?))
     }
@@ -144,7 +138,6 @@ impl Folder {
         Ok(())
     }
 
-    /// Creates the folder itself.
     pub(super) fn create_path(&self) -> Result<(), Fault> {
         if !self.0.is_dir() {
             files::make_folder(&self.0)?;

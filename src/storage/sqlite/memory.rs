@@ -80,13 +80,11 @@ impl Default for MemoryStore {
 }
 
 impl MemoryStore {
-    /// An empty store.
     #[must_use]
     pub fn new() -> MemoryStore {
         MemoryStore::default()
     }
 
-    /// Reads what is kept.
     #[must_use]
     pub fn archive(&self) -> Arc<dyn Archive> {
         Arc::new(SqliteArchive::Memory(Arc::clone(&self.journal)))
@@ -114,12 +112,10 @@ impl Store for MemoryStore {
 }
 
 impl MemoryJournal {
-    /// What is said in place of a folder's name.
     pub(super) fn place() -> &'static Path {
         Path::new("memory")
     }
 
-    /// Asks the database.
     pub(super) fn ask<T>(&self, question: impl FnOnce(&Connection) -> Result<T, Fault>) -> Result<T, Fault> {
         let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
         question(&self.writing().connection)

@@ -60,15 +60,12 @@ const QUEUE: usize = 1024;
 /// Why nothing at all can be done with a folder: the program should not go on.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    /// Another hallsweep writes into it.
     #[error("{0}")]
     InUse(String),
-    /// The system gives no threads.
     #[error("the system does not let the store start: {0}")]
     System(std::io::Error),
 }
 
-/// What became of opening a folder.
 pub struct Opened {
     /// Keeps what is to be kept; says by its word when it cannot.
     pub store: Box<dyn Store>,
@@ -95,9 +92,6 @@ pub struct SqliteStore {
 /// Opens the folder `path`, and creates it where there is none. No fault of the files is an error here: it is said by `failure`.
 /// `beside` is what ails other files that the program keeps there, in words that end with what to do: then nothing is written, so
 /// that nothing moves, until it is started again (safety R5).
-///
-/// # Errors
-/// When another hallsweep uses the folder, or the system gives no threads.
 pub fn open(path: &Path, beside: Option<String>) -> Result<Opened, OpenError> {
     open_with(path, beside, Patience::USUAL)
 }

@@ -97,7 +97,6 @@ impl Pages {
     }
 }
 
-/// The mission that has begun and is not put away.
 fn open_mission(transaction: &Transaction<'_>) -> Result<Option<MissionId>, Fault> {
     let sql = "SELECT max(id) FROM missions WHERE archived_seq IS NULL";
     let id: Option<i64> = transaction.query_row(sql, [], |row| row.get(0))?;

@@ -24,10 +24,8 @@ const LARGEST: usize = 64 * 1024 * 1024;
 /// What a photo of a type that this version does not know is called.
 const OTHER: &str = "application/octet-stream";
 
-/// Where the bytes of photos are.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Pictures<'a> {
-    /// In files of the folder.
     Files(&'a Folder),
     /// In the table `pictures` of a journal in memory.
     Table,
@@ -53,7 +51,7 @@ impl Pictures<'_> {
             return Err(Fault::Photo("has no digest on record"));
         }
         let bytes = match self {
-            Pictures::Files(folder) => read_file(folder, picture)?,
+            Pictures::Files(folder) => files::read_if_there(&folder.photo(picture), LARGEST)?,
             Pictures::Table => {
                 let mut statement = connection.prepare_cached("SELECT content FROM pictures WHERE digest = ?1")?;
                 statement.query_row([&picture.digest], |row| row.get(0)).optional()?
@@ -82,13 +80,6 @@ fn keep_file(folder: &Folder, picture: &Picture, bytes: &[u8]) -> Result<(), Fau
     }
     // Also for a photo that is there already: whoever put it there may have failed at just this.
     Ok([shelf, &folder.photos(), folder.path()].into_iter().try_for_each(files::sync_folder)?)
-}
-
-fn read_file(folder: &Folder, picture: &Picture) -> io::Result<Option<Vec<u8>>> {
-    match files::read(&folder.photo(picture), LARGEST) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-        read => read.map(Some),
-    }
 }
 
 fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {

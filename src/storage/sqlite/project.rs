@@ -1,7 +1,7 @@
 //! The projections: missions, luggage with its verdicts, and photos, as they follow from the entries (safety D2).
 //! They are written in the transaction of the entries themselves, and can be made anew from them at any time.
 
-use rusqlite::{Connection, params};
+use rusqlite::{Connection, Params, params};
 
 use super::fault::{Fault, count, whole};
 use super::rows::{self, Which};
@@ -13,7 +13,6 @@ use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
-/// Writes down what follows from one more entry.
 pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault> {
     let (seq, wall) = (line.seq, line.entry.wall);
     match &line.entry.fact {
@@ -64,9 +63,7 @@ pub(super) fn left_in_place(text: &str) -> Vec<LuggageId> {
 fn began(connection: &Connection, mission: MissionId, strategy: Strategy, wall: WallTime) -> Result<(), Fault> {
     let sql = "INSERT INTO missions (id, strategy, began_ms, began_offset_s, phase) VALUES (?1, ?2, ?3, ?4, 'idle')
                ON CONFLICT (id) DO UPDATE SET strategy = excluded.strategy";
-    let values = params![whole(mission.0)?, strategy.name(), wall.unix_ms, wall.offset_s];
-    connection.prepare_cached(sql)?.execute(values)?;
-    Ok(())
+    run(connection, sql, params![whole(mission.0)?, strategy.name(), wall.unix_ms, wall.offset_s])
 }
 
 fn archived(connection: &Connection, mission: MissionId, left: &[LuggageId], wall: WallTime, seq: Seq) -> Result<(), Fault> {
@@ -74,9 +71,7 @@ fn archived(connection: &Connection, mission: MissionId, left: &[LuggageId], wal
                WHERE id = ?1 AND archived_seq IS NULL";
     let left: Vec<String> = left.iter().map(LuggageId::to_string).collect();
     let left = format!("[{}]", left.join(","));
-    let values = params![whole(mission.0)?, wall.unix_ms, wall.offset_s, whole(seq.0)?, left];
-    connection.prepare_cached(sql)?.execute(values)?;
-    Ok(())
+    run(connection, sql, params![whole(mission.0)?, wall.unix_ms, wall.offset_s, whole(seq.0)?, left])
 }
 
 /// The phase in which a mission begins is on record just before its beginning, which then says by which strategy.
@@ -84,32 +79,26 @@ fn came_to(connection: &Connection, mission: MissionId, phase: &Phase, wall: Wal
     let sql = "INSERT INTO missions (id, strategy, began_ms, began_offset_s, phase) VALUES (?1, ?2, ?3, ?4, ?5)
                ON CONFLICT (id) DO UPDATE SET phase = excluded.phase WHERE archived_seq IS NULL";
     let (strategy, phase) = (Strategy::default().name(), phase.name().name());
-    connection.prepare_cached(sql)?.execute(params![whole(mission.0)?, strategy, wall.unix_ms, wall.offset_s, phase])?;
-    Ok(())
+    run(connection, sql, params![whole(mission.0)?, strategy, wall.unix_ms, wall.offset_s, phase])
 }
 
 /// A piece, or another photo of it. Where no new photo came the older one stays good.
 fn found(connection: &Connection, mission: Option<MissionId>, record: &Luggage, picture: Option<&Picture>) -> Result<(), Fault> {
     if let (Some(picture), PhotoState::Taken { bytes, .. }) = (picture, &record.photo) {
         let sql = "INSERT INTO photos (digest, media_type, bytes) VALUES (?1, ?2, ?3) ON CONFLICT (digest) DO NOTHING";
-        let values = params![picture.digest, picture.media_type, whole(*bytes as u64)?];
-        connection.prepare_cached(sql)?.execute(values)?;
+        run(connection, sql, params![picture.digest, picture.media_type, whole(*bytes as u64)?])?;
     }
     let sql = "INSERT INTO luggage (id, mission, record, photo) VALUES (?1, ?2, ?3, ?4) ON CONFLICT (id) DO UPDATE
                SET record = excluded.record, photo = coalesce(excluded.photo, photo)";
     let mission = mission.map(|mission| whole(mission.0)).transpose()?;
     let text = journal::record(&Luggage { verdict: None, ..record.clone() });
-    let values = params![whole(record.id.0)?, mission, text, picture.map(|picture| &picture.digest)];
-    connection.prepare_cached(sql)?.execute(values)?;
-    Ok(())
+    run(connection, sql, params![whole(record.id.0)?, mission, text, picture.map(|picture| &picture.digest)])
 }
 
 fn decided(connection: &Connection, luggage: LuggageId, decision: &Decision) -> Result<(), Fault> {
     let sql = "UPDATE luggage SET verdict = ?2, decided_by = ?3, decided_ms = ?4, decided_offset_s = ?5 WHERE id = ?1";
     let Decision { verdict, who, wall } = decision;
-    let values = params![whole(luggage.0)?, verdict.name(), &**who, wall.unix_ms, wall.offset_s];
-    connection.prepare_cached(sql)?.execute(values)?;
-    Ok(())
+    run(connection, sql, params![whole(luggage.0)?, verdict.name(), &**who, wall.unix_ms, wall.offset_s])
 }
 
 /// Everything that stands also says what a failed store may have lost: a mission's beginning, the end of the one before, luggage.
@@ -125,6 +114,11 @@ fn stands(connection: &Connection, standing: &PersistentState, wall: WallTime, s
         found(connection, current, record, None)?;
         record.verdict.as_ref().map_or(Ok(()), |decision| decided(connection, record.id, decision))?;
     }
+    Ok(())
+}
+
+fn run(connection: &Connection, sql: &str, values: impl Params) -> Result<(), Fault> {
+    connection.prepare_cached(sql)?.execute(values)?;
     Ok(())
 }
 

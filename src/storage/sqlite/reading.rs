@@ -14,7 +14,6 @@ use crate::api::journal::Line;
 use crate::runtime::archive::Unreadable;
 use hallsweep_core::units::{MissionId, Seq};
 
-/// A journal opened for reading.
 #[derive(Debug)]
 pub struct Reading {
     folder: Folder,
@@ -23,9 +22,6 @@ pub struct Reading {
 
 impl Reading {
     /// Opens the journal in the folder `path`.
-    ///
-    /// # Errors
-    /// When there is none, or when it cannot be read.
     pub fn open(path: &Path) -> Result<Reading, Unreadable> {
         let folder = Folder::new(path);
         let opened = connect::reader(&folder).map_err(|fault| unreadable(&folder, &fault))?;
@@ -35,9 +31,6 @@ impl Reading {
 
     /// Walks over the entries, oldest first, of one mission or of all, all of them or the `last` ones, while `visit` says to go
     /// on. Of what cannot be understood its place is given, and a sentence.
-    ///
-    /// # Errors
-    /// When the journal cannot be read on.
     pub fn lines(
         &self,
         mission: Option<MissionId>,
@@ -59,19 +52,12 @@ impl Reading {
         }
     }
 
-    /// Checks everything there is to check.
-    ///
-    /// # Errors
-    /// When it cannot be read so far as to be checked.
     pub fn check(&self) -> Result<Findings, Unreadable> {
         check::check(&self.connection, &self.folder).map_err(|fault| unreadable(&self.folder, &fault))
     }
 }
 
 /// Makes the tables that follow from the journal anew, in one transaction; how many entries they follow from.
-///
-/// # Errors
-/// When a hallsweep is running there, or the journal cannot be read or written.
 pub fn rebuild(path: &Path) -> Result<u64, Unreadable> {
     let folder = Folder::new(path);
     // Who is not there is not created.

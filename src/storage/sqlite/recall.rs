@@ -125,7 +125,6 @@ fn each_from_standing(
     rows::each(connection, Which { after, before, ..Which::default() }, |_, line| visit(line))
 }
 
-/// The sentences about what cannot be understood.
 struct Damage<W> {
     words: W,
     said: Vec<String>,

@@ -1,7 +1,7 @@
 //! Entries as rows of the table of events.
 
 use rusqlite::types::Value;
-use rusqlite::{Connection, OptionalExtension, Row, params, params_from_iter};
+use rusqlite::{Connection, OptionalExtension, Params, Row, params, params_from_iter};
 
 use super::fault::{Fault, count, whole};
 use crate::api::journal::{self, Line};
@@ -21,17 +21,13 @@ const BY_NAME: &str = "INDEXED BY named_commands";
 /// Which entries are meant; all of them, when nothing is said.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Which {
-    /// Only those behind this one.
     pub(super) after: Option<Seq>,
-    /// Only those before this one.
     pub(super) before: Option<Seq>,
-    /// Only those of this mission.
     pub(super) mission: Option<MissionId>,
     /// Only commands that carry an id.
     pub(super) named: bool,
     /// Only those from which the projections follow.
     pub(super) milestones: bool,
-    /// At most so many.
     pub(super) most: Option<usize>,
 }
 
@@ -61,16 +57,14 @@ pub(super) fn last_up_to(connection: &Connection, most: Option<Seq>) -> Result<S
 pub(super) fn last_standing(connection: &Connection, before: Option<Seq>) -> Result<Option<Seq>, Fault> {
     let sql = "SELECT seq FROM events WHERE kind = 'standing' AND seq < ?1 ORDER BY seq DESC LIMIT 1";
     let before = before.map_or(Ok(i64::MAX), |before| whole(before.0))?;
-    let found: Option<i64> = connection.prepare_cached(sql)?.query_row([before], |row| row.get(0)).optional()?;
-    Ok(found.map(|seq| Seq(count(seq))))
+    place(connection, sql, [before])
 }
 
 /// The place behind which stand the last `count` entries, of a mission or of all.
 pub(super) fn before_the_last(connection: &Connection, mission: Option<MissionId>, count: u64) -> Result<Option<Seq>, Fault> {
     let sql = "SELECT seq FROM events WHERE mission = ?1 OR ?1 IS NULL ORDER BY seq DESC LIMIT 1 OFFSET ?2";
     let values = params![mission.map(|mission| whole(mission.0)).transpose()?, whole(count)?];
-    let found: Option<i64> = connection.prepare_cached(sql)?.query_row(values, |row| row.get(0)).optional()?;
-    Ok(found.map(|seq| Seq(super::fault::count(seq))))
+    place(connection, sql, values)
 }
 
 /// The latest entries that say what people did and what was found, oldest first: at most `most`, of the last `searched`.
@@ -95,9 +89,13 @@ pub(super) fn latest(connection: &Connection, written: Seq, most: usize, searche
 /// these.
 pub(super) fn before_the_last_named(connection: &Connection, written: Seq, count: u64) -> Result<Option<Seq>, Fault> {
     let sql = format!("SELECT seq FROM events {BY_NAME} WHERE {NAMED} AND seq <= ?1 ORDER BY seq DESC LIMIT 1 OFFSET ?2");
-    let bounds = [whole(written.0)?, whole(count)?];
-    let found: Option<i64> = connection.prepare_cached(&sql)?.query_row(bounds, |row| row.get(0)).optional()?;
-    Ok(found.map(|seq| Seq(super::fault::count(seq))))
+    place(connection, &sql, [whole(written.0)?, whole(count)?])
+}
+
+/// The place of the entry that a query finds.
+fn place(connection: &Connection, sql: &str, values: impl Params) -> Result<Option<Seq>, Fault> {
+    let found: Option<i64> = connection.prepare_cached(sql)?.query_row(values, |row| row.get(0)).optional()?;
+    Ok(found.map(|seq| Seq(count(seq))))
 }
 
 /// Walks over entries, oldest first. One that cannot be understood is given as such; the walk ends when `visit` fails.

@@ -10,21 +10,15 @@ const APPLICATION: i64 = 0x4853_5750;
 /// What brings a file from each format to the next; an empty file is of format 0.
 const MIGRATIONS: [&str; 2] = [include_str!("schema.sql"), include_str!("schema_2.sql")];
 
-/// The format that this version writes.
 pub(super) const FORMAT: i64 = MIGRATIONS.len() as i64;
 
-/// What a file was found to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Format {
-    /// Nothing is in it yet.
     Empty,
-    /// An older version wrote it.
     Older(i64),
-    /// As this version writes it.
     Current,
 }
 
-/// Which format a file is of.
 pub(super) fn format(connection: &Connection) -> Result<Format, Fault> {
     let number = |sql: &str| connection.query_row(sql, [], |row| row.get::<_, i64>(0));
     let (application, version) = (number("PRAGMA application_id")?, number("PRAGMA user_version")?);

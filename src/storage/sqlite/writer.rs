@@ -56,7 +56,6 @@ pub(super) struct Handed {
 /// The journal, or what keeps it from being written.
 #[derive(Debug)]
 pub(super) enum Hand {
-    /// It is being written.
     Writing(Pages),
     /// It could not be opened for writing. What was kept is known, so that writing may begin later.
     Waiting(Option<MissionId>),
@@ -64,7 +63,6 @@ pub(super) enum Hand {
     Closed,
 }
 
-/// The writing side.
 #[derive(Debug)]
 pub(super) struct Writer {
     pub(super) folder: Folder,

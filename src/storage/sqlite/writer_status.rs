@@ -11,7 +11,6 @@ use super::marker::Marker;
 use crate::runtime::store::StoreStatus;
 use hallsweep_core::units::Seq;
 
-/// The word and the work.
 #[derive(Debug)]
 pub(super) struct WriterStatus {
     word: watch::Sender<StoreStatus>,
@@ -21,7 +20,6 @@ pub(super) struct WriterStatus {
 
 #[derive(Debug, Default)]
 struct Work {
-    /// How many batches were begun.
     batches: u64,
     /// Whether one is being written.
     busy: bool,
@@ -112,7 +110,6 @@ impl WriterStatus {
         }
     }
 
-    /// The failure still stands, for this reason.
     pub(super) fn still_failing(&self, words: &str) {
         let _work = self.work();
         self.word.send_if_modified(|word| {
@@ -124,7 +121,6 @@ impl WriterStatus {
         });
     }
 
-    /// It writes again.
     pub(super) fn recover(&self) {
         let mut work = self.work();
         let lost = u64::from(std::mem::take(&mut work.overflowed));

@@ -102,7 +102,7 @@ fn a_target_that_is_too_long_is_shown_and_not_observed() {
 fn observers_hear_of_the_end_and_then_nothing() {
     let mut bench = Bench::new();
     observe(&mut bench, "/obs", b"e");
-    bench.endpoint.close(&Response::refusal(Code::UNAVAILABLE, "the program ends".to_owned()));
+    bench.endpoint.close(&Response::refusal(Code::UNAVAILABLE, "the program ends"));
     bench.change(|_| ());
     let said = bench.said_to(here());
     assert_eq!(said.len(), 1);

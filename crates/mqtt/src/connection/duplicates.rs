@@ -11,7 +11,6 @@ use crate::packet::publish::Publish;
 /// The print of what was no command.
 const NO_COMMAND: u64 = 0;
 
-/// What was dealt with.
 #[derive(Debug, Default)]
 pub(super) struct Duplicates {
     /// Messages of QoS 2 that the client has not released, by id, with the prints of those that were commands.
@@ -21,12 +20,10 @@ pub(super) struct Duplicates {
 }
 
 impl Duplicates {
-    /// With what was not released in earlier connections.
     pub(super) const fn resumed(unreleased: BTreeMap<u16, u64>) -> Duplicates {
         Duplicates { unreleased, commands: VecDeque::new() }
     }
 
-    /// What is not released yet.
     pub(super) fn into_unreleased(self) -> BTreeMap<u16, u64> {
         self.unreleased
     }
@@ -64,7 +61,6 @@ impl Duplicates {
         Ok(())
     }
 
-    /// The client will not send the message of this id again.
     pub(super) fn released(&mut self, id: u16) {
         self.unreleased.remove(&id);
     }

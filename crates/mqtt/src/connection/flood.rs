@@ -5,7 +5,6 @@ use std::time::Duration;
 use super::ClientConnection;
 use crate::limits::{NO_FLOOD, STILL, STILL_SHORTEST};
 
-/// What it has published of late.
 #[derive(Debug, Default)]
 pub(super) struct Flood {
     since: Duration,

@@ -9,7 +9,6 @@ use crate::outbox::Outbox;
 use crate::packet::{Qos, write};
 use crate::retained::{Retained, RetainedMessage, Walk};
 
-/// What is on its way.
 #[derive(Debug, Default)]
 pub(super) struct Deliveries {
     waiting: VecDeque<Delivery>,
@@ -20,7 +19,6 @@ pub(super) struct Deliveries {
     is_held_up: bool,
 }
 
-/// What is kept for one filter.
 #[derive(Debug)]
 struct Delivery {
     walk: Walk,
@@ -43,12 +41,10 @@ impl Deliveries {
         }
     }
 
-    /// Nothing more is to go out for a filter.
     pub(super) fn stop(&mut self, filter: &str) {
         self.waiting.retain(|delivery| delivery.walk.filter() != filter);
     }
 
-    /// The client acknowledged one.
     pub(super) fn acknowledged(&mut self, id: u16) {
         self.under_way.retain(|under_way| *under_way != id);
         // Half of them at once, so that they are not looked up for each.
@@ -92,7 +88,6 @@ impl Deliveries {
         out.share(kept.payload.clone());
     }
 
-    /// An id that is not under way.
     fn next_id(&mut self) -> u16 {
         loop {
             let id = KEPT_IDS.start() + self.given;

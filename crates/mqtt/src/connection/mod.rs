@@ -244,8 +244,8 @@ impl ClientConnection {
         (&mut self.to_router, &mut self.to_client)
     }
 
-    /// To be asked whenever something has happened, with the time: the subscribers whom this client has to wait for before anything more of it is taken; none, when it has not published in a
-    /// flood. The program itself waits for nobody.
+    /// To be asked whenever something has happened, with the time: the subscribers whom this client has to wait for before anything
+    /// more of it is taken; none, when it has not published in a flood. The program itself waits for nobody.
     pub fn poll_behind(&mut self, now: Duration) -> Vec<Arc<SubscriberLag>> {
         self.note_room(now);
         let is_owed = !self.lag_guard.lag().is_even() && self.wants_router() && self.outstanding.has_room();

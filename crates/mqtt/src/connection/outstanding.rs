@@ -27,12 +27,10 @@ struct Sent {
 }
 
 impl Outstanding {
-    /// With the prints of what was not acknowledged in earlier connections.
     pub(super) const fn resumed(before: Vec<u64>) -> Outstanding {
         Outstanding { sent: VecDeque::new(), before }
     }
 
-    /// The prints of what is not acknowledged yet.
     pub(super) fn into_unacknowledged(self) -> Vec<u64> {
         let now = self.sent.iter().filter(|sent| !sent.is_done).filter_map(|sent| sent.print);
         now.chain(self.before).take(OUTSTANDING).collect()
@@ -63,7 +61,6 @@ impl Outstanding {
         self.sent.len() < ROUTER_WINDOW
     }
 
-    /// What the router is to be told next.
     pub(super) fn next(&mut self) -> Option<u16> {
         let id = self.sent.front().filter(|sent| sent.is_done)?.id;
         self.sent.pop_front();

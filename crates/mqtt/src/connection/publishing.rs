@@ -67,7 +67,6 @@ impl ClientConnection {
         write::ack(self.to_client.end(), Kind::Pubcomp, id);
     }
 
-    /// What a client left for the time after it.
     pub(super) fn publish_will(&mut self, will: &Will) {
         let rights = &self.broker.rights;
         let is_allowed = rights.may_leave_will(self.principal, &will.topic) && !rights.is_for_commands(&will.topic);

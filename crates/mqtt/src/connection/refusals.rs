@@ -6,7 +6,6 @@ use std::sync::Arc;
 /// How many characters of a client's text stand in the log.
 const SHOWN: usize = 80;
 
-/// What a client was refused.
 #[derive(Debug)]
 pub(super) struct Refusals {
     name: Arc<str>,
@@ -18,7 +17,6 @@ impl Refusals {
         Refusals { name, count: 0 }
     }
 
-    /// Notes that something on this topic, or this filter, was refused.
     pub(super) fn note(&mut self, topic: &[u8], why: impl Display) {
         self.count += 1;
         if self.count.is_power_of_two() {

@@ -14,7 +14,6 @@ use crate::subscriber_lag::weight;
 /// A message that goes out at QoS 1 is longer by its id than it was at QoS 0, and its length may need a byte more.
 const LONGEST: usize = PROGRAM_PACKET + 3;
 
-/// What of a packet is for the client.
 enum ForClient<'a> {
     AsItIs,
     /// A message that had to be padded, or that it may know.
@@ -35,27 +34,28 @@ impl ClientConnection {
                 Ok(Some(frame)) => frame,
             };
             let end = read + frame.length;
-            match self.for_client(&frame, &bytes[read..end], &mut came) {
-                Ok(ForClient::AsItIs) => {}
-                Ok(ForClient::Changed(publish, is_duplicate)) => {
-                    self.to_client.end().extend_from_slice(&bytes[run..read]);
-                    run = end;
+            let for_client = match self.for_client(&frame, &bytes[read..end], &mut came) {
+                Ok(for_client) => for_client,
+                Err(ended) => break Err(ended),
+            };
+            if !matches!(for_client, ForClient::AsItIs) {
+                self.to_client.end().extend_from_slice(&bytes[run..read]);
+                run = end;
+            }
+            match for_client {
+                ForClient::AsItIs => {}
+                ForClient::Changed(publish, is_duplicate) => {
                     write::publish_again(self.to_client.end(), &publish, is_duplicate);
                 }
-                Ok(ForClient::Parcel(publish, payload, is_duplicate)) => {
-                    self.to_client.end().extend_from_slice(&bytes[run..read]);
-                    run = end;
+                ForClient::Parcel(publish, payload, is_duplicate) => {
                     write::publish_head_again(self.to_client.end(), &publish, payload.len(), is_duplicate);
                     self.to_client.share(payload);
                 }
-                Ok(ForClient::Nothing) => {
-                    self.to_client.end().extend_from_slice(&bytes[run..read]);
-                    run = end;
+                ForClient::Nothing => {
                     if let Err(ended) = self.answered(&frame, &bytes[read + frame.head..end]) {
                         break Err(ended);
                     }
                 }
-                Err(ended) => break Err(ended),
             }
             read = end;
         };

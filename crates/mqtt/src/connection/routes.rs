@@ -18,10 +18,8 @@ use crate::readers::Reader;
 use crate::rights::Principal;
 use crate::subscriber_lag::{SubscriberLag, weight};
 
-/// What becomes of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Route {
-    /// It goes on to the router.
     Pass,
     /// It may be a command: whoever hears those decides.
     Hear,
@@ -29,7 +27,6 @@ pub(super) enum Route {
     Drop(Dropped),
 }
 
-/// Why a message is dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Dropped {
     #[error("its sender may not publish there")]
@@ -45,7 +42,6 @@ pub(super) enum Dropped {
 pub(super) enum Way {
     /// Nobody reads it: the router need not know of it.
     Unread,
-    /// Through the router.
     Open,
     /// It is one topic too many for its sender.
     Shut,
@@ -71,10 +67,6 @@ pub(super) struct Routes {
 }
 
 impl Routes {
-    /// What becomes of a message on this topic.
-    ///
-    /// # Errors
-    /// When the topic is none.
     pub(super) fn route(&mut self, topic: &[u8], principal: Principal, broker: &Broker) -> Result<Route, Ended> {
         if let Some(route) = self.route.filter(|_| self.topic == topic) {
             return Ok(route);
@@ -173,12 +165,10 @@ impl Routes {
         is_piece
     }
 
-    /// How many messages were passed on since this was asked.
     pub(super) fn take_passed(&mut self) -> u64 {
         std::mem::take(&mut self.passed)
     }
 
-    /// The readers who are behind.
     pub(super) fn behind(&mut self, now: Duration) -> Vec<Arc<SubscriberLag>> {
         self.behind.retain(|reader| reader.is_behind(now));
         self.behind.clone()

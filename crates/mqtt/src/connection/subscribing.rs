@@ -108,7 +108,6 @@ impl Subscriptions {
         Session { filters, unreleased: duplicates.into_unreleased(), unacknowledged, absence: lag_guard.into() }
     }
 
-    /// The filters it holds, with their QoS.
     pub(super) fn held(&self) -> impl Iterator<Item = (&Arc<str>, Qos)> {
         self.held.iter().map(|(filter, held)| (filter, held.qos))
     }
@@ -133,7 +132,6 @@ impl Subscriptions {
 }
 
 impl ClientConnection {
-    /// A remembered session.
     pub(super) fn resume(&mut self, session: Session) {
         self.duplicates = Duplicates::resumed(session.unreleased);
         if let Some(before) = &session.absence.lag_guard {
@@ -149,7 +147,6 @@ impl ClientConnection {
         self.tell_router(1, None, BTreeSet::new());
     }
 
-    /// A SUBSCRIBE.
     pub(super) fn subscribe(&mut self, body: &[u8]) -> Result<(), Ended> {
         let filters = self.few(Filters::of_subscribe(body))?;
         let (mut codes, mut accepted) = (Vec::new(), BTreeSet::new());
@@ -169,7 +166,6 @@ impl ClientConnection {
         Ok(())
     }
 
-    /// An UNSUBSCRIBE.
     pub(super) fn unsubscribe(&mut self, body: &[u8]) -> Result<(), Ended> {
         let filters = self.few(Filters::of_unsubscribe(body))?;
         let mut known = Vec::new();
@@ -197,7 +193,6 @@ impl ClientConnection {
         Ok(filters?)
     }
 
-    /// The router has answered a SUBSCRIBE.
     pub(super) fn subscribed(&mut self, codes: &[u8]) -> Result<(), Ended> {
         let Some(Pending::Subscribed { asked, answer, filters }) = self.subscriptions.pending.pop_front() else {
             return Err(Ended::Router("a SUBACK of nothing"));
@@ -210,7 +205,6 @@ impl ClientConnection {
         Ok(())
     }
 
-    /// The router has ended a subscription.
     pub(super) fn unsubscribed(&mut self) -> Result<(), Ended> {
         let Some(Pending::Unsubscribed { answer, left }) = self.subscriptions.pending.front_mut() else {
             return Err(Ended::Router("an UNSUBACK of nothing"));

@@ -84,10 +84,7 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// Text as the standard has it (section 1.5.3).
-///
-/// # Errors
-/// `Malformed::Text` when it is not UTF-8 or has a U+0000 in it.
+/// Text as the standard has it (section 1.5.3): UTF-8 without a U+0000.
 pub(crate) fn text<'a>(bytes: &'a [u8], what: &'static str) -> Result<&'a str, Malformed> {
     std::str::from_utf8(bytes).ok().filter(|_| !bytes.contains(&0)).ok_or(Malformed::Text(what))
 }

@@ -44,9 +44,6 @@ pub(crate) const PADDED: u8 = 8;
 pub(crate) const LABEL: usize = 8 + 8 + 4 + 1;
 
 /// Reads a PUBLISH of the router, without its padding. With a label it has no payload of its own.
-///
-/// # Errors
-/// When it is none.
 pub(crate) fn read_padded<'a>(frame: &Frame, packet: &'a [u8]) -> Result<(Publish<'a>, Option<Label>), Malformed> {
     let is_padded = frame.flags & PADDED != 0;
     let mut publish = read(&Frame { flags: frame.flags & !PADDED, ..*frame }, packet)?;

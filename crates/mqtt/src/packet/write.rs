@@ -81,11 +81,8 @@ pub(crate) fn publish_head(out: &mut BytesMut, topic: &[u8], payload: usize, (qo
 
 /// A PUBLISH that was read, and whether it may have been sent before.
 pub(crate) fn publish_again(out: &mut BytesMut, publish: &Publish<'_>, is_duplicate: bool) {
-    let start = out.len();
-    self::publish(out, publish.topic, publish.payload, publish.qos, publish.id, publish.retain);
-    if is_duplicate {
-        out[start] |= DUPLICATE;
-    }
+    publish_head_again(out, publish, publish.payload.len(), is_duplicate);
+    out.put_slice(publish.payload);
 }
 
 /// A PUBLISH of QoS 0 for the router; a short one is padded to so many bytes of payload, and marked as what no client can send.
@@ -145,7 +142,6 @@ pub fn unsubscribe(out: &mut BytesMut, id: u16, filters: &[&str]) {
     }
 }
 
-/// The first byte and the length of the body.
 fn head(out: &mut BytesMut, first: u8, mut length: usize) {
     out.put_u8(first);
     while length > 0x7F {

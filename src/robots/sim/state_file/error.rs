@@ -6,52 +6,27 @@ use std::path::PathBuf;
 /// Why a file in the data folder is no memory of a robot in this hall.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum StateFileError {
-    /// The file is there and cannot be read.
     #[error(
         "cannot read {} ({error}): make it a file that whoever runs hallsweep can read, or move it away, and start again: \
          without it the simulated robot is put down at home",
         .path.display()
     )]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        error: std::io::Error,
-    },
-    /// It is not what this program has written.
+    Unreadable { path: PathBuf, error: std::io::Error },
     #[error(
         "{} is damaged: {fault}; move it away and start again: the simulated robot is then put down at home, and what is \
          on record stays",
         .path.display()
     )]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong in it.
-        fault: String,
-    },
-    /// It was written by another version of the program.
+    Damaged { path: PathBuf, fault: String },
     #[error(
         "{} was written in version {found} of its format, this hallsweep knows version 1: start the hallsweep that wrote \
          it, or move the file away and the simulated robot is put down at home",
         .path.display()
     )]
-    OtherVersion {
-        /// The file.
-        path: PathBuf,
-        /// The version it names.
-        found: String,
-    },
+    OtherVersion { path: PathBuf, found: String },
     /// It is the memory of a robot in another hall, or in the same one before its file was changed.
     #[error("{} {}", .path.display(), other_hall(.remembered, .given))]
-    OtherHall {
-        /// The file.
-        path: PathBuf,
-        /// The hall in which the robot stands.
-        remembered: String,
-        /// The hall that was asked for.
-        given: String,
-    },
+    OtherHall { path: PathBuf, remembered: String, given: String },
 }
 
 fn other_hall(remembered: &str, given: &str) -> String {

@@ -2,35 +2,10 @@
 //! The text itself is tested in `page`.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use super::*;
+use crate::storage::scratch::Scratch;
 use hallsweep_core::units::{Cell, Pose};
-
-/// A folder that goes when the test ends.
-pub(in super::super) struct Folder(PathBuf);
-
-impl Folder {
-    pub(in super::super) fn new(name: &str) -> Folder {
-        let path = std::env::temp_dir().join(format!("hallsweep-state-file-{}-{name}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Folder(path)
-    }
-
-    pub(in super::super) fn path(&self) -> &Path {
-        &self.0
-    }
-
-    fn file(&self) -> PathBuf {
-        self.0.join(FILE)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        drop(fs::remove_dir_all(&self.0));
-    }
-}
 
 fn hall() -> Hall {
     Hall::from_rows("first", &["S..", "..."]).unwrap()
@@ -40,33 +15,33 @@ fn at(x: i32) -> SimMemory {
     SimMemory { pose: Pose { cell: Cell::new(x, 0), ..Pose::START }, ..SimMemory::NEW }
 }
 
-fn remembered(folder: &Folder) -> Option<SimMemory> {
-    SimStateFile::open(folder.path(), &RobotId::discovery(), &hall()).unwrap().1
+fn remembered(folder: &Scratch) -> Option<SimMemory> {
+    SimStateFile::open(&folder.0, &RobotId::discovery(), &hall()).unwrap().1
 }
 
 #[test]
 fn a_new_folder_remembers_nothing_and_then_the_last_that_was_kept() {
-    let folder = Folder::new("last");
-    let (mut state_file, memory) = SimStateFile::open(folder.path(), &RobotId::discovery(), &hall()).unwrap();
+    let folder = Scratch::new();
+    let (mut state_file, memory) = SimStateFile::open(&folder.0, &RobotId::discovery(), &hall()).unwrap();
     assert_eq!(memory, None);
-    assert!(!folder.file().exists(), "opening writes nothing");
+    assert!(!folder.0.join(FILE).exists(), "opening writes nothing");
     for x in [0, 1, 2, 1, 0, 1] {
         state_file.keep(at(x));
         assert_eq!(remembered(&folder), Some(at(x)));
     }
-    let (mut state_file, _) = SimStateFile::open(folder.path(), &RobotId::discovery(), &hall()).unwrap();
+    let (mut state_file, _) = SimStateFile::open(&folder.0, &RobotId::discovery(), &hall()).unwrap();
     state_file.keep(at(2));
     assert_eq!(remembered(&folder), Some(at(2)), "it goes on in the file that is there");
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left in the folder");
+    assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 1, "nothing else is left in the folder");
 }
 
 #[test]
 fn a_file_of_another_hall_is_refused_and_left_alone_until_it_is_begun_anew() {
-    let folder = Folder::new("other");
-    let mut state_file = SimStateFile::begin_anew(folder.path(), &RobotId::discovery(), &hall());
+    let folder = Scratch::new();
+    let mut state_file = SimStateFile::begin_anew(&folder.0, &RobotId::discovery(), &hall());
     state_file.keep(at(1));
     let second = Hall::from_rows("second", &["S...."]).unwrap();
-    let error = SimStateFile::open(folder.path(), &RobotId::discovery(), &second).unwrap_err();
+    let error = SimStateFile::open(&folder.0, &RobotId::discovery(), &second).unwrap_err();
     let words = error.to_string();
     assert!(words.contains(FILE) && words.contains("--hall first") && words.contains("--data DIR"), "{words}");
     assert!(
@@ -74,18 +49,18 @@ fn a_file_of_another_hall_is_refused_and_left_alone_until_it_is_begun_anew() {
     );
     assert_eq!(remembered(&folder), Some(at(1)));
     let changed = Hall::from_rows("first", &["S..", "..#"]).unwrap();
-    let words = SimStateFile::open(folder.path(), &RobotId::discovery(), &changed).unwrap_err().to_string();
+    let words = SimStateFile::open(&folder.0, &RobotId::discovery(), &changed).unwrap_err().to_string();
     assert!(words.contains("before its file was changed"), "{words}");
     let renamed = Hall::from_rows("renamed", &["S..", "..."]).unwrap();
-    assert!(SimStateFile::open(folder.path(), &RobotId::discovery(), &renamed).is_ok(), "another name for the same hall");
-    SimStateFile::begin_anew(folder.path(), &RobotId::discovery(), &second).keep(at(4));
-    assert_eq!(SimStateFile::open(folder.path(), &RobotId::discovery(), &second).unwrap().1, Some(at(4)));
+    assert!(SimStateFile::open(&folder.0, &RobotId::discovery(), &renamed).is_ok(), "another name for the same hall");
+    SimStateFile::begin_anew(&folder.0, &RobotId::discovery(), &second).keep(at(4));
+    assert_eq!(SimStateFile::open(&folder.0, &RobotId::discovery(), &second).unwrap().1, Some(at(4)));
 }
 
 /// Safety A7.
 #[test]
 fn what_cannot_be_understood_is_said_with_the_file_and_left_alone() {
-    let folder = Folder::new("damaged");
+    let folder = Scratch::new();
     let whole = page::whole(&Whose::of(&hall()), 0, &at(1));
     let wall = page::whole(&Whose::of(&hall()), 0, &at(3));
     let newer = String::from_utf8(whole.clone()).unwrap().replace("version 1", "version 7").into_bytes();
@@ -98,21 +73,21 @@ fn what_cannot_be_understood_is_said_with_the_file_and_left_alone() {
         (&newer, "version 7"),
     ];
     for (bytes, expect) in cases {
-        fs::write(folder.file(), bytes).unwrap();
-        let words = SimStateFile::open(folder.path(), &RobotId::discovery(), &hall()).unwrap_err().to_string();
+        fs::write(folder.0.join(FILE), bytes).unwrap();
+        let words = SimStateFile::open(&folder.0, &RobotId::discovery(), &hall()).unwrap_err().to_string();
         assert!(words.contains(expect) && words.contains(FILE) && words.contains("move"), "{words}");
-        assert_eq!(fs::read(folder.file()).unwrap(), bytes);
+        assert_eq!(fs::read(folder.0.join(FILE)).unwrap(), bytes);
     }
-    fs::remove_file(folder.file()).unwrap();
-    fs::create_dir(folder.file()).unwrap();
-    let words = SimStateFile::open(folder.path(), &RobotId::discovery(), &hall()).unwrap_err().to_string();
+    fs::remove_file(folder.0.join(FILE)).unwrap();
+    fs::create_dir(folder.0.join(FILE)).unwrap();
+    let words = SimStateFile::open(&folder.0, &RobotId::discovery(), &hall()).unwrap_err().to_string();
     assert!(words.starts_with("cannot read") && words.contains(FILE), "{words}");
 }
 
 #[test]
 fn what_cannot_be_written_is_owed_until_it_can() {
-    let folder = Folder::new("owed");
-    let inner = folder.path().join("not yet");
+    let folder = Scratch::new();
+    let inner = folder.0.join("not yet");
     let mut state_file = SimStateFile::begin_anew(&inner, &RobotId::discovery(), &hall());
     state_file.keep(at(1));
     state_file.keep(at(2));

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 use super::super::writer::Patience;
 use super::super::{OpenError, Opened, open_with};
 use crate::runtime::store::StoreStatus;
 use crate::runtime::within::within;
+use crate::storage::scratch;
 use hallsweep_core::command::{CommandId, Door, Issuer, Verdict};
 use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::event::Photo;
@@ -23,7 +23,7 @@ pub(super) const HASTE: Patience =
     Patience { retry: Duration::from_millis(1), looks: u32::MAX, look: Duration::from_millis(1), end: Duration::from_secs(600) };
 
 /// A folder of one test.
-pub(super) struct Scratch(PathBuf);
+pub(super) struct Scratch(scratch::Scratch);
 
 /// How often a folder in use is tried again, and how long after each time: a minute in all.
 const LOOKS: u32 = 12_000;
@@ -31,16 +31,12 @@ const GLANCE: std::time::Duration = std::time::Duration::from_millis(5);
 
 impl Scratch {
     pub(super) fn new() -> Scratch {
-        static NUMBER: AtomicU32 = AtomicU32::new(0);
-        let name = format!("hallsweep-store-{}-{}", std::process::id(), NUMBER.fetch_add(1, Ordering::Relaxed));
-        let path = std::env::temp_dir().join(name);
-        std::fs::create_dir(&path).expect("a fresh folder");
-        Scratch(path)
+        Scratch(scratch::Scratch::new())
     }
 
     /// Where the store is to be; not created yet.
     pub(super) fn data(&self) -> PathBuf {
-        self.0.join("data")
+        self.0.0.join("data")
     }
 
     /// Opens the store. A child that another test is just starting holds every open file of this process, and so the lock of a
@@ -58,12 +54,6 @@ impl Scratch {
             }
         }
         panic!("somebody else uses {}", self.data().display())
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
