@@ -109,7 +109,6 @@ impl Healthcheck {
 
 impl Cli {
     /// What was asked for: to serve, when nothing was said.
-    #[must_use]
     pub fn task(self) -> Task {
         self.command.unwrap_or(Task::Serve(self.serve))
     }
@@ -117,7 +116,6 @@ impl Cli {
 
 impl Serve {
     /// Where the settings of this start are to be read.
-    #[must_use]
     pub fn sources(&self) -> Sources {
         sources(self.config.clone(), self.flags())
     }

@@ -112,7 +112,6 @@ pub fn load(sources: &Sources) -> Result<Settings, SettingsError> {
 }
 
 /// Where settings come from in a real start: an optional file, the environment of this process, and flags.
-#[must_use]
 pub fn sources(file: Option<PathBuf>, flags: Vec<Flag>) -> Sources {
     let environment = std::env::vars_os().filter_map(|(name, value)| {
         let name = name.into_string().ok()?;

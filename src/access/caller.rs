@@ -25,13 +25,11 @@ pub enum Caller {
 
 impl Access {
     /// Whoever comes from this address without showing anything.
-    #[must_use]
     pub fn unasked(&self, address: IpAddr) -> Option<Caller> {
         (matches!(self, Access::Open) && is_this_machine(address)).then_some(Caller::Here)
     }
 
     /// Whether somebody who was let in would be let in still; `now_s` in seconds since 1970.
-    #[must_use]
     pub fn still_knows(&self, caller: &Caller, now_s: i64) -> bool {
         match (self, caller) {
             (Access::Open, Caller::Here) => true,
@@ -42,7 +40,6 @@ impl Access {
 }
 
 impl Caller {
-    #[must_use]
     pub fn name(&self) -> Arc<str> {
         match self {
             Caller::Here => Arc::from(OPERATOR),
@@ -50,7 +47,6 @@ impl Caller {
         }
     }
 
-    #[must_use]
     pub const fn role(&self) -> Role {
         match self {
             Caller::Here => Role::Operator,

@@ -48,12 +48,10 @@ struct WrittenKey {
 }
 
 impl KeyFile {
-    #[must_use]
     pub fn within(folder: &Path) -> KeyFile {
         KeyFile(PrivateFile::within(folder, FILE))
     }
 
-    #[must_use]
     pub fn path(&self) -> &Path {
         self.0.path()
     }

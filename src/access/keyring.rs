@@ -58,30 +58,25 @@ impl Keyring {
     }
 
     /// These keys, followed nowhere.
-    #[must_use]
     pub fn of(keys: Keys) -> Keyring {
         Keyring(Arc::new(Mutex::new(Arc::new(keys))))
     }
 
     /// Whether nobody has a key, because the file of them cannot be used.
-    #[must_use]
     pub fn is_unusable(&self) -> bool {
         self.keys().iter().next().is_none()
     }
 
-    #[must_use]
     pub fn keys(&self) -> Arc<Keys> {
         Arc::clone(&self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Whose token this is; it takes as long whatever the text is.
-    #[must_use]
     pub fn check(&self, token: &str) -> Option<SignedIn> {
         self.keys().check(token)
     }
 
     /// A session for whoever shows this token, as a cookie's value; `now_s` in seconds since 1970.
-    #[must_use]
     pub fn sign_in(&self, token: &str, now_s: i64) -> Option<String> {
         let keys = self.keys();
         let signed_in = keys.check(token)?;
@@ -89,13 +84,11 @@ impl Keyring {
     }
 
     /// Whose session this is, by the value of its cookie.
-    #[must_use]
     pub fn session(&self, cookie: &str, now_s: i64) -> Option<SignedIn> {
         session::opened(&self.keys(), cookie, now_s)
     }
 
     /// Whether somebody who was known is known still: the key is there, with the same token and role, and the session lasts.
-    #[must_use]
     pub fn still_knows(&self, signed_in: &SignedIn, now_s: i64) -> bool {
         let lasts = signed_in.until_s.is_none_or(|until_s| now_s < until_s);
         lasts && self.keys().named(&signed_in.name).is_ok_and(|key| key.holder(signed_in.until_s) == *signed_in)

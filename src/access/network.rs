@@ -8,7 +8,6 @@ use std::net::{IpAddr, Ipv6Addr};
 pub struct Network(IpAddr);
 
 impl Network {
-    #[must_use]
     pub fn of(address: IpAddr) -> Network {
         Network(match address.to_canonical() {
             IpAddr::V4(address) => IpAddr::V4(address),
@@ -20,14 +19,12 @@ impl Network {
         })
     }
 
-    #[must_use]
     pub const fn is_loopback(&self) -> bool {
         self.0.is_loopback()
     }
 }
 
 /// Whether an address is one of this machine's own for itself, in whatever writing.
-#[must_use]
 pub fn is_this_machine(address: IpAddr) -> bool {
     Network::of(address).is_loopback()
 }

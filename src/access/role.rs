@@ -27,7 +27,6 @@ impl Role {
     pub const ALL: [Role; 2] = [Role::Viewer, Role::Operator];
 
     /// The word for files, pages and the command line.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Role::Viewer => "viewer",
@@ -36,7 +35,6 @@ impl Role {
     }
 
     /// Whether somebody of this role may do what asks for `need`.
-    #[must_use]
     pub const fn may(self, need: Need) -> bool {
         match need {
             Need::Nothing | Need::See | Need::Stop => true,
@@ -47,7 +45,6 @@ impl Role {
 
 impl Need {
     /// Who meets it, in words for tables.
-    #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
             Need::Nothing => "anybody",

@@ -16,14 +16,12 @@ impl Token {
         Ok(Token(hexadecimal(&chance()?).into()))
     }
 
-    #[must_use]
     pub fn read(text: &str) -> Option<Token> {
         let is_one = text.len() == 2 * BYTES && text.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
         is_one.then(|| Token(text.into()))
     }
 
     /// The secret itself, for its owner's eyes, its file and its comparison.
-    #[must_use]
     pub fn reveal(&self) -> &str {
         &self.0
     }

@@ -22,7 +22,6 @@ pub struct AnswerJson {
 
 impl AnswerJson {
     /// The answer to an accepted command, seen in a snapshot that contains its effect.
-    #[must_use]
     pub fn new(accepted: Accepted, snapshot: &Snapshot) -> AnswerJson {
         let luggage = accepted.luggage.and_then(|id| snapshot.luggage(id));
         AnswerJson {

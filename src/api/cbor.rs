@@ -10,7 +10,6 @@ use serde_json::{Number, Value};
 use super::fields::{Body, Fields, Unread, Unusable, in_short};
 
 /// A value in CBOR, with the names and shapes that it has in JSON.
-#[must_use]
 pub fn written(value: &impl Serialize) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut serializer = minicbor_serde::Serializer::new(&mut bytes);

@@ -42,7 +42,6 @@ pub struct ChangesJson {
 
 impl ChangesJson {
     /// What a reader of `older` lacks.
-    #[must_use]
     pub fn between(older: &Snapshot, snapshot: &Snapshot) -> ChangesJson {
         let read = older.log.last().map_or(0, |line| line.number);
         let map = MapChange::between(older, snapshot);
@@ -54,7 +53,6 @@ impl ChangesJson {
 
     /// What a reader lacks of whom only the revision is known. Log lines carry their numbers, so all at hand are sent when
     /// the log has grown, and the reader drops those it has.
-    #[must_use]
     pub fn since(snapshot: &Snapshot, revision: Revision) -> ChangesJson {
         ChangesJson::gathered(snapshot, revision, MapChange::since(snapshot, revision), 0)
     }

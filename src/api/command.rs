@@ -104,7 +104,6 @@ impl Body for StrategyBody {
 
 impl EpochBody {
     /// The epoch its sender saw.
-    #[must_use]
     pub fn epoch(self) -> Option<Epoch> {
         self.epoch.map(Epoch)
     }
@@ -168,7 +167,6 @@ impl TemperatureBody {
 
 impl StrategyBody {
     /// What a form's field says.
-    #[must_use]
     pub fn named(name: &str) -> StrategyBody {
         StrategyBody { name: name.to_owned() }
     }
@@ -182,7 +180,6 @@ impl StrategyBody {
 }
 
 /// What is wrong with a command's own name that is none, or that was sent more than once; `place` says where the door takes it from.
-#[must_use]
 pub fn no_command_id(place: &str, name: &str) -> String {
     format!("{place} is {:?}: send it once, 1 to {} visible ASCII characters", in_short(name), CommandId::MOST)
 }

@@ -98,13 +98,11 @@ pub const COMMANDS: [Row; 12] = [
 ];
 
 /// The command of this name.
-#[must_use]
 pub fn named(name: &str) -> Option<&'static Row> {
     COMMANDS.iter().find(|row| row.name == name)
 }
 
 impl CommandKind {
-    #[must_use]
     pub fn row(self) -> &'static Row {
         COMMANDS.iter().find(|row| row.kind == self).expect("every kind has its row: a test holds that")
     }

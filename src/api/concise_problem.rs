@@ -46,7 +46,6 @@ enum Entry<'a> {
 }
 
 /// A problem with the code of the response that carries it, as it stands in the message's header.
-#[must_use]
 pub fn written(problem: &ProblemJson<'_>, response_code: u8) -> Vec<u8> {
     let ours = Ours { code: problem.code, accepted: problem.accepted, luggage: problem.luggage.as_ref() };
     let entries = BTreeMap::from([

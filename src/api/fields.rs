@@ -117,7 +117,6 @@ pub fn needed<T>(value: Option<T>, name: &str, example: &str) -> Result<T, Unusa
 }
 
 /// What a client sent, cut to a length at which it can be sent back.
-#[must_use]
 pub fn in_short(text: &str) -> String {
     let mut short: String = text.chars().take(ECHO).collect();
     if short.len() < text.len() {

@@ -15,19 +15,16 @@ const MOVE: &str = "move";
 const MOVE_IN_CBOR: &[u8] = b"\x64move";
 
 /// Whether this word is one for STOP.
-#[must_use]
 pub fn is_halt(word: &str) -> bool {
     HALTS.iter().any(|halt| word.eq_ignore_ascii_case(halt))
 }
 
 /// A part of a path without the blanks and control letters round it.
-#[must_use]
 pub fn bare(part: &str) -> &str {
     part.trim_matches(|letter: char| letter.is_whitespace() || letter.is_control())
 }
 
 /// Whether a body is a bare word for STOP, with whatever quotes, blanks and zero bytes round it.
-#[must_use]
 pub fn is_halt_word(body: &[u8]) -> bool {
     let is_round = |letter: char| letter.is_whitespace() || letter.is_control() || matches!(letter, '"' | '\'' | '\u{feff}');
     is_halt(String::from_utf8_lossy(body).trim_matches(is_round))
@@ -35,7 +32,6 @@ pub fn is_halt_word(body: &[u8]) -> bool {
 
 /// Whether the body of a move says STOP: as the bare word, as a field in JSON, CBOR or a form, or as what would be that field if the
 /// rest of the body made sense.
-#[must_use]
 pub fn says_halt(body: &[u8]) -> bool {
     let says_so = |fields: fields::Fields| fields.text(MOVE).is_ok_and(|word| word.is_some_and(|word| is_halt(word.trim())));
     is_halt_word(body)
@@ -45,7 +41,6 @@ pub fn says_halt(body: &[u8]) -> bool {
 }
 
 /// Whether the field and its word stand in a body from this byte on, whatever the body is. It takes as many steps as there are bytes.
-#[must_use]
 pub fn says_halt_from(body: &[u8], start: usize) -> bool {
     let rest = body.get(start..).unwrap_or_default();
     looks_like_halt_in_cbor(rest) || looks_like_halt(rest, start == 0)

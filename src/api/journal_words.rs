@@ -12,13 +12,11 @@ use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
 /// The time, then the fact in a few words; no line break. The same entry gives the same bytes.
-#[must_use]
 pub fn line(entry: &Entry) -> String {
     format!("{} {}", rfc3339(entry.wall), words(&entry.fact))
 }
 
 /// What happened, in a few words; no line break.
-#[must_use]
 pub fn words(fact: &Fact) -> String {
     said(fact).replace(['\n', '\r'], " ")
 }
@@ -61,14 +59,12 @@ fn said(fact: &Fact) -> String {
 }
 
 /// A command with the piece that it turned out to be about, where its sender did not name it.
-#[must_use]
 pub fn asked(command: &str, luggage: Option<LuggageId>) -> String {
     let named = luggage.map(|id| format!(" #{id}")).filter(|id| !command.ends_with(id.as_str()));
     format!("{command}{}", named.unwrap_or_default())
 }
 
 /// What became of a command: `accepted`, or `refused` and why.
-#[must_use]
 pub fn outcome(refused: Option<&Refusal>) -> String {
     refused.map_or_else(|| "accepted".to_owned(), |refusal| format!("refused: {}", refusal.words))
 }

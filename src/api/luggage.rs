@@ -52,7 +52,6 @@ pub struct DecisionJson {
 }
 
 /// Where a piece's photo can be fetched; it changes with every take, so that nobody is shown the one before.
-#[must_use]
 pub fn photo_url(luggage: &Luggage) -> Option<String> {
     match luggage.photo {
         PhotoState::Taken { take, .. } => Some(format!("/api/v1/luggage/{}/photo?take={take}", luggage.id)),

@@ -103,7 +103,6 @@ impl From<Plan<'_>> for MapJson {
 impl MapChange {
     /// From what a reader has, an earlier snapshot, to this one; `None` when it has this one's map. A robot that turned in its
     /// place has changed no cell, but the map is of a newer revision all the same.
-    #[must_use]
     pub fn between(older: &Snapshot, snapshot: &Snapshot) -> Option<MapChange> {
         let mut changed: Vec<Cell> = snapshot.map.changes_since(&older.map).into_iter().map(|(cell, _)| cell).collect();
         changed.extend([older.robot.pose.cell, snapshot.robot.pose.cell]);
@@ -115,7 +114,6 @@ impl MapChange {
 
     /// For a reader of whom only the revision is known: the tiles that changed since. When all of them did, the map may have
     /// been emptied in between, so it is sent whole.
-    #[must_use]
     pub fn since(snapshot: &Snapshot, revision: Revision) -> Option<MapChange> {
         if map_revision(snapshot) <= revision {
             return None;
@@ -146,13 +144,11 @@ impl MapChange {
 }
 
 /// When anything a map shows last changed: it shows the robot too.
-#[must_use]
 pub fn map_revision(snapshot: &Snapshot) -> Revision {
     snapshot.revision_of(Resource::Map).max(snapshot.revision_of(Resource::Robot))
 }
 
 /// How a cell is written: `r` robot, `1` visited, `0` unknown, `X` obstacle.
-#[must_use]
 pub fn mark_char(plan: Plan<'_>, cell: Cell) -> char {
     if cell == plan.robot {
         return 'r';

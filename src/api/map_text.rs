@@ -6,13 +6,11 @@ use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::{Bounds, Mark};
 
 /// A line per row, each cell followed by `, `.
-#[must_use]
 pub fn lines<'a>(plan: impl Into<Plan<'a>>) -> String {
     written(plan.into(), "|", ", ", "\n")
 }
 
 /// All rows in one line, each cell followed by a blank, each row by `@`.
-#[must_use]
 pub fn one_line<'a>(plan: impl Into<Plan<'a>>) -> String {
     written(plan.into(), "", " ", "@")
 }

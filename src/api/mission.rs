@@ -78,7 +78,6 @@ impl From<Strategy> for StrategyJson {
 
 impl MissionJson {
     /// The mission as it is at `revision`.
-    #[must_use]
     pub fn new(mission: &MissionView, revision: Revision) -> MissionJson {
         MissionJson {
             revision: revision.0,

@@ -67,7 +67,6 @@ pub struct MissionWholeJson {
 }
 
 impl Links {
-    #[must_use]
     pub fn of(mission: MissionId) -> Links {
         let itself = format!("/api/v1/missions/{mission}");
         Links { events: format!("{itself}/events"), map: format!("{itself}/map"), page: format!("/missions/{mission}"), itself }
@@ -76,7 +75,6 @@ impl Links {
 
 impl MissionWholeJson {
     /// A mission and what stood, and what of that cannot be understood.
-    #[must_use]
     pub fn new(record: MissionRecordJson, standing: Option<&PersistentState>, damage: Vec<String>) -> MissionWholeJson {
         let luggage = standing.into_iter().flat_map(|standing| standing.luggage.values());
         let luggage = luggage.map(|luggage| LuggageJson::from(&**luggage)).collect();
@@ -86,7 +84,6 @@ impl MissionWholeJson {
 
 /// Entries of a mission as one JSON object, `{"events":[…],"next":…}`, each as a line of the exported journal. Of one that cannot be
 /// understood the reason is given.
-#[must_use]
 pub fn events(mission: MissionId, entries: Vec<(Seq, Result<Entry, String>)>, next: Option<String>) -> String {
     let line = |(seq, entry): (Seq, Result<Entry, String>)| match entry {
         Ok(entry) => journal::line(&journal::Line { seq, mission: Some(mission), entry, picture: None }),

@@ -9,7 +9,6 @@ use hallsweep_core::world::robot::RobotView;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// As `robot( state(stopped), direction(downDir), position(0, 0))`.
-#[must_use]
 pub fn robot(robot: &RobotView) -> String {
     let cell = robot.pose.cell;
     let (state, direction) = (robot.state.name(), direction(robot.pose.heading));
@@ -17,20 +16,17 @@ pub fn robot(robot: &RobotView) -> String {
 }
 
 /// As `roomMap( 'r 1 X @' )`.
-#[must_use]
 pub fn room_map(snapshot: &Snapshot) -> String {
     format!("roomMap( '{}' )", map_text::one_line(snapshot))
 }
 
 /// As `luggage( state( 'photo 1, position: (0, 2), date: 2026-02-03T10:05:12.000+01:00' ) )`; `None` before there is any.
-#[must_use]
 pub fn luggage(snapshot: &Snapshot) -> Option<String> {
     let shown = snapshot.pending().or(snapshot.luggage.last())?;
     Some(format!("luggage( state( '{}' ) )", luggage_state(shown)))
 }
 
 /// What is said of a piece: the number of its photo, and whether that has failed, the bag's cell, and when the photo was taken.
-#[must_use]
 pub fn luggage_state(luggage: &Luggage) -> String {
     let cell = luggage.cell;
     let failed = if matches!(luggage.photo, PhotoState::Failed(_)) { " failed" } else { "" };
@@ -38,7 +34,6 @@ pub fn luggage_state(luggage: &Luggage) -> String {
 }
 
 /// The old word for a heading.
-#[must_use]
 pub const fn direction(heading: Heading) -> &'static str {
     match heading {
         Heading::North => "upDir",

@@ -46,7 +46,6 @@ pub struct ProblemJson<'a> {
 }
 
 impl<'a> ProblemJson<'a> {
-    #[must_use]
     pub fn new(kind: ProblemKind, code: &'static str, detail: &'a str) -> ProblemJson<'a> {
         let (status, title) = kind.status();
         let kind = format!("urn:hallsweep:problem:{code}");
@@ -57,7 +56,6 @@ impl<'a> ProblemJson<'a> {
 impl ProblemKind {
     /// The status that problem details have, which is HTTP's, and its title (RFC 9110, section 15). The codes of CoAP are written with
     /// the same digits (RFC 7252, section 12.1.2, and RFC 8132).
-    #[must_use]
     pub const fn status(self) -> (u16, &'static str) {
         match self {
             ProblemKind::Malformed => (400, "Bad Request"),
@@ -79,7 +77,6 @@ impl ProblemKind {
     }
 
     /// The family of refusals that it is of in records.
-    #[must_use]
     pub const fn family(self) -> RefusalKind {
         match self {
             ProblemKind::Conflict => RefusalKind::Conflict,
@@ -127,7 +124,6 @@ pub const AT_THE_DOOR: [(&str, ProblemKind); 10] = [
 ];
 
 /// The refusal with this code and these words, as a record has it; a code that no version of this program knows is a plain conflict.
-#[must_use]
 pub fn refusal(code: &str, words: String) -> Refusal {
     let at_the_door = AT_THE_DOOR.into_iter().map(|(known, kind)| (known, kind.family()));
     let found = CODES.into_iter().chain(at_the_door).find(|(known, _)| *known == code);

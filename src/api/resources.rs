@@ -77,7 +77,6 @@ const fn row(shown: Shown, name: &'static str, path: &'static str, title: &'stat
 }
 
 impl Shown {
-    #[must_use]
     pub fn row(self) -> &'static Row {
         const { &RESOURCES }
             .iter()
@@ -86,7 +85,6 @@ impl Shown {
     }
 
     /// When it last changed. A map shows the robot, too.
-    #[must_use]
     pub fn revision(self, snapshot: &Snapshot) -> Revision {
         match self {
             Shown::State => snapshot.revision,
@@ -99,7 +97,6 @@ impl Shown {
 
     /// It in this form; `number` says which where there are several, `located` where a photo is by the door that asks. Nothing where
     /// nothing is to be shown.
-    #[must_use]
     pub fn written(self, number: u64, form: Form, snapshot: &Snapshot, located: fn(LuggageJson) -> LuggageJson) -> Vec<u8> {
         let piece = |piece| located(LuggageJson::from(piece));
         let pieces = || snapshot.luggage.iter().map(|found| piece(&**found)).collect();
@@ -129,7 +126,6 @@ impl Shown {
 }
 
 /// A shape of the wire in CBOR when that is the form, else in JSON.
-#[must_use]
 pub fn shape<T: Serialize>(form: Form, shape: &T) -> Vec<u8> {
     match form {
         Form::Cbor => cbor::written(shape),

@@ -45,7 +45,6 @@ pub struct RobotJson {
 
 impl RobotJson {
     /// The robot as it is at `revision`.
-    #[must_use]
     pub const fn new(robot: &RobotView, revision: Revision) -> RobotJson {
         let cell = robot.pose.cell;
         RobotJson {
@@ -92,7 +91,6 @@ pub struct NamedRobotJson {
 
 impl NamedRobotJson {
     /// This robot as it is at `revision`, which is that of all robots.
-    #[must_use]
     pub fn new(shown: &RobotShown, searches: bool, revision: Revision) -> NamedRobotJson {
         let RobotJson { revision, state, halting, heading, position, off_centre, sonar, led } =
             RobotJson::new(&shown.view, revision);

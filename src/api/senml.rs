@@ -28,7 +28,6 @@ struct Record {
 }
 
 /// The reading, absent before the first; above which nothing moves; and what follows.
-#[must_use]
 pub fn temperature(view: &TemperatureView) -> String {
     let degrees = |name, degrees| Record { name, unit: CELSIUS, value: Some(degrees), ..Record::default() };
     let reading = view.celsius.map(|celsius| degrees("celsius", celsius.degrees()));
@@ -39,7 +38,6 @@ pub fn temperature(view: &TemperatureView) -> String {
 
 /// Column and row of the robot's cell, counted from home to the east and to the south, which way it faces, what it does, and how
 /// far it is to what is ahead, absent beyond the sonar's range.
-#[must_use]
 pub fn robot(robot: &RobotView) -> String {
     let cell = robot.pose.cell;
     let count = |name, count: i32| Record { name, value: Some(count.into()), ..Record::default() };

@@ -52,44 +52,37 @@ impl From<&Snapshot> for StateJson {
     }
 }
 
-#[must_use]
 pub fn mission(snapshot: &Snapshot) -> MissionJson {
     MissionJson::new(&snapshot.mission, snapshot.revision_of(Resource::Mission))
 }
 
 /// The robot that searches in this snapshot.
-#[must_use]
 pub fn robot(snapshot: &Snapshot) -> RobotJson {
     RobotJson::new(&snapshot.robot, snapshot.revision_of(Resource::Robot))
 }
 
 /// All robots of this snapshot, the one that searches first.
-#[must_use]
 pub fn robots(snapshot: &Snapshot) -> Vec<NamedRobotJson> {
     let revision = snapshot.revision_of(Resource::Robot);
     let named = |(place, shown)| NamedRobotJson::new(shown, place == 0, revision);
     snapshot.robots.iter().enumerate().map(named).collect()
 }
 
-#[must_use]
 pub fn temperature(snapshot: &Snapshot) -> TemperatureJson {
     TemperatureJson::new(&snapshot.temperature, snapshot.revision_of(Resource::Temperature))
 }
 
 /// The luggage of this snapshot, by number.
-#[must_use]
 pub fn luggage(snapshot: &Snapshot) -> Vec<LuggageJson> {
     snapshot.luggage.iter().map(|luggage| LuggageJson::from(&**luggage)).collect()
 }
 
 /// The alarms of this snapshot, oldest first.
-#[must_use]
 pub fn alarms(snapshot: &Snapshot) -> Vec<AlarmJson> {
     snapshot.alarms.iter().map(AlarmJson::from).collect()
 }
 
 /// The log lines at hand with a number above `number`, oldest first.
-#[must_use]
 pub fn log_after(snapshot: &Snapshot, number: u64) -> Vec<LogLineJson> {
     snapshot.log.iter().filter(|line| line.number > number).map(|line| LogLineJson::from(&**line)).collect()
 }

@@ -33,7 +33,6 @@ pub struct HotJson {
 
 impl TemperatureJson {
     /// The temperature as it is at `revision`.
-    #[must_use]
     pub fn new(view: &TemperatureView, revision: Revision) -> TemperatureJson {
         TemperatureJson {
             revision: revision.0,

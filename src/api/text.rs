@@ -5,7 +5,6 @@ use hallsweep_core::world::snapshot::MissionView;
 use hallsweep_core::world::temperature::TemperatureView;
 
 /// The phase, and what holds the robot where anything does: `exploring`, or `exploring, held by operator, awaitingStart`.
-#[must_use]
 pub fn mission(mission: &MissionView) -> String {
     let phase = mission.phase.name();
     if mission.holds.is_empty() {
@@ -16,7 +15,6 @@ pub fn mission(mission: &MissionView) -> String {
 }
 
 /// As `21.4 °C, ok`, or `no reading, ok` before the first.
-#[must_use]
 pub fn temperature(view: &TemperatureView) -> String {
     let reading = view.celsius.as_ref().map_or_else(|| "no reading".to_owned(), ToString::to_string);
     format!("{reading}, {}", view.status.name())

@@ -7,20 +7,17 @@ use jiff::tz::{Offset, TimeZone};
 use hallsweep_core::units::WallTime;
 
 /// As `2026-02-03T10:05:12.000+01:00`: RFC 3339 with milliseconds and the zone's offset.
-#[must_use]
 pub fn rfc3339(wall: WallTime) -> String {
     let at = zoned(wall);
     format!("{}{}", at.strftime("%Y-%m-%dT%H:%M:%S%.3f"), at.strftime("%:z"))
 }
 
 /// As `10:05:12`, in the moment's own zone.
-#[must_use]
 pub fn clock_time(wall: WallTime) -> String {
     zoned(wall).strftime("%H:%M:%S").to_string()
 }
 
 /// As `3 Feb 2026, 10:05:12`, in the moment's own zone.
-#[must_use]
 pub fn date_and_time(wall: WallTime) -> String {
     zoned(wall).strftime("%-d %b %Y, %H:%M:%S").to_string()
 }
@@ -33,31 +30,26 @@ pub struct Zone {
 
 impl Zone {
     /// The zone of this moment.
-    #[must_use]
     pub const fn of(wall: WallTime) -> Zone {
         Zone { offset_s: wall.offset_s }
     }
 
     /// As `UTC+01:00`.
-    #[must_use]
     pub fn name(self) -> String {
         format!("UTC{}", zoned(WallTime { unix_ms: 0, offset_s: self.offset_s }).strftime("%:z"))
     }
 
     /// East of Greenwich, in seconds.
-    #[must_use]
     pub const fn offset_s(self) -> i32 {
         self.offset_s
     }
 
     /// As `10:05:12`.
-    #[must_use]
     pub fn clock_time(self, wall: WallTime) -> String {
         clock_time(self.shown(wall))
     }
 
     /// As `3 Feb 2026, 10:05:12`.
-    #[must_use]
     pub fn date_and_time(self, wall: WallTime) -> String {
         date_and_time(self.shown(wall))
     }

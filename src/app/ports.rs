@@ -33,7 +33,6 @@ pub enum Port {
 }
 
 impl Port {
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Port::Http => "HTTP",
@@ -42,7 +41,6 @@ impl Port {
         }
     }
 
-    #[must_use]
     pub const fn flag(self) -> &'static str {
         match self {
             Port::Http => "--http",
@@ -51,7 +49,6 @@ impl Port {
         }
     }
 
-    #[must_use]
     pub const fn usual(self) -> u16 {
         match self {
             Port::Http => 8080,

@@ -25,7 +25,6 @@ pub enum Failure {
 
 impl Failure {
     /// 2 for a wrong start, 1 for a failed run.
-    #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Failure::Settings(_) | Failure::App(AppError::Hall(_) | AppError::Tls(_)) => ExitCode::from(2),

@@ -24,7 +24,6 @@ pub enum At {
 
 impl At {
     /// `localhost:8080`, `127.0.0.1:8080` or `[::1]:8080`.
-    #[must_use]
     pub(super) fn read(written: &str) -> Option<At> {
         match written.split_once(':') {
             Some((LOCALHOST, port)) => port.parse().ok().map(At::Localhost),
@@ -33,7 +32,6 @@ impl At {
     }
 
     /// All of its addresses; the first is the one that is shown.
-    #[must_use]
     pub fn addresses(self) -> Vec<SocketAddr> {
         match self {
             At::Localhost(port) => {
@@ -45,7 +43,6 @@ impl At {
     }
 
     /// The address that is shown.
-    #[must_use]
     pub const fn first(self) -> SocketAddr {
         match self {
             At::Localhost(port) => SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port),
@@ -54,12 +51,10 @@ impl At {
     }
 
     /// Whether it is reached from this machine alone.
-    #[must_use]
     pub fn is_local(self) -> bool {
         self.first().ip().to_canonical().is_loopback()
     }
 
-    #[must_use]
     pub const fn with_port(self, port: u16) -> At {
         match self {
             At::Localhost(_) => At::Localhost(port),
@@ -71,7 +66,6 @@ impl At {
 /// Where this machine finds a door. One that listens on all addresses is at this one too, also in a container whose port is
 /// published; from elsewhere one writes another. It is written alike everywhere, since a browser signed in at `127.0.0.1` is not
 /// signed in at `localhost`.
-#[must_use]
 pub fn from_here(address: SocketAddr) -> SocketAddr {
     let ip = match address.ip() {
         ip if !ip.is_unspecified() => ip,

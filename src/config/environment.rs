@@ -35,7 +35,6 @@ pub(super) fn nearly(name: &str) -> Option<&'static Key> {
 impl Sources {
     /// The environment variables that look like ours and are not understood. They do not stop the start, because others give
     /// such names too: a cluster with a service `hallsweep` sets HALLSWEEP_SERVICE_HOST for every program in it.
-    #[must_use]
     pub fn ignored(&self) -> Vec<&str> {
         let names = self.environment.iter().map(|(name, _)| name.as_str());
         let ours = names.filter(|name| name.starts_with(OURS) && !name.starts_with(PREFIX));

@@ -125,7 +125,6 @@ impl Key {
     }
 
     /// The setting of this name. That of a robot with a section of its own, as `robots.porter.seed`, is the one of `[robot]`.
-    #[must_use]
     pub fn named(name: &str) -> Option<&'static Key> {
         let of_a_robot = || {
             let (robot, own) = name.strip_prefix(ROBOTS)?.strip_prefix('.')?.split_once('.')?;
@@ -135,12 +134,10 @@ impl Key {
         KEYS.iter().find(|key| key.name == meant.as_deref().unwrap_or(name))
     }
 
-    #[must_use]
     pub fn of_flag(flag: &str) -> Option<&'static Key> {
         KEYS.iter().find(|key| key.flag == Some(flag))
     }
 
-    #[must_use]
     pub fn is_beyond(&self, number: f64) -> bool {
         match self.kind {
             Kind::Number { least, most } | Kind::NumberOrWord { least, most } => !(least..=most).contains(&number),
@@ -149,7 +146,6 @@ impl Key {
     }
 
     /// The sections, each once; last the one of many robots.
-    #[must_use]
     pub fn sections() -> Vec<&'static str> {
         let mut sections: Vec<&str> = KEYS.iter().filter_map(|key| key.name.split('.').next()).collect();
         sections.dedup();
@@ -158,7 +154,6 @@ impl Key {
     }
 
     /// What to do about a name that is no setting: the names that there are in its section, or the sections.
-    #[must_use]
     pub fn advice_for_unknown(name: &str) -> String {
         let section = name.split('.').next().unwrap_or_default();
         if section == ROBOTS {

@@ -46,7 +46,6 @@ pub struct Flag {
 
 impl Flag {
     /// This flag with this value; the table says which setting it means.
-    #[must_use]
     pub(crate) fn given(flag: &'static str, value: String) -> Flag {
         let key = Key::of_flag(flag)
             .expect("every flag that is given to a setting stands in the table, as a test of each command says");

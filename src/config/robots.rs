@@ -21,7 +21,6 @@ pub enum RobotKind {
 impl RobotKind {
     pub const ALL: [RobotKind; 1] = [RobotKind::Sim];
 
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             RobotKind::Sim => "sim",

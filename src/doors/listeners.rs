@@ -28,13 +28,11 @@ impl Listeners {
     }
 
     /// The number of the first of them.
-    #[must_use]
     pub fn port(&self) -> u16 {
         self.ports.first().and_then(|port| port.local_addr().ok()).map_or(0, |address| address.port())
     }
 
     /// Whether all of them can be reached from this machine alone.
-    #[must_use]
     pub fn are_local(&self) -> bool {
         self.ports.iter().all(|port| port.local_addr().is_ok_and(|address| address.ip().to_canonical().is_loopback()))
     }

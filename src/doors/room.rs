@@ -19,13 +19,11 @@ pub struct Room {
 
 impl Room {
     /// Where the program may have so many files and connections open.
-    #[must_use]
     pub fn of(descriptors: u64) -> Room {
         Room { places: descriptors.saturating_sub(BESIDE).min(PLACES) }
     }
 
     /// What there is of something of which there are so many where there is room for all.
-    #[must_use]
     pub fn part(self, all: usize) -> usize {
         let part = usize::try_from(all as u64 * self.places / PLACES).unwrap_or(all);
         part.max(LEAST.min(all))

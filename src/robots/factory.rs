@@ -29,13 +29,11 @@ impl Robots {
         Ok(Robots { hall, all })
     }
 
-    #[must_use]
     pub fn hall_name(&self) -> &str {
         self.hall.name()
     }
 
     /// How long and wide its cells are, in metres.
-    #[must_use]
     pub fn cell_m(&self) -> f64 {
         self.hall.cell_m()
     }
@@ -53,13 +51,11 @@ impl Robots {
     }
 
     /// Of each that may be anywhere, why nobody knows where it is. It will not be started.
-    #[must_use]
     pub fn lost(&self) -> Vec<String> {
         self.all.iter().filter_map(|(_, Robot::Sim(robot))| robot.lost()).map(str::to_owned).collect()
     }
 
     /// The hall in which the one that searches was left, when that is not the hall of the settings.
-    #[must_use]
     pub fn other_hall(&self) -> Option<&str> {
         self.all.first().and_then(|(_, Robot::Sim(robot))| robot.other_hall())
     }
@@ -80,7 +76,6 @@ impl Robots {
     }
 
     /// What is run for each of them, in the order of their names in `ids`.
-    #[must_use]
     pub fn adapters(self, clock: Clock) -> Vec<Adapter> {
         self.all.into_iter().map(|(_, Robot::Sim(robot))| robot.adapter(clock)).collect()
     }

@@ -23,7 +23,6 @@ pub struct Reader {
 }
 
 impl Reader {
-    #[must_use]
     pub fn new(archive: Arc<dyn Archive>) -> Reader {
         Reader { archive, looks: Arc::new(Semaphore::new(LOOKS)) }
     }

@@ -27,7 +27,6 @@ impl Clock {
         Clock { off_ms, ..Clock::default() }
     }
 
-    #[must_use]
     pub fn now(&self) -> Now {
         let zoned = jiff::Zoned::now();
         let wall = WallTime { unix_ms: zoned.timestamp().as_millisecond() + self.off_ms, offset_s: zoned.offset().seconds() };
@@ -35,13 +34,11 @@ impl Clock {
     }
 
     /// The same without the date, which takes longer to find out.
-    #[must_use]
     pub fn since_start(&self) -> Duration {
         self.start.elapsed()
     }
 
     /// The instant at which `since_start` is reached, for timers.
-    #[must_use]
     pub fn instant(&self, since_start: Duration) -> Instant {
         self.start + since_start
     }

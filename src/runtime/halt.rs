@@ -29,7 +29,6 @@ pub struct Halter {
 }
 
 impl Halter {
-    #[must_use]
     pub fn new(epoch: Epoch) -> Halter {
         Halter { halts: watch::Sender::new(Halts { count: 0, epoch }), noted: watch::Sender::new(None) }
     }
@@ -50,7 +49,6 @@ impl Halter {
     }
 
     /// Where a writer, or the core's loop, learns of halts.
-    #[must_use]
     pub fn watch(&self) -> HaltWatch {
         HaltWatch { all: self.halts.subscribe(), own: None }
     }
@@ -78,12 +76,10 @@ pub struct HaltWatch {
 
 impl HaltWatch {
     /// The same for one robot, which is halted by this count too.
-    #[must_use]
     pub fn of_one(self, own: watch::Receiver<u64>) -> HaltWatch {
         HaltWatch { own: Some(own), ..self }
     }
 
-    #[must_use]
     pub fn now(&self) -> Halts {
         let Halts { count, epoch } = *self.all.borrow();
         Halts { count: count + self.own.as_ref().map_or(0, |own| *own.borrow()), epoch }

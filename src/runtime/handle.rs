@@ -53,13 +53,11 @@ struct QueuedCommand {
 
 impl Handle {
     /// A handle over the channels of a loop that looks into its queue alone.
-    #[must_use]
     pub fn new(commands: mpsc::Sender<Envelope>, snapshots: watch::Receiver<Arc<Snapshot>>, halter: Halter) -> Handle {
         Handle::with_overflow(commands, snapshots, halter).0
     }
 
     /// A handle over the loop's channels, and where the loop finds what had no room in its queue.
-    #[must_use]
     pub(super) fn with_overflow(
         commands: mpsc::Sender<Envelope>,
         snapshots: watch::Receiver<Arc<Snapshot>>,
@@ -120,18 +118,15 @@ impl Handle {
     }
 
     /// The epoch that the last stop has made: what arrives now arrives in it.
-    #[must_use]
     pub fn epoch(&self) -> Epoch {
         self.halter.watch().now().epoch
     }
 
-    #[must_use]
     pub fn snapshot(&self) -> Arc<Snapshot> {
         Arc::clone(&self.snapshots.borrow())
     }
 
     /// A watch on the state: always the newest, whatever was missed.
-    #[must_use]
     pub fn watch(&self) -> watch::Receiver<Arc<Snapshot>> {
         self.snapshots.clone()
     }

@@ -50,7 +50,6 @@ pub struct RobotSide {
 }
 
 /// Both ends of a new link, halted with all robots by `halts`.
-#[must_use]
 pub fn link(halts: HaltWatch) -> (RobotLink, RobotSide) {
     let (orders, orders_in) = mpsc::channel(ORDERS);
     let (led, led_in) = watch::channel(false);

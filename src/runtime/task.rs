@@ -54,7 +54,6 @@ pub struct Course {
 
 impl Task {
     /// A loop round an engine, and the handle by which doors reach it.
-    #[must_use]
     pub fn new(
         mut engine: Engine,
         links: impl IntoIterator<Item = (RobotId, RobotLink)>,

@@ -35,7 +35,6 @@ impl Thread {
         Ok(Thread { handle, end: Some(end), ended })
     }
 
-    #[must_use]
     pub const fn handle(&self) -> &Handle {
         &self.handle
     }

@@ -58,7 +58,6 @@ struct Found {
 impl Stops {
     /// Why the file in the folder `dir` cannot be had at all, in words that end with what to do; `None` where it can, or where
     /// there is none yet. Nothing is changed.
-    #[must_use]
     pub fn unusable(dir: &Path) -> Option<String> {
         let file = SmallFile::within(dir, FILE);
         let unusable = |path: &Path, error: &io::Error| {
@@ -73,7 +72,6 @@ impl Stops {
 
     /// The file in the folder `dir`, made with its full size when there is none. No fault of it is an error: the log says it, and
     /// it is tried again with the next stop. One that cannot be understood is begun anew.
-    #[must_use]
     pub fn open(dir: &Path) -> Stops {
         let mut stops = Stops { file: SmallFile::within(dir, FILE), epoch: Epoch(0), turn: 0, was_damaged: false };
         match stops.file.read(SIZE) {
@@ -96,13 +94,11 @@ impl Stops {
     }
 
     /// The epoch of the last stop that was written down; 0 when none was.
-    #[must_use]
     pub const fn epoch(&self) -> Epoch {
         self.epoch
     }
 
     /// Where the file is, if what stood there could not be understood: nobody knows then whether the last stop is on record.
-    #[must_use]
     pub fn damaged(&self) -> Option<&Path> {
         self.was_damaged.then_some(self.file.path())
     }

@@ -125,7 +125,6 @@ struct RefusalShape {
 }
 
 /// The kind of a fact: the word by which entries are found.
-#[must_use]
 pub const fn kind(fact: &Fact) -> &'static str {
     match fact {
         Fact::ProgramStarted(_) => "programStarted",

@@ -74,14 +74,12 @@ struct LineShape {
 
 impl Picture {
     /// Whether the digest is one: it becomes the name of a file.
-    #[must_use]
     pub fn is_sound(&self) -> bool {
         self.digest.len() == 64 && self.digest.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
     }
 }
 
 /// A fact as a JSON object, with its kind.
-#[must_use]
 pub fn body(fact: &Fact, picture: Option<&Picture>) -> String {
     written(&Shape::of(fact, picture))
 }
@@ -95,7 +93,6 @@ pub fn read_body(text: &str) -> Result<(Fact, Option<Picture>), Unparsed> {
 }
 
 /// A line of the journal, without a line break.
-#[must_use]
 pub fn line(line: &Line) -> String {
     let WallTime { unix_ms, offset_s } = line.entry.wall;
     written(&LineShape {
@@ -109,7 +106,6 @@ pub fn line(line: &Line) -> String {
 }
 
 /// The line that stands in the place of an entry that cannot be understood: its place, the kind `unreadable`, and why.
-#[must_use]
 pub fn unreadable(seq: Seq, why: &str) -> String {
     format!("{{\"seq\":{seq},\"kind\":\"unreadable\",\"why\":{}}}", serde_json::Value::from(why))
 }
@@ -126,7 +122,6 @@ pub fn read_line(bytes: &[u8]) -> Result<Line, Unparsed> {
 }
 
 /// The record of a piece, with its verdict, as a JSON object.
-#[must_use]
 pub fn record(record: &Luggage) -> String {
     written(&luggage::LuggageShape::from(record))
 }

@@ -46,7 +46,6 @@ pub struct Hosts {
 
 impl Hosts {
     /// The names of this machine for itself, and `names`; where other machines reach it (`is_local` is false), any address too.
-    #[must_use]
     pub fn new(is_local: bool, names: &[String]) -> Hosts {
         Hosts { is_local, names: names.iter().map(|name| plain(name)).collect() }
     }

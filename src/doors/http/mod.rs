@@ -74,7 +74,6 @@ pub struct Door {
 
 impl Door {
     /// A door to the loop behind `handle`; `hall` is the name on the page, `access` says who is let in.
-    #[must_use]
     pub fn new(handle: Handle, archive: Reader, hall: &str, access: Access) -> Door {
         Door {
             handle,
@@ -93,7 +92,6 @@ impl Door {
         }
     }
 
-    #[must_use]
     pub fn with_mqtt(self, mqtt: Option<Hall>) -> Door {
         Door { mqtt, ..self }
     }
@@ -112,7 +110,6 @@ impl Door {
     }
 
     /// The same, of a hall whose cells have sides of this many metres.
-    #[must_use]
     pub fn with_cells_of(self, cell_m: f64) -> Door {
         Door { cell_m: Some(cell_m), ..self }
     }
@@ -125,7 +122,6 @@ impl Door {
 
 /// A request that comes from this address, encrypted or not: the accept loop says so of every one, and whoever asks the router
 /// without it must, too.
-#[must_use]
 pub fn coming_from<B>(mut request: Request<B>, address: IpAddr, is_encrypted: bool) -> Request<B> {
     request.extensions_mut().insert(gate::Peer { address, is_encrypted });
     request

@@ -83,12 +83,10 @@ struct IdentifiedClient {
 
 impl Clients {
     /// Nobody is here yet. Commands go to `commands`; our own session comes with the password `secret`.
-    #[must_use]
     pub fn new(broker: Broker, commands: Commands, secret: Token) -> Clients {
         Clients::with_room(broker, commands, secret, Room::default())
     }
 
-    #[must_use]
     pub fn with_room(broker: Broker, commands: Commands, secret: Token, room: Room) -> Clients {
         Clients(Arc::new(Rooms {
             broker: Arc::new(broker),

@@ -12,13 +12,11 @@ pub struct Publication {
 
 impl Publication {
     /// The state of something: kept by the broker, so that a newcomer sees it at once.
-    #[must_use]
     pub fn kept(topic: String, payload: impl Into<Bytes>) -> Publication {
         Publication { topic, payload: payload.into(), retain: true }
     }
 
     /// Something that happened: for those who listen now.
-    #[must_use]
     pub fn passing(topic: String, payload: impl Into<Bytes>) -> Publication {
         Publication { topic, payload: payload.into(), retain: false }
     }

@@ -46,85 +46,71 @@ pub enum Place<'a> {
 
 impl Topics {
     /// The topics under `PREFIX/ID`, and those of the original system under `old`.
-    #[must_use]
     pub fn new(prefix: &str, id: &str, old: &str) -> Topics {
         Topics { base: format!("{prefix}/{id}"), old: old.to_owned(), id: id.to_owned() }
     }
 
     /// The robot's id.
-    #[must_use]
     pub fn id(&self) -> &str {
         &self.id
     }
 
     /// Where a resource is shown.
-    #[must_use]
     pub fn state(&self, resource: Resource) -> String {
         format!("{}/state/{}", self.base, Shown::Of(resource).row().name)
     }
 
     /// Where it is told what happens.
-    #[must_use]
     pub fn event(&self) -> String {
         format!("{}/event", self.base)
     }
 
     /// Where it stands whether the program is there.
-    #[must_use]
     pub fn availability(&self) -> String {
         format!("{}/availability", self.base)
     }
 
     /// Where the bare names of commands are taken.
-    #[must_use]
     pub fn word(&self) -> String {
         format!("{}/{COMMAND}", self.base)
     }
 
     /// Where the command of this name is taken.
-    #[must_use]
     pub fn command(&self, name: &str) -> String {
         format!("{}/{COMMAND}/{name}", self.base)
     }
 
     /// Where the answer to the command of this name is given.
-    #[must_use]
     pub fn result(&self, name: &str) -> String {
         format!("{}/{COMMAND}/{name}/{RESULT}", self.base)
     }
 
     /// Where the state of the robot is in the words of Home Assistant.
-    #[must_use]
     pub fn home_assistant(&self) -> String {
         format!("{}/homeassistant", self.base)
     }
 
     /// Where the last photo is, for Home Assistant.
-    #[must_use]
     pub fn photo(&self) -> String {
         format!("{}/photo", self.base)
     }
 
     /// Where Home Assistant learns of this robot.
-    #[must_use]
     pub fn discovery(&self) -> String {
         format!("homeassistant/device/{}/config", self.id)
     }
 
     /// Where the original system's events are.
-    #[must_use]
     pub fn old_events(&self) -> String {
         format!("{}/{EVENTS}", self.old)
     }
 
     /// What commands can be found under: the filters to subscribe to at somebody else's broker. Answers are not among them.
-    #[must_use]
     pub fn commands(&self) -> [String; 3] {
         [self.word(), self.command("+"), format!("{}/+", self.old)]
     }
 
     /// Whose business this topic is.
-    #[must_use]
     pub fn place<'a>(&self, topic: &'a str) -> Place<'a> {
         if let Some(name) = under(&self.old, topic) {
             return if name.contains('/') { Place::Elsewhere } else { Place::Old };

@@ -21,7 +21,6 @@ pub fn hall(settings: &Settings) -> Result<Arc<Hall>, UnusableHall> {
     Hall::named_or_file(&settings.hall).map(Arc::new).map_err(|error| UnusableHall { name, origin, error })
 }
 
-#[must_use]
 pub fn sim_settings(robot: &RobotSettings, camera: Camera) -> SimSettings {
     SimSettings {
         unknown_rate: robot.unknown_rate,

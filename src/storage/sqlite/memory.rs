@@ -80,12 +80,10 @@ impl Default for MemoryStore {
 }
 
 impl MemoryStore {
-    #[must_use]
     pub fn new() -> MemoryStore {
         MemoryStore::default()
     }
 
-    #[must_use]
     pub fn archive(&self) -> Arc<dyn Archive> {
         Arc::new(SqliteArchive::Memory(Arc::clone(&self.journal)))
     }

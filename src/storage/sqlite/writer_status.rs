@@ -73,7 +73,6 @@ impl WriterStatus {
 
     /// The batch that was begun after so many losses is on the disk up to `last`. False when it has been given up for lost in the
     /// meantime: then it must be taken back.
-    #[must_use]
     pub(super) fn keep(&self, losses: u64, last: Seq) -> bool {
         let mut work = self.work();
         work.busy = false;

@@ -47,7 +47,6 @@ pub struct Resources {
 
 impl Resources {
     /// The resources in front of the loop behind `handle`; `manual_driving` says whether old clients may drive the robot.
-    #[must_use]
     pub fn new(handle: Handle, archive: Reader, manual_driving: bool) -> Resources {
         let cache = RepresentationCache::default();
         let old = OldModel::new(&handle.snapshot(), &cache);

@@ -16,7 +16,6 @@ pub const BY_BODY: [&str; 2] = ["/api/v1/commands/move", "/console/move"];
 const SAFE: [&[u8]; 4] = [b"GET", b"HEAD", b"OPTIONS", b"TRACE"];
 
 /// Which route of STOP a request names.
-#[must_use]
 pub fn stop(method: &[u8], target: &[u8]) -> Option<&'static str> {
     if is_safe(method) {
         return None;
@@ -27,7 +26,6 @@ pub fn stop(method: &[u8], target: &[u8]) -> Option<&'static str> {
 }
 
 /// Which route a request names that is STOP when its body says so.
-#[must_use]
 pub fn says_by_body(method: &[u8], target: &[u8]) -> Option<&'static str> {
     if is_safe(method) {
         return None;
@@ -41,13 +39,11 @@ fn is_safe(method: &[u8]) -> bool {
 }
 
 /// Whether a target is the one where connections are handed over to another protocol.
-#[must_use]
 pub fn is_upgrade(target: &[u8]) -> bool {
     is_at(&segments(target), "/mqtt")
 }
 
 /// The host that a target names, when it is a whole address (RFC 9112, section 3.2.2), and the path.
-#[must_use]
 pub fn parts(target: &[u8]) -> (Option<&[u8]>, &[u8]) {
     let slash = target.iter().position(|byte| *byte == b'/').unwrap_or(target.len());
     let Some(rest) = target[slash..].strip_prefix(b"//").filter(|_| target[..slash].ends_with(b":")) else {

@@ -45,7 +45,6 @@ enum At {
 
 impl Scanner {
     /// Before the first byte; `cookie` is the name of the cookies that say who asks.
-    #[must_use]
     pub fn new(cookie: &str) -> Scanner {
         Scanner { head: HeadReader::new(cookie), at: At::Head, heads: 0, said: BodyStart::default() }
     }
@@ -96,25 +95,21 @@ impl Scanner {
     }
 
     /// How many heads have ended.
-    #[must_use]
     pub fn heads(&self) -> u64 {
         self.heads
     }
 
     /// Whether no body is on its way.
-    #[must_use]
     pub fn is_between(&self) -> bool {
         matches!(self.at, At::Head)
     }
 
     /// Whether the first byte of a head is none of any method: no server waits for the end of that.
-    #[must_use]
     pub fn is_no_request(&self) -> bool {
         matches!(self.at, At::Head) && self.head.is_no_method()
     }
 
     /// What has come of the body of the request whose head was heard last, if that may say STOP, as far as it is kept.
-    #[must_use]
     pub fn said(&self) -> &[u8] {
         &self.said.bytes
     }

@@ -56,7 +56,6 @@ enum Source {
 
 impl ChangeFeed {
     /// Nothing is known yet, and nothing goes out before the first state. With `home_assistant` Home Assistant is told, too.
-    #[must_use]
     pub fn new(topics: Topics, home_assistant: bool) -> ChangeFeed {
         ChangeFeed {
             household: home_assistant.then(|| Household::new(&topics)),
@@ -103,7 +102,6 @@ impl ChangeFeed {
     }
 
     /// When the next message is due, which may be a time that is over; `None` when everything is said.
-    #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         self.soonest(self.snapshot.as_ref()?).map(|(due, _)| due)
     }
@@ -122,7 +120,6 @@ impl ChangeFeed {
     }
 
     /// Whether this is an old message that carries our SEQNUM: how many of these were not acknowledged is what `renew` asks for.
-    #[must_use]
     pub fn is_numbered(&self, publication: &Publication) -> bool {
         publication.topic == self.topics.old_events() && outgoing::is_counted(&publication.payload)
     }

@@ -71,7 +71,6 @@ pub struct Commands {
 
 impl Commands {
     /// Commands go to `handle`, results to `answers`; `manual_driving` says whether old clients may drive the robot.
-    #[must_use]
     pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<Answer>) -> Commands {
         let parser = Arc::new(CommandParser::new(topics, manual_driving));
         let (pace, nobody) = (Arc::default(), Arc::default());

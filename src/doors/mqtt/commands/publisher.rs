@@ -45,7 +45,6 @@ impl Publisher {
         }
     }
 
-    #[must_use]
     pub fn issuer(&self) -> Issuer {
         let (who, from) = match self {
             Publisher::Known { caller, from } => (caller.name(), Arc::clone(from)),

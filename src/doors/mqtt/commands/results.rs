@@ -133,7 +133,6 @@ impl Results {
 
 impl Answer {
     /// What is to be published; there is room for another.
-    #[must_use]
     pub fn taken(self) -> Publication {
         self.publication
     }

@@ -9,7 +9,6 @@ use hallsweep_core::mission::PhaseName;
 use hallsweep_core::world::resource::Resource;
 
 /// The message for `homeassistant/device/ID/config`, from this version of the program.
-#[must_use]
 pub fn config(topics: &Topics, version: &str) -> Value {
     let name = format!("hallsweep {}", topics.id());
     json!({

@@ -31,14 +31,12 @@ pub enum Activity {
 
 impl State {
     /// `{"state":"cleaning","alarm":false}`.
-    #[must_use]
     pub fn json(self) -> Value {
         json!({"state": self.activity.name(), "alarm": self.alarm})
     }
 }
 
 impl Activity {
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Activity::Cleaning => "cleaning",
@@ -52,7 +50,6 @@ impl Activity {
 }
 
 /// What Home Assistant is shown of this state.
-#[must_use]
 pub fn state(snapshot: &Snapshot) -> State {
     State { activity: activity(snapshot), alarm: is_alarmed(snapshot) }
 }

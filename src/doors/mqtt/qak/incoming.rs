@@ -82,14 +82,12 @@ fn of_others(id: String) -> Asked {
 }
 
 /// Whether a payload begins as a message whose MSGID is none of ours. It looks at no more than the beginning.
-#[must_use]
 pub fn is_of_others(payload: &[u8]) -> bool {
     beginning(payload).is_some_and(|id| known(&id).is_none())
 }
 
 /// Whether a payload asks for STOP, whatever else is wrong with it: no number, a sender that cannot be read, the end missing, too
 /// long. It looks at no more than the beginning, but for those whose CONTENT says it, as `userCmd`. (Safety S1, S8.)
-#[must_use]
 pub fn is_stop(payload: &[u8]) -> bool {
     let Some(id) = opening(payload) else { return false };
     match known(&id).map(|known| known.asks) {
@@ -104,7 +102,6 @@ pub fn is_stop(payload: &[u8]) -> bool {
 
 impl Wrong {
     /// What was asked for, in words for the record.
-    #[must_use]
     pub fn asked(&self) -> String {
         match self {
             Wrong::NoMessage(_) => "a message".to_owned(),
@@ -114,7 +111,6 @@ impl Wrong {
     }
 
     /// The refusal for the record.
-    #[must_use]
     pub fn refused(&self) -> Refused {
         match self {
             Wrong::NoMessage(_) => Refused::Before(refusal("malformed", self.to_string())),

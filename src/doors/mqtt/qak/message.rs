@@ -104,7 +104,6 @@ impl Kind {
     pub const ALL: [Kind; 5] = [Kind::Event, Kind::Dispatch, Kind::Request, Kind::Invitation, Kind::Reply];
 
     /// The word in a message.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Kind::Event => "event",

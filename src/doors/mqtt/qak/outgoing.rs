@@ -11,7 +11,6 @@ use hallsweep_core::world::snapshot::Snapshot;
 pub(super) const MODEL_CONTENT: &str = "modelContent";
 
 /// `content(robot(state(movingForward),direction(downDir),position(0,0)))`.
-#[must_use]
 pub fn robot(snapshot: &Snapshot) -> Term {
     let (robot, cell) = (&snapshot.robot, snapshot.robot.pose.cell);
     let direction = Term::atom(old_items::direction(robot.pose.heading));
@@ -24,19 +23,16 @@ pub fn robot(snapshot: &Snapshot) -> Term {
 }
 
 /// `content(roomMap(state('r 1 1 X @1 1 1 X @X X 0 X @')))`.
-#[must_use]
 pub fn room_map(snapshot: &Snapshot) -> Term {
     content("roomMap", [state(map_text::one_line(snapshot))])
 }
 
 /// `content(luggage(state('photo 1, position: (0, 2), date: 2026-02-03T10:05:12.000+01:00')))`.
-#[must_use]
 pub fn luggage(luggage: &Luggage) -> Term {
     content("luggage", [state(old_items::luggage_state(luggage))])
 }
 
 /// `content(luggage(state('refused: luggage #3 has no usable photo')))`: why a verdict was not taken, where a piece is shown.
-#[must_use]
 pub fn why_not(words: &str) -> Term {
     let mut text = format!("refused: {words}");
     while text.contains("))") {
@@ -49,13 +45,11 @@ pub fn why_not(words: &str) -> Term {
 pub const ANSWER: u64 = 0;
 
 /// Whether a message that `message` has made is one of those that are counted.
-#[must_use]
 pub fn is_counted(message: &[u8]) -> bool {
     !message.ends_with(format!(",{ANSWER})").as_bytes())
 }
 
 /// `msg(modelContent,event,resourcemodel,none,CONTENT,NUMBER)`.
-#[must_use]
 pub fn message(content: Term, number: u64) -> String {
     let (sender, receiver) = ("resourcemodel".to_owned(), "none".to_owned());
     Message { id: MODEL_CONTENT.to_owned(), kind: Kind::Event, sender, receiver, content, number }.to_string()

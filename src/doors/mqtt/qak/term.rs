@@ -29,24 +29,20 @@ impl Term {
         Reader::whole(text)
     }
 
-    #[must_use]
     pub fn atom(text: impl Into<String>) -> Term {
         Term::Atom(text.into())
     }
 
-    #[must_use]
     pub fn whole(number: impl Into<i64>) -> Term {
         Term::Number(Number(number.into().to_string()))
     }
 
     /// `name` with `parts` in parentheses.
-    #[must_use]
     pub fn compound(name: impl Into<String>, parts: impl Into<Vec<Term>>) -> Term {
         Term::Compound(name.into(), parts.into())
     }
 
     /// The text of an atom or of a compound term's name; `None` of a number.
-    #[must_use]
     pub fn name(&self) -> Option<&str> {
         match self {
             Term::Atom(name) | Term::Compound(name, _) => Some(name),
@@ -57,7 +53,6 @@ impl Term {
 
 impl Number {
     /// `text` as a number: digits, perhaps with a minus before them and a fraction behind; else `None`.
-    #[must_use]
     pub fn new(text: &str) -> Option<Number> {
         let (whole, fraction) = text.split_once('.').map_or((text, None), |(whole, fraction)| (whole, Some(fraction)));
         let are_digits = |digits: &str| !digits.is_empty() && digits.bytes().all(|digit| digit.is_ascii_digit());
@@ -66,7 +61,6 @@ impl Number {
     }
 
     /// As it was written.
-    #[must_use]
     pub fn text(&self) -> &str {
         &self.0
     }

@@ -83,7 +83,6 @@ pub struct Session {
 
 impl Session {
     /// A session that has not begun.
-    #[must_use]
     pub fn new(parts: Parts) -> Session {
         Session {
             changes: ChangeFeed::new(parts.topics.clone(), parts.home_assistant),
