@@ -2,7 +2,7 @@
 //! same; and no entry, however odd, stops the program from finding out what stands or from going on from there.
 #![no_main]
 
-use hallsweep_fuzz::core::explore::Strategy;
+use hallsweep_fuzz::core::search::Strategy;
 use hallsweep_fuzz::core::settings::Settings;
 use hallsweep_core::state::PersistentState;
 use hallsweep_fuzz::core::engine::{Recalled, Engine};

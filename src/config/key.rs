@@ -235,7 +235,7 @@ const fn key(name: &'static str, kind: Kind, flag: Option<&'static str>, advice:
 mod tests {
     use super::*;
     use crate::config::RobotKind;
-    use hallsweep_core::explore::Strategy;
+    use hallsweep_core::search::Strategy;
 
     #[test]
     fn the_advice_lists_every_strategy() {

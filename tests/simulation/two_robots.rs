@@ -9,9 +9,9 @@ use hallsweep_core::command::{Command, Door, Issuer, Move, Refused, Request, Tem
 use hallsweep_core::effect::{Action, Effect, Entry, Fact};
 use hallsweep_core::engine::{Barred, Engine, Recalled};
 use hallsweep_core::event::{Event, RobotEvent, RobotId};
-use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::robots::Part;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, Celsius, Now, OrderId, Seq, WallTime};

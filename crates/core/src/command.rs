@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 pub use super::refused::{CODES, Refusal, RefusalKind, Refused};
 
-use super::explore::Strategy;
+use super::search::Strategy;
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
 use super::world::temperature::{OPERATOR, OTHERS, ROBOT};
 

@@ -14,7 +14,7 @@ use crate::api::journal_words;
 use crate::runtime::archive::Sound;
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::{IDS, Recalled, Remembered};
-use hallsweep_core::explore::Strategy;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
 use hallsweep_core::world::log::Tone;

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::Engine;
 use crate::command::{Move, Refused, Request};
-use crate::explore::plan::{Planner, Through, after};
 use crate::mission::{Act, Case, FaultCause, Guard, Hold, Input, InputContext, Phase, PhaseName, Rule, Stage, To, rules};
+use crate::search::plan::{Planner, Through, after};
 use crate::units::{Cell, Epoch, LuggageId};
 use crate::world::hall_map::Mark;
 

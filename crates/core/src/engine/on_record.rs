@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use super::Engine;
 use crate::effect::Effect;
-use crate::explore::Strategy;
 use crate::mission::{Goal, Hold, Phase, PhaseName};
+use crate::search::Strategy;
 use crate::units::{AlarmId, Cell, LuggageId, MissionId, Revision, Seq};
 use crate::world::alarm::Alarm;
 use crate::world::hall_map::HallMap;

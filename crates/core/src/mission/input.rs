@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::FaultCause;
 use crate::command::{Command, Issuer, LuggageRef, Move, TemperatureReport, Verdict};
 use crate::event::{Obstacle, Photo};
-use crate::explore::Strategy;
+use crate::search::Strategy;
 use crate::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
 use crate::world::temperature::OPERATOR;
 

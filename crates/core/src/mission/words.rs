@@ -3,7 +3,7 @@
 
 use super::{Input, InputContext};
 use crate::command::{Command, Door, Issuer, LuggageRef, Move, TemperatureReport, Verdict};
-use crate::explore::Strategy;
+use crate::search::Strategy;
 use crate::units::{AlarmId, Cell, Celsius, LuggageId};
 use crate::world::temperature::OPERATOR;
 

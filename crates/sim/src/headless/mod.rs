@@ -13,9 +13,9 @@ use hallsweep_core::command::{Accepted, Command, Door, Issuer, Move, Refused, Re
 use hallsweep_core::effect::{Action, Effect, Entry, Page};
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Event, RobotEvent, RobotId};
-use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::rng::RandomStream;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{Now, Ticket, WallTime};
 use hallsweep_core::world::snapshot::Snapshot;
