@@ -18,9 +18,9 @@ fuzz_target!(|bytes: &[u8]| {
     same(text, read_record, record);
     same(text, read_body, |(fact, picture)| body(fact, picture.as_ref()));
     if let Some(Line { entry, seq, .. }) = same(text, |text| read_line(text.as_bytes()), line) {
-        let mut standing = PersistentState::first(Strategy::default());
-        standing.apply(&entry);
-        let recalled = Recalled { standing, written: seq.min(LAST), commands: vec![entry], latest: Vec::new() };
+        let mut state = PersistentState::first(Strategy::default());
+        state.apply(&entry);
+        let recalled = Recalled { state, written: seq.min(LAST), commands: vec![entry], latest: Vec::new() };
         Engine::recall(Settings::default(), "fuzzed".into(), recalled, Now::default()).snapshot();
     }
 });

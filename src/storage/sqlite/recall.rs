@@ -43,7 +43,7 @@ pub(super) fn recall(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<
     let standing = standing(&connection, written)?;
     let commands = repeatable(&connection, written)?;
     let latest = rows::latest(&connection, written, LATEST, LATEST_AMONG)?.iter().map(remembered).collect();
-    Ok(Some(Recalled { standing, written, commands, latest }))
+    Ok(Some(Recalled { state: standing, written, commands, latest }))
 }
 
 /// What people did and what was found, as a line of the log.

@@ -19,11 +19,11 @@ pub(super) struct Step {
 }
 
 /// A refusal, and what is done all the same.
-pub(super) type Refusal = (Refused, &'static [Act]);
+pub(super) type RefusedStep = (Refused, &'static [Act]);
 
 impl Engine {
     /// What the table says of this input now.
-    pub(super) fn decide(&self, input: Input, context: &InputContext) -> Result<Step, Refusal> {
+    pub(super) fn decide(&self, input: Input, context: &InputContext) -> Result<Step, RefusedStep> {
         let mut phase = &self.state.phase;
         let mut depth = 0;
         loop {

@@ -22,7 +22,7 @@ impl Engine {
     }
 
     /// Puts everything that stands on record at once.
-    pub(super) fn record_standing(&mut self) {
+    pub(super) fn record_state(&mut self) {
         self.outbox.record(self.now.wall, Fact::State(Box::new(self.state.clone())));
     }
 

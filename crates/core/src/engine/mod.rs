@@ -36,9 +36,9 @@ pub use self::recall::{Recalled, Remembered};
 pub use self::repeats::IDS;
 
 use self::on_record::OnRecord;
-use self::outbox::{Outbox, Waiting};
-use self::refusals::Refusals;
-use self::repeats::{Content, Known, Outcome, Repeats};
+use self::outbox::{Outbox, WaitingAnswer};
+use self::refusals::SharedRefusals;
+use self::repeats::{Content, IdUse, Outcome, Repeats};
 use self::stops::Stops;
 use self::view::Shown;
 use self::watchdog::SensorWatchdog;
@@ -70,7 +70,7 @@ pub struct Engine {
     outbox: Outbox,
     watchdog: SensorWatchdog,
     repeats: Repeats,
-    refusals: Refusals,
+    refusals: SharedRefusals,
     stops: Stops,
     /// The epoch in which the command was given that released the robot last.
     released: Option<Epoch>,
@@ -95,7 +95,7 @@ impl Engine {
             outbox: Outbox::default(),
             watchdog: SensorWatchdog::default(),
             repeats: Repeats::default(),
-            refusals: Refusals::default(),
+            refusals: SharedRefusals::default(),
             stops: Stops::default(),
             released: None,
             on_record: OnRecord::first(strategy),
@@ -230,7 +230,7 @@ impl Engine {
         // What is on its way to the store is not in what stands yet, and must not be forgotten by reading on from there.
         let in_flight = !self.mission.recording.is_empty() || !self.mission.deciding.is_empty();
         if self.outbox.is_to_sum_up() && !in_flight {
-            self.record_standing();
+            self.record_state();
         }
         self.outbox.poll()
     }
@@ -298,10 +298,10 @@ impl Engine {
         self.remember(request, Outcome::Open(ticket));
         let waits = !self.state.holds.contains(Hold::Store) && !self.outbox.is_kept();
         if input == Input::Stop {
-            self.answer_standing(ticket);
+            self.answer_when_standing(ticket);
         } else if waits {
             let seq = self.outbox.written();
-            self.outbox.wait(Waiting { ticket, seq, luggage: context.luggage, verdict: context.verdict, decided: false });
+            self.outbox.wait(WaitingAnswer { ticket, seq, luggage: context.luggage, verdict: context.verdict, decided: false });
         } else {
             self.answer(ticket, context.luggage);
         }
@@ -322,14 +322,14 @@ impl Engine {
     fn repeated(&mut self, request: &Request) -> Option<Result<Ticket, Refused>> {
         let id = request.id.as_ref().filter(|_| request.command != Command::Stop)?;
         let outcome = match self.repeats.look_up(&request.issuer.who, id, &Content::of(request)) {
-            Known::New => return None,
-            Known::Other => {
+            IdUse::New => return None,
+            IdUse::Other => {
                 let refused = Refused::OtherContent(id.clone());
                 let (_, context) = InputContext::of(&request.command, &request.issuer, None);
                 self.write_command(request, &context, Some(&refused));
                 return Some(Err(refused));
             }
-            Known::Same(outcome) => outcome.clone(),
+            IdUse::Same(outcome) => outcome.clone(),
         };
         if let Outcome::Answered(Err(refused)) = outcome {
             return Some(Err(refused));

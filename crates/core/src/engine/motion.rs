@@ -7,7 +7,7 @@ use crate::event::RobotId;
 use crate::mission::{FaultCause, Goal, Hold, Input, InputContext, Phase, Stage};
 use crate::robots::Part;
 use crate::search::plan::Through;
-use crate::search::{Decision, Search, View};
+use crate::search::{NextGoal, Search, View};
 use crate::units::{Cell, LuggageId, Now, OrderId};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
@@ -220,13 +220,13 @@ impl Engine {
         loop {
             let view = View { map: &self.state.map, pose: self.state.pose };
             let goal = match search.next(&view, &mut self.planner) {
-                Decision::Visit(cell) => Goal::Visit(cell),
-                Decision::GoHome => Goal::Home,
-                Decision::Finished if self.is_home() => {
+                NextGoal::Visit(cell) => Goal::Visit(cell),
+                NextGoal::GoHome => Goal::Home,
+                NextGoal::Finished if self.is_home() => {
                     self.set_goal(None, search);
                     return None;
                 }
-                Decision::Finished => Goal::Home,
+                NextGoal::Finished => Goal::Home,
             };
             if self.is_wanted(goal) {
                 self.set_goal(Some(goal), search);

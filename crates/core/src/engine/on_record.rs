@@ -2,7 +2,7 @@
 //! of it waits here until the store has kept the page it follows from. What warns or halts does not wait: `view` puts that in.
 //!
 //! ```text
-//!   the state after each input ─► View, with the last entry written so far ─► ahead: (Seq, View), … ─► kept up to Seq ─► shown
+//!   the state after each input ─► StateView, with the last entry written so far ─► ahead: (Seq, StateView), … ─► kept up to Seq ─► shown
 //! ```
 
 use std::collections::VecDeque;
@@ -28,7 +28,7 @@ const NEVER: Seq = Seq(u64::MAX);
 
 /// What follows from commands and finds, as it was after one input.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct View {
+pub(super) struct StateView {
     pub(super) mission: MissionId,
     under_way: bool,
     pub(super) phase: PhaseName,
@@ -49,8 +49,8 @@ pub(super) struct View {
 /// What is shown, and what waits for its record.
 #[derive(Clone, Debug)]
 pub(super) struct OnRecord {
-    pub(super) shown: View,
-    ahead: VecDeque<(Seq, View)>,
+    pub(super) shown: StateView,
+    ahead: VecDeque<(Seq, StateView)>,
     /// When the state was last looked at: nothing has changed since, if both are as they were.
     looked: (Revision, Seq),
     /// Nothing is shown before this entry is kept, because something before it was lost.
@@ -65,7 +65,7 @@ pub(super) struct OnRecord {
 impl OnRecord {
     /// Before anything has happened.
     pub(super) fn first(strategy: Strategy) -> OnRecord {
-        OnRecord::of(View {
+        OnRecord::of(StateView {
             mission: MissionId(0),
             under_way: false,
             phase: PhaseName::Idle,
@@ -84,7 +84,7 @@ impl OnRecord {
     }
 
     /// Everything in this view is on record.
-    pub(super) fn of(shown: View) -> OnRecord {
+    pub(super) fn of(shown: StateView) -> OnRecord {
         let (ahead, looked, lit) = (VecDeque::new(), (Revision(0), Seq(0)), shown.led_blinking);
         OnRecord { emptied: shown.emptied, shown, ahead, looked, floor: Seq(0), before: None, lit }
     }
@@ -106,11 +106,11 @@ impl OnRecord {
     }
 
     /// The latest view, shown or not.
-    fn latest(&self) -> &View {
+    fn latest(&self) -> &StateView {
         self.ahead.back().map_or(&self.shown, |(_, view)| view)
     }
 
-    fn push(&mut self, seq: Seq, view: View) {
+    fn push(&mut self, seq: Seq, view: StateView) {
         if self.ahead.len() == AHEAD {
             self.ahead.pop_back();
         }
@@ -227,9 +227,9 @@ impl Engine {
     }
 
     /// The mission as it is, on record or not.
-    pub(super) fn mission_as_it_is(&self) -> View {
+    pub(super) fn mission_as_it_is(&self) -> StateView {
         let state = &self.state;
-        View {
+        StateView {
             mission: state.mission,
             under_way: state.under_way,
             phase: state.phase.name(),

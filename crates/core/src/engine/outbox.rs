@@ -34,7 +34,7 @@ pub(super) struct Outbox {
     barrier: Seq,
     kept: Seq,
     tickets: Ticket,
-    waiting: Vec<Waiting>,
+    waiting: Vec<WaitingAnswer>,
     /// The commands that are not kept yet: each is to be in the journal, whatever becomes of the store (safety A6).
     commands: VecDeque<Unkept>,
     /// Everything up to here that was not kept when the store failed is lost.
@@ -52,7 +52,7 @@ struct Unkept {
 
 /// An accepted command whose answer waits for a record.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Waiting {
+pub(super) struct WaitingAnswer {
     pub(super) ticket: Ticket,
     pub(super) seq: Seq,
     /// The piece it concerned.
@@ -203,12 +203,12 @@ impl Outbox {
         self.tickets
     }
 
-    pub(super) fn wait(&mut self, waiting: Waiting) {
+    pub(super) fn wait(&mut self, waiting: WaitingAnswer) {
         self.waiting.push(waiting);
     }
 
     /// The waiting answers whose record is kept, in order.
-    pub(super) fn due(&mut self) -> Vec<Waiting> {
+    pub(super) fn due(&mut self) -> Vec<WaitingAnswer> {
         let kept = self.kept;
         let (due, waiting) = self.waiting.drain(..).partition(|waiting| waiting.seq <= kept);
         self.waiting = waiting;
@@ -216,7 +216,7 @@ impl Outbox {
     }
 
     /// All waiting answers, because the store has failed.
-    pub(super) fn give_up(&mut self) -> Vec<Waiting> {
+    pub(super) fn give_up(&mut self) -> Vec<WaitingAnswer> {
         self.lost = self.written;
         std::mem::take(&mut self.waiting)
     }
@@ -224,7 +224,7 @@ impl Outbox {
     /// Lets another ticket be answered together with one that waits.
     pub(super) fn follow(&mut self, first: Ticket, ticket: Ticket) {
         if let Some(waiting) = self.waiting.iter().find(|waiting| waiting.ticket == first).copied() {
-            self.waiting.push(Waiting { ticket, ..waiting });
+            self.waiting.push(WaitingAnswer { ticket, ..waiting });
         }
     }
 

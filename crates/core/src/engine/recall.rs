@@ -20,7 +20,7 @@ use crate::world::temperature::OPERATOR;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recalled {
     /// What stands.
-    pub standing: PersistentState,
+    pub state: PersistentState,
     /// The last entry of the journal.
     pub written: Seq,
     /// The latest commands that carried an id, oldest first.
@@ -44,15 +44,15 @@ impl Engine {
     /// An engine that goes on from what was recalled. Nothing moves until a START.
     #[must_use]
     pub fn recall(settings: Settings, run: Arc<str>, recalled: Recalled, now: Now) -> Engine {
-        let Recalled { standing, written, commands, latest } = recalled;
-        let mut engine = Engine::new(settings, standing.strategy, run);
+        let Recalled { state, written, commands, latest } = recalled;
+        let mut engine = Engine::new(settings, state.strategy, run);
         engine.outbox = Outbox::after(written);
         engine.repeats.recall(&commands);
         engine.begin(now);
         for Remembered { wall, tone, text } in latest {
             engine.world.log.put(wall, tone, text);
         }
-        engine.take_up(standing);
+        engine.take_up(state);
         engine.on_record = OnRecord::of(engine.mission_as_it_is());
         engine.note_start();
         engine.world.write(now.wall, Tone::Info, "the program was started again; everything is as it was".to_owned());
@@ -98,7 +98,7 @@ impl Engine {
 
     /// Everything that outlives the program, as it would be read back.
     #[must_use]
-    pub fn standing(&self) -> PersistentState {
+    pub fn persistent_state(&self) -> PersistentState {
         self.state.clone()
     }
 

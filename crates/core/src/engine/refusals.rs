@@ -16,7 +16,7 @@ const LIMITS: Limits = Limits { burst: 60, earned: Duration::from_secs(10), ever
 
 /// The senders who were refused lately.
 #[derive(Clone, Debug)]
-pub(super) struct Refusals(Sharing<Note>);
+pub(super) struct SharedRefusals(Sharing<Note>);
 
 /// What is to be put on record.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,13 +27,13 @@ pub(super) struct Note {
     pub(super) refused: Refused,
 }
 
-impl Default for Refusals {
-    fn default() -> Refusals {
-        Refusals(Sharing::new(LIMITS))
+impl Default for SharedRefusals {
+    fn default() -> SharedRefusals {
+        SharedRefusals(Sharing::new(LIMITS))
     }
 }
 
-impl Refusals {
+impl SharedRefusals {
     /// Takes what was refused just now, the last of so many; what is to be written at once.
     pub(super) fn come(&mut self, note: Note, count: u64, now: Duration) -> Option<Note> {
         let sender = (note.issuer.who.clone(), note.issuer.door);
@@ -119,7 +119,7 @@ mod tests {
     /// Safety A5, A6.
     #[test]
     fn a_flood_of_refusals_is_counted_and_every_one_of_them_is_in_an_entry() {
-        let mut refusals = Refusals::default();
+        let mut refusals = SharedRefusals::default();
         let mut written = 0;
         for n in 0..3000_u32 {
             written += usize::from(refusals.come(note("lobby", &format!("START {n}")), 1, SECOND * (n / 300)).is_some());
@@ -135,7 +135,7 @@ mod tests {
     /// Safety A6: the door counts while the queue of commands is full.
     #[test]
     fn what_comes_as_the_last_of_many_counts_as_many() {
-        let mut refusals = Refusals::default();
+        let mut refusals = SharedRefusals::default();
         assert_eq!(refusals.come(note("lobby", "START 1"), 1000, SECOND), None);
         assert_eq!(refusals.come(note("lobby", "START 2"), 1, SECOND), None);
         assert_eq!(asked(refusals.fall_due(EVERY + SECOND)), ["START 2, and 1000 more that were refused"]);
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn whoever_is_refused_now_and_then_is_written_one_by_one_and_nobody_for_another() {
-        let mut refusals = Refusals::default();
+        let mut refusals = SharedRefusals::default();
         (0..9 * BURST).for_each(|_| drop(refusals.come(note("lobby", "START"), 1, SECOND)));
         assert_eq!(asked(refusals.come(note("anna", "RESET"), 1, SECOND)), ["RESET"], "another sender has room of his own");
         assert_eq!(refusals.fall_due(EVERY + SECOND).len(), 1);
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn exactly_so_many_senders_are_told_apart_and_nothing_of_others_is_lost() {
-        let mut refusals = Refusals::default();
+        let mut refusals = SharedRefusals::default();
         (0..=BURST).for_each(|_| drop(refusals.come(note("first", "START"), 1, Duration::ZERO)));
         for n in 1..LIMITS.senders {
             assert!(refusals.come(note(&format!("key-{n}"), "START"), 1, Duration::ZERO).is_some());

@@ -73,7 +73,7 @@ impl Stops {
 
 impl Engine {
     /// Answers a stop as soon as every robot stands.
-    pub(super) fn answer_standing(&mut self, ticket: Ticket) {
+    pub(super) fn answer_when_standing(&mut self, ticket: Ticket) {
         if self.robots.are_halting() {
             self.stops.waiting.push((ticket, self.now.since_start.saturating_add(PATIENCE)));
         } else {

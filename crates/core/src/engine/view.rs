@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Engine;
-use super::on_record::View;
+use super::on_record::StateView;
 use crate::command::Refused;
 use crate::mission::{Hold, Input, InputContext, PhaseName, Stage};
 use crate::robots::{Robot, RobotId};
@@ -115,7 +115,7 @@ impl Engine {
     }
 
     /// A fault warns, so it is shown at once; what it interrupts is what was shown before.
-    fn phase_shown(&self, shown: &View) -> (PhaseName, Option<PhaseName>, Option<String>) {
+    fn phase_shown(&self, shown: &StateView) -> (PhaseName, Option<PhaseName>, Option<String>) {
         let Some(cause) = self.state.phase.fault() else { return (shown.phase, shown.interrupted, shown.fault.clone()) };
         (PhaseName::Fault, shown.interrupted.or(Some(shown.phase)), Some(cause.to_string()))
     }

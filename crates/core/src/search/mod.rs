@@ -1,5 +1,5 @@
 //! The order in which a hall is searched: one file a strategy, behind one enum, and the planner under them.
-//! A strategy looks at a view and returns a decision; it performs nothing.
+//! A strategy looks at a view and returns the next goal; it performs nothing.
 
 pub mod plan;
 mod snail;
@@ -63,7 +63,7 @@ pub struct View<'a> {
 
 /// What a strategy wants next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Decision {
+pub enum NextGoal {
     /// Go to this cell, or find out what stands there.
     Visit(Cell),
     /// Go home, and ask again there.
@@ -89,7 +89,7 @@ impl Search {
     }
 
     /// What to do now that the last goal is reached, has turned out to be an obstacle, or cannot be reached.
-    pub fn next(&mut self, view: &View<'_>, planner: &mut Planner) -> Decision {
+    pub fn next(&mut self, view: &View<'_>, planner: &mut Planner) -> NextGoal {
         match self {
             Search::Snail(snail) => snail.next(view, planner),
         }

@@ -50,11 +50,11 @@ pub struct Log {
     lines: VecDeque<Arc<LogLine>>,
     written: u64,
     /// Lines that wait for their record, oldest first, and the entry they wait for, where that is known.
-    waiting: VecDeque<Waiting>,
+    waiting: VecDeque<WaitingLine>,
 }
 
 #[derive(Clone, Debug)]
-struct Waiting {
+struct WaitingLine {
     seq: Option<Seq>,
     wall: WallTime,
     text: String,
@@ -71,7 +71,7 @@ impl Log {
         if self.waiting.len() == LOG_LINES {
             self.waiting.pop_front();
         }
-        self.waiting.push_back(Waiting { seq: None, wall, text });
+        self.waiting.push_back(WaitingLine { seq: None, wall, text });
         false
     }
 
@@ -81,7 +81,7 @@ impl Log {
             line.seq = Some(written);
         }
         let due = self.waiting.iter().take_while(|line| line.seq.is_some_and(|seq| seq <= kept)).count();
-        for Waiting { wall, text, .. } in self.waiting.drain(..due).collect::<Vec<_>>() {
+        for WaitingLine { wall, text, .. } in self.waiting.drain(..due).collect::<Vec<_>>() {
             self.put(wall, Tone::Info, text);
         }
         due > 0

@@ -180,7 +180,7 @@ fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
         let luggage = Luggage { verdict: Some(decision), ..Luggage::clone(&engine.state.luggage[&LuggageId(1)]) };
         engine.state.luggage.insert(LuggageId(1), Arc::new(luggage));
     }
-    engine.record_standing();
+    engine.record_state();
     while let Some(effect) = engine.poll_effect() {
         if let Effect::Record(page) = effect {
             engine.outbox.keep(page.last());
