@@ -132,25 +132,29 @@ impl Move {
     /// All of them.
     pub const ALL: [Move; 6] =
         [Move::Forward, Move::Backward, Move::TurnLeft, Move::TurnRight, Move::NudgeLeft, Move::NudgeRight];
-}
 
-/// What the operator says of a piece.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Verdict {
-    /// The search goes on.
-    Safe,
-    /// The robot comes home and the piece is fetched.
-    Danger,
-}
-
-impl Verdict {
-    /// The word of the doors: `safe` or `danger`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
+    /// The move that undoes this one.
+    pub(crate) const fn reversed(self) -> Move {
         match self {
-            Verdict::Safe => "safe",
-            Verdict::Danger => "danger",
+            Move::Forward => Move::Backward,
+            Move::Backward => Move::Forward,
+            Move::TurnLeft => Move::TurnRight,
+            Move::TurnRight => Move::TurnLeft,
+            Move::NudgeLeft => Move::NudgeRight,
+            Move::NudgeRight => Move::NudgeLeft,
         }
+    }
+}
+
+named! {
+    by name;
+    /// What the operator says of a piece.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Verdict {
+        /// The search goes on.
+        Safe = "safe",
+        /// The robot comes home and the piece is fetched.
+        Danger = "danger",
     }
 }
 

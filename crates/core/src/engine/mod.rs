@@ -75,7 +75,6 @@ pub struct Engine {
     /// The epoch in which the command was given that released the robot last.
     released: Option<Epoch>,
     on_record: OnRecord,
-    /// Whether the program was asked to end.
     is_ending: bool,
     taken: Option<Arc<Snapshot>>,
 }
@@ -212,8 +211,9 @@ impl Engine {
     /// Time has passed; call it at `poll_timeout`.
     pub fn handle_timeout(&mut self, now: Now) {
         self.begin(now);
-        self.record_shared_refusals();
-        self.record_shared_stops();
+        let (refusals, stops) = (self.refusals.fall_due(now.since_start), self.stops.records.fall_due(now.since_start));
+        self.write_refusals(refusals);
+        self.write_stops(stops);
         self.outbox.record_overdue(now);
         while let Some(sensor) = self.watchdog.falls_silent(now.since_start) {
             self.feed(Input::SensorSilent, &InputContext { words: Some(sensor.to_string()), ..InputContext::default() });
@@ -359,7 +359,6 @@ impl Engine {
     fn pending(&self) -> Option<LuggageId> {
         let mut pending = self.state.luggage.values().filter(|luggage| luggage.is_pending()).map(|luggage| luggage.id);
         let first = pending.next();
-        let inspected = self.inspected().filter(|id| self.state.luggage.get(id).is_some_and(|luggage| luggage.is_pending()));
-        inspected.or(first.filter(|_| pending.next().is_none()))
+        self.asked().or(first.filter(|_| pending.next().is_none()))
     }
 }

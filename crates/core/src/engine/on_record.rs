@@ -27,7 +27,7 @@ const AHEAD: usize = 64;
 const NEVER: Seq = Seq(u64::MAX);
 
 /// What follows from commands and finds, as it was after one input.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct StateView {
     pub(super) mission: MissionId,
     under_way: bool,
@@ -42,11 +42,9 @@ pub(super) struct StateView {
     pub(super) luggage: Arc<[Arc<Luggage>]>,
     pub(super) alarms: Arc<[Arc<Alarm>]>,
     pub(super) refusals: Refusals,
-    /// How often the map had been emptied.
     emptied: u64,
 }
 
-/// What is shown, and what waits for its record.
 #[derive(Clone, Debug)]
 pub(super) struct OnRecord {
     pub(super) shown: StateView,
@@ -63,27 +61,10 @@ pub(super) struct OnRecord {
 }
 
 impl OnRecord {
-    /// Before anything has happened.
     pub(super) fn first(strategy: Strategy) -> OnRecord {
-        OnRecord::of(StateView {
-            mission: MissionId(0),
-            under_way: false,
-            phase: PhaseName::Idle,
-            interrupted: None,
-            fault: None,
-            inspected: None,
-            strategy,
-            goal: None,
-            holds: Vec::new(),
-            led_blinking: false,
-            luggage: Arc::from([]),
-            alarms: Arc::from([]),
-            refusals: Refusals::default(),
-            emptied: 0,
-        })
+        OnRecord::of(StateView { strategy, ..StateView::default() })
     }
 
-    /// Everything in this view is on record.
     pub(super) fn of(shown: StateView) -> OnRecord {
         let (ahead, looked, lit) = (VecDeque::new(), (Revision(0), Seq(0)), shown.led_blinking);
         OnRecord { emptied: shown.emptied, shown, ahead, looked, floor: Seq(0), before: None, lit }
@@ -94,18 +75,15 @@ impl OnRecord {
         self.ahead.is_empty() && self.floor != NEVER
     }
 
-    /// How many views wait for their record.
     #[cfg(test)]
     pub(super) fn waiting(&self) -> usize {
         self.ahead.len()
     }
 
-    /// The LED ends blinking, at once.
     pub(super) fn put_out(&mut self) {
         self.lit = false;
     }
 
-    /// The latest view, shown or not.
     fn latest(&self) -> &StateView {
         self.ahead.back().map_or(&self.shown, |(_, view)| view)
     }
@@ -117,7 +95,6 @@ impl OnRecord {
         self.ahead.push_back((seq.max(self.floor), view));
     }
 
-    /// Shows everything that is kept.
     fn advance(&mut self, kept: Seq) {
         let due = self.ahead.iter().take_while(|(seq, _)| *seq <= kept).count();
         if let Some((_, view)) = self.ahead.drain(..due).next_back() {
@@ -168,7 +145,6 @@ impl Engine {
         self.world.log.lose();
     }
 
-    /// The map that is shown.
     pub(super) fn shown_map(&self) -> &HallMap {
         self.on_record.before.as_ref().unwrap_or(&self.state.map)
     }
@@ -181,7 +157,6 @@ impl Engine {
         }
     }
 
-    /// Shows everything that is kept by now.
     pub(super) fn show_kept(&mut self) {
         let (written, kept) = (self.outbox.written().max(self.on_record.floor), self.outbox.kept());
         if self.world.log.show(written, kept) {
@@ -211,7 +186,6 @@ impl Engine {
         self.light();
     }
 
-    /// The emptied map is shown from this revision on.
     fn show_emptied_map(&mut self) {
         if self.on_record.shown.emptied == self.on_record.emptied && self.on_record.before.take().is_some() {
             let revision = self.world.touch(Resource::Map);
@@ -226,7 +200,6 @@ impl Engine {
         }
     }
 
-    /// The mission as it is, on record or not.
     pub(super) fn mission_as_it_is(&self) -> StateView {
         let state = &self.state;
         StateView {

@@ -17,7 +17,6 @@ impl Engine {
         }
     }
 
-    /// Carries out what the table said.
     pub(super) fn apply(&mut self, step: Step, context: &InputContext) {
         self.go(step, context);
         self.perform_all(step.acts, context);
@@ -110,7 +109,6 @@ impl Engine {
         self.state.phase.inspection().map(|inspection| inspection.stage)
     }
 
-    /// Lets the inspection come to a stage, if there is one.
     pub(super) fn set_stage(&mut self, stage: Stage) {
         let mut phase = self.state.phase.clone();
         if let Phase::Inspecting(inspection) = phase.underlying_mut() {
@@ -119,12 +117,10 @@ impl Engine {
         }
     }
 
-    /// The record of the piece in front of the robot.
     pub(super) fn inspected(&self) -> Option<LuggageId> {
         self.state.phase.inspection().and_then(Inspection::luggage)
     }
 
-    /// Writes a mark on the map, unless it is there.
     pub(super) fn mark(&mut self, cell: Cell, mark: Mark) {
         self.world.touch(Resource::Map);
         if self.state.map.is_news(cell, mark) {

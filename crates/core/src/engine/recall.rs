@@ -7,7 +7,7 @@ use super::Engine;
 use super::on_record::OnRecord;
 use super::outbox::Outbox;
 use crate::effect::{Effect, Entry, Fact};
-use crate::mission::{Input, InputContext, Phase, PhaseName, Stage};
+use crate::mission::{Input, InputContext, Phase, PhaseName};
 use crate::settings::Settings;
 use crate::state::PersistentState;
 use crate::units::{LuggageId, Now, Pose, Seq, WallTime};
@@ -76,8 +76,9 @@ impl Engine {
     /// The last of all: what has waited for more of its kind goes on record.
     pub fn record_rest(&mut self, now: Now) {
         self.begin(now);
-        self.record_all_refusals();
-        self.record_all_stops();
+        let (refusals, stops) = (self.refusals.rest(now.since_start), self.stops.records.rest(now.since_start));
+        self.write_refusals(refusals);
+        self.write_stops(stops);
     }
 
     pub(super) fn note_start(&mut self) {
@@ -145,11 +146,5 @@ impl Engine {
 
 /// Whether the robot may have been between two cells when the program ended.
 fn was_moving(phase: &Phase) -> bool {
-    match phase {
-        Phase::Driving { .. } => true,
-        Phase::Fault { interrupted, .. } => was_moving(interrupted),
-        Phase::Exploring | Phase::ReturningHome | Phase::ReturningWithAlarm | Phase::Retrieving => true,
-        Phase::Inspecting(inspection) => inspection.stage == Stage::BackingUp,
-        Phase::Idle | Phase::AtHome | Phase::BombLocated | Phase::BagSecured | Phase::Explored => false,
-    }
+    if let Phase::Fault { interrupted, .. } = phase { was_moving(interrupted) } else { phase.is_motion() }
 }

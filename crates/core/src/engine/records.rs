@@ -21,7 +21,6 @@ impl Engine {
         }
     }
 
-    /// The first record of the piece in front of the robot.
     pub(super) fn record_piece(&mut self, context: &InputContext) {
         let Phase::Inspecting(Inspection { cell, piece, pose, .. }) = *self.state.phase.underlying() else { return };
         let id = self.state.last_luggage.next();
@@ -117,7 +116,6 @@ impl Engine {
         self.feed(input, &InputContext { luggage: Some(luggage), verdict: Some(verdict), ..InputContext::default() });
     }
 
-    /// Answers what waited for a record that is kept now.
     fn answer_due(&mut self) {
         for waiting in self.outbox.due() {
             if waiting.verdict.is_some() && !waiting.decided && !self.outbox.is_kept() {
@@ -176,7 +174,6 @@ impl Engine {
     }
 }
 
-/// The photo that came, or why none did.
 fn photo_of(context: &InputContext) -> Result<Photo, String> {
     context.photo.clone().ok_or_else(|| context.words.clone().unwrap_or_else(|| "no photo came".to_owned()))
 }

@@ -14,11 +14,9 @@ use crate::world::log::Tone;
 /// More than a person presses in a minute; then one entry in so long. There are fewer keys, at each of the doors, than senders.
 const LIMITS: Limits = Limits { burst: 60, earned: Duration::from_secs(10), every: Duration::from_secs(10), senders: 512 };
 
-/// The senders who were refused lately.
 #[derive(Clone, Debug)]
 pub(super) struct SharedRefusals(Sharing<Note>);
 
-/// What is to be put on record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Note {
     pub(super) issuer: Issuer,
@@ -67,25 +65,13 @@ impl Engine {
         is_written.then(|| self.outbox.written())
     }
 
-    fn write_refusals(&mut self, notes: impl IntoIterator<Item = Note>) {
+    pub(super) fn write_refusals(&mut self, notes: impl IntoIterator<Item = Note>) {
         for Note { issuer, asked, refused } in notes {
             self.world.write(self.now.wall, Tone::Warning, format!("{asked} refused, by {issuer}: {refused}"));
             let refused = Some(Refusal::from(&refused));
             let fact = Fact::Command { issuer, id: None, command: asked, epoch: None, luggage: None, refused };
             self.outbox.record_command(self.now.wall, fact, None);
         }
-    }
-
-    /// Puts the refusals on record that have waited for others of their senders.
-    pub(super) fn record_shared_refusals(&mut self) {
-        let due = self.refusals.fall_due(self.now.since_start);
-        self.write_refusals(due);
-    }
-
-    /// The same, whatever they wait for.
-    pub(super) fn record_all_refusals(&mut self) {
-        let rest = self.refusals.rest(self.now.since_start);
-        self.write_refusals(rest);
     }
 }
 

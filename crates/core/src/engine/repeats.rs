@@ -5,7 +5,7 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::command::{Accepted, Command, CommandId, Issuer, Refusal, RefusalKind, Refused, Request};
+use crate::command::{Accepted, Command, CommandId, Issuer, RefusalKind, Refused, Request};
 use crate::effect::{Entry, Fact};
 use crate::mission::from_words;
 use crate::refused::OTHER_CONTENT;
@@ -18,10 +18,8 @@ pub const IDS: usize = 1024;
 /// Who sent it, and its name for the command: two people may use the same.
 type Key = (Arc<str>, CommandId);
 
-/// Name and address.
 type IdOwner = (Arc<str>, Arc<str>);
 
-/// The ids that were used.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Repeats {
     known: BTreeMap<Key, Repeat>,
@@ -29,9 +27,7 @@ pub(super) struct Repeats {
     ids: BTreeMap<IdOwner, BTreeMap<u64, CommandId>>,
     /// The senders by how many ids they have, and of those who have as many the one with the oldest last.
     ranks: BTreeMap<(usize, Reverse<u64>), IdOwner>,
-    /// The commands that wait for their record.
     open: BTreeMap<Ticket, Key>,
-    /// So many ids have been noted.
     noted: u64,
 }
 
@@ -59,29 +55,21 @@ enum Asked {
     InWords(String),
 }
 
-/// What became of a command.
 #[derive(Clone, Debug)]
 pub(super) enum Outcome {
-    /// It waits for its record.
     Open(Ticket),
-    /// It was answered.
     Answered(Result<Accepted, Refused>),
     /// It was accepted before the program was started again; the piece it was about.
     Before(Option<LuggageId>),
 }
 
-/// What is known of an id.
 pub(super) enum IdUse<'a> {
-    /// Nothing.
     New,
-    /// It stands for another command.
     Other,
-    /// It stands for this one.
     Same(&'a Outcome),
 }
 
 impl Repeats {
-    /// What is known of this id, sent with this content.
     pub(super) fn look_up(&self, who: &Arc<str>, id: &CommandId, content: &Content) -> IdUse<'_> {
         match self.known.get(&(Arc::clone(who), id.clone())) {
             None => IdUse::New,
@@ -90,7 +78,6 @@ impl Repeats {
         }
     }
 
-    /// Notes what became of a command.
     pub(super) fn note(&mut self, issuer: &Issuer, id: &CommandId, content: Content, outcome: Outcome) {
         if outcome.is_to_be_tried_again() {
             return;
@@ -137,7 +124,6 @@ impl Repeats {
         }
     }
 
-    /// The command with this ticket was answered.
     pub(super) fn answer(&mut self, ticket: Ticket, answer: &Result<Accepted, Refused>) {
         let Some(key) = self.open.remove(&ticket) else { return };
         // Its id may have been given up, and used again for another command.
@@ -159,7 +145,10 @@ impl Repeats {
                 if contradicted || content.asked == Asked::Command(Command::Stop) {
                     continue;
                 }
-                let outcome = refused.as_ref().map_or(Outcome::Before(*luggage), before);
+                let outcome = match refused {
+                    Some(refusal) => Outcome::Answered(Err(Refused::Before(refusal.clone()))),
+                    None => Outcome::Before(*luggage),
+                };
                 self.note(issuer, id, content, outcome);
             }
         }
@@ -167,12 +156,10 @@ impl Repeats {
 }
 
 impl Content {
-    /// Of a command that has come.
     pub(super) fn of(request: &Request) -> Content {
         Content { asked: Asked::Command(request.command.clone()), epoch: request.epoch }
     }
 
-    /// Of one that stands in the journal.
     fn read_back(words: &str, epoch: Option<Epoch>) -> Content {
         let asked = from_words(words).map_or_else(|| Asked::InWords(words.to_owned()), Asked::Command);
         Content { asked, epoch }
@@ -184,10 +171,6 @@ impl Outcome {
     fn is_to_be_tried_again(&self) -> bool {
         matches!(self, Outcome::Answered(Err(refused)) if refused.kind() == RefusalKind::Unavailable)
     }
-}
-
-fn before(refusal: &Refusal) -> Outcome {
-    Outcome::Answered(Err(Refused::Before(refusal.clone())))
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ pub fn in_words(command: &Command) -> String {
 /// The command that has these words; `None` when none has them, as those of a newer journal.
 #[must_use]
 #[expect(clippy::wildcard_enum_match_arm, reason = "no event is a command; a test holds that every command comes back")]
-pub fn from_words(words: &str) -> Option<Command> {
+pub(crate) fn from_words(words: &str) -> Option<Command> {
     let (input, about) = Input::from_words(words)?;
     let about = about.trim_start();
     let verdict = |verdict| Some(Command::Verdict { luggage: piece(about)?, verdict });
@@ -51,7 +51,7 @@ pub fn from_words(words: &str) -> Option<Command> {
 impl Input {
     /// The input with whose words those of a command begin, and the rest of them: what it is about.
     #[must_use]
-    pub fn from_words(words: &str) -> Option<(Input, &str)> {
+    pub(crate) fn from_words(words: &str) -> Option<(Input, &str)> {
         let ends = |about: &str| about.is_empty() || about.starts_with(' ');
         let about = |input: Input| words.strip_prefix(input.in_words()).filter(|about| ends(about));
         Input::COMMANDS.into_iter().find_map(|input| Some((input, about(input)?)))
@@ -61,7 +61,7 @@ impl Input {
 impl InputContext {
     /// What the command is about, for the log: ` #3`, ` (1, 2)`, or nothing.
     #[must_use]
-    pub fn in_words(&self) -> String {
+    pub(crate) fn in_words(&self) -> String {
         let luggage = self.luggage.map(|id| format!(" #{id}"));
         let cell = self.cell.map(|cell| format!(" {cell}"));
         let step = self.step.map(|step| format!(" {}", step_in_words(step)));
@@ -145,7 +145,6 @@ mod tests {
         }
     }
 
-    /// Some command that is this input.
     #[expect(clippy::wildcard_enum_match_arm, reason = "a command that is missing here ends the test")]
     fn command(input: Input, dice: &mut RandomStream) -> Command {
         let mut piece = || if dice.happens(0.2) { LuggageRef::Pending } else { LuggageRef::Id(LuggageId(number(dice))) };

@@ -55,7 +55,7 @@ impl Snail {
     }
 
     /// What to do now that the last goal is reached, or given up.
-    pub fn next(&mut self, view: &View<'_>, planner: &mut Planner) -> NextGoal {
+    pub(super) fn next(&mut self, view: &View<'_>, planner: &mut Planner) -> NextGoal {
         loop {
             match self.stage {
                 Stage::Corner => {
