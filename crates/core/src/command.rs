@@ -111,28 +111,27 @@ impl Command {
     }
 }
 
-/// A basic move (mission §3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Move {
-    /// One cell forward, `w`.
-    Forward,
-    /// One cell backward, `s`.
-    Backward,
-    /// 90° to the left, `a` (and `l` of old clients).
-    TurnLeft,
-    /// 90° to the right, `d` (and `r` of old clients).
-    TurnRight,
-    /// A small correction to the left, `z`; only some robots can.
-    NudgeLeft,
-    /// A small correction to the right, `x`; only some robots can.
-    NudgeRight,
+named! {
+    ALL by in_words;
+    /// A basic move (mission §3).
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Move {
+        /// One cell forward, `w`.
+        Forward = "forward",
+        /// One cell backward, `s`.
+        Backward = "backward",
+        /// 90° to the left, `a` (and `l` of old clients).
+        TurnLeft = "left",
+        /// 90° to the right, `d` (and `r` of old clients).
+        TurnRight = "right",
+        /// A small correction to the left, `z`; only some robots can.
+        NudgeLeft = "a little left",
+        /// A small correction to the right, `x`; only some robots can.
+        NudgeRight = "a little right",
+    }
 }
 
 impl Move {
-    /// All of them.
-    pub const ALL: [Move; 6] =
-        [Move::Forward, Move::Backward, Move::TurnLeft, Move::TurnRight, Move::NudgeLeft, Move::NudgeRight];
-
     /// The move that undoes this one.
     pub(crate) const fn reversed(self) -> Move {
         match self {

@@ -160,7 +160,7 @@ impl Engine {
             self.record(Fact::Led(blinks));
             // That it blinks shows a mission: it begins to when that is on record.
             if !blinks {
-                self.on_record.put_out();
+                self.on_record.lit = false;
                 self.outbox.send(Effect::Led(self.robots.searching_id().clone(), false));
             }
         }

@@ -37,8 +37,9 @@ pub use self::repeats::IDS;
 
 use self::on_record::OnRecord;
 use self::outbox::{Outbox, WaitingAnswer};
-use self::refusals::SharedRefusals;
+use self::refusals::Note;
 use self::repeats::{Content, IdUse, Outcome, Repeats};
+use self::sharing::Sharing;
 use self::stops::Stops;
 use self::view::Shown;
 use self::watchdog::SensorWatchdog;
@@ -70,7 +71,7 @@ pub struct Engine {
     outbox: Outbox,
     watchdog: SensorWatchdog,
     repeats: Repeats,
-    refusals: SharedRefusals,
+    refusals: Sharing<Note>,
     stops: Stops,
     /// The epoch in which the command was given that released the robot last.
     released: Option<Epoch>,
@@ -94,7 +95,7 @@ impl Engine {
             outbox: Outbox::default(),
             watchdog: SensorWatchdog::default(),
             repeats: Repeats::default(),
-            refusals: SharedRefusals::default(),
+            refusals: Sharing::new(refusals::LIMITS),
             stops: Stops::default(),
             released: None,
             on_record: OnRecord::first(strategy),

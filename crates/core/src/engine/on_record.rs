@@ -57,7 +57,7 @@ pub(super) struct OnRecord {
     /// The map as it was before it was emptied, while that is not on record.
     before: Option<HallMap>,
     /// Whether the LED was told to blink: that shows a mission too.
-    lit: bool,
+    pub(super) lit: bool,
 }
 
 impl OnRecord {
@@ -78,14 +78,6 @@ impl OnRecord {
     #[cfg(test)]
     pub(super) fn waiting(&self) -> usize {
         self.ahead.len()
-    }
-
-    pub(super) fn put_out(&mut self) {
-        self.lit = false;
-    }
-
-    fn latest(&self) -> &StateView {
-        self.ahead.back().map_or(&self.shown, |(_, view)| view)
     }
 
     fn push(&mut self, seq: Seq, view: StateView) {
@@ -110,7 +102,7 @@ impl Engine {
         if looked != self.on_record.looked {
             self.on_record.looked = looked;
             let view = self.mission_as_it_is();
-            let latest = self.on_record.latest();
+            let latest = self.on_record.ahead.back().map_or(&self.on_record.shown, |(_, view)| view);
             if view != *latest {
                 let buttons = view.refusals != latest.refusals;
                 self.on_record.push(looked.1, view);

@@ -27,7 +27,7 @@ pub(crate) fn from_words(words: &str) -> Option<Command> {
         Input::BackHome => Command::BackHome,
         Input::Retrieve => Command::Retrieve,
         Input::Reset => Command::Reset,
-        Input::Move => Command::Move(Move::ALL.into_iter().find(|step| step_in_words(*step) == about)?),
+        Input::Move => Command::Move(Move::ALL.into_iter().find(|step| step.in_words() == about)?),
         Input::Goto => Command::Goto(cell(about)?),
         Input::Safe => verdict(Verdict::Safe)?,
         Input::Danger => verdict(Verdict::Danger)?,
@@ -64,23 +64,12 @@ impl InputContext {
     pub(crate) fn in_words(&self) -> String {
         let luggage = self.luggage.map(|id| format!(" #{id}"));
         let cell = self.cell.map(|cell| format!(" {cell}"));
-        let step = self.step.map(|step| format!(" {}", step_in_words(step)));
+        let step = self.step.map(|step| format!(" {}", step.in_words()));
         let alarm = self.alarm.map(|id| format!(" {id}"));
         let strategy = self.strategy.map(|strategy| format!(" {}", strategy.name()));
         let named = |source: &str| if source == OPERATOR { String::new() } else { format!(" {source}") };
         let reading = self.reading.as_ref().map(|(source, celsius)| format!("{} {} °C", named(source), celsius.degrees()));
         [luggage, cell, step, alarm, strategy, reading].into_iter().flatten().collect()
-    }
-}
-
-const fn step_in_words(step: Move) -> &'static str {
-    match step {
-        Move::Forward => "forward",
-        Move::Backward => "backward",
-        Move::TurnLeft => "left",
-        Move::TurnRight => "right",
-        Move::NudgeLeft => "a little left",
-        Move::NudgeRight => "a little right",
     }
 }
 

@@ -9,26 +9,18 @@ use self::snail::Snail;
 use super::units::{Cell, Pose};
 use super::world::hall_map::HallMap;
 
-/// The ways to search a hall.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Strategy {
-    /// The seeds' *chiocciola*: growing squares, home after each.
-    #[default]
-    Snail,
+named! {
+    ALL by name;
+    /// The ways to search a hall.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Strategy {
+        /// The seeds' *chiocciola*: growing squares, home after each.
+        #[default]
+        Snail = "snail",
+    }
 }
 
 impl Strategy {
-    /// All of them.
-    pub const ALL: [Strategy; 1] = [Strategy::Snail];
-
-    /// The word of the doors.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Strategy::Snail => "snail",
-        }
-    }
-
     /// The strategy of this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Strategy> {

@@ -3,8 +3,6 @@
 //! are left at least. What to aim at is a strategy's
 //! business; whether the robot may move is the mission's.
 
-use std::ops::ControlFlow;
-
 use crate::command::Move;
 use crate::units::{Cell, Pose};
 use crate::world::hall_map::{Bounds, HallMap, Mark};
@@ -50,8 +48,8 @@ impl Planner {
 
     pub(crate) fn way_to_pose(&mut self, map: &HallMap, start: Pose, goal: Pose) -> Option<Vec<Move>> {
         let area = map.known_bounds().including(start.cell).grown(1);
-        let found = |pose: Pose, _| if pose == goal { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        self.search(map, area, start, |_, mark| mark == Mark::Visited, found).map(|end| self.way(start, end))
+        let end = self.search(map, area, start, |_, mark| mark == Mark::Visited, |pose, _| pose == goal)?;
+        Some(self.way(start, end))
     }
 
     /// The cell that is reached with the fewest moves through visited cells among those that are unknown, or still to be
@@ -59,8 +57,7 @@ impl Planner {
     pub(crate) fn nearest(&mut self, map: &HallMap, start: Pose, wanted: impl Fn(Cell) -> bool) -> Option<Cell> {
         let area = map.known_bounds().including(start.cell).grown(1);
         let target = |cell: Cell, mark: Mark| mark != Mark::Visited && may_aim_at(mark) && wanted(cell);
-        let found =
-            |pose: Pose, _| if target(pose.cell, map.at(pose.cell)) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let found = |pose: Pose, _| target(pose.cell, map.at(pose.cell));
         self.search(map, area, start, |cell, mark| mark == Mark::Visited || target(cell, mark), found).map(|pose| pose.cell)
     }
 
@@ -82,20 +79,20 @@ impl Planner {
                 if on_edge(pose.cell) && best.is_none_or(|(least, _)| whole < least) {
                     best = Some((whole, pose));
                 }
-                ControlFlow::Continue(())
+                false
             },
         );
         best.map(|(_, end)| self.way(start, end))
     }
 
-    /// Breadth-first from `start`; returns the pose at which `found` broke off.
+    /// Breadth-first from `start`; returns the pose at which it is `found`.
     fn search(
         &mut self,
         map: &HallMap,
         area: Bounds,
         start: Pose,
         passable: impl Fn(Cell, Mark) -> bool,
-        mut found: impl FnMut(Pose, u32) -> ControlFlow<()>,
+        mut found: impl FnMut(Pose, u32) -> bool,
     ) -> Option<Pose> {
         self.prepare(area);
         let mut level = vec![start];
@@ -104,7 +101,7 @@ impl Planner {
         while !level.is_empty() {
             let mut next = Vec::with_capacity(level.len() * 2);
             for pose in level {
-                if found(pose, depth).is_break() {
+                if found(pose, depth) {
                     return Some(pose);
                 }
                 for (by, step) in (0..).zip(MOVES) {
