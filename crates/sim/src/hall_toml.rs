@@ -2,7 +2,7 @@
 //! `[[temperature]]`. What each key means to an author is told in `docs/halls.md`.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use serde::Deserialize;
 use toml::Spanned;
@@ -58,8 +58,9 @@ struct Keyframe {
 pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError> {
     let source = Source { file, text };
     let content: File = toml::from_str(text).map_err(|error| source.syntax(&error))?;
-    let name = source.name(content.name.as_ref(), name)?;
-    source.check_description(content.description.as_ref())?;
+    source.check_length(content.name.as_ref(), 1..=64, HallFault::NameLength)?;
+    // A description is for whoever reads the file.
+    source.check_length(content.description.as_ref(), 0..=1000, HallFault::DescriptionLength)?;
     let cell_m = source.within("cell_m", content.cell_m.as_ref(), 0.1..=5.0)?.unwrap_or(USUAL_CELL_M);
     let plan = match &content.drawing {
         Some(drawing) if content.width.is_none() && content.height.is_none() => source.drawing(drawing, &content.luggage)?,
@@ -67,7 +68,7 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
         None => source.empty(content.width.as_ref(), content.height.as_ref(), &content.luggage)?,
     };
     let curve = source.curve(&content.temperature)?;
-    Ok(Hall::of(&name, plan).measured(cell_m, curve))
+    Ok(Hall::of(content.name.as_ref().map_or(name, |name| name.get_ref()), plan).measured(cell_m, curve))
 }
 
 /// The text that is read, for the lines of its faults.
@@ -100,18 +101,15 @@ impl Source<'_> {
         }
     }
 
-    fn name(&self, given: Option<&Spanned<String>>, otherwise: &str) -> Result<String, HallError> {
-        let Some(name) = given else { return Ok(otherwise.to_owned()) };
-        let length = name.get_ref().chars().count();
-        let good = (1..=64).contains(&length);
-        if good { Ok(name.get_ref().clone()) } else { Err(self.at(&name.span(), HallFault::NameLength(length))) }
-    }
-
-    /// A description is for whoever reads the file.
-    fn check_description(&self, given: Option<&Spanned<String>>) -> Result<(), HallError> {
+    fn check_length(
+        &self,
+        given: Option<&Spanned<String>>,
+        limits: RangeInclusive<usize>,
+        fault: fn(usize) -> HallFault,
+    ) -> Result<(), HallError> {
         let Some(text) = given else { return Ok(()) };
         let length = text.get_ref().chars().count();
-        if length > 1000 { Err(self.at(&text.span(), HallFault::DescriptionLength(length))) } else { Ok(()) }
+        if limits.contains(&length) { Ok(()) } else { Err(self.at(&text.span(), fault(length))) }
     }
 
     /// A number within limits. Not-a-number is within none.
@@ -119,7 +117,7 @@ impl Source<'_> {
         &self,
         key: &'static str,
         given: Option<&Spanned<f64>>,
-        limits: std::ops::RangeInclusive<f64>,
+        limits: RangeInclusive<f64>,
     ) -> Result<Option<f64>, HallError> {
         let Some(number) = given else { return Ok(None) };
         let (value, least, most) = (number.get_ref().to_string(), limits.start().to_string(), limits.end().to_string());

@@ -28,7 +28,7 @@ impl Engine {
             return;
         }
         let mut phase = self.state.phase.clone();
-        let slot = slot(&mut phase, step.depth);
+        let slot = phase.below_mut(step.depth);
         let old = std::mem::replace(slot, Phase::Idle);
         let new = match step.to {
             To::Stay => old,
@@ -127,13 +127,4 @@ impl Engine {
             self.record(Fact::Mark(cell, mark));
         }
     }
-}
-
-/// The phase that many interruptions below this one.
-fn slot(phase: &mut Phase, depth: usize) -> &mut Phase {
-    if depth == 0 || phase.interrupted().is_none() {
-        return phase;
-    }
-    let (Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. }) = phase else { return phase };
-    slot(interrupted, depth - 1)
 }

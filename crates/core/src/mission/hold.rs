@@ -62,8 +62,7 @@ impl Hold {
     }
 
     /// Whether an accepted movement command clears it; the others must end by themselves.
-    #[must_use]
-    pub const fn cleared_by_start(self) -> bool {
+    pub(crate) const fn cleared_by_start(self) -> bool {
         matches!(self, Hold::Operator | Hold::Restart | Hold::AwaitingStart)
     }
 }
@@ -103,8 +102,7 @@ impl Holds {
     }
 
     /// Those that a movement command does not clear.
-    #[must_use]
-    pub fn standing_against_start(&self) -> Vec<Hold> {
+    pub(crate) fn standing_against_start(&self) -> Vec<Hold> {
         self.0.iter().copied().filter(|hold| !hold.cleared_by_start()).collect()
     }
 

@@ -73,18 +73,22 @@ impl Phase {
     }
 
     /// The phase that goes on when every interruption ends: itself, unless it is one.
-    #[must_use]
-    pub fn underlying(&self) -> &Phase {
+    pub(crate) fn underlying(&self) -> &Phase {
         self.interrupted().map_or(self, Phase::underlying)
     }
 
-    /// As `underlying`, to be changed.
-    pub fn underlying_mut(&mut self) -> &mut Phase {
-        if self.interrupted().is_none() {
+    /// The phase that many interruptions below this one.
+    pub(crate) fn below_mut(&mut self, depth: usize) -> &mut Phase {
+        if depth == 0 || self.interrupted().is_none() {
             return self;
         }
         let (Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. }) = self else { return self };
-        interrupted.underlying_mut()
+        interrupted.below_mut(depth - 1)
+    }
+
+    /// As `underlying`, to be changed.
+    pub(crate) fn underlying_mut(&mut self) -> &mut Phase {
+        self.below_mut(usize::MAX)
     }
 
     /// The inspection under way, interrupted or not.
