@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use hallsweep_core::effect::{Action, Order, Stamp};
-use hallsweep_core::explore::Strategy;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{Epoch, Now, OrderId, Pose};
 use hallsweep_sim::headless::{Verdicts, explore};

@@ -15,7 +15,7 @@ use hallsweep::api::journal;
 use hallsweep::runtime::store::StoreStatus;
 use hallsweep::storage::sqlite::{self, Opened, Reading};
 use hallsweep_core::effect::{Entry, Fact, Page};
-use hallsweep_core::explore::Strategy;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, Heading, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::hall_map::{HallMap, Mark};

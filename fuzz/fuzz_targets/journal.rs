@@ -2,7 +2,7 @@
 //! same; and no entry, however odd, stops the program from finding out what stands or from going on from there.
 #![no_main]
 
-use hallsweep_fuzz::core::explore::Strategy;
+use hallsweep_fuzz::core::search::Strategy;
 use hallsweep_fuzz::core::settings::Settings;
 use hallsweep_core::state::PersistentState;
 use hallsweep_fuzz::core::engine::{Recalled, Engine};
@@ -18,9 +18,9 @@ fuzz_target!(|bytes: &[u8]| {
     same(text, read_record, record);
     same(text, read_body, |(fact, picture)| body(fact, picture.as_ref()));
     if let Some(Line { entry, seq, .. }) = same(text, |text| read_line(text.as_bytes()), line) {
-        let mut standing = PersistentState::first(Strategy::default());
-        standing.apply(&entry);
-        let recalled = Recalled { standing, written: seq.min(LAST), commands: vec![entry], latest: Vec::new() };
+        let mut state = PersistentState::first(Strategy::default());
+        state.apply(&entry);
+        let recalled = Recalled { state, written: seq.min(LAST), commands: vec![entry], latest: Vec::new() };
         Engine::recall(Settings::default(), "fuzzed".into(), recalled, Now::default()).snapshot();
     }
 });

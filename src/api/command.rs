@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::fields::{Body, Fields, Unread, in_short, needed};
 use super::halt::is_halt;
 use hallsweep_core::command::{Command, CommandId, Move, TemperatureReport, Verdict};
-use hallsweep_core::explore::Strategy;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::units::{Cell, Celsius, Epoch};
 use hallsweep_core::world::hall_map::REACH;
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use hallsweep_core::command::Verdict;
 use hallsweep_core::event::{Parts, RobotId};
-use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::PhaseName;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, WallTime};
 use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::hall_map::{HallMap, Mark};

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::robot::Place;
-use hallsweep_core::explore::Strategy;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::snapshot::{MissionView, Progress, Refusals};
 

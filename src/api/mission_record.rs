@@ -98,7 +98,7 @@ mod tests {
     use super::*;
     use crate::api::fixture::{TEN, drawn, piece};
     use hallsweep_core::effect::Fact;
-    use hallsweep_core::explore::Strategy;
+    use hallsweep_core::search::Strategy;
     use hallsweep_core::units::{Cell, Pose};
 
     fn record() -> MissionRecordJson {

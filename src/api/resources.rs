@@ -61,16 +61,20 @@ const MEASURED: &[Form] = &[Form::Json, Form::Cbor, Form::Text, Form::Senml];
 pub const RESOURCES: [Row; 11] = [
     row(Shown::State, "state", "/state", "Everything at one revision", SHAPES),
     row(Shown::Strategy, "strategy", "/strategy", "The order of the search", WITH_TEXT),
-    row(Shown::Of(Resource::Mission), "mission", "/mission", "Phase, holds, goal and progress", WITH_TEXT),
-    row(Shown::Of(Resource::Robot), "robot", "/robot", "What the robot does, and where", MEASURED),
-    row(Shown::Of(Resource::Map), "map", "/map", "The hall as far as it is known", WITH_TEXT),
-    row(Shown::Of(Resource::Luggage), "luggage", "/luggage", "The luggage of this mission", SHAPES),
-    row(Shown::Of(Resource::Temperature), "temperature", "/temperature", "The temperature, and what follows", MEASURED),
-    row(Shown::Of(Resource::Alarms), "alarms", "/alarms", "The alarms", SHAPES),
-    row(Shown::Of(Resource::Log), "log", "/log", "The latest lines of the log", SHAPES),
+    of(Resource::Mission, "/mission", "Phase, holds, goal and progress", WITH_TEXT),
+    of(Resource::Robot, "/robot", "What the robot does, and where", MEASURED),
+    of(Resource::Map, "/map", "The hall as far as it is known", WITH_TEXT),
+    of(Resource::Luggage, "/luggage", "The luggage of this mission", SHAPES),
+    of(Resource::Temperature, "/temperature", "The temperature, and what follows", MEASURED),
+    of(Resource::Alarms, "/alarms", "The alarms", SHAPES),
+    of(Resource::Log, "/log", "The latest lines of the log", SHAPES),
     row(Shown::Piece, "piece", "/luggage/{id}", "A piece of luggage", SHAPES),
     Row { is_observable: false, ..row(Shown::Photo, "photo", "/luggage/{id}/photo", "Its photo", &[Form::Picture]) },
 ];
+
+const fn of(resource: Resource, path: &'static str, title: &'static str, forms: &'static [Form]) -> Row {
+    row(Shown::Of(resource), resource.name(), path, title, forms)
+}
 
 const fn row(shown: Shown, name: &'static str, path: &'static str, title: &'static str, forms: &'static [Form]) -> Row {
     Row { shown, name, path, title, forms, is_observable: true }

@@ -38,7 +38,7 @@ impl DataFolder {
         let sqlite::Opened { store, archive, recalled, failure } = sqlite::open(folder, beside)?;
         let is_unread = failure.is_some() && recalled.is_none();
         let recalled = recalled.map(|recalled| without_lost_photos(recalled, &*archive));
-        let is_on_a_mission = recalled.as_ref().is_some_and(|recalled| recalled.standing.phase.is_mission());
+        let is_on_a_mission = recalled.as_ref().is_some_and(|recalled| recalled.state.phase.is_mission());
         let other_hall = robots.other_hall().map(str::to_owned);
         let mut elsewhere = false;
         match other_hall {
@@ -60,7 +60,7 @@ impl DataFolder {
 
     /// The epoch that holds: that of the last stop, whether or not the journal came to know of it (safety S4).
     pub(super) fn epoch(&self) -> Epoch {
-        let recorded = self.recalled.as_ref().map_or(Epoch::default(), |recalled| recalled.standing.epoch);
+        let recorded = self.recalled.as_ref().map_or(Epoch::default(), |recalled| recalled.state.epoch);
         let stopped = self.stops.as_ref().map_or(Epoch::default(), Stops::epoch);
         if self.stop_in_doubt().is_some() {
             return recorded.next();
@@ -88,7 +88,7 @@ impl DataFolder {
 
 /// A pending piece whose picture is gone cannot be judged by it: it counts as one whose photo failed (safety V2).
 fn without_lost_photos(mut recalled: Recalled, archive: &dyn Archive) -> Recalled {
-    for luggage in recalled.standing.luggage.values_mut().filter(|luggage| luggage.is_pending() && luggage.has_photo()) {
+    for luggage in recalled.state.luggage.values_mut().filter(|luggage| luggage.is_pending() && luggage.has_photo()) {
         let words = match archive.photo(luggage.id) {
             Ok(Some(_)) => continue,
             Ok(None) => "the photo is gone from the record".to_owned(),

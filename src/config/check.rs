@@ -16,7 +16,7 @@ use super::layers::Layers;
 use super::{HttpSettings, OldClients, Settings, TlsFiles, folder};
 use super::{mqtt, robots};
 use hallsweep_core::command::TemperatureReport;
-use hallsweep_core::explore::Strategy;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings as CoreSettings;
 use hallsweep_core::units::Celsius;
 

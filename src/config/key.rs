@@ -189,7 +189,7 @@ const fn yes_no(name: &'static str) -> Key {
 mod tests {
     use super::*;
     use crate::config::RobotKind;
-    use hallsweep_core::explore::Strategy;
+    use hallsweep_core::search::Strategy;
 
     #[test]
     fn the_advice_lists_every_strategy() {

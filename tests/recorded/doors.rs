@@ -26,9 +26,9 @@ pub(crate) use hallsweep_core::command::{
 };
 pub(crate) use hallsweep_core::effect::{Entry, Fact, Page};
 pub(crate) use hallsweep_core::event::{Event, RobotEvent, RobotId};
-pub(crate) use hallsweep_core::explore::Strategy;
 pub(crate) use hallsweep_core::mission::{Hold, PhaseName};
 pub(crate) use hallsweep_core::rng::RandomStream;
+pub(crate) use hallsweep_core::search::Strategy;
 pub(crate) use hallsweep_core::settings::Settings;
 pub(crate) use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId, Revision, Seq};
 pub(crate) use hallsweep_core::world::resource::Resource;

@@ -64,11 +64,11 @@ impl Mortal {
 
     /// What a new start would read from the disk.
     pub(crate) fn recalled(&self) -> Recalled {
-        let mut standing = PersistentState::first(Default::default());
-        self.disk.iter().for_each(|entry| standing.apply(entry));
+        let mut state = PersistentState::first(Default::default());
+        self.disk.iter().for_each(|entry| state.apply(entry));
         let named = |entry: &&Entry| matches!(entry.fact, Fact::Command { id: Some(_), .. });
         let commands = self.disk.iter().filter(named).cloned().collect();
-        Recalled { standing, written: Seq(self.disk.len() as u64), commands, latest: Vec::new() }
+        Recalled { state, written: Seq(self.disk.len() as u64), commands, latest: Vec::new() }
     }
 
     pub(crate) fn give(&mut self, command: Command) -> Result<Ticket, Refused> {

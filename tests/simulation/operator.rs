@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use hallsweep_core::command::{Accepted, Command, LuggageRef, Move, Refused, TemperatureReport, Verdict};
-use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::{Hold, PhaseName};
+use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{Cell, Celsius, LuggageId};
 use hallsweep_core::world::snapshot::Snapshot;

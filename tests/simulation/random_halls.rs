@@ -1,6 +1,6 @@
 //! The explorer on a thousand random halls: all complete, all home, and the map equal to the truth wherever it says anything.
 
-use hallsweep_core::explore::Strategy;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Mark;

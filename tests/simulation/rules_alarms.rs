@@ -17,8 +17,8 @@ use hallsweep_core::world::hall_map::Mark;
 use crate::bare::Bare;
 
 /// A program that begins with what stands.
-fn reborn(standing: PersistentState) -> Bare {
-    let recalled = Recalled { standing, written: Seq(1000), commands: Vec::new(), latest: Vec::new() };
+fn reborn(state: PersistentState) -> Bare {
+    let recalled = Recalled { state, written: Seq(1000), commands: Vec::new(), latest: Vec::new() };
     let mut bare = Bare::unlinked();
     bare.engine = Engine::recall(Settings::default(), "reborn".into(), recalled, Now::default());
     bare.link_up();
@@ -59,11 +59,11 @@ fn danger_that_could_not_be_recorded_holds_the_robot_until_its_alarm_is_acknowle
 /// Mission §4.
 #[test]
 fn the_hold_of_an_alarm_stands_although_that_of_another_piece_is_acknowledged() {
-    let mut standing = danger_was_lost().engine.standing();
-    let other = Alarm { id: AlarmId(2), luggage: Some(LuggageId(2)), ..Alarm::clone(&standing.alarms[0]) };
-    standing.alarms.push(Arc::new(other));
+    let mut state = danger_was_lost().engine.persistent_state();
+    let other = Alarm { id: AlarmId(2), luggage: Some(LuggageId(2)), ..Alarm::clone(&state.alarms[0]) };
+    state.alarms.push(Arc::new(other));
     for (acknowledged, holds) in [(&[2][..], true), (&[2, 1], false), (&[1], true), (&[1, 2], false)] {
-        let mut bare = reborn(standing.clone());
+        let mut bare = reborn(state.clone());
         for alarm in acknowledged {
             bare.give(Command::Acknowledge(AlarmId(*alarm))).unwrap();
         }
@@ -92,7 +92,7 @@ fn a_danger_whose_record_fails_on_its_way_holds_too() {
 /// Safety R1.
 #[test]
 fn the_hold_of_an_alarm_stands_after_a_restart() {
-    let mut bare = reborn(danger_was_lost().engine.standing());
+    let mut bare = reborn(danger_was_lost().engine.persistent_state());
     assert_eq!(bare.holds(), [Hold::Restart, Hold::Alarm, Hold::AwaitingStart]);
     bare.verdict(Verdict::Safe).unwrap();
     assert_eq!(bare.give(Command::Start), Err(Refused::Held(vec![Hold::Alarm], None)));
@@ -105,13 +105,13 @@ fn the_hold_of_an_alarm_stands_after_a_restart() {
 fn an_unacknowledged_alarm_stands_after_a_restart_and_an_acknowledged_one_stays_so() {
     let mut bare = Bare::at_a_bag();
     bare.verdict(Verdict::Danger).unwrap();
-    let mut bare = reborn(bare.engine.standing());
+    let mut bare = reborn(bare.engine.persistent_state());
     let alarms = bare.state().alarms.to_vec();
     assert_eq!((alarms.len(), alarms[0].id, alarms[0].luggage), (1, Some(AlarmId(1)), Some(LuggageId(1))));
     assert!(alarms[0].acknowledged.is_none());
     assert_eq!(bare.give(Command::Reset), Err(Refused::BombUnfetched(LuggageId(1))));
     bare.give(Command::Acknowledge(AlarmId(1))).unwrap();
-    assert!(reborn(bare.engine.standing()).state().alarms[0].acknowledged.is_some());
+    assert!(reborn(bare.engine.persistent_state()).state().alarms[0].acknowledged.is_some());
 }
 
 /// Safety A6: each of them, in order, once.
@@ -145,7 +145,8 @@ fn every_command_lost_with_the_store_is_recorded_again() {
 fn danger_on_a_piece_without_a_photo_after_the_end_of_the_search_locates_the_bomb() {
     let mut bare = Bare::in_front_of(Obstacle::Unknown);
     bare.photo_fails();
-    let ended = PersistentState { phase: Phase::Explored, pose: Pose::START, led_blinking: false, ..bare.engine.standing() };
+    let ended =
+        PersistentState { phase: Phase::Explored, pose: Pose::START, led_blinking: false, ..bare.engine.persistent_state() };
     let mut bare = reborn(ended);
     assert_eq!(bare.verdict(Verdict::Safe), Err(Refused::NoPhoto(LuggageId(1))));
     bare.verdict(Verdict::Danger).unwrap();
@@ -156,16 +157,16 @@ fn danger_on_a_piece_without_a_photo_after_the_end_of_the_search_locates_the_bom
 /// Mission §4, rule 2.
 #[test]
 fn start_is_refused_while_the_cause_of_a_fault_stands_and_goes_back_once_it_is_gone() {
-    let mut standing = PersistentState::first(Default::default());
+    let mut state = PersistentState::first(Default::default());
     let fault = Phase::Fault { cause: FaultCause::NoWayHome, interrupted: Box::new(Phase::ReturningHome) };
-    standing.pose = Pose { cell: Cell::new(0, 2), ..Pose::START };
-    (standing.phase, standing.under_way) = (fault, true);
-    standing.map.mark(Cell::new(0, 2), Mark::Visited, Revision(1));
-    let mut bare = reborn(standing.clone());
+    state.pose = Pose { cell: Cell::new(0, 2), ..Pose::START };
+    (state.phase, state.under_way) = (fault, true);
+    state.map.mark(Cell::new(0, 2), Mark::Visited, Revision(1));
+    let mut bare = reborn(state.clone());
     assert!(matches!(bare.give(Command::Start), Err(Refused::FaultStands(_))));
     assert_eq!((bare.phase(), bare.order()), (PhaseName::Fault, None));
-    standing.map.mark(Cell::new(0, 1), Mark::Visited, Revision(1));
-    let mut bare = reborn(standing);
+    state.map.mark(Cell::new(0, 1), Mark::Visited, Revision(1));
+    let mut bare = reborn(state);
     bare.give(Command::Start).unwrap();
     assert_eq!(bare.phase(), PhaseName::ReturningHome);
 }
@@ -198,18 +199,18 @@ fn exactly_1024_commands_are_remembered() {
 /// Safety R2: only a robot that may have been on its way has to find the centre of its cell.
 #[test]
 fn killed_at_rest_it_is_not_off_centre() {
-    let off_centre = |standing| {
-        let recalled = Recalled { standing, written: Seq(1000), commands: Vec::new(), latest: Vec::new() };
+    let off_centre = |state| {
+        let recalled = Recalled { state, written: Seq(1000), commands: Vec::new(), latest: Vec::new() };
         Engine::recall(Settings::default(), Arc::from("reborn"), recalled, Now::default()).snapshot().robot.off_centre
     };
-    let inspecting = Bare::at_a_bag().engine.standing();
+    let inspecting = Bare::at_a_bag().engine.persistent_state();
     assert!(!off_centre(inspecting.clone()));
     for phase in [Phase::Idle, Phase::AtHome, Phase::BombLocated, Phase::BagSecured, Phase::Explored] {
-        let standing = PersistentState { phase, ..inspecting.clone() };
-        assert!(!off_centre(standing.clone()), "{:?}", standing.phase);
+        let state = PersistentState { phase, ..inspecting.clone() };
+        assert!(!off_centre(state.clone()), "{:?}", state.phase);
     }
     for phase in [Phase::Exploring, Phase::ReturningHome, Phase::ReturningWithAlarm, Phase::Retrieving] {
-        let standing = PersistentState { phase, ..inspecting.clone() };
-        assert!(off_centre(standing.clone()), "{:?}", standing.phase);
+        let state = PersistentState { phase, ..inspecting.clone() };
+        assert!(off_centre(state.clone()), "{:?}", state.phase);
     }
 }

@@ -200,7 +200,7 @@ fn an_answer_names_the_revision_that_contains_its_effect() {
 /// Rule 10.
 #[test]
 fn the_strategy_is_chosen_only_between_missions() {
-    use hallsweep_core::explore::Strategy;
+    use hallsweep_core::search::Strategy;
     let mut run = in_hall("empty-8x8");
     run.give(Command::ChooseStrategy(Strategy::Snail)).unwrap();
     run.give(Command::Start).unwrap();

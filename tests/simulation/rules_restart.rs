@@ -54,11 +54,11 @@ fn a_mission_after_a_mission_is_folded_from_its_own_beginning() {
     }
     let fact = |entry: &Entry| matches!(entry.fact, Fact::State(_));
     let last = run.journal.iter().rposition(fact).expect("the second mission begins with everything that stands");
-    let mut standing = PersistentState::first(Default::default());
-    run.journal[last..].iter().for_each(|entry| standing.apply(entry));
-    assert_eq!(standing, run.engine.standing());
-    assert_eq!(standing.mission.0, 2);
-    assert!(standing.luggage.values().all(|luggage| luggage.verdict.as_ref().unwrap().verdict == Verdict::Safe));
+    let mut state = PersistentState::first(Default::default());
+    run.journal[last..].iter().for_each(|entry| state.apply(entry));
+    assert_eq!(state, run.engine.persistent_state());
+    assert_eq!(state.mission.0, 2);
+    assert!(state.luggage.values().all(|luggage| luggage.verdict.as_ref().unwrap().verdict == Verdict::Safe));
 }
 
 /// Safety R1: the holds that somebody must end are as they were; those with a cause outside are raised by it anew.
@@ -165,7 +165,8 @@ fn a_fault_outlives_the_program_with_what_it_interrupted() {
     bare.give(Command::Start).unwrap();
     bare.wait_in_vain();
     assert_eq!(bare.phase(), PhaseName::Fault);
-    let recalled = Recalled { standing: bare.engine.standing(), written: Seq(100), commands: Vec::new(), latest: Vec::new() };
+    let recalled =
+        Recalled { state: bare.engine.persistent_state(), written: Seq(100), commands: Vec::new(), latest: Vec::new() };
     let mut again = Bare::linked();
     again.engine = Engine::recall(Settings::default(), "reborn".into(), recalled, Now::default());
     assert_eq!(again.phase(), PhaseName::Fault);
@@ -248,9 +249,9 @@ fn in_another_hall_everything_begins_anew_but_the_numbers() {
     }
     mortal.keep_all();
     let mut engine = Engine::recall(Settings::default(), "elsewhere".into(), mortal.recalled(), Now::default());
-    let before = engine.standing();
+    let before = engine.persistent_state();
     engine.put_down_elsewhere(Now::default());
-    let after = engine.standing();
+    let after = engine.persistent_state();
     assert_eq!((after.phase.clone(), after.pose, after.map.visited(), after.luggage.len()), (Phase::Idle, Pose::START, 1, 0));
     assert_eq!((after.last_luggage, after.mission), (before.last_luggage, before.mission));
     let mut folded = before;
@@ -268,21 +269,21 @@ fn hall(name: &str) -> Arc<Hall> {
 
 /// A journal that is folded as it grows.
 struct Folded {
-    standing: PersistentState,
+    state: PersistentState,
     read: usize,
 }
 
 impl Default for Folded {
     fn default() -> Folded {
-        Folded { standing: PersistentState::first(Default::default()), read: 0 }
+        Folded { state: PersistentState::first(Default::default()), read: 0 }
     }
 }
 
 impl Folded {
     fn check(&mut self, run: &Run, seed: u64) {
-        run.journal[self.read..].iter().for_each(|entry| self.standing.apply(entry));
+        run.journal[self.read..].iter().for_each(|entry| self.state.apply(entry));
         self.read = run.journal.len();
-        let (folded, live) = (&self.standing, &run.engine.standing());
+        let (folded, live) = (&self.state, &run.engine.persistent_state());
         if folded != live {
             explain(folded, live, seed);
         }
@@ -291,7 +292,7 @@ impl Folded {
 
 fn explain(folded: &PersistentState, live: &PersistentState, seed: u64) {
     assert_eq!(folded.map.changes_since(&live.map), [], "seed {seed}: the maps differ");
-    let bare = |standing: &PersistentState| format!("{:#?}", PersistentState { map: live.map.clone(), ..standing.clone() });
+    let bare = |state: &PersistentState| format!("{:#?}", PersistentState { map: live.map.clone(), ..state.clone() });
     let (folded, live) = (bare(folded), bare(live));
     let differ: Vec<_> = folded.lines().zip(live.lines()).filter(|(folded, live)| folded != live).collect();
     panic!("seed {seed}: folded and live differ: {differ:#?}");

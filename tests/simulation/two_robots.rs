@@ -9,9 +9,9 @@ use hallsweep_core::command::{Command, Door, Issuer, Move, Refused, Request, Tem
 use hallsweep_core::effect::{Action, Effect, Entry, Fact};
 use hallsweep_core::engine::{Barred, Engine, Recalled};
 use hallsweep_core::event::{Event, RobotEvent, RobotId};
-use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::robots::Part;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, Celsius, Now, OrderId, Seq, WallTime};
@@ -305,9 +305,9 @@ fn after_a_restart_each_robot_is_where_it_was_and_none_moves() {
     pair.wait(500);
     let told = |entry: &&Entry| matches!(&entry.fact, Fact::RobotPose(robot, _) if *robot == porter());
     assert_eq!(pair.journal.iter().filter(told).count(), 1);
-    let mut standing = PersistentState::first(Strategy::Snail);
-    pair.journal.iter().for_each(|entry| standing.apply(entry));
-    let recalled = Recalled { standing, written: Seq(pair.journal.len() as u64), commands: Vec::new(), latest: Vec::new() };
+    let mut state = PersistentState::first(Strategy::Snail);
+    pair.journal.iter().for_each(|entry| state.apply(entry));
+    let recalled = Recalled { state, written: Seq(pair.journal.len() as u64), commands: Vec::new(), latest: Vec::new() };
     let mut engine = Engine::recall(Settings::default(), "again".into(), recalled, pair.now);
     engine.add_robot(porter(), pair.now);
     let shown = engine.snapshot().robots.iter().find(|shown| shown.id == porter()).unwrap().clone();

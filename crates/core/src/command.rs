@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 pub use super::refused::{CODES, Refusal, RefusalKind, Refused};
 
-use super::explore::Strategy;
+use super::search::Strategy;
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
 use super::world::temperature::{OPERATOR, OTHERS, ROBOT};
 
@@ -111,46 +111,49 @@ impl Command {
     }
 }
 
-/// A basic move (mission §3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Move {
-    /// One cell forward, `w`.
-    Forward,
-    /// One cell backward, `s`.
-    Backward,
-    /// 90° to the left, `a` (and `l` of old clients).
-    TurnLeft,
-    /// 90° to the right, `d` (and `r` of old clients).
-    TurnRight,
-    /// A small correction to the left, `z`; only some robots can.
-    NudgeLeft,
-    /// A small correction to the right, `x`; only some robots can.
-    NudgeRight,
+named! {
+    ALL by in_words;
+    /// A basic move (mission §3).
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Move {
+        /// One cell forward, `w`.
+        Forward = "forward",
+        /// One cell backward, `s`.
+        Backward = "backward",
+        /// 90° to the left, `a` (and `l` of old clients).
+        TurnLeft = "left",
+        /// 90° to the right, `d` (and `r` of old clients).
+        TurnRight = "right",
+        /// A small correction to the left, `z`; only some robots can.
+        NudgeLeft = "a little left",
+        /// A small correction to the right, `x`; only some robots can.
+        NudgeRight = "a little right",
+    }
 }
 
 impl Move {
-    /// All of them.
-    pub const ALL: [Move; 6] =
-        [Move::Forward, Move::Backward, Move::TurnLeft, Move::TurnRight, Move::NudgeLeft, Move::NudgeRight];
-}
-
-/// What the operator says of a piece.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Verdict {
-    /// The search goes on.
-    Safe,
-    /// The robot comes home and the piece is fetched.
-    Danger,
-}
-
-impl Verdict {
-    /// The word of the doors: `safe` or `danger`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
+    /// The move that undoes this one.
+    pub(crate) const fn reversed(self) -> Move {
         match self {
-            Verdict::Safe => "safe",
-            Verdict::Danger => "danger",
+            Move::Forward => Move::Backward,
+            Move::Backward => Move::Forward,
+            Move::TurnLeft => Move::TurnRight,
+            Move::TurnRight => Move::TurnLeft,
+            Move::NudgeLeft => Move::NudgeRight,
+            Move::NudgeRight => Move::NudgeLeft,
         }
+    }
+}
+
+named! {
+    by name;
+    /// What the operator says of a piece.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Verdict {
+        /// The search goes on.
+        Safe = "safe",
+        /// The robot comes home and the piece is fetched.
+        Danger = "danger",
     }
 }
 

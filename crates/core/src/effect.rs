@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use super::command::{Accepted, CommandId, Issuer, Move, Refusal, Refused, Verdict};
 use super::event::{Photo, RobotId};
-use super::explore::{Search, Strategy};
 use super::mission::{Goal, Hold, Input, Phase};
+use super::search::{Search, Strategy};
 use super::state::PersistentState;
 use super::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, OrderId, Pose, Seq, Ticket, WallTime};
 use super::world::hall_map::Mark;

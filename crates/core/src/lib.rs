@@ -3,15 +3,43 @@
 //! The verbs are the same at every layer: `handle_command`, `handle_event`, `handle_timeout` bring something in,
 //! `poll_effect` and `poll_timeout` take out what follows from it.
 
+/// Declares an enum whose variants have one fixed word each, and with `ALL` in front the list of them in their order.
+macro_rules! named {
+    (ALL by $by:ident; $(#[$meta:meta])* $vis:vis enum $name:ident { $($(#[$doc:meta])* $variant:ident = $word:literal,)* }) => {
+        named! { by $by; $(#[$meta])* $vis enum $name { $($(#[$doc])* $variant = $word,)* } }
+
+        impl $name {
+            /// All of them, in the order in which they are listed.
+            $vis const ALL: [$name; [$($word),*].len()] = [$($name::$variant),*];
+        }
+    };
+    (by $by:ident; $(#[$meta:meta])* $vis:vis enum $name:ident { $($(#[$doc:meta])* $variant:ident = $word:literal,)* }) => {
+        $(#[$meta])*
+        $vis enum $name {
+            $($(#[$doc])* $variant,)*
+        }
+
+        impl $name {
+            /// The fixed word for it.
+            #[must_use]
+            $vis const fn $by(self) -> &'static str {
+                match self {
+                    $($name::$variant => $word,)*
+                }
+            }
+        }
+    };
+}
+
 pub mod command;
 pub mod effect;
 pub mod engine;
 pub mod event;
-pub mod explore;
 pub mod mission;
 pub mod refused;
 pub mod rng;
 pub mod robots;
+pub mod search;
 pub mod settings;
 pub mod state;
 pub mod units;

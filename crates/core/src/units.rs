@@ -43,23 +43,23 @@ impl fmt::Display for Cell {
     }
 }
 
-/// One of the four directions a robot can face.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Heading {
-    /// Towards lesser `y`.
-    North,
-    /// Towards greater `x`.
-    East,
-    /// Towards greater `y`; every robot starts so.
-    South,
-    /// Towards lesser `x`.
-    West,
+named! {
+    ALL by name;
+    /// One of the four directions a robot can face.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum Heading {
+        /// Towards lesser `y`.
+        North = "north",
+        /// Towards greater `x`.
+        East = "east",
+        /// Towards greater `y`; every robot starts so.
+        South = "south",
+        /// Towards lesser `x`.
+        West = "west",
+    }
 }
 
 impl Heading {
-    /// All four, clockwise from the north.
-    pub const ALL: [Heading; 4] = [Heading::North, Heading::East, Heading::South, Heading::West];
-
     /// The step `(dx, dy)` this heading makes.
     #[must_use]
     pub const fn vector(self) -> (i32, i32) {
@@ -92,17 +92,6 @@ impl Heading {
     #[must_use]
     pub const fn opposite(self) -> Heading {
         self.left().left()
-    }
-
-    /// The word of the doors: `north`, `east`, `south`, `west`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Heading::North => "north",
-            Heading::East => "east",
-            Heading::South => "south",
-            Heading::West => "west",
-        }
     }
 }
 

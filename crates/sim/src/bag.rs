@@ -6,16 +6,13 @@ use std::sync::Arc;
 use hallsweep_core::event::Piece;
 use hallsweep_core::units::Cell;
 
-/// A piece of luggage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bag {
     /// The number by which the camera knows it again; counted from 1 in reading order of the drawing.
     pub piece: Piece,
     /// What a person would call it, as `red suitcase`.
     pub name: Arc<str>,
-    /// Its kind.
     pub kind: Kind,
-    /// Its main colour.
     pub colour: Colour,
     /// The cells it covers, in map coordinates, at least one, by row and column.
     pub cells: Vec<Cell>,
@@ -25,9 +22,7 @@ pub struct Bag {
     pub dangerous: bool,
 }
 
-/// The kinds of luggage the simulated camera can draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[expect(missing_docs, reason = "the names say it")]
 pub enum Kind {
     Suitcase,
     Backpack,
@@ -38,12 +33,9 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All of them.
-    pub const ALL: [Kind; 6] = [Kind::Suitcase, Kind::Backpack, Kind::Trolley, Kind::Duffel, Kind::Box, Kind::Handbag];
+    pub(crate) const ALL: [Kind; 6] = [Kind::Suitcase, Kind::Backpack, Kind::Trolley, Kind::Duffel, Kind::Box, Kind::Handbag];
 
-    /// The word of the hall files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
             Kind::Suitcase => "suitcase",
             Kind::Backpack => "backpack",
@@ -54,15 +46,12 @@ impl Kind {
         }
     }
 
-    /// The kind of this name.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Kind> {
+    pub(crate) fn named(name: &str) -> Option<Kind> {
         Kind::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
     /// How high such a piece usually stands, in metres.
-    #[must_use]
-    pub const fn usual_height_m(self) -> f64 {
+    pub(crate) const fn usual_height_m(self) -> f64 {
         match self {
             Kind::Suitcase => 0.70,
             Kind::Backpack => 0.52,
@@ -76,7 +65,6 @@ impl Kind {
 
 /// A colour, each part 0–255.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[expect(missing_docs, reason = "the names say it")]
 pub struct Colour {
     pub red: u8,
     pub green: u8,
@@ -85,7 +73,7 @@ pub struct Colour {
 
 impl Colour {
     /// The colours that have a name in hall files.
-    pub const NAMED: [(&'static str, Colour); 13] = [
+    pub(crate) const NAMED: [(&'static str, Colour); 13] = [
         ("red", Colour::new(0xb8, 0x22, 0x2a)),
         ("orange", Colour::new(0xd9, 0x74, 0x1c)),
         ("yellow", Colour::new(0xd8, 0xb4, 0x2a)),
@@ -101,22 +89,18 @@ impl Colour {
         ("black", Colour::new(0x26, 0x27, 0x2b)),
     ];
 
-    /// The colour of these parts.
-    #[must_use]
-    pub const fn new(red: u8, green: u8, blue: u8) -> Colour {
+    pub(crate) const fn new(red: u8, green: u8, blue: u8) -> Colour {
         Colour { red, green, blue }
     }
 
     /// A colour by its name, or by `#rrggbb`.
-    #[must_use]
-    pub fn parse(text: &str) -> Option<Colour> {
+    pub(crate) fn parse(text: &str) -> Option<Colour> {
         let named = Colour::NAMED.into_iter().find(|(name, _)| *name == text).map(|(_, colour)| colour);
         named.or_else(|| Colour::from_hex(text.strip_prefix('#')?))
     }
 
     /// The name of the named colour that is nearest to this one.
-    #[must_use]
-    pub fn nearest_name(self) -> &'static str {
+    pub(crate) fn nearest_name(self) -> &'static str {
         let distance = |other: Colour| -> u32 {
             let part = |a: u8, b: u8| u32::from(a.abs_diff(b)).pow(2);
             part(self.red, other.red) + part(self.green, other.green) + part(self.blue, other.blue)
@@ -134,8 +118,7 @@ impl Colour {
 impl Bag {
     /// A piece without a description of its own, as in drawings without a list and in benchmark maps: kind and colour
     /// follow from its number, so that neighbours differ.
-    #[must_use]
-    pub fn plain(piece: Piece, cells: Vec<Cell>) -> Bag {
+    pub(crate) fn plain(piece: Piece, cells: Vec<Cell>) -> Bag {
         let pick = |count: usize, stride: usize| usize::try_from(piece.0).unwrap_or(0).wrapping_mul(stride) % count;
         let kind = Kind::ALL[pick(Kind::ALL.len(), 1)];
         let (colour_name, colour) = Colour::NAMED[pick(Colour::NAMED.len(), 5)];

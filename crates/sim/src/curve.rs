@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use hallsweep_core::units::Celsius;
 
-/// A temperature over time.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Curve {
     /// At least one, by strictly growing time in seconds.
@@ -18,12 +17,10 @@ impl Curve {
         (!keys.is_empty()).then_some(Curve { keys })
     }
 
-    /// The keyframes it goes through: seconds and °C.
     pub(super) fn keys(&self) -> &[(f64, Celsius)] {
         &self.keys
     }
 
-    /// The temperature at a moment.
     pub(super) fn at(&self, since_start: Duration) -> Celsius {
         self.at_s(since_start.as_secs_f64())
     }

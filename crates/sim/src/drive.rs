@@ -49,12 +49,9 @@ pub(super) struct Wheels {
     pub(super) right: f64,
 }
 
-/// What the wheels are mounted on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chassis {
-    /// The radius of a wheel, in metres.
     pub(super) wheel_radius_m: f64,
-    /// The distance between the wheels, in metres.
     pub(super) axle_m: f64,
 }
 
@@ -104,12 +101,10 @@ pub(super) struct Motion {
     pub(super) wheels: Wheels,
     /// When it began, since the start of the run.
     pub(super) began: Duration,
-    /// When it ends.
     pub(super) ends: Duration,
 }
 
 impl Motion {
-    /// Where the body is at a moment of this motion.
     pub(super) fn at(&self, chassis: Chassis, now: Duration) -> BodyPose {
         chassis.after(self.from, self.wheels, now.min(self.ends).saturating_sub(self.began))
     }

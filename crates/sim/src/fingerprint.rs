@@ -10,7 +10,6 @@ use hallsweep_core::units::Cell;
 pub(super) struct Fingerprint(u64);
 
 impl Fingerprint {
-    /// The fingerprint of a text.
     pub(super) fn of(text: &str) -> u64 {
         Fingerprint::new().with(text.as_bytes()).0
     }

@@ -6,12 +6,11 @@
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use std::time::Duration;
 
 use super::bag::Bag;
 use super::curve::Curve;
 use hallsweep_core::event::Piece;
-use hallsweep_core::units::{Cell, Celsius};
+use hallsweep_core::units::Cell;
 use hallsweep_core::world::hall_map::Bounds;
 
 /// The most columns or rows of a hall: a kilometre of cells of half a metre, and a few megabytes.
@@ -38,7 +37,6 @@ pub enum Truth {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hall {
     name: Arc<str>,
-    description: Arc<str>,
     cell_m: f64,
     bounds: Bounds,
     squares: Vec<Truth>,
@@ -53,7 +51,6 @@ pub(super) struct Plan {
     pub(super) bounds: Bounds,
     /// Row after row from the north, each from the west.
     pub(super) squares: Vec<Truth>,
-    /// The pieces, in the order of their numbers.
     pub(super) bags: Vec<Bag>,
 }
 
@@ -61,25 +58,18 @@ impl Hall {
     /// A hall of this plan, with cells of `USUAL_CELL_M` and no thermometer.
     pub(super) fn of(name: &str, plan: Plan) -> Hall {
         let Plan { bounds, squares, bags } = plan;
-        Hall { name: name.into(), description: "".into(), cell_m: USUAL_CELL_M, bounds, squares, bags, temperature: None }
+        Hall { name: name.into(), cell_m: USUAL_CELL_M, bounds, squares, bags, temperature: None }
     }
 
     /// The same hall with what a hall file says beside the drawing.
-    pub(super) fn described(mut self, description: &str, cell_m: f64, temperature: Option<Curve>) -> Hall {
-        (self.description, self.cell_m, self.temperature) = (description.into(), cell_m, temperature);
-        self
+    pub(super) fn measured(self, cell_m: f64, temperature: Option<Curve>) -> Hall {
+        Hall { cell_m, temperature, ..self }
     }
 
     /// Its name.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
-    }
-
-    /// A sentence on it; empty when the file has none.
-    #[must_use]
-    pub fn description(&self) -> &str {
-        &self.description
     }
 
     /// The side of a cell, in metres.
@@ -110,9 +100,7 @@ impl Hall {
         &self.bags
     }
 
-    /// One piece of luggage.
-    #[must_use]
-    pub fn bag(&self, piece: Piece) -> Option<&Bag> {
+    pub(crate) fn bag(&self, piece: Piece) -> Option<&Bag> {
         let index = usize::try_from(piece.0.checked_sub(1)?).ok()?;
         self.bags.get(index)
     }
@@ -135,13 +123,6 @@ impl Hall {
         reached
     }
 
-    /// The temperature this long after the beginning; `None` when the hall has no thermometer.
-    #[must_use]
-    pub fn temperature_at(&self, since_start: Duration) -> Option<Celsius> {
-        self.temperature.as_ref().map(|curve| curve.at(since_start))
-    }
-
-    /// The temperature over time, if the hall has a thermometer.
     pub(super) const fn curve(&self) -> Option<&Curve> {
         self.temperature.as_ref()
     }

@@ -8,7 +8,6 @@ use super::hall::Hall;
 use super::hall_error::{HallError, HallFault};
 use super::{hall_movingai, hall_toml};
 
-/// The halls that are part of the program.
 const BUILT_IN: [(&str, &str); 4] = [
     ("airport", include_str!("../../../config/halls/airport.toml")),
     ("empty-8x8", include_str!("../../../config/halls/empty-8x8.toml")),
@@ -59,7 +58,6 @@ fn is_movingai(file: &str, text: &str) -> bool {
     (begins && !assigns) || (called && !text.contains('='))
 }
 
-/// The text of a file, unless it is larger than any hall.
 fn read_file(path: &str) -> Result<String, HallFault> {
     let unreadable =
         |error: std::io::Error| HallFault::Unreadable(error.to_string(), Hall::builtin_names().collect::<Vec<_>>().join(", "));
@@ -105,7 +103,8 @@ mod tests {
         assert!(hall.pieces().len() >= 6 && kinds.len() == 6);
         assert_eq!(hall.pieces().iter().filter(|bag| bag.dangerous).count(), 1);
         assert!(hall.pieces().iter().any(|bag| bag.cells.len() == 2));
-        assert!((0..7200).all(|second| hall.temperature_at(Duration::from_secs(second)).is_some_and(|t| t.degrees() < 25.0)));
+        let curve = hall.curve().expect("it has a thermometer");
+        assert!((0..7200).all(|second| curve.at(Duration::from_secs(second)).degrees() < 25.0));
     }
 
     #[test]
@@ -172,7 +171,7 @@ mod tests {
         let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
         let hall = Hall::parse("docs/halls.md", example).unwrap();
         assert_eq!((hall.name(), hall.pieces().len()), ("arrivals", 2));
-        assert!(crate::Colour::NAMED.iter().all(|(name, _)| page.contains(name)), "every colour is told");
+        assert!(crate::bag::Colour::NAMED.iter().all(|(name, _)| page.contains(name)), "every colour is told");
     }
 
     proptest! {

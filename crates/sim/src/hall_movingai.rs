@@ -1,13 +1,9 @@
 //! Reads the grid maps of the MovingAI benchmark (N. Sturtevant, "Benchmarks for Grid-Based Pathfinding", 2012): `T` is
 //! luggage, each cell a piece; the other obstacles are walls. Nothing is dangerous, and there is no thermometer.
 
-use super::bag::Bag;
-use super::hall::{Hall, MAX_PIECES, Plan, Truth};
+use super::hall::{Hall, Truth};
 use super::hall_error::{HallError, HallFault};
-use super::hall_rows::{drawn, sides};
-use hallsweep_core::event::Piece;
-use hallsweep_core::units::Cell;
-use hallsweep_core::world::hall_map::Bounds;
+use super::hall_rows::{Reading, drawn, sides};
 
 /// The lines before the rows: `type …`, `height N`, `width N`, `map`.
 const HEADER_LINES: usize = 4;
@@ -15,7 +11,6 @@ const HEADER_LINES: usize = 4;
 /// Where the header says how many rows there are, counted from 1.
 const HEIGHT_LINE: usize = 2;
 
-/// Where it says how many columns there are.
 const WIDTH_LINE: usize = 3;
 
 /// Reads a map; home is the free cell nearest to the north-west corner (Manhattan; of equals the first row, then column).
@@ -23,17 +18,15 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
     let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
     let (width, height) = header(file, &lines)?;
     let worst = if width == 0 || (width > height && height > 0) { WIDTH_LINE } else { HEIGHT_LINE };
-    sides(width as u64, height as u64).map_err(|fault| fault.at(file, worst))?;
-    let rows = rows(file, &lines, height)?;
+    let size = sides(width as u64, height as u64).map_err(|fault| fault.at(file, worst))?;
     let mut reading = Reading::default();
-    for (index, row) in rows.iter().enumerate() {
-        reading.row(index, row, width).map_err(|fault| fault.at(file, HEADER_LINES + index + 1))?;
+    for (index, row) in rows(file, &lines, height)?.iter().enumerate() {
+        read_row(&mut reading, index, row, width).map_err(|fault| fault.at(file, HEADER_LINES + index + 1))?;
     }
-    let plan = reading.finish(width, height).map_err(|fault| fault.at(file, HEADER_LINES + 1))?;
-    Ok(Hall::of(name, plan))
+    let home = reading.start.ok_or_else(|| HallFault::NoFreeCell.at(file, HEADER_LINES + 1))?;
+    Ok(Hall::of(name, reading.plan(home, size)))
 }
 
-/// Reads the header; width and height.
 fn header(file: &str, lines: &[&str]) -> Result<(usize, usize), HallError> {
     let words = |line: usize| -> Vec<&str> { lines.get(line).map_or(Vec::new(), |line| line.split_whitespace().collect()) };
     let wrong = |line: usize, form: &'static str| {
@@ -64,61 +57,34 @@ fn rows<'a>(file: &str, lines: &'a [&'a str], height: usize) -> Result<&'a [&'a 
     if found == height { Ok(&rows[..found]) } else { Err(HallFault::RowCount { said: height, found }.at(file, line)) }
 }
 
-/// What has been read so far, in the map's own columns and rows.
-#[derive(Default)]
-struct Reading {
-    squares: Vec<Truth>,
-    luggage: Vec<Cell>,
-    home: Option<Cell>,
-}
-
-impl Reading {
-    fn row(&mut self, index: usize, row: &str, width: usize) -> Result<(), HallFault> {
-        let found = row.chars().count();
-        if found != width {
-            return Err(HallFault::ColumnCount { row: index + 1, said: width, found });
-        }
-        for (place, mark) in row.chars().enumerate() {
-            let cell = drawn(place, index);
-            let square = match mark {
-                '.' | 'G' | 'S' => self.free(cell),
-                'T' => self.luggage(cell)?,
-                '@' | 'O' | 'W' => Truth::Wall,
-                _ => return Err(HallFault::UnknownTerrain { row: index + 1, column: place + 1, mark }),
-            };
-            self.squares.push(square);
-        }
-        Ok(())
+fn read_row(reading: &mut Reading, index: usize, row: &str, width: usize) -> Result<(), HallFault> {
+    let found = row.chars().count();
+    if found != width {
+        return Err(HallFault::ColumnCount { row: index + 1, said: width, found });
     }
-
-    /// Rows are read from the north and each from the west, so of equally near cells the first that is met stays home.
-    fn free(&mut self, cell: Cell) -> Truth {
-        if self.home.is_none_or(|home| cell.x + cell.y < home.x + home.y) {
-            self.home = Some(cell);
+    for (place, mark) in row.chars().enumerate() {
+        let cell = drawn(place, index);
+        let square = match mark {
+            '.' | 'G' | 'S' => Truth::Free,
+            'T' => Truth::Luggage(reading.new_piece(cell)?),
+            '@' | 'O' | 'W' => Truth::Wall,
+            _ => return Err(HallFault::UnknownTerrain { row: index + 1, column: place + 1, mark }),
+        };
+        // Rows are read from the north and each from the west, so of equally near cells the first that is met stays home.
+        if square == Truth::Free && reading.start.is_none_or(|home| cell.x + cell.y < home.x + home.y) {
+            reading.start = Some(cell);
         }
-        Truth::Free
+        reading.squares.push(square);
     }
-
-    fn luggage(&mut self, cell: Cell) -> Result<Truth, HallFault> {
-        if self.luggage.len() == MAX_PIECES {
-            return Err(HallFault::TooManyPieces(MAX_PIECES));
-        }
-        self.luggage.push(cell);
-        Ok(Truth::Luggage(Piece(u32::try_from(self.luggage.len()).expect("the pieces have just been bounded"))))
-    }
-
-    fn finish(self, width: usize, height: usize) -> Result<Plan, HallFault> {
-        let home = self.home.ok_or(HallFault::NoFreeCell)?;
-        let from_home = |cell: Cell| Cell::new(cell.x - home.x, cell.y - home.y);
-        let bounds = Bounds { least: from_home(Cell::HOME), most: from_home(drawn(width - 1, height - 1)) };
-        let bags = (1..).zip(&self.luggage).map(|(number, cell)| Bag::plain(Piece(number), vec![from_home(*cell)])).collect();
-        Ok(Plan { bounds, squares: self.squares, bags })
-    }
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use hallsweep_core::event::Piece;
+    use hallsweep_core::units::Cell;
+    use hallsweep_core::world::hall_map::Bounds;
 
     const MAP: &str = "type octile\r\nheight 3\r\nwidth 4\r\nmap\r\n@@.T\r\nO.GS\r\nWTT.\r\n";
 

@@ -39,7 +39,6 @@ pub(super) fn empty(width: u64, height: u64) -> Result<Plan, HallFault> {
     Ok(Plan { bounds, squares: vec![Truth::Free; count], bags: Vec::new() })
 }
 
-/// Checks the sides of a hall against the bounds.
 pub(super) fn sides(width: u64, height: u64) -> Result<(i32, i32), HallFault> {
     if width == 0 || height == 0 {
         return Err(HallFault::Empty(width, height));
@@ -48,7 +47,6 @@ pub(super) fn sides(width: u64, height: u64) -> Result<(i32, i32), HallFault> {
     side(width).zip(side(height)).ok_or(HallFault::TooLarge(width, height, MAX_SIDE))
 }
 
-/// Reads the rows of a drawing.
 pub(super) fn read(rows: &[&str]) -> Result<Drawing, RowFault> {
     let width = rows.first().map_or(0, |row| row.chars().count());
     let size = sides(width as u64, rows.len() as u64).map_err(|fault| (0, fault))?;
@@ -65,9 +63,9 @@ pub(super) fn read(rows: &[&str]) -> Result<Drawing, RowFault> {
 
 /// What has been read of a drawing so far, in the drawing's own columns and rows.
 #[derive(Default)]
-struct Reading {
-    squares: Vec<Truth>,
-    start: Option<Cell>,
+pub(super) struct Reading {
+    pub(super) squares: Vec<Truth>,
+    pub(super) start: Option<Cell>,
     letters: BTreeMap<char, Piece>,
     cells: Vec<Vec<Cell>>,
 }
@@ -105,7 +103,7 @@ impl Reading {
     }
 
     /// One more piece, which begins with this cell.
-    fn new_piece(&mut self, cell: Cell) -> Result<Piece, HallFault> {
+    pub(super) fn new_piece(&mut self, cell: Cell) -> Result<Piece, HallFault> {
         if self.cells.len() == MAX_PIECES {
             return Err(HallFault::TooManyPieces(MAX_PIECES));
         }
@@ -113,7 +111,7 @@ impl Reading {
         Ok(Piece(u32::try_from(self.cells.len()).expect("the pieces have just been bounded")))
     }
 
-    fn finish(self, (width, height): (i32, i32)) -> Result<Drawing, RowFault> {
+    fn finish(self, size: (i32, i32)) -> Result<Drawing, RowFault> {
         let start = self.start.ok_or((0, HallFault::NoStart))?;
         for (letter, piece) in &self.letters {
             let cells = &self.cells[piece.0 as usize - 1];
@@ -122,11 +120,16 @@ impl Reading {
                 return Err((row, HallFault::Scattered(*letter)));
             }
         }
+        Ok(Drawing { letters: self.letters.clone(), plan: self.plan(start, size) })
+    }
+
+    /// The plan in map coordinates, with all pieces plain.
+    pub(super) fn plan(self, start: Cell, (width, height): (i32, i32)) -> Plan {
         let from_start = |cell: Cell| Cell::new(cell.x - start.x, cell.y - start.y);
         let bounds = Bounds { least: from_start(Cell::HOME), most: from_start(Cell::new(width - 1, height - 1)) };
         let moved = self.cells.into_iter().map(|cells| cells.into_iter().map(from_start).collect());
         let bags = (1..).zip(moved).map(|(number, cells)| Bag::plain(Piece(number), cells)).collect();
-        Ok(Drawing { plan: Plan { bounds, squares: self.squares, bags }, letters: self.letters })
+        Plan { bounds, squares: self.squares, bags }
     }
 }
 

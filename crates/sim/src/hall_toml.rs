@@ -2,7 +2,7 @@
 //! `[[temperature]]`. What each key means to an author is told in `docs/halls.md`.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use serde::Deserialize;
 use toml::Spanned;
@@ -21,7 +21,6 @@ const MAX_TEMPERATURES: usize = 2048;
 /// A billion seconds are thirty years: no search lasts longer.
 const MAX_SECONDS: f64 = 1e9;
 
-/// The file as it is written.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
@@ -59,8 +58,9 @@ struct Keyframe {
 pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError> {
     let source = Source { file, text };
     let content: File = toml::from_str(text).map_err(|error| source.syntax(&error))?;
-    let name = source.name(content.name.as_ref(), name)?;
-    let description = source.description(content.description)?;
+    source.check_length(content.name.as_ref(), 1..=64, HallFault::NameLength)?;
+    // A description is for whoever reads the file.
+    source.check_length(content.description.as_ref(), 0..=1000, HallFault::DescriptionLength)?;
     let cell_m = source.within("cell_m", content.cell_m.as_ref(), 0.1..=5.0)?.unwrap_or(USUAL_CELL_M);
     let plan = match &content.drawing {
         Some(drawing) if content.width.is_none() && content.height.is_none() => source.drawing(drawing, &content.luggage)?,
@@ -68,7 +68,7 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
         None => source.empty(content.width.as_ref(), content.height.as_ref(), &content.luggage)?,
     };
     let curve = source.curve(&content.temperature)?;
-    Ok(Hall::of(&name, plan).described(&description, cell_m, curve))
+    Ok(Hall::of(content.name.as_ref().map_or(name, |name| name.get_ref()), plan).measured(cell_m, curve))
 }
 
 /// The text that is read, for the lines of its faults.
@@ -101,17 +101,15 @@ impl Source<'_> {
         }
     }
 
-    fn name(&self, given: Option<&Spanned<String>>, otherwise: &str) -> Result<String, HallError> {
-        let Some(name) = given else { return Ok(otherwise.to_owned()) };
-        let length = name.get_ref().chars().count();
-        let good = (1..=64).contains(&length);
-        if good { Ok(name.get_ref().clone()) } else { Err(self.at(&name.span(), HallFault::NameLength(length))) }
-    }
-
-    fn description(&self, given: Option<Spanned<String>>) -> Result<String, HallError> {
-        let Some(text) = given else { return Ok(String::new()) };
+    fn check_length(
+        &self,
+        given: Option<&Spanned<String>>,
+        limits: RangeInclusive<usize>,
+        fault: fn(usize) -> HallFault,
+    ) -> Result<(), HallError> {
+        let Some(text) = given else { return Ok(()) };
         let length = text.get_ref().chars().count();
-        if length > 1000 { Err(self.at(&text.span(), HallFault::DescriptionLength(length))) } else { Ok(text.into_inner()) }
+        if limits.contains(&length) { Ok(()) } else { Err(self.at(&text.span(), fault(length))) }
     }
 
     /// A number within limits. Not-a-number is within none.
@@ -119,7 +117,7 @@ impl Source<'_> {
         &self,
         key: &'static str,
         given: Option<&Spanned<f64>>,
-        limits: std::ops::RangeInclusive<f64>,
+        limits: RangeInclusive<f64>,
     ) -> Result<Option<f64>, HallError> {
         let Some(number) = given else { return Ok(None) };
         let (value, least, most) = (number.get_ref().to_string(), limits.start().to_string(), limits.end().to_string());
@@ -143,7 +141,6 @@ impl Source<'_> {
         hall_rows::empty(columns, rows).map_err(|fault| self.at(&worst.span(), fault))
     }
 
-    /// A number of cells, not negative.
     fn side(&self, key: &'static str, side: &Spanned<i64>) -> Result<u64, HallError> {
         let (value, least, most) = (side.get_ref().to_string(), 1.to_string(), MAX_SIDE.to_string());
         u64::try_from(*side.get_ref()).map_err(|_| self.at(&side.span(), HallFault::OutOfRange { key, value, least, most }))
@@ -270,7 +267,7 @@ celsius = 21.5
     fn a_hall_file_is_read_whole() {
         let hall = read("halls/x.toml", "x", HALL).unwrap();
         assert_eq!(hall.name(), "two bags");
-        assert_eq!(hall.temperature_at(Duration::from_secs(9)), Celsius::new(21.5));
+        assert_eq!(hall.curve().map(|curve| curve.at(Duration::from_secs(9))), Celsius::new(21.5));
         let [a, b] = hall.pieces() else { panic!("two pieces are drawn") };
         assert_eq!((a.kind, &*a.name, a.cells.len(), a.dangerous), (Kind::Trolley, "red trolley", 2, true));
         assert_eq!((b.kind, b.height_m, b.dangerous), (Kind::Box, 0.3, false));

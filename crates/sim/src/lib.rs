@@ -29,7 +29,6 @@ mod simulator;
 mod sonar;
 mod speed;
 
-pub use bag::{Bag, Colour, Kind};
 pub use drive::BodyPose;
 pub use hall::{Hall, Truth};
 pub use hall_error::{HallError, HallFault};

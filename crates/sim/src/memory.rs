@@ -74,7 +74,8 @@ impl SimMemory {
         let restarts = self.restarts.wrapping_add(1);
         let stands = self.motion.map_or(self.stands, |motion| {
             let rolls = motion.left.min(WATCHDOG).mul_f64(RandomStream::new(reseeded(seed, restarts), "watchdog").fraction());
-            self.stands.towards(motion.to, share(rolls, motion.left))
+            let share = if motion.left.is_zero() { 1.0 } else { rolls.as_secs_f64() / motion.left.as_secs_f64() };
+            self.stands.towards(motion.to, share)
         });
         SimMemory { stands, motion: None, restarts, ..self }
     }
@@ -111,7 +112,6 @@ impl Astray {
         Astray { ahead_um: micro((body.x_m - centre.x_m) * dx + (body.y_m - centre.y_m) * dy), turned_urad }
     }
 
-    /// The body that is so far from `centre`.
     fn from(self, centre: BodyPose) -> BodyPose {
         let (dx, dy) = centre.ahead();
         let ahead_m = whole(self.ahead_um);
@@ -131,11 +131,6 @@ impl Astray {
 pub(crate) fn reseeded(seed: u64, restarts: u32) -> u64 {
     // The golden ratio's bits set neighbouring counts, and seeds, far apart.
     seed ^ u64::from(restarts).wrapping_mul(0x9e37_79b9_7f4a_7c15)
-}
-
-/// What share of `whole` a part is; all of it when there is nothing.
-fn share(part: Duration, whole: Duration) -> f64 {
-    if whole.is_zero() { 1.0 } else { part.as_secs_f64() / whole.as_secs_f64() }
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "a body is at most a cell astray, and half a turn")]

@@ -30,10 +30,8 @@ pub const SIZE: usize = HEAD + 2 * SLOT;
 /// So many letters of a hall's name are kept; a name from a hall file is shorter.
 const NAME: usize = 256;
 
-/// How every version begins.
 const MAGIC: &str = "hallsweep simulated robot, version ";
 
-/// This version.
 const VERSION: &str = "1";
 
 /// Which hall a memory is of.
@@ -116,7 +114,6 @@ pub fn read(bytes: &[u8]) -> Result<Page, Unread> {
     Ok(Page { whose, turn, memory })
 }
 
-/// A memory as it is written.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Written {
@@ -192,7 +189,6 @@ fn line(value: &impl Serialize, size: usize) -> Vec<u8> {
     bytes
 }
 
-/// What such a line says, if it is whole.
 fn read_line<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     let text = std::str::from_utf8(bytes.strip_suffix(b"\n")?).ok()?;
     let (checksum, json) = text.split_once(' ')?;

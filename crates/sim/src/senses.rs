@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::curve::{self, Curve};
+use super::curve;
 use super::drive::BodyPose;
 use super::hall::Hall;
 use super::settings::SimSettings;
@@ -21,7 +21,6 @@ pub(super) struct Senses {
     sonar_noise_cm: f64,
     camera: RandomStream,
     unknown_rate: f64,
-    /// The last sonar reading that was reported, if any was.
     reported: Option<Option<u16>>,
 }
 
@@ -46,14 +45,11 @@ impl Senses {
 
     /// A reading of the sonar, if it differs from the last one reported.
     pub(super) fn listen_for_change(&mut self, body: BodyPose) -> Option<RobotEvent> {
-        let reading = self.read_sonar(body);
-        (self.reported != Some(reading)).then(|| {
-            self.reported = Some(reading);
-            RobotEvent::Sonar(reading)
-        })
+        let before = self.reported;
+        let reading = self.listen(body);
+        (self.reported != before).then_some(reading)
     }
 
-    /// What the camera takes the obstacle ahead for.
     pub(super) fn recognise(&mut self, pose: Pose) -> Obstacle {
         let obstacle = recognise::obstacle_ahead(&self.hall, pose);
         if self.camera.happens(self.unknown_rate) { Obstacle::Unknown } else { obstacle }
@@ -92,7 +88,7 @@ impl Thermometer {
     /// What it has to say at the moment named by `next`.
     pub(super) fn read(&mut self) -> Option<RobotEvent> {
         let second = self.next.take()?;
-        let curve: &Curve = self.hall.curve()?;
+        let curve = self.hall.curve()?;
         let reading = curve.at(Duration::from_secs(second));
         self.next = curve.next_change(second, curve::tenths(reading));
         Some(RobotEvent::Temperature(reading))

@@ -48,7 +48,6 @@ pub struct Sim {
     unkept: bool,
 }
 
-/// The order under way.
 #[derive(Debug)]
 struct Task {
     order: OrderId,
@@ -65,24 +64,21 @@ enum Work {
 /// How a motion ends when nothing cuts it short.
 #[derive(Clone, Copy, Debug)]
 enum End {
-    /// At the centre of a cell.
     At(Pose),
     /// Against an obstacle ahead, or behind.
-    Against { ahead: bool },
+    Against {
+        ahead: bool,
+    },
 }
 
-/// The photo under way.
 #[derive(Debug)]
 enum Film {
     /// To be developed here when its time has come.
     Here(Exposure),
-    /// Being developed elsewhere.
     Away,
-    /// Developed.
     Developed(Photo),
 }
 
-/// What comes next by itself.
 #[derive(Clone, Copy)]
 enum Due {
     End,
@@ -134,8 +130,8 @@ impl Sim {
     pub fn handle_order(&mut self, order: Order, now: Now) {
         self.pass_to(now.since_start);
         if let Some(task) = &self.task {
-            self.events.push_back(RobotEvent::Failed(order.id, format!("order {} is still under way", task.order)));
-            return;
+            let words = format!("order {} is still under way", task.order);
+            return self.events.push_back(RobotEvent::Failed(order.id, words));
         }
         match order.action {
             Action::Move(step) => self.begin_move(order, step),
@@ -227,9 +223,7 @@ impl Sim {
 
     fn begin_move(&mut self, order: Order, step: Move) {
         if self.is_off_centre() {
-            let words = "it stands away from the centre of its cell: recentre first";
-            self.events.push_back(RobotEvent::Failed(order.id, words.to_owned()));
-            return;
+            return self.fail(order.id, "it stands away from the centre of its cell: recentre first");
         }
         let heading = self.pose.heading;
         match step {
@@ -237,10 +231,7 @@ impl Sim {
             Move::Backward => self.begin_step(order, -1.0),
             Move::TurnLeft => self.begin_turn(order, -FRAC_PI_2, Pose { heading: heading.left(), ..self.pose }),
             Move::TurnRight => self.begin_turn(order, FRAC_PI_2, Pose { heading: heading.right(), ..self.pose }),
-            Move::NudgeLeft | Move::NudgeRight => {
-                let words = "it has no small corrective turns";
-                self.events.push_back(RobotEvent::Failed(order.id, words.to_owned()));
-            }
+            Move::NudgeLeft | Move::NudgeRight => self.fail(order.id, "it has no small corrective turns"),
         }
     }
 
@@ -362,7 +353,10 @@ impl Sim {
     fn give_up(&mut self) {
         let Some(order) = self.task.as_ref().map(|task| task.order) else { return };
         self.stop_wheels();
-        let words = "it did not finish in time and has halted by itself";
+        self.fail(order, "it did not finish in time and has halted by itself");
+    }
+
+    fn fail(&mut self, order: OrderId, words: &str) {
         self.events.push_back(RobotEvent::Failed(order, words.to_owned()));
     }
 

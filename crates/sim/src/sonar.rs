@@ -4,7 +4,6 @@ use super::drive::BodyPose;
 use super::hall::{Hall, Truth};
 use hallsweep_core::units::Cell;
 
-/// How far the sonar sees, in metres.
 pub(super) const RANGE_M: f64 = 4.0;
 
 /// Half the robot's size, in cells: it fills most of its cell, and turns without touching the next.

@@ -7,8 +7,8 @@ use crate::api::door::DOORS;
 use crate::api::fields::in_short;
 use hallsweep_core::command::{Door, Move, Verdict};
 use hallsweep_core::event::RobotId;
-use hallsweep_core::explore::{Search, Strategy};
 use hallsweep_core::mission::Hold;
+use hallsweep_core::search::{Search, Strategy};
 use hallsweep_core::units::{Celsius, Heading};
 
 /// What an obstacle can be taken for.

@@ -14,7 +14,7 @@ use crate::api::journal_words;
 use crate::runtime::archive::Sound;
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::{IDS, Recalled, Remembered};
-use hallsweep_core::explore::Strategy;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
 use hallsweep_core::world::log::Tone;
@@ -43,7 +43,7 @@ pub(super) fn recall(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<
     let standing = standing(&connection, written)?;
     let commands = repeatable(&connection, written)?;
     let latest = rows::latest(&connection, written, LATEST, LATEST_AMONG)?.iter().map(remembered).collect();
-    Ok(Some(Recalled { standing, written, commands, latest }))
+    Ok(Some(Recalled { state: standing, written, commands, latest }))
 }
 
 /// What people did and what was found, as a line of the log.

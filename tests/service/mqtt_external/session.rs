@@ -11,7 +11,7 @@ use hallsweep::runtime::halt::Halter;
 use hallsweep::runtime::handle::{Envelope, Handle};
 use hallsweep::storage::sqlite::MemoryStore;
 use hallsweep_core::engine::Engine;
-use hallsweep_core::explore::Strategy;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{Epoch, Revision};
 use hallsweep_core::world::resource::Resource;

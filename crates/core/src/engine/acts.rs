@@ -124,21 +124,18 @@ impl Engine {
         self.record(Fact::Holds(holds.to_vec()));
     }
 
-    /// Halts the robot that searches if it is moving.
     pub(super) fn halt_searching(&mut self) {
         if self.robots.searching().controller.is_moving() {
             self.send_halt_to(&self.robots.searching_id().clone());
         }
     }
 
-    /// Halts every robot that is moving.
     fn halt_moving(&mut self) {
         for robot in self.robots.moving() {
             self.send_halt_to(&robot);
         }
     }
 
-    /// Halts every robot, whatever it does.
     pub(super) fn send_halt(&mut self) {
         for robot in self.robots.ids() {
             self.send_halt_to(&robot);
@@ -163,7 +160,7 @@ impl Engine {
             self.record(Fact::Led(blinks));
             // That it blinks shows a mission: it begins to when that is on record.
             if !blinks {
-                self.on_record.put_out();
+                self.on_record.lit = false;
                 self.outbox.send(Effect::Led(self.robots.searching_id().clone(), false));
             }
         }
@@ -221,7 +218,6 @@ impl Engine {
         self.note_reading(context);
     }
 
-    /// Takes a reading and raises or ends the hold that follows from it.
     pub(super) fn read_temperature(&mut self, source: &Arc<str>, celsius: Celsius) {
         // A sensor that says the same again and again does not fill the journal.
         if self.world.thermometer.read(source, celsius) {

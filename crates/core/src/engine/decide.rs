@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use super::Engine;
-use crate::command::{Move, Refused, Request};
-use crate::explore::plan::{Planner, Through, after};
+use crate::command::{Move, Refused, Request, Verdict};
 use crate::mission::{Act, Case, FaultCause, Guard, Hold, Input, InputContext, Phase, PhaseName, Rule, Stage, To, rules};
+use crate::search::plan::{Planner, Through, after};
 use crate::units::{Cell, Epoch, LuggageId};
 use crate::world::hall_map::Mark;
+use crate::world::luggage::Luggage;
 
-/// What the table says is to be done.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     pub(super) to: To,
@@ -19,11 +19,10 @@ pub(super) struct Step {
 }
 
 /// A refusal, and what is done all the same.
-pub(super) type Refusal = (Refused, &'static [Act]);
+pub(super) type RefusedStep = (Refused, &'static [Act]);
 
 impl Engine {
-    /// What the table says of this input now.
-    pub(super) fn decide(&self, input: Input, context: &InputContext) -> Result<Step, Refusal> {
+    pub(super) fn decide(&self, input: Input, context: &InputContext) -> Result<Step, RefusedStep> {
         let mut phase = &self.state.phase;
         let mut depth = 0;
         loop {
@@ -71,7 +70,10 @@ impl Engine {
                 self.aims_at(context).filter(|cell| self.state.map.at(*cell).is_obstacle()).map(Refused::IntoObstacle)
             }
             Guard::NotCapable => forbids(self.cannot(context.step), Refused::NotCapable),
-            Guard::Moving => forbids(!self.robots.moving().is_empty() || self.is_about_to_move(), Refused::Moving),
+            Guard::Moving => {
+                let is_about_to = self.state.phase.is_motion() && self.state.holds.is_empty();
+                forbids(is_about_to || !self.robots.moving().is_empty(), Refused::Moving)
+            }
             Guard::Unrecorded => forbids(self.is_unrecorded(), Refused::Unrecorded),
             Guard::BombUnfetched => self.bomb_unseen().map(Refused::BombUnfetched),
             Guard::UnknownLuggage => match context.luggage {
@@ -114,7 +116,9 @@ impl Engine {
             Case::BackedUp => self.stage() == Some(Stage::BackingUp) && !self.robots.searching().off_centre,
             Case::FirstPhoto => self.stage() == Some(Stage::TakingPhoto),
             Case::ThisPiece => matches!(phase, Phase::Inspecting(inspection) if inspection.luggage() == context.luggage),
-            Case::SameVerdict => context.verdict.is_some() && self.verdict_of(context.luggage) == context.verdict,
+            Case::SameVerdict => {
+                context.verdict.is_some() && context.luggage.and_then(|id| self.verdict_of(id)) == context.verdict
+            }
             Case::FromIdle => matches!(phase.underlying(), Phase::Idle),
             Case::RobotAtHome => self.rests_at_home(),
         }
@@ -122,35 +126,24 @@ impl Engine {
 
     /// A verdict that stands, or danger on its way to the store, is not changed by another.
     fn decided(&self, input: Input, context: &InputContext) -> Option<Refused> {
-        use crate::command::Verdict;
         let luggage = context.luggage?;
-        let final_verdict =
-            self.state.luggage.get(&luggage).and_then(|luggage| luggage.verdict.as_ref()).map(|decision| decision.verdict);
-        let replaceable = input == Input::Danger;
-        let in_flight = self
-            .mission
-            .deciding(luggage)
-            .map(|(verdict, _)| verdict)
-            .filter(|verdict| *verdict == Verdict::Danger || !replaceable);
-        final_verdict.or(in_flight).map(|verdict| Refused::Decided { luggage, verdict })
+        let in_flight = || self.mission.deciding(luggage).filter(|verdict| *verdict == Verdict::Danger || input != Input::Danger);
+        self.verdict_kept(luggage).or_else(in_flight).map(|verdict| Refused::Decided { luggage, verdict })
     }
 
     /// The verdict that stands for a piece, or is on its way to the store.
-    fn verdict_of(&self, luggage: Option<LuggageId>) -> Option<crate::command::Verdict> {
-        let id = luggage?;
-        let stands = self.state.luggage.get(&id).and_then(|luggage| luggage.verdict.as_ref()).map(|decision| decision.verdict);
-        stands.or(self.mission.deciding(id).map(|(verdict, _)| verdict))
+    fn verdict_of(&self, luggage: LuggageId) -> Option<Verdict> {
+        self.verdict_kept(luggage).or_else(|| self.mission.deciding(luggage))
     }
 
     /// The first piece whose verdict is pending, or with a usable photo and pending.
     fn first_pending(&self, with_photo: bool) -> Option<LuggageId> {
-        let mut pending =
-            self.state.luggage.values().filter(|luggage| luggage.is_pending() && (!with_photo || luggage.has_photo()));
-        pending.next().map(|luggage| luggage.id)
+        let is_meant = |luggage: &&Arc<Luggage>| luggage.is_pending() && (!with_photo || luggage.has_photo());
+        self.state.luggage.values().find(is_meant).map(|luggage| luggage.id)
     }
 
     /// The piece in front of the robot, if it waits for its verdict.
-    fn asked(&self) -> Option<LuggageId> {
+    pub(super) fn asked(&self) -> Option<LuggageId> {
         self.inspected().filter(|id| self.state.luggage.get(id).is_some_and(|luggage| luggage.is_pending()))
     }
 
@@ -165,22 +158,10 @@ impl Engine {
         nudge && !self.robots.searching().controller.capabilities.is_some_and(|can| can.nudges)
     }
 
-    fn is_about_to_move(&self) -> bool {
-        let moves = match &self.state.phase {
-            Phase::Exploring | Phase::ReturningHome | Phase::ReturningWithAlarm | Phase::Driving { .. } | Phase::Retrieving => {
-                true
-            }
-            Phase::Inspecting(inspection) => inspection.stage == Stage::BackingUp,
-            Phase::Idle | Phase::AtHome | Phase::BombLocated | Phase::BagSecured | Phase::Explored | Phase::Fault { .. } => false,
-        };
-        moves && self.state.holds.is_empty()
-    }
-
     fn is_unrecorded(&self) -> bool {
         !self.mission.recording.is_empty() || matches!(self.stage(), Some(Stage::TakingPhoto))
     }
 
-    /// A dangerous piece whose alarm nobody has acknowledged.
     fn bomb_unseen(&self) -> Option<LuggageId> {
         let unseen =
             |id: LuggageId| self.state.alarms.iter().any(|alarm| alarm.luggage == Some(id) && alarm.acknowledged.is_none());
@@ -192,7 +173,7 @@ impl Engine {
         let cause = phase.fault()?;
         let stands = match cause {
             FaultCause::NoWayHome => {
-                let way = Planner::default().to_cell(&self.state.map, self.state.pose, Cell::HOME, Through::Known);
+                let way = Planner::default().way_to_cell(&self.state.map, self.state.pose, Cell::HOME, Through::Known);
                 self.state.blocked.is_empty() && (way.is_none() || self.state.map.at(Cell::HOME).is_obstacle())
             }
             FaultCause::Undecided => true,
@@ -201,7 +182,6 @@ impl Engine {
         stands.then_some(cause)
     }
 
-    /// The phase that stands, by name.
     pub(super) fn phase_name(&self) -> PhaseName {
         self.state.phase.name()
     }

@@ -21,8 +21,7 @@ impl Engine {
         self.outbox.record_soon(self.now, fact);
     }
 
-    /// Puts everything that stands on record at once.
-    pub(super) fn record_standing(&mut self) {
+    pub(super) fn record_state(&mut self) {
         self.outbox.record(self.now.wall, Fact::State(Box::new(self.state.clone())));
     }
 

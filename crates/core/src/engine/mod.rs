@@ -36,19 +36,20 @@ pub use self::recall::{Recalled, Remembered};
 pub use self::repeats::IDS;
 
 use self::on_record::OnRecord;
-use self::outbox::{Outbox, Waiting};
-use self::refusals::Refusals;
-use self::repeats::{Content, Known, Outcome, Repeats};
+use self::outbox::{Outbox, WaitingAnswer};
+use self::refusals::Note;
+use self::repeats::{Content, IdUse, Outcome, Repeats};
+use self::sharing::Sharing;
 use self::stops::Stops;
 use self::view::Shown;
 use self::watchdog::SensorWatchdog;
 use super::command::{Accepted, Command, Refused, Request};
 use super::effect::{Effect, Fact};
 use super::event::{Event, RobotId};
-use super::explore::Strategy;
-use super::explore::plan::Planner;
 use super::mission::{Hold, Input, InputContext, Mission};
 use super::robots::Robots;
+use super::search::Strategy;
+use super::search::plan::Planner;
 use super::settings::Settings;
 use super::state::PersistentState;
 use super::units::{Epoch, LuggageId, Now, Seq, Ticket};
@@ -70,12 +71,11 @@ pub struct Engine {
     outbox: Outbox,
     watchdog: SensorWatchdog,
     repeats: Repeats,
-    refusals: Refusals,
+    refusals: Sharing<Note>,
     stops: Stops,
     /// The epoch in which the command was given that released the robot last.
     released: Option<Epoch>,
     on_record: OnRecord,
-    /// Whether the program was asked to end.
     is_ending: bool,
     taken: Option<Arc<Snapshot>>,
 }
@@ -95,7 +95,7 @@ impl Engine {
             outbox: Outbox::default(),
             watchdog: SensorWatchdog::default(),
             repeats: Repeats::default(),
-            refusals: Refusals::default(),
+            refusals: Sharing::new(refusals::LIMITS),
             stops: Stops::default(),
             released: None,
             on_record: OnRecord::first(strategy),
@@ -212,8 +212,9 @@ impl Engine {
     /// Time has passed; call it at `poll_timeout`.
     pub fn handle_timeout(&mut self, now: Now) {
         self.begin(now);
-        self.record_shared_refusals();
-        self.record_shared_stops();
+        let (refusals, stops) = (self.refusals.fall_due(now.since_start), self.stops.records.fall_due(now.since_start));
+        self.write_refusals(refusals);
+        self.write_stops(stops);
         self.outbox.record_overdue(now);
         while let Some(sensor) = self.watchdog.falls_silent(now.since_start) {
             self.feed(Input::SensorSilent, &InputContext { words: Some(sensor.to_string()), ..InputContext::default() });
@@ -230,7 +231,7 @@ impl Engine {
         // What is on its way to the store is not in what stands yet, and must not be forgotten by reading on from there.
         let in_flight = !self.mission.recording.is_empty() || !self.mission.deciding.is_empty();
         if self.outbox.is_to_sum_up() && !in_flight {
-            self.record_standing();
+            self.record_state();
         }
         self.outbox.poll()
     }
@@ -298,10 +299,10 @@ impl Engine {
         self.remember(request, Outcome::Open(ticket));
         let waits = !self.state.holds.contains(Hold::Store) && !self.outbox.is_kept();
         if input == Input::Stop {
-            self.answer_standing(ticket);
+            self.answer_when_standing(ticket);
         } else if waits {
             let seq = self.outbox.written();
-            self.outbox.wait(Waiting { ticket, seq, luggage: context.luggage, verdict: context.verdict, decided: false });
+            self.outbox.wait(WaitingAnswer { ticket, seq, luggage: context.luggage, verdict: context.verdict, decided: false });
         } else {
             self.answer(ticket, context.luggage);
         }
@@ -322,14 +323,14 @@ impl Engine {
     fn repeated(&mut self, request: &Request) -> Option<Result<Ticket, Refused>> {
         let id = request.id.as_ref().filter(|_| request.command != Command::Stop)?;
         let outcome = match self.repeats.look_up(&request.issuer.who, id, &Content::of(request)) {
-            Known::New => return None,
-            Known::Other => {
+            IdUse::New => return None,
+            IdUse::Other => {
                 let refused = Refused::OtherContent(id.clone());
                 let (_, context) = InputContext::of(&request.command, &request.issuer, None);
                 self.write_command(request, &context, Some(&refused));
                 return Some(Err(refused));
             }
-            Known::Same(outcome) => outcome.clone(),
+            IdUse::Same(outcome) => outcome.clone(),
         };
         if let Outcome::Answered(Err(refused)) = outcome {
             return Some(Err(refused));
@@ -359,7 +360,6 @@ impl Engine {
     fn pending(&self) -> Option<LuggageId> {
         let mut pending = self.state.luggage.values().filter(|luggage| luggage.is_pending()).map(|luggage| luggage.id);
         let first = pending.next();
-        let inspected = self.inspected().filter(|id| self.state.luggage.get(id).is_some_and(|luggage| luggage.is_pending()));
-        inspected.or(first.filter(|_| pending.next().is_none()))
+        self.asked().or(first.filter(|_| pending.next().is_none()))
     }
 }

@@ -4,11 +4,11 @@ use super::Engine;
 use crate::command::Move;
 use crate::effect::{Action, Effect, Fact, Stamp};
 use crate::event::RobotId;
-use crate::explore::plan::Through;
-use crate::explore::{Decision, Search, View};
 use crate::mission::{FaultCause, Goal, Hold, Input, InputContext, Phase, Stage};
 use crate::robots::Part;
-use crate::units::{Cell, LuggageId, Now, OrderId};
+use crate::search::plan::Through;
+use crate::search::{NextGoal, Search, View};
+use crate::units::{Cell, Now, OrderId};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
 use crate::world::resource::Resource;
@@ -49,7 +49,6 @@ enum Turn {
 }
 
 impl Engine {
-    /// Gives the next order, if there is one to give.
     pub(super) fn pump(&mut self) {
         for _ in 0..TURNS {
             if let Turn::Rest = self.turn() {
@@ -110,7 +109,6 @@ impl Engine {
         order.id
     }
 
-    /// Whether the robot stands in the middle of its home cell.
     pub(super) fn is_home(&self) -> bool {
         self.state.pose.cell == Cell::HOME && !self.robots.searching().off_centre
     }
@@ -125,8 +123,7 @@ impl Engine {
             return Turn::Again;
         }
         if self.wants_photo() {
-            self.order_photo();
-            return Turn::Rest;
+            return self.order(Action::Photograph(Stamp { pose: self.state.pose, wall: self.now.wall }));
         }
         if self.may_move(self.robots.searching_id()).is_err() {
             return Turn::Rest;
@@ -161,24 +158,16 @@ impl Engine {
 
     /// The robot had backed up already when the program was killed, and says so.
     fn has_backed_up(&self) -> bool {
-        let centred = self.robots.searching().controller.capabilities.is_some()
-            && self.robots.searching().controller.open().is_none()
-            && !self.robots.searching().off_centre;
-        centred && matches!(&self.state.phase, Phase::Inspecting(inspection) if inspection.stage == Stage::BackingUp)
+        let robot = self.robots.searching();
+        let stands = robot.controller.is_free() && !robot.off_centre;
+        stands && matches!(&self.state.phase, Phase::Inspecting(inspection) if inspection.stage == Stage::BackingUp)
     }
 
     /// A photo is not motion: it is taken under holds too, as long as there is a robot to take it and a store to keep it.
     fn wants_photo(&self) -> bool {
         let wanted = matches!(self.stage(), Some(Stage::TakingPhoto | Stage::RetakingPhoto(_)));
-        let possible =
-            self.robots.searching().controller.capabilities.is_some() && self.robots.searching().controller.open().is_none();
         let barred = [Hold::RobotLink, Hold::Store].into_iter().any(|hold| self.state.holds.contains(hold));
-        wanted && possible && !barred && !matches!(self.state.phase, Phase::Fault { .. })
-    }
-
-    fn order_photo(&mut self) {
-        let stamp = Stamp { pose: self.state.pose, wall: self.now.wall };
-        self.order(Action::Photograph(stamp));
+        wanted && self.robots.searching().controller.is_free() && !barred && !matches!(self.state.phase, Phase::Fault { .. })
     }
 
     fn order(&mut self, action: Action) -> Turn {
@@ -220,13 +209,13 @@ impl Engine {
         loop {
             let view = View { map: &self.state.map, pose: self.state.pose };
             let goal = match search.next(&view, &mut self.planner) {
-                Decision::Visit(cell) => Goal::Visit(cell),
-                Decision::GoHome => Goal::Home,
-                Decision::Finished if self.is_home() => {
+                NextGoal::Visit(cell) => Goal::Visit(cell),
+                NextGoal::GoHome => Goal::Home,
+                NextGoal::Finished if self.is_home() => {
                     self.set_goal(None, search);
                     return None;
                 }
-                Decision::Finished => Goal::Home,
+                NextGoal::Finished => Goal::Home,
             };
             if self.is_wanted(goal) {
                 self.set_goal(Some(goal), search);
@@ -243,41 +232,40 @@ impl Engine {
         }
     }
 
-    /// Plans the way to a goal, unless it is planned.
     fn pursue(&mut self, goal: Goal) {
         if !self.mission.route.is_empty() {
             return;
         }
-        let (map, pose) = (&self.state.map, self.state.pose);
         let way = match goal {
-            Goal::Visit(cell) => self.planner.to_cell(map, pose, cell, Through::Unknown),
+            Goal::Visit(cell) => self.planner.way_to_cell(&self.state.map, self.state.pose, cell, Through::Unknown),
             Goal::Home => self.way_home(Through::Known).or_else(|| self.way_home(Through::Unknown)),
         };
+        self.set_route(way);
+    }
+
+    fn set_route(&mut self, way: Option<Vec<Move>>) {
         self.mission.route = way.unwrap_or_default().into();
         self.world.touch(Resource::Mission);
     }
 
     /// Orders the next move of the route; false when there is none.
     fn follow_route(&mut self) -> bool {
-        let step = self.mission.route.front().copied();
-        step.is_some_and(|step| {
-            self.order(Action::Move(step));
-            true
-        })
+        let Some(step) = self.mission.route.front().copied() else { return false };
+        self.order(Action::Move(step));
+        true
     }
 
     /// A piece whose photo failed and that was left behind is driven back to.
     fn revisit(&mut self) -> Option<Turn> {
-        let without = |luggage: &crate::world::luggage::Luggage| luggage.is_pending() && !luggage.has_photo();
-        let (id, pose): (LuggageId, _) =
-            self.state.luggage.values().find(|luggage| without(luggage)).map(|luggage| (luggage.id, luggage.pose))?;
+        let left_behind = self.state.luggage.values().find(|luggage| luggage.is_pending() && !luggage.has_photo());
+        let (id, pose) = left_behind.map(|luggage| (luggage.id, luggage.pose))?;
         if self.state.pose == pose {
             self.feed(Input::AtPiece, &InputContext { luggage: Some(id), ..InputContext::default() });
             return Some(Turn::Again);
         }
         if self.mission.route.is_empty() {
-            self.mission.route = self.planner.to_pose(&self.state.map, self.state.pose, pose)?.into();
-            self.world.touch(Resource::Mission);
+            let way = self.planner.way_to_pose(&self.state.map, self.state.pose, pose)?;
+            self.set_route(Some(way));
         }
         self.follow_route().then_some(Turn::Rest)
     }
@@ -285,8 +273,8 @@ impl Engine {
     /// Home through visited cells only: on the way back nothing unknown is visited.
     fn go_home(&mut self) -> Turn {
         if self.mission.route.is_empty() {
-            self.mission.route = self.way_home(Through::Known).unwrap_or_default().into();
-            self.world.touch(Resource::Mission);
+            let way = self.way_home(Through::Known);
+            self.set_route(way);
         }
         if !self.follow_route() {
             self.no_way_home();
@@ -298,14 +286,13 @@ impl Engine {
     /// The way home; none leads there while something stands in the home cell itself.
     fn way_home(&mut self, through: Through) -> Option<Vec<Move>> {
         let free = !self.state.map.at(Cell::HOME).is_obstacle();
-        free.then(|| self.planner.to_cell(&self.state.map, self.state.pose, Cell::HOME, through))?
+        free.then(|| self.planner.way_to_cell(&self.state.map, self.state.pose, Cell::HOME, through))?
     }
 
     fn no_way_home(&mut self) {
         self.feed(Input::NoWayHome, &InputContext { fault: Some(FaultCause::NoWayHome), ..InputContext::default() });
     }
 
-    /// The next move of a drive by hand, or its end.
     fn drive(&mut self, goal: Option<Cell>, step: Option<Move>) -> Turn {
         if let Some(step) = step.filter(|_| !std::mem::replace(&mut self.mission.is_driven, true)) {
             return self.order(Action::Move(step));
@@ -314,9 +301,8 @@ impl Engine {
         let wanted = goal.filter(|goal| here.cell != *goal && !self.state.map.at(*goal).is_obstacle());
         if let Some(goal) = wanted {
             if self.mission.route.is_empty() {
-                let way = self.planner.to_cell(&self.state.map, here, goal, Through::Unknown);
-                self.mission.route = way.unwrap_or_default().into();
-                self.world.touch(Resource::Mission);
+                let way = self.planner.way_to_cell(&self.state.map, here, goal, Through::Unknown);
+                self.set_route(way);
             }
             if self.follow_route() {
                 return Turn::Rest;

@@ -2,7 +2,7 @@
 //! of it waits here until the store has kept the page it follows from. What warns or halts does not wait: `view` puts that in.
 //!
 //! ```text
-//!   the state after each input ─► View, with the last entry written so far ─► ahead: (Seq, View), … ─► kept up to Seq ─► shown
+//!   the state after each input ─► StateView, with the last entry written so far ─► ahead: (Seq, StateView), … ─► kept up to Seq ─► shown
 //! ```
 
 use std::collections::VecDeque;
@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use super::Engine;
 use crate::effect::Effect;
-use crate::explore::Strategy;
 use crate::mission::{Goal, Hold, Phase, PhaseName};
+use crate::search::Strategy;
 use crate::units::{AlarmId, Cell, LuggageId, MissionId, Revision, Seq};
 use crate::world::alarm::Alarm;
 use crate::world::hall_map::HallMap;
@@ -27,8 +27,8 @@ const AHEAD: usize = 64;
 const NEVER: Seq = Seq(u64::MAX);
 
 /// What follows from commands and finds, as it was after one input.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct View {
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct StateView {
     pub(super) mission: MissionId,
     under_way: bool,
     pub(super) phase: PhaseName,
@@ -42,15 +42,13 @@ pub(super) struct View {
     pub(super) luggage: Arc<[Arc<Luggage>]>,
     pub(super) alarms: Arc<[Arc<Alarm>]>,
     pub(super) refusals: Refusals,
-    /// How often the map had been emptied.
     emptied: u64,
 }
 
-/// What is shown, and what waits for its record.
 #[derive(Clone, Debug)]
 pub(super) struct OnRecord {
-    pub(super) shown: View,
-    ahead: VecDeque<(Seq, View)>,
+    pub(super) shown: StateView,
+    ahead: VecDeque<(Seq, StateView)>,
     /// When the state was last looked at: nothing has changed since, if both are as they were.
     looked: (Revision, Seq),
     /// Nothing is shown before this entry is kept, because something before it was lost.
@@ -59,32 +57,15 @@ pub(super) struct OnRecord {
     /// The map as it was before it was emptied, while that is not on record.
     before: Option<HallMap>,
     /// Whether the LED was told to blink: that shows a mission too.
-    lit: bool,
+    pub(super) lit: bool,
 }
 
 impl OnRecord {
-    /// Before anything has happened.
     pub(super) fn first(strategy: Strategy) -> OnRecord {
-        OnRecord::of(View {
-            mission: MissionId(0),
-            under_way: false,
-            phase: PhaseName::Idle,
-            interrupted: None,
-            fault: None,
-            inspected: None,
-            strategy,
-            goal: None,
-            holds: Vec::new(),
-            led_blinking: false,
-            luggage: Arc::from([]),
-            alarms: Arc::from([]),
-            refusals: Refusals::default(),
-            emptied: 0,
-        })
+        OnRecord::of(StateView { strategy, ..StateView::default() })
     }
 
-    /// Everything in this view is on record.
-    pub(super) fn of(shown: View) -> OnRecord {
+    pub(super) fn of(shown: StateView) -> OnRecord {
         let (ahead, looked, lit) = (VecDeque::new(), (Revision(0), Seq(0)), shown.led_blinking);
         OnRecord { emptied: shown.emptied, shown, ahead, looked, floor: Seq(0), before: None, lit }
     }
@@ -94,30 +75,18 @@ impl OnRecord {
         self.ahead.is_empty() && self.floor != NEVER
     }
 
-    /// How many views wait for their record.
     #[cfg(test)]
     pub(super) fn waiting(&self) -> usize {
         self.ahead.len()
     }
 
-    /// The LED ends blinking, at once.
-    pub(super) fn put_out(&mut self) {
-        self.lit = false;
-    }
-
-    /// The latest view, shown or not.
-    fn latest(&self) -> &View {
-        self.ahead.back().map_or(&self.shown, |(_, view)| view)
-    }
-
-    fn push(&mut self, seq: Seq, view: View) {
+    fn push(&mut self, seq: Seq, view: StateView) {
         if self.ahead.len() == AHEAD {
             self.ahead.pop_back();
         }
         self.ahead.push_back((seq.max(self.floor), view));
     }
 
-    /// Shows everything that is kept.
     fn advance(&mut self, kept: Seq) {
         let due = self.ahead.iter().take_while(|(seq, _)| *seq <= kept).count();
         if let Some((_, view)) = self.ahead.drain(..due).next_back() {
@@ -133,7 +102,7 @@ impl Engine {
         if looked != self.on_record.looked {
             self.on_record.looked = looked;
             let view = self.mission_as_it_is();
-            let latest = self.on_record.latest();
+            let latest = self.on_record.ahead.back().map_or(&self.on_record.shown, |(_, view)| view);
             if view != *latest {
                 let buttons = view.refusals != latest.refusals;
                 self.on_record.push(looked.1, view);
@@ -168,7 +137,6 @@ impl Engine {
         self.world.log.lose();
     }
 
-    /// The map that is shown.
     pub(super) fn shown_map(&self) -> &HallMap {
         self.on_record.before.as_ref().unwrap_or(&self.state.map)
     }
@@ -181,7 +149,6 @@ impl Engine {
         }
     }
 
-    /// Shows everything that is kept by now.
     pub(super) fn show_kept(&mut self) {
         let (written, kept) = (self.outbox.written().max(self.on_record.floor), self.outbox.kept());
         if self.world.log.show(written, kept) {
@@ -211,7 +178,6 @@ impl Engine {
         self.light();
     }
 
-    /// The emptied map is shown from this revision on.
     fn show_emptied_map(&mut self) {
         if self.on_record.shown.emptied == self.on_record.emptied && self.on_record.before.take().is_some() {
             let revision = self.world.touch(Resource::Map);
@@ -226,10 +192,9 @@ impl Engine {
         }
     }
 
-    /// The mission as it is, on record or not.
-    pub(super) fn mission_as_it_is(&self) -> View {
+    pub(super) fn mission_as_it_is(&self) -> StateView {
         let state = &self.state;
-        View {
+        StateView {
             mission: state.mission,
             under_way: state.under_way,
             phase: state.phase.name(),

@@ -17,7 +17,6 @@ const SOON: Duration = Duration::from_secs(1);
 /// So many commands are put on record once more after the store has failed: an hour of nervous clicking.
 const COMMANDS: usize = 1024;
 
-/// The outgoing side of an engine.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outbox {
     effects: VecDeque<Effect>,
@@ -27,21 +26,19 @@ pub(super) struct Outbox {
     soon: Option<(Entry, Duration)>,
     /// Whether the page is to end with everything that stands.
     sums_up: bool,
-    /// Entries since everything that stands was last on record.
     since_summed_up: u64,
     written: Seq,
     /// The last entry without which the robot must not move on: all but what others say while it moves.
     barrier: Seq,
     kept: Seq,
     tickets: Ticket,
-    waiting: Vec<Waiting>,
+    waiting: Vec<WaitingAnswer>,
     /// The commands that are not kept yet: each is to be in the journal, whatever becomes of the store (safety A6).
     commands: VecDeque<Unkept>,
     /// Everything up to here that was not kept when the store failed is lost.
     lost: Seq,
 }
 
-/// A command on its way to the store.
 #[derive(Clone, Debug)]
 struct Unkept {
     seq: Seq,
@@ -52,10 +49,9 @@ struct Unkept {
 
 /// An accepted command whose answer waits for a record.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Waiting {
+pub(super) struct WaitingAnswer {
     pub(super) ticket: Ticket,
     pub(super) seq: Seq,
-    /// The piece it concerned.
     pub(super) luggage: Option<LuggageId>,
     /// The verdict it gave, if it gave one: another may have won by then.
     pub(super) verdict: Option<crate::command::Verdict>,
@@ -64,7 +60,6 @@ pub(super) struct Waiting {
 }
 
 impl Outbox {
-    /// The outgoing side after a restart: everything up to `written` is kept.
     pub(super) fn after(written: Seq) -> Outbox {
         Outbox { written, barrier: written, kept: written, ..Outbox::default() }
     }
@@ -100,12 +95,10 @@ impl Outbox {
         Some(Effect::Record(Page { first, entries }))
     }
 
-    /// The page is to end with everything that stands.
     pub(super) fn sum_up(&mut self) {
         self.sums_up = true;
     }
 
-    /// Whether the page is to end with everything that stands.
     pub(super) const fn is_to_sum_up(&self) -> bool {
         self.sums_up || self.since_summed_up >= SUM_UP_AFTER
     }
@@ -117,12 +110,10 @@ impl Outbox {
         self.soon = Some((Entry { wall: now.wall, fact }, due));
     }
 
-    /// When `record_overdue` is needed.
     pub(super) fn due_record(&self) -> Option<Duration> {
         self.soon.as_ref().map(|(_, due)| *due)
     }
 
-    /// Puts on record what no entry has taken along by now.
     pub(super) fn record_overdue(&mut self, now: Now) {
         if let Some((Entry { wall, fact }, _)) = self.soon.take_if(|(_, due)| *due <= now.since_start) {
             self.record(wall, fact);
@@ -172,12 +163,10 @@ impl Outbox {
         }
     }
 
-    /// The last entry on its way to the store, or kept.
     pub(super) const fn written(&self) -> Seq {
         self.written
     }
 
-    /// The last entry that is kept.
     pub(super) const fn kept(&self) -> Seq {
         self.kept
     }
@@ -188,7 +177,6 @@ impl Outbox {
         self.kept >= self.barrier
     }
 
-    /// Whether everything is kept.
     pub(super) fn is_kept(&self) -> bool {
         self.kept >= self.written
     }
@@ -203,28 +191,25 @@ impl Outbox {
         self.tickets
     }
 
-    pub(super) fn wait(&mut self, waiting: Waiting) {
+    pub(super) fn wait(&mut self, waiting: WaitingAnswer) {
         self.waiting.push(waiting);
     }
 
-    /// The waiting answers whose record is kept, in order.
-    pub(super) fn due(&mut self) -> Vec<Waiting> {
+    pub(super) fn due(&mut self) -> Vec<WaitingAnswer> {
         let kept = self.kept;
         let (due, waiting) = self.waiting.drain(..).partition(|waiting| waiting.seq <= kept);
         self.waiting = waiting;
         due
     }
 
-    /// All waiting answers, because the store has failed.
-    pub(super) fn give_up(&mut self) -> Vec<Waiting> {
+    pub(super) fn give_up(&mut self) -> Vec<WaitingAnswer> {
         self.lost = self.written;
         std::mem::take(&mut self.waiting)
     }
 
-    /// Lets another ticket be answered together with one that waits.
     pub(super) fn follow(&mut self, first: Ticket, ticket: Ticket) {
         if let Some(waiting) = self.waiting.iter().find(|waiting| waiting.ticket == first).copied() {
-            self.waiting.push(Waiting { ticket, ..waiting });
+            self.waiting.push(WaitingAnswer { ticket, ..waiting });
         }
     }
 

@@ -17,7 +17,6 @@ impl Engine {
         }
     }
 
-    /// Carries out what the table said.
     pub(super) fn apply(&mut self, step: Step, context: &InputContext) {
         self.go(step, context);
         self.perform_all(step.acts, context);
@@ -29,7 +28,7 @@ impl Engine {
             return;
         }
         let mut phase = self.state.phase.clone();
-        let slot = slot(&mut phase, step.depth);
+        let slot = phase.below_mut(step.depth);
         let old = std::mem::replace(slot, Phase::Idle);
         let new = match step.to {
             To::Stay => old,
@@ -110,7 +109,6 @@ impl Engine {
         self.state.phase.inspection().map(|inspection| inspection.stage)
     }
 
-    /// Lets the inspection come to a stage, if there is one.
     pub(super) fn set_stage(&mut self, stage: Stage) {
         let mut phase = self.state.phase.clone();
         if let Phase::Inspecting(inspection) = phase.underlying_mut() {
@@ -119,25 +117,14 @@ impl Engine {
         }
     }
 
-    /// The record of the piece in front of the robot.
     pub(super) fn inspected(&self) -> Option<LuggageId> {
         self.state.phase.inspection().and_then(Inspection::luggage)
     }
 
-    /// Writes a mark on the map, unless it is there.
     pub(super) fn mark(&mut self, cell: Cell, mark: Mark) {
         self.world.touch(Resource::Map);
         if self.state.map.is_news(cell, mark) {
             self.record(Fact::Mark(cell, mark));
         }
     }
-}
-
-/// The phase that many interruptions below this one.
-fn slot(phase: &mut Phase, depth: usize) -> &mut Phase {
-    if depth == 0 || phase.interrupted().is_none() {
-        return phase;
-    }
-    let (Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. }) = phase else { return phase };
-    slot(interrupted, depth - 1)
 }

@@ -7,7 +7,7 @@ use super::Engine;
 use super::on_record::OnRecord;
 use super::outbox::Outbox;
 use crate::effect::{Effect, Entry, Fact};
-use crate::mission::{Input, InputContext, Phase, PhaseName, Stage};
+use crate::mission::{Input, InputContext, Phase, PhaseName};
 use crate::settings::Settings;
 use crate::state::PersistentState;
 use crate::units::{LuggageId, Now, Pose, Seq, WallTime};
@@ -20,7 +20,7 @@ use crate::world::temperature::OPERATOR;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recalled {
     /// What stands.
-    pub standing: PersistentState,
+    pub state: PersistentState,
     /// The last entry of the journal.
     pub written: Seq,
     /// The latest commands that carried an id, oldest first.
@@ -44,15 +44,15 @@ impl Engine {
     /// An engine that goes on from what was recalled. Nothing moves until a START.
     #[must_use]
     pub fn recall(settings: Settings, run: Arc<str>, recalled: Recalled, now: Now) -> Engine {
-        let Recalled { standing, written, commands, latest } = recalled;
-        let mut engine = Engine::new(settings, standing.strategy, run);
+        let Recalled { state, written, commands, latest } = recalled;
+        let mut engine = Engine::new(settings, state.strategy, run);
         engine.outbox = Outbox::after(written);
         engine.repeats.recall(&commands);
         engine.begin(now);
         for Remembered { wall, tone, text } in latest {
             engine.world.log.put(wall, tone, text);
         }
-        engine.take_up(standing);
+        engine.take_up(state);
         engine.on_record = OnRecord::of(engine.mission_as_it_is());
         engine.note_start();
         engine.world.write(now.wall, Tone::Info, "the program was started again; everything is as it was".to_owned());
@@ -76,8 +76,9 @@ impl Engine {
     /// The last of all: what has waited for more of its kind goes on record.
     pub fn record_rest(&mut self, now: Now) {
         self.begin(now);
-        self.record_all_refusals();
-        self.record_all_stops();
+        let (refusals, stops) = (self.refusals.rest(now.since_start), self.stops.records.rest(now.since_start));
+        self.write_refusals(refusals);
+        self.write_stops(stops);
     }
 
     pub(super) fn note_start(&mut self) {
@@ -98,7 +99,7 @@ impl Engine {
 
     /// Everything that outlives the program, as it would be read back.
     #[must_use]
-    pub fn standing(&self) -> PersistentState {
+    pub fn persistent_state(&self) -> PersistentState {
         self.state.clone()
     }
 
@@ -145,11 +146,5 @@ impl Engine {
 
 /// Whether the robot may have been between two cells when the program ended.
 fn was_moving(phase: &Phase) -> bool {
-    match phase {
-        Phase::Driving { .. } => true,
-        Phase::Fault { interrupted, .. } => was_moving(interrupted),
-        Phase::Exploring | Phase::ReturningHome | Phase::ReturningWithAlarm | Phase::Retrieving => true,
-        Phase::Inspecting(inspection) => inspection.stage == Stage::BackingUp,
-        Phase::Idle | Phase::AtHome | Phase::BombLocated | Phase::BagSecured | Phase::Explored => false,
-    }
+    if let Phase::Fault { interrupted, .. } = phase { was_moving(interrupted) } else { phase.is_motion() }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Engine;
-use super::outbox::Waiting;
+use super::outbox::WaitingAnswer;
 use crate::command::{Accepted, Refused, Verdict};
 use crate::effect::Fact;
 use crate::event::Photo;
@@ -21,7 +21,6 @@ impl Engine {
         }
     }
 
-    /// The first record of the piece in front of the robot.
     pub(super) fn record_piece(&mut self, context: &InputContext) {
         let Phase::Inspecting(Inspection { cell, piece, pose, .. }) = *self.state.phase.underlying() else { return };
         let id = self.state.last_luggage.next();
@@ -117,19 +116,18 @@ impl Engine {
         self.feed(input, &InputContext { luggage: Some(luggage), verdict: Some(verdict), ..InputContext::default() });
     }
 
-    /// Answers what waited for a record that is kept now.
     fn answer_due(&mut self) {
         for waiting in self.outbox.due() {
             if waiting.verdict.is_some() && !waiting.decided && !self.outbox.is_kept() {
                 // What follows from the verdict is shown together with it.
-                self.outbox.wait(Waiting { seq: self.outbox.written(), decided: true, ..waiting });
+                self.outbox.wait(WaitingAnswer { seq: self.outbox.written(), decided: true, ..waiting });
                 continue;
             }
             self.answer_kept(waiting);
         }
     }
 
-    fn answer_kept(&mut self, waiting: Waiting) {
+    fn answer_kept(&mut self, waiting: WaitingAnswer) {
         let stands = waiting.luggage.and_then(|id| self.verdict_kept(id));
         let answer = match (waiting.luggage, waiting.verdict, stands) {
             (Some(luggage), Some(given), Some(verdict)) if given != verdict => Err(Refused::Decided { luggage, verdict }),
@@ -163,7 +161,7 @@ impl Engine {
     pub(super) fn record_anew(&mut self) {
         let wall = self.now.wall;
         self.outbox.repeat_commands();
-        self.record_standing();
+        self.record_state();
         self.show_from(self.outbox.written());
         for mut recording in std::mem::take(&mut self.mission.recording) {
             recording.seq = self.outbox.record(wall, recording.fact.clone());
@@ -176,7 +174,6 @@ impl Engine {
     }
 }
 
-/// The photo that came, or why none did.
 fn photo_of(context: &InputContext) -> Result<Photo, String> {
     context.photo.clone().ok_or_else(|| context.words.clone().unwrap_or_else(|| "no photo came".to_owned()))
 }

@@ -2,23 +2,20 @@
 //! viewer's key may be, fills neither the disk nor the queue of records in which a STOP waits. Beyond a burst his refusals share
 //! an entry, which says how many they were. What the state refuses is not counted here: that is the operators' own.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::Engine;
-use super::sharing::{Limits, Shared, Sharing};
+use super::sharing::{Limits, Sender, Shared};
 use crate::command::{Issuer, Refusal, Refused};
 use crate::effect::Fact;
 use crate::units::{Now, Seq};
 use crate::world::log::Tone;
 
 /// More than a person presses in a minute; then one entry in so long. There are fewer keys, at each of the doors, than senders.
-const LIMITS: Limits = Limits { burst: 60, earned: Duration::from_secs(10), every: Duration::from_secs(10), senders: 512 };
+pub(super) const LIMITS: Limits =
+    Limits { burst: 60, earned: Duration::from_secs(10), every: Duration::from_secs(10), senders: 512 };
 
-/// The senders who were refused lately.
-#[derive(Clone, Debug)]
-pub(super) struct Refusals(Sharing<Note>);
-
-/// What is to be put on record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Note {
     pub(super) issuer: Issuer,
@@ -27,69 +24,33 @@ pub(super) struct Note {
     pub(super) refused: Refused,
 }
 
-impl Default for Refusals {
-    fn default() -> Refusals {
-        Refusals(Sharing::new(LIMITS))
-    }
-}
-
-impl Refusals {
-    /// Takes what was refused just now, the last of so many; what is to be written at once.
-    pub(super) fn come(&mut self, note: Note, count: u64, now: Duration) -> Option<Note> {
-        let sender = (note.issuer.who.clone(), note.issuer.door);
-        self.0.come(sender, (note, count), now).map(Note::of)
-    }
-
-    /// When something is to be written that was not written at once.
-    pub(super) fn due(&self) -> Option<Duration> {
-        self.0.due()
-    }
-
-    /// What is to be written by now.
-    pub(super) fn fall_due(&mut self, now: Duration) -> Vec<Note> {
-        self.0.fall_due(now).into_iter().map(Note::of).collect()
-    }
-
-    /// All that was not written yet.
-    pub(super) fn rest(&mut self, now: Duration) -> Vec<Note> {
-        self.0.rest(now).into_iter().map(Note::of).collect()
-    }
-}
-
 impl Engine {
     /// Notes a command that a door refused to take from its sender (safety A6): `asked` is what was asked for, as the door knows
     /// it, the last of `count`. Its place in the journal; of who is refused without end some share an entry, which has none yet.
     pub fn note_refused(&mut self, issuer: Issuer, asked: String, refused: &Refused, count: u64, now: Now) -> Option<Seq> {
         self.begin(now);
-        let notes = self.refusals.come(Note { issuer, asked, refused: refused.clone() }, count, now.since_start);
-        let is_written = notes.is_some();
-        self.write_refusals(notes);
+        let note = Note { issuer, asked, refused: refused.clone() };
+        let due = self.refusals.come(note.sender(), (note, count), now.since_start);
+        let is_written = due.is_some();
+        self.write_refusals(due);
         is_written.then(|| self.outbox.written())
     }
 
-    fn write_refusals(&mut self, notes: impl IntoIterator<Item = Note>) {
-        for Note { issuer, asked, refused } in notes {
+    pub(super) fn write_refusals(&mut self, due: impl IntoIterator<Item = Shared<Note>>) {
+        for Note { issuer, asked, refused } in due.into_iter().map(Note::of) {
             self.world.write(self.now.wall, Tone::Warning, format!("{asked} refused, by {issuer}: {refused}"));
             let refused = Some(Refusal::from(&refused));
             let fact = Fact::Command { issuer, id: None, command: asked, epoch: None, luggage: None, refused };
             self.outbox.record_command(self.now.wall, fact, None);
         }
     }
-
-    /// Puts the refusals on record that have waited for others of their senders.
-    pub(super) fn record_shared_refusals(&mut self) {
-        let due = self.refusals.fall_due(self.now.since_start);
-        self.write_refusals(due);
-    }
-
-    /// The same, whatever they wait for.
-    pub(super) fn record_all_refusals(&mut self) {
-        let rest = self.refusals.rest(self.now.since_start);
-        self.write_refusals(rest);
-    }
 }
 
 impl Note {
+    fn sender(&self) -> Sender {
+        (Arc::clone(&self.issuer.who), self.issuer.door)
+    }
+
     fn of(Shared { last, count, .. }: Shared<Note>) -> Note {
         let more = if count > 1 { format!(", and {} more that were refused", count - 1) } else { String::new() };
         Note { asked: format!("{}{more}", last.asked), ..last }
@@ -100,14 +61,19 @@ impl Note {
 mod tests {
     use super::*;
     use crate::command::Door;
+    use crate::engine::sharing::Sharing;
 
     fn note(who: &str, asked: &str) -> Note {
         let issuer = Issuer { door: Door("mqtt"), who: who.into(), from: "192.0.2.7".into() };
         Note { issuer, asked: asked.to_owned(), refused: Refused::NotAllowed("lobby may only look".to_owned()) }
     }
 
-    fn asked(notes: impl IntoIterator<Item = Note>) -> Vec<String> {
-        notes.into_iter().map(|note| note.asked).collect()
+    fn come(refusals: &mut Sharing<Note>, note: Note, count: u64, now: Duration) -> Option<Shared<Note>> {
+        refusals.come(note.sender(), (note, count), now)
+    }
+
+    fn asked(due: impl IntoIterator<Item = Shared<Note>>) -> Vec<String> {
+        due.into_iter().map(|shared| Note::of(shared).asked).collect()
     }
 
     const SECOND: Duration = Duration::from_secs(1);
@@ -119,10 +85,10 @@ mod tests {
     /// Safety A5, A6.
     #[test]
     fn a_flood_of_refusals_is_counted_and_every_one_of_them_is_in_an_entry() {
-        let mut refusals = Refusals::default();
+        let mut refusals = Sharing::new(LIMITS);
         let mut written = 0;
         for n in 0..3000_u32 {
-            written += usize::from(refusals.come(note("lobby", &format!("START {n}")), 1, SECOND * (n / 300)).is_some());
+            written += usize::from(come(&mut refusals, note("lobby", &format!("START {n}")), 1, SECOND * (n / 300)).is_some());
         }
         assert_eq!(written, BURST as usize);
         assert_eq!(refusals.due(), Some(EVERY));
@@ -135,33 +101,33 @@ mod tests {
     /// Safety A6: the door counts while the queue of commands is full.
     #[test]
     fn what_comes_as_the_last_of_many_counts_as_many() {
-        let mut refusals = Refusals::default();
-        assert_eq!(refusals.come(note("lobby", "START 1"), 1000, SECOND), None);
-        assert_eq!(refusals.come(note("lobby", "START 2"), 1, SECOND), None);
+        let mut refusals = Sharing::new(LIMITS);
+        assert_eq!(come(&mut refusals, note("lobby", "START 1"), 1000, SECOND), None);
+        assert_eq!(come(&mut refusals, note("lobby", "START 2"), 1, SECOND), None);
         assert_eq!(asked(refusals.fall_due(EVERY + SECOND)), ["START 2, and 1000 more that were refused"]);
     }
 
     #[test]
     fn whoever_is_refused_now_and_then_is_written_one_by_one_and_nobody_for_another() {
-        let mut refusals = Refusals::default();
-        (0..9 * BURST).for_each(|_| drop(refusals.come(note("lobby", "START"), 1, SECOND)));
-        assert_eq!(asked(refusals.come(note("anna", "RESET"), 1, SECOND)), ["RESET"], "another sender has room of his own");
+        let mut refusals = Sharing::new(LIMITS);
+        (0..9 * BURST).for_each(|_| drop(come(&mut refusals, note("lobby", "START"), 1, SECOND)));
+        assert_eq!(asked(come(&mut refusals, note("anna", "RESET"), 1, SECOND)), ["RESET"], "another sender has room of his own");
         assert_eq!(refusals.fall_due(EVERY + SECOND).len(), 1);
-        assert_eq!(refusals.come(note("lobby", "START"), 1, EVERY + SECOND), None);
+        assert_eq!(come(&mut refusals, note("lobby", "START"), 1, EVERY + SECOND), None);
         assert_eq!(refusals.fall_due(EVERY * 3).len(), 1);
         for n in 4..400 {
-            assert!(refusals.come(note("lobby", "START"), 1, EVERY * n).is_some(), "one in {EVERY:?} is written at once");
+            assert!(come(&mut refusals, note("lobby", "START"), 1, EVERY * n).is_some(), "one in {EVERY:?} is written at once");
         }
     }
 
     #[test]
     fn exactly_so_many_senders_are_told_apart_and_nothing_of_others_is_lost() {
-        let mut refusals = Refusals::default();
-        (0..=BURST).for_each(|_| drop(refusals.come(note("first", "START"), 1, Duration::ZERO)));
+        let mut refusals = Sharing::new(LIMITS);
+        (0..=BURST).for_each(|_| drop(come(&mut refusals, note("first", "START"), 1, Duration::ZERO)));
         for n in 1..LIMITS.senders {
-            assert!(refusals.come(note(&format!("key-{n}"), "START"), 1, Duration::ZERO).is_some());
+            assert!(come(&mut refusals, note(&format!("key-{n}"), "START"), 1, Duration::ZERO).is_some());
         }
-        let others = (0..=BURST).filter_map(|n| refusals.come(note(&format!("late-{n}"), "RESET"), 1, Duration::ZERO));
+        let others = (0..=BURST).filter_map(|n| come(&mut refusals, note(&format!("late-{n}"), "RESET"), 1, Duration::ZERO));
         assert_eq!(others.count(), BURST as usize, "they share one room");
         assert_eq!(asked(refusals.fall_due(EVERY)), ["START", "RESET"]);
     }

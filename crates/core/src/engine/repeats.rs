@@ -5,7 +5,7 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::command::{Accepted, Command, CommandId, Issuer, Refusal, RefusalKind, Refused, Request};
+use crate::command::{Accepted, Command, CommandId, Issuer, RefusalKind, Refused, Request};
 use crate::effect::{Entry, Fact};
 use crate::mission::from_words;
 use crate::refused::OTHER_CONTENT;
@@ -18,20 +18,16 @@ pub const IDS: usize = 1024;
 /// Who sent it, and its name for the command: two people may use the same.
 type Key = (Arc<str>, CommandId);
 
-/// Name and address.
-type Sender = (Arc<str>, Arc<str>);
+type IdOwner = (Arc<str>, Arc<str>);
 
-/// The ids that were used.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Repeats {
     known: BTreeMap<Key, Repeat>,
     /// Each sender's ids by their numbers.
-    ids: BTreeMap<Sender, BTreeMap<u64, CommandId>>,
+    ids: BTreeMap<IdOwner, BTreeMap<u64, CommandId>>,
     /// The senders by how many ids they have, and of those who have as many the one with the oldest last.
-    ranks: BTreeMap<(usize, Reverse<u64>), Sender>,
-    /// The commands that wait for their record.
+    ranks: BTreeMap<(usize, Reverse<u64>), IdOwner>,
     open: BTreeMap<Ticket, Key>,
-    /// So many ids have been noted.
     noted: u64,
 }
 
@@ -59,38 +55,29 @@ enum Asked {
     InWords(String),
 }
 
-/// What became of a command.
 #[derive(Clone, Debug)]
 pub(super) enum Outcome {
-    /// It waits for its record.
     Open(Ticket),
-    /// It was answered.
     Answered(Result<Accepted, Refused>),
     /// It was accepted before the program was started again; the piece it was about.
     Before(Option<LuggageId>),
 }
 
-/// What is known of an id.
-pub(super) enum Known<'a> {
-    /// Nothing.
+pub(super) enum IdUse<'a> {
     New,
-    /// It stands for another command.
     Other,
-    /// It stands for this one.
     Same(&'a Outcome),
 }
 
 impl Repeats {
-    /// What is known of this id, sent with this content.
-    pub(super) fn look_up(&self, who: &Arc<str>, id: &CommandId, content: &Content) -> Known<'_> {
+    pub(super) fn look_up(&self, who: &Arc<str>, id: &CommandId, content: &Content) -> IdUse<'_> {
         match self.known.get(&(Arc::clone(who), id.clone())) {
-            None => Known::New,
-            Some(repeat) if repeat.content != *content => Known::Other,
-            Some(repeat) => Known::Same(&repeat.outcome),
+            None => IdUse::New,
+            Some(repeat) if repeat.content != *content => IdUse::Other,
+            Some(repeat) => IdUse::Same(&repeat.outcome),
         }
     }
 
-    /// Notes what became of a command.
     pub(super) fn note(&mut self, issuer: &Issuer, id: &CommandId, content: Content, outcome: Outcome) {
         if outcome.is_to_be_tried_again() {
             return;
@@ -124,7 +111,7 @@ impl Repeats {
     }
 
     /// Changes what ids a sender has, and his rank with them.
-    fn change_ids(&mut self, sender: Sender, change: impl FnOnce(&mut BTreeMap<u64, CommandId>) -> Option<CommandId>) {
+    fn change_ids(&mut self, sender: IdOwner, change: impl FnOnce(&mut BTreeMap<u64, CommandId>) -> Option<CommandId>) {
         let rank = |ids: &BTreeMap<u64, CommandId>| ids.first_key_value().map(|(oldest, _)| (ids.len(), Reverse(*oldest)));
         let ids = self.ids.entry(sender.clone()).or_default();
         if let Some(before) = rank(ids) {
@@ -137,7 +124,6 @@ impl Repeats {
         }
     }
 
-    /// The command with this ticket was answered.
     pub(super) fn answer(&mut self, ticket: Ticket, answer: &Result<Accepted, Refused>) {
         let Some(key) = self.open.remove(&ticket) else { return };
         // Its id may have been given up, and used again for another command.
@@ -159,7 +145,10 @@ impl Repeats {
                 if contradicted || content.asked == Asked::Command(Command::Stop) {
                     continue;
                 }
-                let outcome = refused.as_ref().map_or(Outcome::Before(*luggage), before);
+                let outcome = match refused {
+                    Some(refusal) => Outcome::Answered(Err(Refused::Before(refusal.clone()))),
+                    None => Outcome::Before(*luggage),
+                };
                 self.note(issuer, id, content, outcome);
             }
         }
@@ -167,12 +156,10 @@ impl Repeats {
 }
 
 impl Content {
-    /// Of a command that has come.
     pub(super) fn of(request: &Request) -> Content {
         Content { asked: Asked::Command(request.command.clone()), epoch: request.epoch }
     }
 
-    /// Of one that stands in the journal.
     fn read_back(words: &str, epoch: Option<Epoch>) -> Content {
         let asked = from_words(words).map_or_else(|| Asked::InWords(words.to_owned()), Asked::Command);
         Content { asked, epoch }
@@ -184,10 +171,6 @@ impl Outcome {
     fn is_to_be_tried_again(&self) -> bool {
         matches!(self, Outcome::Answered(Err(refused)) if refused.kind() == RefusalKind::Unavailable)
     }
-}
-
-fn before(refusal: &Refusal) -> Outcome {
-    Outcome::Answered(Err(Refused::Before(refusal.clone())))
 }
 
 #[cfg(test)]
@@ -213,10 +196,10 @@ mod tests {
         for n in 0..=IDS {
             repeats.note(&issuer("operator", "127.0.0.1"), &id(n), asked("START"), Outcome::Before(None));
         }
-        assert!(matches!(repeats.look_up(&"operator".into(), &id(0), &asked("START")), Known::New));
-        assert!(matches!(repeats.look_up(&"operator".into(), &id(1), &asked("START")), Known::Same(_)));
-        assert!(matches!(repeats.look_up(&"operator".into(), &id(1), &asked("RESET")), Known::Other));
-        assert!(matches!(repeats.look_up(&"somebody".into(), &id(1), &asked("RESET")), Known::New));
+        assert!(matches!(repeats.look_up(&"operator".into(), &id(0), &asked("START")), IdUse::New));
+        assert!(matches!(repeats.look_up(&"operator".into(), &id(1), &asked("START")), IdUse::Same(_)));
+        assert!(matches!(repeats.look_up(&"operator".into(), &id(1), &asked("RESET")), IdUse::Other));
+        assert!(matches!(repeats.look_up(&"somebody".into(), &id(1), &asked("RESET")), IdUse::New));
     }
 
     /// Safety S4, A5: where nobody signs in all have one name, and still an address of their own.
@@ -226,7 +209,7 @@ mod tests {
             let mut repeats = Repeats::default();
             (0..9).for_each(|n| repeats.note(&issuer("operator", "127.0.0.1"), &id(n), asked("START"), Outcome::Before(None)));
             (9..9 * IDS).for_each(|n| repeats.note(&issuer(name, address), &id(n), asked("RETRIEVE"), Outcome::Before(None)));
-            assert!((0..9).all(|n| matches!(repeats.look_up(&"operator".into(), &id(n), &asked("START")), Known::Same(_))));
+            assert!((0..9).all(|n| matches!(repeats.look_up(&"operator".into(), &id(n), &asked("START")), IdUse::Same(_))));
             let ids = || repeats.ids.values().map(BTreeMap::len);
             assert_eq!((repeats.known.len(), ids().sum(), repeats.ranks.len()), (IDS, IDS, ids().count()));
         }
@@ -244,7 +227,7 @@ mod tests {
                 Outcome::Before(None),
             );
             (0..=n)
-                .filter(|n| matches!(repeats.look_up(&"operator".into(), &id(*n), &asked("START")), Known::New))
+                .filter(|n| matches!(repeats.look_up(&"operator".into(), &id(*n), &asked("START")), IdUse::New))
                 .collect::<Vec<_>>()
         };
         (0..IDS).for_each(|n| assert!(note(n).is_empty()));
@@ -257,7 +240,7 @@ mod tests {
         let anna = issuer("anna", "192.0.2.7");
         repeats.note(&anna, &id(0), asked("START"), Outcome::Open(Ticket(1)));
         repeats.answer(Ticket(1), &Err(Refused::StoreDown));
-        assert!(matches!(repeats.look_up(&anna.who, &id(0), &asked("RESET")), Known::New));
+        assert!(matches!(repeats.look_up(&anna.who, &id(0), &asked("RESET")), IdUse::New));
         assert_eq!((repeats.known.len(), repeats.ids.len(), repeats.ranks.len()), (0, 0, 0));
     }
 
@@ -267,8 +250,8 @@ mod tests {
         let mut repeats = Repeats::default();
         let anna = issuer("anna", "192.0.2.7");
         repeats.note(&anna, &id(0), asked("safe #1 and #2"), Outcome::Before(None));
-        assert!(matches!(repeats.look_up(&anna.who, &id(0), &asked("safe #1 and #2")), Known::Same(_)));
-        assert!(matches!(repeats.look_up(&anna.who, &id(0), &asked("safe #1")), Known::Other));
+        assert!(matches!(repeats.look_up(&anna.who, &id(0), &asked("safe #1 and #2")), IdUse::Same(_)));
+        assert!(matches!(repeats.look_up(&anna.who, &id(0), &asked("safe #1")), IdUse::Other));
     }
 
     /// As a journal may hold an id twice, when it was given up in between.
@@ -291,8 +274,8 @@ mod tests {
         repeats.note(&anna, &id(0), asked("RESET"), Outcome::Open(Ticket(2)));
         repeats.answer(Ticket(1), &refused);
         let outcome = |repeats: &Repeats| match repeats.look_up(&anna.who, &id(0), &asked("RESET")) {
-            Known::Same(outcome) => format!("{outcome:?}"),
-            Known::New | Known::Other => panic!("it is known"),
+            IdUse::Same(outcome) => format!("{outcome:?}"),
+            IdUse::New | IdUse::Other => panic!("it is known"),
         };
         assert_eq!(outcome(&repeats), "Open(Ticket(2))");
         repeats.answer(Ticket(2), &refused);

@@ -6,8 +6,8 @@ use super::Engine;
 use crate::command::Move;
 use crate::effect::{Action, Fact, Order};
 use crate::event::{Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent, RobotId, Whereabouts};
-use crate::explore::plan::after;
 use crate::mission::{FaultCause, Hold, Input, InputContext, Phase, Stage};
+use crate::search::plan::after;
 use crate::units::{Cell, Heading, OrderId, Pose};
 use crate::world::hall_map::{Mark, REACH};
 use crate::world::log::Tone;
@@ -44,7 +44,6 @@ impl Engine {
         self.robots.searching_id() == robot
     }
 
-    /// Where the last completed order left a robot.
     pub(super) fn pose_of(&self, robot: &RobotId) -> Pose {
         if self.searches(robot) { self.state.pose } else { self.state.others.get(robot).copied().unwrap_or(Pose::START) }
     }
@@ -212,7 +211,6 @@ impl Engine {
         }
     }
 
-    /// Marks the straight wall that the camera sees beside the cell that was met.
     fn reveal_wall(&mut self, from: Cell, towards: Heading, count: u16) {
         let mut cell = from;
         for _ in 0..i32::from(count).min(REACH) {
@@ -291,7 +289,6 @@ impl Engine {
     }
 }
 
-/// The piece an obstacle was recognised as.
 pub(super) fn piece_of(obstacle: Obstacle) -> Option<Piece> {
     match obstacle {
         Obstacle::Luggage(piece) => Some(piece),

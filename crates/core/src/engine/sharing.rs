@@ -8,7 +8,6 @@ use std::time::Duration;
 
 use crate::command::Door;
 
-/// How much of one sender is put on record.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
     /// So much one by one,
@@ -24,7 +23,6 @@ pub(super) struct Limits {
 /// Whoever is told apart from others: by a name or an address, and by the door.
 pub(super) type Sender = (Arc<str>, Door);
 
-/// Who sent something lately.
 #[derive(Clone, Debug)]
 pub(super) struct Sharing<T> {
     limits: Limits,
@@ -33,12 +31,9 @@ pub(super) struct Sharing<T> {
     others: Tally<T>,
 }
 
-/// What is to be put on record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Shared<T> {
-    /// The last of it.
     pub(super) last: T,
-    /// How much it was.
     pub(super) count: u64,
     /// From the first to the last.
     pub(super) lasted: Duration,

@@ -29,14 +29,13 @@ const SAME_PRESS: Duration = Duration::from_secs(60);
 /// So many presses with a name are remembered: more than there are pages. Of more the oldest is forgotten.
 const PRESSES: usize = 128;
 
-/// The stops that are not answered yet, and what waits for them.
 #[derive(Clone, Debug)]
 pub(super) struct Stops {
     /// Oldest first, each with when it is answered at the latest. Bounded by the places of the doors: each is somebody's who waits.
     waiting: Vec<(Ticket, Duration)>,
     /// When the next order may be looked for that was put off for the sake of an answer.
     put_off: Option<Duration>,
-    records: Sharing<Press>,
+    pub(super) records: Sharing<Press>,
     /// Oldest first.
     named: VecDeque<Named>,
 }
@@ -50,9 +49,8 @@ struct Named {
     at: Duration,
 }
 
-/// Who pressed STOP, and when.
 #[derive(Clone, Debug)]
-struct Press {
+pub(super) struct Press {
     issuer: Issuer,
     id: Option<CommandId>,
     wall: WallTime,
@@ -65,7 +63,6 @@ impl Default for Stops {
 }
 
 impl Stops {
-    /// When `handle_timeout` is needed.
     pub(super) fn due(&self) -> Option<Duration> {
         self.waiting.first().map(|(_, due)| *due).into_iter().chain(self.put_off).chain(self.records.due()).min()
     }
@@ -73,7 +70,7 @@ impl Stops {
 
 impl Engine {
     /// Answers a stop as soon as every robot stands.
-    pub(super) fn answer_standing(&mut self, ticket: Ticket) {
+    pub(super) fn answer_when_standing(&mut self, ticket: Ticket) {
         if self.robots.are_halting() {
             self.stops.waiting.push((ticket, self.now.since_start.saturating_add(PATIENCE)));
         } else {
@@ -129,19 +126,7 @@ impl Engine {
         is_known
     }
 
-    /// Puts the stops on record that have waited for others of their senders.
-    pub(super) fn record_shared_stops(&mut self) {
-        let due = self.stops.records.fall_due(self.now.since_start);
-        self.write_stops(due);
-    }
-
-    /// The same, whatever they wait for.
-    pub(super) fn record_all_stops(&mut self) {
-        let rest = self.stops.records.rest(self.now.since_start);
-        self.write_stops(rest);
-    }
-
-    fn write_stops(&mut self, stops: impl IntoIterator<Item = Shared<Press>>) {
+    pub(super) fn write_stops(&mut self, stops: impl IntoIterator<Item = Shared<Press>>) {
         for Shared { last: Press { issuer, id, wall }, count, lasted } in stops {
             let word = Input::Stop.in_words();
             let (id, command) = match count {

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::Engine;
-use super::on_record::View;
-use crate::command::Refused;
-use crate::explore::plan::cells_along;
+use super::on_record::StateView;
+use crate::command::{Move, Refused};
 use crate::mission::{Hold, Input, InputContext, PhaseName, Stage};
 use crate::robots::{Robot, RobotId};
+use crate::search::plan::cells_along;
 use crate::world::alarm::AlarmView;
 use crate::world::resource::Resource;
 use crate::world::robot::{RobotShown, RobotState, RobotView};
@@ -20,9 +20,6 @@ pub(super) struct Shown {
     pub(super) robot: RobotView,
     pub(super) temperature: TemperatureView,
 }
-
-/// Of which button.
-type Of = fn(&Refusals) -> Option<&String>;
 
 /// Why a button would be refused that what is on record does not refuse.
 const NOT_ON_RECORD: &str = "what was done last is not on record yet: wait a moment";
@@ -46,7 +43,6 @@ impl Engine {
         }
     }
 
-    /// All robots, the one that searches first.
     fn robots_shown(&self, searching: RobotView) -> Arc<[RobotShown]> {
         let parts = |robot: &Robot| robot.controller.capabilities.map(|can| can.parts);
         let first = RobotShown {
@@ -115,7 +111,7 @@ impl Engine {
     }
 
     /// A fault warns, so it is shown at once; what it interrupts is what was shown before.
-    fn phase_shown(&self, shown: &View) -> (PhaseName, Option<PhaseName>, Option<String>) {
+    fn phase_shown(&self, shown: &StateView) -> (PhaseName, Option<PhaseName>, Option<String>) {
         let Some(cause) = self.state.phase.fault() else { return (shown.phase, shown.interrupted, shown.fault.clone()) };
         (PhaseName::Fault, shown.interrupted.or(Some(shown.phase)), Some(cause.to_string()))
     }
@@ -128,7 +124,6 @@ impl Engine {
         Hold::ALL.into_iter().filter(stands).collect()
     }
 
-    /// The alarms on record, and those that are not on record yet.
     fn alarms_shown(&self) -> Arc<[AlarmView]> {
         let unrecorded = self.state.alarms.iter().filter(|alarm| !self.is_on_record(alarm.id));
         let recorded = self.on_record.shown.alarms.iter().map(|alarm| AlarmView::recorded(alarm));
@@ -151,20 +146,12 @@ impl Engine {
         } else {
             TemperatureStatus::Ok
         };
-        TemperatureView {
-            celsius: self.world.thermometer.last(),
-            status,
-            threshold: self.world.thermometer.threshold(),
-            cool: self.world.thermometer.cool(),
-            hot: self.world.thermometer.hot(),
-        }
+        self.world.thermometer.view(status)
     }
 
     fn progress(&self) -> Progress {
         let map = self.shown_map();
-        let visited = map.visited();
-        let unknown = map.frontier().len() + map.uninspected();
-        Progress { visited, unknown }
+        Progress { visited: map.visited(), unknown: map.frontier().len() + map.uninspected() }
     }
 
     /// What each button would be refused with, as far as it is on record.
@@ -175,11 +162,10 @@ impl Engine {
     /// The same as it is shown: what holds the robot is said at once, and so is that something else has changed of which there is
     /// no record yet.
     fn refusals_shown(&self) -> Refusals {
-        let shown = &self.on_record.shown.refusals;
         if self.on_record.is_current() {
-            return shown.clone();
+            return self.on_record.shown.refusals.clone();
         }
-        self.each_button(|input, context, of| match (self.decide(input, context), of(shown)) {
+        self.each_button(|input, context, shown| match (self.decide(input, context), shown) {
             (Err((refused @ Refused::Held(..), _)), _) => Some(refused.to_string()),
             (_, Some(words)) => Some(words.clone()),
             (Err(_), None) => Some(NOT_ON_RECORD.to_owned()),
@@ -187,18 +173,20 @@ impl Engine {
         })
     }
 
-    fn each_button(&self, why: impl Fn(Input, &InputContext, Of) -> Option<String>) -> Refusals {
+    /// `why` is told of each button what is shown of it, too.
+    fn each_button(&self, why: impl Fn(Input, &InputContext, &Option<String>) -> Option<String>) -> Refusals {
         let plain = InputContext::default();
-        let turn = InputContext { step: Some(crate::command::Move::TurnLeft), ..InputContext::default() };
+        let turn = InputContext { step: Some(Move::TurnLeft), ..InputContext::default() };
         let piece = InputContext { luggage: self.inspected(), ..InputContext::default() };
+        let shown = &self.on_record.shown.refusals;
         Refusals {
-            start: why(Input::Start, &plain, |refusals| refusals.start.as_ref()),
-            back_home: why(Input::BackHome, &plain, |refusals| refusals.back_home.as_ref()),
-            retrieve: why(Input::Retrieve, &plain, |refusals| refusals.retrieve.as_ref()),
-            reset: why(Input::Reset, &plain, |refusals| refusals.reset.as_ref()),
-            drive: why(Input::Move, &turn, |refusals| refusals.drive.as_ref()),
-            strategy: why(Input::Strategy, &plain, |refusals| refusals.strategy.as_ref()),
-            retake: why(Input::RetakePhoto, &piece, |refusals| refusals.retake.as_ref()),
+            start: why(Input::Start, &plain, &shown.start),
+            back_home: why(Input::BackHome, &plain, &shown.back_home),
+            retrieve: why(Input::Retrieve, &plain, &shown.retrieve),
+            reset: why(Input::Reset, &plain, &shown.reset),
+            drive: why(Input::Move, &turn, &shown.drive),
+            strategy: why(Input::Strategy, &plain, &shown.strategy),
+            retake: why(Input::RetakePhoto, &piece, &shown.retake),
         }
     }
 }

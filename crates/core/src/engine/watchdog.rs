@@ -4,7 +4,6 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-/// The sensors that must be heard.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SensorWatchdog(Vec<Watched>);
 
@@ -23,7 +22,6 @@ impl SensorWatchdog {
         self.0.push(Watched { sensor, patience, due: None });
     }
 
-    /// Whether this sensor is watched.
     pub(super) fn watches(&self, sensor: &str) -> bool {
         self.0.iter().any(|watched| *watched.sensor == *sensor)
     }
@@ -35,7 +33,6 @@ impl SensorWatchdog {
         was_silent && self.0.iter().all(|watched| watched.due.is_some())
     }
 
-    /// When the silence of one will have lasted too long.
     pub(super) fn due(&self) -> Option<Duration> {
         self.0.iter().filter_map(|watched| watched.due).min()
     }

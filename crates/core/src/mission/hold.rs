@@ -2,59 +2,33 @@
 
 use std::collections::BTreeSet;
 
-/// One reason for which the robot must not move.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Hold {
-    /// STOP was pressed.
-    Operator,
-    /// The operator's button TOO HIGH.
-    TooHigh,
-    /// A reading is above the threshold.
-    Temperature,
-    /// A configured sensor is silent.
-    TemperatureStale,
-    /// The robot cannot be reached.
-    RobotLink,
-    /// Nothing can be put on record.
-    Store,
-    /// The program was started again.
-    Restart,
-    /// Danger was said and could not be recorded: that must be acknowledged, or danger put on record, first.
-    Alarm,
-    /// The cause of a hold may be gone, but nobody has said START since.
-    AwaitingStart,
+named! {
+    ALL by name;
+    /// One reason for which the robot must not move.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum Hold {
+        /// STOP was pressed.
+        Operator = "operator",
+        /// The operator's button TOO HIGH.
+        TooHigh = "tooHigh",
+        /// A reading is above the threshold.
+        Temperature = "temperature",
+        /// A configured sensor is silent.
+        TemperatureStale = "temperatureStale",
+        /// The robot cannot be reached.
+        RobotLink = "robotLink",
+        /// Nothing can be put on record.
+        Store = "store",
+        /// The program was started again.
+        Restart = "restart",
+        /// Danger was said and could not be recorded: that must be acknowledged, or danger put on record, first.
+        Alarm = "alarm",
+        /// The cause of a hold may be gone, but nobody has said START since.
+        AwaitingStart = "awaitingStart",
+    }
 }
 
 impl Hold {
-    /// Every hold, in the order in which they are listed.
-    pub const ALL: [Hold; 9] = [
-        Hold::Operator,
-        Hold::TooHigh,
-        Hold::Temperature,
-        Hold::TemperatureStale,
-        Hold::RobotLink,
-        Hold::Store,
-        Hold::Restart,
-        Hold::Alarm,
-        Hold::AwaitingStart,
-    ];
-
-    /// The word of the doors.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Hold::Operator => "operator",
-            Hold::TooHigh => "tooHigh",
-            Hold::Temperature => "temperature",
-            Hold::TemperatureStale => "temperatureStale",
-            Hold::RobotLink => "robotLink",
-            Hold::Store => "store",
-            Hold::Restart => "restart",
-            Hold::Alarm => "alarm",
-            Hold::AwaitingStart => "awaitingStart",
-        }
-    }
-
     /// What an operator reads, and what to do about it.
     #[must_use]
     pub const fn in_words(self) -> &'static str {
@@ -88,8 +62,7 @@ impl Hold {
     }
 
     /// Whether an accepted movement command clears it; the others must end by themselves.
-    #[must_use]
-    pub const fn cleared_by_start(self) -> bool {
+    pub(crate) const fn cleared_by_start(self) -> bool {
         matches!(self, Hold::Operator | Hold::Restart | Hold::AwaitingStart)
     }
 }
@@ -129,8 +102,7 @@ impl Holds {
     }
 
     /// Those that a movement command does not clear.
-    #[must_use]
-    pub fn standing_against_start(&self) -> Vec<Hold> {
+    pub(crate) fn standing_against_start(&self) -> Vec<Hold> {
         self.0.iter().copied().filter(|hold| !hold.cleared_by_start()).collect()
     }
 

@@ -73,18 +73,22 @@ impl Phase {
     }
 
     /// The phase that goes on when every interruption ends: itself, unless it is one.
-    #[must_use]
-    pub fn underlying(&self) -> &Phase {
+    pub(crate) fn underlying(&self) -> &Phase {
         self.interrupted().map_or(self, Phase::underlying)
     }
 
-    /// As `underlying`, to be changed.
-    pub fn underlying_mut(&mut self) -> &mut Phase {
-        if self.interrupted().is_none() {
+    /// The phase that many interruptions below this one.
+    pub(crate) fn below_mut(&mut self, depth: usize) -> &mut Phase {
+        if depth == 0 || self.interrupted().is_none() {
             return self;
         }
         let (Phase::Driving { interrupted, .. } | Phase::Fault { interrupted, .. }) = self else { return self };
-        interrupted.underlying_mut()
+        interrupted.below_mut(depth - 1)
+    }
+
+    /// As `underlying`, to be changed.
+    pub(crate) fn underlying_mut(&mut self) -> &mut Phase {
+        self.below_mut(usize::MAX)
     }
 
     /// The inspection under way, interrupted or not.
@@ -99,6 +103,17 @@ impl Phase {
         if let Phase::Fault { cause, .. } = self { Some(cause) } else { None }
     }
 
+    /// Whether the robot moves in it, unless something holds it.
+    pub(crate) const fn is_motion(&self) -> bool {
+        match self {
+            Phase::Exploring | Phase::ReturningHome | Phase::ReturningWithAlarm | Phase::Driving { .. } | Phase::Retrieving => {
+                true
+            }
+            Phase::Inspecting(inspection) => matches!(inspection.stage, Stage::BackingUp),
+            Phase::Idle | Phase::AtHome | Phase::BombLocated | Phase::BagSecured | Phase::Explored | Phase::Fault { .. } => false,
+        }
+    }
+
     /// Whether a mission is under way: raising a hold then also raises `awaitingStart`.
     #[must_use]
     pub fn is_mission(&self) -> bool {
@@ -106,60 +121,29 @@ impl Phase {
     }
 }
 
-/// The phases by the names that every door shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[expect(missing_docs, reason = "the variants are documented at `Phase`")]
-pub enum PhaseName {
-    Idle,
-    Exploring,
-    Inspecting,
-    Driving,
-    ReturningHome,
-    AtHome,
-    ReturningWithAlarm,
-    BombLocated,
-    Retrieving,
-    BagSecured,
-    Explored,
-    Fault,
+named! {
+    ALL by name;
+    /// The phases by the names that every door shows.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    #[expect(missing_docs, reason = "the variants are documented at `Phase`")]
+    pub enum PhaseName {
+        #[default]
+        Idle = "idle",
+        Exploring = "exploring",
+        Inspecting = "inspecting",
+        Driving = "driving",
+        ReturningHome = "returningHome",
+        AtHome = "atHome",
+        ReturningWithAlarm = "returningWithAlarm",
+        BombLocated = "bombLocated",
+        Retrieving = "retrieving",
+        BagSecured = "bagSecured",
+        Explored = "explored",
+        Fault = "fault",
+    }
 }
 
 impl PhaseName {
-    /// All of them, in the order of a mission's life.
-    pub const ALL: [PhaseName; 12] = [
-        PhaseName::Idle,
-        PhaseName::Exploring,
-        PhaseName::Inspecting,
-        PhaseName::Driving,
-        PhaseName::ReturningHome,
-        PhaseName::AtHome,
-        PhaseName::ReturningWithAlarm,
-        PhaseName::BombLocated,
-        PhaseName::Retrieving,
-        PhaseName::BagSecured,
-        PhaseName::Explored,
-        PhaseName::Fault,
-    ];
-
-    /// The word of the doors.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            PhaseName::Idle => "idle",
-            PhaseName::Exploring => "exploring",
-            PhaseName::Inspecting => "inspecting",
-            PhaseName::Driving => "driving",
-            PhaseName::ReturningHome => "returningHome",
-            PhaseName::AtHome => "atHome",
-            PhaseName::ReturningWithAlarm => "returningWithAlarm",
-            PhaseName::BombLocated => "bombLocated",
-            PhaseName::Retrieving => "retrieving",
-            PhaseName::BagSecured => "bagSecured",
-            PhaseName::Explored => "explored",
-            PhaseName::Fault => "fault",
-        }
-    }
-
     /// The same for an operator.
     #[must_use]
     pub const fn in_words(self) -> &'static str {

@@ -34,7 +34,6 @@ pub fn table_markdown() -> String {
     text
 }
 
-/// The inputs that have a cell here.
 fn section(title: &str, cell: impl Fn(Input) -> Option<&'static [Rule]>) -> String {
     let mut text = format!("\n## {title}\n\n| input | what follows |\n|---|---|\n");
     let mut idle = Vec::new();

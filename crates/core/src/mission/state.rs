@@ -11,19 +11,18 @@ use crate::units::{Cell, LuggageId, Seq, WallTime};
 /// How many cells of the way behind the robot are shown.
 const TRAIL: usize = 48;
 
-/// What ends with the program.
 #[derive(Clone, Debug, Default)]
-pub struct Mission {
+pub(crate) struct Mission {
     /// The moves still to be made towards the goal; empty when they are to be planned anew.
-    pub route: VecDeque<Move>,
+    pub(crate) route: VecDeque<Move>,
     /// The cells behind the robot, the latest last.
-    pub trail: VecDeque<Cell>,
+    pub(crate) trail: VecDeque<Cell>,
     /// Whether the move by hand that the phase names has been ordered.
-    pub is_driven: bool,
+    pub(crate) is_driven: bool,
     /// Records on their way to the store.
-    pub recording: Vec<Recording>,
+    pub(crate) recording: Vec<Recording>,
     /// Verdicts on their way to the store; at most one a piece.
-    pub deciding: Vec<Deciding>,
+    pub(crate) deciding: Vec<Deciding>,
 }
 
 /// What a search is after.
@@ -48,39 +47,32 @@ impl Goal {
 
 /// A piece that is not yet on record.
 #[derive(Clone, Debug)]
-pub struct Recording {
-    /// Its place in the journal.
-    pub seq: Seq,
+pub(crate) struct Recording {
+    pub(crate) seq: Seq,
     /// When it was found, or photographed again.
-    pub wall: WallTime,
-    /// What is being recorded.
-    pub fact: Fact,
+    pub(crate) wall: WallTime,
+    pub(crate) fact: Fact,
 }
 
 /// A verdict that is not yet on record.
 #[derive(Clone, Debug)]
-pub struct Deciding {
-    /// Its place in the journal.
-    pub seq: Seq,
-    /// When it was given.
-    pub wall: WallTime,
-    /// The piece.
-    pub luggage: LuggageId,
-    /// What it will be once it is on record.
-    pub verdict: Verdict,
-    /// Who says so.
-    pub who: Arc<str>,
+pub(crate) struct Deciding {
+    pub(crate) seq: Seq,
+    pub(crate) wall: WallTime,
+    pub(crate) luggage: LuggageId,
+    pub(crate) verdict: Verdict,
+    pub(crate) who: Arc<str>,
 }
 
 impl Mission {
-    /// Forgets the way of a search that ends.
-    pub fn forget_way(&mut self) {
+    /// The way of a search that ends.
+    pub(crate) fn forget_way(&mut self) {
         self.route.clear();
         self.trail.clear();
     }
 
-    /// Notes that the robot has left a cell.
-    pub fn leave(&mut self, cell: Cell) {
+    /// The robot has left a cell.
+    pub(crate) fn leave(&mut self, cell: Cell) {
         if self.trail.len() == TRAIL {
             self.trail.pop_front();
         }
@@ -88,8 +80,7 @@ impl Mission {
     }
 
     /// The verdict on its way to the store for this piece.
-    #[must_use]
-    pub fn deciding(&self, luggage: LuggageId) -> Option<(Verdict, Seq)> {
-        self.deciding.iter().find(|deciding| deciding.luggage == luggage).map(|deciding| (deciding.verdict, deciding.seq))
+    pub(crate) fn deciding(&self, luggage: LuggageId) -> Option<Verdict> {
+        self.deciding.iter().find(|deciding| deciding.luggage == luggage).map(|deciding| deciding.verdict)
     }
 }

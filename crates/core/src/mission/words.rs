@@ -3,7 +3,7 @@
 
 use super::{Input, InputContext};
 use crate::command::{Command, Door, Issuer, LuggageRef, Move, TemperatureReport, Verdict};
-use crate::explore::Strategy;
+use crate::search::Strategy;
 use crate::units::{AlarmId, Cell, Celsius, LuggageId};
 use crate::world::temperature::OPERATOR;
 
@@ -17,7 +17,7 @@ pub fn in_words(command: &Command) -> String {
 /// The command that has these words; `None` when none has them, as those of a newer journal.
 #[must_use]
 #[expect(clippy::wildcard_enum_match_arm, reason = "no event is a command; a test holds that every command comes back")]
-pub fn from_words(words: &str) -> Option<Command> {
+pub(crate) fn from_words(words: &str) -> Option<Command> {
     let (input, about) = Input::from_words(words)?;
     let about = about.trim_start();
     let verdict = |verdict| Some(Command::Verdict { luggage: piece(about)?, verdict });
@@ -27,7 +27,7 @@ pub fn from_words(words: &str) -> Option<Command> {
         Input::BackHome => Command::BackHome,
         Input::Retrieve => Command::Retrieve,
         Input::Reset => Command::Reset,
-        Input::Move => Command::Move(Move::ALL.into_iter().find(|step| step_in_words(*step) == about)?),
+        Input::Move => Command::Move(Move::ALL.into_iter().find(|step| step.in_words() == about)?),
         Input::Goto => Command::Goto(cell(about)?),
         Input::Safe => verdict(Verdict::Safe)?,
         Input::Danger => verdict(Verdict::Danger)?,
@@ -51,7 +51,7 @@ pub fn from_words(words: &str) -> Option<Command> {
 impl Input {
     /// The input with whose words those of a command begin, and the rest of them: what it is about.
     #[must_use]
-    pub fn from_words(words: &str) -> Option<(Input, &str)> {
+    pub(crate) fn from_words(words: &str) -> Option<(Input, &str)> {
         let ends = |about: &str| about.is_empty() || about.starts_with(' ');
         let about = |input: Input| words.strip_prefix(input.in_words()).filter(|about| ends(about));
         Input::COMMANDS.into_iter().find_map(|input| Some((input, about(input)?)))
@@ -61,26 +61,15 @@ impl Input {
 impl InputContext {
     /// What the command is about, for the log: ` #3`, ` (1, 2)`, or nothing.
     #[must_use]
-    pub fn in_words(&self) -> String {
+    pub(crate) fn in_words(&self) -> String {
         let luggage = self.luggage.map(|id| format!(" #{id}"));
         let cell = self.cell.map(|cell| format!(" {cell}"));
-        let step = self.step.map(|step| format!(" {}", step_in_words(step)));
+        let step = self.step.map(|step| format!(" {}", step.in_words()));
         let alarm = self.alarm.map(|id| format!(" {id}"));
         let strategy = self.strategy.map(|strategy| format!(" {}", strategy.name()));
         let named = |source: &str| if source == OPERATOR { String::new() } else { format!(" {source}") };
         let reading = self.reading.as_ref().map(|(source, celsius)| format!("{} {} °C", named(source), celsius.degrees()));
         [luggage, cell, step, alarm, strategy, reading].into_iter().flatten().collect()
-    }
-}
-
-const fn step_in_words(step: Move) -> &'static str {
-    match step {
-        Move::Forward => "forward",
-        Move::Backward => "backward",
-        Move::TurnLeft => "left",
-        Move::TurnRight => "right",
-        Move::NudgeLeft => "a little left",
-        Move::NudgeRight => "a little right",
     }
 }
 
@@ -145,7 +134,6 @@ mod tests {
         }
     }
 
-    /// Some command that is this input.
     #[expect(clippy::wildcard_enum_match_arm, reason = "a command that is missing here ends the test")]
     fn command(input: Input, dice: &mut RandomStream) -> Command {
         let mut piece = || if dice.happens(0.2) { LuggageRef::Pending } else { LuggageRef::Id(LuggageId(number(dice))) };

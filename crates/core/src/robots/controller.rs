@@ -11,7 +11,6 @@ use crate::world::robot::RobotState;
 /// How much longer than the robot's own deadline an answer is waited for: the way there and back.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// The controller of one robot.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RobotController {
     /// What the robot can do; nothing is known before its link is up.
@@ -33,9 +32,13 @@ struct Open {
 }
 
 impl RobotController {
-    /// The order under way.
     pub(crate) fn open(&self) -> Option<Order> {
         self.open.map(|open| open.order)
+    }
+
+    /// Whether the robot is linked and has no order.
+    pub(crate) const fn is_free(&self) -> bool {
+        self.capabilities.is_some() && self.open.is_none()
     }
 
     /// Whether the robot was told to move and has not answered yet.
@@ -48,7 +51,6 @@ impl RobotController {
         self.halting
     }
 
-    /// The robot is told to halt.
     pub(crate) fn halt(&mut self) {
         self.halting |= self.may_be_moving();
     }
@@ -93,12 +95,11 @@ impl RobotController {
         let open = self.open.take_if(|open| open.order.id == id)?;
         self.overdue = None;
         if let Action::Move(step) = open.order.action {
-            self.way_back = Some(undoing(step));
+            self.way_back = Some(doing(step.reversed()));
         }
         Some(open.order)
     }
 
-    /// Closes the open order without an answer: none will come.
     pub(crate) fn drop_open(&mut self) -> Option<Order> {
         self.open.and_then(|open| self.close(open.order.id))
     }
@@ -109,12 +110,10 @@ impl RobotController {
         self.overdue
     }
 
-    /// When the open order counts as unanswered.
     pub(crate) fn due(&self) -> Option<Duration> {
         self.open.map(|open| open.sent.saturating_add(open.order.deadline).saturating_add(GRACE))
     }
 
-    /// What the robot is seen doing.
     pub(crate) fn state(&self) -> RobotState {
         match self.open.map(|open| open.order.action) {
             None => RobotState::Stopped,
@@ -142,14 +141,5 @@ const fn doing(step: Move) -> RobotState {
         Move::Backward => RobotState::MovingBackward,
         Move::TurnLeft | Move::NudgeLeft => RobotState::RotateLeft,
         Move::TurnRight | Move::NudgeRight => RobotState::RotateRight,
-    }
-}
-
-const fn undoing(step: Move) -> RobotState {
-    match step {
-        Move::Forward => RobotState::MovingBackward,
-        Move::Backward => RobotState::MovingForward,
-        Move::TurnLeft | Move::NudgeLeft => RobotState::RotateRight,
-        Move::TurnRight | Move::NudgeRight => RobotState::RotateLeft,
     }
 }

@@ -47,7 +47,6 @@ impl std::fmt::Display for RobotId {
     }
 }
 
-/// One robot.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Robot {
     pub(crate) controller: RobotController,
@@ -59,7 +58,6 @@ pub(crate) struct Robot {
     pub(crate) holds: Holds,
 }
 
-/// All of them.
 #[derive(Clone, Debug)]
 pub(crate) struct Robots {
     searching: RobotId,
@@ -67,42 +65,34 @@ pub(crate) struct Robots {
 }
 
 impl Robots {
-    /// The one that searches, alone.
     pub(crate) fn of(searching: RobotId) -> Robots {
         Robots { all: BTreeMap::from([(searching.clone(), Robot::default())]), searching }
     }
 
-    /// One more, held until its link is up.
     pub(crate) fn add(&mut self, id: RobotId) {
         self.all.entry(id).or_insert_with(|| Robot { holds: Holds::from_iter([Hold::RobotLink]), ..Robot::default() });
     }
 
-    /// The id of the one that searches.
     pub(crate) const fn searching_id(&self) -> &RobotId {
         &self.searching
     }
 
-    /// The one that searches.
     pub(crate) fn searching(&self) -> &Robot {
         self.all.get(&self.searching).expect("the robot that searches is there from the beginning")
     }
 
-    /// The same, to be changed.
     pub(crate) fn searching_mut(&mut self) -> &mut Robot {
         self.all.get_mut(&self.searching).expect("the robot that searches is there from the beginning")
     }
 
-    /// The robot with this id.
     pub(crate) fn get(&self, id: &RobotId) -> Option<&Robot> {
         self.all.get(id)
     }
 
-    /// The same, to be changed.
     pub(crate) fn get_mut(&mut self, id: &RobotId) -> Option<&mut Robot> {
         self.all.get_mut(id)
     }
 
-    /// All with their ids.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (&RobotId, &Robot)> {
         self.all.iter()
     }
@@ -123,7 +113,6 @@ impl Robots {
         self.all.iter_mut().filter(move |(id, _)| *id != searching).map(|(_, robot)| robot)
     }
 
-    /// All ids.
     pub(crate) fn ids(&self) -> Vec<RobotId> {
         self.all.keys().cloned().collect()
     }
@@ -133,7 +122,6 @@ impl Robots {
         self.all.values().any(|robot| robot.controller.is_halting())
     }
 
-    /// The ids of those that were told to move and have not answered yet.
     pub(crate) fn moving(&self) -> Vec<RobotId> {
         self.all.iter().filter(|(_, robot)| robot.controller.is_moving()).map(|(id, _)| id.clone()).collect()
     }

@@ -1,44 +1,26 @@
 //! What a robot is made of, as far as a mission cares: whoever wants something of a robot asks here whether it has what it takes.
 
-/// One thing that a robot may have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Part {
-    /// It drives.
-    Base,
-    /// It takes photos.
-    Camera,
-    /// It measures how far it is to what is ahead.
-    Sonar,
-    /// It has a light that can blink.
-    Led,
-    /// It measures the temperature.
-    Thermometer,
-    /// It feels what it runs into.
-    Bump,
-    /// It reaches out.
-    Arm,
-    /// It takes hold of things.
-    Gripper,
-}
-
-impl Part {
-    /// All of them, in the order in which they are listed.
-    pub const ALL: [Part; 8] =
-        [Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Thermometer, Part::Bump, Part::Arm, Part::Gripper];
-
-    /// The word of the doors.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Part::Base => "base",
-            Part::Camera => "camera",
-            Part::Sonar => "sonar",
-            Part::Led => "led",
-            Part::Thermometer => "thermometer",
-            Part::Bump => "bump",
-            Part::Arm => "arm",
-            Part::Gripper => "gripper",
-        }
+named! {
+    ALL by name;
+    /// One thing that a robot may have.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum Part {
+        /// It drives.
+        Base = "base",
+        /// It takes photos.
+        Camera = "camera",
+        /// It measures how far it is to what is ahead.
+        Sonar = "sonar",
+        /// It has a light that can blink.
+        Led = "led",
+        /// It measures the temperature.
+        Thermometer = "thermometer",
+        /// It feels what it runs into.
+        Bump = "bump",
+        /// It reaches out.
+        Arm = "arm",
+        /// It takes hold of things.
+        Gripper = "gripper",
     }
 }
 

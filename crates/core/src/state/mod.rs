@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use super::effect::{Entry, Fact};
 use super::event::Piece;
-use super::explore::{Search, Strategy};
 use super::mission::{Goal, Hold, Holds, Phase};
 use super::robots::RobotId;
+use super::search::{Search, Strategy};
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, WallTime};
 use super::world::alarm::Alarm;
 use super::world::hall_map::{HallMap, Mark};

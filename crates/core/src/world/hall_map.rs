@@ -21,35 +21,26 @@ pub const TILE: i32 = 32;
 /// No cell further from home than this, in either direction, is kept: a robot that reports more is wrong.
 pub const REACH: i32 = 8192;
 
-/// What is known of a cell.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mark {
-    /// Nothing.
-    #[default]
-    Unknown,
-    /// The robot was there: it is free.
-    Visited,
-    /// A wall.
-    Wall,
-    /// An inspected piece of luggage, or an obstacle that could not be told from one.
-    Luggage,
-    /// An obstacle that still has to be inspected.
-    NotInspected,
+named! {
+    by name;
+    /// What is known of a cell.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum Mark {
+        /// Nothing.
+        #[default]
+        Unknown = "unknown",
+        /// The robot was there: it is free.
+        Visited = "visited",
+        /// A wall.
+        Wall = "wall",
+        /// An inspected piece of luggage, or an obstacle that could not be told from one.
+        Luggage = "luggage",
+        /// An obstacle that still has to be inspected.
+        NotInspected = "notInspected",
+    }
 }
 
 impl Mark {
-    /// The word for records.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Mark::Unknown => "unknown",
-            Mark::Visited => "visited",
-            Mark::Wall => "wall",
-            Mark::Luggage => "luggage",
-            Mark::NotInspected => "notInspected",
-        }
-    }
-
     /// Whether the robot cannot go there.
     #[must_use]
     pub const fn is_obstacle(self) -> bool {

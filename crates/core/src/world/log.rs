@@ -21,40 +21,31 @@ pub struct LogLine {
     pub text: String,
 }
 
-/// How loud a line is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tone {
-    /// For the record.
-    Info,
-    /// Something was refused or is held.
-    Warning,
-    /// An alarm.
-    Alarm,
-}
-
-impl Tone {
-    /// The word of the doors.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Tone::Info => "info",
-            Tone::Warning => "warning",
-            Tone::Alarm => "alarm",
-        }
+named! {
+    by name;
+    /// How loud a line is.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Tone {
+        /// For the record.
+        Info = "info",
+        /// Something was refused or is held.
+        Warning = "warning",
+        /// An alarm.
+        Alarm = "alarm",
     }
 }
 
 /// The latest lines, oldest first.
 #[derive(Clone, Debug, Default)]
-pub struct Log {
+pub(crate) struct Log {
     lines: VecDeque<Arc<LogLine>>,
     written: u64,
     /// Lines that wait for their record, oldest first, and the entry they wait for, where that is known.
-    waiting: VecDeque<Waiting>,
+    waiting: VecDeque<WaitingLine>,
 }
 
 #[derive(Clone, Debug)]
-struct Waiting {
+struct WaitingLine {
     seq: Option<Seq>,
     wall: WallTime,
     text: String,
@@ -63,7 +54,7 @@ struct Waiting {
 impl Log {
     /// Writes a line: a warning is there at once, and then it says so; any other waits for its record. Of too many that wait the
     /// oldest is left to the journal.
-    pub fn write(&mut self, wall: WallTime, tone: Tone, text: String) -> bool {
+    pub(crate) fn write(&mut self, wall: WallTime, tone: Tone, text: String) -> bool {
         if tone != Tone::Info {
             self.put(wall, tone, text);
             return true;
@@ -71,29 +62,29 @@ impl Log {
         if self.waiting.len() == LOG_LINES {
             self.waiting.pop_front();
         }
-        self.waiting.push_back(Waiting { seq: None, wall, text });
+        self.waiting.push_back(WaitingLine { seq: None, wall, text });
         false
     }
 
     /// Shows the lines whose record is kept; true when there are any. Those that came since the last time wait for `written`.
-    pub fn show(&mut self, written: Seq, kept: Seq) -> bool {
+    pub(crate) fn show(&mut self, written: Seq, kept: Seq) -> bool {
         for line in self.waiting.iter_mut().rev().take_while(|line| line.seq.is_none()) {
             line.seq = Some(written);
         }
         let due = self.waiting.iter().take_while(|line| line.seq.is_some_and(|seq| seq <= kept)).count();
-        for Waiting { wall, text, .. } in self.waiting.drain(..due).collect::<Vec<_>>() {
+        for WaitingLine { wall, text, .. } in self.waiting.drain(..due).collect::<Vec<_>>() {
             self.put(wall, Tone::Info, text);
         }
         due > 0
     }
 
     /// What the lines wait for is lost: they wait for what is put on record next.
-    pub fn lose(&mut self) {
+    pub(crate) fn lose(&mut self) {
         self.waiting.iter_mut().for_each(|line| line.seq = None);
     }
 
     /// Puts a line where it is seen; the oldest gives way when there are too many.
-    pub fn put(&mut self, wall: WallTime, tone: Tone, text: String) {
+    pub(crate) fn put(&mut self, wall: WallTime, tone: Tone, text: String) {
         self.written += 1;
         if self.lines.len() == LOG_LINES {
             self.lines.pop_front();
@@ -101,9 +92,7 @@ impl Log {
         self.lines.push_back(Arc::new(LogLine { number: self.written, wall, tone, text }));
     }
 
-    /// The lines at hand, oldest first.
-    #[must_use]
-    pub fn lines(&self) -> Arc<[Arc<LogLine>]> {
+    pub(crate) fn lines(&self) -> Arc<[Arc<LogLine>]> {
         self.lines.iter().cloned().collect()
     }
 }

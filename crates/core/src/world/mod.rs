@@ -4,7 +4,7 @@ pub mod alarm;
 pub mod hall_map;
 pub mod log;
 pub mod luggage;
-pub mod model;
+pub(crate) mod model;
 pub mod resource;
 pub mod robot;
 pub mod snapshot;

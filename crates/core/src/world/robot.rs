@@ -34,31 +34,18 @@ pub struct RobotShown {
     pub holds: Vec<Hold>,
 }
 
-/// What a robot does, by the words of the seeds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(missing_docs, reason = "the names say it")]
-pub enum RobotState {
-    Stopped,
-    MovingForward,
-    MovingBackward,
-    RotateLeft,
-    RotateRight,
-    TakingPhoto,
-    SendingPhoto,
-}
-
-impl RobotState {
-    /// The word of the doors.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            RobotState::Stopped => "stopped",
-            RobotState::MovingForward => "movingForward",
-            RobotState::MovingBackward => "movingBackward",
-            RobotState::RotateLeft => "rotateLeft",
-            RobotState::RotateRight => "rotateRight",
-            RobotState::TakingPhoto => "takingPhoto",
-            RobotState::SendingPhoto => "sendingPhoto",
-        }
+named! {
+    by name;
+    /// What a robot does, by the words of the seeds.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[expect(missing_docs, reason = "the names say it")]
+    pub enum RobotState {
+        Stopped = "stopped",
+        MovingForward = "movingForward",
+        MovingBackward = "movingBackward",
+        RotateLeft = "rotateLeft",
+        RotateRight = "rotateRight",
+        TakingPhoto = "takingPhoto",
+        SendingPhoto = "sendingPhoto",
     }
 }

@@ -9,8 +9,8 @@ use super::luggage::Luggage;
 use super::resource::Resource;
 use super::robot::{RobotShown, RobotView};
 use super::temperature::TemperatureView;
-use crate::explore::Strategy;
 use crate::mission::{Hold, PhaseName};
+use crate::search::Strategy;
 use crate::units::{Cell, Epoch, LuggageId, MissionId, Revision};
 
 /// Everything that can be seen, at one moment.

@@ -21,11 +21,12 @@ pub const SOURCES: usize = 64;
 /// The last reading of every source. A source is hot from a reading above the threshold until one at or below
 /// threshold − hysteresis; the hall is hot while any source is.
 #[derive(Clone, Debug)]
-pub struct Thermometer {
+pub(crate) struct Thermometer {
     threshold: Celsius,
     hysteresis: f64,
     sources: BTreeMap<Arc<str>, Source>,
-    last: Option<Celsius>,
+    /// The latest reading of all.
+    pub(crate) last: Option<Celsius>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -35,22 +36,19 @@ struct Source {
 }
 
 impl Thermometer {
-    /// Without any reading: it counts as ok.
-    #[must_use]
-    pub const fn new(threshold: Celsius, hysteresis: f64) -> Thermometer {
+    pub(crate) const fn new(threshold: Celsius, hysteresis: f64) -> Thermometer {
         Thermometer { threshold, hysteresis, sources: BTreeMap::new(), last: None }
     }
 
     /// Takes a reading; true when it is news: of this source, or in what a door shows. Readings of more sources than can be listened to are
     /// shown, and count as `OTHERS`.
-    pub fn read(&mut self, source: &Arc<str>, reading: Celsius) -> bool {
+    pub(crate) fn read(&mut self, source: &Arc<str>, reading: Celsius) -> bool {
         let source = if self.sources.len() < SOURCES || self.sources.contains_key(source) {
             Arc::clone(source)
         } else {
             Arc::from(OTHERS)
         };
         let known = self.sources.get(&source).map(|source| source.reading);
-        let before = (self.hot(), self.last);
         let entry = self.sources.entry(source).or_insert(Source { hot: false, reading });
         entry.reading = reading;
         if reading > self.threshold {
@@ -58,44 +56,21 @@ impl Thermometer {
         } else if reading.degrees() <= self.threshold.degrees() - self.hysteresis {
             entry.hot = false;
         }
-        self.last = Some(reading);
-        known != Some(reading) || before != (self.hot(), self.last)
-    }
-
-    /// The last reading of this source.
-    #[must_use]
-    pub fn reading_of(&self, source: &str) -> Option<Celsius> {
-        self.sources.get(source).map(|source| source.reading)
+        self.last.replace(reading) != Some(reading) || known != Some(reading)
     }
 
     /// Whether any source's last word is that it is too hot.
-    #[must_use]
-    pub fn is_hot(&self) -> bool {
+    pub(crate) fn is_hot(&self) -> bool {
         self.sources.values().any(|source| source.hot)
     }
 
-    /// The sources that are too hot, each with its last reading.
-    #[must_use]
-    pub fn hot(&self) -> Vec<(Arc<str>, Celsius)> {
-        self.sources.iter().filter(|(_, source)| source.hot).map(|(name, source)| (Arc::clone(name), source.reading)).collect()
+    pub(crate) fn view(&self, status: TemperatureStatus) -> TemperatureView {
+        let hot = self.sources.iter().filter(|(_, source)| source.hot).map(|(name, source)| (Arc::clone(name), source.reading));
+        TemperatureView { celsius: self.last, status, threshold: self.threshold, cool: self.cool(), hot: hot.collect() }
     }
 
-    /// The latest reading of all.
-    #[must_use]
-    pub const fn last(&self) -> Option<Celsius> {
-        self.last
-    }
-
-    /// A hot source is cool again at this reading or below.
-    #[must_use]
-    pub fn cool(&self) -> Celsius {
+    fn cool(&self) -> Celsius {
         Celsius::new(self.threshold.degrees() - self.hysteresis).unwrap_or(self.threshold)
-    }
-
-    /// The threshold.
-    #[must_use]
-    pub const fn threshold(&self) -> Celsius {
-        self.threshold
     }
 }
 
@@ -114,26 +89,17 @@ pub struct TemperatureView {
     pub hot: Vec<(Arc<str>, Celsius)>,
 }
 
-/// What the temperature means for the robot.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TemperatureStatus {
-    /// It may move.
-    Ok,
-    /// Too hot, by a reading or by the operator's word.
-    TooHigh,
-    /// A configured sensor is silent.
-    Stale,
-}
-
-impl TemperatureStatus {
-    /// The word of the doors.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            TemperatureStatus::Ok => "ok",
-            TemperatureStatus::TooHigh => "tooHigh",
-            TemperatureStatus::Stale => "stale",
-        }
+named! {
+    by name;
+    /// What the temperature means for the robot.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum TemperatureStatus {
+        /// It may move.
+        Ok = "ok",
+        /// Too hot, by a reading or by the operator's word.
+        TooHigh = "tooHigh",
+        /// A configured sensor is silent.
+        Stale = "stale",
     }
 }
 

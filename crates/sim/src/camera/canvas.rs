@@ -3,7 +3,6 @@
 use super::space::Paint;
 use super::view::{HEIGHT, View, WIDTH};
 
-/// A picture being drawn.
 #[derive(Debug)]
 pub(super) struct Canvas {
     pixels: Vec<[u8; 3]>,
@@ -50,7 +49,6 @@ impl Canvas {
         self.pixels[row * WIDTH + column] = paint.bytes();
     }
 
-    /// Softens the steps along the outlines of solids.
     pub(super) fn soften_outlines(&mut self) {
         let sharp = self.pixels.clone();
         for row in 1..HEIGHT - 1 {
@@ -92,7 +90,6 @@ impl Frame {
         Frame { columns, rows: (within(least.1.floor(), HEIGHT), within(most.1.ceil(), HEIGHT)) }
     }
 
-    /// Every column and row in it.
     pub(super) fn pixels(self) -> impl Iterator<Item = (usize, usize)> {
         (self.rows.0..self.rows.1).flat_map(move |row| (self.columns.0..self.columns.1).map(move |column| (column, row)))
     }

@@ -19,7 +19,6 @@ const PAPER: Paint = Paint(18.0, 22.0, 28.0);
 const TEXT: Paint = Paint(240.0, 242.0, 245.0);
 const TIME: Paint = Paint(250.0, 204.0, 80.0);
 
-/// Draws the bar over the foot of the picture.
 pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, stamp: Stamp) {
     for row in HEIGHT - BAR..HEIGHT {
         for column in 0..WIDTH {

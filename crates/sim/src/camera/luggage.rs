@@ -12,7 +12,6 @@ const STEEL: Paint = Paint(176.0, 180.0, 186.0);
 const BRASS: Paint = Paint(220.0, 182.0, 84.0);
 const LABEL: Paint = Paint(240.0, 240.0, 236.0);
 
-/// A piece, ready to be drawn.
 #[derive(Debug)]
 pub(super) struct Model {
     pub(super) solids: Vec<Solid>,
@@ -20,7 +19,6 @@ pub(super) struct Model {
     pub(super) foot: (f32, f32),
 }
 
-/// Models a bag that covers `cells` cells in a row.
 #[expect(clippy::cast_possible_truncation, reason = "a picture is drawn in single precision")]
 pub(super) fn model(bag: &Bag, cells: f32) -> Model {
     let paint = Paint(f32::from(bag.colour.red), f32::from(bag.colour.green), f32::from(bag.colour.blue));
@@ -35,7 +33,6 @@ pub(super) fn model(bag: &Bag, cells: f32) -> Model {
     }
 }
 
-/// A piece while it is put together.
 struct Making {
     paint: Paint,
     height: f32,

@@ -9,7 +9,7 @@ use super::luggage::{Model, model};
 use super::solid::{self, Place};
 use super::space::vector;
 use super::view::{HEIGHT, View, WIDTH};
-use super::{Exposure, caption, encode, room};
+use super::{Exposure, caption, png, room};
 use hallsweep_core::event::Piece;
 use hallsweep_core::units::Cell;
 
@@ -19,7 +19,6 @@ const SIGHT: i32 = 12;
 /// How many pieces are drawn, the nearest first: more would stand behind one another.
 const PIECES: usize = 24;
 
-/// Draws and encodes what a photo shows.
 pub(super) fn picture(exposure: &Exposure) -> Vec<u8> {
     let hall = &exposure.hall;
     let view = View::of(exposure.body, hall.cell_m());
@@ -36,7 +35,7 @@ pub(super) fn picture(exposure: &Exposure) -> Vec<u8> {
     canvas.soften_outlines();
     caption::draw(&mut canvas, hall, exposure.stamp);
     let size = |pixels: usize| u32::try_from(pixels).expect("a picture is a few hundred pixels wide");
-    encode::png(size(WIDTH), size(HEIGHT), &canvas.into_bytes())
+    png(size(WIDTH), size(HEIGHT), &canvas.into_bytes())
 }
 
 /// The pieces ahead, the nearest first.

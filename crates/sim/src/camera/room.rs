@@ -4,7 +4,7 @@
 use super::super::hall::{Hall, Truth};
 use super::canvas::Canvas;
 use super::font;
-use super::space::{Paint, Vector, floored, smooth, wrapped};
+use super::space::{HAZE, Paint, Vector, floored, smooth, wrapped};
 use super::view::{EYE, HEIGHT, View, WIDTH};
 use hallsweep_core::units::Cell;
 
@@ -14,7 +14,6 @@ const CEILING: f32 = 6.0;
 /// No wall is looked for further away, in cells: it would be lost in the haze.
 const FAR: f32 = 120.0;
 
-const HAZE: Paint = Paint(206.0, 214.0, 222.0);
 const FLOOR: Paint = Paint(176.0, 178.0, 180.0);
 const GROUT: Paint = Paint(126.0, 128.0, 132.0);
 const PLASTER: Paint = Paint(222.0, 220.0, 213.0);
@@ -29,7 +28,6 @@ const INK: Paint = Paint(24.0, 24.0, 26.0);
 const CEILING_PAINT: Paint = Paint(190.0, 194.0, 198.0);
 const LAMP: Paint = Paint(255.0, 254.0, 246.0);
 
-/// Where a column's walk met a wall.
 struct Face {
     /// How far ahead, in cells.
     depth: f32,
@@ -99,7 +97,6 @@ struct Ground {
     haze: f32,
     /// How wide grout is drawn, in cells, and how plainly.
     grout: (f32, f32),
-    /// How much the tiles differ.
     tones: f32,
 }
 

@@ -14,16 +14,21 @@ pub(super) struct Solid {
     pub(super) paint: Paint,
 }
 
-/// The form of a body.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Shape {
     /// A box: its middle, half its size, and the radius of its edges.
-    Block { middle: Vector, half: Vector, radius: f32 },
-    /// A rod from one end to the other.
-    Rod { from: Vector, to: Vector, radius: f32 },
+    Block {
+        middle: Vector,
+        half: Vector,
+        radius: f32,
+    },
+    Rod {
+        from: Vector,
+        to: Vector,
+        radius: f32,
+    },
 }
 
-/// Where a piece stands and how it is turned.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     pub(super) foot: Vector,
@@ -119,7 +124,6 @@ impl Shape {
         .filter(|way| *way > 0.0)
     }
 
-    /// The outward direction at a point of the surface.
     pub(super) fn normal(&self, point: Vector) -> Vector {
         match *self {
             Shape::Block { middle, half, radius } => {

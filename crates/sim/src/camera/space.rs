@@ -27,7 +27,6 @@ impl Vector {
         self * (1.0 / self.length().max(1e-9))
     }
 
-    /// The same, each part by `change`.
     pub(super) fn each(self, change: impl Fn(f32) -> f32) -> Vector {
         vector(change(self.x), change(self.y), change(self.z))
     }
@@ -63,13 +62,15 @@ impl Mul<f32> for Vector {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Paint(pub(super) f32, pub(super) f32, pub(super) f32);
 
+/// What is far away fades into this.
+pub(super) const HAZE: Paint = Paint(206.0, 214.0, 222.0);
+
 impl Paint {
     /// Lighter (above 1) or darker.
     pub(super) fn lit(self, factor: f32) -> Paint {
         Paint(self.0 * factor, self.1 * factor, self.2 * factor)
     }
 
-    /// This colour with a share (0–1) of another.
     pub(super) fn mixed(self, other: Paint, share: f32) -> Paint {
         let mix = |a: f32, b: f32| a + (b - a) * share;
         Paint(mix(self.0, other.0), mix(self.1, other.1), mix(self.2, other.2))

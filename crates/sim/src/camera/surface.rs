@@ -2,9 +2,8 @@
 
 use super::font;
 use super::solid::{Shape, Solid};
-use super::space::{Paint, Vector, smooth, vector, wrapped};
+use super::space::{HAZE, Paint, Vector, smooth, vector, wrapped};
 
-/// What a solid is covered with.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Surface {
     /// One colour, dull.
@@ -26,7 +25,6 @@ const TAPE: Paint = Paint(205.0, 186.0, 142.0);
 const PRINT: Paint = Paint(150.0, 32.0, 28.0);
 const BRASS: Paint = Paint(214.0, 178.0, 90.0);
 const GLARE: Paint = Paint(255.0, 255.0, 250.0);
-const HAZE: Paint = Paint(206.0, 214.0, 222.0);
 
 impl Surface {
     /// The colour of a point as it is seen, with the light on it and the haze before it.

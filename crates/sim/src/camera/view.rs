@@ -6,7 +6,6 @@
 use super::super::drive::BodyPose;
 use super::space::{Vector, vector};
 
-/// The picture's size in pixels.
 pub(super) const WIDTH: usize = 640;
 pub(super) const HEIGHT: usize = 480;
 
@@ -29,7 +28,6 @@ pub(super) struct View {
 }
 
 impl View {
-    /// The view of a robot whose body is here, in a hall with cells of this size.
     #[expect(clippy::cast_possible_truncation, reason = "a picture is drawn in single precision")]
     pub(super) fn of(body: BodyPose, cell_m: f64) -> View {
         let (dx, dy) = body.ahead();
@@ -64,7 +62,6 @@ impl View {
         (vector(0.0, 0.0, 0.85) - self.forward * 0.62 - self.right * 0.5).unit()
     }
 
-    /// How far ahead a point is.
     pub(super) fn depth(&self, point: Vector) -> f32 {
         (point - self.eye).dot(self.forward)
     }
@@ -78,7 +75,6 @@ impl View {
     }
 }
 
-/// A pixel's number as a coordinate.
 #[expect(clippy::cast_precision_loss, reason = "pictures are a few hundred pixels wide")]
 pub(super) const fn as_float(pixel: usize) -> f32 {
     pixel as f32

@@ -13,9 +13,9 @@ use hallsweep_core::command::{Accepted, Command, Door, Issuer, Move, Refused, Re
 use hallsweep_core::effect::{Action, Effect, Entry, Page};
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Event, RobotEvent, RobotId};
-use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::rng::RandomStream;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::units::{Now, Ticket, WallTime};
 use hallsweep_core::world::snapshot::Snapshot;
@@ -107,7 +107,7 @@ impl Run {
 
     /// Lets the next thing happen that takes time; false when nothing more will happen by itself.
     pub fn advance(&mut self) -> bool {
-        let Some(next) = [self.sim.poll_timeout(), self.engine.poll_timeout()].into_iter().flatten().min() else { return false };
+        let Some(next) = self.next() else { return false };
         self.wait_until(next);
         true
     }
@@ -115,7 +115,7 @@ impl Run {
     /// Lets `seconds` of simulated time pass.
     pub fn wait(&mut self, seconds: f64) {
         let end = self.now.since_start + Duration::from_secs_f64(seconds);
-        while [self.sim.poll_timeout(), self.engine.poll_timeout()].into_iter().flatten().min().is_some_and(|next| next <= end) {
+        while self.next().is_some_and(|next| next <= end) {
             self.advance();
         }
         self.wait_until(end);
@@ -148,6 +148,10 @@ impl Run {
     #[must_use]
     pub const fn now(&self) -> Now {
         self.now
+    }
+
+    fn next(&self) -> Option<Duration> {
+        [self.sim.poll_timeout(), self.engine.poll_timeout()].into_iter().flatten().min()
     }
 
     fn wait_until(&mut self, since_start: Duration) {
@@ -184,9 +188,7 @@ impl Run {
             Effect::Halt(_) => self.sim.handle_halt(self.now),
             Effect::Led(_, blinks) => self.sim.handle_led(blinks),
             Effect::Record(page) => self.record(page),
-            Effect::Answer(ticket, answer) => {
-                self.answers.insert(ticket, answer);
-            }
+            Effect::Answer(ticket, answer) => drop(self.answers.insert(ticket, answer)),
         }
     }
 

@@ -67,7 +67,7 @@ impl Fields {
         number("id", needed("id", self.id.as_deref())?)
     }
 
-    fn strategy(&self) -> Result<hallsweep_core::explore::Strategy, Problem> {
+    fn strategy(&self) -> Result<hallsweep_core::search::Strategy, Problem> {
         let body = StrategyBody::named(needed("name", self.name.as_deref())?);
         Ok(body.strategy()?)
     }

@@ -7,7 +7,7 @@ use super::hall;
 use super::view::{View, failure, place};
 use crate::api::luggage::photo_url;
 use crate::api::time::rfc3339;
-use hallsweep_core::explore::Strategy;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::units::{LuggageId, WallTime};
 use hallsweep_core::world::log::LogLine;
 use hallsweep_core::world::luggage::Luggage;

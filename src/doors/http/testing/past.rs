@@ -5,8 +5,8 @@ use crate::api::fixture::{TEN, searching};
 use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
 use hallsweep_core::command::{Issuer, Refusal, Refused};
 use hallsweep_core::effect::{Entry, Fact};
-use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::{Hold, Phase};
+use hallsweep_core::search::Strategy;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{LuggageId, MissionId, Pose, Seq, WallTime};
 

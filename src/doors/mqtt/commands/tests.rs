@@ -7,7 +7,7 @@ use super::*;
 use crate::api::commands::COMMANDS;
 use crate::api::fixture::{degrees, searching};
 use hallsweep_core::command::{LuggageRef, Move, TemperatureReport, Verdict};
-use hallsweep_core::explore::Strategy;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId};
 use hallsweep_core::world::luggage::Luggage;
 

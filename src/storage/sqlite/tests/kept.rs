@@ -10,8 +10,8 @@ use crate::runtime::archive::{Sound, Unreadable};
 use hallsweep_core::command::{CommandId, Verdict};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::engine::{IDS, Recalled};
-use hallsweep_core::explore::Strategy as Order;
 use hallsweep_core::mission::Phase;
+use hallsweep_core::search::Strategy as Order;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Seq};
 use hallsweep_core::world::log::Tone;
@@ -83,8 +83,8 @@ fn what_was_kept_stands_at_the_next_start() {
     let entries: Vec<Entry> = pages.concat().into_iter().map(at_noon).collect();
     let commands = vec![at_noon(command(Some("a-1")))];
     let latest = recalled.latest.clone();
-    assert_eq!(recalled, Recalled { standing: fold(&entries), written: Seq(7), commands, latest });
-    assert!(recalled.standing.luggage[&LuggageId(1)].is_dangerous());
+    assert_eq!(recalled, Recalled { state: fold(&entries), written: Seq(7), commands, latest });
+    assert!(recalled.state.luggage[&LuggageId(1)].is_dangerous());
 }
 
 proptest! {
@@ -101,7 +101,7 @@ proptest! {
         drop(scribe);
         let entries: Vec<Entry> = pages.concat().into_iter().map(at_noon).collect();
         let opened = scratch.open();
-        prop_assert_eq!(opened.recalled.map(|recalled| recalled.standing), Some(fold(&entries)));
+        prop_assert_eq!(opened.recalled.map(|recalled| recalled.state), Some(fold(&entries)));
         check_finds(&scratch, &[]);
     }
 }
@@ -122,7 +122,7 @@ fn reading_begins_at_the_last_entry_that_says_everything() {
     scribe.keep(vec![Fact::State(Box::new(PersistentState::first(Order::Snail)))]);
     scribe.keep(vec![wall(2, 2)]);
     drop(scribe);
-    let standing = scratch.open().recalled.expect("something was kept").standing;
+    let standing = scratch.open().recalled.expect("something was kept").state;
     assert_eq!(standing, fold(&[at_noon(wall(2, 2))]));
 }
 

@@ -11,8 +11,8 @@ use crate::runtime::store::Store;
 use hallsweep_core::command::Verdict;
 use hallsweep_core::effect::{Entry, Fact, Page};
 use hallsweep_core::event::Photo;
-use hallsweep_core::explore::Strategy;
 use hallsweep_core::mission::Phase;
+use hallsweep_core::search::Strategy;
 use hallsweep_core::units::{Cell, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 

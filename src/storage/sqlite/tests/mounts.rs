@@ -171,7 +171,7 @@ fn a_read_only_folder_is_read_and_written_to_once_it_can_be() {
     let words = scribe.opened.failure.clone().expect("it cannot be written to");
     assert!(words.contains("cannot be written to: make it writable; recording goes on by itself"), "{words}");
     let recalled = scribe.opened.recalled.clone().expect("it can be read");
-    assert_eq!((recalled.written, recalled.standing.luggage.len()), (Seq(5), 1));
+    assert_eq!((recalled.written, recalled.state.luggage.len()), (Seq(5), 1));
     assert_eq!(scribe.opened.archive.photo(LuggageId(1)), Ok(Some(photo("bag"))));
     assert_eq!(bytes(&data), before);
 

@@ -180,7 +180,7 @@ fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
         let luggage = Luggage { verdict: Some(decision), ..Luggage::clone(&engine.state.luggage[&LuggageId(1)]) };
         engine.state.luggage.insert(LuggageId(1), Arc::new(luggage));
     }
-    engine.record_standing();
+    engine.record_state();
     while let Some(effect) = engine.poll_effect() {
         if let Effect::Record(page) = effect {
             engine.outbox.keep(page.last());
@@ -259,7 +259,7 @@ fn check_effects(before: &Engine, after: &Engine, input: Input, table: &str, pai
         Input::Safe => assert_eq!(verdict, Some(Verdict::Safe), "{pair}"),
         Input::Danger => assert_eq!(verdict, Some(Verdict::Danger), "{pair}"),
         Input::Acknowledge => assert!(after.state.alarms[0].acknowledged.is_some(), "{pair}"),
-        Input::Reading | Input::SensorReading => assert!(after.world.thermometer.last().is_some(), "{pair}"),
+        Input::Reading | Input::SensorReading => assert!(after.world.thermometer.last.is_some(), "{pair}"),
         Input::RetakePhoto => assert_eq!(after.stage(), Some(Stage::RetakingPhoto(LuggageId(1))), "{pair}"),
         _ => {}
     }

@@ -76,9 +76,9 @@ impl Recorder {
 
     /// In which epoch a start would go on from what is on record.
     fn epoch_on_record(&self) -> Epoch {
-        let mut standing = PersistentState::first(Strategy::Snail);
-        self.entries.iter().for_each(|entry| standing.apply(entry));
-        standing.epoch
+        let mut state = PersistentState::first(Strategy::Snail);
+        self.entries.iter().for_each(|entry| state.apply(entry));
+        state.epoch
     }
 }
 

@@ -1,9 +1,9 @@
 //! The table's cells once danger was given, and in fault. The search itself stands in `search`.
 
-use super::everywhere::PhaseInput;
+use super::everywhere::{PhaseEvent, PhaseInput};
 use super::shared::{
-    ANOTHER_DANGER, CHOOSE, DANGER_AT_HOME, DRIVE_IF_STOPPED, EXPLORE_AGAIN, INTO_FAULT, NOT_HERE, NOTHING, RECORDED, RESUME,
-    RETAKE_ELSEWHERE,
+    ANOTHER_DANGER, CHOOSE, DANGER_AT_HOME, DRIVE_IF_STOPPED, EXPLORE_AGAIN, NOT_HERE, NOTHING, RESUME, RETAKE_ELSEWHERE,
+    going_home, waiting,
 };
 use crate::mission::PhaseName;
 use crate::mission::rule::Act::{Release, RetryBlocked};
@@ -11,96 +11,44 @@ use crate::mission::rule::Rule::{AsInterrupted, Go, Never, RefuseIf};
 use crate::mission::rule::To::{Interrupted, Phase};
 use crate::mission::rule::{Guard, Rule};
 
-/// On the way home after danger.
 pub(super) const fn returning_with_alarm(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start => RESUME,
         PhaseInput::BackHome | PhaseInput::Retrieve | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Move | PhaseInput::Goto => DRIVE_IF_STOPPED,
-        PhaseInput::Done
-        | PhaseInput::Blocked
-        | PhaseInput::AtPiece
-        | PhaseInput::PhotoTaken
-        | PhaseInput::PhotoFailed
-        | PhaseInput::SafeRecorded
-        | PhaseInput::AllExplored
-        | PhaseInput::DriveEnded => NOTHING,
-        PhaseInput::LuggageRecorded => RECORDED,
-        PhaseInput::DangerRecorded => ANOTHER_DANGER,
-        PhaseInput::CameHome => &[Go(Phase(PhaseName::BombLocated), &[])],
-        PhaseInput::NoWayHome | PhaseInput::Unanswered | PhaseInput::RobotFailed => INTO_FAULT,
+        PhaseInput::Event(event) => going_home(event, &[Go(Phase(PhaseName::BombLocated), &[])], ANOTHER_DANGER),
     }
 }
 
-/// Home, and a bomb is in the hall.
 pub(super) const fn bomb_located(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start | PhaseInput::BackHome | PhaseInput::Move | PhaseInput::Goto | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Retrieve => &[RefuseIf(Guard::Held), Never(Guard::NoRetrievalRobot)],
-        PhaseInput::Done
-        | PhaseInput::Blocked
-        | PhaseInput::AtPiece
-        | PhaseInput::PhotoTaken
-        | PhaseInput::PhotoFailed
-        | PhaseInput::SafeRecorded
-        | PhaseInput::CameHome
-        | PhaseInput::AllExplored
-        | PhaseInput::DriveEnded
-        | PhaseInput::NoWayHome => NOTHING,
-        PhaseInput::LuggageRecorded => RECORDED,
-        PhaseInput::DangerRecorded => ANOTHER_DANGER,
-        PhaseInput::Unanswered | PhaseInput::RobotFailed => INTO_FAULT,
+        PhaseInput::Event(event) => waiting(event, ANOTHER_DANGER),
     }
 }
 
-/// The bomb is being fetched.
 pub(super) const fn retrieving(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start => RESUME,
         PhaseInput::BackHome | PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
-        PhaseInput::Done
-        | PhaseInput::Blocked
-        | PhaseInput::AtPiece
-        | PhaseInput::PhotoTaken
-        | PhaseInput::PhotoFailed
-        | PhaseInput::SafeRecorded
-        | PhaseInput::CameHome
-        | PhaseInput::AllExplored
-        | PhaseInput::DriveEnded
-        | PhaseInput::NoWayHome => NOTHING,
-        PhaseInput::LuggageRecorded => RECORDED,
-        PhaseInput::DangerRecorded => ANOTHER_DANGER,
-        PhaseInput::Unanswered | PhaseInput::RobotFailed => INTO_FAULT,
+        PhaseInput::Event(event) => waiting(event, ANOTHER_DANGER),
     }
 }
 
-/// The bomb is in the container.
 pub(super) const fn bag_secured(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start => EXPLORE_AGAIN,
         PhaseInput::BackHome | PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Strategy => CHOOSE,
-        PhaseInput::Done
-        | PhaseInput::Blocked
-        | PhaseInput::AtPiece
-        | PhaseInput::PhotoTaken
-        | PhaseInput::PhotoFailed
-        | PhaseInput::SafeRecorded
-        | PhaseInput::CameHome
-        | PhaseInput::AllExplored
-        | PhaseInput::DriveEnded
-        | PhaseInput::NoWayHome => NOTHING,
-        PhaseInput::LuggageRecorded => RECORDED,
-        PhaseInput::DangerRecorded => DANGER_AT_HOME,
-        PhaseInput::Unanswered | PhaseInput::RobotFailed => INTO_FAULT,
+        PhaseInput::Event(event) => waiting(event, DANGER_AT_HOME),
     }
 }
 
-/// Something went wrong.
 pub(super) const fn fault(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start => &[
@@ -111,19 +59,21 @@ pub(super) const fn fault(input: PhaseInput) -> &'static [Rule] {
         ],
         PhaseInput::BackHome | PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
-        PhaseInput::Done
-        | PhaseInput::Blocked
-        | PhaseInput::AtPiece
-        | PhaseInput::CameHome
-        | PhaseInput::AllExplored
-        | PhaseInput::DriveEnded
-        | PhaseInput::NoWayHome
-        | PhaseInput::Unanswered
-        | PhaseInput::RobotFailed => NOTHING,
-        PhaseInput::PhotoTaken
-        | PhaseInput::PhotoFailed
-        | PhaseInput::LuggageRecorded
-        | PhaseInput::SafeRecorded
-        | PhaseInput::DangerRecorded => &[AsInterrupted],
+        PhaseInput::Event(event) => match event {
+            PhaseEvent::Done
+            | PhaseEvent::Blocked
+            | PhaseEvent::AtPiece
+            | PhaseEvent::CameHome
+            | PhaseEvent::AllExplored
+            | PhaseEvent::DriveEnded
+            | PhaseEvent::NoWayHome
+            | PhaseEvent::Unanswered
+            | PhaseEvent::RobotFailed => NOTHING,
+            PhaseEvent::PhotoTaken
+            | PhaseEvent::PhotoFailed
+            | PhaseEvent::LuggageRecorded
+            | PhaseEvent::SafeRecorded
+            | PhaseEvent::DangerRecorded => &[AsInterrupted],
+        },
     }
 }

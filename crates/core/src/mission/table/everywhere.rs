@@ -8,19 +8,14 @@ use crate::mission::rule::To::{Interrupted, Phase, Stay};
 use crate::mission::rule::{Case, Guard, Rule};
 use crate::mission::{Hold, Input, PhaseName};
 
-/// The cells of one input.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::mission) enum Row {
-    /// The same in every phase.
     Everywhere(&'static [Rule]),
     /// What halts the robot: the same in every phase, but that a drive by hand ends with it.
     Halting {
-        /// In every phase but driving.
         elsewhere: &'static [Rule],
-        /// While driving.
         driving: &'static [Rule],
     },
-    /// Each phase has its own.
     ByPhase(PhaseInput),
 }
 
@@ -34,6 +29,11 @@ pub(in crate::mission) enum PhaseInput {
     Goto,
     RetakePhoto,
     Strategy,
+    Event(PhaseEvent),
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(in crate::mission) enum PhaseEvent {
     Done,
     Blocked,
     AtPiece,
@@ -95,7 +95,6 @@ macro_rules! raised {
     };
 }
 
-/// The cells of this input.
 pub(in crate::mission) const fn row(input: Input) -> Row {
     use Row::{ByPhase, Everywhere, Halting};
     match input {
@@ -124,19 +123,23 @@ pub(in crate::mission) const fn row(input: Input) -> Row {
         Input::Goto => ByPhase(PhaseInput::Goto),
         Input::RetakePhoto => ByPhase(PhaseInput::RetakePhoto),
         Input::Strategy => ByPhase(PhaseInput::Strategy),
-        Input::Done => ByPhase(PhaseInput::Done),
-        Input::Blocked => ByPhase(PhaseInput::Blocked),
-        Input::AtPiece => ByPhase(PhaseInput::AtPiece),
-        Input::PhotoTaken => ByPhase(PhaseInput::PhotoTaken),
-        Input::PhotoFailed => ByPhase(PhaseInput::PhotoFailed),
-        Input::LuggageRecorded => ByPhase(PhaseInput::LuggageRecorded),
-        Input::SafeRecorded => ByPhase(PhaseInput::SafeRecorded),
-        Input::DangerRecorded => ByPhase(PhaseInput::DangerRecorded),
-        Input::CameHome => ByPhase(PhaseInput::CameHome),
-        Input::AllExplored => ByPhase(PhaseInput::AllExplored),
-        Input::DriveEnded => ByPhase(PhaseInput::DriveEnded),
-        Input::NoWayHome => ByPhase(PhaseInput::NoWayHome),
-        Input::Unanswered => ByPhase(PhaseInput::Unanswered),
-        Input::RobotFailed => ByPhase(PhaseInput::RobotFailed),
+        Input::Done => event(PhaseEvent::Done),
+        Input::Blocked => event(PhaseEvent::Blocked),
+        Input::AtPiece => event(PhaseEvent::AtPiece),
+        Input::PhotoTaken => event(PhaseEvent::PhotoTaken),
+        Input::PhotoFailed => event(PhaseEvent::PhotoFailed),
+        Input::LuggageRecorded => event(PhaseEvent::LuggageRecorded),
+        Input::SafeRecorded => event(PhaseEvent::SafeRecorded),
+        Input::DangerRecorded => event(PhaseEvent::DangerRecorded),
+        Input::CameHome => event(PhaseEvent::CameHome),
+        Input::AllExplored => event(PhaseEvent::AllExplored),
+        Input::DriveEnded => event(PhaseEvent::DriveEnded),
+        Input::NoWayHome => event(PhaseEvent::NoWayHome),
+        Input::Unanswered => event(PhaseEvent::Unanswered),
+        Input::RobotFailed => event(PhaseEvent::RobotFailed),
     }
+}
+
+const fn event(event: PhaseEvent) -> Row {
+    Row::ByPhase(PhaseInput::Event(event))
 }

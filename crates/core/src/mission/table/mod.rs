@@ -13,8 +13,7 @@ use super::rule::Rule;
 use super::{Input, PhaseName};
 
 /// The rules for `input` in `phase`; never empty, and the last always applies.
-#[must_use]
-pub const fn rules(phase: PhaseName, input: Input) -> &'static [Rule] {
+pub(crate) const fn rules(phase: PhaseName, input: Input) -> &'static [Rule] {
     let input = match row(input) {
         Row::Everywhere(rules) => return rules,
         Row::Halting { elsewhere, driving } => return if matches!(phase, PhaseName::Driving) { driving } else { elsewhere },

@@ -1,6 +1,7 @@
 //! Cells that several phases share, by name. Which phase has which stands in `search` and `alarm`; what all phases share in
 //! `everywhere`.
 
+use super::everywhere::PhaseEvent;
 use crate::mission::PhaseName;
 use crate::mission::rule::Act::{AlarmDanger, Archive, AskOperator, Begin, ChooseStrategy, EmptyMap, LedOff, Release};
 use crate::mission::rule::Rule::{Go, Never, RefuseIf, When};
@@ -43,3 +44,42 @@ pub(super) const DANGER_AT_HOME: &[Rule] = &[
     Go(Phase(PhaseName::ReturningWithAlarm), &[LedOff, AlarmDanger]),
 ];
 pub(super) const INTO_FAULT: &[Rule] = &[Go(Phase(PhaseName::Fault), &[])];
+
+/// The events while the robot that searches has nothing to do.
+pub(super) const fn waiting(event: PhaseEvent, danger: &'static [Rule]) -> &'static [Rule] {
+    match event {
+        PhaseEvent::Done
+        | PhaseEvent::Blocked
+        | PhaseEvent::AtPiece
+        | PhaseEvent::PhotoTaken
+        | PhaseEvent::PhotoFailed
+        | PhaseEvent::SafeRecorded
+        | PhaseEvent::CameHome
+        | PhaseEvent::AllExplored
+        | PhaseEvent::DriveEnded
+        | PhaseEvent::NoWayHome => NOTHING,
+        PhaseEvent::LuggageRecorded => RECORDED,
+        PhaseEvent::DangerRecorded => danger,
+        PhaseEvent::Unanswered | PhaseEvent::RobotFailed => INTO_FAULT,
+    }
+}
+
+/// The events on a way home.
+pub(super) const fn going_home(event: PhaseEvent, arrival: &'static [Rule], danger: &'static [Rule]) -> &'static [Rule] {
+    match event {
+        PhaseEvent::CameHome => arrival,
+        PhaseEvent::NoWayHome => INTO_FAULT,
+        PhaseEvent::Done
+        | PhaseEvent::Blocked
+        | PhaseEvent::AtPiece
+        | PhaseEvent::PhotoTaken
+        | PhaseEvent::PhotoFailed
+        | PhaseEvent::LuggageRecorded
+        | PhaseEvent::SafeRecorded
+        | PhaseEvent::DangerRecorded
+        | PhaseEvent::AllExplored
+        | PhaseEvent::DriveEnded
+        | PhaseEvent::Unanswered
+        | PhaseEvent::RobotFailed => waiting(event, danger),
+    }
+}

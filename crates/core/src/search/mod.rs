@@ -1,7 +1,7 @@
 //! The order in which a hall is searched: one file a strategy, behind one enum, and the planner under them.
-//! A strategy looks at a view and returns a decision; it performs nothing.
+//! A strategy looks at a view and returns the next goal; it performs nothing.
 
-pub mod plan;
+pub(crate) mod plan;
 mod snail;
 
 use self::plan::Planner;
@@ -9,26 +9,18 @@ use self::snail::Snail;
 use super::units::{Cell, Pose};
 use super::world::hall_map::HallMap;
 
-/// The ways to search a hall.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Strategy {
-    /// The seeds' *chiocciola*: growing squares, home after each.
-    #[default]
-    Snail,
+named! {
+    ALL by name;
+    /// The ways to search a hall.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Strategy {
+        /// The seeds' *chiocciola*: growing squares, home after each.
+        #[default]
+        Snail = "snail",
+    }
 }
 
 impl Strategy {
-    /// All of them.
-    pub const ALL: [Strategy; 1] = [Strategy::Snail];
-
-    /// The word of the doors.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Strategy::Snail => "snail",
-        }
-    }
-
     /// The strategy of this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Strategy> {
@@ -52,18 +44,14 @@ impl Strategy {
     }
 }
 
-/// What a strategy sees.
 #[derive(Clone, Copy, Debug)]
-pub struct View<'a> {
-    /// The hall as far as it is known.
-    pub map: &'a HallMap,
-    /// Where the robot stands.
-    pub pose: Pose,
+pub(crate) struct View<'a> {
+    pub(crate) map: &'a HallMap,
+    pub(crate) pose: Pose,
 }
 
-/// What a strategy wants next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Decision {
+pub(crate) enum NextGoal {
     /// Go to this cell, or find out what stands there.
     Visit(Cell),
     /// Go home, and ask again there.
@@ -89,7 +77,7 @@ impl Search {
     }
 
     /// What to do now that the last goal is reached, has turned out to be an obstacle, or cannot be reached.
-    pub fn next(&mut self, view: &View<'_>, planner: &mut Planner) -> Decision {
+    pub(crate) fn next(&mut self, view: &View<'_>, planner: &mut Planner) -> NextGoal {
         match self {
             Search::Snail(snail) => snail.next(view, planner),
         }

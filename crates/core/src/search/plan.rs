@@ -3,16 +3,13 @@
 //! are left at least. What to aim at is a strategy's
 //! business; whether the robot may move is the mission's.
 
-use std::ops::ControlFlow;
-
 use crate::command::Move;
 use crate::units::{Cell, Pose};
 use crate::world::hall_map::{Bounds, HallMap, Mark};
 
 /// Which cells a way may lead through. The goal itself may also be unknown, or an obstacle that is still to be inspected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Through {
-    /// Only cells the robot has visited.
+pub(crate) enum Through {
     Known,
     /// Unknown cells too, taken to be free until they prove not to be.
     Unknown,
@@ -20,12 +17,12 @@ pub enum Through {
 
 /// Finds ways; keeps its working memory from one search to the next.
 #[derive(Clone, Debug, Default)]
-pub struct Planner {
+pub(crate) struct Planner {
     /// For each state the search that last saw it, so that nothing needs to be wiped.
     seen: Vec<u32>,
     /// For each state the move that led to it.
     came_by: Vec<u8>,
-    /// For each state the moves it takes, where a search counts them.
+    /// For each state the moves it takes.
     cost: Vec<u32>,
     search: u32,
     /// The cells that the memory has room for: what is known and a margin, so that it need not be laid out anew at every step.
@@ -40,7 +37,7 @@ const MOVES: [Move; 3] = [Move::Forward, Move::TurnLeft, Move::TurnRight];
 impl Planner {
     /// The shortest way to `goal`; empty when the robot stands there, `None` when there is none. A goal beyond what is known is
     /// approached by way of the edge of the known, as if all beyond were free.
-    pub fn to_cell(&mut self, map: &HallMap, start: Pose, goal: Cell, through: Through) -> Option<Vec<Move>> {
+    pub(crate) fn way_to_cell(&mut self, map: &HallMap, start: Pose, goal: Cell, through: Through) -> Option<Vec<Move>> {
         let area = map.known_bounds().including(start.cell).grown(1);
         if !area.contains(goal) {
             return if through == Through::Unknown { self.towards(map, start, goal, area) } else { None };
@@ -49,20 +46,18 @@ impl Planner {
         self.guided(map, area, start, goal, passable).map(|end| self.way(start, end))
     }
 
-    /// The shortest way through visited cells to a cell and a heading.
-    pub fn to_pose(&mut self, map: &HallMap, start: Pose, goal: Pose) -> Option<Vec<Move>> {
+    pub(crate) fn way_to_pose(&mut self, map: &HallMap, start: Pose, goal: Pose) -> Option<Vec<Move>> {
         let area = map.known_bounds().including(start.cell).grown(1);
-        let found = |pose: Pose, _| if pose == goal { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        self.search(map, area, start, |_, mark| mark == Mark::Visited, found).map(|end| self.way(start, end))
+        let end = self.search(map, area, start, |_, mark| mark == Mark::Visited, |pose, _| pose == goal)?;
+        Some(self.way(start, end))
     }
 
     /// The cell that is reached with the fewest moves through visited cells among those that are unknown, or still to be
     /// inspected, and `wanted`.
-    pub fn nearest(&mut self, map: &HallMap, start: Pose, wanted: impl Fn(Cell) -> bool) -> Option<Cell> {
+    pub(crate) fn nearest(&mut self, map: &HallMap, start: Pose, wanted: impl Fn(Cell) -> bool) -> Option<Cell> {
         let area = map.known_bounds().including(start.cell).grown(1);
         let target = |cell: Cell, mark: Mark| mark != Mark::Visited && may_aim_at(mark) && wanted(cell);
-        let found =
-            |pose: Pose, _| if target(pose.cell, map.at(pose.cell)) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let found = |pose: Pose, _| target(pose.cell, map.at(pose.cell));
         self.search(map, area, start, |cell, mark| mark == Mark::Visited || target(cell, mark), found).map(|pose| pose.cell)
     }
 
@@ -84,35 +79,35 @@ impl Planner {
                 if on_edge(pose.cell) && best.is_none_or(|(least, _)| whole < least) {
                     best = Some((whole, pose));
                 }
-                ControlFlow::Continue(())
+                false
             },
         );
         best.map(|(_, end)| self.way(start, end))
     }
 
-    /// Breadth-first from `start`; returns the pose at which `found` broke off.
+    /// Breadth-first from `start`; returns the pose at which it is `found`.
     fn search(
         &mut self,
         map: &HallMap,
         area: Bounds,
         start: Pose,
         passable: impl Fn(Cell, Mark) -> bool,
-        mut found: impl FnMut(Pose, u32) -> ControlFlow<()>,
+        mut found: impl FnMut(Pose, u32) -> bool,
     ) -> Option<Pose> {
         self.prepare(area);
         let mut level = vec![start];
-        self.note(start, 0);
+        self.improve(start, 0, 0);
         let mut depth = 0;
         while !level.is_empty() {
             let mut next = Vec::with_capacity(level.len() * 2);
             for pose in level {
-                if found(pose, depth).is_break() {
+                if found(pose, depth) {
                     return Some(pose);
                 }
                 for (by, step) in (0..).zip(MOVES) {
                     let to = after(pose, step);
                     let open = step != Move::Forward || (area.contains(to.cell) && passable(to.cell, map.at(to.cell)));
-                    if open && self.note(to, by) {
+                    if open && self.improve(to, by, depth + 1) {
                         next.push(to);
                     }
                 }
@@ -175,17 +170,6 @@ impl Planner {
         self.search += 1;
     }
 
-    /// Notes that this search reached `pose` by move number `by`; false when it had been there before.
-    fn note(&mut self, pose: Pose, by: u8) -> bool {
-        let state = self.state(pose);
-        let fresh = self.seen[state] != self.search;
-        if fresh {
-            self.seen[state] = self.search;
-            self.came_by[state] = by;
-        }
-        fresh
-    }
-
     /// Notes a way to `pose` of so many moves, the last of them move number `by`; false when one as short was known.
     fn improve(&mut self, pose: Pose, by: u8, cost: u32) -> bool {
         let state = self.state(pose);
@@ -210,7 +194,7 @@ impl Planner {
         let mut pose = end;
         while pose != start {
             let step = MOVES[usize::from(self.came_by[self.state(pose)])];
-            pose = before(pose, step);
+            pose = after(pose, step.reversed());
             moves.push(step);
         }
         moves.reverse();
@@ -219,8 +203,7 @@ impl Planner {
 }
 
 /// Where a move leads when nothing is in the way.
-#[must_use]
-pub fn after(pose: Pose, step: Move) -> Pose {
+pub(crate) fn after(pose: Pose, step: Move) -> Pose {
     match step {
         Move::Forward => Pose { cell: pose.ahead(), ..pose },
         Move::Backward => Pose { cell: pose.cell.ahead(pose.heading.opposite()), ..pose },
@@ -228,18 +211,6 @@ pub fn after(pose: Pose, step: Move) -> Pose {
         Move::TurnRight => Pose { heading: pose.heading.right(), ..pose },
         Move::NudgeLeft | Move::NudgeRight => pose,
     }
-}
-
-fn before(pose: Pose, step: Move) -> Pose {
-    let undo = match step {
-        Move::Forward => Move::Backward,
-        Move::Backward => Move::Forward,
-        Move::TurnLeft => Move::TurnRight,
-        Move::TurnRight => Move::TurnLeft,
-        Move::NudgeLeft => Move::NudgeRight,
-        Move::NudgeRight => Move::NudgeLeft,
-    };
-    after(pose, undo)
 }
 
 const fn may_enter(mark: Mark, through: Through) -> bool {
@@ -255,8 +226,7 @@ const fn may_aim_at(mark: Mark) -> bool {
 }
 
 /// The cells a way passes, the start left out.
-#[must_use]
-pub fn cells_along(start: Pose, moves: impl IntoIterator<Item = Move>) -> Vec<Cell> {
+pub(crate) fn cells_along(start: Pose, moves: impl IntoIterator<Item = Move>) -> Vec<Cell> {
     let mut pose = start;
     let mut cells = Vec::new();
     for step in moves {
@@ -297,7 +267,7 @@ mod tests {
 
     #[test]
     fn the_way_to_a_cell_counts_turns_and_steps_alike() {
-        let way = Planner::default().to_cell(&map(&["..", ".."]), Pose::START, Cell::new(1, 1), Through::Known).unwrap();
+        let way = Planner::default().way_to_cell(&map(&["..", ".."]), Pose::START, Cell::new(1, 1), Through::Known).unwrap();
         assert_eq!(way, [Move::Forward, Move::TurnLeft, Move::Forward]);
     }
 
@@ -305,8 +275,8 @@ mod tests {
     fn a_known_way_never_enters_the_unknown() {
         let map = map(&["...", "#?.", "..."]);
         let mut planner = Planner::default();
-        let known = planner.to_cell(&map, Pose::START, Cell::new(0, 2), Through::Known).unwrap();
-        let daring = planner.to_cell(&map, Pose::START, Cell::new(0, 2), Through::Unknown).unwrap();
+        let known = planner.way_to_cell(&map, Pose::START, Cell::new(0, 2), Through::Known).unwrap();
+        let daring = planner.way_to_cell(&map, Pose::START, Cell::new(0, 2), Through::Unknown).unwrap();
         assert!(known.len() > daring.len());
         assert!(cells_along(Pose::START, known).iter().all(|cell| map.at(*cell) == Mark::Visited));
     }
@@ -315,20 +285,20 @@ mod tests {
     fn a_bag_is_a_goal_but_never_a_way() {
         let map = map(&[".", "b", "."]);
         let mut planner = Planner::default();
-        assert_eq!(planner.to_cell(&map, Pose::START, Cell::new(0, 1), Through::Known), Some(vec![Move::Forward]));
-        assert_eq!(planner.to_cell(&map, Pose::START, Cell::new(0, 2), Through::Known), None);
+        assert_eq!(planner.way_to_cell(&map, Pose::START, Cell::new(0, 1), Through::Known), Some(vec![Move::Forward]));
+        assert_eq!(planner.way_to_cell(&map, Pose::START, Cell::new(0, 2), Through::Known), None);
         assert_eq!(planner.nearest(&map, Pose::START, |_| true), Some(Cell::new(0, 1)));
     }
 
     #[test]
     fn a_wall_is_not_a_goal() {
-        let found = Planner::default().to_cell(&map(&[".", "#"]), Pose::START, Cell::new(0, 1), Through::Unknown);
+        let found = Planner::default().way_to_cell(&map(&[".", "#"]), Pose::START, Cell::new(0, 1), Through::Unknown);
         assert_eq!(found, None);
     }
 
     #[test]
     fn a_goal_far_beyond_the_known_is_approached_straight() {
-        let way = Planner::default().to_cell(&map(&["."]), Pose::START, Cell::new(0, 8000), Through::Unknown).unwrap();
+        let way = Planner::default().way_to_cell(&map(&["."]), Pose::START, Cell::new(0, 8000), Through::Unknown).unwrap();
         assert_eq!(way, [Move::Forward]);
     }
 
@@ -343,8 +313,8 @@ mod tests {
             map.mark(Cell::HOME, Mark::Visited, Revision(3));
             let goal = Cell::new(i32::try_from(dice.below(12)).unwrap(), i32::try_from(dice.below(12)).unwrap());
             let mut planner = Planner::default();
-            let guided = planner.to_cell(&map, Pose::START, goal, Through::Known).map(|way| way.len());
-            let turned = Heading::ALL.map(|heading| planner.to_pose(&map, Pose::START, Pose { cell: goal, heading }));
+            let guided = planner.way_to_cell(&map, Pose::START, goal, Through::Known).map(|way| way.len());
+            let turned = Heading::ALL.map(|heading| planner.way_to_pose(&map, Pose::START, Pose { cell: goal, heading }));
             let plain = turned.into_iter().flatten().map(|way| way.len()).min();
             assert_eq!(guided, plain, "to {goal}");
         }
@@ -353,7 +323,7 @@ mod tests {
     #[test]
     fn a_pose_is_reached_with_its_heading() {
         let goal = Pose { cell: Cell::new(1, 0), heading: Heading::West };
-        let way = Planner::default().to_pose(&map(&["..", ".."]), Pose::START, goal).unwrap();
+        let way = Planner::default().way_to_pose(&map(&["..", ".."]), Pose::START, goal).unwrap();
         assert_eq!(ends_at(&way), goal);
     }
 }

@@ -6,7 +6,7 @@
 //! row in front of it, as the seeds clamp their goals. The search is over when nothing unknown can be reached anywhere.
 
 use super::plan::Planner;
-use super::{Decision, View};
+use super::{NextGoal, View};
 use crate::units::Cell;
 use crate::world::hall_map::REACH;
 
@@ -55,18 +55,18 @@ impl Snail {
     }
 
     /// What to do now that the last goal is reached, or given up.
-    pub fn next(&mut self, view: &View<'_>, planner: &mut Planner) -> Decision {
+    pub(super) fn next(&mut self, view: &View<'_>, planner: &mut Planner) -> NextGoal {
         loop {
             match self.stage {
                 Stage::Corner => {
                     self.stage = Stage::Fill;
-                    return Decision::Visit(self.corner(view));
+                    return NextGoal::Visit(self.corner(view));
                 }
                 Stage::Fill => match self.nearest_in_square(view, planner) {
-                    Some(cell) => return Decision::Visit(cell),
+                    Some(cell) => return NextGoal::Visit(cell),
                     None => {
                         self.stage = Stage::NextRing;
-                        return Decision::GoHome;
+                        return NextGoal::GoHome;
                     }
                 },
                 Stage::NextRing => {
@@ -74,14 +74,14 @@ impl Snail {
                     self.ring += 1;
                 }
                 Stage::Finish => match planner.nearest(view.map, view.pose, |_| true) {
-                    Some(cell) => return Decision::Visit(cell),
+                    Some(cell) => return NextGoal::Visit(cell),
                     None => {
                         self.stage = Stage::Done;
-                        return Decision::GoHome;
+                        return NextGoal::GoHome;
                     }
                 },
                 Stage::Done if planner.nearest(view.map, view.pose, |_| true).is_some() => self.stage = Stage::Finish,
-                Stage::Done => return Decision::Finished,
+                Stage::Done => return NextGoal::Finished,
             }
         }
     }
@@ -132,7 +132,7 @@ mod tests {
         }
         let (mut snail, mut planner) = (Snail::default(), Planner::default());
         let view = View { map: &map, pose: Pose::START };
-        let finished = (0..100).any(|_| snail.next(&view, &mut planner) == Decision::Finished);
+        let finished = (0..100).any(|_| snail.next(&view, &mut planner) == NextGoal::Finished);
         assert!(finished);
     }
 }
