@@ -65,8 +65,7 @@ impl Bounds {
     }
 
     /// The least rectangle that also holds `cell`.
-    #[must_use]
-    pub fn including(self, cell: Cell) -> Bounds {
+    pub(crate) fn including(self, cell: Cell) -> Bounds {
         Bounds {
             least: Cell::new(self.least.x.min(cell.x), self.least.y.min(cell.y)),
             most: Cell::new(self.most.x.max(cell.x), self.most.y.max(cell.y)),
@@ -74,8 +73,7 @@ impl Bounds {
     }
 
     /// Larger by so many cells on every side.
-    #[must_use]
-    pub const fn grown(self, by: i32) -> Bounds {
+    pub(crate) const fn grown(self, by: i32) -> Bounds {
         Bounds { least: Cell::new(self.least.x - by, self.least.y - by), most: Cell::new(self.most.x + by, self.most.y + by) }
     }
 
@@ -143,8 +141,7 @@ impl HallMap {
     }
 
     /// Whether this mark would change anything.
-    #[must_use]
-    pub fn is_news(&self, cell: Cell, mark: Mark) -> bool {
+    pub(crate) fn is_news(&self, cell: Cell, mark: Mark) -> bool {
         self.at(cell) != mark && cell.x.abs() <= REACH && cell.y.abs() <= REACH
     }
 
@@ -171,7 +168,7 @@ impl HallMap {
     }
 
     /// Nobody has seen this map before this revision: all of it counts as changed then.
-    pub fn show_first_at(&mut self, revision: Revision) {
+    pub(crate) fn show_first_at(&mut self, revision: Revision) {
         for tile in self.tiles.iter_mut().flatten() {
             Arc::make_mut(tile).revision = revision;
         }
