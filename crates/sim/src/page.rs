@@ -120,14 +120,15 @@ struct Written {
     turn: u64,
     cell: [i32; 2],
     heading: String,
-    stands: WrittenAstray,
+    #[serde(with = "WrittenAstray")]
+    stands: Astray,
     motion: Option<WrittenMotion>,
     age_us: u64,
     restarts: u32,
 }
 
 #[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(remote = "Astray", deny_unknown_fields)]
 struct WrittenAstray {
     ahead_um: i64,
     turned_urad: i64,
@@ -136,42 +137,31 @@ struct WrittenAstray {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct WrittenMotion {
-    to: WrittenAstray,
+    #[serde(with = "WrittenAstray")]
+    to: Astray,
     left_us: u64,
 }
 
 impl Written {
     fn of(turn: u64, memory: &SimMemory) -> Written {
         let SimMemory { pose: Pose { cell, heading }, stands, motion, age, restarts } = *memory;
-        let motion = motion.map(|Underway { to, left }| WrittenMotion { to: to.into(), left_us: micros(left) });
+        let motion = motion.map(|Underway { to, left }| WrittenMotion { to, left_us: micros(left) });
         let heading = heading.name().to_owned();
-        Written { turn, cell: [cell.x, cell.y], heading, stands: stands.into(), motion, age_us: micros(age), restarts }
+        Written { turn, cell: [cell.x, cell.y], heading, stands, motion, age_us: micros(age), restarts }
     }
 
     fn read(self) -> Option<(u64, SimMemory)> {
         let heading = Heading::ALL.into_iter().find(|heading| heading.name() == self.heading)?;
         let [x, y] = self.cell;
-        let motion = self.motion.map(|motion| Underway { to: motion.to.into(), left: Duration::from_micros(motion.left_us) });
+        let motion = self.motion.map(|motion| Underway { to: motion.to, left: Duration::from_micros(motion.left_us) });
         let memory = SimMemory {
             pose: Pose { cell: Cell::new(x, y), heading },
-            stands: self.stands.into(),
+            stands: self.stands,
             motion,
             age: Duration::from_micros(self.age_us),
             restarts: self.restarts,
         };
         Some((self.turn, memory))
-    }
-}
-
-impl From<Astray> for WrittenAstray {
-    fn from(Astray { ahead_um, turned_urad }: Astray) -> WrittenAstray {
-        WrittenAstray { ahead_um, turned_urad }
-    }
-}
-
-impl From<WrittenAstray> for Astray {
-    fn from(WrittenAstray { ahead_um, turned_urad }: WrittenAstray) -> Astray {
-        Astray { ahead_um, turned_urad }
     }
 }
 

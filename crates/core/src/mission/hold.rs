@@ -85,17 +85,17 @@ impl Holds {
     }
 
     /// Raises a hold; true when it did not stand before.
-    pub fn raise(&mut self, hold: Hold) -> bool {
+    pub(crate) fn raise(&mut self, hold: Hold) -> bool {
         self.0.insert(hold)
     }
 
     /// Clears a hold, and no other; true when it stood.
-    pub fn clear(&mut self, hold: Hold) -> bool {
+    pub(crate) fn clear(&mut self, hold: Hold) -> bool {
         self.0.remove(&hold)
     }
 
     /// Clears what a movement command clears; true when any of it stood.
-    pub fn release(&mut self) -> bool {
+    pub(crate) fn release(&mut self) -> bool {
         let before = self.0.len();
         self.0.retain(|hold| !hold.cleared_by_start());
         self.0.len() != before

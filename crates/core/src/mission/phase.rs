@@ -97,9 +97,7 @@ impl Phase {
         if let Phase::Inspecting(inspection) = self.underlying() { Some(inspection) } else { None }
     }
 
-    /// Why it is in fault, if it is.
-    #[must_use]
-    pub const fn fault(&self) -> Option<&FaultCause> {
+    pub(crate) const fn fault(&self) -> Option<&FaultCause> {
         if let Phase::Fault { cause, .. } = self { Some(cause) } else { None }
     }
 

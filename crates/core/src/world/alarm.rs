@@ -36,15 +36,11 @@ pub struct AlarmView {
 }
 
 impl AlarmView {
-    /// An alarm that is on record.
-    #[must_use]
-    pub fn recorded(alarm: &Alarm) -> AlarmView {
+    pub(crate) fn recorded(alarm: &Alarm) -> AlarmView {
         AlarmView { id: Some(alarm.id), ..AlarmView::unrecorded(alarm) }
     }
 
-    /// An alarm that is not on record yet.
-    #[must_use]
-    pub fn unrecorded(alarm: &Alarm) -> AlarmView {
+    pub(crate) fn unrecorded(alarm: &Alarm) -> AlarmView {
         let Alarm { raised, text, luggage, acknowledged, .. } = alarm.clone();
         AlarmView { id: None, raised, text, luggage, acknowledged }
     }

@@ -65,8 +65,7 @@ impl Bounds {
     }
 
     /// The least rectangle that also holds `cell`.
-    #[must_use]
-    pub fn including(self, cell: Cell) -> Bounds {
+    pub(crate) fn including(self, cell: Cell) -> Bounds {
         Bounds {
             least: Cell::new(self.least.x.min(cell.x), self.least.y.min(cell.y)),
             most: Cell::new(self.most.x.max(cell.x), self.most.y.max(cell.y)),
@@ -74,8 +73,7 @@ impl Bounds {
     }
 
     /// Larger by so many cells on every side.
-    #[must_use]
-    pub const fn grown(self, by: i32) -> Bounds {
+    pub(crate) const fn grown(self, by: i32) -> Bounds {
         Bounds { least: Cell::new(self.least.x - by, self.least.y - by), most: Cell::new(self.most.x + by, self.most.y + by) }
     }
 
@@ -109,10 +107,8 @@ pub struct Tile {
 /// Everything known of the hall.
 #[derive(Clone, Debug)]
 pub struct HallMap {
-    /// The first tile's place, in tiles.
-    first: Cell,
-    columns: i32,
-    rows: i32,
+    /// Where there is room for tiles, in tiles; they lie row by row.
+    grid: Bounds,
     tiles: Vec<Option<Arc<Tile>>>,
     visited: usize,
     uninspected: usize,
@@ -126,9 +122,7 @@ impl HallMap {
     #[must_use]
     pub fn new(home: Cell, revision: Revision) -> HallMap {
         let mut map = HallMap {
-            first: tile_of(home),
-            columns: 1,
-            rows: 1,
+            grid: Bounds::of(tile_of(home)),
             tiles: vec![None],
             visited: 0,
             uninspected: 0,
@@ -147,8 +141,7 @@ impl HallMap {
     }
 
     /// Whether this mark would change anything.
-    #[must_use]
-    pub fn is_news(&self, cell: Cell, mark: Mark) -> bool {
+    pub(crate) fn is_news(&self, cell: Cell, mark: Mark) -> bool {
         self.at(cell) != mark && cell.x.abs() <= REACH && cell.y.abs() <= REACH
     }
 
@@ -175,7 +168,7 @@ impl HallMap {
     }
 
     /// Nobody has seen this map before this revision: all of it counts as changed then.
-    pub fn show_first_at(&mut self, revision: Revision) {
+    pub(crate) fn show_first_at(&mut self, revision: Revision) {
         for tile in self.tiles.iter_mut().flatten() {
             Arc::make_mut(tile).revision = revision;
         }
@@ -214,8 +207,8 @@ impl HallMap {
     /// The tiles that hold anything, with the cell of their north-west corner.
     pub fn tiles(&self) -> impl Iterator<Item = (Cell, &Arc<Tile>)> {
         self.tiles.iter().enumerate().filter_map(|(index, tile)| {
-            let index = i32::try_from(index).ok()?;
-            let corner = Cell::new((self.first.x + index % self.columns) * TILE, (self.first.y + index / self.columns) * TILE);
+            let (index, Bounds { least, .. }, columns) = (i32::try_from(index).ok()?, self.grid, self.grid.width());
+            let corner = Cell::new((least.x + index % columns) * TILE, (least.y + index / columns) * TILE);
             tile.as_ref().map(|tile| (corner, tile))
         })
     }
@@ -247,9 +240,8 @@ impl HallMap {
     }
 
     fn index(&self, place: Cell) -> Option<usize> {
-        let (column, row) = (place.x - self.first.x, place.y - self.first.y);
-        let inside = (0..self.columns).contains(&column) && (0..self.rows).contains(&row);
-        inside.then(|| usize::try_from(row * self.columns + column).ok())?
+        let (column, row) = (place.x - self.grid.least.x, place.y - self.grid.least.y);
+        self.grid.contains(place).then(|| usize::try_from(row * self.grid.width() + column).ok())?
     }
 
     fn tile_mut(&mut self, place: Cell) -> &mut Tile {
@@ -264,10 +256,8 @@ impl HallMap {
 
     fn grow_to(&mut self, place: Cell) {
         let old = self.clone();
-        let last = Cell::new(old.first.x + old.columns - 1, old.first.y + old.rows - 1);
-        let bounds = Bounds { least: old.first, most: last }.including(place);
-        (self.first, self.columns, self.rows) = (bounds.least, bounds.width(), bounds.height());
-        let count = usize::try_from(self.columns * self.rows).expect("a grid of tiles has a positive size");
+        self.grid = old.grid.including(place);
+        let count = usize::try_from(self.grid.width() * self.grid.height()).expect("a grid of tiles has a positive size");
         self.tiles = vec![None; count];
         for (corner, tile) in old.tiles() {
             let index = self.index(tile_of(corner)).expect("the grown grid holds what the old one held");
