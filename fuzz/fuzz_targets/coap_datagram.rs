@@ -68,7 +68,9 @@ struct Play {
 impl Play {
     fn new() -> Play {
         Play {
-            endpoint: Endpoint::new([7; 32]).started_at(Duration::from_secs(1_770_000_000)).with_urgent(is_urgent, "it took effect all the same"),
+            endpoint: Endpoint::new([7; 32])
+                .started_at(Duration::from_secs(1_770_000_000))
+                .with_urgent(is_urgent, "it took effect all the same"),
             now: Duration::from_secs(1000),
             waiting: Vec::new(),
             at_once: Some(0),

@@ -2,12 +2,12 @@
 //! same; and no entry, however odd, stops the program from finding out what stands or from going on from there.
 #![no_main]
 
+use hallsweep_core::state::PersistentState;
+use hallsweep_fuzz::api::journal::{Line, Unparsed, body, line, read_body, read_line, read_record, record};
+use hallsweep_fuzz::core::engine::{Engine, Recalled};
 use hallsweep_fuzz::core::search::Strategy;
 use hallsweep_fuzz::core::settings::Settings;
-use hallsweep_core::state::PersistentState;
-use hallsweep_fuzz::core::engine::{Recalled, Engine};
 use hallsweep_fuzz::core::units::{Now, Seq};
-use hallsweep_fuzz::api::journal::{Line, Unparsed, body, line, read_body, read_line, read_record, record};
 use libfuzzer_sys::fuzz_target;
 
 /// The store numbers entries by SQLite's integers, which end here.

@@ -13,7 +13,10 @@ use mqtt_gate::limits::{CLIENT_PACKET, CLIENT_ROOM, FILTERS, UNRELEASED};
 use mqtt_gate::packet::connect::{self, Connect};
 use mqtt_gate::packet::filters::Filters;
 use mqtt_gate::packet::{Qos, ack, publish, write};
-use mqtt_gate::{Broker, ClientConnection, CommandDecision, Ended, Epoch, Frame, Kind, Listener, Principal, Rights, Session, Terms, Tier, filter, frame};
+use mqtt_gate::{
+    Broker, ClientConnection, CommandDecision, Ended, Epoch, Frame, Kind, Listener, Principal, Rights, Session, Terms, Tier,
+    filter, frame,
+};
 
 /// The ids that the router gives, one after the other, and no more at once.
 const ROUTER_IDS: u16 = 100;
@@ -91,7 +94,8 @@ struct Play {
 
 impl Play {
     fn new(first: u8, connect: Option<Connect>) -> Play {
-        let principal = [Principal::Program, Principal::Client(Tier::Full), Principal::Client(Tier::Limited)][usize::from(first) % 3];
+        let principal =
+            [Principal::Program, Principal::Client(Tier::Full), Principal::Client(Tier::Limited)][usize::from(first) % 3];
         let broker = Arc::new(Broker::new(TestRights));
         let keep_alive_s = connect.as_ref().map_or(0, |connect| connect.keep_alive_s);
         let will = connect.and_then(|connect| connect.will);
@@ -119,7 +123,14 @@ impl Play {
         );
         let mut everything = BytesMut::new();
         for n in 0..200_u8 {
-            write::publish(&mut everything, format!("k/{n}").as_bytes(), &vec![n; usize::from(first) * 16 + 1], Qos::One, 1, true);
+            write::publish(
+                &mut everything,
+                format!("k/{n}").as_bytes(),
+                &vec![n; usize::from(first) * 16 + 1],
+                Qos::One,
+                1,
+                true,
+            );
         }
         write::subscribe(&mut everything, 1, &[("#", Qos::Zero)]);
         reader.handle_client(&mut everything, Duration::ZERO).expect("it may");

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::robot::Place;
+use super::robot::PositionJson;
 use super::time::rfc3339;
 use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
 
@@ -14,9 +14,9 @@ pub struct LuggageJson {
     /// `pending`, `safe` or `danger`.
     pub verdict: &'static str,
     /// The cell of the bag.
-    pub cell: Place,
+    pub cell: PositionJson,
     /// The cell from which it was photographed.
-    pub position: Place,
+    pub position: PositionJson,
     /// The way the robot faced then.
     pub heading: &'static str,
     /// When the photo was taken or failed, RFC 3339 with zone.

@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use super::robot::Place;
+use super::robot::PositionJson;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Cell, Revision};
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, cells_of};
@@ -25,7 +25,7 @@ pub struct MapJson {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub revision: Option<u64>,
     /// The cell of the first character of the first row.
-    pub origin: Place,
+    pub origin: PositionJson,
     /// Columns.
     pub width: i32,
     /// Rows.
@@ -40,7 +40,7 @@ pub struct MapCells {
     /// When the map or the robot's place in it last changed.
     pub revision: u64,
     /// The cell of the first character of the first row.
-    pub origin: Place,
+    pub origin: PositionJson,
     /// Columns.
     pub width: i32,
     /// Rows.
@@ -180,7 +180,7 @@ mod tests {
     #[test]
     fn every_known_cell_is_there_and_the_robot_in_its_own() {
         let map = MapJson::from(&searching());
-        assert_eq!((map.origin, map.width, map.height), (Place { x: 0, y: 0 }, 6, 5));
+        assert_eq!((map.origin, map.width, map.height), (PositionJson { x: 0, y: 0 }, 6, 5));
         assert_eq!(map.rows, ["111X1X", "11110X", "1XrX0X", "11110X", "XXXXX0"]);
     }
 
@@ -189,7 +189,7 @@ mod tests {
         let mut snapshot = idle();
         snapshot.map.mark(Cell::new(-1, -1), Mark::Wall, Revision(2));
         let map = MapJson::from(&snapshot);
-        assert_eq!((map.origin, map.rows), (Place { x: -1, y: -1 }, vec!["X0".to_owned(), "0r".to_owned()]));
+        assert_eq!((map.origin, map.rows), (PositionJson { x: -1, y: -1 }, vec!["X0".to_owned(), "0r".to_owned()]));
     }
 
     #[test]

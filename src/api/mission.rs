@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::robot::Place;
+use super::robot::PositionJson;
 use hallsweep_core::search::Strategy;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::snapshot::{MissionView, Progress, Refusals};
@@ -26,9 +26,9 @@ pub struct MissionJson {
     /// Why nothing can be recorded just now, in words, or null.
     pub store_failure: Option<String>,
     /// The cell it is on its way to, or null.
-    pub goal: Option<Place>,
+    pub goal: Option<PositionJson>,
     /// The cells it means to pass, the next one first.
-    pub route: Vec<Place>,
+    pub route: Vec<PositionJson>,
     /// The order of the search.
     pub strategy: &'static str,
     /// Raised by every stop.
@@ -87,8 +87,8 @@ impl MissionJson {
             fault: mission.fault.clone(),
             holds: mission.holds.iter().map(|hold| hold.name()).collect(),
             store_failure: mission.store_failure.clone(),
-            goal: mission.goal.map(Place::from),
-            route: mission.route.iter().copied().map(Place::from).collect(),
+            goal: mission.goal.map(PositionJson::from),
+            route: mission.route.iter().copied().map(PositionJson::from).collect(),
             strategy: mission.strategy.name(),
             epoch: mission.epoch.0,
             progress: mission.progress.into(),

@@ -15,7 +15,7 @@ use hallsweep_core::world::snapshot::Snapshot;
 
 /// Something to be seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Shown {
+pub enum ResourceKind {
     /// Everything at one revision.
     State,
     /// The order of the search.
@@ -41,7 +41,7 @@ pub enum Form {
 /// One resource.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    pub shown: Shown,
+    pub kind: ResourceKind,
     /// The last word of its topic, and what kind of thing it is for discovery.
     pub name: &'static str,
     /// Its path under `/api/v1` and at the CoAP door; `{id}` stands for a number.
@@ -59,8 +59,8 @@ const MEASURED: &[Form] = &[Form::Json, Form::Cbor, Form::Text, Form::Senml];
 /// All of them, in the order in which they are listed.
 #[rustfmt::skip]
 pub const RESOURCES: [Row; 11] = [
-    row(Shown::State, "state", "/state", "Everything at one revision", SHAPES),
-    row(Shown::Strategy, "strategy", "/strategy", "The order of the search", WITH_TEXT),
+    row(ResourceKind::State, "state", "/state", "Everything at one revision", SHAPES),
+    row(ResourceKind::Strategy, "strategy", "/strategy", "The order of the search", WITH_TEXT),
     of(Resource::Mission, "/mission", "Phase, holds, goal and progress", WITH_TEXT),
     of(Resource::Robot, "/robot", "What the robot does, and where", MEASURED),
     of(Resource::Map, "/map", "The hall as far as it is known", WITH_TEXT),
@@ -68,34 +68,31 @@ pub const RESOURCES: [Row; 11] = [
     of(Resource::Temperature, "/temperature", "The temperature, and what follows", MEASURED),
     of(Resource::Alarms, "/alarms", "The alarms", SHAPES),
     of(Resource::Log, "/log", "The latest lines of the log", SHAPES),
-    row(Shown::Piece, "piece", "/luggage/{id}", "A piece of luggage", SHAPES),
-    Row { is_observable: false, ..row(Shown::Photo, "photo", "/luggage/{id}/photo", "Its photo", &[Form::Picture]) },
+    row(ResourceKind::Piece, "piece", "/luggage/{id}", "A piece of luggage", SHAPES),
+    Row { is_observable: false, ..row(ResourceKind::Photo, "photo", "/luggage/{id}/photo", "Its photo", &[Form::Picture]) },
 ];
 
 const fn of(resource: Resource, path: &'static str, title: &'static str, forms: &'static [Form]) -> Row {
-    row(Shown::Of(resource), resource.name(), path, title, forms)
+    row(ResourceKind::Of(resource), resource.name(), path, title, forms)
 }
 
-const fn row(shown: Shown, name: &'static str, path: &'static str, title: &'static str, forms: &'static [Form]) -> Row {
-    Row { shown, name, path, title, forms, is_observable: true }
+const fn row(kind: ResourceKind, name: &'static str, path: &'static str, title: &'static str, forms: &'static [Form]) -> Row {
+    Row { kind, name, path, title, forms, is_observable: true }
 }
 
-impl Shown {
+impl ResourceKind {
     pub fn row(self) -> &'static Row {
-        const { &RESOURCES }
-            .iter()
-            .find(|row| row.shown == self)
-            .expect("everything that is shown has its row: a test holds that")
+        const { &RESOURCES }.iter().find(|row| row.kind == self).expect("everything that is shown has its row: a test holds that")
     }
 
     /// When it last changed. A map shows the robot, too.
     pub fn revision(self, snapshot: &Snapshot) -> Revision {
         match self {
-            Shown::State => snapshot.revision,
-            Shown::Strategy => snapshot.revision_of(Resource::Mission),
-            Shown::Of(Resource::Map) => map_revision(snapshot),
-            Shown::Of(resource) => snapshot.revision_of(resource),
-            Shown::Piece | Shown::Photo => snapshot.revision_of(Resource::Luggage),
+            ResourceKind::State => snapshot.revision,
+            ResourceKind::Strategy => snapshot.revision_of(Resource::Mission),
+            ResourceKind::Of(Resource::Map) => map_revision(snapshot),
+            ResourceKind::Of(resource) => snapshot.revision_of(resource),
+            ResourceKind::Piece | ResourceKind::Photo => snapshot.revision_of(Resource::Luggage),
         }
     }
 
@@ -105,26 +102,26 @@ impl Shown {
         let piece = |piece| located(LuggageJson::from(piece));
         let pieces = || snapshot.luggage.iter().map(|found| piece(&**found)).collect();
         match (self, form) {
-            (Shown::State, _) => shape(form, &StateJson { luggage: pieces(), ..StateJson::from(snapshot) }),
-            (Shown::Strategy, Form::Text) => snapshot.mission.strategy.name().into(),
-            (Shown::Strategy, _) => shape(form, &StrategyJson::from(snapshot.mission.strategy)),
-            (Shown::Of(Resource::Mission), Form::Text) => text::mission(&snapshot.mission).into(),
-            (Shown::Of(Resource::Mission), _) => shape(form, &state::mission(snapshot)),
-            (Shown::Of(Resource::Robot), Form::Text) => old_items::robot(&snapshot.robot).into(),
-            (Shown::Of(Resource::Robot), Form::Senml) => senml::robot(&snapshot.robot).into(),
-            (Shown::Of(Resource::Robot), _) => shape(form, &state::robot(snapshot)),
-            (Shown::Of(Resource::Map), Form::Text) => map_text::lines(snapshot).into(),
-            (Shown::Of(Resource::Map), _) => shape(form, &MapJson::from(snapshot)),
-            (Shown::Of(Resource::Luggage), _) => shape::<Vec<_>>(form, &pieces()),
-            (Shown::Of(Resource::Temperature), Form::Text) => text::temperature(&snapshot.temperature).into(),
-            (Shown::Of(Resource::Temperature), Form::Senml) => senml::temperature(&snapshot.temperature).into(),
-            (Shown::Of(Resource::Temperature), _) => shape(form, &state::temperature(snapshot)),
-            (Shown::Of(Resource::Alarms), _) => shape(form, &state::alarms(snapshot)),
-            (Shown::Of(Resource::Log), _) => shape(form, &state::log_after(snapshot, 0)),
-            (Shown::Piece, _) => {
+            (ResourceKind::State, _) => shape(form, &StateJson { luggage: pieces(), ..StateJson::from(snapshot) }),
+            (ResourceKind::Strategy, Form::Text) => snapshot.mission.strategy.name().into(),
+            (ResourceKind::Strategy, _) => shape(form, &StrategyJson::from(snapshot.mission.strategy)),
+            (ResourceKind::Of(Resource::Mission), Form::Text) => text::mission(&snapshot.mission).into(),
+            (ResourceKind::Of(Resource::Mission), _) => shape(form, &state::mission(snapshot)),
+            (ResourceKind::Of(Resource::Robot), Form::Text) => old_items::robot(&snapshot.robot).into(),
+            (ResourceKind::Of(Resource::Robot), Form::Senml) => senml::robot(&snapshot.robot).into(),
+            (ResourceKind::Of(Resource::Robot), _) => shape(form, &state::robot(snapshot)),
+            (ResourceKind::Of(Resource::Map), Form::Text) => map_text::lines(snapshot).into(),
+            (ResourceKind::Of(Resource::Map), _) => shape(form, &MapJson::from(snapshot)),
+            (ResourceKind::Of(Resource::Luggage), _) => shape::<Vec<_>>(form, &pieces()),
+            (ResourceKind::Of(Resource::Temperature), Form::Text) => text::temperature(&snapshot.temperature).into(),
+            (ResourceKind::Of(Resource::Temperature), Form::Senml) => senml::temperature(&snapshot.temperature).into(),
+            (ResourceKind::Of(Resource::Temperature), _) => shape(form, &state::temperature(snapshot)),
+            (ResourceKind::Of(Resource::Alarms), _) => shape(form, &state::alarms(snapshot)),
+            (ResourceKind::Of(Resource::Log), _) => shape(form, &state::log_after(snapshot, 0)),
+            (ResourceKind::Piece, _) => {
                 snapshot.luggage(LuggageId(number)).map(|found| shape(form, &piece(&**found))).unwrap_or_default()
             }
-            (Shown::Photo, _) => Vec::new(),
+            (ResourceKind::Photo, _) => Vec::new(),
         }
     }
 }
@@ -146,7 +143,7 @@ mod tests {
     #[test]
     fn everything_that_has_a_revision_has_its_row_and_topic() {
         for resource in Resource::ALL {
-            assert_eq!(Shown::Of(resource).row().path, format!("/{}", Shown::Of(resource).row().name));
+            assert_eq!(ResourceKind::Of(resource).row().path, format!("/{}", ResourceKind::Of(resource).row().name));
         }
     }
 
@@ -158,6 +155,6 @@ mod tests {
             all.dedup();
             assert_eq!(all.len(), RESOURCES.len());
         }
-        assert!(RESOURCES.iter().all(|row| row.shown.row().name == row.name));
+        assert!(RESOURCES.iter().all(|row| row.kind.row().name == row.name));
     }
 }

@@ -8,16 +8,16 @@ use hallsweep_core::world::robot::{RobotShown, RobotView};
 
 /// A cell: `{"x":1,"y":2}`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Place {
+pub struct PositionJson {
     /// Column, growing to the east.
     pub x: i32,
     /// Row, growing to the south.
     pub y: i32,
 }
 
-impl From<Cell> for Place {
-    fn from(cell: Cell) -> Place {
-        Place { x: cell.x, y: cell.y }
+impl From<Cell> for PositionJson {
+    fn from(cell: Cell) -> PositionJson {
+        PositionJson { x: cell.x, y: cell.y }
     }
 }
 
@@ -34,7 +34,7 @@ pub struct RobotJson {
     /// `north`, `east`, `south` or `west`.
     pub heading: &'static str,
     /// The cell it stands in.
-    pub position: Place,
+    pub position: PositionJson,
     /// Whether it stands away from the cell's centre, after a halt in mid-step.
     pub off_centre: bool,
     /// Centimetres to what is ahead, or null beyond the sonar's range.
@@ -52,7 +52,7 @@ impl RobotJson {
             state: robot.state.name(),
             halting: robot.halting,
             heading: robot.pose.heading.name(),
-            position: Place { x: cell.x, y: cell.y },
+            position: PositionJson { x: cell.x, y: cell.y },
             off_centre: robot.off_centre,
             sonar: robot.sonar_cm,
             led: if robot.led_blinking { "blinking" } else { "off" },
@@ -80,7 +80,7 @@ pub struct NamedRobotJson {
     /// Where it looks.
     pub heading: &'static str,
     /// The cell it stands in.
-    pub position: Place,
+    pub position: PositionJson,
     /// Whether it stands away from the cell's centre.
     pub off_centre: bool,
     /// Centimetres to what is ahead, or null.

@@ -6,7 +6,7 @@ pub(crate) use hallsweep::api::changes::ChangesJson;
 pub(crate) use hallsweep::api::journal::{self, Picture};
 pub(crate) use hallsweep::api::map::MapJson;
 pub(crate) use hallsweep::api::problem::{ProblemJson, ProblemKind};
-pub(crate) use hallsweep::api::resources::Shown;
+pub(crate) use hallsweep::api::resources::ResourceKind;
 pub(crate) use hallsweep::api::state::{self, StateJson};
 pub(crate) use hallsweep::api::{cbor, concise_problem, journal_words, map_text, old_items, senml, text};
 pub(crate) use hallsweep::doors::coap::{Application, Reply, Resources};

@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 use super::book::{Book, hex};
 use super::doors::{
     AlarmId, CODES, Cell, ChangesJson, Code, CommandId, Entry, Epoch, Fact, Hold, LuggageId, MapJson, MissionId, PhaseName,
-    Picture, ProblemJson, ProblemKind, Refusal, RefusalKind, Refused, Resource, Revision, Seq, Shown, Snapshot, StateJson,
+    Picture, ProblemJson, ProblemKind, Refusal, RefusalKind, Refused, Resource, ResourceKind, Revision, Seq, Snapshot, StateJson,
     Verdict, cbor, concise_problem, journal, journal_words, map_text, old_items, qak, senml, state, text,
 };
 
@@ -22,7 +22,7 @@ pub(crate) fn snapshot(book: &mut Book, older: Option<&Snapshot>, newer: &Snapsh
         shape(book, "changes since 20 revisions ago", &ChangesJson::since(newer, earlier));
     }
     for resource in Resource::ALL {
-        let name = Shown::Of(resource).row().name;
+        let name = ResourceKind::Of(resource).row().name;
         match resource {
             Resource::Mission => shape(book, name, &state::mission(newer)),
             Resource::Robot => shape(book, name, &state::robot(newer)),

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::api::robot::Place;
+use crate::api::robot::PositionJson;
 use crate::api::time::rfc3339;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_sim::headless::Figures;
@@ -32,8 +32,8 @@ struct FiguresJson<'a> {
 struct PieceJson {
     id: u64,
     verdict: &'static str,
-    cell: Place,
-    position: Place,
+    cell: PositionJson,
+    position: PositionJson,
     heading: &'static str,
     taken: String,
 }

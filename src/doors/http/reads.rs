@@ -13,7 +13,7 @@ use super::etag::{conditional, tag};
 use super::problem::Problem;
 use super::reading::Number;
 use crate::api::luggage::LuggageJson;
-use crate::api::resources::{self, Form, Row, Shown};
+use crate::api::resources::{self, Form, ResourceKind, Row};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
 use hallsweep_core::world::snapshot::Snapshot;
@@ -33,8 +33,8 @@ pub(super) fn resource(row: &Row, door: &Door, headers: &HeaderMap) -> Result<Re
         return Err(Problem::not_acceptable(format!("the {} is there as {}", row.name, offers.join(" and as "))));
     };
     let snapshot = door.handle.snapshot();
-    let tag = tag(&snapshot.run, row.shown.revision(&snapshot), word);
-    let body = || row.shown.written(0, form, &snapshot, identity);
+    let tag = tag(&snapshot.run, row.kind.revision(&snapshot), word);
+    let body = || row.kind.written(0, form, &snapshot, identity);
     let mut response = conditional(headers, &tag, || ([(header::CONTENT_TYPE, media_type)], body()).into_response());
     if offers.len() > 1 {
         response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
@@ -46,7 +46,7 @@ pub(super) fn resource(row: &Row, door: &Door, headers: &HeaderMap) -> Result<Re
 pub(super) async fn luggage(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     let snapshot = door.handle.snapshot();
     let luggage = record(&door, &snapshot, id).await?;
-    let tag = tag(&snapshot.run, Shown::Piece.revision(&snapshot), "json");
+    let tag = tag(&snapshot.run, ResourceKind::Piece.revision(&snapshot), "json");
     let json = || resources::shape(Form::Json, &LuggageJson::from(&*luggage));
     Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, "application/json")], json()).into_response()))
 }
@@ -89,7 +89,7 @@ pub(super) async fn record(door: &Door, snapshot: &Snapshot, id: u64) -> Result<
 mod tests {
     use super::super::testing::{TestApp, app, read, text};
     use crate::api::fixture::searching;
-    use crate::api::resources::{RESOURCES, Shown};
+    use crate::api::resources::{RESOURCES, ResourceKind};
     use hallsweep_core::world::luggage::{Luggage, PhotoState};
     use std::sync::Arc;
 
@@ -117,7 +117,7 @@ mod tests {
     async fn every_resource_is_there_alone_as_it_stands_in_the_whole_state() {
         let app = app(searching());
         let (_, state) = read(app.get("/api/v1/state").await).await;
-        for row in RESOURCES.iter().filter(|row| matches!(row.shown, Shown::Of(_))) {
+        for row in RESOURCES.iter().filter(|row| matches!(row.kind, ResourceKind::Of(_))) {
             let (status, json) = read(app.get(&format!("/api/v1{}", row.path)).await).await;
             assert_eq!((status.as_u16(), &json), (200, &state[row.name]), "{}", row.name);
         }

@@ -18,7 +18,7 @@ use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
 use crate::api::commands::{self, COMMANDS, CommandKind, Methods, Subject};
 use crate::api::old_clients::{self, posted};
-use crate::api::resources::{self, RESOURCES, Shown};
+use crate::api::resources::{self, RESOURCES, ResourceKind};
 use hallsweep_core::command::Command;
 
 /// One route.
@@ -60,10 +60,10 @@ fn for_anybody() -> Vec<Row> {
 fn resources() -> Vec<Row> {
     let row = |row: &'static resources::Row| {
         let path = format!("/api/v1{}", row.path);
-        match row.shown {
-            Shown::Photo => get(path, See, reads::photo),
-            Shown::Piece => get(path, See, reads::luggage),
-            Shown::State | Shown::Strategy | Shown::Of(_) => {
+        match row.kind {
+            ResourceKind::Photo => get(path, See, reads::photo),
+            ResourceKind::Piece => get(path, See, reads::luggage),
+            ResourceKind::State | ResourceKind::Strategy | ResourceKind::Of(_) => {
                 get(path, See, async |State(door): State<Door>, headers: HeaderMap| reads::resource(row, &door, &headers))
             }
         }

@@ -1,6 +1,6 @@
 //! Who may publish, subscribe and leave a will where. What a command is good for is judged by whoever hears it.
 
-use super::topics::{PULSE, Place, Topics};
+use super::topics::{PULSE, TopicKind, Topics};
 use crate::access::Role;
 use mqtt_gate::{Principal, Rights, Tier};
 
@@ -14,14 +14,14 @@ pub(super) const fn principal(role: Role) -> Principal {
 
 impl Rights for Topics {
     fn is_for_commands(&self, topic: &str) -> bool {
-        match self.place(topic) {
-            Place::Command(_) | Place::Word | Place::Old => true,
-            Place::Ours | Place::Elsewhere => false,
+        match self.kind_of(topic) {
+            TopicKind::Command(_) | TopicKind::Word | TopicKind::Old => true,
+            TopicKind::Ours | TopicKind::Elsewhere => false,
         }
     }
 
     fn may_publish(&self, who: Principal, topic: &str) -> bool {
-        may_publish(who, self.place(topic))
+        may_publish(who, self.kind_of(topic))
     }
 
     /// To all but the broker's own pulse.
@@ -35,23 +35,23 @@ impl Rights for Topics {
 
     /// A will is no command: nobody stands behind it when it is read.
     fn may_leave_will(&self, who: Principal, topic: &str) -> bool {
-        may_leave_will(who, self.place(topic))
+        may_leave_will(who, self.kind_of(topic))
     }
 }
 
-const fn may_publish(who: Principal, place: Place<'_>) -> bool {
+const fn may_publish(who: Principal, place: TopicKind<'_>) -> bool {
     match (who, place) {
-        (Principal::Program, _) | (Principal::Client(_), Place::Command(_) | Place::Word | Place::Old) => true,
-        (Principal::Client(tier), Place::Elsewhere) => matches!(tier, Tier::Full),
-        (Principal::Client(_), Place::Ours) => false,
+        (Principal::Program, _) | (Principal::Client(_), TopicKind::Command(_) | TopicKind::Word | TopicKind::Old) => true,
+        (Principal::Client(tier), TopicKind::Elsewhere) => matches!(tier, Tier::Full),
+        (Principal::Client(_), TopicKind::Ours) => false,
     }
 }
 
-const fn may_leave_will(who: Principal, place: Place<'_>) -> bool {
+const fn may_leave_will(who: Principal, place: TopicKind<'_>) -> bool {
     match place {
-        Place::Command(_) | Place::Word | Place::Old => false,
-        Place::Ours => matches!(who, Principal::Program),
-        Place::Elsewhere => matches!(who, Principal::Program | Principal::Client(Tier::Full)),
+        TopicKind::Command(_) | TopicKind::Word | TopicKind::Old => false,
+        TopicKind::Ours => matches!(who, Principal::Program),
+        TopicKind::Elsewhere => matches!(who, Principal::Program | Principal::Client(Tier::Full)),
     }
 }
 
@@ -59,9 +59,10 @@ const fn may_leave_will(who: Principal, place: Place<'_>) -> bool {
 mod tests {
     use super::*;
 
-    const PLACES: [Place<'static>; 5] = [Place::Command("stop"), Place::Word, Place::Old, Place::Ours, Place::Elsewhere];
+    const PLACES: [TopicKind<'static>; 5] =
+        [TopicKind::Command("stop"), TopicKind::Word, TopicKind::Old, TopicKind::Ours, TopicKind::Elsewhere];
 
-    fn of(what: impl Fn(Place<'static>) -> bool) -> [bool; 5] {
+    fn of(what: impl Fn(TopicKind<'static>) -> bool) -> [bool; 5] {
         PLACES.map(what)
     }
 

@@ -1,6 +1,6 @@
 //! The names of all topics, and whose business each is. What is said on them stands in the files of each.
 
-use crate::api::resources::Shown;
+use crate::api::resources::ResourceKind;
 use hallsweep_core::world::resource::Resource;
 
 /// The word before the name of a command.
@@ -31,7 +31,7 @@ pub struct Topics {
 
 /// Whose business a topic is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place<'a> {
+pub enum TopicKind<'a> {
     /// `…/command/NAME`: a command of this name, in JSON.
     Command(&'a str),
     /// `…/command`: the bare name of a command without arguments.
@@ -57,7 +57,7 @@ impl Topics {
 
     /// Where a resource is shown.
     pub fn state(&self, resource: Resource) -> String {
-        format!("{}/state/{}", self.base, Shown::Of(resource).row().name)
+        format!("{}/state/{}", self.base, ResourceKind::Of(resource).row().name)
     }
 
     /// Where it is told what happens.
@@ -111,18 +111,18 @@ impl Topics {
     }
 
     /// Whose business this topic is.
-    pub fn place<'a>(&self, topic: &'a str) -> Place<'a> {
+    pub fn kind_of<'a>(&self, topic: &'a str) -> TopicKind<'a> {
         if let Some(name) = under(&self.old, topic) {
-            return if name.contains('/') { Place::Elsewhere } else { Place::Old };
+            return if name.contains('/') { TopicKind::Elsewhere } else { TopicKind::Old };
         }
         let Some(rest) = under(&self.base, topic) else {
             let is_ours = topic == self.base || topic == self.discovery() || topic == PULSE;
-            return if is_ours { Place::Ours } else { Place::Elsewhere };
+            return if is_ours { TopicKind::Ours } else { TopicKind::Elsewhere };
         };
         match rest.split_once('/') {
-            None if rest == COMMAND => Place::Word,
-            Some((COMMAND, name)) if !name.contains('/') => Place::Command(name),
-            None | Some(_) => Place::Ours,
+            None if rest == COMMAND => TopicKind::Word,
+            Some((COMMAND, name)) if !name.contains('/') => TopicKind::Command(name),
+            None | Some(_) => TopicKind::Ours,
         }
     }
 }
@@ -140,24 +140,24 @@ mod tests {
     fn every_topic_is_somebodys_business() {
         let topics = Topics::new("hallsweep", "discovery", "unibo/qak");
         let cases = [
-            ("hallsweep/discovery/command/start", Place::Command("start")),
-            ("hallsweep/discovery/command", Place::Word),
-            ("hallsweep/discovery/command/start/result", Place::Ours),
-            ("hallsweep/discovery/state/robot", Place::Ours),
-            ("hallsweep/discovery", Place::Ours),
-            ("homeassistant/device/discovery/config", Place::Ours),
-            ("homeassistant/status", Place::Elsewhere),
-            (PULSE, Place::Ours),
-            ("unibo/qak/events", Place::Old),
-            ("unibo/qak/robotmind", Place::Old),
-            ("unibo/qak/a/b", Place::Elsewhere),
-            ("unibo/qak", Place::Elsewhere),
-            ("hallsweep/discovery2/command/start", Place::Elsewhere),
-            ("hallsweep/other/state/robot", Place::Elsewhere),
-            ("", Place::Elsewhere),
+            ("hallsweep/discovery/command/start", TopicKind::Command("start")),
+            ("hallsweep/discovery/command", TopicKind::Word),
+            ("hallsweep/discovery/command/start/result", TopicKind::Ours),
+            ("hallsweep/discovery/state/robot", TopicKind::Ours),
+            ("hallsweep/discovery", TopicKind::Ours),
+            ("homeassistant/device/discovery/config", TopicKind::Ours),
+            ("homeassistant/status", TopicKind::Elsewhere),
+            (PULSE, TopicKind::Ours),
+            ("unibo/qak/events", TopicKind::Old),
+            ("unibo/qak/robotmind", TopicKind::Old),
+            ("unibo/qak/a/b", TopicKind::Elsewhere),
+            ("unibo/qak", TopicKind::Elsewhere),
+            ("hallsweep/discovery2/command/start", TopicKind::Elsewhere),
+            ("hallsweep/other/state/robot", TopicKind::Elsewhere),
+            ("", TopicKind::Elsewhere),
         ];
         for (topic, place) in cases {
-            assert_eq!(topics.place(topic), place, "{topic}");
+            assert_eq!(topics.kind_of(topic), place, "{topic}");
         }
     }
 
@@ -167,9 +167,9 @@ mod tests {
         let published = [topics.event(), topics.availability(), topics.result("goto"), topics.photo(), topics.home_assistant()];
         let states = Resource::ALL.map(|resource| topics.state(resource));
         for topic in published.iter().chain(&states).chain([&topics.discovery()]) {
-            assert_eq!(topics.place(topic), Place::Ours, "{topic}");
+            assert_eq!(topics.kind_of(topic), TopicKind::Ours, "{topic}");
         }
-        assert_eq!(topics.place(&topics.command("goto")), Place::Command("goto"));
-        assert_eq!(topics.place(&topics.old_events()), Place::Old);
+        assert_eq!(topics.kind_of(&topics.command("goto")), TopicKind::Command("goto"));
+        assert_eq!(topics.kind_of(&topics.old_events()), TopicKind::Old);
     }
 }

@@ -97,10 +97,10 @@ impl Hasher for Fnv {
 mod tests {
     use super::*;
     use crate::api::fixture::{searching, touch};
-    use crate::api::resources::Shown;
+    use crate::api::resources::ResourceKind;
     use hallsweep_core::world::resource::Resource;
 
-    const TEMPERATURE: Show = Show::Resource(Shown::Of(Resource::Temperature));
+    const TEMPERATURE: Show = Show::Resource(ResourceKind::Of(Resource::Temperature));
 
     #[test]
     fn what_has_not_changed_is_not_made_anew() {
@@ -133,9 +133,9 @@ mod tests {
         let (cache, state) = (RepresentationCache::default(), searching());
         let last = 10 * u16::try_from(MOST).unwrap();
         let latest: Vec<Copies> =
-            (0..=last).map(|format| cache.copies(Show::Resource(Shown::Piece), 3, Format(format), &state)).collect();
+            (0..=last).map(|format| cache.copies(Show::Resource(ResourceKind::Piece), 3, Format(format), &state)).collect();
         assert_eq!(cache.0.lock().unwrap().len(), MOST, "the others are kept when one gives way");
-        let before = cache.copies(Show::Resource(Shown::Piece), 3, Format(last - 1), &state);
+        let before = cache.copies(Show::Resource(ResourceKind::Piece), 3, Format(last - 1), &state);
         assert!(Arc::ptr_eq(&before.plain, &latest[usize::from(last) - 1].plain));
     }
 }

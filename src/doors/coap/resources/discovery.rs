@@ -3,7 +3,7 @@
 
 use super::cache;
 use super::table::{Row, Show, Table};
-use crate::api::resources::Shown;
+use crate::api::resources::ResourceKind;
 use coap_endpoint::{Format, Link, Response, link_format};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::PhotoState;
@@ -60,7 +60,7 @@ fn link(row: &Row, href: &str, size: Option<usize>) -> Link {
 
 /// The size of a photo; that of other things changes all the time.
 fn size(row: &Row, id: LuggageId, snapshot: &Snapshot) -> Option<usize> {
-    row.shows.as_ref().filter(|shown| shown.show == Show::Resource(Shown::Photo))?;
+    row.shows.as_ref().filter(|shown| shown.show == Show::Resource(ResourceKind::Photo))?;
     match snapshot.luggage(id)?.photo {
         PhotoState::Taken { bytes, .. } => Some(bytes),
         PhotoState::Failed(_) => None,

@@ -7,7 +7,7 @@ use super::super::application::Reply;
 use super::problem::Problem;
 use super::table::{Representations, Row, Show};
 use super::{Resources, discovery, photos, shows};
-use crate::api::resources::Shown;
+use crate::api::resources::ResourceKind;
 use coap_endpoint::{Answer, ETag, Format, Request, Response};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::snapshot::Snapshot;
@@ -16,7 +16,7 @@ impl Resources {
     /// What a GET of this is answered with. Whether there is such a thing comes before the question in which format.
     pub(super) fn show(&self, shown: &Representations, number: u64, request: &Request) -> Result<Reply, Problem> {
         let snapshot = self.handle.snapshot();
-        if shown.show == Show::Resource(Shown::Photo) {
+        if shown.show == Show::Resource(ResourceKind::Photo) {
             return self.photo(&snapshot, number, request);
         }
         if is_past(shown.show, number, &snapshot) {
@@ -61,7 +61,7 @@ impl Resources {
         match show {
             Show::Links => Vec::new(),
             Show::OldItems => self.old.answer(&snapshot, &self.cache).observed.iter().filter_map(|item| item.tag).collect(),
-            Show::Resource(Shown::Photo) => {
+            Show::Resource(ResourceKind::Photo) => {
                 snapshot.luggage(LuggageId(number)).map(|piece| photos::tag(piece)).into_iter().collect()
             }
             Show::Resource(_) if is_past(*show, number, &snapshot) => Vec::new(),
@@ -105,7 +105,7 @@ impl Resources {
 
 /// Whether this is a piece, and of no present mission.
 fn is_past(show: Show, number: u64, snapshot: &Snapshot) -> bool {
-    show == Show::Resource(Shown::Piece) && snapshot.luggage(LuggageId(number)).is_none()
+    show == Show::Resource(ResourceKind::Piece) && snapshot.luggage(LuggageId(number)).is_none()
 }
 
 fn negotiated(offers: &[Format], request: &Request) -> Result<Format, Problem> {

@@ -4,7 +4,7 @@
 
 use super::actions::Action;
 use crate::api::commands::{self, COMMANDS, Methods, Subject};
-use crate::api::resources::{self, Form, RESOURCES, Shown};
+use crate::api::resources::{self, Form, RESOURCES, ResourceKind};
 use coap_endpoint::{Format, Method};
 
 /// Every path.
@@ -39,7 +39,7 @@ pub(super) struct Representations {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Show {
     /// A resource of the one table.
-    Resource(Shown),
+    Resource(ResourceKind),
     /// The three items of old clients.
     OldItems,
     /// The list of all this.
@@ -111,7 +111,7 @@ fn only_here() -> [Row; 2] {
 
 fn resource(row: &'static resources::Row) -> Row {
     let formats = row.forms.iter().flat_map(|form| formats_of(*form)).copied().collect();
-    shown(row.path, row.name, row.title, Show::Resource(row.shown), formats, row.is_observable)
+    shown(row.path, row.name, row.title, Show::Resource(row.kind), formats, row.is_observable)
 }
 
 /// There are clients that cannot take a picture as what it is, and get its bytes.

@@ -28,10 +28,10 @@ async fn code(app: &TestApp, request: Request) -> String {
 fn every_resource_has_its_path_and_can_be_observed() {
     let table = Table::default();
     for resource in Resource::ALL {
-        let name = Shown::Of(resource).row().name;
+        let name = ResourceKind::Of(resource).row().name;
         let found = table.find(&[name.to_owned()]).expect("a row");
         let shown = found.row.shows.as_ref().expect("it can be read");
-        assert!(shown.show == Show::Resource(Shown::Of(resource)) && shown.is_observable, "{name}");
+        assert!(shown.show == Show::Resource(ResourceKind::Of(resource)) && shown.is_observable, "{name}");
     }
 }
 

@@ -3,7 +3,7 @@
 use std::convert::identity;
 use std::time::Duration;
 
-use crate::api::resources::{Form, Shown};
+use crate::api::resources::{Form, ResourceKind};
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
@@ -26,12 +26,12 @@ impl States {
     /// When the state of a resource is due; `None` when it was said as it is.
     pub(super) fn due(&self, resource: Resource, snapshot: &Snapshot) -> Option<Duration> {
         let said = self.0[resource as usize];
-        (said.revision != Some(Shown::Of(resource).revision(snapshot))).then_some(said.next)
+        (said.revision != Some(ResourceKind::Of(resource).revision(snapshot))).then_some(said.next)
     }
 
     /// The state of a resource, in JSON.
     pub(super) fn take(&mut self, resource: Resource, snapshot: &Snapshot, now: Duration) -> Vec<u8> {
-        let shown = Shown::Of(resource);
+        let shown = ResourceKind::Of(resource);
         self.0[resource as usize] = Said { revision: Some(shown.revision(snapshot)), next: now + PACE };
         shown.written(0, Form::Json, snapshot, identity)
     }

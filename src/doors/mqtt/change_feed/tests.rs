@@ -5,9 +5,9 @@ use serde_json::Value;
 use super::*;
 use crate::api::fixture::{idle, piece, searching, touch, write};
 use crate::api::log::LogLineJson;
-use crate::api::resources::Shown;
+use crate::api::resources::ResourceKind;
 use crate::api::state::StateJson;
-use crate::doors::mqtt::topics::Place;
+use crate::doors::mqtt::topics::TopicKind;
 use hallsweep_core::command::Verdict;
 use hallsweep_core::units::{Cell, LuggageId, WallTime};
 use hallsweep_core::world::hall_map::Mark;
@@ -140,8 +140,8 @@ fn nothing_is_said_where_others_may_speak_but_for_the_old_words() {
     assert!(feed.handle_photo(picture, photo(4)));
     said.extend(all(&mut feed, ms(0)));
     for publication in said {
-        let place = if feed.is_numbered(&publication) { Place::Old } else { Place::Ours };
-        assert_eq!(topics().place(&publication.topic), place, "{}", publication.topic);
+        let place = if feed.is_numbered(&publication) { TopicKind::Old } else { TopicKind::Ours };
+        assert_eq!(topics().kind_of(&publication.topic), place, "{}", publication.topic);
     }
 }
 
@@ -151,7 +151,7 @@ fn every_resource_shows_what_the_http_door_shows_at_the_same_revision() {
         let said = show(&mut feed(), &state, ms(0));
         let whole = serde_json::to_value(StateJson::from(&state)).unwrap();
         for resource in Resource::ALL {
-            assert_eq!(json(&said, &topics().state(resource)), whole[Shown::Of(resource).row().name], "{resource:?}");
+            assert_eq!(json(&said, &topics().state(resource)), whole[ResourceKind::Of(resource).row().name], "{resource:?}");
         }
     }
 }

@@ -2,7 +2,7 @@
 //! system. Whether its sender may have it, and what becomes of it, is decided elsewhere.
 
 use super::super::qak::incoming;
-use super::super::topics::{Place, Topics};
+use super::super::topics::{TopicKind, Topics};
 use super::IncomingMessage;
 use super::problem::Problem;
 use super::read::{Asked, Read, bare, id_of_a_stop, read, sized};
@@ -56,12 +56,12 @@ impl CommandParser {
     }
 
     fn stop_on(&self, topic: &str, payload: &[u8]) -> Option<ParsedCommand> {
-        let reply = match self.topics.place(topic) {
-            Place::Command(name) if is_halt(name) => self.reply(STOP),
-            Place::Command(name) if name.eq_ignore_ascii_case(MOVE) && says_halt(payload) => self.reply(MOVE),
-            Place::Word if says_stop(payload) => self.reply(STOP),
-            Place::Old if incoming::is_stop(payload) => Reply { topic: None, id: None, explained: None },
-            Place::Command(_) | Place::Word | Place::Old | Place::Ours | Place::Elsewhere => return None,
+        let reply = match self.topics.kind_of(topic) {
+            TopicKind::Command(name) if is_halt(name) => self.reply(STOP),
+            TopicKind::Command(name) if name.eq_ignore_ascii_case(MOVE) && says_halt(payload) => self.reply(MOVE),
+            TopicKind::Word if says_stop(payload) => self.reply(STOP),
+            TopicKind::Old if incoming::is_stop(payload) => Reply { topic: None, id: None, explained: None },
+            TopicKind::Command(_) | TopicKind::Word | TopicKind::Old | TopicKind::Ours | TopicKind::Elsewhere => return None,
         };
         let id = if reply.topic.is_some() { id_of_a_stop(payload) } else { None };
         let reply = Reply { id, ..reply };
@@ -70,26 +70,26 @@ impl CommandParser {
 
     /// Whether a message is certainly none of ours, seen without reading it: a message between others on the old topics.
     pub(super) fn is_of_others(&self, heard: &IncomingMessage<'_>) -> bool {
-        match self.topics.place(heard.topic) {
-            Place::Command(_) | Place::Word => false,
-            Place::Old => incoming::is_of_others(heard.payload),
-            Place::Ours | Place::Elsewhere => true,
+        match self.topics.kind_of(heard.topic) {
+            TopicKind::Command(_) | TopicKind::Word => false,
+            TopicKind::Old => incoming::is_of_others(heard.payload),
+            TopicKind::Ours | TopicKind::Elsewhere => true,
         }
     }
 
     /// What a message asks for; `None` when it asks for nothing.
     pub(super) fn parse(&self, heard: &IncomingMessage<'_>) -> Option<ParsedCommand> {
-        match self.topics.place(heard.topic) {
-            Place::Command(name) => Some(self.named(name, heard.payload)),
-            Place::Word => Some(self.word(heard.payload)),
-            Place::Old => self.old(heard.payload),
-            Place::Ours | Place::Elsewhere => None,
+        match self.topics.kind_of(heard.topic) {
+            TopicKind::Command(name) => Some(self.named(name, heard.payload)),
+            TopicKind::Word => Some(self.word(heard.payload)),
+            TopicKind::Old => self.old(heard.payload),
+            TopicKind::Ours | TopicKind::Elsewhere => None,
         }
     }
 
     /// Whether messages of the original system are heard there.
     pub(super) fn is_old(&self, topic: &str) -> bool {
-        self.topics.place(topic) == Place::Old
+        self.topics.kind_of(topic) == TopicKind::Old
     }
 
     /// The MSGID of a message that is none of ours.

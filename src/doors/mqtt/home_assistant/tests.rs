@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::*;
 use crate::api::fixture::{TEN, idle, piece, searching};
 use crate::doors::mqtt::change_feed::ChangeFeed;
-use crate::doors::mqtt::topics::{Place, Topics};
+use crate::doors::mqtt::topics::{TopicKind, Topics};
 use hallsweep_core::command::Verdict;
 use hallsweep_core::event::Photo;
 use hallsweep_core::units::WallTime;
@@ -58,7 +58,7 @@ fn every_topic_it_listens_to_is_one_that_is_published() {
         for (key, topic) in component.as_object().unwrap().iter().filter(|(key, _)| key.ends_with("_topic")) {
             let topic = topic.as_str().unwrap();
             if key == "command_topic" {
-                assert_eq!(topics().place(topic), Place::Word, "{name}");
+                assert_eq!(topics().kind_of(topic), TopicKind::Word, "{name}");
             } else {
                 assert!(published.contains_key(topic), "{name} listens to {topic}, where nothing is published");
             }
