@@ -1,5 +1,5 @@
 //! Every reason for which a command can be refused, in words for an operator and as a fixed code for programs.
-//! Which status a refusal gets is each door's own table.
+//! How it is told to whom is decided outside.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use super::command::{CommandId, Verdict};
 use super::mission::{Hold, PhaseName};
 use super::units::{AlarmId, Cell, Epoch, LuggageId};
 
-/// Which family a refusal is of; each door maps these to its own codes.
+/// What kind of refusal it is, as far as it makes a difference to whoever is told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RefusalKind {
     /// The state forbids it.
@@ -126,7 +126,7 @@ pub const OTHER_CONTENT: &str = "otherContent";
 pub struct Refusal {
     /// The fixed word for programs.
     pub code: &'static str,
-    /// The family it is of.
+    /// What kind of refusal it is.
     pub kind: RefusalKind,
     /// The sentence an operator read.
     pub words: String,
@@ -138,7 +138,7 @@ impl From<&Refused> for Refusal {
     }
 }
 
-/// Every code with its family, for refusals read back; a test in the HTTP door holds it against the variants.
+/// Every code with its kind, for refusals read back; a test of a door holds it against the variants.
 pub const CODES: [(&str, RefusalKind); 26] = {
     use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [
@@ -172,7 +172,7 @@ pub const CODES: [(&str, RefusalKind); 26] = {
 };
 
 impl Refused {
-    /// The family, for the codes of the doors.
+    /// What kind of refusal it is.
     #[must_use]
     pub const fn kind(&self) -> RefusalKind {
         match self {

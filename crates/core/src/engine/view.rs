@@ -29,7 +29,9 @@ impl Engine {
         let led_blinking = self.state.led_blinking && self.on_record.shown.led_blinking;
         let state = self.robot_state();
         let robot = RobotView { state, led_blinking, ..self.view_of(self.robots.searching_id(), self.robots.searching()) };
-        Shown { mission: self.mission_view(), robot, temperature: self.temperature_view() }
+        let mission = self.mission_view();
+        let temperature = self.temperature_view(&mission.holds);
+        Shown { mission, robot, temperature }
     }
 
     fn view_of(&self, id: &RobotId, robot: &Robot) -> RobotView {
@@ -43,21 +45,17 @@ impl Engine {
         }
     }
 
-    fn robots_shown(&self, searching: RobotView) -> Arc<[RobotShown]> {
-        let parts = |robot: &Robot| robot.controller.capabilities.map(|can| can.parts);
-        let first = RobotShown {
-            id: self.robots.searching_id().clone(),
-            view: searching,
-            parts: parts(self.robots.searching()),
-            holds: self.holds_shown(),
-        };
-        let others = self.robots.iter().filter(|(id, _)| !self.searches(id)).map(|(id, robot)| RobotShown {
-            id: id.clone(),
-            view: self.view_of(id, robot),
-            parts: parts(robot),
-            holds: self.holds_of(robot),
+    fn robots_shown(&self, shown: &Shown) -> Arc<[RobotShown]> {
+        let robots = self.robots.iter().map(|(id, robot)| {
+            let searches = self.searches(id);
+            let (view, holds) = if searches {
+                (shown.robot, shown.mission.holds.clone())
+            } else {
+                (self.view_of(id, robot), self.holds_of(robot))
+            };
+            RobotShown { id: id.clone(), view, parts: robot.controller.capabilities.map(|can| can.parts), holds }
         });
-        std::iter::once(first).chain(others).collect()
+        robots.collect()
     }
 
     /// What holds a robot beside the one that searches: its own link, and what holds all; each waits for START by itself.
@@ -75,9 +73,9 @@ impl Engine {
             run: Arc::clone(&self.world.run),
             revision: self.world.revision(),
             revisions,
+            robots: self.robots_shown(&shown),
             mission: shown.mission,
             robot: shown.robot,
-            robots: self.robots_shown(shown.robot),
             map: self.shown_map().clone(),
             luggage: Arc::clone(&self.on_record.shown.luggage),
             temperature: shown.temperature,
@@ -137,8 +135,7 @@ impl Engine {
         }
     }
 
-    fn temperature_view(&self) -> TemperatureView {
-        let holds = self.holds_shown();
+    fn temperature_view(&self, holds: &[Hold]) -> TemperatureView {
         let status = if holds.contains(&Hold::TooHigh) || holds.contains(&Hold::Temperature) {
             TemperatureStatus::TooHigh
         } else if holds.contains(&Hold::TemperatureStale) {

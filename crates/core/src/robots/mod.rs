@@ -60,80 +60,78 @@ pub(crate) struct Robot {
 
 #[derive(Clone, Debug)]
 pub(crate) struct Robots {
-    searching: RobotId,
-    all: BTreeMap<RobotId, Robot>,
+    searching: (RobotId, Robot),
+    others: BTreeMap<RobotId, Robot>,
 }
 
 impl Robots {
     pub(crate) fn of(searching: RobotId) -> Robots {
-        Robots { all: BTreeMap::from([(searching.clone(), Robot::default())]), searching }
+        Robots { searching: (searching, Robot::default()), others: BTreeMap::new() }
     }
 
     pub(crate) fn add(&mut self, id: RobotId) {
-        self.all.entry(id).or_insert_with(|| Robot { holds: Holds::from_iter([Hold::RobotLink]), ..Robot::default() });
+        if id != self.searching.0 {
+            self.others.entry(id).or_insert_with(|| Robot { holds: Holds::from_iter([Hold::RobotLink]), ..Robot::default() });
+        }
     }
 
     pub(crate) const fn searching_id(&self) -> &RobotId {
-        &self.searching
+        &self.searching.0
     }
 
-    pub(crate) fn searching(&self) -> &Robot {
-        self.all.get(&self.searching).expect("the robot that searches is there from the beginning")
+    pub(crate) const fn searching(&self) -> &Robot {
+        &self.searching.1
     }
 
-    pub(crate) fn searching_mut(&mut self) -> &mut Robot {
-        self.all.get_mut(&self.searching).expect("the robot that searches is there from the beginning")
+    pub(crate) const fn searching_mut(&mut self) -> &mut Robot {
+        &mut self.searching.1
     }
 
     pub(crate) fn get(&self, id: &RobotId) -> Option<&Robot> {
-        self.all.get(id)
+        if *id == self.searching.0 { Some(&self.searching.1) } else { self.others.get(id) }
     }
 
     pub(crate) fn get_mut(&mut self, id: &RobotId) -> Option<&mut Robot> {
-        self.all.get_mut(id)
+        if *id == self.searching.0 { Some(&mut self.searching.1) } else { self.others.get_mut(id) }
     }
 
+    /// The one that searches, then the others by their names.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (&RobotId, &Robot)> {
-        self.all.iter()
+        std::iter::once((&self.searching.0, &self.searching.1)).chain(&self.others)
     }
 
     /// Something holds all of them during a mission: that it has ended sets none of them moving before a START. Whether that is new
     /// to any.
     pub(crate) fn others_wait(&mut self) -> bool {
-        self.others_mut().fold(false, |any, robot| any | robot.holds.raise(Hold::AwaitingStart))
+        self.others.values_mut().fold(false, |any, robot| any | robot.holds.raise(Hold::AwaitingStart))
     }
 
     /// A START was accepted: what waited for it may move. Whether any has.
     pub(crate) fn release(&mut self) -> bool {
-        self.others_mut().fold(false, |any, robot| any | robot.holds.release())
-    }
-
-    fn others_mut(&mut self) -> impl Iterator<Item = &mut Robot> {
-        let searching = &self.searching;
-        self.all.iter_mut().filter(move |(id, _)| *id != searching).map(|(_, robot)| robot)
+        self.others.values_mut().fold(false, |any, robot| any | robot.holds.release())
     }
 
     pub(crate) fn ids(&self) -> Vec<RobotId> {
-        self.all.keys().cloned().collect()
+        self.iter().map(|(id, _)| id.clone()).collect()
     }
 
     /// Whether any may still be moving although it was told to halt (safety S8).
     pub(crate) fn are_halting(&self) -> bool {
-        self.all.values().any(|robot| robot.controller.is_halting())
+        self.iter().any(|(_, robot)| robot.controller.is_halting())
     }
 
     pub(crate) fn moving(&self) -> Vec<RobotId> {
-        self.all.iter().filter(|(_, robot)| robot.controller.is_moving()).map(|(id, _)| id.clone()).collect()
+        self.iter().filter(|(_, robot)| robot.controller.is_moving()).map(|(id, _)| id.clone()).collect()
     }
 
     /// The next time at which an open order of any counts as unanswered.
     pub(crate) fn due(&self) -> Option<Duration> {
-        self.all.values().filter_map(|robot| robot.controller.due()).min()
+        self.iter().filter_map(|(_, robot)| robot.controller.due()).min()
     }
 
     /// A robot whose open order counts as unanswered now.
     pub(crate) fn overdue(&self, since_start: Duration) -> Option<RobotId> {
         let is_late = |robot: &Robot| robot.controller.due().is_some_and(|due| due <= since_start);
-        self.all.iter().find(|(_, robot)| is_late(robot)).map(|(id, _)| id.clone())
+        self.iter().find(|(_, robot)| is_late(robot)).map(|(id, _)| id.clone())
     }
 }
