@@ -9,8 +9,6 @@ mod coap;
 #[path = "common/goals.rs"]
 #[expect(dead_code, reason = "nobody is compared with")]
 mod goals;
-#[path = "../tests/stop/house.rs"]
-mod house;
 #[path = "stop/load.rs"]
 mod load;
 #[path = "../tests/service/mqtt_attacks/client.rs"]
@@ -21,6 +19,8 @@ mod mqtt;
 mod packets;
 #[path = "stop/tardy.rs"]
 mod tardy;
+#[path = "../tests/stop/test_app.rs"]
+mod test_app;
 
 use std::net::SocketAddr;
 use std::process::{Child, Command, ExitCode, Stdio};
@@ -28,8 +28,8 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-use house::House;
 use tardy::{Keeping, Tardy};
+use test_app::TestApp;
 
 /// So many stops over each door: half of them with a slow store, half with one that hangs.
 const STOPS: u64 = 1000;
@@ -57,23 +57,23 @@ fn main() -> ExitCode {
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().expect("the system gives threads");
     let (store, keeping) = Tardy::start(SLOW);
     let (heard, halts) = channel();
-    let house = runtime.block_on(House::open(Box::new(store), move |halts| {
+    let app = runtime.block_on(TestApp::open(Box::new(store), move |halts| {
         // Whoever no longer listens has all the stops it wants.
         let _ = heard.send((halts.epoch.0, Instant::now()));
     }));
-    let address = house.address.to_string();
-    let load = Load::start(&address, [house.coap, house.mqtt]);
+    let address = app.address.to_string();
+    let load = Load::start(&address, [app.coap, app.mqtt]);
     std::thread::sleep(WARM_UP);
-    let bench = Bench { address, house, halts, keeping };
+    let bench = Bench { address, app, halts, keeping };
     println!("STOP, request → robot port, with {}:", load::IN_WORDS);
-    let mut by_coap = coap::Coap::at(bench.house.coap);
+    let mut by_coap = coap::Coap::at(bench.app.coap);
     let tell = |command: &str| by_coap.ask("POST", &format!("commands/{command}"), "").expect("the door answers").text;
     let (slow_coap, hung_coap) = bench.both(0, tell);
     let tell =
         |command: &str| ask::ask(&bench.address, "POST", &format!("/api/v1/commands/{command}"), "").expect("the door answers");
     let (slow, hung) = bench.both(STOPS, tell);
     let mut by_mqtt =
-        mqtt::Client::try_connect(bench.house.mqtt, &packets::connect("operator", 60)).expect("the door lets a client in");
+        mqtt::Client::try_connect(bench.app.mqtt, &packets::connect("operator", 60)).expect("the door lets a client in");
     by_mqtt.subscribe("hallsweep/discovery/command/+/result", 0);
     let tell = |command: &str| {
         by_mqtt.publish(&format!("hallsweep/discovery/command/{command}"), b"");
@@ -89,7 +89,7 @@ fn main() -> ExitCode {
     judge("MQTT, slow store", slow_mqtt);
     judge("MQTT, hung store", hung_mqtt);
     let _ = print("bare request", bare);
-    let (began, late) = (bench.house.watched.began.load(Ordering::SeqCst), bench.house.watched.late.load(Ordering::SeqCst));
+    let (began, late) = (bench.app.watched.began.load(Ordering::SeqCst), bench.app.watched.late.load(Ordering::SeqCst));
     goals::met(&format!("no step begins after a stop was answered: {late} of {began}"), late == 0);
     goals::exit()
 }
@@ -114,7 +114,7 @@ impl Drop for Load {
 
 struct Bench {
     address: String,
-    house: House,
+    app: TestApp,
     halts: Receiver<(u64, Instant)>,
     keeping: Keeping,
 }
@@ -134,13 +134,13 @@ impl Bench {
     /// answered; a START could not be recorded otherwise.
     fn stops(&self, first: u64, last: u64, hangs: bool, mut accepted: impl FnMut(&str)) -> Vec<Duration> {
         let took = |epoch| {
-            self.house.watched.standing.store(false, Ordering::SeqCst);
+            self.app.watched.standing.store(false, Ordering::SeqCst);
             accepted("start");
             self.drive();
             self.keeping.hang(hangs);
             let asked = Instant::now();
             accepted("stop");
-            self.house.watched.standing.store(true, Ordering::SeqCst);
+            self.app.watched.standing.store(true, Ordering::SeqCst);
             self.keeping.hang(false);
             self.heard(epoch).duration_since(asked)
         };
@@ -160,8 +160,8 @@ impl Bench {
 
     /// Waits until the robot begins a step.
     fn drive(&self) {
-        let (began, since) = (self.house.watched.began.load(Ordering::SeqCst), Instant::now());
-        while self.house.watched.began.load(Ordering::SeqCst) == began {
+        let (began, since) = (self.app.watched.began.load(Ordering::SeqCst), Instant::now());
+        while self.app.watched.began.load(Ordering::SeqCst) == began {
             assert!(since.elapsed() < PATIENCE, "the robot was started and does not move");
             std::thread::sleep(Duration::from_micros(200));
         }

@@ -21,8 +21,6 @@ mod figures;
 mod floods;
 #[path = "storm/honest.rs"]
 mod honest;
-#[path = "storm/house.rs"]
-mod house;
 #[path = "storm/http.rs"]
 mod http;
 #[path = "../tests/service/mqtt_attacks/packets.rs"]
@@ -34,6 +32,8 @@ mod run;
 mod stage;
 #[path = "storm/stops.rs"]
 mod stops;
+#[path = "storm/test_app.rs"]
+mod test_app;
 #[path = "storm/wire.rs"]
 mod wire;
 
@@ -55,7 +55,7 @@ const NOT_RUN: u8 = 2;
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        [house::WORD] => house::serve(),
+        [test_app::WORD] => test_app::serve(),
         [stage::FLOOD, name, ..] => stage::flood(name, Doors::read(&words[2..])),
         [stage::HONEST, ..] => stage::look_on(Doors::read(&words[1..])),
         ["list"] => FLOODS.iter().for_each(|flood| println!("{}", flood.name)),

@@ -15,7 +15,7 @@ use tokio::task::JoinHandle;
 use crate::access;
 use crate::config::Settings;
 use crate::doors::coap::Resources;
-use crate::doors::http::{self, Door};
+use crate::doors::http::{self, HttpDoor};
 use crate::doors::listeners::Listeners;
 use crate::doors::room::Room;
 pub use crate::robots::Adapter;
@@ -109,7 +109,7 @@ async fn serve_hall(
     let mqtt_ways = (mqtt_ports, mqtt_at, mqtt_access, (&threads, room));
     let mqtt = Mqtt::open(settings, mqtt_ways, handle.clone(), reader.clone(), ending.subscribe()).await?;
     let http = listeners(http, &threads.http)?;
-    let door = Door::new(handle, reader, &hall, access).with_cells_of(cell_m);
+    let door = HttpDoor::new(handle, reader, &hall, access).with_cells_of(cell_m);
     let door = door.with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);
     let [coap_at, mqtt_at] = [doors.coap, doors.mqtt].map(|place| place.map(|place| tracing::field::display(place.at)));

@@ -9,8 +9,6 @@ mod book;
 mod coap;
 #[path = "recorded/doors.rs"]
 mod doors;
-#[path = "recorded/house.rs"]
-mod house;
 #[path = "recorded/http.rs"]
 mod http;
 #[path = "recorded/mqtt.rs"]
@@ -21,6 +19,8 @@ mod play;
 mod scenes;
 #[path = "recorded/table.rs"]
 mod table;
+#[path = "recorded/test_app.rs"]
+mod test_app;
 #[path = "recorded/wire.rs"]
 mod wire;
 

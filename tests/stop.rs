@@ -6,21 +6,21 @@ mod ask;
 #[path = "../benches/common/coap.rs"]
 #[expect(dead_code, reason = "a stop observes nothing")]
 mod coap;
-#[path = "stop/house.rs"]
-mod house;
 #[path = "service/mqtt_attacks/client.rs"]
 #[expect(dead_code, reason = "whoever presses STOP attacks nobody")]
 mod mqtt;
 #[path = "service/mqtt_attacks/packets.rs"]
 #[expect(dead_code, reason = "whoever presses STOP attacks nobody")]
 mod packets;
+#[path = "stop/test_app.rs"]
+mod test_app;
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use hallsweep::storage::sqlite::MemoryStore;
-use house::{House, Watched};
+use test_app::{TestApp, Watched};
 
 /// So many stops are asked of a program that may be trusted with one.
 const STOPS: u64 = 1000;
@@ -75,10 +75,10 @@ fn press(watched: &Watched, address: &str, mut tell: impl FnMut(&str) -> String)
     }
 }
 
-async fn no_step_begins_late(house: &House, tell: impl FnMut(&str) -> String + Send + 'static) {
-    let (watched, address) = (Arc::clone(&house.watched), house.address.to_string());
+async fn no_step_begins_late(app: &TestApp, tell: impl FnMut(&str) -> String + Send + 'static) {
+    let (watched, address) = (Arc::clone(&app.watched), app.address.to_string());
     tokio::task::spawn_blocking(move || press(&watched, &address, tell)).await.expect("every stop held the robot");
-    let (began, late) = (house.watched.began.load(Ordering::SeqCst), house.watched.late.load(Ordering::SeqCst));
+    let (began, late) = (app.watched.began.load(Ordering::SeqCst), app.watched.late.load(Ordering::SeqCst));
     assert!(began >= STOPS, "only {began} steps were begun: that proves little");
     assert_eq!(late, 0, "a step began after the last stop was answered");
 }
@@ -86,27 +86,27 @@ async fn no_step_begins_late(house: &House, tell: impl FnMut(&str) -> String + S
 /// Safety S6: no step begins after the stop was answered, in 1,000 stops.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn no_step_begins_after_a_stop_was_answered_over_http() {
-    let house = House::open(Box::new(MemoryStore::new()), |_| {}).await;
-    let address = house.address.to_string();
+    let app = TestApp::open(Box::new(MemoryStore::new()), |_| {}).await;
+    let address = app.address.to_string();
     let tell =
         move |command: &str| ask::ask(&address, "POST", &format!("/api/v1/commands/{command}"), "").expect("the door answers");
-    no_step_begins_late(&house, tell).await;
+    no_step_begins_late(&app, tell).await;
 }
 
 /// Safety S6.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn no_step_begins_after_a_stop_was_answered_over_coap() {
-    let house = House::open(Box::new(MemoryStore::new()), |_| {}).await;
-    let mut client = coap::Coap::at(house.coap);
+    let app = TestApp::open(Box::new(MemoryStore::new()), |_| {}).await;
+    let mut client = coap::Coap::at(app.coap);
     let tell = move |command: &str| client.ask("POST", &format!("commands/{command}"), "").expect("the door answers").text;
-    no_step_begins_late(&house, tell).await;
+    no_step_begins_late(&app, tell).await;
 }
 
 /// Safety S6.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn no_step_begins_after_a_stop_was_answered_over_mqtt() {
-    let house = House::open(Box::new(MemoryStore::new()), |_| {}).await;
-    let broker = house.mqtt;
+    let app = TestApp::open(Box::new(MemoryStore::new()), |_| {}).await;
+    let broker = app.mqtt;
     let coming = tokio::task::spawn_blocking(move || {
         let mut client = mqtt::Client::try_connect(broker, &packets::connect("operator", 60)).expect("the door lets a client in");
         assert_eq!(client.subscribe("hallsweep/discovery/command/+/result", 0), 0);
@@ -117,5 +117,5 @@ async fn no_step_begins_after_a_stop_was_answered_over_mqtt() {
         client.publish(&format!("hallsweep/discovery/command/{command}"), b"");
         String::from_utf8_lossy(&client.message().payload).into_owned()
     };
-    no_step_begins_late(&house, tell).await;
+    no_step_begins_late(&app, tell).await;
 }

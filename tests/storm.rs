@@ -17,8 +17,6 @@ mod figures;
 mod floods;
 #[path = "../benches/storm/honest.rs"]
 mod honest;
-#[path = "../benches/storm/house.rs"]
-mod house;
 #[path = "../benches/storm/http.rs"]
 mod http;
 #[path = "service/mqtt_attacks/packets.rs"]
@@ -32,6 +30,8 @@ mod run;
 mod stage;
 #[path = "../benches/storm/stops.rs"]
 mod stops;
+#[path = "../benches/storm/test_app.rs"]
+mod test_app;
 #[path = "../benches/storm/wire.rs"]
 mod wire;
 
@@ -65,7 +65,7 @@ const NAME: &str = "every_stop_gets_in_whatever_a_viewer_does";
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
     match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        [house::WORD] => house::serve(),
+        [test_app::WORD] => test_app::serve(),
         [stage::FLOOD, name, ..] => stage::flood(name, Doors::read(&words[2..])),
         [stage::HONEST, ..] => stage::look_on(Doors::read(&words[1..])),
         _ if words.iter().any(|word| word == "--list") => println!("{NAME}: test"),

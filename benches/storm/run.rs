@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use crate::clock::now;
 use crate::figures::{Row, Stops};
 use crate::floods::{Door, Flood};
-use crate::stage::{House, Said, Sender};
+use crate::stage::{Said, Sender, TestApp};
 use crate::stops::{Operator, Way};
 
 /// The flood is there before the first STOP.
@@ -34,21 +34,20 @@ pub(crate) fn run(what: &str, floods: &[&Flood], is_nice: bool, each: usize) -> 
 }
 
 fn storm(row: &mut Row, floods: &[&Flood], is_nice: bool, each: usize) -> Result<(), String> {
-    let house = House::start()?;
-    let mut operator =
-        Operator::come(&house.doors, PATIENCE).map_err(|error| format!("the operator does not get in: {error}"))?;
-    let honest = Sender::honest(&house.doors)?;
+    let app = TestApp::start()?;
+    let mut operator = Operator::come(&app.doors, PATIENCE).map_err(|error| format!("the operator does not get in: {error}"))?;
+    let honest = Sender::honest(&app.doors)?;
     let senders: Result<Vec<Sender>, String> =
-        floods.iter().map(|flood| Sender::flood(flood.name, &house.doors, is_nice)).collect();
+        floods.iter().map(|flood| Sender::flood(flood.name, &app.doors, is_nice)).collect();
     let senders = senders?;
     std::thread::sleep(WARM_UP);
     let until = Instant::now() + LIMIT + LIMIT_EACH * u32::try_from(each).unwrap_or(u32::MAX);
     // START waits its turn behind the flood: where one door alone is flooded, it comes by another.
     let over_coap = floods.len() > 1 && floods.iter().all(|flood| flood.door != Door::Coap);
-    row.stops = stops(&house, &mut operator, (each, over_coap), until);
+    row.stops = stops(&app, &mut operator, (each, over_coap), until);
     row.cut = operator.cut;
-    row.memory_mib = house.memory_mib();
-    row.broke = house.broke();
+    row.memory_mib = app.memory_mib();
+    row.broke = app.broke();
     for (flood, sender) in floods.iter().zip(senders) {
         let (done, away) = sender.end();
         (row.done, row.away) = (row.done + done, row.away + away);
@@ -62,7 +61,7 @@ fn storm(row: &mut Row, floods: &[&Flood], is_nice: bool, each: usize) -> Result
 }
 
 /// The ways take turns, so that all of them meet the same weather.
-fn stops(house: &House, operator: &mut Operator, (each, over_coap): (usize, bool), until: Instant) -> Stops {
+fn stops(app: &TestApp, operator: &mut Operator, (each, over_coap): (usize, bool), until: Instant) -> Stops {
     let mut stops = Stops::default();
     let mut is_driving = false;
     for _ in 0..each {
@@ -71,14 +70,14 @@ fn stops(house: &House, operator: &mut Operator, (each, over_coap): (usize, bool
                 stops.is_cut_short = true;
                 return stops;
             }
-            if !is_driving && let Err(why) = drive(house, operator, over_coap) {
+            if !is_driving && let Err(why) = drive(app, operator, over_coap) {
                 stops.unstarted += 1;
                 stops.whys.push(why);
                 continue;
             }
             let asked = now();
             let answered = operator.stop(way);
-            let took = halted(house, stops.epoch).map(|(epoch, at)| {
+            let took = halted(app, stops.epoch).map(|(epoch, at)| {
                 stops.epoch = epoch;
                 Duration::from_nanos(at.saturating_sub(asked))
             });
@@ -94,13 +93,13 @@ fn stops(house: &House, operator: &mut Operator, (each, over_coap): (usize, bool
 }
 
 /// Presses START until the robot moves.
-fn drive(house: &House, operator: &mut Operator, over_coap: bool) -> Result<(), String> {
+fn drive(app: &TestApp, operator: &mut Operator, over_coap: bool) -> Result<(), String> {
     let until = Instant::now() + PATIENCE;
     loop {
         let started = operator.start(over_coap);
         let glance = Instant::now() + if started.is_ok() { AGAIN } else { PAUSE };
         loop {
-            match house.next(glance) {
+            match app.next(glance) {
                 Ok(Said::Moves) => return Ok(()),
                 Ok(Said::Halt(..) | Said::Doors(_)) => {}
                 Err(RecvTimeoutError::Timeout) => break,
@@ -115,10 +114,10 @@ fn drive(house: &House, operator: &mut Operator, over_coap: bool) -> Result<(), 
 }
 
 /// The halt of a stop later than this epoch: which, and when it came.
-fn halted(house: &House, epoch: u64) -> Option<(u64, u64)> {
+fn halted(app: &TestApp, epoch: u64) -> Option<(u64, u64)> {
     let until = Instant::now() + PATIENCE;
     loop {
-        match house.next(until).ok()? {
+        match app.next(until).ok()? {
             Said::Halt(later, at) if later > epoch => return Some((later, at)),
             Said::Halt(..) | Said::Moves | Said::Doors(_) => {}
         }

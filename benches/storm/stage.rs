@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use hallsweep::access::{Key, KeyFile, Keys, Role, Token};
 
 use crate::course::{Course, Doors, OPERATOR, SECOND, VIEWER};
-use crate::{floods, honest, house};
+use crate::{floods, honest, test_app};
 
 /// The words by which the benchmark starts itself as a flood, and as those who look on.
 pub(crate) const FLOOD: &str = "flood";
@@ -28,7 +28,7 @@ const BEGINNING: Duration = Duration::from_secs(60);
 const LONGEST: Duration = Duration::from_secs(180);
 
 /// A program.
-pub(crate) struct House {
+pub(crate) struct TestApp {
     child: Child,
     folder: PathBuf,
     pub(crate) doors: Doors,
@@ -43,17 +43,17 @@ pub(crate) enum Said {
     Halt(u64, u64),
 }
 
-impl House {
+impl TestApp {
     /// Starts it with keys of both roles and every door open.
     ///
     /// # Errors
     /// Why it does not serve.
-    pub(crate) fn start() -> Result<House, String> {
+    pub(crate) fn start() -> Result<TestApp, String> {
         static STARTED: AtomicU32 = AtomicU32::new(0);
         let number = STARTED.fetch_add(1, Ordering::Relaxed);
         let folder = std::env::temp_dir().join(format!("hallsweep-storm-{}-{number}", std::process::id()));
         let [operator, second, viewer] = keys(&folder)?;
-        let mut command = own(house::WORD);
+        let mut command = own(test_app::WORD);
         for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("HALLSWEEP_")) {
             command.env_remove(name);
         }
@@ -72,7 +72,7 @@ impl House {
         };
         let mut words: Vec<String> = doors.split(' ').map(str::to_owned).collect();
         words.extend([operator, second, viewer]);
-        Ok(House { child, folder, doors: Doors::read(&words), said })
+        Ok(TestApp { child, folder, doors: Doors::read(&words), said })
     }
 
     /// Waits for what comes next, at most until then.
@@ -96,7 +96,7 @@ impl House {
     }
 }
 
-impl Drop for House {
+impl Drop for TestApp {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();

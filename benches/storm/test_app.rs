@@ -14,7 +14,7 @@ use hallsweep_core::event::{Capabilities, Parts, RobotEvent};
 use crate::clock::now;
 
 /// The word by which the benchmark starts itself as this.
-pub(crate) const WORD: &str = "house";
+pub(crate) const WORD: &str = "app";
 
 /// How long a step or a turn takes.
 const STEP: Duration = Duration::from_millis(2);

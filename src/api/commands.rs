@@ -1,6 +1,5 @@
 //! THE TABLE of commands, from which every door makes its own: HTTP its routes, CoAP its paths, MQTT its topics, and their pages. A new
-//! command is one row here, and what it does in the core. What its fields mean stands in `command`; statuses, codes and the way a payload
-//! is read are each door's own.
+//! command is one row here, and what it does in the core. What its fields mean stands in `command`; how a payload is read is each door's own.
 
 use super::command::{EpochBody, GotoBody, MoveBody, StrategyBody, TemperatureBody, VerdictBody};
 use super::fields::{Body, Unusable};
@@ -79,7 +78,7 @@ pub const COMMANDS: [Row; 12] = [
     Row { need: Need::Stop, ..word("stop", "/commands/stop", "halt the robot", CommandKind::Stop, &[]) },
     word("backHome", "/commands/backHome", "go home and wait", CommandKind::BackHome, EPOCH),
     word("retrieve", "/commands/retrieve", "fetch the dangerous piece", CommandKind::Retrieve, EPOCH),
-    word("reset", "/commands/reset", "put the mission away", CommandKind::Reset, &[]),
+    word("reset", "/commands/reset", "put the mission away", CommandKind::Reset, EPOCH),
     Row { need: Need::Stop, ..with("move", "/commands/move", "one move by hand", CommandKind::Move,
         &[r#"{"move":"w"}"#, r#"{"move":"h"}"#]) },
     with("goto", "/commands/goto", "drive to a cell", CommandKind::Goto, &[r#"{"x":1,"y":1}"#]),

@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn a_problem_has_the_numbers_of_the_rfc_and_our_code_in_a_map_of_its_own() {
-        let problem = ProblemJson::new(ProblemKind::Conflict, "moving", "the robot is moving: press STOP first");
+        let problem = ProblemJson::new(("moving", ProblemKind::Conflict), "the robot is moving: press STOP first");
         let bytes = written(&problem, 0x89);
         let mut decoder = Decoder::new(&bytes);
         assert_eq!(decoder.map().unwrap(), Some(4));

@@ -2,10 +2,29 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+use super::commands::{CommandKind, Row};
+
+/// Two tables of one page are not written at once.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+
+/// What a command carries at a door where the number of its subject stands in the path.
+pub(crate) fn bodies(command: &Row) -> String {
+    if command.kind == CommandKind::Stop {
+        return "not read".to_owned();
+    }
+    let subjects = [r#""luggage":3,"#, r#""luggage":3"#, r#""alarm":2"#];
+    let bare = |body: &&str| subjects.iter().fold((*body).to_owned(), |body, subject| body.replace(subject, ""));
+    let written = command.body.iter().map(bare).filter(|body| body != "{}").map(|body| format!("`{body}`"));
+    let none = command.is_word || command.body.iter().all(|body| bare(body) == "{}");
+    none.then(|| "none".to_owned()).into_iter().chain(written).collect::<Vec<_>>().join(", ")
+}
 
 /// Fails unless the page shows this between `<!-- PLACE begins -->` and `<!-- PLACE ends -->`; with `HALLSWEEP_UPDATE_DOCS` set it is
 /// written there.
 pub(crate) fn shows(page: &str, place: &str, shown: &str) {
+    let _turn = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(page);
     let text = fs::read_to_string(&path).unwrap();
     let (begin, end) = (format!("<!-- {place} begins -->\n"), format!("<!-- {place} ends -->"));

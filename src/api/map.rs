@@ -76,8 +76,8 @@ impl<'a> From<&'a Snapshot> for Plan<'a> {
 }
 
 impl<'a> From<&'a PersistentState> for Plan<'a> {
-    fn from(standing: &'a PersistentState) -> Plan<'a> {
-        Plan { hall: &standing.map, robot: standing.pose.cell }
+    fn from(state: &'a PersistentState) -> Plan<'a> {
+        Plan { hall: &state.map, robot: state.pose.cell }
     }
 }
 

@@ -75,10 +75,10 @@ impl Links {
 
 impl MissionWholeJson {
     /// A mission and what stood, and what of that cannot be understood.
-    pub fn new(record: MissionRecordJson, standing: Option<&PersistentState>, damage: Vec<String>) -> MissionWholeJson {
-        let luggage = standing.into_iter().flat_map(|standing| standing.luggage.values());
+    pub fn new(record: MissionRecordJson, state: Option<&PersistentState>, damage: Vec<String>) -> MissionWholeJson {
+        let luggage = state.into_iter().flat_map(|state| state.luggage.values());
         let luggage = luggage.map(|luggage| LuggageJson::from(&**luggage)).collect();
-        MissionWholeJson { record, luggage, map: standing.map(|standing| MapJson::from(Plan::from(standing))), damage }
+        MissionWholeJson { record, luggage, map: state.map(|state| MapJson::from(Plan::from(state))), damage }
     }
 }
 
@@ -117,11 +117,11 @@ mod tests {
 
     #[test]
     fn a_mission_comes_with_its_luggage_its_map_and_where_there_is_more() {
-        let mut standing = PersistentState::first(Strategy::Snail);
-        standing.map = drawn(&["11W"], 1);
+        let mut state = PersistentState::first(Strategy::Snail);
+        state.map = drawn(&["11W"], 1);
         let piece = piece(7, Cell::new(2, 0), None);
-        standing.luggage.insert(piece.id, piece);
-        let json = serde_json::to_value(MissionWholeJson::new(record(), Some(&standing), Vec::new())).unwrap();
+        state.luggage.insert(piece.id, piece);
+        let json = serde_json::to_value(MissionWholeJson::new(record(), Some(&state), Vec::new())).unwrap();
         assert_eq!((&json["id"], &json["luggage"][0]["id"]), (&3.into(), &7.into()));
         assert_eq!(json["luggage"][0]["photo"]["url"], "/api/v1/luggage/7/photo?take=1");
         assert_eq!(

@@ -1,5 +1,6 @@
 //! The shapes of resources, commands and refusals on the wire, shared by the doors: serde lives here and nowhere further in.
-//! Status codes, content types and routes are each door's own business.
+//! Here stand the tables from which the doors make their paths, and the statuses of problem details; what a door answers with beside these, and
+//! how it reads, is its own business.
 
 pub mod alarm;
 pub mod answer;

@@ -46,7 +46,7 @@ pub struct ProblemJson<'a> {
 }
 
 impl<'a> ProblemJson<'a> {
-    pub fn new(kind: ProblemKind, code: &'static str, detail: &'a str) -> ProblemJson<'a> {
+    pub fn new((code, kind): Code, detail: &'a str) -> ProblemJson<'a> {
         let (status, title) = kind.status();
         let kind = format!("urn:hallsweep:problem:{code}");
         ProblemJson { kind, title, status, detail, code, accepted: false, luggage: None }
@@ -54,8 +54,7 @@ impl<'a> ProblemJson<'a> {
 }
 
 impl ProblemKind {
-    /// The status that problem details have, which is HTTP's, and its title (RFC 9110, section 15). The codes of CoAP are written with
-    /// the same digits (RFC 7252, section 12.1.2, and RFC 8132).
+    /// The status that problem details have, which is HTTP's at every door, and its title (RFC 9110, section 15).
     pub const fn status(self) -> (u16, &'static str) {
         match self {
             ProblemKind::Malformed => (400, "Bad Request"),
@@ -76,8 +75,8 @@ impl ProblemKind {
         }
     }
 
-    /// The family of refusals that it is of in records.
-    pub const fn family(self) -> RefusalKind {
+    /// What kind of refusal it is in records.
+    pub const fn of_refusal(self) -> RefusalKind {
         match self {
             ProblemKind::Conflict => RefusalKind::Conflict,
             ProblemKind::NotFound => RefusalKind::Unknown,
@@ -98,8 +97,8 @@ impl ProblemKind {
 }
 
 impl From<RefusalKind> for ProblemKind {
-    fn from(family: RefusalKind) -> ProblemKind {
-        match family {
+    fn from(kind: RefusalKind) -> ProblemKind {
+        match kind {
             RefusalKind::Conflict => ProblemKind::Conflict,
             RefusalKind::Unknown => ProblemKind::NotFound,
             RefusalKind::Unavailable => ProblemKind::Unavailable,
@@ -109,23 +108,37 @@ impl From<RefusalKind> for ProblemKind {
     }
 }
 
-/// The codes with which a door itself refuses what somebody known asked for; tests in the doors hold them against their own.
-pub const AT_THE_DOOR: [(&str, ProblemKind); 10] = [
-    ("malformed", ProblemKind::Malformed),
-    ("unusable", ProblemKind::Unusable),
-    ("tooLarge", ProblemKind::TooLarge),
-    ("tooSlow", ProblemKind::TooSlow),
-    ("unsupportedMediaType", ProblemKind::UnsupportedFormat),
-    ("methodNotAllowed", ProblemKind::NoSuchMethod),
-    ("notAcceptable", ProblemKind::NotAcceptable),
-    ("preconditionFailed", ProblemKind::ConditionFailed),
-    ("notFound", ProblemKind::NotFound),
-    ("tooMany", ProblemKind::Unavailable),
+/// A code with what is wrong.
+pub type Code = (&'static str, ProblemKind);
+
+pub const MALFORMED: Code = ("malformed", ProblemKind::Malformed);
+pub const UNUSABLE: Code = ("unusable", ProblemKind::Unusable);
+pub const TOO_LARGE: Code = ("tooLarge", ProblemKind::TooLarge);
+pub const TOO_SLOW: Code = ("tooSlow", ProblemKind::TooSlow);
+pub const UNSUPPORTED_FORMAT: Code = ("unsupportedMediaType", ProblemKind::UnsupportedFormat);
+pub const NO_SUCH_METHOD: Code = ("methodNotAllowed", ProblemKind::NoSuchMethod);
+pub const NOT_ACCEPTABLE: Code = ("notAcceptable", ProblemKind::NotAcceptable);
+pub const CONDITION_FAILED: Code = ("preconditionFailed", ProblemKind::ConditionFailed);
+pub const NOT_FOUND: Code = ("notFound", ProblemKind::NotFound);
+pub const TOO_MANY: Code = ("tooMany", ProblemKind::Unavailable);
+
+/// Those with which a door itself refuses what somebody known asked for, and which records may have.
+const AT_THE_DOOR: [Code; 10] = [
+    MALFORMED,
+    UNUSABLE,
+    TOO_LARGE,
+    TOO_SLOW,
+    UNSUPPORTED_FORMAT,
+    NO_SUCH_METHOD,
+    NOT_ACCEPTABLE,
+    CONDITION_FAILED,
+    NOT_FOUND,
+    TOO_MANY,
 ];
 
 /// The refusal with this code and these words, as a record has it; a code that no version of this program knows is a plain conflict.
 pub fn refusal(code: &str, words: String) -> Refusal {
-    let at_the_door = AT_THE_DOOR.into_iter().map(|(known, kind)| (known, kind.family()));
+    let at_the_door = AT_THE_DOOR.into_iter().map(|(known, kind)| (known, kind.of_refusal()));
     let found = CODES.into_iter().chain(at_the_door).find(|(known, _)| *known == code);
     let (code, kind) = found.unwrap_or(("refused", RefusalKind::Conflict));
     Refusal { code, kind, words }

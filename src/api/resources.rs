@@ -10,6 +10,7 @@ use super::mission::StrategyJson;
 use super::state::{self, StateJson};
 use super::{cbor, map_text, old_items, senml, text};
 use hallsweep_core::units::{LuggageId, Revision};
+use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
 use hallsweep_core::world::snapshot::Snapshot;
 
@@ -42,7 +43,7 @@ pub enum Form {
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     pub kind: ResourceKind,
-    /// The last word of its topic, and what kind of thing it is for discovery.
+    /// What kind of thing it is, for discovery; and the last word of its topic, where it is a part of the state.
     pub name: &'static str,
     /// Its path under `/api/v1` and at the CoAP door; `{id}` stands for a number.
     pub path: &'static str,
@@ -97,31 +98,59 @@ impl ResourceKind {
     }
 
     /// It in this form; `number` says which where there are several, `located` where a photo is by the door that asks. Nothing where
-    /// nothing is to be shown.
+    /// nothing is to be shown, or not in this form.
     pub fn written(self, number: u64, form: Form, snapshot: &Snapshot, located: fn(LuggageJson) -> LuggageJson) -> Vec<u8> {
-        let piece = |piece| located(LuggageJson::from(piece));
-        let pieces = || snapshot.luggage.iter().map(|found| piece(&**found)).collect();
-        match (self, form) {
-            (ResourceKind::State, _) => shape(form, &StateJson { luggage: pieces(), ..StateJson::from(snapshot) }),
-            (ResourceKind::Strategy, Form::Text) => snapshot.mission.strategy.name().into(),
-            (ResourceKind::Strategy, _) => shape(form, &StrategyJson::from(snapshot.mission.strategy)),
-            (ResourceKind::Of(Resource::Mission), Form::Text) => text::mission(&snapshot.mission).into(),
-            (ResourceKind::Of(Resource::Mission), _) => shape(form, &state::mission(snapshot)),
-            (ResourceKind::Of(Resource::Robot), Form::Text) => old_items::robot(&snapshot.robot).into(),
-            (ResourceKind::Of(Resource::Robot), Form::Senml) => senml::robot(&snapshot.robot).into(),
-            (ResourceKind::Of(Resource::Robot), _) => shape(form, &state::robot(snapshot)),
-            (ResourceKind::Of(Resource::Map), Form::Text) => map_text::lines(snapshot).into(),
-            (ResourceKind::Of(Resource::Map), _) => shape(form, &MapJson::from(snapshot)),
-            (ResourceKind::Of(Resource::Luggage), _) => shape::<Vec<_>>(form, &pieces()),
-            (ResourceKind::Of(Resource::Temperature), Form::Text) => text::temperature(&snapshot.temperature).into(),
-            (ResourceKind::Of(Resource::Temperature), Form::Senml) => senml::temperature(&snapshot.temperature).into(),
-            (ResourceKind::Of(Resource::Temperature), _) => shape(form, &state::temperature(snapshot)),
-            (ResourceKind::Of(Resource::Alarms), _) => shape(form, &state::alarms(snapshot)),
-            (ResourceKind::Of(Resource::Log), _) => shape(form, &state::log_after(snapshot, 0)),
-            (ResourceKind::Piece, _) => {
-                snapshot.luggage(LuggageId(number)).map(|found| shape(form, &piece(&**found))).unwrap_or_default()
+        match form {
+            Form::Json | Form::Cbor => self.shaped(number, form, snapshot, located),
+            Form::Text => self.text(snapshot).into(),
+            Form::Senml => self.senml(snapshot).into(),
+            Form::Picture => Vec::new(),
+        }
+    }
+
+    fn text(self, snapshot: &Snapshot) -> String {
+        match self {
+            ResourceKind::Strategy => snapshot.mission.strategy.name().to_owned(),
+            ResourceKind::Of(Resource::Mission) => text::mission(&snapshot.mission),
+            ResourceKind::Of(Resource::Robot) => old_items::robot(&snapshot.robot),
+            ResourceKind::Of(Resource::Map) => map_text::lines(snapshot),
+            ResourceKind::Of(Resource::Temperature) => text::temperature(&snapshot.temperature),
+            ResourceKind::Of(Resource::Luggage | Resource::Alarms | Resource::Log)
+            | ResourceKind::State
+            | ResourceKind::Piece
+            | ResourceKind::Photo => String::new(),
+        }
+    }
+
+    fn senml(self, snapshot: &Snapshot) -> String {
+        match self {
+            ResourceKind::Of(Resource::Robot) => senml::robot(&snapshot.robot),
+            ResourceKind::Of(Resource::Temperature) => senml::temperature(&snapshot.temperature),
+            ResourceKind::Of(Resource::Mission | Resource::Map | Resource::Luggage | Resource::Alarms | Resource::Log)
+            | ResourceKind::State
+            | ResourceKind::Strategy
+            | ResourceKind::Piece
+            | ResourceKind::Photo => String::new(),
+        }
+    }
+
+    fn shaped(self, number: u64, form: Form, snapshot: &Snapshot, located: fn(LuggageJson) -> LuggageJson) -> Vec<u8> {
+        let piece = |found: &Luggage| located(LuggageJson::from(found));
+        let pieces = || snapshot.luggage.iter().map(|found| piece(found)).collect::<Vec<_>>();
+        match self {
+            ResourceKind::State => shape(form, &StateJson::new(snapshot, pieces())),
+            ResourceKind::Strategy => shape(form, &StrategyJson::from(snapshot.mission.strategy)),
+            ResourceKind::Of(Resource::Mission) => shape(form, &state::mission(snapshot)),
+            ResourceKind::Of(Resource::Robot) => shape(form, &state::robot(snapshot)),
+            ResourceKind::Of(Resource::Map) => shape(form, &MapJson::from(snapshot)),
+            ResourceKind::Of(Resource::Luggage) => shape(form, &pieces()),
+            ResourceKind::Of(Resource::Temperature) => shape(form, &state::temperature(snapshot)),
+            ResourceKind::Of(Resource::Alarms) => shape(form, &state::alarms(snapshot)),
+            ResourceKind::Of(Resource::Log) => shape(form, &state::log_after(snapshot, 0)),
+            ResourceKind::Piece => {
+                snapshot.luggage(LuggageId(number)).map(|found| shape(form, &piece(found))).unwrap_or_default()
             }
-            (ResourceKind::Photo, _) => Vec::new(),
+            ResourceKind::Photo => Vec::new(),
         }
     }
 }
@@ -138,12 +167,37 @@ pub fn shape<T: Serialize>(form: Form, shape: &T) -> Vec<u8> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
+    use crate::api::fixture::searching;
+
+    /// All kinds, one after the other; a new one does not compile until it is added here.
+    fn next(kind: ResourceKind) -> Option<ResourceKind> {
+        match kind {
+            ResourceKind::State => Some(ResourceKind::Strategy),
+            ResourceKind::Strategy => Some(ResourceKind::Piece),
+            ResourceKind::Piece => Some(ResourceKind::Photo),
+            ResourceKind::Photo => Some(ResourceKind::Of(Resource::ALL[0])),
+            ResourceKind::Of(resource) => Resource::ALL.get(resource as usize + 1).copied().map(ResourceKind::Of),
+        }
+    }
 
     #[test]
-    fn everything_that_has_a_revision_has_its_row_and_topic() {
-        for resource in Resource::ALL {
-            assert_eq!(ResourceKind::Of(resource).row().path, format!("/{}", ResourceKind::Of(resource).row().name));
+    fn every_kind_has_its_row_and_a_part_of_the_state_its_name_as_path() {
+        let kinds: Vec<ResourceKind> = std::iter::successors(Some(ResourceKind::State), |kind| next(*kind)).collect();
+        assert_eq!(kinds.len(), RESOURCES.len());
+        assert!(kinds.iter().all(|kind| kind.row().kind == *kind));
+        assert!(Resource::ALL.into_iter().all(|part| ResourceKind::Of(part).row().path == format!("/{}", part.name())));
+    }
+
+    #[test]
+    fn every_form_of_a_row_is_there_and_another_than_the_first() {
+        let state = searching();
+        for row in RESOURCES.iter().filter(|row| row.kind != ResourceKind::Photo) {
+            let written = |form: &Form| row.kind.written(3, *form, &state, std::convert::identity);
+            let forms: BTreeSet<Vec<u8>> = row.forms.iter().map(written).collect();
+            assert!(forms.len() == row.forms.len() && forms.iter().all(|body| !body.is_empty()), "{}", row.path);
         }
     }
 

@@ -26,7 +26,7 @@ mod tests {
         let written = |id| serde_json::to_string(&ResultJson { id, said: said.clone() }).unwrap();
         assert_eq!(written(Some("k7")), r#"{"id":"k7","accepted":true,"revision":812,"epoch":4}"#);
         assert_eq!(written(None), r#"{"accepted":true,"revision":812,"epoch":4}"#);
-        let said = ProblemJson::new(ProblemKind::Conflict, "moving", "the robot is moving");
+        let said = ProblemJson::new(("moving", ProblemKind::Conflict), "the robot is moving");
         let json = serde_json::to_value(ResultJson { id: Some("k8"), said }).unwrap();
         assert_eq!((&json["id"], &json["accepted"], &json["code"]), (&"k8".into(), &false.into(), &"moving".into()));
     }

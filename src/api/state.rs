@@ -35,8 +35,9 @@ pub struct StateJson {
     pub log: Vec<LogLineJson>,
 }
 
-impl From<&Snapshot> for StateJson {
-    fn from(snapshot: &Snapshot) -> StateJson {
+impl StateJson {
+    /// The state with its luggage in these shapes.
+    pub fn new(snapshot: &Snapshot, luggage: Vec<LuggageJson>) -> StateJson {
         StateJson {
             run: snapshot.run.to_string(),
             revision: snapshot.revision.0,
@@ -44,11 +45,17 @@ impl From<&Snapshot> for StateJson {
             robot: robot(snapshot),
             robots: robots(snapshot),
             map: MapJson::from(snapshot),
-            luggage: luggage(snapshot),
+            luggage,
             temperature: temperature(snapshot),
             alarms: alarms(snapshot),
             log: log_after(snapshot, 0),
         }
+    }
+}
+
+impl From<&Snapshot> for StateJson {
+    fn from(snapshot: &Snapshot) -> StateJson {
+        StateJson::new(snapshot, luggage(snapshot))
     }
 }
 

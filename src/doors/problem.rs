@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::api::fields::{Unread, Unusable};
 use crate::api::luggage::LuggageJson;
-use crate::api::problem::{ProblemJson, ProblemKind};
+use crate::api::problem::{self, Code, ProblemJson, ProblemKind};
 use crate::runtime::archive::Unreadable;
 use crate::runtime::carry_out::NotDone;
 use crate::runtime::handle::Gone;
@@ -28,13 +28,13 @@ pub(super) struct Problem {
 }
 
 impl Problem {
-    pub(super) const fn new(kind: ProblemKind, code: &'static str, detail: String) -> Problem {
+    pub(super) const fn new((code, kind): Code, detail: String) -> Problem {
         Problem { kind, code, detail, luggage: None, asked: None, is_for_record: true }
     }
 
     /// What a door refuses in the core's words, which is not on record yet.
     pub(super) fn refused(refused: &Refused) -> Problem {
-        Problem::new(refused.kind().into(), refused.code(), refused.to_string())
+        Problem::new((refused.code(), refused.kind().into()), refused.to_string())
     }
 
     /// The same of something that can be named better than by method and path.
@@ -54,16 +54,16 @@ impl Problem {
 
     /// What was sent cannot be read.
     pub(super) const fn malformed(detail: String) -> Problem {
-        Problem::new(ProblemKind::Malformed, "malformed", detail)
+        Problem::new(problem::MALFORMED, detail)
     }
 
     /// It can be read, and asks for something that does not exist.
     pub(super) const fn unusable(detail: String) -> Problem {
-        Problem::new(ProblemKind::Unusable, "unusable", detail)
+        Problem::new(problem::UNUSABLE, detail)
     }
 
     pub(super) const fn not_found(detail: String) -> Problem {
-        Problem::new(ProblemKind::NotFound, "notFound", detail)
+        Problem::new(problem::NOT_FOUND, detail)
     }
 
     pub(super) fn no_luggage(number: u64) -> Problem {
@@ -72,27 +72,27 @@ impl Problem {
 
     /// What is there does not answer this method.
     pub(super) const fn no_method(detail: String) -> Problem {
-        Problem::new(ProblemKind::NoSuchMethod, "methodNotAllowed", detail)
+        Problem::new(problem::NO_SUCH_METHOD, detail)
     }
 
     /// It is not there in a format that is wanted.
     pub(super) const fn not_acceptable(detail: String) -> Problem {
-        Problem::new(ProblemKind::NotAcceptable, "notAcceptable", detail)
+        Problem::new(problem::NOT_ACCEPTABLE, detail)
     }
 
     /// It is larger than any command.
     pub(super) const fn too_large(detail: String) -> Problem {
-        Problem::new(ProblemKind::TooLarge, "tooLarge", detail)
+        Problem::new(problem::TOO_LARGE, detail)
     }
 
     /// A body in this format is not read here.
     pub(super) const fn wrong_format(detail: String) -> Problem {
-        Problem::new(ProblemKind::UnsupportedFormat, "unsupportedMediaType", detail)
+        Problem::new(problem::UNSUPPORTED_FORMAT, detail)
     }
 
     /// The program is ending.
     pub(super) fn closing() -> Problem {
-        Problem::new(ProblemKind::Unavailable, "shuttingDown", Gone.to_string()).off_record()
+        Problem::new(("shuttingDown", ProblemKind::Unavailable), Gone.to_string()).off_record()
     }
 
     pub(super) const fn kind(&self) -> ProblemKind {
@@ -120,13 +120,13 @@ impl Problem {
 
     /// As records keep it.
     pub(super) fn refusal(&self) -> Refusal {
-        Refusal { code: self.code, kind: self.kind.family(), words: self.detail.clone() }
+        Refusal { code: self.code, kind: self.kind.of_refusal(), words: self.detail.clone() }
     }
 
     /// As programs read it.
     pub(super) fn shape(&self) -> ProblemJson<'_> {
         let luggage = self.luggage.as_ref().map(|piece| LuggageJson::from(&**piece));
-        ProblemJson { luggage, ..ProblemJson::new(self.kind, self.code, &self.detail) }
+        ProblemJson { luggage, ..ProblemJson::new((self.code, self.kind), &self.detail) }
     }
 }
 
@@ -148,7 +148,7 @@ impl From<NoPhoto> for Problem {
 
 impl From<Unreadable> for Problem {
     fn from(unreadable: Unreadable) -> Problem {
-        Problem::new(ProblemKind::Unavailable, "unreadable", unreadable.to_string()).off_record()
+        Problem::new(("unreadable", ProblemKind::Unavailable), unreadable.to_string()).off_record()
     }
 }
 

@@ -57,7 +57,7 @@ pub trait Archive: Send + Sync {
     fn mission(&self, mission: MissionId) -> Result<Option<MissionRecord>, Unreadable>;
 
     /// What stood when a mission was put away, or stands now: its map and its luggage with it.
-    fn standing(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable>;
+    fn state(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable>;
 
     /// The entries of a mission after `after`, oldest first, at most `most`.
     fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable>;

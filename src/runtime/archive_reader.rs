@@ -80,7 +80,7 @@ mod tests {
             Ok(None)
         }
 
-        fn standing(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
+        fn state(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
             Ok(None)
         }
 

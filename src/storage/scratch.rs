@@ -11,6 +11,8 @@ impl Scratch {
         static NUMBER: AtomicU32 = AtomicU32::new(0);
         let name = format!("hallsweep-test-{}-{}", std::process::id(), NUMBER.fetch_add(1, Ordering::Relaxed));
         let path = std::env::temp_dir().join(name);
+        // What a run left behind that was killed.
+        let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir(&path).expect("a fresh folder");
         Scratch(path)
     }

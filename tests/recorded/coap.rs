@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::book::{Book, readable};
 use super::doors::{Application, CoapRequest, CoapResponse, Conditions, Format, Method, Reader, Reply, Resources, Snapshot};
-use super::house::House;
+use super::test_app::TestApp;
 
 /// Every format of this door, one that it has not among them.
 const FORMATS: [Format; 9] = [
@@ -26,10 +26,10 @@ pub(crate) struct Coap {
 }
 
 impl Coap {
-    /// A door of this house, at which old clients may drive or not.
-    pub(crate) fn new(house: &House, manual_driving: bool) -> Coap {
-        let archive = Reader::new(house.memory.archive());
-        Coap { resources: Resources::new(house.handle.clone(), archive, manual_driving) }
+    /// A door of this app, at which old clients may drive or not.
+    pub(crate) fn new(app: &TestApp, manual_driving: bool) -> Coap {
+        let archive = Reader::new(app.memory.archive());
+        Coap { resources: Resources::new(app.handle.clone(), archive, manual_driving) }
     }
 
     /// Sends a request and waits for its answer; what an observer would be told stands behind it.

@@ -10,7 +10,7 @@ pub(crate) use hallsweep::api::resources::ResourceKind;
 pub(crate) use hallsweep::api::state::{self, StateJson};
 pub(crate) use hallsweep::api::{cbor, concise_problem, journal_words, map_text, old_items, senml, text};
 pub(crate) use hallsweep::doors::coap::{Application, Reply, Resources};
-pub(crate) use hallsweep::doors::http::{Door, Hosts, coming_from, router};
+pub(crate) use hallsweep::doors::http::{Hosts, HttpDoor, coming_from, router};
 pub(crate) use hallsweep::doors::mqtt::change_feed::ChangeFeed;
 pub(crate) use hallsweep::doors::mqtt::commands::{ANSWERS, Answer, Commands, IncomingMessage, Publisher, Taken};
 pub(crate) use hallsweep::doors::mqtt::publication::Publication;

@@ -11,8 +11,8 @@ use sha2::{Digest, Sha256};
 use tower_service::Service;
 
 use super::book::{Book, hex, readable};
-use super::doors::{Access, Door, Hosts, Reader, Snapshot, coming_from, router};
-use super::house::House;
+use super::doors::{Access, Hosts, HttpDoor, Reader, Snapshot, coming_from, router};
+use super::test_app::TestApp;
 
 /// All simulated missions are before this, in milliseconds since 1970; a later time is that of the machine's clock.
 const SIMULATED: u64 = 1_780_000_000_000;
@@ -46,10 +46,10 @@ pub(crate) struct Answered {
 }
 
 impl Http {
-    /// A door of this house.
-    pub(crate) fn new(house: &House, access: Access) -> Http {
-        let archive = Reader::new(house.memory.archive());
-        let door = Door::new(house.handle.clone(), archive, "airport", access).with_cells_of(0.5);
+    /// A door of this app.
+    pub(crate) fn new(app: &TestApp, access: Access) -> Http {
+        let archive = Reader::new(app.memory.archive());
+        let door = HttpDoor::new(app.handle.clone(), archive, "airport", access).with_cells_of(0.5);
         Http { router: router(&door, Hosts::new(false, &[])) }
     }
 

@@ -8,7 +8,7 @@ use super::doors::{
     ANSWERS, Access, Answer, Caller, ChangeFeed, Commands, IncomingMessage, Keyring, Publication, Publisher, Snapshot, Taken,
     Topics,
 };
-use super::house::House;
+use super::test_app::TestApp;
 
 /// What all our topics begin with.
 pub(crate) const BASE: &str = "hallsweep/discovery";
@@ -25,20 +25,20 @@ pub(crate) struct Mqtt {
 }
 
 impl Mqtt {
-    /// A door of this house, at which old clients may drive or not.
-    pub(crate) fn new(house: &House, manual_driving: bool) -> Mqtt {
+    /// A door of this app, at which old clients may drive or not.
+    pub(crate) fn new(app: &TestApp, manual_driving: bool) -> Mqtt {
         let (give, answers) = mpsc::channel(ANSWERS);
-        let commands = Commands::new(house.handle.clone(), topics(), manual_driving, give);
+        let commands = Commands::new(app.handle.clone(), topics(), manual_driving, give);
         Mqtt { feed: ChangeFeed::new(topics(), true), plain_feed: ChangeFeed::new(topics(), false), commands, answers }
     }
 
     /// Everything that goes out for this state.
-    pub(crate) fn look(&mut self, book: &mut Book, house: &House, state: &std::sync::Arc<Snapshot>) {
-        let now = house.inside().run.now().since_start;
+    pub(crate) fn look(&mut self, book: &mut Book, app: &TestApp, state: &std::sync::Arc<Snapshot>) {
+        let now = app.inside().run.now().since_start;
         self.feed.handle_state(std::sync::Arc::clone(state));
         self.plain_feed.handle_state(std::sync::Arc::clone(state));
         while let Some(picture) = self.feed.poll_photo() {
-            if let Ok(Some(photo)) = house.memory.archive().photo(picture.luggage) {
+            if let Ok(Some(photo)) = app.memory.archive().photo(picture.luggage) {
                 let goes_out = self.feed.handle_photo(picture, photo);
                 book.write(
                     "mqtt",

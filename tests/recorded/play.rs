@@ -11,10 +11,10 @@ use super::doors::{
     Access, Camera, CoapRequest, Format, Hall, Hold, Key, Keyring, Keys, Method, OPERATOR, PhaseName, RandomStream, Role,
     SimSettings, Snapshot, Taken, Token, Truth, cbor,
 };
-use super::house::House;
 use super::http::Http;
 use super::mqtt::{self, Mqtt};
 use super::table::{Form, filled, forms};
+use super::test_app::TestApp;
 use super::wire;
 
 /// What is played.
@@ -33,7 +33,7 @@ pub(crate) struct Play {
 
 /// A mission under way, and all doors to it.
 pub(crate) struct Player {
-    pub(crate) house: House,
+    pub(crate) app: TestApp,
     http: Http,
     coap: Coap,
     locked: Coap,
@@ -52,11 +52,11 @@ pub(crate) async fn play(book: &mut Book, of: Play) -> BTreeMap<String, [usize; 
     let noisy = of.seed.is_multiple_of(2);
     let (unknown_rate, photo_failure_rate) = if noisy { (0.1, 0.3) } else { (0.0, 0.0) };
     let sim = SimSettings { unknown_rate, photo_failure_rate, ..SimSettings::new(of.seed, of.camera) };
-    let house = House::new(&hall, sim, of.seed % 3 == 2);
-    let mut player = Player::new(house, RandomStream::new(of.seed, "recorder"));
+    let app = TestApp::new(&hall, sim, of.seed % 3 == 2);
+    let mut player = Player::new(app, RandomStream::new(of.seed, "recorder"));
     book.place = format!("{} {} begins", of.hall, of.seed);
     player.run(book, of).await;
-    let inside = player.house.inside();
+    let inside = player.app.inside();
     wire::entries(book, &inside.run.journal);
     drop(inside);
     player.outcomes
@@ -66,19 +66,19 @@ pub(crate) async fn play(book: &mut Book, of: Play) -> BTreeMap<String, [usize; 
 pub(crate) async fn at_the_doors(book: &mut Book) {
     book.place = "at the doors".to_owned();
     let hall = Arc::new(Hall::named_or_file("seed").expect("the hall comes with the program"));
-    let house = House::new(&hall, SimSettings::new(1, Camera::Stub), false);
-    let http = Http::new(&house, Access::Open);
+    let app = TestApp::new(&hall, SimSettings::new(1, Camera::Stub), false);
+    let http = Http::new(&app, Access::Open);
     http.look_round(book).await;
-    Coap::new(&house, true).look_round(book).await;
-    keys(book, &house).await;
+    Coap::new(&app, true).look_round(book).await;
+    keys(book, &app).await;
     repeats(book).await;
     wire::problems(book);
-    let (coap, mut mqtt) = (Coap::new(&house, true), Mqtt::new(&house, true));
+    let (coap, mut mqtt) = (Coap::new(&app, true), Mqtt::new(&app, true));
     for refused in wire::refusals() {
         let code = refused.code();
         book.place = format!("refused {code}");
         book.fold();
-        house.inside().refuse = Some(refused);
+        app.inside().refuse = Some(refused);
         let answered = http.ask("POST", "/api/v1/commands/start", &[], "").await;
         book.write("problems", &format!("HTTP {code}"), &answered.text);
         for accept in [None, Some(Format::TEXT), Some(Format::CBOR), Some(Format::PROBLEM)] {
@@ -100,7 +100,7 @@ pub(crate) async fn at_the_doors(book: &mut Book) {
 /// One command with a name of its own, again, and another command with the same name.
 async fn repeats(book: &mut Book) {
     let hall = Arc::new(Hall::named_or_file("seed").expect("the hall comes with the program"));
-    let mut player = Player::new(House::new(&hall, SimSettings::new(1, Camera::Stub), false), RandomStream::new(1, "repeats"));
+    let mut player = Player::new(TestApp::new(&hall, SimSettings::new(1, Camera::Stub), false), RandomStream::new(1, "repeats"));
     for path in ["/api/v1/commands/start", "/api/v1/commands/start", "/api/v1/commands/reset"] {
         for id in ["h-1", "\"h-1\"", "a b", ""] {
             let answered = player.http.ask("POST", path, &[("idempotency-key", id)], "").await;
@@ -119,11 +119,11 @@ async fn repeats(book: &mut Book) {
             book.write("repeats", &format!("{name} {id}"), outcome(taken, &said).as_bytes());
         }
     }
-    let inside = player.house.inside();
+    let inside = player.app.inside();
     wire::entries(book, &inside.run.journal);
 }
 
-async fn keys(book: &mut Book, house: &House) {
+async fn keys(book: &mut Book, app: &TestApp) {
     let token = || Token::draw().expect("chance is there");
     let keys =
         [("lobby", Role::Viewer), (OPERATOR, Role::Operator)].map(|(name, role)| Key::new(name, role, token()).expect("sound"));
@@ -131,8 +131,8 @@ async fn keys(book: &mut Book, house: &House) {
     let shown = |name| keyring.keys().named(name).expect("it is there").token.reveal().to_owned();
     let tokens = [("a viewer", shown("lobby")), ("an operator", shown(OPERATOR))];
     let told: Vec<(&str, &str)> = tokens.iter().map(|(role, token)| (*role, token.as_str())).collect();
-    Http::new(house, mqtt::by_keys(&keyring)).sign_in(book, &told).await;
-    let mut mqtt = Mqtt::new(house, false);
+    Http::new(app, mqtt::by_keys(&keyring)).sign_in(book, &told).await;
+    let mut mqtt = Mqtt::new(app, false);
     for (role, token) in &tokens {
         let sender = mqtt::with_key(&keyring, token);
         for (name, payload) in [("start", "{}"), ("stop", ""), ("move", r#"{"move":"w"}"#), ("dance", "{}")] {
@@ -168,18 +168,18 @@ pub(crate) struct Given {
 }
 
 impl Player {
-    /// All doors to this house.
-    pub(crate) fn new(house: House, dice: RandomStream) -> Player {
+    /// All doors to this app.
+    pub(crate) fn new(app: TestApp, dice: RandomStream) -> Player {
         Player {
-            http: Http::new(&house, Access::Open),
-            coap: Coap::new(&house, true),
-            locked: Coap::new(&house, false),
-            mqtt: Mqtt::new(&house, true),
+            http: Http::new(&app, Access::Open),
+            coap: Coap::new(&app, true),
+            locked: Coap::new(&app, false),
+            mqtt: Mqtt::new(&app, true),
             dice,
             seen: None,
             forms: forms(),
             outcomes: BTreeMap::new(),
-            house,
+            app,
         }
     }
 
@@ -190,7 +190,7 @@ impl Player {
         }
         let mut is_table_due = of.with_table;
         for step in 0..of.steps {
-            if is_table_due && self.house.state().pending().is_some() {
+            if is_table_due && self.app.state().pending().is_some() {
                 is_table_due = false;
                 self.whole_table(book, of).await;
             }
@@ -199,7 +199,7 @@ impl Player {
                 self.give(book, &form).await;
             } else if let Some(form) = self.operator() {
                 self.give(book, &form).await;
-            } else if !self.house.advance() {
+            } else if !self.app.advance() {
                 let form = self.way_out();
                 self.give(book, &form).await;
             }
@@ -215,7 +215,7 @@ impl Player {
         for form in self.forms.clone() {
             self.give(book, &form).await;
             for _ in 0..self.dice.below(3) {
-                self.house.advance();
+                self.app.advance();
             }
             self.place(book, of);
         }
@@ -228,14 +228,14 @@ impl Player {
 
     /// What the operator does now; nothing while the robot is at work.
     fn operator(&mut self) -> Option<Form> {
-        let state = self.house.state();
+        let state = self.app.state();
         let mission = &state.mission;
         if state.alarms.iter().any(|alarm| alarm.acknowledged.is_none()) && self.dice.below(4) == 0 {
             return Some(self.command("acknowledge", ""));
         }
         let piece = mission.inspected.and_then(|id| state.luggage(id)).filter(|piece| piece.is_pending());
         if let Some(piece) = piece.filter(|_| self.dice.below(2) == 0) {
-            let is_bomb = matches!(self.house.hall.truth(piece.cell), Truth::Luggage(of) if self.house.hall.is_dangerous(of));
+            let is_bomb = matches!(self.app.hall.truth(piece.cell), Truth::Luggage(of) if self.app.hall.is_dangerous(of));
             if !is_bomb && !piece.has_photo() {
                 return mission.refusals.retake.is_none().then(|| self.command("retake", ""));
             }
@@ -299,7 +299,7 @@ impl Player {
 
     /// Gives a command.
     pub(crate) async fn answer(&mut self, form: &Form) -> Given {
-        let state = self.house.state();
+        let state = self.app.state();
         let of = |text: &str| filled(text, &state);
         // Nobody is told that he says too much at once.
         tokio::time::sleep(Duration::from_secs(2)).await;
@@ -330,12 +330,12 @@ impl Player {
     }
 
     fn place(&self, book: &mut Book, of: Play) {
-        book.place = format!("{} {} · revision {}", of.hall, of.seed, self.house.state().revision);
+        book.place = format!("{} {} · revision {}", of.hall, of.seed, self.app.state().revision);
     }
 
     /// Looks at everything, if anything has changed.
     async fn look(&mut self, book: &mut Book, of: Play) {
-        let state = self.house.state();
+        let state = self.app.state();
         if self.seen.as_ref().is_some_and(|seen| seen.revision == state.revision) {
             return;
         }
@@ -355,13 +355,13 @@ impl Player {
     /// Looks at everything there is in this state.
     pub(crate) async fn look_at_all(&mut self, book: &mut Book) {
         book.fold();
-        self.look_at(book, None, &self.house.state(), true).await;
+        self.look_at(book, None, &self.app.state(), true).await;
         book.unfold();
     }
 
     async fn look_at(&mut self, book: &mut Book, older: Option<&Snapshot>, state: &Arc<Snapshot>, is_worth: bool) {
         wire::snapshot(book, older, state);
-        self.mqtt.look(book, &self.house, state);
+        self.mqtt.look(book, &self.app, state);
         self.coap.look(book, state, is_worth).await;
         self.http.look(book, state, is_worth).await;
     }

@@ -9,9 +9,9 @@ use super::doors::{
     Camera, Command, Event, Hall, LuggageRef, PhaseName, RandomStream, RobotEvent, RobotId, SimSettings, TemperatureReport,
     Verdict,
 };
-use super::house::House;
 use super::play::Player;
 use super::table::forms;
+use super::test_app::TestApp;
 
 /// More things than happen in any of these scenes.
 const PLENTY: usize = 10_000;
@@ -66,75 +66,75 @@ impl Scene {
         }
     }
 
-    /// A house in this state.
-    fn house(self) -> House {
+    /// An app in this state.
+    fn app(self) -> TestApp {
         let rows: &[&str] = if self == Scene::Explored { &["S..", "..."] } else { &["S...", ".T..", "...."] };
         let hall = Arc::new(Hall::from_rows("scene", rows).expect("a sound hall"));
         let photo_failure_rate = if self == Scene::WithoutPhoto { 1.0 } else { 0.0 };
         let sim = SimSettings { photo_failure_rate, ..SimSettings::new(1, Camera::Stub) };
-        let house = House::new(&hall, sim, self == Scene::Silent);
+        let app = TestApp::new(&hall, sim, self == Scene::Silent);
         if matches!(self, Scene::Idle | Scene::Silent) {
-            return house;
+            return app;
         }
-        given(&house, Command::Start);
+        given(&app, Command::Start);
         match self {
             Scene::Idle | Scene::Silent => {}
             Scene::Searching | Scene::Stopped | Scene::Hot | Scene::CoolAgain | Scene::LinkLost | Scene::StoreFailed => {
-                some(&house, 4);
-                self.halt(&house);
+                some(&app, 4);
+                self.halt(&app);
             }
             Scene::Inspecting | Scene::WithoutPhoto | Scene::BombLocated => {
-                until(&house, |house| house.state().mission.inspected.is_some());
-                some(&house, 3);
+                until(&app, |app| app.state().mission.inspected.is_some());
+                some(&app, 3);
                 if self == Scene::BombLocated {
-                    given(&house, Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger });
-                    until(&house, |house| house.state().mission.phase == PhaseName::BombLocated);
+                    given(&app, Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger });
+                    until(&app, |app| app.state().mission.phase == PhaseName::BombLocated);
                 }
             }
-            Scene::Explored => until(&house, |house| house.state().mission.phase == PhaseName::Explored),
+            Scene::Explored => until(&app, |app| app.state().mission.phase == PhaseName::Explored),
         }
-        house
+        app
     }
 
     /// What keeps a robot from searching on.
-    fn halt(self, house: &House) {
+    fn halt(self, app: &TestApp) {
         if self == Scene::Stopped {
-            given(house, Command::Stop);
-            some(house, 3);
+            given(app, Command::Stop);
+            some(app, 3);
         }
         if matches!(self, Scene::Hot | Scene::CoolAgain) {
-            given(house, Command::Temperature(TemperatureReport::TooHigh));
-            some(house, 3);
+            given(app, Command::Temperature(TemperatureReport::TooHigh));
+            some(app, 3);
         }
         if self == Scene::CoolAgain {
-            given(house, Command::Temperature(TemperatureReport::Ok));
+            given(app, Command::Temperature(TemperatureReport::Ok));
         }
         if self == Scene::LinkLost {
-            house.happen(Event::Robot(RobotId::discovery(), RobotEvent::LinkLost("the cable is out".to_owned())));
+            app.happen(Event::Robot(RobotId::discovery(), RobotEvent::LinkLost("the cable is out".to_owned())));
         }
         if self == Scene::StoreFailed {
-            house.happen(Event::StoreFailed("the disk is full".to_owned()));
+            app.happen(Event::StoreFailed("the disk is full".to_owned()));
         }
     }
 }
 
 /// Lets so many things happen, if there are so many.
-fn some(house: &House, things: usize) {
+fn some(app: &TestApp, things: usize) {
     for _ in 0..things {
-        house.advance();
+        app.advance();
     }
 }
 
-fn given(house: &House, command: Command) {
-    assert!(house.give(command.clone()), "{command:?} in phase {}", house.state().mission.phase.name());
+fn given(app: &TestApp, command: Command) {
+    assert!(app.give(command.clone()), "{command:?} in phase {}", app.state().mission.phase.name());
 }
 
-fn until(house: &House, is_there: impl Fn(&House) -> bool) {
+fn until(app: &TestApp, is_there: impl Fn(&TestApp) -> bool) {
     for _ in 0..PLENTY {
-        if is_there(house) {
+        if is_there(app) {
             return;
         }
-        assert!(house.advance(), "nothing more happens");
+        assert!(app.advance(), "nothing more happens");
     }
     panic!("it did not come to that");
 }
@@ -145,14 +145,14 @@ pub(crate) async fn play(book: &mut Book, in_full: bool) -> Vec<String> {
     for scene in ALL {
         book.forget();
         book.place = scene.name().to_owned();
-        Player::new(scene.house(), RandomStream::new(1, "scene")).look_at_all(book).await;
+        Player::new(scene.app(), RandomStream::new(1, "scene")).look_at_all(book).await;
     }
     let mut outcomes = Vec::new();
     for form in forms() {
         let (mut pattern, mut all, mut first) = (String::new(), Vec::new(), None);
         for scene in ALL {
             book.place = scene.name().to_owned();
-            let mut player = Player::new(scene.house(), RandomStream::new(1, "scene"));
+            let mut player = Player::new(scene.app(), RandomStream::new(1, "scene"));
             let given = player.answer(&form).await;
             pattern.push(if given.is_accepted { '+' } else { '-' });
             all.extend_from_slice(&given.said);

@@ -16,7 +16,7 @@ pub(crate) const SENSOR: &str = "roof";
 
 /// A mission under way, and the way to it. Cheap to clone.
 #[derive(Clone)]
-pub(crate) struct House {
+pub(crate) struct TestApp {
     pub(crate) hall: Arc<Hall>,
     pub(crate) handle: Handle,
     pub(crate) memory: MemoryStore,
@@ -33,9 +33,9 @@ pub(crate) struct Inside {
     publish: watch::Sender<Arc<Snapshot>>,
 }
 
-impl House {
+impl TestApp {
     /// A robot at home. Must be called inside a runtime.
-    pub(crate) fn new(hall: &Arc<Hall>, sim: SimSettings, with_sensor: bool) -> House {
+    pub(crate) fn new(hall: &Arc<Hall>, sim: SimSettings, with_sensor: bool) -> TestApp {
         let mut run = Run::new(Arc::clone(hall), sim, Settings::default(), Strategy::default());
         if with_sensor {
             let now = run.now();
@@ -51,7 +51,7 @@ impl House {
         inside.publish();
         let inside = Arc::new(Mutex::new(inside));
         tokio::spawn(serve(Arc::clone(&inside), envelopes));
-        House { hall: Arc::clone(hall), handle, memory, inside }
+        TestApp { hall: Arc::clone(hall), handle, memory, inside }
     }
 
     /// What the loop works on. Not to be held while something is waited for.

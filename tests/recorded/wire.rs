@@ -132,7 +132,7 @@ pub(crate) fn problems(book: &mut Book) {
     for refused in refusals() {
         let (kind, detail) = (ProblemKind::from(refused.kind()), refused.to_string());
         let title = format!("{} {}", refused.code(), kind.status().0);
-        let problem = ProblemJson { title: "Some title", ..ProblemJson::new(kind, refused.code(), &detail) };
+        let problem = ProblemJson { title: "Some title", ..ProblemJson::new((refused.code(), kind), &detail) };
         book.write("problems", &title, &serde_json::to_vec(&problem).expect("a problem is strings and numbers"));
         book.write("problems", &format!("{title} in CBOR"), &concise_problem::written(&problem, Code::CONFLICT.0));
     }

@@ -1,4 +1,4 @@
-//! The MQTT door of the house: our own broker, and our session that publishes the answers.
+//! The MQTT door of the app: our own broker, and our session that publishes the answers.
 
 use std::net::SocketAddr;
 

@@ -16,7 +16,7 @@ use tokio::sync::{oneshot, watch};
 
 use hallsweep::access::Access;
 use hallsweep::doors::coap::{self, Resources, Socket};
-use hallsweep::doors::http::{self, Door, Front};
+use hallsweep::doors::http::{self, Front, HttpDoor};
 use hallsweep::runtime::archive_reader::Reader;
 use hallsweep::runtime::clock::Clock;
 use hallsweep::runtime::halt::{Halter, Halts};
@@ -47,8 +47,8 @@ pub(crate) struct Watched {
     on_halt: Box<dyn Fn(Halts) + Send + Sync>,
 }
 
-/// A running house; it ends when this is dropped.
-pub(crate) struct House {
+/// A running app; it ends when this is dropped.
+pub(crate) struct TestApp {
     pub(crate) address: SocketAddr,
     /// Where the CoAP door is.
     pub(crate) coap: SocketAddr,
@@ -60,9 +60,9 @@ pub(crate) struct House {
     _door: oneshot::Sender<()>,
 }
 
-impl House {
+impl TestApp {
     /// Opens the doors on free ports of this machine. Must be called inside a runtime, on whose threads everything runs.
-    pub(crate) async fn open(store: Box<dyn Store>, on_halt: impl Fn(Halts) + Send + Sync + 'static) -> House {
+    pub(crate) async fn open(store: Box<dyn Store>, on_halt: impl Fn(Halts) + Send + Sync + 'static) -> TestApp {
         let (clock, halter) = (Clock::default(), Halter::new(Epoch(0)));
         let (link, side) = link(halter.watch());
         let engine = Engine::new(Settings::default(), Default::default(), "stops".into());
@@ -79,7 +79,7 @@ impl House {
         let (states, resources) = (handle.watch(), Resources::new(handle.clone(), reader.clone(), false));
         let mut until = closed;
         let coap_ended = async move { drop(until.wait_for(|closing| *closing).await) };
-        let door = Door::new(handle, reader, "bench", Access::Open);
+        let door = HttpDoor::new(handle, reader, "bench", Access::Open);
         let (began, late, standing) = (AtomicU64::new(0), AtomicU64::new(0), AtomicBool::new(true));
         let watched = Arc::new(Watched { began, late, standing, on_halt: Box::new(on_halt) });
         let (course, coursed) = watch::channel(Course::default());
@@ -87,11 +87,11 @@ impl House {
         tokio::spawn(coap::serve(socket, [7; 32], resources, states, coap_ended));
         tokio::spawn(Wheels { side, watched: Arc::clone(&watched) }.run());
         tokio::spawn(http::serve(listener.into(), door, Front::default(), async { drop(ended.await) }));
-        House { address, coap, mqtt, watched, closing, course, _door: end }
+        TestApp { address, coap, mqtt, watched, closing, course, _door: end }
     }
 }
 
-impl Drop for House {
+impl Drop for TestApp {
     fn drop(&mut self) {
         self.closing.send_replace(true);
         self.course.send_modify(|course| course.is_over = true);

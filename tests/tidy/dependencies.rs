@@ -325,9 +325,9 @@ mod tests {
 
     #[test]
     fn unit_tests_are_a_module_deeper() {
-        let tests = "//! A.\n#[cfg(test)]\nmod tests {\n    use super::super::testing::house;\n}";
+        let tests = "//! A.\n#[cfg(test)]\nmod tests {\n    use super::super::testing::app;\n}";
         assert_eq!(found("src/doors/http/a.rs", tests), 0);
-        assert_eq!(found("src/doors/http/a.rs", "use super::super::testing::house;"), 1);
+        assert_eq!(found("src/doors/http/a.rs", "use super::super::testing::app;"), 1);
     }
 
     #[test]

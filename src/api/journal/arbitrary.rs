@@ -32,7 +32,7 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
     prop_oneof![
         text().prop_map(Fact::ProgramStarted),
         text().prop_map(Fact::ProgramEnded),
-        standing().prop_map(|standing| Fact::State(Box::new(standing))),
+        state().prop_map(|state| Fact::State(Box::new(state))),
         command(),
         any::<u64>().prop_map(|id| Fact::MissionBegan(MissionId(id), Order::Snail)),
         (any::<u64>(), vec(any::<u64>().prop_map(LuggageId), 0..4))
@@ -79,7 +79,7 @@ fn robot() -> impl Strategy<Value = RobotId> {
     "[a-z][a-z0-9-]{0,31}".prop_map(|name| RobotId::new(&name).expect("a name"))
 }
 
-fn standing() -> impl Strategy<Value = PersistentState> {
+fn state() -> impl Strategy<Value = PersistentState> {
     let numbers = (any::<u64>(), any::<bool>(), any::<u64>(), any::<u64>(), any::<u64>(), any::<bool>());
     let others = btree_map(robot(), pose(), 0..3);
     let mission = (phase(), btree_set(hold(), 0..9), search(), option::of(goal()), btree_set(cell(), 0..4), (pose(), others));

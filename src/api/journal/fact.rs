@@ -117,7 +117,7 @@ pub(super) struct CommandShape {
     refused: Option<RefusalShape>,
 }
 
-/// Why a command was refused; the family follows from the code.
+/// Why a command was refused; its kind follows from the code.
 #[derive(Serialize, Deserialize)]
 struct RefusalShape {
     code: String,
@@ -158,7 +158,7 @@ impl Shape {
         match fact {
             Fact::ProgramStarted(version) => Shape::ProgramStarted { version: version.clone() },
             Fact::ProgramEnded(by) => Shape::ProgramEnded { by: by.clone() },
-            Fact::State(standing) => Shape::Standing { standing: Box::new((&**standing).into()) },
+            Fact::State(state) => Shape::Standing { standing: Box::new((&**state).into()) },
             Fact::Command { issuer, id, command, epoch, luggage, refused } => {
                 let shape = CommandShape::of(issuer, id.as_ref(), command, *luggage, refused.as_ref());
                 Shape::Command(CommandShape { epoch: epoch.map(|epoch| epoch.0), ..shape })
@@ -203,7 +203,7 @@ impl Shape {
             }
             Shape::ProgramStarted { version } => Fact::ProgramStarted(version),
             Shape::ProgramEnded { by } => Fact::ProgramEnded(by),
-            Shape::Standing { standing } => Fact::State(Box::new(standing.standing()?)),
+            Shape::Standing { standing } => Fact::State(Box::new(standing.state()?)),
             Shape::Command(command) => command.fact()?,
             Shape::MissionBegan { number, strategy } => Fact::MissionBegan(MissionId(number), names::strategy(&strategy)?),
             Shape::MissionArchived { number, left } => {

@@ -45,33 +45,33 @@ pub(super) struct StandingShape {
 }
 
 impl From<&PersistentState> for StandingShape {
-    fn from(standing: &PersistentState) -> StandingShape {
+    fn from(state: &PersistentState) -> StandingShape {
         StandingShape {
-            mission: standing.mission.0,
-            under_way: standing.under_way,
-            phase: (&standing.phase).into(),
-            holds: standing.holds.to_vec().into_iter().map(|hold| hold.name().to_owned()).collect(),
-            epoch: standing.epoch.0,
-            strategy: standing.strategy.name().to_owned(),
-            search: (&standing.search).into(),
-            goal: standing.goal.map(GoalShape::from),
-            blocked: standing.blocked.iter().copied().map(Point::from).collect(),
-            pose: standing.pose.into(),
-            others: standing.others.iter().map(|(robot, pose)| (robot.name().to_owned(), (*pose).into())).collect(),
-            led_blinking: standing.led_blinking,
-            map: map::rows(&standing.map),
-            pieces: standing.pieces.iter().map(|piece| piece.0).collect(),
-            luggage: standing.luggage.values().map(|record| LuggageShape::from(&**record)).collect(),
-            last_luggage: standing.last_luggage.0,
-            alarms: standing.alarms.iter().map(|alarm| AlarmShape::from(&**alarm)).collect(),
-            last_alarm: standing.last_alarm.0,
-            reading: standing.reading.map(hallsweep_core::units::Celsius::degrees),
+            mission: state.mission.0,
+            under_way: state.under_way,
+            phase: (&state.phase).into(),
+            holds: state.holds.to_vec().into_iter().map(|hold| hold.name().to_owned()).collect(),
+            epoch: state.epoch.0,
+            strategy: state.strategy.name().to_owned(),
+            search: (&state.search).into(),
+            goal: state.goal.map(GoalShape::from),
+            blocked: state.blocked.iter().copied().map(Point::from).collect(),
+            pose: state.pose.into(),
+            others: state.others.iter().map(|(robot, pose)| (robot.name().to_owned(), (*pose).into())).collect(),
+            led_blinking: state.led_blinking,
+            map: map::rows(&state.map),
+            pieces: state.pieces.iter().map(|piece| piece.0).collect(),
+            luggage: state.luggage.values().map(|record| LuggageShape::from(&**record)).collect(),
+            last_luggage: state.last_luggage.0,
+            alarms: state.alarms.iter().map(|alarm| AlarmShape::from(&**alarm)).collect(),
+            last_alarm: state.last_alarm.0,
+            reading: state.reading.map(hallsweep_core::units::Celsius::degrees),
         }
     }
 }
 
 impl StandingShape {
-    pub(super) fn standing(self) -> Result<PersistentState, Unparsed> {
+    pub(super) fn state(self) -> Result<PersistentState, Unparsed> {
         Ok(PersistentState {
             mission: MissionId(self.mission),
             under_way: self.under_way,

@@ -5,7 +5,7 @@ use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderName};
 
-use super::Door;
+use super::HttpDoor;
 use super::gate::{LetIn, Peer, allowed, issuer};
 use super::hearing::{Arrived, Pressed};
 use super::problem::Problem;
@@ -21,7 +21,7 @@ pub(super) const IDEMPOTENCY_KEY: HeaderName = HeaderName::from_static("idempote
 
 /// Who sent a request, at which door, and what came with it that counts for any command.
 pub(super) struct CommandSender {
-    pub(super) door: Door,
+    pub(super) door: HttpDoor,
     pub(super) caller: Caller,
     peer: Peer,
     pressed: Option<Pressed>,
@@ -29,10 +29,10 @@ pub(super) struct CommandSender {
     id: Result<Option<CommandId>, Problem>,
 }
 
-impl FromRequestParts<Door> for CommandSender {
+impl FromRequestParts<HttpDoor> for CommandSender {
     type Rejection = Problem;
 
-    async fn from_request_parts(parts: &mut Parts, door: &Door) -> Result<CommandSender, Problem> {
+    async fn from_request_parts(parts: &mut Parts, door: &HttpDoor) -> Result<CommandSender, Problem> {
         let LetIn(caller) = LetIn::from_request_parts(parts, door).await?;
         let peer = Peer::from_request_parts(parts, door).await?;
         let pressed = parts.extensions.remove();

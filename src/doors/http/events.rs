@@ -12,7 +12,7 @@ use axum::response::{IntoResponse, Response};
 use futures_util::stream::{self, Stream, StreamExt};
 use serde::Serialize;
 
-use super::Door;
+use super::HttpDoor;
 use super::gate::LetIn;
 use super::problem::Problem;
 use super::watcher::{Wake, Watcher};
@@ -34,7 +34,7 @@ const RETRY: Duration = Duration::from_secs(1);
 pub(super) const UNBUFFERED: (HeaderName, &str) = (HeaderName::from_static("x-accel-buffering"), "no");
 
 /// `GET events`
-pub(super) async fn events(State(door): State<Door>, LetIn(caller): LetIn, headers: HeaderMap) -> Result<Response, Problem> {
+pub(super) async fn events(State(door): State<HttpDoor>, LetIn(caller): LetIn, headers: HeaderMap) -> Result<Response, Problem> {
     let (watcher, snapshot) = Watcher::open(&door, caller)?;
     let resumed = headers.get("last-event-id").and_then(|id| known_revision(id.to_str().ok()?, &snapshot));
     let first = first_event(&snapshot, resumed);

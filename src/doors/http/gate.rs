@@ -10,7 +10,7 @@ use axum::http::{HeaderMap, HeaderValue, Method, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Redirect, Response};
 
-use super::Door;
+use super::HttpDoor;
 use super::guard::is_for_people;
 use super::problem::{NotTaken, Problem};
 use super::scanning::KEYS;
@@ -35,7 +35,7 @@ pub(super) struct LetIn(pub(super) Caller);
 /// A gate that asks for this.
 #[derive(Clone)]
 pub(super) struct Gate {
-    door: Door,
+    door: HttpDoor,
     need: Need,
 }
 
@@ -54,7 +54,7 @@ impl Peer {
 }
 
 impl Gate {
-    pub(super) const fn new(door: Door, need: Need) -> Gate {
+    pub(super) const fn new(door: HttpDoor, need: Need) -> Gate {
         Gate { door, need }
     }
 }
@@ -86,7 +86,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Peer {
     }
 }
 
-impl Door {
+impl HttpDoor {
     /// Whether answers can say when they were made: no machine's clock is right before 1970.
     pub(super) fn can_date(&self) -> bool {
         self.now_s() >= 0
@@ -163,7 +163,7 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
         if let Some((issuer, asked)) = asked {
             door.note_refused(issuer, asked, refused.clone()).await;
         }
-        return Problem::refused(&refused).into_response();
+        return Problem::refused(&refused).off_record().into_response();
     }
     request.extensions_mut().insert(caller);
     let mut response = next.run(request).await;
@@ -191,7 +191,7 @@ pub(super) fn by_path(path: &str) -> command::Door {
 
 /// A person is led to the page where one signs in, and from there back, or is told there that what he pressed was not done; a
 /// program is told what to send.
-fn stranger(door: &Door, peer: Peer, request: &Request) -> Response {
+fn stranger(door: &HttpDoor, peer: Peer, request: &Request) -> Response {
     if *request.method() != Method::GET {
         door.note_unrecorded(peer, request.method(), request.uri().path(), "nobody is signed in");
     }

@@ -16,7 +16,7 @@ use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::set_header::SetResponseHeaderLayer;
 
-use super::Door;
+use super::HttpDoor;
 use super::accept::preferred;
 use super::gate::Peer;
 use super::problem::{Problem, Said};
@@ -83,7 +83,7 @@ fn plain(name: &str) -> String {
 }
 
 /// The routes behind their guard. Compression leaves event streams and pictures alone.
-pub(super) fn guarded(routes: Router, hosts: Hosts, door: &Door) -> Router {
+pub(super) fn guarded(routes: Router, hosts: Hosts, door: &HttpDoor) -> Router {
     let clock = door.clock;
     let guarded = routes
         .layer(from_fn_with_state(door.clone(), same_origin))
@@ -154,7 +154,7 @@ struct Astray {
 }
 
 /// A page of another origin may not press buttons here. Programs send neither header and pass.
-async fn same_origin(State(door): State<Door>, request: Request, next: Next) -> Response {
+async fn same_origin(State(door): State<HttpDoor>, request: Request, next: Next) -> Response {
     if matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS) || !is_foreign(request.headers()) {
         return next.run(request).await;
     }

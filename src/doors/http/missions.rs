@@ -5,7 +5,7 @@ use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::Response;
 
-use super::Door;
+use super::HttpDoor;
 use super::accept::preferred;
 use super::etag::by_content;
 use super::problem::Problem;
@@ -35,7 +35,7 @@ const LOOKS: usize = 10;
 const JSON: &str = "application/json";
 
 /// `GET missions`, the newest first.
-pub(super) async fn list(State(door): State<Door>, query: Query, headers: HeaderMap) -> Result<Response, Problem> {
+pub(super) async fn list(State(door): State<HttpDoor>, query: Query, headers: HeaderMap) -> Result<Response, Problem> {
     query.only(&["before", "limit"])?;
     let limit = query.count("limit", 1..=MOST_MISSIONS)?.unwrap_or(MISSIONS);
     let (records, next) = newest(&door, before(&query)?, limit).await?;
@@ -45,14 +45,14 @@ pub(super) async fn list(State(door): State<Door>, query: Query, headers: Header
 }
 
 /// `GET missions/{id}`, with luggage and map.
-pub(super) async fn mission(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
-    let RecordedMission { record, standing, damage } = recorded(&door, id).await?;
-    Ok(by_content(&headers, JSON, json(&MissionWholeJson::new((&record).into(), standing.as_ref(), damage))))
+pub(super) async fn mission(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
+    let RecordedMission { record, state, damage } = recorded(&door, id).await?;
+    Ok(by_content(&headers, JSON, json(&MissionWholeJson::new((&record).into(), state.as_ref(), damage))))
 }
 
 /// `GET missions/{id}/events`, oldest first.
 pub(super) async fn events(
-    State(door): State<Door>,
+    State(door): State<HttpDoor>,
     Number(id): Number,
     query: Query,
     headers: HeaderMap,
@@ -66,16 +66,16 @@ pub(super) async fn events(
 }
 
 /// `GET missions/{id}/map`, as JSON or as the text of old clients.
-pub(super) async fn map(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
+pub(super) async fn map(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     const FORMATS: [&str; 2] = [JSON, "text/plain; charset=utf-8"];
     let Some(format) = preferred(&headers, &[JSON, "text/plain"]) else {
         return Err(Problem::not_acceptable("the map is there as application/json and as text/plain".to_owned()));
     };
-    let standing = recorded(&door, id).await?.standing;
-    let standing = standing.ok_or_else(|| Problem::not_found(format!("the map of mission {id} is not kept")))?;
+    let state = recorded(&door, id).await?.state;
+    let state = state.ok_or_else(|| Problem::not_found(format!("the map of mission {id} is not kept")))?;
     let mut response = match format == JSON {
-        true => by_content(&headers, FORMATS[0], json(&MapJson::from(Plan::from(&standing)))),
-        false => by_content(&headers, FORMATS[1], map_text::lines(&standing)),
+        true => by_content(&headers, FORMATS[0], json(&MapJson::from(Plan::from(&state)))),
+        false => by_content(&headers, FORMATS[1], map_text::lines(&state)),
     };
     response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
     Ok(response)
@@ -93,7 +93,7 @@ pub(super) fn after(query: &Query) -> Result<Seq, Problem> {
 
 /// The newest missions before one, and before which the next page begins.
 pub(super) async fn newest(
-    door: &Door,
+    door: &HttpDoor,
     before: Option<MissionId>,
     limit: u64,
 ) -> Result<(Vec<MissionRecord>, Option<MissionId>), Problem> {
@@ -108,22 +108,22 @@ pub(super) async fn newest(
 pub(super) struct RecordedMission {
     pub(super) record: MissionRecord,
     /// What stood when it was put away, or stands now.
-    pub(super) standing: Option<PersistentState>,
+    pub(super) state: Option<PersistentState>,
     /// What of that cannot be understood, a sentence each.
     pub(super) damage: Vec<String>,
 }
 
 /// A mission, and what stood when it was put away or stands now.
-pub(super) async fn recorded(door: &Door, id: u64) -> Result<RecordedMission, Problem> {
+pub(super) async fn recorded(door: &HttpDoor, id: u64) -> Result<RecordedMission, Problem> {
     let mission = MissionId(id);
-    let found = door.archive.look_up(move |archive| Ok((archive.mission(mission)?, archive.standing(mission)?))).await?;
+    let found = door.archive.look_up(move |archive| Ok((archive.mission(mission)?, archive.state(mission)?))).await?;
     let (record, sound) = found;
-    let (standing, damage) = sound.map_or((None, Vec::new()), |Sound { of, damage }| (Some(of), damage));
-    Ok(RecordedMission { record: record.ok_or_else(|| unknown(id))?, standing, damage })
+    let (state, damage) = sound.map_or((None, Vec::new()), |Sound { of, damage }| (Some(of), damage));
+    Ok(RecordedMission { record: record.ok_or_else(|| unknown(id))?, state, damage })
 }
 
 /// What happened in a mission after an entry, oldest first, and after which entry the next page begins.
-pub(super) async fn happened(door: &Door, id: u64, after: Seq, limit: u64) -> Result<(Vec<Happened>, Option<Seq>), Problem> {
+pub(super) async fn happened(door: &HttpDoor, id: u64, after: Seq, limit: u64) -> Result<(Vec<Happened>, Option<Seq>), Problem> {
     let (mission, limit) = (MissionId(id), count(limit));
     let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
         Some(_) => archive.entries(mission, after, limit + 1).map(Some),
@@ -139,7 +139,7 @@ pub(super) async fn happened(door: &Door, id: u64, after: Seq, limit: u64) -> Re
 /// What `is_wanted` of a mission's entries after one of them, and what cannot be understood; at least so many where there are, and
 /// where to go on looking.
 pub(super) async fn wanted(
-    door: &Door,
+    door: &HttpDoor,
     id: u64,
     after: Seq,
     least: u64,

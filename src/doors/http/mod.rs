@@ -55,7 +55,7 @@ pub const STREAMS: usize = 256;
 
 /// What the door needs of the program. Cheap to clone.
 #[derive(Clone)]
-pub struct Door {
+pub struct HttpDoor {
     handle: Handle,
     archive: Reader,
     hall: Arc<str>,
@@ -72,10 +72,10 @@ pub struct Door {
     began: Arc<console::Began>,
 }
 
-impl Door {
+impl HttpDoor {
     /// A door to the loop behind `handle`; `hall` is the name on the page, `access` says who is let in.
-    pub fn new(handle: Handle, archive: Reader, hall: &str, access: Access) -> Door {
-        Door {
+    pub fn new(handle: Handle, archive: Reader, hall: &str, access: Access) -> HttpDoor {
+        HttpDoor {
             handle,
             archive,
             hall: Arc::from(hall),
@@ -92,17 +92,17 @@ impl Door {
         }
     }
 
-    pub fn with_mqtt(self, mqtt: Option<Hall>) -> Door {
-        Door { mqtt, ..self }
+    pub fn with_mqtt(self, mqtt: Option<Hall>) -> HttpDoor {
+        HttpDoor { mqtt, ..self }
     }
 
     /// The same at this port, by which the cookies of several instances on one host are told apart: browsers do not look at ports.
-    fn at(self, port: u16) -> Door {
-        Door { cookie: sign_in::cookie_name(port), ..self }
+    fn at(self, port: u16) -> HttpDoor {
+        HttpDoor { cookie: sign_in::cookie_name(port), ..self }
     }
 
-    fn with_streams(self, room: Room) -> Door {
-        Door { streams: Streams::new(room.part(STREAMS)), ..self }
+    fn with_streams(self, room: Room) -> HttpDoor {
+        HttpDoor { streams: Streams::new(room.part(STREAMS)), ..self }
     }
 
     fn cookie(&self) -> &str {
@@ -110,8 +110,8 @@ impl Door {
     }
 
     /// The same, of a hall whose cells have sides of this many metres.
-    pub fn with_cells_of(self, cell_m: f64) -> Door {
-        Door { cell_m: Some(cell_m), ..self }
+    pub fn with_cells_of(self, cell_m: f64) -> HttpDoor {
+        HttpDoor { cell_m: Some(cell_m), ..self }
     }
 
     /// Ends every open stream at once, and every one opened from now on.
@@ -128,6 +128,6 @@ pub fn coming_from<B>(mut request: Request<B>, address: IpAddr, is_encrypted: bo
 }
 
 /// Every route, with what stands in front of all of them. Every request must be `coming_from` somewhere.
-pub fn router(door: &Door, hosts: Hosts) -> Router {
+pub fn router(door: &HttpDoor, hosts: Hosts) -> Router {
     guard::guarded(routes::routes(door), hosts, door)
 }

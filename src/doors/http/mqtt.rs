@@ -20,7 +20,7 @@ use futures_util::{SinkExt, StreamExt};
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt, DuplexStream, ReadBuf, ReadHalf, WriteHalf};
 use tokio::sync::oneshot;
 
-use super::Door;
+use super::HttpDoor;
 use super::gate::{LetIn, Peer};
 use super::guard::is_foreign;
 use super::problem::Problem;
@@ -108,7 +108,7 @@ impl fmt::Debug for Hall {
 /// `GET mqtt`. A browser lets any page of the world open a WebSocket and sends the cookies along, so pages of other origins are
 /// refused here as they are when they post.
 pub(super) async fn mqtt(
-    State(door): State<Door>,
+    State(door): State<HttpDoor>,
     peer: Peer,
     caller: Result<LetIn, Problem>,
     headers: HeaderMap,

@@ -6,7 +6,7 @@ use axum::response::{IntoResponse, Response};
 
 use super::hearing::Pressed;
 use crate::api::fields::in_short;
-use crate::api::problem::ProblemKind;
+use crate::api::problem::{ProblemKind, TOO_SLOW};
 pub(super) use crate::doors::problem::Problem;
 use hallsweep_core::command::Refusal;
 
@@ -24,49 +24,49 @@ impl Problem {
         let detail = "nobody is signed in: send the header `Authorization: Bearer TOKEN`, or sign in at /sign-in; \
                       `hallsweep token` on its machine shows tokens"
             .to_owned();
-        Problem::new(ProblemKind::NotSignedIn, "notSignedIn", detail)
+        Problem::new(("notSignedIn", ProblemKind::NotSignedIn), detail)
     }
 
     /// A page of another origin sent it.
     pub(super) const fn foreign(detail: String) -> Problem {
-        Problem::new(ProblemKind::Forbidden, "foreignOrigin", detail)
+        Problem::new(("foreignOrigin", ProblemKind::Forbidden), detail)
     }
 
     /// The body came too slowly.
     pub(super) const fn too_slow(detail: String) -> Problem {
-        Problem::new(ProblemKind::TooSlow, "tooSlow", detail)
+        Problem::new(TOO_SLOW, detail)
     }
 
     /// It was sent to another name than this program's.
     pub(super) const fn misdirected(detail: String) -> Problem {
-        Problem::new(ProblemKind::Misdirected, "foreignHost", detail)
+        Problem::new(("foreignHost", ProblemKind::Misdirected), detail)
     }
 
     /// As many streams are open as there may be.
     pub(super) fn too_many_streams(most: usize) -> Problem {
         let detail =
             format!("{most} event streams are open, or this key has its share of them: close one, or read /api/v1/state");
-        Problem::new(ProblemKind::Unavailable, "tooManyStreams", detail)
+        Problem::new(("tooManyStreams", ProblemKind::Unavailable), detail)
     }
 
     /// Nobody gives way to one more connection; a STOP was heard before.
     pub(super) fn no_place(has_halted: bool) -> Problem {
         let so = if has_halted { "; the STOP that came with it has halted the robot" } else { "" };
         let detail = format!("every place for a connection is taken by others who are at it{so}: try again in a moment");
-        Problem::new(ProblemKind::Unavailable, "noPlace", detail)
+        Problem::new(("noPlace", ProblemKind::Unavailable), detail)
     }
 
     /// This machine's clock stands where no answer can be dated; a STOP was heard before.
     pub(super) fn no_date(has_halted: bool) -> Problem {
         let so = if has_halted { "; the STOP that came with it has halted the robot" } else { "" };
         let detail = format!("the clock of the machine stands before 1970, and nothing is served until it is set{so}");
-        Problem::new(ProblemKind::Unavailable, "noDate", detail)
+        Problem::new(("noDate", ProblemKind::Unavailable), detail)
     }
 
     /// A mistake in the program ended this request, and this request only.
     pub(super) fn internal() -> Problem {
         let detail = "a mistake in hallsweep ended this request; its log says more".to_owned();
-        Problem::new(ProblemKind::Internal, "internal", detail)
+        Problem::new(("internal", ProblemKind::Internal), detail)
     }
 
     pub(super) fn json(&self) -> String {
@@ -154,6 +154,30 @@ mod tests {
             Some(Refused::UnknownSensor(_)) => Refused::NotAllowed("a viewer sees, and stops".to_owned()),
             Some(Refused::NotAllowed(_) | Refused::Before(_)) => return None,
         })
+    }
+
+    #[test]
+    fn every_problem_is_called_as_its_status_is() {
+        let words = || "a sentence".to_owned();
+        for (problem, status) in [
+            (Problem::malformed(words()), StatusCode::BAD_REQUEST),
+            (Problem::not_signed_in(), StatusCode::UNAUTHORIZED),
+            (Problem::foreign(words()), StatusCode::FORBIDDEN),
+            (Problem::not_found(words()), StatusCode::NOT_FOUND),
+            (Problem::no_method(words()), StatusCode::METHOD_NOT_ALLOWED),
+            (Problem::not_acceptable(words()), StatusCode::NOT_ACCEPTABLE),
+            (Problem::too_slow(words()), StatusCode::REQUEST_TIMEOUT),
+            (Problem::refused(&Refused::Moving), StatusCode::CONFLICT),
+            (Problem::too_large(words()), StatusCode::PAYLOAD_TOO_LARGE),
+            (Problem::wrong_format(words()), StatusCode::UNSUPPORTED_MEDIA_TYPE),
+            (Problem::misdirected(words()), StatusCode::MISDIRECTED_REQUEST),
+            (Problem::unusable(words()), StatusCode::UNPROCESSABLE_ENTITY),
+            (Problem::internal(), StatusCode::INTERNAL_SERVER_ERROR),
+            (Problem::closing(), StatusCode::SERVICE_UNAVAILABLE),
+        ] {
+            assert_eq!((problem.status(), Some(problem.shape().title)), (status, status.canonical_reason()));
+            assert_eq!(problem.shape().status, status.as_u16());
+        }
     }
 
     /// What this door refused is read back from the journal as it was written.

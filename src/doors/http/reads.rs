@@ -7,7 +7,7 @@ use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Redirect, Response};
 
-use super::Door;
+use super::HttpDoor;
 use super::accept::preferred;
 use super::etag::{conditional, tag};
 use super::problem::Problem;
@@ -25,7 +25,7 @@ const FORMS: [(Form, &str, &str, &str); 2] = [
 ];
 
 /// A resource of the table, in JSON or, where it is there, as the text that is wanted.
-pub(super) fn resource(row: &Row, door: &Door, headers: &HeaderMap) -> Result<Response, Problem> {
+pub(super) fn resource(row: &Row, door: &HttpDoor, headers: &HeaderMap) -> Result<Response, Problem> {
     let forms = FORMS.iter().filter(|(form, ..)| row.forms.contains(form));
     let offers: Vec<&str> = forms.map(|(_, accepted, ..)| *accepted).collect();
     let wanted = if offers.len() == 1 { offers.first().copied() } else { preferred(headers, &offers) };
@@ -43,7 +43,7 @@ pub(super) fn resource(row: &Row, door: &Door, headers: &HeaderMap) -> Result<Re
 }
 
 /// `GET luggage/{id}`
-pub(super) async fn luggage(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
+pub(super) async fn luggage(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     let snapshot = door.handle.snapshot();
     let luggage = record(&door, &snapshot, id).await?;
     let tag = tag(&snapshot.run, ResourceKind::Piece.revision(&snapshot), "json");
@@ -53,7 +53,7 @@ pub(super) async fn luggage(State(door): State<Door>, Number(id): Number, header
 
 /// `GET luggage/{id}/photo`: the newest picture of a piece. A browser that opens it by itself is led to its page, because a bare
 /// picture has no STOP on it.
-pub(super) async fn photo(State(door): State<Door>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
+pub(super) async fn photo(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     if preferred(&headers, &["image/*", "text/html"]) == Some("text/html") {
         return Ok(([(header::VARY, "accept")], Redirect::to(&format!("/luggage/{id}"))).into_response());
     }
@@ -69,7 +69,7 @@ pub(super) async fn photo(State(door): State<Door>, Number(id): Number, headers:
 }
 
 /// `GET /healthz`: `ok` and the revision, as long as the loop behind the door lives.
-pub(super) async fn health(State(door): State<Door>) -> Result<String, Problem> {
+pub(super) async fn health(State(door): State<HttpDoor>) -> Result<String, Problem> {
     match door.handle.watch().has_changed() {
         Ok(_) => Ok(format!("ok {}\n", door.handle.snapshot().revision)),
         Err(_) => Err(Problem::closing()),
@@ -77,7 +77,7 @@ pub(super) async fn health(State(door): State<Door>) -> Result<String, Problem> 
 }
 
 /// The record of a piece of this mission, or of one that is over.
-pub(super) async fn record(door: &Door, snapshot: &Snapshot, id: u64) -> Result<Arc<Luggage>, Problem> {
+pub(super) async fn record(door: &HttpDoor, snapshot: &Snapshot, id: u64) -> Result<Arc<Luggage>, Problem> {
     if let Some(luggage) = snapshot.luggage(LuggageId(id)) {
         return Ok(Arc::clone(luggage));
     }

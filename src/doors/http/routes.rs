@@ -13,7 +13,7 @@ use axum::routing::{MethodFilter, MethodRouter, on};
 
 use super::gate::{Gate, gate};
 use super::reading::Number;
-use super::{Door, assets, command, console, events, missions, mqtt, old, problem, reads, sign_in};
+use super::{HttpDoor, assets, command, console, events, missions, mqtt, old, problem, reads, sign_in};
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
 use crate::api::commands::{self, COMMANDS, CommandKind, Methods, Subject};
@@ -30,12 +30,12 @@ pub(super) struct Row {
     pub(super) path: Cow<'static, str>,
     /// What it asks of whoever comes.
     pub(super) need: Need,
-    answers: MethodRouter<Door>,
+    answers: MethodRouter<HttpDoor>,
 }
 
 /// Every route. STOP is everywhere in reach of anyone signed in; a `move` may be one, its other words ask for an operator.
 pub(super) fn table() -> Vec<Row> {
-    [for_anybody(), resources(), changes_and_past(), commands(), page(), old_console()].into_iter().flatten().collect()
+    [for_anybody(), resources(), changes_and_past(), commands(), page(), buttons(), old_console()].into_iter().flatten().collect()
 }
 
 /// What one needs to sign in, what says nothing of the hall, and the way to a door that asks by itself.
@@ -64,7 +64,7 @@ fn resources() -> Vec<Row> {
             ResourceKind::Photo => get(path, See, reads::photo),
             ResourceKind::Piece => get(path, See, reads::luggage),
             ResourceKind::State | ResourceKind::Strategy | ResourceKind::Of(_) => {
-                get(path, See, async |State(door): State<Door>, headers: HeaderMap| reads::resource(row, &door, &headers))
+                get(path, See, async |State(door): State<HttpDoor>, headers: HeaderMap| reads::resource(row, &door, &headers))
             }
         }
     };
@@ -104,7 +104,7 @@ fn commands() -> Vec<Row> {
     COMMANDS.iter().map(row).collect()
 }
 
-/// The page, and what it sends.
+/// The page.
 #[rustfmt::skip]
 fn page() -> Vec<Row> {
     vec![
@@ -115,20 +115,21 @@ fn page() -> Vec<Row> {
         get("/console/live", See, console::live),
         get("/console/confirm/danger/{id}", Act, console::confirm_danger),
         get("/console/confirm/reset", Act, console::confirm_reset),
-        post("/console/start", Act, console::act),
-        post("/console/stop", Stop, console::stop),
-        post("/console/backHome", Act, console::act),
-        post("/console/retrieve", Act, console::act),
-        post("/console/reset", Act, console::act),
-        post("/console/move", Stop, console::act),
-        post("/console/goto", Act, console::act),
-        post("/console/safe", Act, console::act),
-        post("/console/danger", Act, console::act),
-        post("/console/retake", Act, console::act),
-        post("/console/acknowledge", Act, console::act),
-        post("/console/strategy", Act, console::act),
-        post("/console/temperature", Act, console::act),
     ]
+}
+
+/// What the page sends: the commands of the one table, those with several buttons by the words of these.
+fn buttons() -> Vec<Row> {
+    let row = |command: &'static commands::Row, word: &str| {
+        let path = format!("/console/{word}");
+        // It reads no form, either.
+        if command.kind == CommandKind::Stop {
+            post(path, command.need, console::stop)
+        } else {
+            post(path, command.need, console::act)
+        }
+    };
+    COMMANDS.iter().flat_map(|command| console::buttons(command).map(move |word| row(command, word))).collect()
 }
 
 /// The words of old clients.
@@ -139,7 +140,7 @@ fn old_console() -> Vec<Row> {
 }
 
 /// The router of the table, each row behind its gate.
-pub(super) fn routes(door: &Door) -> Router {
+pub(super) fn routes(door: &HttpDoor) -> Router {
     let gated = |need| from_fn_with_state(Gate::new(door.clone(), need), gate);
     let rows = table().into_iter().fold(Router::new(), |router, row| router.route(&row.path, row.answers.layer(gated(row.need))));
     rows.fallback(problem::no_such_path.layer(gated(See)))
@@ -147,11 +148,11 @@ pub(super) fn routes(door: &Door) -> Router {
         .with_state(door.clone())
 }
 
-fn get<H: Handler<T, Door>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> Row {
+fn get<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> Row {
     Row { method: Method::GET, path: path.into(), need, answers: on(MethodFilter::GET, handler) }
 }
 
-fn post<H: Handler<T, Door>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> Row {
+fn post<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> Row {
     Row { method: Method::POST, path: path.into(), need, answers: on(MethodFilter::POST, handler) }
 }
 

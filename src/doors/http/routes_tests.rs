@@ -128,6 +128,16 @@ fn the_documentation_shows_the_table_as_it_is() {
 }
 
 #[test]
+fn the_documentation_shows_the_commands_as_they_are() {
+    let mut shown = String::from("| route | what | body |\n|---|---|---|\n");
+    for row in &COMMANDS {
+        let method = if row.methods == Methods::Put { "PUT" } else { "POST" };
+        writeln!(shown, "| `{method} /api/v1{}` | {} | {} |", row.path, row.title, documented::bodies(row)).unwrap();
+    }
+    documented::shows("http.md", "the table of commands", &shown);
+}
+
+#[test]
 fn the_documentation_shows_the_resources_as_they_are() {
     let mut shown = String::from("| route | what | formats |\n|---|---|---|\n");
     for row in &RESOURCES {

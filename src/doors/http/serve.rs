@@ -15,7 +15,7 @@ use tokio::task::coop::unconstrained;
 use super::hearing::{ServerContext, converse};
 use super::places::{PLACES, Places};
 use super::tls::Tls;
-use super::{Door, Hosts, router};
+use super::{Hosts, HttpDoor, router};
 use crate::doors::listeners::Listeners;
 use crate::doors::room::Room;
 use crate::doors::vestibule::Vestibule;
@@ -49,13 +49,13 @@ pub struct Front {
 
 /// Serves until `shutdown`, then ends every stream, waits shortly for open requests, and returns whatever clients do. What comes is
 /// heard where the ports are waited for, and carried out where this is called.
-pub async fn serve(listeners: Listeners, door: Door, front: Front, shutdown: impl Future<Output = ()>) {
+pub async fn serve(listeners: Listeners, door: HttpDoor, front: Front, shutdown: impl Future<Output = ()>) {
     serve_so_many(listeners, door, front, (PLACES, WAITING), shutdown).await;
 }
 
 async fn serve_so_many(
     listeners: Listeners,
-    door: Door,
+    door: HttpDoor,
     front: Front,
     (places, waiting): (usize, usize),
     shutdown: impl Future<Output = ()>,

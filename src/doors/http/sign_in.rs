@@ -9,10 +9,11 @@ use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{Html, IntoResponse, Redirect, Response};
 use serde::Deserialize;
 
-use super::Door;
+use super::HttpDoor;
 use super::gate::{LetIn, Peer};
 
 use super::reading::Form;
+use super::scanning::names;
 use crate::access::{Access, Network, SESSION_S};
 
 pub(super) fn cookie_name(port: u16) -> Arc<str> {
@@ -69,7 +70,7 @@ struct SignIn<'a> {
 impl Undone {
     /// What a form that posts to this path asks for.
     pub(super) fn of(path: &str) -> Undone {
-        if matches!(path, "/console/stop" | "/stopappl" | "/h") { Undone::Stop } else { Undone::Command }
+        if names::stop(b"POST", path.as_bytes()).is_some() { Undone::Stop } else { Undone::Command }
     }
 
     /// The address of the page that says so.
@@ -97,7 +98,7 @@ impl Undone {
 
 /// `GET sign-in`
 pub(super) async fn page(
-    State(door): State<Door>,
+    State(door): State<HttpDoor>,
     peer: Peer,
     caller: Result<LetIn, super::problem::Problem>,
     asked: Result<Query<SignInQuery>, axum::extract::rejection::QueryRejection>,
@@ -116,7 +117,7 @@ pub(super) async fn page(
 
 /// `POST sign-in`
 pub(super) async fn sign_in(
-    State(door): State<Door>,
+    State(door): State<HttpDoor>,
     peer: Peer,
     caller: Result<LetIn, super::problem::Problem>,
     Form(sent): Form<SignInForm>,
@@ -132,7 +133,7 @@ pub(super) async fn sign_in(
 }
 
 /// `POST sign-out`
-pub(super) async fn sign_out(State(door): State<Door>, peer: Peer) -> Response {
+pub(super) async fn sign_out(State(door): State<HttpDoor>, peer: Peer) -> Response {
     (cookie(&door, "", 0, peer), Redirect::to("/sign-in")).into_response()
 }
 
@@ -152,7 +153,7 @@ fn shown(status: StatusCode, peer: Peer, page: SignIn) -> Response {
 }
 
 /// A cookie no script and no other site gets to see.
-fn cookie(door: &Door, session: &str, lasts_s: i64, peer: Peer) -> HeaderMap {
+fn cookie(door: &HttpDoor, session: &str, lasts_s: i64, peer: Peer) -> HeaderMap {
     let secure = if peer.is_encrypted { "; Secure" } else { "" };
     let cookie = format!("{}={session}; Path=/; Max-Age={lasts_s}; HttpOnly; SameSite=Strict{secure}", door.cookie());
     let cookie = HeaderValue::from_str(&cookie).expect("a session is letters, digits, dots, - and _");

@@ -14,7 +14,7 @@ use tokio::sync::watch;
 use tower_service::Service;
 
 use super::gate::Peer;
-use super::{Door, Hosts, router};
+use super::{Hosts, HttpDoor, router};
 use crate::access::{Access, Keyring, Keys, OPERATOR, Role};
 use crate::runtime::archive::{Archive, Happened, MissionRecord, Sound, Unreadable};
 use crate::runtime::archive_reader::Reader;
@@ -30,7 +30,7 @@ use hallsweep_core::world::snapshot::Snapshot;
 
 /// A door before a loop that does as it is told.
 pub(super) struct TestApp {
-    pub(super) door: Door,
+    pub(super) door: HttpDoor,
     pub(super) publish: watch::Sender<Arc<Snapshot>>,
     pub(super) refuse: Arc<Mutex<Option<Refused>>>,
     pub(super) given: Arc<Mutex<Vec<command::Request>>>,
@@ -61,8 +61,8 @@ impl Archive for Pictures {
         Ok(past::missions().into_iter().find(|record| record.id == mission))
     }
 
-    fn standing(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
-        Ok((mission == MissionId(1)).then(past::standing).map(|of| Sound { of, damage: vec![past::DAMAGE.to_owned()] }))
+    fn state(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
+        Ok((mission == MissionId(1)).then(past::state).map(|of| Sound { of, damage: vec![past::DAMAGE.to_owned()] }))
     }
 
     fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
@@ -85,7 +85,7 @@ pub(super) fn app(snapshot: Snapshot) -> TestApp {
 /// The same, with a door that lets in whom it is told to.
 pub(super) fn guarded_app(snapshot: Snapshot, access: Access) -> TestApp {
     let (handle, Script { publish, refuse, given, noted }) = obedient(snapshot);
-    let door = Door::new(handle, Reader::new(Arc::new(Pictures)), "airport", access);
+    let door = HttpDoor::new(handle, Reader::new(Arc::new(Pictures)), "airport", access);
     TestApp { door, publish, refuse, given, noted }
 }
 

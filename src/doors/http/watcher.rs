@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
-use super::Door;
+use super::HttpDoor;
 use super::problem::Problem;
 use super::streams::OpenStream;
 use crate::access::Caller;
@@ -19,7 +19,7 @@ const STILL_KNOWN: Duration = Duration::from_millis(250);
 pub(super) struct Watcher {
     snapshots: watch::Receiver<Arc<Snapshot>>,
     closing: watch::Receiver<bool>,
-    door: Door,
+    door: HttpDoor,
     caller: Caller,
     _stream: OpenStream,
 }
@@ -35,7 +35,7 @@ pub(super) enum Wake {
 
 impl Watcher {
     /// Opens a stream and takes the state it begins with.
-    pub(super) fn open(door: &Door, caller: Caller) -> Result<(Watcher, Arc<Snapshot>), Problem> {
+    pub(super) fn open(door: &HttpDoor, caller: Caller) -> Result<(Watcher, Arc<Snapshot>), Problem> {
         let stream = door.streams.open(&caller, &door.access).ok_or_else(|| Problem::too_many_streams(door.streams.most()))?;
         let mut snapshots = door.handle.watch();
         let first = Arc::clone(&snapshots.borrow_and_update());
@@ -64,7 +64,7 @@ impl Watcher {
 }
 
 /// Waits until whoever looks would not be let in any more: the key was replaced or taken away, or the session is over.
-async fn shut_out(door: &Door, caller: &Caller) {
+async fn shut_out(door: &HttpDoor, caller: &Caller) {
     while door.still_knows(caller) {
         tokio::time::sleep(STILL_KNOWN).await;
     }

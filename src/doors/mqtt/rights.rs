@@ -39,16 +39,16 @@ impl Rights for Topics {
     }
 }
 
-const fn may_publish(who: Principal, place: TopicKind<'_>) -> bool {
-    match (who, place) {
+const fn may_publish(who: Principal, kind: TopicKind<'_>) -> bool {
+    match (who, kind) {
         (Principal::Program, _) | (Principal::Client(_), TopicKind::Command(_) | TopicKind::Word | TopicKind::Old) => true,
         (Principal::Client(tier), TopicKind::Elsewhere) => matches!(tier, Tier::Full),
         (Principal::Client(_), TopicKind::Ours) => false,
     }
 }
 
-const fn may_leave_will(who: Principal, place: TopicKind<'_>) -> bool {
-    match place {
+const fn may_leave_will(who: Principal, kind: TopicKind<'_>) -> bool {
+    match kind {
         TopicKind::Command(_) | TopicKind::Word | TopicKind::Old => false,
         TopicKind::Ours => matches!(who, Principal::Program),
         TopicKind::Elsewhere => matches!(who, Principal::Program | Principal::Client(Tier::Full)),
@@ -59,27 +59,27 @@ const fn may_leave_will(who: Principal, place: TopicKind<'_>) -> bool {
 mod tests {
     use super::*;
 
-    const PLACES: [TopicKind<'static>; 5] =
+    const KINDS: [TopicKind<'static>; 5] =
         [TopicKind::Command("stop"), TopicKind::Word, TopicKind::Old, TopicKind::Ours, TopicKind::Elsewhere];
 
     fn of(what: impl Fn(TopicKind<'static>) -> bool) -> [bool; 5] {
-        PLACES.map(what)
+        KINDS.map(what)
     }
 
     #[test]
     fn only_the_program_itself_publishes_where_the_state_is() {
         let [program, operator, viewer] = [Principal::Program, principal(Role::Operator), principal(Role::Viewer)];
-        assert_eq!(of(|place| may_publish(program, place)), [true; 5]);
-        assert_eq!(of(|place| may_publish(operator, place)), [true, true, true, false, true]);
-        assert_eq!(of(|place| may_publish(viewer, place)), [true, true, true, false, false]);
+        assert_eq!(of(|kind| may_publish(program, kind)), [true; 5]);
+        assert_eq!(of(|kind| may_publish(operator, kind)), [true, true, true, false, true]);
+        assert_eq!(of(|kind| may_publish(viewer, kind)), [true, true, true, false, false]);
     }
 
     #[test]
     fn a_will_is_never_a_command_and_viewers_leave_none() {
         let [program, operator, viewer] = [Principal::Program, principal(Role::Operator), principal(Role::Viewer)];
-        assert_eq!(of(|place| may_leave_will(program, place)), [false, false, false, true, true]);
-        assert_eq!(of(|place| may_leave_will(operator, place)), [false, false, false, false, true]);
-        assert_eq!(of(|place| may_leave_will(viewer, place)), [false; 5]);
+        assert_eq!(of(|kind| may_leave_will(program, kind)), [false, false, false, true, true]);
+        assert_eq!(of(|kind| may_leave_will(operator, kind)), [false, false, false, false, true]);
+        assert_eq!(of(|kind| may_leave_will(viewer, kind)), [false; 5]);
     }
 
     #[test]

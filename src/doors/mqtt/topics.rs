@@ -156,8 +156,8 @@ mod tests {
             ("hallsweep/other/state/robot", TopicKind::Elsewhere),
             ("", TopicKind::Elsewhere),
         ];
-        for (topic, place) in cases {
-            assert_eq!(topics.kind_of(topic), place, "{topic}");
+        for (topic, kind) in cases {
+            assert_eq!(topics.kind_of(topic), kind, "{topic}");
         }
     }
 

@@ -125,7 +125,7 @@ impl Archive for SqliteArchive {
         })
     }
 
-    fn standing(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
+    fn state(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
         self.ask(|connection| {
             let sql = "SELECT archived_seq FROM missions WHERE id = ?1";
             let found = connection.prepare_cached(sql)?.query_row([whole(mission.0)?], |row| row.get::<_, Option<i64>>(0));

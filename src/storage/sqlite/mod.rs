@@ -137,8 +137,8 @@ fn look(folder: &Folder) -> Result<(Hand, Option<Recalled>, Option<String>), Fau
         Err(fault) => return Ok((Hand::Closed, None, words(&fault, Then::StartAgain))),
     };
     let kept = recalled.as_ref().map_or(Seq(0), |recalled| recalled.written);
-    let standing = recalled.as_ref().map(|recalled| &recalled.state);
-    let under_way = standing.filter(|standing| standing.under_way).map(|standing| standing.mission);
+    let state = recalled.as_ref().map(|recalled| &recalled.state);
+    let under_way = state.filter(|state| state.under_way).map(|state| state.mission);
     match Pages::open(folder, lock, kept, under_way) {
         Ok(pages) => Ok((Hand::Writing(pages), recalled, None)),
         Err(Fault::InUse) => Err(Fault::InUse),

@@ -143,5 +143,5 @@ fn begun(entry: &Entry) -> Option<Option<MissionId>> {
     if let Fact::MissionBegan(mission, _) = &entry.fact {
         return Some(Some(*mission));
     }
-    if let Fact::State(standing) = &entry.fact { Some(standing.under_way.then_some(standing.mission)) } else { None }
+    if let Fact::State(state) = &entry.fact { Some(state.under_way.then_some(state.mission)) } else { None }
 }

@@ -23,7 +23,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         Fact::Verdict { luggage, verdict, who } => {
             decided(connection, *luggage, &Decision { verdict: *verdict, who: who.clone(), wall })
         }
-        Fact::State(standing) => stands(connection, standing, wall, seq),
+        Fact::State(state) => stands(connection, state, wall, seq),
         Fact::ProgramStarted(_)
         | Fact::ProgramEnded(_)
         | Fact::Command { .. }
@@ -102,15 +102,15 @@ fn decided(connection: &Connection, luggage: LuggageId, decision: &Decision) -> 
 }
 
 /// Everything that stands also says what a failed store may have lost: a mission's beginning, the end of the one before, luggage.
-fn stands(connection: &Connection, standing: &PersistentState, wall: WallTime, seq: Seq) -> Result<(), Fault> {
-    let current = standing.under_way.then_some(standing.mission);
+fn stands(connection: &Connection, state: &PersistentState, wall: WallTime, seq: Seq) -> Result<(), Fault> {
+    let current = state.under_way.then_some(state.mission);
     for open in open_missions(connection)?.into_iter().filter(|open| Some(*open) != current) {
         archived(connection, open, &[], wall, seq)?;
     }
     let Some(mission) = current else { return Ok(()) };
-    began(connection, mission, standing.strategy, wall)?;
-    came_to(connection, mission, &standing.phase, wall)?;
-    for record in standing.luggage.values() {
+    began(connection, mission, state.strategy, wall)?;
+    came_to(connection, mission, &state.phase, wall)?;
+    for record in state.luggage.values() {
         found(connection, current, record, None)?;
         record.verdict.as_ref().map_or(Ok(()), |decision| decided(connection, record.id, decision))?;
     }

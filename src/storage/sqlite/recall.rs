@@ -40,10 +40,10 @@ pub(super) fn recall(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<
     if written == Seq(0) {
         return Ok(None);
     }
-    let standing = standing(&connection, written)?;
+    let state = state(&connection, written)?;
     let commands = repeatable(&connection, written)?;
     let latest = rows::latest(&connection, written, LATEST, LATEST_AMONG)?.iter().map(remembered).collect();
-    Ok(Some(Recalled { state: standing, written, commands, latest }))
+    Ok(Some(Recalled { state, written, commands, latest }))
 }
 
 /// What people did and what was found, as a line of the log.
@@ -55,13 +55,13 @@ fn remembered(entry: &Entry) -> Remembered {
 }
 
 /// What stands after all entries up to `written`.
-fn standing(connection: &Connection, written: Seq) -> Result<PersistentState, Fault> {
-    let mut standing = PersistentState::first(Strategy::default());
+fn state(connection: &Connection, written: Seq) -> Result<PersistentState, Fault> {
+    let mut state = PersistentState::first(Strategy::default());
     each_from_standing(connection, rows::last_standing(connection, Some(written.next()))?, Some(written.next()), |line| {
-        standing.apply(&line?.entry);
+        state.apply(&line?.entry);
         Ok(())
     })?;
-    Ok(standing)
+    Ok(state)
 }
 
 /// What stood of a mission when the entry `before` put it away, or stands of it now, as far as it can be understood; `words` makes
@@ -72,7 +72,7 @@ pub(super) fn standing_of(
     before: Option<Seq>,
     words: impl Fn(&Fault) -> String,
 ) -> Result<Sound<PersistentState>, Fault> {
-    let mut standing = PersistentState::first(Strategy::default());
+    let mut state = PersistentState::first(Strategy::default());
     let mut damage = Damage { words, said: Vec::new(), more: 0 };
     let from = sound_standing(connection, before)?;
     each_from_standing(connection, from, before, |line| {
@@ -85,14 +85,14 @@ pub(super) fn standing_of(
                 return Ok(());
             }
         };
-        let begun = standing.under_way && standing.mission == mission;
+        let begun = state.under_way && state.mission == mission;
         // The phase that follows on the mission is on record just before its end.
         if !(begun && line.mission != Some(mission) && matches!(line.entry.fact, Fact::Phase(_))) {
-            standing.apply(&line.entry);
+            state.apply(&line.entry);
         }
         Ok(())
     })?;
-    Ok(Sound { of: standing, damage: damage.all() })
+    Ok(Sound { of: state, damage: damage.all() })
 }
 
 /// The last entry before `before` that says everything that stands and can be understood: the walk begins there, and comes by

@@ -1,7 +1,7 @@
 //! What can be asked to be done: each action's need, the command it becomes, and how an accepted one is answered. Giving it to the
 //! core is `Resources`' business; the old resource's words are in `old`.
 
-use super::problem::Problem;
+use super::problem::{Problem, words};
 use super::{old, shows};
 use crate::access::Need;
 use crate::api::answer::AnswerJson;
@@ -112,7 +112,7 @@ pub(super) fn terms(act: Action, request: &Request) -> Result<Terms, Problem> {
     let form = if request.accept == Some(Format::PROBLEM) {
         None
     } else {
-        Some(request.negotiated(act.answers()).map_err(|response| Problem::no_such_format(&response))?)
+        Some(request.negotiated(act.answers()).map_err(|response| Problem::not_acceptable(words(&response)))?)
     };
     Ok(Terms { id, form })
 }

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::cache;
-use super::problem::Problem;
+use super::problem::{Problem, words};
 use crate::runtime::archive_reader::Reader;
 use coap_endpoint::{Answer, ETag, Format, Request, Response};
 use hallsweep_core::event::Photo;
@@ -63,7 +63,7 @@ pub(super) fn tag_of_photo(piece: &Luggage) -> Result<ETag, Problem> {
 /// heard of, and many know no pictures.
 pub(super) fn labelled(photo: Arc<Response>, request: &Request) -> Result<Answer, Problem> {
     let offers: Vec<Format> = photo.format.into_iter().chain([Format::BYTES]).collect();
-    let wanted = request.negotiated(&offers).map_err(|response| Problem::no_such_format(&response))?;
+    let wanted = request.negotiated(&offers).map_err(|response| Problem::not_acceptable(words(&response)))?;
     let is_so = photo.format == Some(wanted);
     let response = if is_so { photo } else { Arc::new(Response { format: Some(wanted), ..(*photo).clone() }) };
     Ok(Answer { response, observed: Vec::new() })

@@ -5,7 +5,7 @@ use super::shows;
 use super::table::Row;
 use crate::api::concise_problem;
 use crate::api::fields::in_short;
-use crate::api::problem::{ProblemJson, ProblemKind};
+use crate::api::problem::{CONDITION_FAILED, ProblemJson, ProblemKind};
 use crate::api::resources::{self, Form};
 pub(super) use crate::doors::problem::Problem;
 use coap_endpoint::{Code, Format, Method, Request, Response};
@@ -26,14 +26,9 @@ impl Problem {
         Problem::no_method(format!("{} does not answer {}: it answers {}", row.path, request.method.name(), methods.join(", ")))
     }
 
-    /// It is not there in the format that is wanted, as the endpoint says.
-    pub(super) fn no_such_format(said: &Response) -> Problem {
-        Problem::not_acceptable(words(said))
-    }
-
     /// A condition is not met, as the endpoint says.
     pub(super) fn condition(said: &Response) -> Problem {
-        Problem::new(ProblemKind::ConditionFailed, "preconditionFailed", words(said))
+        Problem::new(CONDITION_FAILED, words(said))
     }
 
     /// The same of a STOP: whoever reads it must not think that nothing has halted.
@@ -68,14 +63,28 @@ impl Problem {
     }
 }
 
-/// Its code has the digits of the status (RFC 7252, section 12.1.2).
-fn code_of(kind: ProblemKind) -> Code {
-    let (status, _) = kind.status();
-    let [class, detail] = [status / 100, status % 100].map(|digits| u8::try_from(digits).expect("a status has three digits"));
-    Code((class << 5) | detail)
+/// The table: which code each kind gets. It has the digits of the status, as far as CoAP has such a code.
+const fn code_of(kind: ProblemKind) -> Code {
+    match kind {
+        // The last two are HTTP's alone.
+        ProblemKind::Malformed | ProblemKind::TooSlow | ProblemKind::Misdirected => Code::BAD_REQUEST,
+        ProblemKind::NotSignedIn => Code::UNAUTHORIZED,
+        ProblemKind::Forbidden => Code::FORBIDDEN,
+        ProblemKind::NotFound => Code::NOT_FOUND,
+        ProblemKind::NoSuchMethod => Code::METHOD_NOT_ALLOWED,
+        ProblemKind::NotAcceptable => Code::NOT_ACCEPTABLE,
+        ProblemKind::Conflict => Code::CONFLICT,
+        ProblemKind::ConditionFailed => Code::PRECONDITION_FAILED,
+        ProblemKind::TooLarge => Code::TOO_LARGE,
+        ProblemKind::UnsupportedFormat => Code::UNSUPPORTED_FORMAT,
+        ProblemKind::Unusable => Code::UNPROCESSABLE,
+        ProblemKind::Internal => Code::INTERNAL,
+        ProblemKind::Unavailable => Code::UNAVAILABLE,
+    }
 }
 
-fn words(said: &Response) -> String {
+/// What the endpoint says of a request that it does not take.
+pub(super) fn words(said: &Response) -> String {
     String::from_utf8_lossy(&said.body).into_owned()
 }
 
@@ -125,13 +134,39 @@ mod tests {
             move_word("q").unwrap_err().into(),
             Problem::not_found(words()),
             Problem::wrong_format(words()),
-            Problem::no_such_format(&said(Code::NOT_ACCEPTABLE)),
+            Problem::not_acceptable(super::words(&said(Code::NOT_ACCEPTABLE))),
             Problem::condition(&said(Code::PRECONDITION_FAILED)),
             Problem::not_answered(&post("/state", ""), row),
             Problem::refused(&Refused::NotAllowed(words())),
         ] {
             let refusal = problem.refusal();
             assert_eq!(named(refusal.code, refusal.words.clone()), refusal);
+        }
+    }
+
+    /// RFC 7252, section 12.1.2, and RFC 8132.
+    #[test]
+    fn what_this_door_has_a_code_for_is_called_as_codes_are_and_its_status_has_the_same_digits() {
+        let row = &super::super::table::Table::default().rows[0];
+        let said = Response::refusal(Code::PRECONDITION_FAILED, "a sentence");
+        let words = || "a sentence".to_owned();
+        for (problem, code, title) in [
+            (Problem::malformed(words()), "4.00", "Bad Request"),
+            (Problem::refused(&Refused::NotAllowed(words())), "4.03", "Forbidden"),
+            (Problem::not_found(words()), "4.04", "Not Found"),
+            (Problem::not_answered(&post("/state", ""), row), "4.05", "Method Not Allowed"),
+            (Problem::not_acceptable(words()), "4.06", "Not Acceptable"),
+            (Problem::refused(&Refused::Moving), "4.09", "Conflict"),
+            (Problem::condition(&said), "4.12", "Precondition Failed"),
+            (Problem::wrong_format(words()), "4.15", "Unsupported Content-Format"),
+            (Problem::unusable(words()), "4.22", "Unprocessable Entity"),
+            (Problem::closing(), "5.03", "Service Unavailable"),
+        ] {
+            let request = Request { accept: Some(Format::JSON), ..post("/commands/start", "") };
+            let response = problem.response(&request);
+            let json: serde_json::Value = serde_json::from_slice(&response.body).unwrap();
+            assert_eq!((response.code.to_string().as_str(), &json["title"]), (code, &title.into()));
+            assert_eq!(json["status"].to_string(), code.replace('.', ""));
         }
     }
 

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::super::application::Reply;
-use super::problem::Problem;
+use super::problem::{Problem, words};
 use super::table::{Representations, Row, Show};
 use super::{Resources, discovery, photos, shows};
 use crate::api::resources::ResourceKind;
@@ -109,5 +109,5 @@ fn is_past(show: Show, number: u64, snapshot: &Snapshot) -> bool {
 }
 
 fn negotiated(offers: &[Format], request: &Request) -> Result<Format, Problem> {
-    request.negotiated(offers).map_err(|response| Problem::no_such_format(&response))
+    request.negotiated(offers).map_err(|response| Problem::not_acceptable(words(&response)))
 }

@@ -1,5 +1,5 @@
-//! Every path of this door with what it shows, in which formats, whether that can be observed, and what it can be asked to do: the
-//! resources and commands of the one table each, and what is only here. Routing, the answer to a wrong method, `/.well-known/core` and
+//! Every path of this door with what it shows, in which formats, whether that can be observed, and what it can be asked to do: the rows
+//! of `api::resources` and `api::commands`, and what is only here. Routing, the answer to a wrong method, `/.well-known/core` and
 //! the table in `docs/coap.md` are walks over it; what is not listed is not there.
 
 use super::actions::Action;

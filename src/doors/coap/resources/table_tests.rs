@@ -138,6 +138,16 @@ fn the_documentation_shows_the_table_as_it_is() {
     documented::shows("coap.md", "the table of resources", &shown);
 }
 
+#[test]
+fn the_documentation_shows_the_commands_as_they_are() {
+    let mut shown = String::from("| path | what | body |\n|---|---|---|\n");
+    for row in &COMMANDS {
+        let methods = if row.methods == Methods::Post { "`POST" } else { "`PUT` or `POST" };
+        writeln!(shown, "| {methods} {}` | {} | {} |", row.path, row.title, documented::bodies(row)).unwrap();
+    }
+    documented::shows("coap.md", "the table of commands", &shown);
+}
+
 fn line(row: &Row) -> String {
     let offers = row.shows.iter().flat_map(|shown| &shown.formats).map(|format| format.0.to_string());
     let observe = if row.shows.as_ref().is_some_and(|shown| shown.is_observable) { "yes" } else { "" };

@@ -63,7 +63,7 @@ impl Archive for Pictures {
         Ok(None)
     }
 
-    fn standing(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
+    fn state(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
         Ok(None)
     }
 

@@ -4,6 +4,7 @@ use serde::Deserialize;
 
 use super::super::problem::Problem;
 use crate::api::command::{self, StrategyBody};
+use crate::api::commands::{CommandKind, Row};
 use crate::api::fields::in_short;
 use hallsweep_core::command::{Command, LuggageRef, TemperatureReport, Verdict};
 use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
@@ -20,6 +21,13 @@ pub(in crate::doors::http) struct Fields {
     name: Option<String>,
     status: Option<String>,
     celsius: Option<String>,
+}
+
+/// The words of the buttons that ask for a command: its name, but for the two verdicts.
+pub(in crate::doors::http) fn buttons(command: &Row) -> impl Iterator<Item = &'static str> + use<> {
+    let words: &[&'static str] = if command.kind == CommandKind::Verdict { &["safe", "danger"] } else { &[] };
+    let name = words.is_empty().then_some(command.name);
+    words.iter().copied().chain(name)
 }
 
 impl Fields {

@@ -4,7 +4,7 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use super::super::Door;
+use super::super::HttpDoor;
 use hallsweep_core::units::{MissionId, WallTime};
 
 /// A record that is not there sooner is left out: the page does not wait for a disk that hangs,
@@ -25,7 +25,7 @@ struct Lookup {
 }
 
 /// When this mission began; `None` before the first, and while the record cannot be read.
-pub(super) async fn began(door: &Door, mission: MissionId) -> Option<WallTime> {
+pub(super) async fn began(door: &HttpDoor, mission: MissionId) -> Option<WallTime> {
     let now = door.clock.now().since_start;
     let known = {
         let mut known = door.began.0.lock().unwrap_or_else(PoisonError::into_inner);

@@ -12,7 +12,7 @@ use axum::response::{IntoResponse, Response};
 use futures_util::stream;
 use serde::Serialize;
 
-use super::super::Door;
+use super::super::HttpDoor;
 use super::super::assets::fingerprint;
 use super::super::events::{HEARTBEAT, UNBUFFERED};
 use super::super::gate::LetIn;
@@ -50,7 +50,7 @@ struct Shown {
 }
 
 /// `GET console/live`
-pub(in crate::doors::http) async fn live(State(door): State<Door>, LetIn(caller): LetIn) -> Result<Response, Problem> {
+pub(in crate::doors::http) async fn live(State(door): State<HttpDoor>, LetIn(caller): LetIn) -> Result<Response, Problem> {
     let who = who(&door, &caller);
     let (watcher, snapshot) = Watcher::open(&door, caller)?;
     let events = stream::unfold((watcher, Shown::default(), Some(snapshot)), move |(mut watcher, mut shown, first)| {

@@ -5,7 +5,7 @@ use askama::Template;
 use axum::extract::State;
 use axum::response::Html;
 
-use super::super::Door;
+use super::super::HttpDoor;
 use super::super::missions::{MISSIONS, RecordedMission, after, before, happened, newest, recorded, wanted};
 use super::super::problem::Problem;
 use super::super::query::Query;
@@ -25,7 +25,7 @@ use hallsweep_core::world::luggage::Luggage;
 const EVENTS: u64 = 200;
 
 /// `GET missions`
-pub(in crate::doors::http) async fn list(State(door): State<Door>, query: Query) -> Result<Html<String>, Problem> {
+pub(in crate::doors::http) async fn list(State(door): State<HttpDoor>, query: Query) -> Result<Html<String>, Problem> {
     query.only(&["before"])?;
     let before = before(&query)?;
     let (missions, next) = newest(&door, before, MISSIONS).await?;
@@ -34,20 +34,20 @@ pub(in crate::doors::http) async fn list(State(door): State<Door>, query: Query)
 
 /// `GET missions/{id}`
 pub(in crate::doors::http) async fn one(
-    State(door): State<Door>,
+    State(door): State<HttpDoor>,
     Number(id): Number,
     query: Query,
 ) -> Result<Html<String>, Problem> {
     query.only(&["after", "show"])?;
     let (after, show) = (after(&query)?, Show::of(query.word("show", &["all", "commands"])?));
-    let RecordedMission { record, standing, damage } = recorded(&door, id).await?;
+    let RecordedMission { record, state, damage } = recorded(&door, id).await?;
     let (events, next) = match show {
         Show::Main => wanted(&door, id, after, EVENTS, is_main).await?,
         Show::Commands => wanted(&door, id, after, EVENTS, |fact| matches!(fact, Fact::Command { .. })).await?,
         Show::All => happened(&door, id, after, EVENTS).await?,
     };
     let zone = Zone::of(door.clock.now().wall);
-    Ok(html(&One { record, standing, damage, show, after, events, next, zone }))
+    Ok(html(&One { record, state, damage, show, after, events, next, zone }))
 }
 
 /// How much is shown of what happened.
@@ -101,7 +101,7 @@ struct List {
 #[template(path = "missions/one.html")]
 struct One {
     record: MissionRecord,
-    standing: Option<PersistentState>,
+    state: Option<PersistentState>,
     /// What of it cannot be understood, a sentence each.
     damage: Vec<String>,
     show: Show,
@@ -141,18 +141,18 @@ impl One {
         came_to(&self.record)
     }
 
-    fn view_box(&self, standing: &PersistentState) -> String {
-        hall::view_box(&standing.map)
+    fn view_box(&self, state: &PersistentState) -> String {
+        hall::view_box(&state.map)
     }
 
-    fn hall(&self, standing: &PersistentState) -> String {
-        let map = &standing.map;
+    fn hall(&self, state: &PersistentState) -> String {
+        let map = &state.map;
         let tiles: String = map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect();
-        format!("{tiles}{}{}", hall::labels(map), hall::found(map, standing.luggage.values().map(|luggage| &**luggage)))
+        format!("{tiles}{}{}", hall::labels(map), hall::found(map, state.luggage.values().map(|luggage| &**luggage)))
     }
 
-    fn pieces<'s>(&self, standing: &'s PersistentState) -> Vec<(&'s Luggage, Option<String>)> {
-        standing.luggage.values().map(|luggage| (&**luggage, photo_url(luggage))).collect()
+    fn pieces<'s>(&self, state: &'s PersistentState) -> Vec<(&'s Luggage, Option<String>)> {
+        state.luggage.values().map(|luggage| (&**luggage, photo_url(luggage))).collect()
     }
 
     fn events(&self) -> Vec<Event> {

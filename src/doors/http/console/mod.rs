@@ -15,7 +15,7 @@ use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
 use axum::response::{Html, IntoResponse, Redirect, Response};
 
-use super::Door;
+use super::HttpDoor;
 use super::accept::preferred;
 use super::command_sender::CommandSender;
 use super::gate::LetIn;
@@ -26,6 +26,7 @@ use crate::api::answer::AnswerJson;
 use crate::api::door;
 use crate::runtime::carry_out::Done;
 use acts::Fields;
+pub(super) use acts::buttons;
 use hallsweep_core::units::LuggageId;
 use parts::Page;
 use view::{HallInfo, View, Who, Why};
@@ -34,7 +35,7 @@ pub(super) use began::Began;
 pub(super) use live::live;
 
 /// The page again, with the reason in words beside the button that was pressed.
-pub(super) async fn refused_page(door: &Door, caller: &Caller, button: &str, problem: &Problem) -> Response {
+pub(super) async fn refused_page(door: &HttpDoor, caller: &Caller, button: &str, problem: &Problem) -> Response {
     let why = Why::new(button, problem.detail());
     let mut response = (problem.status(), whole(door, caller, Some(why)).await).into_response();
     problem.tell_gate(&mut response);
@@ -42,7 +43,7 @@ pub(super) async fn refused_page(door: &Door, caller: &Caller, button: &str, pro
 }
 
 /// `GET /`
-pub(super) async fn page(State(door): State<Door>, LetIn(caller): LetIn) -> Html<String> {
+pub(super) async fn page(State(door): State<HttpDoor>, LetIn(caller): LetIn) -> Html<String> {
     whole(&door, &caller, None).await
 }
 
@@ -77,7 +78,7 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
 }
 
 /// `GET console/confirm/danger/{id}`
-pub(super) async fn confirm_danger(State(door): State<Door>, LetIn(caller): LetIn, Number(id): Number) -> Response {
+pub(super) async fn confirm_danger(State(door): State<HttpDoor>, LetIn(caller): LetIn, Number(id): Number) -> Response {
     let snapshot = door.handle.snapshot();
     match snapshot.luggage(LuggageId(id)) {
         Some(luggage) => html(&parts::Confirm::danger(luggage)).into_response(),
@@ -93,7 +94,7 @@ pub(super) async fn confirm_reset() -> Html<String> {
     html(&parts::Confirm::reset())
 }
 
-async fn whole(door: &Door, caller: &Caller, why: Option<Why>) -> Html<String> {
+async fn whole(door: &HttpDoor, caller: &Caller, why: Option<Why>) -> Html<String> {
     let snapshot = door.handle.snapshot();
     let began = began::began(door, snapshot.mission.id).await;
     let hall = HallInfo { name: &door.hall, cell_m: door.cell_m };
@@ -102,7 +103,7 @@ async fn whole(door: &Door, caller: &Caller, why: Option<Why>) -> Html<String> {
 }
 
 /// Who is signed in; nobody where nobody is asked.
-fn who(door: &Door, caller: &Caller) -> Option<Who> {
+fn who(door: &HttpDoor, caller: &Caller) -> Option<Who> {
     match door.access {
         Access::Open => None,
         Access::Keys(_) => Some(Who { name: caller.name(), role: caller.role() }),

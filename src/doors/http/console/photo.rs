@@ -4,7 +4,7 @@ use askama::Template;
 use axum::extract::State;
 use axum::response::Html;
 
-use super::super::Door;
+use super::super::HttpDoor;
 use super::super::problem::Problem;
 use super::super::reading::Number;
 use super::super::reads::record;
@@ -16,7 +16,7 @@ use hallsweep_core::units::WallTime;
 use hallsweep_core::world::luggage::Luggage;
 
 /// `GET luggage/{id}`
-pub(in crate::doors::http) async fn page(State(door): State<Door>, Number(id): Number) -> Result<Html<String>, Problem> {
+pub(in crate::doors::http) async fn page(State(door): State<HttpDoor>, Number(id): Number) -> Result<Html<String>, Problem> {
     let luggage = record(&door, &door.handle.snapshot(), id).await?;
     Ok(html(&PhotoPage { luggage: &luggage, photo: photo_url(&luggage), zone: Zone::of(door.clock.now().wall) }))
 }

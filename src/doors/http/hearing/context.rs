@@ -15,7 +15,7 @@ use tokio::sync::{Notify, watch};
 use tokio::time::timeout;
 
 use super::connection::Connection;
-use crate::doors::http::Door;
+use crate::doors::http::HttpDoor;
 use crate::doors::http::gate::Peer;
 use crate::doors::http::guard::Hosts;
 use crate::doors::http::places::Places;
@@ -29,7 +29,7 @@ const HANDSHAKE_TIME: Duration = Duration::from_secs(10);
 const FIRST_WORDS: usize = 1024;
 
 pub(in crate::doors::http) struct ServerContext {
-    pub(in crate::doors::http) door: Door,
+    pub(in crate::doors::http) door: HttpDoor,
     pub(in crate::doors::http) hosts: Hosts,
     pub(in crate::doors::http) router: Router,
     pub(in crate::doors::http) tls: Option<Tls>,

@@ -7,7 +7,7 @@ use std::pin::Pin;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 
 use crate::access::Need;
-use crate::doors::http::Door;
+use crate::doors::http::HttpDoor;
 use crate::doors::http::command_sender::{IDEMPOTENCY_KEY, command_id};
 use crate::doors::http::gate::{Peer, allowed, by_path, issuer};
 use crate::doors::http::guard::{Hosts, is_foreign};
@@ -29,7 +29,7 @@ pub(super) enum Press {
 
 #[derive(Clone)]
 pub(super) struct Judge {
-    pub(super) door: Door,
+    pub(super) door: HttpDoor,
     pub(super) hosts: Hosts,
     pub(super) peer: Peer,
 }

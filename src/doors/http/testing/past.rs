@@ -43,7 +43,7 @@ pub(super) fn missions() -> [MissionRecord; 2] {
 }
 
 /// What stood when the first was put away: the map and the luggage of the fixture.
-pub(super) fn standing() -> PersistentState {
+pub(super) fn state() -> PersistentState {
     let state = searching();
     let luggage = state.luggage.iter().map(|luggage| (luggage.id, luggage.clone())).collect();
     PersistentState {

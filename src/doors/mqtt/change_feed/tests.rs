@@ -140,8 +140,8 @@ fn nothing_is_said_where_others_may_speak_but_for_the_old_words() {
     assert!(feed.handle_photo(picture, photo(4)));
     said.extend(all(&mut feed, ms(0)));
     for publication in said {
-        let place = if feed.is_numbered(&publication) { TopicKind::Old } else { TopicKind::Ours };
-        assert_eq!(topics().kind_of(&publication.topic), place, "{}", publication.topic);
+        let kind = if feed.is_numbered(&publication) { TopicKind::Old } else { TopicKind::Ours };
+        assert_eq!(topics().kind_of(&publication.topic), kind, "{}", publication.topic);
     }
 }
 

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::table::names;
 use crate::api::fields::in_short;
-use crate::api::problem::ProblemKind;
+use crate::api::problem::{ProblemKind, TOO_MANY};
 pub(super) use crate::doors::problem::Problem;
 
 impl Problem {
@@ -22,13 +22,13 @@ impl Problem {
     /// As many commands are under way as there may be.
     pub(super) fn too_many(most: usize) -> Problem {
         let detail = format!("{most} commands are under way: send it again when their results have come; STOP is always taken");
-        Problem::new(ProblemKind::Unavailable, "tooMany", detail)
+        Problem::new(TOO_MANY, detail)
     }
 
     /// What became of it is not known in time.
     pub(super) fn no_answer(waited: Duration) -> Problem {
         let detail = format!("it was not answered within {} s: look at the state before you repeat it", waited.as_secs());
-        Problem::new(ProblemKind::Unavailable, "noAnswer", detail)
+        Problem::new(("noAnswer", ProblemKind::Unavailable), detail)
     }
 }
 
@@ -38,6 +38,10 @@ mod tests {
     use crate::api::command::move_word;
     use crate::api::problem::refusal as named;
     use hallsweep_core::command::{CODES, Refusal, Refused};
+
+    fn title_of(status: u16) -> Option<&'static str> {
+        axum::http::StatusCode::from_u16(status).unwrap().canonical_reason()
+    }
 
     #[test]
     fn every_refusal_there_is_has_the_status_that_http_gives_it() {
@@ -52,7 +56,7 @@ mod tests {
                 _ => 409,
             };
             assert_eq!((problem.shape().status, problem.shape().code), (expected, word));
-            assert!(!problem.shape().title.is_empty());
+            assert_eq!(Some(problem.shape().title), title_of(expected));
             assert!(!problem.shape().accepted);
         }
     }
@@ -71,7 +75,7 @@ mod tests {
         ] {
             let refusal = problem.refusal();
             assert_eq!(named(refusal.code, refusal.words.clone()), refusal);
-            assert_eq!((problem.shape().status, !problem.shape().title.is_empty()), (status, true));
+            assert_eq!((problem.shape().status, Some(problem.shape().title)), (status, title_of(status)));
         }
     }
 }

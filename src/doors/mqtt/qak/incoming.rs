@@ -1,6 +1,8 @@
 //! What a message of the original system asks for (mission §8): one table from MSGIDs to commands, whether a message comes as an
 //! event or as a dispatch, and whoever sent it under whatever number. What becomes of the command is not decided here.
 
+use std::sync::LazyLock;
+
 use super::message::{Kind, Message, NoMessage};
 use super::outgoing::MODEL_CONTENT;
 use super::term::{Term, is_in_word};
@@ -128,7 +130,14 @@ struct Known {
 }
 
 /// How the contents begin that are moves.
-const MOVES: [&str; 3] = ["userCmd(", "robotCmd(", "modelChange(robot,"];
+static MOVES: LazyLock<Vec<String>> = LazyLock::new(|| {
+    let beginning = |Known { id, asks }: Known| match asks {
+        Asks::Move => Some(format!("{id}(")),
+        Asks::Change => Some(format!("{id}(robot,")),
+        Asks::For(_) | Asks::Halt(_) | Asks::Goto | Asks::GoOn => None,
+    };
+    every().filter_map(beginning).collect()
+});
 
 fn every() -> impl Iterator<Item = Known> {
     ROWS.iter().flat_map(|row| row.messages.iter().map(|id| Known { id, asks: &row.asks }))

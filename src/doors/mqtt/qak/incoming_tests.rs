@@ -241,6 +241,22 @@ proptest! {
     }
 }
 
+/// Safety S1, S8.
+#[test]
+fn whatever_message_can_be_a_move_halts_although_its_end_is_missing() {
+    let beginning = |Known { id, asks }: Known| match asks {
+        Asks::Move => Some(format!("msg({id},event,js,none,{id}(")),
+        Asks::Change => Some(format!("msg({id},event,js,none,{id}(robot,")),
+        Asks::For(_) | Asks::Halt(_) | Asks::Goto | Asks::GoOn => None,
+    };
+    let beginnings: Vec<String> = every().filter_map(beginning).collect();
+    assert!(beginnings.len() >= 3);
+    for (beginning, word) in beginnings.iter().flat_map(|beginning| ["h", "stop"].map(|word| (beginning, word))) {
+        assert!(is_stop(format!("{beginning}{word}").as_bytes()), "{beginning}{word}");
+        assert!(!is_stop(format!("{beginning}w").as_bytes()), "{beginning}w");
+    }
+}
+
 /// The table, a row a message, for the documentation.
 fn markdown() -> String {
     let mut text = "| MSGID | CONTENT | asks for |\n|---|---|---|\n".to_owned();

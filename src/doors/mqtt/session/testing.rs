@@ -254,7 +254,7 @@ impl Archive for Album {
         Ok(None)
     }
 
-    fn standing(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
+    fn state(&self, _: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
         Ok(None)
     }
 

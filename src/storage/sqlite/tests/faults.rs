@@ -245,14 +245,14 @@ fn what_was_given_up_while_the_disk_hung_is_taken_back() {
     let losses = status.begin();
     let written = writer.write(&[page(6, vec![verdict(1, Verdict::Safe)])], losses);
     status.give_up(status.at_work().unwrap(), "the disk does not answer");
-    let standing = || recalled(&scratch.data()).unwrap().unwrap();
+    let state = || recalled(&scratch.data()).unwrap().unwrap();
     let reader = connect::reader(&Folder::new(&scratch.data())).unwrap().expect("there is a journal");
     assert_eq!(rows::last_up_to(&reader.connection, None).unwrap(), Seq(6), "the disk has it");
-    assert_eq!(standing().written, Seq(5), "and nobody is told");
+    assert_eq!(state().written, Seq(5), "and nobody is told");
     drop(reader);
     writer.conclude(written, losses, Seq(6));
-    assert_eq!(standing().written, Seq(5));
-    assert!(standing().state.luggage[&LuggageId(1)].is_pending());
+    assert_eq!(state().written, Seq(5));
+    assert!(state().state.luggage[&LuggageId(1)].is_pending());
     let word = status.word().borrow().clone();
     assert_eq!((word.kept, word.losses, word.failure), (Seq(5), 1, None));
     assert_eq!(notes(&scratch), Vec::<String>::new());

@@ -17,9 +17,9 @@ use hallsweep_core::units::{Cell, LuggageId, MissionId, Seq};
 use hallsweep_core::world::log::Tone;
 
 fn fold<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> PersistentState {
-    let mut standing = PersistentState::first(Order::default());
-    entries.into_iter().for_each(|entry| standing.apply(entry));
-    standing
+    let mut state = PersistentState::first(Order::default());
+    entries.into_iter().for_each(|entry| state.apply(entry));
+    state
 }
 
 fn check_finds(scratch: &Scratch, words: &[&str]) {
@@ -122,8 +122,8 @@ fn reading_begins_at_the_last_entry_that_says_everything() {
     scribe.keep(vec![Fact::State(Box::new(PersistentState::first(Order::Snail)))]);
     scribe.keep(vec![wall(2, 2)]);
     drop(scribe);
-    let standing = scratch.open().recalled.expect("something was kept").state;
-    assert_eq!(standing, fold(&[at_noon(wall(2, 2))]));
+    let state = scratch.open().recalled.expect("something was kept").state;
+    assert_eq!(state, fold(&[at_noon(wall(2, 2))]));
 }
 
 #[test]
@@ -146,13 +146,13 @@ fn a_mission_that_is_over_is_read_as_it_ended() {
     assert_eq!(archive.mission(MissionId(1)).unwrap().as_ref(), Some(&missions[1]));
     assert_eq!(archive.mission(MissionId(3)), Ok(None));
 
-    let ended = archive.standing(MissionId(1)).unwrap().expect("there was a mission 1").of;
+    let ended = archive.state(MissionId(1)).unwrap().expect("there was a mission 1").of;
     assert_eq!((ended.phase.name().name(), ended.under_way), ("inspecting", true));
     assert!(ended.luggage[&LuggageId(1)].is_dangerous());
     assert!(ended.map.at(hallsweep_core::units::Cell::new(5, 5)).is_obstacle());
-    let now = archive.standing(MissionId(2)).unwrap().expect("there is a mission 2").of;
+    let now = archive.state(MissionId(2)).unwrap().expect("there is a mission 2").of;
     assert_eq!((now.phase, now.luggage.len()), (Phase::Exploring, 1));
-    assert_eq!(archive.standing(MissionId(3)), Ok(None));
+    assert_eq!(archive.state(MissionId(3)), Ok(None));
     check_finds(&scratch, &[]);
 }
 
@@ -206,13 +206,13 @@ fn a_journal_of_the_first_format_is_brought_up_to_date() {
     }
     // An entry that says nothing, of long ago, is no reason not to go on.
     old.execute("INSERT INTO events VALUES (7, NULL, 0, 0, 'command', 'no JSON')", []).unwrap();
-    let standing = Line {
+    let state = Line {
         seq: Seq(8),
         mission: None,
         entry: at_noon(Fact::State(Box::new(PersistentState::first(Order::Snail)))),
         picture: None,
     };
-    rows::insert(&old, &standing).unwrap();
+    rows::insert(&old, &state).unwrap();
     drop(old);
     let mut scribe = Scribe::new(scratch.open());
     assert_eq!(scribe.opened.failure, None);
@@ -322,13 +322,13 @@ fn of_a_mission_with_a_damaged_entry_the_rest_is_shown_and_the_damage_said() {
     let lost = scribe.keep(vec![wall(4, 4)]);
     scribe.keep(vec![wall(5, 5)]);
     scribe.keep(archive(1));
-    let standing = PersistentState::first(Order::default());
-    let summed_up = scribe.keep(vec![Fact::State(Box::new(standing))]);
+    let state = PersistentState::first(Order::default());
+    let summed_up = scribe.keep(vec![Fact::State(Box::new(state))]);
     scribe.keep(begin(2));
     let ended = scribe.keep([vec![wall(6, 6)], archive(2)].concat());
     damage(&scratch, lost);
     let kept = &scribe.opened.archive;
-    let Sound { of, damage: said } = kept.standing(MissionId(1)).unwrap().expect("there was a mission 1");
+    let Sound { of, damage: said } = kept.state(MissionId(1)).unwrap().expect("there was a mission 1");
     let at = |x| of.map.at(Cell::new(x, x)).is_obstacle();
     assert_eq!((at(4), at(5), of.luggage.len()), (false, true, 1));
     assert!(said.len() == 1 && said[0].starts_with(&format!("entry {lost} of the journal cannot be understood")), "{said:?}");
@@ -336,19 +336,19 @@ fn of_a_mission_with_a_damaged_entry_the_rest_is_shown_and_the_damage_said() {
     let damaged: Vec<Seq> = entries.iter().filter(|(_, entry)| entry.is_err()).map(|(seq, _)| *seq).collect();
     assert_eq!((damaged, entries.len()), (vec![lost], 10));
     assert_eq!(kept.missions(None, 9).map(|missions| missions.len()), Ok(2));
-    assert_eq!(kept.standing(MissionId(2)).unwrap().map(|sound| sound.damage), Some(Vec::new()), "the other has none");
+    assert_eq!(kept.state(MissionId(2)).unwrap().map(|sound| sound.damage), Some(Vec::new()), "the other has none");
 
     check_advises(&scratch, lost, "hallsweep goes on without them, so nothing has to be done");
 
     // The entry at which reading would begin: it begins at an earlier one then.
     damage(&scratch, summed_up);
     check_advises(&scratch, lost, "copy the whole folder");
-    let Sound { of, damage: said } = kept.standing(MissionId(2)).unwrap().expect("there was a mission 2");
+    let Sound { of, damage: said } = kept.state(MissionId(2)).unwrap().expect("there was a mission 2");
     assert!(of.map.at(Cell::new(6, 6)).is_obstacle());
     assert_eq!(said.len(), 2, "what was passed on the way is said: {said:?}");
 
     (lost.0 + 1..=ended.0).for_each(|seq| damage(&scratch, Seq(seq)));
-    let Sound { damage: said, .. } = kept.standing(MissionId(2)).unwrap().expect("there was a mission 2");
+    let Sound { damage: said, .. } = kept.state(MissionId(2)).unwrap().expect("there was a mission 2");
     assert!(said.len() == 9 && said[8].contains("more entries cannot be understood"), "{said:?}");
     let mut lines = Vec::new();
     let reading = Reading::open(&scratch.data()).unwrap();

@@ -122,8 +122,8 @@ fn a_mission_that_is_over_is_read_as_it_ended() {
     assert_eq!((&*record.phase, record.luggage, record.archived.is_some()), ("exploring", 1, true));
     assert_eq!(memory.archive().missions(None, 9).unwrap(), [record]);
     assert_eq!(memory.archive().missions(Some(mission), 9).unwrap(), []);
-    let standing = memory.archive().standing(mission).unwrap().expect("it was there").of;
-    assert_eq!((standing.phase.clone(), standing.luggage.len()), (Phase::Exploring, 1));
+    let state = memory.archive().state(mission).unwrap().expect("it was there").of;
+    assert_eq!((state.phase.clone(), state.luggage.len()), (Phase::Exploring, 1));
     let places: Vec<u64> = memory.archive().entries(mission, Seq(1), 9).unwrap().iter().map(|(seq, _)| seq.0).collect();
     assert_eq!(places, [2, 3, 5]);
 }
@@ -138,6 +138,6 @@ fn how_a_mission_ended_is_known_when_its_entries_have_given_way() {
     memory.record(Page { first: kept(&memory).next(), entries: vec![at(Fact::Phase(Phase::Idle)), archived] }, 0);
     record(&mut memory, (0..ENTRIES).map(|_| at(Fact::Phase(Phase::Idle))));
     assert_eq!(memory.archive().entries(mission, Seq(0), 9).unwrap(), []);
-    let standing = memory.archive().standing(mission).unwrap().expect("it was there").of;
-    assert_eq!((standing.phase.clone(), standing.luggage.len()), (Phase::Exploring, 1));
+    let state = memory.archive().state(mission).unwrap().expect("it was there").of;
+    assert_eq!((state.phase.clone(), state.luggage.len()), (Phase::Exploring, 1));
 }

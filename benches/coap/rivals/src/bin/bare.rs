@@ -18,7 +18,7 @@ fn main() {
 }
 
 /// What is served, and to whom it is told.
-struct House {
+struct TestApp {
     temperature: Vec<u8>,
     large: Vec<u8>,
     observers: Vec<(SocketAddr, Vec<u8>)>,
@@ -29,23 +29,23 @@ async fn serve() {
     let socket = UdpSocket::bind("127.0.0.1:0").await.expect("a free port");
     println!("coap://{}", socket.local_addr().expect("it is bound"));
     let large = (0..LARGE).map(|at| (at % 251) as u8).collect();
-    let mut house = House { temperature: Vec::new(), large, observers: Vec::new(), number: 0 };
+    let mut app = TestApp { temperature: Vec::new(), large, observers: Vec::new(), number: 0 };
     let mut room = [0; 2048];
     loop {
         let Ok((length, peer)) = socket.recv_from(&mut room).await else { continue };
         let Ok(asked) = Packet::from_bytes(&room[..length]) else { continue };
         let MessageClass::Request(method) = asked.header.code else { continue };
-        let answer = house.answer(&asked, method, peer);
+        let answer = app.answer(&asked, method, peer);
         let _ = socket.send_to(&answer.to_bytes().expect("it is small"), peer).await;
         if method == RequestType::Put {
-            for (peer, notification) in house.notifications() {
+            for (peer, notification) in app.notifications() {
                 let _ = socket.send_to(&notification, peer).await;
             }
         }
     }
 }
 
-impl House {
+impl TestApp {
     fn answer(&mut self, asked: &Packet, method: RequestType, peer: SocketAddr) -> Packet {
         let mut answer = Packet::new();
         answer.header.set_type(MessageType::Acknowledgement);

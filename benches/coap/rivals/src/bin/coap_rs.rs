@@ -16,7 +16,7 @@ type Request = Box<CoapRequest<SocketAddr>>;
 
 /// What is served.
 #[derive(Default)]
-struct House {
+struct TestApp {
     temperature: RwLock<Vec<u8>>,
 }
 
@@ -26,16 +26,16 @@ fn main() {
         let socket = UdpSocket::bind("127.0.0.1:0").await.expect("a free port");
         println!("coap://{}", socket.local_addr().expect("it is bound"));
         let server = Server::from_listeners(vec![Box::new(UdpCoapListener::from_socket(socket))]);
-        let house = Arc::new(House::default());
+        let app = Arc::new(TestApp::default());
         let run = server.run(move |request: Request| {
-            let house = Arc::clone(&house);
-            async move { house.answered(request) }
+            let app = Arc::clone(&app);
+            async move { app.answered(request) }
         });
         run.await.expect("the socket stays");
     });
 }
 
-impl House {
+impl TestApp {
     fn answered(&self, mut request: Request) -> Request {
         let (method, path) = (*request.get_method(), request.get_path());
         let given = std::mem::take(&mut request.message.payload);
