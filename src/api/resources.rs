@@ -170,7 +170,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::api::fixture::searching;
+    use crate::api::fixture::{searching, touch};
 
     /// All kinds, one after the other; a new one does not compile until it is added here.
     fn next(kind: ResourceKind) -> Option<ResourceKind> {
@@ -189,6 +189,21 @@ mod tests {
         assert_eq!(kinds.len(), RESOURCES.len());
         assert!(kinds.iter().all(|kind| kind.row().kind == *kind));
         assert!(Resource::ALL.into_iter().all(|part| ResourceKind::Of(part).row().path == format!("/{}", part.name())));
+    }
+
+    #[test]
+    fn what_is_shown_is_new_when_a_part_of_it_is() {
+        let new = |part: Resource| -> Vec<&str> {
+            let (before, mut after) = (searching(), searching());
+            touch(&mut after, 21, &[part]);
+            let is_new = |row: &&Row| row.kind.revision(&before) != row.kind.revision(&after);
+            RESOURCES.iter().filter(is_new).map(|row| row.name).collect()
+        };
+        assert_eq!(new(Resource::Mission), ["state", "strategy", "mission"]);
+        assert_eq!(new(Resource::Robot), ["state", "robot", "map"], "the robot stands in the map");
+        assert_eq!(new(Resource::Map), ["state", "map"]);
+        assert_eq!(new(Resource::Luggage), ["state", "luggage", "piece", "photo"]);
+        assert_eq!(new(Resource::Alarms), ["state", "alarms"]);
     }
 
     #[test]
