@@ -312,5 +312,9 @@ fn after_a_restart_each_robot_is_where_it_was_and_none_moves() {
     engine.add_robot(porter(), pair.now);
     let shown = engine.snapshot().robots.iter().find(|shown| shown.id == porter()).unwrap().clone();
     assert_eq!(shown.view.pose.cell, Cell::new(0, 1));
-    assert!(shown.holds.contains(&Hold::Restart) && shown.holds.contains(&Hold::RobotLink));
+    assert!(
+        [Hold::Restart, Hold::RobotLink, Hold::AwaitingStart].iter().all(|hold| shown.holds.contains(hold)),
+        "{:?}",
+        shown.holds
+    );
 }

@@ -172,7 +172,7 @@ impl Engine {
     /// There is one more robot beside the one that searches; it stands at home as long as it does not say otherwise.
     pub fn add_robot(&mut self, robot: RobotId, now: Now) {
         self.begin(now);
-        self.robots.add(robot);
+        self.robots.add(robot, self.state.holds.contains(Hold::AwaitingStart));
         self.world.touch(Resource::Robot);
     }
 

@@ -69,9 +69,11 @@ impl Robots {
         Robots { searching: (searching, Robot::default()), others: BTreeMap::new() }
     }
 
-    pub(crate) fn add(&mut self, id: RobotId) {
+    /// One more, which is not reached yet, and waits for a START where the one that searches does.
+    pub(crate) fn add(&mut self, id: RobotId, is_awaited: bool) {
         if id != self.searching.0 {
-            self.others.entry(id).or_insert_with(|| Robot { holds: Holds::from_iter([Hold::RobotLink]), ..Robot::default() });
+            let holds = std::iter::once(Hold::RobotLink).chain(is_awaited.then_some(Hold::AwaitingStart)).collect();
+            self.others.entry(id).or_insert_with(|| Robot { holds, ..Robot::default() });
         }
     }
 
