@@ -78,7 +78,7 @@ pub const COMMANDS: [Row; 12] = [
     Row { need: Need::Stop, ..word("stop", "/commands/stop", "halt the robot", CommandKind::Stop, &[]) },
     word("backHome", "/commands/backHome", "go home and wait", CommandKind::BackHome, EPOCH),
     word("retrieve", "/commands/retrieve", "fetch the dangerous piece", CommandKind::Retrieve, EPOCH),
-    word("reset", "/commands/reset", "put the mission away", CommandKind::Reset, EPOCH),
+    word("reset", "/commands/reset", "put the mission away", CommandKind::Reset, &[]),
     Row { need: Need::Stop, ..with("move", "/commands/move", "one move by hand", CommandKind::Move,
         &[r#"{"move":"w"}"#, r#"{"move":"h"}"#]) },
     with("goto", "/commands/goto", "drive to a cell", CommandKind::Goto, &[r#"{"x":1,"y":1}"#]),

@@ -38,6 +38,7 @@ pub fn says_halt(body: &[u8]) -> bool {
         || fields::fields(body).is_ok_and(says_so)
         || cbor::fields(&mut Decoder::new(body)).is_ok_and(says_so)
         || says_halt_from(body, 0)
+        || body.contains(&b'\\') && looks_like_halt(&unescaped(body), true)
 }
 
 /// Whether the field and its word stand in a body from this byte on, whatever the body is. It takes as many steps as there are bytes.
@@ -66,6 +67,19 @@ fn looks_like_halt(body: &[u8], is_beginning: bool) -> bool {
         // No further than a word for STOP reaches: in a long word the field may stand thousands of times.
         is_parted && HALTS.iter().any(|halt| begins(word, halt) && !word.get(halt.len()).is_some_and(u8::is_ascii_alphanumeric))
     })
+}
+
+/// A body with the letters that JSON's escapes stand for, `h` for `\u0068`. Only those that a word for STOP can have.
+fn unescaped(body: &[u8]) -> Vec<u8> {
+    let mut plain = Vec::with_capacity(body.len());
+    let mut rest = body;
+    while let Some((&letter, behind)) = rest.split_first() {
+        let digits = behind.get(..5).and_then(|escape| std::str::from_utf8(escape).ok()?.strip_prefix('u'));
+        let meant = digits.filter(|_| letter == b'\\').and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        plain.push(meant.unwrap_or(letter));
+        rest = if meant.is_some() { &behind[5..] } else { behind };
+    }
+    plain
 }
 
 /// What stands before and behind each place where `part` stands, in whatever letters.
@@ -97,7 +111,7 @@ mod tests {
     /// Safety S8.
     #[test]
     fn a_move_that_halts_is_known_whatever_else_its_body_says() {
-        let bodies: [&[u8]; 27] = [
+        let bodies: [&[u8]; 32] = [
             br#"{"move":"h"}"#,
             br#"{"move":"H"}"#,
             br#"{"move":"Stop"}"#,
@@ -115,6 +129,11 @@ mod tests {
             br#"{"move":"h","zz":0}"#,
             br#"{"zz":[{}],"move":"h"}"#,
             br#"{"move":"\u0068"}"#,
+            br#"{"move":"\u0068""#,
+            br#"{"move":"\u0068"}}"#,
+            br#"{"move":"\u0068","move":"w"}"#,
+            br#"{"m\u006fve":"h""#,
+            br#"{"mov\u0065":"\u0073to\u0070","#,
             br#"{"move":"h""#,
             br#"{"move":"h"#,
             br#"{"move":"h"}}"#,

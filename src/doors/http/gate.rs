@@ -12,6 +12,7 @@ use axum::response::{IntoResponse, Redirect, Response};
 
 use super::HttpDoor;
 use super::guard::is_for_people;
+use super::hearing::Pressed;
 use super::problem::{NotTaken, Problem};
 use super::scanning::KEYS;
 use super::sign_in::{Undone, sign_in_page};
@@ -166,7 +167,10 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
         return Problem::refused(&refused).off_record().into_response();
     }
     request.extensions_mut().insert(caller);
+    let pressed = request.extensions().get::<Pressed>().cloned();
     let mut response = next.run(request).await;
+    // A STOP that was heard in it is on record.
+    let asked = asked.filter(|_| !pressed.is_some_and(|pressed| pressed.is_there()));
     if let (Some((issuer, asked)), Some(NotTaken(refusal))) = (asked, response.extensions_mut().remove::<NotTaken>()) {
         door.note_refused(issuer, asked, Refused::Before(refusal)).await;
     }

@@ -111,7 +111,7 @@ async fn hundreds_of_stops_that_were_refused_make_no_stop_behind_them_two() {
     stops(&app, 301).await;
 }
 
-/// Safety S8: whoever is refused is told that it has halted.
+/// Safety S8, A6: whoever is refused is told that it has halted.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_refusal_of_a_request_in_which_a_stop_was_heard_says_so() {
     let (app, address) = open_app(PLACES).await;
@@ -125,6 +125,7 @@ async fn the_refusal_of_a_request_in_which_a_stop_was_heard_says_so() {
         assert!(refused.starts_with(&format!("HTTP/1.1 {status}")) && refused.contains("has halted the robot"), "{refused}");
         stops(&app, number + 1).await;
     }
+    assert!(app.noted.lock().unwrap().is_empty(), "it is on record as the STOP that it is, and not refused beside that");
 }
 
 /// Safety S8.

@@ -141,6 +141,13 @@ async fn with_keys_a_stop_behind_such_a_connect_halts_for_whoever_shows_one() {
             assert_eq!(said, (halts, answer.to_vec()), "{version:?} {name} {password}");
         }
     }
+    let flagged = |password: &str| {
+        let mut hello = hello(("MQTT", 4, 0xC2), "wall", password);
+        hello[0] = 0x1F;
+        [hello, stop.clone()].concat()
+    };
+    assert_eq!(says(access.clone(), &flagged(&shown)).await, (1, Vec::new()));
+    assert_eq!(says(access.clone(), &flagged("wrong")).await, (0, Vec::new()));
     for nobody in [&hello(("MQTT", 5, 2), "", "")[..], &packet(0x1F, b"?"), &[]] {
         assert_eq!(says(access.clone(), &[nobody, &stop].concat()).await.0, 0);
     }

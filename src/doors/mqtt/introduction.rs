@@ -33,10 +33,18 @@ pub(super) enum SentAway {
 
 /// The first packet of a client, which must be its CONNECT.
 pub(super) async fn introduction(reader: &mut Reader, heard: &mut BytesMut) -> Result<Connect, SentAway> {
+    let mut wrong = None;
     loop {
+        // Wrong flags are told when all of it has come: whoever it is of may say STOP behind it.
+        if let Some(first) = heard.first_mut().filter(|first| **first >> 4 == Kind::Connect as u8 && **first & 15 != 0) {
+            wrong = Some(Malformed::Kind(std::mem::replace(first, Kind::Connect.first_byte())));
+        }
         if let Some(frame) = frame(heard, CONNECT)? {
             if frame.kind != Kind::Connect {
                 return Err(SentAway::First(frame.kind));
+            }
+            if let Some(wrong) = wrong {
+                return Err(wrong.into());
             }
             let connect = connect::read(&heard[frame.head..frame.length])?;
             heard.advance(frame.length);

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rusqlite::{Connection, OptionalExtension, Row, params};
 
 use super::connect::Reader;
-use super::fault::{Fault, Then, count, whole};
+use super::fault::{Fault, Then, count};
 use super::folder::Folder;
 use super::memory::{self, MemoryJournal};
 use super::photos::Pictures;
@@ -84,21 +84,24 @@ fn ask_folder<T: Default>(
     Ok(answer)
 }
 
+/// A number beyond those of the store is that of nothing.
 impl Archive for SqliteArchive {
     fn photo(&self, luggage: LuggageId) -> Result<Option<Photo>, Unreadable> {
+        let Ok(id) = i64::try_from(luggage.0) else { return Ok(None) };
         self.ask(|connection| {
             let sql = "SELECT digest, media_type FROM luggage JOIN photos ON digest = photo WHERE id = ?1";
             let picture = |row: &Row<'_>| Ok(Picture { digest: row.get(0)?, media_type: row.get(1)? });
-            let picture = connection.prepare_cached(sql)?.query_row([whole(luggage.0)?], picture).optional()?;
+            let picture = connection.prepare_cached(sql)?.query_row([id], picture).optional()?;
             picture.map(|picture| self.pictures().read(connection, &picture)).transpose()
         })
     }
 
     fn luggage(&self, luggage: LuggageId) -> Result<Option<Luggage>, Unreadable> {
+        let Ok(id) = i64::try_from(luggage.0) else { return Ok(None) };
         self.ask(|connection| {
             let sql = "SELECT record, verdict, decided_by, decided_ms, decided_offset_s FROM luggage WHERE id = ?1";
             let mut statement = connection.prepare_cached(sql)?;
-            let mut rows = statement.query([whole(luggage.0)?])?;
+            let mut rows = statement.query([id])?;
             rows.next()?.map(|row| luggage_of(luggage, row)).transpose()
         })
     }
@@ -106,7 +109,7 @@ impl Archive for SqliteArchive {
     fn missions(&self, before: Option<MissionId>, most: usize) -> Result<Vec<MissionRecord>, Unreadable> {
         self.ask(|connection| {
             let sql = format!("{MISSION} WHERE id < ?1 ORDER BY id DESC LIMIT ?2");
-            let before = before.map_or(Ok(i64::MAX), |mission| whole(mission.0))?;
+            let before = before.map_or(i64::MAX, |mission| i64::try_from(mission.0).unwrap_or(i64::MAX));
             let mut statement = connection.prepare_cached(&sql)?;
             let mut rows = statement.query(params![before, i64::try_from(most).unwrap_or(i64::MAX)])?;
             let mut missions = Vec::new();
@@ -118,17 +121,19 @@ impl Archive for SqliteArchive {
     }
 
     fn mission(&self, mission: MissionId) -> Result<Option<MissionRecord>, Unreadable> {
+        let Ok(id) = i64::try_from(mission.0) else { return Ok(None) };
         self.ask(|connection| {
             let mut statement = connection.prepare_cached(&format!("{MISSION} WHERE id = ?1"))?;
-            let mut rows = statement.query([whole(mission.0)?])?;
+            let mut rows = statement.query([id])?;
             rows.next()?.map(record).transpose()
         })
     }
 
     fn state(&self, mission: MissionId) -> Result<Option<Sound<PersistentState>>, Unreadable> {
+        let Ok(id) = i64::try_from(mission.0) else { return Ok(None) };
         self.ask(|connection| {
             let sql = "SELECT archived_seq FROM missions WHERE id = ?1";
-            let found = connection.prepare_cached(sql)?.query_row([whole(mission.0)?], |row| row.get::<_, Option<i64>>(0));
+            let found = connection.prepare_cached(sql)?.query_row([id], |row| row.get::<_, Option<i64>>(0));
             let Some(archived) = found.optional()? else { return Ok(None) };
             if let (SqliteArchive::Memory(_), Some(_)) = (self, archived)
                 && let Some(stood) = memory::standing_at_the_end(connection, mission)?
@@ -141,6 +146,9 @@ impl Archive for SqliteArchive {
     }
 
     fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        if i64::try_from(mission.0.max(after.0)).is_err() {
+            return Ok(Vec::new());
+        }
         self.ask(|connection| {
             let mut entries = Vec::new();
             let which = Which { after: Some(after), mission: Some(mission), most: Some(most), ..Which::default() };

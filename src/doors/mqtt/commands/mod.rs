@@ -21,8 +21,8 @@ use self::pace::Pace;
 use self::parser::{CommandParser, ParsedCommand};
 use self::problem::Problem;
 pub use self::publisher::Publisher;
+use self::results::Results;
 pub use self::results::{ANSWERS, Answer};
-use self::results::{Reply, Results};
 use super::topics::Topics;
 use crate::access::Need;
 use crate::runtime::clock::Clock;
@@ -92,9 +92,13 @@ impl Commands {
         }
         let Some(mut parsed) = self.parser.parse(heard) else { return self.ignore(heard, publisher) };
         if let Err(refused) = publisher.may(parsed.need()) {
-            // To others than its sender nothing is told of it.
-            let silent = ParsedCommand { reply: Reply { explained: None, ..parsed.reply.clone() }, ..parsed };
-            self.refuse(&silent, &Problem::refused(&refused), publisher);
+            self.refuse(&parsed.of_nobody(), &Problem::refused(&refused), publisher);
+            return Taken::Forbidden;
+        }
+        if publisher.is_viewer()
+            && let Err(problem) = parsed.asked.clone()
+        {
+            self.refuse(&parsed.of_nobody(), &problem, publisher);
             return Taken::Forbidden;
         }
         if let Some(again) = parsed.goes_on.then(|| to_retake(&self.handle.snapshot())).flatten() {

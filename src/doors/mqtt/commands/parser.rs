@@ -159,6 +159,11 @@ impl ParsedCommand {
         }
     }
 
+    /// The same of somebody who may not give it: others hear of no refusal that they could take for that of theirs.
+    pub(super) fn of_nobody(self) -> ParsedCommand {
+        ParsedCommand { reply: Reply { explained: None, id: None, ..self.reply }, ..self }
+    }
+
     /// In words for the record.
     pub(super) fn in_words(&self) -> String {
         self.asked.as_ref().map_or_else(|_| self.unread.clone(), |(command, _)| in_words(command))

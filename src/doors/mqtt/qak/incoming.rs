@@ -220,9 +220,14 @@ fn opening(payload: &[u8]) -> Option<String> {
     Some(word.take(LONGEST).collect())
 }
 
-/// A payload without blanks and quotes, of which terms know the single ones alone.
+/// With which some editors begin a text.
+const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
+
+/// A payload without blanks, control letters and quotes, of which terms know the single ones alone.
 fn letters(payload: &[u8]) -> impl Iterator<Item = u8> {
-    payload.iter().copied().filter(|letter| !letter.is_ascii_whitespace() && !matches!(letter, b'\'' | b'"'))
+    let text = payload.strip_prefix(BYTE_ORDER_MARK).unwrap_or(payload);
+    let is_between = |letter: u8| letter.is_ascii_whitespace() || letter.is_ascii_control() || matches!(letter, b'\'' | b'"');
+    text.iter().copied().filter(move |letter| !is_between(*letter))
 }
 
 /// Whether a move that is STOP follows where a content begins so.

@@ -243,6 +243,15 @@ proptest! {
 
 /// Safety S1, S8.
 #[test]
+fn what_an_editor_or_a_socket_puts_before_a_stop_does_not_keep_it_from_halting() {
+    for before in ["\u{feff}", "\0", "\r\n", "\u{feff}\0 "] {
+        assert!(is_stop(format!("{before}msg(stopCmd").as_bytes()), "{before:?}");
+        assert_eq!(ask(&format!("{before}msg(stopCmd,event,js,none,stopCmd,1)")), Ok(Asked::Command(Command::Stop)));
+    }
+}
+
+/// Safety S1, S8.
+#[test]
 fn whatever_message_can_be_a_move_halts_although_its_end_is_missing() {
     let beginning = |Known { id, asks }: Known| match asks {
         Asks::Move => Some(format!("msg({id},event,js,none,{id}(")),

@@ -83,6 +83,19 @@ fn a_piece_is_found_with_its_verdict_whatever_mission_it_was_of() {
 }
 
 #[test]
+fn a_number_beyond_all_that_can_be_kept_is_that_of_nothing() {
+    let mut memory = MemoryStore::new();
+    record(&mut memory, [luggage(1, Ok("photo"))]);
+    let (archive, beyond) = (memory.archive(), u64::MAX);
+    assert_eq!((archive.luggage(LuggageId(beyond)), archive.photo(LuggageId(beyond))), (Ok(None), Ok(None)));
+    assert_eq!(archive.mission(MissionId(beyond)), Ok(None));
+    assert!(archive.state(MissionId(beyond)).is_ok_and(|state| state.is_none()));
+    assert!(archive.missions(Some(MissionId(beyond)), 9).is_ok());
+    assert_eq!(archive.entries(MissionId(beyond), Seq(0), 9), Ok(Vec::new()));
+    assert_eq!(archive.entries(MissionId(1), Seq(beyond), 9), Ok(Vec::new()));
+}
+
+#[test]
 fn a_failed_retake_leaves_the_photo_there_was() {
     let mut memory = MemoryStore::new();
     record(&mut memory, [luggage(1, Ok("first")), luggage(1, Err("dark"))]);
