@@ -159,9 +159,9 @@ impl ParsedCommand {
         }
     }
 
-    /// The same of somebody who may not give it: others hear of no refusal that they could take for that of theirs.
+    /// The same of somebody who may not give it: to others nothing is told of it on the old topics.
     pub(super) fn of_nobody(self) -> ParsedCommand {
-        ParsedCommand { reply: Reply { explained: None, id: None, ..self.reply }, ..self }
+        ParsedCommand { reply: Reply { explained: None, ..self.reply }, ..self }
     }
 
     /// In words for the record.

@@ -264,23 +264,21 @@ async fn a_viewer_may_stop_and_nothing_else() {
     assert!(app.is_silent().await);
 }
 
-/// Safety A1: nor is anything that he says there passed on, or told under the name of a command of somebody else.
+/// Safety A1: nor is anything that he says there passed on.
 #[tokio::test]
-async fn nobody_hears_of_a_viewer_what_could_be_taken_for_a_command_or_its_answer() {
+async fn nothing_that_a_viewer_says_where_commands_are_is_passed_on_but_a_stop() {
     let mut app = app(searching());
     for (topic, payload) in [
-        ("command/temperature", r#"{"status":"ok","id":"k7"}"#),
-        ("command/move", r#"{"move":"q","id":"k7"}"#),
-        ("command/xyz", r#"{"id":"k7"}"#),
+        ("command/temperature", r#"{"status":"ok"}"#),
+        ("command/move", r#"{"move":"q"}"#),
+        ("command/xyz", "{}"),
         ("command", "anything"),
         ("command/goto", &"z".repeat(200_000)),
     ] {
         assert_eq!(say(&app.commands, topic, payload, &viewer()), Taken::Forbidden, "{topic}");
-        let (_, json) = app.result().await;
-        assert_eq!((&json["accepted"], json.get("id")), (&false.into(), None), "{topic}");
+        assert_eq!(app.result().await.1["accepted"], false, "{topic}");
     }
-    let (_, json) = app.ask("command/temperature", r#"{"status":"ok","id":"k7"}"#).await;
-    assert_eq!(json["id"], "k7", "an operator's has its name");
+    assert_eq!(say(&app.commands, "command/stop", "", &viewer()), Taken::Taken);
 }
 
 /// Old consoles show what they hear there.
