@@ -46,7 +46,7 @@ pub struct ProblemJson<'a> {
 }
 
 impl<'a> ProblemJson<'a> {
-    pub fn new((code, kind): Code, detail: &'a str) -> ProblemJson<'a> {
+    pub fn new((code, kind): ProblemCode, detail: &'a str) -> ProblemJson<'a> {
         let (status, title) = kind.status();
         let kind = format!("urn:hallsweep:problem:{code}");
         ProblemJson { kind, title, status, detail, code, accepted: false, luggage: None }
@@ -76,7 +76,7 @@ impl ProblemKind {
     }
 
     /// What kind of refusal it is in records.
-    pub const fn of_refusal(self) -> RefusalKind {
+    pub const fn refusal_kind(self) -> RefusalKind {
         match self {
             ProblemKind::Conflict => RefusalKind::Conflict,
             ProblemKind::NotFound => RefusalKind::Unknown,
@@ -109,21 +109,21 @@ impl From<RefusalKind> for ProblemKind {
 }
 
 /// A code with what is wrong.
-pub type Code = (&'static str, ProblemKind);
+pub type ProblemCode = (&'static str, ProblemKind);
 
-pub const MALFORMED: Code = ("malformed", ProblemKind::Malformed);
-pub const UNUSABLE: Code = ("unusable", ProblemKind::Unusable);
-pub const TOO_LARGE: Code = ("tooLarge", ProblemKind::TooLarge);
-pub const TOO_SLOW: Code = ("tooSlow", ProblemKind::TooSlow);
-pub const UNSUPPORTED_FORMAT: Code = ("unsupportedMediaType", ProblemKind::UnsupportedFormat);
-pub const NO_SUCH_METHOD: Code = ("methodNotAllowed", ProblemKind::NoSuchMethod);
-pub const NOT_ACCEPTABLE: Code = ("notAcceptable", ProblemKind::NotAcceptable);
-pub const CONDITION_FAILED: Code = ("preconditionFailed", ProblemKind::ConditionFailed);
-pub const NOT_FOUND: Code = ("notFound", ProblemKind::NotFound);
-pub const TOO_MANY: Code = ("tooMany", ProblemKind::Unavailable);
+pub const MALFORMED: ProblemCode = ("malformed", ProblemKind::Malformed);
+pub const UNUSABLE: ProblemCode = ("unusable", ProblemKind::Unusable);
+pub const TOO_LARGE: ProblemCode = ("tooLarge", ProblemKind::TooLarge);
+pub const TOO_SLOW: ProblemCode = ("tooSlow", ProblemKind::TooSlow);
+pub const UNSUPPORTED_FORMAT: ProblemCode = ("unsupportedMediaType", ProblemKind::UnsupportedFormat);
+pub const NO_SUCH_METHOD: ProblemCode = ("methodNotAllowed", ProblemKind::NoSuchMethod);
+pub const NOT_ACCEPTABLE: ProblemCode = ("notAcceptable", ProblemKind::NotAcceptable);
+pub const CONDITION_FAILED: ProblemCode = ("preconditionFailed", ProblemKind::ConditionFailed);
+pub const NOT_FOUND: ProblemCode = ("notFound", ProblemKind::NotFound);
+pub const TOO_MANY: ProblemCode = ("tooMany", ProblemKind::Unavailable);
 
 /// Those with which a door itself refuses what somebody known asked for, and which records may have.
-const AT_THE_DOOR: [Code; 10] = [
+const AT_THE_DOOR: [ProblemCode; 10] = [
     MALFORMED,
     UNUSABLE,
     TOO_LARGE,
@@ -138,7 +138,7 @@ const AT_THE_DOOR: [Code; 10] = [
 
 /// The refusal with this code and these words, as a record has it; a code that no version of this program knows is a plain conflict.
 pub fn refusal(code: &str, words: String) -> Refusal {
-    let at_the_door = AT_THE_DOOR.into_iter().map(|(known, kind)| (known, kind.of_refusal()));
+    let at_the_door = AT_THE_DOOR.into_iter().map(|(known, kind)| (known, kind.refusal_kind()));
     let found = CODES.into_iter().chain(at_the_door).find(|(known, _)| *known == code);
     let (code, kind) = found.unwrap_or(("refused", RefusalKind::Conflict));
     Refusal { code, kind, words }

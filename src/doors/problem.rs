@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::api::fields::{Unread, Unusable};
 use crate::api::luggage::LuggageJson;
-use crate::api::problem::{self, Code, ProblemJson, ProblemKind};
+use crate::api::problem::{self, ProblemCode, ProblemJson, ProblemKind};
 use crate::runtime::archive::Unreadable;
 use crate::runtime::carry_out::NotDone;
 use crate::runtime::handle::Gone;
@@ -28,7 +28,7 @@ pub(super) struct Problem {
 }
 
 impl Problem {
-    pub(super) const fn new((code, kind): Code, detail: String) -> Problem {
+    pub(super) const fn new((code, kind): ProblemCode, detail: String) -> Problem {
         Problem { kind, code, detail, luggage: None, asked: None, is_for_record: true }
     }
 
@@ -120,7 +120,7 @@ impl Problem {
 
     /// As records keep it.
     pub(super) fn refusal(&self) -> Refusal {
-        Refusal { code: self.code, kind: self.kind.of_refusal(), words: self.detail.clone() }
+        Refusal { code: self.code, kind: self.kind.refusal_kind(), words: self.detail.clone() }
     }
 
     /// As programs read it.

@@ -185,6 +185,8 @@ mod tests {
             assert!(reads(&message(2, b"t", &[(PROXY_URI, address.as_bytes())], b"h"), &PATH, b"h"), "{address}");
         }
         assert!(reads(&message(2, b"", &[URGENT[0], URGENT[1], (PROXY_URI, b"coap://host/map")], b""), &PATH, b""));
+        let escaped = message(2, b"t", &[(PROXY_URI, b"coap://host/%63ommands/stop")], b"h");
+        assert!(reads(&escaped, &["%63ommands", "stop"], b"h"), "as it is written");
         for none in ["coap://commands", "coap://host/", "", "?/commands/stop"] {
             assert_eq!(requests(peer(), &message(2, b"", &[(PROXY_URI, none.as_bytes())], b"")).count(), 0, "{none}");
         }

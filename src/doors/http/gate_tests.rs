@@ -72,6 +72,7 @@ async fn what_the_core_refused_or_nobody_asked_for_is_not_put_on_record_here() {
         assert_eq!(app.get(path).await.status(), status, "{path}");
     }
     assert_eq!(app.send("POST", "/sign-in", &[JSON], "{").await.status(), 415);
+    assert_eq!(app.send("POST", "/api/v1/commands/reset", &[("host", "elsewhere.example")], "").await.status(), 421);
     assert_eq!(noted(&app).await, []);
 }
 

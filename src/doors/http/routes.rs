@@ -129,7 +129,7 @@ fn buttons() -> Vec<Row> {
             post(path, command.need, console::act)
         }
     };
-    COMMANDS.iter().flat_map(|command| console::buttons(command).map(move |word| row(command, word))).collect()
+    COMMANDS.iter().flat_map(|command| console::buttons(command).into_iter().map(move |word| row(command, word))).collect()
 }
 
 /// The words of old clients.

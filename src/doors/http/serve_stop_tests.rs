@@ -116,7 +116,7 @@ async fn hundreds_of_stops_that_were_refused_make_no_stop_behind_them_two() {
 async fn the_refusal_of_a_request_in_which_a_stop_was_heard_says_so() {
     let (app, address) = open_app(PLACES).await;
     for (number, (request, status)) in
-        [("PUT /h", "405"), ("POST /h/", "404"), ("POST /stop", "404"), ("POST /api/v1/commands/h", "404")]
+        [("PUT /h", "405"), ("POST /h/", "404"), ("POST /stop", "404"), ("POST /api/v1/commands/h", "404"), ("POST /h;x", "404")]
             .into_iter()
             .enumerate()
     {
@@ -126,6 +126,9 @@ async fn the_refusal_of_a_request_in_which_a_stop_was_heard_says_so() {
         stops(&app, number + 1).await;
     }
     assert!(app.noted.lock().unwrap().is_empty(), "it is on record as the STOP that it is, and not refused beside that");
+    let tab = "POST /\th HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+    assert_eq!(answered(&mut client(address, tab)), "HTTP/1.1 400", "a raw tab ends the path");
+    stops(&app, 5).await;
 }
 
 /// Safety S8.

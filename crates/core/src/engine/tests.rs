@@ -83,7 +83,6 @@ fn settle(engine: &mut Engine) -> Vec<Action> {
     orders
 }
 
-#[expect(clippy::wildcard_enum_match_arm, reason = "no event is a command")]
 fn command(input: Input) -> Option<Command> {
     let luggage = LuggageRef::Id(LuggageId(1));
     Some(match input {
@@ -105,7 +104,29 @@ fn command(input: Input) -> Option<Command> {
         Input::RetakePhoto => Command::RetakePhoto(LuggageId(1)),
         Input::Acknowledge => Command::Acknowledge(AlarmId(1)),
         Input::Strategy => Command::ChooseStrategy(Strategy::Snail),
-        _ => return None,
+        Input::Done
+        | Input::Blocked
+        | Input::AtPiece
+        | Input::PhotoTaken
+        | Input::PhotoFailed
+        | Input::LuggageRecorded
+        | Input::SafeRecorded
+        | Input::DangerRecorded
+        | Input::CameHome
+        | Input::AllExplored
+        | Input::DriveEnded
+        | Input::NoWayHome
+        | Input::Unanswered
+        | Input::RobotFailed
+        | Input::LinkLost
+        | Input::LinkUp
+        | Input::Heat
+        | Input::Cool
+        | Input::SensorSilent
+        | Input::SensorBack
+        | Input::StoreFailed
+        | Input::StoreRestored
+        | Input::Restarted => return None,
     })
 }
 

@@ -259,7 +259,7 @@ proptest! {
     /// Safety S8.
     #[test]
     fn what_must_not_halt_does_not_whatever_else_is_wrong_with_it(
-        which in 0..stops().len(), fault in any_fault(), except in 0_usize..8,
+        which in 0..stops().len(), fault in any_fault(), except in 0_usize..9, response in 0x40_u8..,
     ) {
         let Some(mut message) = spoilt(&stops()[which], &fault) else { return Ok(()) };
         let mut peer = here();
@@ -271,6 +271,7 @@ proptest! {
             4 => message.version = 2,
             5 => message.version = 3,
             6 => message.kind = 2,
+            7 => message.code = response,
             _ => message.kind = 3,
         }
         let mut door = Door::new();

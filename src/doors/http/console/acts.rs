@@ -24,10 +24,8 @@ pub(in crate::doors::http) struct Fields {
 }
 
 /// The words of the buttons that ask for a command: its name, but for the two verdicts.
-pub(in crate::doors::http) fn buttons(command: &Row) -> impl Iterator<Item = &'static str> + use<> {
-    let words: &[&'static str] = if command.kind == CommandKind::Verdict { &["safe", "danger"] } else { &[] };
-    let name = words.is_empty().then_some(command.name);
-    words.iter().copied().chain(name)
+pub(in crate::doors::http) fn buttons(command: &Row) -> Vec<&'static str> {
+    if command.kind == CommandKind::Verdict { vec!["safe", "danger"] } else { vec![command.name] }
 }
 
 impl Fields {

@@ -91,14 +91,10 @@ impl Commands {
             return Taken::Forbidden;
         }
         let Some(mut parsed) = self.parser.parse(heard) else { return self.ignore(heard, publisher) };
-        if let Err(refused) = publisher.may(parsed.need()) {
-            self.refuse(&parsed.of_nobody(), &Problem::refused(&refused), publisher);
-            return Taken::Forbidden;
-        }
-        if publisher.is_viewer()
-            && let Err(problem) = parsed.asked.clone()
-        {
-            self.refuse(&parsed.of_nobody(), &problem, publisher);
+        let wrong = || parsed.asked.as_ref().err().filter(|_| publisher.is_viewer()).cloned();
+        let forbidden = publisher.may(parsed.need()).err().map(|refused| Problem::refused(&refused)).or_else(wrong);
+        if let Some(problem) = forbidden {
+            self.refuse(&parsed.unexplained(), &problem, publisher);
             return Taken::Forbidden;
         }
         if let Some(again) = parsed.goes_on.then(|| to_retake(&self.handle.snapshot())).flatten() {

@@ -160,7 +160,7 @@ impl ParsedCommand {
     }
 
     /// The same of somebody who may not give it: to others nothing is told of it on the old topics.
-    pub(super) fn of_nobody(self) -> ParsedCommand {
+    pub(super) fn unexplained(self) -> ParsedCommand {
         ParsedCommand { reply: Reply { explained: None, ..self.reply }, ..self }
     }
 
