@@ -37,6 +37,7 @@ pub mod engine;
 pub mod event;
 pub mod mission;
 pub mod refused;
+pub mod retrieval;
 pub mod rng;
 pub mod robots;
 pub mod search;

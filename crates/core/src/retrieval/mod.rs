@@ -1,0 +1,10 @@
+//! The pair that fetches a piece: what its two robots can do and say, where they can be, and the ways they find.
+//! Who may move when, and what is on record of it, is the engine's business.
+
+pub mod arm;
+pub mod place;
+pub mod view;
+
+pub use self::arm::{ArmAction, ArmState, Controllers, Gripper, Parcel};
+pub use self::place::Place;
+pub use self::view::{BasePose, BaseView, Proposal, Saying, View, Which};
