@@ -56,8 +56,14 @@ struct Wheels {
 
 impl Wheels {
     async fn run(mut self) {
-        let mut report =
-            RobotEvent::LinkUp(Capabilities { step: STEP, turn: STEP, photo: STEP, nudges: false, parts: Parts::ROUND_ROBOT });
+        let mut report = RobotEvent::LinkUp(Capabilities {
+            step: STEP,
+            turn: STEP,
+            photo: STEP,
+            arm: Duration::ZERO,
+            nudges: false,
+            parts: Parts::ROUND_ROBOT,
+        });
         while self.side.reports.send(report).await.is_ok() {
             report = tokio::select! {
                 biased;

@@ -92,7 +92,8 @@ async fn start((handle, task, robot): (Handle, Task, RobotSide)) -> (Handle, Rob
     let (course, coursed) = watch::channel(Course::default());
     tokio::spawn(task.run(coursed));
     let second = Duration::from_secs(1);
-    let can = Capabilities { step: second, turn: second, photo: second, nudges: false, parts: Parts::ROUND_ROBOT };
+    let can =
+        Capabilities { step: second, turn: second, photo: second, arm: Duration::ZERO, nudges: false, parts: Parts::ROUND_ROBOT };
     robot.reports.send(RobotEvent::LinkUp(can)).await.unwrap();
     (handle, robot, course)
 }
@@ -156,7 +157,8 @@ async fn a_start_that_crosses_a_stop_begins_nothing_after_the_stop_was_answered(
 async fn a_stop_between_an_order_and_its_sending_holds_the_robot() {
     let (handle, mut task, mut robot) = task();
     let second = Duration::from_secs(1);
-    let can = Capabilities { step: second, turn: second, photo: second, nudges: false, parts: Parts::ROUND_ROBOT };
+    let can =
+        Capabilities { step: second, turn: second, photo: second, arm: Duration::ZERO, nudges: false, parts: Parts::ROUND_ROBOT };
     task.engine.handle_event(Event::Robot(RobotId::discovery(), RobotEvent::LinkUp(can)), task.clock.now());
     task.settle();
     let start = task.engine.handle_command(request(Command::Start), task.clock.now());
@@ -258,8 +260,14 @@ async fn a_robot_and_a_disk_that_do_not_obey_cost_the_answer_a_tenth_of_a_second
     let (handle, mut task, mut robot) = task();
     handle.halter().note(Some(Epoch(0)));
     let second = Duration::from_secs(1);
-    let up =
-        RobotEvent::LinkUp(Capabilities { step: second, turn: second, photo: second, nudges: false, parts: Parts::ROUND_ROBOT });
+    let up = RobotEvent::LinkUp(Capabilities {
+        step: second,
+        turn: second,
+        photo: second,
+        arm: Duration::ZERO,
+        nudges: false,
+        parts: Parts::ROUND_ROBOT,
+    });
     task.engine.handle_event(Event::Robot(RobotId::discovery(), up), task.clock.now());
     let (handle, _close) = {
         let (course, coursed) = watch::channel(Course::default());

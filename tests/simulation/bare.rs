@@ -84,7 +84,14 @@ impl Bare {
 
     pub(crate) fn link_up(&mut self) {
         let second = Duration::from_secs(1);
-        let can = Capabilities { step: second, turn: second, photo: second, nudges: false, parts: Parts::ROUND_ROBOT };
+        let can = Capabilities {
+            step: second,
+            turn: second,
+            photo: second,
+            arm: Duration::ZERO,
+            nudges: false,
+            parts: Parts::ROUND_ROBOT,
+        };
         self.robot(RobotEvent::LinkUp(can));
     }
 

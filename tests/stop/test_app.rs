@@ -106,7 +106,8 @@ struct Wheels {
 
 impl Wheels {
     async fn run(mut self) {
-        let can = Capabilities { step: STEP, turn: STEP, photo: STEP, nudges: false, parts: Parts::ROUND_ROBOT };
+        let can =
+            Capabilities { step: STEP, turn: STEP, photo: STEP, arm: Duration::ZERO, nudges: false, parts: Parts::ROUND_ROBOT };
         let mut report = RobotEvent::LinkUp(can);
         while self.side.reports.send(report).await.is_ok() {
             report = tokio::select! {

@@ -7,6 +7,8 @@ use std::time::Duration;
 use super::command::{Accepted, CommandId, Issuer, Move, Refusal, Refused, Verdict};
 use super::event::{Photo, RobotId};
 use super::mission::{Goal, Hold, Input, Phase};
+use super::retrieval::ArmAction;
+use super::robots::Part;
 use super::search::{Search, Strategy};
 use super::state::PersistentState;
 use super::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, OrderId, Pose, Seq, Ticket, WallTime};
@@ -28,7 +30,7 @@ pub enum Effect {
     Answer(Ticket, Result<Accepted, Refused>),
 }
 
-/// One bounded thing for a robot to do: at most one cell, one quarter turn or one photo.
+/// One bounded thing for a robot to do: at most one cell, one quarter turn, one photo or one movement of its arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Order {
     /// Its number, by which the robot answers.
@@ -50,13 +52,42 @@ pub enum Action {
     Recentre,
     /// Take a photo of what is ahead, with this written on it.
     Photograph(Stamp),
+    /// One place further in, on the way from before the entrance to home. The heading stays.
+    Enter,
+    /// One place further out, from home or on the way from there. The heading stays.
+    Leave,
+    /// Something that the arm does.
+    Arm(ArmAction),
 }
 
 impl Action {
-    /// Whether the robot moves while it does this.
+    /// Whether the robot, or its arm, moves while it does this.
     #[must_use]
     pub const fn is_motion(self) -> bool {
-        matches!(self, Action::Move(_) | Action::Recentre)
+        match self {
+            Action::Move(_) | Action::Recentre | Action::Enter | Action::Leave => true,
+            Action::Photograph(_) => false,
+            Action::Arm(action) => action.is_motion(),
+        }
+    }
+
+    /// Whether the robot may leave its place while it does this.
+    #[must_use]
+    pub const fn moves_base(self) -> bool {
+        matches!(self, Action::Move(_) | Action::Recentre | Action::Enter | Action::Leave)
+    }
+
+    /// What a robot must have for it.
+    #[must_use]
+    pub const fn part(self) -> Part {
+        match self {
+            Action::Move(_) | Action::Recentre | Action::Enter | Action::Leave | Action::Arm(ArmAction::HoldDistance) => {
+                Part::Base
+            }
+            Action::Photograph(_) | Action::Arm(ArmAction::FindParcel(_)) => Part::Camera,
+            Action::Arm(ArmAction::AlignEndEffector(_) | ArmAction::HoldAngle | ArmAction::Lift | ArmAction::Lower) => Part::Arm,
+            Action::Arm(ArmAction::CloseGripper | ArmAction::HoldForce | ArmAction::Release) => Part::Gripper,
+        }
     }
 }
 

@@ -4,8 +4,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::retrieval::{ArmState, Parcel};
 pub use super::robots::{Parts, RobotId};
-use super::units::{Celsius, OrderId, Pose, Seq};
+use super::units::{Celsius, Heading, OrderId, Pose, Seq};
 
 /// Something that happened outside the core.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,17 +23,20 @@ pub enum Event {
     StoreRestored,
 }
 
-/// What a robot says. It answers every order with exactly one of `Done`, `Blocked`, `Halted`, `Photo`, `PhotoFailed` or
+/// What a robot says. It answers every order with exactly one of `Done`, `Blocked`, `Halted`, `Photo`, `PhotoFailed`, `Found` or
 /// `Failed`; the others come when they come.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RobotEvent {
     /// Where the robot stands by its own reckoning; a robot that knows says so just before `LinkUp`.
     Stands(Whereabouts),
+    /// The same of a robot that is before the entrance: so many steps from home (`retrieval::Place::Outside`), which way it faces, and
+    /// whether it stands away from there.
+    StandsOutside(u8, Heading, OffCentre),
     /// The link stands (again); what this robot can do.
     LinkUp(Capabilities),
     /// The link is lost; the robot halts by itself. No open order will be answered.
     LinkLost(String),
-    /// A step, turn or recentring is complete.
+    /// A step, turn, recentring or movement of the arm is complete, or a controller at work.
     Done(OrderId),
     /// A step met an obstacle: the robot stands against it, away from the centre of the cell it left, until recentred.
     Blocked(OrderId, Obstacle),
@@ -45,6 +49,13 @@ pub enum RobotEvent {
     PhotoFailed(OrderId, String),
     /// The robot cannot do what was ordered; why.
     Failed(OrderId, String),
+    /// What was seen where a parcel was looked for; `None` when none was recognised.
+    Found(OrderId, Option<Parcel>),
+    /// How its arm is now: at every change of what it holds or does, before the answer to the order that changed it, and every now and
+    /// then while it holds something.
+    Arm(ArmState),
+    /// The parcel has slipped out of the grippers; where it lies now. Both robots of the pair say so.
+    ParcelLost(Parcel),
     /// The front sonar: centimetres to what is ahead, `None` beyond its range.
     Sonar(Option<u16>),
     /// The robot's own thermometer.
@@ -72,6 +83,8 @@ pub struct Capabilities {
     pub turn: Duration,
     /// One photo, transfer included.
     pub photo: Duration,
+    /// The longest movement of its arm; zero when it has none.
+    pub arm: Duration,
     /// Whether it has the small corrective turns.
     pub nudges: bool,
     /// What it has.

@@ -123,7 +123,7 @@ impl Sim {
     #[must_use]
     pub const fn capabilities(&self) -> Capabilities {
         let SimSettings { step, turn, photo, .. } = self.settings;
-        Capabilities { step, turn, photo, nudges: false, parts: Parts::ROUND_ROBOT }
+        Capabilities { step, turn, photo, arm: Duration::ZERO, nudges: false, parts: Parts::ROUND_ROBOT }
     }
 
     /// Begins an order, or answers at once why it cannot.
@@ -137,6 +137,8 @@ impl Sim {
             Action::Move(step) => self.begin_move(order, step),
             Action::Recentre => self.begin_recentring(order),
             Action::Photograph(stamp) => self.begin_photo(order, stamp),
+            Action::Enter | Action::Leave => self.fail(order.id, "it does not know the way out"),
+            Action::Arm(_) => self.fail(order.id, "it has no arm"),
         }
     }
 

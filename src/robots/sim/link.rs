@@ -142,9 +142,15 @@ impl Link {
     }
 
     fn in_real_time(&self, simulated: Capabilities) -> Capabilities {
-        let Capabilities { step, turn, photo, .. } = simulated;
+        let Capabilities { step, turn, photo, arm, .. } = simulated;
         let photo = self.speed.to_real(photo) + DEVELOPING;
-        Capabilities { step: self.speed.to_real(step), turn: self.speed.to_real(turn), photo, ..simulated }
+        Capabilities {
+            step: self.speed.to_real(step),
+            turn: self.speed.to_real(turn),
+            photo,
+            arm: self.speed.to_real(arm),
+            ..simulated
+        }
     }
 
     fn led(&mut self) {

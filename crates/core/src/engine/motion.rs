@@ -93,7 +93,7 @@ impl Engine {
         if known.off_centre && action != Action::Recentre {
             return Err(Barred::OffCentre);
         }
-        let part = if action.is_motion() { Part::Base } else { Part::Camera };
+        let part = action.part();
         if !known.controller.capabilities.is_some_and(|can| can.parts.has(part)) {
             return Err(Barred::NotCapable(part));
         }

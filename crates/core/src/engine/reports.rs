@@ -22,6 +22,8 @@ impl Engine {
         }
         match report {
             RobotEvent::Stands(whereabouts) => self.stands(robot, whereabouts),
+            RobotEvent::StandsOutside(..) | RobotEvent::Arm(_) | RobotEvent::ParcelLost(_) => {}
+            RobotEvent::Found(id, _) => drop(self.close(robot, id)),
             RobotEvent::LinkUp(can) => self.link_up(robot, can),
             RobotEvent::LinkLost(words) => self.link_lost(robot, words),
             RobotEvent::Done(id) => self.done(robot, id),
@@ -133,8 +135,8 @@ impl Engine {
         let Some(order) = self.close(robot, id) else { return };
         match order.action {
             Action::Move(step) => self.moved(robot, step),
-            Action::Recentre => self.set_off_centre(robot, false),
-            Action::Photograph(_) => {}
+            Action::Recentre | Action::Enter | Action::Leave => self.set_off_centre(robot, false),
+            Action::Photograph(_) | Action::Arm(_) => {}
         }
         if self.searches(robot) {
             self.feed(Input::Done, &InputContext::default());
@@ -241,10 +243,12 @@ impl Engine {
 
     fn failed(&mut self, robot: &RobotId, id: OrderId, words: String) {
         let Some(order) = self.close(robot, id) else { return };
-        if !order.action.is_motion() {
+        if matches!(order.action, Action::Photograph(_)) {
             return self.say_photo_failed(robot, words);
         }
-        self.set_off_centre(robot, true);
+        if order.action.moves_base() {
+            self.set_off_centre(robot, true);
+        }
         if self.searches(robot) {
             self.robot_failed(words);
         } else {
@@ -268,10 +272,12 @@ impl Engine {
     pub(super) fn order_unanswered(&mut self, robot: &RobotId) {
         let Some(order) = self.robots.get_mut(robot).and_then(|robot| robot.controller.give_up()) else { return };
         self.world.touch(Resource::Robot);
-        if !order.action.is_motion() {
+        if matches!(order.action, Action::Photograph(_)) {
             return self.say_photo_failed(robot, "the camera did not answer in time".to_owned());
         }
-        self.set_off_centre(robot, true);
+        if order.action.moves_base() {
+            self.set_off_centre(robot, true);
+        }
         self.send_halt_to(robot);
         if self.searches(robot) {
             self.feed(Input::Unanswered, &InputContext { fault: Some(FaultCause::Unanswered), ..InputContext::default() });

@@ -42,7 +42,8 @@ fn phase(name: PhaseName) -> Phase {
 fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
     let mut engine = Engine::new(Settings::default(), Strategy::Snail, "test".into());
     let quick = Duration::from_millis(1);
-    let can = Capabilities { step: quick, turn: quick, photo: quick, nudges: false, parts: Parts::ROUND_ROBOT };
+    let can =
+        Capabilities { step: quick, turn: quick, photo: quick, arm: Duration::ZERO, nudges: false, parts: Parts::ROUND_ROBOT };
     engine.handle_event(Event::Robot(RobotId::discovery(), RobotEvent::LinkUp(can)), now(0));
     engine.state.pose.cell = Cell::new(0, 1);
     engine.mark(Cell::new(0, 1), crate::world::hall_map::Mark::Visited);

@@ -1,7 +1,12 @@
-//! The retrieval of a dangerous piece by a pair of mobile manipulators: where they can be and which ways they have.
+//! The pair that fetches a piece: what its two robots can do and say, where they can be, and the ways they find.
+//! Who may move when, and what is on record of it, is the engine's business.
 
-mod place;
-mod way;
+pub mod arm;
+pub mod place;
+pub mod view;
+pub mod way;
 
+pub use self::arm::{ArmAction, ArmState, Controllers, Gripper, Parcel};
 pub use self::place::Place;
+pub use self::view::{BasePose, BaseView, Proposal, Saying, View, Which};
 pub use self::way::{Floor, Stands, Train};

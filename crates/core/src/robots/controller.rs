@@ -118,6 +118,10 @@ impl RobotController {
         match self.open.map(|open| open.order.action) {
             None => RobotState::Stopped,
             Some(Action::Photograph(_)) => RobotState::TakingPhoto,
+            // Its base stands; what the arm does is shown of the arm.
+            Some(Action::Arm(_)) => RobotState::Stopped,
+            Some(Action::Enter) => RobotState::MovingForward,
+            Some(Action::Leave) => RobotState::MovingBackward,
             Some(Action::Recentre) => self.way_back.unwrap_or(RobotState::MovingBackward),
             Some(Action::Move(step)) => doing(step),
         }
@@ -130,6 +134,8 @@ impl RobotController {
             Action::Move(Move::TurnLeft | Move::TurnRight | Move::NudgeLeft | Move::NudgeRight) => can.turn,
             Action::Recentre => can.step.max(can.turn),
             Action::Photograph(_) => can.photo,
+            Action::Enter | Action::Leave => can.step,
+            Action::Arm(_) => can.arm,
         });
         nominal.saturating_mul(3).saturating_add(Duration::from_secs(1))
     }

@@ -32,6 +32,9 @@ impl Parts {
     /// A round robot that searches: it drives, sees, measures and blinks.
     pub const ROUND_ROBOT: Parts = Parts::of(&[Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Thermometer, Part::Bump]);
 
+    /// A robot that fetches: it drives, sees, reaches out and takes hold.
+    pub const MANIPULATOR: Parts = Parts::of(&[Part::Base, Part::Camera, Part::Bump, Part::Arm, Part::Gripper]);
+
     /// These.
     #[must_use]
     pub const fn of(parts: &[Part]) -> Parts {

@@ -190,6 +190,7 @@ async fn a_command_that_comes_again_under_its_name_acts_once_and_is_answered_as_
             step: second,
             turn: second,
             photo: second,
+            arm: Duration::ZERO,
             nudges: false,
             parts: Parts::ROUND_ROBOT,
         }))

@@ -1,0 +1,115 @@
+//! What an arm is told and what it says of itself. How it is done, and how well it holds, is the robot's business.
+//!
+//! Quantities are whole numbers of small units, so that what is written down is read back exactly.
+
+use super::place::Place;
+use crate::event::Piece;
+
+/// One bounded thing for an arm, or for the camera on it, to do. The controllers are started, which takes no time, and go on by
+/// themselves, under a halt too, until the parcel is released.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArmAction {
+    /// Look for a parcel at this place, or near it. It is answered by `RobotEvent::Found`.
+    FindParcel(Place),
+    /// Bring the gripper to the parcel at this place, which is beside the base.
+    AlignEndEffector(Place),
+    /// Take hold of the parcel at which the gripper is.
+    CloseGripper,
+    /// Begin to hold the gripping force.
+    HoldForce,
+    /// Begin to hold the angle of the paddle.
+    HoldAngle,
+    /// Begin to hold the distance to the other base.
+    HoldDistance,
+    /// Lift the parcel, together with the other arm.
+    Lift,
+    /// Put the parcel down, together with the other arm.
+    Lower,
+    /// Let go of a parcel that stands on the floor.
+    Release,
+}
+
+impl ArmAction {
+    /// The fixed word for it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            ArmAction::FindParcel(_) => "findParcel",
+            ArmAction::AlignEndEffector(_) => "alignEndEffector",
+            ArmAction::CloseGripper => "closeGripper",
+            ArmAction::HoldForce => "holdForce",
+            ArmAction::HoldAngle => "holdAngle",
+            ArmAction::HoldDistance => "holdDistance",
+            ArmAction::Lift => "lift",
+            ArmAction::Lower => "lower",
+            ArmAction::Release => "release",
+        }
+    }
+
+    /// Whether the arm moves while it does this.
+    #[must_use]
+    pub const fn is_motion(self) -> bool {
+        match self {
+            ArmAction::AlignEndEffector(_)
+            | ArmAction::CloseGripper
+            | ArmAction::Lift
+            | ArmAction::Lower
+            | ArmAction::Release => true,
+            ArmAction::FindParcel(_) | ArmAction::HoldForce | ArmAction::HoldAngle | ArmAction::HoldDistance => false,
+        }
+    }
+}
+
+named! {
+    by name;
+    /// What a gripper does.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum Gripper {
+        /// It is open.
+        #[default]
+        Open = "open",
+        /// It is closed, round a parcel or round nothing.
+        Closed = "closed",
+    }
+}
+
+/// A piece, and the place where it lies, or over which it is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parcel {
+    /// Which.
+    pub piece: Piece,
+    /// Where: of a piece that covers several cells, the one by which it is lifted.
+    pub place: Place,
+}
+
+/// Which controllers of an arm, and of its base, are at work.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Controllers {
+    /// The gripping force is held.
+    pub force: bool,
+    /// The angle of the paddle is held.
+    pub angle: bool,
+    /// The distance to the other base is held.
+    pub distance: bool,
+}
+
+/// An arm as its robot says it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ArmState {
+    /// Open or closed.
+    pub gripper: Gripper,
+    /// The parcel at which the gripper is, not necessarily closed.
+    pub aligned: Option<Place>,
+    /// The parcel that is held: both grippers are closed round it.
+    pub holds: Option<Parcel>,
+    /// Whether the parcel is off the floor, all the way up.
+    pub lifted: bool,
+    /// Which controllers are at work.
+    pub controllers: Controllers,
+    /// The gripping force, in millinewtons; 0 when nothing is held.
+    pub force_mn: i32,
+    /// How far the paddle is from upright, in microradians.
+    pub angle_urad: i32,
+    /// How much further than wanted the bases are apart, in micrometres.
+    pub gap_um: i32,
+}

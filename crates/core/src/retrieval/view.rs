@@ -1,0 +1,146 @@
+//! What the leaves of the trees look at, and what they come to: proposals to the two robots, and calls to the operator. A proposal moves
+//! nothing: whoever ticks the trees lets it through a gate, or not, and it is made again at the next tick as long as it is wanted.
+
+use std::collections::BTreeSet;
+
+use super::arm::{ArmAction, ArmState};
+use super::place::Place;
+use crate::effect::Action;
+use crate::units::{Cell, Heading};
+use crate::world::hall_map::HallMap;
+
+named! {
+    ALL by name;
+    /// One of the two robots, by the names of the seed.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum Which {
+        /// The one that leads the way.
+        Srm1 = "SRM1",
+        /// The one that comes when it is told where to.
+        Srm2 = "SRM2",
+    }
+}
+
+impl Which {
+    /// The other one.
+    #[must_use]
+    pub const fn other(self) -> Which {
+        match self {
+            Which::Srm1 => Which::Srm2,
+            Which::Srm2 => Which::Srm1,
+        }
+    }
+
+    /// Its place in what is kept for both.
+    #[must_use]
+    pub const fn index(self) -> usize {
+        match self {
+            Which::Srm1 => 0,
+            Which::Srm2 => 1,
+        }
+    }
+}
+
+/// Where a base stands and which way it faces, in the hall or before its entrance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BasePose {
+    /// The place that it fills.
+    pub place: Place,
+    /// The way it faces.
+    pub heading: Heading,
+}
+
+/// One of the two robots, as last reported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BaseView {
+    /// Where its last completed order left it.
+    pub stands: BasePose,
+    /// Whether it stands away from there, to be recentred first.
+    pub off_centre: bool,
+    /// Whether it has an order that it has not answered.
+    pub is_busy: bool,
+    /// Orders in a row, of whatever kind, that it answered by `Failed` or not at all; any other answer begins the count anew.
+    pub failures: u32,
+    /// Its arm.
+    pub arm: ArmState,
+}
+
+/// What the leaves know.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// What is known of the floor.
+    pub map: &'a HallMap,
+    /// Whether there is a way out at home.
+    pub way_out: bool,
+    /// Places that somebody else than the two stands in.
+    pub others: &'a [Place],
+    /// The cells of the piece that is to be fetched, as far as is known, while it lies on the floor.
+    pub piece: &'a BTreeSet<Cell>,
+    /// Where the parcel is to be put: the target area, or the container.
+    pub target: Place,
+    /// Both robots, in the order of `Which::ALL`.
+    pub bases: [BaseView; 2],
+    /// Whether a call to the operator has not been acknowledged yet.
+    pub is_calling: bool,
+}
+
+impl View<'_> {
+    /// One of the two robots.
+    #[must_use]
+    pub const fn base(&self, which: Which) -> &BaseView {
+        &self.bases[which.index()]
+    }
+}
+
+/// What a leaf wants a robot to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Proposal {
+    /// Which robot.
+    pub which: Which,
+    /// What: a basic move, a step of the way out, or something of the arm.
+    pub action: Action,
+}
+
+impl Proposal {
+    /// Something for the arm.
+    #[must_use]
+    pub const fn arm(which: Which, action: ArmAction) -> Proposal {
+        Proposal { which, action: Action::Arm(action) }
+    }
+}
+
+named! {
+    ALL by name;
+    /// What the pair says to the operator: an alarm, which is to be acknowledged before the trees go on.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Saying {
+        /// No parcel is recognised where one should be.
+        CallOperator = "callOperator",
+        /// The parcel has slipped out of the grippers.
+        PackageLost = "packageLost",
+    }
+}
+
+impl Saying {
+    /// What it says, in words for the operator.
+    #[must_use]
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Saying::CallOperator => "the pair recognises no parcel: look what stands there, then acknowledge",
+            Saying::PackageLost => "the pair has lost the parcel: look where it lies, then acknowledge and press START",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_of_the_two_is_the_others_other_and_has_a_place_of_its_own() {
+        for (index, which) in Which::ALL.into_iter().enumerate() {
+            assert_eq!((which.index(), which.other().other()), (index, which));
+            assert_ne!(which.other(), which);
+        }
+    }
+}
