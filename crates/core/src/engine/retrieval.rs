@@ -5,13 +5,14 @@ use std::collections::BTreeSet;
 
 use super::Engine;
 use super::motion::Turn;
+use crate::command::Move;
 use crate::effect::{Action, Fact};
 use crate::event::{Piece, RobotId};
 use crate::mission::{FaultCause, Hold, Input, InputContext, Phase};
 use crate::retrieval::{ArmAction, ArmState, BasePose, BaseView, Floor, Gear, Parcel, Place, Which, steer};
 use crate::settings::Fetcher;
 use crate::state::{Retrieval, RetrievalStage};
-use crate::units::{Cell, LuggageId, OrderId};
+use crate::units::{Cell, Heading, LuggageId, OrderId};
 use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
 use crate::world::luggage::Luggage;
@@ -130,7 +131,12 @@ impl Engine {
             self.set_retrieval_stage(RetrievalStage::Fetching);
             return Turn::Again;
         }
-        self.order(Action::Leave)
+        // The entrance is at the back of whoever stands at home as a mission begins.
+        match self.state.pose.heading {
+            Heading::South => self.order(Action::Leave),
+            Heading::East => self.order(Action::Move(Move::TurnRight)),
+            Heading::North | Heading::West => self.order(Action::Move(Move::TurnLeft)),
+        }
     }
 
     /// The robots set down what they hold and go back outside, one after the other.
