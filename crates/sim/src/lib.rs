@@ -22,6 +22,7 @@ mod hall_toml;
 pub mod headless;
 mod memory;
 pub mod page;
+pub mod pair;
 mod recognise;
 mod senses;
 mod settings;

@@ -4,7 +4,9 @@
 pub mod arm;
 pub mod place;
 pub mod view;
+pub mod way;
 
 pub use self::arm::{ArmAction, ArmState, Controllers, Gripper, Parcel};
 pub use self::place::Place;
 pub use self::view::{BasePose, BaseView, Proposal, Saying, View, Which};
+pub use self::way::{Floor, Stands, Train};

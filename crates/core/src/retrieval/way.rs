@@ -1,0 +1,326 @@
+//! Ways for the pair: of one base alone, of both with a parcel between them, and the places from which they lift it. What is done
+//! when there is no way is decided elsewhere, and so is how a base turns.
+//!
+//! ```text
+//!   a train is led by one of its bases; the others follow, each to where the one before it was:
+//!
+//!   . . . . .                    . 1 . . .
+//!   . 1 P 2 .   ─ 1 leads north ►  . P 2 . .
+//! ```
+//!
+//! All searches begin where the way ends, so that one answers for every place to set out from. What is not known is taken to be free,
+//! as discovery does, but a way through known cells is taken before one that is a little shorter; whoever meets an obstacle asks again.
+
+use std::cmp::Reverse;
+use std::collections::{BTreeSet, BinaryHeap};
+
+use super::place::Place;
+use crate::units::Cell;
+use crate::world::hall_map::{Bounds, HallMap, Mark};
+
+/// What a step into a cell of which nothing is known costs, in steps into known ones: a parcel that may explode is carried round what
+/// nobody has seen, unless that is a long way.
+const UNKNOWN: u32 = 5;
+
+/// How far beyond the known ways may lead: round any corner of what is known there is room for a train to turn.
+const MARGIN: i32 = 4;
+
+/// The floor as the pair sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Floor<'a> {
+    /// What is known of the hall.
+    pub map: &'a HallMap,
+    /// Whether there is a way out at home.
+    pub way_out: bool,
+    /// Cells that are free once the piece is lifted: its own.
+    pub freed: &'a BTreeSet<Cell>,
+    /// Places that somebody else stands in.
+    pub taken: &'a [Place],
+}
+
+/// Two bases and the parcel they hold between them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Train {
+    /// Of SRM1 and of SRM2: each beside the parcel, and not in the same place.
+    pub bases: [Place; 2],
+    /// Between them.
+    pub parcel: Place,
+}
+
+impl Train {
+    /// After a step of one base into a place, the others following.
+    fn step(self, leader: usize, to: Place) -> Train {
+        let mut bases = [self.parcel; 2];
+        bases[leader] = to;
+        Train { bases, parcel: self.bases[leader] }
+    }
+
+    /// The base that leads from this train to the next one, and where it goes.
+    #[must_use]
+    pub fn leader(self, next: Train) -> (usize, Place) {
+        let leader = usize::from(next.bases[1] != self.parcel);
+        (leader, next.bases[leader])
+    }
+}
+
+/// From where a piece is lifted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stands {
+    /// The cell of the piece that both stand beside, and over which it is carried.
+    pub grip: Cell,
+    /// The cells of SRM1, which goes there first, and of SRM2.
+    pub bases: [Cell; 2],
+}
+
+impl Floor<'_> {
+    /// The places that a base passes from `from` to `to`, the first left out and the last included; `None` when there is no way.
+    #[must_use]
+    pub fn approach(&self, from: Place, to: Place) -> Option<Vec<Place>> {
+        if from == to {
+            return Some(Vec::new());
+        }
+        self.cost(to)?;
+        let area = self.area([from, to]);
+        let next = |here| self.next_places(area, here).map(|place| (place, self.cost(place).unwrap_or(1))).collect();
+        self.costs_of_a_base(area, to).way(area, from, |place| place == to, next)
+    }
+
+    /// From where to lift a piece of these cells, so that SRM1 from its place, and then SRM2 from its own, can come there, and both can
+    /// carry it to `drop`; the least way of all. `None` when the piece cannot be fetched, as far as is known.
+    #[must_use]
+    pub fn stands(&self, bases: [Place; 2], piece: &BTreeSet<Cell>, drop: Place) -> Option<Stands> {
+        let area = self.area(bases.into_iter().chain([drop]).chain(piece.iter().copied().map(Place::Cell)));
+        let carrying = self.costs_of_a_train(area, drop);
+        // What the piece stands on is free for the train alone.
+        let standing = Floor { freed: &BTreeSet::new(), ..*self };
+        let taken = self.taken_too(bases[1]);
+        let first = Floor { taken: &taken, ..standing }.costs_of_a_base(area, bases[0]);
+        let mut best: Option<(u32, Stands)> = None;
+        for train in trains(piece).filter(|train| train.bases.iter().all(|base| standing.cost(*base).is_some())) {
+            let (Some(approach), Some(way)) = (first.at(area, train.bases[0]), carrying.at(area, train)) else { continue };
+            let sofar = approach.saturating_add(way);
+            if best.is_some_and(|(least, _)| sofar >= least) {
+                continue;
+            }
+            let taken = self.taken_too(train.bases[0]);
+            let Some(second) = (Floor { taken: &taken, ..standing }).approach(bases[1], train.bases[1]) else { continue };
+            let whole = sofar.saturating_add(u32::try_from(second.len()).unwrap_or(u32::MAX));
+            let cells = [train.parcel, train.bases[0], train.bases[1]].map(Place::cell);
+            if let [Some(grip), Some(one), Some(two)] = cells
+                && best.is_none_or(|(least, _)| whole < least)
+            {
+                best = Some((whole, Stands { grip, bases: [one, two] }));
+            }
+        }
+        best.map(|(_, stands)| stands)
+    }
+
+    /// The trains from this one to one whose parcel is at `drop`, the first left out; `None` when there is no way.
+    #[must_use]
+    pub fn carry(&self, train: Train, drop: Place) -> Option<Vec<Train>> {
+        let area = self.area(train.bases.into_iter().chain([train.parcel, drop]));
+        let next = |here: Train| {
+            let entered = |next: Train| self.cost(here.leader(next).1).unwrap_or(1);
+            self.next_trains(area, here).map(|next| (next, entered(next))).collect()
+        };
+        self.costs_of_a_train(area, drop).way(area, train, |train| train.parcel == drop, next)
+    }
+
+    fn taken_too(&self, place: Place) -> Vec<Place> {
+        let in_hall = place.cell().map(Place::Cell);
+        self.taken.iter().copied().chain(in_hall).collect()
+    }
+
+    /// Everything known and all that is asked about, with a margin.
+    fn area(&self, places: impl IntoIterator<Item = Place>) -> Bounds {
+        let cells = places.into_iter().filter_map(Place::cell);
+        cells.fold(self.map.known_bounds().including(Cell::HOME), Bounds::including).grown(MARGIN)
+    }
+
+    /// What it costs to enter a place; `None` where nobody can.
+    fn cost(&self, place: Place) -> Option<u32> {
+        let Place::Cell(cell) = place else { return self.way_out.then_some(1) };
+        if self.taken.contains(&place) {
+            return None;
+        }
+        match self.map.at(cell) {
+            _ if self.freed.contains(&cell) => Some(1),
+            Mark::Visited => Some(1),
+            Mark::Unknown => Some(UNKNOWN),
+            Mark::Wall | Mark::Luggage | Mark::NotInspected => None,
+        }
+    }
+
+    fn next_places(&self, area: Bounds, place: Place) -> impl Iterator<Item = Place> {
+        let inside = move |next: &Place| next.cell().is_none_or(|cell| area.contains(cell));
+        place.neighbours(self.way_out).filter(inside).filter(|next| self.cost(*next).is_some())
+    }
+
+    /// The trains one step on, whichever base leads. None goes into itself, not even where its last place becomes free just then.
+    fn next_trains(&self, area: Bounds, train: Train) -> impl Iterator<Item = Train> {
+        let clear = move |to: &Place| *to != train.parcel && !train.bases.contains(to);
+        [0, 1].into_iter().flat_map(move |leader| {
+            self.next_places(area, train.bases[leader]).filter(clear).map(move |to| train.step(leader, to))
+        })
+    }
+
+    fn costs_of_a_base(&self, area: Bounds, to: Place) -> Costs {
+        Costs::search(area, [to], |here| {
+            let entered = self.cost(here).unwrap_or(1);
+            self.next_places(area, here).map(|place| (place, entered)).collect()
+        })
+    }
+
+    /// A train can take back every step, so what leads away from `drop` leads there.
+    fn costs_of_a_train(&self, area: Bounds, drop: Place) -> Costs {
+        let free = |place: &Place| self.cost(*place).is_some();
+        let beside: Vec<Place> = drop.neighbours(self.way_out).filter(free).collect();
+        let pairs = beside.iter().flat_map(|one| beside.iter().map(move |two| [*one, *two])).filter(|[one, two]| one != two);
+        let begin = pairs.filter(|_| free(&drop)).map(|bases| Train { bases, parcel: drop });
+        Costs::search(area, begin, |here: Train| {
+            self.next_trains(area, here).map(|train| (train, self.cost(train.leader(here).1).unwrap_or(1))).collect()
+        })
+    }
+}
+
+/// All ways to stand beside a piece.
+fn trains(piece: &BTreeSet<Cell>) -> impl Iterator<Item = Train> {
+    piece.iter().flat_map(move |grip| {
+        let beside = move || grip.neighbours().into_iter().filter(|cell| !piece.contains(cell)).map(Place::Cell);
+        let pairs = beside().flat_map(move |one| beside().map(move |two| [one, two])).filter(|[one, two]| one != two);
+        pairs.map(|bases| Train { bases, parcel: Place::Cell(*grip) })
+    })
+}
+
+/// What the searches look for, and the number by which an area knows it.
+trait Node: Copy {
+    /// How many there are for each place.
+    const SHARE: usize;
+    fn number(self, area: Bounds) -> usize;
+    fn of_number(number: usize, area: Bounds) -> Self;
+}
+
+const OUTSIDE: usize = Place::FURTHEST as usize;
+
+/// The places outside come first, then the cells row by row.
+impl Node for Place {
+    const SHARE: usize = 1;
+
+    fn number(self, area: Bounds) -> usize {
+        match self {
+            Place::Outside(steps) => usize::from(steps.clamp(1, Place::FURTHEST)) - 1,
+            Place::Cell(cell) => {
+                let row = i64::from(cell.y - area.least.y) * i64::from(area.width());
+                OUTSIDE + usize::try_from(row + i64::from(cell.x - area.least.x)).expect("the area holds the cell")
+            }
+        }
+    }
+
+    fn of_number(number: usize, area: Bounds) -> Place {
+        let whole = i64::try_from(number).expect("an area has fewer cells than that");
+        match whole - i64::from(Place::FURTHEST) {
+            cell @ 0.. => {
+                let width = i64::from(area.width());
+                let narrow = |number: i64| i32::try_from(number).expect("a side of an area is an i32");
+                Place::Cell(Cell::new(area.least.x + narrow(cell % width), area.least.y + narrow(cell / width)))
+            }
+            _ => Place::Outside(u8::try_from(number + 1).expect("the few places outside come first")),
+        }
+    }
+}
+
+/// Ways to stand beside a parcel: the four headings, further out, and further in.
+const SIDES: usize = 6;
+const OUTWARDS: usize = 4;
+const INWARDS: usize = 5;
+
+impl Node for Train {
+    const SHARE: usize = SIDES * SIDES;
+
+    fn number(self, area: Bounds) -> usize {
+        let [one, two] = self.bases.map(|base| side(self.parcel, base));
+        (self.parcel.number(area) * SIDES + one) * SIDES + two
+    }
+
+    fn of_number(number: usize, area: Bounds) -> Train {
+        let parcel = Place::of_number(number / Train::SHARE, area);
+        let bases = [number / SIDES % SIDES, number % SIDES].map(|side| at_side(parcel, side));
+        Train { bases, parcel }
+    }
+}
+
+/// On which side of a place another beside it is.
+fn side(of: Place, other: Place) -> usize {
+    match (of, other) {
+        (Place::Cell(of), Place::Cell(other)) => of.neighbours().iter().position(|cell| *cell == other).unwrap_or(0),
+        (Place::Cell(_), Place::Outside(_)) => OUTWARDS,
+        (Place::Outside(of), Place::Outside(other)) if other > of => OUTWARDS,
+        (Place::Outside(_), Place::Cell(_) | Place::Outside(_)) => INWARDS,
+    }
+}
+
+fn at_side(of: Place, side: usize) -> Place {
+    match of {
+        Place::Cell(cell) => cell.neighbours().get(side).map_or(Place::ENTRANCE, |cell| Place::Cell(*cell)),
+        Place::Outside(steps) if side == OUTWARDS => Place::Outside(steps + 1),
+        Place::Outside(1) => Place::Cell(Cell::HOME),
+        Place::Outside(steps) => Place::Outside(steps.saturating_sub(1)),
+    }
+}
+
+/// What it costs at least from every place, or every train, of an area to where a search began.
+struct Costs(Vec<u32>);
+
+impl Costs {
+    const NONE: u32 = u32::MAX;
+
+    fn search<N: Node>(area: Bounds, begin: impl IntoIterator<Item = N>, next: impl Fn(N) -> Vec<(N, u32)>) -> Costs {
+        let cells = i64::from(area.width()) * i64::from(area.height());
+        let places = usize::try_from(cells).expect("an area has a positive size") + OUTSIDE;
+        let mut costs = vec![Costs::NONE; places * N::SHARE];
+        let mut open = BinaryHeap::new();
+        for node in begin {
+            costs[node.number(area)] = 0;
+            open.push(Reverse((0, node.number(area))));
+        }
+        while let Some(Reverse((cost, number))) = open.pop() {
+            if costs[number] != cost {
+                continue;
+            }
+            for (node, step) in next(N::of_number(number, area)) {
+                let (whole, known) = (cost.saturating_add(step), &mut costs[node.number(area)]);
+                if whole < *known {
+                    *known = whole;
+                    open.push(Reverse((whole, node.number(area))));
+                }
+            }
+        }
+        Costs(costs)
+    }
+
+    fn at<N: Node>(&self, area: Bounds, node: N) -> Option<u32> {
+        self.0.get(node.number(area)).copied().filter(|cost| *cost != Costs::NONE)
+    }
+
+    /// From `from` to an end of the search, always to what costs least with the step there.
+    fn way<N: Node>(
+        &self,
+        area: Bounds,
+        from: N,
+        is_end: impl Fn(N) -> bool,
+        next: impl Fn(N) -> Vec<(N, u32)>,
+    ) -> Option<Vec<N>> {
+        let (mut way, mut here) = (Vec::new(), from);
+        self.at(area, from)?;
+        while !is_end(here) {
+            let rest = |node: N, step: u32| self.at(area, node).map_or(Costs::NONE, |rest| rest.saturating_add(step));
+            (here, _) = next(here).into_iter().min_by_key(|(node, step)| rest(*node, *step))?;
+            way.push(here);
+        }
+        Some(way)
+    }
+}
+
+#[cfg(test)]
+#[path = "way_tests.rs"]
+mod tests;
