@@ -3,10 +3,12 @@
 
 pub mod arm;
 pub mod place;
+pub mod steer;
 pub mod view;
 pub mod way;
 
 pub use self::arm::{ArmAction, ArmState, Controllers, Gripper, Parcel};
 pub use self::place::Place;
+pub use self::steer::{Gear, steer};
 pub use self::view::{BasePose, BaseView, Proposal, Saying, View, Which};
 pub use self::way::{Floor, Stands, Train};
