@@ -162,6 +162,7 @@ impl Pair {
         ArmState {
             holds: Some(grip.parcel),
             lifted: grip.height >= 1.0,
+            on_floor: !grip.is_loaded(),
             force_mn: thousandths(FORCE_N + grip.force.error),
             angle_urad: millionths(grip.angle.error),
             gap_um: millionths(grip.gap.error),
