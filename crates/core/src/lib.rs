@@ -31,6 +31,7 @@ macro_rules! named {
     };
 }
 
+pub mod behaviour;
 pub mod command;
 pub mod effect;
 pub mod engine;

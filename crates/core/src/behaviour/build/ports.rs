@@ -1,0 +1,262 @@
+//! What is bound to the ports of a node, and the scripts round it.
+
+use super::{Builder, to_u32};
+use crate::behaviour::document::{Attribute, Element, Form, Model};
+use crate::behaviour::error::{Reason, TreeError};
+use crate::behaviour::kind::{BuiltIn, BuiltInPort, Needed, Written};
+use crate::behaviour::leaf::{Binding, Direction, Port};
+use crate::behaviour::script::Script;
+use crate::behaviour::status::Status;
+use crate::behaviour::tree::{Conditions, Kind};
+use crate::behaviour::value::{Value, ValueType};
+
+/// The conditions of a node, by their attributes.
+const CONDITIONS: [&str; 8] = ["_failureIf", "_successIf", "_skipIf", "_while", "_onSuccess", "_onFailure", "_onHalted", "_post"];
+
+/// The most parties of a barrier: each has an entry, and is looked at in every tick.
+const MOST_PARTIES: usize = 16;
+
+impl<'a> Builder<'a> {
+    pub(super) fn bind(&mut self, element: &'a Element, kind: Kind, scope: usize, node: u32) -> Result<(), TreeError> {
+        match kind {
+            // What its attributes mean is settled by `enter`.
+            Kind::BuiltIn(BuiltIn::SubTree) => Ok(()),
+            Kind::BuiltIn(kind) => {
+                for attribute in given(element) {
+                    if !kind.ports().iter().any(|port| port.name == attribute.name) {
+                        return Err(unknown_port(element, attribute));
+                    }
+                }
+                if kind == BuiltIn::Sync {
+                    return self.bind_barrier(element, kind);
+                }
+                for port in kind.ports() {
+                    let binding = self.built_in_port(element, port, scope, node)?;
+                    self.shape.bindings.push(binding);
+                }
+                Ok(())
+            }
+            Kind::Leaf(place) => {
+                let ports = &self.catalogue.kinds()[place].ports;
+                if let Some(attribute) = given(element).find(|attribute| !ports.iter().any(|port| port.name == attribute.name)) {
+                    return Err(unknown_port(element, attribute));
+                }
+                for port in ports {
+                    let binding = self.leaf_port(element, port, scope)?;
+                    self.shape.bindings.push(binding);
+                }
+                Ok(())
+            }
+        }
+    }
+
+    fn leaf_port(&mut self, element: &Element, port: &Port, scope: usize) -> Result<Binding, TreeError> {
+        let attribute = element.attribute(&port.name);
+        let place = attribute.map_or(element.place, |attribute| attribute.place);
+        let Some(text) = attribute.map(|attribute| attribute.value.as_str()).or(port.default.as_deref()) else {
+            return Ok(Binding::Unset);
+        };
+        if let Some(name) = pointer(&port.name, text) {
+            let slot = self.scopes.declare(scope, name, port.ty, self.blackboard);
+            return slot.map(Binding::Slot).map_err(|unfit| TreeError::at(place, unfit.into()));
+        }
+        if port.direction == Direction::Out {
+            return Err(TreeError::at(place, Reason::LiteralOutput(port.name.to_string())));
+        }
+        match Value::parse(text, port.ty) {
+            Some(value) => Ok(Binding::Literal(value)),
+            None => {
+                let reason = Reason::Literal { port: port.name.to_string(), ty: port.ty, value: text.to_owned() };
+                Err(TreeError::at(place, reason))
+            }
+        }
+    }
+
+    fn built_in_port(&mut self, element: &Element, port: &BuiltInPort, scope: usize, node: u32) -> Result<Binding, TreeError> {
+        let attribute = element.attribute(port.name);
+        let place = attribute.map_or(element.place, |attribute| attribute.place);
+        let refuse = |reason| TreeError::at(place, reason);
+        let text = match (attribute, port.needed) {
+            (Some(attribute), _) => attribute.value.as_str(),
+            (None, Needed::Otherwise(default)) => default,
+            (None, Needed::No) => return Ok(Binding::Unset),
+            (None, Needed::Yes) => {
+                return Err(refuse(Reason::MissingPort { id: element.id.clone(), port: port.name.to_owned() }));
+            }
+        };
+        let pointer = pointer(port.name, text);
+        match (port.written, pointer) {
+            (Written::EntryName, _) => {
+                // Whether the name has braces or not: an entry that holds the name of an entry is more than a slot can be.
+                let slot = self.scopes.declare(scope, pointer.unwrap_or(text), ValueType::Any, self.blackboard);
+                slot.map(Binding::Slot).map_err(|unfit| refuse(unfit.into()))
+            }
+            (Written::Value(ty), Some(name)) => {
+                let slot = self.scopes.declare(scope, name, ty, self.blackboard);
+                slot.map(Binding::Slot).map_err(|unfit| refuse(unfit.into()))
+            }
+            (Written::Value(ty), None) => match Value::parse(text, ty) {
+                Some(value) => Ok(Binding::Literal(value)),
+                None => Err(refuse(Reason::Literal { port: port.name.to_owned(), ty, value: text.to_owned() })),
+            },
+            (Written::Literal, Some(_)) => Err(refuse(Reason::EntryForLiteral(port.name.to_owned()))),
+            (Written::Literal, None) if port.name == "else" => {
+                let status = Status::named(text).filter(|status| *status != Status::Idle).ok_or_else(|| {
+                    let wanted = "SUCCESS, FAILURE, RUNNING or SKIPPED";
+                    refuse(Reason::Word { port: port.name.to_owned(), value: text.to_owned(), wanted })
+                })?;
+                self.shape.otherwise.push((node, status));
+                Ok(Binding::Unset)
+            }
+            (Written::Literal, None) => {
+                let script = self.script(&Attribute { place, ..Attribute::new(port.name, text) }, scope)?;
+                self.shape.scripts.push((node, script));
+                Ok(Binding::Unset)
+            }
+        }
+    }
+
+    /// A barrier is an entry for each of its parties, true when the party has come. Its name is that of the node.
+    fn bind_barrier(&mut self, element: &Element, kind: BuiltIn) -> Result<(), TreeError> {
+        let barrier = element.name.as_deref().unwrap_or(kind.word());
+        let mut texts = [None, None];
+        for (text, port) in texts.iter_mut().zip(kind.ports()) {
+            *text = element.attribute(port.name);
+            if let Some(attribute) = text
+                && pointer(port.name, &attribute.value).is_some()
+            {
+                return Err(TreeError::at(attribute.place, Reason::EntryForLiteral(port.name.to_owned())));
+            }
+        }
+        let [Some(parties), party] = texts else {
+            return Err(TreeError::at(element.place, Reason::MissingPort { id: element.id.clone(), port: "parties".to_owned() }));
+        };
+        let names: Vec<&str> = parties.value.split(';').map(str::trim).collect();
+        let is_bad = |name: &&str| name.is_empty() || names.iter().filter(|other| *other == name).count() > 1;
+        if names.len() > MOST_PARTIES || names.iter().any(is_bad) {
+            let wanted = "names with ; between them, each once, 16 at most";
+            let reason = Reason::Word { port: "parties".to_owned(), value: parties.value.clone(), wanted };
+            return Err(TreeError::at(parties.place, reason));
+        }
+        let prefix = format!("sync/{barrier}/");
+        let refuse = |unfit| TreeError::at(element.place, Reason::Unfit(unfit));
+        let there = self.blackboard.entries().filter_map(|entry| entry.name().strip_prefix(&prefix));
+        let there: Vec<&str> = there.collect();
+        if !there.is_empty() && (there.len() != names.len() || names.iter().any(|name| !there.contains(name))) {
+            return Err(TreeError::at(parties.place, Reason::Parties(barrier.to_owned())));
+        }
+        let mut bindings = vec![Binding::Unset];
+        for name in names {
+            let slot = self.blackboard.declare(&format!("{prefix}{name}"), ValueType::Bool).map_err(refuse)?;
+            if party.is_some_and(|party| party.value.trim() == name) {
+                bindings[0] = Binding::Slot(slot);
+            }
+            bindings.push(Binding::Slot(slot));
+        }
+        self.shape.bindings.append(&mut bindings);
+        Ok(())
+    }
+
+    /// The scripts round a node, if it has any.
+    pub(super) fn conditions(&mut self, element: &'a Element, scope: usize) -> Result<Option<u32>, TreeError> {
+        let mut conditions = Conditions::default();
+        let mut are_some = false;
+        for attribute in element.attributes.iter().filter(|attribute| attribute.name.starts_with('_')) {
+            let place = match attribute.name.as_str() {
+                "_failureIf" => &mut conditions.failure_if,
+                "_successIf" => &mut conditions.success_if,
+                "_skipIf" => &mut conditions.skip_if,
+                "_while" => &mut conditions.keep_while,
+                "_onSuccess" => &mut conditions.on_success,
+                "_onFailure" => &mut conditions.on_failure,
+                "_onHalted" => &mut conditions.on_halted,
+                "_post" => &mut conditions.post,
+                // A note of the editor, unless it looks like a condition: one that is overlooked would be dangerous.
+                other => match CONDITIONS.into_iter().find(|known| known.eq_ignore_ascii_case(other)) {
+                    Some(meant) => {
+                        let reason = Reason::Misspelt { written: other.to_owned(), meant };
+                        return Err(TreeError::at(attribute.place, reason));
+                    }
+                    None => continue,
+                },
+            };
+            *place = Some(self.script(attribute, scope)?);
+            are_some = true;
+        }
+        if !are_some {
+            return Ok(None);
+        }
+        self.shape.conditions.push(conditions);
+        Ok(Some(to_u32(self.shape.conditions.len() - 1)))
+    }
+
+    fn script(&mut self, attribute: &Attribute, scope: usize) -> Result<Script, TreeError> {
+        let (scopes, blackboard) = (&self.scopes, &mut *self.blackboard);
+        let script = Script::parse(&attribute.value, &mut |name| blackboard.mention(&scopes.entry_name(scope, name)));
+        script.map_err(|error| TreeError::at(attribute.place, Reason::Script { attribute: attribute.name.clone(), error }))
+    }
+
+    /// The scope of a subtree: what its `<SubTree>` says, and what the model of the tree adds where it says nothing.
+    pub(super) fn enter(&mut self, element: &Element, scope: usize, path: &str) -> Result<usize, TreeError> {
+        let has_autoremap = match element.attribute("_autoremap") {
+            None => false,
+            Some(attribute) => match Value::parse(&attribute.value, ValueType::Bool).and_then(|value| value.as_bool()) {
+                Some(truth) => truth,
+                None => {
+                    let port = "_autoremap".to_owned();
+                    let reason = Reason::Literal { port, ty: ValueType::Bool, value: attribute.value.clone() };
+                    return Err(TreeError::at(attribute.place, reason));
+                }
+            },
+        };
+        let inner = self.scopes.enter(scope, path, has_autoremap);
+        for attribute in given(element) {
+            self.outer(inner, attribute)?;
+        }
+        let model = self.document.models.iter().find(|model| model.form == Form::SubTree && model.id == element.id);
+        let ports = model.map_or(&[][..], |model| &model.ports);
+        for port in ports.iter().filter(|port| !has_autoremap && element.attribute(&port.name).is_none()) {
+            let Some(default) = Model::note(&port.notes, "default") else {
+                let reason = Reason::MissingPort { id: element.id.clone(), port: port.name.clone() };
+                return Err(TreeError::at(element.place, reason));
+            };
+            self.outer(inner, &Attribute { place: element.place, ..Attribute::new(&port.name, default) })?;
+        }
+        Ok(inner)
+    }
+
+    /// A name of a subtree: an entry outside, or a text of its own.
+    fn outer(&mut self, inner: usize, attribute: &Attribute) -> Result<(), TreeError> {
+        if let Some(outside) = pointer(&attribute.name, &attribute.value) {
+            self.scopes.remap(inner, &attribute.name, outside);
+            return Ok(());
+        }
+        self.scopes.own(inner, &attribute.name);
+        let slot = self.scopes.declare(inner, &attribute.name, ValueType::Any, self.blackboard);
+        let put = slot.and_then(|slot| self.blackboard.put(slot, Value::text(&attribute.value)));
+        put.map_err(|unfit| TreeError::at(attribute.place, unfit.into()))
+    }
+}
+
+/// The attributes that are ports: all but those that begin with `_`.
+fn given(element: &Element) -> impl Iterator<Item = &Attribute> {
+    element.attributes.iter().filter(|attribute| !attribute.name.starts_with('_'))
+}
+
+fn unknown_port(element: &Element, attribute: &Attribute) -> TreeError {
+    TreeError::at(attribute.place, Reason::UnknownPort { id: element.id.clone(), port: attribute.name.clone() })
+}
+
+/// The entry that a text names: `{goal}`; `{=}` and `=` are the entry that is called like the port.
+fn pointer<'t>(port: &'t str, text: &'t str) -> Option<&'t str> {
+    let text = text.trim_matches(' ');
+    if text == "=" {
+        return Some(port);
+    }
+    let name = text.strip_prefix('{')?.strip_suffix('}')?;
+    match name {
+        "" => None,
+        "=" => Some(port),
+        name => Some(name),
+    }
+}

@@ -1,0 +1,280 @@
+//! Leaves: what a tree asks and does. Here stand what a leaf is called and what ports it has, the catalogue of those that a tree may
+//! name, and the trait of whoever performs them.
+//! What the leaves of the hall, of the Roomba and of the two manipulators do stands with them.
+
+use std::borrow::Cow;
+use std::time::Duration;
+
+use super::blackboard::{Blackboard, Slot, Unfit};
+use super::status::Status;
+use super::tree::{Label, NodeId};
+use super::value::{Value, ValueType};
+use crate::units::Cell;
+
+named! {
+    ALL by word;
+    /// Whether a leaf reads a port, writes it, or both.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Direction {
+        /// It reads it: a literal or an entry.
+        In = "input_port",
+        /// It writes it: an entry.
+        Out = "output_port",
+        /// It does both.
+        InOut = "inout_port",
+    }
+}
+
+/// A port of a leaf.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Port {
+    /// The attribute by which a file sets it.
+    pub name: Cow<'static, str>,
+    /// Whether it is read or written.
+    pub direction: Direction,
+    /// What goes through it.
+    pub ty: ValueType,
+    /// What it is, as text, when a file says nothing.
+    pub default: Option<Cow<'static, str>>,
+}
+
+impl Port {
+    /// A port that is read.
+    #[must_use]
+    pub const fn input(name: &'static str, ty: ValueType) -> Port {
+        Port { name: Cow::Borrowed(name), direction: Direction::In, ty, default: None }
+    }
+
+    /// A port that is written.
+    #[must_use]
+    pub const fn output(name: &'static str, ty: ValueType) -> Port {
+        Port { name: Cow::Borrowed(name), direction: Direction::Out, ty, default: None }
+    }
+
+    /// The same, with a default.
+    #[must_use]
+    pub fn or(self, default: &'static str) -> Port {
+        Port { default: Some(Cow::Borrowed(default)), ..self }
+    }
+}
+
+/// A kind of leaf: its name in files, and its ports.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeafKind {
+    /// The name of its element, or the `ID` of its `<Action>` or `<Condition>`.
+    pub name: Cow<'static, str>,
+    /// It asks and changes nothing, and is done at once: it never says RUNNING.
+    pub is_condition: bool,
+    /// Its ports; a leaf names them by their places in this list.
+    pub ports: Vec<Port>,
+}
+
+impl LeafKind {
+    /// One that does something.
+    #[must_use]
+    pub const fn action(name: &'static str, ports: Vec<Port>) -> LeafKind {
+        LeafKind { name: Cow::Borrowed(name), is_condition: false, ports }
+    }
+
+    /// One that asks something.
+    #[must_use]
+    pub const fn condition(name: &'static str, ports: Vec<Port>) -> LeafKind {
+        LeafKind { name: Cow::Borrowed(name), is_condition: true, ports }
+    }
+}
+
+/// The leaves that a tree may name. A leaf is known to its performer by its place in this list.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Catalogue {
+    kinds: Vec<LeafKind>,
+}
+
+impl Catalogue {
+    /// These leaves. Of two with one name the first counts.
+    #[must_use]
+    pub const fn new(kinds: Vec<LeafKind>) -> Catalogue {
+        Catalogue { kinds }
+    }
+
+    /// All of them.
+    #[must_use]
+    pub fn kinds(&self) -> &[LeafKind] {
+        &self.kinds
+    }
+
+    /// The place of the leaf of this name.
+    #[must_use]
+    pub fn place(&self, name: &str) -> Option<usize> {
+        self.kinds.iter().position(|kind| kind.name == name)
+    }
+
+    /// With one more at the end, unless its name is taken.
+    pub fn add(&mut self, kind: LeafKind) {
+        if self.place(&kind.name).is_none() {
+            self.kinds.push(kind);
+        }
+    }
+}
+
+/// Whoever performs the leaves of a tree.
+pub trait Leaves {
+    /// Performs a leaf, or goes on with it: RUNNING, SUCCESS, FAILURE or SKIPPED. IDLE ends the tick with an error.
+    fn tick(&mut self, leaf: &mut Leaf<'_>) -> Status;
+
+    /// Ends a leaf that said RUNNING last. It is IDLE afterwards.
+    fn halt(&mut self, leaf: &mut Leaf<'_>);
+}
+
+/// What a port of a node is bound to.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Binding {
+    /// Nothing: the file does not name it, and it has no default.
+    Unset,
+    Literal(Value),
+    Slot(Slot),
+}
+
+/// A leaf while it is performed: which one it is, and its ports.
+#[derive(Debug)]
+pub struct Leaf<'a> {
+    pub(crate) kind: usize,
+    pub(crate) node: NodeId,
+    pub(crate) label: &'a Label,
+    pub(crate) ports: &'a [Port],
+    pub(crate) bindings: &'a [Binding],
+    pub(crate) blackboard: &'a mut Blackboard,
+    pub(crate) is_starting: bool,
+    pub(crate) elapsed: Duration,
+    pub(crate) misuse: Option<Misuse>,
+}
+
+/// What a leaf did with a port that cannot be done.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Misuse {
+    /// There is no such port.
+    #[error("it has no port number {0}")]
+    NoPort(usize),
+    /// The port is read only.
+    #[error("it writes its port {0}, which is one to be read")]
+    ReadOnly(String),
+    /// The value does not fit the entry.
+    #[error("it writes its port {port}: {unfit}")]
+    Unfit {
+        /// The port.
+        port: String,
+        /// Why.
+        unfit: Unfit,
+    },
+}
+
+impl Leaf<'_> {
+    /// Its place in the catalogue.
+    #[must_use]
+    pub const fn kind(&self) -> usize {
+        self.kind
+    }
+
+    /// Which node of the tree it is.
+    #[must_use]
+    pub const fn node(&self) -> NodeId {
+        self.node
+    }
+
+    /// Its name in the file: `name="…"`, or that of its kind.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.label.name
+    }
+
+    /// Where it is in the tree, as the graphical editor says it.
+    #[must_use]
+    pub fn path(&self) -> &str {
+        &self.label.path
+    }
+
+    /// The name of its kind.
+    #[must_use]
+    pub fn id(&self) -> &str {
+        &self.label.id
+    }
+
+    /// It was not running before this tick.
+    #[must_use]
+    pub const fn is_starting(&self) -> bool {
+        self.is_starting
+    }
+
+    /// How long it has been running: zero when it starts. Time in which the tree is not ticked does not count.
+    #[must_use]
+    pub const fn elapsed(&self) -> Duration {
+        self.elapsed
+    }
+
+    /// What a port holds, by its place in the list of its kind. None if the file does not set it, or nothing was written there yet.
+    #[must_use]
+    pub fn read(&self, port: usize) -> Option<&Value> {
+        match self.bindings.get(port)? {
+            Binding::Unset => None,
+            Binding::Literal(value) => Some(value),
+            Binding::Slot(slot) => self.blackboard.value(*slot),
+        }
+    }
+
+    /// The port of this name; for those who perform leaves that they do not know, as mocks do.
+    #[must_use]
+    pub fn port(&self, name: &str) -> Option<usize> {
+        self.ports.iter().position(|port| port.name == name)
+    }
+
+    /// What a port holds, as a text.
+    #[must_use]
+    pub fn text(&self, port: usize) -> Option<&str> {
+        self.read(port)?.as_text()
+    }
+
+    /// What a port holds, as a whole number.
+    #[must_use]
+    pub fn int(&self, port: usize) -> Option<i64> {
+        self.read(port)?.as_int()
+    }
+
+    /// What a port holds, as a number.
+    #[must_use]
+    pub fn number(&self, port: usize) -> Option<f64> {
+        self.read(port)?.as_number()
+    }
+
+    /// What a port holds, as a truth.
+    #[must_use]
+    pub fn truth(&self, port: usize) -> Option<bool> {
+        self.read(port)?.as_bool()
+    }
+
+    /// What a port holds, as a cell.
+    #[must_use]
+    pub fn cell(&self, port: usize) -> Option<Cell> {
+        self.read(port)?.as_cell()
+    }
+
+    /// Writes an entry by a port. A port that the file does not set is written to nobody. What does not fit ends the tick with an
+    /// error.
+    pub fn write(&mut self, port: usize, value: Value) {
+        if let Err(misuse) = self.try_write(port, value) {
+            self.misuse.get_or_insert(misuse);
+        }
+    }
+
+    fn try_write(&mut self, port: usize, value: Value) -> Result<(), Misuse> {
+        let (Some(spec), Some(binding)) = (self.ports.get(port), self.bindings.get(port)) else {
+            return Err(Misuse::NoPort(port));
+        };
+        match (spec.direction, binding) {
+            (Direction::In, _) => Err(Misuse::ReadOnly(spec.name.to_string())),
+            (Direction::Out | Direction::InOut, Binding::Slot(slot)) => {
+                let put = self.blackboard.put(*slot, value);
+                put.map_err(|unfit| Misuse::Unfit { port: spec.name.to_string(), unfit })
+            }
+            (Direction::Out | Direction::InOut, Binding::Unset | Binding::Literal(_)) => Ok(()),
+        }
+    }
+}

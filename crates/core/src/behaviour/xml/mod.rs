@@ -1,0 +1,6 @@
+//! Trees as files: the XML of BehaviorTree.CPP 4, as its graphical editor reads and writes it. Text in, text out: who opens the file
+//! and knows its name is elsewhere.
+
+mod read;
+
+pub use self::read::{LONGEST_FILE, read};

@@ -1,0 +1,185 @@
+//! From the text of a file to a document. Here is refused what is no XML and what is no file of trees; what the nodes mean is looked at
+//! in `build`.
+
+use roxmltree::{Document as Xml, Node, ParsingOptions};
+
+use crate::behaviour::document::{Attribute, Document, Element, Form, Model, ModelPort, Place, TreeDefinition};
+use crate::behaviour::error::{Reason, TreeError};
+use crate::behaviour::leaf::Direction;
+use crate::behaviour::tree::DEEPEST;
+
+/// The longest file that is read, in bytes: a hundred times what a large mission needs.
+pub const LONGEST_FILE: usize = 1 << 20;
+
+/// The most elements of a file, comments and texts between them counted: as many as fit into the longest one.
+const MOST_XML_NODES: u32 = 1 << 18;
+
+/// Reads a file.
+///
+/// # Errors
+/// The first thing that is wrong, with its place.
+pub fn read(text: &str) -> Result<Document, TreeError> {
+    let start = Place { line: 1, column: 1 };
+    if text.len() > LONGEST_FILE {
+        return Err(TreeError::at(start, Reason::TooLong { length: text.len(), most: LONGEST_FILE }));
+    }
+    let options = ParsingOptions { nodes_limit: MOST_XML_NODES, ..ParsingOptions::default() };
+    let xml = Xml::parse_with_options(text, options).map_err(|error| {
+        let at = error.pos();
+        TreeError::at(Place { line: at.row, column: at.col }, Reason::NotXml(error.to_string()))
+    })?;
+    Reader { xml: &xml, line_starts: line_starts(text), text }.document()
+}
+
+struct Reader<'x> {
+    xml: &'x Xml<'x>,
+    text: &'x str,
+    /// Where each line begins, in bytes: looking for it anew for each node would take quadratic time.
+    line_starts: Vec<usize>,
+}
+
+fn line_starts(text: &str) -> Vec<usize> {
+    std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect()
+}
+
+impl<'x> Reader<'x> {
+    fn place(&self, at: usize) -> Place {
+        let line = self.line_starts.partition_point(|start| *start <= at);
+        let column = self.text[self.line_starts[line - 1]..at].chars().count() + 1;
+        let number = |number| u32::try_from(number).unwrap_or(u32::MAX);
+        Place { line: number(line), column: number(column) }
+    }
+
+    fn of(&self, node: Node<'_, '_>) -> Place {
+        self.place(node.range().start)
+    }
+
+    fn refuse<T>(&self, node: Node<'_, '_>, reason: Reason) -> Result<T, TreeError> {
+        Err(TreeError::at(self.of(node), reason))
+    }
+
+    fn document(&self) -> Result<Document, TreeError> {
+        let root = self.xml.root_element();
+        if name(root) != "root" {
+            return self.refuse(root, Reason::NotTrees(name(root).to_owned()));
+        }
+        let mut document = Document::default();
+        let mut format = None;
+        for attribute in self.attributes(root) {
+            match attribute.name.as_str() {
+                "BTCPP_format" => format = Some(attribute.value),
+                "main_tree_to_execute" => document.main = Some(attribute.value),
+                _ => document.notes.push(attribute),
+            }
+        }
+        if format.as_deref() != Some("4") {
+            return self.refuse(root, Reason::Format(format.unwrap_or_default()));
+        }
+        for child in self.elements(root)? {
+            match name(child) {
+                "BehaviorTree" => document.trees.push(self.tree(child)?),
+                "TreeNodesModel" => self.models(child, &mut document.models)?,
+                other => return self.refuse(child, Reason::Misplaced(other.to_owned())),
+            }
+        }
+        if document.trees.is_empty() {
+            return self.refuse(root, Reason::NoTree);
+        }
+        Ok(document)
+    }
+
+    fn tree(&self, node: Node<'x, 'x>) -> Result<TreeDefinition, TreeError> {
+        let (id, notes) = self.with_id(node)?;
+        let children = self.elements(node)?;
+        let [root] = children[..] else {
+            return self.refuse(node, Reason::Roots { id, count: children.len() });
+        };
+        Ok(TreeDefinition { id, notes, root: self.element(root, 0)?, place: self.of(node) })
+    }
+
+    fn element(&self, node: Node<'x, 'x>, depth: usize) -> Result<Element, TreeError> {
+        if depth >= DEEPEST {
+            return self.refuse(node, Reason::TooDeep);
+        }
+        let mut attributes = self.attributes(node);
+        let mut take = |name: &str| {
+            let at = attributes.iter().position(|attribute| attribute.name == name)?;
+            Some(attributes.remove(at).value)
+        };
+        let (given_id, element_name) = (take("ID"), take("name"));
+        let form = Form::ALL.into_iter().find(|form| form.word() == name(node)).unwrap_or(Form::Compact);
+        let id = match (form, given_id) {
+            (Form::Compact, None) => name(node).to_owned(),
+            (Form::Compact, Some(_)) => return self.refuse(node, Reason::NeedlessId(name(node).to_owned())),
+            (_, Some(id)) if !id.is_empty() => id,
+            (_, _) => return self.refuse(node, Reason::NoId(name(node).to_owned())),
+        };
+        let children = self.elements(node)?.into_iter().map(|child| self.element(child, depth + 1));
+        let children = children.collect::<Result<Vec<Element>, TreeError>>()?;
+        Ok(Element { id, form, name: element_name, attributes, children, place: self.of(node) })
+    }
+
+    fn models(&self, node: Node<'x, 'x>, models: &mut Vec<Model>) -> Result<(), TreeError> {
+        for child in self.elements(node)? {
+            let form = Form::ALL.into_iter().find(|form| *form != Form::Compact && form.word() == name(child));
+            let Some(form) = form else { return self.refuse(child, Reason::Misplaced(name(child).to_owned())) };
+            let (id, notes) = self.with_id(child)?;
+            let mut ports = Vec::new();
+            for port in self.elements(child)? {
+                ports.push(self.model_port(port)?);
+            }
+            models.push(Model { form, id, notes, ports, place: self.of(child) });
+        }
+        Ok(())
+    }
+
+    fn model_port(&self, node: Node<'x, 'x>) -> Result<ModelPort, TreeError> {
+        let direction = Direction::ALL.into_iter().find(|direction| direction.word() == name(node));
+        let Some(direction) = direction else { return self.refuse(node, Reason::Misplaced(name(node).to_owned())) };
+        let mut notes = self.attributes(node);
+        let Some(at) = notes.iter().position(|note| note.name == "name") else {
+            return self.refuse(node, Reason::NoId(name(node).to_owned()));
+        };
+        let port = notes.remove(at).value;
+        if let Some(child) = node.children().find(Node::is_element) {
+            return self.refuse(child, Reason::Misplaced(name(child).to_owned()));
+        }
+        let text: String = node.children().filter_map(|child| child.text().filter(|_| child.is_text())).collect();
+        Ok(ModelPort { direction, name: port, notes, text: text.trim().to_owned(), place: self.of(node) })
+    }
+
+    /// The ID of an element that must have one, and its other attributes.
+    fn with_id(&self, node: Node<'x, 'x>) -> Result<(String, Vec<Attribute>), TreeError> {
+        let mut notes = self.attributes(node);
+        match notes.iter().position(|note| note.name == "ID" && !note.value.is_empty()) {
+            Some(at) => Ok((notes.remove(at).value, notes)),
+            None => self.refuse(node, Reason::NoId(name(node).to_owned())),
+        }
+    }
+
+    fn attributes(&self, node: Node<'_, '_>) -> Vec<Attribute> {
+        let attribute = |attribute: roxmltree::Attribute<'_, '_>| Attribute {
+            name: attribute.name().to_owned(),
+            value: attribute.value().to_owned(),
+            place: self.place(attribute.range().start),
+        };
+        node.attributes().map(attribute).collect()
+    }
+
+    /// The elements in an element; comments are overlooked, texts are not.
+    fn elements(&self, node: Node<'x, 'x>) -> Result<Vec<Node<'x, 'x>>, TreeError> {
+        let mut elements = Vec::new();
+        for child in node.children() {
+            if child.is_element() {
+                elements.push(child);
+            } else if let Some(text) = child.text().filter(|text| child.is_text() && !text.trim().is_empty()) {
+                return self.refuse(child, Reason::Text(text.trim().chars().take(40).collect()));
+            }
+        }
+        Ok(elements)
+    }
+}
+
+fn name<'n>(node: Node<'n, '_>) -> &'n str {
+    node.tag_name().name()
+}
