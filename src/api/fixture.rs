@@ -111,6 +111,7 @@ pub(crate) fn piece(id: u64, cell: Cell, verdict: Option<Verdict>) -> Arc<Luggag
         photo: PhotoState::Taken { bytes: 4, take: 1 },
         verdict: verdict.map(|verdict| Decision { verdict, who: Arc::from("operator"), wall: TEN }),
         piece: None,
+        secured: None,
     })
 }
 

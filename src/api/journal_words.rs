@@ -7,6 +7,7 @@ use super::time::rfc3339;
 use hallsweep_core::command::Refusal;
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::mission::{Hold, Phase, Stage};
+use hallsweep_core::state::{Retrieval, RetrievalStage};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
@@ -43,6 +44,12 @@ fn said(fact: &Fact) -> String {
         Fact::Goal(goal, _) => goal.map_or_else(|| "no goal".to_owned(), |goal| format!("goal {}", goal.cell())),
         Fact::Pose(pose) => format!("robot at {}, facing {}", pose.cell, pose.heading.name()),
         Fact::RobotPose(robot, pose) => format!("{robot} at {}, facing {}", pose.cell, pose.heading.name()),
+        Fact::Outside(robot, 0) => format!("{robot} is in the hall"),
+        Fact::Outside(robot, steps) => format!("{robot} is outside, {steps} from home"),
+        Fact::Retrieval(None) => "the retrieval has ended".to_owned(),
+        Fact::Retrieval(Some(retrieval)) => fetching(retrieval),
+        Fact::MetAgain(cell, piece) => format!("piece {} stands at {cell}, too", piece.0),
+        Fact::Secured(luggage) => format!("luggage #{luggage} is in the container"),
         Fact::Led(blinking) => format!("LED {}", if *blinking { "blinking" } else { "off" }),
         Fact::Obstacle(cell, kind) => format!("obstacle at {cell}, taken for {kind}"),
         Fact::Mark(cell, mark) => {
@@ -89,6 +96,18 @@ fn in_words(phase: &Phase) -> String {
 fn cause(hold: &Hold) -> &'static str {
     let words = hold.in_words();
     words.find([':', ';']).map_or(words, |end| &words[..end])
+}
+
+fn fetching(retrieval: &Retrieval) -> String {
+    let Retrieval { luggage, fetcher, stage, .. } = retrieval;
+    let how = match stage {
+        RetrievalStage::MakingRoom => "room is made".to_owned(),
+        RetrievalStage::Fetching => "it is fetched".to_owned(),
+        RetrievalStage::GivingUp(reason) => format!("given up: {reason}"),
+        RetrievalStage::ComingHome(None) => "it is in the container".to_owned(),
+        RetrievalStage::ComingHome(Some(reason)) => format!("not fetched: {reason}"),
+    };
+    format!("retrieval of luggage #{luggage} by {}: {how}", fetcher.name())
 }
 
 fn luggage(record: &Luggage) -> String {

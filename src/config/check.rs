@@ -17,7 +17,7 @@ use super::{HttpSettings, OldClients, Settings, TlsFiles, folder};
 use super::{mqtt, robots};
 use hallsweep_core::command::TemperatureReport;
 use hallsweep_core::search::Strategy;
-use hallsweep_core::settings::Settings as CoreSettings;
+use hallsweep_core::settings::{Fetcher, Settings as CoreSettings};
 use hallsweep_core::units::Celsius;
 
 /// As many sensors as the thermometer listens to, beside the operator and the robot.
@@ -170,8 +170,15 @@ fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
         threshold,
         hysteresis: number(layers, "temperature.hysteresis_celsius")?,
         inspect_everything: read(layers, "mission.inspect_everything")?,
+        fetcher: fetcher(layers)?,
         wall_lines: read(layers, "mission.wall_lines")?,
     })
+}
+
+fn fetcher(layers: &Layers) -> Result<Fetcher, SettingsError> {
+    let name: String = read(layers, "mission.retrieval")?;
+    let fetcher = Fetcher::ALL.into_iter().find(|fetcher| fetcher.name() == name);
+    fetcher.ok_or_else(|| layers.wrong("mission.retrieval", "nobody of this name fetches"))
 }
 
 fn sensors(layers: &Layers) -> Result<Vec<Arc<str>>, SettingsError> {

@@ -67,7 +67,7 @@ pub(super) const ROBOTS: &str = "robots";
 pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 34] = [
+pub const KEYS: [Key; 35] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file").set_by("--hall"),
     text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080")
         .set_by("--http"),
@@ -107,6 +107,7 @@ pub const KEYS: [Key; 34] = [
     key("robot.photo_failure_rate", RATE, "write a rate from 0 (never) to 1 (always)"),
     key("robot.sonar_noise_cm", SONAR_NOISE_CM, "write a number of centimetres from 0 to 100"),
     text("mission.strategy", "write one of: snail").set_by("--strategy"),
+    text("mission.retrieval", "write one of: pair, discovery, none"),
     yes_no("mission.inspect_everything"),
     yes_no("mission.wall_lines"),
     key("temperature.threshold_celsius", CELSIUS, "write degrees Celsius from -60 to 1000, as 25.0"),
@@ -220,7 +221,7 @@ mod tests {
     fn an_unknown_name_is_answered_with_those_that_are_near() {
         assert_eq!(
             Key::advice_for_unknown("mission.order"),
-            "in [mission] there are mission.strategy, mission.inspect_everything, mission.wall_lines"
+            "in [mission] there are mission.strategy, mission.retrieval, mission.inspect_everything, mission.wall_lines"
         );
         assert!(
             Key::advice_for_unknown("htpp.bind")

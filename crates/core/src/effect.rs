@@ -5,12 +5,12 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::command::{Accepted, CommandId, Issuer, Move, Refusal, Refused, Verdict};
-use super::event::{Photo, RobotId};
+use super::event::{Photo, Piece, RobotId};
 use super::mission::{Goal, Hold, Input, Phase};
 use super::retrieval::ArmAction;
 use super::robots::Part;
 use super::search::{Search, Strategy};
-use super::state::PersistentState;
+use super::state::{PersistentState, Retrieval};
 use super::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, OrderId, Pose, Seq, Ticket, WallTime};
 use super::world::hall_map::Mark;
 use super::world::luggage::Luggage;
@@ -180,6 +180,14 @@ pub enum Fact {
     Pose(Pose),
     /// Another robot stands at a pose.
     RobotPose(RobotId, Pose),
+    /// So many steps from home a robot stands before the entrance now; 0: it is in the hall.
+    Outside(RobotId, u8),
+    /// How a retrieval stands now; `None`: none is under way any more.
+    Retrieval(Option<Box<Retrieval>>),
+    /// A piece that was known already was met in this cell, too.
+    MetAgain(Cell, Piece),
+    /// The piece is in the container.
+    Secured(LuggageId),
     /// The LED begins or ends blinking.
     Led(bool),
     /// An obstacle was met; what it was taken for.

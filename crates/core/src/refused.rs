@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::command::{CommandId, Verdict};
+use super::event::RobotId;
 use super::mission::{Hold, PhaseName};
 use super::units::{AlarmId, Cell, Epoch, LuggageId};
 
@@ -95,6 +96,12 @@ pub enum Refused {
     /// Nothing can fetch the bomb.
     #[error("no retrieval robot is there")]
     NoRetrievalRobot,
+    /// A robot that the retrieval needs is not linked.
+    #[error("{0} cannot be reached, and the retrieval needs it: mend its link first")]
+    FetcherUnreached(RobotId),
+    /// A retrieval was cut short and can go on; its robots are not where a new mission begins.
+    #[error("{0} is not back yet: press START, so that the retrieval goes on")]
+    FetcherAbroad(RobotId),
     /// What put the mission in fault is still so.
     #[error("the fault still stands: {0}")]
     FaultStands(String),
@@ -139,7 +146,7 @@ impl From<&Refused> for Refusal {
 }
 
 /// Every code with its kind, for refusals read back; a test of a door holds it against the variants.
-pub const CODES: [(&str, RefusalKind); 26] = {
+pub const CODES: [(&str, RefusalKind); 28] = {
     use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [
         ("held", Conflict),
@@ -162,6 +169,8 @@ pub const CODES: [(&str, RefusalKind); 26] = {
         ("photoUnderWay", Conflict),
         ("unknownAlarm", Unknown),
         ("noRetrievalRobot", Conflict),
+        ("fetcherUnreached", Conflict),
+        ("fetcherAbroad", Conflict),
         ("faultStands", Conflict),
         ("storeDown", Unavailable),
         ("notKept", Unavailable),
@@ -199,6 +208,8 @@ impl Refused {
             | Refused::NotInspected(_)
             | Refused::PhotoUnderWay
             | Refused::NoRetrievalRobot
+            | Refused::FetcherUnreached(_)
+            | Refused::FetcherAbroad(_)
             | Refused::FaultStands(_) => RefusalKind::Conflict,
         }
     }
@@ -227,6 +238,8 @@ impl Refused {
             Refused::PhotoUnderWay => "photoUnderWay",
             Refused::UnknownAlarm(_) => "unknownAlarm",
             Refused::NoRetrievalRobot => "noRetrievalRobot",
+            Refused::FetcherUnreached(_) => "fetcherUnreached",
+            Refused::FetcherAbroad(_) => "fetcherAbroad",
             Refused::FaultStands(_) => "faultStands",
             Refused::StoreDown => "storeDown",
             Refused::NotKept => "notKept",

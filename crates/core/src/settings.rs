@@ -11,13 +11,29 @@ pub struct Settings {
     pub hysteresis: f64,
     /// Whether to inspect every obstacle, walls too, as the original did.
     pub inspect_everything: bool,
+    /// Who fetches a dangerous piece.
+    pub fetcher: Fetcher,
     /// Whether a recognised wall reveals the straight line it belongs to as far as the camera sees it.
     pub wall_lines: bool,
+}
+
+named! {
+    ALL by name;
+    /// Who fetches a dangerous piece (mission §4).
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Fetcher {
+        /// Two mobile manipulators, SRM1 and SRM2.
+        Pair = "pair",
+        /// The robot that searches, which plays both parts.
+        Discovery = "discovery",
+        /// Nobody: RETRIEVE is refused.
+        None = "none",
+    }
 }
 
 impl Default for Settings {
     fn default() -> Settings {
         let threshold = Celsius::new(25.0).expect("25 °C is within a thermometer's range");
-        Settings { threshold, hysteresis: 1.0, inspect_everything: false, wall_lines: true }
+        Settings { threshold, hysteresis: 1.0, inspect_everything: false, fetcher: Fetcher::Pair, wall_lines: true }
     }
 }

@@ -4,7 +4,7 @@
 //! Files count columns from the west and rows from the north of the drawing; everything here is in map coordinates,
 //! where the robot's start is (0, 0).
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::bag::Bag;
@@ -87,11 +87,12 @@ impl Hall {
     /// What `cell` really is. Outside the rectangle everything is wall.
     #[must_use]
     pub fn truth(&self, cell: Cell) -> Truth {
-        if !self.bounds.contains(cell) {
-            return Truth::Wall;
-        }
-        let place = (cell.y - self.bounds.least.y) * self.bounds.width() + (cell.x - self.bounds.least.x);
-        usize::try_from(place).ok().and_then(|place| self.squares.get(place)).copied().unwrap_or(Truth::Wall)
+        self.place(cell).and_then(|place| self.squares.get(place)).copied().unwrap_or(Truth::Wall)
+    }
+
+    fn place(&self, cell: Cell) -> Option<usize> {
+        let place = || (cell.y - self.bounds.least.y) * self.bounds.width() + (cell.x - self.bounds.least.x);
+        self.bounds.contains(cell).then(|| usize::try_from(place()).ok())?
     }
 
     /// The luggage, in the order of its numbers.
@@ -109,6 +110,26 @@ impl Hall {
     #[must_use]
     pub fn is_dangerous(&self, piece: Piece) -> bool {
         self.bag(piece).is_some_and(|bag| bag.dangerous)
+    }
+
+    /// The same hall after some luggage was moved: each of these pieces lies in one cell now, however large it was, or is gone.
+    #[must_use]
+    pub fn rearranged(&self, moved: &BTreeMap<Piece, Option<Cell>>) -> Hall {
+        let mut hall = self.clone();
+        for square in &mut hall.squares {
+            if matches!(square, Truth::Luggage(piece) if moved.contains_key(piece)) {
+                *square = Truth::Free;
+            }
+        }
+        for (piece, cell) in moved {
+            if let Some(place) = cell.and_then(|cell| self.place(cell)) {
+                hall.squares[place] = Truth::Luggage(*piece);
+            }
+            if let Some(bag) = hall.bags.iter_mut().find(|bag| bag.piece == *piece) {
+                bag.cells = cell.iter().copied().collect();
+            }
+        }
+        hall
     }
 
     /// Every cell the robot can come to from its start, going from side to side over free cells.
@@ -143,6 +164,17 @@ mod tests {
         assert_eq!(hall.truth(Cell::new(-1, -1)), Truth::Wall);
         assert_eq!(hall.truth(Cell::HOME), Truth::Free);
         assert_eq!(hall.truth(Cell::new(1, 0)), Truth::Luggage(Piece(1)));
+    }
+
+    #[test]
+    fn a_piece_that_was_moved_lies_in_one_cell_and_one_that_is_gone_nowhere() {
+        let moved = hall().rearranged(&BTreeMap::from([(Piece(1), Some(Cell::new(-1, 0)))]));
+        assert_eq!((moved.truth(Cell::new(1, 0)), moved.truth(Cell::new(1, 1))), (Truth::Free, Truth::Free));
+        assert_eq!(moved.truth(Cell::new(-1, 0)), Truth::Luggage(Piece(1)));
+        let gone = moved.rearranged(&BTreeMap::from([(Piece(1), None)]));
+        assert_eq!(gone.truth(Cell::new(-1, 0)), Truth::Free);
+        assert!(gone.pieces()[0].cells.is_empty() && gone.bounds() == hall().bounds());
+        assert_eq!(hall().rearranged(&BTreeMap::new()), hall());
     }
 
     #[test]

@@ -15,7 +15,9 @@ use std::time::Duration;
 
 use super::drive::{BodyPose, normal};
 use super::hall::{Hall, Truth};
+use super::simulator::centre_of;
 use super::sonar::way_to_contact;
+use hallsweep_core::retrieval::Place;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Pose;
 
@@ -30,6 +32,8 @@ const ROUNDING: i64 = 2;
 pub struct SimMemory {
     /// The cell and heading in which the last completed order left the robot.
     pub pose: Pose,
+    /// So many steps from home it stands before the entrance; 0: it is in the hall.
+    pub outside: u8,
     /// Where its body really is.
     pub stands: Astray,
     /// The motion under way, if any.
@@ -62,6 +66,7 @@ impl SimMemory {
     /// A robot newly put down at home, in a hall that has just been opened.
     pub const NEW: SimMemory = SimMemory {
         pose: Pose::START,
+        outside: 0,
         stands: Astray { ahead_um: 0, turned_urad: 0 },
         motion: None,
         age: Duration::ZERO,
@@ -82,11 +87,14 @@ impl SimMemory {
 
     /// Where the body is, in a hall with cells of this side.
     pub fn body(&self, cell_m: f64) -> BodyPose {
-        self.stands.from(BodyPose::centred(self.pose, cell_m))
+        self.stands.from(centre_of(self.pose, self.outside, cell_m))
     }
 
     /// Whether all of this can be in that hall: a robot on free floor, no further astray than obstacles let it go.
     pub fn fits(&self, hall: &Hall) -> bool {
+        if self.outside > 0 {
+            return self.outside <= Place::FURTHEST && self.pose == Pose::START;
+        }
         let moving = self.motion.is_none_or(|motion| self.reaches(motion.to, hall));
         hall.truth(self.pose.cell) == Truth::Free && self.reaches(self.stands, hall) && moving
     }

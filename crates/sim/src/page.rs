@@ -120,6 +120,8 @@ struct Written {
     turn: u64,
     cell: [i32; 2],
     heading: String,
+    #[serde(default, skip_serializing_if = "is_inside")]
+    outside: u8,
     #[serde(with = "WrittenAstray")]
     stands: Astray,
     motion: Option<WrittenMotion>,
@@ -144,10 +146,10 @@ struct WrittenMotion {
 
 impl Written {
     fn of(turn: u64, memory: &SimMemory) -> Written {
-        let SimMemory { pose: Pose { cell, heading }, stands, motion, age, restarts } = *memory;
+        let SimMemory { pose: Pose { cell, heading }, outside, stands, motion, age, restarts } = *memory;
         let motion = motion.map(|Underway { to, left }| WrittenMotion { to, left_us: micros(left) });
         let heading = heading.name().to_owned();
-        Written { turn, cell: [cell.x, cell.y], heading, stands, motion, age_us: micros(age), restarts }
+        Written { turn, cell: [cell.x, cell.y], heading, outside, stands, motion, age_us: micros(age), restarts }
     }
 
     fn read(self) -> Option<(u64, SimMemory)> {
@@ -156,6 +158,7 @@ impl Written {
         let motion = self.motion.map(|motion| Underway { to: motion.to, left: Duration::from_micros(motion.left_us) });
         let memory = SimMemory {
             pose: Pose { cell: Cell::new(x, y), heading },
+            outside: self.outside,
             stands: self.stands,
             motion,
             age: Duration::from_micros(self.age_us),
@@ -163,6 +166,11 @@ impl Written {
         };
         Some((self.turn, memory))
     }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+const fn is_inside(outside: &u8) -> bool {
+    *outside == 0
 }
 
 fn micros(duration: Duration) -> u64 {
@@ -205,13 +213,8 @@ mod tests {
         let motion = proptest::option::of((astray(), micros()).prop_map(|(to, left)| Underway { to, left }));
         let pose = (any::<(i32, i32)>(), 0..4usize)
             .prop_map(|((x, y), heading)| Pose { cell: Cell::new(x, y), heading: Heading::ALL[heading] });
-        (pose, astray(), motion, micros(), any::<u32>()).prop_map(|(pose, stands, motion, age, restarts)| SimMemory {
-            pose,
-            stands,
-            motion,
-            age,
-            restarts,
-        })
+        (pose, any::<u8>(), astray(), motion, micros(), any::<u32>())
+            .prop_map(|(pose, outside, stands, motion, age, restarts)| SimMemory { pose, outside, stands, motion, age, restarts })
     }
 
     proptest! {

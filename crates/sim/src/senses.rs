@@ -36,6 +36,10 @@ impl Senses {
         }
     }
 
+    pub(super) fn look_into(&mut self, hall: Arc<Hall>) {
+        self.hall = hall;
+    }
+
     /// A reading of the sonar, whether it has changed or not.
     pub(super) fn listen(&mut self, body: BodyPose) -> RobotEvent {
         let reading = self.read_sonar(body);

@@ -18,8 +18,9 @@ use super::sonar::way_to_contact;
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order, Stamp};
 use hallsweep_core::event::{Capabilities, Obstacle, Parts, Photo, RobotEvent, Whereabouts};
+use hallsweep_core::retrieval::Place;
 use hallsweep_core::rng::RandomStream;
-use hallsweep_core::units::{Now, OrderId, Pose};
+use hallsweep_core::units::{Cell, Now, OrderId, Pose};
 
 mod recall;
 
@@ -32,6 +33,8 @@ pub struct Sim {
     now: Duration,
     /// Where the last completed order left it.
     pose: Pose,
+    /// So many steps from home it stands before the entrance, facing it; 0: it is in the hall.
+    outside: u8,
     /// Where it really stands while nothing moves it.
     body: BodyPose,
     task: Option<Task>,
@@ -65,6 +68,8 @@ enum Work {
 #[derive(Clone, Copy, Debug)]
 enum End {
     At(Pose),
+    /// So many steps from home before the entrance.
+    Outside(u8),
     /// Against an obstacle ahead, or behind.
     Against {
         ahead: bool,
@@ -101,6 +106,7 @@ impl Sim {
             chassis: Chassis { wheel_radius_m: settings.wheel_radius_m, axle_m: settings.axle_m },
             now: Duration::ZERO,
             pose: memory.pose,
+            outside: memory.outside,
             body: memory.body(hall.cell_m()),
             task: None,
             led: false,
@@ -114,8 +120,12 @@ impl Sim {
             hall,
             settings,
         };
-        let whereabouts = Whereabouts { pose: sim.pose, off_centre: sim.is_off_centre() };
-        sim.events.extend([RobotEvent::Stands(whereabouts), RobotEvent::LinkUp(sim.capabilities())]);
+        let off_centre = sim.is_off_centre();
+        let stands = match sim.outside {
+            0 => RobotEvent::Stands(Whereabouts { pose: sim.pose, off_centre }),
+            steps => RobotEvent::StandsOutside(steps, sim.pose.heading, off_centre),
+        };
+        sim.events.extend([stands, RobotEvent::LinkUp(sim.capabilities())]);
         sim
     }
 
@@ -137,7 +147,8 @@ impl Sim {
             Action::Move(step) => self.begin_move(order, step),
             Action::Recentre => self.begin_recentring(order),
             Action::Photograph(stamp) => self.begin_photo(order, stamp),
-            Action::Enter | Action::Leave => self.fail(order.id, "it does not know the way out"),
+            Action::Enter => self.begin_entering(order),
+            Action::Leave => self.begin_leaving(order),
             Action::Arm(_) => self.fail(order.id, "it has no arm"),
         }
     }
@@ -208,7 +219,13 @@ impl Sim {
     /// Whether it stands away from the centre of its cell or between two headings.
     #[must_use]
     pub fn is_off_centre(&self) -> bool {
-        self.body_at(self.now) != BodyPose::centred(self.pose, self.hall.cell_m())
+        self.body_at(self.now) != self.centre()
+    }
+
+    /// The hall is another now: somebody has taken luggage away, or put it elsewhere.
+    pub fn handle_hall(&mut self, hall: Arc<Hall>) {
+        self.senses.look_into(Arc::clone(&hall));
+        self.hall = hall;
     }
 
     /// Where its body really is at `now`, if nothing comes between.
@@ -227,6 +244,9 @@ impl Sim {
         if self.is_off_centre() {
             return self.fail(order.id, "it stands away from the centre of its cell: recentre first");
         }
+        if self.outside > 0 {
+            return self.fail(order.id, "it is before the entrance: it must enter first");
+        }
         let heading = self.pose.heading;
         match step {
             Move::Forward => self.begin_step(order, 1.0),
@@ -234,6 +254,28 @@ impl Sim {
             Move::TurnLeft => self.begin_turn(order, -FRAC_PI_2, Pose { heading: heading.left(), ..self.pose }),
             Move::TurnRight => self.begin_turn(order, FRAC_PI_2, Pose { heading: heading.right(), ..self.pose }),
             Move::NudgeLeft | Move::NudgeRight => self.fail(order.id, "it has no small corrective turns"),
+        }
+    }
+
+    fn begin_entering(&mut self, order: Order) {
+        match self.outside {
+            _ if self.is_off_centre() => self.fail(order.id, "it stands between two places: recentre first"),
+            0 => self.fail(order.id, "it is in the hall"),
+            1 => self.drive(order, 1.0, End::At(self.pose)),
+            steps => self.drive(order, 1.0, End::Outside(steps - 1)),
+        }
+    }
+
+    /// Backwards through the entrance, which is at its back.
+    fn begin_leaving(&mut self, order: Order) {
+        if self.is_off_centre() {
+            self.fail(order.id, "it stands between two places: recentre first");
+        } else if self.pose != Pose::START {
+            self.fail(order.id, "the way out begins at home, facing south");
+        } else if self.outside >= Place::FURTHEST {
+            self.fail(order.id, "nobody needs to go further out");
+        } else {
+            self.drive(order, -1.0, End::Outside(self.outside + 1));
         }
     }
 
@@ -264,12 +306,13 @@ impl Sim {
             self.events.push_back(RobotEvent::Done(order.id));
             return;
         }
-        let centre = BodyPose::centred(self.pose, self.hall.cell_m());
+        let centre = self.centre();
         let angle = normal(centre.theta - self.body.theta);
         if angle == 0.0 {
             let (dx, dy) = centre.ahead();
             let way_m = (centre.x_m - self.body.x_m) * dx + (centre.y_m - self.body.y_m) * dy;
-            self.drive(order, way_m / self.hall.cell_m(), End::At(self.pose));
+            let end = if self.outside > 0 { End::Outside(self.outside) } else { End::At(self.pose) };
+            self.drive(order, way_m / self.hall.cell_m(), end);
         } else {
             self.begin_turn(order, angle, self.pose);
         }
@@ -323,9 +366,14 @@ impl Sim {
     fn finish(&mut self) {
         let Some(Task { order, work, .. }) = self.task.take() else { return };
         match work {
+            Work::Drive { end: End::Outside(steps), .. } => {
+                self.outside = steps;
+                self.body = self.centre();
+                self.events.push_back(RobotEvent::Done(order));
+            }
             Work::Drive { end: End::At(pose), .. } => {
-                self.pose = pose;
-                self.body = BodyPose::centred(pose, self.hall.cell_m());
+                (self.pose, self.outside) = (pose, 0);
+                self.body = self.centre();
                 self.events.extend(self.senses.listen_for_change(self.body));
                 self.events.push_back(RobotEvent::Done(order));
             }
@@ -369,12 +417,23 @@ impl Sim {
         self.unkept = true;
     }
 
+    /// Where its body belongs.
+    fn centre(&self) -> BodyPose {
+        centre_of(self.pose, self.outside, self.hall.cell_m())
+    }
+
     fn body_at(&self, now: Duration) -> BodyPose {
         match &self.task {
             Some(Task { work: Work::Drive { motion, .. }, .. }) => motion.at(self.chassis, now),
             Some(Task { work: Work::Photograph { .. }, .. }) | None => self.body,
         }
     }
+}
+
+/// The way out is north of home, where the seeds' halls have nothing.
+pub(crate) fn centre_of(pose: Pose, outside: u8, cell_m: f64) -> BodyPose {
+    let cell = Cell::new(pose.cell.x, pose.cell.y - i32::from(outside));
+    BodyPose::centred(Pose { cell, ..pose }, cell_m)
 }
 
 impl Work {

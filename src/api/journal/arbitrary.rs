@@ -13,8 +13,10 @@ use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::event::{Piece, RobotId};
 use hallsweep_core::mission::{FaultCause, Goal, Hold, Inspection, Phase, Stage};
 use hallsweep_core::refused::CODES;
+use hallsweep_core::retrieval::Place;
 use hallsweep_core::search::{Search, Strategy as Order};
-use hallsweep_core::state::PersistentState;
+use hallsweep_core::settings::Fetcher;
+use hallsweep_core::state::{PersistentState, Retrieval, RetrievalStage};
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Revision, WallTime};
 use hallsweep_core::world::alarm::Alarm;
 use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
@@ -43,6 +45,10 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
         (option::of(goal()), search()).prop_map(|(goal, search)| Fact::Goal(goal, search)),
         pose().prop_map(Fact::Pose),
         (robot(), pose()).prop_map(|(robot, pose)| Fact::RobotPose(robot, pose)),
+        (robot(), 0..=Place::FURTHEST).prop_map(|(robot, steps)| Fact::Outside(robot, steps)),
+        option::of(retrieval()).prop_map(|retrieval| Fact::Retrieval(retrieval.map(Box::new))),
+        (cell(), any::<u32>()).prop_map(|(cell, piece)| Fact::MetAgain(cell, Piece(piece))),
+        any::<u64>().prop_map(|id| Fact::Secured(LuggageId(id))),
         any::<bool>().prop_map(Fact::Led),
         (cell(), prop_oneof![Just("wall"), Just("luggage"), Just("unknown")]).prop_map(|(cell, kind)| Fact::Obstacle(cell, kind)),
         (cell(), one_of(&MARKS)).prop_map(|(cell, mark)| Fact::Mark(cell, mark)),
@@ -82,12 +88,16 @@ fn robot() -> impl Strategy<Value = RobotId> {
 fn state() -> impl Strategy<Value = PersistentState> {
     let numbers = (any::<u64>(), any::<bool>(), any::<u64>(), any::<u64>(), any::<u64>(), any::<bool>());
     let others = btree_map(robot(), pose(), 0..3);
-    let mission = (phase(), btree_set(hold(), 0..9), search(), option::of(goal()), btree_set(cell(), 0..4), (pose(), others));
-    let world = (hall_map(), btree_set(any::<u32>().prop_map(Piece), 0..4), vec(luggage(), 0..4), vec(alarm(), 0..4));
+    let outside = (btree_map(robot(), 1..=Place::FURTHEST, 0..3), option::of(retrieval()));
+    let mission =
+        (phase(), btree_set(hold(), 0..9), search(), option::of(goal()), btree_set(cell(), 0..4), (pose(), others, outside));
+    let met_again = btree_map(cell(), any::<u32>().prop_map(Piece), 0..3);
+    let pieces = (btree_set(any::<u32>().prop_map(Piece), 0..4), met_again);
+    let world = (hall_map(), pieces, vec(luggage(), 0..4), vec(alarm(), 0..4));
     (numbers, mission, world, option::of(celsius())).prop_map(|(numbers, mission, world, reading)| {
         let (id, under_way, epoch, last_luggage, last_alarm, led_blinking) = numbers;
-        let (phase, holds, search, goal, blocked, (pose, others)) = mission;
-        let (map, pieces, luggage, alarms) = world;
+        let (phase, holds, search, goal, blocked, (pose, others, (outside, retrieval))) = mission;
+        let (map, (pieces, met_again), luggage, alarms) = world;
         PersistentState {
             mission: MissionId(id),
             under_way,
@@ -100,9 +110,12 @@ fn state() -> impl Strategy<Value = PersistentState> {
             blocked,
             pose,
             others,
+            outside,
+            retrieval,
             led_blinking,
             map,
             pieces,
+            met_again,
             luggage: luggage.into_iter().map(|record| (record.id, Arc::new(record))).collect(),
             last_luggage: LuggageId(last_luggage),
             alarms: alarms.into_iter().map(Arc::new).collect(),
@@ -158,7 +171,20 @@ fn cause() -> impl Strategy<Value = FaultCause> {
         Just(FaultCause::Unanswered),
         Just(FaultCause::Undecided),
         text().prop_map(FaultCause::Robot),
+        text().prop_map(FaultCause::NotFetched),
     ]
+}
+
+fn retrieval() -> impl Strategy<Value = Retrieval> {
+    let stage = prop_oneof![
+        Just(RetrievalStage::MakingRoom),
+        Just(RetrievalStage::Fetching),
+        text().prop_map(RetrievalStage::GivingUp),
+        option::of(text()).prop_map(RetrievalStage::ComingHome),
+    ];
+    let call = option::of(any::<u64>().prop_map(AlarmId));
+    (any::<u64>(), one_of(&Fetcher::ALL), stage, btree_set(cell(), 0..3), call)
+        .prop_map(|(luggage, fetcher, stage, piece, call)| Retrieval { luggage: LuggageId(luggage), fetcher, stage, piece, call })
 }
 
 fn luggage() -> impl Strategy<Value = Luggage> {
@@ -169,8 +195,17 @@ fn luggage() -> impl Strategy<Value = Luggage> {
     let decision = (verdict(), text(), wall());
     let decision = decision.prop_map(|(verdict, who, wall)| Decision { verdict, who: who.into(), wall });
     let piece = option::of(any::<u32>().prop_map(Piece));
-    (any::<u64>(), cell(), pose(), wall(), photo, option::of(decision), piece).prop_map(
-        |(id, cell, pose, taken, photo, verdict, piece)| Luggage { id: LuggageId(id), cell, pose, taken, photo, verdict, piece },
+    (any::<u64>(), cell(), pose(), wall(), photo, option::of(decision), piece, option::of(wall())).prop_map(
+        |(id, cell, pose, taken, photo, verdict, piece, secured)| Luggage {
+            id: LuggageId(id),
+            cell,
+            pose,
+            taken,
+            photo,
+            verdict,
+            piece,
+            secured,
+        },
     )
 }
 

@@ -8,11 +8,13 @@ use super::luggage::LuggageShape;
 use super::names::SearchShape;
 use super::phase::PhaseShape;
 use super::places::{GoalShape, PoseShape};
+use super::retrieval::RetrievalShape;
 use super::standing::StandingShape;
-use super::{Picture, Unparsed, map, names, places};
+use super::{Picture, Unparsed, map, names, places, retrieval};
 use crate::api::problem::refusal;
 use hallsweep_core::command::{CommandId, Issuer, Refusal};
 use hallsweep_core::effect::Fact;
+use hallsweep_core::event::Piece;
 use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId};
 
 /// A fact, by its kind.
@@ -55,6 +57,23 @@ pub(super) enum Shape {
         robot: String,
         #[serde(flatten)]
         pose: PoseShape,
+    },
+    Outside {
+        robot: String,
+        steps: u8,
+    },
+    Retrieval {
+        retrieval: Option<RetrievalShape>,
+    },
+    MetAgain {
+        #[serde(deserialize_with = "places::side")]
+        x: i32,
+        #[serde(deserialize_with = "places::side")]
+        y: i32,
+        piece: u32,
+    },
+    Secured {
+        luggage: u64,
     },
     Led {
         blinking: bool,
@@ -139,6 +158,10 @@ pub const fn kind(fact: &Fact) -> &'static str {
         Fact::Goal(..) => "goal",
         Fact::Pose(_) => "pose",
         Fact::RobotPose(..) => "robotPose",
+        Fact::Outside(..) => "outside",
+        Fact::Retrieval(_) => "retrieval",
+        Fact::MetAgain(..) => "metAgain",
+        Fact::Secured(_) => "secured",
         Fact::Led(_) => "led",
         Fact::Obstacle(..) => "obstacle",
         Fact::Mark(..) => "mark",
@@ -175,6 +198,10 @@ impl Shape {
             Fact::Goal(goal, search) => Shape::Goal { goal: goal.map(GoalShape::from), search: search.into() },
             Fact::Pose(pose) => Shape::Pose((*pose).into()),
             Fact::RobotPose(robot, pose) => Shape::RobotPose { robot: robot.name().to_owned(), pose: (*pose).into() },
+            Fact::Outside(robot, steps) => Shape::Outside { robot: robot.name().to_owned(), steps: *steps },
+            Fact::Retrieval(retrieval) => Shape::Retrieval { retrieval: retrieval.as_deref().map(RetrievalShape::from) },
+            Fact::MetAgain(Cell { x, y }, piece) => Shape::MetAgain { x: *x, y: *y, piece: piece.0 },
+            Fact::Secured(luggage) => Shape::Secured { luggage: luggage.0 },
             Fact::Led(blinking) => Shape::Led { blinking: *blinking },
             Fact::Obstacle(Cell { x, y }, taken_for) => Shape::Obstacle { x: *x, y: *y, taken_for: (*taken_for).to_owned() },
             Fact::Mark(Cell { x, y }, mark) => Shape::Mark { x: *x, y: *y, mark: mark.name().to_owned() },
@@ -215,6 +242,12 @@ impl Shape {
             Shape::Goal { goal, search } => Fact::Goal(goal.map(Into::into), search.search()?),
             Shape::Pose(pose) => Fact::Pose(pose.pose()?),
             Shape::RobotPose { robot, pose } => Fact::RobotPose(names::robot(&robot)?, pose.pose()?),
+            Shape::Outside { robot, steps } => Fact::Outside(names::robot(&robot)?, retrieval::steps(steps)?),
+            Shape::Retrieval { retrieval } => {
+                Fact::Retrieval(retrieval.map(RetrievalShape::retrieval).transpose()?.map(Box::new))
+            }
+            Shape::MetAgain { x, y, piece } => Fact::MetAgain(Cell::new(x, y), Piece(piece)),
+            Shape::Secured { luggage } => Fact::Secured(LuggageId(luggage)),
             Shape::Led { blinking } => Fact::Led(blinking),
             Shape::Obstacle { x, y, taken_for } => Fact::Obstacle(Cell::new(x, y), names::taken_for(&taken_for)?),
             Shape::Mark { x, y, mark } => Fact::Mark(Cell::new(x, y), map::named(&mark)?),

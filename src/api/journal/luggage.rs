@@ -21,6 +21,9 @@ pub(super) struct LuggageShape {
     photo: PhotoShape,
     verdict: Option<DecisionShape>,
     piece: Option<u32>,
+    /// When it was put into the container.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    secured: Option<Moment>,
 }
 
 /// What became of a photo.
@@ -67,6 +70,7 @@ impl From<&Luggage> for LuggageShape {
             },
             verdict: luggage.verdict.as_ref().map(DecisionShape::from),
             piece: luggage.piece.map(|piece| piece.0),
+            secured: luggage.secured.map(Moment::from),
         }
     }
 }
@@ -84,6 +88,7 @@ impl LuggageShape {
             },
             verdict: self.verdict.map(DecisionShape::decision).transpose()?,
             piece: self.piece.map(Piece),
+            secured: self.secured.map(Into::into),
         })
     }
 }

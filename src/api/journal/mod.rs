@@ -13,6 +13,7 @@ mod map;
 mod names;
 mod phase;
 mod places;
+mod retrieval;
 mod standing;
 
 #[cfg(test)]
@@ -124,6 +125,11 @@ pub fn read_line(bytes: &[u8]) -> Result<Line, Unparsed> {
 /// The record of a piece, with its verdict, as a JSON object.
 pub fn record(record: &Luggage) -> String {
     written(&luggage::LuggageShape::from(record))
+}
+
+/// A moment as it stands in a record, as a JSON object.
+pub fn moment(wall: WallTime) -> String {
+    written(&places::Moment::from(wall))
 }
 
 /// The record of a piece from its JSON object.

@@ -55,6 +55,7 @@ pub(super) enum CauseShape {
     Unanswered,
     Undecided,
     Robot(String),
+    NotFetched(String),
 }
 
 impl From<&Phase> for PhaseShape {
@@ -144,6 +145,7 @@ impl From<&FaultCause> for CauseShape {
             FaultCause::Unanswered => CauseShape::Unanswered,
             FaultCause::Undecided => CauseShape::Undecided,
             FaultCause::Robot(words) => CauseShape::Robot(words.clone()),
+            FaultCause::NotFetched(words) => CauseShape::NotFetched(words.clone()),
         }
     }
 }
@@ -155,6 +157,7 @@ impl From<CauseShape> for FaultCause {
             CauseShape::Unanswered => FaultCause::Unanswered,
             CauseShape::Undecided => FaultCause::Undecided,
             CauseShape::Robot(words) => FaultCause::Robot(words),
+            CauseShape::NotFetched(words) => FaultCause::NotFetched(words),
         }
     }
 }

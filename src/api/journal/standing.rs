@@ -10,7 +10,8 @@ use super::map::{self, Row};
 use super::names::SearchShape;
 use super::phase::PhaseShape;
 use super::places::{GoalShape, Point, PoseShape};
-use super::{Unparsed, names};
+use super::retrieval::RetrievalShape;
+use super::{Unparsed, names, retrieval};
 use hallsweep_core::event::Piece;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::state::PersistentState;
@@ -34,6 +35,14 @@ pub(super) struct StandingShape {
     /// The robots beside the one that searches.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     others: BTreeMap<String, PoseShape>,
+    /// How many steps from home those before the entrance are.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    outside: BTreeMap<String, u8>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    retrieval: Option<RetrievalShape>,
+    /// Where pieces that were known already were met once more.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    met_again: Vec<(Point, u32)>,
     led_blinking: bool,
     map: Vec<Row>,
     pieces: Vec<u32>,
@@ -58,6 +67,9 @@ impl From<&PersistentState> for StandingShape {
             blocked: state.blocked.iter().copied().map(Point::from).collect(),
             pose: state.pose.into(),
             others: state.others.iter().map(|(robot, pose)| (robot.name().to_owned(), (*pose).into())).collect(),
+            outside: state.outside.iter().map(|(robot, steps)| (robot.name().to_owned(), *steps)).collect(),
+            retrieval: state.retrieval.as_ref().map(RetrievalShape::from),
+            met_again: state.met_again.iter().map(|(cell, piece)| (Point::from(*cell), piece.0)).collect(),
             led_blinking: state.led_blinking,
             map: map::rows(&state.map),
             pieces: state.pieces.iter().map(|piece| piece.0).collect(),
@@ -84,6 +96,9 @@ impl StandingShape {
             blocked: self.blocked.into_iter().map(Into::into).collect(),
             pose: self.pose.pose()?,
             others: poses(&self.others)?,
+            outside: retrieval::outside(&self.outside)?,
+            retrieval: self.retrieval.map(RetrievalShape::retrieval).transpose()?,
+            met_again: self.met_again.into_iter().map(|(cell, piece)| (cell.into(), Piece(piece))).collect(),
             led_blinking: self.led_blinking,
             map: map::map(&self.map)?,
             pieces: self.pieces.into_iter().map(Piece).collect(),

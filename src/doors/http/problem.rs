@@ -119,6 +119,7 @@ mod tests {
     use super::*;
     use crate::api::problem::refusal as named;
     use hallsweep_core::command::{CODES, CommandId, Refused, Verdict};
+    use hallsweep_core::event::RobotId;
     use hallsweep_core::mission::{Hold, PhaseName};
     use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId};
 
@@ -146,7 +147,9 @@ mod tests {
             Some(Refused::NotInspected(_)) => Refused::PhotoUnderWay,
             Some(Refused::PhotoUnderWay) => Refused::UnknownAlarm(AlarmId(1)),
             Some(Refused::UnknownAlarm(_)) => Refused::NoRetrievalRobot,
-            Some(Refused::NoRetrievalRobot) => Refused::FaultStands("stuck".to_owned()),
+            Some(Refused::NoRetrievalRobot) => Refused::FetcherUnreached(RobotId::discovery()),
+            Some(Refused::FetcherUnreached(_)) => Refused::FetcherAbroad(RobotId::discovery()),
+            Some(Refused::FetcherAbroad(_)) => Refused::FaultStands("stuck".to_owned()),
             Some(Refused::FaultStands(_)) => Refused::StoreDown,
             Some(Refused::StoreDown) => Refused::NotKept,
             Some(Refused::NotKept) => Refused::OtherContent(CommandId::new("a-name").unwrap()),

@@ -23,6 +23,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         Fact::Verdict { luggage, verdict, who } => {
             decided(connection, *luggage, &Decision { verdict: *verdict, who: who.clone(), wall })
         }
+        Fact::Secured(luggage) => secured(connection, *luggage, wall),
         Fact::State(state) => stands(connection, state, wall, seq),
         Fact::ProgramStarted(_)
         | Fact::ProgramEnded(_)
@@ -32,6 +33,9 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         | Fact::Goal(..)
         | Fact::Pose(_)
         | Fact::RobotPose(..)
+        | Fact::Outside(..)
+        | Fact::Retrieval(_)
+        | Fact::MetAgain(..)
         | Fact::Led(_)
         | Fact::Obstacle(..)
         | Fact::Mark(..)
@@ -99,6 +103,11 @@ fn decided(connection: &Connection, luggage: LuggageId, decision: &Decision) -> 
     let sql = "UPDATE luggage SET verdict = ?2, decided_by = ?3, decided_ms = ?4, decided_offset_s = ?5 WHERE id = ?1";
     let Decision { verdict, who, wall } = decision;
     run(connection, sql, params![whole(luggage.0)?, verdict.name(), &**who, wall.unix_ms, wall.offset_s])
+}
+
+fn secured(connection: &Connection, luggage: LuggageId, wall: WallTime) -> Result<(), Fault> {
+    let sql = "UPDATE luggage SET record = json_set(record, '$.secured', json(?2)) WHERE id = ?1";
+    run(connection, sql, params![whole(luggage.0)?, journal::moment(wall)])
 }
 
 /// Everything that stands also says what a failed store may have lost: a mission's beginning, the end of the one before, luggage.

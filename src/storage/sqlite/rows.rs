@@ -124,7 +124,7 @@ impl Which {
             conditions.push(NAMED);
         }
         if self.milestones {
-            conditions.push("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict')");
+            conditions.push("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'secured')");
         }
         let filter = if conditions.is_empty() { String::new() } else { format!(" WHERE {}", conditions.join(" AND ")) };
         let limit = self.most.map(|most| format!(" LIMIT {most}")).unwrap_or_default();

@@ -46,6 +46,8 @@ impl Engine {
             Act::ChooseStrategy => self.choose_strategy(context),
             Act::Archive => self.archive(),
             Act::RetryBlocked => self.retry_blocked(),
+            Act::BeginRetrieval => self.begin_retrieval(),
+            Act::EndRetrieval => self.end_retrieval(),
         }
     }
 
@@ -89,8 +91,8 @@ impl Engine {
     }
 
     pub(super) fn raise(&mut self, hold: Hold, words: Option<&str>) {
-        // The link that is lost is that of the robot that searches; the others have holds of their own for theirs.
-        if hold == Hold::RobotLink {
+        // The link that is lost is that of the robot that searches, or of one that fetches with others; the rest have holds of their own.
+        if hold == Hold::RobotLink && self.state.retrieval.is_none() {
             self.halt_searching()
         } else {
             self.halt_moving()
@@ -188,7 +190,7 @@ impl Engine {
     pub(super) fn end_alarm_hold(&mut self) {
         let dangerous = |id: LuggageId| self.state.luggage.get(&id).is_some_and(|luggage| luggage.is_dangerous());
         let unseen = self.state.alarms.iter().filter(|alarm| alarm.acknowledged.is_none());
-        if unseen.filter_map(|alarm| alarm.luggage).all(dangerous) {
+        if unseen.filter_map(|alarm| alarm.luggage).all(dangerous) && !self.is_calling() {
             self.clear(Hold::Alarm);
         }
     }
@@ -243,7 +245,7 @@ impl Engine {
     /// Puts the mission away; its records stay in the journal.
     pub(super) fn archive(&mut self) {
         if self.state.under_way {
-            let bombs = self.state.luggage.values().filter(|luggage| luggage.is_dangerous()).map(|luggage| luggage.id).collect();
+            let bombs = self.state.luggage.values().filter(|luggage| luggage.is_bomb_left()).map(|luggage| luggage.id).collect();
             self.record(Fact::MissionArchived(self.state.mission, bombs));
         } else {
             // Of this there is no fact but the one with which the page ends, which says everything.
@@ -259,5 +261,6 @@ impl Engine {
         for cell in self.state.blocked.clone() {
             self.mark(cell, Mark::Visited);
         }
+        self.retry_retrieval();
     }
 }

@@ -96,7 +96,9 @@ impl Engine {
             }
             Guard::StoreDown => forbids(self.state.holds.contains(Hold::Store), Refused::StoreDown),
             Guard::UnknownAlarm => context.alarm.filter(|id| !self.is_on_record(*id)).map(Refused::UnknownAlarm),
-            Guard::NoRetrievalRobot => Some(Refused::NoRetrievalRobot),
+            Guard::NoRetrievalRobot => forbids(self.fetchers().is_none(), Refused::NoRetrievalRobot),
+            Guard::FetcherUnreached => self.unreached().map(Refused::FetcherUnreached),
+            Guard::FetcherAbroad => self.abroad(phase).map(Refused::FetcherAbroad),
             Guard::UnknownSensor => {
                 let sensor = context.reading.as_ref().map(|(sensor, _)| sensor);
                 sensor.filter(|sensor| !self.watchdog.watches(sensor)).map(|sensor| Refused::UnknownSensor(Arc::clone(sensor)))
@@ -121,6 +123,7 @@ impl Engine {
             }
             Case::FromIdle => matches!(phase.underlying(), Phase::Idle),
             Case::RobotAtHome => self.rests_at_home(),
+            Case::BombLeft => self.state.luggage.values().any(|luggage| luggage.is_bomb_left()),
         }
     }
 
@@ -165,11 +168,11 @@ impl Engine {
     fn bomb_unseen(&self) -> Option<LuggageId> {
         let unseen =
             |id: LuggageId| self.state.alarms.iter().any(|alarm| alarm.luggage == Some(id) && alarm.acknowledged.is_none());
-        self.state.luggage.values().filter(|luggage| luggage.is_dangerous()).map(|luggage| luggage.id).find(|id| unseen(*id))
+        self.state.luggage.values().filter(|luggage| luggage.is_bomb_left()).map(|luggage| luggage.id).find(|id| unseen(*id))
     }
 
     /// The cause of the fault, if START would not get past it. A cell that was free once may be tried again.
-    fn fault_stands<'a>(&self, phase: &'a Phase) -> Option<&'a FaultCause> {
+    pub(super) fn fault_stands<'a>(&self, phase: &'a Phase) -> Option<&'a FaultCause> {
         let cause = phase.fault()?;
         let stands = match cause {
             FaultCause::NoWayHome => {
@@ -177,6 +180,7 @@ impl Engine {
                 self.state.blocked.is_empty() && (way.is_none() || self.state.map.at(Cell::HOME).is_obstacle())
             }
             FaultCause::Undecided => true,
+            FaultCause::NotFetched(_) => self.unreached().is_some(),
             FaultCause::Unanswered | FaultCause::Robot(_) => self.robots.searching().controller.capabilities.is_none(),
         };
         stands.then_some(cause)

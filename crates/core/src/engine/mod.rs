@@ -19,6 +19,7 @@ mod records;
 mod refusals;
 mod repeats;
 mod reports;
+mod retrieval;
 mod sharing;
 mod stops;
 mod view;
@@ -47,6 +48,7 @@ use super::command::{Accepted, Command, Refused, Request};
 use super::effect::{Effect, Fact};
 use super::event::{Event, RobotId};
 use super::mission::{Hold, Input, InputContext, Mission};
+use super::retrieval::Parcel;
 use super::robots::Robots;
 use super::search::Strategy;
 use super::search::plan::Planner;
@@ -76,6 +78,8 @@ pub struct Engine {
     /// The epoch in which the command was given that released the robot last.
     released: Option<Epoch>,
     on_record: OnRecord,
+    /// What was last seen where a parcel was looked for, until the trees have been told.
+    seen: Option<Option<Parcel>>,
     is_ending: bool,
     taken: Option<Arc<Snapshot>>,
 }
@@ -99,6 +103,7 @@ impl Engine {
             stops: Stops::default(),
             released: None,
             on_record: OnRecord::first(strategy),
+            seen: None,
             is_ending: false,
             taken: None,
         }

@@ -5,6 +5,7 @@ use crate::command::Move;
 use crate::effect::{Action, Effect, Fact, Stamp};
 use crate::event::RobotId;
 use crate::mission::{FaultCause, Goal, Hold, Input, InputContext, Phase, Stage};
+use crate::retrieval::Place;
 use crate::robots::Part;
 use crate::search::plan::Through;
 use crate::search::{NextGoal, Search, View};
@@ -41,7 +42,7 @@ pub enum Barred {
 }
 
 /// What one look at the mission came to.
-enum Turn {
+pub(super) enum Turn {
     /// An order was given, or there is nothing to do until something happens.
     Rest,
     /// The mission has changed: look again.
@@ -88,19 +89,22 @@ impl Engine {
         if self.searches(robot) {
             return Err(Barred::Searching);
         }
-        self.may_move(robot)?;
-        let Some(known) = self.robots.get(robot) else { return Err(Barred::Unknown) };
-        if known.off_centre && action != Action::Recentre {
-            return Err(Barred::OffCentre);
-        }
-        let part = action.part();
-        if !known.controller.capabilities.is_some_and(|can| can.parts.has(part)) {
-            return Err(Barred::NotCapable(part));
-        }
+        self.may_do(robot, action)?;
         Ok(self.order_of(robot, action))
     }
 
-    fn order_of(&mut self, robot: &RobotId, action: Action) -> OrderId {
+    /// Whether the gate lets this robot do this now.
+    pub(super) fn may_do(&self, robot: &RobotId, action: Action) -> Result<(), Barred> {
+        self.may_move(robot)?;
+        let Some(known) = self.robots.get(robot) else { return Err(Barred::Unknown) };
+        if known.off_centre && action.moves_base() && action != Action::Recentre {
+            return Err(Barred::OffCentre);
+        }
+        let part = action.part();
+        if known.controller.capabilities.is_some_and(|can| can.parts.has(part)) { Ok(()) } else { Err(Barred::NotCapable(part)) }
+    }
+
+    pub(super) fn order_of(&mut self, robot: &RobotId, action: Action) -> OrderId {
         let (epoch, now) = (self.state.epoch, self.now.since_start);
         let known = self.robots.get_mut(robot).expect("whoever gives an order has looked that the robot is there");
         let order = known.controller.give(action, epoch, now);
@@ -110,7 +114,8 @@ impl Engine {
     }
 
     pub(super) fn is_home(&self) -> bool {
-        self.state.pose.cell == Cell::HOME && !self.robots.searching().off_centre
+        let searching = self.robots.searching();
+        self.place_of(self.robots.searching_id()) == Place::Cell(Cell::HOME) && !searching.off_centre
     }
 
     fn turn(&mut self) -> Turn {
@@ -135,15 +140,18 @@ impl Engine {
         if self.robots.searching().off_centre && moves {
             return self.order(Action::Recentre);
         }
+        if moves && self.state.phase != Phase::Retrieving && self.steps_outside(self.robots.searching_id()) > 0 {
+            return self.order(Action::Enter);
+        }
         match self.state.phase {
             Phase::Exploring => self.explore(),
             Phase::ReturningHome | Phase::ReturningWithAlarm => self.go_home(),
             Phase::Driving { goal, next, .. } => self.drive(goal, next),
+            Phase::Retrieving => self.retrieve(),
             Phase::Idle
             | Phase::Inspecting(_)
             | Phase::AtHome
             | Phase::BombLocated
-            | Phase::Retrieving
             | Phase::BagSecured
             | Phase::Explored
             | Phase::Fault { .. } => Turn::Rest,
@@ -170,7 +178,7 @@ impl Engine {
         wanted && self.robots.searching().controller.is_free() && !barred && !matches!(self.state.phase, Phase::Fault { .. })
     }
 
-    fn order(&mut self, action: Action) -> Turn {
+    pub(super) fn order(&mut self, action: Action) -> Turn {
         self.order_of(&self.robots.searching_id().clone(), action);
         Turn::Rest
     }

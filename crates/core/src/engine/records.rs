@@ -26,7 +26,7 @@ impl Engine {
         let id = self.state.last_luggage.next();
         let photo = photo_of(context);
         let state = PhotoState::after(None, &photo);
-        let luggage = Luggage { id, cell, pose, taken: self.now.wall, photo: state, verdict: None, piece };
+        let luggage = Luggage { id, cell, pose, taken: self.now.wall, photo: state, verdict: None, piece, secured: None };
         self.send_record(luggage, photo);
         self.set_stage(Stage::Recording(id));
     }

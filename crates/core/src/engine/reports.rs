@@ -7,6 +7,7 @@ use crate::command::Move;
 use crate::effect::{Action, Fact, Order};
 use crate::event::{Capabilities, Obstacle, OffCentre, Photo, Piece, RobotEvent, RobotId, Whereabouts};
 use crate::mission::{FaultCause, Hold, Input, InputContext, Phase, Stage};
+use crate::retrieval::Place;
 use crate::search::plan::after;
 use crate::units::{Cell, Heading, OrderId, Pose};
 use crate::world::hall_map::{Mark, REACH};
@@ -22,8 +23,12 @@ impl Engine {
         }
         match report {
             RobotEvent::Stands(whereabouts) => self.stands(robot, whereabouts),
-            RobotEvent::StandsOutside(..) | RobotEvent::Arm(_) | RobotEvent::ParcelLost(_) => {}
-            RobotEvent::Found(id, _) => drop(self.close(robot, id)),
+            RobotEvent::StandsOutside(steps, heading, off_centre) => {
+                self.stands_outside(robot, steps, heading, off_centre);
+            }
+            RobotEvent::Arm(arm) => self.arm_reported(robot, arm),
+            RobotEvent::ParcelLost(parcel) => self.parcel_lost(robot, parcel),
+            RobotEvent::Found(id, parcel) => self.found(robot, id, parcel),
             RobotEvent::LinkUp(can) => self.link_up(robot, can),
             RobotEvent::LinkLost(words) => self.link_lost(robot, words),
             RobotEvent::Done(id) => self.done(robot, id),
@@ -63,6 +68,7 @@ impl Engine {
 
     /// The robot's own reckoning counts: it may have ended a move of which the record says nothing (safety R2).
     fn stands(&mut self, robot: &RobotId, Whereabouts { pose, off_centre }: Whereabouts) {
+        self.note_outside(robot, 0);
         let is_elsewhere = self.pose_of(robot) != pose;
         if !is_elsewhere && self.robots.get(robot).is_some_and(|robot| robot.off_centre == off_centre) {
             return;
@@ -85,6 +91,30 @@ impl Engine {
         }
     }
 
+    /// The same before the entrance.
+    fn stands_outside(&mut self, robot: &RobotId, steps: u8, heading: Heading, off_centre: OffCentre) {
+        self.set_off_centre(robot, off_centre);
+        self.world.touch(Resource::Robot);
+        self.note_outside(robot, steps.clamp(1, Place::FURTHEST));
+        let pose = Pose { cell: Cell::HOME, heading };
+        if self.pose_of(robot) != pose {
+            self.record_pose(robot, pose);
+        }
+    }
+
+    fn note_outside(&mut self, robot: &RobotId, steps: u8) {
+        if self.steps_outside(robot) != steps {
+            self.record(Fact::Outside(robot.clone(), steps));
+        }
+    }
+
+    /// A step on the way out, or back in.
+    fn passed(&mut self, robot: &RobotId, action: Action) {
+        self.set_off_centre(robot, false);
+        let steps = self.steps_outside(robot);
+        self.note_outside(robot, if action == Action::Leave { steps + 1 } else { steps.saturating_sub(1) });
+    }
+
     /// Carried away from the piece in front of it, the robot can take no photo of it: a piece without a record stays a target of
     /// the search, and one with a record keeps the photo it has.
     fn leave_inspection(&mut self) {
@@ -104,7 +134,10 @@ impl Engine {
         known.controller.link_up(can);
         known.holds.clear(Hold::RobotLink);
         self.world.touch(Resource::Robot);
-        if self.searches(robot) {
+        // What a retrieval needs it needs all of.
+        let needed = self.searches(robot) || self.is_fetching(robot);
+        let missing = self.state.retrieval.is_some() && self.unreached().is_some();
+        if needed && !missing {
             self.feed(Input::LinkUp, &InputContext::default());
         }
     }
@@ -115,7 +148,13 @@ impl Engine {
         let Some(known) = self.robots.get_mut(robot) else { return };
         known.off_centre |= known.controller.lose();
         self.world.touch(Resource::Robot);
-        if searches {
+        let fetches = self.is_fetching(robot);
+        let Some(known) = self.robots.get_mut(robot) else { return };
+        if fetches {
+            known.holds.raise(Hold::RobotLink);
+        }
+        if searches || fetches {
+            let words = if searches { words } else { format!("{robot}: {words}") };
             self.feed(Input::LinkLost, &InputContext { words: Some(words), ..InputContext::default() });
         } else if known.holds.raise(Hold::RobotLink) {
             if self.state.phase.is_mission() {
@@ -125,7 +164,7 @@ impl Engine {
         }
     }
 
-    fn close(&mut self, robot: &RobotId, id: OrderId) -> Option<Order> {
+    pub(super) fn close(&mut self, robot: &RobotId, id: OrderId) -> Option<Order> {
         let order = self.robots.get_mut(robot)?.controller.close(id)?;
         self.world.touch(Resource::Robot);
         Some(order)
@@ -133,9 +172,13 @@ impl Engine {
 
     fn done(&mut self, robot: &RobotId, id: OrderId) {
         let Some(order) = self.close(robot, id) else { return };
+        if let Some(robot) = self.robots.get_mut(robot) {
+            robot.failures = 0;
+        }
         match order.action {
             Action::Move(step) => self.moved(robot, step),
-            Action::Recentre | Action::Enter | Action::Leave => self.set_off_centre(robot, false),
+            Action::Recentre => self.set_off_centre(robot, false),
+            Action::Enter | Action::Leave => self.passed(robot, order.action),
             Action::Photograph(_) | Action::Arm(_) => {}
         }
         if self.searches(robot) {
@@ -150,6 +193,8 @@ impl Engine {
         let pose = after(before, step);
         if self.searches(robot) {
             self.follow_move(step, before, pose);
+        } else if self.is_fetching(robot) && self.state.map.at(pose.cell) != Mark::Visited {
+            self.mark(pose.cell, Mark::Visited);
         }
         self.record_pose(robot, pose);
     }
@@ -174,23 +219,31 @@ impl Engine {
     fn blocked(&mut self, robot: &RobotId, id: OrderId, obstacle: Obstacle) {
         let Some(order) = self.close(robot, id) else { return };
         self.set_off_centre(robot, true);
+        let pose = self.pose_of(robot);
+        let cell = match order.action {
+            Action::Move(step @ (Move::Forward | Move::Backward)) => Some(after(pose, step).cell),
+            Action::Move(_) | Action::Recentre | Action::Photograph(_) | Action::Enter | Action::Leave | Action::Arm(_) => None,
+        };
+        let obstacle = if self.settings.inspect_everything { Obstacle::Unknown } else { obstacle };
         if !self.searches(robot) {
-            let text = format!("{robot} met an obstacle at {}", self.pose_of(robot).cell);
-            return self.world.write(self.now.wall, Tone::Warning, text);
+            let text = format!("{robot} met an obstacle at {}", pose.cell);
+            self.world.write(self.now.wall, Tone::Warning, text);
+            if let Some(cell) = cell.filter(|_| self.is_fetching(robot)) {
+                self.meet(cell, pose.heading, obstacle);
+            }
+            return;
         }
         self.mission.route.clear();
-        let Action::Move(step @ (Move::Forward | Move::Backward)) = order.action else {
+        let Some(cell) = cell else {
             let words = "something is in the way of a turn, or of the way back to the centre of its cell".to_owned();
             return self.robot_failed(words);
         };
-        let obstacle = if self.settings.inspect_everything { Obstacle::Unknown } else { obstacle };
-        let cell = after(self.state.pose, step).cell;
-        self.meet(cell, obstacle);
+        self.meet(cell, pose.heading, obstacle);
         self.feed(Input::Blocked, &InputContext { cell: Some(cell), obstacle: Some(obstacle), ..InputContext::default() });
     }
 
     /// Marks the obstacle by what it was taken for (mission §3).
-    fn meet(&mut self, cell: Cell, obstacle: Obstacle) {
+    fn meet(&mut self, cell: Cell, heading: Heading, obstacle: Obstacle) {
         let mark = match obstacle {
             Obstacle::Wall { .. } => Mark::Wall,
             Obstacle::Luggage(piece) if self.state.pieces.contains(&piece) => Mark::Luggage,
@@ -206,10 +259,21 @@ impl Engine {
             Obstacle::Unknown => "unknown",
         };
         self.record(Fact::Obstacle(cell, taken_for));
+        self.note_piece_at(cell, obstacle);
         if let (Obstacle::Wall { left, right }, Mark::Wall, true) = (obstacle, mark, self.settings.wall_lines) {
-            let heading = self.state.pose.heading;
             self.reveal_wall(cell, heading.left(), left);
             self.reveal_wall(cell, heading.right(), right);
+        }
+    }
+
+    /// A piece that was known already stands here, too: so much more of it is to be lifted.
+    fn note_piece_at(&mut self, cell: Cell, obstacle: Obstacle) {
+        let Obstacle::Luggage(piece) = obstacle else { return };
+        let is_new = !self.state.met_again.contains_key(&cell)
+            && !self.state.luggage.values().any(|luggage| luggage.cell == cell && luggage.piece == Some(piece));
+        if is_new && self.state.pieces.contains(&piece) {
+            self.record(Fact::MetAgain(cell, piece));
+            self.grow_piece(cell, piece);
         }
     }
 
@@ -243,6 +307,7 @@ impl Engine {
 
     fn failed(&mut self, robot: &RobotId, id: OrderId, words: String) {
         let Some(order) = self.close(robot, id) else { return };
+        self.count_failure(robot);
         if matches!(order.action, Action::Photograph(_)) {
             return self.say_photo_failed(robot, words);
         }
@@ -253,6 +318,12 @@ impl Engine {
             self.robot_failed(words);
         } else {
             self.world.write(self.now.wall, Tone::Alarm, format!("{robot} could not carry out its order ({words})"));
+        }
+    }
+
+    fn count_failure(&mut self, robot: &RobotId) {
+        if let Some(robot) = self.robots.get_mut(robot) {
+            robot.failures = robot.failures.saturating_add(1);
         }
     }
 
@@ -272,6 +343,7 @@ impl Engine {
     pub(super) fn order_unanswered(&mut self, robot: &RobotId) {
         let Some(order) = self.robots.get_mut(robot).and_then(|robot| robot.controller.give_up()) else { return };
         self.world.touch(Resource::Robot);
+        self.count_failure(robot);
         if matches!(order.action, Action::Photograph(_)) {
             return self.say_photo_failed(robot, "the camera did not answer in time".to_owned());
         }

@@ -55,6 +55,7 @@ fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
         photo: PhotoState::Taken { bytes: 1, take: 1 },
         verdict: None,
         piece: None,
+        secured: None,
     };
     engine.state.luggage.insert(LuggageId(1), Arc::new(luggage));
     engine.state.last_luggage = LuggageId(1);
@@ -116,6 +117,8 @@ fn command(input: Input) -> Option<Command> {
         | Input::CameHome
         | Input::AllExplored
         | Input::DriveEnded
+        | Input::Secured
+        | Input::NotFetched
         | Input::NoWayHome
         | Input::Unanswered
         | Input::RobotFailed

@@ -41,6 +41,8 @@ named! {
         CameHome = "the robot is home",
         AllExplored = "nothing is left to explore",
         DriveEnded = "the drive by hand ended",
+        Secured = "the bag is in the container",
+        NotFetched = "the bag cannot be fetched",
         NoWayHome = "no known way leads home",
         Unanswered = "an order was not finished in time",
         RobotFailed = "the robot could not do it",
@@ -61,7 +63,7 @@ impl Input {
     pub(crate) const COMMANDS: [Input; 16] = *Input::ALL.first_chunk().expect("they are listed first");
 
     /// In the order of a mission's life.
-    pub(crate) const EVENTS: [Input; 23] = *Input::ALL.last_chunk().expect("they are listed last");
+    pub(crate) const EVENTS: [Input; 25] = *Input::ALL.last_chunk().expect("they are listed last");
 }
 
 /// What an input is about. Which fields matter depends on the input; the rest stays empty.

@@ -212,6 +212,8 @@ pub enum FaultCause {
     Undecided,
     /// The robot could not carry out an order; its own words.
     Robot(String),
+    /// The piece cannot be fetched; why.
+    NotFetched(String),
 }
 
 impl std::fmt::Display for FaultCause {
@@ -220,6 +222,7 @@ impl std::fmt::Display for FaultCause {
             FaultCause::NoWayHome => f.write_str("no known way leads home: clear the way, or fetch the robot"),
             FaultCause::Undecided => f.write_str("the search finds no next step: press RESET and begin anew"),
             FaultCause::Unanswered => f.write_str("the robot did not finish its order in time: look after it, then press START"),
+            FaultCause::NotFetched(words) => write!(f, "the piece was not fetched: {words}"),
             FaultCause::Robot(words) => {
                 write!(f, "the robot could not carry out its order ({words}): look after it, then press START")
             }

@@ -52,6 +52,8 @@ named! {
         StoreDown = "`store` stands",
         UnknownAlarm = "there is no such alarm",
         NoRetrievalRobot = "no retrieval robot is there",
+        FetcherUnreached = "a robot that fetches cannot be reached",
+        FetcherAbroad = "the robots of a retrieval that can go on are not back",
         FaultStands = "the cause of the fault still stands",
         UnknownSensor = "no such sensor is configured",
     }
@@ -68,6 +70,7 @@ named! {
         SameVerdict = "the same verdict stands already",
         FromIdle = "idle was interrupted",
         RobotAtHome = "the robot stands at home",
+        BombLeft = "another bomb is unfetched",
     }
 }
 
@@ -95,6 +98,8 @@ pub(crate) enum Act {
     ChooseStrategy,
     Archive,
     RetryBlocked,
+    BeginRetrieval,
+    EndRetrieval,
 }
 
 impl Act {
@@ -120,6 +125,8 @@ impl Act {
             Act::ChooseStrategy => "choose it",
             Act::Archive => "archive the mission",
             Act::RetryBlocked => "try blocked cells again",
+            Act::BeginRetrieval => "choose the bag, send the robots",
+            Act::EndRetrieval => "forget the retrieval",
         };
         words.to_owned()
     }

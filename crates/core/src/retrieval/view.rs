@@ -7,6 +7,7 @@ use super::arm::{ArmAction, ArmState};
 use super::place::Place;
 use crate::effect::Action;
 use crate::event::Piece;
+use crate::robots::RobotId;
 use crate::units::{Cell, Heading};
 use crate::world::hall_map::HallMap;
 
@@ -30,6 +31,16 @@ impl Which {
             Which::Srm1 => Which::Srm2,
             Which::Srm2 => Which::Srm1,
         }
+    }
+
+    /// The name by which it is one of the robots.
+    #[must_use]
+    pub fn robot(self) -> RobotId {
+        RobotId::new(match self {
+            Which::Srm1 => "srm1",
+            Which::Srm2 => "srm2",
+        })
+        .expect("both are names of robots")
     }
 
     /// Its place in what is kept for both.

@@ -11,6 +11,7 @@ use std::time::Duration;
 pub(crate) use self::controller::RobotController;
 pub use self::parts::{Part, Parts};
 use crate::mission::{Hold, Holds};
+use crate::retrieval::ArmState;
 
 /// The name by which settings, orders, reports and records mean one robot.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -56,6 +57,10 @@ pub(crate) struct Robot {
     pub(crate) sonar_cm: Option<u16>,
     /// What holds this robot and no other. What holds the one that searches is among the holds of the mission.
     pub(crate) holds: Holds,
+    /// Its arm, if it has one, as it last said.
+    pub(crate) arm: ArmState,
+    /// Orders in a row that it failed to carry out.
+    pub(crate) failures: u32,
 }
 
 #[derive(Clone, Debug)]

@@ -2,9 +2,12 @@
 //! by the same code. Nothing else changes it, but for what must be said anew after a restart (`after_restart`).
 //! How facts are written and read back is the store's business.
 
+mod retrieval;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+pub use self::retrieval::{Retrieval, RetrievalStage};
 use super::effect::{Entry, Fact};
 use super::event::Piece;
 use super::mission::{Goal, Hold, Holds, Phase};
@@ -41,12 +44,18 @@ pub struct PersistentState {
     pub pose: Pose,
     /// The same of the others that have moved.
     pub others: BTreeMap<RobotId, Pose>,
+    /// How many steps those who are before the entrance stand from home.
+    pub outside: BTreeMap<RobotId, u8>,
+    /// The retrieval under way, or in fault.
+    pub retrieval: Option<Retrieval>,
     /// Whether the LED blinks.
     pub led_blinking: bool,
     /// The hall.
     pub map: HallMap,
     /// The pieces the camera would know again.
     pub pieces: BTreeSet<Piece>,
+    /// The cells where a piece that was known already was met once more.
+    pub met_again: BTreeMap<Cell, Piece>,
     /// The luggage of the mission.
     pub luggage: BTreeMap<LuggageId, Arc<Luggage>>,
     /// The number of the last piece of all missions.
@@ -75,9 +84,12 @@ impl PersistentState {
             blocked: BTreeSet::new(),
             pose: Pose::START,
             others: BTreeMap::new(),
+            outside: BTreeMap::new(),
+            retrieval: None,
             led_blinking: false,
             map: HallMap::new(Cell::HOME, Revision(1)),
             pieces: BTreeSet::new(),
+            met_again: BTreeMap::new(),
             luggage: BTreeMap::new(),
             last_luggage: LuggageId(0),
             alarms: Vec::new(),
@@ -107,6 +119,11 @@ impl PersistentState {
             Fact::Goal(goal, search) => (self.goal, self.search) = (*goal, search.clone()),
             Fact::Pose(pose) => self.pose = *pose,
             Fact::RobotPose(robot, pose) => drop(self.others.insert(robot.clone(), *pose)),
+            Fact::Outside(robot, 0) => drop(self.outside.remove(robot)),
+            Fact::Outside(robot, steps) => drop(self.outside.insert(robot.clone(), *steps)),
+            Fact::Retrieval(retrieval) => self.retrieval = retrieval.as_deref().cloned(),
+            Fact::MetAgain(cell, piece) => drop(self.met_again.insert(*cell, *piece)),
+            Fact::Secured(luggage) => self.secure(*luggage, wall),
             Fact::Led(blinking) => self.led_blinking = *blinking,
             Fact::Mark(cell, mark) => self.mark(*cell, *mark, revision),
             Fact::Luggage { record, .. } => self.keep(record),
@@ -151,6 +168,7 @@ impl PersistentState {
     fn empty_map(&mut self, revision: Revision) {
         self.map = HallMap::new(Cell::HOME, revision);
         self.pieces.clear();
+        self.met_again.clear();
         self.blocked.clear();
         self.search_anew();
     }
@@ -167,10 +185,19 @@ impl PersistentState {
 
     /// A record of a piece known already keeps the verdict that was given in the meantime.
     fn keep(&mut self, record: &Arc<Luggage>) {
-        let verdict = self.luggage.get(&record.id).and_then(|known| known.verdict.clone());
-        self.luggage.insert(record.id, Arc::new(Luggage { verdict, ..Luggage::clone(record) }));
+        let known = self.luggage.get(&record.id);
+        let verdict = known.and_then(|known| known.verdict.clone());
+        let secured = known.and_then(|known| known.secured);
+        self.luggage.insert(record.id, Arc::new(Luggage { verdict, secured, ..Luggage::clone(record) }));
         self.pieces.extend(record.piece);
         self.last_luggage = self.last_luggage.max(record.id);
+    }
+
+    /// The piece is in the container; it is not met again.
+    fn secure(&mut self, luggage: LuggageId, wall: WallTime) {
+        if let Some(record) = self.luggage.get_mut(&luggage) {
+            *record = Arc::new(Luggage { secured: Some(wall), ..Luggage::clone(record) });
+        }
     }
 
     fn decide(&mut self, luggage: LuggageId, decision: Decision) {

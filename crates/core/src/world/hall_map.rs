@@ -268,11 +268,16 @@ impl HallMap {
     fn move_frontier(&mut self, cell: Cell, mark: Mark) {
         let fresh: Vec<Cell> = match mark {
             Mark::Visited => cell.neighbours().into_iter().filter(|next| self.at(*next) == Mark::Unknown).collect(),
-            Mark::Unknown | Mark::Wall | Mark::Luggage | Mark::NotInspected => Vec::new(),
+            Mark::Unknown => Some(cell).filter(|_| self.has_visited_neighbour(cell)).into_iter().collect(),
+            Mark::Wall | Mark::Luggage | Mark::NotInspected => Vec::new(),
         };
         let frontier = Arc::make_mut(&mut self.frontier);
         frontier.remove(&cell);
         frontier.extend(fresh);
+    }
+
+    fn has_visited_neighbour(&self, cell: Cell) -> bool {
+        cell.neighbours().into_iter().any(|next| self.at(next) == Mark::Visited)
     }
 }
 
@@ -318,6 +323,16 @@ mod tests {
         assert_eq!(map.at(Cell::new(-40, 3)), Mark::Wall);
         assert_eq!(map.at(Cell::new(100, -70)), Mark::Wall);
         assert_eq!(map.known_bounds(), Bounds { least: Cell::new(-40, -70), most: Cell::new(100, 200) });
+    }
+
+    #[test]
+    fn a_cell_that_is_unknown_again_is_asked_for_where_a_robot_was_beside_it() {
+        let mut map = HallMap::new(Cell::HOME, Revision(1));
+        for (cell, asked) in [(Cell::new(1, 0), true), (Cell::new(2, 0), false)] {
+            map.mark(cell, Mark::Luggage, Revision(2));
+            map.mark(cell, Mark::Unknown, Revision(3));
+            assert_eq!((map.at(cell), map.frontier().contains(&cell)), (Mark::Unknown, asked));
+        }
     }
 
     #[test]

@@ -23,6 +23,8 @@ pub struct Luggage {
     pub verdict: Option<Decision>,
     /// Which piece the camera takes it for, if it can tell.
     pub piece: Option<Piece>,
+    /// When it was put into the container.
+    pub secured: Option<WallTime>,
 }
 
 /// What became of a photo.
@@ -105,6 +107,12 @@ impl Luggage {
     #[must_use]
     pub fn is_dangerous(&self) -> bool {
         self.verdict.as_ref().is_some_and(|decision| decision.verdict == Verdict::Danger)
+    }
+
+    /// Whether it was found dangerous and is still in the hall.
+    #[must_use]
+    pub fn is_bomb_left(&self) -> bool {
+        self.is_dangerous() && self.secured.is_none()
     }
 
     /// The word of the doors: `pending`, `safe` or `danger`.

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::super::memory::{Astray, Underway};
-use super::{BodyPose, Hall, Sim, SimMemory, SimSettings, Work};
+use super::{Hall, Sim, SimMemory, SimSettings, Work};
 
 impl Sim {
     /// The robot of an earlier run, in the same hall, after the program has died: where it was, halted by itself within half a
@@ -18,7 +18,7 @@ impl Sim {
     /// What the robot and its hall would keep if the program died now.
     #[must_use]
     pub fn memory(&self) -> SimMemory {
-        let centre = BodyPose::centred(self.pose, self.hall.cell_m());
+        let centre = self.centre();
         let motion = match self.task.as_ref().map(|task| &task.work) {
             Some(Work::Drive { motion, .. }) => Some(Underway {
                 to: Astray::between(centre, motion.at(self.chassis, motion.ends)),
@@ -28,6 +28,7 @@ impl Sim {
         };
         SimMemory {
             pose: self.pose,
+            outside: self.outside,
             stands: Astray::between(centre, self.body_at(self.now)),
             motion,
             age: self.before.saturating_add(self.now),

@@ -306,3 +306,42 @@ fn it_never_leaves_the_floor_and_the_same_seed_reports_the_same_byte_for_byte() 
 fn how_often_time_is_let_pass_makes_no_difference() {
     assert_eq!(wander(7, 600), wander(7, 7));
 }
+
+#[test]
+fn it_leaves_home_backwards_and_comes_in_again_and_can_be_halted_on_the_way() {
+    let mut run = Run::new(&["S."]);
+    assert!(is_done(&run.perform(Action::Leave)));
+    assert_eq!(run.body(), BodyPose::centred(Pose { cell: Cell::new(0, -1), heading: Heading::South }, 0.5));
+    assert!(failure(&run.perform(Action::Move(Move::Forward))).contains("before the entrance"));
+    assert!(is_done(&run.perform(Action::Leave)));
+    assert!(failure(&run.perform(Action::Leave)).contains("further out"));
+    let order = run.order(Action::Enter);
+    run.pass_ms(100);
+    assert_eq!(run.halt(), [RobotEvent::Halted(order, true)]);
+    assert!(failure(&run.perform(Action::Enter)).contains("recentre"));
+    assert!(is_done(&run.perform(Action::Recentre)));
+    for _ in 0..2 {
+        assert!(is_done(&run.perform(Action::Enter)));
+    }
+    assert_eq!(run.body(), BodyPose::centred(Pose::START, 0.5));
+    assert!(failure(&run.perform(Action::Enter)).contains("in the hall"));
+}
+
+#[test]
+fn the_way_out_begins_at_home_facing_south() {
+    let mut run = Run::new(&["S.", ".."]);
+    assert!(is_done(&run.perform(Action::Move(Move::TurnLeft))));
+    assert!(failure(&run.perform(Action::Leave)).contains("facing south"));
+    assert!(is_done(&run.perform(Action::Move(Move::TurnRight))) && is_done(&run.perform(Action::Move(Move::Forward))));
+    assert!(failure(&run.perform(Action::Leave)).contains("facing south"));
+}
+
+#[test]
+fn luggage_that_was_taken_away_is_not_met_any_more() {
+    let mut run = Run::new(&["S", "a"]);
+    assert!(matches!(run.perform(Action::Move(Move::Forward)).last(), Some(RobotEvent::Blocked(..))));
+    run.perform(Action::Recentre);
+    let empty = run.sim.hall.rearranged(&std::collections::BTreeMap::from([(hallsweep_core::event::Piece(1), None)]));
+    run.sim.handle_hall(Arc::new(empty));
+    assert!(is_done(&run.perform(Action::Move(Move::Forward))));
+}

@@ -109,8 +109,10 @@ proptest! {
 /// Facts whose numbers are not beyond what the tables hold.
 fn harmless() -> impl Strategy<Value = Fact> {
     arbitrary::fact().prop_filter("numbers beyond 2^63", |fact| {
-        !matches!(fact, Fact::MissionBegan(..) | Fact::MissionArchived(..) | Fact::Verdict { .. } | Fact::Luggage { .. })
-            && !matches!(fact, Fact::State(_))
+        !matches!(
+            fact,
+            Fact::MissionBegan(..) | Fact::MissionArchived(..) | Fact::Verdict { .. } | Fact::Luggage { .. } | Fact::Secured(_)
+        ) && !matches!(fact, Fact::State(_))
     })
 }
 

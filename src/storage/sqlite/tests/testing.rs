@@ -156,6 +156,7 @@ pub(super) fn found(id: u64, photo: Option<Photo>) -> Fact {
         photo: taken.unwrap_or(PhotoState::Failed("dark".to_owned())),
         verdict: None,
         piece: None,
+        secured: None,
     };
     Fact::Luggage { record: Arc::new(record), photo }
 }

@@ -64,6 +64,8 @@ const EVENTS: &[(Input, &str)] = &[
     (Input::CameHome, "rh>ah ra>bl"),
     (Input::AllExplored, "ex>ed"),
     (Input::DriveEnded, "dr>ex"),
+    (Input::Secured, "re>bs"),
+    (Input::NotFetched, "re>fa"),
     (Input::NoWayHome, "ex>fa rh>fa ra>fa"),
     (Input::Unanswered, "id>fa ex>fa in>fa dr>fa rh>fa ah>fa ra>fa bl>fa re>fa bs>fa ed>fa"),
     (Input::RobotFailed, "id>fa ex>fa in>fa dr>fa rh>fa ah>fa ra>fa bl>fa re>fa bs>fa ed>fa"),

@@ -2,14 +2,14 @@
 
 use super::everywhere::{PhaseEvent, PhaseInput};
 use super::shared::{
-    ANOTHER_DANGER, CHOOSE, DANGER_AT_HOME, DRIVE_IF_STOPPED, EXPLORE_AGAIN, NOT_HERE, NOTHING, RESUME, RETAKE_ELSEWHERE,
-    going_home, waiting,
+    ANOTHER_DANGER, CHOOSE, DANGER_AT_HOME, DRIVE_IF_STOPPED, EXPLORE_AGAIN, INTO_FAULT, NOT_HERE, NOTHING, RESUME,
+    RETAKE_ELSEWHERE, going_home, waiting,
 };
 use crate::mission::PhaseName;
-use crate::mission::rule::Act::{Release, RetryBlocked};
-use crate::mission::rule::Rule::{AsInterrupted, Go, Never, RefuseIf};
+use crate::mission::rule::Act::{BeginRetrieval, EndRetrieval, Release, RetryBlocked};
+use crate::mission::rule::Rule::{AsInterrupted, Go, RefuseIf, When};
 use crate::mission::rule::To::{Interrupted, Phase};
-use crate::mission::rule::{Guard, Rule};
+use crate::mission::rule::{Case, Guard, Rule};
 
 pub(super) const fn returning_with_alarm(input: PhaseInput) -> &'static [Rule] {
     match input {
@@ -25,7 +25,12 @@ pub(super) const fn bomb_located(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start | PhaseInput::BackHome | PhaseInput::Move | PhaseInput::Goto | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
-        PhaseInput::Retrieve => &[RefuseIf(Guard::Held), Never(Guard::NoRetrievalRobot)],
+        PhaseInput::Retrieve => &[
+            RefuseIf(Guard::Held),
+            RefuseIf(Guard::NoRetrievalRobot),
+            RefuseIf(Guard::FetcherUnreached),
+            Go(Phase(PhaseName::Retrieving), &[Release, BeginRetrieval]),
+        ],
         PhaseInput::Event(event) => waiting(event, ANOTHER_DANGER),
     }
 }
@@ -35,6 +40,11 @@ pub(super) const fn retrieving(input: PhaseInput) -> &'static [Rule] {
         PhaseInput::Start => RESUME,
         PhaseInput::BackHome | PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
+        PhaseInput::Event(PhaseEvent::Secured) => &[
+            When(Case::BombLeft, Phase(PhaseName::BombLocated), &[EndRetrieval]),
+            Go(Phase(PhaseName::BagSecured), &[EndRetrieval]),
+        ],
+        PhaseInput::Event(PhaseEvent::NotFetched) => INTO_FAULT,
         PhaseInput::Event(event) => waiting(event, ANOTHER_DANGER),
     }
 }
@@ -66,6 +76,8 @@ pub(super) const fn fault(input: PhaseInput) -> &'static [Rule] {
             | PhaseEvent::CameHome
             | PhaseEvent::AllExplored
             | PhaseEvent::DriveEnded
+            | PhaseEvent::Secured
+            | PhaseEvent::NotFetched
             | PhaseEvent::NoWayHome
             | PhaseEvent::Unanswered
             | PhaseEvent::RobotFailed => NOTHING,

@@ -1,7 +1,8 @@
 //! The inputs that mean the same in every phase, each with its cell; and which inputs are left to the phases (`search`, `alarm`).
 
 use crate::mission::rule::Act::{
-    Acknowledge, AlarmUnrecorded, Archive, Clear, EmptyMap, HearSensor, LedOff, NoteReading, Raise, RecordVerdict, Release, Stop,
+    Acknowledge, AlarmUnrecorded, Archive, Clear, EmptyMap, EndRetrieval, HearSensor, LedOff, NoteReading, Raise, RecordVerdict,
+    Release, Stop,
 };
 use crate::mission::rule::Rule::{Go, RefuseIf, RefuseIfThen, When};
 use crate::mission::rule::To::{Interrupted, Phase, Stay};
@@ -45,6 +46,8 @@ pub(in crate::mission) enum PhaseEvent {
     CameHome,
     AllExplored,
     DriveEnded,
+    Secured,
+    NotFetched,
     NoWayHome,
     Unanswered,
     RobotFailed,
@@ -70,9 +73,10 @@ const RESET: &[Rule] = &[
     RefuseIf(Guard::Unrecorded),
     RefuseIf(Guard::VerdictPending),
     RefuseIf(Guard::BombUnfetched),
+    RefuseIf(Guard::FetcherAbroad),
     RefuseIf(Guard::StoreDown),
-    When(Case::RobotAtHome, Phase(PhaseName::Idle), &[Archive, LedOff, Release, EmptyMap]),
-    Go(Phase(PhaseName::Idle), &[Archive, LedOff, Release]),
+    When(Case::RobotAtHome, Phase(PhaseName::Idle), &[Archive, EndRetrieval, LedOff, Release, EmptyMap]),
+    Go(Phase(PhaseName::Idle), &[Archive, EndRetrieval, LedOff, Release]),
 ];
 /// What makes it safer is done although it cannot be put on record; its sender is told that it is not.
 const BUTTON_TOO_HIGH: &[Rule] = &[RefuseIfThen(Guard::StoreDown, &[Raise(Hold::TooHigh)]), Go(Stay, &[Raise(Hold::TooHigh)])];
@@ -134,6 +138,8 @@ pub(in crate::mission) const fn row(input: Input) -> Row {
         Input::CameHome => event(PhaseEvent::CameHome),
         Input::AllExplored => event(PhaseEvent::AllExplored),
         Input::DriveEnded => event(PhaseEvent::DriveEnded),
+        Input::Secured => event(PhaseEvent::Secured),
+        Input::NotFetched => event(PhaseEvent::NotFetched),
         Input::NoWayHome => event(PhaseEvent::NoWayHome),
         Input::Unanswered => event(PhaseEvent::Unanswered),
         Input::RobotFailed => event(PhaseEvent::RobotFailed),

@@ -36,7 +36,9 @@ pub(super) const fn exploring(input: PhaseInput) -> &'static [Rule] {
             | PhaseEvent::PhotoFailed
             | PhaseEvent::SafeRecorded
             | PhaseEvent::CameHome
-            | PhaseEvent::DriveEnded => NOTHING,
+            | PhaseEvent::DriveEnded
+            | PhaseEvent::Secured
+            | PhaseEvent::NotFetched => NOTHING,
             PhaseEvent::Blocked => &[When(Case::ToBeInspected, Phase(PhaseName::Inspecting), &[]), Go(Stay, &[])],
             PhaseEvent::AtPiece => &[Go(Phase(PhaseName::Inspecting), &[])],
             PhaseEvent::LuggageRecorded => RECORDED,
@@ -62,6 +64,8 @@ pub(super) const fn inspecting(input: PhaseInput) -> &'static [Rule] {
             | PhaseEvent::CameHome
             | PhaseEvent::AllExplored
             | PhaseEvent::DriveEnded
+            | PhaseEvent::Secured
+            | PhaseEvent::NotFetched
             | PhaseEvent::NoWayHome => NOTHING,
             PhaseEvent::PhotoTaken | PhaseEvent::PhotoFailed => {
                 &[When(Case::FirstPhoto, Stay, &[RecordPiece]), Go(Stay, &[RecordRetake])]
@@ -86,6 +90,8 @@ pub(super) const fn driving(input: PhaseInput) -> &'static [Rule] {
             | PhaseEvent::AtPiece
             | PhaseEvent::CameHome
             | PhaseEvent::AllExplored
+            | PhaseEvent::Secured
+            | PhaseEvent::NotFetched
             | PhaseEvent::NoWayHome => NOTHING,
             PhaseEvent::PhotoTaken
             | PhaseEvent::PhotoFailed

@@ -57,6 +57,8 @@ pub(super) const fn waiting(event: PhaseEvent, danger: &'static [Rule]) -> &'sta
         | PhaseEvent::CameHome
         | PhaseEvent::AllExplored
         | PhaseEvent::DriveEnded
+        | PhaseEvent::Secured
+        | PhaseEvent::NotFetched
         | PhaseEvent::NoWayHome => NOTHING,
         PhaseEvent::LuggageRecorded => RECORDED,
         PhaseEvent::DangerRecorded => danger,
@@ -79,6 +81,8 @@ pub(super) const fn going_home(event: PhaseEvent, arrival: &'static [Rule], dang
         | PhaseEvent::DangerRecorded
         | PhaseEvent::AllExplored
         | PhaseEvent::DriveEnded
+        | PhaseEvent::Secured
+        | PhaseEvent::NotFetched
         | PhaseEvent::Unanswered
         | PhaseEvent::RobotFailed => waiting(event, danger),
     }

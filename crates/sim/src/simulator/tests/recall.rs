@@ -154,3 +154,22 @@ fn the_noise_of_the_sensors_begins_anew_with_each_restart() {
     let readings = [first, second, third].map(readings);
     assert!(readings[0] != readings[1] && readings[1] != readings[2] && readings[0] != readings[2]);
 }
+
+#[test]
+fn one_that_left_the_hall_is_outside_in_the_next_run_and_one_halted_on_the_way_goes_back_where_it_came_from() {
+    let mut run = Run::with(&OPEN, settings(1));
+    assert!(is_done(&run.perform(Action::Leave)));
+    for halted in [false, true] {
+        if halted {
+            run.order(Action::Enter);
+            run.pass_ms(100);
+            run.halt();
+        }
+        let sim = Sim::remembering(Arc::clone(&run.sim.hall), run.sim.settings, run.sim.memory());
+        let mut later = Run { sim, now: Duration::ZERO, orders: 0 };
+        let first = later.events();
+        assert_eq!(first.first(), Some(&RobotEvent::StandsOutside(1, Heading::South, halted)), "{first:?}");
+        assert!(is_done(&later.perform(Action::Recentre)) && is_done(&later.perform(Action::Enter)));
+        assert_eq!(later.body(), BodyPose::centred(Pose::START, 0.5));
+    }
+}

@@ -1,0 +1,325 @@
+//! A retrieval, stage by stage: the robot that searches makes room, the others fetch the piece, and it comes home again. What the pair
+//! does while it fetches, its trees say (`crate::retrieval`); all they propose goes through the one gate.
+
+use std::collections::BTreeSet;
+
+use super::Engine;
+use super::motion::Turn;
+use crate::command::Move;
+use crate::effect::{Action, Fact};
+use crate::event::{Piece, RobotId};
+use crate::mission::{FaultCause, Hold, Input, InputContext, Phase};
+use crate::retrieval::{ArmAction, ArmState, BasePose, BaseView, Floor, Gear, Parcel, Place, Which, steer};
+use crate::settings::Fetcher;
+use crate::state::{Retrieval, RetrievalStage};
+use crate::units::{Cell, Heading, LuggageId, OrderId};
+use crate::world::hall_map::Mark;
+use crate::world::log::Tone;
+use crate::world::luggage::Luggage;
+use crate::world::resource::Resource;
+
+impl Engine {
+    /// Those who fetch, by the settings; `None` when they are not there, or nobody is to.
+    pub(super) fn fetchers(&self) -> Option<Vec<RobotId>> {
+        let fetchers = match self.settings.fetcher {
+            Fetcher::Pair => Which::ALL.map(Which::robot).to_vec(),
+            Fetcher::Discovery => vec![self.robots.searching_id().clone()],
+            Fetcher::None => return None,
+        };
+        fetchers.iter().all(|robot| self.robots.get(robot).is_some()).then_some(fetchers)
+    }
+
+    /// The first of those that a retrieval needs whose link is not up.
+    pub(super) fn unreached(&self) -> Option<RobotId> {
+        let needed = self.fetchers().into_iter().flatten().chain([self.robots.searching_id().clone()]);
+        let is_linked = |robot: &RobotId| self.robots.get(robot).is_some_and(|robot| robot.controller.capabilities.is_some());
+        needed.into_iter().find(|robot| !is_linked(robot))
+    }
+
+    /// Whether a retrieval under way needs this robot, beside the one that searches.
+    pub(super) fn is_fetching(&self, robot: &RobotId) -> bool {
+        self.state.retrieval.is_some() && self.fetchers().is_some_and(|fetchers| fetchers.contains(robot))
+    }
+
+    /// The first robot that is not where a mission begins, while the retrieval that brings it there can go on.
+    pub(super) fn abroad(&self, phase: &Phase) -> Option<RobotId> {
+        let can_go_on = self.state.retrieval.is_some() && self.fault_stands(phase).is_none();
+        let searching = Some(self.robots.searching_id().clone()).filter(|robot| self.steps_outside(robot) > 0);
+        let is_inside = |robot: &RobotId| !self.searches(robot) && self.steps_outside(robot) == 0;
+        searching.or_else(|| self.fetchers()?.into_iter().find(is_inside)).filter(|_| can_go_on)
+    }
+
+    pub(super) fn steps_outside(&self, robot: &RobotId) -> u8 {
+        self.state.outside.get(robot).copied().unwrap_or(0)
+    }
+
+    pub(super) fn place_of(&self, robot: &RobotId) -> Place {
+        match self.steps_outside(robot) {
+            0 => Place::Cell(self.pose_of(robot).cell),
+            steps => Place::Outside(steps),
+        }
+    }
+
+    /// The bomb that was found first is fetched first.
+    pub(super) fn begin_retrieval(&mut self) {
+        let Some(bomb) = self.state.luggage.values().find(|luggage| luggage.is_bomb_left()).cloned() else { return };
+        let piece = self.cells_of(&bomb);
+        let (luggage, fetcher) = (bomb.id, self.settings.fetcher);
+        self.note_retrieval(Some(Retrieval { luggage, fetcher, stage: RetrievalStage::MakingRoom, piece, call: None }));
+    }
+
+    pub(super) fn end_retrieval(&mut self) {
+        if self.state.retrieval.is_some() {
+            self.note_retrieval(None);
+        }
+    }
+
+    /// One that came to nothing begins anew, with what is known by now.
+    pub(super) fn retry_retrieval(&mut self) {
+        let gave_up = self.state.retrieval.as_ref().filter(|retrieval| retrieval.stage.reason().is_some());
+        if gave_up.is_some() {
+            self.set_retrieval_stage(RetrievalStage::MakingRoom);
+        }
+    }
+
+    fn note_retrieval(&mut self, retrieval: Option<Retrieval>) {
+        self.world.touch(Resource::Mission);
+        self.record(Fact::Retrieval(retrieval.map(Box::new)));
+    }
+
+    fn set_retrieval_stage(&mut self, stage: RetrievalStage) {
+        if let Some(retrieval) = self.state.retrieval.clone() {
+            self.note_retrieval(Some(Retrieval { stage, ..retrieval }));
+        }
+    }
+
+    /// Where a piece stands, as far as anybody has met it.
+    fn cells_of(&self, luggage: &Luggage) -> BTreeSet<Cell> {
+        let same = self.state.met_again.iter().filter(|(_, piece)| luggage.piece == Some(**piece)).map(|(cell, _)| *cell);
+        same.chain([luggage.cell]).collect()
+    }
+
+    /// Whether the robots have called the operator, and nobody has acknowledged it.
+    pub(super) fn is_calling(&self) -> bool {
+        let call = self.state.retrieval.as_ref().and_then(|retrieval| retrieval.call);
+        self.state.alarms.iter().any(|alarm| Some(alarm.id) == call && alarm.acknowledged.is_none())
+    }
+
+    /// One look at a retrieval.
+    pub(super) fn retrieve(&mut self) -> Turn {
+        let Some(Retrieval { stage, fetcher, .. }) = &self.state.retrieval else { return Turn::Rest };
+        match (stage, fetcher) {
+            (RetrievalStage::MakingRoom, Fetcher::Pair) => self.make_room(),
+            (RetrievalStage::MakingRoom, Fetcher::Discovery | Fetcher::None) => {
+                self.set_retrieval_stage(RetrievalStage::Fetching);
+                Turn::Again
+            }
+            (RetrievalStage::Fetching, _) => Turn::Rest,
+            (RetrievalStage::GivingUp(reason), _) => {
+                let reason = reason.clone();
+                self.give_up(&reason)
+            }
+            (RetrievalStage::ComingHome(reason), _) => {
+                let reason = reason.clone();
+                self.come_home(reason)
+            }
+        }
+    }
+
+    fn make_room(&mut self) -> Turn {
+        if self.steps_outside(self.robots.searching_id()) > 0 {
+            self.set_retrieval_stage(RetrievalStage::Fetching);
+            return Turn::Again;
+        }
+        // The entrance is at the back of whoever stands at home as a mission begins.
+        match self.state.pose.heading {
+            Heading::South => self.order(Action::Leave),
+            Heading::East => self.order(Action::Move(Move::TurnRight)),
+            Heading::North | Heading::West => self.order(Action::Move(Move::TurnLeft)),
+        }
+    }
+
+    /// The robots set down what they hold and go back outside, one after the other.
+    fn give_up(&mut self, reason: &str) -> Turn {
+        let bases = Which::ALL.map(|which| self.base_view(which));
+        if bases.iter().any(|base| base.is_busy) {
+            return Turn::Rest;
+        }
+        if bases.iter().any(|base| base.off_centre) {
+            for which in Which::ALL.into_iter().filter(|which| bases[which.index()].off_centre) {
+                self.let_through(which, Action::Recentre);
+            }
+            return Turn::Rest;
+        }
+        if let Some(action) = set_down(&bases) {
+            for which in Which::ALL {
+                self.let_through(which, Action::Arm(action));
+            }
+            return Turn::Rest;
+        }
+        let inside: Vec<Which> =
+            Which::ALL.into_iter().filter(|which| matches!(bases[which.index()].stands.place, Place::Cell(_))).collect();
+        if inside.is_empty() {
+            self.set_retrieval_stage(RetrievalStage::ComingHome(Some(reason.to_owned())));
+            return Turn::Again;
+        }
+        for which in inside.into_iter().rev() {
+            let stands = bases[which.index()].stands;
+            let taken = [bases[which.other().index()].stands.place];
+            if let Some(action) = self.next_step_out(stands, &taken) {
+                self.let_through(which, action);
+                return Turn::Rest;
+            }
+        }
+        self.not_fetched(format!("{reason}; and no way leads the robots back outside"));
+        Turn::Again
+    }
+
+    fn next_step_out(&self, stands: BasePose, taken: &[Place]) -> Option<Action> {
+        let floor = Floor { map: &self.state.map, way_out: true, freed: &BTreeSet::new(), taken };
+        let way = floor.approach(stands.place, Place::ENTRANCE)?;
+        steer(stands, *way.first()?, Gear::Forwards)
+    }
+
+    /// The robot that searches stands where a mission begins: at home.
+    fn come_home(&mut self, reason: Option<String>) -> Turn {
+        if self.steps_outside(self.robots.searching_id()) > 0 {
+            return self.order(Action::Enter);
+        }
+        match reason {
+            Some(reason) => self.not_fetched(reason),
+            None => {
+                self.feed(Input::Secured, &InputContext::default());
+            }
+        }
+        Turn::Again
+    }
+
+    fn not_fetched(&mut self, reason: String) {
+        self.feed(Input::NotFetched, &InputContext { fault: Some(FaultCause::NotFetched(reason)), ..InputContext::default() });
+    }
+
+    /// What a robot is wanted to do, if the gate lets it through; else it is wanted again at the next look.
+    fn let_through(&mut self, which: Which, action: Action) {
+        let robot = which.robot();
+        let can = |engine: &Engine| engine.may_do(&robot, action);
+        if can(self).is_ok() {
+            self.order_of(&robot, action);
+        }
+    }
+
+    fn base_view(&self, which: Which) -> BaseView {
+        let id = which.robot();
+        let robot = self.robots.get(&id);
+        BaseView {
+            stands: BasePose { place: self.place_of(&id), heading: self.pose_of(&id).heading },
+            off_centre: robot.is_some_and(|robot| robot.off_centre),
+            is_busy: robot.is_some_and(|robot| robot.controller.open().is_some()),
+            failures: robot.map_or(0, |robot| robot.failures),
+            arm: robot.map_or_else(Default::default, |robot| robot.arm),
+        }
+    }
+
+    /// Calls the operator: nothing goes on before the alarm is acknowledged and START given.
+    fn call_operator(&mut self, words: &str) {
+        let Some(retrieval) = self.state.retrieval.clone() else { return };
+        self.world.touch(Resource::Alarms);
+        self.world.write(self.now.wall, Tone::Alarm, words.to_owned());
+        let alarm = self.state.last_alarm.next();
+        self.record(Fact::AlarmRaised(alarm, None, words.to_owned()));
+        self.note_retrieval(Some(Retrieval { call: Some(alarm), ..retrieval }));
+        self.raise(Hold::Alarm, None);
+    }
+
+    /// How an arm is now. A piece that is lifted stands nowhere; one that is set down stands where it was held.
+    pub(super) fn arm_reported(&mut self, robot: &RobotId, arm: ArmState) {
+        let Some(known) = self.robots.get_mut(robot) else { return };
+        let before = std::mem::replace(&mut known.arm, arm);
+        self.world.touch(Resource::Robot);
+        if !self.is_fetching(robot) {
+            return;
+        }
+        match (before.holds.filter(|_| before.lifted), arm.holds.filter(|_| arm.lifted)) {
+            (None, Some(_)) => self.piece_lifted(),
+            (Some(parcel), None) if arm.holds.is_some() => self.piece_set_down(parcel.place),
+            (None | Some(_), None) | (Some(_), Some(_)) => {}
+        }
+    }
+
+    fn piece_lifted(&mut self) {
+        let Some(retrieval) = self.state.retrieval.clone().filter(|retrieval| !retrieval.piece.is_empty()) else { return };
+        for cell in self.doubtful(&retrieval.piece) {
+            self.mark(cell, Mark::Unknown);
+        }
+        for cell in &retrieval.piece {
+            self.mark(*cell, Mark::Visited);
+        }
+        self.note_retrieval(Some(Retrieval { piece: BTreeSet::new(), ..retrieval }));
+    }
+
+    /// Obstacles that touch the piece and that nobody has recognised for another one: they may have been it.
+    fn doubtful(&self, piece: &BTreeSet<Cell>) -> BTreeSet<Cell> {
+        let recognised = |cell: &Cell| {
+            let recorded = self.state.luggage.values().any(|luggage| luggage.cell == *cell && luggage.piece.is_some());
+            recorded || self.state.met_again.contains_key(cell)
+        };
+        let mut found = BTreeSet::new();
+        let mut open: Vec<Cell> = piece.iter().copied().collect();
+        while let Some(cell) = open.pop() {
+            for next in cell.neighbours() {
+                let is_luggage = matches!(self.state.map.at(next), Mark::Luggage | Mark::NotInspected);
+                if is_luggage && !piece.contains(&next) && !recognised(&next) && found.insert(next) {
+                    open.push(next);
+                }
+            }
+        }
+        found
+    }
+
+    fn piece_set_down(&mut self, place: Place) {
+        let (Some(retrieval), Some(cell)) = (self.state.retrieval.clone(), place.cell()) else { return };
+        self.mark(cell, Mark::Luggage);
+        self.note_retrieval(Some(Retrieval { piece: BTreeSet::from([cell]), ..retrieval }));
+    }
+
+    /// The parcel lies on the floor; both robots say so.
+    pub(super) fn parcel_lost(&mut self, robot: &RobotId, parcel: Parcel) {
+        if self.is_fetching(robot) {
+            self.piece_set_down(parcel.place);
+        }
+    }
+
+    /// One more cell of the piece that is to be lifted.
+    pub(super) fn grow_piece(&mut self, cell: Cell, piece: Piece) {
+        let Some(retrieval) = self.state.retrieval.clone() else { return };
+        let is_it = self.state.luggage.get(&retrieval.luggage).is_some_and(|luggage| luggage.piece == Some(piece));
+        if is_it && !retrieval.piece.is_empty() && !retrieval.piece.contains(&cell) {
+            let cells = retrieval.piece.iter().copied().chain([cell]).collect();
+            self.note_retrieval(Some(Retrieval { piece: cells, ..retrieval }));
+        }
+    }
+
+    /// What was seen where a parcel was looked for.
+    pub(super) fn found(&mut self, robot: &RobotId, order: OrderId, parcel: Option<Parcel>) {
+        if self.close(robot, order).is_some() {
+            self.seen = Some(parcel);
+        }
+    }
+
+    fn secured(&mut self, luggage: LuggageId) {
+        self.world.touch(Resource::Luggage);
+        self.world.write(self.now.wall, Tone::Info, format!("luggage #{luggage} is in the container"));
+        self.record(Fact::Secured(luggage));
+        self.set_retrieval_stage(RetrievalStage::ComingHome(None));
+    }
+}
+
+/// What both arms do next to let go of what they hold; `None` when they hold nothing.
+fn set_down(bases: &[BaseView; 2]) -> Option<ArmAction> {
+    let arms = bases.map(|base| base.arm);
+    if arms.iter().any(|arm| arm.holds.is_some() && arm.lifted) {
+        Some(ArmAction::Lower)
+    } else {
+        arms.iter().any(|arm| arm.holds.is_some()).then_some(ArmAction::Release)
+    }
+}

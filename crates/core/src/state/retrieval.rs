@@ -1,0 +1,57 @@
+//! What is kept of a retrieval, so that it goes on where it stood after a restart. What its robots do next follows from this and from
+//! where they say they are.
+
+use std::collections::BTreeSet;
+
+use crate::settings::Fetcher;
+use crate::units::{AlarmId, Cell, LuggageId};
+
+/// A retrieval under way, or in fault.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Retrieval {
+    /// The piece that is fetched.
+    pub luggage: LuggageId,
+    /// By whom.
+    pub fetcher: Fetcher,
+    /// How far it has come.
+    pub stage: RetrievalStage,
+    /// The cells it is known to stand on; none while it is off the floor.
+    pub piece: BTreeSet<Cell>,
+    /// The robots' last call to the operator, which holds them until it is acknowledged.
+    pub call: Option<AlarmId>,
+}
+
+/// How far a retrieval has come.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RetrievalStage {
+    /// The robot that searches leaves home, so that the others can come in.
+    MakingRoom,
+    /// The piece is fetched.
+    Fetching,
+    /// It cannot be fetched, for this reason: the robots go back outside.
+    GivingUp(String),
+    /// Everybody is outside: the robot that searches comes home, and then the piece is secured, or for this reason it is not.
+    ComingHome(Option<String>),
+}
+
+impl RetrievalStage {
+    /// The fixed word for it.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            RetrievalStage::MakingRoom => "makingRoom",
+            RetrievalStage::Fetching => "fetching",
+            RetrievalStage::GivingUp(_) => "givingUp",
+            RetrievalStage::ComingHome(_) => "comingHome",
+        }
+    }
+
+    /// Why the piece cannot be fetched, once that is known.
+    #[must_use]
+    pub fn reason(&self) -> Option<&str> {
+        match self {
+            RetrievalStage::GivingUp(reason) | RetrievalStage::ComingHome(Some(reason)) => Some(reason),
+            RetrievalStage::MakingRoom | RetrievalStage::Fetching | RetrievalStage::ComingHome(None) => None,
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! A retrieval in the journal: whom it is about, how far it has come, and who is before the entrance.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::places::Point;
+use super::{Unparsed, names};
+use hallsweep_core::event::RobotId;
+use hallsweep_core::retrieval::Place;
+use hallsweep_core::settings::Fetcher;
+use hallsweep_core::state::{Retrieval, RetrievalStage};
+use hallsweep_core::units::{AlarmId, LuggageId};
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct RetrievalShape {
+    luggage: u64,
+    fetcher: String,
+    stage: StageShape,
+    piece: Vec<Point>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    call: Option<u64>,
+}
+
+/// How far it has come; the reason where it came to nothing.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+enum StageShape {
+    MakingRoom,
+    Fetching,
+    GivingUp(String),
+    ComingHome(Option<String>),
+}
+
+impl From<&Retrieval> for RetrievalShape {
+    fn from(retrieval: &Retrieval) -> RetrievalShape {
+        RetrievalShape {
+            luggage: retrieval.luggage.0,
+            fetcher: retrieval.fetcher.name().to_owned(),
+            stage: match &retrieval.stage {
+                RetrievalStage::MakingRoom => StageShape::MakingRoom,
+                RetrievalStage::Fetching => StageShape::Fetching,
+                RetrievalStage::GivingUp(reason) => StageShape::GivingUp(reason.clone()),
+                RetrievalStage::ComingHome(reason) => StageShape::ComingHome(reason.clone()),
+            },
+            piece: retrieval.piece.iter().copied().map(Point::from).collect(),
+            call: retrieval.call.map(|alarm| alarm.0),
+        }
+    }
+}
+
+impl RetrievalShape {
+    pub(super) fn retrieval(self) -> Result<Retrieval, Unparsed> {
+        let fetcher = Fetcher::ALL.into_iter().find(|fetcher| fetcher.name() == self.fetcher);
+        Ok(Retrieval {
+            luggage: LuggageId(self.luggage),
+            fetcher: fetcher.ok_or_else(|| Unparsed(format!("nobody called {:?} fetches", self.fetcher)))?,
+            stage: match self.stage {
+                StageShape::MakingRoom => RetrievalStage::MakingRoom,
+                StageShape::Fetching => RetrievalStage::Fetching,
+                StageShape::GivingUp(reason) => RetrievalStage::GivingUp(reason),
+                StageShape::ComingHome(reason) => RetrievalStage::ComingHome(reason),
+            },
+            piece: self.piece.into_iter().map(Into::into).collect(),
+            call: self.call.map(AlarmId),
+        })
+    }
+}
+
+/// How many steps from home somebody is, where there are so many.
+pub(super) fn steps(steps: u8) -> Result<u8, Unparsed> {
+    (steps <= Place::FURTHEST).then_some(steps).ok_or_else(|| Unparsed(format!("nobody stands {steps} steps outside")))
+}
+
+pub(super) fn outside(shapes: &BTreeMap<String, u8>) -> Result<BTreeMap<RobotId, u8>, Unparsed> {
+    shapes.iter().map(|(robot, count)| Ok((names::robot(robot)?, steps(*count)?))).collect()
+}
