@@ -23,6 +23,7 @@ pub mod headless;
 mod memory;
 pub mod page;
 pub mod pair;
+pub mod pallet;
 mod recognise;
 mod senses;
 mod settings;

@@ -69,8 +69,8 @@ pub struct BaseView {
     pub stands: BasePose,
     /// Whether it stands away from there, to be recentred first.
     pub off_centre: bool,
-    /// Whether it has an order that it has not answered.
-    pub is_busy: bool,
+    /// The order that it has not answered.
+    pub open: Option<Action>,
     /// Orders in a row, of whatever kind, that it answered by `Failed` or not at all; any other answer begins the count anew.
     pub failures: u32,
     /// Its arm.

@@ -15,7 +15,7 @@ use super::{Ground, Pair};
 use hallsweep_core::event::Piece;
 use hallsweep_core::retrieval::{BasePose, Controllers, Gripper, Parcel, Place, Which};
 use hallsweep_core::rng::RandomStream;
-use hallsweep_core::units::Cell;
+use hallsweep_core::units::{Cell, Now};
 
 /// A robot halts by itself at most this long after the program has died (safety S5), in simulated time.
 const WATCHDOG: Duration = Duration::from_millis(500);
@@ -160,11 +160,11 @@ impl PairMemory {
 
 impl Pair {
     /// The pair of an earlier run, in the same hall, after the program has died: as it was, halted by itself within half a second, with its
-    /// parcel in its grip. Its first reports are where the two stand, and `LinkUp`.
+    /// parcel in its grip. Its first reports are where the two stand, and `LinkUp`. `now` is the time of the new run.
     #[must_use]
-    pub fn remembering(hall: Arc<Hall>, settings: PairSettings, memory: PairMemory) -> Pair {
+    pub fn remembering(hall: Arc<Hall>, settings: PairSettings, memory: PairMemory, now: Now) -> Pair {
         let memory = memory.at_rest(settings.seed);
-        let mut pair = Pair::placed(hall, settings, memory);
+        let mut pair = Pair::placed(hall, settings, memory, now.since_start);
         // What is in the grippers is off the floor, or it stands where it was taken hold of.
         if let Some(grip) = &pair.grip
             && grip.is_loaded()

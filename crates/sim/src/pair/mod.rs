@@ -65,7 +65,7 @@ impl Pair {
     /// The two newly put down. Their first reports are where they stand, and `LinkUp`.
     #[must_use]
     pub fn new(hall: Arc<Hall>, settings: PairSettings, stands: [BasePose; 2]) -> Pair {
-        Pair::placed(hall, settings, PairMemory::new(stands))
+        Pair::placed(hall, settings, PairMemory::new(stands), Duration::ZERO)
     }
 
     /// What each can do, in simulated time. A step is said to take as long as it does with a load.
@@ -243,16 +243,16 @@ impl Pair {
         }
     }
 
-    fn placed(hall: Arc<Hall>, settings: PairSettings, memory: PairMemory) -> Pair {
+    fn placed(hall: Arc<Hall>, settings: PairSettings, memory: PairMemory, now: Duration) -> Pair {
         let settings = settings.sound();
         let seed = reseeded(settings.seed, memory.restarts);
         let mut pair = Pair {
             ground: Ground::remembered(hall, &memory.lying, &memory.taken_in, &memory.closed),
-            now: Duration::ZERO,
+            now,
             robots: memory.robots(),
             grip: memory.grip(),
-            next_step: STEP,
-            next_report: Duration::ZERO,
+            next_step: now + STEP,
+            next_report: now,
             noise: RandomStream::new(seed, "grip"),
             looks: RandomStream::new(seed, "look"),
             events: VecDeque::new(),

@@ -415,7 +415,7 @@ fn after_a_kill_at_any_moment_bodies_arms_parcel_and_controllers_stand_as_they_s
             run.wait((ms - 1500) % 1000);
         }
         let kept = run.pair.memory();
-        let later = Pair::remembering(hall(), settings(), kept.clone());
+        let later = Pair::remembering(hall(), settings(), kept.clone(), Now::default());
         let again = later.memory();
         assert_eq!((again.grip, again.lying, again.restarts), (kept.grip, kept.lying, 1), "{ms} ms");
         for (after, before) in again.robots.iter().zip(&kept.robots) {
