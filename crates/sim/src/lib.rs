@@ -22,6 +22,8 @@ mod hall_toml;
 pub mod headless;
 mod memory;
 pub mod page;
+pub mod pair;
+pub mod pallet;
 mod recognise;
 mod senses;
 mod settings;

@@ -142,12 +142,12 @@ pub(crate) fn reseeded(seed: u64, restarts: u32) -> u64 {
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "a body is at most a cell astray, and half a turn")]
-fn micro(metres_or_radians: f64) -> i64 {
+pub(crate) fn micro(metres_or_radians: f64) -> i64 {
     (metres_or_radians * 1e6).round() as i64
 }
 
 #[expect(clippy::cast_precision_loss, reason = "it is at most a few million")]
-fn whole(micro: i64) -> f64 {
+pub(crate) fn whole(micro: i64) -> f64 {
     micro as f64 / 1e6
 }
 

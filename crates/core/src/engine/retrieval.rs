@@ -152,7 +152,7 @@ impl Engine {
     /// The robots set down what they hold and go back outside, one after the other.
     fn give_up(&mut self, reason: &str) -> Turn {
         let bases = Which::ALL.map(|which| self.base_view(which));
-        if bases.iter().any(|base| base.is_busy) {
+        if bases.iter().any(|base| base.open.is_some()) {
             return Turn::Rest;
         }
         if bases.iter().any(|base| base.off_centre) {
@@ -224,7 +224,7 @@ impl Engine {
         BaseView {
             stands: BasePose { place: self.place_of(&id), heading: self.pose_of(&id).heading },
             off_centre: robot.is_some_and(|robot| robot.off_centre),
-            is_busy: robot.is_some_and(|robot| robot.controller.open().is_some()),
+            open: robot.and_then(|robot| robot.controller.open()).map(|order| order.action),
             failures: robot.map_or(0, |robot| robot.failures),
             arm: robot.map_or_else(Default::default, |robot| robot.arm),
         }

@@ -104,6 +104,8 @@ pub struct ArmState {
     pub holds: Option<Parcel>,
     /// Whether the parcel is off the floor, all the way up.
     pub lifted: bool,
+    /// Whether the parcel that is held stands on the floor. Neither of the two is so in between.
+    pub on_floor: bool,
     /// Which controllers are at work.
     pub controllers: Controllers,
     /// The gripping force, in millinewtons; 0 when nothing is held.

@@ -2,13 +2,19 @@
 //! Who may move when, and what is on record of it, is the engine's business.
 
 pub mod arm;
+pub mod fault;
+mod leaves;
 pub mod place;
 pub mod steer;
+pub mod team;
 pub mod view;
 pub mod way;
 
 pub use self::arm::{ArmAction, ArmState, Controllers, Gripper, Parcel};
+pub use self::fault::RetrievalFault;
+pub use self::leaves::catalogue;
 pub use self::place::Place;
 pub use self::steer::{Gear, steer};
+pub use self::team::{Stage, Team, Turn};
 pub use self::view::{BasePose, BaseView, Proposal, Saying, View, Which};
 pub use self::way::{Floor, Stands, Train};

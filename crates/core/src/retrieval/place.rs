@@ -30,7 +30,7 @@ impl Place {
     }
 
     /// The places one step from here, the way out only where there is one.
-    pub(crate) fn neighbours(self, way_out: bool) -> impl Iterator<Item = Place> {
+    pub fn neighbours(self, way_out: bool) -> impl Iterator<Item = Place> {
         let (cells, outer, inner) = match self {
             Place::Cell(cell) => (Some(cell.neighbours()), (way_out && cell == Cell::HOME).then_some(1), None),
             Place::Outside(steps) => (

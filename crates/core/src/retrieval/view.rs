@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use super::arm::{ArmAction, ArmState};
 use super::place::Place;
 use crate::effect::Action;
+use crate::event::Piece;
 use crate::robots::RobotId;
 use crate::units::{Cell, Heading};
 use crate::world::hall_map::HallMap;
@@ -68,8 +69,8 @@ pub struct BaseView {
     pub stands: BasePose,
     /// Whether it stands away from there, to be recentred first.
     pub off_centre: bool,
-    /// Whether it has an order that it has not answered.
-    pub is_busy: bool,
+    /// The order that it has not answered.
+    pub open: Option<Action>,
     /// Orders in a row, of whatever kind, that it answered by `Failed` or not at all; any other answer begins the count anew.
     pub failures: u32,
     /// Its arm.
@@ -85,8 +86,11 @@ pub struct View<'a> {
     pub way_out: bool,
     /// Places that somebody else than the two stands in.
     pub others: &'a [Place],
-    /// The cells of the piece that is to be fetched, as far as is known, while it lies on the floor.
+    /// The cells of the piece that is to be fetched next, as far as is known; none when nothing is left to be fetched. While it is
+    /// held, the cells that it has left free.
     pub piece: &'a BTreeSet<Cell>,
+    /// That very piece, where no other will do: what is recognised or held as another counts as not recognised and not held.
+    pub wanted: Option<Piece>,
     /// Where the parcel is to be put: the target area, or the container.
     pub target: Place,
     /// Both robots, in the order of `Which::ALL`.

@@ -1,0 +1,48 @@
+//! Why the pair cannot go on, each by a name and in words. What a mission makes of it stands elsewhere.
+
+named! {
+    ALL by name;
+    /// What ended a run of the pair.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum RetrievalFault {
+        /// Nothing is known of what is to be fetched.
+        NothingToFetch = "nothingToFetch",
+        /// As far as is known, the two cannot both stand beside the parcel and carry it to where it is to go.
+        NoWayToParcel = "noWayToParcel",
+        /// The two hold the parcel, and no way leads to where it is to go.
+        NoWayToTarget = "noWayToTarget",
+        /// The way back to the pallet is closed.
+        NoWayBack = "noWayBack",
+        /// Something else is in the grippers than what was to be fetched.
+        WrongParcel = "wrongParcel",
+        /// A robot could not carry out the same thing several times.
+        RobotFails = "robotFails",
+        /// The parcel was lost too often.
+        LostTooOften = "lostTooOften",
+        /// The parcel could not be brought exactly to where it is to be put down.
+        NotAligned = "notAligned",
+        /// One step of the work took longer than it ever should.
+        TakesTooLong = "takesTooLong",
+        /// A tree could not be performed as it is written.
+        Tree = "tree",
+    }
+}
+
+impl RetrievalFault {
+    /// What it says to an operator.
+    #[must_use]
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            RetrievalFault::NothingToFetch => "the pair does not know what to fetch",
+            RetrievalFault::NoWayToParcel => "the pair finds no way to take hold of the parcel from two sides and carry it off",
+            RetrievalFault::NoWayToTarget => "the pair finds no way to carry the parcel to where it is to go",
+            RetrievalFault::NoWayBack => "the pair finds no way back to the pallet",
+            RetrievalFault::WrongParcel => "the pair has taken hold of another parcel than the one it was sent for",
+            RetrievalFault::RobotFails => "a robot of the pair cannot do what it is told: look after it",
+            RetrievalFault::LostTooOften => "the pair has lost the parcel too often",
+            RetrievalFault::NotAligned => "the pair cannot bring the parcel exactly to where it is to be put down",
+            RetrievalFault::TakesTooLong => "one step of the pair's work takes longer than it ever should",
+            RetrievalFault::Tree => "a behaviour tree cannot be performed as it is written",
+        }
+    }
+}

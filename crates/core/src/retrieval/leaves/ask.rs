@@ -1,0 +1,142 @@
+//! Leaves that look, reckon and speak: where the pallet and the parcel are, whether everybody is where they should be, and what is said.
+
+use super::{Performer, SEEN, answer, place_in, place_of, robot_in, written};
+use crate::behaviour::{Leaf, Status, Value};
+use crate::effect::Action;
+use crate::retrieval::arm::{ArmAction, Parcel};
+use crate::retrieval::fault::RetrievalFault;
+use crate::retrieval::place::Place;
+use crate::retrieval::view::{Saying, Which};
+
+/// How far the distance of the bases may be from what is wanted when a parcel is put down, in micrometres: a box on a shelf has about as
+/// much room.
+const DROP_GAP_UM: i32 = 2500;
+
+/// What the camera's answer is when it has recognised nothing.
+const NONE: &str = "none";
+
+/// The camera's answer as it stands in the entry `SEEN`.
+pub(in crate::retrieval) fn seen(found: Option<Parcel>) -> (&'static str, Value) {
+    (SEEN, found.map_or_else(|| Value::text(NONE), |parcel| written(parcel.place)))
+}
+
+impl Performer<'_> {
+    /// The pallet is where it is known to be; a parcel is looked for with the camera of SRM1.
+    pub(super) fn find(&mut self, leaf: &mut Leaf<'_>) -> Status {
+        let (seen, found) = (1, 2);
+        let Some(known) = self.view.piece.first().copied().map(Place::Cell).or_else(|| self.parcel_outside()) else {
+            return self.fails(RetrievalFault::NothingToFetch);
+        };
+        if leaf.text(0) == Some("pallet") {
+            leaf.write(found, written(known));
+            return Status::Success;
+        }
+        if leaf.is_starting() {
+            leaf.write(seen, Value::text(""));
+            leaf.write(found, Value::text(""));
+        }
+        let place = match leaf.text(seen) {
+            None | Some("") => {
+                if self.base(Which::Srm1).failures >= super::MOST_FAILURES {
+                    return self.fails(RetrievalFault::RobotFails);
+                }
+                if self.base(Which::Srm1).open.is_none() {
+                    self.propose(Which::Srm1, Action::Arm(ArmAction::FindParcel(known)));
+                }
+                return Status::Running;
+            }
+            Some(text) => place_of(text),
+        };
+        let Some(place) = place else { return Status::Failure };
+        leaf.write(found, written(place));
+        Status::Success
+    }
+
+    /// A parcel that fell on the way out lies in no cell: the two stand on both sides of it.
+    fn parcel_outside(&self) -> Option<Place> {
+        let [one, two] = self.places();
+        let between = |place: &Place| place.is_beside(one) && place.is_beside(two) && place.cell().is_none();
+        (1..=Place::FURTHEST).map(Place::Outside).find(|place| one != two && between(place))
+    }
+
+    /// Where it is, if both robots can come there and carry the parcel off. A parcel that was not recognised is where it is known to be:
+    /// the operator has looked.
+    pub(super) fn calculate_goal(&mut self, leaf: &mut Leaf<'_>) -> Status {
+        let known = self.view.piece.first().copied().map(Place::Cell).or_else(|| self.parcel_outside());
+        let Some(place) = place_in(leaf, 1).or(known) else { return self.fails(RetrievalFault::NothingToFetch) };
+        self.routes.forget();
+        if self.grip_place(place).is_none() && self.stands(place).is_none() {
+            return self.fails(RetrievalFault::NoWayToParcel);
+        }
+        leaf.write(2, written(place));
+        Status::Success
+    }
+
+    pub(super) fn near(&mut self, leaf: &mut Leaf<'_>) -> Status {
+        match (robot_in(leaf, 0), place_in(leaf, 1)) {
+            (Some(which), Some(place)) => answer(self.is_near(which, place)),
+            (None, _) => self.fails(RetrievalFault::Tree),
+            (Some(_), None) => Status::Failure,
+        }
+    }
+
+    /// Whether a robot stands still beside the piece at this place.
+    pub(super) fn is_near(&self, which: Which, place: Place) -> bool {
+        let base = self.base(which);
+        let beside = match place {
+            Place::Cell(_) => self.piece(place).into_iter().any(|cell| base.stands.place.is_beside(Place::Cell(cell))),
+            Place::Outside(_) => base.stands.place.is_beside(place),
+        };
+        beside && !base.off_centre && base.open.is_none()
+    }
+
+    /// To the other robot at once; to the operator until it has been acknowledged.
+    pub(super) fn say(&mut self, leaf: &mut Leaf<'_>) -> Status {
+        if leaf.text(0) == Some(Which::Srm2.name()) {
+            let Some(message) = leaf.read(1).cloned() else { return self.fails(RetrievalFault::Tree) };
+            leaf.write(2, message);
+            return Status::Success;
+        }
+        let message = leaf.text(1).unwrap_or_default();
+        let known = [("CallOperator", Saying::CallOperator), ("PackageLost", Saying::PackageLost)];
+        let Some((_, saying)) = known.into_iter().find(|(word, _)| *word == message) else {
+            return self.fails(RetrievalFault::Tree);
+        };
+        if leaf.is_starting() {
+            self.output.sayings.push(saying);
+            return Status::Running;
+        }
+        if self.view.is_calling { Status::Running } else { Status::Success }
+    }
+
+    pub(super) fn check_alignment(&mut self, leaf: &mut Leaf<'_>) -> Status {
+        let Some(place) = place_in(leaf, 1) else { return self.fails(RetrievalFault::Tree) };
+        match leaf.text(0) {
+            Some("ARM1-ARM2") => answer(self.grip_place(place).is_some()),
+            Some("EE") => {
+                let wanted = self.grip_place(place);
+                answer(wanted.is_some() && self.arms().iter().all(|arm| arm.aligned == wanted))
+            }
+            Some("DropPos") => answer(self.is_at_drop()),
+            Some(_) | None => self.fails(RetrievalFault::Tree),
+        }
+    }
+
+    /// Whether the parcel is exactly over where it is to be put down.
+    pub(super) fn is_at_drop(&self) -> bool {
+        let exact = self.arms().iter().all(|arm| arm.lifted && arm.gap_um.abs() <= DROP_GAP_UM);
+        let still = Which::ALL.into_iter().all(|which| !self.base(which).off_centre && self.base(which).open.is_none());
+        exact && still && self.load().is_some_and(|parcel| parcel.place == self.view.target)
+    }
+
+    /// The place by which the two take hold of the piece from where they stand, if they can and if they can carry it from there.
+    pub(super) fn grip_place(&self, place: Place) -> Option<Place> {
+        let [one, two] = self.places();
+        let still = Which::ALL.into_iter().all(|which| !self.base(which).off_centre);
+        let piece = self.piece(place);
+        let all = piece.iter().copied().map(Place::Cell).chain(place.cell().is_none().then_some(place));
+        let mut between = all.filter(|grip| still && one != two && grip.is_beside(one) && grip.is_beside(two));
+        let floor = self.floor(&piece, self.view.others);
+        between.find(|grip| floor.carry(self.train(*grip), self.view.target).is_some())
+    }
+}

@@ -1,0 +1,262 @@
+//! Leaves that drive: each base by itself to its place, both with the parcel between them, and the last few centimetres.
+//! Which way leads there, `way` finds; how a base turns, `steer`.
+
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use super::{MOST_FAILURES, Performer, place_in, robot_in};
+use crate::behaviour::{Leaf, Status};
+use crate::command::Move;
+use crate::effect::Action;
+use crate::retrieval::fault::RetrievalFault;
+use crate::retrieval::place::Place;
+use crate::retrieval::steer::{Gear, steer};
+use crate::retrieval::view::Which;
+use crate::retrieval::way::{Stands, Train};
+use crate::units::Cell;
+use crate::world::hall_map::Mark;
+
+/// How long the last few centimetres may take: dozens of tries.
+const ADJUSTING: Duration = Duration::from_secs(600);
+
+/// How a base comes to a place by itself.
+enum Going {
+    There,
+    OnTheWay,
+    NoWay,
+    Fails,
+}
+
+impl Performer<'_> {
+    /// One base to a free place beside the pallet.
+    pub(super) fn approach(&mut self, leaf: &mut Leaf<'_>) -> Status {
+        let (Some(which), Some(place)) = (robot_in(leaf, 0), place_in(leaf, 1)) else {
+            return self.fails(RetrievalFault::Tree);
+        };
+        if leaf.is_starting() {
+            self.routes.forget();
+        }
+        if self.is_near(which, place) {
+            return Status::Success;
+        }
+        match self.go_near(which, place) {
+            Going::There => Status::Success,
+            Going::OnTheWay => Status::Running,
+            Going::NoWay => self.fails(RetrievalFault::NoWayToParcel),
+            Going::Fails => self.fails(RetrievalFault::RobotFails),
+        }
+    }
+
+    pub(super) fn move_base(&mut self, leaf: &mut Leaf<'_>) -> Status {
+        if leaf.is_starting() {
+            self.routes.forget();
+        }
+        let object = place_in(leaf, 1);
+        match (leaf.text(0), object) {
+            (Some("CorrectBasePos"), Some(place)) => self.correct_bases(place),
+            (Some("TargetArea"), _) => self.carry(),
+            (Some("AdjustPositioning"), _) if leaf.elapsed() > ADJUSTING => self.fails(RetrievalFault::NotAligned),
+            (Some("AdjustPositioning"), _) => self.adjust(),
+            (Some("ReturnToPallet"), Some(place)) => self.return_to(place),
+            (Some(_) | None, _) => self.fails(RetrievalFault::Tree),
+        }
+    }
+
+    /// From where the piece at this place is lifted, as planned last, or anew.
+    pub(super) fn stands(&mut self, place: Place) -> Option<Stands> {
+        let is_closed = |cell: &Cell| self.view.map.at(*cell).is_obstacle();
+        let usable = |(at, stands): &(Place, Stands)| *at == place && !stands.bases.iter().any(is_closed);
+        if let Some((_, stands)) = self.routes.stands.filter(usable) {
+            return Some(stands);
+        }
+        let piece = self.piece(place);
+        let stands = self.floor(&piece, self.view.others).stands(self.places(), &piece, self.view.target)?;
+        self.routes.stands = Some((place, stands));
+        Some(stands)
+    }
+
+    /// Both to where they can take hold, SRM1 first, or the other one where it is in the way.
+    fn correct_bases(&mut self, place: Place) -> Status {
+        if self.grip_place(place).is_some() && Which::ALL.into_iter().all(|which| self.base(which).open.is_none()) {
+            return Status::Success;
+        }
+        if let Some(status) = self.recentre_both() {
+            return status;
+        }
+        let Some(stands) = self.stands(place) else { return self.fails(RetrievalFault::NoWayToParcel) };
+        let ends = stands.bases.map(Place::Cell);
+        self.both_go(|performer, which| performer.go(which, ends[which.index()]), RetrievalFault::NoWayToParcel)
+    }
+
+    /// Back to the pallet for the next parcel. With nothing left to be fetched, a pair that has a way out has no reason to go back in.
+    fn return_to(&mut self, pallet: Place) -> Status {
+        if self.view.piece.is_empty() && self.view.way_out {
+            return Status::Success;
+        }
+        let place = self.view.piece.first().copied().map_or(pallet, Place::Cell);
+        self.both_go(|performer, which| performer.go_near(which, place), RetrievalFault::NoWayBack)
+    }
+
+    /// One after the other, so that neither is in the way of the other's route unseen.
+    fn both_go(&mut self, mut go: impl FnMut(&mut Self, Which) -> Going, no_way: RetrievalFault) -> Status {
+        let mut is_blocked = false;
+        for which in Which::ALL {
+            match go(self, which) {
+                Going::There => {}
+                Going::OnTheWay => return Status::Running,
+                Going::NoWay => is_blocked = true,
+                Going::Fails => return self.fails(RetrievalFault::RobotFails),
+            }
+        }
+        if is_blocked { self.fails(no_way) } else { Status::Success }
+    }
+
+    /// Beside the piece at this place: where it is lifted from, or where there is room beside it.
+    fn go_near(&mut self, which: Which, place: Place) -> Going {
+        if self.is_near(which, place) {
+            return Going::There;
+        }
+        let other = self.base(which.other()).stands.place;
+        let planned = self.stands(place).map(|stands| Place::Cell(stands.bases[which.index()])).filter(|end| *end != other);
+        let Some(end) = planned.or_else(|| self.room_beside(which, place)) else { return Going::NoWay };
+        self.go(which, end)
+    }
+
+    /// The nearest free place beside a piece.
+    fn room_beside(&self, which: Which, place: Place) -> Option<Place> {
+        let (here, other) = (self.base(which).stands.place, [self.base(which.other()).stands.place]);
+        let none = BTreeSet::new();
+        let taken: Vec<Place> = other.into_iter().chain(self.view.others.iter().copied()).collect();
+        let floor = self.floor(&none, &taken);
+        let piece = self.piece(place);
+        let beside = piece.iter().flat_map(|cell| cell.neighbours()).filter(|cell| !piece.contains(cell)).map(Place::Cell);
+        let ways = beside.filter(|end| !taken.contains(end)).filter_map(|end| Some((floor.approach(here, end)?.len(), end)));
+        ways.min().map(|(_, end)| end)
+    }
+
+    /// The next move of one base on its way to a place.
+    fn go(&mut self, which: Which, to: Place) -> Going {
+        let base = self.base(which);
+        if base.open.is_some() {
+            return Going::OnTheWay;
+        }
+        if base.failures >= MOST_FAILURES {
+            return Going::Fails;
+        }
+        if base.off_centre {
+            self.propose(which, Action::Recentre);
+            return Going::OnTheWay;
+        }
+        if base.stands.place == to {
+            return Going::There;
+        }
+        let none = BTreeSet::new();
+        let taken: Vec<Place> =
+            std::iter::once(self.base(which.other()).stands.place).chain(self.view.others.iter().copied()).collect();
+        let floor = self.floor(&none, &taken);
+        let next = self.routes.next_place(which.index(), &floor, base.stands.place, to);
+        let Some(action) = next.and_then(|next| steer(base.stands, next, self.gear(next))) else {
+            self.routes.stands = None;
+            return Going::NoWay;
+        };
+        self.propose(which, action);
+        Going::OnTheWay
+    }
+
+    /// Backwards only into what is known to be free: the camera looks ahead.
+    fn gear(&self, next: Place) -> Gear {
+        let is_known = next.cell().is_none_or(|cell| self.view.map.at(cell) == Mark::Visited);
+        if is_known { Gear::Either } else { Gear::Forwards }
+    }
+
+    /// Both back to the centres of their places; `None` when they are there.
+    fn recentre_both(&mut self) -> Option<Status> {
+        let mut all_centred = true;
+        for which in Which::ALL {
+            let base = self.base(which);
+            if base.failures >= MOST_FAILURES {
+                return Some(self.fails(RetrievalFault::RobotFails));
+            }
+            if base.off_centre {
+                all_centred = false;
+                if base.open.is_none() {
+                    self.propose(which, Action::Recentre);
+                }
+            }
+        }
+        (!all_centred).then_some(Status::Running)
+    }
+
+    /// The parcel to where it is to go; it fails when it is not in both grippers any more.
+    fn carry(&mut self) -> Status {
+        let Some(parcel) = self.load() else { return Status::Failure };
+        if let Some(status) = self.recentre_both() {
+            return status;
+        }
+        let is_still = Which::ALL.into_iter().all(|which| self.base(which).open.is_none());
+        if parcel.place == self.view.target && is_still {
+            return Status::Success;
+        }
+        let train = self.train(parcel.place);
+        if !train.bases.iter().all(|base| base.is_beside(parcel.place)) {
+            // One of the two has said that the step is done, and the other has not yet.
+            return if is_still { self.fails(RetrievalFault::NoWayToTarget) } else { Status::Running };
+        }
+        let floor = self.floor(self.view.piece, self.view.others);
+        let Some(next) = self.routes.next_train(&floor, train, self.view.target) else {
+            return self.fails(RetrievalFault::NoWayToTarget);
+        };
+        self.step(train, next)
+    }
+
+    /// Each base towards its next place: turns first, each by itself, then the step, which both begin together.
+    fn step(&mut self, train: Train, next: Train) -> Status {
+        let wanted = Which::ALL.map(|which| {
+            let to = next.bases[which.index()];
+            let gear = if to == train.parcel { Gear::Either } else { self.gear(to) };
+            steer(self.base(which).stands, to, gear)
+        });
+        let is_turn = |action: Option<Action>| matches!(action, Some(Action::Move(Move::TurnLeft | Move::TurnRight)));
+        let any_turns = wanted.into_iter().any(is_turn);
+        for (which, action) in Which::ALL.into_iter().zip(wanted) {
+            let Some(action) = action else { return self.fails(RetrievalFault::NoWayToTarget) };
+            if self.base(which).open.is_none() && (is_turn(Some(action)) || !any_turns) {
+                self.propose(which, action);
+            }
+        }
+        Status::Running
+    }
+
+    /// The wheels' controllers close the gap only while they drive: off the place and onto it again, until the gap is right.
+    fn adjust(&mut self) -> Status {
+        let Some(parcel) = self.load() else { return Status::Failure };
+        if self.is_at_drop() {
+            return Status::Success;
+        }
+        if let Some(status) = self.recentre_both() {
+            return status;
+        }
+        if parcel.place != self.view.target {
+            return self.carry();
+        }
+        let train = self.train(parcel.place);
+        match self.step_aside(train) {
+            Some(next) => self.step(train, next),
+            None => self.fails(RetrievalFault::NotAligned),
+        }
+    }
+
+    /// One step off where the train stands, over ground on which it has been.
+    fn step_aside(&self, train: Train) -> Option<Train> {
+        let is_free = |place: &Place| {
+            let known = place.cell().is_none_or(|cell| self.view.map.at(cell) == Mark::Visited);
+            known && !self.view.others.contains(place) && *place != train.parcel && !train.bases.contains(place)
+        };
+        (0..2).find_map(|leader| {
+            let to = train.bases[leader].neighbours(self.view.way_out).find(is_free)?;
+            let mut bases = [train.parcel; 2];
+            bases[leader] = to;
+            Some(Train { bases, parcel: train.bases[leader] })
+        })
+    }
+}

@@ -1,0 +1,101 @@
+//! Leaves of the arms: to the parcel, closed, controllers, up, down, open. Each is done when both arms say so, so that it makes no
+//! difference whether the program was ended in between.
+
+use super::{MOST_FAILURES, Performer, place_in};
+use crate::behaviour::{Leaf, Status};
+use crate::effect::Action;
+use crate::retrieval::arm::{ArmAction, ArmState, Gripper};
+use crate::retrieval::fault::RetrievalFault;
+use crate::retrieval::view::Which;
+
+impl Performer<'_> {
+    /// Both arms do this until each says that it is done.
+    fn both(&mut self, action: ArmAction, is_done: impl Fn(&ArmState) -> bool) -> Status {
+        let mut all_done = true;
+        for which in Which::ALL {
+            let base = self.base(which);
+            if is_done(&base.arm) {
+                continue;
+            }
+            all_done = false;
+            if base.failures >= MOST_FAILURES {
+                return self.fails(RetrievalFault::RobotFails);
+            }
+            if base.open.is_none() {
+                self.propose(which, if base.off_centre { Action::Recentre } else { Action::Arm(action) });
+            }
+        }
+        if all_done { Status::Success } else { Status::Running }
+    }
+
+    pub(super) fn set_end_effectors(&mut self, leaf: &Leaf<'_>) -> Status {
+        let Some(grip) = place_in(leaf, 0).and_then(|place| self.grip_place(place)) else {
+            return self.fails(RetrievalFault::NotAligned);
+        };
+        self.both(ArmAction::AlignEndEffector(grip), |arm| arm.aligned == Some(grip))
+    }
+
+    /// Grippers that have closed round nothing in common are a case for a person.
+    pub(super) fn close_grippers(&mut self) -> Status {
+        let held = self.arms().iter().all(|arm| arm.holds.is_some());
+        if held {
+            return self.right_parcel();
+        }
+        if self.arms().iter().all(|arm| arm.gripper == Gripper::Closed) {
+            return self.fails(RetrievalFault::NotAligned);
+        }
+        match self.both(ArmAction::CloseGripper, |arm| arm.gripper == Gripper::Closed) {
+            Status::Success => Status::Running,
+            status @ (Status::Idle | Status::Running | Status::Failure | Status::Skipped) => status,
+        }
+    }
+
+    fn right_parcel(&mut self) -> Status {
+        let wanted = self.view.wanted;
+        match self.load() {
+            Some(parcel) if wanted.is_none_or(|wanted| wanted == parcel.piece) => Status::Success,
+            Some(_) | None => self.fails(RetrievalFault::WrongParcel),
+        }
+    }
+
+    /// Starting takes no time; what is not held needs no holding.
+    pub(super) fn start_controller(&mut self, leaf: &Leaf<'_>) -> Status {
+        let (action, is_at_work): (_, fn(&ArmState) -> bool) = match leaf.text(0) {
+            Some("ForceControllerInit") => (ArmAction::HoldForce, |arm| arm.controllers.force),
+            Some("AngleControllerInit") => (ArmAction::HoldAngle, |arm| arm.controllers.angle),
+            Some("BasePosController-Init") => (ArmAction::HoldDistance, |arm| arm.controllers.distance),
+            Some(_) | None => return self.fails(RetrievalFault::Tree),
+        };
+        if self.load().is_none() { Status::Failure } else { self.both(action, is_at_work) }
+    }
+
+    /// It fails when the parcel is not in both grippers, or not any more.
+    pub(super) fn lift(&mut self) -> Status {
+        if self.load().is_none() {
+            return Status::Failure;
+        }
+        match self.right_parcel() {
+            Status::Success => self.both(ArmAction::Lift, |arm| arm.lifted),
+            status @ (Status::Idle | Status::Running | Status::Failure | Status::Skipped) => status,
+        }
+    }
+
+    /// Puts the parcel down, where it is to go and nowhere else.
+    pub(super) fn drop(&mut self) -> Status {
+        let Some(parcel) = self.load() else { return Status::Failure };
+        if parcel.place != self.view.target {
+            return self.fails(RetrievalFault::NotAligned);
+        }
+        let status = self.both(ArmAction::Lower, |arm| arm.on_floor);
+        if status == Status::Success {
+            self.output.dropped = Some(parcel);
+        }
+        status
+    }
+
+    pub(super) fn release(&mut self) -> Status {
+        let status = self.both(ArmAction::Release, |arm| arm.gripper == Gripper::Open);
+        self.output.released = status == Status::Success;
+        status
+    }
+}

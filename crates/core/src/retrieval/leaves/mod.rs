@@ -1,0 +1,242 @@
+//! The leaves of the three trees, pure: they look at a view and come to statuses, proposals and sayings, and move nothing.
+//! Here stand their names and ports, and who performs which; what they do stands in `ask`, `drive` and `handle`.
+//!
+//! What must outlive the program is in the blackboard. What is found out by looking at the map again, the routes, is not kept.
+
+mod ask;
+mod drive;
+mod handle;
+pub(super) mod routes;
+
+pub(super) use self::ask::seen;
+
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use super::arm::{ArmState, Parcel};
+use super::fault::RetrievalFault;
+use super::place::Place;
+use super::view::{BaseView, Saying, View, Which};
+use super::way::{Floor, Train};
+use crate::behaviour::{Catalogue, Direction, Leaf, LeafKind, Leaves, Port, Status, Value, ValueType};
+use crate::effect::Action;
+use crate::units::Cell;
+use routes::Routes;
+
+/// Orders that a robot may fail to carry out one after the other before the leaf gives up: once may be chance, thrice is not.
+const MOST_FAILURES: u32 = 3;
+
+/// Longer than any one leaf runs in the largest hall: a train needs about an hour for the way through all of it.
+const LONGEST: Duration = Duration::from_secs(4 * 3600);
+
+/// The entry in which the camera's answer is kept until the leaf has read it.
+pub(super) const SEEN: &str = "parcel_seen";
+
+named! {
+    ALL by id;
+    /// The leaves, by the seed's names.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    enum Kind {
+        FindObj = "FindObj",
+        CalculateGoal = "CalculateGoal",
+        NearObj = "NearObj",
+        ApproachObject = "ApproachObject",
+        SaySomething = "SaySomething",
+        DataReceived = "DataReceived",
+        CheckAlignment = "CheckAlignment",
+        MoveBase = "MoveBase",
+        SetEe = "Set-EE",
+        CloseGripper = "CloseGripper",
+        Controller = "Controller",
+        LiftObj = "LiftObj",
+        Drop = "Drop",
+        Release = "Release",
+    }
+}
+
+impl Kind {
+    fn described(self) -> LeafKind {
+        let text = |name| Port::input(name, ValueType::Text);
+        let out = |name| Port::output(name, ValueType::Text);
+        let ports = match self {
+            Kind::FindObj => {
+                vec![text("object"), Port { direction: Direction::InOut, ..text("seen") }, out("found")]
+            }
+            Kind::CalculateGoal => vec![text("object"), text("found"), out("goal")],
+            Kind::NearObj | Kind::ApproachObject => vec![text("base"), text("object")],
+            Kind::SaySomething => vec![text("to"), text("message"), out("heard")],
+            Kind::DataReceived => vec![text("data")],
+            Kind::CheckAlignment => vec![text("of"), text("object")],
+            Kind::MoveBase => vec![text("goal"), text("object")],
+            Kind::SetEe => vec![text("object")],
+            Kind::Controller => vec![text("starts")],
+            Kind::CloseGripper | Kind::LiftObj | Kind::Drop | Kind::Release => Vec::new(),
+        };
+        match self {
+            Kind::NearObj | Kind::DataReceived | Kind::CheckAlignment => LeafKind::condition(self.id(), ports),
+            Kind::FindObj
+            | Kind::CalculateGoal
+            | Kind::ApproachObject
+            | Kind::SaySomething
+            | Kind::MoveBase
+            | Kind::SetEe
+            | Kind::CloseGripper
+            | Kind::Controller
+            | Kind::LiftObj
+            | Kind::Drop
+            | Kind::Release => LeafKind::action(self.id(), ports),
+        }
+    }
+}
+
+/// The leaves that the trees of the pair may name.
+#[must_use]
+pub fn catalogue() -> Catalogue {
+    Catalogue::new(Kind::ALL.into_iter().map(Kind::described).collect())
+}
+
+/// What the leaves came to in one tick of the trees.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Output {
+    /// What each robot is to do; the first leaf that wants something of it in a tick has it.
+    pub(super) proposals: [Option<Action>; 2],
+    pub(super) sayings: Vec<Saying>,
+    /// Why the last leaf that cannot be helped has failed.
+    pub(super) fault: Option<RetrievalFault>,
+    /// What stands where it was to go, still in the grippers.
+    pub(super) dropped: Option<Parcel>,
+    /// The grippers have let go.
+    pub(super) released: bool,
+}
+
+/// Whoever performs the leaves, for one tick.
+#[derive(Debug)]
+pub(super) struct Performer<'a> {
+    pub(super) view: &'a View<'a>,
+    pub(super) routes: &'a mut Routes,
+    pub(super) output: &'a mut Output,
+}
+
+impl Leaves for Performer<'_> {
+    fn tick(&mut self, leaf: &mut Leaf<'_>) -> Status {
+        let Some(kind) = Kind::ALL.get(leaf.kind()).copied() else { return self.fails(RetrievalFault::Tree) };
+        if leaf.elapsed() > LONGEST {
+            return self.fails(RetrievalFault::TakesTooLong);
+        }
+        match kind {
+            Kind::FindObj => self.find(leaf),
+            Kind::CalculateGoal => self.calculate_goal(leaf),
+            Kind::NearObj => self.near(leaf),
+            Kind::ApproachObject => self.approach(leaf),
+            Kind::SaySomething => self.say(leaf),
+            Kind::DataReceived => answer(leaf.text(0).is_some_and(|data| !data.is_empty())),
+            Kind::CheckAlignment => self.check_alignment(leaf),
+            Kind::MoveBase => self.move_base(leaf),
+            Kind::SetEe => self.set_end_effectors(leaf),
+            Kind::CloseGripper => self.close_grippers(),
+            Kind::Controller => self.start_controller(leaf),
+            Kind::LiftObj => self.lift(),
+            Kind::Drop => self.drop(),
+            Kind::Release => self.release(),
+        }
+    }
+
+    /// A robot ends the step that it is told to make, or somebody halts it; the leaf has nothing of its own to end.
+    fn halt(&mut self, _: &mut Leaf<'_>) {}
+}
+
+impl<'a> Performer<'a> {
+    /// It fails for a reason that nobody but a person can mend.
+    fn fails(&mut self, fault: RetrievalFault) -> Status {
+        self.output.fault = Some(fault);
+        Status::Failure
+    }
+
+    fn propose(&mut self, which: Which, action: Action) {
+        self.output.proposals[which.index()].get_or_insert(action);
+    }
+
+    fn base(&self, which: Which) -> &'a BaseView {
+        self.view.base(which)
+    }
+
+    fn arms(&self) -> [&'a ArmState; 2] {
+        Which::ALL.map(|which| &self.base(which).arm)
+    }
+
+    fn places(&self) -> [Place; 2] {
+        Which::ALL.map(|which| self.base(which).stands.place)
+    }
+
+    /// The parcel that both arms hold.
+    fn load(&self) -> Option<Parcel> {
+        let [one, two] = self.arms().map(|arm| arm.holds);
+        one.filter(|_| one == two)
+    }
+
+    /// The cells of the piece that is at this place: all that are known of it, or this one.
+    fn piece(&self, at: Place) -> BTreeSet<Cell> {
+        match at {
+            Place::Cell(cell) if self.view.piece.contains(&cell) => self.view.piece.clone(),
+            Place::Cell(cell) => BTreeSet::from([cell]),
+            Place::Outside(_) => BTreeSet::new(),
+        }
+    }
+
+    /// The floor as a base finds it that goes by itself.
+    fn floor<'b>(&self, freed: &'b BTreeSet<Cell>, taken: &'b [Place]) -> Floor<'b>
+    where
+        'a: 'b,
+    {
+        Floor { map: self.view.map, way_out: self.view.way_out, freed, taken }
+    }
+
+    /// What the two would carry if they took hold from where they stand.
+    fn train(&self, parcel: Place) -> Train {
+        Train { bases: self.places(), parcel }
+    }
+}
+
+const fn answer(truth: bool) -> Status {
+    if truth { Status::Success } else { Status::Failure }
+}
+
+/// A place as it is written in an entry: `3;4` in the hall, `outside;1` before its entrance.
+pub(super) fn written(place: Place) -> Value {
+    Value::text(&match place {
+        Place::Cell(Cell { x, y }) => format!("{x};{y}"),
+        Place::Outside(steps) => format!("outside;{steps}"),
+    })
+}
+
+/// The place that a text names.
+pub(super) fn place_of(text: &str) -> Option<Place> {
+    match text.split_once(';')? {
+        ("outside", steps) => steps.parse().ok().filter(|steps| (1..=Place::FURTHEST).contains(steps)).map(Place::Outside),
+        (x, y) => Some(Place::Cell(Cell::new(x.parse().ok()?, y.parse().ok()?))),
+    }
+}
+
+fn place_in(leaf: &Leaf<'_>, port: usize) -> Option<Place> {
+    place_of(leaf.text(port)?)
+}
+
+fn robot_in(leaf: &Leaf<'_>, port: usize) -> Option<Which> {
+    let name = leaf.text(port)?;
+    Which::ALL.into_iter().find(|which| which.name() == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_is_read_as_it_is_written() {
+        for place in [Place::Cell(Cell::new(-3, 4)), Place::Outside(1), Place::Outside(2)] {
+            assert_eq!(written(place).as_text().and_then(place_of), Some(place));
+        }
+        for wrong in ["", "3", "3;", "outside;0", "outside;9", "3;4;5", "none"] {
+            assert_eq!(place_of(wrong), None, "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! Routes that are being followed, so that a way is not looked for anew at every step: of each base alone, of the train, and the places
+//! from which a piece is lifted. A route is dropped when it does not fit any more; nothing of it outlives the program.
+
+use std::collections::VecDeque;
+
+use crate::retrieval::place::Place;
+use crate::retrieval::way::{Floor, Stands, Train};
+use crate::world::hall_map::HallMap;
+
+#[derive(Clone, Debug, Default)]
+pub(in crate::retrieval) struct Routes {
+    /// From where the piece at a place is lifted.
+    pub(super) stands: Option<(Place, Stands)>,
+    alone: [VecDeque<Place>; 2],
+    train: VecDeque<Train>,
+}
+
+impl Routes {
+    /// Forgets all of them: something else is wanted now.
+    pub(in crate::retrieval) fn forget(&mut self) {
+        *self = Routes::default();
+    }
+
+    /// The next place on the way of one base from here to there; `None` when there is no way.
+    pub(super) fn next_place(&mut self, index: usize, floor: &Floor<'_>, from: Place, to: Place) -> Option<Place> {
+        let way = &mut self.alone[index];
+        if way.front() == Some(&from) {
+            way.pop_front();
+        }
+        let leads_on = way.front().is_some_and(|next| next.is_beside(from)) && way.back() == Some(&to);
+        if !leads_on || way.iter().any(|place| floor.taken.contains(place) || is_closed(floor.map, *place)) {
+            *way = floor.approach(from, to)?.into();
+        }
+        way.front().copied()
+    }
+
+    /// The next train on the way to one whose parcel is at `drop`; `None` when there is no way.
+    pub(super) fn next_train(&mut self, floor: &Floor<'_>, from: Train, drop: Place) -> Option<Train> {
+        let way = &mut self.train;
+        if way.front() == Some(&from) {
+            way.pop_front();
+        }
+        let leads_on = way.front().is_some_and(|next| {
+            let (leader, to) = from.leader(*next);
+            to.is_beside(from.bases[leader]) && next.parcel == from.bases[leader] && next.bases[1 - leader] == from.parcel
+        });
+        let blocked = |train: &Train| train.bases.iter().any(|base| floor.taken.contains(base) || is_closed(floor.map, *base));
+        if !leads_on || way.back().is_none_or(|train| train.parcel != drop) || way.iter().any(blocked) {
+            *way = floor.carry(from, drop)?.into();
+        }
+        way.front().copied()
+    }
+}
+
+fn is_closed(map: &HallMap, place: Place) -> bool {
+    place.cell().is_some_and(|cell| map.at(cell).is_obstacle())
+}

@@ -1,0 +1,251 @@
+//! The team: the trees of SRM1, SRM2 and the Supervisor on one blackboard, ticked in this order, and what becomes of a run when one of
+//! them ends. It moves nothing and calls nobody: whoever ticks it lets its proposals through a gate and its sayings ring.
+//!
+//! ```text
+//!   view ─► SRM1 ─► SRM2 ─► Supervisor ─► proposals, sayings
+//!             └───────┴── blackboard ┘        │
+//!   SUCCESS of the Supervisor: again, while there is anything to be fetched (phase 8), else Done
+//!   FAILURE: the parcel is lost: a call, and once it is acknowledged the Supervisor anew, where the parcel lies; or a named fault
+//! ```
+//! Nobody ticks it while anything holds the robots: then its time stands still.
+
+use std::time::Duration;
+
+use super::Parcel;
+use super::fault::RetrievalFault;
+use super::leaves::routes::Routes;
+use super::leaves::{Output, Performer, catalogue, seen};
+use super::view::{Proposal, Saying, View, Which};
+use crate::behaviour::{Blackboard, Status, Tree, TreeError, xml};
+use crate::event::Piece;
+
+/// How often a team is ticked.
+pub const TICK: Duration = Duration::from_millis(100);
+
+/// After so many losses of parcels something is wrong with the grippers.
+pub const MOST_LOSSES: u32 = 10;
+
+/// The trees as they come with the program: their names, and the files.
+pub const FILES: [(&str, &str); 3] = [
+    ("scenario1-SRM1", include_str!("../../../../config/behaviours/scenario1-SRM1.xml")),
+    ("scenario1-SRM2", include_str!("../../../../config/behaviours/scenario1-SRM2.xml")),
+    ("scenario1-Supervisor", include_str!("../../../../config/behaviours/scenario1-Supervisor.xml")),
+];
+
+/// The place of the Supervisor's tree among the three.
+const SUPERVISOR: usize = 2;
+
+/// How far the work has come.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// The trees are at work.
+    Working,
+    /// The parcel is lost; it goes on when the call has been acknowledged.
+    Lost,
+    /// Everything has been fetched.
+    Done,
+    /// It cannot go on.
+    Faulted(RetrievalFault),
+}
+
+/// What one tick of the three trees came to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Turn {
+    /// What the robots are to do: at most one thing each.
+    pub proposals: Vec<Proposal>,
+    /// What is said to the operator now.
+    pub sayings: Vec<Saying>,
+}
+
+/// The three trees at work.
+#[derive(Clone, Debug)]
+pub struct Team {
+    trees: [Tree; 3],
+    blackboard: Blackboard,
+    routes: Routes,
+    /// What each tree said last.
+    said: [Status; 3],
+    stage: Stage,
+    losses: u32,
+    /// The loss was told already in this run of the Supervisor, by its tree.
+    has_called: bool,
+    /// Put down where it was to go, and still in the grippers.
+    dropped: Option<Parcel>,
+    delivered: Vec<Piece>,
+    /// Runs of the Supervisor that were begun.
+    runs: u32,
+    /// What was wrong with a tree that could not be performed.
+    words: Option<String>,
+}
+
+impl Team {
+    /// The trees that come with the program, not begun.
+    #[must_use]
+    pub fn new() -> Team {
+        Team::of(FILES.map(|(_, file)| file))
+            .expect("the files that come with the program are tested to be trees of these leaves")
+    }
+
+    /// The trees of SRM1, SRM2 and the Supervisor in these files.
+    ///
+    /// # Errors
+    /// What is wrong with the first file that is no tree of these leaves.
+    pub fn of(files: [&str; 3]) -> Result<Team, TreeError> {
+        let mut blackboard = Blackboard::new();
+        let catalogue = catalogue();
+        let mut build = |file: &str| Tree::build(&xml::read(file)?, None, &catalogue, &mut blackboard);
+        let trees = [build(files[0])?, build(files[1])?, build(files[2])?];
+        Ok(Team {
+            trees,
+            blackboard,
+            routes: Routes::default(),
+            said: [Status::Idle; 3],
+            stage: Stage::Working,
+            losses: 0,
+            has_called: false,
+            dropped: None,
+            delivered: Vec::new(),
+            runs: 0,
+            words: None,
+        })
+    }
+
+    /// A robot has answered what it was to look for.
+    pub fn handle_found(&mut self, found: Option<Parcel>, wanted: Option<Piece>) {
+        let (entry, value) = seen(found.filter(|parcel| wanted.is_none_or(|wanted| wanted == parcel.piece)));
+        // The entry is one for texts, and the text is short.
+        let _ = self.blackboard.set(entry, value);
+    }
+
+    /// Ticks the three trees once, `since_last` after the last time. Nothing happens when the work is done, or cannot go on.
+    pub fn tick(&mut self, view: &View<'_>, since_last: Duration) -> Turn {
+        let mut turn = Turn::default();
+        match self.stage {
+            Stage::Lost if !view.is_calling => self.stage = Stage::Working,
+            Stage::Done | Stage::Faulted(_) | Stage::Lost => return turn,
+            Stage::Working => {}
+        }
+        let mut output = Output::default();
+        for index in 0..self.trees.len() {
+            if self.stage == Stage::Working {
+                self.tick_tree(index, view, since_last, &mut output, &mut turn);
+            }
+        }
+        let proposals = Which::ALL.into_iter().zip(output.proposals);
+        turn.proposals = proposals.filter_map(|(which, action)| Some(Proposal { which, action: action? })).collect();
+        turn
+    }
+
+    fn tick_tree(&mut self, index: usize, view: &View<'_>, since_last: Duration, output: &mut Output, turn: &mut Turn) {
+        // The trees of the two robots end when both are at the pallet.
+        if index != SUPERVISOR && self.said[index] == Status::Success {
+            return;
+        }
+        if index == SUPERVISOR && self.said[index] != Status::Running {
+            (self.runs, self.has_called) = (self.runs.saturating_add(1), false);
+        }
+        (output.fault, output.dropped, output.released) = (None, None, false);
+        let mut performer = Performer { view, routes: &mut self.routes, output };
+        let said = match self.trees[index].tick(&mut self.blackboard, &mut performer, since_last) {
+            Ok(said) => said,
+            Err(fault) => {
+                self.words = Some(fault.to_string());
+                output.fault = Some(RetrievalFault::Tree);
+                Status::Failure
+            }
+        };
+        self.said[index] = said;
+        self.has_called |= index == SUPERVISOR && output.sayings.contains(&Saying::PackageLost);
+        turn.sayings.append(&mut output.sayings);
+        self.dropped = output.dropped.or(self.dropped);
+        if output.released {
+            self.delivered.extend(self.dropped.take().map(|parcel| parcel.piece));
+        }
+        self.follow(index, said, output.fault, view, turn);
+    }
+
+    /// What follows when a tree ends.
+    fn follow(&mut self, index: usize, said: Status, fault: Option<RetrievalFault>, view: &View<'_>, turn: &mut Turn) {
+        match (said, fault) {
+            (Status::Failure, Some(fault)) => self.stage = Stage::Faulted(fault),
+            (Status::Failure, None) if index == SUPERVISOR => self.lose(turn),
+            (Status::Success, _) if index == SUPERVISOR && view.piece.is_empty() => self.stage = Stage::Done,
+            (Status::Success | Status::Failure | Status::Running | Status::Skipped | Status::Idle, _) => {}
+        }
+    }
+
+    /// The Supervisor has failed for no other reason: the parcel is not where it should be, in the grippers.
+    fn lose(&mut self, turn: &mut Turn) {
+        self.routes.forget();
+        self.dropped = None;
+        self.losses = self.losses.saturating_add(1);
+        if self.losses > MOST_LOSSES {
+            self.stage = Stage::Faulted(RetrievalFault::LostTooOften);
+        } else if !self.has_called {
+            turn.sayings.push(Saying::PackageLost);
+            self.stage = Stage::Lost;
+        }
+    }
+
+    /// Goes on after a fault whose cause is gone: the tree that has failed begins anew.
+    pub fn go_on(&mut self) {
+        if matches!(self.stage, Stage::Faulted(_)) {
+            self.routes.forget();
+            (self.stage, self.losses) = (Stage::Working, 0);
+        }
+    }
+
+    /// How far the work has come.
+    #[must_use]
+    pub const fn stage(&self) -> &Stage {
+        &self.stage
+    }
+
+    /// The trees of SRM1, SRM2 and the Supervisor.
+    #[must_use]
+    pub const fn trees(&self) -> &[Tree; 3] {
+        &self.trees
+    }
+
+    /// What each of them said last; IDLE before its first tick.
+    #[must_use]
+    pub const fn said(&self) -> [Status; 3] {
+        self.said
+    }
+
+    /// What they share.
+    #[must_use]
+    pub const fn blackboard(&self) -> &Blackboard {
+        &self.blackboard
+    }
+
+    /// What was let go where it was to go, in order.
+    #[must_use]
+    pub fn delivered(&self) -> &[Piece] {
+        &self.delivered
+    }
+
+    /// How often a parcel was lost.
+    #[must_use]
+    pub const fn losses(&self) -> u32 {
+        self.losses
+    }
+
+    /// How many runs of the Supervisor have begun.
+    #[must_use]
+    pub const fn runs(&self) -> u32 {
+        self.runs
+    }
+
+    /// What is wrong with a tree that could not be performed.
+    #[must_use]
+    pub fn words(&self) -> Option<&str> {
+        self.words.as_deref()
+    }
+}
+
+impl Default for Team {
+    fn default() -> Team {
+        Team::new()
+    }
+}

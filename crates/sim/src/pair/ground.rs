@@ -1,0 +1,158 @@
+//! The truth about the floor on which the pair drives: the hall, less the pieces that were taken away, and what was put down elsewhere.
+//! Where the two bases stand is not known here.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use super::super::hall::{Hall, Truth};
+use hallsweep_core::event::Piece;
+use hallsweep_core::retrieval::{Parcel, Place};
+use hallsweep_core::units::Cell;
+
+/// How far from where it looks the camera recognises a parcel, in steps: a pallet and the floor round it.
+const SIGHT: u32 = 12;
+
+#[derive(Clone, Debug)]
+pub(super) struct Ground {
+    hall: Arc<Hall>,
+    /// Where a piece lies that was lifted once, on one place however large it was; `None` in the grippers or in the container.
+    moved: BTreeMap<Piece, Option<Place>>,
+    /// What the container has taken in, in order.
+    taken_in: Vec<Piece>,
+    /// Cells that were closed since the hall was opened.
+    closed: BTreeSet<Cell>,
+}
+
+impl Ground {
+    #[cfg(test)]
+    pub(super) const fn new(hall: Arc<Hall>) -> Ground {
+        Ground { hall, moved: BTreeMap::new(), taken_in: Vec::new(), closed: BTreeSet::new() }
+    }
+
+    /// As it was left.
+    pub(super) fn remembered(hall: Arc<Hall>, lying: &[(Piece, Place)], taken_in: &[Piece], closed: &[Cell]) -> Ground {
+        let inside = taken_in.iter().map(|piece| (*piece, None));
+        Ground {
+            hall,
+            moved: lying.iter().map(|(piece, place)| (*piece, Some(*place))).chain(inside).collect(),
+            taken_in: taken_in.to_vec(),
+            closed: closed.iter().copied().collect(),
+        }
+    }
+
+    pub(super) fn hall(&self) -> &Hall {
+        &self.hall
+    }
+
+    pub(super) fn taken_in(&self) -> &[Piece] {
+        &self.taken_in
+    }
+
+    pub(super) fn closed(&self) -> impl Iterator<Item = Cell> {
+        self.closed.iter().copied()
+    }
+
+    /// Where pieces lie that were put down, or fell, elsewhere than the hall has them.
+    pub(super) fn lying(&self) -> impl Iterator<Item = (Piece, Place)> {
+        self.moved.iter().filter_map(|(piece, place)| Some((*piece, (*place)?)))
+    }
+
+    /// What is in a cell, the bases aside.
+    pub(super) fn truth(&self, cell: Cell) -> Truth {
+        if self.closed.contains(&cell) {
+            return Truth::Wall;
+        }
+        if let Some((piece, _)) = self.lying().find(|(_, place)| *place == Place::Cell(cell)) {
+            return Truth::Luggage(piece);
+        }
+        match self.hall.truth(cell) {
+            Truth::Luggage(piece) if self.moved.contains_key(&piece) => Truth::Free,
+            truth @ (Truth::Free | Truth::Wall | Truth::Luggage(_)) => truth,
+        }
+    }
+
+    /// The piece that lies at a place.
+    pub(super) fn piece_at(&self, place: Place) -> Option<Piece> {
+        match place {
+            Place::Cell(cell) => match self.truth(cell) {
+                Truth::Luggage(piece) => Some(piece),
+                Truth::Free | Truth::Wall => None,
+            },
+            Place::Outside(_) => self.lying().find(|(_, lies)| *lies == place).map(|(piece, _)| piece),
+        }
+    }
+
+    /// The piece in sight that is nearest to a place, and of its cells the nearest one; of several as near, the one of the least number.
+    pub(super) fn nearest(&self, place: Place) -> Option<Parcel> {
+        if let Some(piece) = self.piece_at(place) {
+            return Some(Parcel { piece, place });
+        }
+        let from = place.cell()?;
+        let away = |cell: Cell| cell.x.abs_diff(from.x).saturating_add(cell.y.abs_diff(from.y));
+        let there = self.hall.pieces().iter().filter(|bag| !self.moved.contains_key(&bag.piece));
+        let there = there.flat_map(|bag| bag.cells.iter().map(|cell| (bag.piece, *cell)));
+        let moved = self.lying().filter_map(|(piece, place)| Some((piece, place.cell()?)));
+        let near = there.chain(moved).map(|(piece, cell)| (away(cell), piece, cell)).filter(|(away, _, _)| *away <= SIGHT);
+        near.min().map(|(_, piece, cell)| Parcel { piece, place: Place::Cell(cell) })
+    }
+
+    /// A piece leaves the floor.
+    pub(super) fn lift(&mut self, piece: Piece) {
+        self.moved.insert(piece, None);
+    }
+
+    /// A piece comes to lie somewhere.
+    pub(super) fn put(&mut self, parcel: Parcel) {
+        self.moved.insert(parcel.piece, Some(parcel.place));
+    }
+
+    /// The container takes in a piece that was let go before it.
+    pub(super) fn take_in(&mut self, piece: Piece) {
+        self.moved.insert(piece, None);
+        self.taken_in.push(piece);
+    }
+
+    pub(super) fn close(&mut self, cell: Cell) {
+        self.closed.insert(cell);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ground(rows: &[&str]) -> Ground {
+        Ground::new(Arc::new(Hall::from_rows("test", rows).unwrap()))
+    }
+
+    #[test]
+    fn a_piece_that_was_lifted_leaves_its_cells_free_and_lies_on_one_where_it_falls() {
+        let mut ground = ground(&["S.aa."]);
+        let at = |ground: &Ground, x| ground.truth(Cell::new(x, 0));
+        assert_eq!((at(&ground, 2), at(&ground, 3)), (Truth::Luggage(Piece(1)), Truth::Luggage(Piece(1))));
+        ground.lift(Piece(1));
+        assert_eq!((at(&ground, 2), at(&ground, 3)), (Truth::Free, Truth::Free));
+        ground.put(Parcel { piece: Piece(1), place: Place::Cell(Cell::new(4, 0)) });
+        assert_eq!((at(&ground, 3), at(&ground, 4)), (Truth::Free, Truth::Luggage(Piece(1))));
+        ground.take_in(Piece(1));
+        assert_eq!((at(&ground, 4), ground.taken_in()), (Truth::Free, &[Piece(1)][..]));
+    }
+
+    #[test]
+    fn the_nearest_piece_in_sight_is_found_and_one_far_away_is_not() {
+        let mut ground = ground(&["Sa..b..............c"]);
+        let found = |ground: &Ground, x| ground.nearest(Place::Cell(Cell::new(x, 0))).map(|parcel| (parcel.piece, parcel.place));
+        assert_eq!(found(&ground, 3), Some((Piece(2), Place::Cell(Cell::new(4, 0)))));
+        ground.lift(Piece(2));
+        assert_eq!(found(&ground, 3), Some((Piece(1), Place::Cell(Cell::new(1, 0)))));
+        ground.take_in(Piece(1));
+        assert_eq!(found(&ground, 3), None, "the third is out of sight");
+    }
+
+    #[test]
+    fn a_cell_that_was_closed_is_a_wall() {
+        let mut ground = ground(&["S.."]);
+        ground.close(Cell::new(1, 0));
+        assert_eq!(ground.truth(Cell::new(1, 0)), Truth::Wall);
+    }
+}

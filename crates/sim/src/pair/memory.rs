@@ -1,0 +1,263 @@
+//! What the pair and its floor would keep by physics when the program dies: where the bases stand and roll to, what is in the grippers and
+//! how it is held, where parcels lie. Where it is written down is the business of whoever runs the pair.
+//!
+//! Quantities are whole numbers of small units, so that what is written is read back exactly.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::super::hall::Hall;
+use super::super::memory::{micro, reseeded, whole};
+use super::grip::{Grip, Held};
+use super::robot::{Astray, Robot, Run, Task, Work};
+use super::settings::{PairSettings, Slip};
+use super::{Ground, Pair};
+use hallsweep_core::event::Piece;
+use hallsweep_core::retrieval::{BasePose, Controllers, Gripper, Parcel, Place, Which};
+use hallsweep_core::rng::RandomStream;
+use hallsweep_core::units::{Cell, Now};
+
+/// A robot halts by itself at most this long after the program has died (safety S5), in simulated time.
+const WATCHDOG: Duration = Duration::from_millis(500);
+
+/// What the pair keeps.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PairMemory {
+    /// SRM1 and SRM2.
+    pub robots: [RobotMemory; 2],
+    /// The parcel in the grippers.
+    pub grip: Option<GripMemory>,
+    /// Pieces that lie elsewhere than the hall has them.
+    pub lying: Vec<(Piece, Place)>,
+    /// What the container has taken in, in order.
+    pub taken_in: Vec<Piece>,
+    /// Cells that were closed.
+    pub closed: Vec<Cell>,
+    /// Slips still to come; `None` in a hall that has just been opened.
+    pub slips: Option<Vec<Slip>>,
+    /// Parcels still not to be recognised; `None` in a hall that has just been opened.
+    pub unrecognised: Option<Vec<u32>>,
+    /// How often the pair went on after the end of a program; its noise begins anew each time.
+    pub restarts: u32,
+}
+
+/// What one robot keeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RobotMemory {
+    /// Where the last completed order left it.
+    pub stands: BasePose,
+    /// Where its body really is.
+    pub astray: AstrayMemory,
+    /// Where it rolls to, and how long still.
+    pub motion: Option<(AstrayMemory, Duration)>,
+    /// What its gripper does.
+    pub gripper: Gripper,
+    /// The parcel at which its gripper is.
+    pub aligned: Option<Place>,
+    /// Its controllers, which go on by themselves.
+    pub controllers: Controllers,
+}
+
+/// How far a base is from where it belongs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AstrayMemory {
+    /// Not at all.
+    Not,
+    /// Millionths of the way to a place beside.
+    Along(Place, i64),
+    /// Microradians clockwise.
+    Turned(i64),
+}
+
+/// What is kept of a parcel in the grippers. Of each quantity: the error, and its sum over time, in millionths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GripMemory {
+    /// Which, and over which place.
+    pub parcel: Parcel,
+    /// How high it is lifted, in millionths.
+    pub height: i64,
+    /// Steps that it was carried.
+    pub steps: u32,
+    /// Of the force, in newtons.
+    pub force: [i64; 2],
+    /// Of the angle, in radians.
+    pub angle: [i64; 2],
+    /// Of the distance of the bases, in metres.
+    pub gap: [i64; 2],
+    /// By which share the second base is faster, in millionths.
+    pub faster: i64,
+    /// The way in which the paddles tilt, in millionths of one.
+    pub tilts: i64,
+    /// For how many steps something has been beyond its limit.
+    pub beyond: u32,
+}
+
+impl PairMemory {
+    /// Two robots newly put down in a hall that has just been opened.
+    #[must_use]
+    pub fn new(stands: [BasePose; 2]) -> PairMemory {
+        let robot = |stands| RobotMemory {
+            stands,
+            astray: AstrayMemory::Not,
+            motion: None,
+            gripper: Gripper::Open,
+            aligned: None,
+            controllers: Controllers::default(),
+        };
+        PairMemory {
+            robots: stands.map(robot),
+            grip: None,
+            lying: Vec::new(),
+            taken_in: Vec::new(),
+            closed: Vec::new(),
+            slips: None,
+            unrecognised: None,
+            restarts: 0,
+        }
+    }
+
+    /// How it is once the program that drove the pair has died and the bases have come to rest, at most `WATCHDOG` later; the seed draws
+    /// when. Both roll the same share of the time, because a parcel between them is coupled to both.
+    #[must_use]
+    pub fn at_rest(mut self, seed: u64) -> PairMemory {
+        self.restarts = self.restarts.wrapping_add(1);
+        let share = RandomStream::new(reseeded(seed, self.restarts), "watchdog").fraction();
+        for robot in &mut self.robots {
+            if let Some((to, left)) = robot.motion.take() {
+                let rolls = left.min(WATCHDOG).mul_f64(share).as_secs_f64();
+                let share = if left.is_zero() { 1.0 } else { rolls / left.as_secs_f64() };
+                robot.astray = robot.astray.towards(to, share);
+            }
+        }
+        self
+    }
+
+    pub(super) fn robots(&self) -> [Robot; 2] {
+        self.robots.map(|kept| Robot {
+            astray: kept.astray.into(),
+            gripper: kept.gripper,
+            aligned: kept.aligned,
+            controllers: kept.controllers,
+            ..Robot::new(kept.stands)
+        })
+    }
+
+    pub(super) fn grip(&self) -> Option<Grip> {
+        let held = |[error, sum]: [i64; 2]| Held { error: whole(error), sum: whole(sum) };
+        self.grip.map(|kept| Grip {
+            parcel: kept.parcel,
+            height: whole(kept.height),
+            steps: kept.steps,
+            force: held(kept.force),
+            angle: held(kept.angle),
+            gap: held(kept.gap),
+            faster: whole(kept.faster),
+            tilts: whole(kept.tilts),
+            beyond: kept.beyond,
+        })
+    }
+}
+
+impl Pair {
+    /// The pair of an earlier run, in the same hall, after the program has died: as it was, halted by itself within half a second, with its
+    /// parcel in its grip. Its first reports are where the two stand, and `LinkUp`. `now` is the time of the new run.
+    #[must_use]
+    pub fn remembering(hall: Arc<Hall>, settings: PairSettings, memory: PairMemory, now: Now) -> Pair {
+        let memory = memory.at_rest(settings.seed);
+        let mut pair = Pair::placed(hall, settings, memory, now.since_start);
+        // What is in the grippers is off the floor, or it stands where it was taken hold of.
+        if let Some(grip) = &pair.grip
+            && grip.is_loaded()
+        {
+            pair.ground.lift(grip.parcel.piece);
+        }
+        pair
+    }
+
+    /// What the pair would keep if the program died now.
+    #[must_use]
+    pub fn memory(&self) -> PairMemory {
+        PairMemory {
+            robots: Which::ALL.map(|which| self.robot_memory(which)),
+            grip: self.grip.as_ref().map(kept),
+            lying: self.ground.lying().collect(),
+            taken_in: Ground::taken_in(&self.ground).to_vec(),
+            closed: self.ground.closed().collect(),
+            slips: Some(self.slips.clone()),
+            unrecognised: Some(self.unrecognised.clone()),
+            restarts: self.restarts,
+        }
+    }
+
+    fn robot_memory(&self, which: Which) -> RobotMemory {
+        let robot = &self.robots[which.index()];
+        let motion = match &robot.task {
+            Some(Task { work: Work::Step { .. } | Work::Back | Work::Turn { .. }, run: Some(Run { ends, .. }), .. }) => {
+                Some((robot.astray_at(*ends).into(), ends.saturating_sub(self.now)))
+            }
+            Some(_) | None => None,
+        };
+        RobotMemory {
+            stands: robot.stands,
+            astray: robot.astray_at(self.now).into(),
+            motion,
+            gripper: robot.gripper,
+            aligned: robot.aligned,
+            controllers: robot.controllers,
+        }
+    }
+}
+
+fn kept(grip: &Grip) -> GripMemory {
+    let held = |held: Held| [micro(held.error), micro(held.sum)];
+    GripMemory {
+        parcel: grip.parcel,
+        height: micro(grip.height),
+        steps: grip.steps,
+        force: held(grip.force),
+        angle: held(grip.angle),
+        gap: held(grip.gap),
+        faster: micro(grip.faster),
+        tilts: micro(grip.tilts),
+        beyond: grip.beyond,
+    }
+}
+
+impl AstrayMemory {
+    /// This share (0–1) of the way from here to `end`; a motion has constant speed.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "both ends are within a step and a turn")]
+    fn towards(self, end: AstrayMemory, share: f64) -> AstrayMemory {
+        let between = |from: i64, to: i64| from + (to.saturating_sub(from) as f64 * share) as i64;
+        match (self, end) {
+            (AstrayMemory::Along(_, from), AstrayMemory::Along(to, until)) => AstrayMemory::Along(to, between(from, until)),
+            (AstrayMemory::Not, AstrayMemory::Along(to, until)) => AstrayMemory::Along(to, between(0, until)),
+            (AstrayMemory::Along(to, from), AstrayMemory::Not | AstrayMemory::Turned(_)) => {
+                AstrayMemory::Along(to, between(from, 0))
+            }
+            (AstrayMemory::Turned(from), AstrayMemory::Turned(until)) => AstrayMemory::Turned(between(from, until)),
+            (AstrayMemory::Turned(from), AstrayMemory::Not | AstrayMemory::Along(..)) => AstrayMemory::Turned(between(from, 0)),
+            (AstrayMemory::Not, AstrayMemory::Turned(until)) => AstrayMemory::Turned(between(0, until)),
+            (AstrayMemory::Not, AstrayMemory::Not) => AstrayMemory::Not,
+        }
+    }
+}
+
+impl From<Astray> for AstrayMemory {
+    fn from(astray: Astray) -> AstrayMemory {
+        match astray {
+            Astray::Not => AstrayMemory::Not,
+            Astray::Along(to, share) => AstrayMemory::Along(to, micro(share)),
+            Astray::Turned(angle) => AstrayMemory::Turned(micro(angle)),
+        }
+    }
+}
+
+impl From<AstrayMemory> for Astray {
+    fn from(kept: AstrayMemory) -> Astray {
+        match kept {
+            AstrayMemory::Not => Astray::Not,
+            AstrayMemory::Along(to, millionths) => Astray::Along(to, whole(millionths)).settled(),
+            AstrayMemory::Turned(microradians) => Astray::Turned(whole(microradians)).settled(),
+        }
+    }
+}

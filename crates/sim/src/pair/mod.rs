@@ -1,0 +1,279 @@
+//! The simulated pair, sans-IO: two mobile manipulators and the parcel between them, which couples them, so that all three are one object.
+//! Orders, halts and the passing of time go in, reports come out, and nothing here waits. What to do next is decided by nobody here.
+//!
+//! ```text
+//!   orders ─► orders ─► robot, robot ─┐
+//!                                     ├─► passing ─► reports        memory: what all of them keep
+//!   ground (the hall as it is now) ── grip ┘
+//! ```
+//! A robot that holds nothing is by itself. Once both grippers are closed round a parcel, a step begins when both have theirs, and what
+//! stops one stops the other.
+
+mod grip;
+mod ground;
+mod memory;
+mod orders;
+mod passing;
+mod robot;
+mod settings;
+#[cfg(test)]
+mod tests;
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+
+pub use self::grip::{ANGLE_LIMIT, FORCE_LIMIT_N, FORCE_N, GAP_LIMIT_M, Holding, Spread};
+use self::grip::{Grip, STEP};
+use self::ground::Ground;
+pub use self::memory::PairMemory;
+use self::robot::{Astray, Robot, body_of};
+pub use self::settings::{Mishaps, PairSettings, Slip};
+use super::drive::BodyPose;
+use super::hall::Hall;
+use super::memory::{micro, reseeded};
+use hallsweep_core::effect::Order;
+use hallsweep_core::event::{Capabilities, Parts, Piece, RobotEvent, Whereabouts};
+use hallsweep_core::retrieval::{ArmState, BasePose, Parcel, Place, Which};
+use hallsweep_core::rng::RandomStream;
+use hallsweep_core::units::{Cell, Now, Pose};
+
+/// Two mobile manipulators in a hall.
+#[derive(Debug)]
+pub struct Pair {
+    ground: Ground,
+    settings: PairSettings,
+    now: Duration,
+    robots: [Robot; 2],
+    grip: Option<Grip>,
+    /// When the grip is looked at next, and when a lifted parcel is told of next.
+    next_step: Duration,
+    next_report: Duration,
+    noise: RandomStream,
+    looks: RandomStream,
+    events: VecDeque<(Which, RobotEvent)>,
+    /// What is still to go wrong.
+    slips: Vec<Slip>,
+    unrecognised: Vec<u32>,
+    holding: Holding,
+    restarts: u32,
+    /// Whether something has changed that must not be forgotten.
+    unkept: bool,
+}
+
+impl Pair {
+    /// The two newly put down. Their first reports are where they stand, and `LinkUp`.
+    #[must_use]
+    pub fn new(hall: Arc<Hall>, settings: PairSettings, stands: [BasePose; 2]) -> Pair {
+        Pair::placed(hall, settings, PairMemory::new(stands), Duration::ZERO)
+    }
+
+    /// What each can do, in simulated time. A step is said to take as long as it does with a load.
+    #[must_use]
+    pub fn capabilities(&self) -> Capabilities {
+        let PairSettings { step, loaded_step, turn, look, arm, .. } = self.settings;
+        Capabilities {
+            step: step.max(loaded_step),
+            turn,
+            photo: Duration::ZERO,
+            arm: look.max(arm),
+            nudges: false,
+            parts: Parts::MANIPULATOR,
+        }
+    }
+
+    /// Begins an order, or answers at once why it cannot. What only both can do begins when the other has its part of it.
+    pub fn handle_order(&mut self, which: Which, order: Order, now: Now) {
+        self.pass_to(now.since_start);
+        if let Some(task) = &self.robots[which.index()].task {
+            let words = format!("order {} is still under way", task.order);
+            return self.say(which, RobotEvent::Failed(order.id, words));
+        }
+        match self.work_of(which, order.action) {
+            Ok(work) => self.take(which, order, work),
+            Err(words) => self.say(which, RobotEvent::Failed(order.id, words.to_owned())),
+        }
+        // What takes no time is done at once.
+        self.pass_to(now.since_start);
+    }
+
+    /// Stops wheels and arm of one robot where they are, and of the other when they carry together. What was started to hold the parcel
+    /// goes on holding it.
+    pub fn handle_halt(&mut self, which: Which, now: Now) {
+        self.pass_to(now.since_start);
+        self.halt(which);
+    }
+
+    /// Lets time pass: everything that is due by `now` happens, in its order.
+    pub fn handle_timeout(&mut self, now: Now) {
+        self.pass_to(now.since_start);
+    }
+
+    /// The next report, and whose it is.
+    pub fn poll_event(&mut self) -> Option<(Which, RobotEvent)> {
+        self.events.pop_front()
+    }
+
+    /// When something will be to report next by itself, since the start of the run.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Option<Duration> {
+        self.next_heard()
+    }
+
+    /// Somebody closes a cell for good. One in which a robot or a parcel is stays as it is: false.
+    pub fn close_cell(&mut self, cell: Cell) -> bool {
+        let place = Place::Cell(cell);
+        let in_use = self.robots.iter().any(|robot| robot.is_in_or_enters(place, self.now))
+            || self.load().is_some_and(|parcel| parcel.place == place)
+            || self.ground.piece_at(place).is_some();
+        if !in_use {
+            self.ground.close(cell);
+            self.unkept = true;
+        }
+        !in_use
+    }
+
+    /// Whether a robot has an order under way.
+    #[must_use]
+    pub const fn is_busy(&self, which: Which) -> bool {
+        self.robots[which.index()].task.is_some()
+    }
+
+    /// Where the last completed order left a robot, and whether it stands away from there.
+    #[must_use]
+    pub fn stands(&self, which: Which) -> (BasePose, bool) {
+        let robot = &self.robots[which.index()];
+        (robot.stands, robot.astray_at(self.now) != Astray::Not)
+    }
+
+    /// Where the body of a robot really is, now.
+    #[must_use]
+    pub fn body(&self, which: Which) -> BodyPose {
+        self.robots[which.index()].body_at(self.now, self.ground.hall().cell_m())
+    }
+
+    /// An arm, as its robot says it is.
+    #[must_use]
+    pub fn arm(&self, which: Which) -> ArmState {
+        let robot = &self.robots[which.index()];
+        let still =
+            ArmState { gripper: robot.gripper, aligned: robot.aligned, controllers: robot.controllers, ..ArmState::default() };
+        let Some(grip) = &self.grip else { return still };
+        ArmState {
+            holds: Some(grip.parcel),
+            lifted: grip.height >= 1.0,
+            on_floor: !grip.is_loaded(),
+            force_mn: thousandths(FORCE_N + grip.force.error),
+            angle_urad: millionths(grip.angle.error),
+            gap_um: millionths(grip.gap.error),
+            ..still
+        }
+    }
+
+    /// The parcel in the grippers, by the place over which, or on which, it is.
+    #[must_use]
+    pub fn load(&self) -> Option<Parcel> {
+        self.grip.as_ref().map(|grip| grip.parcel)
+    }
+
+    /// Where the middle of the parcel in the grippers really is, in metres to the east and to the south of home, and how high it is
+    /// lifted, 0–1.
+    #[must_use]
+    pub fn load_m(&self) -> Option<(f64, f64, f64)> {
+        let grip = self.grip.as_ref()?;
+        let cell_m = self.ground.hall().cell_m();
+        let centre = |place: Place| {
+            let BodyPose { x_m, y_m, .. } = body_of(BasePose { place, heading: Pose::START.heading }, cell_m);
+            (x_m, y_m)
+        };
+        let (x, y) = centre(grip.parcel.place);
+        // The parcel goes to where the base that leads has stood.
+        let leads = |robot: &&Robot| matches!(robot.astray_at(self.now), Astray::Along(to, _) if to != grip.parcel.place);
+        let Some(leader) = self.robots.iter().find(leads) else { return Some((x, y, grip.height)) };
+        let Astray::Along(_, share) = leader.astray_at(self.now) else { return Some((x, y, grip.height)) };
+        let (to_x, to_y) = centre(leader.stands.place);
+        Some((x + (to_x - x) * share, y + (to_y - y) * share, grip.height))
+    }
+
+    /// What the container has taken in, in order.
+    #[must_use]
+    pub fn taken_in(&self) -> &[Piece] {
+        self.ground.taken_in()
+    }
+
+    /// Where a piece lies on the floor: for one that was moved, where it was put or fell.
+    #[must_use]
+    pub fn lying(&self) -> Vec<(Piece, Place)> {
+        self.ground.lying().collect()
+    }
+
+    /// How well parcels were held while they were off the floor.
+    #[must_use]
+    pub const fn holding(&self) -> &Holding {
+        &self.holding
+    }
+
+    /// What there is to keep, once whenever something has changed that a report or the next motion depends on.
+    pub fn poll_memory(&mut self) -> Option<PairMemory> {
+        std::mem::take(&mut self.unkept).then(|| self.memory())
+    }
+
+    /// Which parcel is under way, counted from 1.
+    fn parcel_number(&self) -> u32 {
+        u32::try_from(self.ground.taken_in().len()).unwrap_or(u32::MAX).saturating_add(1)
+    }
+
+    fn look(&mut self, place: Place) -> Option<Parcel> {
+        let number = self.parcel_number();
+        let asked = self.unrecognised.iter().position(|parcel| *parcel == number).map(|index| self.unrecognised.remove(index));
+        let fails = self.looks.happens(self.settings.unrecognised_rate);
+        self.ground.nearest(place).filter(|_| asked.is_none() && !fails)
+    }
+
+    fn introduce(&mut self) {
+        for which in Which::ALL {
+            let (BasePose { place, heading }, off_centre) = self.stands(which);
+            let stands = match place {
+                Place::Cell(cell) => RobotEvent::Stands(Whereabouts { pose: Pose { cell, heading }, off_centre }),
+                Place::Outside(steps) => RobotEvent::StandsOutside(steps, heading, off_centre),
+            };
+            let can = self.capabilities();
+            let arm = RobotEvent::Arm(self.arm(which));
+            self.events.extend([stands, arm, RobotEvent::LinkUp(can)].map(|event| (which, event)));
+        }
+    }
+
+    fn placed(hall: Arc<Hall>, settings: PairSettings, memory: PairMemory, now: Duration) -> Pair {
+        let settings = settings.sound();
+        let seed = reseeded(settings.seed, memory.restarts);
+        let mut pair = Pair {
+            ground: Ground::remembered(hall, &memory.lying, &memory.taken_in, &memory.closed),
+            now,
+            robots: memory.robots(),
+            grip: memory.grip(),
+            next_step: now + STEP,
+            next_report: now,
+            noise: RandomStream::new(seed, "grip"),
+            looks: RandomStream::new(seed, "look"),
+            events: VecDeque::new(),
+            slips: memory.slips.unwrap_or_else(|| settings.mishaps.slips.clone()),
+            unrecognised: memory.unrecognised.unwrap_or_else(|| settings.mishaps.unrecognised.clone()),
+            holding: Holding::default(),
+            restarts: memory.restarts,
+            unkept: true,
+            settings,
+        };
+        pair.introduce();
+        pair
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a cast from a double ends at the bounds of the integer")]
+fn thousandths(number: f64) -> i32 {
+    (number * 1e3).round() as i32
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a cast from a double ends at the bounds of the integer")]
+fn millionths(number: f64) -> i32 {
+    micro(number) as i32
+}

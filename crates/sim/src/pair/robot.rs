@@ -1,0 +1,160 @@
+//! One of the two simulated robots by itself: where its base stands, what it is doing, what its arm is like. What the two do together
+//! stands in the other files of this folder.
+
+use std::f64::consts::FRAC_PI_2;
+use std::time::Duration;
+
+use super::super::drive::{BodyPose, normal};
+use hallsweep_core::event::Obstacle;
+use hallsweep_core::retrieval::{ArmAction, BasePose, Controllers, Gripper, Place};
+use hallsweep_core::units::{Cell, OrderId, Pose};
+
+#[derive(Clone, Debug)]
+pub(super) struct Robot {
+    /// Where the last completed order left it.
+    pub(super) stands: BasePose,
+    /// How far from there it really is while nothing moves it.
+    pub(super) astray: Astray,
+    pub(super) task: Option<Task>,
+    pub(super) gripper: Gripper,
+    pub(super) aligned: Option<Place>,
+    pub(super) controllers: Controllers,
+}
+
+/// How far a base is from where it belongs: on the way to a neighbouring place or between two headings, never both.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Astray {
+    Not,
+    /// This share of the way to a place beside the one where it stands.
+    Along(Place, f64),
+    /// Radians clockwise.
+    Turned(f64),
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Task {
+    pub(super) order: OrderId,
+    pub(super) deadline: Duration,
+    pub(super) work: Work,
+    /// `None` while it waits for the other robot to have its part of the same work.
+    pub(super) run: Option<Run>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Run {
+    pub(super) began: Duration,
+    pub(super) ends: Duration,
+    /// Whether the other robot does its part at the same time.
+    pub(super) together: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Work {
+    /// To a place beside, or to this share of the way where something stands in it.
+    Step {
+        to: Place,
+        until: f64,
+        against: Option<Obstacle>,
+    },
+    /// Back to where it belongs.
+    Back,
+    /// A quarter turn.
+    Turn {
+        clockwise: bool,
+    },
+    Arm(ArmAction),
+}
+
+impl Run {
+    /// How much of it is done at `now`, 0–1.
+    pub(super) fn done(self, now: Duration) -> f64 {
+        let (passed, whole) = (now.saturating_sub(self.began), self.ends.saturating_sub(self.began));
+        if passed >= whole { 1.0 } else { passed.as_secs_f64() / whole.as_secs_f64() }
+    }
+}
+
+impl Work {
+    /// Whether the robot or its arm moves; a look and a controller are no motion.
+    pub(super) fn is_motion(self) -> bool {
+        match self {
+            Work::Step { .. } | Work::Back | Work::Turn { .. } => true,
+            Work::Arm(action) => action.is_motion(),
+        }
+    }
+}
+
+impl Robot {
+    pub(super) const fn new(stands: BasePose) -> Robot {
+        let controllers = Controllers { force: false, angle: false, distance: false };
+        Robot { stands, astray: Astray::Not, task: None, gripper: Gripper::Open, aligned: None, controllers }
+    }
+
+    pub(super) fn is_off_centre(&self) -> bool {
+        self.astray != Astray::Not
+    }
+
+    /// Where it is at `now`, if nothing comes between.
+    pub(super) fn astray_at(&self, now: Duration) -> Astray {
+        let Some(Task { work, run: Some(run), .. }) = &self.task else { return self.astray };
+        let done = run.done(now);
+        match *work {
+            Work::Step { to, until, .. } => Astray::Along(to, until * done).settled(),
+            Work::Turn { clockwise } => Astray::Turned(if clockwise { FRAC_PI_2 } else { -FRAC_PI_2 } * done).settled(),
+            Work::Back => self.astray.times(1.0 - done),
+            Work::Arm(_) => self.astray,
+        }
+    }
+
+    /// Whether a place is filled by it, or will be when it ends its step.
+    pub(super) fn is_in_or_enters(&self, place: Place, now: Duration) -> bool {
+        let enters = matches!(&self.task, Some(Task { work: Work::Step { to, .. }, .. }) if *to == place);
+        self.stands.place == place || enters || matches!(self.astray_at(now), Astray::Along(to, _) if to == place)
+    }
+
+    /// Where its body is at `now`, in metres.
+    pub(super) fn body_at(&self, now: Duration, cell_m: f64) -> BodyPose {
+        let centre = body_of(self.stands, cell_m);
+        match self.astray_at(now) {
+            Astray::Not => centre,
+            Astray::Turned(angle) => BodyPose { theta: normal(centre.theta + angle), ..centre },
+            Astray::Along(to, share) => {
+                let end = body_of(BasePose { place: to, ..self.stands }, cell_m);
+                let between = |from: f64, to: f64| from + (to - from) * share;
+                BodyPose { x_m: between(centre.x_m, end.x_m), y_m: between(centre.y_m, end.y_m), ..centre }
+            }
+        }
+    }
+
+    /// Ends what it does without an answer, with its body where it is now.
+    pub(super) fn stop(&mut self, now: Duration) -> Option<OrderId> {
+        self.astray = self.astray_at(now);
+        self.task.take().map(|task| task.order)
+    }
+}
+
+impl Astray {
+    fn times(self, share: f64) -> Astray {
+        match self {
+            Astray::Not => Astray::Not,
+            Astray::Along(to, way) => Astray::Along(to, way * share).settled(),
+            Astray::Turned(angle) => Astray::Turned(angle * share).settled(),
+        }
+    }
+
+    /// The same, or `Not` where nothing is left of it.
+    pub(super) fn settled(self) -> Astray {
+        match self {
+            Astray::Along(_, 0.0) | Astray::Turned(0.0) | Astray::Not => Astray::Not,
+            Astray::Along(..) | Astray::Turned(_) => self,
+        }
+    }
+}
+
+/// The centre of a place. The way out is drawn to the north of home, where the seeds' halls have nothing.
+pub(super) fn body_of(stands: BasePose, cell_m: f64) -> BodyPose {
+    let cell = match stands.place {
+        Place::Cell(cell) => cell,
+        Place::Outside(steps) => Cell::new(Cell::HOME.x, Cell::HOME.y - i32::from(steps)),
+    };
+    BodyPose::centred(Pose { cell, heading: stands.heading }, cell_m)
+}

@@ -1,0 +1,210 @@
+//! What is known of the two robots and of the yard from their reports alone, and the orders that they have not answered: the part that
+//! the engine of the core has in a hall. What really is, only the pair knows.
+
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use super::Yard;
+use hallsweep_core::command::Move;
+use hallsweep_core::effect::{Action, Order};
+use hallsweep_core::event::{Capabilities, Obstacle, Piece, RobotEvent};
+use hallsweep_core::retrieval::{ArmState, BaseView, Parcel, Place, Proposal, View, Which};
+use hallsweep_core::units::{Cell, Epoch, Heading, OrderId, Revision};
+use hallsweep_core::world::hall_map::{HallMap, Mark};
+
+#[derive(Clone, Debug)]
+pub(super) struct Crew {
+    map: HallMap,
+    bases: [BaseView; 2],
+    last: OrderId,
+    can: Capabilities,
+    target: Place,
+    /// Parcels that are not in the target area, in the order in which they are to be fetched, and where they are.
+    left: Vec<Parcel>,
+    /// The cells of the next one; none while it is held.
+    piece: BTreeSet<Cell>,
+}
+
+impl Crew {
+    pub(super) fn new(yard: &Yard, can: Capabilities) -> Crew {
+        let base = |stands| BaseView { stands, off_centre: false, open: None, failures: 0, arm: ArmState::default() };
+        let left: Vec<Parcel> =
+            yard.parcels.iter().map(|(piece, cell)| Parcel { piece: *piece, place: Place::Cell(*cell) }).collect();
+        let mut crew = Crew {
+            map: yard.known_at_first(),
+            bases: yard.starts.map(base),
+            last: OrderId(0),
+            can,
+            target: Place::Cell(yard.target),
+            left,
+            piece: BTreeSet::new(),
+        };
+        crew.choose();
+        crew
+    }
+
+    pub(super) fn view(&self, is_calling: bool) -> View<'_> {
+        View {
+            map: &self.map,
+            way_out: false,
+            others: &[],
+            piece: &self.piece,
+            wanted: None,
+            target: self.target,
+            bases: self.bases,
+            is_calling,
+        }
+    }
+
+    pub(super) fn left(&self) -> impl Iterator<Item = (Piece, Place)> {
+        let held = self.held();
+        self.left
+            .iter()
+            .filter(move |parcel| held.is_none_or(|held| held.piece != parcel.piece))
+            .map(|parcel| (parcel.piece, parcel.place))
+    }
+
+    /// The order that carries out a proposal; none while the robot has one.
+    pub(super) fn order(&mut self, proposal: Proposal) -> Option<Order> {
+        let base = &mut self.bases[proposal.which.index()];
+        if base.open.is_some() {
+            return None;
+        }
+        base.open = Some(proposal.action);
+        self.last = self.last.next();
+        let nominal = match proposal.action {
+            Action::Move(Move::TurnLeft | Move::TurnRight | Move::NudgeLeft | Move::NudgeRight) => self.can.turn,
+            Action::Move(Move::Forward | Move::Backward) | Action::Enter | Action::Leave => self.can.step,
+            Action::Recentre => self.can.step.max(self.can.turn),
+            Action::Arm(_) | Action::Photograph(_) => self.can.arm,
+        };
+        let deadline = nominal.saturating_mul(3).saturating_add(Duration::from_secs(1));
+        Some(Order { id: self.last, action: proposal.action, epoch: Epoch(0), deadline })
+    }
+
+    /// The program that knew of open orders is gone: nobody will answer them.
+    pub(super) fn forget_orders(&mut self) {
+        self.bases.iter_mut().for_each(|base| base.open = None);
+    }
+
+    pub(super) fn report(&mut self, which: Which, report: RobotEvent) {
+        let index = which.index();
+        match report {
+            RobotEvent::Stands(whereabouts) => {
+                self.bases[index].stands.place = Place::Cell(whereabouts.pose.cell);
+                self.bases[index].stands.heading = whereabouts.pose.heading;
+                self.bases[index].off_centre = whereabouts.off_centre;
+                self.mark(whereabouts.pose.cell, Mark::Visited);
+            }
+            RobotEvent::Arm(arm) => self.arm(index, arm),
+            RobotEvent::ParcelLost(parcel) => self.lies(parcel),
+            RobotEvent::Done(_) => self.done(index),
+            RobotEvent::Blocked(_, obstacle) => self.blocked(which, obstacle),
+            RobotEvent::Halted(_, off_centre) => {
+                self.answered(index);
+                self.bases[index].off_centre |= off_centre;
+            }
+            RobotEvent::Failed(..) => {
+                let failures = self.bases[index].failures;
+                let moved = self.answered(index).is_some_and(Action::moves_base);
+                self.bases[index].off_centre |= moved;
+                self.bases[index].failures = failures.saturating_add(1);
+            }
+            RobotEvent::Found(..) => drop(self.answered(index)),
+            RobotEvent::StandsOutside(..)
+            | RobotEvent::LinkUp(_)
+            | RobotEvent::LinkLost(_)
+            | RobotEvent::Photo(..)
+            | RobotEvent::PhotoFailed(..)
+            | RobotEvent::Sonar(_)
+            | RobotEvent::Temperature(_) => {}
+        }
+    }
+
+    fn answered(&mut self, index: usize) -> Option<Action> {
+        self.bases[index].failures = 0;
+        self.bases[index].open.take()
+    }
+
+    fn done(&mut self, index: usize) {
+        let Some(action) = self.answered(index) else { return };
+        let base = &mut self.bases[index];
+        if action.moves_base() {
+            base.off_centre = false;
+        }
+        if let (Action::Move(step), Place::Cell(cell)) = (action, base.stands.place) {
+            let heading = base.stands.heading;
+            (base.stands.place, base.stands.heading) = match step {
+                Move::Forward => (Place::Cell(cell.ahead(heading)), heading),
+                Move::Backward => (Place::Cell(cell.ahead(heading.opposite())), heading),
+                Move::TurnLeft | Move::NudgeLeft => (Place::Cell(cell), heading.left()),
+                Move::TurnRight | Move::NudgeRight => (Place::Cell(cell), heading.right()),
+            };
+            if let Place::Cell(cell) = base.stands.place {
+                self.mark(cell, Mark::Visited);
+            }
+        }
+    }
+
+    /// What a robot has run into is an obstacle, unless it is the other robot.
+    fn blocked(&mut self, which: Which, obstacle: Obstacle) {
+        let action = self.answered(which.index());
+        let base = &mut self.bases[which.index()];
+        base.off_centre = true;
+        let towards = |heading: Heading| base.stands.place.cell().map(|cell| cell.ahead(heading));
+        let met = match action {
+            Some(Action::Move(Move::Forward)) => towards(base.stands.heading),
+            Some(Action::Move(Move::Backward)) => towards(base.stands.heading.opposite()),
+            Some(_) | None => None,
+        };
+        let other = self.bases[which.other().index()].stands.place;
+        if let Some(cell) = met.filter(|cell| Place::Cell(*cell) != other) {
+            let mark = match obstacle {
+                Obstacle::Luggage(_) => Mark::Luggage,
+                Obstacle::Wall { .. } | Obstacle::Unknown => Mark::Wall,
+            };
+            self.mark(cell, mark);
+        }
+    }
+
+    fn arm(&mut self, index: usize, arm: ArmState) {
+        let before = self.held();
+        self.bases[index].arm = arm;
+        match (before, self.held()) {
+            // Off the floor it leaves its place free.
+            (_, Some(parcel)) if !arm.on_floor => {
+                if let Some(cell) = parcel.place.cell() {
+                    self.mark(cell, Mark::Visited);
+                }
+                self.piece.clear();
+            }
+            (Some(parcel), None) if parcel.place == self.target => {
+                self.left.retain(|left| left.piece != parcel.piece);
+                self.choose();
+            }
+            _ => {}
+        }
+    }
+
+    /// A parcel lies where it has fallen, and is the next to be fetched.
+    fn lies(&mut self, parcel: Parcel) {
+        self.left.retain(|left| left.piece != parcel.piece);
+        self.left.insert(0, parcel);
+        if let Some(cell) = parcel.place.cell() {
+            self.mark(cell, Mark::Luggage);
+        }
+        self.choose();
+    }
+
+    fn choose(&mut self) {
+        self.piece = self.left.first().and_then(|parcel| parcel.place.cell()).into_iter().collect();
+    }
+
+    fn held(&self) -> Option<Parcel> {
+        self.bases[0].arm.holds
+    }
+
+    fn mark(&mut self, cell: Cell, mark: Mark) {
+        self.map.mark(cell, mark, Revision(0));
+    }
+}

@@ -1,0 +1,357 @@
+//! The pallet scenario in simulated time: a yard, the simulated pair, its three trees and a simulated operator, joined in one plain loop.
+//! It waits for nothing, and the same seed gives the same run. `hallsweep pallet` and the laboratory run it; what the trees do stands in
+//! `hallsweep_core::retrieval`.
+//!
+//! ```text
+//!   team ── proposals ─► gate ── orders ─► pair          every 100 ms, unless something holds the robots
+//!    ▲  └── sayings ─► operator (acknowledges, START)      │
+//!    └────────── view ◄── crew (what is known) ◄── reports ┘
+//! ```
+
+mod crew;
+mod operator;
+mod record;
+#[cfg(test)]
+mod tests;
+mod yard;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use self::crew::Crew;
+use self::operator::{Deed, Operator};
+use self::record::begun;
+pub use self::record::{Entry, Figures, Frame, News, PalletFault, Phase};
+pub use self::yard::{MOST_PARCELS, ParcelsError, Yard};
+use super::pair::{Mishaps, Pair, PairSettings};
+use hallsweep_core::event::RobotEvent;
+use hallsweep_core::retrieval::team::TICK;
+use hallsweep_core::retrieval::{Place, Stage, Team, Which};
+use hallsweep_core::units::{Cell, Now, WallTime};
+
+/// The longest run for each parcel, in simulated time: a hundred times what one takes.
+const LONGEST: Duration = Duration::from_secs(4 * 3600);
+
+/// After so long without an answer nobody is at the console.
+const NOBODY_COMES: Duration = Duration::from_secs(600);
+
+/// How often a frame is kept, in ticks.
+const FRAME_EVERY: u64 = 5;
+
+/// The most frames that are kept: hours of simulated time. A run that goes on beyond is drawn up to here.
+const MOST_FRAMES: usize = 100_000;
+
+/// The most entries of a record: thousands of losses, which no run survives.
+const MOST_ENTRIES: usize = 100_000;
+
+/// What is asked to go wrong. Parcels are counted from 1.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Asked {
+    /// What goes wrong with robots and parcels.
+    pub mishaps: Mishaps,
+    /// The way into the target area is closed when this parcel is lifted.
+    pub blocked: Option<u32>,
+    /// The operator never comes.
+    pub absent: bool,
+}
+
+/// A run of the scenario.
+#[derive(Debug)]
+pub struct PalletRun {
+    yard: Yard,
+    seed: u64,
+    asked: Asked,
+    settings: PairSettings,
+    pair: Pair,
+    team: Team,
+    crew: Crew,
+    operator: Operator,
+    now: Duration,
+    next_tick: Duration,
+    ticks: u64,
+    /// Somebody's STOP, an alarm that is not acknowledged, and whether it takes a START to go on.
+    is_stopped: bool,
+    is_calling: bool,
+    awaits_start: bool,
+    /// Since when nothing happens for want of the operator.
+    waits_since: Option<Duration>,
+    phase: Option<Phase>,
+    runs: u32,
+    losses: u32,
+    entries: Vec<Entry>,
+    frames: Vec<Frame>,
+    ended: Option<Option<PalletFault>>,
+}
+
+impl PalletRun {
+    /// A run that has not begun.
+    ///
+    /// # Errors
+    /// If there would be no parcel, or more than `MOST_PARCELS`.
+    pub fn new(parcels: u32, seed: u64, asked: Asked) -> Result<PalletRun, ParcelsError> {
+        let yard = Yard::new(parcels, seed)?;
+        let settings = PairSettings { mishaps: asked.mishaps.clone(), ..PairSettings::new(seed, Place::Cell(yard.target)) };
+        let pair = Pair::new(Arc::clone(&yard.hall), settings.clone(), yard.starts);
+        let crew = Crew::new(&yard, pair.capabilities());
+        let mut run = PalletRun {
+            operator: Operator::new(seed, !asked.absent),
+            yard,
+            seed,
+            asked,
+            settings,
+            pair,
+            team: Team::new(),
+            crew,
+            now: Duration::ZERO,
+            next_tick: TICK,
+            ticks: 0,
+            is_stopped: false,
+            is_calling: false,
+            awaits_start: false,
+            waits_since: None,
+            phase: None,
+            runs: 1,
+            losses: 0,
+            entries: Vec::new(),
+            frames: Vec::new(),
+            ended: None,
+        };
+        run.take_reports();
+        Ok(run)
+    }
+
+    /// Lets the next thing happen; false when the run has ended. `watch` sees the team after each tick of its trees.
+    pub fn advance(&mut self, mut watch: impl FnMut(&Team)) -> bool {
+        if self.ended.is_some() {
+            return false;
+        }
+        let next = [Some(self.next_tick), self.pair.poll_timeout(), self.operator.due()].into_iter().flatten().min();
+        self.now = self.now.max(next.unwrap_or(self.next_tick));
+        self.pair.handle_timeout(self.now());
+        self.take_reports();
+        if let Some(deed) = self.operator.deed(self.now) {
+            self.attend(deed);
+        }
+        if self.next_tick <= self.now {
+            self.next_tick = self.now + TICK;
+            self.tick(&mut watch);
+        }
+        self.look_at_the_clock();
+        self.ended.is_none()
+    }
+
+    /// Lets everything happen until the run has ended.
+    pub fn finish(&mut self) -> Figures {
+        while self.advance(|_| {}) {}
+        self.figures()
+    }
+
+    /// Lets simulated time pass to this moment, as far as the run goes.
+    pub fn advance_to(&mut self, until: Duration) {
+        while self.now < until && self.advance(|_| {}) {}
+    }
+
+    /// Somebody presses STOP: both robots halt where they are, with what they hold in their grip.
+    pub fn stop(&mut self) {
+        (self.is_stopped, self.awaits_start) = (true, true);
+        self.note(News::Stopped);
+        self.halt();
+    }
+
+    /// Somebody presses START: it goes on, unless an alarm is not acknowledged; whether it does.
+    pub fn start(&mut self) -> bool {
+        if self.is_calling {
+            return false;
+        }
+        if self.awaits_start {
+            self.note(News::Started);
+        }
+        (self.is_stopped, self.awaits_start, self.waits_since) = (false, false, None);
+        true
+    }
+
+    /// Somebody acknowledges the alarm.
+    pub fn acknowledge(&mut self) {
+        if std::mem::take(&mut self.is_calling) {
+            self.note(News::Acknowledged);
+            self.operator.called(Deed::Start, self.now);
+        }
+    }
+
+    /// The program dies and is started again: the pair stands as it stood, halted by itself, with its parcel in its grip, and waits for
+    /// START; orders that were open are answered by nobody.
+    pub fn restart(&mut self) {
+        self.pair = Pair::remembering(Arc::clone(&self.yard.hall), self.settings.clone(), self.pair.memory(), self.now());
+        self.crew.forget_orders();
+        self.take_reports();
+        (self.is_stopped, self.awaits_start) = (true, true);
+        self.note(News::Restarted);
+    }
+
+    /// The yard.
+    #[must_use]
+    pub const fn yard(&self) -> &Yard {
+        &self.yard
+    }
+
+    /// The trees.
+    #[must_use]
+    pub const fn team(&self) -> &Team {
+        &self.team
+    }
+
+    /// Simulated time since the run began.
+    #[must_use]
+    pub const fn time(&self) -> Duration {
+        self.now
+    }
+
+    /// What was worth telling so far.
+    #[must_use]
+    pub fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// How everything stands now.
+    #[must_use]
+    pub fn frame(&self) -> Frame {
+        Frame::of(&self.pair, self.now)
+    }
+
+    /// How everything stood, twice a second.
+    #[must_use]
+    pub fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    /// Where parcels are that are neither in the grippers nor in the target area.
+    #[must_use]
+    pub fn parcels(&self) -> Vec<Cell> {
+        self.crew.left().filter_map(|(_, place)| place.cell()).collect()
+    }
+
+    /// Whether the run has ended.
+    #[must_use]
+    pub const fn has_ended(&self) -> bool {
+        self.ended.is_some()
+    }
+
+    /// What it has come to so far.
+    #[must_use]
+    pub fn figures(&self) -> Figures {
+        Figures {
+            parcels: u32::try_from(self.yard.parcels.len()).unwrap_or(u32::MAX),
+            seed: self.seed,
+            delivered: self.pair.taken_in().len(),
+            took: self.now,
+            ticks: self.ticks,
+            losses: self.losses,
+            holding: *self.pair.holding(),
+            fault: self.ended.flatten(),
+        }
+    }
+
+    const fn now(&self) -> Now {
+        Now { since_start: self.now, wall: WallTime { unix_ms: 0, offset_s: 0 } }
+    }
+
+    const fn is_held(&self) -> bool {
+        self.is_stopped || self.is_calling || self.awaits_start
+    }
+
+    fn tick(&mut self, watch: &mut impl FnMut(&Team)) {
+        if self.ticks.is_multiple_of(FRAME_EVERY) && self.frames.len() < MOST_FRAMES {
+            self.frames.push(self.frame());
+        }
+        if self.is_held() {
+            return;
+        }
+        self.ticks += 1;
+        let turn = self.team.tick(&self.crew.view(self.is_calling), TICK);
+        watch(&self.team);
+        self.note_phases();
+        for proposal in turn.proposals {
+            if let Some(order) = self.crew.order(proposal) {
+                self.pair.handle_order(proposal.which, order, self.now());
+            }
+        }
+        self.take_reports();
+        for saying in turn.sayings {
+            self.note(News::Said(saying));
+            (self.is_calling, self.awaits_start, self.waits_since) = (true, true, Some(self.now));
+            self.operator.called(Deed::Acknowledge, self.now);
+            self.halt();
+        }
+        match self.team.stage() {
+            Stage::Faulted(fault) => self.ended = Some(Some(PalletFault::Pair(*fault))),
+            Stage::Done if self.pair.taken_in().len() == self.yard.parcels.len() => self.ended = Some(None),
+            Stage::Done => self.ended = Some(Some(PalletFault::NotAllThere)),
+            Stage::Working | Stage::Lost => {}
+        }
+    }
+
+    fn halt(&mut self) {
+        for which in Which::ALL {
+            self.pair.handle_halt(which, self.now());
+        }
+        self.take_reports();
+    }
+
+    fn take_reports(&mut self) {
+        while let Some((which, report)) = self.pair.poll_event() {
+            if let RobotEvent::Found(_, found) = report {
+                self.team.handle_found(found, None);
+            }
+            if matches!(report, RobotEvent::ParcelLost(_)) && which == Which::Srm1 {
+                self.losses += 1;
+                self.note(News::Lost);
+            }
+            self.crew.report(which, report);
+        }
+        let parcel = u32::try_from(self.pair.taken_in().len()).unwrap_or(u32::MAX).saturating_add(1);
+        if self.asked.blocked == Some(parcel) && self.pair.arm(Which::Srm1).lifted {
+            self.pair.close_cell(self.yard.target);
+            self.asked.blocked = None;
+        }
+    }
+
+    fn attend(&mut self, deed: Deed) {
+        match deed {
+            Deed::Acknowledge => self.acknowledge(),
+            Deed::Start => drop(self.start()),
+        }
+    }
+
+    fn note_phases(&mut self) {
+        if self.team.runs() > self.runs {
+            self.runs = self.team.runs();
+            let is_next = self.phase == Some(Phase::Return);
+            self.phase = Some(Phase::Approach);
+            if is_next {
+                self.note(News::Began(Phase::Next));
+            }
+        }
+        for phase in begun(&self.team, self.phase) {
+            self.phase = Some(phase);
+            self.note(News::Began(phase));
+        }
+    }
+
+    fn note(&mut self, news: News) {
+        // The way back belongs to the parcel that has just been put down.
+        let back = usize::from(news == News::Began(Phase::Return));
+        let parcel = u32::try_from(self.team.delivered().len() + 1 - back).unwrap_or(u32::MAX);
+        if self.entries.len() < MOST_ENTRIES {
+            self.entries.push(Entry { at: self.now, parcel, news });
+        }
+    }
+
+    fn look_at_the_clock(&mut self) {
+        let parcels = u32::try_from(self.yard.parcels.len()).unwrap_or(u32::MAX);
+        if self.waits_since.is_some_and(|since| self.now.saturating_sub(since) > NOBODY_COMES) {
+            self.ended = Some(Some(PalletFault::OperatorAbsent));
+        } else if self.ended.is_none() && self.now > LONGEST.saturating_mul(parcels) {
+            self.ended = Some(Some(PalletFault::TakesTooLong));
+        }
+    }
+}

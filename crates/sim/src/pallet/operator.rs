@@ -1,0 +1,41 @@
+//! The simulated operator: acknowledges an alarm after some seconds, and then presses START; or never comes.
+
+use std::time::Duration;
+
+use hallsweep_core::rng::RandomStream;
+
+/// What the operator does next, and when.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Deed {
+    Acknowledge,
+    Start,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Operator {
+    random: RandomStream,
+    is_there: bool,
+    next: Option<(Duration, Deed)>,
+}
+
+impl Operator {
+    pub(super) fn new(seed: u64, is_there: bool) -> Operator {
+        Operator { random: RandomStream::new(seed, "operator"), is_there, next: None }
+    }
+
+    /// Something waits for the operator since now.
+    pub(super) fn called(&mut self, deed: Deed, now: Duration) {
+        if self.is_there {
+            self.next = Some((now + Duration::from_millis(2000 + self.random.below(4000)), deed));
+        }
+    }
+
+    pub(super) fn due(&self) -> Option<Duration> {
+        self.next.map(|(at, _)| at)
+    }
+
+    /// What is done by now.
+    pub(super) fn deed(&mut self, now: Duration) -> Option<Deed> {
+        self.next.take_if(|(at, _)| *at <= now).map(|(_, deed)| deed)
+    }
+}
