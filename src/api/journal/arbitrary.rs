@@ -179,7 +179,7 @@ fn retrieval() -> impl Strategy<Value = Retrieval> {
     let stage = prop_oneof![
         Just(RetrievalStage::MakingRoom),
         Just(RetrievalStage::Fetching),
-        text().prop_map(RetrievalStage::GivingUp),
+        option::of(text()).prop_map(RetrievalStage::GoingOut),
         option::of(text()).prop_map(RetrievalStage::ComingHome),
     ];
     let call = option::of(any::<u64>().prop_map(AlarmId));

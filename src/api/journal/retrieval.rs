@@ -29,7 +29,7 @@ pub(super) struct RetrievalShape {
 enum StageShape {
     MakingRoom,
     Fetching,
-    GivingUp(String),
+    GoingOut(Option<String>),
     ComingHome(Option<String>),
 }
 
@@ -41,7 +41,7 @@ impl From<&Retrieval> for RetrievalShape {
             stage: match &retrieval.stage {
                 RetrievalStage::MakingRoom => StageShape::MakingRoom,
                 RetrievalStage::Fetching => StageShape::Fetching,
-                RetrievalStage::GivingUp(reason) => StageShape::GivingUp(reason.clone()),
+                RetrievalStage::GoingOut(reason) => StageShape::GoingOut(reason.clone()),
                 RetrievalStage::ComingHome(reason) => StageShape::ComingHome(reason.clone()),
             },
             piece: retrieval.piece.iter().copied().map(Point::from).collect(),
@@ -59,7 +59,7 @@ impl RetrievalShape {
             stage: match self.stage {
                 StageShape::MakingRoom => RetrievalStage::MakingRoom,
                 StageShape::Fetching => RetrievalStage::Fetching,
-                StageShape::GivingUp(reason) => RetrievalStage::GivingUp(reason),
+                StageShape::GoingOut(reason) => RetrievalStage::GoingOut(reason),
                 StageShape::ComingHome(reason) => RetrievalStage::ComingHome(reason),
             },
             piece: self.piece.into_iter().map(Into::into).collect(),

@@ -19,7 +19,7 @@ mod settings;
 #[cfg(test)]
 mod tests;
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -205,6 +205,12 @@ impl Pair {
     #[must_use]
     pub fn lying(&self) -> Vec<(Piece, Place)> {
         self.ground.lying().collect()
+    }
+
+    /// Every piece that was ever lifted, and the cell in which it lies now; `None` where it lies in none.
+    #[must_use]
+    pub fn moved(&self) -> BTreeMap<Piece, Option<Cell>> {
+        self.ground.moved().map(|(piece, place)| (piece, place.and_then(Place::cell))).collect()
     }
 
     /// How well parcels were held while they were off the floor.
