@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::places::Point;
+use super::team::TeamShape;
 use super::{Unparsed, names};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::retrieval::Place;
@@ -21,6 +22,8 @@ pub(super) struct RetrievalShape {
     piece: Vec<Point>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     call: Option<u64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    team: Option<TeamShape>,
 }
 
 /// How far it has come; the reason where it came to nothing.
@@ -46,6 +49,7 @@ impl From<&Retrieval> for RetrievalShape {
             },
             piece: retrieval.piece.iter().copied().map(Point::from).collect(),
             call: retrieval.call.map(|alarm| alarm.0),
+            team: retrieval.team.as_ref().map(TeamShape::from),
         }
     }
 }
@@ -64,6 +68,7 @@ impl RetrievalShape {
             },
             piece: self.piece.into_iter().map(Into::into).collect(),
             call: self.call.map(AlarmId),
+            team: self.team.map(TeamShape::team).transpose()?,
         })
     }
 }

@@ -13,6 +13,7 @@ mod grip;
 mod ground;
 mod memory;
 mod orders;
+pub mod page;
 mod passing;
 mod robot;
 mod settings;
@@ -131,6 +132,12 @@ impl Pair {
             self.unkept = true;
         }
         !in_use
+    }
+
+    /// Whether one of them waits for the other to be told its part of what only both can do.
+    #[must_use]
+    pub fn awaits_the_other(&self) -> bool {
+        self.robots.iter().any(|robot| robot.task.as_ref().is_some_and(|task| task.run.is_none()))
     }
 
     /// Whether a robot has an order under way.
