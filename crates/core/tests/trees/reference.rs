@@ -350,11 +350,7 @@ impl Reference {
             "Repeat" => return self.loops(world, Status::Success),
             "Timeout" => return self.timeout(world),
             "Delay" => return self.delay(world),
-            "RunOnce" => {
-                if self.once.is_some() {
-                    return Ok(Status::Skipped);
-                }
-            }
+            "RunOnce" if self.once.is_some() => return Ok(Status::Skipped),
             _ => {}
         }
         self.status = Status::Running;
