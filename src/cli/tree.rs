@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use clap::{Args, Subcommand};
 use hallsweep_core::behaviour::document::{Document, Element};
+use hallsweep_core::behaviour::error::Reason;
 use hallsweep_core::behaviour::{Blackboard, Catalogue, Mocks, Status, Tree, TreeError, Value, ValueType, xml};
 
 use super::Failure;
@@ -129,7 +130,7 @@ fn held(document: &Document) -> String {
     let trees: Vec<String> = document.trees.iter().map(|tree| format!("{} ({} nodes)", tree.id, count(&tree.root))).collect();
     let main = match &document.main {
         Some(main) if document.trees.len() > 1 => format!("; {main} runs"),
-        _ => String::new(),
+        Some(_) | None => String::new(),
     };
     format!("well formed: {}{main}", trees.join(", "))
 }
@@ -152,11 +153,18 @@ fn read(file: &Path) -> Result<Document, String> {
 fn tick(flags: &Run) -> Result<(), Failure> {
     let refused = |words: String| Failure::Tree(words, 3);
     let document = read(&flags.file).map_err(refused)?;
-    let (mut mocks, entries) = scripted(flags, &document).map_err(refused)?;
+    let (mut mocks, entries) = scripted(flags).map_err(refused)?;
     let catalogue = mocks.catalogue(&document, known());
     let mut blackboard = Blackboard::new();
     let built = Tree::build(&document, flags.tree.as_deref(), &catalogue, &mut blackboard);
-    let mut tree = built.map_err(|error| refused(placed(&flags.file, &error)))?;
+    let mut tree = built.map_err(|error| {
+        let hint = if let Reason::UnknownNode(id) = &error.reason { mock_it(id) } else { String::new() };
+        refused(format!("{}{hint}", placed(&flags.file, &error)))
+    })?;
+    if let Some(bare) = mocks.missing(&tree) {
+        let (file, place, name) = (flags.file.display(), bare.place, bare.name);
+        return Err(refused(format!("{file}:{place}: there is no mock for the leaf {name}{}", mock_it(name))));
+    }
     for (name, text) in entries {
         let unfit = |unfit: hallsweep_core::behaviour::blackboard::Unfit| refused(unfit.to_string());
         blackboard.set(&name, value(&text, &blackboard, &name)).map_err(unfit)?;
@@ -183,8 +191,13 @@ fn tick(flags: &Run) -> Result<(), Failure> {
     Err(Failure::Tree(format!("the tree is still running after {} ticks", flags.ticks), 2))
 }
 
-/// The mocks, and the entries that hold something at first. Every leaf that can be ticked must have a mock.
-fn scripted(flags: &Run, document: &Document) -> Result<(Mocks, Vec<(String, String)>), String> {
+/// What to do about a leaf that nobody performs.
+fn mock_it(name: &str) -> String {
+    format!(": say --mock '{name}=SUCCESS', or --mock '*=SUCCESS' for all")
+}
+
+/// The mocks, and the entries that hold something at first.
+fn scripted(flags: &Run) -> Result<(Mocks, Vec<(String, String)>), String> {
     let mut mocks = Mocks::default();
     for mock in &flags.mock {
         mocks.add(mock).map_err(|error| format!("--mock: {error}"))?;
@@ -197,14 +210,6 @@ fn scripted(flags: &Run, document: &Document) -> Result<(Mocks, Vec<(String, Str
             Some((leaf, port)) => mocks.write(leaf, port, value),
             None => entries.push((name.to_owned(), value.to_owned())),
         }
-    }
-    if let Some(bare) = mocks.missing(document) {
-        let name = bare.name.as_deref().unwrap_or(&bare.id);
-        let file = flags.file.display();
-        return Err(format!(
-            "{file}:{}: there is no mock for the leaf {name}: say --mock '{name}=SUCCESS', or --mock '*=SUCCESS' for all",
-            bare.place
-        ));
     }
     Ok((mocks, entries))
 }
