@@ -1,4 +1,4 @@
-//! Whether two runs are the same (mission §9): the same transitions in the same order with the same angles, each phase as long up to a tick.
+//! Whether two runs are the same (docs/laboratory.md): equal transitions in the same order, each phase as long up to a tick.
 //! Where the body stood is not compared: it follows from these, and from the walls.
 
 use std::fmt;

@@ -279,7 +279,9 @@ mod tests {
     #[test]
     fn the_way_begins_in_the_middle_and_a_straight_phase_is_one_line() {
         let drawing = svg(&[&run(1, 3.0)]);
-        assert!(drawing.contains("class=\"roomba-forward\" d=\"M320.0 240.0L470.0 240.0\""), "{drawing}");
+        for class in ["roomba-forward", "roomba-passed"] {
+            assert!(drawing.contains(&format!("class=\"{class}\" d=\"M320.0 240.0L470.0 240.0\"")), "{drawing}");
+        }
         assert_eq!(count(&drawing, "class=\"roomba-spiral\""), 1, "the legend's alone");
     }
 

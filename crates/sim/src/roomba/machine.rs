@@ -30,11 +30,10 @@ impl Machine {
 
     /// The state that follows now, if the present one is at its end. The bumper is asked before the time.
     fn next(&self, bumper: bool) -> Option<Phase> {
-        let phase = self.motion.phase;
-        if bumper && phase.heeds_bumper() {
+        if self.motion.meets_wall(bumper) {
             return Some(Phase::GoBack);
         }
-        self.motion.is_over().then_some(match phase {
+        self.motion.is_over().then_some(match self.motion.phase {
             Phase::MoveForward => Phase::MoveInSpiral,
             Phase::MoveInSpiral | Phase::Rotate => Phase::MoveForward,
             Phase::GoBack => Phase::Rotate,

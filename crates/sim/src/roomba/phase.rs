@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use super::room::{TICK_S, TICKS_PER_SECOND, Velocity};
 use hallsweep_core::rng::RandomStream;
 
-/// How fast it goes forward and in a spiral, in metres a second (mission §9).
+/// How fast it goes forward and in a spiral, in metres a second (docs/laboratory.md).
 const FORWARD_SPEED: f64 = 0.5;
 
 /// How long it goes forward, in seconds: t1 of the seed.
@@ -21,13 +21,13 @@ const SPIRAL_START_M: f64 = 0.2;
 /// By how much the radius of a spiral grows, in metres a second: b of the seed.
 const SPIRAL_GROWTH: f64 = 0.05;
 
-/// How fast it goes back, in metres a second (mission §9).
+/// How fast it goes back, in metres a second (docs/laboratory.md).
 const BACK_SPEED: f64 = 0.1;
 
 /// For how many ticks it goes back: half a second, t3 of the seed.
 const BACK_TICKS: u32 = TICKS_PER_SECOND / 2;
 
-/// How fast it turns, in radians a second (mission §9).
+/// How fast it turns, in radians a second (docs/laboratory.md).
 const TURN_SPEED: f64 = 0.5;
 
 /// The stream of a seed from which the angles are drawn, one whenever a turn begins.
@@ -61,7 +61,7 @@ impl Phase {
         }
     }
 
-    /// Whether touching a wall ends it.
+    /// Whether meeting a wall ends it.
     pub(super) const fn heeds_bumper(self) -> bool {
         match self {
             Phase::MoveForward | Phase::MoveInSpiral => true,
@@ -90,7 +90,12 @@ impl Motion {
         Motion { phase, ticks: 0, angle }
     }
 
-    /// Whether it has lasted as long as it is to. Every phase has one tick at least.
+    /// Whether a wall ends it now: one that it has met itself, since every phase has one tick at least.
+    pub(super) const fn meets_wall(&self, bumper: bool) -> bool {
+        bumper && self.ticks > 0 && self.phase.heeds_bumper()
+    }
+
+    /// Whether it has lasted as long as it is to.
     pub(super) fn is_over(&self) -> bool {
         match self.phase {
             Phase::MoveForward => self.ticks >= FORWARD_S * TICKS_PER_SECOND,

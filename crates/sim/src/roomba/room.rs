@@ -13,22 +13,22 @@
 
 use crate::drive::BodyPose;
 
-/// How long the room is along x, in metres (mission §9).
+/// How long the room is along x, in metres (docs/laboratory.md).
 pub const ROOM_LENGTH_M: f64 = 6.4;
 
-/// How wide the room is along y, in metres (mission §9).
+/// How wide the room is along y, in metres (docs/laboratory.md).
 pub const ROOM_WIDTH_M: f64 = 4.8;
 
-/// The radius of the round body, in metres (mission §9).
+/// The radius of the round body, in metres (docs/laboratory.md).
 pub const RADIUS_M: f64 = 0.17;
 
-/// How often in a second the Roomba decides and moves (mission §9).
+/// How often in a second the Roomba decides and moves (docs/laboratory.md).
 pub const TICKS_PER_SECOND: u32 = 60;
 
-/// The fastest that it drives, in metres a second (mission §9).
+/// The fastest that it drives, in metres a second (docs/laboratory.md).
 const MAX_LINEAR: f64 = 1.0;
 
-/// The fastest that it turns, in radians a second (mission §9).
+/// The fastest that it turns, in radians a second (docs/laboratory.md).
 const MAX_ANGULAR: f64 = 2.0;
 
 /// How long a tick is, in seconds.
@@ -61,7 +61,7 @@ pub(super) struct Body {
 }
 
 impl Body {
-    /// In the middle of the room, facing along x (mission §9).
+    /// In the middle of the room, facing along x (docs/laboratory.md).
     pub(super) const START: Body =
         Body { pose: BodyPose { x_m: ROOM_LENGTH_M / 2.0, y_m: ROOM_WIDTH_M / 2.0, theta: 0.0 }, bumper: false };
 

@@ -155,7 +155,7 @@ pub(super) fn driven_by(mut driver: impl Driver, controller: Controller, seed: u
         let next = body.driven(driver.tick(body.bumper));
         let motion = driver.motion();
         // A phase in its first tick has just begun, whatever the one before was; only the first of all follows none.
-        if motion.ticks == 1 && (tick > 0 || motion.phase != before) {
+        if motion.ticks == 1 && tick > 0 {
             transitions.push(Transition { tick, from: before, to: motion.phase, angle: motion.angle });
         }
         path_m += (next.pose.x_m - body.pose.x_m).hypot(next.pose.y_m - body.pose.y_m);

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::machine::Machine;
 use super::room::Body;
-use super::run::driven_by;
+use super::run::{Driver, driven_by};
 use super::tree::Tree;
 use super::*;
 use crate::BodyPose;
@@ -113,12 +113,28 @@ fn from_the_same_place_machine_and_tree_do_the_same_wherever_it_is() {
         let x_m = RADIUS_M + chance.fraction() * (ROOM_LENGTH_M - 2.0 * RADIUS_M);
         let y_m = RADIUS_M + chance.fraction() * (ROOM_WIDTH_M - 2.0 * RADIUS_M);
         let pose = BodyPose { x_m, y_m, theta: chance.fraction() * TAU - PI };
-        // One that begins pressed against a wall goes back at once.
         let start = Body { pose, bumper: chance.happens(0.2) };
         let one = driven_by(Machine::new(seed), Controller::Machine, seed, minutes(1.0), start);
         let other = driven_by(Tree::new(seed), Controller::Tree, seed, minutes(1.0), start);
         assert_eq!(parting(&one, &other), None, "seed {seed} from {start:?}");
         assert!(one.frames == other.frames, "seed {seed} from {start:?}");
+    }
+}
+
+/// Walls where no room has them: in the tick in which a phase ends by its time, in several ticks running, while it goes back or turns.
+#[test]
+fn machine_and_tree_do_the_same_wherever_walls_are_met() {
+    let mut chance = RandomStream::new(7, "walls");
+    for seed in 0..SEEDS {
+        let (mut machine, mut tree) = (Machine::new(seed), Tree::new(seed));
+        let (seldom, at_the_end) = (chance.fraction() * 0.02, chance.happens(0.5));
+        for tick in 0..5000 {
+            let ends = machine.motion().is_over() && at_the_end;
+            let bumper = ends || chance.happens(seldom);
+            let velocities = (machine.tick(bumper), tree.tick(bumper));
+            assert_eq!(velocities.0, velocities.1, "seed {seed}, tick {tick}");
+            assert_eq!(machine.motion(), tree.motion(), "seed {seed}, tick {tick}");
+        }
     }
 }
 

@@ -77,7 +77,7 @@ impl Leaves for Wheels {
             self.motion = Motion::begin(phase, &mut self.turns);
         }
         // The bumper is asked before the time.
-        if self.bumper && phase.heeds_bumper() {
+        if self.motion.meets_wall(self.bumper) {
             return Status::Failure;
         }
         if self.motion.is_over() {
