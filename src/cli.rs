@@ -16,6 +16,7 @@ mod failure;
 pub mod healthcheck;
 pub mod journal;
 mod link;
+pub mod roomba;
 pub mod serve;
 pub mod token;
 
@@ -46,6 +47,8 @@ pub enum Task {
     Token(token::Keyrings),
     /// Print, check and export what is on record, and mend its tables.
     Journal(journal::Journal),
+    /// Run the Roomba of the laboratory, as state machine and as behaviour tree, and print what it came to.
+    Roomba(roomba::Roomba),
     /// Print the table of the mission, phase by phase, as markdown.
     Table,
 }
@@ -184,7 +187,12 @@ mod tests {
         let cli = Cli::try_parse_from(arguments.split_whitespace()).expect("these arguments are good");
         match cli.task() {
             Task::Serve(serve) => serve.flags().into_iter().map(|flag| (flag.key, flag.value)).collect(),
-            other @ (Task::Explore(_) | Task::Healthcheck(_) | Task::Journal(_) | Task::Token(_) | Task::Table) => {
+            other @ (Task::Explore(_)
+            | Task::Healthcheck(_)
+            | Task::Journal(_)
+            | Task::Roomba(_)
+            | Task::Token(_)
+            | Task::Table) => {
                 panic!("{other:?} is not serve")
             }
         }

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use hallsweep::cli::{Cli, Failure, Task, explore, healthcheck, journal, print_table, serve, token};
+use hallsweep::cli::{Cli, Failure, Task, explore, healthcheck, journal, print_table, roomba, serve, token};
 
 fn main() -> ExitCode {
     match run(Cli::parse().task()) {
@@ -22,6 +22,7 @@ fn run(task: Task) -> Result<(), Failure> {
         Task::Healthcheck(flags) => flags.address().and_then(healthcheck::run),
         Task::Journal(asked) => journal::run(&asked),
         Task::Token(asked) => token::run(&asked),
+        Task::Roomba(flags) => roomba::run(&flags),
         Task::Table => print_table(),
     }
 }
