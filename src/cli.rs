@@ -16,6 +16,7 @@ mod failure;
 pub mod healthcheck;
 pub mod journal;
 mod link;
+pub mod roomba;
 pub mod serve;
 pub mod token;
 pub mod tree;
@@ -49,6 +50,8 @@ pub enum Task {
     Journal(journal::Journal),
     /// Check files of behaviour trees, write them back, and run them with mocks for their leaves.
     Tree(tree::Trees),
+    /// Run the Roomba of the laboratory, as state machine and as behaviour tree, and print what it came to.
+    Roomba(roomba::Roomba),
     /// Print the table of the mission, phase by phase, as markdown.
     Table,
 }
@@ -190,6 +193,7 @@ mod tests {
             other @ (Task::Explore(_)
             | Task::Healthcheck(_)
             | Task::Journal(_)
+            | Task::Roomba(_)
             | Task::Token(_)
             | Task::Tree(_)
             | Task::Table) => {

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use hallsweep::cli::{Cli, Failure, Task, explore, healthcheck, journal, print_table, serve, token, tree};
+use hallsweep::cli::{Cli, Failure, Task, explore, healthcheck, journal, print_table, roomba, serve, token, tree};
 
 fn main() -> ExitCode {
     match run(Cli::parse().task()) {
@@ -23,6 +23,7 @@ fn run(task: Task) -> Result<(), Failure> {
         Task::Journal(asked) => journal::run(&asked),
         Task::Token(asked) => token::run(&asked),
         Task::Tree(asked) => tree::run(&asked),
+        Task::Roomba(flags) => roomba::run(&flags),
         Task::Table => print_table(),
     }
 }
