@@ -84,7 +84,7 @@ impl Crew {
 
     /// The program that knew of open orders is gone: nobody will answer them.
     pub(super) fn forget_orders(&mut self) {
-        self.bases.iter_mut().for_each(|base| base.open = None);
+        self.bases.iter_mut().for_each(|base| (base.open, base.failures) = (None, 0));
     }
 
     pub(super) fn report(&mut self, which: Which, report: RobotEvent) {

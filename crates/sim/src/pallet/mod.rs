@@ -23,7 +23,7 @@ use self::operator::{Deed, Operator};
 use self::record::begun;
 pub use self::record::{Entry, Figures, Frame, News, PalletFault, Phase};
 pub use self::yard::{MOST_PARCELS, ParcelsError, Yard};
-use super::pair::{Mishaps, Pair, PairSettings};
+use super::pair::{Holding, Mishaps, Pair, PairSettings};
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::retrieval::team::TICK;
 use hallsweep_core::retrieval::{Place, Stage, Team, Which};
@@ -78,6 +78,8 @@ pub struct PalletRun {
     phase: Option<Phase>,
     runs: u32,
     losses: u32,
+    /// How well parcels were held before the last restart.
+    held_before: Holding,
     entries: Vec<Entry>,
     frames: Vec<Frame>,
     ended: Option<Option<PalletFault>>,
@@ -89,7 +91,12 @@ impl PalletRun {
     /// # Errors
     /// If there would be no parcel, or more than `MOST_PARCELS`.
     pub fn new(parcels: u32, seed: u64, asked: Asked) -> Result<PalletRun, ParcelsError> {
-        let yard = Yard::new(parcels, seed)?;
+        Ok(PalletRun::of(Yard::new(parcels, seed)?, seed, asked))
+    }
+
+    /// A run in this yard that has not begun.
+    #[must_use]
+    pub fn of(yard: Yard, seed: u64, asked: Asked) -> PalletRun {
         let settings = PairSettings { mishaps: asked.mishaps.clone(), ..PairSettings::new(seed, Place::Cell(yard.target)) };
         let pair = Pair::new(Arc::clone(&yard.hall), settings.clone(), yard.starts);
         let crew = Crew::new(&yard, pair.capabilities());
@@ -112,12 +119,13 @@ impl PalletRun {
             phase: None,
             runs: 1,
             losses: 0,
+            held_before: Holding::default(),
             entries: Vec::new(),
             frames: Vec::new(),
             ended: None,
         };
         run.take_reports();
-        Ok(run)
+        run
     }
 
     /// Lets the next thing happen; false when the run has ended. `watch` sees the team after each tick of its trees.
@@ -181,6 +189,7 @@ impl PalletRun {
     /// The program dies and is started again: the pair stands as it stood, halted by itself, with its parcel in its grip, and waits for
     /// START; orders that were open are answered by nobody.
     pub fn restart(&mut self) {
+        self.held_before.join(self.pair.holding());
         self.pair = Pair::remembering(Arc::clone(&self.yard.hall), self.settings.clone(), self.pair.memory(), self.now());
         self.crew.forget_orders();
         self.take_reports();
@@ -239,6 +248,8 @@ impl PalletRun {
     /// What it has come to so far.
     #[must_use]
     pub fn figures(&self) -> Figures {
+        let mut holding = self.held_before;
+        holding.join(self.pair.holding());
         Figures {
             parcels: u32::try_from(self.yard.parcels.len()).unwrap_or(u32::MAX),
             seed: self.seed,
@@ -246,7 +257,7 @@ impl PalletRun {
             took: self.now,
             ticks: self.ticks,
             losses: self.losses,
-            holding: *self.pair.holding(),
+            holding,
             fault: self.ended.flatten(),
         }
     }

@@ -48,9 +48,6 @@ impl Performer<'_> {
     }
 
     pub(super) fn move_base(&mut self, leaf: &mut Leaf<'_>) -> Status {
-        if leaf.is_starting() {
-            self.routes.forget();
-        }
         let object = place_in(leaf, 1);
         match (leaf.text(0), object) {
             (Some("CorrectBasePos"), Some(place)) => self.correct_bases(place),
@@ -77,7 +74,10 @@ impl Performer<'_> {
 
     /// Both to where they can take hold, SRM1 first, or the other one where it is in the way.
     fn correct_bases(&mut self, place: Place) -> Status {
-        if self.grip_place(place).is_some() && Which::ALL.into_iter().all(|which| self.base(which).open.is_none()) {
+        if self.is_anybody_busy() {
+            return Status::Running;
+        }
+        if self.grip_place(place).is_some() {
             return Status::Success;
         }
         if let Some(status) = self.recentre_both() {
@@ -113,6 +113,9 @@ impl Performer<'_> {
 
     /// Beside the piece at this place: where it is lifted from, or where there is room beside it.
     fn go_near(&mut self, which: Which, place: Place) -> Going {
+        if self.base(which).open.is_some() {
+            return Going::OnTheWay;
+        }
         if self.is_near(which, place) {
             return Going::There;
         }
@@ -193,7 +196,7 @@ impl Performer<'_> {
         if let Some(status) = self.recentre_both() {
             return status;
         }
-        let is_still = Which::ALL.into_iter().all(|which| self.base(which).open.is_none());
+        let is_still = !self.is_anybody_busy();
         if parcel.place == self.view.target && is_still {
             return Status::Success;
         }
