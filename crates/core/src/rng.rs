@@ -43,8 +43,8 @@ impl RandomStream {
     }
 }
 
-/// FNV-1a over the purpose's bytes: enough to set the streams apart.
-fn fnv1a(text: &str) -> u64 {
+/// FNV-1a over the bytes of a text: enough to set streams, and trees, apart.
+pub(crate) fn fnv1a(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 

@@ -233,6 +233,15 @@ impl Blackboard {
         }
     }
 
+    /// Takes up what was kept: these entries hold these values, and all others nothing. First build the trees, then restore.
+    ///
+    /// # Errors
+    /// If a value does not fit its entry.
+    pub fn restore<'k>(&mut self, kept: impl IntoIterator<Item = (&'k str, Value)>) -> Result<(), Unfit> {
+        self.clear();
+        kept.into_iter().try_for_each(|(name, value)| self.set(name, value))
+    }
+
     /// Takes away what all entries hold, the barriers of `Sync` included, as for a new run. Texts that a tree was built with
     /// (`<SubTree … speed="2"/>`) go, too: a new run is best built anew.
     pub fn clear(&mut self) {

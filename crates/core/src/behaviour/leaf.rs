@@ -6,6 +6,8 @@ use std::borrow::Cow;
 use std::time::Duration;
 
 use super::blackboard::{Blackboard, Slot, Unfit};
+use super::document::{Document, Form, Model};
+use super::kind::BuiltIn;
 use super::status::Status;
 use super::tree::{Label, NodeId};
 use super::value::{Value, ValueType};
@@ -63,7 +65,7 @@ impl Port {
 pub struct LeafKind {
     /// The name of its element, or the `ID` of its `<Action>` or `<Condition>`.
     pub name: Cow<'static, str>,
-    /// It asks and changes nothing, and is done at once: it never says RUNNING.
+    /// It asks and changes nothing: it is written as a `<Condition>`, and ought to be done at once.
     pub is_condition: bool,
     /// Its ports; a leaf names them by their places in this list.
     pub ports: Vec<Port>,
@@ -108,10 +110,38 @@ impl Catalogue {
         self.kinds.iter().position(|kind| kind.name == name)
     }
 
+    /// With the leaves that a file declares itself, in its `<TreeNodesModel>`, unless their names are taken.
+    pub fn add_models(&mut self, document: &Document) {
+        for model in document.models.iter().filter(|model| BuiltIn::named(&model.id).is_none()) {
+            if !matches!(model.form, Form::Action | Form::Condition) {
+                continue;
+            }
+            let ports = model.ports.iter().map(|port| Port {
+                name: Cow::Owned(port.name.clone()),
+                direction: port.direction,
+                ty: Model::note(&port.notes, "type").map_or(ValueType::Any, ValueType::of_model),
+                default: Model::note(&port.notes, "default").map(|default| Cow::Owned(default.to_owned())),
+            });
+            let name = Cow::Owned(model.id.clone());
+            self.add(LeafKind { name, is_condition: model.form == Form::Condition, ports: ports.collect() });
+        }
+    }
+
     /// With one more at the end, unless its name is taken.
     pub fn add(&mut self, kind: LeafKind) {
         if self.place(&kind.name).is_none() {
             self.kinds.push(kind);
+        }
+    }
+
+    /// With one more, or with the ports that the one of this name has not yet; for leaves that are known by their use alone.
+    pub(crate) fn add_or_widen(&mut self, kind: LeafKind) {
+        let Some(place) = self.place(&kind.name) else { return self.kinds.push(kind) };
+        let known = &mut self.kinds[place];
+        for port in kind.ports {
+            if !known.ports.iter().any(|other| other.name == port.name) {
+                known.ports.push(port);
+            }
         }
     }
 }

@@ -9,7 +9,7 @@
 //! ```
 //! `status`, `value`: what nodes say and ports hold. `blackboard`: the entries. `leaf`: the catalogue of leaves and who performs them.
 //! `kind`: the engine's own nodes. `build`: names, ports and scopes. `tree`: the row of nodes. `tick`: the rules. `script`: the
-//! language of conditions.
+//! language of conditions. `state`: going on after a restart. `log`: what each tick changed. `mock`: leaves by script.
 
 pub mod blackboard;
 mod build;
@@ -17,7 +17,10 @@ pub mod document;
 pub mod error;
 pub mod kind;
 pub mod leaf;
+pub mod log;
+pub mod mock;
 pub mod script;
+pub mod state;
 pub mod status;
 pub mod tick;
 pub mod tree;
@@ -28,6 +31,9 @@ pub use self::blackboard::Blackboard;
 pub use self::document::{Document, Element};
 pub use self::error::TreeError;
 pub use self::leaf::{Catalogue, Direction, Leaf, LeafKind, Leaves, Port};
+pub use self::log::TickLog;
+pub use self::mock::Mocks;
+pub use self::state::TreeState;
 pub use self::status::Status;
 pub use self::tick::Fault;
 pub use self::tree::{NodeId, NodeView, Tree};

@@ -121,6 +121,8 @@ pub struct Tree {
     /// The time that this tree has been ticked for, in nanoseconds.
     pub(crate) clock: u64,
     pub(crate) ticks: u64,
+    /// What tells it from another tree: see `state`.
+    pub(crate) fingerprint: u64,
 }
 
 /// A node as it is after a tick.

@@ -14,6 +14,7 @@ use super::error::{Reason, TreeError};
 use super::kind::{BuiltIn, Family};
 use super::leaf::Catalogue;
 use super::tree::{DEEPEST, Kind, Label, Live, MOST_NODES, Node, Shape, Tree};
+use crate::rng::fnv1a;
 
 impl Tree {
     /// A tree of a document, its main one unless another is named, on a blackboard. Several trees can be built on one blackboard; in
@@ -30,11 +31,21 @@ impl Tree {
         let tree = document.main_tree(main)?;
         let scopes = Scopes::new(&tree.id, blackboard);
         let shape = Shape { leaf_kinds: catalogue.kinds().to_vec(), ..Shape::default() };
-        let mut builder =
-            Builder { document, catalogue, blackboard, scopes, shape, paths: BTreeSet::new(), open: Vec::new(), depth: 0 };
+        let mut builder = Builder {
+            document,
+            catalogue,
+            blackboard,
+            scopes,
+            shape,
+            paths: BTreeSet::new(),
+            open: Vec::new(),
+            depth: 0,
+            fingerprint: 0,
+        };
         builder.tree(tree, 0, "")?;
         let live = vec![Live::default(); builder.shape.nodes.len()];
-        Ok(Tree { id: Arc::from(tree.id.as_str()), shape: builder.shape, live, clock: 0, ticks: 0 })
+        let fingerprint = builder.fingerprint;
+        Ok(Tree { id: Arc::from(tree.id.as_str()), shape: builder.shape, live, clock: 0, ticks: 0, fingerprint })
     }
 }
 
@@ -85,6 +96,8 @@ struct Builder<'a> {
     /// The trees that the node being built is in, from the outermost.
     open: Vec<&'a str>,
     depth: usize,
+    /// Over everything that the nodes so far say.
+    fingerprint: u64,
 }
 
 impl<'a> Builder<'a> {
@@ -109,6 +122,7 @@ impl<'a> Builder<'a> {
             Kind::Leaf(_) => Family::Leaf,
         };
         self.count_children(element, kind)?;
+        self.note(element);
         let at = self.shape.nodes.len();
         let (path, name) = self.path(element, prefix, at + 1);
         let conditions = self.conditions(element, scope)?;
@@ -196,6 +210,14 @@ impl<'a> Builder<'a> {
             (least, most) => format!("{least} to {most}"),
         };
         Err(TreeError::at(element.place, Reason::Children { id: element.id.clone(), count, wanted }))
+    }
+
+    /// Another word in a file is another tree.
+    fn note(&mut self, element: &Element) {
+        let attributes = element.attributes.iter().map(|attribute| format!("{}={}", attribute.name, attribute.value));
+        let words: Vec<String> = attributes.collect();
+        let said = format!("{} {:?} {:?} {words:?} {}", self.depth, element.id, element.name, element.children.len());
+        self.fingerprint = fnv1a(&format!("{:x}{said}", self.fingerprint));
     }
 
     /// The path of a node, as BehaviorTree.CPP makes it, and its name. Where two nodes would have the same, the UID tells them apart.

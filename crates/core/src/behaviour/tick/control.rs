@@ -1,7 +1,7 @@
 //! Nodes with several children.
 //! The rules are those of BehaviorTree.CPP 4 as its sources have them, down to what is reset when; where they surprise, a comment says so.
 
-use super::{Faulted, Kind, Leaves, Node, Outcome, Run, Status, children};
+use super::{Faulted, Leaves, Node, Outcome, Run, Status, children};
 use crate::behaviour::tree::Shape;
 use crate::behaviour::value::Value;
 
@@ -298,14 +298,6 @@ impl<'a, L: Leaves> Run<'a, L> {
             }
         }
         Ok(said)
-    }
-
-    /// Whether a node is one of the catalogue's conditions.
-    pub(super) fn is_condition(&self, kind: Kind) -> bool {
-        match kind {
-            Kind::Leaf(kind) => self.shape.leaf_kinds[kind].is_condition,
-            Kind::BuiltIn(_) => false,
-        }
     }
 }
 

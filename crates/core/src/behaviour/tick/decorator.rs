@@ -79,7 +79,7 @@ impl<L: Leaves> Run<'_, L> {
             live.since = self.clock;
             live.status = Status::Running;
         }
-        if !live.is_spent && self.clock - live.since >= limit {
+        if !live.is_spent && self.clock.saturating_sub(live.since) >= limit {
             live.is_spent = true;
             if self.live[child].status == Status::Running {
                 self.reset(child);
@@ -103,7 +103,7 @@ impl<L: Leaves> Run<'_, L> {
             live.since = self.clock;
             live.status = Status::Running;
         }
-        if self.clock - live.since < wait {
+        if self.clock.saturating_sub(live.since) < wait {
             return Ok(Status::Running);
         }
         let said = self.tick(at + 1)?;

@@ -21,7 +21,6 @@ impl<'a, L: Leaves> Run<'a, L> {
         }
         match said {
             Status::Idle => self.fault(at, "it said IDLE, which is for nodes that are not ticked"),
-            Status::Running if self.is_condition(node.kind) => self.fault(at, "it is a condition, and said RUNNING"),
             Status::Running | Status::Success | Status::Failure | Status::Skipped => Ok(said),
         }
     }
@@ -51,7 +50,7 @@ impl<'a, L: Leaves> Run<'a, L> {
             bindings: &shape.bindings[first..first + usize::from(node.port_count)],
             blackboard: self.blackboard,
             is_starting,
-            elapsed: Duration::from_nanos(self.clock - self.live[at].since),
+            elapsed: Duration::from_nanos(self.clock.saturating_sub(self.live[at].since)),
             misuse: None,
         };
         let done = work(self.leaves, &mut leaf);

@@ -2,5 +2,9 @@
 //! and knows its name is elsewhere.
 
 mod read;
+#[cfg(test)]
+mod refusals;
+mod write;
 
 pub use self::read::{LONGEST_FILE, read};
+pub use self::write::write;

@@ -26,7 +26,10 @@ pub fn read(text: &str) -> Result<Document, TreeError> {
     let options = ParsingOptions { nodes_limit: MOST_XML_NODES, ..ParsingOptions::default() };
     let xml = Xml::parse_with_options(text, options).map_err(|error| {
         let at = error.pos();
-        TreeError::at(Place { line: at.row, column: at.col }, Reason::NotXml(error.to_string()))
+        // The place stands in front already.
+        let said = error.to_string();
+        let said = said.strip_suffix(&format!(" at {at}")).unwrap_or(&said);
+        TreeError::at(Place { line: at.row, column: at.col }, Reason::NotXml(said.to_owned()))
     })?;
     Reader { xml: &xml, line_starts: line_starts(text), text }.document()
 }
@@ -60,6 +63,12 @@ impl<'x> Reader<'x> {
 
     fn document(&self) -> Result<Document, TreeError> {
         let root = self.xml.root_element();
+        let is_foreign = |node: &Node<'_, '_>| {
+            node.tag_name().namespace().is_some() || node.attributes().any(|attribute| attribute.namespace().is_some())
+        };
+        if let Some(foreign) = root.descendants().filter(Node::is_element).find(is_foreign) {
+            return self.refuse(foreign, Reason::Misplaced(name(foreign).to_owned()));
+        }
         if name(root) != "root" {
             return self.refuse(root, Reason::NotTrees(name(root).to_owned()));
         }
@@ -124,6 +133,9 @@ impl<'x> Reader<'x> {
             let form = Form::ALL.into_iter().find(|form| *form != Form::Compact && form.word() == name(child));
             let Some(form) = form else { return self.refuse(child, Reason::Misplaced(name(child).to_owned())) };
             let (id, notes) = self.with_id(child)?;
+            if models.iter().any(|model| model.id == id) {
+                return self.refuse(child, Reason::TwiceId(id));
+            }
             let mut ports = Vec::new();
             for port in self.elements(child)? {
                 ports.push(self.model_port(port)?);

@@ -1,0 +1,144 @@
+//! What is wrong with a file is said with its line, its column and a reason: a table of tests.
+
+use super::read;
+use crate::behaviour::document::Document;
+use crate::behaviour::leaf::{Catalogue, LeafKind, Port};
+use crate::behaviour::value::ValueType;
+
+fn catalogue() -> Catalogue {
+    let say = vec![Port::input("text", ValueType::Text), Port::input("times", ValueType::Int).or("1")];
+    let ports = vec![Port::output("cell", ValueType::Cell)];
+    Catalogue::new(vec![LeafKind::action("Say", say), LeafKind::condition("Near", ports)])
+}
+
+fn checked(text: &str) -> Result<Document, String> {
+    let document = read(text).map_err(|error| error.to_string())?;
+    document.check(&catalogue()).map_err(|error| error.to_string())?;
+    Ok(document)
+}
+
+/// A file with this as its one tree, beginning in line 2.
+fn tree(root: &str) -> String {
+    format!("<root BTCPP_format=\"4\"><BehaviorTree ID=\"T\">\n{root}\n</BehaviorTree></root>")
+}
+
+fn refused(text: &str, expected: &str) {
+    assert_eq!(checked(text).expect_err(text), expected, "{text}");
+}
+
+#[test]
+fn what_is_no_file_of_trees_is_refused() {
+    refused("", "1:1: this is no XML: the document does not have a root node");
+    refused("<root>\n <a></root>", "2:5: this is no XML: expected 'a' tag, not 'root'");
+    refused("<html/>", "1:1: the file begins with <html>, and <root BTCPP_format=\"4\"> should be there");
+    refused("<root/>", "1:1: <root> says BTCPP_format=\"\", and only version \"4\" is read here");
+    refused("<root BTCPP_format=\"3\"/>", "1:1: <root> says BTCPP_format=\"3\", and only version \"4\" is read here");
+    refused("<root BTCPP_format=\"4\"/>", "1:1: there is no <BehaviorTree> in the file");
+    refused("<root BTCPP_format=\"4\"><Sequence/></root>", "1:24: <Sequence> does not belong here");
+    refused("<root BTCPP_format=\"4\"><BehaviorTree/></root>", "1:24: <BehaviorTree> has no ID");
+    refused(
+        "<root BTCPP_format=\"4\"><BehaviorTree ID=\"T\"/></root>",
+        "1:24: the tree T has 0 nodes at its top, and must have one",
+    );
+    refused(&tree("<AlwaysSuccess/> and <AlwaysSuccess/>"), "2:17: there is text between the elements: \"and\"");
+    refused(&tree("<b:AlwaysSuccess xmlns:b=\"x\"/>"), "2:1: <AlwaysSuccess> does not belong here");
+    let doctype = "<!DOCTYPE a [<!ENTITY x \"y\">]><root BTCPP_format=\"4\"/>";
+    assert!(checked(doctype).expect_err("a file needs no entities of its own").contains("this is no XML: XML with DTD detected"));
+    let long = " ".repeat(super::LONGEST_FILE + 1);
+    refused(&long, "1:1: the file is 1048577 bytes long, and 1048576 is the most");
+}
+
+#[test]
+fn what_nodes_are_not_is_refused() {
+    refused(&tree("<Sequence>\n  <Fly/></Sequence>"), "3:3: the node Fly is not known");
+    refused(&tree("<Action/>"), "2:1: <Action> has no ID");
+    refused(
+        &tree("<Say ID=\"x\"/>"),
+        "2:1: <Say> has an ID, which only <Action>, <Condition>, <Control>, <Decorator> and <SubTree> have",
+    );
+    refused(&tree("<Condition ID=\"Say\"/>"), "2:1: Say is written as <Condition>, and it is of another sort");
+    refused(
+        &tree("<Decorator ID=\"Sequence\"><Say/></Decorator>"),
+        "2:1: Sequence is written as <Decorator>, and it is of another sort",
+    );
+    refused(&tree("<Sequence/>"), "2:1: Sequence has 0 children, and must have 1 or more");
+    refused(&tree("<Inverter><Say/><Say/></Inverter>"), "2:1: Inverter has 2 children, and must have 1");
+    refused(&tree("<IfThenElse><Near/></IfThenElse>"), "2:1: IfThenElse has 1 children, and must have 2 to 3");
+    refused(&tree("<Switch2 variable=\"{x}\"><Say/><Say/></Switch2>"), "2:1: Switch2 has 2 children, and must have 3");
+    refused(&tree("<Say><Say/></Say>"), "2:1: Say has 1 children, and must have none");
+}
+
+#[test]
+fn what_ports_are_not_is_refused() {
+    refused(&tree("<Say txt=\"a\"/>"), "2:6: Say has no port txt");
+    refused(&tree("<Sequence text=\"a\"><Say/></Sequence>"), "2:11: Sequence has no port text");
+    refused(&tree("<Say times=\"many\"/>"), "2:6: the port times is of type int, and \"many\" is none");
+    refused(&tree("<Repeat num_cycles=\"1.5\"><Say/></Repeat>"), "2:9: the port num_cycles is of type int, and \"1.5\" is none");
+    refused(&tree("<Repeat><Say/></Repeat>"), "2:1: Repeat needs its port num_cycles");
+    refused(&tree("<Near cell=\"3;4\"/>"), "2:7: the port cell is written by its node, so it must name an entry: {name}");
+    refused(
+        &tree("<Sequence><Near cell=\"{x}\"/>\n<Say text=\"{x}\"/></Sequence>"),
+        "3:6: the entry {x} is of type cell elsewhere, and of type text here",
+    );
+    refused(&tree("<Script code=\"{x}\"/>"), "2:9: the port code is looked at when the tree is built, so it cannot be an entry");
+    refused(
+        &tree("<Script code=\"1 +\"/>"),
+        "2:9: code is no script: at character 3 there is the end, and a value should be there",
+    );
+    refused(&tree("<Say _skipIf=\"\"/>"), "2:6: _skipIf is no script: it is empty");
+    refused(&tree("<Say _skipif=\"1\"/>"), "2:6: there is no condition _skipif: _skipIf is meant");
+    refused(
+        &tree("<Precondition if=\"1\" else=\"IDLE\"><Say/></Precondition>"),
+        "2:22: the port else is \"IDLE\", and must be SUCCESS, FAILURE, RUNNING or SKIPPED",
+    );
+    refused(
+        &tree("<Sync parties=\"a;;b\"/>"),
+        "2:7: the port parties is \"a;;b\", and must be names with ; between them, each once, 16 at most",
+    );
+    refused(
+        &tree("<Sequence><Sync parties=\"a;b\"/><Sync parties=\"a;c\"/></Sequence>"),
+        "2:38: the barrier Sync has other parties elsewhere",
+    );
+}
+
+#[test]
+fn what_trees_are_not_to_each_other_is_refused() {
+    let file = |main: &str, trees: &str| format!("<root BTCPP_format=\"4\"{main}>\n{trees}\n</root>");
+    let two = "<BehaviorTree ID=\"A\"><SubTree ID=\"B\"/></BehaviorTree>\n<BehaviorTree ID=\"B\"><Say/></BehaviorTree>";
+    refused(&file("", two), "1:1: the file has several trees, and no main_tree_to_execute says which one runs: A, B");
+    refused(&file(" main_tree_to_execute=\"C\"", two), "1:1: there is no tree C in the file");
+    assert!(checked(&file(" main_tree_to_execute=\"A\"", two)).is_ok());
+    let itself = two.replace("<Say/>", "<SubTree ID=\"A\"/>");
+    refused(&file(" main_tree_to_execute=\"A\"", &itself), "3:22: the tree A uses itself");
+    refused(&tree("<SubTree ID=\"X\"/>"), "2:1: there is no tree X in the file");
+    let twice = two.replace("ID=\"B\"><Say", "ID=\"A\"><Say").replace("<SubTree ID=\"B\"/>", "<Say/>");
+    refused(&file(" main_tree_to_execute=\"A\"", &twice), "3:1: the ID A is taken already");
+    let taken = two.replace("\"B\"", "\"Say\"");
+    refused(&file(" main_tree_to_execute=\"A\"", &taken), "3:1: the ID Say is that of a kind of node");
+    let model = "<TreeNodesModel><SubTree ID=\"B\"><input_port name=\"goal\"/></SubTree></TreeNodesModel>";
+    refused(&file(" main_tree_to_execute=\"A\"", &format!("{two}{model}")), "2:22: B needs its port goal");
+    let twice = "<TreeNodesModel><Action ID=\"X\"/><Action ID=\"X\"/></TreeNodesModel>";
+    refused(&file(" main_tree_to_execute=\"A\"", &format!("{two}{twice}")), "3:75: the ID X is taken already");
+}
+
+/// A few subtrees that use each other twice would be a million nodes.
+#[test]
+fn what_would_fill_the_memory_is_refused() {
+    let trees: String = (0..40)
+        .map(|n| {
+            format!(
+                "<BehaviorTree ID=\"t{n}\"><Sequence><SubTree ID=\"t{}\"/><SubTree ID=\"t{0}\"/></Sequence></BehaviorTree>",
+                n + 1
+            )
+        })
+        .collect();
+    let file = format!(
+        "<root BTCPP_format=\"4\" main_tree_to_execute=\"t0\">{trees}<BehaviorTree ID=\"t40\"><Say/></BehaviorTree></root>"
+    );
+    let said = checked(&file).expect_err("it is too large");
+    assert!(said.ends_with("the tree has more than 10000 nodes, those of its subtrees counted"), "{said}");
+    let deep = format!("{}<Say/>{}", "<Inverter>".repeat(200), "</Inverter>".repeat(200));
+    refused(&tree(&deep), "2:1281: the tree is deeper than 128 levels, those of its subtrees counted");
+    let deeper = "<a>".repeat(100_000);
+    assert!(checked(&tree(&deeper)).is_err());
+}
