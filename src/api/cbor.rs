@@ -171,7 +171,7 @@ mod tests {
         let state = StateJson::from(&searching());
         let bytes = written(&state);
         let mut decoder = Decoder::new(&bytes);
-        assert_eq!(decoder.map().unwrap(), Some(10));
+        assert_eq!(decoder.map().unwrap(), Some(11));
         assert_eq!((decoder.str().unwrap(), decoder.str().unwrap()), ("run", "t-1"));
         assert_eq!((decoder.str().unwrap(), decoder.u64().unwrap()), ("revision", 20));
         assert_eq!(decoder.str().unwrap(), "mission");

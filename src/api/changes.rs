@@ -8,6 +8,7 @@ use super::log::LogLineJson;
 use super::luggage::LuggageJson;
 use super::map::MapChange;
 use super::mission::MissionJson;
+use super::retrieval::RetrievalJson;
 use super::robot::{NamedRobotJson, RobotJson};
 use super::state;
 use super::temperature::TemperatureJson;
@@ -35,6 +36,8 @@ pub struct ChangesJson {
     pub temperature: Option<TemperatureJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alarms: Option<Vec<AlarmJson>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub retrieval: Option<RetrievalJson>,
     /// Only the lines the reader has not got.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub log: Option<Vec<LogLineJson>>,
@@ -68,6 +71,7 @@ impl ChangesJson {
             luggage: changed(Resource::Luggage).then(|| state::luggage(snapshot)),
             temperature: changed(Resource::Temperature).then(|| state::temperature(snapshot)),
             alarms: changed(Resource::Alarms).then(|| state::alarms(snapshot)),
+            retrieval: changed(Resource::Retrieval).then(|| state::retrieval(snapshot)),
             log: changed(Resource::Log).then(|| state::log_after(snapshot, read)),
         }
     }

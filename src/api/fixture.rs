@@ -27,6 +27,7 @@ pub(crate) fn idle() -> Snapshot {
         halting: false,
         pose: Pose::START,
         off_centre: false,
+        outside: 0,
         sonar_cm: None,
         led_blinking: false,
     };
@@ -47,6 +48,7 @@ pub(crate) fn idle() -> Snapshot {
             hot: Vec::new(),
         },
         alarms: Arc::from([]),
+        retrieval: None,
         log: Arc::from([]),
     }
 }
@@ -137,7 +139,7 @@ pub(crate) fn degrees(celsius: f64) -> Celsius {
 
 /// All robots, where there is only the one that searches.
 fn alone(view: RobotView) -> Arc<[RobotShown]> {
-    Arc::from([RobotShown { id: RobotId::discovery(), view, parts: Some(Parts::ROUND_ROBOT), holds: Vec::new() }])
+    Arc::from([RobotShown { id: RobotId::discovery(), view, parts: Some(Parts::ROUND_ROBOT), holds: Vec::new(), arm: None }])
 }
 
 fn idle_mission() -> MissionView {

@@ -25,6 +25,8 @@ pub struct LuggageJson {
     pub photo: PhotoJson,
     /// Who decided and when, or null while it is pending.
     pub decided: Option<DecisionJson>,
+    /// When it was put into the container, RFC 3339 with zone; null while it is in the hall.
+    pub secured: Option<String>,
 }
 
 /// A photo, or why there is none; what does not apply is null.
@@ -70,6 +72,7 @@ impl From<&Luggage> for LuggageJson {
             taken: rfc3339(luggage.taken),
             photo: photo(luggage),
             decided: luggage.verdict.as_ref().map(DecisionJson::from),
+            secured: luggage.secured.map(rfc3339),
         }
     }
 }

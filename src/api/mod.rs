@@ -29,6 +29,7 @@ pub mod old_items;
 pub mod problem;
 pub mod resources;
 pub mod result;
+pub mod retrieval;
 pub mod robot;
 pub mod senml;
 pub mod state;

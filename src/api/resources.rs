@@ -8,7 +8,7 @@ use super::luggage::LuggageJson;
 use super::map::{MapJson, map_revision};
 use super::mission::StrategyJson;
 use super::state::{self, StateJson};
-use super::{cbor, map_text, old_items, senml, text};
+use super::{cbor, map_text, old_items, retrieval, senml, text};
 use hallsweep_core::units::{LuggageId, Revision};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
@@ -59,7 +59,7 @@ const MEASURED: &[Form] = &[Form::Json, Form::Cbor, Form::Text, Form::Senml];
 
 /// All of them, in the order in which they are listed.
 #[rustfmt::skip]
-pub const RESOURCES: [Row; 11] = [
+pub const RESOURCES: [Row; 12] = [
     row(ResourceKind::State, "state", "/state", "Everything at one revision", SHAPES),
     row(ResourceKind::Strategy, "strategy", "/strategy", "The order of the search", WITH_TEXT),
     of(Resource::Mission, "/mission", "Phase, holds, goal and progress", WITH_TEXT),
@@ -68,6 +68,7 @@ pub const RESOURCES: [Row; 11] = [
     of(Resource::Luggage, "/luggage", "The luggage of this mission", SHAPES),
     of(Resource::Temperature, "/temperature", "The temperature, and what follows", MEASURED),
     of(Resource::Alarms, "/alarms", "The alarms", SHAPES),
+    of(Resource::Retrieval, "/retrieval", "What is fetched, and the trees at work", WITH_TEXT),
     of(Resource::Log, "/log", "The latest lines of the log", SHAPES),
     row(ResourceKind::Piece, "piece", "/luggage/{id}", "A piece of luggage", SHAPES),
     Row { is_observable: false, ..row(ResourceKind::Photo, "photo", "/luggage/{id}/photo", "Its photo", &[Form::Picture]) },
@@ -115,6 +116,7 @@ impl ResourceKind {
             ResourceKind::Of(Resource::Robot) => old_items::robot(&snapshot.robot),
             ResourceKind::Of(Resource::Map) => map_text::lines(snapshot),
             ResourceKind::Of(Resource::Temperature) => text::temperature(&snapshot.temperature),
+            ResourceKind::Of(Resource::Retrieval) => retrieval::text(snapshot),
             ResourceKind::Of(Resource::Luggage | Resource::Alarms | Resource::Log)
             | ResourceKind::State
             | ResourceKind::Piece
@@ -126,7 +128,9 @@ impl ResourceKind {
         match self {
             ResourceKind::Of(Resource::Robot) => senml::robot(&snapshot.robot),
             ResourceKind::Of(Resource::Temperature) => senml::temperature(&snapshot.temperature),
-            ResourceKind::Of(Resource::Mission | Resource::Map | Resource::Luggage | Resource::Alarms | Resource::Log)
+            ResourceKind::Of(
+                Resource::Mission | Resource::Map | Resource::Luggage | Resource::Alarms | Resource::Retrieval | Resource::Log,
+            )
             | ResourceKind::State
             | ResourceKind::Strategy
             | ResourceKind::Piece
@@ -146,6 +150,7 @@ impl ResourceKind {
             ResourceKind::Of(Resource::Luggage) => shape(form, &pieces()),
             ResourceKind::Of(Resource::Temperature) => shape(form, &state::temperature(snapshot)),
             ResourceKind::Of(Resource::Alarms) => shape(form, &state::alarms(snapshot)),
+            ResourceKind::Of(Resource::Retrieval) => shape(form, &state::retrieval(snapshot)),
             ResourceKind::Of(Resource::Log) => shape(form, &state::log_after(snapshot, 0)),
             ResourceKind::Piece => {
                 snapshot.luggage(LuggageId(number)).map(|found| shape(form, &piece(found))).unwrap_or_default()

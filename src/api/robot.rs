@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::retrieval::ArmJson;
 use hallsweep_core::robots::Part;
 use hallsweep_core::units::{Cell, Revision};
 use hallsweep_core::world::robot::{RobotShown, RobotView};
@@ -37,6 +38,8 @@ pub struct RobotJson {
     pub position: PositionJson,
     /// Whether it stands away from the cell's centre, after a halt in mid-step.
     pub off_centre: bool,
+    /// Whether it is before the entrance; then its position is home's.
+    pub outside: bool,
     /// Centimetres to what is ahead, or null beyond the sonar's range.
     pub sonar: Option<u16>,
     /// `off` or `blinking`.
@@ -54,6 +57,7 @@ impl RobotJson {
             heading: robot.pose.heading.name(),
             position: PositionJson { x: cell.x, y: cell.y },
             off_centre: robot.off_centre,
+            outside: robot.outside > 0,
             sonar: robot.sonar_cm,
             led: if robot.led_blinking { "blinking" } else { "off" },
         }
@@ -83,16 +87,20 @@ pub struct NamedRobotJson {
     pub position: PositionJson,
     /// Whether it stands away from the cell's centre.
     pub off_centre: bool,
+    /// Whether it is before the entrance.
+    pub outside: bool,
     /// Centimetres to what is ahead, or null.
     pub sonar: Option<u16>,
     /// `off` or `blinking`.
     pub led: &'static str,
+    /// Its arm; null where it has none, and before its link is up.
+    pub arm: Option<ArmJson>,
 }
 
 impl NamedRobotJson {
     /// This robot as it is at `revision`, which is that of all robots.
     pub fn new(shown: &RobotShown, searches: bool, revision: Revision) -> NamedRobotJson {
-        let RobotJson { revision, state, halting, heading, position, off_centre, sonar, led } =
+        let RobotJson { revision, state, halting, heading, position, off_centre, outside, sonar, led } =
             RobotJson::new(&shown.view, revision);
         NamedRobotJson {
             name: shown.id.name().to_owned(),
@@ -105,8 +113,10 @@ impl NamedRobotJson {
             heading,
             position,
             off_centre,
+            outside,
             sonar,
             led,
+            arm: shown.arm.map(ArmJson::from),
         }
     }
 }

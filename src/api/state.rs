@@ -7,6 +7,7 @@ use super::log::LogLineJson;
 use super::luggage::LuggageJson;
 use super::map::MapJson;
 use super::mission::MissionJson;
+use super::retrieval::RetrievalJson;
 use super::robot::{NamedRobotJson, RobotJson};
 use super::temperature::TemperatureJson;
 use hallsweep_core::world::resource::Resource;
@@ -31,6 +32,7 @@ pub struct StateJson {
     pub temperature: TemperatureJson,
     /// The alarms, oldest first.
     pub alarms: Vec<AlarmJson>,
+    pub retrieval: RetrievalJson,
     /// The latest log lines, oldest first.
     pub log: Vec<LogLineJson>,
 }
@@ -48,6 +50,7 @@ impl StateJson {
             luggage,
             temperature: temperature(snapshot),
             alarms: alarms(snapshot),
+            retrieval: retrieval(snapshot),
             log: log_after(snapshot, 0),
         }
     }
@@ -89,6 +92,10 @@ pub fn alarms(snapshot: &Snapshot) -> Vec<AlarmJson> {
     snapshot.alarms.iter().map(AlarmJson::from).collect()
 }
 
+pub fn retrieval(snapshot: &Snapshot) -> RetrievalJson {
+    RetrievalJson::new(snapshot.retrieval.as_deref(), snapshot.revision_of(Resource::Retrieval))
+}
+
 /// The log lines at hand with a number above `number`, oldest first.
 pub fn log_after(snapshot: &Snapshot, number: u64) -> Vec<LogLineJson> {
     snapshot.log.iter().filter(|line| line.number > number).map(|line| LogLineJson::from(&**line)).collect()
@@ -111,7 +118,7 @@ mod tests {
         assert_eq!(
             json["robot"],
             serde_json::json!({"revision": 20, "state": "stopped", "halting": false, "heading": "east", "position": {"x": 2, "y": 2},
-                "offCentre": false, "sonar": 42, "led": "blinking"})
+                "offCentre": false, "outside": false, "sonar": 42, "led": "blinking"})
         );
         assert_eq!(
             json["temperature"],
@@ -121,6 +128,7 @@ mod tests {
             json["luggage"][2],
             serde_json::json!({"id": 3, "verdict": "pending", "cell": {"x": 3, "y": 2}, "position": {"x": 2, "y": 2},
                 "heading": "east", "taken": "2026-02-03T10:00:00.000+01:00", "decided": null,
+                "secured": null,
                 "photo": {"state": "taken", "url": "/api/v1/luggage/3/photo?take=1", "bytes": 4, "take": 1, "reason": null}})
         );
         assert_eq!(json["luggage"][0]["decided"]["by"], "operator");
@@ -144,7 +152,8 @@ mod tests {
         assert_eq!(
             *porter,
             serde_json::json!({"name": "porter", "searches": false, "parts": null, "holds": [], "revision": 1, "state": "stopped",
-                "halting": false, "heading": "south", "position": {"x": 0, "y": 0}, "offCentre": false, "sonar": null, "led": "off"})
+                "halting": false, "heading": "south", "position": {"x": 0, "y": 0}, "offCentre": false, "outside": false, "sonar": null, "led": "off",
+                "arm": null})
         );
         for (key, value) in json["robot"].as_object().unwrap() {
             assert_eq!(discovery.get(key), Some(value), "the one that searches says of itself the same twice: {key}");

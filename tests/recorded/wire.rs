@@ -30,6 +30,7 @@ pub(crate) fn snapshot(book: &mut Book, older: Option<&Snapshot>, newer: &Snapsh
             Resource::Luggage => shape(book, name, &state::luggage(newer)),
             Resource::Temperature => shape(book, name, &state::temperature(newer)),
             Resource::Alarms => shape(book, name, &state::alarms(newer)),
+            Resource::Retrieval => shape(book, name, &state::retrieval(newer)),
             Resource::Log => shape(book, name, &state::log_after(newer, newer.log.last().map_or(0, |line| line.number - 1))),
         }
     }

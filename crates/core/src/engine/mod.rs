@@ -58,6 +58,7 @@ use super::units::{Epoch, LuggageId, Now, Seq, Ticket};
 use super::world::log::Tone;
 use super::world::model::World;
 use super::world::resource::Resource;
+use super::world::retrieval::TreesView;
 use super::world::snapshot::Snapshot;
 
 /// The whole core.
@@ -80,6 +81,8 @@ pub struct Engine {
     on_record: OnRecord,
     /// What was last seen where a parcel was looked for, until the trees have been told.
     seen: Option<Option<Parcel>>,
+    /// The trees after their last tick.
+    trees: Arc<TreesView>,
     is_ending: bool,
     taken: Option<Arc<Snapshot>>,
 }
@@ -104,6 +107,7 @@ impl Engine {
             released: None,
             on_record: OnRecord::first(strategy),
             seen: None,
+            trees: Arc::default(),
             is_ending: false,
             taken: None,
         }

@@ -17,6 +17,7 @@ use crate::world::alarm::Alarm;
 use crate::world::hall_map::HallMap;
 use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
+use crate::world::retrieval::RetrievalView;
 use crate::world::snapshot::Refusals;
 
 /// So many views wait at most. When the store lags further behind, the latest takes the place of the one before: what is between is
@@ -41,6 +42,7 @@ pub(super) struct StateView {
     pub(super) led_blinking: bool,
     pub(super) luggage: Arc<[Arc<Luggage>]>,
     pub(super) alarms: Arc<[Arc<Alarm>]>,
+    pub(super) retrieval: Option<Arc<RetrievalView>>,
     pub(super) refusals: Refusals,
     emptied: u64,
 }
@@ -170,6 +172,7 @@ impl Engine {
             (Resource::Map, before.emptied != shown.emptied),
             (Resource::Robot, before.led_blinking != shown.led_blinking),
             (Resource::Temperature, before.holds != shown.holds),
+            (Resource::Retrieval, before.retrieval != shown.retrieval),
         ];
         for (resource, _) in changed.into_iter().filter(|(_, changed)| *changed) {
             self.world.touch(resource);
@@ -207,6 +210,7 @@ impl Engine {
             led_blinking: state.led_blinking,
             luggage: state.luggage.values().map(Arc::clone).collect(),
             alarms: state.alarms.iter().map(Arc::clone).collect(),
+            retrieval: self.retrieval_as_it_is(),
             refusals: self.refusals(),
             emptied: self.on_record.emptied,
         }

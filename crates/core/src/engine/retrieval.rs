@@ -2,6 +2,7 @@
 //! does while it fetches, its trees say (`crate::retrieval`); all they propose goes through the one gate.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use super::Engine;
 use super::motion::Turn;
@@ -17,6 +18,7 @@ use crate::world::hall_map::Mark;
 use crate::world::log::Tone;
 use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
+use crate::world::retrieval::RetrievalView;
 
 impl Engine {
     /// Those who fetch, by the settings; `None` when they are not there, or nobody is to.
@@ -82,8 +84,16 @@ impl Engine {
         }
     }
 
+    pub(super) fn retrieval_as_it_is(&self) -> Option<Arc<RetrievalView>> {
+        let Retrieval { luggage, fetcher, stage, .. } = self.state.retrieval.as_ref()?;
+        let reason = stage.reason().map(str::to_owned);
+        let view =
+            RetrievalView { luggage: *luggage, fetcher: *fetcher, stage: stage.name(), reason, trees: Arc::clone(&self.trees) };
+        Some(Arc::new(view))
+    }
+
     fn note_retrieval(&mut self, retrieval: Option<Retrieval>) {
-        self.world.touch(Resource::Mission);
+        self.world.touch(Resource::Retrieval);
         self.record(Fact::Retrieval(retrieval.map(Box::new)));
     }
 

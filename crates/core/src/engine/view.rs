@@ -6,7 +6,7 @@ use super::Engine;
 use super::on_record::StateView;
 use crate::command::{Move, Refused};
 use crate::mission::{Hold, Input, InputContext, PhaseName, Stage};
-use crate::robots::{Robot, RobotId};
+use crate::robots::{Part, Robot, RobotId};
 use crate::search::plan::cells_along;
 use crate::world::alarm::AlarmView;
 use crate::world::resource::Resource;
@@ -40,6 +40,7 @@ impl Engine {
             halting: robot.controller.is_halting(),
             pose: self.pose_of(id),
             off_centre: robot.off_centre,
+            outside: self.steps_outside(id),
             sonar_cm: robot.sonar_cm,
             led_blinking: false,
         }
@@ -53,7 +54,9 @@ impl Engine {
             } else {
                 (self.view_of(id, robot), self.holds_of(robot))
             };
-            RobotShown { id: id.clone(), view, parts: robot.controller.capabilities.map(|can| can.parts), holds }
+            let parts = robot.controller.capabilities.map(|can| can.parts);
+            let arm = parts.filter(|parts| parts.has(Part::Arm)).map(|_| robot.arm);
+            RobotShown { id: id.clone(), view, parts, holds, arm }
         });
         robots.collect()
     }
@@ -80,6 +83,7 @@ impl Engine {
             luggage: Arc::clone(&self.on_record.shown.luggage),
             temperature: shown.temperature,
             alarms: same(Resource::Alarms).map_or_else(|| self.alarms_shown(), |taken| Arc::clone(&taken.alarms)),
+            retrieval: self.on_record.shown.retrieval.clone(),
             log: same(Resource::Log).map_or_else(|| self.world.log.lines(), |taken| Arc::clone(&taken.log)),
         }
     }

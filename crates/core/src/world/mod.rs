@@ -6,6 +6,7 @@ pub mod log;
 pub mod luggage;
 pub(crate) mod model;
 pub mod resource;
+pub mod retrieval;
 pub mod robot;
 pub mod snapshot;
 pub mod temperature;

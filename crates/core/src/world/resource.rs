@@ -17,6 +17,8 @@ named! {
         Temperature = "temperature",
         /// The alarms.
         Alarms = "alarms",
+        /// What is fetched, and the trees at work.
+        Retrieval = "retrieval",
         /// The latest log lines.
         Log = "log",
     }

@@ -1,6 +1,7 @@
 //! What is known of a robot: where it stands, what it does, what it last sensed.
 
 use crate::mission::Hold;
+use crate::retrieval::ArmState;
 use crate::robots::{Parts, RobotId};
 use crate::units::Pose;
 
@@ -15,6 +16,8 @@ pub struct RobotView {
     pub pose: Pose,
     /// Whether it stands away from that cell's centre (after a halt in mid-step).
     pub off_centre: bool,
+    /// So many steps from home it stands before the entrance; 0: it is in the hall.
+    pub outside: u8,
     /// The last reading of the front sonar, in centimetres; `None` beyond its range or before the first.
     pub sonar_cm: Option<u16>,
     /// Whether the LED blinks.
@@ -32,6 +35,8 @@ pub struct RobotShown {
     pub parts: Option<Parts>,
     /// What holds it: what holds all, and what holds it alone.
     pub holds: Vec<Hold>,
+    /// Its arm, if it has one.
+    pub arm: Option<ArmState>,
 }
 
 named! {

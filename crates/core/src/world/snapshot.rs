@@ -7,6 +7,7 @@ use super::hall_map::HallMap;
 use super::log::LogLine;
 use super::luggage::Luggage;
 use super::resource::Resource;
+use super::retrieval::RetrievalView;
 use super::robot::{RobotShown, RobotView};
 use super::temperature::TemperatureView;
 use crate::mission::{Hold, PhaseName};
@@ -36,6 +37,8 @@ pub struct Snapshot {
     pub temperature: TemperatureView,
     /// The alarms, oldest first.
     pub alarms: Arc<[AlarmView]>,
+    /// The retrieval under way, or in fault, as far as it is on record.
+    pub retrieval: Option<Arc<RetrievalView>>,
     /// The latest log lines, oldest first.
     pub log: Arc<[Arc<LogLine>]>,
 }

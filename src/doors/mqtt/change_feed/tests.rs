@@ -118,6 +118,7 @@ fn at_first_everything_is_said_once_beginning_with_being_there() {
         "luggage",
         "temperature",
         "alarms",
+        "retrieval",
         "log",
     ];
     assert_eq!(names(&said), expected);

@@ -1,0 +1,127 @@
+//! A retrieval in JSON: what is fetched, how far it has come, the trees at work. What its robots do stands in `robot`.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use hallsweep_core::retrieval::ArmState;
+use hallsweep_core::units::Revision;
+use hallsweep_core::world::retrieval::{NodeShown, RetrievalView, TreeView};
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// The retrieval; its stage is `none` while there is none.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RetrievalJson {
+    /// When it last changed.
+    pub revision: u64,
+    /// `none`, `makingRoom`, `fetching`, `givingUp` or `comingHome`.
+    pub stage: &'static str,
+    /// The piece that is fetched.
+    pub luggage: Option<u64>,
+    /// `pair` or `discovery`.
+    pub fetcher: Option<&'static str>,
+    /// Why it cannot be fetched, once that is known.
+    pub reason: Option<String>,
+    /// How often the trees have been ticked.
+    pub ticks: u64,
+    /// The trees in the order in which they are ticked.
+    pub trees: Vec<TreeJson>,
+    /// What they share, as it would stand in a file.
+    pub blackboard: BTreeMap<String, String>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TreeJson {
+    pub id: String,
+    /// In preorder.
+    pub nodes: Vec<NodeJson>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NodeJson {
+    pub path: String,
+    pub name: String,
+    pub kind: String,
+    pub depth: usize,
+    /// `IDLE`, `RUNNING`, `SUCCESS`, `FAILURE` or `SKIPPED`: what it said in the last tick if it was ticked in it, else how it stands.
+    pub status: &'static str,
+    /// Whether it was ticked in the last tick.
+    pub ticked: bool,
+}
+
+/// An arm, as its robot says it is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct ArmJson {
+    /// `open` or `closed`.
+    pub gripper: &'static str,
+    /// Whether a parcel is in the gripper, and whether it is off the floor.
+    pub holds: bool,
+    pub lifted: bool,
+    /// Newtons.
+    pub force: f64,
+    /// How far the paddle is from upright, in degrees.
+    pub angle: f64,
+    /// How much further than wanted the bases are apart, in millimetres.
+    pub gap: f64,
+}
+
+impl RetrievalJson {
+    pub fn new(retrieval: Option<&RetrievalView>, revision: Revision) -> RetrievalJson {
+        let trees = retrieval.map(|retrieval| &retrieval.trees);
+        RetrievalJson {
+            revision: revision.0,
+            stage: retrieval.map_or("none", |retrieval| retrieval.stage),
+            luggage: retrieval.map(|retrieval| retrieval.luggage.0),
+            fetcher: retrieval.map(|retrieval| retrieval.fetcher.name()),
+            reason: retrieval.and_then(|retrieval| retrieval.reason.clone()),
+            ticks: trees.map_or(0, |trees| trees.ticks),
+            trees: trees.map(|trees| trees.trees.iter().map(TreeJson::from).collect()).unwrap_or_default(),
+            blackboard: trees
+                .map(|trees| trees.blackboard.iter().map(|(name, value)| (name.to_string(), value.clone())).collect())
+                .unwrap_or_default(),
+        }
+    }
+}
+
+impl From<&TreeView> for TreeJson {
+    fn from(tree: &TreeView) -> TreeJson {
+        TreeJson { id: tree.id.to_string(), nodes: tree.nodes.iter().map(NodeJson::from).collect() }
+    }
+}
+
+impl From<&NodeShown> for NodeJson {
+    fn from(node: &NodeShown) -> NodeJson {
+        NodeJson {
+            path: node.path.to_string(),
+            name: node.name.to_string(),
+            kind: node.kind.to_string(),
+            depth: node.depth,
+            status: node.status.word(),
+            ticked: node.is_ticked,
+        }
+    }
+}
+
+impl From<ArmState> for ArmJson {
+    fn from(arm: ArmState) -> ArmJson {
+        let hundredths = |value: f64| (value * 100.0).round() / 100.0;
+        ArmJson {
+            gripper: arm.gripper.name(),
+            holds: arm.holds.is_some(),
+            lifted: arm.lifted,
+            force: hundredths(f64::from(arm.force_mn) / 1e3),
+            angle: hundredths((f64::from(arm.angle_urad) / 1e6).to_degrees()),
+            gap: hundredths(f64::from(arm.gap_um) / 1e3),
+        }
+    }
+}
+
+/// One line: `fetching luggage #6`, or `none`.
+pub fn text(snapshot: &Snapshot) -> String {
+    match snapshot.retrieval.as_deref() {
+        None => "none".to_owned(),
+        Some(RetrievalView { stage, luggage, reason: None, .. }) => format!("{stage}, luggage #{luggage}"),
+        Some(RetrievalView { stage, luggage, reason: Some(reason), .. }) => format!("{stage}, luggage #{luggage}: {reason}"),
+    }
+}
