@@ -60,20 +60,20 @@ pub struct Turn {
 /// The three trees at work.
 #[derive(Clone, Debug)]
 pub struct Team {
-    trees: [Tree; 3],
-    blackboard: Blackboard,
-    routes: Routes,
+    pub(super) trees: [Tree; 3],
+    pub(super) blackboard: Blackboard,
+    pub(super) routes: Routes,
     /// What each tree said last.
-    said: [Status; 3],
-    stage: Stage,
-    losses: u32,
+    pub(super) said: [Status; 3],
+    pub(super) stage: Stage,
+    pub(super) losses: u32,
     /// The loss was told already in this run of the Supervisor, by its tree.
-    has_called: bool,
+    pub(super) has_called: bool,
     /// Put down where it was to go, and still in the grippers.
-    dropped: Option<Parcel>,
-    delivered: Vec<Piece>,
+    pub(super) dropped: Option<Parcel>,
+    pub(super) delivered: Vec<Piece>,
     /// Runs of the Supervisor that were begun.
-    runs: u32,
+    pub(super) runs: u32,
     /// What was wrong with a tree that could not be performed.
     words: Option<String>,
 }

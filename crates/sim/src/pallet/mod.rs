@@ -24,9 +24,10 @@ use self::record::begun;
 pub use self::record::{Entry, Figures, Frame, News, PalletFault, Phase};
 pub use self::yard::{MOST_PARCELS, ParcelsError, Yard};
 use super::pair::{Holding, Mishaps, Pair, PairSettings};
+use hallsweep_core::behaviour::log::TickLog;
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::retrieval::team::TICK;
-use hallsweep_core::retrieval::{Place, Stage, Team, Which};
+use hallsweep_core::retrieval::{Place, Stage, Team, TeamState, Which};
 use hallsweep_core::units::{Cell, Now, WallTime};
 
 /// The longest run for each parcel, in simulated time: a hundred times what one takes.
@@ -81,6 +82,9 @@ pub struct PalletRun {
     /// How well parcels were held before the last restart.
     held_before: Holding,
     entries: Vec<Entry>,
+    logs: [TickLog; 3],
+    /// The last tick of each tree that is in its log.
+    logged: [u64; 3],
     frames: Vec<Frame>,
     ended: Option<Option<PalletFault>>,
 }
@@ -121,6 +125,8 @@ impl PalletRun {
             losses: 0,
             held_before: Holding::default(),
             entries: Vec::new(),
+            logs: Default::default(),
+            logged: [0; 3],
             frames: Vec::new(),
             ended: None,
         };
@@ -187,8 +193,11 @@ impl PalletRun {
     }
 
     /// The program dies and is started again: the pair stands as it stood, halted by itself, with its parcel in its grip, and waits for
-    /// START; orders that were open are answered by nobody.
+    /// START; orders that were open are answered by nobody. The trees go on from their written state.
     pub fn restart(&mut self) {
+        let kept: TeamState = self.team.state().to_string().parse().expect("a state is read as it is written");
+        self.team = Team::new();
+        self.team.resume(kept).expect("they are the same trees");
         self.held_before.join(self.pair.holding());
         self.pair = Pair::remembering(Arc::clone(&self.yard.hall), self.settings.clone(), self.pair.memory(), self.now());
         self.crew.forget_orders();
@@ -231,6 +240,12 @@ impl PalletRun {
     #[must_use]
     pub fn frames(&self) -> &[Frame] {
         &self.frames
+    }
+
+    /// What each tick has changed in the trees of SRM1, SRM2 and the Supervisor.
+    #[must_use]
+    pub const fn logs(&self) -> &[TickLog; 3] {
+        &self.logs
     }
 
     /// Where parcels are that are neither in the grippers nor in the target area.
@@ -279,6 +294,7 @@ impl PalletRun {
         }
         self.ticks += 1;
         let turn = self.team.tick(&self.crew.view(self.is_calling), TICK);
+        self.log_ticks();
         watch(&self.team);
         self.note_phases();
         for proposal in turn.proposals {
@@ -298,6 +314,15 @@ impl PalletRun {
             Stage::Done if self.pair.taken_in().len() == self.yard.parcels.len() => self.ended = Some(None),
             Stage::Done => self.ended = Some(Some(PalletFault::NotAllThere)),
             Stage::Working | Stage::Lost => {}
+        }
+    }
+
+    /// Each tree that was ticked; those of the robots end before the Supervisor's.
+    fn log_ticks(&mut self) {
+        for ((log, last), tree) in self.logs.iter_mut().zip(&mut self.logged).zip(self.team.trees()) {
+            if std::mem::replace(last, tree.ticks()) != tree.ticks() {
+                log.note(tree, self.team.blackboard());
+            }
         }
     }
 

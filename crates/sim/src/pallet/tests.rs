@@ -32,9 +32,8 @@ fn jammed(parcel: u32) -> Asked {
 }
 
 fn phases(run: &PalletRun, parcel: u32) -> Vec<usize> {
-    let of = |entry: &Entry| match entry.news {
-        News::Began(phase) if entry.parcel == parcel => Some(phase.number()),
-        _ => None,
+    let of = |entry: &Entry| {
+        if let News::Began(phase) = entry.news { Some(phase.number()).filter(|_| entry.parcel == parcel) } else { None }
     };
     run.entries().iter().filter_map(of).collect()
 }
@@ -370,4 +369,20 @@ fn the_same_seed_gives_the_same_run() {
     };
     assert_eq!(once(4), once(4));
     assert_ne!(once(4), once(5));
+}
+
+#[test]
+fn the_tick_logs_tell_again_how_every_node_stood() {
+    let mut run = run(1, 7, slips(&[(1, 1)]));
+    let mut stood = Vec::new();
+    let mut watch = |team: &Team| {
+        let nodes = team.trees()[2].nodes().map(|node| (node.after, node.returned)).collect::<Vec<_>>();
+        stood.push((team.trees()[2].ticks(), nodes));
+    };
+    while run.advance(&mut watch) {}
+    assert!(stood.len() > 100);
+    for (tick, nodes) in stood {
+        let moment = run.logs()[2].moment(tick).unwrap();
+        assert_eq!(moment.nodes.iter().map(|node| (node.after, node.returned)).collect::<Vec<_>>(), nodes, "tick {tick}");
+    }
 }
