@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use hallsweep_core::retrieval::Place;
 use hallsweep_core::units::Cell;
 use hallsweep_sim::Truth;
 use hallsweep_sim::pallet::{Frame, PalletRun};
@@ -27,7 +28,7 @@ pub(super) fn drawing(run: &PalletRun) -> String {
             let cell = Cell::new(x, y);
             let at = (f64::from(x - corner.x) * SIDE, f64::from(y - corner.y) * SIDE);
             let fill = match yard.hall.truth(cell) {
-                _ if cell == yard.target => "#bfe3c8",
+                _ if Place::Cell(cell) == yard.target => "#bfe3c8",
                 Truth::Free => "#f4f4f2",
                 Truth::Wall => continue,
                 Truth::Luggage(_) => "#d9b382",

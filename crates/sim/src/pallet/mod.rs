@@ -27,7 +27,7 @@ use super::pair::{Holding, Mishaps, Pair, PairSettings};
 use hallsweep_core::behaviour::log::TickLog;
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::retrieval::team::TICK;
-use hallsweep_core::retrieval::{Place, Stage, Team, TeamState, Which};
+use hallsweep_core::retrieval::{Stage, Team, TeamState, Which};
 use hallsweep_core::units::{Cell, Now, WallTime};
 
 /// The longest run for each parcel, in simulated time: a hundred times what one takes.
@@ -101,7 +101,8 @@ impl PalletRun {
     /// A run in this yard that has not begun.
     #[must_use]
     pub fn of(yard: Yard, seed: u64, asked: Asked) -> PalletRun {
-        let settings = PairSettings { mishaps: asked.mishaps.clone(), ..PairSettings::new(seed, Place::Cell(yard.target)) };
+        let (mishaps, way_out) = (asked.mishaps.clone(), yard.way_out);
+        let settings = PairSettings { mishaps, way_out, ..PairSettings::new(seed, yard.target) };
         let pair = Pair::new(Arc::clone(&yard.hall), settings.clone(), yard.starts);
         let crew = Crew::new(&yard, pair.capabilities());
         let mut run = PalletRun {
@@ -346,7 +347,7 @@ impl PalletRun {
         }
         let parcel = u32::try_from(self.pair.taken_in().len()).unwrap_or(u32::MAX).saturating_add(1);
         if self.asked.blocked == Some(parcel) && self.pair.arm(Which::Srm1).lifted {
-            self.pair.close_cell(self.yard.target);
+            self.yard.target.cell().map(|cell| self.pair.close_cell(cell));
             self.asked.blocked = None;
         }
     }

@@ -1,13 +1,15 @@
 //! Tests of the pallet scenario: all parcels arrive, every branch of the three trees is reached, nothing that goes wrong is taken for
 //! success, and no STOP and no kill changes how it ends.
 
+mod halls;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::*;
 use crate::hall::Hall;
 use crate::pair::Slip;
 use hallsweep_core::behaviour::Status;
-use hallsweep_core::retrieval::{RetrievalFault, Saying};
+use hallsweep_core::retrieval::{Place, RetrievalFault, Saying};
 use hallsweep_core::rng::RandomStream;
 
 fn run(parcels: u32, seed: u64, asked: Asked) -> PalletRun {
@@ -167,7 +169,7 @@ fn every_branch_of_the_three_trees_is_reached() {
     let hall = Hall::from_rows("beside", &["ST...", ".....", "....."]).unwrap();
     let starts = [Yard::new(1, 2).unwrap().starts[0], beside];
     let parcels = vec![(hall.pieces()[0].piece, Cell::new(1, 0))];
-    let yard = Yard { hall: Arc::new(hall), starts, target: Cell::new(2, 1), parcels };
+    let yard = Yard { hall: Arc::new(hall), starts, target: Place::Cell(Cell::new(2, 1)), way_out: false, parcels };
     cover(&mut PalletRun::of(yard, 1, Asked::default()), &mut seen);
     // The grippers are at the parcel already when it is tried again.
     cover(&mut jammed_once(), &mut seen);

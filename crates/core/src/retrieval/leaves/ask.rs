@@ -65,7 +65,7 @@ impl Performer<'_> {
         let known = self.view.piece.first().copied().map(Place::Cell).or_else(|| self.parcel_outside());
         let Some(place) = place_in(leaf, 1).or(known) else { return self.fails(RetrievalFault::NothingToFetch) };
         self.routes.forget();
-        if self.grip_place(place).is_none() && self.stands(place).is_none() {
+        if !self.can_fetch(place) {
             return self.fails(RetrievalFault::NoWayToParcel);
         }
         leaf.write(2, written(place));
