@@ -4,11 +4,14 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use tokio::sync::watch;
+
 use super::Adapter;
-use super::sim::{self, SimRobot, UnusableHall};
+use super::sim::{self, Moved, SimPair, SimRobot, UnusableHall};
 use crate::config::{RobotKind, RobotSettings, Settings};
 use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
+use hallsweep_core::settings::Fetcher;
 use hallsweep_sim::Hall;
 
 /// The robots, not yet started, in their hall.
@@ -16,6 +19,10 @@ pub struct Robots {
     hall: Arc<Hall>,
     /// The one that searches first.
     all: Vec<(RobotId, Robot)>,
+    /// The pair that fetches, where the settings want one.
+    pair: Option<SimPair>,
+    /// The names of all, those of the pair last.
+    ids: Vec<RobotId>,
 }
 
 enum Robot {
@@ -25,8 +32,11 @@ enum Robot {
 impl Robots {
     pub fn of(settings: &Settings) -> Result<Robots, UnusableHall> {
         let hall = sim::hall(settings)?;
-        let all = settings.robots().map(|(id, robot)| (id.clone(), Robot::of(id, robot, &hall))).collect();
-        Ok(Robots { hall, all })
+        let all: Vec<(RobotId, Robot)> = settings.robots().map(|(id, robot)| (id.clone(), Robot::of(id, robot, &hall))).collect();
+        let wanted = settings.core.fetcher == Fetcher::Pair;
+        let pair = wanted.then(|| SimPair::new(Arc::clone(&hall), &settings.robot));
+        let ids = all.iter().map(|(id, _)| id.clone()).chain(SimPair::ids().into_iter().filter(|_| wanted)).collect();
+        Ok(Robots { hall, all, pair, ids })
     }
 
     pub fn hall_name(&self) -> &str {
@@ -40,7 +50,7 @@ impl Robots {
 
     /// Their names, that of the one that searches first.
     pub fn ids(&self) -> impl Iterator<Item = &RobotId> {
-        self.all.iter().map(|(id, _)| id)
+        self.ids.iter()
     }
 
     /// Looks for what is remembered of them in the data folder. Nothing is written.
@@ -48,11 +58,15 @@ impl Robots {
         for (_, Robot::Sim(robot)) in &mut self.all {
             robot.recall(folder);
         }
+        if let Some(pair) = &mut self.pair {
+            pair.recall(folder);
+        }
     }
 
     /// Of each that may be anywhere, why nobody knows where it is. It will not be started.
     pub fn lost(&self) -> Vec<String> {
-        self.all.iter().filter_map(|(_, Robot::Sim(robot))| robot.lost()).map(str::to_owned).collect()
+        let robots = self.all.iter().filter_map(|(_, Robot::Sim(robot))| robot.lost());
+        robots.chain(self.pair.as_ref().and_then(SimPair::lost)).map(str::to_owned).collect()
     }
 
     /// The hall in which the one that searches was left, when that is not the hall of the settings.
@@ -66,6 +80,9 @@ impl Robots {
         for (_, Robot::Sim(robot)) in &mut self.all {
             robot.put_down();
         }
+        if let Some(pair) = &mut self.pair {
+            pair.put_down();
+        }
     }
 
     /// Leaves what is remembered of another hall as it is: those that were put down here are there again at the next start.
@@ -73,11 +90,17 @@ impl Robots {
         for (_, Robot::Sim(robot)) in &mut self.all {
             robot.keep_other_hall();
         }
+        if let Some(pair) = &mut self.pair {
+            pair.keep_other_hall();
+        }
     }
 
     /// What is run for each of them, in the order of their names in `ids`.
     pub fn adapters(self, clock: Clock) -> Vec<Adapter> {
-        self.all.into_iter().map(|(_, Robot::Sim(robot))| robot.adapter(clock)).collect()
+        let still = watch::channel(Moved::new()).1;
+        let moved = self.pair.as_ref().map_or(still, SimPair::moved);
+        let robots = self.all.into_iter().map(|(_, Robot::Sim(robot))| robot.adapter(clock, moved.clone()));
+        robots.collect::<Vec<_>>().into_iter().chain(self.pair.into_iter().flat_map(|pair| pair.adapters(clock))).collect()
     }
 }
 

@@ -4,6 +4,7 @@
 //!
 //! ```text
 //!   make        beside it, fsync, rename     whole or not at all, and it lasts: the first writing, and each of a private file
+//!   swap        beside it, rename            whole or not at all, in the system's hands at once
 //!   write_at    in place, nothing flushed    in the system's hands at once, so that it outlives `kill -9`; needs no room
 //! ```
 
@@ -52,6 +53,13 @@ impl SmallFile {
         fs::rename(&unfinished, &self.path)?;
         self.open = Some(file);
         Ok(())
+    }
+
+    /// Replaces it, whole or not at all, and flushes nothing: what was handed over outlives `kill -9`.
+    pub(crate) fn swap(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let unfinished = self.unfinished();
+        files::create(&unfinished)?.write_all(bytes)?;
+        fs::rename(&unfinished, &self.path)
     }
 
     /// Writes over what stands at `place` of a file that is there.

@@ -14,6 +14,7 @@ mod random_halls;
 mod random_kills;
 mod random_robots;
 mod replay;
+mod retrieval;
 mod rules_alarms;
 mod rules_commands;
 mod rules_crossings;

@@ -8,12 +8,13 @@ use proptest::prelude::*;
 
 use crate::api::door::DOORS;
 use crate::api::problem::refusal;
+use hallsweep_core::behaviour::Value as TreeValue;
 use hallsweep_core::command::{CommandId, Issuer, Move, Verdict};
 use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::event::{Piece, RobotId};
 use hallsweep_core::mission::{FaultCause, Goal, Hold, Inspection, Phase, Stage};
 use hallsweep_core::refused::CODES;
-use hallsweep_core::retrieval::Place;
+use hallsweep_core::retrieval::{Parcel, Place, RetrievalFault, Stage as TeamStage, Team, TeamState};
 use hallsweep_core::search::{Search, Strategy as Order};
 use hallsweep_core::settings::Fetcher;
 use hallsweep_core::state::{PersistentState, Retrieval, RetrievalStage};
@@ -179,12 +180,42 @@ fn retrieval() -> impl Strategy<Value = Retrieval> {
     let stage = prop_oneof![
         Just(RetrievalStage::MakingRoom),
         Just(RetrievalStage::Fetching),
-        text().prop_map(RetrievalStage::GivingUp),
+        option::of(text()).prop_map(RetrievalStage::GoingOut),
         option::of(text()).prop_map(RetrievalStage::ComingHome),
     ];
     let call = option::of(any::<u64>().prop_map(AlarmId));
-    (any::<u64>(), one_of(&Fetcher::ALL), stage, btree_set(cell(), 0..3), call)
-        .prop_map(|(luggage, fetcher, stage, piece, call)| Retrieval { luggage: LuggageId(luggage), fetcher, stage, piece, call })
+    (any::<u64>(), one_of(&Fetcher::ALL), stage, btree_set(cell(), 0..3), call, option::of(team())).prop_map(
+        |(luggage, fetcher, stage, piece, call, team)| Retrieval {
+            luggage: LuggageId(luggage),
+            fetcher,
+            stage,
+            piece,
+            call,
+            team,
+        },
+    )
+}
+
+fn team() -> impl Strategy<Value = TeamState> {
+    let stage = prop_oneof![
+        Just(TeamStage::Working),
+        Just(TeamStage::Lost),
+        Just(TeamStage::Done),
+        one_of(&RetrievalFault::ALL).prop_map(TeamStage::Faulted),
+    ];
+    let place = prop_oneof![cell().prop_map(Place::Cell), (1..=Place::FURTHEST).prop_map(Place::Outside)];
+    let dropped = option::of((any::<u32>(), place).prop_map(|(piece, place)| Parcel { piece: Piece(piece), place }));
+    let blackboard = vec(("[a-z]{1,8}", text().prop_map(|text| TreeValue::text(&text))), 0..3);
+    let counts = (any::<u32>(), any::<bool>(), any::<u32>());
+    (stage, dropped, blackboard, counts).prop_map(|(stage, dropped, blackboard, (losses, has_called, runs))| TeamState {
+        stage,
+        dropped,
+        blackboard,
+        losses,
+        has_called,
+        runs,
+        ..Team::new().state()
+    })
 }
 
 fn luggage() -> impl Strategy<Value = Luggage> {

@@ -15,6 +15,7 @@ mod phase;
 mod places;
 mod retrieval;
 mod standing;
+mod team;
 
 #[cfg(test)]
 pub(crate) mod arbitrary;

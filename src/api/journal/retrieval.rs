@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::places::Point;
+use super::team::TeamShape;
 use super::{Unparsed, names};
 use hallsweep_core::event::RobotId;
 use hallsweep_core::retrieval::Place;
@@ -21,6 +22,8 @@ pub(super) struct RetrievalShape {
     piece: Vec<Point>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     call: Option<u64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    team: Option<TeamShape>,
 }
 
 /// How far it has come; the reason where it came to nothing.
@@ -29,7 +32,7 @@ pub(super) struct RetrievalShape {
 enum StageShape {
     MakingRoom,
     Fetching,
-    GivingUp(String),
+    GoingOut(Option<String>),
     ComingHome(Option<String>),
 }
 
@@ -41,11 +44,12 @@ impl From<&Retrieval> for RetrievalShape {
             stage: match &retrieval.stage {
                 RetrievalStage::MakingRoom => StageShape::MakingRoom,
                 RetrievalStage::Fetching => StageShape::Fetching,
-                RetrievalStage::GivingUp(reason) => StageShape::GivingUp(reason.clone()),
+                RetrievalStage::GoingOut(reason) => StageShape::GoingOut(reason.clone()),
                 RetrievalStage::ComingHome(reason) => StageShape::ComingHome(reason.clone()),
             },
             piece: retrieval.piece.iter().copied().map(Point::from).collect(),
             call: retrieval.call.map(|alarm| alarm.0),
+            team: retrieval.team.as_ref().map(TeamShape::from),
         }
     }
 }
@@ -59,11 +63,12 @@ impl RetrievalShape {
             stage: match self.stage {
                 StageShape::MakingRoom => RetrievalStage::MakingRoom,
                 StageShape::Fetching => RetrievalStage::Fetching,
-                StageShape::GivingUp(reason) => RetrievalStage::GivingUp(reason),
+                StageShape::GoingOut(reason) => RetrievalStage::GoingOut(reason),
                 StageShape::ComingHome(reason) => RetrievalStage::ComingHome(reason),
             },
             piece: self.piece.into_iter().map(Into::into).collect(),
             call: self.call.map(AlarmId),
+            team: self.team.map(TeamShape::team).transpose()?,
         })
     }
 }

@@ -2,20 +2,21 @@
 //! state file is written.
 //! What the robot does is decided by `hallsweep_sim`; this is the only file of the simulated robot that waits.
 
+use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
+use super::pair_link::Moved;
 use super::state_file::SimStateFile;
 use crate::runtime::clock::Clock;
 use crate::runtime::link::{RobotSide, Stamped};
 use hallsweep_core::effect::Order;
 use hallsweep_core::event::{Capabilities, Photo, RobotEvent};
 use hallsweep_core::units::{Now, OrderId};
-use hallsweep_sim::Sim;
-use hallsweep_sim::{Speed, times};
+use hallsweep_sim::{Hall, Sim, Speed, times};
 
 /// What drawing a photo may take of real time, whatever the speed; the core is told so. It takes some hundredths of a second, but the
 /// machine may have much else to do, and a photo that is late counts as none.
@@ -29,7 +30,8 @@ const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
 
 /// Runs a simulated robot until the loop's end of its channels is gone. What it must not forget goes into the state file, when there
 /// is one, before anybody is told of it.
-pub(super) async fn run(sim: Sim, side: RobotSide, clock: Clock, speed: Speed, state_file: Option<SimStateFile>) {
+/// `floor` says what others have lifted.
+pub(super) async fn run(sim: Sim, side: RobotSide, clock: Clock, speed: Speed, state_file: Option<SimStateFile>, floor: Floor) {
     let began = clock.now().since_start;
     let link = Link {
         sim,
@@ -44,8 +46,16 @@ pub(super) async fn run(sim: Sim, side: RobotSide, clock: Clock, speed: Speed, s
         state_file,
         writing: None,
         write_again: None,
+        floor,
     };
     link.run().await;
+}
+
+/// The hall as it was opened, and what others have lifted since.
+#[derive(Clone, Debug)]
+pub(super) struct Floor {
+    pub(super) hall: Arc<Hall>,
+    pub(super) moved: watch::Receiver<Moved>,
 }
 
 struct Link {
@@ -69,10 +79,12 @@ struct Link {
     writing: Option<JoinHandle<SimStateFile>>,
     /// When what could not be written is tried again, by the real clock.
     write_again: Option<Duration>,
+    floor: Floor,
 }
 
 impl Link {
     async fn run(mut self) {
+        self.floor.moved.mark_changed();
         loop {
             self.write();
             self.next_report();
@@ -84,6 +96,7 @@ impl Link {
                 halts = self.side.halts.raised() => self.halt(halts.count),
                 sent = hand_over(&self.side.reports, &mut self.report), if self.report.is_some() => if !sent { return },
                 state_file = written(&mut self.writing) => self.written(state_file),
+                Ok(()) = self.floor.moved.changed() => self.look_at_floor(),
                 Ok(()) = self.side.led.changed() => self.led(),
                 given = self.side.orders.recv(), if free => match given {
                     Some(stamped) => self.order(stamped),
@@ -151,6 +164,12 @@ impl Link {
             arm: self.speed.to_real(arm),
             ..simulated
         }
+    }
+
+    /// What was lifted is not met any more.
+    fn look_at_floor(&mut self) {
+        let moved = self.floor.moved.borrow_and_update().clone();
+        self.sim.handle_hall(Arc::new(self.floor.hall.rearranged(&moved)));
     }
 
     fn led(&mut self) {
@@ -251,7 +270,7 @@ mod tests {
         async fn with(sim: Sim, speed: Speed, state_file: Option<SimStateFile>) -> (Test, Whereabouts) {
             let halter = Halter::new(Epoch(0));
             let (mut link, side) = link(halter.watch());
-            let task = tokio::spawn(run(sim, side, Clock::default(), speed, state_file));
+            let task = tokio::spawn(run(sim, side, Clock::default(), speed, state_file, still_floor()));
             let Some(RobotEvent::Stands(whereabouts)) = within("where it is", link.reports.recv()).await else {
                 panic!("first it says where it is")
             };
@@ -275,6 +294,11 @@ mod tests {
                 }
             }
         }
+    }
+
+    fn still_floor() -> Floor {
+        let hall = Arc::new(Hall::from_rows("test", &["S.", ".."]).unwrap());
+        Floor { hall, moved: watch::channel(Moved::new()).1 }
     }
 
     const FORWARD: Action = Action::Move(Move::Forward);

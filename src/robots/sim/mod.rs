@@ -2,9 +2,14 @@
 //! and the state file by which it is as it was left.
 
 mod link;
+mod pair;
+mod pair_link;
+mod pair_state_file;
 mod robot;
 mod settings;
 mod state_file;
 
+pub(super) use pair::SimPair;
+pub(in crate::robots) use pair_link::Moved;
 pub(super) use robot::SimRobot;
 pub use settings::{UnusableHall, hall, sim_settings};

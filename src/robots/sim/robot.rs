@@ -3,7 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::link;
+use tokio::sync::watch;
+
+use super::link::{self, Floor};
+use super::pair_link::Moved;
 use super::settings::{sim_settings, speed};
 use super::state_file::{SimStateFile, StateFileError};
 use crate::config::RobotSettings;
@@ -70,7 +73,8 @@ impl SimRobot {
     }
 
     /// What is run for it. The link to one that may be anywhere stays down, and nobody is told that its adapter has ended.
-    pub(in crate::robots) fn adapter(self, clock: Clock) -> Adapter {
+    /// `moved` says what others have lifted.
+    pub(in crate::robots) fn adapter(self, clock: Clock, moved: watch::Receiver<Moved>) -> Adapter {
         let SimRobot { id, hall, settings, speed, remembered } = self;
         let (memory, state_file) = match remembered {
             Remembered::Lost(lost) => {
@@ -81,11 +85,12 @@ impl SimRobot {
             Remembered::PutDown(state_file) => (None, Some(state_file)),
             Remembered::Nothing | Remembered::Elsewhere(..) => (None, None),
         };
+        let floor = Floor { hall: Arc::clone(&hall), moved };
         let sim = match memory {
             Some(memory) => Sim::remembering(hall, settings, memory),
             None => Sim::new(hall, settings),
         };
-        Box::new(move |side| Box::pin(link::run(sim, side, clock, speed, state_file)))
+        Box::new(move |side| Box::pin(link::run(sim, side, clock, speed, state_file, floor)))
     }
 }
 
@@ -116,7 +121,7 @@ mod tests {
     /// The column in which it says that it stands; `None` when it says nothing.
     async fn stands(robot: SimRobot) -> Option<i32> {
         let (mut link, side): (RobotLink, _) = link(Halter::new(Epoch(0)).watch());
-        tokio::spawn(robot.adapter(Clock::default())(side));
+        tokio::spawn(robot.adapter(Clock::default(), watch::channel(Moved::new()).1)(side));
         match tokio::time::timeout(std::time::Duration::from_millis(300), link.reports.recv()).await {
             Ok(Some(RobotEvent::Stands(whereabouts))) => Some(whereabouts.pose.cell.x),
             Ok(other) => panic!("first it says where it is: {other:?}"),

@@ -65,6 +65,15 @@ impl Tree {
     }
 }
 
+impl TreeState {
+    /// Whether both are of one tree and go on alike, time and counted attempts aside.
+    #[must_use]
+    pub fn stands_as(&self, other: &TreeState) -> bool {
+        let standing = |live: &Live| (live.status, live.cursor, live.is_counted, live.has_begun, live.is_spent, live.failures);
+        self.fingerprint == other.fingerprint && self.nodes.iter().map(standing).eq(other.nodes.iter().map(standing))
+    }
+}
+
 impl fmt::Display for TreeState {
     /// `1 fingerprint clock ticks`, and for each node that was ever ticked `node:status,returned,flags,cursor,count,failures,since,ticked`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -97,6 +97,7 @@ impl Engine {
         } else {
             self.halt_moving()
         }
+        self.stop_trees_clock();
         let mut holds = self.state.holds.clone();
         let fresh = holds.raise(hold);
         let waits = self.state.phase.is_mission() && holds.raise(Hold::AwaitingStart);

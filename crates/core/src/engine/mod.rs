@@ -22,6 +22,7 @@ mod reports;
 mod retrieval;
 mod sharing;
 mod stops;
+mod team;
 mod view;
 mod watchdog;
 
@@ -42,6 +43,7 @@ use self::refusals::Note;
 use self::repeats::{Content, IdUse, Outcome, Repeats};
 use self::sharing::Sharing;
 use self::stops::Stops;
+use self::team::Ticked;
 use self::view::Shown;
 use self::watchdog::SensorWatchdog;
 use super::command::{Accepted, Command, Refused, Request};
@@ -81,6 +83,8 @@ pub struct Engine {
     on_record: OnRecord,
     /// What was last seen where a parcel was looked for, until the trees have been told.
     seen: Option<Option<Parcel>>,
+    /// The pair's trees, while they fetch.
+    team: Option<Ticked>,
     /// The trees after their last tick.
     trees: Arc<TreesView>,
     is_ending: bool,
@@ -107,6 +111,7 @@ impl Engine {
             released: None,
             on_record: OnRecord::first(strategy),
             seen: None,
+            team: None,
             trees: Arc::default(),
             is_ending: false,
             taken: None,
@@ -198,7 +203,10 @@ impl Engine {
         self.begin(now);
         match event {
             Event::Robot(robot, report) => self.report(&robot, report),
-            Event::Recorded(seq) => self.kept(seq),
+            Event::Recorded(seq) => {
+                self.wake_team();
+                self.kept(seq);
+            }
             Event::StoreFailed(words) => {
                 self.world.store_failure = Some(words.clone());
                 self.show_nothing_lost();
@@ -255,7 +263,7 @@ impl Engine {
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         let records = [self.stops.due(), self.refusals.due(), self.outbox.due_record()];
-        [self.robots.due(), self.watchdog.due()].into_iter().chain(records).flatten().min()
+        [self.robots.due(), self.watchdog.due(), self.tick_due()].into_iter().chain(records).flatten().min()
     }
 
     /// Everything that can be seen, at this moment; the same `Arc` until something changes.

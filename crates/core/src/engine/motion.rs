@@ -61,7 +61,7 @@ impl Engine {
 
     /// The one gate between whoever wants a motion and the robot. A lost link holds the robot whose link it is, and each waits for
     /// START by itself; every other hold holds all of them.
-    fn may_move(&self, id: &RobotId) -> Result<(), Barred> {
+    pub(super) fn may_move(&self, id: &RobotId) -> Result<(), Barred> {
         let Some(robot) = self.robots.get(id) else { return Err(Barred::Unknown) };
         let is_held = if self.searches(id) { !self.state.holds.is_empty() } else { !self.holds_of(robot).is_empty() };
         if is_held {

@@ -166,6 +166,7 @@ impl Engine {
 
     pub(super) fn close(&mut self, robot: &RobotId, id: OrderId) -> Option<Order> {
         let order = self.robots.get_mut(robot)?.controller.close(id)?;
+        self.wake_team();
         self.world.touch(Resource::Robot);
         Some(order)
     }

@@ -9,13 +9,12 @@ use super::motion::Turn;
 use crate::command::Move;
 use crate::effect::{Action, Fact};
 use crate::event::{Piece, RobotId};
-use crate::mission::{FaultCause, Hold, Input, InputContext, Phase};
+use crate::mission::{FaultCause, Input, InputContext, Phase};
 use crate::retrieval::{ArmAction, ArmState, BasePose, BaseView, Floor, Gear, Parcel, Place, Which, steer};
 use crate::settings::Fetcher;
 use crate::state::{Retrieval, RetrievalStage};
-use crate::units::{Cell, Heading, LuggageId, OrderId};
+use crate::units::{Cell, Heading, OrderId};
 use crate::world::hall_map::Mark;
-use crate::world::log::Tone;
 use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
 use crate::world::retrieval::RetrievalView;
@@ -67,10 +66,12 @@ impl Engine {
         let Some(bomb) = self.state.luggage.values().find(|luggage| luggage.is_bomb_left()).cloned() else { return };
         let piece = self.cells_of(&bomb);
         let (luggage, fetcher) = (bomb.id, self.settings.fetcher);
-        self.note_retrieval(Some(Retrieval { luggage, fetcher, stage: RetrievalStage::MakingRoom, piece, call: None }));
+        let stage = RetrievalStage::MakingRoom;
+        self.note_retrieval(Some(Retrieval { luggage, fetcher, stage, piece, call: None, team: None }));
     }
 
     pub(super) fn end_retrieval(&mut self) {
+        (self.team, self.trees) = (None, Arc::default());
         if self.state.retrieval.is_some() {
             self.note_retrieval(None);
         }
@@ -79,8 +80,9 @@ impl Engine {
     /// One that came to nothing begins anew, with what is known by now.
     pub(super) fn retry_retrieval(&mut self) {
         let gave_up = self.state.retrieval.as_ref().filter(|retrieval| retrieval.stage.reason().is_some());
-        if gave_up.is_some() {
-            self.set_retrieval_stage(RetrievalStage::MakingRoom);
+        if let Some(retrieval) = gave_up.cloned() {
+            self.team = None;
+            self.note_retrieval(Some(Retrieval { stage: RetrievalStage::MakingRoom, team: None, ..retrieval }));
         }
     }
 
@@ -92,12 +94,12 @@ impl Engine {
         Some(Arc::new(view))
     }
 
-    fn note_retrieval(&mut self, retrieval: Option<Retrieval>) {
+    pub(super) fn note_retrieval(&mut self, retrieval: Option<Retrieval>) {
         self.world.touch(Resource::Retrieval);
         self.record(Fact::Retrieval(retrieval.map(Box::new)));
     }
 
-    fn set_retrieval_stage(&mut self, stage: RetrievalStage) {
+    pub(super) fn set_retrieval_stage(&mut self, stage: RetrievalStage) {
         if let Some(retrieval) = self.state.retrieval.clone() {
             self.note_retrieval(Some(Retrieval { stage, ..retrieval }));
         }
@@ -124,10 +126,11 @@ impl Engine {
                 self.set_retrieval_stage(RetrievalStage::Fetching);
                 Turn::Again
             }
-            (RetrievalStage::Fetching, _) => Turn::Rest,
-            (RetrievalStage::GivingUp(reason), _) => {
+            (RetrievalStage::Fetching, Fetcher::Pair) => self.fetch(),
+            (RetrievalStage::Fetching, Fetcher::Discovery | Fetcher::None) => Turn::Rest,
+            (RetrievalStage::GoingOut(reason), _) => {
                 let reason = reason.clone();
-                self.give_up(&reason)
+                self.go_out(reason)
             }
             (RetrievalStage::ComingHome(reason), _) => {
                 let reason = reason.clone();
@@ -149,40 +152,41 @@ impl Engine {
         }
     }
 
-    /// The robots set down what they hold and go back outside, one after the other.
-    fn give_up(&mut self, reason: &str) -> Turn {
+    /// The robots that fetched set down what they hold and go back outside, one after the other.
+    fn go_out(&mut self, reason: Option<String>) -> Turn {
         let bases = Which::ALL.map(|which| self.base_view(which));
         if bases.iter().any(|base| base.open.is_some()) {
             return Turn::Rest;
         }
-        if bases.iter().any(|base| base.off_centre) {
-            for which in Which::ALL.into_iter().filter(|which| bases[which.index()].off_centre) {
-                self.let_through(which, Action::Recentre);
-            }
-            return Turn::Rest;
+        let astray = Which::ALL.into_iter().filter(|which| bases[which.index()].off_centre).collect::<Vec<_>>();
+        if !astray.is_empty() {
+            return self.all(&astray, Action::Recentre);
         }
         if let Some(action) = set_down(&bases) {
-            for which in Which::ALL {
-                self.let_through(which, Action::Arm(action));
-            }
-            return Turn::Rest;
+            return self.all(&Which::ALL, Action::Arm(action));
         }
-        let inside: Vec<Which> =
-            Which::ALL.into_iter().filter(|which| matches!(bases[which.index()].stands.place, Place::Cell(_))).collect();
+        let stands = bases.map(|base| base.stands);
+        let inside: Vec<Which> = Which::ALL.into_iter().filter(|which| stands[which.index()].place.cell().is_some()).collect();
         if inside.is_empty() {
-            self.set_retrieval_stage(RetrievalStage::ComingHome(Some(reason.to_owned())));
+            self.set_retrieval_stage(RetrievalStage::ComingHome(reason));
             return Turn::Again;
         }
         for which in inside.into_iter().rev() {
-            let stands = bases[which.index()].stands;
-            let taken = [bases[which.other().index()].stands.place];
-            if let Some(action) = self.next_step_out(stands, &taken) {
-                self.let_through(which, action);
-                return Turn::Rest;
+            let taken = [stands[which.other().index()].place];
+            if let Some(action) = self.next_step_out(stands[which.index()], &taken) {
+                return self.all(&[which], action);
             }
         }
-        self.not_fetched(format!("{reason}; and no way leads the robots back outside"));
+        let stuck = "no way leads the robots that fetch back outside";
+        self.not_fetched(reason.map_or_else(|| stuck.to_owned(), |reason| format!("{reason}; and {stuck}")));
         Turn::Again
+    }
+
+    fn all(&mut self, which: &[Which], action: Action) -> Turn {
+        for one in which {
+            self.let_through(*one, action);
+        }
+        Turn::Rest
     }
 
     fn next_step_out(&self, stands: BasePose, taken: &[Place]) -> Option<Action> {
@@ -210,15 +214,14 @@ impl Engine {
     }
 
     /// What a robot is wanted to do, if the gate lets it through; else it is wanted again at the next look.
-    fn let_through(&mut self, which: Which, action: Action) {
+    pub(super) fn let_through(&mut self, which: Which, action: Action) {
         let robot = which.robot();
-        let can = |engine: &Engine| engine.may_do(&robot, action);
-        if can(self).is_ok() {
+        if self.may_do(&robot, action).is_ok() {
             self.order_of(&robot, action);
         }
     }
 
-    fn base_view(&self, which: Which) -> BaseView {
+    pub(super) fn base_view(&self, which: Which) -> BaseView {
         let id = which.robot();
         let robot = self.robots.get(&id);
         BaseView {
@@ -230,17 +233,6 @@ impl Engine {
         }
     }
 
-    /// Calls the operator: nothing goes on before the alarm is acknowledged and START given.
-    fn call_operator(&mut self, words: &str) {
-        let Some(retrieval) = self.state.retrieval.clone() else { return };
-        self.world.touch(Resource::Alarms);
-        self.world.write(self.now.wall, Tone::Alarm, words.to_owned());
-        let alarm = self.state.last_alarm.next();
-        self.record(Fact::AlarmRaised(alarm, None, words.to_owned()));
-        self.note_retrieval(Some(Retrieval { call: Some(alarm), ..retrieval }));
-        self.raise(Hold::Alarm, None);
-    }
-
     /// How an arm is now. A piece that is lifted stands nowhere; one that is set down stands where it was held.
     pub(super) fn arm_reported(&mut self, robot: &RobotId, arm: ArmState) {
         let Some(known) = self.robots.get_mut(robot) else { return };
@@ -249,7 +241,8 @@ impl Engine {
         if !self.is_fetching(robot) {
             return;
         }
-        match (before.holds.filter(|_| before.lifted), arm.holds.filter(|_| arm.lifted)) {
+        let off_floor = |arm: ArmState| arm.holds.filter(|_| !arm.on_floor);
+        match (off_floor(before), off_floor(arm)) {
             (None, Some(_)) => self.piece_lifted(),
             (Some(parcel), None) if arm.holds.is_some() => self.piece_set_down(parcel.place),
             (None | Some(_), None) | (Some(_), Some(_)) => {}
@@ -314,13 +307,6 @@ impl Engine {
         if self.close(robot, order).is_some() {
             self.seen = Some(parcel);
         }
-    }
-
-    fn secured(&mut self, luggage: LuggageId) {
-        self.world.touch(Resource::Luggage);
-        self.world.write(self.now.wall, Tone::Info, format!("luggage #{luggage} is in the container"));
-        self.record(Fact::Secured(luggage));
-        self.set_retrieval_stage(RetrievalStage::ComingHome(None));
     }
 }
 

@@ -3,6 +3,7 @@
 
 pub mod arm;
 pub mod fault;
+pub mod kept;
 mod leaves;
 pub mod place;
 pub mod steer;
@@ -13,6 +14,7 @@ pub mod way;
 
 pub use self::arm::{ArmAction, ArmState, Controllers, Gripper, Parcel};
 pub use self::fault::RetrievalFault;
+pub use self::kept::TeamState;
 pub use self::leaves::catalogue;
 pub use self::place::Place;
 pub use self::steer::{Gear, steer};

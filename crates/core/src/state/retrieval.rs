@@ -3,6 +3,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::retrieval::TeamState;
 use crate::settings::Fetcher;
 use crate::units::{AlarmId, Cell, LuggageId};
 
@@ -19,6 +20,8 @@ pub struct Retrieval {
     pub piece: BTreeSet<Cell>,
     /// The robots' last call to the operator, which holds them until it is acknowledged.
     pub call: Option<AlarmId>,
+    /// How the pair's trees stand, once they have been ticked.
+    pub team: Option<TeamState>,
 }
 
 /// How far a retrieval has come.
@@ -28,8 +31,8 @@ pub enum RetrievalStage {
     MakingRoom,
     /// The piece is fetched.
     Fetching,
-    /// It cannot be fetched, for this reason: the robots go back outside.
-    GivingUp(String),
+    /// It is in the container, or cannot be fetched, for this reason: the robots that fetched go back outside.
+    GoingOut(Option<String>),
     /// Everybody is outside: the robot that searches comes home, and then the piece is secured, or for this reason it is not.
     ComingHome(Option<String>),
 }
@@ -41,7 +44,7 @@ impl RetrievalStage {
         match self {
             RetrievalStage::MakingRoom => "makingRoom",
             RetrievalStage::Fetching => "fetching",
-            RetrievalStage::GivingUp(_) => "givingUp",
+            RetrievalStage::GoingOut(_) => "goingOut",
             RetrievalStage::ComingHome(_) => "comingHome",
         }
     }
@@ -50,8 +53,8 @@ impl RetrievalStage {
     #[must_use]
     pub fn reason(&self) -> Option<&str> {
         match self {
-            RetrievalStage::GivingUp(reason) | RetrievalStage::ComingHome(Some(reason)) => Some(reason),
-            RetrievalStage::MakingRoom | RetrievalStage::Fetching | RetrievalStage::ComingHome(None) => None,
+            RetrievalStage::GoingOut(reason) | RetrievalStage::ComingHome(reason) => reason.as_deref(),
+            RetrievalStage::MakingRoom | RetrievalStage::Fetching => None,
         }
     }
 }

@@ -8,16 +8,18 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
+use crate::pair::{Pair, PairSettings};
 use crate::{Hall, Sim, SimSettings};
 use hallsweep_core::command::{Accepted, Command, Door, Issuer, Move, Refused, Request};
 use hallsweep_core::effect::{Action, Effect, Entry, Page};
 use hallsweep_core::engine::Engine;
-use hallsweep_core::event::{Event, RobotEvent, RobotId};
+use hallsweep_core::event::{Event, Piece, RobotEvent, RobotId};
 use hallsweep_core::mission::PhaseName;
+use hallsweep_core::retrieval::{BasePose, Place, Which};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Settings;
-use hallsweep_core::units::{Now, Ticket, WallTime};
+use hallsweep_core::units::{Cell, Now, Pose, Ticket, WallTime};
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// 2026-01-01T08:00:00Z: the day on which every simulated run begins, at a second drawn from its seed.
@@ -30,10 +32,16 @@ pub struct Run {
     pub engine: Engine,
     /// The robot.
     pub sim: Sim,
+    /// The pair that fetches what is dangerous, where there is one.
+    pub pair: Option<Pair>,
     /// Everything that was put on record, in order.
     pub journal: Vec<Entry>,
     /// What the robot has done.
     pub moves: Moves,
+    /// As it was before anything was lifted.
+    hall: Arc<Hall>,
+    /// What was lifted since, and where it lies.
+    moved: BTreeMap<Piece, Option<Cell>>,
     began_ms: i64,
     now: Now,
     open: Option<Action>,
@@ -63,21 +71,41 @@ impl Run {
     /// A robot at home in `hall`. `sim.seed` seeds everything, the clock too.
     #[must_use]
     pub fn new(hall: Arc<Hall>, sim: SimSettings, settings: Settings, strategy: Strategy) -> Run {
+        let mut run = Run::begin(hall, sim, settings, strategy);
+        run.settle();
+        run
+    }
+
+    /// The same, and a pair before the entrance.
+    #[must_use]
+    pub fn with_pair(hall: Arc<Hall>, sim: SimSettings, settings: Settings, strategy: Strategy, pair: PairSettings) -> Run {
+        let mut run = Run::begin(Arc::clone(&hall), sim, settings, strategy);
+        for which in Which::ALL {
+            run.engine.add_robot(which.robot(), run.now);
+        }
+        let outside = BasePose { place: Place::ENTRANCE, heading: Pose::START.heading };
+        run.pair = Some(Pair::new(hall, pair, [outside; 2]));
+        run.settle();
+        run
+    }
+
+    fn begin(hall: Arc<Hall>, sim: SimSettings, settings: Settings, strategy: Strategy) -> Run {
         let seed = sim.seed;
         let second = RandomStream::new(seed, "clock").below(12 * 3600);
         let began_ms = FIRST_DAY_MS + i64::try_from(second).unwrap_or(0) * 1000;
-        let mut run = Run {
+        Run {
             engine: Engine::new(settings, strategy, Arc::from(format!("seed-{seed}"))),
-            sim: Sim::new(hall, sim),
+            sim: Sim::new(Arc::clone(&hall), sim),
+            pair: None,
+            hall,
+            moved: BTreeMap::new(),
             journal: Vec::new(),
             moves: Moves::default(),
             now: Now { since_start: Duration::ZERO, wall: WallTime { unix_ms: began_ms, offset_s: 0 } },
             began_ms,
             open: None,
             answers: BTreeMap::new(),
-        };
-        run.settle();
-        run
+        }
     }
 
     /// Gives a command in the name of the local operator and lets its immediate consequences happen.
@@ -151,7 +179,8 @@ impl Run {
     }
 
     fn next(&self) -> Option<Duration> {
-        [self.sim.poll_timeout(), self.engine.poll_timeout()].into_iter().flatten().min()
+        let pair = self.pair.as_ref().and_then(Pair::poll_timeout);
+        [self.sim.poll_timeout(), pair, self.engine.poll_timeout()].into_iter().flatten().min()
     }
 
     fn wait_until(&mut self, since_start: Duration) {
@@ -159,6 +188,9 @@ impl Run {
         self.now.since_start += passed;
         self.now.wall.unix_ms = self.began_ms + i64::try_from(self.now.since_start.as_millis()).unwrap_or(0);
         self.sim.handle_timeout(self.now);
+        if let Some(pair) = &mut self.pair {
+            pair.handle_timeout(self.now);
+        }
         self.engine.handle_timeout(self.now);
         self.settle();
     }
@@ -173,19 +205,37 @@ impl Run {
             } else if let Some(report) = self.sim.poll_event() {
                 self.count(&report);
                 self.engine.handle_event(Event::Robot(RobotId::discovery(), report), self.now);
+            } else if let Some((which, report)) = self.pair.as_mut().and_then(Pair::poll_event) {
+                self.follow_pair();
+                self.engine.handle_event(Event::Robot(which.robot(), report), self.now);
             } else {
                 break;
             }
         }
     }
 
+    /// What the pair has lifted, the other robot does not meet any more.
+    fn follow_pair(&mut self) {
+        let moved = self.pair.as_ref().map(Pair::moved).unwrap_or_default();
+        if moved != self.moved {
+            self.sim.handle_hall(Arc::new(self.hall.rearranged(&moved)));
+            self.moved = moved;
+        }
+    }
+
     fn perform(&mut self, effect: Effect) {
         match effect {
-            Effect::Order(_, order) => {
-                self.open = Some(order.action);
-                self.sim.handle_order(order, self.now);
-            }
-            Effect::Halt(_) => self.sim.handle_halt(self.now),
+            Effect::Order(robot, order) => match (member(&robot), &mut self.pair) {
+                (Some(which), Some(pair)) => pair.handle_order(which, order, self.now),
+                (Some(_) | None, _) => {
+                    self.open = Some(order.action);
+                    self.sim.handle_order(order, self.now);
+                }
+            },
+            Effect::Halt(robot) => match (member(&robot), &mut self.pair) {
+                (Some(which), Some(pair)) => pair.handle_halt(which, self.now),
+                (Some(_) | None, _) => self.sim.handle_halt(self.now),
+            },
             Effect::Led(_, blinks) => self.sim.handle_led(blinks),
             Effect::Record(page) => self.record(page),
             Effect::Answer(ticket, answer) => drop(self.answers.insert(ticket, answer)),
@@ -206,4 +256,8 @@ impl Run {
             _ => {}
         }
     }
+}
+
+fn member(robot: &RobotId) -> Option<Which> {
+    Which::ALL.into_iter().find(|which| which.robot() == *robot)
 }

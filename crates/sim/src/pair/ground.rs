@@ -57,6 +57,10 @@ impl Ground {
         self.moved.iter().filter_map(|(piece, place)| Some((*piece, (*place)?)))
     }
 
+    pub(super) fn moved(&self) -> impl Iterator<Item = (Piece, Option<Place>)> {
+        self.moved.iter().map(|(piece, place)| (*piece, *place))
+    }
+
     /// What is in a cell, the bases aside.
     pub(super) fn truth(&self, cell: Cell) -> Truth {
         if self.closed.contains(&cell) {

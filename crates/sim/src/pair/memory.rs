@@ -6,7 +6,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::super::hall::Hall;
+use super::super::hall::{Hall, Truth};
 use super::super::memory::{micro, reseeded, whole};
 use super::grip::{Grip, Held};
 use super::robot::{Astray, Robot, Run, Task, Work};
@@ -19,6 +19,9 @@ use hallsweep_core::units::{Cell, Now};
 
 /// A robot halts by itself at most this long after the program has died (safety S5), in simulated time.
 const WATCHDOG: Duration = Duration::from_millis(500);
+
+/// A quarter turn, and what rounding may add.
+const QUARTER_URAD: u64 = 1_570_797;
 
 /// What the pair keeps.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -130,6 +133,29 @@ impl PairMemory {
             }
         }
         self
+    }
+
+    /// Whether all of this can be in that hall: its pieces are there, and the robots stand on free floor or before the entrance.
+    #[must_use]
+    pub fn fits(&self, hall: &Hall) -> bool {
+        let is_there = |piece: Piece| hall.pieces().iter().any(|bag| bag.piece == piece);
+        let held = self.grip.iter().map(|grip| grip.parcel.piece);
+        let pieces = self.lying.iter().map(|(piece, _)| *piece).chain(self.taken_in.iter().copied()).chain(held);
+        let lying = self.lying.iter().map(|(piece, place)| (*piece, place.cell()));
+        let gone = self.taken_in.iter().copied().chain(self.grip.filter(|grip| grip.height > 0).map(|grip| grip.parcel.piece));
+        let now = hall.rearranged(&lying.chain(gone.map(|piece| (piece, None))).collect());
+        let stands = |robot: &RobotMemory| match robot.stands.place {
+            Place::Cell(cell) => now.truth(cell) == Truth::Free && !self.closed.contains(&cell),
+            Place::Outside(steps) => (1..=Place::FURTHEST).contains(&steps),
+        };
+        let near = |robot: &RobotMemory, astray: AstrayMemory| match astray {
+            AstrayMemory::Along(to, way) => to.is_beside(robot.stands.place) && (0..=1_000_000).contains(&way),
+            AstrayMemory::Turned(angle) => angle.unsigned_abs() <= QUARTER_URAD,
+            AstrayMemory::Not => true,
+        };
+        let moves =
+            |robot: &RobotMemory| near(robot, robot.astray) && robot.motion.as_ref().is_none_or(|(to, _)| near(robot, *to));
+        pieces.into_iter().all(is_there) && self.robots.iter().all(|robot| stands(robot) && moves(robot))
     }
 
     pub(super) fn robots(&self) -> [Robot; 2] {

@@ -13,13 +13,14 @@ mod grip;
 mod ground;
 mod memory;
 mod orders;
+pub mod page;
 mod passing;
 mod robot;
 mod settings;
 #[cfg(test)]
 mod tests;
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -133,6 +134,12 @@ impl Pair {
         !in_use
     }
 
+    /// Whether one of them waits for the other to be told its part of what only both can do.
+    #[must_use]
+    pub fn awaits_the_other(&self) -> bool {
+        self.robots.iter().any(|robot| robot.task.as_ref().is_some_and(|task| task.run.is_none()))
+    }
+
     /// Whether a robot has an order under way.
     #[must_use]
     pub const fn is_busy(&self, which: Which) -> bool {
@@ -205,6 +212,12 @@ impl Pair {
     #[must_use]
     pub fn lying(&self) -> Vec<(Piece, Place)> {
         self.ground.lying().collect()
+    }
+
+    /// Every piece that was ever lifted, and the cell in which it lies now; `None` where it lies in none.
+    #[must_use]
+    pub fn moved(&self) -> BTreeMap<Piece, Option<Cell>> {
+        self.ground.moved().map(|(piece, place)| (piece, place.and_then(Place::cell))).collect()
     }
 
     /// How well parcels were held while they were off the floor.

@@ -1,0 +1,160 @@
+//! The pair's trees at work in the hall: when they are ticked, what they see, and what becomes of what they want. All they propose
+//! goes through the one gate; while anything holds the pair nobody ticks them, so their time stands still.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::Engine;
+use super::motion::Turn;
+use crate::effect::Fact;
+use crate::mission::{Hold, Phase};
+use crate::retrieval::team::TICK;
+use crate::retrieval::{Place, Proposal, Saying, Stage, Team, View, Which};
+use crate::settings::Fetcher;
+use crate::state::{Retrieval, RetrievalStage};
+use crate::world::log::Tone;
+use crate::world::resource::Resource;
+use crate::world::retrieval::{TreeView, TreesView};
+
+/// The trees, and when they were last ticked.
+#[derive(Clone, Debug)]
+pub(super) struct Ticked {
+    pub(super) team: Team,
+    /// Since the start of the program; `None` before the first tick, and after a hold.
+    at: Option<Duration>,
+    /// Something has happened since: the next tick waits for no more.
+    is_awake: bool,
+}
+
+impl Engine {
+    /// When the trees are to be ticked next.
+    pub(super) fn tick_due(&self) -> Option<Duration> {
+        let ticked = self.team.as_ref().filter(|_| self.is_fetching_by_trees())?;
+        Some(ticked.at.map_or(self.now.since_start, |at| at.saturating_add(TICK)))
+    }
+
+    fn is_fetching_by_trees(&self) -> bool {
+        let fetching =
+            |retrieval: &Retrieval| (&retrieval.stage, retrieval.fetcher) == (&RetrievalStage::Fetching, Fetcher::Pair);
+        self.state.phase == Phase::Retrieving
+            && self.state.retrieval.as_ref().is_some_and(fetching)
+            && self.may_move(self.robots.searching_id()).is_ok()
+    }
+
+    /// One of the pair has said something, or something was kept: the trees look at once.
+    pub(super) fn wake_team(&mut self) {
+        if let Some(ticked) = &mut self.team {
+            ticked.is_awake = true;
+        }
+    }
+
+    /// Time that passes under a hold is none of the trees'.
+    pub(super) fn stop_trees_clock(&mut self) {
+        if let Some(ticked) = &mut self.team {
+            ticked.at = None;
+        }
+    }
+
+    /// Ticks the trees when their time has come, and carries out what they come to.
+    pub(super) fn fetch(&mut self) -> Turn {
+        let mut ticked = self.team.take().unwrap_or_else(|| self.resumed_team());
+        let now = self.now.since_start;
+        if !ticked.is_awake && ticked.at.is_some_and(|at| now < at.saturating_add(TICK)) {
+            self.team = Some(ticked);
+            return Turn::Rest;
+        }
+        let since_last = ticked.at.map_or(Duration::ZERO, |at| now.saturating_sub(at));
+        (ticked.at, ticked.is_awake) = (Some(now), false);
+        if let Some(found) = self.seen.take() {
+            ticked.team.handle_found(found, self.wanted_piece());
+        }
+        let turn = self.with_view(|view| ticked.team.tick(view, since_last));
+        let outcome = ticked.team.stage().clone();
+        let words = ticked.team.words().map(str::to_owned);
+        self.note_tick(&ticked.team);
+        self.team = Some(ticked);
+        for Proposal { which, action } in turn.proposals {
+            self.let_through(which, action);
+        }
+        for saying in turn.sayings {
+            self.call_operator(saying);
+        }
+        match outcome {
+            Stage::Working | Stage::Lost => Turn::Rest,
+            Stage::Done => self.secured(),
+            Stage::Faulted(fault) => {
+                let more = words.map(|words| format!(" ({words})")).unwrap_or_default();
+                self.set_retrieval_stage(RetrievalStage::GoingOut(Some(format!("{}{more}", fault.in_words()))));
+                Turn::Again
+            }
+        }
+    }
+
+    fn resumed_team(&mut self) -> Ticked {
+        let kept = self.state.retrieval.as_ref().and_then(|retrieval| retrieval.team.clone());
+        let team = kept.map(Team::resume).and_then(|team| match team {
+            Ok(team) => Some(team),
+            Err(why) => {
+                self.world.write(self.now.wall, Tone::Warning, format!("the pair's trees begin anew: {why}"));
+                None
+            }
+        });
+        Ticked { team: team.unwrap_or_default(), at: None, is_awake: true }
+    }
+
+    fn wanted_piece(&self) -> Option<crate::event::Piece> {
+        let luggage = self.state.retrieval.as_ref()?.luggage;
+        self.state.luggage.get(&luggage)?.piece
+    }
+
+    /// What the leaves see.
+    fn with_view<T>(&self, look: impl FnOnce(&View<'_>) -> T) -> T {
+        let nothing = std::collections::BTreeSet::new();
+        let view = View {
+            map: &self.state.map,
+            way_out: true,
+            others: &[],
+            piece: self.state.retrieval.as_ref().map_or(&nothing, |retrieval| &retrieval.piece),
+            wanted: self.wanted_piece(),
+            target: Place::ENTRANCE,
+            bases: Which::ALL.map(|which| self.base_view(which)),
+            is_calling: self.is_calling(),
+        };
+        look(&view)
+    }
+
+    /// What is shown of the trees is new with each tick; on record goes what they could not go on without.
+    fn note_tick(&mut self, team: &Team) {
+        let ticks = self.trees.ticks + 1;
+        let blackboard = team.blackboard().entries();
+        let held = blackboard.filter_map(|entry| Some((Arc::from(entry.name()), entry.value()?.to_string())));
+        self.trees =
+            Arc::new(TreesView { ticks, trees: team.trees().iter().map(TreeView::of).collect(), blackboard: held.collect() });
+        let state = team.state();
+        let Some(retrieval) = self.state.retrieval.clone() else { return };
+        if !retrieval.team.as_ref().is_some_and(|kept| kept.stands_as(&state)) {
+            self.note_retrieval(Some(Retrieval { team: Some(state), ..retrieval }));
+        }
+    }
+
+    /// Nothing goes on before the alarm is acknowledged and START given.
+    fn call_operator(&mut self, saying: Saying) {
+        let Some(retrieval) = self.state.retrieval.clone() else { return };
+        let words = format!("luggage #{}: {}", retrieval.luggage, saying.in_words());
+        self.world.touch(Resource::Alarms);
+        self.world.write(self.now.wall, Tone::Alarm, words.clone());
+        let alarm = self.state.last_alarm.next();
+        self.record(Fact::AlarmRaised(alarm, None, words));
+        self.note_retrieval(Some(Retrieval { call: Some(alarm), ..retrieval }));
+        self.raise(Hold::Alarm, None);
+    }
+
+    fn secured(&mut self) -> Turn {
+        let Some(luggage) = self.state.retrieval.as_ref().map(|retrieval| retrieval.luggage) else { return Turn::Rest };
+        self.world.touch(Resource::Luggage);
+        self.world.write(self.now.wall, Tone::Info, format!("luggage #{luggage} is in the container"));
+        self.record(Fact::Secured(luggage));
+        self.set_retrieval_stage(RetrievalStage::GoingOut(None));
+        Turn::Again
+    }
+}

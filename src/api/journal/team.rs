@@ -1,0 +1,132 @@
+//! The pair's trees in the journal: how they stood after a tick that changed something, so that they go on from there after a restart, and
+//! so that a run can be looked at again.
+
+use serde::{Deserialize, Serialize};
+
+use super::Unparsed;
+use super::places::Point;
+use hallsweep_core::behaviour::{Status, Value, ValueType};
+use hallsweep_core::event::Piece;
+use hallsweep_core::retrieval::{Parcel, Place, RetrievalFault, Stage, TeamState};
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct TeamShape {
+    /// SRM1, SRM2 and the Supervisor, each a line.
+    trees: [String; 3],
+    said: [String; 3],
+    /// Of each entry its name, the word for what kind of value it holds, and the value.
+    blackboard: Vec<[String; 3]>,
+    stage: StageShape,
+    losses: u32,
+    has_called: bool,
+    dropped: Option<ParcelShape>,
+    delivered: Vec<u32>,
+    runs: u32,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+enum StageShape {
+    Working,
+    Lost,
+    Done,
+    Faulted(String),
+}
+
+#[derive(Serialize, Deserialize)]
+struct ParcelShape {
+    piece: u32,
+    place: PlaceShape,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+enum PlaceShape {
+    Cell(Point),
+    Outside(u8),
+}
+
+impl From<&TeamState> for TeamShape {
+    fn from(team: &TeamState) -> TeamShape {
+        let entry = |(name, value): &(String, Value)| [name.clone(), value.value_type().word().to_owned(), value.to_string()];
+        TeamShape {
+            trees: team.trees.each_ref().map(ToString::to_string),
+            said: team.said.map(|status| status.word().to_owned()),
+            blackboard: team.blackboard.iter().map(entry).collect(),
+            stage: match &team.stage {
+                Stage::Working => StageShape::Working,
+                Stage::Lost => StageShape::Lost,
+                Stage::Done => StageShape::Done,
+                Stage::Faulted(fault) => StageShape::Faulted(fault.name().to_owned()),
+            },
+            losses: team.losses,
+            has_called: team.has_called,
+            dropped: team.dropped.map(ParcelShape::from),
+            delivered: team.delivered.iter().map(|piece| piece.0).collect(),
+            runs: team.runs,
+        }
+    }
+}
+
+impl TeamShape {
+    pub(super) fn team(self) -> Result<TeamState, Unparsed> {
+        let unparsed = |what: &str| Unparsed(format!("the pair's trees: {what}"));
+        let tree = |text: &String| text.parse().map_err(|error| unparsed(&format!("{error}")));
+        let status = |word: &String| Status::named(word).ok_or_else(|| unparsed(&format!("nothing stands as {word:?}")));
+        let [one, two, three] = &self.trees;
+        let [first, second, third] = &self.said;
+        Ok(TeamState {
+            trees: [tree(one)?, tree(two)?, tree(three)?],
+            said: [status(first)?, status(second)?, status(third)?],
+            blackboard: self
+                .blackboard
+                .into_iter()
+                .map(entry)
+                .collect::<Option<_>>()
+                .ok_or_else(|| unparsed("an entry is none"))?,
+            stage: self.stage.stage().ok_or_else(|| unparsed("nothing faults like that"))?,
+            losses: self.losses,
+            has_called: self.has_called,
+            dropped: self.dropped.map(Parcel::from),
+            delivered: self.delivered.into_iter().map(Piece).collect(),
+            runs: self.runs,
+        })
+    }
+}
+
+fn entry([name, kind, text]: [String; 3]) -> Option<(String, Value)> {
+    let kind = ValueType::ALL.into_iter().find(|known| known.word() == kind)?;
+    Some((name, Value::parse(&text, kind)?))
+}
+
+impl StageShape {
+    fn stage(self) -> Option<Stage> {
+        Some(match self {
+            StageShape::Working => Stage::Working,
+            StageShape::Lost => Stage::Lost,
+            StageShape::Done => Stage::Done,
+            StageShape::Faulted(name) => Stage::Faulted(RetrievalFault::ALL.into_iter().find(|fault| fault.name() == name)?),
+        })
+    }
+}
+
+impl From<Parcel> for ParcelShape {
+    fn from(parcel: Parcel) -> ParcelShape {
+        let place = match parcel.place {
+            Place::Cell(cell) => PlaceShape::Cell(cell.into()),
+            Place::Outside(steps) => PlaceShape::Outside(steps),
+        };
+        ParcelShape { piece: parcel.piece.0, place }
+    }
+}
+
+impl From<ParcelShape> for Parcel {
+    fn from(parcel: ParcelShape) -> Parcel {
+        let place = match parcel.place {
+            PlaceShape::Cell(point) => Place::Cell(point.into()),
+            PlaceShape::Outside(steps) => Place::Outside(steps),
+        };
+        Parcel { piece: Piece(parcel.piece), place }
+    }
+}

@@ -1,0 +1,102 @@
+//! The simulated pair before it is started: where it was left, and what becomes of it when that was before another hall or is not known.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use tokio::sync::watch;
+
+use super::pair_link::{self, Moved};
+use super::pair_state_file::PairStateFile;
+use super::settings::speed;
+use super::state_file::StateFileError;
+use crate::config::RobotSettings;
+use crate::robots::Adapter;
+use crate::runtime::clock::Clock;
+use hallsweep_core::event::RobotId;
+use hallsweep_core::retrieval::{BasePose, Place, Which};
+use hallsweep_core::units::Pose;
+use hallsweep_sim::pair::{Pair, PairMemory, PairSettings};
+use hallsweep_sim::{Hall, Speed};
+
+pub(in crate::robots) struct SimPair {
+    hall: Arc<Hall>,
+    settings: PairSettings,
+    speed: Speed,
+    remembered: Remembered,
+    moved: watch::Sender<Moved>,
+}
+
+enum Remembered {
+    /// Nothing, and nothing will be written down.
+    Nothing,
+    Here(PairStateFile, Option<Box<PairMemory>>),
+    /// It was left before another hall, as the state file in this folder says.
+    Elsewhere(PathBuf),
+    /// It may be anywhere, for this reason.
+    Lost(String),
+}
+
+impl SimPair {
+    /// As quick as the robot that searches, and of the same seed.
+    pub(in crate::robots) fn new(hall: Arc<Hall>, robot: &RobotSettings) -> SimPair {
+        let settings = PairSettings { way_out: true, ..PairSettings::new(robot.seed, Place::ENTRANCE) };
+        let moved = watch::Sender::new(Moved::new());
+        SimPair { hall, settings, speed: speed(robot.speed), remembered: Remembered::Nothing, moved }
+    }
+
+    pub(in crate::robots) fn ids() -> [RobotId; 2] {
+        Which::ALL.map(Which::robot)
+    }
+
+    /// What it has lifted, for the robots that would meet it.
+    pub(in crate::robots) fn moved(&self) -> watch::Receiver<Moved> {
+        self.moved.subscribe()
+    }
+
+    pub(in crate::robots) fn recall(&mut self, folder: &Path) {
+        self.remembered = match PairStateFile::open(folder, &self.hall) {
+            Ok((state_file, memory)) => Remembered::Here(state_file, memory.map(Box::new)),
+            Err(StateFileError::OtherHall { .. }) => Remembered::Elsewhere(folder.to_owned()),
+            Err(lost) => Remembered::Lost(lost.to_string()),
+        };
+    }
+
+    /// Why nobody knows where it is, when that is so.
+    pub(in crate::robots) fn lost(&self) -> Option<&str> {
+        if let Remembered::Lost(lost) = &self.remembered { Some(lost) } else { None }
+    }
+
+    /// Puts it down before this hall when it was left before another.
+    pub(in crate::robots) fn put_down(&mut self) {
+        if let Remembered::Elsewhere(folder) = &self.remembered {
+            self.remembered = Remembered::Here(PairStateFile::begin_anew(folder, &self.hall), None);
+        }
+    }
+
+    pub(in crate::robots) fn keep_other_hall(&mut self) {
+        if matches!(self.remembered, Remembered::Here(_, None)) {
+            self.remembered = Remembered::Nothing;
+        }
+    }
+
+    /// What is run for SRM1 and SRM2. The links to a pair that may be anywhere stay down.
+    pub(in crate::robots) fn adapters(self, clock: Clock) -> [Adapter; 2] {
+        let SimPair { hall, settings, speed, remembered, moved } = self;
+        let (memory, state_file) = match remembered {
+            Remembered::Lost(lost) => {
+                tracing::error!(lost, "nobody knows where the simulated pair was left: it is not started");
+                return [(), ()].map(|()| -> Adapter { Box::new(|side| Box::pin(async move { side.reports.closed().await })) });
+            }
+            Remembered::Here(state_file, memory) => (memory, Some(state_file)),
+            Remembered::Nothing | Remembered::Elsewhere(_) => (None, None),
+        };
+        let pair = move |now| match memory {
+            Some(memory) => Pair::remembering(hall, settings, *memory, now),
+            None => {
+                let outside = BasePose { place: Place::ENTRANCE, heading: Pose::START.heading };
+                Pair::new(hall, settings, [outside; 2])
+            }
+        };
+        pair_link::adapters(pair, clock, speed, state_file, moved)
+    }
+}

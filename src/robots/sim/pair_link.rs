@@ -1,0 +1,236 @@
+//! Joins the simulated pair to the loop: the links of both robots, which one parcel couples, timers, the speed of time, and the thread on
+//! which the state file is written. What the pair does is decided by `hallsweep_sim::pair`; this is the only file of it that waits.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use tokio::sync::{mpsc, oneshot, watch};
+use tokio::task::JoinHandle;
+use tokio::time::Instant;
+
+use super::pair_state_file::PairStateFile;
+use crate::robots::Adapter;
+use crate::runtime::clock::Clock;
+use crate::runtime::link::{RobotSide, Stamped};
+use hallsweep_core::effect::Order;
+use hallsweep_core::event::{Capabilities, Piece, RobotEvent};
+use hallsweep_core::retrieval::Which;
+use hallsweep_core::units::{Cell, Now};
+use hallsweep_sim::pair::Pair;
+use hallsweep_sim::{Speed, times};
+
+/// Timers are not set further ahead than this; then it is looked again.
+const LONGEST_WAIT: Duration = Duration::from_secs(3600);
+
+/// So long after the state file could not be written it is tried again, when nothing new has happened before.
+const WRITTEN_AGAIN: Duration = Duration::from_secs(1);
+
+/// Every piece that was lifted, and where it lies now.
+pub(in crate::robots) type Moved = BTreeMap<Piece, Option<Cell>>;
+
+/// What runs the pair for SRM1 and for SRM2: the second hands its link to the first, which drives both.
+pub(super) fn adapters(
+    pair: impl FnOnce(Now) -> Pair + Send + 'static,
+    clock: Clock,
+    speed: Speed,
+    state_file: Option<PairStateFile>,
+    moved: watch::Sender<Moved>,
+) -> [Adapter; 2] {
+    let (hand_over, other) = oneshot::channel::<RobotSide>();
+    let first: Adapter = Box::new(move |side| {
+        Box::pin(async move {
+            let Ok(other) = other.await else { return };
+            let began = clock.now();
+            let pair = pair(Now { since_start: Duration::ZERO, ..began });
+            let link = PairLink {
+                pair,
+                sides: [side, other],
+                clock,
+                speed,
+                began: began.since_start,
+                skipped: Duration::ZERO,
+                report: None,
+                obeyed: [0; 2],
+                state_file,
+                writing: None,
+                write_again: None,
+                moved,
+            };
+            link.run().await;
+        })
+    });
+    let second: Adapter = Box::new(move |side| {
+        Box::pin(async move {
+            let reports = side.reports.clone();
+            if hand_over.send(side).is_ok() {
+                reports.closed().await;
+            }
+        })
+    });
+    [first, second]
+}
+
+struct PairLink {
+    pair: Pair,
+    /// Of SRM1 and SRM2.
+    sides: [RobotSide; 2],
+    clock: Clock,
+    speed: Speed,
+    /// When simulated time began, by the real clock.
+    began: Duration,
+    /// The simulated time that was jumped over.
+    skipped: Duration,
+    /// A report on its way, and whose it is. Until it is taken nothing but a halt is listened to.
+    report: Option<(Which, RobotEvent)>,
+    /// Of each the halts of which the last order that was begun knew.
+    obeyed: [u64; 2],
+    /// The state file, while it is not being written.
+    state_file: Option<PairStateFile>,
+    /// The state file being written; until it is done nothing else goes on.
+    writing: Option<JoinHandle<PairStateFile>>,
+    /// When what could not be written is tried again, by the real clock.
+    write_again: Option<Duration>,
+    /// What the robot that searches will not meet any more.
+    moved: watch::Sender<Moved>,
+}
+
+impl PairLink {
+    async fn run(mut self) {
+        loop {
+            self.tell_moved();
+            self.write();
+            self.next_report();
+            let free = self.report.is_none() && self.writing.is_none();
+            let is_busy = Which::ALL.into_iter().any(|which| self.pair.is_busy(which));
+            let jumps = free && self.speed == Speed::Max && is_busy && !self.pair.awaits_the_other();
+            let wake = self.wake();
+            let [one, two] = &mut self.sides;
+            tokio::select! {
+                biased;
+                halts = one.halts.raised() => self.halt(Which::Srm1, halts.count),
+                halts = two.halts.raised() => self.halt(Which::Srm2, halts.count),
+                sent = hand_over([&one.reports, &two.reports], &mut self.report), if self.report.is_some() => if !sent { return },
+                state_file = written(&mut self.writing) => self.written(state_file),
+                given = one.orders.recv(), if free => match given {
+                    Some(stamped) => self.order(Which::Srm1, stamped),
+                    None => return,
+                },
+                given = two.orders.recv(), if free => match given {
+                    Some(stamped) => self.order(Which::Srm2, stamped),
+                    None => return,
+                },
+                () = std::future::ready(()), if jumps => self.jump(),
+                () = tokio::time::sleep_until(wake), if free => {
+                    let now = self.now();
+                    self.pair.handle_timeout(now);
+                }
+            }
+        }
+    }
+
+    fn now(&self) -> Now {
+        let Now { since_start, wall } = self.clock.now();
+        let passed = times(since_start.saturating_sub(self.began), self.speed.pace());
+        Now { since_start: passed.saturating_add(self.skipped), wall }
+    }
+
+    /// When the simulation has to be looked at again, by the real clock.
+    fn wake(&self) -> Instant {
+        let wait = self.pair.poll_timeout().map(|at| at.saturating_sub(self.now().since_start));
+        let wait = wait.map_or(LONGEST_WAIT, |wait| times(wait, 1.0 / self.speed.pace()).min(LONGEST_WAIT));
+        let at = self.clock.now().since_start + wait;
+        self.clock.instant(self.write_again.map_or(at, |again| again.min(at)))
+    }
+
+    fn tell_moved(&self) {
+        let now = self.pair.moved();
+        self.moved.send_if_modified(|moved| {
+            let is_news = *moved != now;
+            *moved = now;
+            is_news
+        });
+    }
+
+    /// Begins to write down what has changed, or what is still owed when its time has come.
+    fn write(&mut self) {
+        let Some(mut state_file) = self.state_file.take() else { return };
+        let again = self.write_again.is_some_and(|at| at <= self.clock.now().since_start);
+        let Some(memory) = self.pair.poll_memory().or_else(|| state_file.owed().filter(|_| again).cloned()) else {
+            self.state_file = Some(state_file);
+            return;
+        };
+        self.writing = Some(tokio::task::spawn_blocking(move || {
+            state_file.keep(memory);
+            state_file
+        }));
+    }
+
+    fn written(&mut self, state_file: Option<PairStateFile>) {
+        let owes = state_file.as_ref().is_some_and(|state_file| state_file.owed().is_some());
+        self.write_again = owes.then(|| self.clock.now().since_start + WRITTEN_AGAIN);
+        self.state_file = state_file;
+    }
+
+    /// Takes the next report, unless one is on its way already, or what it follows from is not written down yet.
+    fn next_report(&mut self) {
+        if self.report.is_some() || self.writing.is_some() {
+            return;
+        }
+        self.report = self.pair.poll_event();
+        if let Some((which, RobotEvent::LinkUp(can))) = self.report {
+            self.report = Some((which, RobotEvent::LinkUp(self.in_real_time(can))));
+        }
+    }
+
+    fn in_real_time(&self, simulated: Capabilities) -> Capabilities {
+        let Capabilities { step, turn, photo, arm, .. } = simulated;
+        let real = |time| self.speed.to_real(time);
+        Capabilities { step: real(step), turn: real(turn), photo: real(photo), arm: real(arm), ..simulated }
+    }
+
+    /// A halt concerns what was begun before it was raised: an order may have overtaken the news of a halt that it knows of.
+    fn halt(&mut self, which: Which, count: u64) {
+        if self.obeyed[which.index()] < count {
+            let now = self.now();
+            self.pair.handle_halt(which, now);
+        }
+    }
+
+    fn order(&mut self, which: Which, Stamped { order, halts }: Stamped) {
+        if halts < self.sides[which.index()].halts.now().count && order.action.is_motion() {
+            let (_, off_centre) = self.pair.stands(which);
+            self.report = Some((which, RobotEvent::Halted(order.id, off_centre)));
+            return;
+        }
+        self.obeyed[which.index()] = halts;
+        let deadline = self.speed.to_simulated(order.deadline);
+        let now = self.now();
+        self.pair.handle_order(which, Order { deadline, ..order }, now);
+    }
+
+    fn jump(&mut self) {
+        if let Some(at) = self.pair.poll_timeout() {
+            self.skipped += at.saturating_sub(self.now().since_start);
+        }
+        let now = self.now();
+        self.pair.handle_timeout(now);
+    }
+}
+
+/// Sends the report to its robot's end as soon as there is room for it; false when nobody receives any more.
+async fn hand_over(ends: [&mpsc::Sender<RobotEvent>; 2], report: &mut Option<(Which, RobotEvent)>) -> bool {
+    let Some(which) = report.as_ref().map(|(which, _)| *which) else { return true };
+    let Ok(room) = ends[which.index()].reserve().await else { return false };
+    if let Some((_, report)) = report.take() {
+        room.send(report);
+    }
+    true
+}
+
+/// Waits for the state file being written; for ever when it is not.
+async fn written(writing: &mut Option<JoinHandle<PairStateFile>>) -> Option<PairStateFile> {
+    let Some(under_way) = writing else { return std::future::pending().await };
+    let state_file = under_way.await.ok();
+    *writing = None;
+    state_file
+}
