@@ -16,6 +16,7 @@ mod failure;
 pub mod healthcheck;
 pub mod journal;
 mod link;
+pub mod pallet;
 pub mod roomba;
 pub mod serve;
 pub mod token;
@@ -42,6 +43,8 @@ pub enum Task {
     Serve(Serve),
     /// Run one mission without doors at full speed, and print the map and what it came to.
     Explore(explore::Explore),
+    /// Let two mobile manipulators carry parcels from a pallet to a target area, and print the phases and what it came to.
+    Pallet(pallet::Pallet),
     /// Ask a running hallsweep whether it is well: exit code 0 if so, 1 if not.
     Healthcheck(Healthcheck),
     /// Show, add, replace and remove the keys by which people and programs get in.
@@ -191,6 +194,7 @@ mod tests {
         match cli.task() {
             Task::Serve(serve) => serve.flags().into_iter().map(|flag| (flag.key, flag.value)).collect(),
             other @ (Task::Explore(_)
+            | Task::Pallet(_)
             | Task::Healthcheck(_)
             | Task::Journal(_)
             | Task::Roomba(_)

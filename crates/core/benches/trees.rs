@@ -7,7 +7,7 @@
     reason = "a benchmark looks at the clock and prints"
 )]
 
-#[path = "common/goals.rs"]
+#[path = "../../../benches/common/goals.rs"]
 #[expect(dead_code, reason = "the rival is always there, and no goal was missed before")]
 mod goals;
 
