@@ -8,7 +8,6 @@ mod leaves;
 pub mod place;
 pub mod steer;
 pub mod team;
-mod team_state;
 pub mod view;
 pub mod way;
 
@@ -19,6 +18,5 @@ pub use self::leaves::catalogue;
 pub use self::place::Place;
 pub use self::steer::{Gear, steer};
 pub use self::team::{Stage, Team, Turn};
-pub use self::team_state::TeamState;
 pub use self::view::{BasePose, BaseView, Proposal, Saying, View, Which};
 pub use self::way::{Floor, Stands, Train};

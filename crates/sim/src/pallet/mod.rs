@@ -27,7 +27,7 @@ use super::pair::{Holding, Mishaps, Pair, PairSettings};
 use hallsweep_core::behaviour::log::TickLog;
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::retrieval::team::TICK;
-use hallsweep_core::retrieval::{Stage, Team, TeamState, Which};
+use hallsweep_core::retrieval::{Stage, Team, Which};
 use hallsweep_core::units::{Cell, Now, WallTime};
 
 /// The longest run for each parcel, in simulated time: a hundred times what one takes.
@@ -194,11 +194,9 @@ impl PalletRun {
     }
 
     /// The program dies and is started again: the pair stands as it stood, halted by itself, with its parcel in its grip, and waits for
-    /// START; orders that were open are answered by nobody. The trees go on from their written state.
+    /// START; orders that were open are answered by nobody. The trees go on from their kept state.
     pub fn restart(&mut self) {
-        let kept: TeamState = self.team.state().to_string().parse().expect("a state is read as it is written");
-        self.team = Team::new();
-        self.team.resume(kept).expect("they are the same trees");
+        self.team = Team::resume(self.team.state()).expect("they are the same trees");
         self.held_before.join(self.pair.holding());
         self.pair = Pair::remembering(Arc::clone(&self.yard.hall), self.settings.clone(), self.pair.memory(), self.now());
         self.crew.forget_orders();
