@@ -18,6 +18,9 @@ pub enum Failure {
     /// The keys cannot be had, kept or changed: exit code 1.
     #[error(transparent)]
     Access(#[from] AccessError),
+    /// It was started with flags that do not fit together: exit code 2.
+    #[error("{0}")]
+    Usage(String),
     /// It could not do what it was asked: exit code 1.
     #[error("{0}")]
     Run(String),
@@ -30,7 +33,7 @@ impl Failure {
     /// 2 for a wrong start, 1 for a failed run.
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            Failure::Settings(_) | Failure::App(AppError::Hall(_) | AppError::Tls(_)) => ExitCode::from(2),
+            Failure::Settings(_) | Failure::Usage(_) | Failure::App(AppError::Hall(_) | AppError::Tls(_)) => ExitCode::from(2),
             Failure::Tree(_, code) => ExitCode::from(*code),
             Failure::App(_) | Failure::Access(_) | Failure::Run(_) => ExitCode::from(1),
         }

@@ -117,8 +117,8 @@ impl Pallet {
         let mut asked = Asked::default();
         for AskedFault { mishap, parcel } in self.faults.iter().copied() {
             if parcel > self.parcels {
-                let words = format!("--fault names parcel {parcel}, and there are {} on the pallet", self.parcels);
-                return Err(Failure::Run(words));
+                let words = format!("--fault names parcel {parcel}, and --parcels puts {} on the pallet", self.parcels);
+                return Err(Failure::Usage(words));
             }
             match mishap {
                 Mishap::Lost => asked.mishaps.slips.push(Slip { parcel, after_steps: LOST_AFTER }),
@@ -156,7 +156,7 @@ mod tests {
             assert!(wrong.parse::<AskedFault>().is_err(), "{wrong}");
         }
         let words = flags(1, &["lost@2"]).asked().map(drop).unwrap_err().to_string();
-        assert_eq!(words, "--fault names parcel 2, and there are 1 on the pallet");
+        assert_eq!(words, "--fault names parcel 2, and --parcels puts 1 on the pallet");
     }
 
     #[test]

@@ -250,3 +250,89 @@ impl Default for Team {
         Team::new()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::effect::Action;
+    use crate::retrieval::{ArmState, BasePose, BaseView, Place};
+    use crate::units::{Cell, Heading, Revision};
+    use crate::world::hall_map::HallMap;
+
+    /// What is looked at: the two at these places, and a piece in this cell.
+    fn ticked(team: &mut Team, places: [Place; 2], piece: Option<Cell>, failures: u32) -> Turn {
+        let map = HallMap::new(Cell::HOME, Revision(0));
+        let piece: BTreeSet<Cell> = piece.into_iter().collect();
+        let base = |place| BaseView {
+            stands: BasePose { place, heading: Heading::East },
+            off_centre: false,
+            open: None,
+            failures,
+            arm: ArmState::default(),
+        };
+        let view = View {
+            map: &map,
+            way_out: true,
+            others: &[],
+            piece: &piece,
+            wanted: Some(Piece(7)),
+            target: Place::ENTRANCE,
+            bases: places.map(base),
+            is_calling: false,
+        };
+        team.tick(&view, TICK)
+    }
+
+    fn seen(team: &Team) -> Option<&str> {
+        team.blackboard().get(super::super::leaves::SEEN)?.as_text()
+    }
+
+    #[test]
+    fn another_piece_than_the_one_it_was_sent_for_counts_as_not_recognised() {
+        let mut team = Team::new();
+        let found = |piece| Some(Parcel { piece: Piece(piece), place: Place::Cell(Cell::new(3, 4)) });
+        team.handle_found(found(6), Some(Piece(7)));
+        assert_eq!(seen(&team), Some("none"));
+        team.handle_found(found(7), Some(Piece(7)));
+        assert_eq!(seen(&team), Some("3;4"));
+        team.handle_found(found(6), None);
+        assert_eq!(seen(&team), Some("3;4"), "any will do");
+    }
+
+    #[test]
+    fn srm1_comes_in_first_and_srm2_stays_until_it_has_been_told_where_to() {
+        let mut team = Team::new();
+        let turn = ticked(&mut team, [Place::ENTRANCE; 2], Some(Cell::new(3, 3)), 0);
+        assert_eq!(turn.proposals, [Proposal { which: Which::Srm1, action: Action::Enter }]);
+        assert_eq!(team.said(), [Status::Running, Status::Failure, Status::Running]);
+    }
+
+    #[test]
+    fn what_cannot_be_done_is_a_fault_with_a_name_and_nothing_is_proposed_any_more() {
+        for (piece, failures, fault) in
+            [(None, 0, RetrievalFault::NothingToFetch), (Some(Cell::new(3, 3)), 3, RetrievalFault::RobotFails)]
+        {
+            let mut team = Team::new();
+            ticked(&mut team, [Place::ENTRANCE; 2], piece, failures);
+            assert_eq!(team.stage(), &Stage::Faulted(fault));
+            assert_eq!(ticked(&mut team, [Place::ENTRANCE; 2], Some(Cell::new(3, 3)), 0), Turn::default());
+            team.go_on();
+            assert_eq!(ticked(&mut team, [Place::ENTRANCE; 2], Some(Cell::new(3, 3)), 0).proposals.len(), 1, "its cause is gone");
+        }
+    }
+
+    #[test]
+    fn both_beside_the_piece_have_nothing_to_drive_and_the_camera_looks() {
+        let mut team = Team::new();
+        let places = [Place::Cell(Cell::new(2, 3)), Place::Cell(Cell::new(4, 3))];
+        let looks: Vec<Action> = (0..3)
+            .flat_map(|_| ticked(&mut team, places, Some(Cell::new(3, 3)), 0).proposals)
+            .map(|proposal| proposal.action)
+            .collect();
+        assert!(!looks.is_empty(), "the Supervisor is past the barrier");
+        let wanted = Action::Arm(crate::retrieval::ArmAction::FindParcel(Place::Cell(Cell::new(3, 3))));
+        assert!(looks.iter().all(|action| *action == wanted), "{looks:?}");
+    }
+}
