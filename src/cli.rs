@@ -16,8 +16,11 @@ mod failure;
 pub mod healthcheck;
 pub mod journal;
 mod link;
+pub mod pallet;
+pub mod roomba;
 pub mod serve;
 pub mod token;
+pub mod tree;
 
 pub use failure::Failure;
 
@@ -40,12 +43,18 @@ pub enum Task {
     Serve(Serve),
     /// Run one mission without doors at full speed, and print the map and what it came to.
     Explore(explore::Explore),
+    /// Let two mobile manipulators carry parcels from a pallet to a target area, and print the phases and what it came to.
+    Pallet(pallet::Pallet),
     /// Ask a running hallsweep whether it is well: exit code 0 if so, 1 if not.
     Healthcheck(Healthcheck),
     /// Show, add, replace and remove the keys by which people and programs get in.
     Token(token::Keyrings),
     /// Print, check and export what is on record, and mend its tables.
     Journal(journal::Journal),
+    /// Check files of behaviour trees, write them back, and run them with mocks for their leaves.
+    Tree(tree::Trees),
+    /// Run the Roomba of the laboratory, as state machine and as behaviour tree, and print what it came to.
+    Roomba(roomba::Roomba),
     /// Print the table of the mission, phase by phase, as markdown.
     Table,
 }
@@ -184,7 +193,14 @@ mod tests {
         let cli = Cli::try_parse_from(arguments.split_whitespace()).expect("these arguments are good");
         match cli.task() {
             Task::Serve(serve) => serve.flags().into_iter().map(|flag| (flag.key, flag.value)).collect(),
-            other @ (Task::Explore(_) | Task::Healthcheck(_) | Task::Journal(_) | Task::Token(_) | Task::Table) => {
+            other @ (Task::Explore(_)
+            | Task::Pallet(_)
+            | Task::Healthcheck(_)
+            | Task::Journal(_)
+            | Task::Roomba(_)
+            | Task::Token(_)
+            | Task::Tree(_)
+            | Task::Table) => {
                 panic!("{other:?} is not serve")
             }
         }

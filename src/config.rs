@@ -44,6 +44,7 @@ pub struct Settings {
     pub robot: RobotSettings,
     /// The robots beside it, by their names; none by default.
     pub further_robots: Vec<(RobotId, RobotSettings)>,
+    pub pair: PairMishaps,
     pub strategy: Strategy,
     pub core: CoreSettings,
     /// The temperature sensors that must be heard, each once; none by default.
@@ -90,6 +91,13 @@ pub struct RobotSettings {
     pub photo_failure_rate: f64,
     /// The standard deviation of the front sonar, in centimetres.
     pub sonar_noise_cm: f64,
+}
+
+/// What goes wrong with the simulated pair, for practice: how many times.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PairMishaps {
+    pub slips: u32,
+    pub unrecognised: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

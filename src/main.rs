@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use hallsweep::cli::{Cli, Failure, Task, explore, healthcheck, journal, print_table, serve, token};
+use hallsweep::cli::{Cli, Failure, Task, explore, healthcheck, journal, pallet, print_table, roomba, serve, token, tree};
 
 fn main() -> ExitCode {
     match run(Cli::parse().task()) {
@@ -19,9 +19,12 @@ fn run(task: Task) -> Result<(), Failure> {
     match task {
         Task::Serve(flags) => serve::run(&flags),
         Task::Explore(flags) => explore::run(&flags),
+        Task::Pallet(flags) => pallet::run(&flags),
         Task::Healthcheck(flags) => flags.address().and_then(healthcheck::run),
         Task::Journal(asked) => journal::run(&asked),
         Task::Token(asked) => token::run(&asked),
+        Task::Tree(asked) => tree::run(&asked),
+        Task::Roomba(flags) => roomba::run(&flags),
         Task::Table => print_table(),
     }
 }

@@ -60,6 +60,13 @@ fn a_person_searches_the_airport_without_scripts() {
 }
 
 #[test]
+fn a_person_watches_the_laboratory_and_halts_the_hall_from_there() {
+    for scenario in ["laboratory", "laboratoryOnPhone", "laboratoryPlain", "laboratoryCalm"] {
+        play(scenario, &["--hall", "empty-8x8"]);
+    }
+}
+
+#[test]
 fn stop_halts_the_robot_at_once_and_start_goes_on() {
     play("stop", &["--hall", "empty-8x8", "--speed", "4"]);
 }

@@ -18,6 +18,7 @@ pub(crate) mod fixture;
 pub mod halt;
 pub mod journal;
 pub mod journal_words;
+pub mod laboratory;
 pub mod log;
 pub mod luggage;
 pub mod map;

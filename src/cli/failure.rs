@@ -21,6 +21,9 @@ pub enum Failure {
     /// It could not do what it was asked: exit code 1.
     #[error("{0}")]
     Run(String),
+    /// A behaviour tree did not come to SUCCESS: the exit code says what became of it.
+    #[error("{0}")]
+    Tree(String, u8),
 }
 
 impl Failure {
@@ -28,6 +31,7 @@ impl Failure {
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Failure::Settings(_) | Failure::App(AppError::Hall(_) | AppError::Tls(_)) => ExitCode::from(2),
+            Failure::Tree(_, code) => ExitCode::from(*code),
             Failure::App(_) | Failure::Access(_) | Failure::Run(_) => ExitCode::from(1),
         }
     }

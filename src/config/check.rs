@@ -13,7 +13,7 @@ use super::bind::{At, Bind};
 use super::error::SettingsError;
 use super::key::{KEYS, Key, Kind, ROBOT};
 use super::layers::Layers;
-use super::{HttpSettings, OldClients, Settings, TlsFiles, folder};
+use super::{HttpSettings, OldClients, PairMishaps, Settings, TlsFiles, folder};
 use super::{mqtt, robots};
 use hallsweep_core::command::TemperatureReport;
 use hallsweep_core::search::Strategy;
@@ -49,6 +49,7 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
         store: store(layers)?,
         robot: robots::robot(layers, ROBOT)?,
         further_robots: robots::further(layers)?,
+        pair: PairMishaps { slips: count(layers, "pair.slips")?, unrecognised: count(layers, "pair.unrecognised")? },
         strategy: strategy(layers)?,
         core: core(layers)?,
         sensors: sensors(layers)?,
@@ -209,6 +210,13 @@ fn log(layers: &Layers) -> Result<String, SettingsError> {
 /// A number within the bounds that the table gives it.
 pub(super) fn number(layers: &Layers, key: &str) -> Result<f64, SettingsError> {
     within(layers, key, read(layers, key)?)
+}
+
+/// A whole number within the bounds of its setting.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is whole, and its setting bounds it")]
+fn count(layers: &Layers, key: &str) -> Result<u32, SettingsError> {
+    let value = number(layers, key)?;
+    if value.fract() == 0.0 { Ok(value as u32) } else { Err(layers.wrong(key, "it is not a whole number")) }
 }
 
 pub(super) fn within(layers: &Layers, key: &str, value: f64) -> Result<f64, SettingsError> {

@@ -41,6 +41,9 @@ pub enum Kind {
 /// Rates are probabilities.
 const RATE: Kind = Kind::Number { least: 0.0, most: 1.0 };
 
+/// How often something goes wrong, for practice.
+const MISHAPS: Kind = Kind::Number { least: 0.0, most: 10.0 };
+
 /// A factor; the word is `max`.
 const SPEED: Kind = Kind::NumberOrWord { least: Speed::SLOWEST, most: Speed::FASTEST };
 
@@ -67,7 +70,7 @@ pub(super) const ROBOTS: &str = "robots";
 pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 35] = [
+pub const KEYS: [Key; 37] = [
     text("hall.file", "name a built-in hall, as airport, or the path of a .toml or .map file").set_by("--hall"),
     text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, as 127.0.0.1:8080 or [::1]:8080")
         .set_by("--http"),
@@ -106,6 +109,8 @@ pub const KEYS: [Key; 35] = [
     key("robot.unknown_rate", RATE, "write a rate from 0 (never) to 1 (always)"),
     key("robot.photo_failure_rate", RATE, "write a rate from 0 (never) to 1 (always)"),
     key("robot.sonar_noise_cm", SONAR_NOISE_CM, "write a number of centimetres from 0 to 100"),
+    key("pair.slips", MISHAPS, "write a whole number from 0 to 10"),
+    key("pair.unrecognised", MISHAPS, "write a whole number from 0 to 10"),
     text("mission.strategy", "write one of: snail").set_by("--strategy"),
     text("mission.retrieval", "write one of: pair, discovery, none"),
     yes_no("mission.inspect_everything"),

@@ -7,6 +7,7 @@ use super::key::ROBOTS;
 use super::layers::Layers;
 use super::{RobotSettings, Settings, Speed};
 use hallsweep_core::event::RobotId;
+use hallsweep_core::retrieval::Which;
 
 /// As many robots as there may be, the one that searches among them: their links share one thread, over which a STOP goes to each
 /// before anything else (safety S7), and each simulated one may have a photo drawn at any moment.
@@ -47,6 +48,10 @@ pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, 
     }
     let one = |name: &str| {
         let robot = RobotId::new(name).expect("a name that is none was refused when the layers were read");
+        if Which::ALL.into_iter().any(|which| which.robot() == robot) {
+            let key = format!("{ROBOTS}.{name}.kind");
+            return Err(layers.wrong_with_advice(&key, "one of the pair that fetches has this name", "give it another name"));
+        }
         Ok((robot, self::robot(layers, &format!("{ROBOTS}.{name}"))?))
     };
     names.map(one).collect()
@@ -108,6 +113,14 @@ mod tests {
         let settings = given(&[]).expect("the defaults are good");
         assert_eq!(settings.robots().map(|(robot, _)| robot).collect::<Vec<_>>(), [RobotId::discovery()]);
         assert_eq!(settings.robot.kind, RobotKind::Sim);
+    }
+
+    #[test]
+    fn no_further_robot_has_the_name_of_one_of_the_pair() {
+        for name in ["SRM1", "SRM2"] {
+            let said = said(given(&[(&format!("ROBOTS__{name}__KIND"), "sim")]));
+            assert!(said.contains("pair") && said.contains("another name"), "{said}");
+        }
     }
 
     #[test]

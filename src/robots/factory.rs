@@ -34,7 +34,7 @@ impl Robots {
         let hall = sim::hall(settings)?;
         let all: Vec<(RobotId, Robot)> = settings.robots().map(|(id, robot)| (id.clone(), Robot::of(id, robot, &hall))).collect();
         let wanted = settings.core.fetcher == Fetcher::Pair;
-        let pair = wanted.then(|| SimPair::new(Arc::clone(&hall), &settings.robot));
+        let pair = wanted.then(|| SimPair::new(Arc::clone(&hall), &settings.robot, settings.pair));
         let ids = all.iter().map(|(id, _)| id.clone()).chain(SimPair::ids().into_iter().filter(|_| wanted)).collect();
         Ok(Robots { hall, all, pair, ids })
     }

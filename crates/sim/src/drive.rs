@@ -11,12 +11,12 @@ use std::time::Duration;
 
 use hallsweep_core::units::{Heading, Pose};
 
-/// Where the body really is. The centre of the home cell is (0, 0).
+/// Where the body really is. (0, 0) is the centre of the home cell in a hall, and the north-west corner in the Roomba's room.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyPose {
-    /// Metres to the east of home.
+    /// Metres to the east of (0, 0).
     pub x_m: f64,
-    /// Metres to the south of home.
+    /// Metres to the south of (0, 0).
     pub y_m: f64,
     /// The way it faces: radians clockwise from the east, as seen from above, in `-π..=π`.
     pub theta: f64,
@@ -39,6 +39,19 @@ impl BodyPose {
     #[must_use]
     pub fn ahead(self) -> (f64, f64) {
         (self.theta.cos(), self.theta.sin())
+    }
+
+    /// Where it is after `t` seconds at `v` metres a second forward and `omega` radians a second clockwise.
+    pub(super) fn after(self, v: f64, omega: f64, t: f64) -> BodyPose {
+        if omega == 0.0 {
+            let (dx, dy) = self.ahead();
+            return BodyPose { x_m: self.x_m + v * t * dx, y_m: self.y_m + v * t * dy, theta: self.theta };
+        }
+        let theta = self.theta + omega * t;
+        let radius = v / omega;
+        let x_m = self.x_m + radius * (theta.sin() - self.theta.sin());
+        let y_m = self.y_m - radius * (theta.cos() - self.theta.cos());
+        BodyPose { x_m, y_m, theta: normal(theta) }
     }
 }
 
@@ -69,18 +82,9 @@ impl Chassis {
 
     /// Where a body is after its wheels have turned at constant speeds for a time.
     pub(super) fn after(self, from: BodyPose, wheels: Wheels, time: Duration) -> BodyPose {
-        let t = time.as_secs_f64();
         let v = self.wheel_radius_m * (wheels.left + wheels.right) / 2.0;
         let omega = self.wheel_radius_m * (wheels.left - wheels.right) / self.axle_m;
-        if omega == 0.0 {
-            let (dx, dy) = from.ahead();
-            return BodyPose { x_m: from.x_m + v * t * dx, y_m: from.y_m + v * t * dy, theta: from.theta };
-        }
-        let theta = from.theta + omega * t;
-        let radius = v / omega;
-        let x_m = from.x_m + radius * (theta.sin() - from.theta.sin());
-        let y_m = from.y_m - radius * (theta.cos() - from.theta.cos());
-        BodyPose { x_m, y_m, theta: normal(theta) }
+        from.after(v, omega, time.as_secs_f64())
     }
 }
 

@@ -1,5 +1,6 @@
 //! The simulated robot and its hall: a hall as data, a body on two wheels, a sonar, a camera; and core and simulator in one plain
-//! loop, in simulated time (`headless`). It waits for nothing: `now` is an argument.
+//! loop, in simulated time (`headless`). It waits for nothing: `now` is an argument. The Roomba of seed 001 has a room of its own
+//! (`roomba`).
 //!
 //! ```text
 //!  hall files ─► hall ─┐
@@ -25,6 +26,7 @@ pub mod page;
 pub mod pair;
 pub mod pallet;
 mod recognise;
+pub mod roomba;
 mod senses;
 mod settings;
 mod simulator;

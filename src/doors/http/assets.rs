@@ -15,7 +15,7 @@ struct Asset {
     text: &'static str,
 }
 
-static ASSETS: [Asset; 6] = [
+static ASSETS: [Asset; 9] = [
     Asset {
         path: "/static/console.css",
         media_type: "text/css; charset=utf-8",
@@ -30,6 +30,21 @@ static ASSETS: [Asset; 6] = [
         path: "/static/stop.js",
         media_type: "text/javascript; charset=utf-8",
         text: include_str!("../../../static/stop.js"),
+    },
+    Asset {
+        path: "/static/laboratory.css",
+        media_type: "text/css; charset=utf-8",
+        text: include_str!("../../../static/laboratory.css"),
+    },
+    Asset {
+        path: "/static/laboratory.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/laboratory.js"),
+    },
+    Asset {
+        path: "/static/roomba.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/roomba.js"),
     },
     Asset {
         path: "/static/vendor/idiomorph.js",

@@ -232,6 +232,8 @@ mod tests {
             ("GET", "/static/vendor/idiomorph.js"),
             ("GET", "/static/icon.svg"),
             ("GET", "/favicon.ico"),
+            ("GET", "/laboratory"),
+            ("GET", "/api/v1/laboratory/roomba"),
             ("GET", "/nowhere"),
             ("GET", "/api/v1/luggage/99"),
             ("DELETE", "/"),

@@ -11,6 +11,7 @@ mod events;
 mod gate;
 mod guard;
 mod hearing;
+mod laboratory;
 mod lines;
 mod missions;
 mod mqtt;

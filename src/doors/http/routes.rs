@@ -13,7 +13,7 @@ use axum::routing::{MethodFilter, MethodRouter, on};
 
 use super::gate::{Gate, gate};
 use super::reading::Number;
-use super::{HttpDoor, assets, command, console, events, missions, mqtt, old, problem, reads, sign_in};
+use super::{HttpDoor, assets, command, console, events, laboratory, missions, mqtt, old, problem, reads, sign_in};
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
 use crate::api::commands::{self, COMMANDS, CommandKind, Methods, Subject};
@@ -35,7 +35,8 @@ pub(super) struct Row {
 
 /// Every route. STOP is everywhere in reach of anyone signed in; a `move` may be one, its other words ask for an operator.
 pub(super) fn table() -> Vec<Row> {
-    [for_anybody(), resources(), changes_and_past(), commands(), page(), buttons(), old_console()].into_iter().flatten().collect()
+    let rows = [for_anybody(), resources(), changes_and_past(), commands(), page(), laboratory(), buttons(), old_console()];
+    rows.into_iter().flatten().collect()
 }
 
 /// What one needs to sign in, what says nothing of the hall, and the way to a door that asks by itself.
@@ -49,6 +50,9 @@ fn for_anybody() -> Vec<Row> {
         get("/static/console.css", Nothing, assets::file),
         get("/static/console.js", Nothing, assets::file),
         get("/static/stop.js", Nothing, assets::file),
+        get("/static/laboratory.css", Nothing, assets::file),
+        get("/static/laboratory.js", Nothing, assets::file),
+        get("/static/roomba.js", Nothing, assets::file),
         get("/static/vendor/idiomorph.js", Nothing, assets::file),
         get("/static/icon.svg", Nothing, assets::file),
         get("/favicon.ico", Nothing, assets::file),
@@ -80,6 +84,15 @@ fn changes_and_past() -> Vec<Row> {
         get("/api/v1/missions/{id}", See, missions::mission),
         get("/api/v1/missions/{id}/events", See, missions::events),
         get("/api/v1/missions/{id}/map", See, missions::map),
+    ]
+}
+
+/// What is computed and has nothing to do with the hall.
+#[rustfmt::skip]
+fn laboratory() -> Vec<Row> {
+    vec![
+        get("/laboratory", See, laboratory::page),
+        get("/api/v1/laboratory/roomba", See, laboratory::roomba),
     ]
 }
 

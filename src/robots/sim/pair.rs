@@ -9,13 +9,13 @@ use super::pair_link::{self, Moved};
 use super::pair_state_file::PairStateFile;
 use super::settings::speed;
 use super::state_file::StateFileError;
-use crate::config::RobotSettings;
+use crate::config::{PairMishaps, RobotSettings};
 use crate::robots::Adapter;
 use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::retrieval::{BasePose, Place, Which};
 use hallsweep_core::units::Pose;
-use hallsweep_sim::pair::{Pair, PairMemory, PairSettings};
+use hallsweep_sim::pair::{Mishaps, Pair, PairMemory, PairSettings, Slip};
 use hallsweep_sim::{Hall, Speed};
 
 pub(in crate::robots) struct SimPair {
@@ -38,8 +38,12 @@ enum Remembered {
 
 impl SimPair {
     /// As quick as the robot that searches, and of the same seed.
-    pub(in crate::robots) fn new(hall: Arc<Hall>, robot: &RobotSettings) -> SimPair {
-        let settings = PairSettings { way_out: true, ..PairSettings::new(robot.seed, Place::ENTRANCE) };
+    pub(in crate::robots) fn new(hall: Arc<Hall>, robot: &RobotSettings, mishaps: PairMishaps) -> SimPair {
+        // What goes wrong goes wrong with the first piece, a step later each time.
+        let slips = (1..=mishaps.slips).map(|after_steps| Slip { parcel: 1, after_steps }).collect();
+        let unrecognised = (0..mishaps.unrecognised).map(|_| 1).collect();
+        let mishaps = Mishaps { slips, unrecognised, ..Mishaps::default() };
+        let settings = PairSettings { way_out: true, mishaps, ..PairSettings::new(robot.seed, Place::ENTRANCE) };
         let moved = watch::Sender::new(Moved::new());
         SimPair { hall, settings, speed: speed(robot.speed), remembered: Remembered::Nothing, moved }
     }

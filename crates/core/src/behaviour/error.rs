@@ -176,6 +176,14 @@ pub enum Reason {
     /// An entry cannot be as it should.
     #[error(transparent)]
     Unfit(#[from] Unfit),
+    /// Too many of something in a file.
+    #[error("there are more than {most} {what}")]
+    TooMany {
+        /// Of what.
+        what: &'static str,
+        /// How many there may be.
+        most: usize,
+    },
     /// Too many nodes.
     #[error("the tree has more than {MOST_NODES} nodes, those of its subtrees counted")]
     TooManyNodes,

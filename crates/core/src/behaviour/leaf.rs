@@ -148,10 +148,11 @@ impl Catalogue {
 
 /// Whoever performs the leaves of a tree.
 pub trait Leaves {
-    /// Performs a leaf, or goes on with it: RUNNING, SUCCESS, FAILURE or SKIPPED. IDLE ends the tick with an error.
+    /// Performs a leaf, or goes on with it: RUNNING, SUCCESS, FAILURE or SKIPPED. SKIPPED leaves it as it stands: one that ran still
+    /// does, and may be halted. IDLE ends the tick with an error.
     fn tick(&mut self, leaf: &mut Leaf<'_>) -> Status;
 
-    /// Ends a leaf that said RUNNING last. It is IDLE afterwards.
+    /// Ends a leaf that runs, and no other. It is IDLE afterwards.
     fn halt(&mut self, leaf: &mut Leaf<'_>);
 }
 

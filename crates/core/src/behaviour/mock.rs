@@ -7,7 +7,7 @@ use super::document::{Document, Element, Form};
 use super::kind::BuiltIn;
 use super::leaf::{Catalogue, Direction, Leaf, LeafKind, Leaves, Port};
 use super::status::Status;
-use super::tree::NodeId;
+use super::tree::{Kind, NodeId, NodeView, Tree};
 use super::value::{Value, ValueType};
 
 /// The name of the mock for every leaf that has none of its own.
@@ -75,14 +75,11 @@ impl Mocks {
         known
     }
 
-    /// The first leaf of a document for which there is no mock.
+    /// The first leaf of a tree for which there is no mock.
     #[must_use]
-    pub fn missing<'d>(&self, document: &'d Document) -> Option<&'d Element> {
-        fn first<'d>(mocks: &Mocks, element: &'d Element) -> Option<&'d Element> {
-            let is_bare = is_leaf(element) && !mocks.stands_for(element);
-            if is_bare { Some(element) } else { element.children.iter().find_map(|child| first(mocks, child)) }
-        }
-        document.trees.iter().find_map(|tree| first(self, &tree.root))
+    pub fn missing<'t>(&self, tree: &'t Tree) -> Option<NodeView<'t>> {
+        let is_leaf = |node: &NodeView<'_>| matches!(node.kind, Kind::Leaf(_));
+        tree.nodes().filter(is_leaf).find(|node| self.of([node.path, node.name, node.id]).is_none())
     }
 
     fn add_leaves(&self, element: &Element, known: &mut Catalogue) {
@@ -110,9 +107,9 @@ impl Mocks {
         })
     }
 
-    fn of(&self, leaf: &Leaf<'_>) -> Option<&Mock> {
-        let keys = [leaf.path(), leaf.name(), leaf.id(), ALL_OTHERS];
-        keys.into_iter().filter_map(|key| self.mocks.get(key)).find(|mock| !mock.says.is_empty())
+    /// The mock for a leaf of this path, name and kind.
+    fn of(&self, keys: [&str; 3]) -> Option<&Mock> {
+        keys.into_iter().chain([ALL_OTHERS]).filter_map(|key| self.mocks.get(key)).find(|mock| !mock.says.is_empty())
     }
 }
 
@@ -136,7 +133,7 @@ impl Leaves for Mocks {
         let ticks = self.ticks.entry(leaf.node()).or_default();
         let before = *ticks;
         *ticks += 1;
-        let Some(mock) = self.of(leaf) else { return Status::Failure };
+        let Some(mock) = self.of([leaf.path(), leaf.name(), leaf.id()]) else { return Status::Failure };
         let mut left = before;
         let says = mock.says.iter().find(|(_, times)| {
             let is_now = left < *times;
@@ -167,7 +164,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::behaviour::{Blackboard, Tree};
+    use crate::behaviour::Blackboard;
 
     fn leaf(id: &str, name: &str) -> Element {
         Element::new(id, Vec::new()).named(name).with("at", "{here}")
@@ -181,10 +178,10 @@ mod tests {
             mocks.add(text).expect("it is well written");
         }
         mocks.write("b", "at", "3;4");
-        assert_eq!(mocks.missing(&document), None);
         let mut blackboard = Blackboard::new();
         let catalogue = mocks.catalogue(&document, Catalogue::default());
         let mut tree = Tree::build(&document, None, &catalogue, &mut blackboard).expect("all leaves have mocks");
+        assert_eq!(mocks.missing(&tree), None);
         let mut said = Vec::new();
         for _ in 0..3 {
             tree.tick(&mut blackboard, &mut mocks, Duration::ZERO).expect("no fault");
@@ -201,7 +198,16 @@ mod tests {
         assert_eq!(refused("Go"), "\"Go\" should be NAME=STATUS,STATUS*3,…");
         assert!(refused("Go=IDLE").starts_with("\"IDLE\" is no status"));
         assert!(refused("Go=RUNNING*0").starts_with("\"RUNNING*0\" is no status"));
-        let document = Document::of("T", leaf("Go", "a"));
-        assert_eq!(Mocks::default().missing(&document).map(|element| element.id.as_str()), Some("Go"));
+    }
+
+    #[test]
+    fn a_leaf_without_a_mock_is_found_if_its_tree_uses_it() {
+        let go = Document::of("T", leaf("Go", "a")).with_tree("unused", leaf("Fly", "b"));
+        let catalogue = Catalogue::new(vec![LeafKind::action("Go", vec![Port::output("at", ValueType::Any)])]);
+        let tree = Tree::build(&go, None, &catalogue, &mut Blackboard::new()).expect("its leaf is known");
+        let mut mocks = Mocks::default();
+        assert_eq!(mocks.missing(&tree).map(|node| node.name), Some("a"));
+        mocks.add("Go=SUCCESS").expect("it is well written");
+        assert_eq!(mocks.missing(&tree), None);
     }
 }

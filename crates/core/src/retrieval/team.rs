@@ -22,7 +22,7 @@ use crate::event::Piece;
 /// How often a team is ticked.
 pub const TICK: Duration = Duration::from_millis(100);
 
-/// After so many losses of parcels something is wrong with the grippers.
+/// After so many losses of one parcel something is wrong with the grippers, or with the parcel.
 pub const MOST_LOSSES: u32 = 10;
 
 /// The trees as they come with the program: their names, and the files.
@@ -160,6 +160,7 @@ impl Team {
         self.dropped = output.dropped.or(self.dropped);
         if output.released {
             self.delivered.extend(self.dropped.take().map(|parcel| parcel.piece));
+            self.losses = 0;
         }
         self.follow(index, said, output.fault, view, turn);
     }
@@ -225,7 +226,7 @@ impl Team {
         &self.delivered
     }
 
-    /// How often a parcel was lost.
+    /// How often the parcel under way was lost.
     #[must_use]
     pub const fn losses(&self) -> u32 {
         self.losses

@@ -145,6 +145,12 @@ impl Spread {
         self.worst = self.worst.max(error.abs());
     }
 
+    fn join(&mut self, other: &Spread) {
+        self.count += other.count;
+        self.squares += other.squares;
+        self.worst = self.worst.max(other.worst);
+    }
+
     /// The largest error.
     #[must_use]
     pub const fn worst(&self) -> f64 {
@@ -171,6 +177,13 @@ pub struct Holding {
 }
 
 impl Holding {
+    /// With what was held at another time.
+    pub(crate) fn join(&mut self, other: &Holding) {
+        self.force_n.join(&other.force_n);
+        self.angle_rad.join(&other.angle_rad);
+        self.gap_m.join(&other.gap_m);
+    }
+
     pub(super) fn add(&mut self, grip: &Grip) {
         self.force_n.add(grip.force.error);
         self.angle_rad.add(grip.angle.error);

@@ -8,7 +8,7 @@ use super::Yard;
 use hallsweep_core::command::Move;
 use hallsweep_core::effect::{Action, Order};
 use hallsweep_core::event::{Capabilities, Obstacle, Piece, RobotEvent};
-use hallsweep_core::retrieval::{ArmState, BaseView, Parcel, Place, Proposal, View, Which};
+use hallsweep_core::retrieval::{ArmState, BasePose, BaseView, Parcel, Place, Proposal, View, Which};
 use hallsweep_core::units::{Cell, Epoch, Heading, OrderId, Revision};
 use hallsweep_core::world::hall_map::{HallMap, Mark};
 
@@ -19,6 +19,7 @@ pub(super) struct Crew {
     last: OrderId,
     can: Capabilities,
     target: Place,
+    way_out: bool,
     /// Parcels that are not in the target area, in the order in which they are to be fetched, and where they are.
     left: Vec<Parcel>,
     /// The cells of the next one; none while it is held.
@@ -35,7 +36,8 @@ impl Crew {
             bases: yard.starts.map(base),
             last: OrderId(0),
             can,
-            target: Place::Cell(yard.target),
+            target: yard.target,
+            way_out: yard.way_out,
             left,
             piece: BTreeSet::new(),
         };
@@ -46,7 +48,7 @@ impl Crew {
     pub(super) fn view(&self, is_calling: bool) -> View<'_> {
         View {
             map: &self.map,
-            way_out: false,
+            way_out: self.way_out,
             others: &[],
             piece: &self.piece,
             wanted: None,
@@ -84,7 +86,7 @@ impl Crew {
 
     /// The program that knew of open orders is gone: nobody will answer them.
     pub(super) fn forget_orders(&mut self) {
-        self.bases.iter_mut().for_each(|base| base.open = None);
+        self.bases.iter_mut().for_each(|base| (base.open, base.failures) = (None, 0));
     }
 
     pub(super) fn report(&mut self, which: Which, report: RobotEvent) {
@@ -111,8 +113,11 @@ impl Crew {
                 self.bases[index].failures = failures.saturating_add(1);
             }
             RobotEvent::Found(..) => drop(self.answered(index)),
-            RobotEvent::StandsOutside(..)
-            | RobotEvent::LinkUp(_)
+            RobotEvent::StandsOutside(steps, heading, off_centre) => {
+                self.bases[index].stands = BasePose { place: Place::Outside(steps), heading };
+                self.bases[index].off_centre = off_centre;
+            }
+            RobotEvent::LinkUp(_)
             | RobotEvent::LinkLost(_)
             | RobotEvent::Photo(..)
             | RobotEvent::PhotoFailed(..)
@@ -132,17 +137,20 @@ impl Crew {
         if action.moves_base() {
             base.off_centre = false;
         }
-        if let (Action::Move(step), Place::Cell(cell)) = (action, base.stands.place) {
-            let heading = base.stands.heading;
-            (base.stands.place, base.stands.heading) = match step {
-                Move::Forward => (Place::Cell(cell.ahead(heading)), heading),
-                Move::Backward => (Place::Cell(cell.ahead(heading.opposite())), heading),
-                Move::TurnLeft | Move::NudgeLeft => (Place::Cell(cell), heading.left()),
-                Move::TurnRight | Move::NudgeRight => (Place::Cell(cell), heading.right()),
-            };
-            if let Place::Cell(cell) = base.stands.place {
-                self.mark(cell, Mark::Visited);
-            }
+        let BasePose { place, heading } = base.stands;
+        (base.stands.place, base.stands.heading) = match (action, place) {
+            (Action::Move(Move::Forward), Place::Cell(cell)) => (Place::Cell(cell.ahead(heading)), heading),
+            (Action::Move(Move::Backward), Place::Cell(cell)) => (Place::Cell(cell.ahead(heading.opposite())), heading),
+            (Action::Move(Move::TurnLeft), _) => (place, heading.left()),
+            (Action::Move(Move::TurnRight), _) => (place, heading.right()),
+            (Action::Enter, Place::Outside(2..)) => (Place::ENTRANCE, heading),
+            (Action::Enter, _) => (Place::Cell(Cell::HOME), heading),
+            (Action::Leave, Place::Cell(_)) => (Place::ENTRANCE, heading),
+            (Action::Leave, Place::Outside(steps)) => (Place::Outside(steps + 1), heading),
+            (Action::Move(_) | Action::Recentre | Action::Photograph(_) | Action::Arm(_), _) => (place, heading),
+        };
+        if let Place::Cell(cell) = base.stands.place {
+            self.mark(cell, Mark::Visited);
         }
     }
 

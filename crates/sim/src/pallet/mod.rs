@@ -23,10 +23,11 @@ use self::operator::{Deed, Operator};
 use self::record::begun;
 pub use self::record::{Entry, Figures, Frame, News, PalletFault, Phase};
 pub use self::yard::{MOST_PARCELS, ParcelsError, Yard};
-use super::pair::{Mishaps, Pair, PairSettings};
+use super::pair::{Holding, Mishaps, Pair, PairSettings};
+use hallsweep_core::behaviour::log::TickLog;
 use hallsweep_core::event::RobotEvent;
 use hallsweep_core::retrieval::team::TICK;
-use hallsweep_core::retrieval::{Place, Stage, Team, Which};
+use hallsweep_core::retrieval::{Stage, Team, Which};
 use hallsweep_core::units::{Cell, Now, WallTime};
 
 /// The longest run for each parcel, in simulated time: a hundred times what one takes.
@@ -78,7 +79,12 @@ pub struct PalletRun {
     phase: Option<Phase>,
     runs: u32,
     losses: u32,
+    /// How well parcels were held before the last restart.
+    held_before: Holding,
     entries: Vec<Entry>,
+    logs: [TickLog; 3],
+    /// The last tick of each tree that is in its log.
+    logged: [u64; 3],
     frames: Vec<Frame>,
     ended: Option<Option<PalletFault>>,
 }
@@ -89,8 +95,14 @@ impl PalletRun {
     /// # Errors
     /// If there would be no parcel, or more than `MOST_PARCELS`.
     pub fn new(parcels: u32, seed: u64, asked: Asked) -> Result<PalletRun, ParcelsError> {
-        let yard = Yard::new(parcels, seed)?;
-        let settings = PairSettings { mishaps: asked.mishaps.clone(), ..PairSettings::new(seed, Place::Cell(yard.target)) };
+        Ok(PalletRun::of(Yard::new(parcels, seed)?, seed, asked))
+    }
+
+    /// A run in this yard that has not begun.
+    #[must_use]
+    pub fn of(yard: Yard, seed: u64, asked: Asked) -> PalletRun {
+        let (mishaps, way_out) = (asked.mishaps.clone(), yard.way_out);
+        let settings = PairSettings { mishaps, way_out, ..PairSettings::new(seed, yard.target) };
         let pair = Pair::new(Arc::clone(&yard.hall), settings.clone(), yard.starts);
         let crew = Crew::new(&yard, pair.capabilities());
         let mut run = PalletRun {
@@ -112,12 +124,15 @@ impl PalletRun {
             phase: None,
             runs: 1,
             losses: 0,
+            held_before: Holding::default(),
             entries: Vec::new(),
+            logs: Default::default(),
+            logged: [0; 3],
             frames: Vec::new(),
             ended: None,
         };
         run.take_reports();
-        Ok(run)
+        run
     }
 
     /// Lets the next thing happen; false when the run has ended. `watch` sees the team after each tick of its trees.
@@ -179,8 +194,10 @@ impl PalletRun {
     }
 
     /// The program dies and is started again: the pair stands as it stood, halted by itself, with its parcel in its grip, and waits for
-    /// START; orders that were open are answered by nobody.
+    /// START; orders that were open are answered by nobody. The trees go on from their kept state.
     pub fn restart(&mut self) {
+        self.team = Team::resume(self.team.state()).expect("they are the same trees");
+        self.held_before.join(self.pair.holding());
         self.pair = Pair::remembering(Arc::clone(&self.yard.hall), self.settings.clone(), self.pair.memory(), self.now());
         self.crew.forget_orders();
         self.take_reports();
@@ -224,6 +241,12 @@ impl PalletRun {
         &self.frames
     }
 
+    /// What each tick has changed in the trees of SRM1, SRM2 and the Supervisor.
+    #[must_use]
+    pub const fn logs(&self) -> &[TickLog; 3] {
+        &self.logs
+    }
+
     /// Where parcels are that are neither in the grippers nor in the target area.
     #[must_use]
     pub fn parcels(&self) -> Vec<Cell> {
@@ -239,6 +262,8 @@ impl PalletRun {
     /// What it has come to so far.
     #[must_use]
     pub fn figures(&self) -> Figures {
+        let mut holding = self.held_before;
+        holding.join(self.pair.holding());
         Figures {
             parcels: u32::try_from(self.yard.parcels.len()).unwrap_or(u32::MAX),
             seed: self.seed,
@@ -246,7 +271,7 @@ impl PalletRun {
             took: self.now,
             ticks: self.ticks,
             losses: self.losses,
-            holding: *self.pair.holding(),
+            holding,
             fault: self.ended.flatten(),
         }
     }
@@ -268,6 +293,7 @@ impl PalletRun {
         }
         self.ticks += 1;
         let turn = self.team.tick(&self.crew.view(self.is_calling), TICK);
+        self.log_ticks();
         watch(&self.team);
         self.note_phases();
         for proposal in turn.proposals {
@@ -287,6 +313,15 @@ impl PalletRun {
             Stage::Done if self.pair.taken_in().len() == self.yard.parcels.len() => self.ended = Some(None),
             Stage::Done => self.ended = Some(Some(PalletFault::NotAllThere)),
             Stage::Working | Stage::Lost => {}
+        }
+    }
+
+    /// Each tree that was ticked; those of the robots end before the Supervisor's.
+    fn log_ticks(&mut self) {
+        for ((log, last), tree) in self.logs.iter_mut().zip(&mut self.logged).zip(self.team.trees()) {
+            if std::mem::replace(last, tree.ticks()) != tree.ticks() {
+                log.note(tree, self.team.blackboard());
+            }
         }
     }
 
@@ -310,7 +345,7 @@ impl PalletRun {
         }
         let parcel = u32::try_from(self.pair.taken_in().len()).unwrap_or(u32::MAX).saturating_add(1);
         if self.asked.blocked == Some(parcel) && self.pair.arm(Which::Srm1).lifted {
-            self.pair.close_cell(self.yard.target);
+            self.yard.target.cell().map(|cell| self.pair.close_cell(cell));
             self.asked.blocked = None;
         }
     }

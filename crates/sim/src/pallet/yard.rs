@@ -50,7 +50,9 @@ pub struct Yard {
     /// Where the robots start.
     pub starts: [BasePose; 2],
     /// Where parcels are put down.
-    pub target: Cell,
+    pub target: Place,
+    /// Whether a way leads out at home, as in a hall; drawn yards have none.
+    pub way_out: bool,
     /// The parcels, in the order in which they are fetched, and where each stands.
     pub parcels: Vec<(Piece, Cell)>,
 }
@@ -102,11 +104,12 @@ impl Yard {
             };
             map.mark(cell, mark, Revision(0));
         }
-        let target = Place::Cell(self.target);
+        let target = self.target;
         let freed = BTreeSet::new();
         let floor = Floor { map: &map, way_out: false, freed: &freed, taken: &[] };
         // The two after they have put down the first parcel, wherever the train has come from.
-        let after = [self.target.ahead(Heading::North), self.target.ahead(Heading::South)].map(Place::Cell);
+        let beside = |heading| target.cell().map_or(target, |cell| Place::Cell(cell.ahead(heading)));
+        let after = [beside(Heading::North), beside(Heading::South)];
         self.parcels.first().is_some_and(|(_, cell)| {
             let piece = BTreeSet::from([*cell]);
             let floor = Floor { freed: &piece, ..floor };
@@ -166,7 +169,8 @@ impl Plan {
         let base = |cell: Cell| BasePose { place: Place::Cell(cell), heading: Heading::East };
         Yard {
             starts: [base(Cell::HOME), base(Cell::HOME.ahead(Heading::South))],
-            target: at(self.target),
+            target: Place::Cell(at(self.target)),
+            way_out: false,
             parcels: hall.pieces().iter().filter_map(|bag| Some((bag.piece, *bag.cells.first()?))).collect(),
             hall: Arc::new(hall),
         }
@@ -207,7 +211,7 @@ mod tests {
             let parcels = 1 + u32::try_from(seed).unwrap() % MOST_PARCELS;
             let yard = Yard::new(parcels, seed).unwrap();
             assert_eq!(yard.parcels.len(), parcels as usize, "seed {seed}");
-            assert_eq!(yard.hall.truth(yard.target), Truth::Free);
+            assert_eq!(yard.target.cell().map(|cell| yard.hall.truth(cell)), Some(Truth::Free));
             let bounds = yard.hall.bounds();
             let walls = (bounds.least.y..=bounds.most.y)
                 .flat_map(|y| (bounds.least.x..=bounds.most.x).map(move |x| Cell::new(x, y)))

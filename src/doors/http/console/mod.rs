@@ -113,7 +113,7 @@ fn who(door: &HttpDoor, caller: &Caller) -> Option<Who> {
     }
 }
 
-fn html(template: &impl Template) -> Html<String> {
+pub(in crate::doors::http) fn html(template: &impl Template) -> Html<String> {
     Html(template.render().expect("the console's templates only write strings, which does not fail"))
 }
 

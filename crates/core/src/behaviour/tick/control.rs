@@ -152,7 +152,7 @@ impl<'a, L: Leaves> Run<'a, L> {
             if succeeded >= successes || (wanted < 0 && succeeded + skipped >= successes) {
                 return self.decided(at, node, Status::Success);
             }
-            if count - failed < successes || failed == failures {
+            if count.saturating_sub(failed) < successes || failed == failures {
                 return self.decided(at, node, Status::Failure);
             }
         }

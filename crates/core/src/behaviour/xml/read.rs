@@ -1,6 +1,8 @@
 //! From the text of a file to a document. Here is refused what is no XML and what is no file of trees; what the nodes mean is looked at
 //! in `build`.
 
+use std::cell::Cell;
+
 use roxmltree::{Document as Xml, Node, ParsingOptions};
 
 use crate::behaviour::document::{Attribute, Document, Element, Form, Model, ModelPort, Place, TreeDefinition};
@@ -11,8 +13,17 @@ use crate::behaviour::tree::DEEPEST;
 /// The longest file that is read, in bytes: a hundred times what a large mission needs.
 pub const LONGEST_FILE: usize = 1 << 20;
 
-/// The most elements of a file, comments and texts between them counted: as many as fit into the longest one.
-const MOST_XML_NODES: u32 = 1 << 18;
+/// The most elements of a file, comments and texts between them counted: three times as many as a tree may have nodes.
+const MOST_XML_NODES: u32 = 1 << 15;
+
+/// The most trees of a file: each is looked at with all that it uses.
+const MOST_TREES: usize = 200;
+
+/// The most models of a file: every element is looked for among them.
+const MOST_MODELS: usize = 500;
+
+/// The most attributes of an element, more than any node has ports; each is looked for among all.
+const MOST_ATTRIBUTES: usize = 64;
 
 /// Reads a file.
 ///
@@ -31,7 +42,7 @@ pub fn read(text: &str) -> Result<Document, TreeError> {
         let said = said.strip_suffix(&format!(" at {at}")).unwrap_or(&said);
         TreeError::at(Place { line: at.row, column: at.col }, Reason::NotXml(said.to_owned()))
     })?;
-    Reader { xml: &xml, line_starts: line_starts(text), text }.document()
+    Reader { xml: &xml, line_starts: line_starts(text), text, last: Cell::new((0, 1)) }.document()
 }
 
 struct Reader<'x> {
@@ -39,6 +50,8 @@ struct Reader<'x> {
     text: &'x str,
     /// Where each line begins, in bytes: looking for it anew for each node would take quadratic time.
     line_starts: Vec<usize>,
+    /// The place that was asked for last, in bytes, and its column: most are a little behind it, and a file may be one long line.
+    last: Cell<(usize, usize)>,
 }
 
 fn line_starts(text: &str) -> Vec<usize> {
@@ -48,7 +61,11 @@ fn line_starts(text: &str) -> Vec<usize> {
 impl<'x> Reader<'x> {
     fn place(&self, at: usize) -> Place {
         let line = self.line_starts.partition_point(|start| *start <= at);
-        let column = self.text[self.line_starts[line - 1]..at].chars().count() + 1;
+        let start = self.line_starts[line - 1];
+        let (last, before) = self.last.get();
+        let (from, counted) = if (start..=at).contains(&last) { (last, before) } else { (start, 1) };
+        let column = counted + self.text[from..at].chars().count();
+        self.last.set((at, column));
         let number = |number| u32::try_from(number).unwrap_or(u32::MAX);
         Place { line: number(line), column: number(column) }
     }
@@ -72,6 +89,10 @@ impl<'x> Reader<'x> {
         if name(root) != "root" {
             return self.refuse(root, Reason::NotTrees(name(root).to_owned()));
         }
+        let crowded = root.descendants().find(|node| node.attributes().len() > MOST_ATTRIBUTES);
+        if let Some(crowded) = crowded {
+            return self.refuse(crowded, Reason::TooMany { what: "attributes in one element", most: MOST_ATTRIBUTES });
+        }
         let mut document = Document::default();
         let mut format = None;
         for attribute in self.attributes(root) {
@@ -86,6 +107,9 @@ impl<'x> Reader<'x> {
         }
         for child in self.elements(root)? {
             match name(child) {
+                "BehaviorTree" if document.trees.len() == MOST_TREES => {
+                    return self.refuse(child, Reason::TooMany { what: "trees in one file", most: MOST_TREES });
+                }
                 "BehaviorTree" => document.trees.push(self.tree(child)?),
                 "TreeNodesModel" => self.models(child, &mut document.models)?,
                 other => return self.refuse(child, Reason::Misplaced(other.to_owned())),
@@ -110,6 +134,7 @@ impl<'x> Reader<'x> {
         if depth >= DEEPEST {
             return self.refuse(node, Reason::TooDeep);
         }
+        let place = self.of(node);
         let mut attributes = self.attributes(node);
         let mut take = |name: &str| {
             let at = attributes.iter().position(|attribute| attribute.name == name)?;
@@ -125,13 +150,16 @@ impl<'x> Reader<'x> {
         };
         let children = self.elements(node)?.into_iter().map(|child| self.element(child, depth + 1));
         let children = children.collect::<Result<Vec<Element>, TreeError>>()?;
-        Ok(Element { id, form, name: element_name, attributes, children, place: self.of(node) })
+        Ok(Element { id, form, name: element_name, attributes, children, place })
     }
 
     fn models(&self, node: Node<'x, 'x>, models: &mut Vec<Model>) -> Result<(), TreeError> {
         for child in self.elements(node)? {
             let form = Form::ALL.into_iter().find(|form| *form != Form::Compact && form.word() == name(child));
             let Some(form) = form else { return self.refuse(child, Reason::Misplaced(name(child).to_owned())) };
+            if models.len() == MOST_MODELS {
+                return self.refuse(child, Reason::TooMany { what: "models in one file", most: MOST_MODELS });
+            }
             let (id, notes) = self.with_id(child)?;
             if models.iter().any(|model| model.id == id) {
                 return self.refuse(child, Reason::TwiceId(id));

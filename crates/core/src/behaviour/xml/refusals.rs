@@ -141,4 +141,16 @@ fn what_would_fill_the_memory_is_refused() {
     refused(&tree(&deep), "2:1281: the tree is deeper than 128 levels, those of its subtrees counted");
     let deeper = "<a>".repeat(100_000);
     assert!(checked(&tree(&deeper)).is_err());
+    let crowd: String = (0..65).map(|n| format!(" a{n}=\"1\"")).collect();
+    refused(&tree(&format!("<Say{crowd}/>")), "2:1: there are more than 64 attributes in one element");
+    let trees = "<BehaviorTree ID=\"x\"><Say/></BehaviorTree>".repeat(201);
+    let file = format!("<root BTCPP_format=\"4\">{trees}</root>");
+    assert!(checked(&file).expect_err("too many").ends_with("there are more than 200 trees in one file"));
+}
+
+/// Columns are counted in letters, also where a file is one line and a refusal far behind.
+#[test]
+fn the_place_of_a_refusal_is_where_an_editor_shows_it() {
+    let before = "<Say text=\"é🧳\"/>".repeat(50);
+    refused(&tree(&format!("<Sequence>{before}<Fly/></Sequence>")), "2:811: the node Fly is not known");
 }

@@ -65,7 +65,7 @@ impl Performer<'_> {
         let known = self.view.piece.first().copied().map(Place::Cell).or_else(|| self.parcel_outside());
         let Some(place) = place_in(leaf, 1).or(known) else { return self.fails(RetrievalFault::NothingToFetch) };
         self.routes.forget();
-        if self.grip_place(place).is_none() && self.stands(place).is_none() {
+        if !self.can_fetch(place) {
             return self.fails(RetrievalFault::NoWayToParcel);
         }
         leaf.write(2, written(place));
@@ -130,13 +130,15 @@ impl Performer<'_> {
     }
 
     /// The place by which the two take hold of the piece from where they stand, if they can and if they can carry it from there.
-    pub(super) fn grip_place(&self, place: Place) -> Option<Place> {
+    pub(super) fn grip_place(&mut self, place: Place) -> Option<Place> {
         let [one, two] = self.places();
         let still = Which::ALL.into_iter().all(|which| !self.base(which).off_centre);
         let piece = self.piece(place);
         let all = piece.iter().copied().map(Place::Cell).chain(place.cell().is_none().then_some(place));
-        let mut between = all.filter(|grip| still && one != two && grip.is_beside(one) && grip.is_beside(two));
-        let floor = self.floor(&piece, self.view.others);
-        between.find(|grip| floor.carry(self.train(*grip), self.view.target).is_some())
+        let between: Vec<Place> = all.filter(|grip| still && one != two && grip.is_beside(one) && grip.is_beside(two)).collect();
+        between.into_iter().find(|grip| {
+            let (train, floor) = (self.train(*grip), self.floor(&piece, self.view.others));
+            train.parcel == self.view.target || self.routes.next_train(&floor, train, self.view.target).is_some()
+        })
     }
 }

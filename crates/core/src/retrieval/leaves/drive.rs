@@ -4,6 +4,7 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
+use super::routes::Plan;
 use super::{MOST_FAILURES, Performer, place_in, robot_in};
 use crate::behaviour::{Leaf, Status};
 use crate::command::Move;
@@ -42,15 +43,16 @@ impl Performer<'_> {
         match self.go_near(which, place) {
             Going::There => Status::Success,
             Going::OnTheWay => Status::Running,
-            Going::NoWay => self.fails(RetrievalFault::NoWayToParcel),
+            // The other one is in the way: both go to where they can take hold.
+            Going::NoWay => match self.correct_bases(place) {
+                Status::Failure => Status::Failure,
+                Status::Idle | Status::Running | Status::Success | Status::Skipped => Status::Running,
+            },
             Going::Fails => self.fails(RetrievalFault::RobotFails),
         }
     }
 
     pub(super) fn move_base(&mut self, leaf: &mut Leaf<'_>) -> Status {
-        if leaf.is_starting() {
-            self.routes.forget();
-        }
         let object = place_in(leaf, 1);
         match (leaf.text(0), object) {
             (Some("CorrectBasePos"), Some(place)) => self.correct_bases(place),
@@ -62,30 +64,74 @@ impl Performer<'_> {
         }
     }
 
-    /// From where the piece at this place is lifted, as planned last, or anew.
-    pub(super) fn stands(&mut self, place: Place) -> Option<Stands> {
+    /// From where the piece at this place is lifted, as planned last, or anew: SRM1 goes there first, or, where it is in the other's way, SRM2.
+    pub(super) fn stands(&mut self, place: Place) -> Option<Plan> {
         let is_closed = |cell: &Cell| self.view.map.at(*cell).is_obstacle();
-        let usable = |(at, stands): &(Place, Stands)| *at == place && !stands.bases.iter().any(is_closed);
-        if let Some((_, stands)) = self.routes.stands.filter(usable) {
-            return Some(stands);
+        let usable = |(at, plan): &(Place, Plan)| *at == place && !plan.stands.bases.iter().any(is_closed);
+        if let Some((_, plan)) = self.routes.stands.filter(usable) {
+            return Some(plan);
         }
-        let piece = self.piece(place);
-        let stands = self.floor(&piece, self.view.others).stands(self.places(), &piece, self.view.target)?;
-        self.routes.stands = Some((place, stands));
-        Some(stands)
+        let plan = self.plan(place, self.places())?;
+        self.routes.stands = Some((place, plan));
+        Some(plan)
     }
 
-    /// Both to where they can take hold, SRM1 first, or the other one where it is in the way.
+    fn plan(&self, place: Place, [one, two]: [Place; 2]) -> Option<Plan> {
+        let (piece, target) = (self.piece(place), self.view.target);
+        let floor = self.floor(&piece, self.view.others);
+        if let Some(stands) = floor.stands([one, two], &piece, target) {
+            return Some(Plan { stands, order: Which::ALL });
+        }
+        let Stands { grip, bases: [first, second] } = floor.stands([two, one], &piece, target)?;
+        Some(Plan { stands: Stands { grip, bases: [second, first] }, order: [Which::Srm2, Which::Srm1] })
+    }
+
+    /// Whether the piece can be lifted and carried off, from where the two stand now or after they have been outside.
+    pub(super) fn can_fetch(&mut self, place: Place) -> bool {
+        self.grip_place(place).is_some() || self.stands(place).is_some() || self.can_fetch_from_outside(place)
+    }
+
+    fn can_fetch_from_outside(&self, place: Place) -> bool {
+        self.view.way_out && self.plan(place, [Place::ENTRANCE; 2]).is_some()
+    }
+
+    /// Both to where they can take hold. Where they are in each other's way for good, they go outside first and come in in another order.
     fn correct_bases(&mut self, place: Place) -> Status {
-        if self.grip_place(place).is_some() && Which::ALL.into_iter().all(|which| self.base(which).open.is_none()) {
+        if self.is_anybody_busy() {
+            return Status::Running;
+        }
+        if self.grip_place(place).is_some() {
             return Status::Success;
         }
         if let Some(status) = self.recentre_both() {
             return status;
         }
-        let Some(stands) = self.stands(place) else { return self.fails(RetrievalFault::NoWayToParcel) };
-        let ends = stands.bases.map(Place::Cell);
-        self.both_go(|performer, which| performer.go(which, ends[which.index()]), RetrievalFault::NoWayToParcel)
+        if let Some(plan) = self.stands(place) {
+            let ends = plan.stands.bases.map(Place::Cell);
+            match self.one_after_the_other(plan.order, |performer, which| performer.go(which, ends[which.index()])) {
+                Going::There => return Status::Success,
+                Going::OnTheWay => return Status::Running,
+                Going::Fails => return self.fails(RetrievalFault::RobotFails),
+                Going::NoWay => self.routes.stands = None,
+            }
+            if self.stands(place).is_some() {
+                // It has just been planned with what is known by now.
+                return Status::Running;
+            }
+        }
+        self.go_outside(place)
+    }
+
+    fn go_outside(&mut self, place: Place) -> Status {
+        let both_there = self.places() == [Place::ENTRANCE; 2];
+        if both_there || !self.can_fetch_from_outside(place) {
+            return self.fails(RetrievalFault::NoWayToParcel);
+        }
+        match self.one_after_the_other(Which::ALL, |performer, which| performer.go(which, Place::ENTRANCE)) {
+            Going::There | Going::OnTheWay => Status::Running,
+            Going::NoWay => self.fails(RetrievalFault::NoWayToParcel),
+            Going::Fails => self.fails(RetrievalFault::RobotFails),
+        }
     }
 
     /// Back to the pallet for the next parcel. With nothing left to be fetched, a pair that has a way out has no reason to go back in.
@@ -94,30 +140,37 @@ impl Performer<'_> {
             return Status::Success;
         }
         let place = self.view.piece.first().copied().map_or(pallet, Place::Cell);
-        self.both_go(|performer, which| performer.go_near(which, place), RetrievalFault::NoWayBack)
+        match self.one_after_the_other(Which::ALL, |performer, which| performer.go_near(which, place)) {
+            Going::There => Status::Success,
+            Going::OnTheWay => Status::Running,
+            Going::NoWay => self.fails(RetrievalFault::NoWayBack),
+            Going::Fails => self.fails(RetrievalFault::RobotFails),
+        }
     }
 
-    /// One after the other, so that neither is in the way of the other's route unseen.
-    fn both_go(&mut self, mut go: impl FnMut(&mut Self, Which) -> Going, no_way: RetrievalFault) -> Status {
-        let mut is_blocked = false;
-        for which in Which::ALL {
+    /// One after the other, so that neither is in the way of the other's route unseen; where the first finds no way, the second tries.
+    fn one_after_the_other(&mut self, order: [Which; 2], mut go: impl FnMut(&mut Self, Which) -> Going) -> Going {
+        let mut all = Going::There;
+        for which in order {
             match go(self, which) {
                 Going::There => {}
-                Going::OnTheWay => return Status::Running,
-                Going::NoWay => is_blocked = true,
-                Going::Fails => return self.fails(RetrievalFault::RobotFails),
+                Going::NoWay => all = Going::NoWay,
+                going @ (Going::OnTheWay | Going::Fails) => return going,
             }
         }
-        if is_blocked { self.fails(no_way) } else { Status::Success }
+        all
     }
 
     /// Beside the piece at this place: where it is lifted from, or where there is room beside it.
     fn go_near(&mut self, which: Which, place: Place) -> Going {
+        if self.base(which).open.is_some() {
+            return Going::OnTheWay;
+        }
         if self.is_near(which, place) {
             return Going::There;
         }
         let other = self.base(which.other()).stands.place;
-        let planned = self.stands(place).map(|stands| Place::Cell(stands.bases[which.index()])).filter(|end| *end != other);
+        let planned = self.stands(place).map(|plan| Place::Cell(plan.stands.bases[which.index()])).filter(|end| *end != other);
         let Some(end) = planned.or_else(|| self.room_beside(which, place)) else { return Going::NoWay };
         self.go(which, end)
     }
@@ -193,7 +246,7 @@ impl Performer<'_> {
         if let Some(status) = self.recentre_both() {
             return status;
         }
-        let is_still = Which::ALL.into_iter().all(|which| self.base(which).open.is_none());
+        let is_still = !self.is_anybody_busy();
         if parcel.place == self.view.target && is_still {
             return Status::Success;
         }

@@ -29,6 +29,9 @@ impl Performer<'_> {
     }
 
     pub(super) fn set_end_effectors(&mut self, leaf: &Leaf<'_>) -> Status {
+        if self.is_anybody_busy() {
+            return Status::Running;
+        }
         let Some(grip) = place_in(leaf, 0).and_then(|place| self.grip_place(place)) else {
             return self.fails(RetrievalFault::NotAligned);
         };

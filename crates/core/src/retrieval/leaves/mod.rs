@@ -160,6 +160,10 @@ impl<'a> Performer<'a> {
         self.view.base(which)
     }
 
+    fn is_anybody_busy(&self) -> bool {
+        Which::ALL.into_iter().any(|which| self.base(which).open.is_some())
+    }
+
     fn arms(&self) -> [&'a ArmState; 2] {
         Which::ALL.map(|which| &self.base(which).arm)
     }

@@ -4,13 +4,21 @@
 use std::collections::VecDeque;
 
 use crate::retrieval::place::Place;
+use crate::retrieval::view::Which;
 use crate::retrieval::way::{Floor, Stands, Train};
 use crate::world::hall_map::HallMap;
+
+/// From where a piece is lifted, and which base goes there first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plan {
+    pub(super) stands: Stands,
+    pub(super) order: [Which; 2],
+}
 
 #[derive(Clone, Debug, Default)]
 pub(in crate::retrieval) struct Routes {
     /// From where the piece at a place is lifted.
-    pub(super) stands: Option<(Place, Stands)>,
+    pub(super) stands: Option<(Place, Plan)>,
     alone: [VecDeque<Place>; 2],
     train: VecDeque<Train>,
 }

@@ -1,0 +1,100 @@
+//! Scripts in trees: nodes that are scripts, and the conditions round other nodes.
+
+use std::time::Duration;
+
+use hallsweep_core::behaviour::{Blackboard, Catalogue, Mocks, Status, Tree, Value, xml};
+
+/// Runs a tree whose `Work` says this, and gives what each tick came to (`!` and the reason where it could not) and the blackboard.
+fn run(root: &str, work: &str, entries: &[(&str, i64)], ticks: usize) -> (String, Blackboard) {
+    let file = format!("<root BTCPP_format=\"4\"><BehaviorTree ID=\"T\">{root}</BehaviorTree></root>");
+    let document = xml::read(&file).unwrap();
+    let mut mocks = Mocks::default();
+    mocks.add(&format!("Work={work}")).unwrap();
+    let mut blackboard = Blackboard::new();
+    for (name, number) in entries {
+        blackboard.set(name, Value::Int(*number)).unwrap();
+    }
+    let catalogue = mocks.catalogue(&document, Catalogue::default());
+    let mut tree = Tree::build(&document, None, &catalogue, &mut blackboard).unwrap();
+    let said = (0..ticks).map(|_| match tree.tick(&mut blackboard, &mut mocks, Duration::ZERO) {
+        Ok(status) => status.word().to_owned(),
+        Err(fault) => format!("!{}", fault.reason),
+    });
+    (said.collect::<Vec<String>>().join(" "), blackboard)
+}
+
+fn check(root: &str, work: &str, entries: &[(&str, i64)], expected: &str) {
+    assert_eq!(run(root, work, entries, 1).0, expected, "{root}");
+}
+
+#[test]
+fn conditions_are_asked_when_a_node_begins() {
+    check("<Work _failureIf=\"n == 1\"/>", "SUCCESS", &[("n", 1)], "FAILURE");
+    check("<Work _successIf=\"n == 1\"/>", "FAILURE", &[("n", 1)], "SUCCESS");
+    check("<Work _skipIf=\"n == 1\"/>", "FAILURE", &[("n", 1)], "SKIPPED");
+    check("<Work _while=\"n == 1\"/>", "FAILURE", &[("n", 2)], "SKIPPED");
+    check("<Work _while=\"n == 1\"/>", "SUCCESS", &[("n", 1)], "SUCCESS");
+    check("<Work _failureIf=\"n\" _successIf=\"n\" _skipIf=\"n\"/>", "RUNNING", &[("n", 1)], "FAILURE");
+    check("<Work _successIf=\"n\" _skipIf=\"n\"/>", "RUNNING", &[("n", 1)], "SUCCESS");
+}
+
+#[test]
+fn what_runs_is_halted_when_its_while_does_not_hold_any_more() {
+    let root = "<Parallel failure_count=\"2\"><Work name=\"w\" _while=\"n &lt; 2\" _onHalted=\"h := 1\"/><Script code=\"n = 2\"/></Parallel>";
+    let (said, blackboard) = run(root, "RUNNING", &[("n", 1)], 2);
+    assert_eq!(said, "RUNNING SUCCESS");
+    assert_eq!(blackboard.get("h"), Some(&Value::Int(1)));
+}
+
+#[test]
+fn scripts_follow_when_a_node_is_done() {
+    let root = "<Work _onSuccess=\"a := 1\" _onFailure=\"b := 1\" _onHalted=\"c := 1\" _post=\"d := 1\"/>";
+    let held = |work: &str| {
+        let (_, blackboard) = run(root, work, &[], 1);
+        ["a", "b", "c", "d"].into_iter().filter(|name| blackboard.get(name).is_some()).collect::<String>()
+    };
+    assert_eq!([held("SUCCESS"), held("FAILURE"), held("RUNNING"), held("SKIPPED")], ["ad", "bd", "", ""]);
+}
+
+#[test]
+fn a_script_node_does_and_a_script_condition_asks() {
+    check("<Script code=\"a := 1\"/>", "SUCCESS", &[], "SUCCESS");
+    check("<Sequence><Script code=\"a := 2; a *= 3\"/><ScriptCondition code=\"a == 6\"/></Sequence>", "SUCCESS", &[], "SUCCESS");
+    check("<ScriptCondition code=\"n &gt; 3\"/>", "SUCCESS", &[("n", 3)], "FAILURE");
+    check("<Script code=\"n / 0\"/>", "SUCCESS", &[("n", 3)], "!its script divides by zero");
+    check("<ScriptCondition code=\"m\"/>", "SUCCESS", &[], "!in its script the entry {m} holds nothing");
+    check("<ScriptCondition code=\"'x'\"/>", "SUCCESS", &[], "!its script comes to 'x', which is neither true nor false");
+}
+
+/// Its script is asked until it holds, and not again before the child is done.
+#[test]
+fn a_precondition_lets_its_child_or_says_otherwise() {
+    check("<Precondition if=\"n == 1\"><Work/></Precondition>", "SUCCESS", &[("n", 2)], "FAILURE");
+    check("<Precondition if=\"n == 1\" else=\"RUNNING\"><Work/></Precondition>", "SUCCESS", &[("n", 2)], "RUNNING");
+    let root = "<Sequence><Precondition if=\"n == 1\"><Work _post=\"n = 2\"/></Precondition><AlwaysSuccess/></Sequence>";
+    assert_eq!(run(root, "RUNNING,SUCCESS", &[("n", 1)], 3).0, "RUNNING SUCCESS FAILURE");
+}
+
+#[test]
+fn entries_are_written_copied_and_emptied() {
+    let root = "<Sequence><SetBlackboard value=\"7\" output_key=\"a\"/><SetBlackboard value=\"{a}\" output_key=\"{b}\"/><UnsetBlackboard key=\"a\"/></Sequence>";
+    let (said, blackboard) = run(root, "SUCCESS", &[], 1);
+    assert_eq!((said.as_str(), blackboard.get("a"), blackboard.get("b")), ("SUCCESS", None, Some(&Value::text("7"))));
+    check("<SetBlackboard value=\"{none}\" output_key=\"b\"/>", "SUCCESS", &[], "FAILURE");
+    let root = "<Sequence><Repeat num_cycles=\"{b}\"><Work/></Repeat><SetBlackboard value=\"many\" output_key=\"b\"/></Sequence>";
+    check(root, "SUCCESS", &[("b", 1)], "!the entry {b} is of type int and cannot hold \"many\"");
+}
+
+#[test]
+fn a_port_without_a_value_is_said() {
+    let said = "!its port num_cycles holds no whole number";
+    check("<Repeat num_cycles=\"{n}\"><Work/></Repeat>", "SUCCESS", &[], said);
+    check("<Repeat num_cycles=\"{n}\"><Work/></Repeat>", "FAILURE", &[("n", 2)], "FAILURE");
+}
+
+#[test]
+fn whoever_says_that_a_fault_happened_leaves_nothing_running() {
+    let root = "<Parallel><Work/><Script code=\"1 / 0\"/></Parallel>";
+    let (said, _) = run(root, Status::Running.word(), &[], 2);
+    assert_eq!(said, "!its script divides by zero !its script divides by zero");
+}

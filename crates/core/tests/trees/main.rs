@@ -1,0 +1,9 @@
+//! Behaviour trees through the public door of the core: the rules of every node as tables, and random trees beside a second
+//! interpreter that was written from the rules alone.
+#![expect(clippy::unwrap_used, clippy::wildcard_enum_match_arm, reason = "all of this is test")]
+
+mod conditions;
+mod random;
+mod reference;
+mod subtrees;
+mod tables;

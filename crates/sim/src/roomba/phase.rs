@@ -1,0 +1,244 @@
+//! What the Roomba can be doing, and how: the four phases of seed 001, each with its speeds from its beginning to its end.
+//! Which phase follows which is not decided here; that is what the state machine and the behaviour tree are for.
+
+use std::f64::consts::{PI, TAU};
+
+use super::room::{TICK_S, TICKS_PER_SECOND, Velocity};
+use hallsweep_core::rng::RandomStream;
+
+/// How fast it goes forward and in a spiral, in metres a second (docs/laboratory.md).
+const FORWARD_SPEED: f64 = 0.5;
+
+/// How long it goes forward, in seconds: t1 of the seed.
+const FORWARD_S: u32 = 3;
+
+/// How long a spiral lasts, in seconds: t2 of the seed.
+const SPIRAL_S: u32 = 20;
+
+/// The radius with which a spiral begins, in metres: r0 of the seed.
+const SPIRAL_START_M: f64 = 0.2;
+
+/// By how much the radius of a spiral grows, in metres a second: b of the seed.
+const SPIRAL_GROWTH: f64 = 0.05;
+
+/// How fast it goes back, in metres a second (docs/laboratory.md).
+const BACK_SPEED: f64 = 0.1;
+
+/// For how many ticks it goes back: half a second, t3 of the seed.
+const BACK_TICKS: u32 = TICKS_PER_SECOND / 2;
+
+/// How fast it turns, in radians a second (docs/laboratory.md).
+const TURN_SPEED: f64 = 0.5;
+
+/// The stream of a seed from which the angles are drawn, one whenever a turn begins.
+pub(super) const TURNS: &str = "roomba turns";
+
+/// What the Roomba is doing: a state of its machine, a leaf of its tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Phase {
+    /// Straight on.
+    MoveForward,
+    /// In a spiral whose radius grows.
+    MoveInSpiral,
+    /// Straight back from what it touched.
+    GoBack,
+    /// By an angle that is drawn when it begins.
+    Rotate,
+}
+
+impl Phase {
+    /// All of them, in the order of the seed.
+    pub const ALL: [Phase; 4] = [Phase::MoveForward, Phase::MoveInSpiral, Phase::GoBack, Phase::Rotate];
+
+    /// The word for it: on the page, in figures, in the tree's file.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Phase::MoveForward => "MoveForward",
+            Phase::MoveInSpiral => "MoveInSpiral",
+            Phase::GoBack => "GoBack",
+            Phase::Rotate => "Rotate",
+        }
+    }
+
+    /// Whether meeting a wall ends it.
+    pub(super) const fn heeds_bumper(self) -> bool {
+        match self {
+            Phase::MoveForward | Phase::MoveInSpiral => true,
+            Phase::GoBack | Phase::Rotate => false,
+        }
+    }
+}
+
+/// A phase under way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Motion {
+    pub(super) phase: Phase,
+    /// How many ticks it has had.
+    pub(super) ticks: u32,
+    /// By how much it turns, in radians in `-π..π`; of a turn alone.
+    pub(super) angle: Option<f64>,
+}
+
+impl Motion {
+    /// The beginning of a phase. A turn draws its angle here, and nothing else draws.
+    pub(super) fn begin(phase: Phase, turns: &mut RandomStream) -> Motion {
+        let angle = match phase {
+            Phase::Rotate => Some(TAU * turns.fraction() - PI),
+            Phase::MoveForward | Phase::MoveInSpiral | Phase::GoBack => None,
+        };
+        Motion { phase, ticks: 0, angle }
+    }
+
+    /// Whether a wall ends it now: one that it has met itself, since every phase has one tick at least.
+    pub(super) const fn meets_wall(&self, bumper: bool) -> bool {
+        bumper && self.ticks > 0 && self.phase.heeds_bumper()
+    }
+
+    /// Whether it has lasted as long as it is to.
+    pub(super) fn is_over(&self) -> bool {
+        match self.phase {
+            Phase::MoveForward => self.ticks >= FORWARD_S * TICKS_PER_SECOND,
+            Phase::MoveInSpiral => self.ticks >= SPIRAL_S * TICKS_PER_SECOND,
+            Phase::GoBack => self.ticks >= BACK_TICKS,
+            Phase::Rotate => self.ticks > 0 && self.left_to_turn() == 0.0,
+        }
+    }
+
+    /// The speeds of its next tick, which is counted.
+    pub(super) fn tick(&mut self) -> Velocity {
+        let velocity = match self.phase {
+            Phase::MoveForward => Velocity { linear: FORWARD_SPEED, angular: 0.0 },
+            Phase::MoveInSpiral => {
+                let radius = SPIRAL_START_M + SPIRAL_GROWTH * seconds(self.ticks);
+                // The body turns no faster than it can: for the first second, while the radius is below 0.25 m, it drives a circle of
+                // 0.25 m instead.
+                Velocity { linear: FORWARD_SPEED, angular: FORWARD_SPEED / radius }
+            }
+            Phase::GoBack => Velocity { linear: -BACK_SPEED, angular: 0.0 },
+            Phase::Rotate => {
+                // The last tick turns by what is left, so that the angle is met exactly.
+                let step = self.left_to_turn().min(TURN_SPEED * TICK_S);
+                Velocity { linear: 0.0, angular: (step / TICK_S).copysign(self.angle.unwrap_or_default()) }
+            }
+        };
+        self.ticks = self.ticks.saturating_add(1);
+        velocity
+    }
+
+    /// What a turn still has before it, in radians, whichever way.
+    fn left_to_turn(&self) -> f64 {
+        let whole = self.angle.map_or(0.0, f64::abs);
+        (whole - TURN_SPEED * seconds(self.ticks)).max(0.0)
+    }
+}
+
+/// So many ticks in seconds.
+fn seconds(ticks: u32) -> f64 {
+    f64::from(ticks) / f64::from(TICKS_PER_SECOND)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::room::Body;
+    use super::*;
+
+    /// The body after a whole phase from the middle of a room without walls near, and how many ticks it took.
+    fn driven(mut motion: Motion) -> (Body, u32) {
+        let mut body = Body::START;
+        while !motion.is_over() {
+            body = body.driven(motion.tick());
+            assert!(!body.bumper, "no wall is as near as that");
+        }
+        (body, motion.ticks)
+    }
+
+    fn of(phase: Phase) -> Motion {
+        Motion { phase, ticks: 0, angle: None }
+    }
+
+    #[test]
+    fn three_seconds_forward_are_a_metre_and_a_half() {
+        let (body, ticks) = driven(of(Phase::MoveForward));
+        assert_eq!(ticks, 180);
+        assert!((body.pose.x_m - 4.7).abs() < 1e-9 && body.pose.y_m == 2.4, "{body:?}");
+    }
+
+    #[test]
+    fn half_a_second_back_is_five_centimetres() {
+        let (body, ticks) = driven(of(Phase::GoBack));
+        assert_eq!(ticks, 30);
+        assert!((body.pose.x_m - 3.15).abs() < 1e-9 && body.pose.theta == 0.0, "{body:?}");
+    }
+
+    #[test]
+    fn a_turn_meets_its_angle_in_its_direction_and_takes_the_angle_divided_by_its_speed() {
+        for angle in [-PI, -1.0, -0.001, 0.001, 0.7, 3.1] {
+            let (body, ticks) = driven(Motion { phase: Phase::Rotate, ticks: 0, angle: Some(angle) });
+            assert!((body.pose.theta - angle).abs() < 1e-9, "{angle}: {body:?}");
+            assert!((0.0..=1.0 + 1e-9).contains(&(f64::from(ticks) - angle.abs() / TURN_SPEED * 60.0)), "{angle}: {ticks} ticks");
+            let first = Motion { phase: Phase::Rotate, ticks: 0, angle: Some(angle) }.tick();
+            assert_eq!(first.angular.signum(), angle.signum(), "the short way is not taken, the way of the sign is");
+        }
+    }
+
+    #[test]
+    fn a_turn_by_nothing_takes_a_tick() {
+        let (body, ticks) = driven(Motion { phase: Phase::Rotate, ticks: 0, angle: Some(0.0) });
+        assert_eq!((body.pose, ticks), (Body::START.pose, 1));
+    }
+
+    /// ω = v / (r0 + b·t) is more than 2 rad/s until r = v / 2 = 0.25 m, which is at t = (0.25 − 0.2) / 0.05 = 1 s. Up to there the body
+    /// turns by 2 rad; from there by ∫ v / (r0 + b·t) dt = (v / b) ln(r(20) / r(1)) = 10 ln(1.2 / 0.25).
+    #[test]
+    fn a_spiral_turns_at_most_by_what_the_body_can_in_its_first_second_and_by_the_integral_from_there() {
+        let (mut motion, mut body, mut turned) = (of(Phase::MoveInSpiral), Body::START, 0.0);
+        let mut after_a_second = 0.0;
+        while !motion.is_over() {
+            let before = body.pose.theta;
+            body = body.driven(motion.tick());
+            turned += crate::drive::normal(body.pose.theta - before);
+            if motion.ticks == 60 {
+                after_a_second = turned;
+            }
+        }
+        assert_eq!(motion.ticks, 1200);
+        assert!((after_a_second - 2.0).abs() < 1e-9, "{after_a_second}");
+        // The speed of a tick is that of its beginning, so the sum is above the integral by less than the first tick's share.
+        let above = turned - 2.0 - 10.0 * (1.2_f64 / 0.25).ln();
+        assert!((0.0..2.0 / 60.0).contains(&above), "{above}");
+    }
+
+    /// With a fine enough clock the way is ∫ (cos θ, sin θ) v dt; θ(t) = 2t up to 1 s, then 2 + 10 ln((0.2 + 0.05 t) / 0.25).
+    #[test]
+    fn a_spiral_ends_where_the_integral_of_its_curve_does() {
+        let heading = |t: f64| if t < 1.0 { 2.0 * t } else { 2.0 + 10.0 * ((0.2 + 0.05 * t) / 0.25).ln() };
+        let step = 1e-4;
+        let (x, y) = (0..200_000)
+            .map(|n| heading((f64::from(n) + 0.5) * step))
+            .fold((0.0, 0.0), |(x, y), theta| (x + FORWARD_SPEED * step * theta.cos(), y + FORWARD_SPEED * step * theta.sin()));
+        let (body, _) = driven(of(Phase::MoveInSpiral));
+        let off = (body.pose.x_m - 3.2 - x).hypot(body.pose.y_m - 2.4 - y);
+        assert!(off < 0.02, "{off} m from ({x}, {y})");
+    }
+
+    #[test]
+    fn angles_are_drawn_from_minus_half_a_turn_up_to_half_a_turn() {
+        let mut turns = RandomStream::new(1, TURNS);
+        let angles: Vec<f64> = (0..10_000).filter_map(|_| Motion::begin(Phase::Rotate, &mut turns).angle).collect();
+        assert!(angles.iter().all(|angle| (-PI..PI).contains(angle)));
+        assert!(angles.iter().any(|angle| *angle < -3.1) && angles.iter().any(|angle| *angle > 3.1));
+        let mean = angles.iter().sum::<f64>() / 10_000.0;
+        assert!(mean.abs() < 0.1, "{mean}");
+    }
+
+    #[test]
+    fn nothing_but_a_turn_draws() {
+        let mut turns = RandomStream::new(1, TURNS);
+        let first = Motion::begin(Phase::Rotate, &mut turns.clone());
+        for phase in [Phase::MoveForward, Phase::MoveInSpiral, Phase::GoBack] {
+            assert_eq!(Motion::begin(phase, &mut turns).angle, None);
+        }
+        assert_eq!(Motion::begin(Phase::Rotate, &mut turns), first);
+    }
+}

@@ -1,0 +1,114 @@
+//! The room of the Roomba and its body in it: where it is driven to, and when it touches a wall.
+//! Where it wants to go is not known here, nor how much of the floor it has passed.
+//!
+//! ```text
+//!   (0, 0)  x ─►           The room is continuous: no cells. θ is 0 along x and grows clockwise, from x towards y,
+//!     ┌──────────────┐     so a negative angle turns counterclockwise as seen from above.
+//!   y │   ╭───╮      │     The centre of the body stays at least its radius from every wall.
+//!   ▼ │   │ ──► θ=0  │
+//!     │   ╰───╯      │ 4.8 m
+//!     └──────────────┘
+//!          6.4 m
+//! ```
+
+use crate::drive::BodyPose;
+
+/// How long the room is along x, in metres (docs/laboratory.md).
+pub const ROOM_LENGTH_M: f64 = 6.4;
+
+/// How wide the room is along y, in metres (docs/laboratory.md).
+pub const ROOM_WIDTH_M: f64 = 4.8;
+
+/// The radius of the round body, in metres (docs/laboratory.md).
+pub const RADIUS_M: f64 = 0.17;
+
+/// How often in a second the Roomba decides and moves (docs/laboratory.md).
+pub const TICKS_PER_SECOND: u32 = 60;
+
+/// The fastest that it drives, in metres a second (docs/laboratory.md).
+const MAX_LINEAR: f64 = 1.0;
+
+/// The fastest that it turns, in radians a second (docs/laboratory.md).
+const MAX_ANGULAR: f64 = 2.0;
+
+/// How long a tick is, in seconds.
+pub(super) const TICK_S: f64 = 1.0 / TICKS_PER_SECOND as f64;
+
+/// How fast the body is to go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Velocity {
+    /// Metres a second, forward; backward when negative.
+    pub(super) linear: f64,
+    /// Radians a second; the sign is that of the angle it turns by.
+    pub(super) angular: f64,
+}
+
+impl Velocity {
+    /// What the body can do of it. Each speed has its own limit: one that turns too fast for the body drives on as fast as it was to, in
+    /// a wider curve.
+    const fn limited(self) -> Velocity {
+        let linear = self.linear.clamp(-MAX_LINEAR, MAX_LINEAR);
+        Velocity { linear, angular: self.angular.clamp(-MAX_ANGULAR, MAX_ANGULAR) }
+    }
+}
+
+/// The body in the room.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Body {
+    pub(super) pose: BodyPose,
+    /// Whether a wall cut its last move short. Standing beside a wall or turning there presses nothing.
+    pub(super) bumper: bool,
+}
+
+impl Body {
+    /// In the middle of the room, facing along x (docs/laboratory.md).
+    pub(super) const START: Body =
+        Body { pose: BodyPose { x_m: ROOM_LENGTH_M / 2.0, y_m: ROOM_WIDTH_M / 2.0, theta: 0.0 }, bumper: false };
+
+    /// Where it is after a tick at these speeds: a wall stops it, across the wall alone.
+    pub(super) fn driven(self, velocity: Velocity) -> Body {
+        let Velocity { linear, angular } = velocity.limited();
+        let free = self.pose.after(linear, angular, TICK_S);
+        let x_m = free.x_m.clamp(RADIUS_M, ROOM_LENGTH_M - RADIUS_M);
+        let y_m = free.y_m.clamp(RADIUS_M, ROOM_WIDTH_M - RADIUS_M);
+        Body { pose: BodyPose { x_m, y_m, ..free }, bumper: x_m != free.x_m || y_m != free.y_m }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(x_m: f64, y_m: f64, theta: f64) -> Body {
+        Body { pose: BodyPose { x_m, y_m, theta }, bumper: false }
+    }
+
+    const AHEAD: Velocity = Velocity { linear: 0.5, angular: 0.0 };
+
+    #[test]
+    fn a_wall_stops_the_body_at_its_radius_and_presses_the_bumper() {
+        let body = at(ROOM_LENGTH_M - RADIUS_M - 0.001, 2.4, 0.0).driven(AHEAD);
+        assert_eq!((body.pose.x_m, body.pose.y_m, body.bumper), (6.4 - 0.17, 2.4, true));
+        let corner = at(0.171, 0.171, -2.4).driven(AHEAD);
+        assert_eq!((corner.pose.x_m, corner.pose.y_m, corner.bumper), (0.17, 0.17, true));
+    }
+
+    #[test]
+    fn a_body_that_leaves_a_wall_or_turns_beside_it_is_not_pressed() {
+        let pressed = at(0.17, 2.4, 3.0).driven(AHEAD);
+        assert!(pressed.bumper);
+        assert!(!pressed.driven(Velocity { linear: -0.1, angular: 0.0 }).bumper);
+        assert!(!pressed.driven(Velocity { linear: 0.0, angular: 0.5 }).bumper);
+        assert!(!pressed.driven(Velocity { linear: 0.0, angular: 0.0 }).bumper);
+    }
+
+    #[test]
+    fn the_body_goes_no_faster_than_it_can_and_drives_on_where_it_cannot_turn_so_fast() {
+        let fast = Body::START.driven(Velocity { linear: -7.0, angular: 0.0 });
+        assert!((Body::START.pose.x_m - fast.pose.x_m - 1.0 / 60.0).abs() < 1e-12);
+        let curve = Body::START.driven(Velocity { linear: 0.5, angular: 2.5 });
+        assert_eq!(curve, Body::START.driven(Velocity { linear: 0.5, angular: 2.0 }));
+        assert!((curve.pose.theta - 2.0 / 60.0).abs() < 1e-12);
+        assert_eq!(Body::START.driven(Velocity { linear: 0.0, angular: -9.0 }).pose.theta, -2.0 / 60.0);
+    }
+}

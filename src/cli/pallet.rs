@@ -1,0 +1,198 @@
+//! `hallsweep pallet`: two mobile manipulators carry parcels from a pallet to a target area, led by the three behaviour trees, in
+//! simulated time. The scenario itself runs in `hallsweep_sim::pallet`; here its phases are printed, its figures, and a picture.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::Args;
+
+use super::Failure;
+use hallsweep_sim::pair::Slip;
+use hallsweep_sim::pallet::{Asked, Figures, MOST_PARCELS, PalletRun};
+
+mod report;
+mod svg;
+
+/// The flags of `pallet`.
+#[derive(Args, Clone, Debug)]
+pub struct Pallet {
+    /// How many parcels are on the pallet, from 1 to 24.
+    #[arg(long, value_name = "NUMBER", default_value_t = 3, value_parser = parcels, allow_hyphen_values = true)]
+    parcels: u32,
+    /// Where all chance comes from: the same number gives the same yard and the same run.
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    seed: u64,
+    /// Let something go wrong, at the first parcel or at this one: lost (on the way), lostLifting, unrecognised, blocked (the way is
+    /// closed for good), jammed (a gripper does not close), absent (the operator never comes). May be given several times.
+    #[arg(long = "fault", value_name = "NAME[@PARCEL]")]
+    faults: Vec<AskedFault>,
+    /// Print one JSON object instead of the phases and the figures.
+    #[arg(long)]
+    json: bool,
+    /// Draw the yard and the ways that were driven to this file as SVG; "-": to standard output, and nothing else there.
+    #[arg(long, value_name = "FILE", conflicts_with = "json")]
+    svg: Option<PathBuf>,
+}
+
+/// Steps after which a parcel that is to be lost on the way slips: far from both ends of most ways.
+const LOST_AFTER: u32 = 3;
+
+/// Something that is to go wrong, and at which parcel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct AskedFault {
+    mishap: Mishap,
+    parcel: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Mishap {
+    Lost,
+    LostLifting,
+    Unrecognised,
+    Blocked,
+    Jammed,
+    Absent,
+}
+
+impl Mishap {
+    const ALL: [(&'static str, Mishap); 6] = [
+        ("lost", Mishap::Lost),
+        ("lostLifting", Mishap::LostLifting),
+        ("unrecognised", Mishap::Unrecognised),
+        ("blocked", Mishap::Blocked),
+        ("jammed", Mishap::Jammed),
+        ("absent", Mishap::Absent),
+    ];
+}
+
+impl FromStr for AskedFault {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<AskedFault, String> {
+        let (name, parcel) = text.split_once('@').unwrap_or((text, "1"));
+        let Some((_, mishap)) = Mishap::ALL.into_iter().find(|(known, _)| *known == name) else {
+            let known = Mishap::ALL.map(|(known, _)| known).join(", ");
+            return Err(format!("nothing that goes wrong is called {name:?}: {known}"));
+        };
+        if mishap == Mishap::Absent && text.contains('@') {
+            return Err("absent is said of the whole run, without a parcel".to_owned());
+        }
+        Ok(AskedFault { mishap, parcel: parcels(parcel)? })
+    }
+}
+
+fn parcels(text: &str) -> Result<u32, String> {
+    let number = text.parse().ok().filter(|number| (1..=MOST_PARCELS).contains(number));
+    number.ok_or_else(|| format!("parcels are counted from 1 to {MOST_PARCELS}, as many as fit on the pallet"))
+}
+
+/// Runs the scenario and prints what it came to.
+pub fn run(flags: &Pallet) -> Result<(), Failure> {
+    let asked = flags.asked()?;
+    let mut run = PalletRun::new(flags.parcels, flags.seed, asked).map_err(|error| Failure::Run(error.to_string()))?;
+    let figures = run.finish();
+    match &flags.svg {
+        Some(file) if file.as_os_str() == "-" => super::print(svg::drawing(&run).trim_end())?,
+        Some(file) => {
+            std::fs::write(file, svg::drawing(&run))
+                .map_err(|error| Failure::Run(format!("the picture {} cannot be written: {error}", file.display())))?;
+            super::print(&report::for_people(&run, &figures))?;
+        }
+        None if flags.json => super::print(&report::json(&run, &figures))?,
+        None => super::print(&report::for_people(&run, &figures))?,
+    }
+    outcome(&figures)
+}
+
+/// A run that did not bring all parcels to the target area has failed, by the name of what was wrong.
+fn outcome(figures: &Figures) -> Result<(), Failure> {
+    let Some(fault) = figures.fault else { return Ok(()) };
+    let (delivered, parcels) = (figures.delivered, figures.parcels);
+    let words = format!("{}: {} ({delivered} of {parcels} parcels are in the target area)", fault.name(), fault.in_words());
+    Err(Failure::Run(words))
+}
+
+impl Pallet {
+    fn asked(&self) -> Result<Asked, Failure> {
+        let mut asked = Asked::default();
+        for AskedFault { mishap, parcel } in self.faults.iter().copied() {
+            if parcel > self.parcels {
+                let words = format!("--fault names parcel {parcel}, and there are {} on the pallet", self.parcels);
+                return Err(Failure::Run(words));
+            }
+            match mishap {
+                Mishap::Lost => asked.mishaps.slips.push(Slip { parcel, after_steps: LOST_AFTER }),
+                Mishap::LostLifting => asked.mishaps.slips.push(Slip { parcel, after_steps: 0 }),
+                Mishap::Unrecognised => asked.mishaps.unrecognised.push(parcel),
+                Mishap::Jammed => asked.mishaps.jams.push(parcel),
+                Mishap::Blocked => asked.blocked = Some(parcel),
+                Mishap::Absent => asked.absent = true,
+            }
+        }
+        Ok(asked)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flags(parcels: u32, faults: &[&str]) -> Pallet {
+        let faults = faults.iter().map(|fault| fault.parse().expect("it is well written")).collect();
+        Pallet { parcels, seed: 2, faults, json: false, svg: None }
+    }
+
+    fn ran(flags: &Pallet) -> (PalletRun, Figures) {
+        let mut run = PalletRun::new(flags.parcels, flags.seed, flags.asked().expect("it fits")).expect("a good number");
+        let figures = run.finish();
+        (run, figures)
+    }
+
+    #[test]
+    fn what_is_to_go_wrong_is_read_by_name_and_parcel() {
+        assert_eq!("lost@2".parse(), Ok(AskedFault { mishap: Mishap::Lost, parcel: 2 }));
+        assert_eq!("unrecognised".parse(), Ok(AskedFault { mishap: Mishap::Unrecognised, parcel: 1 }));
+        for wrong in ["", "gone", "lost@", "lost@0", "lost@25", "lost@x", "absent@1"] {
+            assert!(wrong.parse::<AskedFault>().is_err(), "{wrong}");
+        }
+        let words = flags(1, &["lost@2"]).asked().map(drop).unwrap_err().to_string();
+        assert_eq!(words, "--fault names parcel 2, and there are 1 on the pallet");
+    }
+
+    #[test]
+    fn a_run_that_brings_all_parcels_is_well_and_one_that_does_not_fails_by_name() {
+        for (faults, name) in [
+            (&["lost", "unrecognised"][..], None),
+            (&["lostLifting"], None),
+            (&["blocked"], Some("noWayToTarget")),
+            (&["jammed"], Some("robotFails")),
+            (&["lost", "absent"], Some("operatorAbsent")),
+        ] {
+            let (_, figures) = ran(&flags(1, faults));
+            let words = outcome(&figures).err().map(|failure| failure.to_string());
+            assert_eq!(words.as_deref().map(|words| words.split(':').next().unwrap_or_default()), name, "{faults:?}: {words:?}");
+        }
+    }
+
+    #[test]
+    fn the_report_tells_the_phases_as_they_pass_and_the_same_as_json() {
+        let (run, figures) = ran(&flags(2, &["unrecognised@2"]));
+        let text = report::for_people(&run, &figures);
+        let phases: Vec<usize> = (1..=8).filter(|phase| text.contains(&format!("phase {phase}: "))).collect();
+        assert_eq!(phases, [1, 2, 3, 4, 5, 6, 7, 8], "{text}");
+        assert!(text.contains("the pair recognises no parcel") && text.contains("worst force error"), "{text}");
+        let json: serde_json::Value = serde_json::from_str(&report::json(&run, &figures)).expect("it is JSON");
+        assert_eq!((&json["delivered"], &json["fault"]), (&serde_json::json!(2), &serde_json::Value::Null));
+        let first: Vec<u64> =
+            json["events"].as_array().into_iter().flatten().filter_map(|event| event["phase"].as_u64()).collect();
+        assert_eq!(first, [1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7]);
+    }
+
+    #[test]
+    fn the_picture_shows_the_yard_and_three_ways() {
+        let (run, _) = ran(&flags(1, &[]));
+        let drawing = svg::drawing(&run);
+        assert!(drawing.starts_with("<svg xmlns=") && drawing.trim_end().ends_with("</svg>"));
+        assert_eq!(drawing.matches("<polyline").count(), 3, "SRM1, SRM2 and the parcel");
+    }
+}

@@ -1,0 +1,243 @@
+//! `hallsweep tree`: looks at files of behaviour trees, writes them back, and runs them with mocks for their leaves.
+//! What a tree does stands in `hallsweep_core::behaviour`, how a tick is printed in `shown`.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::{Args, Subcommand};
+use hallsweep_core::behaviour::document::{Document, Element};
+use hallsweep_core::behaviour::error::Reason;
+use hallsweep_core::behaviour::{Blackboard, Catalogue, Mocks, Status, Tree, TreeError, Value, ValueType, xml};
+
+use super::Failure;
+
+mod shown;
+
+/// What to do with files of trees.
+#[derive(Args, Clone, Debug)]
+pub struct Trees {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Clone, Debug, Subcommand)]
+enum What {
+    /// Say of each file what it holds, or what is wrong: `file:line:column: reason`, and exit code 1.
+    Check {
+        /// The files.
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+    },
+    /// Print a file as it is written here: the same trees, laid out in one way, without comments.
+    Write {
+        /// The file.
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+    },
+    /// Tick a tree with mocks for its leaves, and print what every node says, tick by tick.
+    Run(Run),
+}
+
+/// The flags of `tree run`.
+#[derive(Args, Clone, Debug)]
+#[command(
+    after_help = "It ends when the tree is done, or after --ticks. Exit codes: 0 SUCCESS, 1 FAILURE, 2 still RUNNING, 3 the file is\n\
+    refused or a node cannot be performed, 4 SKIPPED.\n\
+    With --json each tick is one line: {\"tick\":1,\"time_ms\":0,\"status\":\"RUNNING\",\"nodes\":[…],\"blackboard\":{…}}. Of each node,\n\
+    in preorder: \"uid\", \"path\" (as BehaviorTree.CPP's fullPath; no two are the same), \"name\", \"kind\", \"status\" (what it said in this tick\n\
+    if it was ticked in it, else how it stands), \"after\" (how it stands once the tick is over: IDLE where its parent has reset it),\n\
+    \"ticked\", and \"halted\" where a leaf was halted in this tick."
+)]
+struct Run {
+    /// The file.
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// The tree that runs; otherwise that which the file names, or its only one.
+    #[arg(long, value_name = "ID")]
+    tree: Option<String>,
+    /// Stop after so many ticks.
+    #[arg(long, value_name = "COUNT", default_value_t = 1000)]
+    ticks: u64,
+    /// The simulated time between two ticks, in milliseconds.
+    #[arg(long, value_name = "MILLISECONDS", default_value_t = 100)]
+    period: u64,
+    /// What successive ticks of a leaf say, by its path, its name, or the name of its kind ("*": every other leaf). The last status
+    /// stays; RUNNING*3 is three ticks.
+    #[arg(long, value_name = "NAME=STATUS,STATUS*3,…")]
+    mock: Vec<String>,
+    /// What a leaf writes to a port whenever it succeeds (NAME.port=value), or what an entry of the blackboard holds at first
+    /// (entry=value).
+    #[arg(long, value_name = "NAME.PORT=VALUE|ENTRY=VALUE")]
+    set: Vec<String>,
+    /// What an entry of the blackboard holds at first.
+    #[arg(long, value_name = "ENTRY=VALUE")]
+    blackboard: Vec<String>,
+    /// Print one line of JSON a tick.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(asked: &Trees) -> Result<(), Failure> {
+    match &asked.what {
+        What::Check { files } => check(files),
+        What::Write { file } => super::print(xml::write(&read(file).map_err(Failure::Run)?).trim_end()),
+        What::Run(flags) => tick(flags),
+    }
+}
+
+/// The leaves that this program can perform.
+fn known() -> Catalogue {
+    Catalogue::default()
+}
+
+fn check(files: &[PathBuf]) -> Result<(), Failure> {
+    let mut refused = 0;
+    for file in files {
+        match checked(file) {
+            Ok(document) => super::print(&format!("{}: {}", file.display(), held(&document)))?,
+            Err(words) => {
+                eprintln!("{words}");
+                refused += 1;
+            }
+        }
+    }
+    match refused {
+        0 => Ok(()),
+        1 if files.len() == 1 => Err(Failure::Run("the file is refused".to_owned())),
+        refused => Err(Failure::Run(format!("{refused} of {} files are refused", files.len()))),
+    }
+}
+
+fn checked(file: &Path) -> Result<Document, String> {
+    let document = read(file)?;
+    let mut catalogue = known();
+    catalogue.add_models(&document);
+    document.check(&catalogue).map_err(|error| placed(file, &error))?;
+    Ok(document)
+}
+
+fn placed(file: &Path, error: &TreeError) -> String {
+    format!("{}:{error}", file.display())
+}
+
+/// What is in a file, in a line.
+fn held(document: &Document) -> String {
+    fn count(element: &Element) -> usize {
+        1 + element.children.iter().map(count).sum::<usize>()
+    }
+    let trees: Vec<String> = document.trees.iter().map(|tree| format!("{} ({} nodes)", tree.id, count(&tree.root))).collect();
+    let main = match &document.main {
+        Some(main) if document.trees.len() > 1 => format!("; {main} runs"),
+        Some(_) | None => String::new(),
+    };
+    format!("well formed: {}{main}", trees.join(", "))
+}
+
+fn read(file: &Path) -> Result<Document, String> {
+    let unreadable = |error: std::io::Error| format!("{} cannot be read: {error}", file.display());
+    // One byte more than may be: the reader says what is too long.
+    let most = u64::try_from(xml::LONGEST_FILE).unwrap_or(u64::MAX).saturating_add(1);
+    let mut bytes = Vec::new();
+    File::open(file).and_then(|open| open.take(most).read_to_end(&mut bytes)).map_err(unreadable)?;
+    // A file that is cut may end within a letter; it is refused for its length then.
+    let text = match std::str::from_utf8(&bytes) {
+        Ok(text) => text,
+        Err(error) if bytes.len() <= xml::LONGEST_FILE => return Err(format!("{} is no UTF-8: {error}", file.display())),
+        Err(_) => return Err(format!("{}:1:1: the file is longer than {} bytes", file.display(), xml::LONGEST_FILE)),
+    };
+    xml::read(text).map_err(|error| placed(file, &error))
+}
+
+fn tick(flags: &Run) -> Result<(), Failure> {
+    let refused = |words: String| Failure::Tree(words, 3);
+    let document = read(&flags.file).map_err(refused)?;
+    let (mut mocks, entries) = scripted(flags).map_err(refused)?;
+    let catalogue = mocks.catalogue(&document, known());
+    let mut blackboard = Blackboard::new();
+    let built = Tree::build(&document, flags.tree.as_deref(), &catalogue, &mut blackboard);
+    let mut tree = built.map_err(|error| {
+        let hint = if let Reason::UnknownNode(id) = &error.reason { mock_it(id) } else { String::new() };
+        refused(format!("{}{hint}", placed(&flags.file, &error)))
+    })?;
+    if let Some(bare) = mocks.missing(&tree) {
+        let (file, place, name) = (flags.file.display(), bare.place, bare.name);
+        return Err(refused(format!("{file}:{place}: there is no mock for the leaf {name}{}", mock_it(name))));
+    }
+    for (name, text) in entries {
+        let unfit = |unfit: hallsweep_core::behaviour::blackboard::Unfit| refused(unfit.to_string());
+        blackboard.set(&name, value(&text, &blackboard, &name)).map_err(unfit)?;
+    }
+    let period = Duration::from_millis(flags.period);
+    for number in 1..=flags.ticks {
+        let since_last = if number == 1 { Duration::ZERO } else { period };
+        let ticked = tree.tick(&mut blackboard, &mut mocks, since_last);
+        let halted = mocks.take_halted();
+        match &ticked {
+            Ok(status) if flags.json => super::print(&shown::json(&tree, *status, &halted, &blackboard))?,
+            Ok(status) => super::print(&shown::picture(&tree, *status, &halted, &blackboard))?,
+            Err(fault) if flags.json => super::print(&shown::json_fault(number, fault))?,
+            Err(_) => {}
+        }
+        match ticked {
+            Ok(Status::Running) => {}
+            Ok(Status::Success) => return Ok(()),
+            Ok(Status::Failure) => return Err(Failure::Tree(format!("the tree came to FAILURE in tick {number}"), 1)),
+            Ok(Status::Skipped | Status::Idle) => return Err(Failure::Tree(format!("the tree was skipped in tick {number}"), 4)),
+            Err(fault) => return Err(Failure::Tree(format!("{}: in tick {number}: {fault}", flags.file.display()), 3)),
+        }
+    }
+    Err(Failure::Tree(format!("the tree is still running after {} ticks", flags.ticks), 2))
+}
+
+/// What to do about a leaf that nobody performs.
+fn mock_it(name: &str) -> String {
+    format!(": say --mock '{name}=SUCCESS', or --mock '*=SUCCESS' for all")
+}
+
+/// The mocks, and the entries that hold something at first.
+fn scripted(flags: &Run) -> Result<(Mocks, Vec<(String, String)>), String> {
+    let mut mocks = Mocks::default();
+    for mock in &flags.mock {
+        mocks.add(mock).map_err(|error| format!("--mock: {error}"))?;
+    }
+    let mut entries = Vec::new();
+    for text in flags.set.iter().chain(&flags.blackboard) {
+        let (name, value) =
+            text.split_once('=').ok_or_else(|| format!("--set: {text:?} should be NAME.PORT=VALUE or ENTRY=VALUE"))?;
+        match name.rsplit_once('.') {
+            Some((leaf, port)) => mocks.write(leaf, port, value),
+            None => entries.push((name.to_owned(), value.to_owned())),
+        }
+    }
+    Ok((mocks, entries))
+}
+
+/// A text of the command line as a value: of the type of its entry, or of that which it looks like.
+fn value(text: &str, blackboard: &Blackboard, name: &str) -> Value {
+    let declared =
+        blackboard.slot(name).and_then(|slot| blackboard.entry(slot)).map_or(ValueType::Any, |entry| entry.value_type());
+    let looks_like = [ValueType::Int, ValueType::Number].into_iter().find_map(|ty| Value::parse(text, ty));
+    match (declared, text, looks_like) {
+        (ValueType::Any, "true" | "false", _) => Value::Bool(text == "true"),
+        (ValueType::Any, _, Some(number)) => number,
+        _ => Value::text(text),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_of_the_command_line_is_of_the_type_of_its_entry() {
+        let mut blackboard = Blackboard::new();
+        blackboard.declare("name", ValueType::Text).expect("it is new");
+        assert_eq!(value("3", &blackboard, "name"), Value::text("3"));
+        assert_eq!(value("3", &blackboard, "other"), Value::Int(3));
+        assert_eq!(value("0.5", &blackboard, "other"), Value::Number(0.5));
+        assert_eq!(value("true", &blackboard, "other"), Value::Bool(true));
+        assert_eq!(value("3;4", &blackboard, "other"), Value::text("3;4"));
+    }
+}
