@@ -158,7 +158,16 @@ function draw(id, markup) {
     for (const { name, value } of fresh.attributes) old.setAttribute(name, value);
     old.replaceChildren(...fresh.childNodes);
     glide(old);
-  } else old.replaceWith(fresh);
+  } else {
+    const places = new Map([...old.querySelectorAll(".robot")].map((robot) => [robot.id, robot.style.transform]));
+    old.replaceWith(fresh);
+    for (const robot of fresh.querySelectorAll(".robot")) {
+      // Where it was is to be drawn once, so that it has somewhere to glide from.
+      robot.style.transform = places.get(robot.id) ?? "";
+      robot.getBoundingClientRect();
+      glide(robot);
+    }
+  }
 }
 
 /** The same as the attribute says, as a style, because only styles glide. */
@@ -295,7 +304,7 @@ function ask(form) {
 }
 
 let asked = null;
-const rest = () => document.querySelectorAll(".skip, .ask, .field, .controls, .below");
+const rest = () => document.querySelectorAll(".skip, .ask, .field, .retrieval, .controls, .below");
 
 /** Takes the question back. */
 function unask() {

@@ -87,11 +87,15 @@ impl Engine {
     }
 
     pub(super) fn retrieval_as_it_is(&self) -> Option<Arc<RetrievalView>> {
-        let Retrieval { luggage, fetcher, stage, .. } = self.state.retrieval.as_ref()?;
-        let reason = stage.reason().map(str::to_owned);
-        let view =
-            RetrievalView { luggage: *luggage, fetcher: *fetcher, stage: stage.name(), reason, trees: Arc::clone(&self.trees) };
-        Some(Arc::new(view))
+        let Retrieval { luggage, fetcher, stage, piece, .. } = self.state.retrieval.as_ref()?;
+        Some(Arc::new(RetrievalView {
+            luggage: *luggage,
+            fetcher: *fetcher,
+            stage: stage.name(),
+            reason: stage.reason().map(str::to_owned),
+            piece: piece.iter().copied().collect(),
+            trees: Arc::clone(&self.trees),
+        }))
     }
 
     pub(super) fn note_retrieval(&mut self, retrieval: Option<Retrieval>) {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::behaviour::{Status, Tree};
 use crate::settings::Fetcher;
-use crate::units::LuggageId;
+use crate::units::{Cell, LuggageId};
 
 /// A retrieval under way, or in fault.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +17,8 @@ pub struct RetrievalView {
     pub stage: &'static str,
     /// Why it cannot be fetched, once that is known.
     pub reason: Option<String>,
+    /// The cells in which it lies now, as far as they are known; none while it is off the floor.
+    pub piece: Vec<Cell>,
     /// The trees that lead it; none when it is fetched without.
     pub trees: Arc<TreesView>,
 }

@@ -4,13 +4,15 @@
 
 use std::fmt::Write;
 
+use super::carriers::{has_porch, lies_at, searcher_at};
+use super::porch::Porch;
 use hallsweep_core::units::{Cell, Heading};
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, TILE};
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::snapshot::Snapshot;
 
 /// The side of a cell in the picture's units.
-const CELL: i32 = 10;
+pub(super) const CELL: i32 = 10;
 
 /// The picture grows by this many cells at a time, so that it does not jump with every step.
 const GROWTH: i32 = 4;
@@ -44,15 +46,23 @@ pub(super) fn shown(map: &HallMap) -> Bounds {
     Bounds { least, most: Cell::new(far(least.x, known.most.x, LEAST.0), far(least.y, known.most.y, LEAST.1)) }
 }
 
-/// The `viewBox`, with a margin for the labels.
-pub(super) fn view_box(map: &HallMap) -> String {
+/// The `viewBox` of the hall as it is now, with who waits before its entrance.
+pub(super) fn view_box_now(snapshot: &Snapshot) -> String {
+    view_box(&snapshot.map, has_porch(snapshot).then(|| Porch::of(&snapshot.map)))
+}
+
+/// The `viewBox`, with a margin for the labels and with the place before the entrance, if that is drawn.
+pub(super) fn view_box(map: &HallMap, porch: Option<Porch>) -> String {
     let (shown, margin) = (shown(map), CELL * larger(map));
-    let (left, top) = (shown.least.x * CELL - margin, shown.least.y * CELL - margin);
-    format!("{left} {top} {} {}", shown.width() * CELL + margin, shown.height() * CELL + margin)
+    let higher = porch.map_or(0, Porch::height);
+    let (left, top) = (shown.least.x * CELL - margin, shown.least.y * CELL - margin - higher);
+    let width = shown.width() * CELL + margin;
+    let wide = porch.map_or(width, |porch| width.max(porch.east() + margin - left));
+    format!("{left} {top} {wide} {}", shown.height() * CELL + margin + higher)
 }
 
 /// How many times its size the robot and its like are drawn in, so that they can be seen in a large hall too.
-fn larger(map: &HallMap) -> i32 {
+pub(super) fn larger(map: &HallMap) -> i32 {
     let shown = shown(map);
     let widest = shown.width().max(shown.height() * LEAST.0 / LEAST.1);
     (widest + READABLE - 1) / READABLE
@@ -120,31 +130,43 @@ pub(super) fn layer(snapshot: &Snapshot) -> String {
     let mut group = format!("<g id=\"hall-layer\"{}>", if size > 1 { " class=\"far\"" } else { "" });
     trail(&mut group, snapshot);
     home(&mut group, size);
-    snapshot.luggage.iter().for_each(|piece| luggage(&mut group, piece, size));
+    for piece in snapshot.luggage.iter() {
+        if let Some(at) = lies_at(snapshot, piece) {
+            luggage(&mut group, piece, at, size);
+        }
+    }
     route(&mut group, snapshot, size);
-    ray(&mut group, snapshot);
+    if snapshot.robot.outside == 0 {
+        ray(&mut group, snapshot);
+    }
     group.push_str("</g>");
     group
 }
 
-/// Home and what was found, without a robot: the layer of a mission's record.
-pub(super) fn found<'a>(map: &HallMap, pieces: impl Iterator<Item = &'a Luggage>) -> String {
+/// Home and what was found, without a robot: the layer of a mission's record. What was secured is in the container.
+pub(super) fn found<'a>(map: &HallMap, porch: Option<Porch>, pieces: impl Iterator<Item = &'a Luggage>) -> String {
     let size = larger(map);
+    let (secured, left): (Vec<&Luggage>, Vec<&Luggage>) = pieces.partition(|piece| piece.secured.is_some());
     let mut group = String::from("<g>");
     home(&mut group, size);
-    pieces.for_each(|piece| luggage(&mut group, piece, size));
+    if let Some(porch) = porch {
+        porch.draw(&mut group, &secured.iter().map(|piece| piece.id).collect::<Vec<_>>());
+    }
+    left.into_iter().for_each(|piece| luggage(&mut group, piece, middle(piece.cell), size));
     group.push_str("</g>");
     group
 }
 
 /// The robot, in a group of its own that glides from cell to cell.
 pub(super) fn robot(snapshot: &Snapshot) -> String {
-    let (x, y) = middle(snapshot.robot.pose.cell);
-    let turn = match snapshot.robot.pose.heading {
-        Heading::North => 0,
-        Heading::East => 90,
-        Heading::South => 180,
-        Heading::West => 270,
+    let (x, y) = searcher_at(snapshot);
+    let turn = turn(snapshot.robot.pose.heading);
+    // A robot alone in the hall needs no name.
+    let name = match snapshot.robots.first().filter(|_| snapshot.robots.len() > 1) {
+        Some(robot) => {
+            format!("<text class=\"name\" transform=\"scale({})\" y=\"8.2\">{}</text>", larger(&snapshot.map), robot.id)
+        }
+        None => String::new(),
     };
     let size = larger(&snapshot.map);
     let led = if snapshot.robot.led_blinking { "led blinking" } else { "led" };
@@ -152,8 +174,18 @@ pub(super) fn robot(snapshot: &Snapshot) -> String {
     format!(
         "<g id=\"hall-robot\" class=\"robot{off_centre}\" transform=\"translate({x} {y})\"><g transform=\"rotate({turn}) scale({size})\">\
          <circle class=\"body\" r=\"4\"/><path class=\"nose\" d=\"M0 -3.4L2.4 1.2H-2.4Z\"/>\
-         <circle class=\"{led}\" cy=\"2.3\" r=\"0.9\"/></g></g>"
+         <circle class=\"{led}\" cy=\"2.3\" r=\"0.9\"/></g>{name}</g>"
     )
+}
+
+/// Degrees from north, clockwise.
+pub(super) const fn turn(heading: Heading) -> i32 {
+    match heading {
+        Heading::North => 0,
+        Heading::East => 90,
+        Heading::South => 180,
+        Heading::West => 270,
+    }
 }
 
 fn runs(map: &HallMap, corner: Cell, wanted: Mark) -> String {
@@ -200,8 +232,7 @@ fn home(group: &mut String, size: i32) {
     );
 }
 
-fn luggage(group: &mut String, piece: &Luggage, size: i32) {
-    let (x, y) = middle(piece.cell);
+pub(super) fn luggage(group: &mut String, piece: &Luggage, (x, y): (i32, i32), size: i32) {
     let verdict = piece.verdict_name();
     let (shape, letter) = match verdict {
         "safe" => ("<circle r=\"4.2\"/>", "S"),
@@ -259,7 +290,7 @@ fn points(cells: impl Iterator<Item = Cell>) -> String {
     points
 }
 
-const fn middle(cell: Cell) -> (i32, i32) {
+pub(super) const fn middle(cell: Cell) -> (i32, i32) {
     (cell.x * CELL + CELL / 2, cell.y * CELL + CELL / 2)
 }
 
@@ -271,7 +302,7 @@ const fn round_up(cells: i32) -> i32 {
     (cells + GROWTH - 1).div_euclid(GROWTH) * GROWTH
 }
 
-fn write(text: &mut String, words: std::fmt::Arguments<'_>) {
+pub(super) fn write(text: &mut String, words: std::fmt::Arguments<'_>) {
     text.write_fmt(words).expect("writing into a string does not fail");
 }
 
@@ -294,10 +325,10 @@ mod tests {
     #[test]
     fn the_picture_holds_everything_known_and_keeps_still_meanwhile() {
         let mut map = HallMap::new(Cell::HOME, Revision(1));
-        let first = view_box(&map);
+        let first = view_box(&map, None);
         for cell in [Cell::new(3, 3), Cell::new(9, 6)] {
             map.mark(cell, Mark::Visited, Revision(2));
-            assert_eq!(view_box(&map), first);
+            assert_eq!(view_box(&map, None), first);
         }
         for cell in [Cell::new(40, 7), Cell::new(-9, -30), Cell::new(3, 90)] {
             map.mark(cell, Mark::Wall, Revision(3));

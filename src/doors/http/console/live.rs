@@ -108,7 +108,7 @@ impl Shown {
             now: now.unix_ms,
             title: view.title(),
             whole: older.is_none(),
-            view: hall::view_box(&snapshot.map),
+            view: hall::view_box_now(&snapshot),
             parts,
         };
         self.older = Some(snapshot);

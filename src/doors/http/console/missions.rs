@@ -10,6 +10,7 @@ use super::super::missions::{MISSIONS, RecordedMission, after, before, happened,
 use super::super::problem::Problem;
 use super::super::query::Query;
 use super::super::reading::Number;
+use super::porch::Porch;
 use super::{hall, html};
 use crate::api::journal_words::{asked, outcome, words};
 use crate::api::luggage::photo_url;
@@ -142,13 +143,17 @@ impl One {
     }
 
     fn view_box(&self, state: &PersistentState) -> String {
-        hall::view_box(&state.map)
+        hall::view_box(&state.map, porch(state))
     }
 
     fn hall(&self, state: &PersistentState) -> String {
         let map = &state.map;
         let tiles: String = map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect();
-        format!("{tiles}{}{}", hall::labels(map), hall::found(map, state.luggage.values().map(|luggage| &**luggage)))
+        format!(
+            "{tiles}{}{}",
+            hall::labels(map),
+            hall::found(map, porch(state), state.luggage.values().map(|luggage| &**luggage))
+        )
     }
 
     fn pieces<'s>(&self, state: &'s PersistentState) -> Vec<(&'s Luggage, Option<String>)> {
@@ -208,6 +213,11 @@ impl Event {
         }
         event
     }
+}
+
+/// The place before the entrance, where there is something in the container.
+fn porch(state: &PersistentState) -> Option<Porch> {
+    state.luggage.values().any(|luggage| luggage.secured.is_some()).then(|| Porch::of(&state.map))
 }
 
 /// What a mission came to, in words for an operator.

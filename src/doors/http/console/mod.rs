@@ -3,11 +3,14 @@
 
 mod acts;
 mod began;
+mod carriers;
 mod hall;
 mod live;
 pub(super) mod missions;
 mod parts;
 pub(super) mod photo;
+mod porch;
+mod retrieval;
 mod view;
 
 use askama::Template;

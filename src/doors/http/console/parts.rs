@@ -3,15 +3,23 @@
 
 use askama::Template;
 
+use super::carriers::carriers;
 use super::hall;
+use super::retrieval::{Row, STAGES, armed, rows, sign};
 use super::view::{View, failure, place};
 use crate::api::luggage::photo_url;
+use crate::api::retrieval::ArmJson;
 use crate::api::time::rfc3339;
+use hallsweep_core::behaviour::Status;
+use hallsweep_core::retrieval::ArmState;
 use hallsweep_core::search::Strategy;
+use hallsweep_core::settings::Fetcher;
 use hallsweep_core::units::{LuggageId, WallTime};
 use hallsweep_core::world::log::LogLine;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
+use hallsweep_core::world::retrieval::{TreeView, TreesView};
+use hallsweep_core::world::robot::RobotShown;
 
 /// Lines of the log on the page; the interface has more.
 const LINES: usize = 40;
@@ -27,7 +35,7 @@ pub(super) struct Part {
 }
 
 /// All of them, in the page's order.
-pub(super) const PARTS: [Part; 16] = [
+pub(super) const PARTS: [Part; 20] = [
     Part {
         id: "announce",
         shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms, Resource::Temperature],
@@ -43,12 +51,20 @@ pub(super) const PARTS: [Part; 16] = [
     Part { id: "hall-frontier", shows: &[Resource::Map], render: |v| hall::frontier(&v.snapshot.map) },
     Part {
         id: "hall-layer",
-        shows: &[Resource::Mission, Resource::Robot, Resource::Luggage, Resource::Map],
+        shows: &[Resource::Mission, Resource::Robot, Resource::Luggage, Resource::Map, Resource::Retrieval],
         render: |v| hall::layer(v.snapshot),
+    },
+    Part {
+        id: "hall-carriers",
+        shows: &[Resource::Robot, Resource::Luggage, Resource::Map, Resource::Retrieval],
+        render: |v| carriers(v.snapshot),
     },
     Part { id: "hall-robot", shows: &[Resource::Robot, Resource::Map], render: |v| hall::robot(v.snapshot) },
     Part { id: "progress", shows: &[Resource::Mission], render: |v| html(&Progress { v }) },
     Part { id: "alarms", shows: &[Resource::Alarms], render: |v| html(&Alarms { v }) },
+    Part { id: "retrieval", shows: &[Resource::Retrieval, Resource::Robot], render: |v| html(&Retrieval { v }) },
+    Part { id: "trees", shows: &[Resource::Retrieval], render: |v| html(&Trees { v }) },
+    Part { id: "blackboard", shows: &[Resource::Retrieval], render: |v| html(&Blackboard { v }) },
     Part { id: "inspect", shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms], render: |v| html(&Inspect { v }) },
     Part { id: "actions", shows: &[Resource::Mission, Resource::Luggage, Resource::Robot], render: |v| html(&Actions { v }) },
     Part { id: "temperature", shows: &[Resource::Temperature, Resource::Mission], render: |v| html(&Temperature { v }) },
@@ -76,7 +92,7 @@ impl<'a> Page<'a> {
     }
 
     fn view_box(&self) -> String {
-        hall::view_box(&self.v.snapshot.map)
+        hall::view_box_now(self.v.snapshot)
     }
 
     fn made(&self) -> String {
@@ -151,6 +167,9 @@ parts! {
     More "console/more.html"
     Gallery "console/gallery.html"
     Log "console/log.html"
+    Retrieval "console/retrieval.html"
+    Trees "console/trees.html"
+    Blackboard "console/blackboard.html"
 }
 
 impl Inspect<'_> {
@@ -210,6 +229,54 @@ impl Gallery<'_> {
 impl Alarms<'_> {
     fn time(&self, wall: &WallTime) -> String {
         self.v.zone().clock_time(*wall)
+    }
+}
+
+impl Retrieval<'_> {
+    const fn stages(&self) -> &'static [(&'static str, &'static str)] {
+        &STAGES
+    }
+
+    fn armed(&self) -> Vec<(&RobotShown, ArmState, ArmJson)> {
+        armed(&self.v.snapshot.robots)
+    }
+
+    fn fetcher(&self, fetcher: &Fetcher) -> &'static str {
+        match fetcher {
+            Fetcher::Pair => "the pair",
+            Fetcher::Discovery => "the robot that searched",
+            Fetcher::None => "nobody",
+        }
+    }
+
+    /// With two places behind the point, always: what changes must not jump.
+    fn figure(&self, value: &f64) -> String {
+        format!("{value:.2}")
+    }
+
+    fn place(&self, robot: &RobotShown) -> String {
+        if robot.view.outside > 0 { "before the entrance".to_owned() } else { place(robot.view.pose.cell) }
+    }
+}
+
+impl Trees<'_> {
+    fn trees(&self) -> &[TreeView] {
+        self.v.snapshot.retrieval.as_deref().map_or(&[], |retrieval| &retrieval.trees.trees)
+    }
+
+    fn rows<'t>(&self, tree: &'t TreeView) -> Vec<Row<'t>> {
+        rows(&tree.nodes)
+    }
+
+    fn sign(&self, status: &Status) -> &'static str {
+        sign(*status)
+    }
+}
+
+impl Blackboard<'_> {
+    /// The trees, once they have been ticked.
+    fn trees(&self) -> Option<&TreesView> {
+        self.v.snapshot.retrieval.as_deref().map(|retrieval| &*retrieval.trees).filter(|trees| trees.ticks > 0)
     }
 }
 

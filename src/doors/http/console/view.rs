@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use askama::Template;
 
+use super::retrieval::{secured_in_words, wanted_of_the_operator};
 use crate::access::{Need, Role};
 use crate::api::time::Zone;
 use hallsweep_core::mission::{Hold, PhaseName};
@@ -105,6 +106,17 @@ impl View<'_> {
         }
     }
 
+    /// What lets a retrieval go on that stands still.
+    pub(super) fn wanted(&self) -> Option<&'static str> {
+        let mission = &self.snapshot.mission;
+        if mission.phase == PhaseName::Retrieving { wanted_of_the_operator(&mission.holds) } else { None }
+    }
+
+    /// Whether there are robots that fetch.
+    pub(super) fn has_carriers(&self) -> bool {
+        self.snapshot.robots.len() > 1
+    }
+
     /// Whether the mission would go on, were it not held.
     pub(super) fn is_halted(&self) -> bool {
         !self.snapshot.mission.holds.is_empty() && self.mood() != Mood::Calm && self.waiting().is_none()
@@ -160,6 +172,9 @@ impl View<'_> {
     pub(super) fn holds(&self) -> Vec<String> {
         let heat = self.hot();
         let words = |hold: &Hold| {
+            if *hold == Hold::Alarm && self.snapshot.mission.phase == PhaseName::Retrieving {
+                return "the robots that fetch have called: acknowledge their alarm first".to_owned();
+            }
             if *hold != Hold::Temperature || heat.is_empty() {
                 return hold.in_words().to_owned();
             }
@@ -178,11 +193,16 @@ impl View<'_> {
     pub(super) fn next_step(&self) -> Option<String> {
         match self.snapshot.mission.phase {
             PhaseName::BombLocated => {
-                let bomb = self.snapshot.luggage.iter().find(|luggage| luggage.is_dangerous());
+                let bomb = self.snapshot.luggage.iter().find(|luggage| luggage.is_bomb_left());
                 let at =
                     bomb.map_or_else(String::new, |bomb| format!("Luggage #{} at {} is dangerous. ", bomb.id, place(bomb.cell)));
                 let next = if self.unseen_alarms() > 0 { "acknowledge the alarm, then press RESET" } else { "press RESET" };
-                Some(format!("{at}When the hall is safe again, {next} to put this mission away."))
+                let fetch = if self.may_retrieve() { "RETRIEVE has it brought into the container. " } else { "" };
+                Some(format!("{at}{fetch}When the hall is safe again, {next} to put this mission away."))
+            }
+            PhaseName::BagSecured => {
+                let secured = secured_in_words(self.snapshot.luggage.iter().map(|luggage| &**luggage))?;
+                Some(format!("{}. START begins a new search, RESET puts this mission away.", capital(&secured)))
             }
             PhaseName::Explored => {
                 Some("The whole hall has been searched. START searches it anew, RESET puts this mission away.".into())
@@ -195,7 +215,6 @@ impl View<'_> {
             | PhaseName::AtHome
             | PhaseName::ReturningWithAlarm
             | PhaseName::Retrieving
-            | PhaseName::BagSecured
             | PhaseName::Fault => None,
         }
     }
@@ -266,7 +285,11 @@ impl View<'_> {
     }
 
     pub(super) fn shows_retrieve(&self) -> bool {
-        matches!(self.snapshot.mission.phase, PhaseName::BombLocated | PhaseName::Retrieving)
+        self.snapshot.mission.phase == PhaseName::BombLocated && self.looks_only().is_none()
+    }
+
+    fn may_retrieve(&self) -> bool {
+        self.shows_retrieve() && self.snapshot.mission.refusals.retrieve.is_none()
     }
 
     /// The robot's state in words.

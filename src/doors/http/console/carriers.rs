@@ -1,0 +1,130 @@
+//! The robots that fetch, in the picture of the hall: where each stands, its name, its arm reaching to the piece, and the piece where
+//! it is now. The robot that searches is drawn by `hall`, before the entrance by `porch`.
+
+use super::hall::{CELL, larger, luggage, middle, turn, write};
+use super::porch::{Column, Porch};
+use hallsweep_core::retrieval::Place;
+use hallsweep_core::units::LuggageId;
+use hallsweep_core::world::luggage::Luggage;
+use hallsweep_core::world::robot::RobotShown;
+use hallsweep_core::world::snapshot::Snapshot;
+
+/// Whether there is anybody, or anything, before the entrance: a robot that fetches, or a piece in the container.
+pub(super) fn has_porch(snapshot: &Snapshot) -> bool {
+    snapshot.robots.len() > 1 || snapshot.luggage.iter().any(|piece| piece.secured.is_some())
+}
+
+/// The ground before the entrance, the robots that fetch, and the piece in their grip.
+pub(super) fn carriers(snapshot: &Snapshot) -> String {
+    let mut group = String::from("<g id=\"hall-carriers\">");
+    if has_porch(snapshot) {
+        let scene = Scene::of(snapshot);
+        let secured: Vec<LuggageId> =
+            snapshot.luggage.iter().filter(|piece| piece.secured.is_some()).map(|piece| piece.id).collect();
+        scene.porch.draw(&mut group, &secured);
+        let others = || (1..).zip(snapshot.robots.iter().skip(1));
+        others().for_each(|(waits, robot)| scene.arm(&mut group, waits, robot));
+        others().for_each(|(waits, robot)| scene.robot(&mut group, waits, robot));
+        scene.parcel(&mut group, snapshot);
+    }
+    group.push_str("</g>");
+    group
+}
+
+/// Where the robot that searches is drawn.
+pub(super) fn searcher_at(snapshot: &Snapshot) -> (i32, i32) {
+    match snapshot.robot.outside {
+        0 => middle(snapshot.robot.pose.cell),
+        steps => Porch::of(&snapshot.map).middle(steps, Column::Waiting(0)),
+    }
+}
+
+/// Where a piece lies in the hall; nowhere once it is secured, and while it is held.
+pub(super) fn lies_at(snapshot: &Snapshot, piece: &Luggage) -> Option<(i32, i32)> {
+    if piece.secured.is_some() {
+        return None;
+    }
+    let Some(fetched) = snapshot.retrieval.as_deref().filter(|retrieval| retrieval.luggage == piece.id) else {
+        return Some(middle(piece.cell));
+    };
+    if held_at(snapshot).is_some() {
+        return None;
+    }
+    let found = fetched.piece.contains(&piece.cell) || fetched.piece.is_empty();
+    Some(middle(if found { piece.cell } else { fetched.piece[0] }))
+}
+
+/// Over which place a piece is held.
+fn held_at(snapshot: &Snapshot) -> Option<Place> {
+    snapshot.robots.iter().find_map(|robot| robot.arm?.holds).map(|parcel| parcel.place)
+}
+
+struct Scene {
+    porch: Porch,
+    /// How many times its size everything here is drawn in.
+    size: i32,
+}
+
+impl Scene {
+    fn of(snapshot: &Snapshot) -> Scene {
+        Scene { porch: Porch::of(&snapshot.map), size: larger(&snapshot.map) }
+    }
+
+    fn place(&self, place: Place) -> (i32, i32) {
+        match place {
+            Place::Cell(cell) => middle(cell),
+            Place::Outside(steps) => self.porch.middle(steps, Column::WayOut),
+        }
+    }
+
+    /// Where a robot is drawn. What works at a piece is drawn larger about that piece, else the robots would cover it in a large hall.
+    fn at(&self, waits: i32, robot: &RobotShown) -> (i32, i32) {
+        let at_work = reaches(robot);
+        if robot.view.outside > 0 {
+            let column = if at_work.is_some() { Column::WayOut } else { Column::Waiting(waits) };
+            return self.porch.middle(robot.view.outside, column);
+        }
+        let (x, y) = middle(robot.view.pose.cell);
+        match at_work.and_then(Place::cell).map(middle) {
+            Some((about_x, about_y)) => (about_x + self.size * (x - about_x), about_y + self.size * (y - about_y)),
+            None => (x, y),
+        }
+    }
+
+    fn arm(&self, group: &mut String, waits: i32, robot: &RobotShown) {
+        let Some(place) = reaches(robot) else { return };
+        let ((x, y), (to_x, to_y)) = (self.at(waits, robot), self.place(place));
+        let class = if robot.arm.is_some_and(|arm| arm.holds.is_some()) { "arm holding" } else { "arm" };
+        write(group, format_args!("<path class=\"{class}\" stroke-width=\"{}\" d=\"M{x} {y}L{to_x} {to_y}\"/>", 2 * self.size));
+    }
+
+    fn robot(&self, group: &mut String, waits: i32, robot: &RobotShown) {
+        let ((x, y), size) = (self.at(waits, robot), self.size);
+        let off_centre = if robot.view.off_centre { " off-centre" } else { "" };
+        let name = robot.id.name();
+        write(
+            group,
+            format_args!(
+                "<g id=\"hall-carrier-{waits}\" class=\"robot carrier{off_centre}\" transform=\"translate({x} {y})\"><title>{name}</title>\
+                 <g transform=\"scale({size})\"><g transform=\"rotate({})\"><rect class=\"body\" x=\"-3.8\" y=\"-3.8\" width=\"7.6\" height=\"7.6\" rx=\"1.6\"/>\
+                 <path class=\"nose\" d=\"M0 -3L2.2 1.2H-2.2Z\"/></g><text class=\"name\" y=\"8.2\">{name}</text></g></g>",
+                turn(robot.view.pose.heading)
+            ),
+        );
+    }
+
+    fn parcel(&self, group: &mut String, snapshot: &Snapshot) {
+        let fetched = snapshot.retrieval.as_deref().and_then(|retrieval| snapshot.luggage(retrieval.luggage));
+        if let (Some(place), Some(piece)) = (held_at(snapshot), fetched) {
+            luggage(group, piece, self.place(place), self.size);
+        }
+    }
+}
+
+/// The place of the piece at which a robot's arm is.
+fn reaches(robot: &RobotShown) -> Option<Place> {
+    let arm = robot.arm?;
+    arm.holds.map(|parcel| parcel.place).or(arm.aligned)
+}
+
+const _: () = assert!(CELL == 10, "bodies and names are drawn for cells of ten units");

@@ -1,0 +1,172 @@
+//! The place before the entrance, beyond the northern edge of the picture: who waits there, and the container with what was secured.
+//! The cells of the hall are `hall`'s, the robots `carriers`'.
+
+use std::fmt;
+
+use super::hall::{CELL, larger, middle, shown, write};
+use hallsweep_core::units::{Cell, LuggageId};
+use hallsweep_core::world::hall_map::HallMap;
+
+/// So many tenths of a cell, as things are drawn, there are from row to row: robots and their names find room.
+const ROW: i32 = 14;
+
+/// So many steps from home there is a row.
+const ROWS: i32 = 2;
+
+/// The same from one who waits to the next.
+const COLUMN: i32 = 20;
+
+/// The container's middle, and the first who waits, in tenths of a cell east of the way out.
+const CONTAINER: i32 = 20;
+const FIRST: i32 = 42;
+
+/// Where the place before the entrance ends, in tenths of a cell: three robots wait in it at most.
+const END: i32 = FIRST + 2 * COLUMN + 12;
+
+/// Pieces that are seen in the container; of more their count.
+const SEEN: usize = 4;
+
+/// Who stands where in a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Column {
+    /// On the way out, north of home.
+    WayOut,
+    /// Beside the container, so many from it.
+    Waiting(i32),
+}
+
+/// The place before the entrance of a hall as it is drawn.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Porch {
+    /// A tenth of a cell as it is drawn here, in the picture's units.
+    tenth: i32,
+    /// Its southern edge, which is the northern edge of the picture of the hall with its labels.
+    south: i32,
+    /// The middle of home's column.
+    home: i32,
+}
+
+impl Porch {
+    pub(super) fn of(map: &HallMap) -> Porch {
+        let tenth = CELL * larger(map) / 10;
+        Porch { tenth, south: shown(map).least.y * CELL - 10 * tenth, home: middle(Cell::HOME).0 }
+    }
+
+    /// How much higher the picture is with it.
+    pub(super) const fn height(self) -> i32 {
+        (ROWS * ROW + 4) * self.tenth
+    }
+
+    /// Where it ends in the east, in the picture's units.
+    pub(super) const fn east(self) -> i32 {
+        self.home + END * self.tenth
+    }
+
+    /// The middle of the place so many steps from home.
+    pub(super) const fn middle(self, steps: u8, column: Column) -> (i32, i32) {
+        let east = match column {
+            Column::WayOut => 0,
+            Column::Waiting(place) => FIRST + place * COLUMN,
+        };
+        let row = if steps > 1 { ROWS } else { 1 };
+        (self.home + east * self.tenth, self.south + (ROW / 2 - row * ROW) * self.tenth)
+    }
+
+    /// The ground, the way out from home, and the container with what is in it.
+    pub(super) fn draw(self, group: &mut String, secured: &[LuggageId]) {
+        let Porch { tenth, south, home } = self;
+        let (west, width, height) = (home - 8 * tenth, (END + 8) * tenth, ROWS * ROW * tenth);
+        write(
+            group,
+            format_args!(
+                "<rect class=\"porch\" x=\"{west}\" y=\"{}\" width=\"{width}\" height=\"{height}\" rx=\"{}\"><title>before the entrance</title></rect>\
+                 <path class=\"way-out\" d=\"M{home} 0V{}\"/>",
+                south - height,
+                2 * tenth,
+                south - height + ROW / 2 * tenth
+            ),
+        );
+        self.container(group, secured);
+    }
+
+    fn container(self, group: &mut String, secured: &[LuggageId]) {
+        let (x, y) = (self.home + CONTAINER * self.tenth, self.south - ROWS * ROW / 2 * self.tenth);
+        // It is drawn in a cell's units, ten to a cell.
+        write(
+            group,
+            format_args!(
+                "<g class=\"container\" transform=\"translate({x} {y}) scale({})\"><title>{}</title><path class=\"box\" d=\"M-9 -9H9V9H-9Z\"/><path class=\"lid\" d=\"M-10.5 -9H10.5M-9 -3H9M-9 3H9\"/>",
+                self.tenth,
+                Held(secured)
+            ),
+        );
+        for (place, id) in (0..).zip(secured.iter().take(SEEN)) {
+            let (x, y) = (if place % 2 == 0 { -4 } else { 4 }, if place < 2 { -4 } else { 5 });
+            write(
+                group,
+                format_args!(
+                    "<g class=\"piece danger\" transform=\"translate({x} {y}) scale(.75)\"><path d=\"M0 -5L5 4H-5Z\"/><text y=\"2.6\">D</text></g>\
+                     <text class=\"inside\" x=\"{x}\" y=\"{}\">#{id}</text>",
+                    y - 4
+                ),
+            );
+        }
+        if secured.len() > SEEN {
+            write(group, format_args!("<text class=\"inside\" y=\"13.5\">and {} more</text>", secured.len() - SEEN));
+        }
+        group.push_str("</g>");
+    }
+}
+
+/// What is in the container, in words.
+struct Held<'a>(&'a [LuggageId]);
+
+impl fmt::Display for Held<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("container: ")?;
+        if self.0.is_empty() {
+            return f.write_str("empty");
+        }
+        for (place, id) in self.0.iter().enumerate() {
+            let comma = if place > 0 { ", " } else { "" };
+            write!(f, "{comma}luggage #{id}")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::fixture::drawn;
+    use hallsweep_core::units::Revision;
+    use hallsweep_core::world::hall_map::Mark;
+
+    #[test]
+    fn nobody_before_the_entrance_is_drawn_over_the_hall_or_over_another() {
+        let mut map = drawn(&["111"], 1);
+        for far in [Cell::new(3, 3), Cell::new(150, 3), Cell::new(0, -30)] {
+            map.mark(far, Mark::Visited, Revision(2));
+            let porch = Porch::of(&map);
+            let columns = [Column::WayOut, Column::Waiting(0), Column::Waiting(1), Column::Waiting(2)];
+            let places: Vec<_> = columns.iter().flat_map(|column| [1, 2].map(|steps| porch.middle(steps, *column))).collect();
+            for (place, (x, y)) in places.iter().enumerate() {
+                assert!(*y < porch.south && *y > porch.south - porch.height() && *x < porch.east(), "{x} {y} at {far}");
+                let apart = |(a, b): &(i32, i32)| (x - a).abs() + (y - b).abs();
+                assert!(places.iter().skip(place + 1).all(|other| apart(other) >= 10 * porch.tenth), "{x} {y} at {far}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_container_shows_what_is_in_it_and_counts_what_has_no_room() {
+        let draw = |most: u64| {
+            let mut group = String::new();
+            Porch::of(&drawn(&["1"], 1)).draw(&mut group, &(1..=most).map(LuggageId).collect::<Vec<_>>());
+            group
+        };
+        assert!(draw(0).contains("container: empty") && !draw(0).contains("piece danger"));
+        assert!(draw(2).contains("container: luggage #1, luggage #2") && draw(2).contains(">#2<"));
+        assert!(draw(6).contains("and 2 more") && draw(6).matches("piece danger").count() == SEEN, "{}", draw(6));
+    }
+}
