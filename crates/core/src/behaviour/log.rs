@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::blackboard::Blackboard;
 use super::status::Status;
-use super::tree::{NodeId, Tree};
+use super::tree::{NodeId, NodeView, Tree};
 use super::value::Value;
 
 /// The most changes that a log holds: an hour of a tree in which ten nodes change in each of ten ticks a second. What is older is
@@ -28,11 +28,11 @@ pub struct Standing {
 pub struct TickRecord {
     /// The number of the tick, counted from 1.
     pub tick: u64,
-    /// The tree's own time then.
-    pub time: Duration,
-    /// The nodes that stand otherwise than after the tick before.
+    /// When it was, by the clock of whoever keeps the log: a tree's own time stands still while nobody ticks it.
+    pub at: Duration,
+    /// The nodes that stand otherwise than in the record before.
     pub nodes: Vec<(NodeId, Standing)>,
-    /// The entries that were written since the record before, by whomever, and what they hold.
+    /// The entries that hold something else than in the record before, by whomever they were written; `None` holds nothing any more.
     pub entries: Vec<(Arc<str>, Option<Value>)>,
 }
 
@@ -53,6 +53,23 @@ pub struct Moment {
 }
 
 impl Moment {
+    fn of(tree: &Tree, blackboard: &Blackboard) -> Moment {
+        let held = blackboard.entries().filter_map(|entry| Some((Arc::from(entry.name()), entry.value()?.clone())));
+        let standing = |node: NodeView<'_>| Standing { after: node.after, returned: node.returned };
+        Moment { nodes: tree.nodes().map(standing).collect(), entries: held.collect() }
+    }
+
+    /// The nodes and the entries that are otherwise in another moment of the same tree.
+    fn changes(&self, other: &Moment) -> (Vec<(NodeId, Standing)>, Vec<(Arc<str>, Option<Value>)>) {
+        let before = self.nodes.iter().copied().chain(std::iter::repeat(Standing::default()));
+        let nodes = (0..).map(NodeId).zip(other.nodes.iter().copied()).zip(before);
+        let nodes = nodes.filter(|((_, now), before)| now != before).map(|(node, _)| node).collect();
+        let gone = self.entries.keys().filter(|name| !other.entries.contains_key(*name)).map(|name| (Arc::clone(name), None));
+        let held = other.entries.iter().filter(|(name, value)| self.entries.get(*name) != Some(*value));
+        let held = held.map(|(name, value)| (Arc::clone(name), Some(value.clone())));
+        (nodes, gone.chain(held).collect())
+    }
+
     fn apply(&mut self, record: &TickRecord) {
         for (node, standing) in &record.nodes {
             let at = node.0 as usize;
@@ -78,8 +95,7 @@ pub struct TickLog {
     /// Before the first record that is left.
     before: Moment,
     /// After the last record.
-    last: Vec<Standing>,
-    writes: u64,
+    last: Moment,
     records: VecDeque<TickRecord>,
 }
 
@@ -93,28 +109,19 @@ impl TickLog {
     /// A log that holds at most so many changes.
     #[must_use]
     pub fn new(most: usize) -> TickLog {
-        TickLog { most, changes: 0, before: Moment::default(), last: Vec::new(), writes: 0, records: VecDeque::new() }
+        TickLog { most, changes: 0, before: Moment::default(), last: Moment::default(), records: VecDeque::new() }
     }
 
-    /// Notes what the last tick of the tree has changed. To be called after each tick, also after one that ended with a fault.
-    pub fn note(&mut self, tree: &Tree, blackboard: &Blackboard) {
-        let now = tree.nodes().map(|node| (node.node, Standing { after: node.after, returned: node.returned }));
-        let mut nodes = Vec::new();
-        for (node, standing) in now {
-            let at = node.0 as usize;
-            if at >= self.last.len() {
-                self.last.resize(at + 1, Standing::default());
-            }
-            if self.last[at] != standing {
-                self.last[at] = standing;
-                nodes.push((node, standing));
-            }
+    /// Notes what the last tick of the tree, at this time, has changed; nothing when that tick was noted before. To be called after each
+    /// tick, also after one that ended with a fault; of a tree that is gone on with from its written state it notes what has changed since.
+    pub fn note(&mut self, tree: &Tree, blackboard: &Blackboard, at: Duration) {
+        if self.records.back().map_or(0, |last| last.tick) == tree.ticks() {
+            return;
         }
-        let is_new = |entry: &&super::blackboard::Entry| entry.written() > self.writes;
-        let entries =
-            blackboard.entries().filter(is_new).map(|entry| (Arc::from(entry.name()), entry.value().cloned())).collect();
-        self.writes = blackboard.writes();
-        self.push(TickRecord { tick: tree.ticks(), time: tree.clock(), nodes, entries });
+        let moment = Moment::of(tree, blackboard);
+        let (nodes, entries) = self.last.changes(&moment);
+        self.last = moment;
+        self.push(TickRecord { tick: tree.ticks(), at, nodes, entries });
     }
 
     fn push(&mut self, record: TickRecord) {
@@ -143,7 +150,7 @@ impl TickLog {
             return None;
         }
         let mut moment = self.before.clone();
-        moment.nodes.resize(self.last.len().max(moment.nodes.len()), Standing::default());
+        moment.nodes.resize(self.last.nodes.len().max(moment.nodes.len()), Standing::default());
         self.records.iter().take_while(|record| record.tick <= tick).for_each(|record| moment.apply(record));
         Some(moment)
     }
@@ -170,10 +177,8 @@ mod tests {
         let mut moments = Vec::new();
         for _ in 0..30 {
             tree.tick(&mut blackboard, &mut mocks, Duration::from_millis(100)).expect("no fault");
-            log.note(&tree, &blackboard);
-            let nodes = tree.nodes().map(|node| Standing { after: node.after, returned: node.returned }).collect();
-            let held = blackboard.entries().filter_map(|entry| Some((Arc::from(entry.name()), entry.value()?.clone())));
-            moments.push(Moment { nodes, entries: held.collect() });
+            log.note(&tree, &blackboard, tree.clock());
+            moments.push(Moment::of(&tree, &blackboard));
         }
         (log, moments)
     }

@@ -83,8 +83,6 @@ pub struct PalletRun {
     held_before: Holding,
     entries: Vec<Entry>,
     logs: [TickLog; 3],
-    /// The last tick of each tree that is in its log.
-    logged: [u64; 3],
     frames: Vec<Frame>,
     ended: Option<Option<PalletFault>>,
 }
@@ -127,7 +125,6 @@ impl PalletRun {
             held_before: Holding::default(),
             entries: Vec::new(),
             logs: Default::default(),
-            logged: [0; 3],
             frames: Vec::new(),
             ended: None,
         };
@@ -316,12 +313,9 @@ impl PalletRun {
         }
     }
 
-    /// Each tree that was ticked; those of the robots end before the Supervisor's.
     fn log_ticks(&mut self) {
-        for ((log, last), tree) in self.logs.iter_mut().zip(&mut self.logged).zip(self.team.trees()) {
-            if std::mem::replace(last, tree.ticks()) != tree.ticks() {
-                log.note(tree, self.team.blackboard());
-            }
+        for (log, tree) in self.logs.iter_mut().zip(self.team.trees()) {
+            log.note(tree, self.team.blackboard(), self.now);
         }
     }
 

@@ -3,7 +3,7 @@
 use super::{Performer, SEEN, answer, place_in, place_of, robot_in, written};
 use crate::behaviour::{Leaf, Status, Value};
 use crate::effect::Action;
-use crate::retrieval::arm::{ArmAction, Parcel};
+use crate::retrieval::arm::{ArmAction, ArmState, Parcel};
 use crate::retrieval::fault::RetrievalFault;
 use crate::retrieval::place::Place;
 use crate::retrieval::view::{Saying, Which};
@@ -124,18 +124,24 @@ impl Performer<'_> {
 
     /// Whether the parcel is exactly over where it is to be put down.
     pub(super) fn is_at_drop(&self) -> bool {
-        let exact = self.arms().iter().all(|arm| arm.lifted && arm.gap_um.abs() <= DROP_GAP_UM);
+        let over = |arm: &ArmState| arm.holds.is_some_and(|parcel| parcel.place == self.view.target);
+        let exact = self.arms().iter().all(|arm| arm.lifted && over(arm) && arm.gap_um.abs() <= DROP_GAP_UM);
         let still = Which::ALL.into_iter().all(|which| !self.base(which).off_centre && self.base(which).open.is_none());
-        exact && still && self.load().is_some_and(|parcel| parcel.place == self.view.target)
+        exact && still && self.load().is_some()
     }
 
     /// The place by which the two take hold of the piece from where they stand, if they can and if they can carry it from there.
     pub(super) fn grip_place(&mut self, place: Place) -> Option<Place> {
-        let [one, two] = self.places();
         let still = Which::ALL.into_iter().all(|which| !self.base(which).off_centre);
+        still.then(|| self.grip_between(place))?
+    }
+
+    /// The same once both have gone back to the centres of their places.
+    pub(super) fn grip_between(&mut self, place: Place) -> Option<Place> {
+        let [one, two] = self.places();
         let piece = self.piece(place);
         let all = piece.iter().copied().map(Place::Cell).chain(place.cell().is_none().then_some(place));
-        let between: Vec<Place> = all.filter(|grip| still && one != two && grip.is_beside(one) && grip.is_beside(two)).collect();
+        let between: Vec<Place> = all.filter(|grip| one != two && grip.is_beside(one) && grip.is_beside(two)).collect();
         between.into_iter().find(|grip| {
             let (train, floor) = (self.train(*grip), self.floor(&piece, self.view.others));
             train.parcel == self.view.target || self.routes.next_train(&floor, train, self.view.target).is_some()

@@ -88,7 +88,7 @@ impl Performer<'_> {
 
     /// Whether the piece can be lifted and carried off, from where the two stand now or after they have been outside.
     pub(super) fn can_fetch(&mut self, place: Place) -> bool {
-        self.grip_place(place).is_some() || self.stands(place).is_some() || self.can_fetch_from_outside(place)
+        self.grip_between(place).is_some() || self.stands(place).is_some() || self.can_fetch_from_outside(place)
     }
 
     fn can_fetch_from_outside(&self, place: Place) -> bool {
@@ -283,6 +283,10 @@ impl Performer<'_> {
     /// The wheels' controllers close the gap only while they drive: off the place and onto it again, until the gap is right.
     fn adjust(&mut self) -> Status {
         let Some(parcel) = self.load() else { return Status::Failure };
+        // While one of the two has not said yet that the step is done, where they stand is no train.
+        if self.is_anybody_busy() {
+            return Status::Running;
+        }
         if self.is_at_drop() {
             return Status::Success;
         }

@@ -1,12 +1,18 @@
 //! Leaves of the arms: to the parcel, closed, controllers, up, down, open. Each is done when both arms say so, so that it makes no
 //! difference whether the program was ended in between.
 
+use std::time::Duration;
+
 use super::{MOST_FAILURES, Performer, place_in};
 use crate::behaviour::{Leaf, Status};
 use crate::effect::Action;
 use crate::retrieval::arm::{ArmAction, ArmState, Gripper};
 use crate::retrieval::fault::RetrievalFault;
 use crate::retrieval::view::Which;
+
+/// The first gripper that closes holds nothing yet; it says what it holds once the second is closed, and the two report one after the
+/// other.
+const REPORTING: Duration = Duration::from_secs(30);
 
 impl Performer<'_> {
     /// Both arms do this until each says that it is done.
@@ -38,13 +44,14 @@ impl Performer<'_> {
         self.both(ArmAction::AlignEndEffector(grip), |arm| arm.aligned == Some(grip))
     }
 
-    /// Grippers that have closed round nothing in common are a case for a person.
-    pub(super) fn close_grippers(&mut self) -> Status {
+    /// Grippers that have closed round nothing in common are a case for a person, once both robots have had time to say what they hold.
+    pub(super) fn close_grippers(&mut self, leaf: &Leaf<'_>) -> Status {
         let held = self.arms().iter().all(|arm| arm.holds.is_some());
         if held {
             return self.right_parcel();
         }
-        if self.arms().iter().all(|arm| arm.gripper == Gripper::Closed) {
+        let closed = self.arms().iter().all(|arm| arm.gripper == Gripper::Closed);
+        if closed && !self.is_anybody_busy() && leaf.elapsed() > REPORTING {
             return self.fails(RetrievalFault::NotAligned);
         }
         match self.both(ArmAction::CloseGripper, |arm| arm.gripper == Gripper::Closed) {

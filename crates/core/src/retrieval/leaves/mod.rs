@@ -133,7 +133,7 @@ impl Leaves for Performer<'_> {
             Kind::CheckAlignment => self.check_alignment(leaf),
             Kind::MoveBase => self.move_base(leaf),
             Kind::SetEe => self.set_end_effectors(leaf),
-            Kind::CloseGripper => self.close_grippers(),
+            Kind::CloseGripper => self.close_grippers(leaf),
             Kind::Controller => self.start_controller(leaf),
             Kind::LiftObj => self.lift(),
             Kind::Drop => self.drop(),
@@ -172,10 +172,11 @@ impl<'a> Performer<'a> {
         Which::ALL.map(|which| self.base(which).stands.place)
     }
 
-    /// The parcel that both arms hold.
+    /// The parcel that both arms hold. Where it is they report one after the other, before they say that a step is done: while one of
+    /// them is busy, this is where SRM1 knows it.
     fn load(&self) -> Option<Parcel> {
         let [one, two] = self.arms().map(|arm| arm.holds);
-        one.filter(|_| one == two)
+        one.filter(|one| two.is_some_and(|two| one.piece == two.piece))
     }
 
     /// The cells of the piece that is at this place: all that are known of it, or this one.
