@@ -43,6 +43,8 @@ mod old_console;
 mod program;
 #[path = "service/replica.rs"]
 mod replica;
+#[path = "service/retrieval.rs"]
+mod retrieval;
 #[path = "service/robots.rs"]
 mod robots;
 #[path = "service/sensors.rs"]

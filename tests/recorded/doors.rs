@@ -27,6 +27,7 @@ pub(crate) use hallsweep_core::command::{
 pub(crate) use hallsweep_core::effect::{Entry, Fact, Page};
 pub(crate) use hallsweep_core::event::{Event, RobotEvent, RobotId};
 pub(crate) use hallsweep_core::mission::{Hold, PhaseName};
+pub(crate) use hallsweep_core::retrieval::Place;
 pub(crate) use hallsweep_core::rng::RandomStream;
 pub(crate) use hallsweep_core::search::Strategy;
 pub(crate) use hallsweep_core::settings::Settings;
@@ -34,4 +35,5 @@ pub(crate) use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionI
 pub(crate) use hallsweep_core::world::resource::Resource;
 pub(crate) use hallsweep_core::world::snapshot::Snapshot;
 pub(crate) use hallsweep_sim::headless::Run;
+pub(crate) use hallsweep_sim::pair::{PairSettings, Slip};
 pub(crate) use hallsweep_sim::{Camera, Hall, SimSettings, Truth};

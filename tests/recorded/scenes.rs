@@ -6,15 +6,12 @@ use std::sync::Arc;
 
 use super::book::Book;
 use super::doors::{
-    Camera, Command, Event, Hall, LuggageRef, PhaseName, RandomStream, RobotEvent, RobotId, SimSettings, TemperatureReport,
+    Camera, Command, Event, Hall, Hold, LuggageRef, PhaseName, RandomStream, RobotEvent, RobotId, SimSettings, TemperatureReport,
     Verdict,
 };
 use super::play::Player;
 use super::table::forms;
 use super::test_app::TestApp;
-
-/// More things than happen in any of these scenes.
-const PLENTY: usize = 10_000;
 
 /// A state to be in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,12 +25,14 @@ enum Scene {
     Inspecting,
     WithoutPhoto,
     BombLocated,
+    Fetching,
+    Secured,
     Explored,
     LinkLost,
     StoreFailed,
 }
 
-const ALL: [Scene; 12] = [
+const ALL: [Scene; 14] = [
     Scene::Idle,
     Scene::Silent,
     Scene::Searching,
@@ -43,6 +42,8 @@ const ALL: [Scene; 12] = [
     Scene::Inspecting,
     Scene::WithoutPhoto,
     Scene::BombLocated,
+    Scene::Fetching,
+    Scene::Secured,
     Scene::Explored,
     Scene::LinkLost,
     Scene::StoreFailed,
@@ -60,6 +61,8 @@ impl Scene {
             Scene::Inspecting => "inspecting",
             Scene::WithoutPhoto => "without a photo",
             Scene::BombLocated => "a bomb is located",
+            Scene::Fetching => "the bag is fetched",
+            Scene::Secured => "the bag is secured",
             Scene::Explored => "explored",
             Scene::LinkLost => "the link is lost",
             Scene::StoreFailed => "the store has failed",
@@ -72,7 +75,8 @@ impl Scene {
         let hall = Arc::new(Hall::from_rows("scene", rows).expect("a sound hall"));
         let photo_failure_rate = if self == Scene::WithoutPhoto { 1.0 } else { 0.0 };
         let sim = SimSettings { photo_failure_rate, ..SimSettings::new(1, Camera::Stub) };
-        let app = TestApp::new(&hall, sim, self == Scene::Silent);
+        let has_pair = matches!(self, Scene::BombLocated | Scene::Fetching | Scene::Secured);
+        let app = if has_pair { TestApp::with_pair(&hall, sim) } else { TestApp::new(&hall, sim, self == Scene::Silent) };
         if matches!(self, Scene::Idle | Scene::Silent) {
             return app;
         }
@@ -83,17 +87,32 @@ impl Scene {
                 some(&app, 4);
                 self.halt(&app);
             }
-            Scene::Inspecting | Scene::WithoutPhoto | Scene::BombLocated => {
-                until(&app, |app| app.state().mission.inspected.is_some());
-                some(&app, 3);
-                if self == Scene::BombLocated {
-                    given(&app, Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger });
-                    until(&app, |app| app.state().mission.phase == PhaseName::BombLocated);
-                }
+            Scene::Inspecting | Scene::WithoutPhoto => inspected(&app),
+            Scene::BombLocated | Scene::Fetching | Scene::Secured => {
+                inspected(&app);
+                given(&app, Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger });
+                app.until(|state| state.mission.phase == PhaseName::BombLocated);
+                self.fetch(&app);
             }
-            Scene::Explored => until(&app, |app| app.state().mission.phase == PhaseName::Explored),
+            Scene::Explored => app.until(|state| state.mission.phase == PhaseName::Explored),
         }
         app
+    }
+
+    /// How far the bag is fetched.
+    fn fetch(self, app: &TestApp) {
+        if self == Scene::BombLocated {
+            return;
+        }
+        given(app, Command::Retrieve);
+        if self == Scene::Fetching {
+            return some(app, 20);
+        }
+        app.until(|state| state.mission.holds.contains(&Hold::Alarm));
+        let call = app.state().alarms.iter().rev().find_map(|alarm| alarm.id).expect("the pair calls");
+        given(app, Command::Acknowledge(call));
+        given(app, Command::Start);
+        app.until(|state| state.mission.phase == PhaseName::BagSecured);
     }
 
     /// What keeps a robot from searching on.
@@ -118,6 +137,12 @@ impl Scene {
     }
 }
 
+/// Until the operator is asked.
+fn inspected(app: &TestApp) {
+    app.until(|state| state.mission.inspected.is_some());
+    some(app, 3);
+}
+
 /// Lets so many things happen, if there are so many.
 fn some(app: &TestApp, things: usize) {
     for _ in 0..things {
@@ -127,16 +152,6 @@ fn some(app: &TestApp, things: usize) {
 
 fn given(app: &TestApp, command: Command) {
     assert!(app.give(command.clone()), "{command:?} in phase {}", app.state().mission.phase.name());
-}
-
-fn until(app: &TestApp, is_there: impl Fn(&TestApp) -> bool) {
-    for _ in 0..PLENTY {
-        if is_there(app) {
-            return;
-        }
-        assert!(app.advance(), "nothing more happens");
-    }
-    panic!("it did not come to that");
 }
 
 /// Gives every command in every scene. Where not everything is `in_full`, the answer is written where it is accepted first, or else

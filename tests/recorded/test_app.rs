@@ -7,8 +7,8 @@ use std::time::Duration;
 use tokio::sync::{mpsc, watch};
 
 use super::doors::{
-    COMMANDS, Command, Envelope, Event, Hall, Halter, Handle, MemoryStore, Page, Refused, Run, Seq, Settings, SimSettings,
-    Snapshot, Store, Strategy,
+    COMMANDS, Command, Envelope, Event, Hall, Halter, Handle, MemoryStore, Page, PairSettings, Place, Refused, Run, Seq,
+    Settings, SimSettings, Slip, Snapshot, Store, Strategy,
 };
 
 /// The name of the sensor that some missions have.
@@ -36,7 +36,19 @@ pub(crate) struct Inside {
 impl TestApp {
     /// A robot at home. Must be called inside a runtime.
     pub(crate) fn new(hall: &Arc<Hall>, sim: SimSettings, with_sensor: bool) -> TestApp {
-        let mut run = Run::new(Arc::clone(hall), sim, Settings::default(), Strategy::default());
+        let run = Run::new(Arc::clone(hall), sim, Settings::default(), Strategy::default());
+        TestApp::of(hall, run, with_sensor)
+    }
+
+    /// The same, and a pair before the entrance whose parcel slips once.
+    pub(crate) fn with_pair(hall: &Arc<Hall>, sim: SimSettings) -> TestApp {
+        let mut pair = PairSettings { way_out: true, ..PairSettings::new(1, Place::ENTRANCE) };
+        pair.mishaps.slips = vec![Slip { parcel: 1, after_steps: 1 }];
+        let run = Run::with_pair(Arc::clone(hall), sim, Settings::default(), Strategy::default(), pair);
+        TestApp::of(hall, run, false)
+    }
+
+    fn of(hall: &Arc<Hall>, mut run: Run, with_sensor: bool) -> TestApp {
         if with_sensor {
             let now = run.now();
             run.engine.watch_sensor(SENSOR.into(), Duration::from_secs(600), now);
@@ -76,6 +88,15 @@ impl TestApp {
     pub(crate) fn happen(&self, event: Event) {
         let mut inside = self.inside();
         inside.run.happen(event);
+        inside.publish();
+    }
+
+    /// Lets things happen until it came to that; the doors see the end.
+    pub(crate) fn until(&self, is_there: impl Fn(&Snapshot) -> bool) {
+        let mut inside = self.inside();
+        while !is_there(&inside.run.state()) {
+            assert!(inside.run.advance(), "nothing more happens");
+        }
         inside.publish();
     }
 

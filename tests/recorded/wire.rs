@@ -9,8 +9,8 @@ use sha2::{Digest, Sha256};
 use super::book::{Book, hex};
 use super::doors::{
     AlarmId, CODES, Cell, ChangesJson, Code, CommandId, Entry, Epoch, Fact, Hold, LuggageId, MapJson, MissionId, PhaseName,
-    Picture, ProblemJson, ProblemKind, Refusal, RefusalKind, Refused, Resource, ResourceKind, Revision, Seq, Snapshot, StateJson,
-    Verdict, cbor, concise_problem, journal, journal_words, map_text, old_items, qak, senml, state, text,
+    Picture, ProblemJson, ProblemKind, Refusal, RefusalKind, Refused, Resource, ResourceKind, Revision, RobotId, Seq, Snapshot,
+    StateJson, Verdict, cbor, concise_problem, journal, journal_words, map_text, old_items, qak, senml, state, text,
 };
 
 /// Everything that can be made of a state, and of what changed since the one before.
@@ -112,6 +112,8 @@ pub(crate) fn refusals() -> Vec<Refused> {
         Refused::PhotoUnderWay,
         Refused::UnknownAlarm(AlarmId(4)),
         Refused::NoRetrievalRobot,
+        Refused::FetcherUnreached(RobotId::new("srm1").expect("a sound name")),
+        Refused::FetcherAbroad(RobotId::new("srm2").expect("a sound name")),
         Refused::FaultStands("the robot's wheels slip".to_owned()),
         Refused::StoreDown,
         Refused::NotKept,

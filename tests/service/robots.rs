@@ -15,6 +15,7 @@ fn serve(folder: &Folder) -> Program {
     let arguments = ["serve", "--http", "127.0.0.1:0", "--hall", "empty-8x8", "--speed", "20", "--data", folder.text()];
     let mut command = hallsweep(&arguments);
     command.env("HALLSWEEP__ROBOTS__PORTER__KIND", "sim").env("HALLSWEEP__ROBOTS__PORTER__SPEED", "20");
+    command.env("HALLSWEEP__MISSION__RETRIEVAL", "none");
     Program::started(&mut command)
 }
 

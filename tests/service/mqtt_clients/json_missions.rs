@@ -111,7 +111,9 @@ fn a_bomb_is_found(client: Client) {
     console.until_phase("bombLocated");
     let alarms = console.until_state("alarms", "an alarm", |alarms| alarms.as_array().is_some_and(|all| !all.is_empty()));
     console.accepted("acknowledge", json!({"alarm": alarms[0]["id"]}));
-    program.until_phase("bombLocated");
+    console.accepted("retrieve", json!({}));
+    console.until_phase("bagSecured");
+    program.until_phase("bagSecured");
     console.shows_what_stands(&program);
 }
 

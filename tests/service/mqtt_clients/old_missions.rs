@@ -86,6 +86,8 @@ fn a_bomb_is_found(client: Client) {
     console.say("startCmd");
     console.until_home();
     program.until_phase("bombLocated");
+    console.say("reachBag");
+    program.until_phase("bagSecured");
     console.shows_what_stands(&program);
 }
 

@@ -1,0 +1,139 @@
+//! From danger to the bag in the container, with the program as it comes: each door sends the pair out, STOP and `kill -9` leave it
+//! where it stands, and only an operator's START moves it on.
+
+use serde_json::Value;
+
+use crate::coap::client::Coap;
+use crate::kill::Folder;
+use crate::program::{Program, hallsweep};
+
+/// Serves the hall of the seed over this folder.
+fn serve(folder: &Folder, speed: &str, settings: &[(&str, &str)]) -> Program {
+    let mut command = hallsweep(&["serve", "--http", "127.0.0.1:0", "--hall", "seed", "--speed", speed, "--data", folder.text()]);
+    Program::started(command.envs(settings.iter().copied()))
+}
+
+/// Says danger to the first piece, and waits until discovery is home; the piece's number.
+fn locate(program: &Program) -> u64 {
+    program.until("all are linked", |state| holds(state).is_empty());
+    program.command("start").accepted();
+    let piece = program.until_asked();
+    program.verdict(piece, "danger").accepted();
+    program.until_phase("bombLocated");
+    piece
+}
+
+fn holds(state: &Value) -> &[Value] {
+    state["mission"]["holds"].as_array().expect("a mission says what holds it")
+}
+
+fn is_held(state: &Value, hold: &str) -> bool {
+    holds(state).iter().any(|it| it == hold)
+}
+
+/// The robots of the pair, in order.
+fn pair(state: &Value) -> Vec<&Value> {
+    let robots = state["robots"].as_array().expect("the state lists the robots");
+    ["srm1", "srm2"].iter().map(|name| robots.iter().find(|robot| robot["name"] == *name).expect("it is there")).collect()
+}
+
+/// Where the pair is, and what it grips.
+fn places(state: &Value) -> Vec<Value> {
+    let told = ["position", "outside", "heading", "arm"];
+    pair(state).iter().map(|robot| told.iter().map(|key| robot[key].clone()).collect()).collect()
+}
+
+fn carries(state: &Value) -> bool {
+    pair(state).iter().all(|robot| robot["arm"]["lifted"] == true)
+}
+
+fn secured(program: &Program, piece: u64) {
+    program.until_phase("bagSecured");
+    let record = program.json(&format!("luggage/{piece}"));
+    assert!(record["secured"].is_string(), "when it was put into the container: {record}");
+    assert!(pair(&program.json("state")).iter().all(|robot| robot["outside"] == true));
+}
+
+#[test]
+fn the_pair_brings_the_dangerous_bag_and_the_old_console_goes_on_to_a_new_search() {
+    let program = Program::serve("seed", "max");
+    let piece = locate(&program);
+    program.command("retrieve").accepted();
+    secured(&program, piece);
+    assert!(program.command("retrieve").problem(409).contains("not possible while"));
+    program.press("/startappl").accepted();
+    program.until("a new mission", |state| state["mission"]["id"] == 2);
+}
+
+#[test]
+fn coap_sends_the_pair_too() {
+    let program = Program::serve("seed", "max");
+    let piece = locate(&program);
+    let reply = Coap::at(program.coap()).ask("POST", "commands/retrieve", "").expect("the door answers");
+    assert_eq!(reply.code, "2.04", "{reply:?}");
+    secured(&program, piece);
+}
+
+#[test]
+fn discovery_fetches_the_bag_itself_where_the_settings_say_so() {
+    let folder = Folder::new("discovery");
+    let program = serve(&folder, "max", &[("HALLSWEEP__MISSION__RETRIEVAL", "discovery")]);
+    let piece = locate(&program);
+    program.command("retrieve").accepted();
+    let state = program.until_phase("bagSecured");
+    assert_eq!(state["robots"].as_array().map(Vec::len), Some(1), "nobody else is there");
+    assert!(program.json(&format!("luggage/{piece}"))["secured"].is_string());
+    assert_eq!((&state["robot"]["position"]["x"], &state["robot"]["outside"]), (&0.into(), &false.into()), "it is home again");
+}
+
+#[test]
+fn where_nobody_fetches_a_person_does_and_retrieve_says_so() {
+    let folder = Folder::new("nobody");
+    let program = serve(&folder, "max", &[("HALLSWEEP__MISSION__RETRIEVAL", "none")]);
+    locate(&program);
+    assert!(program.command("retrieve").problem(409).contains("no retrieval robot"));
+    assert_eq!(program.json("state")["mission"]["phase"], "bombLocated");
+}
+
+#[test]
+fn stop_and_kill_leave_pair_and_parcel_where_they_are_until_start() {
+    let folder = Folder::new("carried");
+    let program = serve(&folder, "20", &[]);
+    let piece = locate(&program);
+    program.command("retrieve").accepted();
+    program.until("the bag is lifted", carries);
+    program.command("stop").accepted();
+    let stands = |state: &Value| pair(state).iter().all(|robot| robot["state"] == "stopped" && robot["halting"] == false);
+    let stopped = program.until("the pair stands", stands);
+    assert!(is_held(&stopped, "operator") && carries(&stopped), "{stopped:#}");
+    program.command("start").accepted();
+    program.until("it goes on", |state| !stands(state));
+    program.killer()();
+    drop(program);
+
+    let program = serve(&folder, "max", &[]);
+    let found = program.until("all are linked", |state| !is_held(state, "robotLink"));
+    assert!(is_held(&found, "restart") && carries(&found), "the parcel is in the grip: {found:#}");
+    let later = program.until("time has passed", |state| state["revision"].as_u64() >= found["revision"].as_u64());
+    assert_eq!(places(&later), places(&found), "nothing moves before START");
+    program.command("start").accepted();
+    secured(&program, piece);
+}
+
+#[test]
+fn a_lost_parcel_calls_the_operator_who_acknowledges_and_starts() {
+    let folder = Folder::new("lost");
+    let program = serve(&folder, "max", &[("HALLSWEEP__PAIR__SLIPS", "1")]);
+    let piece = locate(&program);
+    program.command("retrieve").accepted();
+    let state = program.until("the call", |state| is_held(state, "alarm"));
+    let words = program.command("start").problem(409);
+    assert!(words.contains("acknowledge"), "{words}");
+    let alarms = state["alarms"].as_array().expect("a list");
+    let call = alarms.iter().rfind(|alarm| alarm["acknowledged"].is_null()).expect("the pair's call");
+    program.press(&format!("/api/v1/alarms/{}/acknowledge", call["id"])).accepted();
+    let held = program.until("it waits for START", |state| !is_held(state, "alarm"));
+    assert!(!holds(&held).is_empty(), "acknowledging alone moves nothing: {held:#}");
+    program.command("start").accepted();
+    secured(&program, piece);
+}
