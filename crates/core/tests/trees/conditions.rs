@@ -98,3 +98,27 @@ fn whoever_says_that_a_fault_happened_leaves_nothing_running() {
     let (said, _) = run(root, Status::Running.word(), &[], 2);
     assert_eq!(said, "!its script divides by zero !its script divides by zero");
 }
+
+/// As every action of BehaviorTree.CPP that takes time: it repeats what it said until it is reset.
+#[test]
+fn a_sleep_that_is_over_does_not_begin_again_before_it_is_reset() {
+    let file =
+        "<root BTCPP_format=\"4\"><BehaviorTree><WhileDoElse><Sleep msec=\"50\"/><Work/></WhileDoElse></BehaviorTree></root>";
+    let document = xml::read(file).unwrap();
+    let mut mocks = Mocks::default();
+    mocks.add("Work=RUNNING").unwrap();
+    let mut blackboard = Blackboard::new();
+    let mut tree = Tree::build(&document, None, &mocks.catalogue(&document, Catalogue::default()), &mut blackboard).unwrap();
+    let said = [0; 4].map(|_| {
+        tree.tick(&mut blackboard, &mut mocks, Duration::from_millis(50)).unwrap();
+        tree.nodes().nth(1).and_then(|sleep| sleep.returned)
+    });
+    assert_eq!(said, [Some(Status::Running), Some(Status::Success), Some(Status::Success), Some(Status::Success)]);
+}
+
+#[test]
+fn an_entry_that_was_unset_must_be_made_again() {
+    let root = "<Sequence><UnsetBlackboard key=\"n\"/><Script code=\"n = 1\"/></Sequence>";
+    check(root, "SUCCESS", &[("n", 0)], "!in its script the entry {n} is not there yet: := makes it");
+    check(&root.replace("n = 1", "n := 1"), "SUCCESS", &[("n", 0)], "SUCCESS");
+}
