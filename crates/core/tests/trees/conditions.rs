@@ -99,6 +99,40 @@ fn whoever_says_that_a_fault_happened_leaves_nothing_running() {
     assert_eq!(said, "!its script divides by zero !its script divides by zero");
 }
 
+#[test]
+fn a_node_that_wants_an_entry_to_be_written_sees_each_write_once() {
+    let after = |node: &str| format!("<Sequence><Script code=\"n += 1\" _skipIf=\"n &gt; 1\"/><Work/>{node}</Sequence>");
+    let ticks = |node: &str| run(&after(node), "SUCCESS", &[("n", 0)], 3).0;
+    assert_eq!(ticks("<WasEntryUpdated entry=\"{n}\"/>"), "SUCCESS SUCCESS FAILURE");
+    assert_eq!(ticks("<SkipUnlessUpdated entry=\"n\"><AlwaysFailure/></SkipUnlessUpdated>"), "FAILURE FAILURE SUCCESS");
+    assert_eq!(ticks("<WaitValueUpdate entry=\"{n}\"><AlwaysFailure/></WaitValueUpdate>"), "FAILURE FAILURE RUNNING");
+    let nothing = "<WasEntryUpdated entry=\"{other}\"/>";
+    assert_eq!(run(nothing, "SUCCESS", &[], 1).0, "FAILURE");
+}
+
+#[test]
+fn a_loop_writes_its_elements_one_after_the_other() {
+    let root = "<LoopInt queue=\"3;4\" value=\"{v}\"><Script code=\"sum += v\"/></LoopInt>";
+    let (said, blackboard) = run(root, "SUCCESS", &[("sum", 0)], 4);
+    assert_eq!(said, "RUNNING RUNNING SUCCESS RUNNING");
+    assert_eq!(blackboard.get("sum"), Some(&Value::Int(10)), "a queue in the file begins anew");
+    let root = "<LoopInt queue=\"{q}\" value=\"{v}\"><Script code=\"sum += v\"/></LoopInt>";
+    let root = format!("<Sequence><Script code=\"q := '3;4'\" _skipIf=\"sum &gt; 0\"/>{root}</Sequence>");
+    let (said, blackboard) = run(&root, "SUCCESS", &[("sum", 0)], 5);
+    assert_eq!(said, "RUNNING RUNNING SUCCESS SUCCESS SUCCESS");
+    assert_eq!(blackboard.get("sum"), Some(&Value::Int(7)), "that of an entry is used up");
+}
+
+/// `catch_on_halt`: whoever is halted in its try-children has one tick to clean up.
+#[test]
+fn a_try_catch_that_is_halted_cleans_up_if_it_is_told_to() {
+    let root =
+        |flag: &str| format!("<Parallel><TryCatch{flag}><Work/><Script code=\"n += 1\"/></TryCatch><AlwaysFailure/></Parallel>");
+    let after = |flag: &str| run(&root(flag), "RUNNING", &[("n", 0)], 1).1.get("n").cloned();
+    assert_eq!(after(""), Some(Value::Int(0)));
+    assert_eq!(after(" catch_on_halt=\"true\""), Some(Value::Int(1)));
+}
+
 /// As every action of BehaviorTree.CPP that takes time: it repeats what it said until it is reset.
 #[test]
 fn a_sleep_that_is_over_does_not_begin_again_before_it_is_reset() {
