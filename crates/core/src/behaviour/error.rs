@@ -56,6 +56,15 @@ pub enum Reason {
     /// An element where it does not belong.
     #[error("<{0}> does not belong here")]
     Misplaced(String),
+    /// Another file is to be read.
+    #[error("<include> is not read here: put all trees into one file")]
+    Include,
+    /// There are two models.
+    #[error("there is a second <TreeNodesModel>, and only one may be")]
+    SecondModel,
+    /// A port in a model without a name.
+    #[error("<{0}> has no name")]
+    NoName(String),
     /// Text between elements.
     #[error("there is text between the elements: {0:?}")]
     Text(String),
@@ -112,6 +121,9 @@ pub enum Reason {
         /// How many it must have, in words.
         wanted: String,
     },
+    /// Children that would never let each other be done.
+    #[error("ReactiveSequence has more than one AsyncSequence as a child")]
+    TwoAsync,
     /// A port that its node has not.
     #[error("{id} has no port {port}")]
     UnknownPort {

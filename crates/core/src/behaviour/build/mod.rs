@@ -29,6 +29,7 @@ impl Tree {
         blackboard: &mut Blackboard,
     ) -> Result<Tree, TreeError> {
         let tree = document.main_tree(main)?;
+        document.distinct(catalogue)?;
         let scopes = Scopes::new(&tree.id, blackboard);
         let shape = Shape { leaf_kinds: catalogue.kinds().to_vec(), ..Shape::default() };
         let mut builder = Builder {
@@ -64,12 +65,8 @@ impl Document {
         }
     }
 
-    /// Looks at all trees of the document as they would be built, also those that the main one does not use.
-    ///
-    /// # Errors
-    /// The first thing that is wrong.
-    pub fn check(&self, catalogue: &Catalogue) -> Result<(), TreeError> {
-        self.main_tree(None)?;
+    /// That each tree has an ID of its own, which is not that of a kind of node.
+    fn distinct(&self, catalogue: &Catalogue) -> Result<(), TreeError> {
         for (number, tree) in self.trees.iter().enumerate() {
             if self.trees[..number].iter().any(|earlier| earlier.id == tree.id) {
                 return Err(TreeError::at(tree.place, Reason::TwiceId(tree.id.clone())));
@@ -78,6 +75,15 @@ impl Document {
                 return Err(TreeError::at(tree.place, Reason::TakenId(tree.id.clone())));
             }
         }
+        Ok(())
+    }
+
+    /// Looks at all trees of the document as they would be built, also those that the main one does not use.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn check(&self, catalogue: &Catalogue) -> Result<(), TreeError> {
+        self.main_tree(None)?;
         for tree in &self.trees {
             Tree::build(self, Some(&tree.id), catalogue, &mut Blackboard::new())?;
         }
@@ -122,6 +128,7 @@ impl<'a> Builder<'a> {
             Kind::Leaf(_) => Family::Leaf,
         };
         self.count_children(element, kind)?;
+        self.count_async(element, kind)?;
         self.note(element);
         let at = self.shape.nodes.len();
         let (path, name) = self.path(element, prefix, at + 1);
@@ -210,6 +217,15 @@ impl<'a> Builder<'a> {
             (least, most) => format!("{least} to {most}"),
         };
         Err(TreeError::at(element.place, Reason::Children { id: element.id.clone(), count, wanted }))
+    }
+
+    /// As BehaviorTree.CPP has it: one asynchronous child would have the other halted in each tick.
+    fn count_async(&self, element: &Element, kind: Kind) -> Result<(), TreeError> {
+        let is_async = |child: &&Element| child.id == BuiltIn::AsyncSequence.word();
+        if kind == Kind::BuiltIn(BuiltIn::ReactiveSequence) && element.children.iter().filter(is_async).count() > 1 {
+            return Err(TreeError::at(element.place, Reason::TwoAsync));
+        }
+        Ok(())
     }
 
     /// Another word in a file is another tree.

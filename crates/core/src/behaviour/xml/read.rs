@@ -105,13 +105,19 @@ impl<'x> Reader<'x> {
         if format.as_deref() != Some("4") {
             return self.refuse(root, Reason::Format(format.unwrap_or_default()));
         }
+        let (mut nameless, mut has_models) = (0, false);
         for child in self.elements(root)? {
             match name(child) {
                 "BehaviorTree" if document.trees.len() == MOST_TREES => {
                     return self.refuse(child, Reason::TooMany { what: "trees in one file", most: MOST_TREES });
                 }
-                "BehaviorTree" => document.trees.push(self.tree(child)?),
-                "TreeNodesModel" => self.models(child, &mut document.models)?,
+                "BehaviorTree" => document.trees.push(self.tree(child, &mut nameless)?),
+                "TreeNodesModel" if has_models => return self.refuse(child, Reason::SecondModel),
+                "TreeNodesModel" => {
+                    has_models = true;
+                    self.models(child, &mut document.models)?;
+                }
+                "include" => return self.refuse(child, Reason::Include),
                 other => return self.refuse(child, Reason::Misplaced(other.to_owned())),
             }
         }
@@ -121,8 +127,14 @@ impl<'x> Reader<'x> {
         Ok(document)
     }
 
-    fn tree(&self, node: Node<'x, 'x>) -> Result<TreeDefinition, TreeError> {
-        let (id, notes) = self.with_id(node)?;
+    /// A tree without an ID is called as BehaviorTree.CPP calls it.
+    fn tree(&self, node: Node<'x, 'x>, nameless: &mut u32) -> Result<TreeDefinition, TreeError> {
+        let (id, notes) = if node.has_attribute("ID") {
+            self.with_id(node)?
+        } else {
+            *nameless += 1;
+            (format!("BehaviorTree_{}", *nameless - 1), self.attributes(node))
+        };
         let children = self.elements(node)?;
         let [root] = children[..] else {
             return self.refuse(node, Reason::Roots { id, count: children.len() });
@@ -178,7 +190,7 @@ impl<'x> Reader<'x> {
         let Some(direction) = direction else { return self.refuse(node, Reason::Misplaced(name(node).to_owned())) };
         let mut notes = self.attributes(node);
         let Some(at) = notes.iter().position(|note| note.name == "name") else {
-            return self.refuse(node, Reason::NoId(name(node).to_owned()));
+            return self.refuse(node, Reason::NoName(name(node).to_owned()));
         };
         let port = notes.remove(at).value;
         if let Some(child) = node.children().find(Node::is_element) {
