@@ -88,9 +88,17 @@ impl<'a> Builder<'a> {
         let pointer = pointer(port.name, text);
         match (port.written, pointer) {
             (Written::EntryName, _) => {
-                // Whether the name has braces or not: an entry that holds the name of an entry is more than a slot can be.
-                let slot = self.scopes.declare(scope, pointer.unwrap_or(text), ValueType::Any, self.blackboard);
-                slot.map(Binding::Slot).map_err(|unfit| refuse(unfit.into()))
+                // Whether the name has braces or not: an entry that holds the name of an entry is more than a slot can be. Only
+                // braces make the entry, though.
+                let name = pointer.unwrap_or(text);
+                let slot = match pointer {
+                    Some(name) => self.scopes.declare(scope, name, ValueType::Any, self.blackboard),
+                    None => self.blackboard.mention(&self.scopes.entry_name(scope, name)),
+                };
+                let slot = slot.map_err(|unfit| refuse(unfit.into()))?;
+                // UnsetBlackboard takes away what is on the blackboard of its own tree alone.
+                let is_out_of_reach = port.name == "key" && !self.scopes.is_own(scope, name);
+                Ok(if is_out_of_reach { Binding::Unset } else { Binding::Slot(slot) })
             }
             (Written::Value(ty), Some(name)) => {
                 let slot = self.scopes.declare(scope, name, ty, self.blackboard);

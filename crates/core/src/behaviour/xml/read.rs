@@ -37,6 +37,10 @@ pub fn read(text: &str) -> Result<Document, TreeError> {
     let options = ParsingOptions { nodes_limit: MOST_XML_NODES, ..ParsingOptions::default() };
     let xml = Xml::parse_with_options(text, options).map_err(|error| {
         let at = error.pos();
+        if error == roxmltree::Error::NodesLimitReached {
+            let what = "elements, comments and texts between them in one file";
+            return TreeError::at(start, Reason::TooMany { what, most: MOST_XML_NODES as usize });
+        }
         // The place stands in front already.
         let said = error.to_string();
         let said = said.strip_suffix(&format!(" at {at}")).unwrap_or(&said);
