@@ -6,7 +6,7 @@ use std::fmt;
 use super::blackboard::Unfit;
 use super::document::Place;
 use super::script::ScriptError;
-use super::tree::{DEEPEST, MOST_NODES};
+use super::tree::{DEEPEST, MOST_NODES, MOST_TEXT};
 use super::value::ValueType;
 
 /// A refusal: where, and why.
@@ -199,6 +199,9 @@ pub enum Reason {
     /// Too many nodes.
     #[error("the tree has more than {MOST_NODES} nodes, those of its subtrees counted")]
     TooManyNodes,
+    /// Too much is written in it.
+    #[error("the attributes of the tree are longer than {MOST_TEXT} bytes, those of its subtrees counted")]
+    TooMuchText,
     /// Too deep.
     #[error("the tree is deeper than {DEEPEST} levels, those of its subtrees counted")]
     TooDeep,

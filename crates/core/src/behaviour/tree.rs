@@ -23,6 +23,10 @@ use super::tick::{Fault, Run};
 /// each other twice would otherwise fill the memory.
 pub const MOST_NODES: usize = 10_000;
 
+/// The most bytes of attributes in a tree, those of its subtrees counted at each use: a file may have its longest scripts in a subtree
+/// that is used a thousand times, and each use is built.
+pub const MOST_TEXT: usize = 2 << 20;
+
 /// How deep a tree may be, subtrees included: a tick goes down by calls, and the stack of a thread must hold them all.
 pub const DEEPEST: usize = 128;
 

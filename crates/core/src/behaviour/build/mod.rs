@@ -13,8 +13,12 @@ use super::document::{Document, Element, Form, Place, TreeDefinition};
 use super::error::{Reason, TreeError};
 use super::kind::{BuiltIn, Family};
 use super::leaf::Catalogue;
-use super::tree::{DEEPEST, Kind, Label, Live, MOST_NODES, Node, Shape, Tree};
+use super::tree::{DEEPEST, Kind, Label, Live, MOST_NODES, MOST_TEXT, Node, Shape, Tree};
 use crate::rng::fnv1a;
+
+/// The most nodes and the most bytes of attributes of all trees of a file together, each with its subtrees, when the file is checked:
+/// two hundred trees may use one that is as large as a tree may be.
+const MOST_TOGETHER: (usize, usize) = (20 * MOST_NODES, 4 * MOST_TEXT);
 
 impl Tree {
     /// A tree of a document, its main one unless another is named, on a blackboard. Several trees can be built on one blackboard; in
@@ -28,6 +32,16 @@ impl Tree {
         catalogue: &Catalogue,
         blackboard: &mut Blackboard,
     ) -> Result<Tree, TreeError> {
+        Tree::built(document, main, catalogue, blackboard).map(|(tree, _)| tree)
+    }
+
+    /// The same, and how many bytes of attributes there are in it.
+    fn built(
+        document: &Document,
+        main: Option<&str>,
+        catalogue: &Catalogue,
+        blackboard: &mut Blackboard,
+    ) -> Result<(Tree, usize), TreeError> {
         let tree = document.main_tree(main)?;
         document.distinct(catalogue)?;
         let scopes = Scopes::new(&tree.id, blackboard);
@@ -41,12 +55,14 @@ impl Tree {
             paths: BTreeSet::new(),
             open: Vec::new(),
             depth: 0,
+            text: 0,
             fingerprint: 0,
         };
         builder.tree(tree, 0, "")?;
         let live = vec![Live::default(); builder.shape.nodes.len()];
         let fingerprint = builder.fingerprint;
-        Ok(Tree { id: Arc::from(tree.id.as_str()), shape: builder.shape, live, clock: 0, ticks: 0, fingerprint })
+        let built = Tree { id: Arc::from(tree.id.as_str()), shape: builder.shape, live, clock: 0, ticks: 0, fingerprint };
+        Ok((built, builder.text))
     }
 }
 
@@ -84,8 +100,19 @@ impl Document {
     /// The first thing that is wrong.
     pub fn check(&self, catalogue: &Catalogue) -> Result<(), TreeError> {
         self.main_tree(None)?;
+        let (mut nodes, mut text) = (0, 0);
         for tree in &self.trees {
-            Tree::build(self, Some(&tree.id), catalogue, &mut Blackboard::new())?;
+            let (built, length) = Tree::built(self, Some(&tree.id), catalogue, &mut Blackboard::new())?;
+            nodes += built.shape.nodes.len();
+            text += length;
+            let (most_nodes, most_text) = MOST_TOGETHER;
+            let refuse = |what, most| Err(TreeError::at(tree.place, Reason::TooMany { what, most }));
+            if nodes > most_nodes {
+                return refuse("nodes in the trees so far, each with its subtrees", most_nodes);
+            }
+            if text > most_text {
+                return refuse("bytes of attributes in the trees so far, each with its subtrees", most_text);
+            }
         }
         Ok(())
     }
@@ -102,6 +129,8 @@ struct Builder<'a> {
     /// The trees that the node being built is in, from the outermost.
     open: Vec<&'a str>,
     depth: usize,
+    /// The bytes of attributes so far.
+    text: usize,
     /// Over everything that the nodes so far say.
     fingerprint: u64,
 }
@@ -121,6 +150,10 @@ impl<'a> Builder<'a> {
         }
         if self.shape.nodes.len() >= MOST_NODES {
             return refuse(Reason::TooManyNodes);
+        }
+        self.text += element.attributes.iter().map(|attribute| attribute.name.len() + attribute.value.len()).sum::<usize>();
+        if self.text > MOST_TEXT {
+            return refuse(Reason::TooMuchText);
         }
         let kind = self.kind(element)?;
         let family = match kind {

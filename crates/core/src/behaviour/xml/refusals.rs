@@ -181,6 +181,24 @@ fn what_would_fill_the_memory_is_refused() {
     );
     let said = checked(&file).expect_err("it is too large");
     assert!(said.ends_with("the tree has more than 10000 nodes, those of its subtrees counted"), "{said}");
+    let long = format!("<Say _note=\"{}\"/>", "x".repeat(200_000));
+    let uses = |count: usize| format!("<Sequence>{}</Sequence>", "<SubTree ID=\"L\"/>".repeat(count));
+    let file = |trees: usize, leaf: &str, count: usize| {
+        let trees: String = (0..trees).map(|n| format!("<BehaviorTree ID=\"t{n}\">{}</BehaviorTree>", uses(count))).collect();
+        let main = "<root BTCPP_format=\"4\" main_tree_to_execute=\"t0\">";
+        format!("{main}{trees}\n<BehaviorTree ID=\"L\">{leaf}</BehaviorTree></root>")
+    };
+    assert!(checked(&file(1, &long, 10)).is_ok());
+    let said = checked(&file(1, &long, 11)).expect_err("too much in one");
+    assert!(said.ends_with("the attributes of the tree are longer than 2097152 bytes, those of its subtrees counted"), "{said}");
+    let said = checked(&file(5, &long, 10)).expect_err("too much together");
+    assert!(
+        said.ends_with("there are more than 8388608 bytes of attributes in the trees so far, each with its subtrees"),
+        "{said}"
+    );
+    let many = format!("<Sequence>{}</Sequence>", "<Say/>".repeat(97));
+    let said = checked(&file(30, &many, 90)).expect_err("too many together");
+    assert!(said.ends_with("there are more than 200000 nodes in the trees so far, each with its subtrees"), "{said}");
     let deep = format!("{}<Say/>{}", "<Inverter>".repeat(200), "</Inverter>".repeat(200));
     refused(&tree(&deep), "2:1281: the tree is deeper than 128 levels, those of its subtrees counted");
     let deeper = "<a>".repeat(100_000);
