@@ -203,13 +203,17 @@ fn scripted(flags: &Run) -> Result<(Mocks, Vec<(String, String)>), String> {
         mocks.add(mock).map_err(|error| format!("--mock: {error}"))?;
     }
     let mut entries = Vec::new();
-    for text in flags.set.iter().chain(&flags.blackboard) {
+    for text in &flags.set {
         let (name, value) =
             text.split_once('=').ok_or_else(|| format!("--set: {text:?} should be NAME.PORT=VALUE or ENTRY=VALUE"))?;
         match name.rsplit_once('.') {
             Some((leaf, port)) => mocks.write(leaf, port, value),
             None => entries.push((name.to_owned(), value.to_owned())),
         }
+    }
+    for text in &flags.blackboard {
+        let (name, value) = text.split_once('=').ok_or_else(|| format!("--blackboard: {text:?} should be ENTRY=VALUE"))?;
+        entries.push((name.to_owned(), value.to_owned()));
     }
     Ok((mocks, entries))
 }

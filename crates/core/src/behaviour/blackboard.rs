@@ -224,6 +224,14 @@ impl Blackboard {
         Ok(())
     }
 
+    /// Takes an entry away, so far as scripts see: `=` wants it to be made again. Its slot and its type stay.
+    pub(crate) fn remove(&mut self, slot: Slot) {
+        self.unset(slot);
+        if let Some(entry) = self.entries.get_mut(slot.index()) {
+            entry.is_there = false;
+        }
+    }
+
     /// Takes away what an entry holds; the entry stays.
     pub fn unset(&mut self, slot: Slot) {
         if let Some(entry) = self.entries.get_mut(slot.index()) {

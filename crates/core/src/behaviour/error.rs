@@ -6,7 +6,7 @@ use std::fmt;
 use super::blackboard::Unfit;
 use super::document::Place;
 use super::script::ScriptError;
-use super::tree::{DEEPEST, MOST_NODES};
+use super::tree::{DEEPEST, MOST_NODES, MOST_TEXT};
 use super::value::ValueType;
 
 /// A refusal: where, and why.
@@ -56,6 +56,15 @@ pub enum Reason {
     /// An element where it does not belong.
     #[error("<{0}> does not belong here")]
     Misplaced(String),
+    /// Another file is to be read.
+    #[error("<include> is not read here: put all trees into one file")]
+    Include,
+    /// There are two models.
+    #[error("there is a second <TreeNodesModel>, and only one may be")]
+    SecondModel,
+    /// A port in a model without a name.
+    #[error("<{0}> has no name")]
+    NoName(String),
     /// Text between elements.
     #[error("there is text between the elements: {0:?}")]
     Text(String),
@@ -112,6 +121,9 @@ pub enum Reason {
         /// How many it must have, in words.
         wanted: String,
     },
+    /// Children that would never let each other be done.
+    #[error("ReactiveSequence has more than one AsyncSequence as a child")]
+    TwoAsync,
     /// A port that its node has not.
     #[error("{id} has no port {port}")]
     UnknownPort {
@@ -187,6 +199,9 @@ pub enum Reason {
     /// Too many nodes.
     #[error("the tree has more than {MOST_NODES} nodes, those of its subtrees counted")]
     TooManyNodes,
+    /// Too much is written in it.
+    #[error("the attributes of the tree are longer than {MOST_TEXT} bytes, those of its subtrees counted")]
+    TooMuchText,
     /// Too deep.
     #[error("the tree is deeper than {DEEPEST} levels, those of its subtrees counted")]
     TooDeep,

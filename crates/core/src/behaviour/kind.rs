@@ -30,6 +30,8 @@ named! {
         IfThenElse = "IfThenElse",
         /// A condition in every tick, and one of two children beside it.
         WhileDoElse = "WhileDoElse",
+        /// Its children as a sequence, and the last one when that fails.
+        TryCatch = "TryCatch",
         /// One of 2 children by the value of an entry, or the last.
         Switch2 = "Switch2",
         /// One of 3 children by the value of an entry, or the last.
@@ -58,6 +60,18 @@ named! {
         RunOnce = "RunOnce",
         /// Its child again and again until it fails.
         KeepRunningUntilFailure = "KeepRunningUntilFailure",
+        /// Its child for each whole number of a queue.
+        LoopInt = "LoopInt",
+        /// Its child for each truth of a queue.
+        LoopBool = "LoopBool",
+        /// Its child for each number of a queue.
+        LoopDouble = "LoopDouble",
+        /// Its child for each text of a queue.
+        LoopString = "LoopString",
+        /// Its child when an entry was written, else SKIPPED.
+        SkipUnlessUpdated = "SkipUnlessUpdated",
+        /// Its child when an entry was written, else RUNNING.
+        WaitValueUpdate = "WaitValueUpdate",
         /// Another tree, with a blackboard of its own.
         SubTree = "SubTree",
         /// SUCCESS.
@@ -74,6 +88,8 @@ named! {
         Script = "Script",
         /// Asks a script.
         ScriptCondition = "ScriptCondition",
+        /// Whether an entry was written since it was asked last.
+        WasEntryUpdated = "WasEntryUpdated",
         /// Its child if a script says so.
         Precondition = "Precondition",
         /// Waits until all parties of a barrier have come to it.
@@ -104,6 +120,8 @@ pub(crate) enum Written {
     Literal,
     /// The name of an entry.
     EntryName,
+    /// An entry of this type, in braces.
+    Output(ValueType),
 }
 
 /// A port of a built-in node.
@@ -134,6 +152,19 @@ const fn entry_name(name: &'static str) -> BuiltInPort {
     BuiltInPort { name, written: Written::EntryName, needed: Needed::Yes }
 }
 
+/// The ports of the loops: a text with `;` between the elements, or an entry that holds one.
+const fn queue(element: ValueType) -> [BuiltInPort; 3] {
+    let value = BuiltInPort { name: "value", written: Written::Output(element), needed: Needed::No };
+    [self::value("queue", ValueType::Text, Needed::Yes), literal("if_empty", Needed::Otherwise("SUCCESS")), value]
+}
+
+const LOOPS: [(BuiltIn, ValueType); 4] = [
+    (BuiltIn::LoopInt, ValueType::Int),
+    (BuiltIn::LoopBool, ValueType::Bool),
+    (BuiltIn::LoopDouble, ValueType::Number),
+    (BuiltIn::LoopString, ValueType::Text),
+];
+
 const SWITCH: [BuiltInPort; 7] = [
     value("variable", ValueType::Any, Needed::No),
     value("case_1", ValueType::Any, Needed::No),
@@ -159,14 +190,17 @@ impl BuiltIn {
             B::Sequence | B::SequenceWithMemory | B::AsyncSequence | B::ReactiveSequence | B::Fallback | B::AsyncFallback => {
                 Family::Control
             }
-            B::ReactiveFallback | B::Parallel | B::ParallelAll | B::IfThenElse | B::WhileDoElse => Family::Control,
+            B::ReactiveFallback | B::Parallel | B::ParallelAll | B::IfThenElse | B::WhileDoElse | B::TryCatch => Family::Control,
             B::Switch2 | B::Switch3 | B::Switch4 | B::Switch5 | B::Switch6 => Family::Control,
             B::Inverter | B::RetryUntilSuccessful | B::Repeat | B::Timeout | B::Delay | B::ForceSuccess | B::ForceFailure => {
                 Family::Decorator
             }
             B::RunOnce | B::KeepRunningUntilFailure | B::SubTree | B::Precondition => Family::Decorator,
+            B::LoopInt | B::LoopBool | B::LoopDouble | B::LoopString | B::SkipUnlessUpdated | B::WaitValueUpdate => {
+                Family::Decorator
+            }
             B::AlwaysSuccess | B::AlwaysFailure | B::SetBlackboard | B::UnsetBlackboard | B::Sleep => Family::Leaf,
-            B::Script | B::ScriptCondition | B::Sync => Family::Leaf,
+            B::Script | B::ScriptCondition | B::WasEntryUpdated | B::Sync => Family::Leaf,
         }
     }
 
@@ -179,6 +213,16 @@ impl BuiltIn {
         2 + self as usize - BuiltIn::Switch2 as usize
     }
 
+    /// What a loop takes from its queue.
+    pub(crate) fn element(self) -> Option<ValueType> {
+        LOOPS.into_iter().find(|(kind, _)| *kind == self).map(|(_, element)| element)
+    }
+
+    /// It remembers which write of an entry it has seen.
+    pub(crate) const fn looks_at_writes(self) -> bool {
+        matches!(self, BuiltIn::SkipUnlessUpdated | BuiltIn::WaitValueUpdate | BuiltIn::WasEntryUpdated)
+    }
+
     /// The least and the most children that it may have.
     pub(crate) const fn children(self) -> (usize, usize) {
         if self.cases() > 0 {
@@ -186,6 +230,9 @@ impl BuiltIn {
         }
         if matches!(self, BuiltIn::IfThenElse | BuiltIn::WhileDoElse) {
             return (2, 3);
+        }
+        if matches!(self, BuiltIn::TryCatch) {
+            return (2, usize::MAX);
         }
         match self.family() {
             Family::Control => (1, usize::MAX),
@@ -197,7 +244,7 @@ impl BuiltIn {
     /// Its ports, in the order in which they are bound.
     pub(crate) const fn ports(self) -> &'static [BuiltInPort] {
         use Needed::{No, Otherwise, Yes};
-        use ValueType::{Any, Bool, Int};
+        use ValueType::{Any, Bool, Int, Number, Text};
         match self {
             BuiltIn::Parallel => {
                 const { &[value("success_count", Int, Otherwise("-1")), value("failure_count", Int, Otherwise("1"))] }
@@ -211,6 +258,12 @@ impl BuiltIn {
             BuiltIn::Timeout | BuiltIn::Sleep => const { &[value("msec", Int, Yes)] },
             BuiltIn::Delay => const { &[value("delay_msec", Int, Yes)] },
             BuiltIn::RunOnce => const { &[value("then_skip", Bool, Otherwise("true"))] },
+            BuiltIn::TryCatch => const { &[value("catch_on_halt", Bool, Otherwise("false"))] },
+            BuiltIn::LoopInt => const { &queue(Int) },
+            BuiltIn::LoopBool => const { &queue(Bool) },
+            BuiltIn::LoopDouble => const { &queue(Number) },
+            BuiltIn::LoopString => const { &queue(Text) },
+            BuiltIn::SkipUnlessUpdated | BuiltIn::WaitValueUpdate | BuiltIn::WasEntryUpdated => const { &[entry_name("entry")] },
             BuiltIn::SetBlackboard => const { &[value("value", Any, Yes), entry_name("output_key")] },
             BuiltIn::UnsetBlackboard => const { &[entry_name("key")] },
             BuiltIn::Script | BuiltIn::ScriptCondition => const { &[literal("code", Yes)] },

@@ -6,7 +6,7 @@ use std::fmt;
 
 use super::status::Status;
 use super::tick::children;
-use super::tree::{Live, Tree};
+use super::tree::{Kind, Live, Tree};
 
 /// The version of the line.
 const VERSION: &str = "1";
@@ -42,8 +42,8 @@ impl Tree {
         TreeState { fingerprint: self.fingerprint, clock: self.clock, ticks: self.ticks, nodes: self.live.clone() }
     }
 
-    /// Goes on from a state: the next tick is as if there had been no restart. Leaves that were running are ticked as such, without
-    /// being started.
+    /// Goes on from a state: the next tick is as if there had been no restart, but that `WasEntryUpdated` and its kin take what their
+    /// entries hold for new. Leaves that were running are ticked as such, without being started.
     ///
     /// # Errors
     /// If it is the state of another tree; then this one stands as before.
@@ -61,6 +61,14 @@ impl Tree {
         self.clock = state.clock;
         self.ticks = state.ticks;
         self.live = state.nodes;
+        for (live, node) in self.live.iter_mut().zip(&self.shape.nodes) {
+            if let Kind::BuiltIn(kind) = node.kind
+                && kind.looks_at_writes()
+            {
+                // Writes are counted anew on the blackboard of another run.
+                live.since = 0;
+            }
+        }
         Ok(())
     }
 }

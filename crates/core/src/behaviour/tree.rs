@@ -23,6 +23,10 @@ use super::tick::{Fault, Run};
 /// each other twice would otherwise fill the memory.
 pub const MOST_NODES: usize = 10_000;
 
+/// The most bytes of attributes in a tree, those of its subtrees counted at each use: a file may have its longest scripts in a subtree
+/// that is used a thousand times, and each use is built.
+pub const MOST_TEXT: usize = 2 << 20;
+
 /// How deep a tree may be, subtrees included: a tick goes down by calls, and the stack of a thread must hold them all.
 pub const DEEPEST: usize = 128;
 
@@ -84,7 +88,7 @@ pub(crate) struct Shape {
     pub(crate) conditions: Vec<Conditions>,
     /// The scripts of `Script`, `ScriptCondition` and `Precondition`, by node.
     pub(crate) scripts: Vec<(u32, Script)>,
-    /// What `Precondition` says when it does not let its child, by node.
+    /// What `Precondition` and the loops say when they do not tick their child, by node.
     pub(crate) otherwise: Vec<(u32, Status)>,
     pub(crate) leaf_kinds: Vec<LeafKind>,
 }
@@ -97,16 +101,16 @@ pub(crate) struct Live {
     pub(crate) returned: Status,
     /// A parallel parent has its result.
     pub(crate) is_counted: bool,
-    /// What a decorator remembers: that its time runs, that it has run, that its condition held.
+    /// What a node remembers: that its time runs, that it has run, that its condition held, that it is at the last child.
     pub(crate) has_begun: bool,
     /// The timer of a Timeout has run out while its child was not running.
     pub(crate) is_spent: bool,
     /// The child to go on with, by its place in the row; 0 is the first.
     pub(crate) cursor: u32,
-    /// Skipped children, successes, or attempts.
+    /// Skipped children, successes, attempts, or elements.
     pub(crate) count: u32,
     pub(crate) failures: u32,
-    /// The tree's time when it began, in nanoseconds.
+    /// The tree's time when it began, in nanoseconds; or the number of the write that it has seen.
     pub(crate) since: u64,
     /// The number of the tick in which it was ticked last.
     pub(crate) ticked: u64,

@@ -98,3 +98,61 @@ fn whoever_says_that_a_fault_happened_leaves_nothing_running() {
     let (said, _) = run(root, Status::Running.word(), &[], 2);
     assert_eq!(said, "!its script divides by zero !its script divides by zero");
 }
+
+#[test]
+fn a_node_that_wants_an_entry_to_be_written_sees_each_write_once() {
+    let after = |node: &str| format!("<Sequence><Script code=\"n += 1\" _skipIf=\"n &gt; 1\"/><Work/>{node}</Sequence>");
+    let ticks = |node: &str| run(&after(node), "SUCCESS", &[("n", 0)], 3).0;
+    assert_eq!(ticks("<WasEntryUpdated entry=\"{n}\"/>"), "SUCCESS SUCCESS FAILURE");
+    assert_eq!(ticks("<SkipUnlessUpdated entry=\"n\"><AlwaysFailure/></SkipUnlessUpdated>"), "FAILURE FAILURE SUCCESS");
+    assert_eq!(ticks("<WaitValueUpdate entry=\"{n}\"><AlwaysFailure/></WaitValueUpdate>"), "FAILURE FAILURE RUNNING");
+    let nothing = "<WasEntryUpdated entry=\"{other}\"/>";
+    assert_eq!(run(nothing, "SUCCESS", &[], 1).0, "FAILURE");
+}
+
+#[test]
+fn a_loop_writes_its_elements_one_after_the_other() {
+    let root = "<LoopInt queue=\"3;4\" value=\"{v}\"><Script code=\"sum += v\"/></LoopInt>";
+    let (said, blackboard) = run(root, "SUCCESS", &[("sum", 0)], 4);
+    assert_eq!(said, "RUNNING RUNNING SUCCESS RUNNING");
+    assert_eq!(blackboard.get("sum"), Some(&Value::Int(10)), "a queue in the file begins anew");
+    let root = "<LoopInt queue=\"{q}\" value=\"{v}\"><Script code=\"sum += v\"/></LoopInt>";
+    let root = format!("<Sequence><Script code=\"q := '3;4'\" _skipIf=\"sum &gt; 0\"/>{root}</Sequence>");
+    let (said, blackboard) = run(&root, "SUCCESS", &[("sum", 0)], 5);
+    assert_eq!(said, "RUNNING RUNNING SUCCESS SUCCESS SUCCESS");
+    assert_eq!(blackboard.get("sum"), Some(&Value::Int(7)), "that of an entry is used up");
+}
+
+/// `catch_on_halt`: whoever is halted in its try-children has one tick to clean up.
+#[test]
+fn a_try_catch_that_is_halted_cleans_up_if_it_is_told_to() {
+    let root =
+        |flag: &str| format!("<Parallel><TryCatch{flag}><Work/><Script code=\"n += 1\"/></TryCatch><AlwaysFailure/></Parallel>");
+    let after = |flag: &str| run(&root(flag), "RUNNING", &[("n", 0)], 1).1.get("n").cloned();
+    assert_eq!(after(""), Some(Value::Int(0)));
+    assert_eq!(after(" catch_on_halt=\"true\""), Some(Value::Int(1)));
+}
+
+/// As every action of BehaviorTree.CPP that takes time: it repeats what it said until it is reset.
+#[test]
+fn a_sleep_that_is_over_does_not_begin_again_before_it_is_reset() {
+    let file =
+        "<root BTCPP_format=\"4\"><BehaviorTree><WhileDoElse><Sleep msec=\"50\"/><Work/></WhileDoElse></BehaviorTree></root>";
+    let document = xml::read(file).unwrap();
+    let mut mocks = Mocks::default();
+    mocks.add("Work=RUNNING").unwrap();
+    let mut blackboard = Blackboard::new();
+    let mut tree = Tree::build(&document, None, &mocks.catalogue(&document, Catalogue::default()), &mut blackboard).unwrap();
+    let said = [0; 4].map(|_| {
+        tree.tick(&mut blackboard, &mut mocks, Duration::from_millis(50)).unwrap();
+        tree.nodes().nth(1).and_then(|sleep| sleep.returned)
+    });
+    assert_eq!(said, [Some(Status::Running), Some(Status::Success), Some(Status::Success), Some(Status::Success)]);
+}
+
+#[test]
+fn an_entry_that_was_unset_must_be_made_again() {
+    let root = "<Sequence><UnsetBlackboard key=\"n\"/><Script code=\"n = 1\"/></Sequence>";
+    check(root, "SUCCESS", &[("n", 0)], "!in its script the entry {n} is not there yet: := makes it");
+    check(&root.replace("n = 1", "n := 1"), "SUCCESS", &[("n", 0)], "SUCCESS");
+}

@@ -328,6 +328,9 @@ impl Reference {
 
     fn sleep(&mut self, world: &World) -> Said {
         let msec = u64::try_from(self.numbers[0]).unwrap();
+        if self.status == Status::Success {
+            return Ok(Status::Success);
+        }
         if self.status != Status::Running {
             self.started = Some(world.clock_ms);
             return Ok(if msec == 0 { Status::Success } else { Status::Running });

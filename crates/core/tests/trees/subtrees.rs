@@ -35,6 +35,17 @@ fn names_lead_out_where_the_subtree_says_so() {
     assert_eq!(held("<SubTree ID=\"I\"/>", "<Script code=\"@x := 1\"/>"), ["x=1"]);
 }
 
+/// As there: whoever unsets an entry reaches no other blackboard than that of its own tree.
+#[test]
+fn an_entry_outside_is_not_taken_away_by_a_subtree() {
+    let main = |subtree: &str| format!("<Sequence><Script code=\"x := 1\"/>{subtree}</Sequence>");
+    let unset = |key: &str| format!("<Sequence><Script code=\"z := 1\"/><UnsetBlackboard key=\"{key}\"/></Sequence>");
+    assert_eq!(held(&main("<SubTree ID=\"I\" y=\"{x}\" z=\"{x}\"/>"), &unset("y")), ["x=1"]);
+    assert_eq!(held(&main("<SubTree ID=\"I\" _autoremap=\"true\"/>"), &unset("x")), ["x=1", "z=1"]);
+    assert_eq!(held(&main("<SubTree ID=\"I\"/>"), &unset("@x")), ["x=1", "M/I::3/z=1"]);
+    assert_eq!(held(&main("<SubTree ID=\"I\"/>"), &unset("z")), ["x=1"]);
+}
+
 #[test]
 fn a_subtree_can_be_given_a_text() {
     let inner = "<Sequence><Repeat num_cycles=\"{n}\"><AlwaysSuccess/></Repeat><Script code=\"m := n\"/></Sequence>";

@@ -169,7 +169,6 @@ fn time_is_that_of_the_ticks() {
     check("Timeout msec=200", &["RRS"], "R:R R:R F:.h S:S");
     check("Timeout msec=300", &["RRS"], "R:R R:R S:S");
     check("Timeout msec=0", &["RRRRS"], "R:R R:R R:R R:R S:S");
-    check("Timeout msec=-1", &["R"], "!:.");
     check("Delay delay_msec=200", &["RS"], "R:. R:. R:R S:S R:.");
     check("Delay delay_msec=0", &["S"], "S:S");
     check("Sleep msec=200", &[], "R R S R");
@@ -180,4 +179,20 @@ fn time_is_that_of_the_ticks() {
 fn what_always_says_the_same_says_it() {
     check("AlwaysSuccess", &[], "S S");
     check("AlwaysFailure", &[], "F F");
+}
+
+#[test]
+fn a_try_catch_ends_with_its_last_child_when_another_fails() {
+    check("TryCatch", &["S", "RS", "S"], "R:SR. S:.S.");
+    check("TryCatch", &["S", "F", "RS"], "R:SFR F:..S F:SFS");
+    check("TryCatch", &["F", "S", "F"], "F:F.F");
+    check("TryCatch", &["K", "K", "S"], "K:KK.");
+    check("TryCatch", &["F", "S", "K"], "F:F.K");
+}
+
+#[test]
+fn a_loop_ticks_its_child_for_each_element() {
+    check("LoopInt queue=1;2", &["S"], "R:S R:S S:. R:S");
+    check("LoopInt queue=1;2", &["RF"], "R:R F:F");
+    check("LoopString queue=a if_empty=FAILURE", &["K"], "R:K F:.");
 }

@@ -13,8 +13,12 @@ use super::document::{Document, Element, Form, Place, TreeDefinition};
 use super::error::{Reason, TreeError};
 use super::kind::{BuiltIn, Family};
 use super::leaf::Catalogue;
-use super::tree::{DEEPEST, Kind, Label, Live, MOST_NODES, Node, Shape, Tree};
+use super::tree::{DEEPEST, Kind, Label, Live, MOST_NODES, MOST_TEXT, Node, Shape, Tree};
 use crate::rng::fnv1a;
+
+/// The most nodes and the most bytes of attributes of all trees of a file together, each with its subtrees, when the file is checked:
+/// two hundred trees may use one that is as large as a tree may be.
+const MOST_TOGETHER: (usize, usize) = (20 * MOST_NODES, 4 * MOST_TEXT);
 
 impl Tree {
     /// A tree of a document, its main one unless another is named, on a blackboard. Several trees can be built on one blackboard; in
@@ -28,7 +32,18 @@ impl Tree {
         catalogue: &Catalogue,
         blackboard: &mut Blackboard,
     ) -> Result<Tree, TreeError> {
+        Tree::built(document, main, catalogue, blackboard).map(|(tree, _)| tree)
+    }
+
+    /// The same, and how many bytes of attributes there are in it.
+    fn built(
+        document: &Document,
+        main: Option<&str>,
+        catalogue: &Catalogue,
+        blackboard: &mut Blackboard,
+    ) -> Result<(Tree, usize), TreeError> {
         let tree = document.main_tree(main)?;
+        document.distinct(catalogue)?;
         let scopes = Scopes::new(&tree.id, blackboard);
         let shape = Shape { leaf_kinds: catalogue.kinds().to_vec(), ..Shape::default() };
         let mut builder = Builder {
@@ -40,12 +55,14 @@ impl Tree {
             paths: BTreeSet::new(),
             open: Vec::new(),
             depth: 0,
+            text: 0,
             fingerprint: 0,
         };
         builder.tree(tree, 0, "")?;
         let live = vec![Live::default(); builder.shape.nodes.len()];
         let fingerprint = builder.fingerprint;
-        Ok(Tree { id: Arc::from(tree.id.as_str()), shape: builder.shape, live, clock: 0, ticks: 0, fingerprint })
+        let built = Tree { id: Arc::from(tree.id.as_str()), shape: builder.shape, live, clock: 0, ticks: 0, fingerprint };
+        Ok((built, builder.text))
     }
 }
 
@@ -64,12 +81,8 @@ impl Document {
         }
     }
 
-    /// Looks at all trees of the document as they would be built, also those that the main one does not use.
-    ///
-    /// # Errors
-    /// The first thing that is wrong.
-    pub fn check(&self, catalogue: &Catalogue) -> Result<(), TreeError> {
-        self.main_tree(None)?;
+    /// That each tree has an ID of its own, which is not that of a kind of node.
+    fn distinct(&self, catalogue: &Catalogue) -> Result<(), TreeError> {
         for (number, tree) in self.trees.iter().enumerate() {
             if self.trees[..number].iter().any(|earlier| earlier.id == tree.id) {
                 return Err(TreeError::at(tree.place, Reason::TwiceId(tree.id.clone())));
@@ -78,8 +91,28 @@ impl Document {
                 return Err(TreeError::at(tree.place, Reason::TakenId(tree.id.clone())));
             }
         }
+        Ok(())
+    }
+
+    /// Looks at all trees of the document as they would be built, also those that the main one does not use.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn check(&self, catalogue: &Catalogue) -> Result<(), TreeError> {
+        self.main_tree(None)?;
+        let (mut nodes, mut text) = (0, 0);
         for tree in &self.trees {
-            Tree::build(self, Some(&tree.id), catalogue, &mut Blackboard::new())?;
+            let (built, length) = Tree::built(self, Some(&tree.id), catalogue, &mut Blackboard::new())?;
+            nodes += built.shape.nodes.len();
+            text += length;
+            let (most_nodes, most_text) = MOST_TOGETHER;
+            let refuse = |what, most| Err(TreeError::at(tree.place, Reason::TooMany { what, most }));
+            if nodes > most_nodes {
+                return refuse("nodes in the trees so far, each with its subtrees", most_nodes);
+            }
+            if text > most_text {
+                return refuse("bytes of attributes in the trees so far, each with its subtrees", most_text);
+            }
         }
         Ok(())
     }
@@ -96,6 +129,8 @@ struct Builder<'a> {
     /// The trees that the node being built is in, from the outermost.
     open: Vec<&'a str>,
     depth: usize,
+    /// The bytes of attributes so far.
+    text: usize,
     /// Over everything that the nodes so far say.
     fingerprint: u64,
 }
@@ -116,12 +151,17 @@ impl<'a> Builder<'a> {
         if self.shape.nodes.len() >= MOST_NODES {
             return refuse(Reason::TooManyNodes);
         }
+        self.text += element.attributes.iter().map(|attribute| attribute.name.len() + attribute.value.len()).sum::<usize>();
+        if self.text > MOST_TEXT {
+            return refuse(Reason::TooMuchText);
+        }
         let kind = self.kind(element)?;
         let family = match kind {
             Kind::BuiltIn(kind) => kind.family(),
             Kind::Leaf(_) => Family::Leaf,
         };
         self.count_children(element, kind)?;
+        self.count_async(element, kind)?;
         self.note(element);
         let at = self.shape.nodes.len();
         let (path, name) = self.path(element, prefix, at + 1);
@@ -210,6 +250,15 @@ impl<'a> Builder<'a> {
             (least, most) => format!("{least} to {most}"),
         };
         Err(TreeError::at(element.place, Reason::Children { id: element.id.clone(), count, wanted }))
+    }
+
+    /// As BehaviorTree.CPP has it: one asynchronous child would have the other halted in each tick.
+    fn count_async(&self, element: &Element, kind: Kind) -> Result<(), TreeError> {
+        let is_async = |child: &&Element| child.id == BuiltIn::AsyncSequence.word();
+        if kind == Kind::BuiltIn(BuiltIn::ReactiveSequence) && element.children.iter().filter(is_async).count() > 1 {
+            return Err(TreeError::at(element.place, Reason::TwoAsync));
+        }
+        Ok(())
     }
 
     /// Another word in a file is another tree.

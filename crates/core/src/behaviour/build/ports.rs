@@ -32,6 +32,7 @@ impl<'a> Builder<'a> {
                 }
                 for port in kind.ports() {
                     let binding = self.built_in_port(element, port, scope, node)?;
+                    fitting(element, kind, port, &binding)?;
                     self.shape.bindings.push(binding);
                 }
                 Ok(())
@@ -87,9 +88,17 @@ impl<'a> Builder<'a> {
         let pointer = pointer(port.name, text);
         match (port.written, pointer) {
             (Written::EntryName, _) => {
-                // Whether the name has braces or not: an entry that holds the name of an entry is more than a slot can be.
-                let slot = self.scopes.declare(scope, pointer.unwrap_or(text), ValueType::Any, self.blackboard);
-                slot.map(Binding::Slot).map_err(|unfit| refuse(unfit.into()))
+                // Whether the name has braces or not: an entry that holds the name of an entry is more than a slot can be. Only
+                // braces make the entry, though.
+                let name = pointer.unwrap_or(text);
+                let slot = match pointer {
+                    Some(name) => self.scopes.declare(scope, name, ValueType::Any, self.blackboard),
+                    None => self.blackboard.mention(&self.scopes.entry_name(scope, name)),
+                };
+                let slot = slot.map_err(|unfit| refuse(unfit.into()))?;
+                // UnsetBlackboard takes away what is on the blackboard of its own tree alone.
+                let is_out_of_reach = port.name == "key" && !self.scopes.is_own(scope, name);
+                Ok(if is_out_of_reach { Binding::Unset } else { Binding::Slot(slot) })
             }
             (Written::Value(ty), Some(name)) => {
                 let slot = self.scopes.declare(scope, name, ty, self.blackboard);
@@ -100,7 +109,12 @@ impl<'a> Builder<'a> {
                 None => Err(refuse(Reason::Literal { port: port.name.to_owned(), ty, value: text.to_owned() })),
             },
             (Written::Literal, Some(_)) => Err(refuse(Reason::EntryForLiteral(port.name.to_owned()))),
-            (Written::Literal, None) if port.name == "else" => {
+            (Written::Output(ty), Some(name)) => {
+                let slot = self.scopes.declare(scope, name, ty, self.blackboard);
+                slot.map(Binding::Slot).map_err(|unfit| refuse(unfit.into()))
+            }
+            (Written::Output(_), None) => Err(refuse(Reason::LiteralOutput(port.name.to_owned()))),
+            (Written::Literal, None) if matches!(port.name, "else" | "if_empty") => {
                 let status = Status::named(text).filter(|status| *status != Status::Idle).ok_or_else(|| {
                     let wanted = "SUCCESS, FAILURE, RUNNING or SKIPPED";
                     refuse(Reason::Word { port: port.name.to_owned(), value: text.to_owned(), wanted })
@@ -235,6 +249,25 @@ impl<'a> Builder<'a> {
         let slot = self.scopes.declare(inner, &attribute.name, ValueType::Any, self.blackboard);
         let put = slot.and_then(|slot| self.blackboard.put(slot, Value::text(&attribute.value)));
         put.map_err(|unfit| TreeError::at(attribute.place, unfit.into()))
+    }
+}
+
+/// What a literal must be beyond its type: no time is negative, and the elements of a queue are of the type of the loop.
+fn fitting(element: &Element, kind: BuiltIn, port: &BuiltInPort, binding: &Binding) -> Result<(), TreeError> {
+    let place = element.attribute(port.name).map_or(element.place, |attribute| attribute.place);
+    let name = || port.name.to_owned();
+    match binding {
+        Binding::Literal(Value::Int(time)) if *time < 0 && matches!(port.name, "msec" | "delay_msec") => {
+            Err(TreeError::at(place, Reason::Word { port: name(), value: time.to_string(), wanted: "0 or more" }))
+        }
+        Binding::Literal(Value::Text(queue)) if port.name == "queue" => {
+            let ty = kind.element().unwrap_or_default();
+            match queue.split(';').find(|element| Value::parse(element, ty).is_none()) {
+                Some(wrong) => Err(TreeError::at(place, Reason::Literal { port: name(), ty, value: wrong.to_owned() })),
+                None => Ok(()),
+            }
+        }
+        Binding::Literal(_) | Binding::Slot(_) | Binding::Unset => Ok(()),
     }
 }
 

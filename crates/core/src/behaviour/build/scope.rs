@@ -70,6 +70,13 @@ impl Scopes {
         format!("{}{name}", here.prefix)
     }
 
+    /// Whether a name means an entry of this scope's own blackboard, and not one outside.
+    pub(super) fn is_own(&self, scope: usize, name: &str) -> bool {
+        let here = &self.scopes[scope];
+        let leads_out = here.remapped.contains_key(name) || (here.has_autoremap && !name.starts_with('_'));
+        !name.starts_with('@') && (here.is_root || here.own.contains(name) || !leads_out)
+    }
+
     pub(super) fn declare(&self, scope: usize, name: &str, ty: ValueType, blackboard: &mut Blackboard) -> Result<Slot, Unfit> {
         blackboard.declare(&self.entry_name(scope, name), ty)
     }

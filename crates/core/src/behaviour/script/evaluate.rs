@@ -1,7 +1,7 @@
 //! What a script does. Numbers are counted in doubles, comparisons give 1 or 0, and both sides of `&&` and `||` are always looked at,
 //! as in BehaviorTree.CPP. What it lets pass and nobody can go on with (a division by zero, a number that is none) is an error here.
 
-use super::{Assignment, Comparison, Expression, Infix, Prefix, Script, Trouble, shown};
+use super::{Assignment, Comparison, Expression, Infix, Prefix, Script, Trouble, shown, truth_of};
 use crate::behaviour::blackboard::{Blackboard, Slot};
 use crate::behaviour::tick::EPSILON;
 use crate::behaviour::value::{Value, finite};
@@ -87,6 +87,7 @@ fn prefixed(prefix: Prefix, operand: &Value) -> Result<Value, Trouble> {
 #[expect(clippy::cast_precision_loss, reason = "results are doubles, as those of BehaviorTree.CPP are")]
 fn infixed(infix: Infix, left: &Value, right: &Value) -> Result<Value, Trouble> {
     let wrong = || Trouble::Operands { operator: infix.word(), left: shown(left), right: shown(right) };
+    let truths = || truth_of(left).zip(truth_of(right)).ok_or_else(wrong);
     let numbers = || number(left).zip(number(right)).ok_or_else(wrong);
     let whole = || {
         numbers()?;
@@ -104,14 +105,22 @@ fn infixed(infix: Infix, left: &Value, right: &Value) -> Result<Value, Trouble> 
             (left, right) => sound(left / right),
         },
         Infix::Concat => match (left, right) {
-            (Value::Text(_), _) | (_, Value::Text(_)) => Ok(Value::text(&format!("{left}{right}"))),
+            (Value::Text(_), _) | (_, Value::Text(_)) => Ok(Value::text(&format!("{}{}", joined(left), joined(right)))),
             _ => Err(wrong()),
         },
         Infix::BitAnd => whole().map(|(left, right)| Value::Number((left & right) as f64)),
         Infix::BitOr => whole().map(|(left, right)| Value::Number((left | right) as f64)),
         Infix::BitXor => whole().map(|(left, right)| Value::Number((left ^ right) as f64)),
-        Infix::And => numbers().map(|(left, right)| truth(left != 0.0 && right != 0.0)),
-        Infix::Or => numbers().map(|(left, right)| truth(left != 0.0 || right != 0.0)),
+        Infix::And => truths().map(|(left, right)| truth(left && right)),
+        Infix::Or => truths().map(|(left, right)| truth(left || right)),
+    }
+}
+
+/// A value as a part of a text: numbers that are not whole by type have six digits there, as `std::to_string` gives them.
+fn joined(value: &Value) -> String {
+    match value {
+        Value::Number(number) => format!("{number:.6}"),
+        Value::Bool(_) | Value::Int(_) | Value::Text(_) | Value::Cell(_) => value.to_string(),
     }
 }
 
@@ -212,6 +221,11 @@ mod tests {
         check("'' ? 1 : 2", Ok(Value::Int(2)));
         check("'x' + 'y'", Ok(Value::text("xy")));
         check("'x' .. 3", Ok(Value::text("x3")));
+        check("'x' .. 0.5", Ok(Value::text("x0.500000")));
+        check("7 - 1 + 10", number(16.0));
+        check("--1", number(1.0));
+        check("!!1", number(1.0));
+        check("1 + +1", number(2.0));
         check("'3' == 3 && 'true' == 1", number(1.0));
         check("'b' > 'a'", number(1.0));
     }
@@ -241,6 +255,9 @@ mod tests {
         check("x = 1", Err("in its script the entry {x} is not there yet: := makes it"));
         check("'a' - 1", Err("in its script - does not go with 'a' and 1"));
         check("-'a'", Err("in its script - does not go with 'a'"));
+        check("7 || 0", Err("in its script || does not go with 7 and 0"));
+        check("-0.5 || 1", Err("in its script || does not go with -0.5 and 1"));
+        check("'a' && 1", Err("in its script && does not go with 'a' and 1"));
         check("1.5 & 1", Err("in its script & does not go with 1.5 and 1"));
         check("'a' == 1", Err("in its script a comparison does not go with 'a' and 1"));
     }

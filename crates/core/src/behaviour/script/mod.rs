@@ -156,7 +156,18 @@ impl Script {
     /// Carries it out, and says whether what it came to is true.
     pub(crate) fn holds(&self, blackboard: &mut Blackboard) -> Result<bool, Trouble> {
         let value = self.carry_out(blackboard)?;
-        value.as_bool().ok_or_else(|| Trouble::NoTruth(shown(&value)))
+        truth_of(&value).ok_or_else(|| Trouble::NoTruth(shown(&value)))
+    }
+}
+
+/// A value as true or false. BehaviorTree.CPP takes no text for one, of whole numbers 0 and 1 alone, and nothing below 0.
+fn truth_of(value: &Value) -> Option<bool> {
+    match value {
+        Value::Bool(truth) => Some(*truth),
+        Value::Int(0) => Some(false),
+        Value::Int(1) => Some(true),
+        Value::Number(number) if *number >= 0.0 => Some(*number > 0.0),
+        Value::Int(_) | Value::Number(_) | Value::Text(_) | Value::Cell(_) => None,
     }
 }
 

@@ -5,6 +5,7 @@
 use super::token::{Token, tokens};
 use super::{Assignment, Comparison, DEEPEST_EXPRESSION, Expression, Infix, Prefix, Script, ScriptError};
 use crate::behaviour::blackboard::{Slot, Unfit};
+use crate::behaviour::value::Value;
 
 /// Signs and what they mean, those of one level together.
 type Level<T> = &'static [(&'static str, T)];
@@ -29,6 +30,7 @@ const COMPARISONS: Level<Comparison> = &[
 /// From the loosest to the tightest.
 const ARITHMETIC: [Level<Infix>; 3] =
     [&[("..", Infix::Concat)], &[("+", Infix::Plus), ("-", Infix::Minus)], &[("*", Infix::Times), ("/", Infix::Divide)]];
+const BIT_PREFIXES: Level<Prefix> = &[("~", Prefix::Complement), ("!", Prefix::Not)];
 const BITS: [Level<Infix>; 2] = [&[("|", Infix::BitOr), ("^", Infix::BitXor)], &[("&", Infix::BitAnd)]];
 
 pub(super) fn parse(text: &str, slot: &mut dyn FnMut(&str) -> Result<Slot, Unfit>) -> Result<Script, ScriptError> {
@@ -193,25 +195,32 @@ impl Parser<'_> {
         if self.depth + length >= DEEPEST_EXPRESSION { Err(ScriptError::TooDeep) } else { Ok(length + 1) }
     }
 
+    /// Prefixes stand in a row as often as one likes; a `+` stands before a number alone, of which it is a part.
     fn number_operand(&mut self) -> Result<usize, ScriptError> {
-        let minus = self.take("-");
-        let atom = self.atom()?;
-        Ok(if minus { self.push(Expression::Prefix(Prefix::Minus, atom)) } else { atom })
+        let mut minuses = 0;
+        while self.take("-") {
+            minuses = self.longer(minuses)?;
+        }
+        if self.is_next("+")
+            && matches!(self.tokens.get(self.next + 1), Some((_, Token::Value(Value::Int(_) | Value::Number(_)))))
+        {
+            self.next += 1;
+        }
+        let mut operand = self.atom()?;
+        for _ in 0..minuses {
+            operand = self.push(Expression::Prefix(Prefix::Minus, operand));
+        }
+        Ok(operand)
     }
 
     fn bit_operand(&mut self) -> Result<usize, ScriptError> {
-        let prefix = if self.take("~") {
-            Some(Prefix::Complement)
-        } else if self.take("!") {
-            Some(Prefix::Not)
-        } else {
-            None
-        };
+        let mut prefixes = Vec::new();
+        while let Some(prefix) = self.operator(BIT_PREFIXES) {
+            self.longer(prefixes.len())?;
+            prefixes.push(prefix);
+        }
         let atom = self.atom()?;
-        Ok(match prefix {
-            Some(prefix) => self.push(Expression::Prefix(prefix, atom)),
-            None => atom,
-        })
+        Ok(prefixes.into_iter().rev().fold(atom, |operand, prefix| self.push(Expression::Prefix(prefix, operand))))
     }
 
     fn prefixed(&mut self) -> Result<usize, ScriptError> {

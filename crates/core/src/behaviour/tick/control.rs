@@ -243,6 +243,68 @@ impl<'a, L: Leaves> Run<'a, L> {
         Ok(said)
     }
 
+    /// The children but the last as a sequence; when one fails the last follows in the same tick, and whatever it comes to is a
+    /// failure. `has_begun`: it is at the last.
+    pub(super) fn try_catch(&mut self, at: usize, node: &Node) -> Outcome {
+        let shape: &'a Shape = self.shape;
+        let last = self.last_child(at, node);
+        if self.live[at].status == Status::Idle {
+            self.live[at].has_begun = false;
+        }
+        self.begin(at);
+        let mut child = match self.live[at].cursor {
+            0 => at + 1,
+            cursor => cursor as usize,
+        };
+        while !self.live[at].has_begun && child < last {
+            match self.tick(child)? {
+                Status::Running => {
+                    self.live[at].cursor = place(child);
+                    return Ok(Status::Running);
+                }
+                Status::Failure => {
+                    self.reset_children(at, node);
+                    self.live[at].has_begun = true;
+                }
+                Status::Success => {}
+                Status::Skipped => self.live[at].count += 1,
+                Status::Idle => return self.unexpected(at, child, Status::Idle),
+            }
+            child = shape.nodes[child].end as usize;
+        }
+        self.live[at].cursor = 0;
+        if self.live[at].has_begun {
+            if self.tick(last)? == Status::Running {
+                return Ok(Status::Running);
+            }
+            self.reset_children(at, node);
+            self.live[at].has_begun = false;
+            return Ok(Status::Failure);
+        }
+        let are_all_skipped = self.live[at].count as usize + 1 == children(shape, at, node).count();
+        self.reset_children(at, node);
+        self.live[at].count = 0;
+        Ok(if are_all_skipped { Status::Skipped } else { Status::Success })
+    }
+
+    /// Whoever halts a TryCatch goes on at once: its last child has this one tick to clean up.
+    pub(super) fn catch_on_halt(&mut self, at: usize, node: &Node) {
+        let is_wanted = self.port(node, 0).and_then(Value::as_bool).unwrap_or(false);
+        if !is_wanted || self.live[at].has_begun {
+            return;
+        }
+        let last = self.last_child(at, node);
+        for child in children(self.shape, at, node).filter(|child| *child < last) {
+            self.reset(child);
+        }
+        // A fault is told at the end of the tick; what still runs is halted with the other children.
+        let _ = self.tick(last);
+    }
+
+    fn last_child(&self, at: usize, node: &Node) -> usize {
+        children(self.shape, at, node).last().unwrap_or(at + 1)
+    }
+
     /// The condition is asked in every tick, and the child that it does not choose is halted.
     pub(super) fn while_do_else(&mut self, at: usize, node: &Node) -> Outcome {
         let shape: &'a Shape = self.shape;

@@ -166,9 +166,7 @@ impl<L: Leaves> Run<'_, L> {
         if !self.live[at].has_begun {
             let script = self.script_of(at);
             if !self.holds(at, script)? {
-                let number = u32::try_from(at).unwrap_or(u32::MAX);
-                let otherwise = self.shape.otherwise.iter().find(|(node, _)| *node == number);
-                return Ok(otherwise.map_or(Status::Failure, |(_, status)| *status));
+                return Ok(self.otherwise(at).unwrap_or(Status::Failure));
             }
             self.live[at].has_begun = true;
         }
@@ -178,5 +176,11 @@ impl<L: Leaves> Run<'_, L> {
             self.live[at].has_begun = false;
         }
         Ok(said)
+    }
+
+    /// What a `Precondition` or a loop says when it does not tick its child.
+    pub(super) fn otherwise(&self, at: usize) -> Option<Status> {
+        let number = u32::try_from(at).unwrap_or(u32::MAX);
+        self.shape.otherwise.iter().find(|(node, _)| *node == number).map(|(_, status)| *status)
     }
 }

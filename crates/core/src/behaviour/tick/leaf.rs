@@ -74,12 +74,16 @@ impl<'a, L: Leaves> Run<'a, L> {
 
     pub(super) fn unset_blackboard(&mut self, node: &Node) -> Outcome {
         if let Binding::Slot(slot) = self.shape.bindings[node.ports as usize] {
-            self.blackboard.unset(slot);
+            self.blackboard.remove(slot);
         }
         Ok(Status::Success)
     }
 
     pub(super) fn sleep(&mut self, at: usize, node: &Node) -> Outcome {
+        if self.live[at].status == Status::Success {
+            // Ticked again without having been reset, as the condition of a WhileDoElse is: it does not sleep twice.
+            return Ok(Status::Success);
+        }
         if self.live[at].status != Status::Running {
             let time = self.milliseconds(at, node)?;
             self.live[at].since = self.clock.saturating_add(time);

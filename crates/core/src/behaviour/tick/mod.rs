@@ -1,8 +1,10 @@
 //! One tick: what every node does, by the rules of BehaviorTree.CPP 4. Here stands what all nodes have in common; the rules of
-//! nodes with several children stand in `control`, of those with one in `decorator`, of leaves in `leaf`.
+//! nodes with several children stand in `control`, of those with one in `decorator`, of leaves in `leaf`, of nodes that wait for entries of
+//! the blackboard or go through them in `entries`.
 
 mod control;
 mod decorator;
+mod entries;
 mod leaf;
 
 pub(in crate::behaviour) use self::control::EPSILON;
@@ -100,6 +102,7 @@ impl<'a, L: Leaves> Run<'a, L> {
                 BuiltIn::Switch2 | BuiltIn::Switch3 | BuiltIn::Switch4 | BuiltIn::Switch5 | BuiltIn::Switch6 => {
                     self.switch(at, node, kind.cases())
                 }
+                BuiltIn::TryCatch => self.try_catch(at, node),
                 BuiltIn::Inverter => self.inverter(at),
                 BuiltIn::RetryUntilSuccessful => self.again(at, node, Status::Failure),
                 BuiltIn::Repeat => self.again(at, node, Status::Success),
@@ -111,6 +114,10 @@ impl<'a, L: Leaves> Run<'a, L> {
                 BuiltIn::KeepRunningUntilFailure => self.keep_running(at),
                 BuiltIn::SubTree => self.subtree(at),
                 BuiltIn::Precondition => self.precondition(at),
+                BuiltIn::LoopInt | BuiltIn::LoopBool | BuiltIn::LoopDouble | BuiltIn::LoopString => self.each(at, node, kind),
+                BuiltIn::SkipUnlessUpdated => self.if_updated(at, node, Status::Skipped),
+                BuiltIn::WaitValueUpdate => self.if_updated(at, node, Status::Running),
+                BuiltIn::WasEntryUpdated => self.was_updated(at, node),
                 BuiltIn::AlwaysSuccess => Ok(Status::Success),
                 BuiltIn::AlwaysFailure => Ok(Status::Failure),
                 BuiltIn::SetBlackboard => self.set_blackboard(at, node),
@@ -175,7 +182,12 @@ impl<'a, L: Leaves> Run<'a, L> {
         let node = &shape.nodes[at];
         match node.kind {
             Kind::Leaf(kind) => self.halt_leaf(at, node, kind),
-            Kind::BuiltIn(kind) => self.forget(at, kind),
+            Kind::BuiltIn(kind) => {
+                if kind == BuiltIn::TryCatch {
+                    self.catch_on_halt(at, node);
+                }
+                self.forget(at, kind);
+            }
         }
         self.reset_children(at, node);
         self.live[at].status = Status::Idle;
@@ -187,12 +199,13 @@ impl<'a, L: Leaves> Run<'a, L> {
         }
     }
 
-    /// What a node forgets when it is halted. `SequenceWithMemory` remembers its child, `RunOnce` that it has run, and `Precondition`
-    /// that its condition held.
+    /// What a node forgets when it is halted. `SequenceWithMemory` remembers its child, `RunOnce` that it has run, `Precondition` that
+    /// its condition held, and a loop how far it came in the queue of an entry.
     fn forget(&mut self, at: usize, kind: BuiltIn) {
+        let remembers = matches!(kind, BuiltIn::SequenceWithMemory | BuiltIn::RunOnce | BuiltIn::Precondition);
         if matches!(kind, BuiltIn::Parallel | BuiltIn::ParallelAll) {
             self.uncount(at);
-        } else if !matches!(kind, BuiltIn::SequenceWithMemory | BuiltIn::RunOnce | BuiltIn::Precondition) {
+        } else if !remembers && kind.element().is_none() {
             let live = &mut self.live[at];
             live.cursor = 0;
             live.count = 0;

@@ -37,6 +37,10 @@ pub fn read(text: &str) -> Result<Document, TreeError> {
     let options = ParsingOptions { nodes_limit: MOST_XML_NODES, ..ParsingOptions::default() };
     let xml = Xml::parse_with_options(text, options).map_err(|error| {
         let at = error.pos();
+        if error == roxmltree::Error::NodesLimitReached {
+            let what = "elements, comments and texts between them in one file";
+            return TreeError::at(start, Reason::TooMany { what, most: MOST_XML_NODES as usize });
+        }
         // The place stands in front already.
         let said = error.to_string();
         let said = said.strip_suffix(&format!(" at {at}")).unwrap_or(&said);
@@ -105,13 +109,19 @@ impl<'x> Reader<'x> {
         if format.as_deref() != Some("4") {
             return self.refuse(root, Reason::Format(format.unwrap_or_default()));
         }
+        let (mut nameless, mut has_models) = (0, false);
         for child in self.elements(root)? {
             match name(child) {
                 "BehaviorTree" if document.trees.len() == MOST_TREES => {
                     return self.refuse(child, Reason::TooMany { what: "trees in one file", most: MOST_TREES });
                 }
-                "BehaviorTree" => document.trees.push(self.tree(child)?),
-                "TreeNodesModel" => self.models(child, &mut document.models)?,
+                "BehaviorTree" => document.trees.push(self.tree(child, &mut nameless)?),
+                "TreeNodesModel" if has_models => return self.refuse(child, Reason::SecondModel),
+                "TreeNodesModel" => {
+                    has_models = true;
+                    self.models(child, &mut document.models)?;
+                }
+                "include" => return self.refuse(child, Reason::Include),
                 other => return self.refuse(child, Reason::Misplaced(other.to_owned())),
             }
         }
@@ -121,8 +131,14 @@ impl<'x> Reader<'x> {
         Ok(document)
     }
 
-    fn tree(&self, node: Node<'x, 'x>) -> Result<TreeDefinition, TreeError> {
-        let (id, notes) = self.with_id(node)?;
+    /// A tree without an ID is called as BehaviorTree.CPP calls it.
+    fn tree(&self, node: Node<'x, 'x>, nameless: &mut u32) -> Result<TreeDefinition, TreeError> {
+        let (id, notes) = if node.has_attribute("ID") {
+            self.with_id(node)?
+        } else {
+            *nameless += 1;
+            (format!("BehaviorTree_{}", *nameless - 1), self.attributes(node))
+        };
         let children = self.elements(node)?;
         let [root] = children[..] else {
             return self.refuse(node, Reason::Roots { id, count: children.len() });
@@ -178,7 +194,7 @@ impl<'x> Reader<'x> {
         let Some(direction) = direction else { return self.refuse(node, Reason::Misplaced(name(node).to_owned())) };
         let mut notes = self.attributes(node);
         let Some(at) = notes.iter().position(|note| note.name == "name") else {
-            return self.refuse(node, Reason::NoId(name(node).to_owned()));
+            return self.refuse(node, Reason::NoName(name(node).to_owned()));
         };
         let port = notes.remove(at).value;
         if let Some(child) = node.children().find(Node::is_element) {

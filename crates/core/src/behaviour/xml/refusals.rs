@@ -1,8 +1,11 @@
 //! What is wrong with a file is said with its line, its column and a reason: a table of tests.
 
 use super::read;
+use crate::behaviour::blackboard::Blackboard;
 use crate::behaviour::document::Document;
+use crate::behaviour::error::Reason;
 use crate::behaviour::leaf::{Catalogue, LeafKind, Port};
+use crate::behaviour::tree::Tree;
 use crate::behaviour::value::ValueType;
 
 fn catalogue() -> Catalogue {
@@ -35,7 +38,19 @@ fn what_is_no_file_of_trees_is_refused() {
     refused("<root BTCPP_format=\"3\"/>", "1:1: <root> says BTCPP_format=\"3\", and only version \"4\" is read here");
     refused("<root BTCPP_format=\"4\"/>", "1:1: there is no <BehaviorTree> in the file");
     refused("<root BTCPP_format=\"4\"><Sequence/></root>", "1:24: <Sequence> does not belong here");
-    refused("<root BTCPP_format=\"4\"><BehaviorTree/></root>", "1:24: <BehaviorTree> has no ID");
+    refused("<root BTCPP_format=\"4\"><BehaviorTree ID=\"\"/></root>", "1:24: <BehaviorTree> has no ID");
+    refused(
+        "<root BTCPP_format=\"4\"><include path=\"x.xml\"/></root>",
+        "1:24: <include> is not read here: put all trees into one file",
+    );
+    refused(
+        "<root BTCPP_format=\"4\"><TreeNodesModel/>\n<TreeNodesModel/></root>",
+        "2:1: there is a second <TreeNodesModel>, and only one may be",
+    );
+    refused(
+        "<root BTCPP_format=\"4\"><TreeNodesModel><Action ID=\"A\"><input_port/></Action></TreeNodesModel></root>",
+        "1:55: <input_port> has no name",
+    );
     refused(
         "<root BTCPP_format=\"4\"><BehaviorTree ID=\"T\"/></root>",
         "1:24: the tree T has 0 nodes at its top, and must have one",
@@ -66,6 +81,12 @@ fn what_nodes_are_not_is_refused() {
     refused(&tree("<IfThenElse><Near/></IfThenElse>"), "2:1: IfThenElse has 1 children, and must have 2 to 3");
     refused(&tree("<Switch2 variable=\"{x}\"><Say/><Say/></Switch2>"), "2:1: Switch2 has 2 children, and must have 3");
     refused(&tree("<Say><Say/></Say>"), "2:1: Say has 1 children, and must have none");
+    refused(&tree("<TryCatch><Say/></TryCatch>"), "2:1: TryCatch has 1 children, and must have 2 or more");
+    let two = "<AsyncSequence><Say/></AsyncSequence>".repeat(2);
+    refused(
+        &tree(&format!("<ReactiveSequence>{two}</ReactiveSequence>")),
+        "2:1: ReactiveSequence has more than one AsyncSequence as a child",
+    );
 }
 
 #[test]
@@ -75,6 +96,12 @@ fn what_ports_are_not_is_refused() {
     refused(&tree("<Say times=\"many\"/>"), "2:6: the port times is of type int, and \"many\" is none");
     refused(&tree("<Repeat num_cycles=\"1.5\"><Say/></Repeat>"), "2:9: the port num_cycles is of type int, and \"1.5\" is none");
     refused(&tree("<Repeat><Say/></Repeat>"), "2:1: Repeat needs its port num_cycles");
+    refused(&tree("<Timeout msec=\"-1\"><Say/></Timeout>"), "2:10: the port msec is \"-1\", and must be 0 or more");
+    refused(&tree("<LoopInt queue=\"1;x\"><Say/></LoopInt>"), "2:10: the port queue is of type int, and \"x\" is none");
+    refused(
+        &tree("<LoopInt queue=\"1;2\" value=\"v\"><Say/></LoopInt>"),
+        "2:22: the port value is written by its node, so it must name an entry: {name}",
+    );
     refused(&tree("<Near cell=\"3;4\"/>"), "2:7: the port cell is written by its node, so it must name an entry: {name}");
     refused(
         &tree("<Sequence><Near cell=\"{x}\"/>\n<Say text=\"{x}\"/></Sequence>"),
@@ -121,6 +148,23 @@ fn what_trees_are_not_to_each_other_is_refused() {
     refused(&file(" main_tree_to_execute=\"A\"", &format!("{two}{twice}")), "3:75: the ID X is taken already");
 }
 
+/// BehaviorTree.CPP does so, and `read(write(document))` is the same document then.
+#[test]
+fn a_tree_without_an_id_is_called_by_its_number() {
+    let document = checked("<root BTCPP_format=\"4\"><BehaviorTree><Say/></BehaviorTree></root>").expect("it is a good file");
+    assert_eq!(document.trees[0].id, "BehaviorTree_0");
+}
+
+/// What `check` refuses does not run either.
+#[test]
+fn trees_of_one_id_are_refused_when_one_is_built() {
+    let twice = "<BehaviorTree ID=\"A\"><Say/></BehaviorTree>".repeat(2);
+    let file = format!("<root BTCPP_format=\"4\" main_tree_to_execute=\"A\">{twice}</root>");
+    let document = read(&file).expect("its XML is good");
+    let refused = Tree::build(&document, None, &catalogue(), &mut Blackboard::new()).expect_err("which one is meant?");
+    assert_eq!(refused.reason, Reason::TwiceId("A".to_owned()));
+}
+
 /// A few subtrees that use each other twice would be a million nodes.
 #[test]
 fn what_would_fill_the_memory_is_refused() {
@@ -137,10 +181,28 @@ fn what_would_fill_the_memory_is_refused() {
     );
     let said = checked(&file).expect_err("it is too large");
     assert!(said.ends_with("the tree has more than 10000 nodes, those of its subtrees counted"), "{said}");
+    let long = format!("<Say _note=\"{}\"/>", "x".repeat(200_000));
+    let uses = |count: usize| format!("<Sequence>{}</Sequence>", "<SubTree ID=\"L\"/>".repeat(count));
+    let file = |trees: usize, leaf: &str, count: usize| {
+        let trees: String = (0..trees).map(|n| format!("<BehaviorTree ID=\"t{n}\">{}</BehaviorTree>", uses(count))).collect();
+        let main = "<root BTCPP_format=\"4\" main_tree_to_execute=\"t0\">";
+        format!("{main}{trees}\n<BehaviorTree ID=\"L\">{leaf}</BehaviorTree></root>")
+    };
+    assert!(checked(&file(1, &long, 10)).is_ok());
+    let said = checked(&file(1, &long, 11)).expect_err("too much in one");
+    assert!(said.ends_with("the attributes of the tree are longer than 2097152 bytes, those of its subtrees counted"), "{said}");
+    let said = checked(&file(5, &long, 10)).expect_err("too much together");
+    assert!(
+        said.ends_with("there are more than 8388608 bytes of attributes in the trees so far, each with its subtrees"),
+        "{said}"
+    );
+    let many = format!("<Sequence>{}</Sequence>", "<Say/>".repeat(97));
+    let said = checked(&file(30, &many, 90)).expect_err("too many together");
+    assert!(said.ends_with("there are more than 200000 nodes in the trees so far, each with its subtrees"), "{said}");
     let deep = format!("{}<Say/>{}", "<Inverter>".repeat(200), "</Inverter>".repeat(200));
     refused(&tree(&deep), "2:1281: the tree is deeper than 128 levels, those of its subtrees counted");
     let deeper = "<a>".repeat(100_000);
-    assert!(checked(&tree(&deeper)).is_err());
+    refused(&tree(&deeper), "1:1: there are more than 32768 elements, comments and texts between them in one file");
     let crowd: String = (0..65).map(|n| format!(" a{n}=\"1\"")).collect();
     refused(&tree(&format!("<Say{crowd}/>")), "2:1: there are more than 64 attributes in one element");
     let trees = "<BehaviorTree ID=\"x\"><Say/></BehaviorTree>".repeat(201);
