@@ -61,4 +61,7 @@ pub trait Archive: Send + Sync {
 
     /// The entries of a mission after `after`, oldest first, at most `most`.
     fn entries(&self, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable>;
+
+    /// What the last thousands of entries of a mission tell of its retrieval, and of what held it, oldest first, at most `most`.
+    fn retrieval(&self, mission: MissionId, most: usize) -> Result<Vec<Happened>, Unreadable>;
 }

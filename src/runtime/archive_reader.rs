@@ -87,6 +87,10 @@ mod tests {
         fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
             Ok(Vec::new())
         }
+
+        fn retrieval(&self, _: MissionId, _: usize) -> Result<Vec<Happened>, Unreadable> {
+            Ok(Vec::new())
+        }
     }
 
     fn reader() -> Reader {

@@ -15,7 +15,7 @@ struct Asset {
     text: &'static str,
 }
 
-static ASSETS: [Asset; 9] = [
+static ASSETS: [Asset; 11] = [
     Asset {
         path: "/static/console.css",
         media_type: "text/css; charset=utf-8",
@@ -42,9 +42,19 @@ static ASSETS: [Asset; 9] = [
         text: include_str!("../../../static/laboratory.js"),
     },
     Asset {
+        path: "/static/replay.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/replay.js"),
+    },
+    Asset {
         path: "/static/roomba.js",
         media_type: "text/javascript; charset=utf-8",
         text: include_str!("../../../static/roomba.js"),
+    },
+    Asset {
+        path: "/static/trees.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/trees.js"),
     },
     Asset {
         path: "/static/vendor/idiomorph.js",

@@ -14,9 +14,10 @@ use super::reading::Number;
 use crate::api::map::{MapJson, Plan};
 use crate::api::map_text;
 use crate::api::mission_record::{Links, MissionListJson, MissionRecordJson, MissionWholeJson, events as events_json};
+use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::api::time::rfc3339;
 use crate::runtime::archive::{Happened, MissionRecord, Sound};
-use hallsweep_core::effect::Fact;
+use hallsweep_core::effect::{Entry, Fact};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{MissionId, Seq};
 
@@ -28,6 +29,9 @@ const MOST_MISSIONS: u64 = 100;
 
 /// Events in one answer, unless asked otherwise, and the most there are: some 100 KiB of JSON.
 const EVENTS: u64 = 1000;
+
+/// Entries of which a retrieval is told: many times what one takes.
+const RETRIEVAL: usize = 1000;
 
 /// So often is looked further for commands before a page is shown with what there is: it bounds what one request costs.
 const LOOKS: usize = 10;
@@ -79,6 +83,26 @@ pub(super) async fn map(State(door): State<HttpDoor>, Number(id): Number, header
     };
     response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
     Ok(response)
+}
+
+/// `GET missions/{id}/retrieval`: what happened in it, and what its trees did.
+pub(super) async fn retrieval(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
+    Ok(by_content(&headers, JSON, json(&retrieved(&door, id).await?)))
+}
+
+/// The retrieval of a mission, from its record.
+pub(super) async fn retrieved(door: &HttpDoor, id: u64) -> Result<RetrievalRecordJson, Problem> {
+    let mission = MissionId(id);
+    let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
+        Some(_) => archive.retrieval(mission, RETRIEVAL + 1).map(Some),
+        None => Ok(None),
+    });
+    let mut entries = found.await?.ok_or_else(|| unknown(id))?;
+    let complete = entries.len() <= RETRIEVAL && entries.iter().all(|(_, entry)| entry.is_ok());
+    entries.truncate(RETRIEVAL);
+    let entries: Vec<Entry> = entries.into_iter().filter_map(|(_, entry)| entry.ok()).collect();
+    RetrievalRecordJson::new(&entries, complete)
+        .ok_or_else(|| Problem::not_found(format!("nothing was to be fetched in mission {id}")))
 }
 
 /// The mission before which a list begins.

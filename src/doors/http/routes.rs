@@ -52,7 +52,9 @@ fn for_anybody() -> Vec<Row> {
         get("/static/stop.js", Nothing, assets::file),
         get("/static/laboratory.css", Nothing, assets::file),
         get("/static/laboratory.js", Nothing, assets::file),
+        get("/static/replay.js", Nothing, assets::file),
         get("/static/roomba.js", Nothing, assets::file),
+        get("/static/trees.js", Nothing, assets::file),
         get("/static/vendor/idiomorph.js", Nothing, assets::file),
         get("/static/icon.svg", Nothing, assets::file),
         get("/favicon.ico", Nothing, assets::file),
@@ -84,6 +86,7 @@ fn changes_and_past() -> Vec<Row> {
         get("/api/v1/missions/{id}", See, missions::mission),
         get("/api/v1/missions/{id}/events", See, missions::events),
         get("/api/v1/missions/{id}/map", See, missions::map),
+        get("/api/v1/missions/{id}/retrieval", See, missions::retrieval),
     ]
 }
 
@@ -124,6 +127,7 @@ fn page() -> Vec<Row> {
         get("/", See, console::page),
         get("/missions", See, console::missions::list),
         get("/missions/{id}", See, console::missions::one),
+        get("/missions/{id}/retrieval", See, console::replay::page),
         get("/luggage/{id}", See, console::photo::page),
         get("/console/live", See, console::live),
         get("/console/confirm/danger/{id}", Act, console::confirm_danger),

@@ -69,6 +69,11 @@ impl Archive for Pictures {
         let of_it = past::entries().into_iter().filter(|(seq, _)| mission == MissionId(1) && *seq > after);
         Ok(of_it.take(most).collect())
     }
+
+    fn retrieval(&self, mission: MissionId, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        let of_it = past::retrieval().into_iter().filter(|_| mission == MissionId(1));
+        Ok(of_it.take(most).collect())
+    }
 }
 
 /// The record of the mission that goes on.

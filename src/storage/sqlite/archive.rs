@@ -24,6 +24,10 @@ use hallsweep_core::world::luggage::{Decision, Luggage};
 /// So many connections are kept for the next question: as many as are asked at once in a busy moment.
 const IDLE: usize = 4;
 
+/// A retrieval is the last that happens in a mission, and takes some hundreds of entries: it is looked for among so many, which takes
+/// milliseconds.
+const SEARCHED: u64 = 20_000;
+
 /// The columns of a mission, in the order in which `record` takes them.
 const MISSION: &str = "SELECT id, strategy, began_ms, began_offset_s, archived_ms, archived_offset_s, phase, left_in_place,
     (SELECT count(*) FROM luggage WHERE mission = missions.id),
@@ -47,6 +51,16 @@ impl SqliteArchive {
             SqliteArchive::Memory(journal) => journal.ask(question),
         };
         answer.map_err(|fault| Unreadable(fault.words(self.path(), Then::StartAgain)))
+    }
+
+    fn happened(&self, connection: &Connection, which: Which) -> Result<Vec<Happened>, Fault> {
+        let mut entries = Vec::new();
+        rows::each(connection, which, |seq, line| {
+            let entry = line.map(|line| line.entry).map_err(|fault| Unreadable(fault.words_of_an_entry(self.path())));
+            entries.push((seq, entry));
+            Ok(())
+        })?;
+        Ok(entries)
     }
 
     fn pictures(&self) -> Pictures<'_> {
@@ -150,14 +164,19 @@ impl Archive for SqliteArchive {
             return Ok(Vec::new());
         }
         self.ask(|connection| {
-            let mut entries = Vec::new();
             let which = Which { after: Some(after), mission: Some(mission), most: Some(most), ..Which::default() };
-            rows::each(connection, which, |seq, line| {
-                entries
-                    .push((seq, line.map(|line| line.entry).map_err(|fault| Unreadable(fault.words_of_an_entry(self.path())))));
-                Ok(())
-            })?;
-            Ok(entries)
+            self.happened(connection, which)
+        })
+    }
+
+    fn retrieval(&self, mission: MissionId, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        if i64::try_from(mission.0).is_err() {
+            return Ok(Vec::new());
+        }
+        self.ask(|connection| {
+            let after = rows::before_the_last(connection, Some(mission), SEARCHED)?;
+            let which = Which { after, mission: Some(mission), most: Some(most), retrieval: true, ..Which::default() };
+            self.happened(connection, which)
         })
     }
 }

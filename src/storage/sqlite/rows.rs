@@ -28,6 +28,8 @@ pub(super) struct Which {
     pub(super) named: bool,
     /// Only those from which the projections follow.
     pub(super) milestones: bool,
+    /// Only those that tell of a retrieval.
+    pub(super) retrieval: bool,
     pub(super) most: Option<usize>,
 }
 
@@ -125,6 +127,9 @@ impl Which {
         }
         if self.milestones {
             conditions.push("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'secured')");
+        }
+        if self.retrieval {
+            conditions.push("kind IN ('retrieval', 'holds', 'alarmRaised', 'alarmAcknowledged', 'secured', 'phase')");
         }
         let filter = if conditions.is_empty() { String::new() } else { format!(" WHERE {}", conditions.join(" AND ")) };
         let limit = self.most.map(|most| format!(" LIMIT {most}")).unwrap_or_default();

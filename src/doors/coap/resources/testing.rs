@@ -70,6 +70,10 @@ impl Archive for Pictures {
     fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
         Ok(Vec::new())
     }
+
+    fn retrieval(&self, _: MissionId, _: usize) -> Result<Vec<Happened>, Unreadable> {
+        Ok(Vec::new())
+    }
 }
 
 /// A app in this state, whose loop accepts everything until told to refuse; old clients may not drive. Must be called inside a

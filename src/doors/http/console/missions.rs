@@ -82,7 +82,7 @@ impl Show {
 
 /// What people did and what was found; the robot's steps, of which there are thousands, are not it.
 fn is_main(fact: &Fact) -> bool {
-    let found = matches!(fact, Fact::Luggage { .. } | Fact::AlarmRaised(..) | Fact::Phase(_) | Fact::Holds(_));
+    let found = matches!(fact, Fact::Luggage { .. } | Fact::AlarmRaised(..) | Fact::Phase(_) | Fact::Holds(_) | Fact::Secured(_));
     let done = matches!(fact, Fact::Command { .. } | Fact::Verdict { .. } | Fact::AlarmAcknowledged(..) | Fact::Strategy(_));
     let began =
         matches!(fact, Fact::ProgramStarted(_) | Fact::ProgramEnded(_) | Fact::MissionBegan(..) | Fact::MissionArchived(..));
@@ -140,6 +140,11 @@ impl One {
 
     fn came_to(&self) -> String {
         came_to(&self.record)
+    }
+
+    fn has_retrieval(&self) -> bool {
+        let fetched = [PhaseName::Retrieving, PhaseName::BagSecured].iter().any(|phase| phase.name() == &*self.record.phase);
+        fetched || self.state.as_ref().is_some_and(|state| state.retrieval.is_some())
     }
 
     fn view_box(&self, state: &PersistentState) -> String {

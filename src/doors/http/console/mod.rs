@@ -10,6 +10,7 @@ pub(super) mod missions;
 mod parts;
 pub(super) mod photo;
 mod porch;
+pub(super) mod replay;
 mod retrieval;
 mod view;
 

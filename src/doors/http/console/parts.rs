@@ -11,6 +11,7 @@ use crate::api::luggage::photo_url;
 use crate::api::retrieval::ArmJson;
 use crate::api::time::rfc3339;
 use hallsweep_core::behaviour::Status;
+use hallsweep_core::mission::PhaseName;
 use hallsweep_core::retrieval::ArmState;
 use hallsweep_core::search::Strategy;
 use hallsweep_core::settings::Fetcher;
@@ -62,7 +63,11 @@ pub(super) const PARTS: [Part; 20] = [
     Part { id: "hall-robot", shows: &[Resource::Robot, Resource::Map], render: |v| hall::robot(v.snapshot) },
     Part { id: "progress", shows: &[Resource::Mission], render: |v| html(&Progress { v }) },
     Part { id: "alarms", shows: &[Resource::Alarms], render: |v| html(&Alarms { v }) },
-    Part { id: "retrieval", shows: &[Resource::Retrieval, Resource::Robot], render: |v| html(&Retrieval { v }) },
+    Part {
+        id: "retrieval",
+        shows: &[Resource::Retrieval, Resource::Robot, Resource::Mission],
+        render: |v| html(&Retrieval { v }),
+    },
     Part { id: "trees", shows: &[Resource::Retrieval], render: |v| html(&Trees { v }) },
     Part { id: "blackboard", shows: &[Resource::Retrieval], render: |v| html(&Blackboard { v }) },
     Part { id: "inspect", shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms], render: |v| html(&Inspect { v }) },
@@ -237,6 +242,10 @@ impl Retrieval<'_> {
         &STAGES
     }
 
+    fn is_secured(&self) -> bool {
+        self.v.snapshot.mission.phase == PhaseName::BagSecured
+    }
+
     fn armed(&self) -> Vec<(&RobotShown, ArmState, ArmJson)> {
         armed(&self.v.snapshot.robots)
     }
@@ -275,7 +284,7 @@ impl Trees<'_> {
 
 impl Blackboard<'_> {
     /// The trees, once they have been ticked.
-    fn trees(&self) -> Option<&TreesView> {
+    fn ticked(&self) -> Option<&TreesView> {
         self.v.snapshot.retrieval.as_deref().map(|retrieval| &*retrieval.trees).filter(|trees| trees.ticks > 0)
     }
 }

@@ -261,4 +261,8 @@ impl Archive for Album {
     fn entries(&self, _: MissionId, _: Seq, _: usize) -> Result<Vec<Happened>, Unreadable> {
         Ok(Vec::new())
     }
+
+    fn retrieval(&self, _: MissionId, _: usize) -> Result<Vec<Happened>, Unreadable> {
+        Ok(Vec::new())
+    }
 }

@@ -1,0 +1,140 @@
+//! What trees did, tick by tick, to be shown again at any moment: as JSON of what each tick changed, and as they stood at a moment.
+//! How it is shown is the pages' business (`static/trees.js`); what a run was about stands beside it.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+use serde::Serialize;
+
+use hallsweep_core::behaviour::log::Standing;
+use hallsweep_core::behaviour::{TickLog, Tree};
+use hallsweep_core::world::retrieval::{NodeShown, TreeView, TreesView};
+
+/// The ticks of trees on one blackboard.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReplayJson {
+    /// In the order in which they are ticked.
+    pub trees: Vec<TreeLogJson>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TreeLogJson {
+    pub id: String,
+    /// In preorder.
+    pub nodes: Vec<NodeLabelJson>,
+    /// The ticks that are known, oldest first.
+    pub ticks: Vec<TickJson>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NodeLabelJson {
+    pub path: String,
+    pub name: String,
+    pub kind: String,
+    pub depth: usize,
+}
+
+/// What one tick changed; the first one of a log, everything that stands then.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TickJson {
+    /// Seconds since the run began.
+    pub t: f64,
+    /// The number of the tick, counted from 1.
+    pub tick: u64,
+    /// Of each node that stands otherwise its place in `nodes`, its status as in `retrieval`, and whether it was ticked.
+    pub nodes: Vec<(usize, &'static str, bool)>,
+    /// Entries of the blackboard that hold something else, as it would stand in a file; null where they hold nothing any more.
+    pub entries: BTreeMap<String, Option<String>>,
+}
+
+impl ReplayJson {
+    /// Trees with their logs, in the same order.
+    pub fn new<'a>(logged: impl IntoIterator<Item = (&'a Tree, &'a TickLog)>) -> ReplayJson {
+        ReplayJson { trees: logged.into_iter().map(|(tree, log)| TreeLogJson::new(tree, log)).collect() }
+    }
+
+    /// The moments at which something changed, in seconds, in their order.
+    pub fn moments(&self) -> Vec<f64> {
+        let mut moments: Vec<f64> = self.trees.iter().flat_map(|tree| &tree.ticks).map(|tick| tick.t).collect();
+        moments.sort_by(f64::total_cmp);
+        moments.dedup();
+        moments
+    }
+
+    /// How all stood at this moment, or after the last one before it.
+    pub fn shown(&self, t: f64) -> TreesView {
+        let mut entries = BTreeMap::new();
+        let mut ticks: Vec<&TickJson> = self.trees.iter().flat_map(|tree| tree.up_to(t)).collect();
+        ticks.sort_by(|one, other| one.t.total_cmp(&other.t));
+        for (name, value) in ticks.iter().flat_map(|tick| &tick.entries) {
+            match value {
+                Some(value) => entries.insert(Arc::from(name.as_str()), value.clone()),
+                None => entries.remove(name.as_str()),
+            };
+        }
+        TreesView {
+            ticks: ticks.iter().map(|tick| tick.tick).max().unwrap_or(0),
+            trees: self.trees.iter().map(|tree| tree.shown(t)).collect(),
+            blackboard: entries.into_iter().collect(),
+        }
+    }
+}
+
+impl TreeLogJson {
+    fn new(tree: &Tree, log: &TickLog) -> TreeLogJson {
+        let label = |node: hallsweep_core::behaviour::NodeView<'_>| NodeLabelJson {
+            path: node.path.to_owned(),
+            name: node.name.to_owned(),
+            kind: node.id.to_owned(),
+            depth: node.depth,
+        };
+        let mut ticks: Vec<TickJson> = log.records().map(TickJson::from).collect();
+        // What a full log has forgotten stands in how things stood at the first tick that is left.
+        if let Some((first, stood)) = ticks.first_mut().and_then(|first| Some((log.moment(first.tick)?, first))) {
+            stood.nodes = first.nodes.iter().enumerate().filter(|(_, node)| **node != Standing::default()).map(changed).collect();
+            stood.entries = first.entries.iter().map(|(name, value)| (name.to_string(), Some(value.to_string()))).collect();
+        }
+        TreeLogJson { id: tree.id().to_owned(), nodes: tree.nodes().map(label).collect(), ticks }
+    }
+
+    fn up_to(&self, t: f64) -> impl Iterator<Item = &TickJson> {
+        self.ticks.iter().take_while(move |tick| tick.t <= t)
+    }
+
+    fn shown(&self, t: f64) -> TreeView {
+        let idle = |label: &NodeLabelJson| NodeShown {
+            path: Arc::from(label.path.as_str()),
+            name: Arc::from(label.name.as_str()),
+            kind: Arc::from(label.kind.as_str()),
+            depth: label.depth,
+            status: Default::default(),
+            is_ticked: false,
+        };
+        let mut nodes: Vec<NodeShown> = self.nodes.iter().map(idle).collect();
+        for (index, status, is_ticked) in self.up_to(t).flat_map(|tick| &tick.nodes) {
+            if let Some((node, status)) = nodes.get_mut(*index).zip(hallsweep_core::behaviour::Status::named(status)) {
+                (node.status, node.is_ticked) = (status, *is_ticked);
+            }
+        }
+        TreeView { id: Arc::from(self.id.as_str()), nodes }
+    }
+}
+
+impl From<&hallsweep_core::behaviour::log::TickRecord> for TickJson {
+    fn from(record: &hallsweep_core::behaviour::log::TickRecord) -> TickJson {
+        let nodes = record.nodes.iter().map(|(node, standing)| changed((node.0 as usize, standing)));
+        let held = record.entries.iter().map(|(name, value)| (name.to_string(), value.as_ref().map(ToString::to_string)));
+        TickJson { t: seconds(record.at), tick: record.tick, nodes: nodes.collect(), entries: held.collect() }
+    }
+}
+
+/// A node with what it said if it was ticked, else how it stands.
+fn changed((index, standing): (usize, &Standing)) -> (usize, &'static str, bool) {
+    (index, standing.returned.unwrap_or(standing.after).word(), standing.returned.is_some())
+}
+
+/// A hundredth is finer than anybody sees.
+pub fn seconds(since: Duration) -> f64 {
+    (since.as_secs_f64() * 100.0).round() / 100.0
+}

@@ -1,0 +1,92 @@
+//! A retrieval as it is on record, in JSON: what happened in it, and what its trees did, to be shown again. What is shown of one that
+//! goes on is `retrieval`'s business.
+
+use std::time::Duration;
+
+use serde::Serialize;
+
+use super::journal_words::words;
+use super::replay::{ReplayJson, seconds};
+use super::time::rfc3339;
+use hallsweep_core::behaviour::TickLog;
+use hallsweep_core::effect::{Entry, Fact};
+use hallsweep_core::retrieval::Team;
+use hallsweep_core::state::Retrieval;
+use hallsweep_core::units::WallTime;
+
+/// A retrieval from its beginning to its end, or as far as it has come.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RetrievalRecordJson {
+    /// The piece that was fetched, or was to be.
+    pub luggage: u64,
+    /// `pair` or `discovery`.
+    pub fetcher: &'static str,
+    /// RFC 3339, with zone.
+    pub began: String,
+    /// From then to the last that is known of it, by the wall clock.
+    pub seconds: f64,
+    /// Whether everything of it is here; else its later part is missing.
+    pub complete: bool,
+    pub events: Vec<EventJson>,
+    #[serde(flatten)]
+    pub replay: ReplayJson,
+}
+
+/// Something that happened, in words.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EventJson {
+    /// Seconds since it began.
+    pub t: f64,
+    pub words: String,
+}
+
+impl RetrievalRecordJson {
+    /// What these entries of one mission, oldest first, say of its retrieval; `None` when nothing was to be fetched.
+    pub fn new(entries: &[Entry], complete: bool) -> Option<RetrievalRecordJson> {
+        let (first, retrieval) = entries.iter().find_map(|entry| Some((entry, retrieval_in(entry)?)))?;
+        let mut record = RetrievalRecordJson {
+            luggage: retrieval.luggage.0,
+            fetcher: retrieval.fetcher.name(),
+            began: rfc3339(first.wall),
+            seconds: 0.0,
+            complete,
+            events: Vec::new(),
+            replay: ReplayJson { trees: Vec::new() },
+        };
+        let mut logs: [TickLog; 3] = Default::default();
+        let (mut team, mut under_way, mut at, mut stage) = (None, false, Duration::ZERO, String::new());
+        for entry in entries {
+            let told = retrieval_in(entry);
+            under_way |= told.is_some();
+            if !under_way {
+                continue;
+            }
+            // A clock that was put back does not put the run back.
+            at = at.max(since(first.wall, entry.wall));
+            let words = words(&entry.fact);
+            // An entry says how the trees stand; how far it has come is told when it is new.
+            if told.is_none() || words != stage {
+                record.events.push(EventJson { t: seconds(at), words: words.clone() });
+            }
+            stage = if told.is_some() { words } else { stage };
+            if let Some(stood) = told.and_then(|retrieval| Team::resume(retrieval.team.clone()?).ok()) {
+                for (log, tree) in logs.iter_mut().zip(stood.trees()) {
+                    log.note(tree, stood.blackboard(), at);
+                }
+                team = Some(stood);
+            }
+            under_way = !matches!(entry.fact, Fact::Retrieval(None));
+        }
+        record.seconds = seconds(at);
+        record.replay = ReplayJson::new(team.iter().flat_map(|team| team.trees().iter().zip(&logs)));
+        Some(record)
+    }
+}
+
+fn retrieval_in(entry: &Entry) -> Option<&Retrieval> {
+    if let Fact::Retrieval(Some(retrieval)) = &entry.fact { Some(retrieval) } else { None }
+}
+
+fn since(began: WallTime, wall: WallTime) -> Duration {
+    Duration::from_millis(u64::try_from(wall.unix_ms.saturating_sub(began.unix_ms)).unwrap_or(0))
+}

@@ -1,0 +1,130 @@
+//! The page of a retrieval that is on record: its trees as they stood at one of its moments, and what happened in it. Its script moves
+//! them through the time; without one there are links from moment to moment. What is on record of it is `missions`' business.
+
+use askama::Template;
+use axum::extract::State;
+use axum::response::Html;
+
+use super::super::HttpDoor;
+use super::super::missions::retrieved;
+use super::super::problem::Problem;
+use super::super::query::Query;
+use super::super::reading::Number;
+use super::html;
+use super::retrieval::{Row, rows, sign};
+use crate::api::retrieval_record::RetrievalRecordJson;
+use hallsweep_core::behaviour::Status;
+use hallsweep_core::world::retrieval::{TreeView, TreesView};
+
+/// `GET missions/{id}/retrieval`
+pub(in crate::doors::http) async fn page(
+    State(door): State<HttpDoor>,
+    Number(id): Number,
+    query: Query,
+) -> Result<Html<String>, Problem> {
+    query.only(&["moment"])?;
+    let record = retrieved(&door, id).await?;
+    let moments = record.replay.moments();
+    let last = moments.len().max(1);
+    let moment = query.count("moment", 1..=u64::try_from(last).unwrap_or(1))?;
+    let moment = moment.and_then(|moment| usize::try_from(moment).ok()).unwrap_or(last);
+    let t = moments.get(moment - 1).copied().unwrap_or(record.seconds);
+    Ok(html(&Page { mission: id, shown: record.replay.shown(t), record, moment, last, t }))
+}
+
+#[derive(Template)]
+#[template(path = "missions/retrieval.html")]
+struct Page {
+    mission: u64,
+    record: RetrievalRecordJson,
+    /// How the trees stood at the moment that is shown.
+    shown: TreesView,
+    /// Which one, counted from 1, of how many, and when.
+    moment: usize,
+    last: usize,
+    t: f64,
+}
+
+impl Page {
+    fn trees(&self) -> &[TreeView] {
+        &self.shown.trees
+    }
+
+    fn ticked(&self) -> Option<&TreesView> {
+        Some(&self.shown)
+    }
+
+    fn rows<'t>(&self, tree: &'t TreeView) -> Vec<Row<'t>> {
+        rows(&tree.nodes)
+    }
+
+    fn sign(&self, status: &Status) -> &'static str {
+        sign(*status)
+    }
+
+    /// Ways to other moments, by their names; none to the one that is shown.
+    fn ways(&self) -> [(&'static str, Option<usize>); 4] {
+        let other = |moment: usize| Some(moment).filter(|moment| (1..=self.last).contains(moment) && *moment != self.moment);
+        [("First", other(1)), ("Previous", other(self.moment - 1)), ("Next", other(self.moment + 1)), ("Last", other(self.last))]
+    }
+
+    fn seconds(&self, t: &f64) -> String {
+        format!("{t:.1}")
+    }
+
+    fn fetcher(&self) -> &'static str {
+        if self.record.fetcher == "pair" { "the pair" } else { "the robot that searched" }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::testing::{app, read, text};
+    use crate::api::fixture::searching;
+
+    #[tokio::test]
+    async fn a_retrieval_shows_its_trees_at_any_of_its_moments_and_what_happened() {
+        let app = app(searching());
+        let last = text(app.get("/missions/1/retrieval").await).await;
+        assert_eq!(last.matches("<section class=\"tree\"").count(), 3);
+        for wanted in
+            ["Retrieval of luggage #1 by the pair", "luggage #1 is in the container", "action=\"/console/stop\"", ">Previous</a>"]
+        {
+            assert!(last.contains(wanted), "{wanted} in {last}");
+        }
+        assert!(!last.contains(">Next</a>") && !last.contains("style="), "it is the last moment, and nothing is inline");
+        let first = text(app.get("/missions/1/retrieval?moment=1").await).await;
+        assert!(
+            first.contains("class=\"node running ticked\"") && first.contains(">Next</a>") && !first.contains(">Previous</a>")
+        );
+        assert!(first.contains("<dt>pallet</dt>"), "the blackboard stands beside the trees");
+        assert_eq!(app.get("/missions/1/retrieval?moment=0").await.status(), 422);
+        assert_eq!(app.get("/missions/1/retrieval?moment=100000").await.status(), 422);
+    }
+
+    #[tokio::test]
+    async fn programs_get_every_tick_that_changed_something() {
+        let app = app(searching());
+        let (status, told) = read(app.get("/api/v1/missions/1/retrieval").await).await;
+        assert_eq!(status, 200, "{told}");
+        let ids: Vec<_> = told["trees"].as_array().unwrap().iter().map(|tree| tree["id"].as_str().unwrap()).collect();
+        assert_eq!((ids, &told["complete"]), (vec!["SRM1", "SRM2", "Supervisor"], &true.into()));
+        let ticks = told["trees"][2]["ticks"].as_array().unwrap();
+        let times: Vec<f64> = ticks.iter().map(|tick| tick["t"].as_f64().unwrap()).collect();
+        assert!(ticks.len() > 10 && times.is_sorted(), "{times:?}");
+        let said: Vec<&str> = told["events"].as_array().unwrap().iter().map(|event| event["words"].as_str().unwrap()).collect();
+        let told_once = said.iter().filter(|words| words.ends_with(": it is fetched")).count();
+        assert_eq!((told_once, said.last()), (1, Some(&"the retrieval has ended")), "{said:?}");
+    }
+
+    #[tokio::test]
+    async fn where_nothing_was_fetched_it_says_so() {
+        let app = app(searching());
+        let words = |json: serde_json::Value| json["detail"].as_str().unwrap().to_owned();
+        let (status, none) = read(app.get("/api/v1/missions/2/retrieval").await).await;
+        assert_eq!((status.as_u16(), words(none)), (404, "nothing was to be fetched in mission 2".to_owned()));
+        let (status, unknown) = read(app.get("/api/v1/missions/7/retrieval").await).await;
+        assert_eq!(status, 404);
+        assert!(words(unknown).starts_with("there is no mission 7"));
+    }
+}
