@@ -24,7 +24,7 @@ export function player(place, { name, seconds, show, from = 0 }) {
   let shown = -Infinity; // when a picture was changed
 
   const button = element("button", { type: "button", className: "start loud" });
-  const slider = element("input", { type: "range", min: 0, max: seconds, step: STEP_S });
+  const slider = element("input", { type: "range", min: 0, max: Math.ceil(seconds / STEP_S) * STEP_S, step: STEP_S });
   slider.setAttribute("aria-label", `Time of the ${name}, in seconds`);
   const clock = element("output", { className: "num" });
   const choice = (times) => {

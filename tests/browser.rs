@@ -66,6 +66,14 @@ fn a_person_watches_the_laboratory_and_halts_the_hall_from_there() {
     }
 }
 
+/// R-reachBag, R-bagAtHome: with one STOP and one lost parcel on the way.
+#[test]
+fn a_person_has_the_dangerous_bag_fetched_and_looks_at_it_again() {
+    for scenario in ["retrieval", "retrievalOnPhone", "retrievalPlain"] {
+        play_with(scenario, &["--hall", "seed", "--speed", "6"], &[("HALLSWEEP__PAIR__SLIPS", "1")]);
+    }
+}
+
 #[test]
 fn stop_halts_the_robot_at_once_and_start_goes_on() {
     play("stop", &["--hall", "empty-8x8", "--speed", "4"]);

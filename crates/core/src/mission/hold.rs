@@ -40,7 +40,7 @@ impl Hold {
             Hold::RobotLink => "the robot cannot be reached: mend the link first",
             Hold::Store => "nothing can be recorded: mend the disk first",
             Hold::Restart => "the program was started again; everything is as it was",
-            Hold::Alarm => "a danger could not be recorded: say danger again, or acknowledge its alarm first",
+            Hold::Alarm => "an alarm is open: acknowledge it first (or say danger again, where a danger could not be recorded)",
             Hold::AwaitingStart => "waiting for START",
         }
     }
@@ -56,7 +56,7 @@ impl Hold {
             Hold::RobotLink => "the robot is reached",
             Hold::Store => "everything is recorded again",
             Hold::Restart => "going on after the restart",
-            Hold::Alarm => "the danger is on record, or its alarm acknowledged",
+            Hold::Alarm => "the alarm that held is acknowledged, or the danger on record",
             Hold::AwaitingStart => "started",
         }
     }

@@ -118,7 +118,7 @@ impl RobotController {
         match self.open.map(|open| open.order.action) {
             None => RobotState::Stopped,
             Some(Action::Photograph(_)) => RobotState::TakingPhoto,
-            // Its base stands; what the arm does is shown of the arm.
+            Some(Action::Arm(action)) if action.is_motion() => RobotState::MovingArm,
             Some(Action::Arm(_)) => RobotState::Stopped,
             Some(Action::Enter) => RobotState::MovingForward,
             Some(Action::Leave) => RobotState::MovingBackward,

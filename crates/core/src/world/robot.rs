@@ -41,7 +41,7 @@ pub struct RobotShown {
 
 named! {
     by name;
-    /// What a robot does, by the words of the seeds.
+    /// What a robot does, by the words of the seeds, which have none for an arm.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     #[expect(missing_docs, reason = "the names say it")]
     pub enum RobotState {
@@ -52,5 +52,6 @@ named! {
         RotateRight = "rotateRight",
         TakingPhoto = "takingPhoto",
         SendingPhoto = "sendingPhoto",
+        MovingArm = "movingArm",
     }
 }

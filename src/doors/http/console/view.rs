@@ -10,7 +10,7 @@ use crate::api::time::Zone;
 use hallsweep_core::mission::{Hold, PhaseName};
 use hallsweep_core::units::{Cell, Celsius, WallTime};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
-use hallsweep_core::world::robot::RobotState;
+use hallsweep_core::world::robot::{RobotState, RobotView};
 use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_core::world::temperature::{OPERATOR, TemperatureStatus};
 
@@ -39,6 +39,9 @@ pub(super) struct Who {
     pub(super) name: Arc<str>,
     pub(super) role: Role,
 }
+
+/// What is said of whoever was told to halt and has not said yet that it stands.
+const HALTING: &str = "halting …";
 
 /// Why a viewer's buttons are dead.
 const VIEWER: &str = "you are signed in as a viewer";
@@ -122,14 +125,22 @@ impl View<'_> {
         !self.snapshot.mission.holds.is_empty() && self.mood() != Mood::Calm && self.waiting().is_none()
     }
 
+    /// Whether all robots stand, those that fetch too.
     pub(super) fn is_still(&self) -> bool {
-        self.snapshot.robot.state == RobotState::Stopped && !self.snapshot.robot.halting
+        let stands = |view: &RobotView| view.state == RobotState::Stopped && !view.halting;
+        stands(&self.snapshot.robot) && self.snapshot.robots.iter().all(|robot| stands(&robot.view))
     }
 
-    /// What the robot does, in the bar: there a STOP is seen on a screen that has no room for what else holds the robot.
+    /// What the robots do, in the bar: there a STOP is seen on a screen that has no room for what else holds them.
     pub(super) fn doing(&self) -> &'static str {
-        let is_stopped = self.snapshot.mission.holds.contains(&Hold::Operator);
-        if is_stopped && self.is_still() { "held by STOP" } else { self.robot_state() }
+        let is_halting = self.snapshot.robots.iter().any(|robot| robot.view.halting);
+        let searching_stands = self.snapshot.robot.state == RobotState::Stopped;
+        match self.is_still() {
+            true if self.snapshot.mission.holds.contains(&Hold::Operator) => "held by STOP",
+            false if is_halting => HALTING,
+            false if searching_stands && !self.snapshot.robot.halting => "the pair moves",
+            true | false => self.robot_state(),
+        }
     }
 
     pub(super) fn is_begun(&self) -> bool {
@@ -295,7 +306,7 @@ impl View<'_> {
     /// The robot's state in words.
     pub(super) const fn robot_state(&self) -> &'static str {
         if self.snapshot.robot.halting {
-            return "halting …";
+            return HALTING;
         }
         match self.snapshot.robot.state {
             RobotState::Stopped => "stands still",
@@ -305,6 +316,7 @@ impl View<'_> {
             RobotState::RotateRight => "turns right",
             RobotState::TakingPhoto => "takes a photo",
             RobotState::SendingPhoto => "sends the photo",
+            RobotState::MovingArm => "moves its arm",
         }
     }
 
@@ -387,7 +399,9 @@ fn capital(words: &str) -> String {
 mod tests {
     use super::*;
     use crate::api::fixture::{TEN, degrees, idle, searching, touch};
+    use hallsweep_core::retrieval::Which;
     use hallsweep_core::world::resource::Resource;
+    use hallsweep_core::world::robot::RobotShown;
     use hallsweep_core::world::snapshot::Progress;
 
     fn view(snapshot: &Snapshot) -> View<'_> {
@@ -444,7 +458,13 @@ mod tests {
             (snapshot.robot.state, snapshot.robot.halting) = (state, halting);
             assert_eq!((view(&snapshot).doing(), view(&snapshot).is_still()), (words, is_still));
         }
+        let srm1 = RobotView { state: RobotState::MovingArm, ..snapshot.robot };
+        snapshot.robots =
+            vec![RobotShown { id: Which::Srm1.robot(), view: srm1, parts: None, holds: Vec::new(), arm: None }].into();
+        assert_eq!((view(&snapshot).doing(), view(&snapshot).is_still()), ("the pair moves", false));
         snapshot.mission.holds.push(Hold::Operator);
+        assert_eq!(view(&snapshot).doing(), "the pair moves", "nobody is told that all stand before they do");
+        snapshot.robots = Vec::new().into();
         assert_eq!(view(&snapshot).doing(), "held by STOP");
         snapshot.robot.halting = true;
         assert_eq!(view(&snapshot).doing(), "halting …", "who pressed STOP is told so when the robot stands");
