@@ -32,7 +32,9 @@ enum Robot {
 impl Robots {
     pub fn of(settings: &Settings) -> Result<Robots, UnusableHall> {
         let hall = sim::hall(settings)?;
-        let all: Vec<(RobotId, Robot)> = settings.robots().map(|(id, robot)| (id.clone(), Robot::of(id, robot, &hall))).collect();
+        let fetches = |id: &RobotId| settings.core.fetcher == Fetcher::Discovery && *id == RobotId::discovery();
+        let robot = |id: RobotId, robot: &RobotSettings| (id.clone(), Robot::of(id.clone(), robot, &hall, fetches(&id)));
+        let all: Vec<(RobotId, Robot)> = settings.robots().map(|(id, settings)| robot(id, settings)).collect();
         let wanted = settings.core.fetcher == Fetcher::Pair;
         let pair = wanted.then(|| SimPair::new(Arc::clone(&hall), &settings.robot, settings.pair));
         let ids = all.iter().map(|(id, _)| id.clone()).chain(SimPair::ids().into_iter().filter(|_| wanted)).collect();
@@ -105,9 +107,9 @@ impl Robots {
 }
 
 impl Robot {
-    fn of(id: RobotId, settings: &RobotSettings, hall: &Arc<Hall>) -> Robot {
+    fn of(id: RobotId, settings: &RobotSettings, hall: &Arc<Hall>, fetches: bool) -> Robot {
         match settings.kind {
-            RobotKind::Sim => Robot::Sim(SimRobot::new(id, Arc::clone(hall), settings)),
+            RobotKind::Sim => Robot::Sim(SimRobot::new(id, Arc::clone(hall), settings, fetches)),
         }
     }
 }

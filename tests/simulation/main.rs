@@ -15,6 +15,7 @@ mod random_kills;
 mod random_robots;
 mod replay;
 mod retrieval;
+mod retrieval_alone;
 mod rules_alarms;
 mod rules_commands;
 mod rules_crossings;

@@ -9,7 +9,7 @@ use hallsweep_core::command::{Accepted, Command, Door, Issuer, Refused, Request}
 use hallsweep_core::effect::{Effect, Entry, Fact, Page};
 use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::{Event, RobotId};
-use hallsweep_core::settings::Settings;
+use hallsweep_core::settings::{Fetcher, Settings};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{Now, Seq, Ticket, WallTime};
 use hallsweep_core::world::snapshot::Snapshot;
@@ -33,7 +33,7 @@ pub(crate) struct Mortal {
 impl Mortal {
     pub(crate) fn born(hall: Arc<Hall>, settings: SimSettings) -> Mortal {
         let mut mortal = Mortal {
-            engine: Engine::new(Settings::default(), Default::default(), "mortal".into()),
+            engine: Engine::new(rules(&settings), Default::default(), "mortal".into()),
             sim: Sim::new(Arc::clone(&hall), settings),
             disk: Vec::new(),
             on_the_way: VecDeque::new(),
@@ -56,7 +56,7 @@ impl Mortal {
             Some(memory) => Sim::remembering(Arc::clone(&self.hall), self.settings, memory),
             None => Sim::new(Arc::clone(&self.hall), self.settings),
         };
-        let engine = Engine::recall(Settings::default(), "reborn".into(), self.recalled(), now);
+        let engine = Engine::recall(rules(&self.settings), "reborn".into(), self.recalled(), now);
         let mut reborn = Mortal { engine, sim, on_the_way: VecDeque::new(), answers: BTreeMap::new(), now, ..self };
         reborn.settle();
         reborn
@@ -153,4 +153,10 @@ impl Mortal {
             Effect::Answer(ticket, answer) => drop(self.answers.insert(ticket, answer)),
         }
     }
+}
+
+/// A robot with a hook fetches by itself.
+fn rules(sim: &SimSettings) -> Settings {
+    let usual = Settings::default();
+    Settings { fetcher: if sim.has_hook { Fetcher::Discovery } else { usual.fetcher }, ..usual }
 }

@@ -11,12 +11,14 @@
 //! Lengths are whole micrometres and angles whole microradians, so that what is written is read back exactly.
 
 use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::drive::{BodyPose, normal};
 use super::hall::{Hall, Truth};
 use super::simulator::centre_of;
 use super::sonar::way_to_contact;
+use hallsweep_core::event::Piece;
 use hallsweep_core::retrieval::Place;
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Pose;
@@ -36,12 +38,54 @@ pub struct SimMemory {
     pub outside: u8,
     /// Where its body really is.
     pub stands: Astray,
+    /// What it has taken with its hook.
+    pub taken: Taken,
     /// The motion under way, if any.
     pub motion: Option<Underway>,
     /// How long the hall has been there, over all runs: its temperature goes on from here.
     pub age: Duration,
     /// How often the robot went on after the end of a program; the noise of its sensors begins anew each time.
     pub restarts: u32,
+}
+
+/// The pieces that a robot has taken with its hook: they stand in the hall no more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Taken {
+    /// On its back.
+    pub carried: Option<Piece>,
+    /// A bit for each piece in the container, by its number.
+    pub container: [u64; Taken::WORDS],
+}
+
+impl Taken {
+    /// Nothing.
+    pub const NONE: Taken = Taken { carried: None, container: [0; Taken::WORDS] };
+
+    pub(crate) const WORDS: usize = 16;
+
+    /// Whether a piece can be remembered: numbers are counted from 1 over the hall, which has fewer.
+    #[must_use]
+    pub const fn has_room_for(piece: Piece) -> bool {
+        (piece.0 as usize) < 64 * Taken::WORDS
+    }
+
+    /// Puts what is carried into the container; which piece it was.
+    pub fn let_go(&mut self) -> Option<Piece> {
+        let piece = self.carried.take().filter(|piece| Taken::has_room_for(*piece))?;
+        self.container[piece.0 as usize / 64] |= 1 << (piece.0 % 64);
+        Some(piece)
+    }
+
+    /// The pieces in the container, by their numbers.
+    pub fn in_container(&self) -> impl Iterator<Item = Piece> {
+        let words = (0..).zip(self.container);
+        words.flat_map(|(word, bits)| (0..64).filter(move |bit| bits & (1 << bit) != 0).map(move |bit| Piece(word * 64 + bit)))
+    }
+
+    /// What stands nowhere in the hall any more.
+    pub fn gone(&self) -> impl Iterator<Item = Piece> {
+        self.carried.into_iter().chain(self.in_container())
+    }
 }
 
 /// How far a body is from the centre and heading it belongs to. At most one of the two is not zero.
@@ -68,6 +112,7 @@ impl SimMemory {
         pose: Pose::START,
         outside: 0,
         stands: Astray { ahead_um: 0, turned_urad: 0 },
+        taken: Taken::NONE,
         motion: None,
         age: Duration::ZERO,
         restarts: 0,
@@ -92,6 +137,7 @@ impl SimMemory {
 
     /// Whether all of this can be in that hall: a robot on free floor, no further astray than obstacles let it go.
     pub fn fits(&self, hall: &Hall) -> bool {
+        let hall = &hall.rearranged(&self.taken.gone().map(|piece| (piece, None)).collect());
         if self.outside > 0 {
             return self.outside <= Place::FURTHEST && self.pose == Pose::START;
         }
@@ -132,6 +178,14 @@ impl Astray {
     fn towards(self, end: Astray, share: f64) -> Astray {
         let between = |from: i64, to: i64| from + ((to - from) as f64 * share) as i64;
         Astray { ahead_um: between(self.ahead_um, end.ahead_um), turned_urad: between(self.turned_urad, end.turned_urad) }
+    }
+}
+
+/// A hall in which what was taken does not stand any more.
+pub(crate) fn without(hall: &Arc<Hall>, taken: Taken) -> Arc<Hall> {
+    match taken {
+        Taken::NONE => Arc::clone(hall),
+        taken => Arc::new(hall.rearranged(&taken.gone().map(|piece| (piece, None)).collect())),
     }
 }
 
@@ -194,6 +248,16 @@ mod tests {
             let slow = moving(turned(1_000_000), 5000).at_rest(seed);
             assert!((0..=100_000).contains(&slow.stands.turned_urad) && slow.motion.is_none(), "a tenth of the turn: {slow:?}");
         }
+    }
+
+    #[test]
+    fn what_was_let_go_is_in_the_container_and_stands_nowhere() {
+        let mut taken = Taken { carried: Some(Piece(70)), ..Taken::NONE };
+        assert_eq!(taken.gone().collect::<Vec<_>>(), [Piece(70)]);
+        assert_eq!((taken.let_go(), taken.carried), (Some(Piece(70)), None));
+        taken.carried = Some(Piece(1));
+        assert_eq!(taken.gone().collect::<Vec<_>>(), [Piece(1), Piece(70)]);
+        assert!(Taken::has_room_for(Piece(1023)) && !Taken::has_room_for(Piece(1024)));
     }
 
     #[test]

@@ -15,7 +15,8 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use super::fingerprint::Fingerprint;
 use super::hall::Hall;
-use super::memory::{Astray, SimMemory, Underway};
+use super::memory::{Astray, SimMemory, Taken, Underway};
+use hallsweep_core::event::Piece;
 use hallsweep_core::units::{Cell, Heading, Pose};
 
 /// The size of everything before the slots: room for the longest name, should each of its letters be written as six.
@@ -124,6 +125,11 @@ struct Written {
     outside: u8,
     #[serde(with = "WrittenAstray")]
     stands: Astray,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    carried: Option<u32>,
+    /// The bits of `Taken::container`, each word in hexadecimal.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    container: Vec<String>,
     motion: Option<WrittenMotion>,
     age_us: u64,
     restarts: u32,
@@ -146,10 +152,13 @@ struct WrittenMotion {
 
 impl Written {
     fn of(turn: u64, memory: &SimMemory) -> Written {
-        let SimMemory { pose: Pose { cell, heading }, outside, stands, motion, age, restarts } = *memory;
+        let SimMemory { pose: Pose { cell, heading }, outside, stands, taken, motion, age, restarts } = *memory;
+        let carried = taken.carried.map(|piece| piece.0);
+        let container = if taken.container == Taken::NONE.container { Vec::new() } else { words_of(taken.container) };
         let motion = motion.map(|Underway { to, left }| WrittenMotion { to, left_us: micros(left) });
         let heading = heading.name().to_owned();
-        Written { turn, cell: [cell.x, cell.y], heading, outside, stands, motion, age_us: micros(age), restarts }
+        let (cell, age_us) = ([cell.x, cell.y], micros(age));
+        Written { turn, cell, heading, outside, stands, carried, container, motion, age_us, restarts }
     }
 
     fn read(self) -> Option<(u64, SimMemory)> {
@@ -160,12 +169,29 @@ impl Written {
             pose: Pose { cell: Cell::new(x, y), heading },
             outside: self.outside,
             stands: self.stands,
+            taken: Taken { carried: self.carried.map(Piece), container: container_of(&self.container)? },
             motion,
             age: Duration::from_micros(self.age_us),
             restarts: self.restarts,
         };
         Some((self.turn, memory))
     }
+}
+
+fn words_of(container: [u64; Taken::WORDS]) -> Vec<String> {
+    container.iter().map(|word| format!("{word:x}")).collect()
+}
+
+/// Nothing is written of an empty container.
+fn container_of(words: &[String]) -> Option<[u64; Taken::WORDS]> {
+    let mut container = Taken::NONE.container;
+    if words.is_empty() {
+        return Some(container);
+    }
+    for (word, text) in container.iter_mut().zip(words) {
+        *word = u64::from_str_radix(text, 16).ok()?;
+    }
+    (words.len() == container.len()).then_some(container)
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
@@ -213,8 +239,19 @@ mod tests {
         let motion = proptest::option::of((astray(), micros()).prop_map(|(to, left)| Underway { to, left }));
         let pose = (any::<(i32, i32)>(), 0..4usize)
             .prop_map(|((x, y), heading)| Pose { cell: Cell::new(x, y), heading: Heading::ALL[heading] });
-        (pose, any::<u8>(), astray(), motion, micros(), any::<u32>())
-            .prop_map(|(pose, outside, stands, motion, age, restarts)| SimMemory { pose, outside, stands, motion, age, restarts })
+        let taken = (proptest::option::of(any::<u32>().prop_map(Piece)), any::<[u64; Taken::WORDS]>())
+            .prop_map(|(carried, container)| Taken { carried, container });
+        (pose, any::<u8>(), astray(), taken, motion, micros(), any::<u32>()).prop_map(
+            |(pose, outside, stands, taken, motion, age, restarts)| SimMemory {
+                pose,
+                outside,
+                stands,
+                taken,
+                motion,
+                age,
+                restarts,
+            },
+        )
     }
 
     proptest! {

@@ -21,6 +21,10 @@ pub struct SimSettings {
     pub turn: Duration,
     /// How long a photo takes.
     pub photo: Duration,
+    /// Whether it has a hook, by which it takes the piece ahead onto its back.
+    pub has_hook: bool,
+    /// How long it takes to do so, and to let go.
+    pub hook: Duration,
     /// The radius of a wheel, in metres.
     pub wheel_radius_m: f64,
     /// The distance between the wheels, in metres.
@@ -49,7 +53,9 @@ impl SimSettings {
 
     /// With every value where arithmetic holds: no move quicker than a millisecond, no wheel smaller than a millimetre.
     pub(super) fn sound(mut self) -> SimSettings {
-        (self.step, self.turn, self.photo) = (self.step.max(QUICKEST), self.turn.max(QUICKEST), self.photo.max(QUICKEST));
+        for time in [&mut self.step, &mut self.turn, &mut self.photo, &mut self.hook] {
+            *time = (*time).max(QUICKEST);
+        }
         (self.wheel_radius_m, self.axle_m) = (self.wheel_radius_m.max(0.001), self.axle_m.max(0.001));
         self
     }
@@ -66,6 +72,8 @@ impl Default for SimSettings {
             step: Duration::from_millis(330),
             turn: Duration::from_millis(500),
             photo: Duration::from_millis(300),
+            has_hook: false,
+            hook: Duration::from_millis(1500),
             wheel_radius_m: 0.04,
             axle_m: 0.28,
         }

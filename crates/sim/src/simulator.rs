@@ -8,26 +8,34 @@ use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::camera::Exposure;
 use super::drive::{BodyPose, Chassis, Motion, Wheels, normal};
 use super::hall::Hall;
-use super::memory::{SimMemory, reseeded};
+use super::memory::{SimMemory, Taken, reseeded, without};
 use super::senses::{Senses, Thermometer};
 use super::settings::SimSettings;
 use super::sonar::way_to_contact;
 use hallsweep_core::command::Move;
-use hallsweep_core::effect::{Action, Order, Stamp};
-use hallsweep_core::event::{Capabilities, Obstacle, Parts, Photo, RobotEvent, Whereabouts};
-use hallsweep_core::retrieval::Place;
+use hallsweep_core::effect::{Action, Order};
+use hallsweep_core::event::{Capabilities, Obstacle, Parts, RobotEvent, Whereabouts};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Cell, Now, OrderId, Pose};
 
+mod entrance;
+mod hook;
+mod photo;
 mod recall;
+
+use self::hook::Handling;
+use self::photo::Film;
 
 /// A robot in a hall.
 #[derive(Debug)]
 pub struct Sim {
+    /// The hall as it is without what this robot has taken.
     hall: Arc<Hall>,
+    /// The same with it.
+    floor: Arc<Hall>,
+    taken: Taken,
     settings: SimSettings,
     chassis: Chassis,
     now: Duration,
@@ -62,6 +70,7 @@ struct Task {
 enum Work {
     Drive { motion: Motion, end: End },
     Photograph { ends: Duration, film: Film },
+    Handle { ends: Duration, what: Handling },
 }
 
 /// How a motion ends when nothing cuts it short.
@@ -74,14 +83,6 @@ enum End {
     Against {
         ahead: bool,
     },
-}
-
-#[derive(Debug)]
-enum Film {
-    /// To be developed here when its time has come.
-    Here(Exposure),
-    Away,
-    Developed(Photo),
 }
 
 #[derive(Clone, Copy)]
@@ -101,6 +102,8 @@ impl Sim {
     /// A robot at rest where it is remembered to stand.
     fn placed(hall: Arc<Hall>, settings: SimSettings, memory: SimMemory) -> Sim {
         let settings = settings.sound();
+        let floor = Arc::clone(&hall);
+        let hall = without(&floor, memory.taken);
         let noise = SimSettings { seed: reseeded(settings.seed, memory.restarts), ..settings };
         let mut sim = Sim {
             chassis: Chassis { wheel_radius_m: settings.wheel_radius_m, axle_m: settings.axle_m },
@@ -108,6 +111,8 @@ impl Sim {
             pose: memory.pose,
             outside: memory.outside,
             body: memory.body(hall.cell_m()),
+            taken: memory.taken,
+            floor,
             task: None,
             led: false,
             senses: Senses::new(Arc::clone(&hall), &noise),
@@ -125,15 +130,18 @@ impl Sim {
             0 => RobotEvent::Stands(Whereabouts { pose: sim.pose, off_centre }),
             steps => RobotEvent::StandsOutside(steps, sim.pose.heading, off_centre),
         };
-        sim.events.extend([stands, RobotEvent::LinkUp(sim.capabilities())]);
+        sim.events.push_back(stands);
+        sim.tell_hook();
+        sim.events.push_back(RobotEvent::LinkUp(sim.capabilities()));
         sim
     }
 
     /// What it can do, in simulated time.
     #[must_use]
     pub const fn capabilities(&self) -> Capabilities {
-        let SimSettings { step, turn, photo, .. } = self.settings;
-        Capabilities { step, turn, photo, arm: Duration::ZERO, nudges: false, parts: Parts::ROUND_ROBOT }
+        let SimSettings { step, turn, photo, has_hook, hook, .. } = self.settings;
+        let (arm, parts) = if has_hook { (hook, Parts::ROUND_ROBOT_WITH_HOOK) } else { (Duration::ZERO, Parts::ROUND_ROBOT) };
+        Capabilities { step, turn, photo, arm, nudges: false, parts }
     }
 
     /// Begins an order, or answers at once why it cannot.
@@ -149,14 +157,14 @@ impl Sim {
             Action::Photograph(stamp) => self.begin_photo(order, stamp),
             Action::Enter => self.begin_entering(order),
             Action::Leave => self.begin_leaving(order),
-            Action::Arm(_) => self.fail(order.id, "it has no arm"),
+            Action::Arm(action) => self.begin_hook(order, action),
         }
     }
 
-    /// Stops the wheels where they are. A photo is no motion and goes on.
+    /// Stops wheels and hook where they are. A photo is no motion and goes on.
     pub fn handle_halt(&mut self, now: Now) {
         self.pass_to(now.since_start);
-        if let Some(Task { order, work: Work::Drive { .. }, .. }) = self.task {
+        if let Some(Task { order, work: Work::Drive { .. } | Work::Handle { .. }, .. }) = self.task {
             self.stop_wheels();
             self.events.push_back(RobotEvent::Halted(order, self.is_off_centre()));
         }
@@ -183,37 +191,10 @@ impl Sim {
         self.next_due().map(|(at, _)| at)
     }
 
-    /// Takes the photo under way for developing it elsewhere (drawing takes milliseconds). It must come back by
-    /// `handle_photo`; until then the order stays open.
-    pub fn take_exposure(&mut self) -> Option<(OrderId, Exposure)> {
-        let Some(Task { order, work: Work::Photograph { film, .. }, .. }) = &mut self.task else { return None };
-        let Film::Here(exposure) = film else { return None };
-        let taken = (*order, exposure.clone());
-        *film = Film::Away;
-        Some(taken)
-    }
-
-    /// Brings back a photo that was developed elsewhere. One that nobody waits for any more is dropped.
-    pub fn handle_photo(&mut self, order: OrderId, photo: Photo, now: Now) {
-        match &mut self.task {
-            Some(Task { order: open, work: Work::Photograph { film, .. }, .. }) if *open == order => {
-                *film = Film::Developed(photo)
-            }
-            Some(_) | None => {}
-        }
-        self.pass_to(now.since_start);
-    }
-
     /// Whether an order is under way.
     #[must_use]
     pub const fn is_busy(&self) -> bool {
         self.task.is_some()
-    }
-
-    /// Whether a photo is being developed elsewhere.
-    #[must_use]
-    pub const fn is_developing(&self) -> bool {
-        matches!(self.task, Some(Task { work: Work::Photograph { film: Film::Away, .. }, .. }))
     }
 
     /// Whether it stands away from the centre of its cell or between two headings.
@@ -224,8 +205,13 @@ impl Sim {
 
     /// The hall is another now: somebody has taken luggage away, or put it elsewhere.
     pub fn handle_hall(&mut self, hall: Arc<Hall>) {
-        self.senses.look_into(Arc::clone(&hall));
-        self.hall = hall;
+        self.floor = hall;
+        self.look_at_floor();
+    }
+
+    fn look_at_floor(&mut self) {
+        self.hall = without(&self.floor, self.taken);
+        self.senses.look_into(Arc::clone(&self.hall));
     }
 
     /// Where its body really is at `now`, if nothing comes between.
@@ -254,28 +240,6 @@ impl Sim {
             Move::TurnLeft => self.begin_turn(order, -FRAC_PI_2, Pose { heading: heading.left(), ..self.pose }),
             Move::TurnRight => self.begin_turn(order, FRAC_PI_2, Pose { heading: heading.right(), ..self.pose }),
             Move::NudgeLeft | Move::NudgeRight => self.fail(order.id, "it has no small corrective turns"),
-        }
-    }
-
-    fn begin_entering(&mut self, order: Order) {
-        match self.outside {
-            _ if self.is_off_centre() => self.fail(order.id, "it stands between two places: recentre first"),
-            0 => self.fail(order.id, "it is in the hall"),
-            1 => self.drive(order, 1.0, End::At(self.pose)),
-            steps => self.drive(order, 1.0, End::Outside(steps - 1)),
-        }
-    }
-
-    /// Backwards through the entrance, which is at its back.
-    fn begin_leaving(&mut self, order: Order) {
-        if self.is_off_centre() {
-            self.fail(order.id, "it stands between two places: recentre first");
-        } else if self.pose != Pose::START {
-            self.fail(order.id, "the way out begins at home, facing south");
-        } else if self.outside >= Place::FURTHEST {
-            self.fail(order.id, "nobody needs to go further out");
-        } else {
-            self.drive(order, -1.0, End::Outside(self.outside + 1));
         }
     }
 
@@ -330,11 +294,6 @@ impl Sim {
         self.begin(order, Work::Drive { motion, end });
     }
 
-    fn begin_photo(&mut self, order: Order, stamp: Stamp) {
-        let exposure = Exposure::new(Arc::clone(&self.hall), self.settings.camera, self.body, self.pose, stamp);
-        self.begin(order, Work::Photograph { ends: self.now + self.settings.photo, film: Film::Here(exposure) });
-    }
-
     fn begin(&mut self, order: Order, work: Work) {
         self.task = Some(Task { order: order.id, deadline: self.now.saturating_add(order.deadline), work });
         self.unkept = true;
@@ -375,6 +334,7 @@ impl Sim {
                 (self.pose, self.outside) = (pose, 0);
                 self.body = self.centre();
                 self.events.extend(self.senses.listen_for_change(self.body));
+                self.tell_hook();
                 self.events.push_back(RobotEvent::Done(order));
             }
             Work::Drive { motion, end: End::Against { ahead } } => {
@@ -384,20 +344,8 @@ impl Sim {
                 self.events.push_back(RobotEvent::Blocked(order, obstacle));
             }
             Work::Photograph { film, .. } => self.deliver(order, film),
+            Work::Handle { what, .. } => self.handled(order, what),
         }
-    }
-
-    fn deliver(&mut self, order: OrderId, film: Film) {
-        let photo = match film {
-            Film::Here(exposure) => exposure.develop(),
-            Film::Developed(photo) => photo,
-            Film::Away => return,
-        };
-        self.events.push_back(if self.failures.happens(self.settings.photo_failure_rate) {
-            RobotEvent::PhotoFailed(order, "the shutter did not open: take the photo again".to_owned())
-        } else {
-            RobotEvent::Photo(order, photo)
-        });
     }
 
     fn give_up(&mut self) {
@@ -425,7 +373,7 @@ impl Sim {
     fn body_at(&self, now: Duration) -> BodyPose {
         match &self.task {
             Some(Task { work: Work::Drive { motion, .. }, .. }) => motion.at(self.chassis, now),
-            Some(Task { work: Work::Photograph { .. }, .. }) | None => self.body,
+            Some(Task { work: Work::Photograph { .. } | Work::Handle { .. }, .. }) | None => self.body,
         }
     }
 }
@@ -441,6 +389,7 @@ impl Work {
     const fn ends(&self) -> Option<Duration> {
         match self {
             Work::Drive { motion, .. } => Some(motion.ends),
+            Work::Handle { ends, .. } => Some(*ends),
             Work::Photograph { film: Film::Away, .. } => None,
             Work::Photograph { ends, film: Film::Here(_) | Film::Developed(_) } => Some(*ends),
         }

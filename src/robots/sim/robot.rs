@@ -37,8 +37,9 @@ enum Remembered {
 }
 
 impl SimRobot {
-    pub(in crate::robots) fn new(id: RobotId, hall: Arc<Hall>, robot: &RobotSettings) -> SimRobot {
-        let settings = sim_settings(robot, Camera::Rendered);
+    /// With a hook, if it is to fetch by itself.
+    pub(in crate::robots) fn new(id: RobotId, hall: Arc<Hall>, robot: &RobotSettings, has_hook: bool) -> SimRobot {
+        let settings = SimSettings { has_hook, ..sim_settings(robot, Camera::Rendered) };
         SimRobot { id, hall, settings, speed: speed(robot.speed), remembered: Remembered::Nothing }
     }
 
@@ -110,7 +111,7 @@ mod tests {
 
     fn robot(id: &str, hall: &Arc<Hall>) -> SimRobot {
         let settings = crate::config::load(&crate::config::Sources::default()).expect("the defaults are good").robot;
-        SimRobot::new(RobotId::new(id).expect("a name"), Arc::clone(hall), &settings)
+        SimRobot::new(RobotId::new(id).expect("a name"), Arc::clone(hall), &settings, false)
     }
 
     fn left_at(folder: &Scratch, id: &str, hall: &Hall, x: i32) {

@@ -10,6 +10,7 @@
 mod acts;
 mod decide;
 mod facts;
+mod fetch_alone;
 mod motion;
 mod on_record;
 mod outbox;

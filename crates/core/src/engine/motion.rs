@@ -251,13 +251,13 @@ impl Engine {
         self.set_route(way);
     }
 
-    fn set_route(&mut self, way: Option<Vec<Move>>) {
+    pub(super) fn set_route(&mut self, way: Option<Vec<Move>>) {
         self.mission.route = way.unwrap_or_default().into();
         self.world.touch(Resource::Mission);
     }
 
     /// Orders the next move of the route; false when there is none.
-    fn follow_route(&mut self) -> bool {
+    pub(super) fn follow_route(&mut self) -> bool {
         let Some(step) = self.mission.route.front().copied() else { return false };
         self.order(Action::Move(step));
         true
@@ -292,7 +292,7 @@ impl Engine {
     }
 
     /// The way home; none leads there while something stands in the home cell itself.
-    fn way_home(&mut self, through: Through) -> Option<Vec<Move>> {
+    pub(super) fn way_home(&mut self, through: Through) -> Option<Vec<Move>> {
         let free = !self.state.map.at(Cell::HOME).is_obstacle();
         free.then(|| self.planner.way_to_cell(&self.state.map, self.state.pose, Cell::HOME, through))?
     }

@@ -11,6 +11,7 @@ use crate::effect::{Action, Fact};
 use crate::event::{Piece, RobotId};
 use crate::mission::{FaultCause, Input, InputContext, Phase};
 use crate::retrieval::{ArmAction, ArmState, BasePose, BaseView, Floor, Gear, Parcel, Place, Which, steer};
+use crate::robots::Part;
 use crate::settings::Fetcher;
 use crate::state::{Retrieval, RetrievalStage};
 use crate::units::{Cell, Heading, OrderId};
@@ -24,10 +25,15 @@ impl Engine {
     pub(super) fn fetchers(&self) -> Option<Vec<RobotId>> {
         let fetchers = match self.settings.fetcher {
             Fetcher::Pair => Which::ALL.map(Which::robot).to_vec(),
-            Fetcher::Discovery => vec![self.robots.searching_id().clone()],
-            Fetcher::None => return None,
+            Fetcher::Discovery if self.can_take() => vec![self.robots.searching_id().clone()],
+            Fetcher::Discovery | Fetcher::None => return None,
         };
         fetchers.iter().all(|robot| self.robots.get(robot).is_some()).then_some(fetchers)
+    }
+
+    /// Whether the robot that searches has something to take a piece with, as far as is known.
+    fn can_take(&self) -> bool {
+        self.robots.searching().controller.capabilities.is_none_or(|can| can.parts.has(Part::Gripper))
     }
 
     /// The first of those that a retrieval needs whose link is not up.
@@ -123,15 +129,19 @@ impl Engine {
 
     /// One look at a retrieval.
     pub(super) fn retrieve(&mut self) -> Turn {
-        let Some(Retrieval { stage, fetcher, .. }) = &self.state.retrieval else { return Turn::Rest };
-        match (stage, fetcher) {
+        let Some(retrieval) = &self.state.retrieval else { return Turn::Rest };
+        if retrieval.fetcher != self.settings.fetcher {
+            return self.hand_over();
+        }
+        match (&retrieval.stage, retrieval.fetcher) {
             (RetrievalStage::MakingRoom, Fetcher::Pair) => self.make_room(),
             (RetrievalStage::MakingRoom, Fetcher::Discovery | Fetcher::None) => {
                 self.set_retrieval_stage(RetrievalStage::Fetching);
                 Turn::Again
             }
             (RetrievalStage::Fetching, Fetcher::Pair) => self.fetch(),
-            (RetrievalStage::Fetching, Fetcher::Discovery | Fetcher::None) => Turn::Rest,
+            (RetrievalStage::Fetching, Fetcher::Discovery) => self.fetch_alone(),
+            (RetrievalStage::Fetching, Fetcher::None) => Turn::Rest,
             (RetrievalStage::GoingOut(reason), _) => {
                 let reason = reason.clone();
                 self.go_out(reason)
@@ -141,6 +151,19 @@ impl Engine {
                 self.come_home(reason)
             }
         }
+    }
+
+    /// The settings say since the last start that somebody else is to fetch: he begins anew, unless the piece is in the grip of who did.
+    fn hand_over(&mut self) -> Turn {
+        match self.state.retrieval.clone() {
+            Some(retrieval) if !retrieval.piece.is_empty() && self.fetchers().is_some() => {
+                let (fetcher, stage) = (self.settings.fetcher, RetrievalStage::MakingRoom);
+                self.team = None;
+                self.note_retrieval(Some(Retrieval { fetcher, stage, team: None, ..retrieval }));
+            }
+            Some(_) | None => self.not_fetched("those who fetch it by the settings are others than before".to_owned()),
+        }
+        Turn::Again
     }
 
     fn make_room(&mut self) -> Turn {
@@ -213,7 +236,7 @@ impl Engine {
         Turn::Again
     }
 
-    fn not_fetched(&mut self, reason: String) {
+    pub(super) fn not_fetched(&mut self, reason: String) {
         self.feed(Input::NotFetched, &InputContext { fault: Some(FaultCause::NotFetched(reason)), ..InputContext::default() });
     }
 

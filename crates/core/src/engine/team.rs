@@ -102,7 +102,7 @@ impl Engine {
         Ticked { team: team.unwrap_or_default(), at: None, is_awake: true }
     }
 
-    fn wanted_piece(&self) -> Option<crate::event::Piece> {
+    pub(super) fn wanted_piece(&self) -> Option<crate::event::Piece> {
         let luggage = self.state.retrieval.as_ref()?.luggage;
         self.state.luggage.get(&luggage)?.piece
     }
@@ -149,12 +149,14 @@ impl Engine {
         self.raise(Hold::Alarm, None);
     }
 
-    fn secured(&mut self) -> Turn {
-        let Some(luggage) = self.state.retrieval.as_ref().map(|retrieval| retrieval.luggage) else { return Turn::Rest };
+    /// The container holds it. The robots that fetched still have to go out.
+    pub(super) fn secured(&mut self) -> Turn {
+        let Some(Retrieval { luggage, fetcher, .. }) = self.state.retrieval.clone() else { return Turn::Rest };
         self.world.touch(Resource::Luggage);
         self.world.write(self.now.wall, Tone::Info, format!("luggage #{luggage} is in the container"));
         self.record(Fact::Secured(luggage));
-        self.set_retrieval_stage(RetrievalStage::GoingOut(None));
+        let is_outside = fetcher == Fetcher::Pair;
+        self.set_retrieval_stage(if is_outside { RetrievalStage::GoingOut(None) } else { RetrievalStage::ComingHome(None) });
         Turn::Again
     }
 }

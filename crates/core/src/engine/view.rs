@@ -55,7 +55,7 @@ impl Engine {
                 (self.view_of(id, robot), self.holds_of(robot))
             };
             let parts = robot.controller.capabilities.map(|can| can.parts);
-            let arm = parts.filter(|parts| parts.has(Part::Arm)).map(|_| robot.arm);
+            let arm = parts.filter(|parts| parts.has(Part::Gripper)).map(|_| robot.arm);
             RobotShown { id: id.clone(), view, parts, holds, arm }
         });
         robots.collect()

@@ -32,6 +32,10 @@ impl Parts {
     /// A round robot that searches: it drives, sees, measures and blinks.
     pub const ROUND_ROBOT: Parts = Parts::of(&[Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Thermometer, Part::Bump]);
 
+    /// The same with a hook, by which it takes a piece onto its back.
+    pub const ROUND_ROBOT_WITH_HOOK: Parts =
+        Parts::of(&[Part::Base, Part::Camera, Part::Sonar, Part::Led, Part::Thermometer, Part::Bump, Part::Gripper]);
+
     /// A robot that fetches: it drives, sees, reaches out and takes hold.
     pub const MANIPULATOR: Parts = Parts::of(&[Part::Base, Part::Camera, Part::Bump, Part::Arm, Part::Gripper]);
 

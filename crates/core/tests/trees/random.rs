@@ -75,6 +75,13 @@ fn trees(kinds: &'static [&'static str], words: &'static [&'static str]) -> impl
                 }
                 (Family::Control, _) => children,
             };
+            // A second AsyncSequence in a ReactiveSequence is refused.
+            let mut asyncs = 0;
+            let is_allowed = |child: &Element| {
+                asyncs += u32::from(child.id == "AsyncSequence");
+                kind != "ReactiveSequence" || child.id != "AsyncSequence" || asyncs < 2
+            };
+            let children = children.into_iter().filter(is_allowed).collect();
             let element = Element::new(kind, children);
             match kind {
                 "Parallel" => element.with("success_count", &first.to_string()).with("failure_count", &second.to_string()),

@@ -24,12 +24,13 @@ impl Sim {
                 to: Astray::between(centre, motion.at(self.chassis, motion.ends)),
                 left: motion.ends.saturating_sub(self.now.max(motion.began)),
             }),
-            Some(Work::Photograph { .. }) | None => None,
+            Some(Work::Photograph { .. } | Work::Handle { .. }) | None => None,
         };
         SimMemory {
             pose: self.pose,
             outside: self.outside,
             stands: Astray::between(centre, self.body_at(self.now)),
+            taken: self.taken,
             motion,
             age: self.before.saturating_add(self.now),
             restarts: self.restarts,

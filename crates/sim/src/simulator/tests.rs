@@ -3,6 +3,7 @@
 
 use super::super::settings::Camera;
 use super::*;
+use hallsweep_core::effect::Stamp;
 use hallsweep_core::units::{Cell, Epoch, Heading};
 
 mod recall;

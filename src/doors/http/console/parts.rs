@@ -5,7 +5,7 @@ use askama::Template;
 
 use super::carriers::carriers;
 use super::hall;
-use super::retrieval::{Row, STAGES, armed, rows, sign};
+use super::retrieval::{Row, armed, rows, sign, stages};
 use super::view::{View, failure, place};
 use crate::api::luggage::photo_url;
 use crate::api::retrieval::ArmJson;
@@ -238,8 +238,8 @@ impl Alarms<'_> {
 }
 
 impl Retrieval<'_> {
-    const fn stages(&self) -> &'static [(&'static str, &'static str)] {
-        &STAGES
+    fn stages(&self, fetcher: &Fetcher) -> &'static [(&'static str, &'static str)] {
+        stages(*fetcher)
     }
 
     fn is_secured(&self) -> bool {
@@ -248,6 +248,11 @@ impl Retrieval<'_> {
 
     fn armed(&self) -> Vec<(&RobotShown, ArmState, ArmJson)> {
         armed(&self.v.snapshot.robots)
+    }
+
+    /// A hook has no figures of how well it holds.
+    fn has_arm(&self, robot: &RobotShown) -> bool {
+        robot.parts.is_some_and(|parts| parts.has(hallsweep_core::robots::Part::Arm))
     }
 
     fn fetcher(&self, fetcher: &Fetcher) -> &'static str {

@@ -4,6 +4,7 @@
 use hallsweep_core::behaviour::Status;
 use hallsweep_core::mission::Hold;
 use hallsweep_core::retrieval::ArmState;
+use hallsweep_core::settings::Fetcher;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::retrieval::NodeShown;
@@ -12,12 +13,24 @@ use hallsweep_core::world::robot::RobotShown;
 use crate::api::retrieval::ArmJson;
 
 /// The stages in their order, by the word of the doors and in words for an operator.
-pub(super) const STAGES: [(&str, &str); 4] = [
+const BY_THE_PAIR: [(&str, &str); 4] = [
     ("makingRoom", "the robot that searched makes room"),
     ("fetching", "the pair fetches the piece"),
     ("goingOut", "the pair goes out"),
     ("comingHome", "the robot that searched comes home"),
 ];
+
+/// The one that searches needs no room, and is home when the piece is in the container.
+const ALONE: [(&str, &str); 1] = [("fetching", "the robot that searched fetches the piece")];
+
+/// The stages by who fetches.
+pub(super) const fn stages(fetcher: Fetcher) -> &'static [(&'static str, &'static str)] {
+    match fetcher {
+        Fetcher::Pair => &BY_THE_PAIR,
+        Fetcher::Discovery => &ALONE,
+        Fetcher::None => &[],
+    }
+}
 
 /// A node in its place among the rows of its tree.
 pub(super) struct Row<'a> {

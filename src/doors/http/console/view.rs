@@ -138,7 +138,7 @@ impl View<'_> {
         match self.is_still() {
             true if self.snapshot.mission.holds.contains(&Hold::Operator) => "held by STOP",
             false if is_halting => HALTING,
-            false if searching_stands && !self.snapshot.robot.halting => "the pair moves",
+            false if searching_stands => "the pair moves",
             true | false => self.robot_state(),
         }
     }

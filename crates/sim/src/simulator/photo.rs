@@ -1,0 +1,64 @@
+//! Photos of the simulated robot: they take time, may be developed elsewhere, and may fail. How a picture is drawn stands in `camera`.
+
+use std::sync::Arc;
+
+use super::super::camera::Exposure;
+use super::{Sim, Task, Work};
+use hallsweep_core::effect::{Order, Stamp};
+use hallsweep_core::event::{Photo, RobotEvent};
+use hallsweep_core::units::{Now, OrderId};
+
+#[derive(Debug)]
+pub(super) enum Film {
+    /// To be developed here when its time has come.
+    Here(Exposure),
+    Away,
+    Developed(Photo),
+}
+
+impl Sim {
+    /// Takes the photo under way for developing it elsewhere (drawing takes milliseconds). It must come back by
+    /// `handle_photo`; until then the order stays open.
+    pub fn take_exposure(&mut self) -> Option<(OrderId, Exposure)> {
+        let Some(Task { order, work: Work::Photograph { film, .. }, .. }) = &mut self.task else { return None };
+        let Film::Here(exposure) = film else { return None };
+        let taken = (*order, exposure.clone());
+        *film = Film::Away;
+        Some(taken)
+    }
+
+    /// Brings back a photo that was developed elsewhere. One that nobody waits for any more is dropped.
+    pub fn handle_photo(&mut self, order: OrderId, photo: Photo, now: Now) {
+        match &mut self.task {
+            Some(Task { order: open, work: Work::Photograph { film, .. }, .. }) if *open == order => {
+                *film = Film::Developed(photo)
+            }
+            Some(_) | None => {}
+        }
+        self.pass_to(now.since_start);
+    }
+
+    /// Whether a photo is being developed elsewhere.
+    #[must_use]
+    pub const fn is_developing(&self) -> bool {
+        matches!(self.task, Some(Task { work: Work::Photograph { film: Film::Away, .. }, .. }))
+    }
+
+    pub(super) fn begin_photo(&mut self, order: Order, stamp: Stamp) {
+        let exposure = Exposure::new(Arc::clone(&self.hall), self.settings.camera, self.body, self.pose, stamp);
+        self.begin(order, Work::Photograph { ends: self.now + self.settings.photo, film: Film::Here(exposure) });
+    }
+
+    pub(super) fn deliver(&mut self, order: OrderId, film: Film) {
+        let photo = match film {
+            Film::Here(exposure) => exposure.develop(),
+            Film::Developed(photo) => photo,
+            Film::Away => return,
+        };
+        self.events.push_back(if self.failures.happens(self.settings.photo_failure_rate) {
+            RobotEvent::PhotoFailed(order, "the shutter did not open: take the photo again".to_owned())
+        } else {
+            RobotEvent::Photo(order, photo)
+        });
+    }
+}

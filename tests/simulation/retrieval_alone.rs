@@ -1,0 +1,152 @@
+//! The robot that searches fetches the dangerous piece itself (mission §4, rule 7): in the halls that come with the program and in random ones,
+//! with stops, heat and kills at random moments. A failure prints its seed.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use hallsweep_core::command::{Command, LuggageRef, TemperatureReport, Verdict};
+use hallsweep_core::event::Piece;
+use hallsweep_core::mission::PhaseName;
+use hallsweep_core::rng::RandomStream;
+use hallsweep_core::units::Cell;
+use hallsweep_core::world::snapshot::Snapshot;
+use hallsweep_sim::{Camera, Hall, SimSettings};
+
+use crate::halls;
+use crate::mortal::Mortal;
+
+/// More than happens in any of these missions.
+const LONG: usize = 400_000;
+
+fn with_hook(seed: u64) -> SimSettings {
+    SimSettings { has_hook: true, ..SimSettings::new(seed, Camera::Stub) }
+}
+
+/// Searches until a piece is met that is said to be dangerous, and the robot is home; false when there is none.
+fn locate(mortal: &mut Mortal, is_bomb: impl Fn(&Snapshot) -> bool) -> bool {
+    mortal.keep_all();
+    mortal.give(Command::Start).expect("nothing holds it");
+    for _ in 0..LONG {
+        mortal.keep_all();
+        let state = mortal.state();
+        match (state.pending(), state.mission.phase) {
+            (Some(piece), _) => {
+                let verdict = if is_bomb(&state) { Verdict::Danger } else { Verdict::Safe };
+                mortal.give(Command::Verdict { luggage: LuggageRef::Id(piece.id), verdict }).expect("it is asked about");
+            }
+            (None, PhaseName::BombLocated) => return true,
+            (None, PhaseName::Explored) => return false,
+            (None, _) => assert!(mortal.advance(), "stuck: {:?}", state.mission),
+        }
+    }
+    panic!("the search has no end");
+}
+
+/// Whether the piece is on record as secured exactly when it is in the container.
+fn check(mortal: &mut Mortal, seed: u64) -> bool {
+    let state = mortal.state();
+    let inside: BTreeSet<Piece> = mortal.sim.taken_in().collect();
+    let secured: BTreeSet<Piece> =
+        state.luggage.iter().filter(|luggage| luggage.secured.is_some()).filter_map(|luggage| luggage.piece).collect();
+    assert!(secured.is_subset(&inside), "seed {seed}: {secured:?} are said to be in the container, which holds {inside:?}");
+    let is_done = state.mission.phase == PhaseName::BagSecured;
+    assert!(!is_done || (secured.len() == 1 && state.robot.pose.cell == Cell::HOME), "seed {seed}: {state:?}");
+    is_done
+}
+
+/// Lets it go on to its end; START where something that START clears holds it.
+fn go_on(mortal: &mut Mortal, seed: u64) {
+    for _ in 0..LONG {
+        mortal.keep_all();
+        if check(mortal, seed) {
+            return;
+        }
+        let state = mortal.state();
+        assert_ne!(state.mission.phase, PhaseName::Fault, "seed {seed}: {:?}", state.mission.fault);
+        let gave = !state.mission.holds.is_empty() && mortal.give(Command::Start).is_ok();
+        assert!(gave || mortal.advance(), "seed {seed}: stuck: {:?}", state.mission);
+    }
+    panic!("seed {seed}: the retrieval has no end: {:?}", mortal.state().mission);
+}
+
+#[test]
+fn it_brings_every_bag_of_the_built_in_halls_home() {
+    for name in ["airport", "seed"] {
+        let hall = Arc::new(Hall::named_or_file(name).expect("it comes with the program"));
+        for bag in hall.pieces() {
+            let mut mortal = Mortal::born(Arc::clone(&hall), with_hook(1));
+            let is_bomb = |state: &Snapshot| state.pending().is_some_and(|piece| piece.piece == Some(bag.piece));
+            assert!(locate(&mut mortal, is_bomb), "{name}: {bag:?} is met");
+            mortal.give(Command::Retrieve).expect("the robot is home");
+            go_on(&mut mortal, 0);
+            assert_eq!(mortal.sim.taken_in().collect::<Vec<_>>(), [bag.piece], "{name}");
+            mortal.give(Command::Start).expect("a new search begins");
+            mortal.keep_all();
+            assert_eq!(mortal.state().mission.id.0, 2);
+        }
+    }
+}
+
+#[test]
+fn whatever_stops_heats_or_kills_it_the_bag_is_secured_when_it_is_in_the_container_and_never_before() {
+    let (mut fetched, mut kills, mut carried) = (0, 0, 0);
+    for seed in 0..200 {
+        let mut dice = RandomStream::new(seed, "alone");
+        let mut mortal = Mortal::born(halls::random(seed, 10), with_hook(seed));
+        let bomb = dice.below(3);
+        let is_bomb = |state: &Snapshot| state.luggage.len() as u64 > bomb;
+        if !locate(&mut mortal, is_bomb) {
+            continue;
+        }
+        fetched += 1;
+        mortal.give(Command::Retrieve).expect("the robot is home");
+        for _ in 0..dice.below(12) {
+            (0..dice.below(12)).for_each(|_| {
+                mortal.advance();
+                (0..dice.below(3)).for_each(|_| {
+                    mortal.keep_one();
+                });
+            });
+            if check(&mut mortal, seed) {
+                break;
+            }
+            match dice.below(3) {
+                0 => drop(mortal.give(Command::Stop)),
+                1 => heat(&mut mortal),
+                _ => {
+                    kills += 1;
+                    carried += u32::from(mortal.sim.hook().holds.is_some());
+                    mortal = mortal.killed(dice.below(4) as usize);
+                }
+            }
+            stands_still(&mut mortal, seed);
+            if check(&mut mortal, seed) {
+                break;
+            }
+            drop(mortal.give(Command::Start));
+        }
+        go_on(&mut mortal, seed);
+    }
+    assert!(
+        fetched > 80 && kills > 100 && carried > 10,
+        "{fetched} fetched, {kills} kills, {carried} of them with a bag on its back"
+    );
+}
+
+/// Too hot, and cool again: START is refused in between, and nothing moves by itself afterwards.
+fn heat(mortal: &mut Mortal) {
+    mortal.give(Command::Temperature(TemperatureReport::TooHigh)).expect("anybody may say so");
+    mortal.keep_all();
+    if mortal.state().mission.phase == PhaseName::Retrieving {
+        assert!(mortal.give(Command::Start).is_err(), "it is too hot");
+    }
+    mortal.give(Command::Temperature(TemperatureReport::Ok)).expect("anybody may say so");
+}
+
+fn stands_still(mortal: &mut Mortal, seed: u64) {
+    let before = (mortal.body(), mortal.sim.hook());
+    mortal.wait_a_minute();
+    mortal.keep_all();
+    mortal.wait_a_minute();
+    assert_eq!((mortal.body(), mortal.sim.hook()), before, "seed {seed}: it moved without a START");
+}
