@@ -52,6 +52,9 @@ pub struct Moment {
     pub entries: BTreeMap<Arc<str>, Value>,
 }
 
+/// Nodes and entries that are otherwise than before.
+type Changes = (Vec<(NodeId, Standing)>, Vec<(Arc<str>, Option<Value>)>);
+
 impl Moment {
     fn of(tree: &Tree, blackboard: &Blackboard) -> Moment {
         let held = blackboard.entries().filter_map(|entry| Some((Arc::from(entry.name()), entry.value()?.clone())));
@@ -60,7 +63,7 @@ impl Moment {
     }
 
     /// The nodes and the entries that are otherwise in another moment of the same tree.
-    fn changes(&self, other: &Moment) -> (Vec<(NodeId, Standing)>, Vec<(Arc<str>, Option<Value>)>) {
+    fn changes(&self, other: &Moment) -> Changes {
         let before = self.nodes.iter().copied().chain(std::iter::repeat(Standing::default()));
         let nodes = (0..).map(NodeId).zip(other.nodes.iter().copied()).zip(before);
         let nodes = nodes.filter(|((_, now), before)| now != before).map(|(node, _)| node).collect();

@@ -1,7 +1,8 @@
 //! Behaviour trees through the public door of the core: the rules of every node as tables, and random trees beside a second
-//! interpreter that was written from the rules alone.
+//! interpreter that was written from the rules alone, and beside BehaviorTree.CPP.
 #![expect(clippy::unwrap_used, clippy::wildcard_enum_match_arm, reason = "all of this is test")]
 
+mod beside_behaviortree_cpp;
 mod conditions;
 mod random;
 mod reference;
