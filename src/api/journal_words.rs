@@ -103,6 +103,7 @@ fn fetching(retrieval: &Retrieval) -> String {
     let how = match stage {
         RetrievalStage::MakingRoom => "room is made".to_owned(),
         RetrievalStage::Fetching => "it is fetched".to_owned(),
+        RetrievalStage::LettingGo => "it is put into the container".to_owned(),
         RetrievalStage::GoingOut(Some(reason)) => format!("given up: {reason}"),
         RetrievalStage::GoingOut(None) | RetrievalStage::ComingHome(None) => "it is in the container".to_owned(),
         RetrievalStage::ComingHome(Some(reason)) => format!("not fetched: {reason}"),

@@ -14,7 +14,7 @@ use hallsweep_core::world::snapshot::Snapshot;
 pub struct RetrievalJson {
     /// When it last changed.
     pub revision: u64,
-    /// `none`, `makingRoom`, `fetching`, `goingOut` or `comingHome`.
+    /// `none`, `makingRoom`, `fetching`, `lettingGo`, `goingOut` or `comingHome`.
     pub stage: &'static str,
     /// The piece that is fetched.
     pub luggage: Option<u64>,

@@ -57,11 +57,12 @@ impl Robots {
 
     /// Looks for what is remembered of them in the data folder. Nothing is written.
     pub fn recall(&mut self, folder: &Path) {
-        for (_, Robot::Sim(robot)) in &mut self.all {
-            robot.recall(folder);
-        }
         if let Some(pair) = &mut self.pair {
             pair.recall(folder);
+        }
+        let floor = self.pair.as_ref().map_or_else(|| Arc::clone(&self.hall), SimPair::floor);
+        for (_, Robot::Sim(robot)) in &mut self.all {
+            robot.recall(folder, &floor);
         }
     }
 

@@ -8,7 +8,7 @@ use hallsweep_core::command::{Command, LuggageRef, TemperatureReport, Verdict};
 use hallsweep_core::event::Piece;
 use hallsweep_core::mission::PhaseName;
 use hallsweep_core::rng::RandomStream;
-use hallsweep_core::units::Cell;
+use hallsweep_core::units::{AlarmId, Cell};
 use hallsweep_core::world::snapshot::Snapshot;
 use hallsweep_sim::{Camera, Hall, SimSettings};
 
@@ -111,7 +111,10 @@ fn whatever_stops_heats_or_kills_it_the_bag_is_secured_when_it_is_in_the_contain
                 break;
             }
             match dice.below(3) {
-                0 => drop(mortal.give(Command::Stop)),
+                0 => {
+                    drop(mortal.give(Command::Stop));
+                    is_not_put_away_with_a_bag_on_its_back(&mut mortal, seed);
+                }
                 1 => heat(&mut mortal),
                 _ => {
                     kills += 1;
@@ -131,6 +134,16 @@ fn whatever_stops_heats_or_kills_it_the_bag_is_secured_when_it_is_in_the_contain
         fetched > 80 && kills > 100 && carried > 10,
         "{fetched} fetched, {kills} kills, {carried} of them with a bag on its back"
     );
+}
+
+/// A new search with the bag on the robot's back would be the worst of all.
+fn is_not_put_away_with_a_bag_on_its_back(mortal: &mut Mortal, seed: u64) {
+    mortal.keep_all();
+    drop(mortal.give(Command::Acknowledge(AlarmId(1))));
+    mortal.keep_all();
+    if mortal.sim.hook().holds.is_some() {
+        assert!(mortal.give(Command::Reset).is_err(), "seed {seed}: the mission is put away with the bag on the robot's back");
+    }
 }
 
 /// Too hot, and cool again: START is refused in between, and nothing moves by itself afterwards.

@@ -180,6 +180,7 @@ fn retrieval() -> impl Strategy<Value = Retrieval> {
     let stage = prop_oneof![
         Just(RetrievalStage::MakingRoom),
         Just(RetrievalStage::Fetching),
+        Just(RetrievalStage::LettingGo),
         option::of(text()).prop_map(RetrievalStage::GoingOut),
         option::of(text()).prop_map(RetrievalStage::ComingHome),
     ];

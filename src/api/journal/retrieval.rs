@@ -32,6 +32,7 @@ pub(super) struct RetrievalShape {
 enum StageShape {
     MakingRoom,
     Fetching,
+    LettingGo,
     GoingOut(Option<String>),
     ComingHome(Option<String>),
 }
@@ -44,6 +45,7 @@ impl From<&Retrieval> for RetrievalShape {
             stage: match &retrieval.stage {
                 RetrievalStage::MakingRoom => StageShape::MakingRoom,
                 RetrievalStage::Fetching => StageShape::Fetching,
+                RetrievalStage::LettingGo => StageShape::LettingGo,
                 RetrievalStage::GoingOut(reason) => StageShape::GoingOut(reason.clone()),
                 RetrievalStage::ComingHome(reason) => StageShape::ComingHome(reason.clone()),
             },
@@ -63,6 +65,7 @@ impl RetrievalShape {
             stage: match self.stage {
                 StageShape::MakingRoom => RetrievalStage::MakingRoom,
                 StageShape::Fetching => RetrievalStage::Fetching,
+                StageShape::LettingGo => RetrievalStage::LettingGo,
                 StageShape::GoingOut(reason) => RetrievalStage::GoingOut(reason),
                 StageShape::ComingHome(reason) => RetrievalStage::ComingHome(reason),
             },

@@ -386,7 +386,7 @@ mod tests {
 
     /// Begins with what the state file in this folder remembers.
     async fn begin_in(folder: &Path, speed: Speed) -> (Test, Whereabouts) {
-        let (state_file, memory) = SimStateFile::open(folder, &RobotId::discovery(), &hall()).unwrap();
+        let (state_file, memory) = SimStateFile::open(folder, &RobotId::discovery(), &hall(), &hall()).unwrap();
         let settings = SimSettings::new(1, Camera::Stub);
         let sim = match memory {
             Some(memory) => Sim::remembering(hall(), settings, memory),
@@ -398,7 +398,7 @@ mod tests {
     /// Looks into the folder until what is remembered there is as expected.
     async fn until_remembered(folder: &Path, expect: impl Fn(SimMemory) -> bool) {
         let seen = async {
-            while !SimStateFile::open(folder, &RobotId::discovery(), &hall()).unwrap().1.is_some_and(&expect) {
+            while !SimStateFile::open(folder, &RobotId::discovery(), &hall(), &hall()).unwrap().1.is_some_and(&expect) {
                 tokio::time::sleep(Duration::from_millis(1)).await;
             }
         };

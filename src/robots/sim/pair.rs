@@ -14,7 +14,7 @@ use crate::robots::Adapter;
 use crate::runtime::clock::Clock;
 use hallsweep_core::event::RobotId;
 use hallsweep_core::retrieval::{BasePose, Place, Which};
-use hallsweep_core::units::Pose;
+use hallsweep_core::units::{Now, Pose};
 use hallsweep_sim::pair::{Mishaps, Pair, PairMemory, PairSettings, Slip};
 use hallsweep_sim::{Hall, Speed};
 
@@ -63,6 +63,13 @@ impl SimPair {
             Err(StateFileError::OtherHall { .. }) => Remembered::Elsewhere(folder.to_owned()),
             Err(lost) => Remembered::Lost(lost.to_string()),
         };
+    }
+
+    /// The hall as the pair left it: what it has taken away others do not meet.
+    pub(in crate::robots) fn floor(&self) -> Arc<Hall> {
+        let Remembered::Here(_, Some(memory)) = &self.remembered else { return Arc::clone(&self.hall) };
+        let pair = Pair::remembering(Arc::clone(&self.hall), self.settings.clone(), (**memory).clone(), Now::default());
+        Arc::new(self.hall.rearranged(&pair.moved()))
     }
 
     /// Why nobody knows where it is, when that is so.

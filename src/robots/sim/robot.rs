@@ -43,8 +43,9 @@ impl SimRobot {
         SimRobot { id, hall, settings, speed: speed(robot.speed), remembered: Remembered::Nothing }
     }
 
-    pub(in crate::robots) fn recall(&mut self, folder: &Path) {
-        self.remembered = match SimStateFile::open(folder, &self.id, &self.hall) {
+    /// `floor` is the hall as others have left it.
+    pub(in crate::robots) fn recall(&mut self, folder: &Path, floor: &Hall) {
+        self.remembered = match SimStateFile::open(folder, &self.id, &self.hall, floor) {
             Ok((state_file, memory)) => Remembered::Here(state_file, memory),
             Err(StateFileError::OtherHall { remembered, .. }) => Remembered::Elsewhere(folder.to_owned(), remembered),
             Err(lost) => Remembered::Lost(lost.to_string()),
@@ -137,10 +138,21 @@ mod tests {
         left_at(&folder, "porter", &hall, 2);
         for (id, x) in [("discovery", 1), ("porter", 2), ("arm", 0)] {
             let mut robot = robot(id, &hall);
-            robot.recall(&folder.0);
+            robot.recall(&folder.0, &hall);
             assert_eq!((robot.lost(), robot.other_hall()), (None, None));
             assert_eq!(within("where it is", stands(robot)).await, Some(x), "{id}");
         }
+    }
+
+    #[tokio::test]
+    async fn it_may_have_been_left_where_others_have_taken_a_piece_away() {
+        let (folder, hall, floor) = (Scratch::new(), hall("first", &["Sa.."]), hall("first", &["S..."]));
+        left_at(&folder, "discovery", &hall, 1);
+        let mut robot = robot("discovery", &hall);
+        robot.recall(&folder.0, &hall);
+        assert!(robot.lost().is_some(), "it stands where a piece stands");
+        robot.recall(&folder.0, &floor);
+        assert_eq!(robot.lost(), None);
     }
 
     #[tokio::test]
@@ -148,7 +160,7 @@ mod tests {
         let (folder, hall) = (Scratch::new(), hall("first", &["S..."]));
         std::fs::write(folder.0.join("simulated-robot-porter.txt"), "not ours").expect("the folder can be written");
         let mut robot = robot("porter", &hall);
-        robot.recall(&folder.0);
+        robot.recall(&folder.0, &hall);
         assert!(robot.lost().is_some_and(|lost| lost.contains("simulated-robot-porter.txt")), "{:?}", robot.lost());
         assert_eq!(stands(robot).await, None);
     }
@@ -159,7 +171,7 @@ mod tests {
         for keeps in [true, false] {
             left_at(&folder, "porter", &first, 2);
             let mut there = robot("porter", &second);
-            there.recall(&folder.0);
+            there.recall(&folder.0, &second);
             assert_eq!(there.other_hall(), Some("first"));
             there.put_down();
             if keeps {
@@ -167,7 +179,7 @@ mod tests {
             }
             assert_eq!(stands(there).await, Some(0));
             let mut again = robot("porter", &first);
-            again.recall(&folder.0);
+            again.recall(&folder.0, &first);
             assert_eq!(again.other_hall(), if keeps { None } else { Some("second") });
         }
     }

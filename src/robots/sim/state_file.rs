@@ -40,8 +40,14 @@ pub(super) struct SimStateFile {
 
 impl SimStateFile {
     /// This robot's state file in the folder `dir` and what it remembers of this hall; nothing when there is no file yet. Nothing is
-    /// written, and a file that cannot be read or understood, or is of another hall, stays as it is.
-    pub(super) fn open(dir: &Path, robot: &RobotId, hall: &Hall) -> Result<(SimStateFile, Option<SimMemory>), StateFileError> {
+    /// written, and a file that cannot be read or understood, or is of another hall, stays as it is. `floor` is the hall as others
+    /// have left it.
+    pub(super) fn open(
+        dir: &Path,
+        robot: &RobotId,
+        hall: &Hall,
+        floor: &Hall,
+    ) -> Result<(SimStateFile, Option<SimMemory>), StateFileError> {
         let mut state_file = SimStateFile::begin_anew(dir, robot, hall);
         let path = || state_file.file.path().to_owned();
         let Some(bytes) = state_file.file.read(page::SIZE).map_err(|error| StateFileError::Unreadable { path: path(), error })?
@@ -60,7 +66,7 @@ impl SimStateFile {
             let (remembered, given) = (whose.hall, state_file.whose.hall.clone());
             return Err(StateFileError::OtherHall { path: path(), remembered, given });
         }
-        if !memory.fits(hall) {
+        if !memory.fits(floor) {
             let fault = "it says that the robot stands where it cannot be".to_owned();
             return Err(StateFileError::Damaged { path: path(), fault });
         }

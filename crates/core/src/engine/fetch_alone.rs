@@ -6,6 +6,7 @@ use super::motion::Turn;
 use crate::effect::Action;
 use crate::retrieval::{ArmAction, Place, RetrievalFault};
 use crate::search::plan::Through;
+use crate::state::RetrievalStage;
 use crate::units::{Cell, Heading, Pose};
 
 impl Engine {
@@ -15,24 +16,37 @@ impl Engine {
         if self.steps_outside(self.robots.searching_id()) > 0 {
             return self.order(Action::Enter);
         }
-        let holds = self.robots.searching().arm.holds;
         let is_lifted = self.state.retrieval.as_ref().is_some_and(|retrieval| retrieval.piece.is_empty());
-        match (holds, is_lifted) {
-            (Some(_), _) if self.is_home() => self.order(Action::Arm(ArmAction::Release)),
+        match (self.robots.searching().arm.holds, is_lifted) {
+            (Some(parcel), _) if self.wanted_piece().is_some_and(|wanted| wanted != parcel.piece) => {
+                self.give_up(RetrievalFault::WrongParcel.in_words())
+            }
+            (Some(_), _) if self.is_home() => {
+                self.set_retrieval_stage(RetrievalStage::LettingGo);
+                Turn::Again
+            }
             (Some(_), _) => self.carry_home(),
-            // It has let go of it where the container stands, and nowhere else.
-            (None, true) if self.is_home() => self.secured(),
             (None, true) => self.give_up("the robot does not hold the piece any more, and it is not in the container"),
             (None, false) => self.go_and_take(),
         }
     }
 
+    /// That it is about to is on record before it does, so a piece that is gone then was let go where the container stands.
+    pub(super) fn let_go(&mut self) -> Turn {
+        match self.robots.searching().arm.holds {
+            _ if !self.is_home() => self.give_up("the robot is not at home, where the container stands"),
+            Some(_) => self.order(Action::Arm(ArmAction::Release)),
+            None => self.secured(),
+        }
+    }
+
+    /// By the way it came: nothing unknown is entered with a piece that may explode.
     fn carry_home(&mut self) -> Turn {
         if self.mission.route.is_empty() {
-            let way = self.way_home(Through::Known).or_else(|| self.way_home(Through::Unknown));
+            let way = self.way_home(Through::Known);
             self.set_route(way);
         }
-        if self.follow_route() { Turn::Rest } else { self.give_up("no way leads home with the piece") }
+        if self.follow_route() { Turn::Rest } else { self.give_up("no known way leads home with the piece") }
     }
 
     fn go_and_take(&mut self) -> Turn {
@@ -41,6 +55,7 @@ impl Engine {
         if self.piece_to_fetch().any(|cell| cell == ahead) {
             return self.take(Place::Cell(ahead));
         }
+        self.seen = None;
         if self.mission.route.is_empty() {
             let way = self.way_to_piece();
             self.set_route(way);

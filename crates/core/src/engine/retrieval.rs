@@ -48,10 +48,14 @@ impl Engine {
         self.state.retrieval.is_some() && self.fetchers().is_some_and(|fetchers| fetchers.contains(robot))
     }
 
-    /// The first robot that is not where a mission begins, while the retrieval that brings it there can go on.
+    /// The first robot that is not where a mission begins, while the retrieval that brings it there can go on; and the one that searches
+    /// as long as it carries something.
     pub(super) fn abroad(&self, phase: &Phase) -> Option<RobotId> {
         let can_go_on = self.state.retrieval.is_some() && self.fault_stands(phase).is_none();
         let searching = Some(self.robots.searching_id().clone()).filter(|robot| self.steps_outside(robot) > 0);
+        if self.robots.searching().arm.holds.is_some() {
+            return Some(self.robots.searching_id().clone());
+        }
         let is_inside = |robot: &RobotId| !self.searches(robot) && self.steps_outside(robot) == 0;
         searching.or_else(|| self.fetchers()?.into_iter().find(is_inside)).filter(|_| can_go_on)
     }
@@ -141,6 +145,7 @@ impl Engine {
             }
             (RetrievalStage::Fetching, Fetcher::Pair) => self.fetch(),
             (RetrievalStage::Fetching, Fetcher::Discovery) => self.fetch_alone(),
+            (RetrievalStage::LettingGo, _) => self.let_go(),
             (RetrievalStage::Fetching, Fetcher::None) => Turn::Rest,
             (RetrievalStage::GoingOut(reason), _) => {
                 let reason = reason.clone();

@@ -31,6 +31,8 @@ pub enum RetrievalStage {
     MakingRoom,
     /// The piece is fetched.
     Fetching,
+    /// The robot that fetches by itself has it at home and is about to let go of it.
+    LettingGo,
     /// It is in the container, or cannot be fetched, for this reason: the robots that fetched go back outside.
     GoingOut(Option<String>),
     /// Everybody is outside: the robot that searches comes home, and then the piece is secured, or for this reason it is not.
@@ -44,6 +46,7 @@ impl RetrievalStage {
         match self {
             RetrievalStage::MakingRoom => "makingRoom",
             RetrievalStage::Fetching => "fetching",
+            RetrievalStage::LettingGo => "lettingGo",
             RetrievalStage::GoingOut(_) => "goingOut",
             RetrievalStage::ComingHome(_) => "comingHome",
         }
@@ -54,7 +57,7 @@ impl RetrievalStage {
     pub fn reason(&self) -> Option<&str> {
         match self {
             RetrievalStage::GoingOut(reason) | RetrievalStage::ComingHome(reason) => reason.as_deref(),
-            RetrievalStage::MakingRoom | RetrievalStage::Fetching => None,
+            RetrievalStage::MakingRoom | RetrievalStage::Fetching | RetrievalStage::LettingGo => None,
         }
     }
 }

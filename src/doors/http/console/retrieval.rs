@@ -21,7 +21,8 @@ const BY_THE_PAIR: [(&str, &str); 4] = [
 ];
 
 /// The one that searches needs no room, and is home when the piece is in the container.
-const ALONE: [(&str, &str); 1] = [("fetching", "the robot that searched fetches the piece")];
+const ALONE: [(&str, &str); 2] =
+    [("fetching", "the robot that searched fetches the piece"), ("lettingGo", "it puts the piece into the container")];
 
 /// The stages by who fetches.
 pub(super) const fn stages(fetcher: Fetcher) -> &'static [(&'static str, &'static str)] {

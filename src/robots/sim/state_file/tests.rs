@@ -16,20 +16,20 @@ fn at(x: i32) -> SimMemory {
 }
 
 fn remembered(folder: &Scratch) -> Option<SimMemory> {
-    SimStateFile::open(&folder.0, &RobotId::discovery(), &hall()).unwrap().1
+    SimStateFile::open(&folder.0, &RobotId::discovery(), &hall(), &hall()).unwrap().1
 }
 
 #[test]
 fn a_new_folder_remembers_nothing_and_then_the_last_that_was_kept() {
     let folder = Scratch::new();
-    let (mut state_file, memory) = SimStateFile::open(&folder.0, &RobotId::discovery(), &hall()).unwrap();
+    let (mut state_file, memory) = SimStateFile::open(&folder.0, &RobotId::discovery(), &hall(), &hall()).unwrap();
     assert_eq!(memory, None);
     assert!(!folder.0.join(FILE).exists(), "opening writes nothing");
     for x in [0, 1, 2, 1, 0, 1] {
         state_file.keep(at(x));
         assert_eq!(remembered(&folder), Some(at(x)));
     }
-    let (mut state_file, _) = SimStateFile::open(&folder.0, &RobotId::discovery(), &hall()).unwrap();
+    let (mut state_file, _) = SimStateFile::open(&folder.0, &RobotId::discovery(), &hall(), &hall()).unwrap();
     state_file.keep(at(2));
     assert_eq!(remembered(&folder), Some(at(2)), "it goes on in the file that is there");
     assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 1, "nothing else is left in the folder");
@@ -41,7 +41,7 @@ fn a_file_of_another_hall_is_refused_and_left_alone_until_it_is_begun_anew() {
     let mut state_file = SimStateFile::begin_anew(&folder.0, &RobotId::discovery(), &hall());
     state_file.keep(at(1));
     let second = Hall::from_rows("second", &["S...."]).unwrap();
-    let error = SimStateFile::open(&folder.0, &RobotId::discovery(), &second).unwrap_err();
+    let error = SimStateFile::open(&folder.0, &RobotId::discovery(), &second, &second).unwrap_err();
     let words = error.to_string();
     assert!(words.contains(FILE) && words.contains("--hall first") && words.contains("--data DIR"), "{words}");
     assert!(
@@ -49,12 +49,12 @@ fn a_file_of_another_hall_is_refused_and_left_alone_until_it_is_begun_anew() {
     );
     assert_eq!(remembered(&folder), Some(at(1)));
     let changed = Hall::from_rows("first", &["S..", "..#"]).unwrap();
-    let words = SimStateFile::open(&folder.0, &RobotId::discovery(), &changed).unwrap_err().to_string();
+    let words = SimStateFile::open(&folder.0, &RobotId::discovery(), &changed, &changed).unwrap_err().to_string();
     assert!(words.contains("before its file was changed"), "{words}");
     let renamed = Hall::from_rows("renamed", &["S..", "..."]).unwrap();
-    assert!(SimStateFile::open(&folder.0, &RobotId::discovery(), &renamed).is_ok(), "another name for the same hall");
+    assert!(SimStateFile::open(&folder.0, &RobotId::discovery(), &renamed, &renamed).is_ok(), "another name for the same hall");
     SimStateFile::begin_anew(&folder.0, &RobotId::discovery(), &second).keep(at(4));
-    assert_eq!(SimStateFile::open(&folder.0, &RobotId::discovery(), &second).unwrap().1, Some(at(4)));
+    assert_eq!(SimStateFile::open(&folder.0, &RobotId::discovery(), &second, &second).unwrap().1, Some(at(4)));
 }
 
 /// Safety A7.
@@ -74,13 +74,13 @@ fn what_cannot_be_understood_is_said_with_the_file_and_left_alone() {
     ];
     for (bytes, expect) in cases {
         fs::write(folder.0.join(FILE), bytes).unwrap();
-        let words = SimStateFile::open(&folder.0, &RobotId::discovery(), &hall()).unwrap_err().to_string();
+        let words = SimStateFile::open(&folder.0, &RobotId::discovery(), &hall(), &hall()).unwrap_err().to_string();
         assert!(words.contains(expect) && words.contains(FILE) && words.contains("move"), "{words}");
         assert_eq!(fs::read(folder.0.join(FILE)).unwrap(), bytes);
     }
     fs::remove_file(folder.0.join(FILE)).unwrap();
     fs::create_dir(folder.0.join(FILE)).unwrap();
-    let words = SimStateFile::open(&folder.0, &RobotId::discovery(), &hall()).unwrap_err().to_string();
+    let words = SimStateFile::open(&folder.0, &RobotId::discovery(), &hall(), &hall()).unwrap_err().to_string();
     assert!(words.starts_with("cannot read") && words.contains(FILE), "{words}");
 }
 
@@ -95,5 +95,5 @@ fn what_cannot_be_written_is_owed_until_it_can() {
     fs::create_dir(&inner).unwrap();
     state_file.keep(state_file.owed().unwrap());
     assert_eq!(state_file.owed(), None);
-    assert_eq!(SimStateFile::open(&inner, &RobotId::discovery(), &hall()).unwrap().1, Some(at(2)));
+    assert_eq!(SimStateFile::open(&inner, &RobotId::discovery(), &hall(), &hall()).unwrap().1, Some(at(2)));
 }
