@@ -80,6 +80,6 @@ export function player(place, { name, seconds, show, from = 0 }) {
   slider.addEventListener("input", () => go(Number(slider.value)));
   label();
   go(time);
-  /** Shows the same time anew, as after a change of size or colours. */
-  return { again: () => show(time), pause };
+  /** `again` shows the same time anew, as after a change of size or colours; `go` another one. */
+  return { again: () => show(time), go, pause };
 }

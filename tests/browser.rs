@@ -75,6 +75,13 @@ fn a_person_has_the_dangerous_bag_fetched_and_looks_at_it_again() {
 }
 
 #[test]
+fn a_person_watches_a_pair_carry_parcels_in_the_laboratory() {
+    for scenario in ["pallets", "palletsOnPhone", "palletsPlain"] {
+        play(scenario, &["--hall", "empty-8x8"]);
+    }
+}
+
+#[test]
 fn stop_halts_the_robot_at_once_and_start_goes_on() {
     play("stop", &["--hall", "empty-8x8", "--speed", "4"]);
 }

@@ -2,22 +2,21 @@
 //! simulated time. The scenario itself runs in `hallsweep_sim::pallet`; here its phases are printed, its figures, and a picture.
 
 use std::path::PathBuf;
-use std::str::FromStr;
 
 use clap::Args;
 
 use super::Failure;
-use hallsweep_sim::pair::Slip;
-use hallsweep_sim::pallet::{Asked, Figures, MOST_PARCELS, PalletRun};
+use crate::api::laboratory::mishap::{AskedFault, BeyondError, asked, parcel_number};
+use crate::api::laboratory::pallet::drawing;
+use hallsweep_sim::pallet::{Asked, Figures, PalletRun};
 
 mod report;
-mod svg;
 
 /// The flags of `pallet`.
 #[derive(Args, Clone, Debug)]
 pub struct Pallet {
     /// How many parcels are on the pallet, from 1 to 24.
-    #[arg(long, value_name = "NUMBER", default_value_t = 3, value_parser = parcels, allow_hyphen_values = true)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 3, value_parser = parcel_number, allow_hyphen_values = true)]
     parcels: u32,
     /// Where all chance comes from: the same number gives the same yard and the same run.
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
@@ -34,67 +33,15 @@ pub struct Pallet {
     svg: Option<PathBuf>,
 }
 
-/// Steps after which a parcel that is to be lost on the way slips: far from both ends of most ways.
-const LOST_AFTER: u32 = 3;
-
-/// Something that is to go wrong, and at which parcel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct AskedFault {
-    mishap: Mishap,
-    parcel: u32,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Mishap {
-    Lost,
-    LostLifting,
-    Unrecognised,
-    Blocked,
-    Jammed,
-    Absent,
-}
-
-impl Mishap {
-    const ALL: [(&'static str, Mishap); 6] = [
-        ("lost", Mishap::Lost),
-        ("lostLifting", Mishap::LostLifting),
-        ("unrecognised", Mishap::Unrecognised),
-        ("blocked", Mishap::Blocked),
-        ("jammed", Mishap::Jammed),
-        ("absent", Mishap::Absent),
-    ];
-}
-
-impl FromStr for AskedFault {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<AskedFault, String> {
-        let (name, parcel) = text.split_once('@').unwrap_or((text, "1"));
-        let Some((_, mishap)) = Mishap::ALL.into_iter().find(|(known, _)| *known == name) else {
-            let known = Mishap::ALL.map(|(known, _)| known).join(", ");
-            return Err(format!("nothing that goes wrong is called {name:?}: {known}"));
-        };
-        if mishap == Mishap::Absent && text.contains('@') {
-            return Err("absent is said of the whole run, without a parcel".to_owned());
-        }
-        Ok(AskedFault { mishap, parcel: parcels(parcel)? })
-    }
-}
-
-fn parcels(text: &str) -> Result<u32, String> {
-    let number = text.parse().ok().filter(|number| (1..=MOST_PARCELS).contains(number));
-    number.ok_or_else(|| format!("parcels are counted from 1 to {MOST_PARCELS}, as many as fit on the pallet"))
-}
-
 /// Runs the scenario and prints what it came to.
 pub fn run(flags: &Pallet) -> Result<(), Failure> {
     let asked = flags.asked()?;
     let mut run = PalletRun::new(flags.parcels, flags.seed, asked).map_err(|error| Failure::Run(error.to_string()))?;
     let figures = run.finish();
     match &flags.svg {
-        Some(file) if file.as_os_str() == "-" => super::print(svg::drawing(&run).trim_end())?,
+        Some(file) if file.as_os_str() == "-" => super::print(drawing(&run).trim_end())?,
         Some(file) => {
-            std::fs::write(file, svg::drawing(&run))
+            std::fs::write(file, drawing(&run))
                 .map_err(|error| Failure::Run(format!("the picture {} cannot be written: {error}", file.display())))?;
             super::print(&report::for_people(&run, &figures))?;
         }
@@ -114,22 +61,9 @@ fn outcome(figures: &Figures) -> Result<(), Failure> {
 
 impl Pallet {
     fn asked(&self) -> Result<Asked, Failure> {
-        let mut asked = Asked::default();
-        for AskedFault { mishap, parcel } in self.faults.iter().copied() {
-            if parcel > self.parcels {
-                let words = format!("--fault names parcel {parcel}, and --parcels puts {} on the pallet", self.parcels);
-                return Err(Failure::Usage(words));
-            }
-            match mishap {
-                Mishap::Lost => asked.mishaps.slips.push(Slip { parcel, after_steps: LOST_AFTER }),
-                Mishap::LostLifting => asked.mishaps.slips.push(Slip { parcel, after_steps: 0 }),
-                Mishap::Unrecognised => asked.mishaps.unrecognised.push(parcel),
-                Mishap::Jammed => asked.mishaps.jams.push(parcel),
-                Mishap::Blocked => asked.blocked = Some(parcel),
-                Mishap::Absent => asked.absent = true,
-            }
-        }
-        Ok(asked)
+        asked(self.parcels, &self.faults).map_err(|BeyondError { parcel }| {
+            Failure::Usage(format!("--fault names parcel {parcel}, and --parcels puts {} on the pallet", self.parcels))
+        })
     }
 }
 
@@ -149,12 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_to_go_wrong_is_read_by_name_and_parcel() {
-        assert_eq!("lost@2".parse(), Ok(AskedFault { mishap: Mishap::Lost, parcel: 2 }));
-        assert_eq!("unrecognised".parse(), Ok(AskedFault { mishap: Mishap::Unrecognised, parcel: 1 }));
-        for wrong in ["", "gone", "lost@", "lost@0", "lost@25", "lost@x", "absent@1"] {
-            assert!(wrong.parse::<AskedFault>().is_err(), "{wrong}");
-        }
+    fn what_is_to_go_wrong_at_a_parcel_that_is_not_there_is_a_mistake_of_the_flags() {
         let words = flags(1, &["lost@2"]).asked().map(drop).unwrap_err().to_string();
         assert_eq!(words, "--fault names parcel 2, and --parcels puts 1 on the pallet");
     }
@@ -186,13 +115,5 @@ mod tests {
         let first: Vec<u64> =
             json["events"].as_array().into_iter().flatten().filter_map(|event| event["phase"].as_u64()).collect();
         assert_eq!(first, [1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7]);
-    }
-
-    #[test]
-    fn the_picture_shows_the_yard_and_three_ways() {
-        let (run, _) = ran(&flags(1, &[]));
-        let drawing = svg::drawing(&run);
-        assert!(drawing.starts_with("<svg xmlns=") && drawing.trim_end().ends_with("</svg>"));
-        assert_eq!(drawing.matches("<polyline").count(), 3, "SRM1, SRM2 and the parcel");
     }
 }

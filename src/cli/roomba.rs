@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::Failure;
-use crate::api::laboratory::Roomba as Runs;
+use crate::api::laboratory::roomba::Roomba as Runs;
 use hallsweep_sim::roomba::{Controller, RunLength};
 
 /// The flags of `roomba`.

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::api::laboratory::pallet::{rows, words};
 use hallsweep_sim::pair::Spread;
 use hallsweep_sim::pallet::{Entry, Figures, News, PalletRun};
 
@@ -72,33 +73,8 @@ pub(super) fn for_people(run: &PalletRun, figures: &Figures) -> String {
         let at = entry.at.as_secs_f64();
         format!("{at:>8.1} s  parcel {:>2}  {}", entry.parcel, words(entry))
     });
-    let Figures { holding, .. } = figures;
-    let error = |spread: &Spread, scale: f64, unit: &str| {
-        format!("{:.2} {unit} (root mean square {:.2} {unit})", spread.worst() * scale, spread.rms() * scale)
-    };
-    let rows = [
-        ("parcels", format!("{} of {} in the target area", figures.delivered, figures.parcels)),
-        ("time", format!("{:.1} s, {} ticks", figures.took.as_secs_f64(), figures.ticks)),
-        ("losses", figures.losses.to_string()),
-        ("worst force error", error(&holding.force_n, 1.0, "N")),
-        ("worst angle error", error(&holding.angle_rad, 1000.0, "mrad")),
-        ("worst gap error", error(&holding.gap_m, 1000.0, "mm")),
-        ("seed", figures.seed.to_string()),
-    ];
-    let rows = rows.map(|(name, value)| format!("{name:<20}{value}"));
+    let rows = rows(figures).map(|(name, value)| format!("{name:<20}{value}"));
     passed.chain([String::new()]).chain(rows).collect::<Vec<_>>().join("\n")
-}
-
-fn words(entry: &Entry) -> String {
-    match entry.news {
-        News::Began(phase) => format!("phase {}: {}", phase.number(), phase.in_words()),
-        News::Said(saying) => format!("ALARM: {}", saying.in_words()),
-        News::Acknowledged => "the operator has acknowledged the alarm".to_owned(),
-        News::Started => "START is pressed".to_owned(),
-        News::Lost => "the parcel slips out of the grippers".to_owned(),
-        News::Stopped => "STOP: both robots are halted".to_owned(),
-        News::Restarted => "the program was started again".to_owned(),
-    }
 }
 
 impl From<&Entry> for EntryJson {

@@ -15,7 +15,7 @@ struct Asset {
     text: &'static str,
 }
 
-static ASSETS: [Asset; 11] = [
+static ASSETS: [Asset; 12] = [
     Asset {
         path: "/static/console.css",
         media_type: "text/css; charset=utf-8",
@@ -40,6 +40,11 @@ static ASSETS: [Asset; 11] = [
         path: "/static/laboratory.js",
         media_type: "text/javascript; charset=utf-8",
         text: include_str!("../../../static/laboratory.js"),
+    },
+    Asset {
+        path: "/static/pallet.js",
+        media_type: "text/javascript; charset=utf-8",
+        text: include_str!("../../../static/pallet.js"),
     },
     Asset {
         path: "/static/replay.js",

@@ -234,6 +234,7 @@ mod tests {
             ("GET", "/favicon.ico"),
             ("GET", "/laboratory"),
             ("GET", "/api/v1/laboratory/roomba"),
+            ("GET", "/api/v1/laboratory/pallet"),
             ("GET", "/nowhere"),
             ("GET", "/api/v1/luggage/99"),
             ("DELETE", "/"),

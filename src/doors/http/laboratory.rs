@@ -1,74 +1,133 @@
-//! The laboratory: the Roomba as state machine and as behaviour tree, on a page and as JSON. It is all arithmetic on what stands in
-//! the address; nothing here reads or moves anything of the hall.
+//! The laboratory: the Roomba as state machine and as behaviour tree, and the pallet scenario, on one page and as JSON. It is all
+//! arithmetic on what stands in the address; nothing here reads or moves anything of the hall.
+
+mod asked;
 
 use askama::Template;
 use axum::http::header;
 use axum::response::{Html, IntoResponse, Response};
+use tokio::sync::Semaphore;
 
-use super::console::html;
+use self::asked::{AskedPage, AskedPallet, AskedRoomba};
+use super::console::{Row as TreeRow, html, rows, sign};
 use super::problem::Problem;
 use super::query::Query;
-use crate::api::laboratory::{Roomba, Row};
+use crate::api::laboratory::mishap::Mishap;
+use crate::api::laboratory::pallet::Pallet;
+use crate::api::laboratory::roomba::{Roomba, Row};
+use hallsweep_core::behaviour::Status;
+use hallsweep_core::world::retrieval::{TreeView, TreesView};
 
-/// The longest run that is shown, in seconds: ten minutes fill the room with lines, and take a few milliseconds to compute.
-const LONGEST_S: u64 = 600;
-
-/// How long the run is when nobody says: long enough for spirals and walls.
-const USUAL_S: u64 = 120;
-
-/// The seed when nobody says.
-const USUAL_SEED: u64 = 1;
-
-/// What stands in the address.
-struct Asked {
-    seed: u64,
-    seconds: u64,
-}
-
-impl Asked {
-    fn of(query: &Query) -> Result<Asked, Problem> {
-        query.only(&["seed", "seconds"])?;
-        let seed = query.count("seed", 0..=u64::MAX)?.unwrap_or(USUAL_SEED);
-        let seconds = query.count("seconds", 1..=LONGEST_S)?.unwrap_or(USUAL_S);
-        Ok(Asked { seed, seconds })
-    }
-
-    fn run(&self) -> Result<Roomba, Problem> {
-        let seconds = u32::try_from(self.seconds).unwrap_or(u32::MAX);
-        Roomba::both(self.seed, seconds).map_err(|error| Problem::unusable(error.to_string()))
-    }
-}
+/// One run after the other, whoever asks: a crowd in the laboratory keeps one thread busy, and none that carries out a STOP.
+static TURN: Semaphore = Semaphore::const_new(1);
 
 /// `GET laboratory`
 pub(super) async fn page(query: Query) -> Result<Html<String>, Problem> {
-    let asked = Asked::of(&query)?;
-    let roomba = asked.run()?;
-    let parting = roomba.parting().map(|parting| parting.to_string());
-    let (names, drawings, figures) = (roomba.names(), roomba.drawings(), roomba.figures());
-    Ok(html(&Page { asked, transitions: roomba.transitions(), parting, names, drawings, figures }))
+    let asked = AskedPage::of(&query)?;
+    let page = computed(move || {
+        let (roomba, pallet) = (asked.roomba.run()?, asked.pallet.run()?);
+        Ok(Page::of(asked, &roomba, &pallet))
+    });
+    Ok(html(&page.await?))
 }
 
 /// `GET laboratory/roomba`
 pub(super) async fn roomba(query: Query) -> Result<Response, Problem> {
-    let json = Asked::of(&query)?.run()?.json();
-    Ok(([(header::CONTENT_TYPE, "application/json")], json).into_response())
+    let asked = AskedRoomba::of(&query)?;
+    Ok(json(computed(move || Ok(asked.run()?.json())).await?))
+}
+
+/// `GET laboratory/pallet`
+pub(super) async fn pallet(query: Query) -> Result<Response, Problem> {
+    let asked = AskedPallet::of(&query)?;
+    Ok(json(computed(move || Ok(asked.run()?.json())).await?))
+}
+
+fn json(text: String) -> Response {
+    ([(header::CONTENT_TYPE, "application/json")], text).into_response()
+}
+
+/// Computes it on a thread on which nobody waits for a robot.
+async fn computed<T: Send + 'static>(run: impl FnOnce() -> Result<T, Problem> + Send + 'static) -> Result<T, Problem> {
+    let turn = TURN.acquire().await.map_err(|_| Problem::internal())?;
+    // The turn is given back when the run has ended, also when nobody waits for it any more.
+    let computing = tokio::task::spawn_blocking(move || (run(), turn));
+    computing.await.map_err(|_| Problem::internal())?.0
 }
 
 #[derive(Template)]
 #[template(path = "laboratory/page.html")]
 struct Page {
-    asked: Asked,
+    asked: AskedPage,
     transitions: usize,
     /// Where machine and tree part, if they do.
     parting: Option<String>,
     names: Vec<&'static str>,
     drawings: Vec<String>,
     figures: Vec<Row>,
+    carried: Carried,
+}
+
+/// What the page shows of the pallet scenario.
+struct Carried {
+    drawing: String,
+    /// Columns and rows of the yard.
+    size: (i32, i32),
+    /// When, at which parcel, of what kind, in words.
+    events: Vec<(String, u32, &'static str, String)>,
+    figures: Vec<(&'static str, String)>,
+    /// Why not all parcels arrived.
+    fault: Option<&'static str>,
+    /// At the end.
+    trees: TreesView,
 }
 
 impl Page {
+    fn of(asked: AskedPage, roomba: &Roomba, pallet: &Pallet) -> Page {
+        Page {
+            asked,
+            transitions: roomba.transitions(),
+            parting: roomba.parting().map(|parting| parting.to_string()),
+            names: roomba.names(),
+            drawings: roomba.drawings(),
+            figures: roomba.figures(),
+            carried: Carried {
+                drawing: pallet.drawing(),
+                size: pallet.size(),
+                events: pallet.events(),
+                figures: pallet.figures(),
+                fault: pallet.fault().map(|fault| fault.in_words()),
+                trees: pallet.trees(),
+            },
+        }
+    }
+
     fn longest(&self) -> u64 {
-        LONGEST_S
+        asked::LONGEST_S
+    }
+
+    fn most_parcels(&self) -> u64 {
+        asked::MOST_PARCELS
+    }
+
+    fn mishaps(&self) -> [Mishap; 6] {
+        Mishap::ALL
+    }
+
+    fn trees(&self) -> &[TreeView] {
+        &self.carried.trees.trees
+    }
+
+    fn ticked(&self) -> Option<&TreesView> {
+        Some(&self.carried.trees)
+    }
+
+    fn rows<'t>(&self, tree: &'t TreeView) -> Vec<TreeRow<'t>> {
+        rows(&tree.nodes)
+    }
+
+    fn sign(&self, status: &Status) -> &'static str {
+        sign(*status)
     }
 }
 
@@ -103,8 +162,10 @@ mod tests {
         for unwanted in ["style=", "<style", "onclick", "http://", "https://"] {
             assert!(!page.contains(unwanted), "{unwanted}");
         }
-        assert_eq!(page.matches("<script").count(), page.matches("<script src=\"/static/").count() + 1);
-        assert!(page.contains("<script type=\"module\" src=\"/static/roomba.js\">"));
+        assert_eq!(page.matches("<script").count(), page.matches("<script src=\"/static/").count() + 2);
+        for script in ["roomba", "pallet"] {
+            assert!(page.contains(&format!("<script type=\"module\" src=\"/static/{script}.js\">")), "{script}");
+        }
     }
 
     #[tokio::test]
@@ -127,12 +188,97 @@ mod tests {
             ("seconds=601", "`seconds` is \"601\""),
             ("seconds=1e9", "`seconds` is \"1e9\""),
             ("speed=4", "there is no `speed` to ask by: there are seed, seconds"),
+            ("seed=1&seed=2", "`seed` is there twice: send it once"),
         ] {
             for path in ["/api/v1/laboratory/roomba", "/laboratory"] {
                 let (status, problem) = read(app.get(&format!("{path}?{query}")).await).await;
                 assert_eq!(status, 422, "{path}?{query}");
                 assert!(problem["detail"].as_str().unwrap().starts_with(words), "{problem}");
             }
+        }
+    }
+
+    #[tokio::test]
+    async fn the_page_shows_the_pallet_drawn_without_a_script_with_its_phases_its_figures_and_its_trees_at_the_end() {
+        let app = app(searching());
+        let page = text(app.get("/laboratory?palletSeed=2&parcels=2&fault=lost&fault=absent&at=2").await).await;
+        for wanted in [
+            "class=\"yard-target\"",
+            "phase 5: the parcel is lifted and carried to the target area",
+            "class=\"alarm\"",
+            "1 of 2 in the target area",
+            "the operator was called and has not come",
+            "class=\"node failure ticked\"",
+            "data-run=\"/api/v1/laboratory/pallet?parcels=2&#38;seed=2&#38;fault=lost@2&#38;fault=absent\"",
+        ] {
+            assert!(page.contains(wanted), "{wanted} in {page}");
+        }
+        assert_eq!(page.matches("<section class=\"tree\"").count(), 3);
+        assert!(app.given.lock().unwrap().is_empty(), "it moves nothing");
+    }
+
+    #[tokio::test]
+    async fn each_of_the_two_forms_keeps_what_was_asked_of_the_other() {
+        let address = "/laboratory?seed=3&seconds=60&palletSeed=4&parcels=2&fault=lost&fault=jammed&at=2";
+        let page = text(app(searching()).get(address).await).await;
+        let (roomba, pallet) = page.split_once("id=\"pallet\"").unwrap();
+        for kept in [("palletSeed", "4"), ("parcels", "2"), ("at", "2"), ("fault", "lost"), ("fault", "jammed")] {
+            let input = format!("<input type=\"hidden\" name=\"{}\" value=\"{}\">", kept.0, kept.1);
+            assert!(roomba.contains(&input), "{input}");
+        }
+        for kept in [("seed", "3"), ("seconds", "60")] {
+            let input = format!("<input type=\"hidden\" name=\"{}\" value=\"{}\">", kept.0, kept.1);
+            assert!(pallet.contains(&input), "{input}");
+        }
+        assert_eq!(pallet.matches(" checked>").count(), 2);
+    }
+
+    #[tokio::test]
+    async fn the_interface_gives_the_run_of_the_pallet_that_is_asked_for() {
+        let app = app(searching());
+        let address = "/api/v1/laboratory/pallet?parcels=2&seed=9&fault=lost%402&fault=unrecognised";
+        let (status, told) = read(app.get(address).await).await;
+        assert_eq!((status.as_u16(), &told["seed"], &told["parcels"]), (200, &9.into(), &2.into()));
+        assert_eq!(told["faults"], serde_json::json!(["lost@2", "unrecognised@1"]));
+        assert_eq!((&told["figures"]["losses"], &told["figures"]["delivered"]), (&1.into(), &2.into()));
+        assert_eq!(told["trees"].as_array().map(Vec::len), Some(3));
+        let (_, usual) = read(app.get("/api/v1/laboratory/pallet").await).await;
+        assert_eq!((&usual["seed"], &usual["parcels"], &usual["faults"]), (&1.into(), &3.into(), &serde_json::json!([])));
+    }
+
+    #[tokio::test]
+    async fn a_run_of_the_pallet_is_never_large() {
+        let app = app(searching());
+        for faults in ["", "&fault=lost@4&fault=lost@4&fault=lost@3&fault=lost@2&fault=unrecognised@1&fault=unrecognised@2"] {
+            let json = text(app.get(&format!("/api/v1/laboratory/pallet?parcels=4{faults}")).await).await;
+            assert!(json.len() < 1 << 20, "{} bytes with {faults:?}", json.len());
+        }
+    }
+
+    #[tokio::test]
+    async fn what_cannot_be_carried_is_a_problem_that_says_what_belongs_there() {
+        let app = app(searching());
+        let (interface, page) = ("/api/v1/laboratory/pallet", "/laboratory");
+        let many = ["fault=lost"; 13].join("&");
+        for (path, query, words) in [
+            (interface, "seed=-1", "`seed` is \"-1\": a whole number from 0 to 18446744073709551615 belongs there"),
+            (page, "palletSeed=x", "`palletSeed` is \"x\""),
+            (interface, "parcels=0", "`parcels` is \"0\": a whole number from 1 to 4 belongs there"),
+            (page, "parcels=5", "`parcels` is \"5\": a whole number from 1 to 4 belongs there"),
+            (interface, "fault=gone", "`fault` is \"gone\": nothing that goes wrong is called that; there are lost, lostLifting"),
+            (page, "fault=lost@2", "`fault` is \"lost@2\": nothing that goes wrong is called that"),
+            (interface, "fault=lost@0", "`fault` is \"lost@0\": parcels are counted from 1 to 24"),
+            (interface, "fault=absent@1", "`fault` is \"absent@1\": absent is said of the whole run"),
+            (interface, "fault=lost@4", "`fault` names parcel 4, and `parcels` puts 3 on the pallet"),
+            (page, "fault=lost&at=4", "`at` names parcel 4, and `parcels` puts 3 on the pallet"),
+            (page, "at=9", "`at` is \"9\": a whole number from 1 to 4 belongs there"),
+            (interface, &many, "`fault` is there 13 times: at most 12 things go wrong in one run"),
+            (interface, "at=1", "there is no `at` to ask by: there are seed, parcels, fault"),
+            (interface, "seed=1&seed=2", "`seed` is there twice: send it once"),
+        ] {
+            let (status, problem) = read(app.get(&format!("{path}?{query}")).await).await;
+            assert_eq!(status, 422, "{path}?{query}");
+            assert!(problem["detail"].as_str().unwrap().starts_with(words), "{problem}");
         }
     }
 }

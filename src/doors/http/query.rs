@@ -14,38 +14,58 @@ pub(super) const MOST: u64 = i64::MAX as u64;
 
 /// The values by their names. They are numbers and plain words, so escapes are not undone.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Query(BTreeMap<String, String>);
+pub(super) struct Query(BTreeMap<String, Vec<String>>);
 
 impl<S: Send + Sync> FromRequestParts<S> for Query {
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Query, Problem> {
-        Query::of(parts.uri.query().unwrap_or_default())
+        Ok(Query::of(parts.uri.query().unwrap_or_default()))
     }
 }
 
 impl Query {
-    fn of(text: &str) -> Result<Query, Problem> {
-        let mut values = BTreeMap::new();
+    fn of(text: &str) -> Query {
+        let mut values: BTreeMap<String, Vec<String>> = BTreeMap::new();
         for pair in text.split('&').filter(|pair| !pair.is_empty()) {
             let (name, value) = pair.split_once('=').unwrap_or((pair, ""));
-            if values.insert(name.to_owned(), value.to_owned()).is_some() {
+            values.entry(name.to_owned()).or_default().push(value.to_owned());
+        }
+        Query(values)
+    }
+
+    /// Refuses every name but these, and each that is there twice.
+    pub(super) fn only(&self, known: &[&str]) -> Result<(), Problem> {
+        self.only_with_many(known, &[])
+    }
+
+    /// Refuses every name but these, and of the first each that is there twice.
+    pub(super) fn only_with_many(&self, once: &[&str], many: &[&str]) -> Result<(), Problem> {
+        for (name, values) in &self.0 {
+            let is_single = once.contains(&name.as_str());
+            if !is_single && !many.contains(&name.as_str()) {
+                let known = [once, many].concat().join(", ");
+                return Err(Problem::unusable(format!("there is no `{}` to ask by: there are {known}", in_short(name))));
+            }
+            if is_single && values.len() > 1 {
                 return Err(Problem::unusable(format!("`{}` is there twice: send it once", in_short(name))));
             }
         }
-        Ok(Query(values))
+        Ok(())
     }
 
-    /// Refuses every name but these.
-    pub(super) fn only(&self, known: &[&str]) -> Result<(), Problem> {
-        let Some(unknown) = self.0.keys().find(|name| !known.contains(&name.as_str())) else { return Ok(()) };
-        let detail = format!("there is no `{}` to ask by: there are {}", in_short(unknown), known.join(", "));
-        Err(Problem::unusable(detail))
+    /// All values of a name that may be there more than once.
+    pub(super) fn every(&self, name: &str) -> &[String] {
+        self.0.get(name).map_or(&[], Vec::as_slice)
+    }
+
+    fn first(&self, name: &str) -> Option<&String> {
+        self.every(name).first()
     }
 
     /// A whole number within `range` that may be absent.
     pub(super) fn count(&self, name: &str, range: RangeInclusive<u64>) -> Result<Option<u64>, Problem> {
-        let Some(text) = self.0.get(name) else { return Ok(None) };
+        let Some(text) = self.first(name) else { return Ok(None) };
         let sound = text.parse().ok().filter(|number| range.contains(number));
         sound.map(Some).ok_or_else(|| {
             let most = if *range.end() == MOST { String::new() } else { format!(" to {}", range.end()) };
@@ -56,7 +76,7 @@ impl Query {
 
     /// One of these words, which may be absent.
     pub(super) fn word<'w>(&self, name: &str, words: &[&'w str]) -> Result<Option<&'w str>, Problem> {
-        let Some(text) = self.0.get(name) else { return Ok(None) };
+        let Some(text) = self.first(name) else { return Ok(None) };
         let known = words.iter().find(|word| *word == text);
         known
             .copied()
@@ -71,7 +91,8 @@ mod tests {
 
     fn limit(text: &str) -> Result<Option<u64>, String> {
         let said = |problem: Problem| problem.detail().to_owned();
-        Query::of(text).and_then(|query| query.only(&["limit"]).and_then(|()| query.count("limit", 1..=100))).map_err(said)
+        let query = Query::of(text);
+        query.only(&["limit"]).and_then(|()| query.count("limit", 1..=100)).map_err(said)
     }
 
     #[test]
@@ -87,7 +108,15 @@ mod tests {
         }
         assert_eq!(limit("limt=3"), Err("there is no `limt` to ask by: there are limit".to_owned()));
         assert_eq!(limit("limit=3&limit=4"), Err("`limit` is there twice: send it once".to_owned()));
-        let open = Query::of("after=x").unwrap().count("after", 0..=MOST).unwrap_err();
+        let open = Query::of("after=x").count("after", 0..=MOST).unwrap_err();
         assert_eq!(open.detail(), "`after` is \"x\": a whole number from 0 belongs there");
+    }
+
+    #[test]
+    fn only_what_may_be_there_more_than_once_is() {
+        let query = Query::of("fault=a&limit=1&fault=b");
+        assert!(query.only_with_many(&["limit"], &["fault"]).is_ok() && query.only(&["limit", "fault"]).is_err());
+        assert_eq!(query.every("fault"), ["a", "b"]);
+        assert!(query.every("other").is_empty());
     }
 }

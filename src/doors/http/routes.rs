@@ -52,6 +52,7 @@ fn for_anybody() -> Vec<Row> {
         get("/static/stop.js", Nothing, assets::file),
         get("/static/laboratory.css", Nothing, assets::file),
         get("/static/laboratory.js", Nothing, assets::file),
+        get("/static/pallet.js", Nothing, assets::file),
         get("/static/replay.js", Nothing, assets::file),
         get("/static/roomba.js", Nothing, assets::file),
         get("/static/trees.js", Nothing, assets::file),
@@ -96,6 +97,7 @@ fn laboratory() -> Vec<Row> {
     vec![
         get("/laboratory", See, laboratory::page),
         get("/api/v1/laboratory/roomba", See, laboratory::roomba),
+        get("/api/v1/laboratory/pallet", See, laboratory::pallet),
     ]
 }
 

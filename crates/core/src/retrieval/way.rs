@@ -81,8 +81,10 @@ impl Floor<'_> {
         }
         self.cost(to)?;
         let area = self.area([from, to]);
-        let next = |here| self.next_places(area, here).map(|place| (place, self.cost(place).unwrap_or(1))).collect();
-        self.costs_of_a_base(area, to).way(area, from, |place| place == to, next)
+        let next = |here, steps: &mut Vec<_>| {
+            steps.extend(self.next_places(area, here).map(|place| (place, self.cost(place).unwrap_or(1))));
+        };
+        self.costs_of_a_base(area, to, |place| place == from).way(area, from, |place| place == to, next)
     }
 
     /// From where to lift a piece of these cells, so that SRM1 from its place, and then SRM2 from its own, can come there, and both can
@@ -90,11 +92,11 @@ impl Floor<'_> {
     #[must_use]
     pub fn stands(&self, bases: [Place; 2], piece: &BTreeSet<Cell>, drop: Place) -> Option<Stands> {
         let area = self.area(bases.into_iter().chain([drop]).chain(piece.iter().copied().map(Place::Cell)));
-        let carrying = self.costs_of_a_train(area, drop);
+        let carrying = self.costs_of_a_train(area, drop, |_| false);
         // What the piece stands on is free for the train alone.
         let standing = Floor { freed: &BTreeSet::new(), ..*self };
         let taken = self.taken_too(bases[1]);
-        let first = Floor { taken: &taken, ..standing }.costs_of_a_base(area, bases[0]);
+        let first = Floor { taken: &taken, ..standing }.costs_of_a_base(area, bases[0], |_| false);
         let mut best: Option<(u32, Stands)> = None;
         for train in trains(piece).filter(|train| train.bases.iter().all(|base| standing.cost(*base).is_some())) {
             let (Some(approach), Some(way)) = (first.at(area, train.bases[0]), carrying.at(area, train)) else { continue };
@@ -119,11 +121,11 @@ impl Floor<'_> {
     #[must_use]
     pub fn carry(&self, train: Train, drop: Place) -> Option<Vec<Train>> {
         let area = self.area(train.bases.into_iter().chain([train.parcel, drop]));
-        let next = |here: Train| {
+        let next = |here: Train, steps: &mut Vec<_>| {
             let entered = |next: Train| self.cost(here.leader(next).1).unwrap_or(1);
-            self.next_trains(area, here).map(|next| (next, entered(next))).collect()
+            steps.extend(self.next_trains(area, here).map(|next| (next, entered(next))));
         };
-        self.costs_of_a_train(area, drop).way(area, train, |train| train.parcel == drop, next)
+        self.costs_of_a_train(area, drop, |one| one == train).way(area, train, |train| train.parcel == drop, next)
     }
 
     fn taken_too(&self, place: Place) -> Vec<Place> {
@@ -164,21 +166,21 @@ impl Floor<'_> {
         })
     }
 
-    fn costs_of_a_base(&self, area: Bounds, to: Place) -> Costs {
-        Costs::search(area, [to], |here| {
+    fn costs_of_a_base(&self, area: Bounds, to: Place, is_enough: impl Fn(Place) -> bool) -> Costs {
+        Costs::search(area, [to], is_enough, |here, steps| {
             let entered = self.cost(here).unwrap_or(1);
-            self.next_places(area, here).map(|place| (place, entered)).collect()
+            steps.extend(self.next_places(area, here).map(|place| (place, entered)));
         })
     }
 
     /// A train can take back every step, so what leads away from `drop` leads there.
-    fn costs_of_a_train(&self, area: Bounds, drop: Place) -> Costs {
+    fn costs_of_a_train(&self, area: Bounds, drop: Place, is_enough: impl Fn(Train) -> bool) -> Costs {
         let free = |place: &Place| self.cost(*place).is_some();
         let beside: Vec<Place> = drop.neighbours(self.way_out).filter(free).collect();
         let pairs = beside.iter().flat_map(|one| beside.iter().map(move |two| [*one, *two])).filter(|[one, two]| one != two);
         let begin = pairs.filter(|_| free(&drop)).map(|bases| Train { bases, parcel: drop });
-        Costs::search(area, begin, |here: Train| {
-            self.next_trains(area, here).map(|train| (train, self.cost(train.leader(here).1).unwrap_or(1))).collect()
+        Costs::search(area, begin, is_enough, |here: Train, steps| {
+            steps.extend(self.next_trains(area, here).map(|train| (train, self.cost(train.leader(here).1).unwrap_or(1))));
         })
     }
 }
@@ -274,11 +276,17 @@ struct Costs(Vec<u32>);
 impl Costs {
     const NONE: u32 = u32::MAX;
 
-    fn search<N: Node>(area: Bounds, begin: impl IntoIterator<Item = N>, next: impl Fn(N) -> Vec<(N, u32)>) -> Costs {
+    /// Searches until it has come to what is enough, from where everything on the way back is known; `next` adds the steps from a node.
+    fn search<N: Node>(
+        area: Bounds,
+        begin: impl IntoIterator<Item = N>,
+        is_enough: impl Fn(N) -> bool,
+        next: impl Fn(N, &mut Vec<(N, u32)>),
+    ) -> Costs {
         let cells = i64::from(area.width()) * i64::from(area.height());
         let places = usize::try_from(cells).expect("an area has a positive size") + OUTSIDE;
         let mut costs = vec![Costs::NONE; places * N::SHARE];
-        let mut open = BinaryHeap::new();
+        let (mut open, mut steps) = (BinaryHeap::new(), Vec::new());
         for node in begin {
             costs[node.number(area)] = 0;
             open.push(Reverse((0, node.number(area))));
@@ -287,7 +295,12 @@ impl Costs {
             if costs[number] != cost {
                 continue;
             }
-            for (node, step) in next(N::of_number(number, area)) {
+            let here = N::of_number(number, area);
+            if is_enough(here) {
+                break;
+            }
+            next(here, &mut steps);
+            for (node, step) in steps.drain(..) {
                 let (whole, known) = (cost.saturating_add(step), &mut costs[node.number(area)]);
                 if whole < *known {
                     *known = whole;
@@ -308,13 +321,14 @@ impl Costs {
         area: Bounds,
         from: N,
         is_end: impl Fn(N) -> bool,
-        next: impl Fn(N) -> Vec<(N, u32)>,
+        next: impl Fn(N, &mut Vec<(N, u32)>),
     ) -> Option<Vec<N>> {
-        let (mut way, mut here) = (Vec::new(), from);
+        let (mut way, mut here, mut steps) = (Vec::new(), from, Vec::new());
         self.at(area, from)?;
         while !is_end(here) {
             let rest = |node: N, step: u32| self.at(area, node).map_or(Costs::NONE, |rest| rest.saturating_add(step));
-            (here, _) = next(here).into_iter().min_by_key(|(node, step)| rest(*node, *step))?;
+            next(here, &mut steps);
+            (here, _) = steps.drain(..).min_by_key(|(node, step)| rest(*node, *step))?;
             way.push(here);
         }
         Some(way)

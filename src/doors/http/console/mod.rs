@@ -37,6 +37,7 @@ use view::{HallInfo, View, Who, Why};
 
 pub(super) use began::Began;
 pub(super) use live::live;
+pub(super) use retrieval::{Row, rows, sign};
 
 /// The page again, with the reason in words beside the button that was pressed.
 pub(super) async fn refused_page(door: &HttpDoor, caller: &Caller, button: &str, problem: &Problem) -> Response {

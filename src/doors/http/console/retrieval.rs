@@ -34,16 +34,16 @@ pub(super) const fn stages(fetcher: Fetcher) -> &'static [(&'static str, &'stati
 }
 
 /// A node in its place among the rows of its tree.
-pub(super) struct Row<'a> {
-    pub(super) node: &'a NodeShown,
+pub(in crate::doors::http) struct Row<'a> {
+    pub(in crate::doors::http) node: &'a NodeShown,
     /// Its children follow.
-    pub(super) opens: bool,
+    pub(in crate::doors::http) opens: bool,
     /// So many nodes above it end with it.
-    pub(super) closes: usize,
+    pub(in crate::doors::http) closes: usize,
 }
 
 /// The nodes of a tree, which come in preorder, each with what begins and ends there.
-pub(super) fn rows(nodes: &[NodeShown]) -> Vec<Row<'_>> {
+pub(in crate::doors::http) fn rows(nodes: &[NodeShown]) -> Vec<Row<'_>> {
     let next = nodes.iter().skip(1).map(|node| node.depth).chain([0]);
     let row = |(node, next): (_, usize)| row(node, next);
     nodes.iter().zip(next).map(row).collect()
@@ -54,7 +54,7 @@ fn row(node: &NodeShown, next: usize) -> Row<'_> {
 }
 
 /// The sign of a status, so that it is known without its colour.
-pub(super) const fn sign(status: Status) -> &'static str {
+pub(in crate::doors::http) const fn sign(status: Status) -> &'static str {
     match status {
         Status::Idle => "○",
         Status::Running => "▶",

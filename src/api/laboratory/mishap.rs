@@ -1,0 +1,179 @@
+//! What is to go wrong in a run of the pallet scenario, by the names under which the command line and the doors are asked for it.
+
+use std::fmt;
+use std::str::FromStr;
+
+use hallsweep_sim::pair::Slip;
+use hallsweep_sim::pallet::{Asked, MOST_PARCELS};
+
+/// Steps after which a parcel that is to be lost on the way slips: far from both ends of most ways.
+const LOST_AFTER: u32 = 3;
+
+/// Something that goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mishap {
+    /// The parcel slips out of the grippers on the way.
+    Lost,
+    /// The parcel slips while it is lifted.
+    LostLifting,
+    /// The parcel is not recognised at the first look.
+    Unrecognised,
+    /// The way into the target area is closed for good once the parcel is lifted.
+    Blocked,
+    /// A gripper does not close.
+    Jammed,
+    /// The operator never comes; this is said of the whole run.
+    Absent,
+}
+
+impl Mishap {
+    /// All of them, in the order in which they are offered.
+    pub const ALL: [Mishap; 6] =
+        [Mishap::Lost, Mishap::LostLifting, Mishap::Unrecognised, Mishap::Blocked, Mishap::Jammed, Mishap::Absent];
+
+    /// Its fixed name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Mishap::Lost => "lost",
+            Mishap::LostLifting => "lostLifting",
+            Mishap::Unrecognised => "unrecognised",
+            Mishap::Blocked => "blocked",
+            Mishap::Jammed => "jammed",
+            Mishap::Absent => "absent",
+        }
+    }
+
+    /// What it is, in few words.
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Mishap::Lost => "lost on the way",
+            Mishap::LostLifting => "lost while lifted",
+            Mishap::Unrecognised => "not recognised",
+            Mishap::Blocked => "target closed",
+            Mishap::Jammed => "gripper jams",
+            Mishap::Absent => "no operator",
+        }
+    }
+
+    /// The same at a parcel.
+    pub const fn at(self, parcel: u32) -> AskedFault {
+        AskedFault { mishap: self, parcel }
+    }
+}
+
+/// Something that is to go wrong, and at which parcel, counted from 1. It is written `NAME` or `NAME@PARCEL`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AskedFault {
+    /// What.
+    pub mishap: Mishap,
+    /// At which parcel; 1 where that means nothing.
+    pub parcel: u32,
+}
+
+/// What cannot be asked to go wrong. Whoever shows it says before what was written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FaultError {
+    /// There is no such name.
+    #[error("nothing that goes wrong is called that; there are lost, lostLifting, unrecognised, blocked, jammed and absent")]
+    Unknown,
+    /// A parcel was named where there is none.
+    #[error("absent is said of the whole run, without a parcel")]
+    OfTheWholeRun,
+    /// No parcel has this number.
+    #[error("parcels are counted from 1 to {MOST_PARCELS}, as many as fit on the pallet")]
+    NoParcel,
+}
+
+/// Something is to go wrong at a parcel that this run does not have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BeyondError {
+    /// The parcel that was named.
+    pub parcel: u32,
+}
+
+impl FromStr for Mishap {
+    type Err = FaultError;
+
+    fn from_str(name: &str) -> Result<Mishap, FaultError> {
+        Mishap::ALL.into_iter().find(|mishap| mishap.name() == name).ok_or(FaultError::Unknown)
+    }
+}
+
+impl FromStr for AskedFault {
+    type Err = FaultError;
+
+    fn from_str(text: &str) -> Result<AskedFault, FaultError> {
+        let (name, parcel) = text.split_once('@').unwrap_or((text, "1"));
+        let mishap: Mishap = name.parse()?;
+        if mishap == Mishap::Absent && text.contains('@') {
+            return Err(FaultError::OfTheWholeRun);
+        }
+        Ok(mishap.at(parcel_number(parcel)?))
+    }
+}
+
+impl fmt::Display for AskedFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.mishap {
+            Mishap::Absent => f.write_str(self.mishap.name()),
+            Mishap::Lost | Mishap::LostLifting | Mishap::Unrecognised | Mishap::Blocked | Mishap::Jammed => {
+                write!(f, "{}@{}", self.mishap.name(), self.parcel)
+            }
+        }
+    }
+}
+
+/// The number of a parcel, or of parcels.
+pub fn parcel_number(text: &str) -> Result<u32, FaultError> {
+    text.parse().ok().filter(|number| (1..=MOST_PARCELS).contains(number)).ok_or(FaultError::NoParcel)
+}
+
+/// All that is to go wrong, as the simulator is told.
+///
+/// # Errors
+/// When it is to happen at a parcel beyond the last.
+pub fn asked(parcels: u32, faults: &[AskedFault]) -> Result<Asked, BeyondError> {
+    let mut asked = Asked::default();
+    for AskedFault { mishap, parcel } in faults.iter().copied() {
+        if parcel > parcels {
+            return Err(BeyondError { parcel });
+        }
+        match mishap {
+            Mishap::Lost => asked.mishaps.slips.push(Slip { parcel, after_steps: LOST_AFTER }),
+            Mishap::LostLifting => asked.mishaps.slips.push(Slip { parcel, after_steps: 0 }),
+            Mishap::Unrecognised => asked.mishaps.unrecognised.push(parcel),
+            Mishap::Jammed => asked.mishaps.jams.push(parcel),
+            Mishap::Blocked => asked.blocked = Some(parcel),
+            Mishap::Absent => asked.absent = true,
+        }
+    }
+    Ok(asked)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_to_go_wrong_is_read_by_name_and_parcel_and_written_the_same() {
+        assert_eq!("lost@2".parse(), Ok(Mishap::Lost.at(2)));
+        assert_eq!("unrecognised".parse(), Ok(Mishap::Unrecognised.at(1)));
+        for mishap in Mishap::ALL {
+            let fault: AskedFault = mishap.name().parse().unwrap();
+            assert_eq!(fault.to_string().parse(), Ok(fault));
+            assert!(FaultError::Unknown.to_string().contains(mishap.name()), "{mishap:?} is named to those who mistype");
+        }
+        for wrong in ["", "gone", "Lost", "lost@", "lost@0", "lost@25", "lost@x", "lost@1@2", "absent@1"] {
+            assert!(wrong.parse::<AskedFault>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn nothing_can_go_wrong_at_a_parcel_that_is_not_there() {
+        assert_eq!(asked(1, &[Mishap::Lost.at(2)]), Err(BeyondError { parcel: 2 }));
+        let told =
+            asked(2, &[Mishap::Lost.at(2), Mishap::LostLifting.at(1), Mishap::Blocked.at(2), Mishap::Absent.at(1)]).unwrap();
+        assert_eq!(told.mishaps.slips, [Slip { parcel: 2, after_steps: LOST_AFTER }, Slip { parcel: 1, after_steps: 0 }]);
+        assert_eq!((told.blocked, told.absent), (Some(2), true));
+    }
+}

@@ -1,0 +1,240 @@
+//! A run of the pallet scenario as doors and command line show it: its events and figures in words, its trees as they stand at the end.
+//! The drawing and the JSON stand in the files beside this one, what happens in the run in `hallsweep_sim::pallet`.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::mishap::AskedFault;
+pub use super::pallet_drawing::drawing;
+use super::pallet_json::PalletJson;
+use hallsweep_core::units::Cell;
+use hallsweep_core::world::retrieval::{TreeView, TreesView};
+use hallsweep_sim::pair::Spread;
+use hallsweep_sim::pallet::{Asked, Entry, Figures, Frame, News, PalletFault, PalletRun, ParcelsError};
+
+/// How often a frame is taken: so often that a straight line between two of them shows no corner that was not driven.
+const FRAME_EVERY: Duration = Duration::from_millis(200);
+
+/// A run that has ended, with all that a picture of it needs.
+#[derive(Debug)]
+pub struct Pallet {
+    pub(super) run: PalletRun,
+    pub(super) seed: u64,
+    pub(super) faults: Vec<AskedFault>,
+    pub(super) figures: Figures,
+    /// How everything stood, without the frames between two that are the same.
+    pub(super) frames: Vec<Frame>,
+    /// Where parcels lay, each time that this changed.
+    pub(super) lying: Vec<(Duration, Vec<Cell>)>,
+}
+
+impl Pallet {
+    /// Runs it to its end. `asked` is what `faults` come to.
+    ///
+    /// # Errors
+    /// If there would be no parcel, or more than fit on the pallet.
+    pub fn new(parcels: u32, seed: u64, faults: Vec<AskedFault>, asked: Asked) -> Result<Pallet, ParcelsError> {
+        let mut run = PalletRun::new(parcels, seed, asked)?;
+        let (mut frames, mut lying) = (vec![run.frame()], vec![(Duration::ZERO, run.parcels())]);
+        while !run.has_ended() {
+            let count = u32::try_from(run.time().as_millis() / FRAME_EVERY.as_millis()).unwrap_or(u32::MAX);
+            let (due, told) = (FRAME_EVERY * (count + 1), run.entries().len());
+            // Each event has a frame, so that the picture shows what is told.
+            while run.time() < due && run.entries().len() == told && run.advance(|_| {}) {}
+            keep(&mut frames, run.frame());
+            let lie = run.parcels();
+            if lying.last().is_none_or(|(_, last)| *last != lie) {
+                lying.push((run.time(), lie));
+            }
+        }
+        let figures = run.figures();
+        Ok(Pallet { run, seed, faults, figures, frames, lying })
+    }
+
+    /// Everything in one JSON object.
+    pub fn json(&self) -> String {
+        serde_json::to_string(&PalletJson::from(self)).expect("runs are finite numbers and words, which JSON can hold")
+    }
+
+    /// The yard and the ways that were driven.
+    pub fn drawing(&self) -> String {
+        drawing(&self.run)
+    }
+
+    /// What was worth telling: when, at which parcel, of what kind, and in words.
+    pub fn events(&self) -> Vec<(String, u32, &'static str, String)> {
+        let entries = self.run.entries().iter();
+        entries.map(|entry| (format!("{:.1}", entry.at.as_secs_f64()), entry.parcel, kind(entry.news), words(entry))).collect()
+    }
+
+    /// What it came to.
+    pub fn figures(&self) -> Vec<(&'static str, String)> {
+        rows(&self.figures).into()
+    }
+
+    /// Why not all parcels arrived.
+    pub const fn fault(&self) -> Option<PalletFault> {
+        self.figures.fault
+    }
+
+    /// Columns and rows of the yard, with half a cell of the wall round it.
+    pub fn size(&self) -> (i32, i32) {
+        let bounds = self.run.yard().hall.bounds();
+        (bounds.width() + 1, bounds.height() + 1)
+    }
+
+    /// The trees as they stand at the end.
+    pub fn trees(&self) -> TreesView {
+        let team = self.run.team();
+        let held = team.blackboard().entries();
+        let held = held.filter_map(|entry| Some((Arc::from(entry.name()), entry.value()?.to_string())));
+        let mut blackboard: Vec<(Arc<str>, String)> = held.collect();
+        blackboard.sort();
+        TreesView { ticks: self.figures.ticks, trees: team.trees().iter().map(TreeView::of).collect(), blackboard }
+    }
+}
+
+/// Adds a frame; the last one gives way to it when nothing has changed in between.
+fn keep(frames: &mut Vec<Frame>, frame: Frame) {
+    let is_same = |other: &Frame| Frame { at: frame.at, ..other.clone() } == frame;
+    if let [.., before, last] = frames.as_slice()
+        && is_same(before)
+        && is_same(last)
+    {
+        frames.pop();
+    }
+    frames.push(frame);
+}
+
+/// What kind of thing an event is, by a fixed name.
+pub(super) const fn kind(news: News) -> &'static str {
+    match news {
+        News::Began(_) => "phase",
+        News::Said(_) => "alarm",
+        News::Acknowledged => "acknowledged",
+        News::Started => "start",
+        News::Lost => "lost",
+        News::Stopped => "stop",
+        News::Restarted => "restart",
+    }
+}
+
+/// An event in words.
+pub fn words(entry: &Entry) -> String {
+    match entry.news {
+        News::Began(phase) => format!("phase {}: {}", phase.number(), phase.in_words()),
+        News::Said(saying) => format!("ALARM: {}", saying.in_words()),
+        News::Acknowledged => "the operator has acknowledged the alarm".to_owned(),
+        News::Started => "START is pressed".to_owned(),
+        News::Lost => "the parcel slips out of the grippers".to_owned(),
+        News::Stopped => "STOP: both robots are halted".to_owned(),
+        News::Restarted => "the program was started again".to_owned(),
+    }
+}
+
+/// A row for each figure.
+pub fn rows(figures: &Figures) -> [(&'static str, String); 7] {
+    let holding = &figures.holding;
+    let error = |spread: &Spread, scale: f64, unit: &str| {
+        format!("{:.2} {unit} (root mean square {:.2} {unit})", spread.worst() * scale, spread.rms() * scale)
+    };
+    [
+        ("parcels", format!("{} of {} in the target area", figures.delivered, figures.parcels)),
+        ("time", format!("{:.1} s, {} ticks", figures.took.as_secs_f64(), figures.ticks)),
+        ("losses", figures.losses.to_string()),
+        ("worst force error", error(&holding.force_n, 1.0, "N")),
+        ("worst angle error", error(&holding.angle_rad, 1000.0, "mrad")),
+        ("worst gap error", error(&holding.gap_m, 1000.0, "mm")),
+        ("seed", figures.seed.to_string()),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::mishap::{Mishap, asked};
+    use super::*;
+    use crate::api::replay::ReplayJson;
+    use serde_json::{Value, json};
+
+    fn ran(parcels: u32, faults: &[AskedFault]) -> Pallet {
+        Pallet::new(parcels, 1, faults.to_vec(), asked(parcels, faults).unwrap()).unwrap()
+    }
+
+    fn told(pallet: &Pallet) -> Value {
+        serde_json::from_str(&pallet.json()).unwrap()
+    }
+
+    #[test]
+    fn a_run_is_a_yard_frames_and_events_and_ends_with_all_parcels_in_the_target_area() {
+        let told = told(&ran(2, &[]));
+        let (yard, frames) = (&told["yard"], told["frames"].as_array().unwrap());
+        assert_eq!((yard["pallet"].as_array().map(Vec::len), &yard["starts"]), (Some(2), &json!([[0, 0], [0, 1]])));
+        assert_eq!(frames[0], json!([0.0, [0.0, 0.0, 0.0, false], [0.0, yard["cellM"], 0.0, false], null, null, 0]));
+        let last = frames.last().unwrap();
+        assert_eq!((&last[0], &last[5]), (&told["seconds"], &json!(2)));
+        assert!(frames.iter().any(|frame| frame[3][2] == 1.0 && frame[4][0].as_f64().unwrap() > 50.0), "one is lifted and held");
+        assert_eq!(told["lying"].as_array().unwrap().last().unwrap()[1], json!([]));
+        assert_eq!((&told["figures"]["delivered"], &told["fault"]), (&json!(2), &Value::Null));
+        let phases: Vec<u64> = told["events"].as_array().unwrap().iter().filter_map(|event| event["phase"].as_u64()).collect();
+        assert_eq!(phases, [1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7]);
+    }
+
+    #[test]
+    fn frames_come_twice_a_second_as_long_as_anything_moves() {
+        for pallet in [ran(2, &[]), ran(1, &[Mishap::Lost.at(1), Mishap::Absent.at(1)])] {
+            for pair in pallet.frames.windows(2) {
+                let still = Frame { at: pair[1].at, ..pair[0].clone() } == pair[1];
+                let between = pair[1].at - pair[0].at;
+                assert!(still || between <= Duration::from_millis(500), "{between:?} before {:?}", pair[1]);
+            }
+            assert!(pallet.frames.len() < 1000, "ten minutes of waiting are two frames");
+        }
+    }
+
+    #[test]
+    fn at_the_time_of_an_event_the_picture_shows_what_is_told() {
+        let pallet = ran(1, &[Mishap::Lost.at(1)]);
+        for entry in pallet.run.entries() {
+            assert!(pallet.frames.iter().any(|frame| frame.at == entry.at), "no frame at {:?}", entry.at);
+        }
+        let lost = pallet.run.entries().iter().find(|entry| entry.news == News::Lost).unwrap();
+        let shown = pallet.frames.iter().rfind(|frame| frame.at <= lost.at).unwrap();
+        assert_eq!((shown.load, shown.held), (None, None));
+    }
+
+    #[test]
+    fn a_lost_parcel_lies_where_it_fell_until_it_is_picked_up_there() {
+        let pallet = ran(1, &[Mishap::Lost.at(1)]);
+        let lay: Vec<usize> = pallet.lying.iter().map(|(_, cells)| cells.len()).collect();
+        assert_eq!(lay, [1, 0, 1, 0], "{:?}", pallet.lying);
+        assert_ne!(pallet.lying[0].1, pallet.lying[2].1);
+        let told = told(&pallet);
+        assert_eq!(told["faults"], json!(["lost@1"]));
+        let kinds: Vec<&str> = told["events"].as_array().unwrap().iter().filter_map(|event| event["kind"].as_str()).collect();
+        assert!(kinds.windows(4).any(|kinds| kinds == ["lost", "alarm", "acknowledged", "start"]), "{kinds:?}");
+    }
+
+    #[test]
+    fn a_run_that_does_not_end_well_says_why() {
+        let told = told(&ran(1, &[Mishap::Blocked.at(1)]));
+        assert_eq!((&told["fault"]["name"], &told["figures"]["delivered"]), (&json!("noWayToTarget"), &json!(0)));
+        assert!(told["fault"]["words"].as_str().unwrap().starts_with("the pair finds no way"), "{}", told["fault"]);
+    }
+
+    #[test]
+    fn the_picture_shows_the_yard_and_three_ways() {
+        let drawing = ran(1, &[]).drawing();
+        assert!(drawing.starts_with("<svg xmlns=") && drawing.trim_end().ends_with("</svg>"));
+        assert_eq!(drawing.matches("<polyline").count(), 3, "SRM1, SRM2 and the parcel");
+    }
+
+    #[test]
+    fn the_trees_stand_as_after_the_last_tick_of_their_log() {
+        let pallet = ran(1, &[]);
+        let trees = pallet.trees();
+        let ids: Vec<&str> = trees.trees.iter().map(|tree| &*tree.id).collect();
+        assert_eq!(ids, ["SRM1", "SRM2", "Supervisor"]);
+        let logged = ReplayJson::new(pallet.run.team().trees().iter().zip(pallet.run.logs()));
+        assert_eq!((trees.ticks, trees), (320, logged.shown(pallet.figures.took.as_secs_f64())));
+    }
+}

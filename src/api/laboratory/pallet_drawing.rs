@@ -1,0 +1,128 @@
+//! The picture of a run of the pallet scenario: the yard from above, the ways of both robots and of the parcels, and where the two stand
+//! at the end. It is SVG that stands alone; classes let a page give it colours of its own.
+
+use std::fmt::Write;
+
+use hallsweep_core::retrieval::Place;
+use hallsweep_core::units::Cell;
+use hallsweep_sim::pallet::{Frame, PalletRun};
+use hallsweep_sim::{BodyPose, Truth};
+
+/// The side of a cell in the picture, in its own units.
+const SIDE: f64 = 24.0;
+
+/// The yard is drawn with this much wall round it, in cells.
+const BORDER: i32 = 1;
+
+/// How a robot looks, by its place in the pair.
+const ROBOTS: [(&str, &str); 2] = [("yard-one", "#1f5fa8"), ("yard-two", "#b02a4c")];
+
+/// Where the picture begins, and how large a cell is.
+struct Scale {
+    corner: Cell,
+    cell_m: f64,
+}
+
+impl Scale {
+    fn of_cell(&self, cell: Cell) -> (f64, f64) {
+        (f64::from(cell.x - self.corner.x) * SIDE, f64::from(cell.y - self.corner.y) * SIDE)
+    }
+
+    /// The centre of home is the origin of the metres.
+    fn of_metres(&self, (x_m, y_m): (f64, f64)) -> (f64, f64) {
+        let scale = |metres: f64, corner: i32| (metres / self.cell_m - f64::from(corner) + 0.5) * SIDE;
+        (scale(x_m, self.corner.x), scale(y_m, self.corner.y))
+    }
+}
+
+/// The whole picture.
+pub fn drawing(run: &PalletRun) -> String {
+    let hall = &run.yard().hall;
+    let bounds = hall.bounds();
+    let scale = Scale { corner: Cell::new(bounds.least.x - BORDER, bounds.least.y - BORDER), cell_m: hall.cell_m() };
+    let (columns, rows) = (bounds.width() + 2 * BORDER, bounds.height() + 2 * BORDER);
+    let (width, height) = (f64::from(columns) * SIDE, f64::from(rows) * SIDE);
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" role=\"img\" class=\"yard\" \
+         font-family=\"sans-serif\">\n"
+    );
+    push(&mut svg, format_args!("<title>The yard from above, with the ways of both robots and of the parcels</title>\n"));
+    square(&mut svg, (0.0, 0.0), (width, height), ("yard-wall", "#5b5f66"));
+    floor(&mut svg, run, &scale);
+    let way = |frames: &[Frame], of: &dyn Fn(&Frame) -> Option<(f64, f64)>| {
+        let points = frames.iter().filter_map(of).map(|at| {
+            let (x, y) = scale.of_metres(at);
+            format!("{x:.1},{y:.1}")
+        });
+        let mut points: Vec<String> = points.collect();
+        points.dedup();
+        points.join(" ")
+    };
+    // A way for each time that a parcel was in the grippers.
+    for carried in run.frames().split(|frame| frame.load.is_none()).filter(|frames| !frames.is_empty()) {
+        line(&mut svg, &way(carried, &|frame| frame.load.map(|(x, y, _)| (x, y))), ("yard-carried", "#a8641c"), 5.0);
+    }
+    for (index, look) in ROBOTS.into_iter().enumerate() {
+        line(&mut svg, &way(run.frames(), &|frame| Some((frame.bodies[index].x_m, frame.bodies[index].y_m))), look, 1.5);
+    }
+    let end = run.frame();
+    for (index, look) in ROBOTS.into_iter().enumerate() {
+        robot(&mut svg, &scale, end.bodies[index], (index + 1, look));
+    }
+    svg.push_str("</svg>\n");
+    svg
+}
+
+fn floor(svg: &mut String, run: &PalletRun, scale: &Scale) {
+    let yard = run.yard();
+    let bounds = yard.hall.bounds();
+    let cells = (bounds.least.y..=bounds.most.y).flat_map(|y| (bounds.least.x..=bounds.most.x).map(move |x| Cell::new(x, y)));
+    for cell in cells {
+        let look = match yard.hall.truth(cell) {
+            _ if Place::Cell(cell) == yard.target => ("yard-target", "#bfe3c8"),
+            Truth::Free => ("yard-floor", "#f4f4f2"),
+            Truth::Wall => continue,
+            Truth::Luggage(_) => ("yard-pallet", "#d9b382"),
+        };
+        square(svg, scale.of_cell(cell), (SIDE - 1.0, SIDE - 1.0), look);
+    }
+}
+
+/// A robot: round, with a nose where it faces, and its number.
+fn robot(svg: &mut String, scale: &Scale, body: BodyPose, (number, (class, fill)): (usize, (&str, &str))) {
+    let (x, y) = scale.of_metres((body.x_m, body.y_m));
+    let (ahead_x, ahead_y) = body.ahead();
+    let (nose_x, nose_y) = (x + ahead_x * SIDE * 0.46, y + ahead_y * SIDE * 0.46);
+    push(
+        svg,
+        format_args!(
+            "<g class=\"{class}-body\" fill=\"{fill}\" stroke=\"{fill}\"><path d=\"M{x:.1} {y:.1}L{nose_x:.1} {nose_y:.1}\" \
+             stroke-width=\"5\" stroke-linecap=\"round\"/><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{:.1}\"/><text class=\"yard-number\" \
+             x=\"{x:.1}\" y=\"{:.1}\" font-size=\"11\" font-weight=\"700\" text-anchor=\"middle\" fill=\"#ffffff\" \
+             stroke=\"none\">{number}</text></g>\n",
+            SIDE * 0.36,
+            y + 4.0
+        ),
+    );
+}
+
+fn square(svg: &mut String, (x, y): (f64, f64), (width, height): (f64, f64), (class, fill): (&str, &str)) {
+    push(
+        svg,
+        format_args!("<rect class=\"{class}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" fill=\"{fill}\"/>\n"),
+    );
+}
+
+fn line(svg: &mut String, points: &str, (class, stroke): (&str, &str), width: f64) {
+    push(
+        svg,
+        format_args!(
+            "<polyline class=\"{class}\" points=\"{points}\" fill=\"none\" stroke=\"{stroke}\" stroke-width=\"{width}\" \
+             stroke-linejoin=\"round\" stroke-opacity=\"0.7\"/>\n"
+        ),
+    );
+}
+
+fn push(svg: &mut String, text: std::fmt::Arguments<'_>) {
+    svg.write_fmt(text).expect("writing to a text does not fail");
+}

@@ -1,0 +1,207 @@
+//! A run of the pallet scenario in JSON, for a page that plays it: the yard once, then what changes with time. Places of the yard are
+//! cells, where things are is in metres; both count from the first robot's start, to the east and to the south.
+
+use serde::Serialize;
+
+use super::pallet::{Pallet, kind, words};
+use crate::api::replay::ReplayJson;
+use hallsweep_core::retrieval::Place;
+use hallsweep_core::units::Cell;
+use hallsweep_sim::Truth;
+use hallsweep_sim::pair::{ANGLE_LIMIT, FORCE_LIMIT_N, FORCE_N, GAP_LIMIT_M, Spread};
+use hallsweep_sim::pallet::{Entry, Figures, Frame, News, PalletFault, Yard};
+
+/// The whole run.
+#[derive(Serialize)]
+pub(super) struct PalletJson {
+    seed: u64,
+    parcels: u32,
+    /// What was asked to go wrong, as it is written in the address.
+    faults: Vec<String>,
+    /// How long it took, in simulated time.
+    seconds: f64,
+    yard: YardJson,
+    limits: LimitsJson,
+    frames: Vec<FrameJson>,
+    /// `[t, [[x, y], …]]`: from then on these cells hold parcels that are on the floor and not in the target area.
+    lying: Vec<(f64, Vec<Xy>)>,
+    events: Vec<EventJson>,
+    figures: FiguresJson,
+    /// Why not all parcels arrived.
+    fault: Option<FaultJson>,
+    /// `trees`: those of SRM1, SRM2 and the Supervisor, tick by tick.
+    #[serde(flatten)]
+    replay: ReplayJson,
+}
+
+/// `[column, row]`
+type Xy = (i32, i32);
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct YardJson {
+    /// The side of a cell.
+    cell_m: f64,
+    /// The north-western and the south-eastern cell of the floor; beyond all is wall.
+    least: Xy,
+    most: Xy,
+    /// The cells in which nobody can stand.
+    walls: Vec<Xy>,
+    /// Where the parcels stand at first, in the order in which they are fetched.
+    pallet: Vec<Xy>,
+    target: Option<Xy>,
+    /// Of SRM1 and SRM2.
+    starts: Vec<Xy>,
+}
+
+/// Between which bounds what is held must stay, the least and the most.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct LimitsJson {
+    force_n: [f64; 2],
+    angle_rad: [f64; 2],
+    gap_m: [f64; 2],
+}
+
+/// `[t, SRM1, SRM2, load, held, delivered]`: seconds, two bodies, `[x, y, height]` of the parcel in the grippers with the height from
+/// 0 to 1, `[force, angle, gap]` while it is in them, and how many parcels are in the target area.
+#[derive(Serialize)]
+struct FrameJson(f64, BodyJson, BodyJson, Option<[f64; 3]>, Option<[f64; 3]>, usize);
+
+/// `[x, y, θ, closed]`: metres, radians clockwise from the east, whether the gripper is closed.
+#[derive(Serialize)]
+struct BodyJson(f64, f64, f64, bool);
+
+#[derive(Serialize)]
+struct EventJson {
+    t: f64,
+    /// The parcel that is under way, counted from 1.
+    parcel: u32,
+    /// `phase`, `alarm`, `acknowledged`, `start` or `lost`.
+    kind: &'static str,
+    /// The number of the phase that begins, from 1 to 8.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    phase: Option<usize>,
+    words: String,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct FiguresJson {
+    /// Parcels in the target area.
+    delivered: usize,
+    ticks: u64,
+    losses: u32,
+    force_n: SpreadJson,
+    angle_rad: SpreadJson,
+    gap_m: SpreadJson,
+}
+
+/// Errors while parcels were off the floor.
+#[derive(Serialize)]
+struct SpreadJson {
+    worst: f64,
+    rms: f64,
+}
+
+#[derive(Serialize)]
+struct FaultJson {
+    name: &'static str,
+    words: &'static str,
+}
+
+/// A tenth of a millimetre, or of a milliradian, is finer than any picture.
+fn short(number: f64) -> f64 {
+    (number * 1e4).round() / 1e4
+}
+
+const fn xy(cell: Cell) -> Xy {
+    (cell.x, cell.y)
+}
+
+impl From<&Pallet> for PalletJson {
+    fn from(pallet: &Pallet) -> PalletJson {
+        let around = |wanted: f64, limit: f64| [wanted - limit, wanted + limit];
+        PalletJson {
+            seed: pallet.seed,
+            parcels: pallet.figures.parcels,
+            faults: pallet.faults.iter().map(ToString::to_string).collect(),
+            seconds: short(pallet.figures.took.as_secs_f64()),
+            yard: YardJson::from(pallet.run.yard()),
+            limits: LimitsJson {
+                force_n: around(FORCE_N, FORCE_LIMIT_N),
+                angle_rad: around(0.0, ANGLE_LIMIT),
+                gap_m: around(0.0, GAP_LIMIT_M),
+            },
+            frames: pallet.frames.iter().map(FrameJson::from).collect(),
+            lying: pallet
+                .lying
+                .iter()
+                .map(|(at, cells)| (short(at.as_secs_f64()), cells.iter().copied().map(xy).collect()))
+                .collect(),
+            events: pallet.run.entries().iter().map(EventJson::from).collect(),
+            figures: FiguresJson::from(&pallet.figures),
+            fault: pallet.figures.fault.map(FaultJson::from),
+            replay: ReplayJson::new(pallet.run.team().trees().iter().zip(pallet.run.logs())),
+        }
+    }
+}
+
+impl From<&Yard> for YardJson {
+    fn from(yard: &Yard) -> YardJson {
+        let bounds = yard.hall.bounds();
+        let cells = (bounds.least.y..=bounds.most.y).flat_map(|y| (bounds.least.x..=bounds.most.x).map(move |x| Cell::new(x, y)));
+        YardJson {
+            cell_m: yard.hall.cell_m(),
+            least: xy(bounds.least),
+            most: xy(bounds.most),
+            walls: cells.filter(|cell| yard.hall.truth(*cell) == Truth::Wall).map(xy).collect(),
+            pallet: yard.parcels.iter().map(|(_, cell)| xy(*cell)).collect(),
+            target: yard.target.cell().map(xy),
+            starts: yard.starts.iter().map(|start| start.place).filter_map(Place::cell).map(xy).collect(),
+        }
+    }
+}
+
+impl From<&Frame> for FrameJson {
+    fn from(frame: &Frame) -> FrameJson {
+        let body = |index: usize| {
+            let pose = frame.bodies[index];
+            BodyJson(short(pose.x_m), short(pose.y_m), short(pose.theta), frame.closed[index])
+        };
+        let load = frame.load.map(|(x, y, height)| [x, y, height].map(short));
+        FrameJson(short(frame.at.as_secs_f64()), body(0), body(1), load, frame.held.map(|held| held.map(short)), frame.delivered)
+    }
+}
+
+impl From<&Entry> for EventJson {
+    fn from(entry: &Entry) -> EventJson {
+        let phase = if let News::Began(phase) = entry.news { Some(phase.number()) } else { None };
+        EventJson { t: short(entry.at.as_secs_f64()), parcel: entry.parcel, kind: kind(entry.news), phase, words: words(entry) }
+    }
+}
+
+impl From<&Figures> for FiguresJson {
+    fn from(figures: &Figures) -> FiguresJson {
+        FiguresJson {
+            delivered: figures.delivered,
+            ticks: figures.ticks,
+            losses: figures.losses,
+            force_n: SpreadJson::from(&figures.holding.force_n),
+            angle_rad: SpreadJson::from(&figures.holding.angle_rad),
+            gap_m: SpreadJson::from(&figures.holding.gap_m),
+        }
+    }
+}
+
+impl From<&Spread> for SpreadJson {
+    fn from(spread: &Spread) -> SpreadJson {
+        SpreadJson { worst: short(spread.worst()), rms: short(spread.rms()) }
+    }
+}
+
+impl From<PalletFault> for FaultJson {
+    fn from(fault: PalletFault) -> FaultJson {
+        FaultJson { name: fault.name(), words: fault.in_words() }
+    }
+}

@@ -1,0 +1,294 @@
+//! The Roomba's runs as doors and command line show them. What happens in a run stands in `hallsweep_sim::roomba`.
+
+use serde::Serialize;
+
+use hallsweep_sim::roomba::{
+    Controller, Figures, Frame, Parting, Phase, RADIUS_M, ROOM_LENGTH_M, ROOM_WIDTH_M, Run, RunLength, RunLengthError, SQUARE_M,
+    TICKS_PER_SECOND, Transition, parting, svg,
+};
+
+/// Every which tick is a frame, with those that end a phase: fifteen a second make a picture that moves evenly.
+const FRAME_TICKS: u32 = TICKS_PER_SECOND / 15;
+
+/// Runs of one seed and one length: of the machine, of the tree, or of both.
+#[derive(Clone, Debug)]
+pub struct Roomba {
+    seed: u64,
+    runs: Vec<Run>,
+}
+
+/// A figure in words: its name, and what it is in each run.
+pub type Row = (&'static str, Vec<String>);
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct RoombaJson {
+    seed: u64,
+    /// How long each run is.
+    seconds: f64,
+    room: RoomJson,
+    robot: BodyJson,
+    /// What the fifth number of a frame counts, from 0.
+    phases: [&'static str; 4],
+    runs: Vec<RunJson>,
+    /// Whether machine and tree made the same transitions; null with one run alone.
+    same: Option<bool>,
+    /// Where they part and how, in words.
+    parting: Option<String>,
+}
+
+/// The room: (0, 0) is its north-west corner, x grows along its length.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+struct RoomJson {
+    length_m: f64,
+    width_m: f64,
+    /// The side of a square by which the floor is counted.
+    square_m: f64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+struct BodyJson {
+    radius_m: f64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct RunJson {
+    /// `machine` or `tree`.
+    controller: &'static str,
+    frames: Vec<FrameJson>,
+    transitions: Vec<TransitionJson>,
+    figures: FiguresJson,
+}
+
+/// `[t, x, y, θ, phase, passed]`: seconds, metres, metres, radians clockwise from the x axis, the index of what was done until then,
+/// and how many squares of the floor it had passed over.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct FrameJson(f64, f64, f64, f64, usize, u32);
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct TransitionJson {
+    /// Seconds since the start.
+    t: f64,
+    from: &'static str,
+    to: &'static str,
+    /// Radians in -π..π, with its sign; of a turn alone.
+    angle: Option<f64>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+struct FiguresJson {
+    path_m: f64,
+    bumps: u32,
+    transitions: usize,
+    passed_squares: u32,
+    /// Those that a round body can pass over: all but the ones in the corners.
+    reachable_squares: u32,
+    /// The first divided by the second.
+    share: f64,
+    /// Seconds in each phase, in the order of `phases`.
+    in_phase_s: [f64; 4],
+}
+
+impl Roomba {
+    /// Runs these, one after the other.
+    pub fn new(controllers: &[Controller], seed: u64, length: RunLength) -> Roomba {
+        Roomba { seed, runs: controllers.iter().map(|controller| Run::new(*controller, seed, length)).collect() }
+    }
+
+    /// Machine and tree, for so many seconds.
+    ///
+    /// # Errors
+    /// When that is no length of a run.
+    pub fn both(seed: u64, seconds: u32) -> Result<Roomba, RunLengthError> {
+        Ok(Roomba::new(&Controller::ALL, seed, RunLength::from_seconds(f64::from(seconds))?))
+    }
+
+    /// The word for each run, in order: `machine`, `tree`.
+    pub fn names(&self) -> Vec<&'static str> {
+        self.runs.iter().map(|run| run.controller.name()).collect()
+    }
+
+    /// How many transitions the first run made.
+    pub fn transitions(&self) -> usize {
+        self.runs.first().map_or(0, |run| run.transitions.len())
+    }
+
+    /// Whether both were run, so that they can be compared.
+    pub fn is_comparison(&self) -> bool {
+        self.runs.len() > 1
+    }
+
+    /// Where machine and tree part, if both were run and do.
+    pub fn parting(&self) -> Option<Parting> {
+        match self.runs.as_slice() {
+            [one, other] => parting(one, other),
+            _ => None,
+        }
+    }
+
+    /// One drawing of all, side by side.
+    pub fn drawing(&self) -> String {
+        svg(&self.runs.iter().collect::<Vec<_>>())
+    }
+
+    /// A drawing of each, in order.
+    pub fn drawings(&self) -> Vec<String> {
+        self.runs.iter().map(|run| svg(&[run])).collect()
+    }
+
+    /// What the runs came to, a row a figure.
+    pub fn figures(&self) -> Vec<Row> {
+        let row = |name, value: &dyn Fn(&Figures) -> String| {
+            (name, self.runs.iter().map(|run| value(&run.figures)).collect::<Vec<String>>())
+        };
+        let mut rows = vec![
+            row("path", &|figures| format!("{:.2} m", figures.path_m)),
+            row("floor passed over", &|figures| format!("{:.1} %", figures.share() * 100.0)),
+            row("squares of 5 cm", &|figures| format!("{} of {}", figures.passed, figures.reachable)),
+            row("walls met", &|figures| figures.bumps.to_string()),
+            ("transitions", self.runs.iter().map(|run| run.transitions.len().to_string()).collect()),
+        ];
+        for (index, phase) in Phase::ALL.into_iter().enumerate() {
+            rows.push(row(phase.name(), &|figures| format!("{:.2} s", figures.in_phase_s[index])));
+        }
+        rows
+    }
+
+    /// Everything in one JSON object.
+    pub fn json(&self) -> String {
+        serde_json::to_string(&RoombaJson::from(self)).expect("runs are finite numbers and words, which JSON can hold")
+    }
+}
+
+impl From<&Roomba> for RoombaJson {
+    fn from(roomba: &Roomba) -> RoombaJson {
+        let parting = roomba.parting();
+        RoombaJson {
+            seed: roomba.seed,
+            seconds: roomba.runs.first().map_or(0.0, |run| run.figures.seconds),
+            room: RoomJson { length_m: ROOM_LENGTH_M, width_m: ROOM_WIDTH_M, square_m: SQUARE_M },
+            robot: BodyJson { radius_m: RADIUS_M },
+            phases: Phase::ALL.map(Phase::name),
+            runs: roomba.runs.iter().map(RunJson::from).collect(),
+            same: roomba.is_comparison().then_some(parting.is_none()),
+            parting: parting.map(|parting| parting.to_string()),
+        }
+    }
+}
+
+impl From<&Run> for RunJson {
+    fn from(run: &Run) -> RunJson {
+        let next = run.frames.iter().skip(1).map(Some).chain([None]);
+        let shown =
+            run.frames.iter().zip(next).filter(|(frame, next)| {
+                frame.tick.is_multiple_of(FRAME_TICKS) || next.is_none_or(|next| next.phase != frame.phase)
+            });
+        RunJson {
+            controller: run.controller.name(),
+            frames: shown.map(|(frame, _)| FrameJson::from(frame)).collect(),
+            transitions: run.transitions.iter().map(TransitionJson::from).collect(),
+            figures: FiguresJson::new(&run.figures, run.transitions.len()),
+        }
+    }
+}
+
+impl From<&Frame> for FrameJson {
+    fn from(frame: &Frame) -> FrameJson {
+        // A tenth of a millimetre is finer than any picture.
+        let short = |number: f64| (number * 10_000.0).round() / 10_000.0;
+        let phase = Phase::ALL.iter().position(|phase| *phase == frame.phase).unwrap_or_default();
+        FrameJson(
+            short(frame.seconds()),
+            short(frame.pose.x_m),
+            short(frame.pose.y_m),
+            short(frame.pose.theta),
+            phase,
+            frame.passed,
+        )
+    }
+}
+
+impl From<&Transition> for TransitionJson {
+    fn from(change: &Transition) -> TransitionJson {
+        TransitionJson { t: change.seconds(), from: change.from.name(), to: change.to.name(), angle: change.angle }
+    }
+}
+
+impl FiguresJson {
+    fn new(figures: &Figures, transitions: usize) -> FiguresJson {
+        FiguresJson {
+            path_m: figures.path_m,
+            bumps: figures.bumps,
+            transitions,
+            passed_squares: figures.passed,
+            reachable_squares: figures.reachable,
+            share: figures.share(),
+            in_phase_s: figures.in_phase_s,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+
+    fn both(seconds: u32) -> Roomba {
+        Roomba::both(1, seconds).unwrap()
+    }
+
+    fn written(roomba: &Roomba) -> Value {
+        serde_json::from_str(&roomba.json()).unwrap()
+    }
+
+    #[test]
+    fn a_run_is_a_room_a_body_and_frames_with_their_phases() {
+        let told = written(&both(4));
+        assert_eq!(told["room"], json!({"lengthM": 6.4, "widthM": 4.8, "squareM": 0.05}));
+        assert_eq!(told["robot"], json!({"radiusM": 0.17}));
+        assert_eq!(told["phases"], json!(["MoveForward", "MoveInSpiral", "GoBack", "Rotate"]));
+        let frames = &told["runs"][0]["frames"];
+        assert_eq!(frames[0], json!([0.0, 3.2, 2.4, 0.0, 0, 32]));
+        assert_eq!(frames[15], json!([1.0, 3.7, 2.4, 0.0, 0, 92]));
+        assert_eq!(frames[46][4], 1, "after 3 s it spirals: {frames}");
+        assert_eq!(
+            told["runs"][0]["transitions"],
+            json!([{"t": 3.0, "from": "MoveForward", "to": "MoveInSpiral", "angle": null}])
+        );
+    }
+
+    #[test]
+    fn one_run_alone_is_compared_with_nothing_and_two_with_one_another() {
+        let mut both = both(60);
+        let told = written(&both);
+        assert_eq!((&told["same"], &told["parting"]), (&json!(true), &Value::Null));
+        both.runs[1].transitions.truncate(2);
+        let parted = written(&both);
+        assert_eq!(parted["same"], false);
+        assert!(parted["parting"].as_str().unwrap().starts_with("machine and tree part after 2 transitions"), "{parted}");
+        both.runs.truncate(1);
+        assert_eq!(written(&both)["same"], Value::Null);
+    }
+
+    #[test]
+    fn every_figure_is_said_of_every_run() {
+        let rows = both(3).figures();
+        assert!(rows.iter().all(|(_, values)| values.len() == 2));
+        assert_eq!(rows[0], ("path", vec!["1.50 m".to_owned(); 2]));
+        assert!(rows.contains(&("MoveForward", vec!["3.00 s".to_owned(); 2])), "{rows:?}");
+    }
+
+    #[test]
+    fn every_end_of_a_phase_is_a_frame() {
+        let both = both(120);
+        let machine = &both.runs[0];
+        let told = RunJson::from(machine);
+        for change in &machine.transitions {
+            let t = change.seconds();
+            assert!(told.frames.iter().any(|frame| (frame.0 - t).abs() < 1e-4), "none at {t}");
+        }
+        assert!(told.frames.len() < machine.frames.len() / 3);
+    }
+}

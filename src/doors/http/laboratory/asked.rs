@@ -1,0 +1,137 @@
+//! What stands in an address of the laboratory: the run of the Roomba, and the run of the pallet scenario. A page is asked for both at
+//! once, so there the two have names of their own.
+
+use std::fmt::Write;
+
+use super::super::problem::Problem;
+use super::super::query::Query;
+use crate::api::fields::in_short;
+use crate::api::laboratory::mishap::{AskedFault, BeyondError, Mishap, asked};
+use crate::api::laboratory::pallet::Pallet;
+use crate::api::laboratory::roomba::Roomba;
+use hallsweep_sim::pallet::Asked;
+
+/// The longest run of the Roomba that is shown, in seconds: ten minutes fill the room with lines, and take a few milliseconds to compute.
+pub(super) const LONGEST_S: u64 = 600;
+
+/// How long it is when nobody says: long enough for spirals and walls.
+const USUAL_S: u64 = 120;
+
+/// The most parcels that are shown: what they take is bounded by this.
+pub(super) const MOST_PARCELS: u64 = 4;
+
+/// How many there are when nobody says.
+const USUAL_PARCELS: u64 = 3;
+
+/// The most that is to go wrong in one run: twice as much as there are names for it.
+const MOST_FAULTS: usize = 12;
+
+/// The seed when nobody says.
+const USUAL_SEED: u64 = 1;
+
+/// A run of the Roomba.
+pub(super) struct AskedRoomba {
+    pub(super) seed: u64,
+    pub(super) seconds: u64,
+}
+
+/// A run of the pallet scenario.
+pub(super) struct AskedPallet {
+    pub(super) seed: u64,
+    pub(super) parcels: u32,
+    faults: Vec<AskedFault>,
+    asked: Asked,
+}
+
+/// Both, as the page is asked for them.
+pub(super) struct AskedPage {
+    pub(super) roomba: AskedRoomba,
+    pub(super) pallet: AskedPallet,
+    /// The parcel at which things are to go wrong.
+    pub(super) at: u64,
+}
+
+impl AskedRoomba {
+    pub(super) fn of(query: &Query) -> Result<AskedRoomba, Problem> {
+        query.only(&["seed", "seconds"])?;
+        AskedRoomba::read(query)
+    }
+
+    fn read(query: &Query) -> Result<AskedRoomba, Problem> {
+        let seed = query.count("seed", 0..=u64::MAX)?.unwrap_or(USUAL_SEED);
+        let seconds = query.count("seconds", 1..=LONGEST_S)?.unwrap_or(USUAL_S);
+        Ok(AskedRoomba { seed, seconds })
+    }
+
+    pub(super) fn run(&self) -> Result<Roomba, Problem> {
+        let seconds = u32::try_from(self.seconds).unwrap_or(u32::MAX);
+        Roomba::both(self.seed, seconds).map_err(|error| Problem::unusable(error.to_string()))
+    }
+}
+
+impl AskedPallet {
+    pub(super) fn of(query: &Query) -> Result<AskedPallet, Problem> {
+        query.only_with_many(&["seed", "parcels"], &["fault"])?;
+        let faults = faults(query, |text| text.parse().map_err(|error| wrong_fault(text, error)))?;
+        AskedPallet::read(query, "seed", faults, "fault")
+    }
+
+    /// `names_parcel`: the name of what says at which parcel something is to go wrong.
+    fn read(query: &Query, seed: &str, faults: Vec<AskedFault>, names_parcel: &str) -> Result<AskedPallet, Problem> {
+        let seed = query.count(seed, 0..=u64::MAX)?.unwrap_or(USUAL_SEED);
+        let parcels = query.count("parcels", 1..=MOST_PARCELS)?.unwrap_or(USUAL_PARCELS);
+        let parcels = u32::try_from(parcels).unwrap_or(u32::MAX);
+        let asked = asked(parcels, &faults).map_err(|BeyondError { parcel }| {
+            Problem::unusable(format!("`{names_parcel}` names parcel {parcel}, and `parcels` puts {parcels} on the pallet"))
+        })?;
+        Ok(AskedPallet { seed, parcels, faults, asked })
+    }
+
+    pub(super) fn run(&self) -> Result<Pallet, Problem> {
+        Pallet::new(self.parcels, self.seed, self.faults.clone(), self.asked.clone())
+            .map_err(|error| Problem::unusable(error.to_string()))
+    }
+
+    /// Whether this is to go wrong, at any parcel.
+    pub(super) fn has(&self, mishap: Mishap) -> bool {
+        self.faults.iter().any(|fault| fault.mishap == mishap)
+    }
+
+    /// The same as it stands in an address of the interface.
+    pub(super) fn query(&self) -> String {
+        let mut query = format!("parcels={}&seed={}", self.parcels, self.seed);
+        for fault in &self.faults {
+            write!(query, "&fault={fault}").expect("writing to a text does not fail");
+        }
+        query
+    }
+}
+
+impl AskedPage {
+    pub(super) fn of(query: &Query) -> Result<AskedPage, Problem> {
+        query.only_with_many(&["seed", "seconds", "palletSeed", "parcels", "at"], &["fault"])?;
+        let at = query.count("at", 1..=MOST_PARCELS)?.unwrap_or(1);
+        let parcel = u32::try_from(at).unwrap_or(u32::MAX);
+        let faults = faults(query, |name| {
+            let mishap: Mishap = name.parse().map_err(|error| wrong_fault(name, error))?;
+            // What is said of the whole run has no parcel.
+            Ok(mishap.at(if mishap == Mishap::Absent { 1 } else { parcel }))
+        })?;
+        let pallet = AskedPallet::read(query, "palletSeed", faults, "at")?;
+        Ok(AskedPage { roomba: AskedRoomba::read(query)?, pallet, at })
+    }
+}
+
+fn faults(query: &Query, read: impl Fn(&str) -> Result<AskedFault, Problem>) -> Result<Vec<AskedFault>, Problem> {
+    let texts = query.every("fault");
+    if texts.len() > MOST_FAULTS {
+        let words = format!("`fault` is there {} times: at most {MOST_FAULTS} things go wrong in one run", texts.len());
+        return Err(Problem::unusable(words));
+    }
+    // Programs write `@` as `%40`; nothing else in these words is ever escaped.
+    texts.iter().map(|text| read(&text.replace("%40", "@"))).collect()
+}
+
+fn wrong_fault(text: &str, error: impl std::fmt::Display) -> Problem {
+    Problem::unusable(format!("`fault` is {:?}: {error}", in_short(text)))
+}
